@@ -1,0 +1,1 @@
+"""Every fact in one place: topics, vehicles, scenarios, gains, and their strict readers."""

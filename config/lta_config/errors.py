@@ -1,0 +1,26 @@
+"""What the user can mend: one sentence with the fact, the value and the remedy."""
+
+
+class BadInput(ValueError):
+    """
+    Input from outside cannot be used.
+
+    The text is the whole message a person sees: one sentence that names the fact, the value
+    and what to do about it. Commands print it and exit with status 2.
+    """
+
+
+def unknown(kind: str, name: str, known: list[str]) -> BadInput:
+    """
+    Return the error for a name that is not in a registry or folder.
+
+    Parameters
+    ----------
+    kind : str
+        What the name should have been, for example 'vehicle'.
+    name : str
+        The name that was given.
+    known : list of str
+        The names that exist.
+    """
+    return BadInput(f"Unknown {kind} '{name}'; known: {', '.join(sorted(known))}.")

@@ -1,0 +1,172 @@
+"""
+Quantities in files: a number, its unit and, where a vehicle is described, its source.
+
+Written either as text, `7 m`, or as a mapping, `{value: [0, 0, -8], unit: cm, source: scale}`.
+Read into SI. The table of units below is the only one in the project.
+"""
+
+import math
+import re
+from typing import Any, final
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, model_validator
+
+UNITS: dict[str, tuple[str, float]] = {
+    # unit as written: (SI unit, factor)
+    '1': ('1', 1.0),
+    '%': ('1', 0.01),
+    'm': ('m', 1.0),
+    'cm': ('m', 1e-2),
+    'mm': ('m', 1e-3),
+    'mm2': ('m2', 1e-6),
+    'cm2': ('m2', 1e-4),
+    'm2': ('m2', 1.0),
+    'kg': ('kg', 1.0),
+    'g': ('kg', 1e-3),
+    's': ('s', 1.0),
+    'ms': ('s', 1e-3),
+    'us': ('s', 1e-6),
+    'min': ('s', 60.0),
+    'Hz': ('Hz', 1.0),
+    'kHz': ('Hz', 1e3),
+    'm/s': ('m/s', 1.0),
+    'm/s2': ('m/s2', 1.0),
+    'rad': ('rad', 1.0),
+    'deg': ('rad', math.pi / 180.0),
+    'rad/s': ('rad/s', 1.0),
+    'deg/s': ('rad/s', math.pi / 180.0),
+    'N': ('N', 1.0),
+    'mN': ('N', 1e-3),
+    'N/m': ('N/m', 1.0),
+    'N m': ('N m', 1.0),
+    'N s/m': ('N s/m', 1.0),
+    'N s2/m2': ('N s2/m2', 1.0),
+    'N m s': ('N m s', 1.0),
+    'N m s2': ('N m s2', 1.0),
+    'N/N': ('1', 1.0),
+    'kg m2': ('kg m2', 1.0),
+    'kg/m3': ('kg/m3', 1.0),
+    'degC': ('degC', 1.0),
+    'Pa': ('Pa', 1.0),
+    'hPa': ('Pa', 100.0),
+    'V': ('V', 1.0),
+    'mV': ('V', 1e-3),
+    'uV': ('V', 1e-6),
+    'A': ('A', 1.0),
+    'mA': ('A', 1e-3),
+    'A/W': ('A/W', 1.0),
+    'ohm': ('ohm', 1.0),
+    'kohm': ('ohm', 1e3),
+    'Mohm': ('ohm', 1e6),
+    'W': ('W', 1.0),
+    'mW': ('W', 1e-3),
+    'W/N': ('W/N', 1.0),
+    'A h': ('C', 3600.0),
+    'mA h': ('C', 3.6),
+    'lx': ('lx', 1.0),
+    'lm': ('lm', 1.0),
+    'lm/W': ('lm/W', 1.0),
+}
+
+_TEXT = re.compile(r'^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*$')
+
+
+@final
+class Quantity(BaseModel):
+    """A number or a list of numbers with the unit it was written in and where it comes from."""
+
+    model_config = ConfigDict(frozen=True, extra='forbid', strict=True)
+
+    value: float | tuple[float, ...]
+    unit: str
+    source: str | None = None
+
+    @model_validator(mode='before')
+    @classmethod
+    def _from_text(cls, given: Any) -> Any:  # noqa: ANN401 - whatever the file held
+        if isinstance(given, bool | int | float):
+            raise ValueError(f'{given} has no unit; write for example "{given} m"')
+        if isinstance(given, str):
+            match = _TEXT.match(given)
+            if match is None or match.group(2) is None:
+                raise ValueError(f'"{given}" is not a number and a unit, such as "7 m"')
+            return {'value': float(match.group(1)), 'unit': match.group(2)}
+        if isinstance(given, dict):
+            if 'unit' not in given:
+                raise ValueError('has no unit; add "unit: ..."')
+            value = given.get('value')
+            if isinstance(value, list):
+                given = {**given, 'value': tuple(value)}
+        return given
+
+    @model_validator(mode='after')
+    def _check(self) -> 'Quantity':
+        if self.unit not in UNITS:
+            raise ValueError(f'has the unknown unit "{self.unit}"; known: {", ".join(UNITS)}')
+        if not all(math.isfinite(number) for number in self._numbers()):
+            raise ValueError(f'is {self.value}, which is not a finite number')
+        return self
+
+    def _numbers(self) -> tuple[float, ...]:
+        return self.value if isinstance(self.value, tuple) else (self.value,)
+
+    @property
+    def dimension(self) -> str:
+        """The SI unit that `si` is in."""
+        return UNITS[self.unit][0]
+
+    @property
+    def si(self) -> float:
+        """The number in SI; an error if this quantity is a list."""
+        (number,) = self._numbers()
+        return number * UNITS[self.unit][1]
+
+    @property
+    def vector(self) -> tuple[float, ...]:
+        """All numbers in SI, also of a quantity that has just one."""
+        factor = UNITS[self.unit][1]
+        return tuple(number * factor for number in self._numbers())
+
+
+def si(
+    dimension: str,
+    *,
+    low: float = -math.inf,
+    high: float = math.inf,
+    above: float | None = None,
+    length: int = 1,
+    sourced: bool = False,
+) -> AfterValidator:
+    """
+    Return the check of a field that holds a quantity: `Annotated[Quantity, si('kg', above=0)]`.
+
+    Parameters
+    ----------
+    dimension : str
+        The SI unit the value must convert to; one of the right-hand sides of `UNITS`.
+    low, high : float
+        Closed bounds of every number. [SI]
+    above : float or None
+        Open lower bound, for what must be positive. [SI]
+    length : int
+        How many numbers the quantity has.
+    sourced : bool
+        Whether a source must be given.
+    """
+
+    def check(quantity: Quantity) -> Quantity:
+        given = f'{quantity.value} {quantity.unit}'
+        if quantity.dimension != dimension:
+            raise ValueError(f'is in {quantity.unit}, but must be in {dimension} or its like')
+        if len(quantity.vector) != length:
+            raise ValueError(f'has {len(quantity.vector)} numbers, but needs {length}')
+        for number in quantity.vector:
+            if above is not None and not number > above:
+                raise ValueError(f'is {given}, but must be above {above:g} {dimension}')
+            if not low <= number <= high:
+                raise ValueError(f'is {given}, but must lie in [{low:g}, {high:g}] {dimension}')
+        if sourced and not quantity.source:
+            raise ValueError('has no source; add "source: ..." (measured, datasheet, assumed...)')
+        return quantity
+
+    return AfterValidator(check)

@@ -1,0 +1,21 @@
+"""Install lta_config as an ament_python package."""
+
+from setuptools import find_packages, setup
+
+setup(
+    name='lta_config',
+    version='0.1.0',
+    packages=find_packages(),
+    package_data={'lta_config': ['py.typed']},
+    data_files=[
+        ('share/ament_index/resource_index/packages', ['resource/lta_config']),
+        ('share/lta_config', ['package.xml']),
+    ],
+    install_requires=['setuptools'],
+    zip_safe=False,
+    maintainer='LTA maintainers',
+    maintainer_email='maintainers@users.noreply.github.com',
+    description='Every fact in one place: topics, vehicles, scenarios, gains and launch files.',
+    license='Apache-2.0',
+    entry_points={'console_scripts': []},
+)

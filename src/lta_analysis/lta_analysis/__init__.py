@@ -1,0 +1,1 @@
+"""What we learn: bag tables, reports and the lta command."""

@@ -1,0 +1,1 @@
+"""What is real: recorder, player and the links to hardware."""

@@ -1,0 +1,21 @@
+"""Install lta_bridge as an ament_python package."""
+
+from setuptools import find_packages, setup
+
+setup(
+    name='lta_bridge',
+    version='0.1.0',
+    packages=find_packages(),
+    package_data={'lta_bridge': ['py.typed']},
+    data_files=[
+        ('share/ament_index/resource_index/packages', ['resource/lta_bridge']),
+        ('share/lta_bridge', ['package.xml']),
+    ],
+    install_requires=['setuptools'],
+    zip_safe=False,
+    maintainer='LTA maintainers',
+    maintainer_email='maintainers@users.noreply.github.com',
+    description='What is real: recorder, player and the links to hardware.',
+    license='Apache-2.0',
+    entry_points={'console_scripts': ['recorder = lta_bridge.nodes.recorder:main']},
+)

@@ -1,0 +1,1 @@
+"""What the drone decides: estimation, cascaded control, allocation and navigation."""

@@ -1,0 +1,1 @@
+"""What it costs: battery, panel, loads and the energy books."""

@@ -1,0 +1,1 @@
+"""How the LTA nodes are wired, kept in step, watched and launched."""

@@ -1,0 +1,21 @@
+"""Install lta_graph as an ament_python package."""
+
+from setuptools import find_packages, setup
+
+setup(
+    name='lta_graph',
+    version='0.1.0',
+    packages=find_packages(),
+    package_data={'lta_graph': ['py.typed']},
+    data_files=[
+        ('share/ament_index/resource_index/packages', ['resource/lta_graph']),
+        ('share/lta_graph', ['package.xml']),
+    ],
+    install_requires=['setuptools'],
+    zip_safe=False,
+    maintainer='LTA maintainers',
+    maintainer_email='maintainers@users.noreply.github.com',
+    description='How the LTA nodes are wired, kept in step, watched and launched.',
+    license='Apache-2.0',
+    entry_points={'console_scripts': []},
+)

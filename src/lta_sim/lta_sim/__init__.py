@@ -1,0 +1,1 @@
+"""What the world does: vehicle, physical effects, light field and sensors."""

@@ -1,0 +1,21 @@
+"""Install lta_sim as an ament_python package."""
+
+from setuptools import find_packages, setup
+
+setup(
+    name='lta_sim',
+    version='0.1.0',
+    packages=find_packages(),
+    package_data={'lta_sim': ['py.typed']},
+    data_files=[
+        ('share/ament_index/resource_index/packages', ['resource/lta_sim']),
+        ('share/lta_sim', ['package.xml']),
+    ],
+    install_requires=['setuptools'],
+    zip_safe=False,
+    maintainer='LTA maintainers',
+    maintainer_email='maintainers@users.noreply.github.com',
+    description='What the world does: vehicle, physical effects, light field and sensors.',
+    license='Apache-2.0',
+    entry_points={'console_scripts': ['simulator = lta_sim.nodes.simulator:main']},
+)

@@ -1,0 +1,1 @@
+"""What the light says: demodulation of a flickering lamp and its bearing."""
