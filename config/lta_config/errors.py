@@ -22,5 +22,6 @@ def unknown(kind: str, name: str, known: list[str]) -> BadInput:
         The name that was given.
     known : list of str
         The names that exist.
+
     """
     return BadInput(f"Unknown {kind} '{name}'; known: {', '.join(sorted(known))}.")

@@ -9,10 +9,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
+from lta_config.errors import BadInput, unknown
 from pydantic import BaseModel, ConfigDict, ValidationError
 import yaml
-
-from lta_config.errors import BadInput, unknown
 
 SIZE_LIMIT = 1_000_000  # bytes; no file that people write by hand comes near it
 
@@ -70,6 +69,7 @@ def find(kind: str, name: str, suffix: str = '.yaml') -> Path:
     ------
     BadInput
         If there is no such file; shipped names are listed.
+
     """
     if '/' in name or name.endswith(('.yaml', '.yml')):
         path = Path(name).expanduser()
@@ -91,6 +91,7 @@ def load_yaml(path: Path) -> Any:  # noqa: ANN401 - YAML holds anything
     ------
     BadInput
         If the file cannot be read as YAML.
+
     """
     try:
         if path.stat().st_size > SIZE_LIMIT:
@@ -112,6 +113,7 @@ def load(model: type[Model], path: Path) -> Model:
     ------
     BadInput
         One sentence on the first thing that is wrong: where, what, and how to write it.
+
     """
     content = load_yaml(path)
     if not isinstance(content, dict):

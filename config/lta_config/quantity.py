@@ -152,6 +152,7 @@ def si(
         How many numbers the quantity has.
     sourced : bool
         Whether a source must be given.
+
     """
 
     def check(quantity: Quantity) -> Quantity:

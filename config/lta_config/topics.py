@@ -5,11 +5,10 @@ from functools import cache
 import re
 from typing import Annotated, Literal
 
-from pydantic import AliasChoices, Field
-
 from lta_config.errors import unknown
 from lta_config.files import load, Record, share
 from lta_config.quantity import Quantity, si
+from pydantic import AliasChoices, Field
 
 Qos = Literal['sensor', 'command', 'default', 'latched', 'clock']
 
@@ -112,6 +111,7 @@ class TopicTable(Record):
             Stamp of the control step. [ns]
         lag : int
             Control periods by which the reader lags behind the publication.
+
         """
         topic = self[name]
         newest = now_ns - topic.latency_ns - lag * self.control_ns - self.start_ns

@@ -1,0 +1,47 @@
+"""What a node says of itself: facts with a level, gathered here and published by the node."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import IntEnum
+from typing import final
+
+
+class Level(IntEnum):
+    """Levels of diagnostic_msgs/DiagnosticStatus."""
+
+    OK = 0
+    WARN = 1
+    ERROR = 2
+    STALE = 3
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Fact:
+    """One line of a node's health: a task, how it stands, and the figures behind it."""
+
+    task: str
+    level: Level
+    message: str
+    values: Mapping[str, str] = field(default_factory=dict)
+
+
+@final
+class Health:
+    """The facts of one node, the newest of each task; tells when a level has changed."""
+
+    def __init__(self) -> None:
+        self._facts: dict[str, Fact] = {}
+        self.changed = False
+
+    def report(self, task: str, level: Level, message: str, **values: object) -> None:
+        """Set the fact of one task."""
+        before = self._facts.get(task)
+        self.changed |= before is None or before.level != level
+        text = {key: str(value) for key, value in values.items()}
+        self._facts[task] = Fact(task, level, message, text)
+
+    @property
+    def facts(self) -> list[Fact]:
+        """All facts, in the order in which their tasks were first reported."""
+        return list(self._facts.values())

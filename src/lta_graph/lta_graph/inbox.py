@@ -1,0 +1,132 @@
+"""
+When a node may answer: only after every input that the topic table makes due has come.
+
+DDS keeps the order within a topic but not between topics. In lockstep each message of a periodic
+topic has a known turn, so a node can tell what is missing, wait for it, and give the same answers
+in every run. In real time nobody waits: a node takes what has come.
+"""
+
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, final
+
+from lta_config.topics import TopicTable
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Step:
+    """
+    What a node answers at once.
+
+    Attributes
+    ----------
+    stamp_ns : int
+        Stamp of the message that triggered the step; the answer keeps it. [ns]
+    messages : mapping
+        New messages by topic, oldest first; empty lists where nothing new has come.
+
+    """
+
+    stamp_ns: int
+    messages: Mapping[str, list[Any]]
+
+    def last(self, topic: str) -> Any:  # noqa: ANN401 - a message of whatever type the topic has
+        """Return the newest new message of a topic, or None."""
+        messages = self.messages[topic]
+        return messages[-1] if messages else None
+
+
+class Inbox:
+    """
+    Collect one node's inputs and hand them out step by step.
+
+    Parameters
+    ----------
+    table : TopicTable
+        Says what is due when.
+    role : str
+        Whose inbox this is; gives the lag of each input.
+    topics : list of str
+        The inputs.
+    trigger : str
+        The periodic topic that the node answers, message by message.
+    lockstep : bool
+        Whether to wait for everything that is due.
+
+    """
+
+    def __init__(
+        self, table: TopicTable, role: str, topics: list[str], trigger: str, lockstep: bool
+    ) -> None:
+        self._table = table
+        self._trigger = trigger
+        self._lockstep = lockstep
+        self._others = {
+            name: table[name].subscribers.get(role, 0) for name in topics if name != trigger
+        }
+        self._queues: dict[str, deque[Any]] = {name: deque() for name in topics}
+        self._taken = dict.fromkeys(topics, 0)
+        self.gaps = dict.fromkeys(topics, 0)
+        self._turn = dict.fromkeys(topics, 0)
+        self._trigger_stamps: deque[int] = deque()
+
+    def put(self, topic: str, stamp_ns: int, message: Any) -> None:  # noqa: ANN401
+        """
+        Add a message.
+
+        Parameters
+        ----------
+        topic : str
+            Relative topic name.
+        stamp_ns : int
+            The header's stamp; ignored where the topic has none. [ns]
+        message : Any
+            The message itself, handed out unchanged.
+
+        """
+        if self._lockstep:
+            self._count_gap(topic, stamp_ns)
+        self._queues[topic].append(message)
+        if topic == self._trigger:
+            self._trigger_stamps.append(stamp_ns)
+
+    def _count_gap(self, topic: str, stamp_ns: int) -> None:
+        """Count messages that were lost on the way, by the turn that this one should have."""
+        row = self._table[topic]
+        turn = self._turn[topic]
+        if row.stamped:
+            arrived = (stamp_ns - self._table.start_ns) // row.period_ns
+            self.gaps[topic] += max(0, arrived - turn)
+            turn = arrived
+        self._turn[topic] = turn + 1
+
+    def _missing(self) -> list[str]:
+        now = self._trigger_stamps[0] + self._table[self._trigger].latency_ns
+        return [
+            name
+            for name, lag in self._others.items()
+            if self._taken[name] + len(self._queues[name]) < self._table.due(name, now, lag)
+        ]
+
+    def pop(self) -> Step | None:
+        """Return the next step if all it needs has come, else None."""
+        if not self._trigger_stamps or (self._lockstep and self._missing()):
+            return None
+        stamp = self._trigger_stamps.popleft()
+        now = stamp + self._table[self._trigger].latency_ns
+        messages = {self._trigger: [self._queues[self._trigger].popleft()]}
+        self._taken[self._trigger] += 1
+        for name, lag in self._others.items():
+            queue = self._queues[name]
+            count = len(queue)
+            if self._lockstep:
+                count = self._table.due(name, now, lag) - self._taken[name]
+            messages[name] = [queue.popleft() for _ in range(count)]
+            self._taken[name] += count
+        return Step(stamp, messages)
+
+    def waiting_for(self) -> list[str]:
+        """Return the topics that keep a begun step from being answered."""
+        return self._missing() if self._lockstep and self._trigger_stamps else []

@@ -1,0 +1,1 @@
+"""The part of LTA that knows rclpy, shared by all nodes."""

@@ -1,0 +1,214 @@
+"""
+The base of every LTA node: wired by the topic table, kept in step, and watched.
+
+A node says which role it plays and which topic it answers; types, names and quality of service
+come from `topics.yaml`. `on_step` gets everything that belongs to one answer (see
+`lta_graph.inbox`). Health goes to /diagnostics at every change and once a wall second.
+"""
+
+from collections.abc import Callable
+from importlib import import_module
+import sys
+import time
+from typing import Any, Literal
+
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from lta_config.errors import BadInput
+from lta_config.settings import setting, Settings
+from lta_config.topics import Topic, topic_table
+from lta_graph.health import Health, Level
+from lta_graph.inbox import Inbox, Step
+from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.qos import profile
+from lta_graph.ros.spin import spin
+import rclpy
+from rclpy.clock import Clock, ClockType
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+
+WATCH_PERIOD = 0.2  # wall seconds between looks at what is missing
+REPORT_PERIOD = 1.0  # wall seconds between two /diagnostics without news
+PATIENCE = 0.8  # wall seconds of waiting after which the missing input is named
+
+
+class GraphSettings(Settings):
+    """What every node of one graph must agree on."""
+
+    time: Literal['realtime', 'lockstep'] = setting(
+        'realtime', 'Pace: the wall clock, or as fast as the graph answers.', fixed=True
+    )
+
+
+def message_type(topic: Topic) -> Any:  # noqa: ANN401 - a generated class
+    """Return the Python class of a topic's messages."""
+    return getattr(import_module(f'{topic.package}.msg'), topic.message)
+
+
+def to_stamp(stamp_ns: int) -> Time:
+    """Return integer nanoseconds as a ROS stamp."""
+    return Time(sec=stamp_ns // 1_000_000_000, nanosec=stamp_ns % 1_000_000_000)
+
+
+def from_stamp(stamp: Time) -> int:
+    """Return a ROS stamp as integer nanoseconds."""
+    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
+
+
+class GraphNode(Node):
+    """
+    A node with a role in the topic table.
+
+    Parameters
+    ----------
+    name : str
+        Node name, and the role unless another is given.
+    role : str or None
+        The role in the topic table.
+
+    """
+
+    def __init__(self, name: str, role: str | None = None) -> None:
+        super().__init__(name)
+        self.table = topic_table()
+        self.role = role or name
+        self.lockstep = Parameters(self, GraphSettings).value.time == 'lockstep'
+        self.health = Health()
+        self.health.report('state', Level.OK, 'starting')
+        self._inboxes: list[tuple[Inbox, Callable[[Step], None]]] = []
+        self._waiting_since: float | None = None
+        self._heard: dict[str, float] = {}
+        self._reported = 0.0
+        self._diagnostics = self.output('/diagnostics')
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(WATCH_PERIOD, self._watch, clock=steady)
+
+    def output(self, name: str) -> Publisher:
+        """Return a publisher on a topic of the table."""
+        topic = self.table[name]
+        return self.create_publisher(message_type(topic), name, profile(topic, self.lockstep))
+
+    def listen(self, topics: list[str], trigger: str, on_step: Callable[[Step], None]) -> Inbox:
+        """
+        Subscribe to topics and call `on_step` for each message of the trigger.
+
+        Parameters
+        ----------
+        topics : list of str
+            Relative names; the trigger is one of them.
+        trigger : str
+            The topic that is answered.
+        on_step : callable
+            Gets a `Step` with ROS messages.
+
+        """
+        inbox = Inbox(self.table, self.role, topics, trigger, self.lockstep)
+        self._inboxes.append((inbox, on_step))
+        for name in topics:
+            topic = self.table[name]
+            self.create_subscription(
+                message_type(topic),
+                name,
+                self._receiver(inbox, name, topic.stamped, on_step),
+                profile(topic, self.lockstep),
+            )
+        return inbox
+
+    def _receiver(
+        self, inbox: Inbox, name: str, stamped: bool, on_step: Callable[[Step], None]
+    ) -> Callable[[Any], None]:
+        def receive(message: Any) -> None:  # noqa: ANN401 - whatever the topic carries
+            self._heard[name] = time.monotonic()
+            inbox.put(name, from_stamp(message.header.stamp) if stamped else 0, message)
+            while (step := inbox.pop()) is not None:
+                self._waiting_since = None
+                on_step(step)
+
+        return receive
+
+    def missing(self) -> list[str]:
+        """Return the inputs that this node is waiting for; a node may add its own."""
+        if self.lockstep:
+            return [name for inbox, _ in self._inboxes for name in inbox.waiting_for()]
+        now = time.monotonic()
+        return [
+            name
+            for name, heard in self._heard.items()
+            if now - heard > PATIENCE + 3e-9 * self.table[name].period_ns
+        ]
+
+    def _watch(self) -> None:
+        """Name what is missing once patience is over, and publish health when it is due."""
+        now = time.monotonic()
+        missing = self.missing()
+        if not missing:
+            self._waiting_since = None
+        elif self._waiting_since is None:
+            self._waiting_since = now
+        patience = PATIENCE if self.lockstep else 0.0
+        if self._waiting_since is not None and now - self._waiting_since >= patience:
+            suspects = sorted({self.table[name].source for name in missing})
+            self.health.report(
+                'inputs',
+                Level.ERROR,
+                f'waiting for {", ".join(missing)} from {", ".join(suspects)}',
+                suspects=','.join(suspects),
+            )
+        elif self._heard:
+            self.health.report('inputs', Level.OK, 'all inputs arrive')
+        lost = {name: gap for inbox, _ in self._inboxes for name, gap in inbox.gaps.items() if gap}
+        if lost:
+            self.health.report('losses', Level.ERROR, 'messages were lost on the way', **lost)
+        if self.health.changed or now - self._reported >= REPORT_PERIOD:
+            self.publish_health()
+
+    def publish_health(self) -> None:
+        """Publish all facts now."""
+        self._reported = time.monotonic()
+        self.health.changed = False
+        array = DiagnosticArray()
+        array.header.stamp = self.get_clock().now().to_msg()
+        array.status = [
+            DiagnosticStatus(
+                level=bytes([fact.level]),
+                name=f'{self.get_name()}: {fact.task}',
+                message=fact.message,
+                hardware_id=self.get_namespace().strip('/'),
+                values=[KeyValue(key=key, value=value) for key, value in fact.values.items()],
+            )
+            for fact in self.health.facts
+        ]
+        self._diagnostics.publish(array)
+
+    def work(self) -> None:
+        """Answer inputs until ROS shuts down; a node with a rhythm of its own replaces this."""
+        self.health.report('state', Level.OK, 'running')
+        spin(self)
+
+    def close(self) -> None:
+        """Leave everything outside in order; called once on every way out but SIGKILL."""
+
+
+def run(node_class: type[GraphNode], args: list[str] | None = None) -> None:
+    """
+    Run one node as a process: the `main` of every executable.
+
+    Exit status 0 after a shut-down, 2 with one sentence on bad input; anything else is a crash
+    with its traceback.
+    """
+    rclpy.init(args=args)
+    node: GraphNode | None = None
+    try:
+        node = node_class()  # type: ignore[call-arg]
+        node.work()
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    except BadInput as error:
+        sys.stderr.write(f'{error}\n')
+        sys.exit(2)
+    finally:
+        if node is not None:
+            node.close()
+            node.destroy_node()
+        rclpy.try_shutdown()

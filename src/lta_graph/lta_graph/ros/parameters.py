@@ -1,0 +1,131 @@
+"""
+ROS parameters declared by a pydantic model.
+
+The frozen model is the one declaration: type, default, bounds, unit and meaning. The node's
+parameter descriptors follow from it, and a change at run time is accepted only if the whole model
+still validates; the reason of a refusal is the model's own sentence.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, Generic, TypeVar
+
+from lta_config.errors import BadInput
+from lta_config.files import sentence
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    SetParametersResult,
+)
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+Model = TypeVar('Model', bound=BaseModel)
+
+
+def leaves(settings: BaseModel, prefix: str = '') -> Iterator[tuple[str, FieldInfo, Any]]:
+    """Yield every parameter of a model: its dotted name, its field and its value."""
+    for name, info in type(settings).model_fields.items():
+        value = getattr(settings, name)
+        if isinstance(value, BaseModel):
+            yield from leaves(value, f'{prefix}{name}.')
+        else:
+            yield prefix + name, info, value
+
+
+def describe(info: FieldInfo, default: Any) -> ParameterDescriptor:  # noqa: ANN401
+    """Return the descriptor of one field: meaning with its unit, range, and whether it is fixed."""
+    extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
+    unit = extra.get('unit')
+    bounds = {type(item).__name__: item for item in info.metadata}
+    low = getattr(bounds.get('Ge'), 'ge', None)
+    high = getattr(bounds.get('Le'), 'le', None)
+    descriptor = ParameterDescriptor(
+        description=f'{info.description or ""}{f" [{unit}]" if unit else ""}',
+        read_only=bool(extra.get('read_only', False)),
+    )
+    if low is not None and high is not None:
+        if isinstance(default, int) and not isinstance(default, bool):
+            descriptor.integer_range = [IntegerRange(from_value=low, to_value=high, step=0)]
+        else:
+            ends = {'from_value': float(low), 'to_value': float(high), 'step': 0.0}
+            descriptor.floating_point_range = [FloatingPointRange(**ends)]
+    return descriptor
+
+
+def nested(flat: Mapping[str, Any]) -> dict[str, Any]:
+    """Return dotted names as nested mappings."""
+    tree: dict[str, Any] = {}
+    for name, value in flat.items():
+        *path, last = name.split('.')
+        branch = tree
+        for part in path:
+            branch = branch.setdefault(part, {})
+        branch[last] = list(value) if isinstance(value, tuple) else value
+    return tree
+
+
+class Parameters(Generic[Model]):
+    """
+    The parameters of one node as a validated, frozen model.
+
+    Parameters
+    ----------
+    node : Node
+        The node that declares them.
+    model : type
+        Pydantic model with a default for every field; nested models become dotted names.
+    changed : callable
+        Called with the new model after an accepted change.
+
+    Raises
+    ------
+    BadInput
+        If a value given at start-up is not valid.
+
+    """
+
+    def __init__(
+        self, node: Node, model: type[Model], changed: Callable[[Model], None] | None = None
+    ) -> None:
+        self._model = model
+        self._changed = changed
+        self._node = node
+        self._names = []
+        for name, info, default in leaves(model()):
+            descriptor = describe(info, default)
+            try:
+                node.declare_parameter(name, default, descriptor)
+            except Exception as error:
+                raise BadInput(f'{node.get_name()}: parameter {name}: {error}.') from None
+            self._names.append(name)
+        try:
+            self.value = self._build({})
+        except ValidationError as error:
+            raise BadInput(f'{node.get_name()}: parameter {sentence(error)}') from None
+        node.add_on_set_parameters_callback(self._check)
+        node.add_post_set_parameters_callback(self._apply)
+
+    def _build(self, changes: Mapping[str, Any]) -> Model:
+        current = {name: self._node.get_parameter(name).value for name in self._names}
+        # Lax, because ROS hands an array where the model has a tuple.
+        return self._model.model_validate(nested({**current, **changes}), strict=False)
+
+    def _ours(self, parameters: list[Parameter]) -> dict[str, Any]:
+        return {item.name: item.value for item in parameters if item.name in self._names}
+
+    def _check(self, parameters: list[Parameter]) -> SetParametersResult:
+        try:
+            self._build(self._ours(parameters))
+        except ValidationError as error:
+            return SetParametersResult(successful=False, reason=sentence(error))
+        return SetParametersResult(successful=True)
+
+    def _apply(self, parameters: list[Parameter]) -> None:
+        if not self._ours(parameters):
+            return
+        self.value = self._build({})
+        if self._changed is not None:
+            self._changed(self.value)

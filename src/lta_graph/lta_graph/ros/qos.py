@@ -1,0 +1,43 @@
+"""
+Quality of service by the topic table: one profile a topic in real time, another in lockstep.
+
+In real time these are the profiles ROS 2 users expect. In lockstep nothing may be lost and a node
+that joins late must still get the first message, so every repeatable topic is reliable, transient
+local and deep.
+"""
+
+from lta_config.topics import Qos, Topic
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+PROFILES: dict[Qos, QoSProfile] = {
+    'sensor': QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT),
+    'command': QoSProfile(depth=1),
+    'default': QoSProfile(depth=10),
+    'latched': QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL),
+    'clock': QoSProfile(depth=1),
+}
+LOCKSTEP_HISTORY_NS = 20_000_000_000  # of graph time: how far a slow reader may fall behind
+
+
+def profile(topic: Topic, lockstep: bool) -> QoSProfile:
+    """Return the profile that both ends of a topic use."""
+    if not (lockstep and topic.repeatable):
+        return PROFILES[topic.qos]
+    depth = LOCKSTEP_HISTORY_NS // topic.period_ns if topic.period_ns else 100
+    return QoSProfile(depth=depth, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+def as_text(chosen: QoSProfile) -> dict[str, object]:
+    """Return a profile in the words of rosbag2's metadata."""
+    forever = {'sec': 9223372036, 'nsec': 854775807}
+    return {
+        'history': chosen.history.name.lower(),
+        'depth': chosen.depth,
+        'reliability': chosen.reliability.name.lower(),
+        'durability': chosen.durability.name.lower(),
+        'deadline': forever,
+        'lifespan': forever,
+        'liveliness': 'automatic',
+        'liveliness_lease_duration': forever,
+        'avoid_ros_namespace_conventions': False,
+    }
