@@ -36,7 +36,7 @@ def leaves(settings: BaseModel, prefix: str = '') -> Iterator[tuple[str, FieldIn
 
 
 def describe(info: FieldInfo, default: Any) -> ParameterDescriptor:  # noqa: ANN401
-    """Return the descriptor of one field: meaning with its unit, range, and whether it is fixed."""
+    """Return the descriptor of one field: meaning with unit, range, and whether it is fixed."""
     extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
     unit = extra.get('unit')
     bounds = {type(item).__name__: item for item in info.metadata}

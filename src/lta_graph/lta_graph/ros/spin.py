@@ -2,8 +2,8 @@
 A lean spin for one node.
 
 rclpy's single-threaded executor rebuilds generators and tasks for every message; taking messages
-straight from the wait set halves the time of a step through the graph (`make bench`). Subscriptions
-are taken here; whatever else is ready (services, timers) goes through rclpy's executor.
+straight from the wait set halves the time of a step through the graph (`make bench`).
+Subscriptions are taken here; whatever else is ready goes through rclpy's executor.
 """
 
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
