@@ -1,0 +1,102 @@
+"""One MCAP chunk in the making: messages of all topics, compressed and indexed together."""
+
+from collections import defaultdict
+from dataclasses import dataclass
+import struct
+from typing import final
+import zlib
+
+from lta_bridge.bag.records import encoded
+from mcap.opcode import Opcode
+from mcap.records import Chunk, ChunkIndex
+import zstandard
+
+MESSAGE = struct.Struct('<BQHIQQ')  # opcode, length, channel, sequence, log time, publish time
+INDEX_HEAD = struct.Struct('<BQHI')  # opcode, length, channel, bytes of entries
+INDEX_ENTRY = struct.Struct('<QQ')  # log time, offset in the chunk
+MESSAGE_HEAD = 22  # bytes of a message record before its data
+ENTRIES_HEAD = 6  # bytes of an index record before its entries
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class FinishedChunk:
+    """A chunk ready for the file: its bytes, its index entry, and what it counts."""
+
+    data: bytes
+    index: ChunkIndex
+    counts: dict[int, int]
+
+
+@final
+class ChunkBuilder:
+    """Collects messages until they are worth compressing."""
+
+    def __init__(self) -> None:
+        self._compressor = zstandard.ZstdCompressor(level=1)
+        self._records = bytearray()
+        self._entries: defaultdict[int, bytearray] = defaultdict(bytearray)
+        self._start = 0
+        self._end = 0
+
+    @property
+    def size(self) -> int:
+        """Bytes collected, uncompressed."""
+        return len(self._records)
+
+    @property
+    def waiting(self) -> int:
+        """Messages collected."""
+        return sum(len(found) for found in self._entries.values()) // INDEX_ENTRY.size
+
+    def add(self, channel: int, sequence: int, log_time: int, data: bytes) -> None:
+        """Add one message."""
+        offset = len(self._records)
+        if offset == 0:
+            self._start = self._end = log_time
+        elif log_time > self._end:
+            self._end = log_time
+        elif log_time < self._start:
+            self._start = log_time
+        self._records += MESSAGE.pack(
+            Opcode.MESSAGE, MESSAGE_HEAD + len(data), channel, sequence, log_time, log_time
+        )
+        self._records += data
+        self._entries[channel] += INDEX_ENTRY.pack(log_time, offset)
+
+    def finish(self, offset: int) -> FinishedChunk:
+        """
+        Return the chunk and its message indexes, and start afresh.
+
+        Parameters
+        ----------
+        offset : int
+            Where in the file the chunk will start. [bytes]
+
+        """
+        records = bytes(self._records)
+        packed = self._compressor.compress(records)
+        chunk = encoded(
+            [Chunk('zstd', packed, self._end, self._start, zlib.crc32(records), len(records))]
+        )
+        places, indexes = {}, b''
+        for channel, entries in self._entries.items():
+            places[channel] = offset + len(chunk) + len(indexes)
+            inside = ENTRIES_HEAD + len(entries)
+            indexes += INDEX_HEAD.pack(Opcode.MESSAGE_INDEX, inside, channel, len(entries))
+            indexes += entries
+        index = ChunkIndex(
+            chunk_length=len(chunk),
+            chunk_start_offset=offset,
+            compression='zstd',
+            compressed_size=len(packed),
+            message_end_time=self._end,
+            message_index_length=len(indexes),
+            message_index_offsets=places,
+            message_start_time=self._start,
+            uncompressed_size=len(records),
+        )
+        counts = {id: len(found) // INDEX_ENTRY.size for id, found in self._entries.items()}
+        self._records = bytearray()
+        self._entries = defaultdict(bytearray)
+        return FinishedChunk(chunk + indexes, index, counts)

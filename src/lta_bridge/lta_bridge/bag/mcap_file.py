@@ -1,0 +1,171 @@
+"""
+MCAP as a recorder needs it: every chunk goes to the disk whole, and the summary tells no lies.
+
+Schemas and channels stand outside the chunks, so that no damaged chunk takes another one's
+with it. Format: https://mcap.dev/spec.
+"""
+
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import final
+import zlib
+
+from lta_bridge.bag.chunk import ChunkBuilder
+from lta_bridge.bag.records import encoded
+from lta_bridge.bag.schemas import Definition
+from lta_bridge.bag.storage import RecordFile
+from mcap.opcode import Opcode
+from mcap.records import (
+    Channel,
+    ChunkIndex,
+    DataEnd,
+    Footer,
+    Header,
+    McapRecord,
+    Metadata,
+    MetadataIndex,
+    Schema,
+    Statistics,
+    SummaryOffset,
+)
+
+MAGIC = b'\x89MCAP0\r\n'
+CHUNK_SIZE = 1 << 20
+
+
+@final
+class McapFile:
+    """
+    An MCAP file of profile ros2 that grows by whole chunks.
+
+    Parameters
+    ----------
+    path : Path
+        File to create.
+    library : str
+        Name and version of the writing program.
+
+    """
+
+    def __init__(self, path: Path, library: str) -> None:
+        self._file = RecordFile(path)
+        self._builder = ChunkBuilder()
+        self._schemas: dict[str, Schema] = {}
+        self._channels: list[Channel] = []
+        self._chunks: list[ChunkIndex] = []
+        self._metadata: list[MetadataIndex] = []
+        self._summary_size = 0
+        self.counts: Counter[int] = Counter()
+        self._file.append(MAGIC + encoded([Header('ros2', library)]))
+
+    @property
+    def start(self) -> int:
+        """Earliest log time in the file. [ns]"""
+        return min((chunk.message_start_time for chunk in self._chunks), default=0)
+
+    @property
+    def end(self) -> int:
+        """Latest log time in the file. [ns]"""
+        return max((chunk.message_end_time for chunk in self._chunks), default=0)
+
+    @property
+    def summary_size(self) -> int:
+        """Space that `close` will need. [bytes]"""
+        return self._summary_size + 1024
+
+    @property
+    def waiting(self) -> int:
+        """Messages that the next flush will write."""
+        return self._builder.waiting
+
+    def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
+        """Write named texts into the file."""
+        data = encoded([Metadata(name, dict(values))])
+        index = MetadataIndex(self._file.append(data), len(data), name)
+        self._metadata.append(index)
+        self._summary_size += len(encoded([index]))
+
+    def add_channel(self, topic: str, definition: Definition, qos: str) -> int:
+        """Announce a topic and return the number of its channel."""
+        records: list[McapRecord] = []
+        schema = self._schemas.get(definition.type_name)
+        if schema is None:
+            schema = Schema(
+                id=len(self._schemas) + 1,
+                data=definition.text.encode(),
+                encoding='ros2msg',
+                name=definition.type_name,
+            )
+            records.append(schema)
+        metadata = {
+            'offered_qos_profiles': qos,
+            'topic_type_hash': definition.rihs01,
+        }
+        channel = Channel(len(self._channels) + 1, topic, 'cdr', metadata, schema.id)
+        records.append(channel)
+        data = encoded(records)
+        self._file.append(data)
+        self._schemas[schema.name] = schema
+        self._channels.append(channel)
+        self._summary_size += len(data)
+        return channel.id
+
+    def add_message(self, channel: int, sequence: int, log_time: int, data: bytes) -> None:
+        """Add one message to the chunk in progress, which goes to the disk when it is full."""
+        self._builder.add(channel, sequence, log_time, data)
+        if self._builder.size >= CHUNK_SIZE:
+            self.flush()
+
+    def flush(self) -> None:
+        """Finish the chunk in progress and hand it to the operating system."""
+        if self._builder.size == 0:
+            return
+        chunk = self._builder.finish(self._file.size)
+        self._file.append(chunk.data)
+        self._chunks.append(chunk.index)
+        self.counts.update(chunk.counts)
+        self._summary_size += len(encoded([chunk.index]))
+
+    def close(self) -> None:
+        """Write the summary of what reached the disk, and close the file."""
+        try:
+            self._file.append(self._summary(self._file.size))
+        finally:
+            self._file.close()
+
+    def _statistics(self) -> Statistics:
+        """Count what is in the file."""
+        return Statistics(
+            attachment_count=0,
+            channel_count=len(self._channels),
+            channel_message_counts=dict(self.counts),
+            chunk_count=len(self._chunks),
+            message_count=self.counts.total(),
+            message_end_time=self.end,
+            message_start_time=self.start,
+            metadata_count=len(self._metadata),
+            schema_count=len(self._schemas),
+        )
+
+    def _summary(self, offset: int) -> bytes:
+        """Return everything from the end of the data to the end of the file."""
+        ending = encoded([DataEnd(0)])
+        start = offset + len(ending)
+        groups: dict[Opcode, Iterable[McapRecord]] = {
+            Opcode.SCHEMA: self._schemas.values(),
+            Opcode.CHANNEL: self._channels,
+            Opcode.STATISTICS: [self._statistics()],
+            Opcode.CHUNK_INDEX: self._chunks,
+            Opcode.METADATA_INDEX: self._metadata,
+        }
+        body, places = b'', []
+        for opcode, records in groups.items():
+            data = encoded(records)
+            if data:
+                places.append(SummaryOffset(opcode, start + len(body), len(data)))
+            body += data
+        footer = Footer(start, start + len(body), 0)
+        body += encoded(places)
+        footer.summary_crc = zlib.crc32(body + encoded([footer])[:-4])
+        return ending + body + encoded([footer]) + MAGIC

@@ -1,0 +1,82 @@
+"""A file that ends on a whole record even when the disk does not play along."""
+
+from contextlib import suppress
+import os
+from pathlib import Path
+import shutil
+from typing import final
+
+
+class StorageFault(OSError):
+    """The disk took no more: full, over a quota, or broken. What was written before stays."""
+
+
+def storage_fault(error: OSError, path: Path) -> StorageFault:
+    """Return the error to raise in place of the system's own."""
+    return StorageFault(
+        error.errno,
+        f'The disk took no more ({error.strerror}); the recording ends here and stays readable, '
+        'make room before the next one',
+        str(path),
+    )
+
+
+def free_space(path: Path) -> int:
+    """Return the space left to us on the disk that holds `path`, which must exist. [bytes]"""
+    return shutil.disk_usage(path).free
+
+
+@final
+class RecordFile:
+    """
+    Append-only file; each append is whole or leaves no trace.
+
+    Writes go straight to the operating system: what `append` returned from survives the
+    process, though not a power cut before `close`.
+
+    Parameters
+    ----------
+    path : Path
+        File to create; it must not exist.
+
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.size = 0
+        self._fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o644)
+
+    def append(self, data: bytes) -> int:
+        """
+        Write `data` at the end and return the offset where it starts. [bytes]
+
+        Raises
+        ------
+        StorageFault
+            If not all of it could be written; the file ends where it ended before.
+
+        """
+        start = self.size
+        left = memoryview(data)
+        try:
+            while left:
+                left = left[os.pwrite(self._fd, left, start + len(data) - len(left)) :]
+        except OSError as error:
+            raise self._rolled_back(error) from error
+        self.size = start + len(data)
+        return start
+
+    def _rolled_back(self, error: OSError) -> StorageFault:
+        """Cut the file back to its last whole record and return the error to raise."""
+        with suppress(OSError):  # Where even that fails, the next append overwrites the rest.
+            os.ftruncate(self._fd, self.size)
+        return storage_fault(error, self.path)
+
+    def close(self) -> None:
+        """Bring the file to the disk and close it."""
+        try:
+            os.fsync(self._fd)
+        except OSError as error:
+            raise storage_fault(error, self.path) from error
+        finally:
+            os.close(self._fd)

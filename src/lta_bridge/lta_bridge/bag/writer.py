@@ -1,0 +1,220 @@
+"""
+The bag a flight is recorded into.
+
+A rosbag2 folder (metadata.yaml version 9) with one MCAP file: profile ros2, messages as CDR,
+definitions inside, zstd chunks with CRC, chunk and message indexes. Everything up to the last
+`flush` survives the death of the process; a full or broken disk ends the recording, not the bag.
+"""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import final, Self
+
+from lta_bridge.bag.mcap_file import McapFile
+from lta_bridge.bag.metadata import bag_metadata, TopicRecord, write_metadata
+from lta_bridge.bag.qos import Profile, to_yaml
+from lta_bridge.bag.schemas import definition
+from lta_bridge.bag.storage import StorageFault
+from lta_config.errors import BadInput
+
+PROVENANCE = 'provenance'
+LIBRARY = 'lta'
+
+
+def empty_folder(path: Path) -> Path:
+    """
+    Return `path` as an empty folder, made if it was not there.
+
+    Raises
+    ------
+    BadInput
+        If something is there already, or it cannot be made.
+
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        busy = any(path.iterdir())
+    except FileExistsError:
+        busy = True
+    except OSError as error:
+        raise BadInput(
+            f"Recording folder '{path}' cannot be made ({error.strerror}); choose another place."
+        ) from error
+    if busy:
+        raise BadInput(f"'{path}' exists already; choose another folder or remove it.")
+    return path
+
+
+@final
+class BagWriter:
+    """
+    Writes one bag; use it as a context manager, or call `close`.
+
+    Parameters
+    ----------
+    path : Path
+        Folder of the bag; made if missing, refused if it holds anything.
+    provenance : mapping of str to str
+        Where the data come from (commit, seed, scenario); kept in metadata.yaml and in the MCAP.
+
+    Raises
+    ------
+    BadInput
+        If the folder cannot be used.
+    StorageFault
+        If the disk cannot even take the beginning.
+
+    """
+
+    def __init__(self, path: Path, provenance: Mapping[str, str]) -> None:
+        self.path = empty_folder(Path(path))
+        self._provenance = dict(provenance)
+        self._topics: dict[str, TopicRecord] = {}
+        self._described = 0
+        self._fault: StorageFault | None = None
+        self._open = True
+        self._file_name = f'{self.path.resolve().name}_0.mcap'
+        self._mcap = McapFile(self.path / self._file_name, LIBRARY)
+        self._mcap.add_metadata(PROVENANCE, self._provenance)
+        self._describe()
+
+    @property
+    def reserve(self) -> int:
+        """Space that `close` still needs: stop recording before less is left. [bytes]"""
+        return self._mcap.summary_size + 1024 * (4 + len(self._topics))
+
+    def add_topic(self, name: str, type_name: str, qos: Sequence[Profile]) -> None:
+        """
+        Announce a topic; it appears in the bag even if no message ever comes.
+
+        Parameters
+        ----------
+        name : str
+            Absolute name, for example '/lta1/odom'.
+        type_name : str
+            For example 'nav_msgs/msg/Odometry'.
+        qos : sequence of Profile
+            What its publishers offer; see `offered_qos`.
+
+        Raises
+        ------
+        BadInput
+            If the type is unknown or the topic is announced already.
+        StorageFault
+            If the disk is full or broken.
+
+        """
+        if name in self._topics:
+            raise BadInput(f"Topic '{name}' is in the bag already; announce each topic once.")
+        found = definition(type_name)
+        self._check()
+        try:
+            channel = self._mcap.add_channel(name, found, to_yaml(qos))
+        except StorageFault as fault:
+            self._fault = fault
+            raise
+        self._topics[name] = TopicRecord(name, found, list(qos), channel)
+
+    def write(self, topic: str, data: bytes, log_time_ns: int) -> None:
+        """
+        Record one message.
+
+        Parameters
+        ----------
+        topic : str
+            An announced topic; another one is a KeyError.
+        data : bytes
+            The message as CDR with its encapsulation header.
+        log_time_ns : int
+            When it was received, not negative. [ns]
+
+        Raises
+        ------
+        StorageFault
+            If the disk is full or broken: messages since the last whole chunk are lost, and
+            nothing more is taken.
+
+        """
+        if self._fault is not None:
+            raise self._fault
+        record = self._topics[topic]
+        record.written += 1
+        try:
+            self._mcap.add_message(record.channel, record.written, log_time_ns, data)
+        except StorageFault as fault:
+            self._fault = fault
+            raise
+
+    def flush(self) -> None:
+        """
+        Hand everything written so far to the operating system.
+
+        Raises
+        ------
+        StorageFault
+            As `write` does.
+
+        """
+        self._check()
+        try:
+            self._mcap.flush()
+            if self._described < len(self._topics):
+                self._describe()
+        except StorageFault as fault:
+            self._fault = fault
+            raise
+
+    def close(self) -> None:
+        """
+        Finish the bag; closing twice does nothing.
+
+        Raises
+        ------
+        StorageFault
+            If the bag could not be finished and no earlier call has said so.
+
+        """
+        if not self._open:
+            return
+        self._open = False
+        told = self._fault
+        for step in (self._mcap.flush, self._mcap.close, self._describe):
+            try:
+                step()
+            except StorageFault as fault:
+                self._fault = self._fault or fault
+        if told is None and self._fault is not None:
+            raise self._fault
+
+    @property
+    def lost(self) -> int:
+        """Messages that were accepted and are neither in the file nor waiting for a flush."""
+        accepted = sum(record.written for record in self._topics.values())
+        return accepted - self._mcap.counts.total() - self._mcap.waiting
+
+    def _check(self) -> None:
+        """Refuse to go on after a fault."""
+        if self._fault is not None:
+            raise self._fault
+
+    def _describe(self) -> None:
+        """Write metadata.yaml as things stand."""
+        topics = list(self._topics.values())
+        span = (self._mcap.start, self._mcap.end)
+        content = bag_metadata(self._file_name, topics, self._mcap.counts, span, self._provenance)
+        write_metadata(self.path, content)
+        self._described = len(topics)
+
+    def __enter__(self) -> Self:
+        """Return the writer."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Finish the bag, whatever happened."""
+        self.close()
