@@ -1,0 +1,1 @@
+"""What the sensors report of the true state of the world."""

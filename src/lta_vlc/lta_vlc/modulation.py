@@ -1,0 +1,168 @@
+"""
+The lamp's square wave, exact at any time.
+
+A lamp is on for the first `duty` of each period and off for the rest: its wave is 1 or 0. Time is
+in integer nanoseconds; the phase of the first of a set of times is computed in whole numbers, so
+it neither drifts nor loses digits, however long the clock has run.
+"""
+
+from dataclasses import dataclass
+import math
+from typing import final
+
+from lta_config.errors import BadInput
+import numpy as np
+from numpy.typing import NDArray
+
+NANOSECONDS = 1_000_000_000
+
+
+def cycles(times: NDArray[np.int64], frequency: float, phase: float = 0.0) -> NDArray[np.float64]:
+    """
+    Return how far into its period a periodic signal is.
+
+    Parameters
+    ----------
+    times : ndarray of int64, shape (n,)
+        Times, at least one. [ns]
+    frequency : float
+        Frequency. [Hz]
+    phase : float
+        Position in the period at time zero. [cycles]
+
+    Returns
+    -------
+    ndarray of float64, shape (n,)
+        Position in the period, in [0, 1). [cycles]
+
+    Notes
+    -----
+    Only differences to the first time are multiplied in floating point: over a span of one second
+    the error is some 1e-14 of the cycles in it.
+
+    """
+    top, bottom = frequency.as_integer_ratio()
+    bottom *= NANOSECONDS
+    start = (int(times[0]) * top % bottom) / bottom + phase
+    position: NDArray[np.float64] = (start + (times - times[0]) * (frequency / NANOSECONDS)) % 1.0
+    # A tiny negative position is rounded up to one whole cycle by the modulo.
+    position[position == 1.0] = 0.0
+    return position
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class SquareWave:
+    """
+    A wave that is 1 for the first part of each period and 0 for the rest.
+
+    Parameters
+    ----------
+    frequency : float
+        Frequency, positive. [Hz]
+    duty : float
+        Part of the period that it is on, between 0 and 1, both excluded.
+    phase : float
+        Position in the period at time zero. [cycles]
+
+    """
+
+    frequency: float
+    duty: float = 0.5
+    phase: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse what is not a wave."""
+        if not (math.isfinite(self.frequency) and self.frequency > 0.0):
+            raise BadInput(f'The lamp flickers at {self.frequency} Hz; give a positive frequency.')
+        if not 0.0 < self.duty < 1.0:
+            raise BadInput(f'The lamp has a duty of {self.duty}; choose one between 0 and 1.')
+        if not math.isfinite(self.phase):
+            raise BadInput(f'The lamp has a phase of {self.phase} cycles; give a finite one.')
+
+    def cycles(self, times: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Return the position in the period at times in ns, in [0, 1)."""
+        return cycles(times, self.frequency, self.phase)
+
+    def values(self, times: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Return the wave, 0 or 1, at times in ns."""
+        return (self.cycles(times) < self.duty).astype(np.float64)
+
+    def means(self, times: NDArray[np.int64], interval: int) -> NDArray[np.float64]:
+        """
+        Return the exact mean of the wave over intervals.
+
+        Parameters
+        ----------
+        times : ndarray of int64, shape (n,)
+            Starts of the intervals. [ns]
+        interval : int
+            Length of each, positive. [ns]
+
+        Returns
+        -------
+        ndarray of float64, shape (n,)
+            Part of each interval that the wave is on.
+
+        """
+        start = self.cycles(times)
+        length = self.frequency * interval / NANOSECONDS
+        return (self._time_on(start + length) - self._time_on(start)) / length
+
+    def lagged(self, times: NDArray[np.int64], time_constant: float) -> NDArray[np.float64]:
+        r"""
+        Return the wave as a first-order low pass passes it on, long after its start.
+
+        Parameters
+        ----------
+        times : ndarray of int64, shape (n,)
+            Times. [ns]
+        time_constant : float
+            Time constant of the low pass, positive. [s]
+
+        Returns
+        -------
+        ndarray of float64, shape (n,)
+            Output of the low pass, in [0, 1].
+
+        Notes
+        -----
+        Exact at any time constant, with edges between the samples. With periods :math:`x`, duty
+        :math:`d` and :math:`k = 1/(f\tau)` the periodic solution of :math:`\tau y' = s - y` is
+
+        .. math::
+            y = 1 - \frac{1 - e^{-k(1-d)}}{1 - e^{-k}} e^{-kx} \ (x < d), \qquad
+            y = \frac{1 - e^{-kd}}{1 - e^{-k}} e^{-k(x-d)} \ (x \ge d)
+
+        """
+        position = self.cycles(times)
+        rate = 1.0 / (self.frequency * time_constant)
+        whole = -math.expm1(-rate)
+        missing = -math.expm1(-rate * (1.0 - self.duty)) / whole
+        left = -math.expm1(-rate * self.duty) / whole
+        on = position < self.duty
+        decay = np.exp(-rate * np.where(on, position, position - self.duty))
+        return np.where(on, 1.0 - missing * decay, left * decay)
+
+    def harmonic(self, order: int) -> float:
+        """
+        Return the amplitude of one harmonic of the wave.
+
+        Parameters
+        ----------
+        order : int
+            1 for the fundamental, 2 for the next, and so on.
+
+        Returns
+        -------
+        float
+            Amplitude of the sine at `order` times the frequency: the Fourier series of a
+            rectangular wave, 2/(n pi) |sin(n pi d)|.
+
+        """
+        return 2.0 / (order * math.pi) * abs(math.sin(order * math.pi * self.duty))
+
+    def _time_on(self, position: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return for how many cycles the wave was on between cycle zero and a position."""
+        whole = np.floor(position)
+        return whole * self.duty + np.minimum(position - whole, self.duty)
