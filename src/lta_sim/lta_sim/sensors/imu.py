@@ -1,0 +1,185 @@
+"""
+BMI088 inertial sensor: specific force and angular rate with offset, scale error, noise and steps.
+
+Noise and offsets: Bosch BMI088 data sheet. The white noise of a sample is density *
+sqrt(bandwidth), with the bandwidths of the 100 Hz output settings taken as ideal low-passes. They
+leave the signal itself as it is: an airship moves far below them.
+"""
+
+from dataclasses import dataclass
+import math
+from typing import final
+
+from lta_config.settings import setting, Settings
+from numpy.random import Generator
+
+Vector = tuple[float, float, float]
+STANDARD_GRAVITY = 9.80665  # m/s^2; what a data sheet means by 1 g
+DEGREE = math.pi / 180.0
+
+
+@final
+class ImuSettings(Settings):
+    """What the data sheet says of the sensor; offsets and scale errors bound uniform draws."""
+
+    acceleration_noise: Vector = setting(
+        (160e-6, 160e-6, 190e-6), 'Noise density of the accelerometer.', unit='g/sqrt(Hz)'
+    )
+    acceleration_bandwidth: float = setting(
+        40.0, 'Accelerometer bandwidth at 100 Hz, normal mode.', unit='Hz', low=0.0, high=280.0
+    )
+    acceleration_offset: float = setting(
+        0.020, 'Largest offset of an axis.', unit='g', low=0.0, high=1.0
+    )
+    acceleration_scale: float = setting(
+        0.01, 'Largest scale error of an axis, assumed as for the rates.', low=0.0, high=0.5
+    )
+    acceleration_range: float = setting(6.0, 'Full scale.', unit='g', low=3.0, high=24.0)
+    rate_noise: float = setting(
+        0.014, 'Noise density of the gyroscope.', unit='deg/s/sqrt(Hz)', low=0.0, high=1.0
+    )
+    rate_bandwidth: float = setting(
+        32.0, 'Gyroscope bandwidth at 100 Hz.', unit='Hz', low=0.0, high=532.0
+    )
+    rate_offset: float = setting(
+        1.0, 'Largest offset of an axis.', unit='deg/s', low=0.0, high=20.0
+    )
+    rate_scale: float = setting(0.01, 'Largest scale error of an axis.', low=0.0, high=0.5)
+    rate_range: float = setting(500.0, 'Full scale.', unit='deg/s', low=125.0, high=2000.0)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ImuErrors:
+    """
+    What stays the same during a flight: one entry an axis, specific force x y z, then rate x y z.
+
+    Attributes
+    ----------
+    gain, offset, noise, step, full_scale : tuple of float
+        Factor on the truth, offset, standard deviation of a sample, size of a count, largest
+        reading. [m/s^2 and rad/s]
+
+    """
+
+    gain: tuple[float, ...]
+    offset: tuple[float, ...]
+    noise: tuple[float, ...]
+    step: tuple[float, ...]
+    full_scale: tuple[float, ...]
+
+
+def draw(settings: ImuSettings, rng: Generator) -> ImuErrors:
+    """
+    Return the errors of one flight; offset and scale error are uniform within their bounds.
+
+    Parameters
+    ----------
+    settings : ImuSettings
+        What the data sheet says.
+    rng : Generator
+        Source of chance.
+
+    """
+    g, deg = STANDARD_GRAVITY, DEGREE
+    scale = (settings.acceleration_scale,) * 3 + (settings.rate_scale,) * 3
+    offset = (settings.acceleration_offset * g,) * 3 + (settings.rate_offset * deg,) * 3
+    density = (*(n * g for n in settings.acceleration_noise), *(settings.rate_noise * deg,) * 3)
+    width = (settings.acceleration_bandwidth,) * 3 + (settings.rate_bandwidth,) * 3
+    full_scale = (settings.acceleration_range * g,) * 3 + (settings.rate_range * deg,) * 3
+    return ImuErrors(
+        gain=tuple(1.0 + bound * x for bound, x in zip(scale, _unit(rng), strict=True)),
+        offset=tuple(bound * x for bound, x in zip(offset, _unit(rng), strict=True)),
+        noise=tuple(n * math.sqrt(b) for n, b in zip(density, width, strict=True)),
+        step=tuple(end / 2**15 for end in full_scale),  # 16 bit, signed
+        full_scale=full_scale,
+    )
+
+
+def _unit(rng: Generator) -> list[float]:
+    """Return six numbers uniform in [-1, 1)."""
+    numbers: list[float] = rng.uniform(-1.0, 1.0, 6).tolist()
+    return numbers
+
+
+def specific_force(
+    velocity: Vector,
+    rates: Vector,
+    velocity_rate: Vector,
+    rates_rate: Vector,
+    up: Vector,
+    position: Vector,
+    gravity: float,
+) -> Vector:
+    """
+    Return what an accelerometer away from the body origin feels: a + w' x r + w x (w x r) + g up.
+
+    Parameters
+    ----------
+    velocity, rates : tuple of float
+        Velocity v of the body origin [m/s] and angular rate w [rad/s], body frame.
+    velocity_rate, rates_rate : tuple of float
+        Their derivatives as seen in the body [m/s^2, rad/s^2]: the origin accelerates by
+        a = v' + w x v.
+    up : tuple of float
+        The map's vertical in the body frame: the last row of the rotation body to map.
+    position : tuple of float
+        Place r of the sensor in the body frame. [m]
+    gravity : float
+        Acceleration of free fall. [m/s^2]
+
+    Returns
+    -------
+    tuple of float
+        Specific force in the body frame; +gravity along `up` at rest. [m/s^2]
+
+    """
+    wx, wy, wz = rates
+    dx, dy, dz = rates_rate
+    rx, ry, rz = position
+    # v + w x r is the sensor's own velocity, so both products with w become one.
+    ux = velocity[0] + wy * rz - wz * ry
+    uy = velocity[1] + wz * rx - wx * rz
+    uz = velocity[2] + wx * ry - wy * rx
+    return (
+        velocity_rate[0] + dy * rz - dz * ry + wy * uz - wz * uy + gravity * up[0],
+        velocity_rate[1] + dz * rx - dx * rz + wz * ux - wx * uz + gravity * up[1],
+        velocity_rate[2] + dx * ry - dy * rx + wx * uy - wy * ux + gravity * up[2],
+    )
+
+
+def measure(
+    errors: ImuErrors, force: Vector, rates: Vector, rng: Generator
+) -> tuple[Vector, Vector]:
+    """
+    Return one sample.
+
+    Parameters
+    ----------
+    errors : ImuErrors
+        The errors of this flight.
+    force, rates : tuple of float
+        True specific force [m/s^2] and angular rate [rad/s] at the sensor, body frame.
+    rng : Generator
+        Source of chance.
+
+    Returns
+    -------
+    tuple
+        Specific force [m/s^2] and angular rate [rad/s], rounded to counts, clipped at full scale.
+
+    """
+    read = [
+        max(-end, min(end, round((gain * truth + offset + noise * x) / step) * step))
+        for truth, x, gain, offset, noise, step, end in zip(
+            (*force, *rates),
+            rng.standard_normal(6).tolist(),
+            errors.gain,
+            errors.offset,
+            errors.noise,
+            errors.step,
+            errors.full_scale,
+            strict=True,
+        )
+    ]
+    return (read[0], read[1], read[2]), (read[3], read[4], read[5])

@@ -1,0 +1,94 @@
+"""
+INA219 power meter on a 0.1 ohm shunt: voltage and current of the cell or of the panel.
+
+TI's data sheet: bus voltage in steps of 4 mV, shunt voltage in steps of 10 uV up to 320 mV,
+typical errors of 0.2 % and, at the widest gain, 40 uV of shunt offset. The 10 uV are reached by
+averaging 128 conversions in 68 ms, which fits a period of 100 ms. The data sheet gives no noise:
+half a step is assumed.
+"""
+
+from dataclasses import dataclass
+from typing import final
+
+from lta_config.settings import setting, Settings
+from numpy.random import Generator
+
+
+@final
+class PowerMeterSettings(Settings):
+    """Steps, limits and errors of the meter; errors bound uniform draws."""
+
+    voltage_step: float = setting(4e-3, 'Size of a count.', unit='V', low=1e-6, high=1.0)
+    voltage_noise: float = setting(
+        2e-3, 'Standard deviation before rounding.', unit='V', low=0.0, high=1.0
+    )
+    current_step: float = setting(1e-4, 'Size of a count.', unit='A', low=1e-7, high=1.0)
+    current_noise: float = setting(
+        5e-5, 'Standard deviation before rounding.', unit='A', low=0.0, high=1.0
+    )
+    current_range: float = setting(
+        3.2, 'Largest current of either sign.', unit='A', low=0.01, high=100.0
+    )
+    scale: float = setting(
+        0.002, 'Largest scale error of voltage and of current.', low=0.0, high=0.1
+    )
+    current_offset: float = setting(4e-4, 'Largest offset.', unit='A', low=0.0, high=0.1)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class PowerMeterErrors:
+    """What stays the same during a flight: two factors, and the current's offset. [A]"""
+
+    voltage_gain: float
+    current_gain: float
+    current_offset: float
+
+
+def draw(settings: PowerMeterSettings, rng: Generator) -> PowerMeterErrors:
+    """Return the errors of one flight."""
+    voltage, current, offset = rng.uniform(-1.0, 1.0, 3).tolist()
+    return PowerMeterErrors(
+        voltage_gain=1.0 + settings.scale * voltage,
+        current_gain=1.0 + settings.scale * current,
+        current_offset=settings.current_offset * offset,
+    )
+
+
+def measure(
+    settings: PowerMeterSettings,
+    errors: PowerMeterErrors,
+    voltage: float,
+    current: float,
+    rng: Generator,
+) -> tuple[float, float]:
+    """
+    Return one reading.
+
+    Parameters
+    ----------
+    settings : PowerMeterSettings
+        Steps, noise and range.
+    errors : PowerMeterErrors
+        The errors of this flight.
+    voltage : float
+        True voltage. [V]
+    current : float
+        True current; the sign is kept. [A]
+    rng : Generator
+        Source of chance.
+
+    Returns
+    -------
+    tuple of float
+        Voltage [V], never below 0, and current [A], clipped at the range.
+
+    """
+    x, y = rng.standard_normal(2).tolist()
+    volts = errors.voltage_gain * voltage + settings.voltage_noise * x
+    amperes = errors.current_gain * current + errors.current_offset + settings.current_noise * y
+    limit = settings.current_range
+    return (
+        max(0.0, round(volts / settings.voltage_step) * settings.voltage_step),
+        max(-limit, min(limit, round(amperes / settings.current_step) * settings.current_step)),
+    )
