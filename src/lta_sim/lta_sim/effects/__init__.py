@@ -1,0 +1,89 @@
+"""
+The effects of which the model is the sum, by name.
+
+The order of EFFECTS is the layout of the parameter vector and of the memory; effects installed by
+others under the entry point group `lta.effects` follow in alphabetical order of their names.
+"""
+
+from importlib.metadata import entry_points
+
+from lta_config.errors import BadInput, unknown
+from lta_sim.effects import (
+    added_mass,
+    floor_contact,
+    linear_drag,
+    motor_lag,
+    quadratic_drag,
+    rotor_thrust,
+    weight_and_buoyancy,
+)
+from lta_sim.effects.protocol import ActuatorEffect, Effect, InertiaEffect, WrenchEffect
+from lta_sim.state import ACTUATORS
+
+GROUP = 'lta.effects'
+
+
+def merged(known: dict[str, Effect]) -> dict[str, Effect]:
+    """
+    Return the built-in effects and then the installed ones.
+
+    Raises
+    ------
+    BadInput
+        If an installed effect takes a name that exists, or is no effect.
+
+    """
+    effects = dict(known)
+    for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
+        effect = point.load()
+        if not isinstance(effect, WrenchEffect | ActuatorEffect | InertiaEffect):
+            raise BadInput(
+                f'The entry point {point.name} of {GROUP} is {point.value}, which is no effect; '
+                'let it name a WrenchEffect, ActuatorEffect or InertiaEffect.'
+            )
+        if effect.name in effects:
+            raise BadInput(
+                f'The effect {effect.name} of {point.value} exists already; '
+                'rename or uninstall it.'
+            )
+        effects[effect.name] = effect
+    return effects
+
+
+EFFECTS: dict[str, Effect] = merged(
+    {
+        'weight_and_buoyancy': weight_and_buoyancy.EFFECT,
+        'added_mass': added_mass.EFFECT,
+        'linear_drag': linear_drag.EFFECT,
+        'quadratic_drag': quadratic_drag.EFFECT,
+        'motor_lag': motor_lag.EFFECT,
+        'rotor_thrust': rotor_thrust.EFFECT,
+        'floor_contact': floor_contact.EFFECT,
+    }
+)
+
+
+def get(name: str) -> Effect:
+    """
+    Return an effect by name.
+
+    Raises
+    ------
+    BadInput
+        If there is none; the sentence names the known ones.
+
+    """
+    if name not in EFFECTS:
+        raise unknown('effect', name, list(EFFECTS))
+    return EFFECTS[name]
+
+
+def initial_memory() -> tuple[float, ...]:
+    """Return the initial memory of all effects, in the layout of the state."""
+    return tuple(
+        value
+        for effect in EFFECTS.values()
+        if isinstance(effect, ActuatorEffect)
+        for _ in range(ACTUATORS)
+        for _, value in effect.memory
+    )

@@ -1,0 +1,42 @@
+"""
+First-order lag of each motor, slower or faster up than down.
+
+    d/dt m = (u - m) / tau,   tau = `up` while |u| > |m|, else `down`;   the rotor turns at m
+
+u is the commanded duty, m the memory. Both time constants zero: the rotor turns at u. 72 ms fits a
+7 mm motor with a 45 mm propeller (Eschmann, Albani and Loianno 2024, arXiv:2404.07837).
+"""
+
+from collections.abc import Mapping
+
+from lta_sim.effects.protocol import ActuatorEffect, Parameter, Values
+
+_SOURCE = 'Eschmann 2024: 72 ms for a 7 mm motor; prior: the scatter of published motors'
+
+PARAMETERS = (
+    Parameter('up', 's', 0.0, 1e-3, 10.0, 0.03, _SOURCE),
+    Parameter('down', 's', 0.0, 1e-3, 10.0, 0.03, _SOURCE),
+)
+
+
+def output(p: Values, memory: Values, duty: float) -> float:
+    """Return the duty at which the rotor turns."""
+    up, down = p
+    return duty if up + down == 0.0 else memory[0]
+
+
+def rate(p: Values, memory: Values, duty: float) -> Values:
+    """Return d/dt of the lagged duty."""
+    up, down = p
+    tau = up if abs(duty) > abs(memory[0]) else down
+    return ((duty - memory[0]) / tau if tau > 0.0 else 0.0,)
+
+
+def check(values: Mapping[str, float]) -> str:
+    """Return why a lag in one direction only cannot be: its memory would have to jump."""
+    if (values['up'] == 0.0) != (values['down'] == 0.0):
+        return 'up and down must both be zero (no lag) or both be positive'
+    return ''
+
+
+EFFECT = ActuatorEffect('motor_lag', PARAMETERS, (('duty', 0.0),), output, rate, check)

@@ -1,0 +1,97 @@
+"""
+Keep compiled kernels on disk, each in a folder named by the hash of its source.
+
+numba's own cache looks at one file only: it does not see an edit in a file that the kernel
+imports. Here the kernel is one self-contained text and its hash is the name of its folder, so that
+a compiled kernel is found again exactly when every line of it is the same.
+"""
+
+import atexit
+import hashlib
+import importlib.util
+import os
+from pathlib import Path
+import shutil
+import sys
+import tempfile
+from types import ModuleType
+
+# One time for all writers, since numba takes another time for another source.
+EPOCH = 1_000_000_000
+
+
+def cache_root() -> Path:
+    """Return the folder of all kernels, as the XDG base directory specification says."""
+    base = os.environ.get('XDG_CACHE_HOME') or str(Path.home() / '.cache')
+    return Path(base) / 'lta' / 'kernels'
+
+
+def store(source: str, root: Path) -> Path:
+    """
+    Put a kernel into its folder unless it is there, safely among concurrent processes.
+
+    Parameters
+    ----------
+    source : str
+        Text of the kernel.
+    root : Path
+        Folder of all kernels.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    OSError
+        If the folder cannot be written, which numba must do as well.
+
+    """
+    folder = root / hashlib.sha256(source.encode()).hexdigest()[:16]
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / 'kernel.py'
+    if not os.access(folder, os.W_OK):
+        raise PermissionError(f'{folder} cannot be written.')
+    if path.exists() and path.read_text(encoding='utf-8') == source:
+        return path
+    with tempfile.NamedTemporaryFile('w', dir=folder, suffix='.tmp', delete=False) as file:
+        file.write(source)
+    temporary = Path(file.name)
+    os.utime(temporary, (EPOCH, EPOCH))
+    temporary.replace(path)
+    return path
+
+
+def load(source: str, root: Path | None = None) -> ModuleType:
+    """
+    Return a kernel as a module; a temporary folder serves where the cache cannot be written.
+
+    Parameters
+    ----------
+    source : str
+        Text of the kernel.
+    root : Path, optional
+        Folder of all kernels; `cache_root()` if not given.
+
+    Returns
+    -------
+    module
+        The kernel, compiled on the first call of each of its functions.
+
+    """
+    try:
+        path = store(source, root or cache_root())
+    except OSError:
+        folder = tempfile.mkdtemp(prefix='lta-kernels-')
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+        path = store(source, Path(folder))
+    name = f'lta_kernel_{path.parent.name}'
+    specification = importlib.util.spec_from_file_location(name, path)
+    assert specification is not None
+    assert specification.loader is not None
+    module = importlib.util.module_from_spec(specification)
+    # numba finds the functions of a cached kernel by the name of their module.
+    sys.modules[name] = module
+    specification.loader.exec_module(module)
+    return module
