@@ -1,0 +1,39 @@
+"""Attitude as people read it."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
+
+
+class Angles(NamedTuple):
+    """Yaw in (-pi, pi], pitch in [-pi/2, pi/2] and roll in (-pi, pi], each of shape (n,). [rad]"""
+
+    yaw: NDArray[np.float64]
+    pitch: NDArray[np.float64]
+    roll: NDArray[np.float64]
+
+
+def angles(quaternions: ArrayLike) -> Angles:
+    """
+    Return yaw, pitch and roll: turn by yaw about z, then pitch about y, then roll about x.
+
+    Parameters
+    ----------
+    quaternions : array_like, shape (n, 4)
+        Body to world as x, y, z, w; any length but zero. Zero, which ROS leaves in a message
+        that nobody filled in, gives NaN.
+
+    Notes
+    -----
+    REP-103: with z up and x forward, positive pitch is nose down.
+
+    """
+    given = np.asarray(quaternions, dtype=np.float64).reshape(-1, 4)
+    result = np.full((len(given), 3), np.nan)
+    length = np.linalg.norm(given, axis=1)
+    usable = np.isfinite(length) & (length > 0.0)
+    if usable.any():
+        result[usable] = Rotation.from_quat(given[usable]).as_euler('ZYX')
+    return Angles(*result.T)

@@ -1,0 +1,143 @@
+"""Messages that carry packed samples: ADC blocks (Image) and point lists (PointCloud2)."""
+
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+from lta_config.errors import BadInput, unknown
+import numpy as np
+from numpy.typing import NDArray
+
+PIXELS = {'8UC1': 'u1', '16UC1': 'u2', '16SC1': 'i2', '32SC1': 'i4', '32FC1': 'f4', '64FC1': 'f8'}
+POINT_TYPES = {1: 'i1', 2: 'u1', 3: 'i2', 4: 'u2', 5: 'i4', 6: 'u4', 7: 'f4', 8: 'f8'}
+
+
+class Image(Protocol):
+    """sensor_msgs/Image, decoded."""
+
+    height: int
+    width: int
+    encoding: str
+    is_bigendian: int
+    step: int
+    data: NDArray[np.uint8]
+
+
+class PointField(Protocol):
+    """sensor_msgs/PointField, decoded."""
+
+    name: str
+    offset: int
+    datatype: int
+    count: int
+
+
+class PointCloud(Protocol):
+    """sensor_msgs/PointCloud2, decoded."""
+
+    height: int
+    width: int
+    fields: list[PointField]
+    is_bigendian: bool
+    point_step: int
+    row_step: int
+    data: NDArray[np.uint8]
+
+
+def image_block(image: Image) -> NDArray[Any]:
+    """
+    Return the samples of a one-channel sensor_msgs/Image.
+
+    Parameters
+    ----------
+    image : Image
+        Decoded message.
+
+    Returns
+    -------
+    ndarray, shape (rows, columns)
+        Of the type that `encoding` names.
+
+    Raises
+    ------
+    BadInput
+        If the encoding has several channels or the data are too short.
+
+    """
+    if image.encoding not in PIXELS:
+        raise unknown('image encoding', image.encoding, list(PIXELS))
+    kind = np.dtype(('>' if image.is_bigendian else '<') + PIXELS[image.encoding])
+    shape = (image.height, image.width)
+    strides = (image.step, kind.itemsize)
+    if len(image.data) < image.height * image.step or image.step < image.width * kind.itemsize:
+        raise BadInput(
+            f'An image of {image.height} x {image.width} holds {len(image.data)} bytes with '
+            f'{image.step} a row, which do not fit; record it again.'
+        )
+    samples: NDArray[Any] = np.ndarray(shape, kind, image.data.tobytes(), strides=strides)
+    return samples.astype(kind.newbyteorder('='))
+
+
+def stacked_blocks(images: Sequence[Image]) -> NDArray[Any]:
+    """
+    Return the samples of images of one shape.
+
+    Returns
+    -------
+    ndarray, shape (n, rows, columns)
+        (0, 0, 0) without images.
+
+    """
+    blocks = [image_block(image) for image in images]
+    shapes = {block.shape for block in blocks}
+    if len(shapes) > 1:
+        raise BadInput(
+            f'Blocks of different shape ({", ".join(map(str, sorted(shapes)))}) cannot be '
+            'stacked; read them one by one.'
+        )
+    return np.stack(blocks) if blocks else np.empty((0, 0, 0), np.uint16)
+
+
+def cloud_fields(cloud: PointCloud) -> dict[str, NDArray[np.float64]]:
+    """
+    Return the points of a sensor_msgs/PointCloud2 by field.
+
+    Returns
+    -------
+    dict of str to ndarray, shape (points,)
+        Fields of one value a point, row after row.
+
+    """
+    single = [field for field in cloud.fields if field.count == 1]
+    order = '>' if cloud.is_bigendian else '<'
+    kind = np.dtype(
+        {
+            'names': [field.name for field in single],
+            'formats': [order + POINT_TYPES[field.datatype] for field in single],
+            'offsets': [field.offset for field in single],
+            'itemsize': cloud.point_step,
+        }
+    )
+    rows = cloud.data[: cloud.height * cloud.row_step].reshape(cloud.height, cloud.row_step)
+    used = np.ascontiguousarray(rows[:, : cloud.width * cloud.point_step])
+    points = used.reshape(-1).view(kind)
+    return {field.name: points[field.name].astype(np.float64) for field in single}
+
+
+def stacked_clouds(clouds: Sequence[PointCloud]) -> dict[str, NDArray[np.float64]]:
+    """
+    Return the points of several clouds by field.
+
+    Returns
+    -------
+    dict of str to ndarray, shape (n, points)
+        NaN where a cloud has fewer points than the largest, or lacks the field.
+
+    """
+    found = [cloud_fields(cloud) for cloud in clouds]
+    names = dict.fromkeys(name for fields in found for name in fields)
+    most = max((len(column) for fields in found for column in fields.values()), default=0)
+    result = {name: np.full((len(found), most), np.nan) for name in names}
+    for row, fields in enumerate(found):
+        for name, column in fields.items():
+            result[name][row, : len(column)] = column
+    return result

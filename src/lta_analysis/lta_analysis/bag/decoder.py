@@ -1,0 +1,63 @@
+"""Messages as objects, by the definitions that the bag brings along; no ROS needed."""
+
+from collections.abc import Mapping
+from typing import final
+
+from lta_config.errors import BadInput
+from mcap.records import Schema
+from rosbags.serde import SerdeError
+from rosbags.typesys import get_types_from_idl, get_types_from_msg, get_typestore, Stores
+from rosbags.typesys.base import TypesysError
+
+
+@final
+class Decoder:
+    """
+    Turns CDR into message objects.
+
+    Parameters
+    ----------
+    schemas : mapping of str to Schema
+        The bag's definitions by type name.
+
+    """
+
+    def __init__(self, schemas: Mapping[str, Schema]) -> None:
+        self._schemas = schemas
+        self._types = get_typestore(Stores.EMPTY)
+
+    def decode(self, type_name: str, data: bytes) -> object:
+        """
+        Return a message as an object with ROS's attribute names; arrays are numpy's.
+
+        Raises
+        ------
+        BadInput
+            If the bag's definition or the message cannot be used.
+
+        """
+        if type_name not in self._types.fielddefs:
+            self._learn(type_name)
+        try:
+            return self._types.deserialize_cdr(data, type_name)
+        except (SerdeError, IndexError) as error:
+            raise BadInput(
+                f"A message does not fit the bag's own definition of '{type_name}' ({error}); "
+                'leave this topic out or record it again.'
+            ) from error
+
+    def _learn(self, type_name: str) -> None:
+        """Take a type and all its parts from the bag."""
+        schema = self._schemas[type_name]
+        text = schema.data.decode(errors='replace')
+        try:
+            if schema.encoding == 'ros2idl':
+                found = get_types_from_idl(text)
+            else:
+                found = get_types_from_msg(text, type_name)
+            self._types.register(found)
+        except (TypesysError, SyntaxError, KeyError, ValueError) as error:
+            raise BadInput(
+                f"The bag's definition of '{type_name}' ({schema.encoding or 'none'}) cannot be "
+                'read; leave this topic out.'
+            ) from error

@@ -1,0 +1,60 @@
+"""One topic of a flight as arrays over time."""
+
+from dataclasses import dataclass
+from typing import Any, final
+
+from lta_config.errors import unknown
+import numpy as np
+from numpy.typing import NDArray
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Series:
+    """
+    Fields of one topic over time; `series['pose.pose.position.x']` is one of them.
+
+    Attributes
+    ----------
+    time : ndarray, shape (n,)
+        Time since the start of the flight, in the order of recording. [s]
+    numbers : dict of str to ndarray, shape (n,)
+        Numeric fields by path, in the units of the message.
+    texts : dict of str to ndarray of str, shape (n,)
+        Text fields by path.
+
+    """
+
+    time: NDArray[np.float64]
+    numbers: dict[str, NDArray[Any]]
+    texts: dict[str, NDArray[Any]]
+
+    def __len__(self) -> int:
+        """Return the number of messages."""
+        return len(self.time)
+
+    def __getitem__(self, path: str) -> NDArray[Any]:
+        """Return one numeric field; an unknown path is a `BadInput` that lists the known."""
+        if path not in self.numbers:
+            raise unknown('field', path, list(self.numbers))
+        return self.numbers[path]
+
+    def vector(self, path: str) -> NDArray[np.float64]:
+        """
+        Return a field with parts x, y, z and perhaps w.
+
+        Parameters
+        ----------
+        path : str
+            For example 'pose.pose.position' or 'pose.pose.orientation'.
+
+        Returns
+        -------
+        ndarray, shape (n, 3) or (n, 4)
+            The parts in this order.
+
+        """
+        parts = [self[f'{path}.{axis}'] for axis in 'xyz']
+        if f'{path}.w' in self.numbers:
+            parts.append(self.numbers[f'{path}.w'])
+        return np.stack(parts, axis=1).astype(np.float64)
