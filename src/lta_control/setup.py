@@ -17,9 +17,11 @@ setup(
     maintainer_email='maintainers@users.noreply.github.com',
     description='What the drone decides: estimation, cascaded control, allocation and navigation.',
     license='Apache-2.0',
-    entry_points={'console_scripts': [
-        'estimator = lta_control.nodes.estimator:main',
-        'controller = lta_control.nodes.controller:main',
-        'navigator = lta_control.nodes.navigator:main',
-    ]},
+    entry_points={
+        'console_scripts': [
+            'estimator = lta_control.nodes.estimator:main',
+            'controller = lta_control.nodes.controller:main',
+            'navigator = lta_control.nodes.navigator:main',
+        ]
+    },
 )

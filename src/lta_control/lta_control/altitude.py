@@ -1,0 +1,108 @@
+"""
+Altitude from range, pressure and vertical acceleration.
+
+A Kalman filter with three states: height of the hull centre above the floor, climb rate, and the
+offset of the pressure height, which weather and temperature move slowly. Range fixes the height
+while the floor is in reach; pressure carries on when it is not.
+"""
+
+from typing import NamedTuple
+
+from lta_config.settings import setting, Settings
+
+
+class AltitudeSettings(Settings):
+    """What the filter believes of its inputs."""
+
+    acceleration_noise: float = setting(
+        0.15, 'Error of the vertical acceleration.', unit='m/s2', low=1e-3, high=10.0
+    )
+    offset_walk: float = setting(
+        0.02, 'Wander of the pressure height in one second.', unit='m/s^0.5', low=0.0, high=1.0
+    )
+    range_noise: float = setting(0.01, 'Error of the range.', unit='m', low=1e-3, high=1.0)
+    pressure_noise: float = setting(
+        0.15, 'Error of the pressure height.', unit='m', low=1e-3, high=10.0
+    )
+
+
+class Altitude(NamedTuple):
+    """Estimate and covariance (upper triangle, row by row)."""
+
+    height: float = 0.0  # [m]
+    climb: float = 0.0  # [m/s]
+    offset: float = 0.0  # [m]
+    p: tuple[float, float, float, float, float, float] = (1.0, 0.0, 0.0, 0.01, 0.0, 1.0)
+
+
+def predict(
+    state: Altitude, acceleration: float, noise: float, walk: float, dt: float
+) -> Altitude:
+    """
+    Return the estimate one step later.
+
+    Parameters
+    ----------
+    state : Altitude
+        Before the step.
+    acceleration : float
+        Measured upward acceleration, gravity removed. [m/s2]
+    noise, walk : float
+        Standard deviations of the acceleration [m/s2] and of the offset's walk [m/s^0.5].
+    dt : float
+        Time step. [s]
+
+    """
+    p00, p01, p02, p11, p12, p22 = state.p
+    q = noise * noise
+    half = 0.5 * dt * dt
+    return Altitude(
+        state.height + dt * state.climb + half * acceleration,
+        state.climb + dt * acceleration,
+        state.offset,
+        (
+            p00 + 2.0 * dt * p01 + dt * dt * p11 + half * half * q,
+            p01 + dt * p11 + half * dt * q,
+            p02 + dt * p12,
+            p11 + dt * dt * q,
+            p12,
+            p22 + dt * walk * walk,
+        ),
+    )
+
+
+def correct(state: Altitude, measured: float, noise: float, with_offset: bool) -> Altitude:
+    """
+    Return the estimate after one measurement of the height.
+
+    Parameters
+    ----------
+    state : Altitude
+        Before the measurement.
+    measured : float
+        Height of the hull centre by this sensor. [m]
+    noise : float
+        Standard deviation. [m]
+    with_offset : bool
+        Whether the sensor reads height plus the pressure offset.
+
+    """
+    p00, p01, p02, p11, p12, p22 = state.p
+    c = 1.0 if with_offset else 0.0
+    h0, h1, h2 = p00 + c * p02, p01 + c * p12, p02 + c * p22  # P H^T
+    size = h0 + c * h2 + noise * noise
+    k0, k1, k2 = h0 / size, h1 / size, h2 / size
+    error = measured - state.height - c * state.offset
+    return Altitude(
+        state.height + k0 * error,
+        state.climb + k1 * error,
+        state.offset + k2 * error,
+        (
+            p00 - k0 * h0,
+            p01 - k0 * h1,
+            p02 - k0 * h2,
+            p11 - k1 * h1,
+            p12 - k1 * h2,
+            p22 - k2 * h2,
+        ),
+    )

@@ -1,0 +1,63 @@
+"""
+Attitude from gyroscope and accelerometer.
+
+A complementary filter on the rotation group (Mahony, Hamel and Pflimlin 2008,
+doi:10.1109/TAC.2008.923738, without the bias estimate: the bias is measured at rest before take-off).
+Gravity corrects roll and pitch; nothing on board corrects heading, which drifts with the gyroscope.
+"""
+
+import math
+
+Quaternion = tuple[float, float, float, float]  # x, y, z, w; body to odom
+Vector = tuple[float, float, float]
+
+
+def up_in_body(q: Quaternion) -> Vector:
+    """Return the world's up direction in the body frame."""
+    x, y, z, w = q
+    return 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), w * w - x * x - y * y + z * z
+
+
+def heading(q: Quaternion) -> float:
+    """Return the yaw of a body-to-world quaternion, REP-103. [rad]."""
+    x, y, z, w = q
+    return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+
+
+def attitude_step(
+    q: Quaternion, rates: Vector, force: Vector, gain: float, dt: float
+) -> Quaternion:
+    """
+    Return the attitude one step later.
+
+    Parameters
+    ----------
+    q : tuple
+        Body to odom, x y z w.
+    rates : tuple
+        Angular rates, bias removed, body frame. [rad/s]
+    force : tuple
+        Specific force, bias removed, body frame; +g up at rest. [m/s2]
+    gain : float
+        How fast gravity pulls roll and pitch. [1/s]
+    dt : float
+        Time step. [s]
+
+    """
+    fx, fy, fz = force
+    size = math.sqrt(fx * fx + fy * fy + fz * fz)
+    ux, uy, uz = up_in_body(q)
+    wx, wy, wz = rates
+    if size > 0.0:
+        k = gain / size
+        wx += k * (fy * uz - fz * uy)
+        wy += k * (fz * ux - fx * uz)
+        wz += k * (fx * uy - fy * ux)
+    x, y, z, w = q
+    h = 0.5 * dt
+    nx = x + h * (w * wx + y * wz - z * wy)
+    ny = y + h * (w * wy + z * wx - x * wz)
+    nz = z + h * (w * wz + x * wy - y * wx)
+    nw = w - h * (x * wx + y * wy + z * wz)
+    norm = math.sqrt(nx * nx + ny * ny + nz * nz + nw * nw)
+    return nx / norm, ny / norm, nz / norm, nw / norm

@@ -1,0 +1,242 @@
+"""
+The drone's own idea of its motion, from its sensors and commands only.
+
+At rest on level ground it first learns the biases of the IMU and the pressure of the floor
+(`rest_time`). Then attitude, altitude and airspeed are filtered step by step. Position is dead
+reckoning through the air and says so by its covariance.
+"""
+
+import math
+from typing import NamedTuple
+
+from lta_config.settings import setting, Settings
+from lta_control.airspeed import Airspeed, airspeed_step, Hull
+from lta_control.altitude import Altitude, AltitudeSettings, correct, predict
+from lta_control.attitude import attitude_step, heading, Quaternion, up_in_body, Vector
+
+GRAVITY = 9.80665  # m/s2, standard; the accelerometer's scale is calibrated against it at rest
+
+
+class EstimatorSettings(Settings):
+    """How the filters weigh what they hear."""
+
+    rest_time: float = setting(
+        2.0, 'Time at rest for learning the biases.', unit='s', low=0.1, high=60.0, fixed=True
+    )
+    gravity_gain: float = setting(
+        0.1, 'How fast gravity corrects roll and pitch.', unit='1/s', low=0.0, high=5.0
+    )
+    accelerometer_trust: float = setting(
+        1.0,
+        'Time over which integrated acceleration is believed against the drag model.',
+        unit='s',
+        low=0.05,
+        high=60.0,
+    )
+    air_density: float = setting(
+        1.204, 'Density of the air, for the pressure height.', unit='kg/m3', low=0.5, high=2.0
+    )
+    altitude: AltitudeSettings = setting(AltitudeSettings(), 'The altitude filter.')
+
+
+class Body(NamedTuple):
+    """
+    What the estimator knows of the vehicle.
+
+    Attributes
+    ----------
+    hull : Hull
+        The drag model.
+    range_position : tuple
+        Where the range sensor sits, body frame. [m]
+    allocation : tuple of tuple of float
+        B: one column a rotor. [N/N, m]
+    a, b : float
+        Thrust curve T = a u^2 + b u. [N]
+    lag_up, lag_down : float
+        Time constants of the motors. [s]
+
+    """
+
+    hull: Hull
+    range_position: Vector
+    allocation: tuple[tuple[float, ...], ...]
+    a: float
+    b: float
+    lag_up: float
+    lag_down: float
+
+
+class Rest(NamedTuple):
+    """Sums gathered at rest; the mean of each is a bias."""
+
+    count: int = 0
+    rates: Vector = (0.0, 0.0, 0.0)
+    force: Vector = (0.0, 0.0, 0.0)
+    pressure: float = 0.0
+    pressures: int = 0
+
+
+class Biases(NamedTuple):
+    """What the sensors read at rest beyond the truth."""
+
+    rates: Vector  # [rad/s]
+    force: Vector  # [m/s2]
+    pressure: float  # at the floor [Pa]
+
+
+class Estimate(NamedTuple):
+    """Everything the estimator remembers; `biases` is None until the rest is over."""
+
+    rest: Rest = Rest()
+    biases: Biases | None = None
+    attitude: Quaternion = (0.0, 0.0, 0.0, 1.0)
+    rates: Vector = (0.0, 0.0, 0.0)
+    altitude: Altitude = Altitude()
+    airspeed: Airspeed = Airspeed()
+    position: tuple[float, float] = (0.0, 0.0)
+    duties: tuple[float, ...] = ()
+    flown: float = 0.0  # time since the rest ended [s]
+
+
+class Inputs(NamedTuple):
+    """One step's new measurements; None where nothing has come."""
+
+    rates: Vector  # [rad/s]
+    force: Vector  # specific force [m/s2]
+    range: float | None  # [m]
+    pressure: float | None  # [Pa]
+    duties: tuple[float, ...] | None
+
+
+def estimator_step(
+    settings: EstimatorSettings, body: Body, state: Estimate, inputs: Inputs, dt: float
+) -> Estimate:
+    """Return the estimate after one IMU sample and whatever else has come with it."""
+    if state.biases is None:
+        return _learn_at_rest(settings, body, state, inputs, dt)
+    rates = _minus(inputs.rates, state.biases.rates)
+    force = _minus(inputs.force, state.biases.force)
+    attitude = attitude_step(state.attitude, rates, force, settings.gravity_gain, dt)
+    ux, uy, uz = up_in_body(attitude)
+    ax, ay, az = _minus(force, (GRAVITY * ux, GRAVITY * uy, GRAVITY * uz))
+    altitude = _altitude(
+        settings, body, state, inputs, (ux, uy, uz), ux * ax + uy * ay + uz * az, dt
+    )
+    duties = _lagged(body, state.duties, inputs.duties, dt)
+    airspeed = airspeed_step(
+        body.hull,
+        state.airspeed,
+        _rotor_force(body, duties),
+        (ax, ay),
+        rates[2],
+        settings.accelerometer_trust,
+        dt,
+    )
+    return Estimate(
+        rest=state.rest,
+        biases=state.biases,
+        attitude=attitude,
+        rates=rates,
+        altitude=altitude,
+        airspeed=airspeed,
+        position=_moved(state.position, airspeed, heading(attitude), dt),
+        duties=duties,
+        flown=state.flown + dt,
+    )
+
+
+def _minus(a: Vector, b: Vector) -> Vector:
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+def _plus(a: Vector, b: Vector) -> Vector:
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+def _learn_at_rest(
+    settings: EstimatorSettings, body: Body, state: Estimate, inputs: Inputs, dt: float
+) -> Estimate:
+    """Gather means while the drone stands still; the floor it stands on counts as level."""
+    rest = state.rest
+    heard = inputs.pressure is not None
+    rest = Rest(
+        rest.count + 1,
+        _plus(rest.rates, inputs.rates),
+        _plus(rest.force, inputs.force),
+        rest.pressure + (inputs.pressure or 0.0),
+        rest.pressures + heard,
+    )
+    altitude = state.altitude
+    if inputs.range is not None and math.isfinite(inputs.range):
+        height = inputs.range - body.range_position[2]
+        altitude = correct(altitude, height, settings.altitude.range_noise, False)
+    if rest.count * dt < settings.rest_time or rest.pressures == 0:
+        return state._replace(rest=rest, altitude=altitude)
+    n = float(rest.count)
+    fx, fy, fz = rest.force
+    biases = Biases(
+        (rest.rates[0] / n, rest.rates[1] / n, rest.rates[2] / n),
+        (fx / n, fy / n, fz / n - GRAVITY),
+        rest.pressure / rest.pressures + settings.air_density * GRAVITY * altitude.height,
+    )
+    return state._replace(rest=rest, biases=biases, altitude=altitude)
+
+
+def _altitude(
+    settings: EstimatorSettings,
+    body: Body,
+    state: Estimate,
+    inputs: Inputs,
+    up: Vector,
+    acceleration: float,
+    dt: float,
+) -> Altitude:
+    weights = settings.altitude
+    altitude = predict(
+        state.altitude, acceleration, weights.acceleration_noise, weights.offset_walk, dt
+    )
+    if inputs.pressure is not None and state.biases is not None:
+        drop = state.biases.pressure - inputs.pressure
+        height = drop / (settings.air_density * GRAVITY)
+        altitude = correct(altitude, height, weights.pressure_noise, True)
+    if inputs.range is not None and math.isfinite(inputs.range) and up[2] > 0.5:
+        px, py, pz = body.range_position
+        below = px * up[0] + py * up[1] + pz * up[2]
+        altitude = correct(altitude, inputs.range * up[2] - below, weights.range_noise, False)
+    return altitude
+
+
+def _lagged(
+    body: Body, duties: tuple[float, ...], commanded: tuple[float, ...] | None, dt: float
+) -> tuple[float, ...]:
+    """Return the duties that the motors have reached, by the nominal lag."""
+    if commanded is None:
+        return duties
+    before = duties or (0.0,) * len(commanded)
+    reached = []
+    for old, new in zip(before, commanded, strict=True):
+        lag = body.lag_up if new > old else body.lag_down
+        share = 1.0 - math.exp(-dt / lag) if lag > 0.0 else 1.0
+        reached.append(old + share * (new - old))
+    return tuple(reached)
+
+
+def _rotor_force(body: Body, duties: tuple[float, ...]) -> tuple[float, float]:
+    """Return the rotors' force along body x and y. [N]."""
+    fx = fy = 0.0
+    for column, u in zip(body.allocation, duties, strict=False):
+        thrust = (body.a * abs(u) + body.b) * u
+        fx += column[0] * thrust
+        fy += column[1] * thrust
+    return fx, fy
+
+
+def _moved(
+    position: tuple[float, float], speed: Airspeed, yaw: float, dt: float
+) -> tuple[float, float]:
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    return (
+        position[0] + dt * (cos * speed.surge - sin * speed.sway),
+        position[1] + dt * (sin * speed.surge + cos * speed.sway),
+    )

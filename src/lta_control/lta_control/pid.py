@@ -1,0 +1,57 @@
+"""
+One PID loop: state in, state out.
+
+The derivative acts on the measurement, so that a step of the setpoint does not kick. The integral
+is unwound by what saturation took away, here or further down the chain (back-calculation, Astrom
+and Haegglund, PID Controllers, 1995, section 3.5), with the tracking time kp / ki.
+"""
+
+from lta_config.settings import setting, Settings
+
+
+class PidGains(Settings):
+    """
+    Gains of one loop.
+
+    Output unit per unit of error, per second and so on; the loop's own docstring names the units.
+    """
+
+    kp: float = setting(0.0, 'Proportional gain.', low=0.0, high=100.0)
+    ki: float = setting(0.0, 'Integral gain.', unit='1/s', low=0.0, high=100.0)
+    kd: float = setting(0.0, 'Gain on the measured rate.', unit='s', low=0.0, high=100.0)
+    limit: float = setting(1.0, 'Largest output, either way.', low=0.0, high=100.0)
+
+
+def pid_step(
+    gains: tuple[float, float, float, float],
+    integral: float,
+    error: float,
+    rate: float,
+    shortfall: float,
+    dt: float,
+) -> tuple[float, float]:
+    """
+    Return the output and the new integral.
+
+    Parameters
+    ----------
+    gains : tuple
+        kp, ki, kd, limit.
+    integral : float
+        Integral term of the last step. [output]
+    error : float
+        Setpoint minus measurement.
+    rate : float
+        Rate of the measurement. [error unit / s]
+    shortfall : float
+        What the stage below delivered less than this loop's last output (<= 0 when it was too
+        much to ask). [output]
+    dt : float
+        Time since the last step. [s]
+
+    """
+    kp, ki, kd, limit = gains
+    wanted = kp * error + integral - kd * rate
+    output = min(max(wanted, -limit), limit)
+    unwind = ki / kp if kp > 0.0 else 0.0
+    return output, integral + dt * (ki * error + unwind * (output - wanted + shortfall))

@@ -1,0 +1,124 @@
+"""
+The scenario file: the world a flight happens in, its start and its goal.
+
+Map frame: origin on the floor at the centre of the room, ENU, z up.
+"""
+
+import math
+from typing import Annotated, Literal, Self
+
+from lta_config.files import find, load, Record
+from lta_config.quantity import Quantity, si
+from lta_sim.light_field import Ambient, Lamp, LightField, Room
+from lta_vlc.modulation import SquareWave
+from pydantic import AliasChoices, Field, model_validator
+
+GAS_CONSTANT_OF_AIR = 287.05  # J/(kg K), dry
+Point = Annotated[Quantity, si('m', low=-1000.0, high=1000.0, length=3)]
+Fraction = Annotated[Quantity, si('1', low=0.0, high=1.0)]
+
+
+class RoomShape(Record):
+    """A closed box around the origin, standing on the floor."""
+
+    size: Annotated[Quantity, si('m', above=0.0, high=1000.0, length=3)]
+    albedo: Annotated[float, Field(ge=0.0, lt=1.0)]
+
+
+class Air(Record):
+    """State and motion of the air."""
+
+    temperature: Annotated[Quantity, si('degC', low=-40.0, high=60.0)]
+    pressure: Annotated[Quantity, si('Pa', low=5e4, high=1.2e5)]
+    wind: Annotated[Quantity, si('m/s', low=-50.0, high=50.0, length=3)]
+
+    @property
+    def density(self) -> float:
+        """Density of dry air. [kg/m3]."""
+        return self.pressure.si / (GAS_CONSTANT_OF_AIR * (self.temperature.si + 273.15))
+
+
+class LampScene(Record):
+    """The beacon."""
+
+    position: Point
+    facing: Annotated[Quantity, si('1', length=3)]
+    flux: Annotated[Quantity, si('lm', low=0.0, high=1e7)]
+    frequency: Annotated[Quantity, si('Hz', above=0.0, high=1e5)]
+    duty: Annotated[Quantity, si('1', above=0.0, high=0.999)]
+
+
+class AmbientScene(Record):
+    """All light that is not the beacon's."""
+
+    steady: Annotated[Quantity, si('lx', low=0.0, high=2e5)]
+    mains_amplitude: Annotated[Quantity, si('lx', low=0.0, high=2e5)]
+    mains_frequency: Annotated[Quantity, si('Hz', above=0.0, high=1e4)]
+
+
+class Start(Record):
+    """Where and how the drone stands before take-off."""
+
+    position: Annotated[Quantity, si('m', low=-1000.0, high=1000.0, length=2)]
+    heading: Annotated[Quantity, si('rad')]
+    heading_spread: Annotated[Quantity, si('rad', low=0.0, high=math.pi)]
+    charge: Fraction
+
+
+class Goal(Record):
+    """What ends the flight."""
+
+    radius: Annotated[Quantity, si('m', above=0.0)]
+    time_limit: Annotated[Quantity, si('s', above=0.0, high=86400.0)]
+
+
+class Scenario(Record):
+    """A whole scenario file."""
+
+    schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
+    name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
+    about: str
+    room: RoomShape
+    air: Air
+    lamp: LampScene
+    ambient: AmbientScene
+    start: Start
+    goal: Goal
+
+    @model_validator(mode='after')
+    def _inside(self) -> Self:
+        length, width, height = self.room.size.vector
+        x, y, z = self.lamp.position.vector
+        if abs(x) > length / 2 or abs(y) > width / 2 or not 0 <= z <= height:
+            raise ValueError(f'has its lamp at {x, y, z} m, outside the room')
+        x, y = self.start.position.vector
+        if abs(x) > length / 2 or abs(y) > width / 2:
+            raise ValueError(f'has its start at {x, y} m, outside the room')
+        return self
+
+    @property
+    def light_field(self) -> LightField:
+        """The light of the scene; `BadInput` where the light itself cannot be."""
+        lamp, ambient = self.lamp, self.ambient
+        return LightField(
+            lamp=Lamp(
+                position=_three(lamp.position),
+                axis=_three(lamp.facing),
+                flux=lamp.flux.si,
+                wave=SquareWave(lamp.frequency.si, lamp.duty.si),
+            ),
+            room=Room(_three(self.room.size), self.room.albedo),
+            ambient=Ambient(
+                ambient.steady.si, ambient.mains_amplitude.si, ambient.mains_frequency.si
+            ),
+        )
+
+
+def _three(quantity: Quantity) -> tuple[float, float, float]:
+    x, y, z = quantity.vector
+    return x, y, z
+
+
+def load_scenario(name: str) -> Scenario:
+    """Return a scenario by shipped name or path; anything wrong is a `BadInput` sentence."""
+    return load(Scenario, find('scenario', name))
