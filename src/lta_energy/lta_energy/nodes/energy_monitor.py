@@ -1,0 +1,46 @@
+"""Keep the energy books of the drone from its meters, and say when the reserve is reached."""
+
+from typing import TYPE_CHECKING
+
+from lta_energy import alarms, messages
+from lta_energy.monitor import Estimate, MonitorSettings, update
+from lta_graph.ros.node import GraphNode, run
+from lta_graph.ros.parameters import Parameters
+
+if TYPE_CHECKING:
+    from lta_graph.inbox import Step
+    from sensor_msgs.msg import BatteryState, Illuminance
+
+
+class EnergyMonitor(GraphNode):
+    """Answer every battery message with charge, books and reserve, under the same stamp."""
+
+    def __init__(self) -> None:
+        super().__init__('energy_monitor')
+        self._settings = Parameters(self, MonitorSettings)
+        self._estimate = Estimate()
+        self._panel: 'BatteryState | None' = None
+        self._light: 'Illuminance | None' = None
+        self._battery = self.output('energy/battery')
+        self._status = self.output('energy/status')
+        self._reserve = self.output('energy/reserve')
+        self.listen(['battery', 'panel', 'illuminance'], 'battery', self._on_step)
+
+    def _on_step(self, step: 'Step') -> None:
+        measured = step.last('battery')
+        self._panel = step.last('panel') or self._panel
+        self._light = step.last('illuminance') or self._light
+        settings = self._settings.value
+        reading = messages.to_reading(measured, self._panel, self._light)
+        self._estimate = estimate = update(settings, self._estimate, reading)
+        verdict = alarms.battery(settings, estimate)
+        self._battery.publish(messages.from_charge(settings, estimate, measured))
+        self._status.publish(messages.from_books(settings, estimate, reading, verdict, measured))
+        self._reserve.publish(messages.from_reserve(estimate))
+        self.health.report('battery', *verdict)
+        self.health.report('meters', *alarms.meters(estimate, reading))
+
+
+def main(args: list[str] | None = None) -> None:
+    """Run the node until shutdown."""
+    run(EnergyMonitor, args)
