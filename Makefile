@@ -1,0 +1,52 @@
+# Two commands: `make demo` flies, `make test` checks everything. Both do only what is needed.
+# PYTHON=/path/to/python3 chooses the interpreter; ARGS='...' is passed on to lta fly or pytest.
+
+MAKEFLAGS += --no-print-directory
+SHELL := /bin/sh
+export OPENBLAS_NUM_THREADS := 1
+export OMP_NUM_THREADS := 1
+export PYTHON
+
+enter := root='$(CURDIR)' && . tools/workspace.sh
+pytest := $(enter) && .venv/bin/python -m pytest -q
+sources := config src test
+
+.PHONY: help demo build test test-long bench check format clean
+
+help:  ## this list
+	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
+
+demo: build  ## fly to the lamp; the last line says where the bag and the page are
+	@./lta fly $(ARGS)
+
+build:  ## the environment in .venv and the workspace in install/, where they changed
+	@tools/environment.sh run
+	@tools/build.sh
+
+test: check  ## style, types and the whole suite but the long tests
+	@$(pytest) -m 'not long and not benchmark' $(ARGS)
+
+test-long: check  ## the long tests as well
+	@$(pytest) -m 'not benchmark' $(ARGS)
+
+bench: test-environment  ## the measurements
+	@$(pytest) -m benchmark -s $(ARGS)
+
+check: test-environment  ## style and types only
+	@.venv/bin/ruff check --quiet $(sources)
+	@.venv/bin/ruff format --check --quiet $(sources)
+	@.venv/bin/mypy config/lta_config src/*/lta_*
+
+format: test-environment  ## put the sources into the house format
+	@.venv/bin/ruff check --quiet --fix $(sources)
+	@.venv/bin/ruff format --quiet $(sources)
+
+.PHONY: test-environment
+test-environment:
+	@tools/environment.sh test
+	@tools/build.sh
+
+clean:  ## remove all that make made; runs/ stays
+	@rm -rf .venv build install log .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	@find config src test -name __pycache__ -prune -exec rm -rf {} +
+

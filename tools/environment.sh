@@ -1,0 +1,106 @@
+#!/bin/sh
+# Make .venv hold exactly what requirements*.txt and constraints.txt say; do nothing if it does.
+#
+#   tools/environment.sh run     what flying needs
+#   tools/environment.sh test    and what `make test` needs
+#
+# The stamp is removed first and written last: an interrupted run is never believed.
+set -eu
+level=$1
+root=$(cd "$(dirname "$0")/.." && pwd -P)
+venv=$root/.venv
+stamp=$venv/.lta
+needed_mb=2500
+cd "$root"
+
+stop() {
+    echo "$*" >&2
+    exit 2
+}
+
+# Print the first interpreter that can make an environment, newest first.
+choose_python() {
+    lacking=
+    for python in ${PYTHON:-python3.13 python3.12 python3.11 python3}; do
+        "$python" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 15))' \
+            2>/dev/null || continue
+        if "$python" -c 'import ensurepip, venv' 2>/dev/null; then
+            echo "$python"
+            return
+        fi
+        lacking=$python
+    done
+    if [ -n "$lacking" ]; then
+        stop "$lacking has no venv module; install it (Debian, Ubuntu:" \
+            "apt install python3-venv) and run make again."
+    fi
+    stop "LTA needs Python 3.11 to 3.14 and ${PYTHON:-python3} is" \
+        "$(${PYTHON:-python3} -V 2>&1 || :); install one or name it: make PYTHON=/path/to/python3."
+}
+
+check_machine() {
+    [ "$(uname -sm)" = 'Linux x86_64' ] || stop "ROS 2 comes as wheels for Linux on x86-64 and" \
+        "this is $(uname -sm); run LTA on such a machine, or in a container for linux/amd64."
+    case $root in
+    *[[:space:]:]*) stop "The folder $root has a space or a colon in its name, which colcon's" \
+        'scripts cannot hold; move it.' ;;
+    esac
+    free_mb=$(($(df -Pk . | awk 'NR == 2 { print $4 }') / 1024))
+    [ "$free_mb" -ge "$needed_mb" ] || stop "The environment needs $needed_mb MB and" \
+        "$free_mb MB are free under $root; make room and run make again."
+}
+
+install() {
+    if ! "$venv/bin/python" -m pip install --disable-pip-version-check --no-input \
+        --constraint constraints.txt "$@" >>"$venv/install.log" 2>&1; then
+        reason=$(grep '^ERROR' "$venv/install.log" | tail -n 1)
+        stop "pip cannot install the environment (${reason:-see $venv/install.log}); check the" \
+            'network and the pip configuration and run make again.'
+    fi
+}
+
+# colcon takes a prefix with a local_setup file for a workspace to build upon; the package.xml
+# files of the ROS wheels below it are no sources.
+make_underlay() {
+    : >"$venv/local_setup.sh"
+    : >"$venv/local_setup.bash"
+    : >"$venv/COLCON_IGNORE"
+    ln -sf ../../lta "$venv/bin/lta"
+}
+
+key() {
+    {
+        echo "$root $("$1" -c 'import sys; print(sys.version, sys.base_prefix)')"
+        cat requirements.txt requirements-test.txt constraints.txt tools/environment.sh
+    } | sha256sum | cut -d ' ' -f 1
+}
+
+# An environment that is in order needs no look at the machine, unless a Python is asked for.
+python=$venv/bin/python
+if [ -n "${PYTHON:-}" ] || [ ! -x "$python" ]; then
+    python=$(choose_python)
+fi
+wanted=$(key "$python")
+found=$(cat "$stamp" 2>/dev/null || :)
+case $found in
+"test $wanted" | "$level $wanted") exit 0 ;;
+esac
+
+check_machine
+rm -f "$stamp"
+if [ "$found" != "run $wanted" ]; then
+    python=$(choose_python)
+    wanted=$(key "$python")
+    echo "environment: $("$python" -V) in .venv (first time: about a minute) ..."
+    rm -rf "$venv"
+    "$python" -m venv "$venv"
+    install setuptools
+    # Some pure Python comes as source only: built with the pinned setuptools, not the newest.
+    install --no-build-isolation --requirement requirements.txt
+    make_underlay
+fi
+if [ "$level" = test ]; then
+    echo 'environment: what the tests need (half a minute) ...'
+    install --requirement requirements.txt --requirement requirements-test.txt
+fi
+echo "$level $wanted" >"$stamp"

@@ -1,0 +1,16 @@
+# Enter the built workspace: sourced by ./lta and the Makefile, with `root` set.
+
+# The Python path of a sourced ROS would come before the wheels of .venv.
+if [ -n "${ROS_DISTRO:-}" ]; then
+    unset PYTHONPATH AMENT_PREFIX_PATH
+fi
+AMENT_PREFIX_PATH=$root/.venv${AMENT_PREFIX_PATH:+:$AMENT_PREFIX_PATH}
+export AMENT_PREFIX_PATH
+. "$root/install/local_setup.sh"
+PATH=$root/.venv/bin:$PATH
+
+# Nothing outside this machine hears or reaches the graph unless asked for.
+export ROS_AUTOMATIC_DISCOVERY_RANGE="${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}"
+export RMW_IMPLEMENTATION="${RMW_IMPLEMENTATION:-rmw_fastrtps_cpp}"
+# The matrices are small: more threads only take cores from the other nodes.
+export OPENBLAS_NUM_THREADS="${OPENBLAS_NUM_THREADS:-1}" OMP_NUM_THREADS="${OMP_NUM_THREADS:-1}"
