@@ -1,0 +1,65 @@
+"""
+The ament index: where packages and their executables are, as ROS 2 itself finds them.
+
+Every prefix in AMENT_PREFIX_PATH holds a marker file a package in
+`share/ament_index/resource_index/packages/`, its data in `share/<package>/` and its executables in
+`lib/<package>/`.
+"""
+
+import os
+from pathlib import Path
+
+from lta_config.errors import BadInput, unknown
+
+MARKERS = Path('share/ament_index/resource_index/packages')
+
+
+def prefixes() -> list[Path]:
+    """Return the prefixes of the index, the overriding ones first."""
+    return [Path(item) for item in os.environ.get('AMENT_PREFIX_PATH', '').split(':') if item]
+
+
+def package_prefix(package: str) -> Path:
+    """
+    Return the prefix that a package is installed in.
+
+    Raises
+    ------
+    BadInput
+        If no prefix has the package.
+
+    """
+    for prefix in prefixes():
+        if (prefix / MARKERS / package).is_file():
+            return prefix
+    where = os.environ.get('AMENT_PREFIX_PATH') or 'nothing'
+    raise BadInput(
+        f"Package '{package}' is not installed in {where} (AMENT_PREFIX_PATH); "
+        'build the workspace (make build) and source its setup file.'
+    )
+
+
+def package_share(package: str) -> Path:
+    """Return the folder with a package's data."""
+    return package_prefix(package) / 'share' / package
+
+
+def find_executable(package: str, executable: str) -> Path:
+    """
+    Return the path of a package's executable, as `ros2 run` finds it.
+
+    Raises
+    ------
+    BadInput
+        If the package has no such executable; those that it has are listed.
+
+    """
+    folder = package_prefix(package) / 'lib' / package
+    path = folder / executable
+    if path.is_file() and os.access(path, os.X_OK):
+        return path
+    files = sorted(folder.glob('*')) if folder.is_dir() else []
+    names = [item.name for item in files if item.is_file() and os.access(item, os.X_OK)]
+    if not names:
+        raise BadInput(f"Package '{package}' has no executables in {folder}; build it again.")
+    raise unknown(f'executable of {package}', executable, names)

@@ -1,0 +1,145 @@
+"""
+The actions of ROS 2's YAML launch files that LTA runs, as strict models of what is written.
+
+Names and types are those of ROS 2 Jazzy's own reader, so that a file that passes here also runs
+under `ros2 launch`; there, too, most values must be text and a number needs quotes.
+"""
+
+from typing import Annotated, Any, Literal
+
+from lta_config.files import Record
+from pydantic import BeforeValidator, Field, model_validator
+
+
+def _quoted(given: Any) -> Any:  # noqa: ANN401 - whatever the file held
+    if isinstance(given, bool | int | float):
+        raise ValueError(f"is {given} without quotes, but ROS wants text here; write '{given}'")
+    return given
+
+
+Text = Annotated[str, BeforeValidator(_quoted)]
+Scalar = bool | int | float | str
+PARAMETER_TYPES: dict[str, type[Scalar]] = {'str': str, 'int': int, 'float': float, 'bool': bool}
+
+
+class Conditional(Record):
+    """Base of the actions that may depend on a condition."""
+
+    if_: Annotated[Text | None, Field(alias='if')] = None
+    unless: Text | None = None
+
+    @model_validator(mode='after')
+    def _one_condition(self) -> 'Conditional':
+        if self.if_ is not None and self.unless is not None:
+            raise ValueError('has both "if" and "unless"; keep one')
+        return self
+
+
+class Choice(Record):
+    """One allowed value of a launch argument."""
+
+    value: Text
+
+
+class Arg(Record):
+    """Declare a launch argument; without a default it must be given."""
+
+    name: Text
+    default: Text | None = None
+    description: Text = ''
+    choice: Annotated[list[Choice], Field(min_length=1)] | None = None
+
+
+class Setting(Record):
+    """A name and the text it stands for."""
+
+    name: Text
+    value: Text
+
+
+class Let(Conditional):
+    """Set a launch variable in the present scope."""
+
+    name: Text
+    value: Text
+
+
+class Include(Conditional):
+    """Run another launch file with arguments."""
+
+    file: Text
+    arg: Annotated[list[Setting], Field(min_length=1)] | None = None
+
+
+class Group(Conditional):
+    """Run actions in a scope of their own, unless `scoped: false`."""
+
+    scoped: bool = True
+    children: list[Any]
+
+
+class PushRosNamespace(Conditional):
+    """Put what follows in the scope into a namespace."""
+
+    namespace: Text
+
+
+class Param(Record):
+    """A parameter with its value, a prefix with nested parameters, or a parameter file."""
+
+    name: Text | None = None
+    value: Any = None
+    type: Literal['str', 'int', 'float', 'bool'] | None = None
+    param: Annotated[list['Param'], Field(min_length=1)] | None = None
+    from_: Annotated[Text | None, Field(alias='from')] = None
+
+    @model_validator(mode='after')
+    def _one_meaning(self) -> 'Param':
+        given = [item is not None for item in (self.value, self.param, self.from_)]
+        if sum(given) != 1 or (self.name is None) != (self.from_ is not None):
+            raise ValueError('needs either "from", or "name" and one of "value" and "param"')
+        if self.type is not None and self.value is None:
+            raise ValueError('has a "type", which belongs to a "value"; remove it')
+        if any(nested.from_ is not None for nested in self.param or []):
+            raise ValueError('has a "from" inside of a parameter; move it to the node')
+        items = self.value if isinstance(self.value, list) else [self.value]
+        for item in [] if self.value is None else items:
+            if not isinstance(item, bool | int | float | str):
+                raise ValueError(f'has the value {item!r}, but ROS wants numbers, bools or text')
+        return self
+
+
+class Remap(Record):
+    """Use another name for a topic or service."""
+
+    from_: Annotated[Text, Field(alias='from')]
+    to: Text
+
+
+class Node(Conditional):
+    """Start a ROS node as a process of its own."""
+
+    pkg: Text
+    exec: Text
+    name: Text | None = None
+    namespace: Text | None = None
+    param: Annotated[list[Param], Field(min_length=1)] | None = None
+    remap: Annotated[list[Remap], Field(min_length=1)] | None = None
+    args: Text = ''
+    ros_args: Text = ''
+    output: Literal['screen', 'log', 'both', 'own_log', 'full'] = 'log'
+    on_exit: Literal['shutdown'] | None = None
+    respawn: Literal[False] = False
+
+
+Action = Arg | Let | Include | Group | PushRosNamespace | Node
+
+ACTIONS: dict[str, type[Action]] = {
+    'arg': Arg,
+    'let': Let,
+    'include': Include,
+    'group': Group,
+    'push_ros_namespace': PushRosNamespace,
+    'push-ros-namespace': PushRosNamespace,
+    'node': Node,
+}

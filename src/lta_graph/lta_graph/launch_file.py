@@ -1,0 +1,233 @@
+"""
+ROS 2's YAML launch files, read into a plan of processes without ROS's launch.
+
+The same files run under the genuine `ros2 launch`: names, types, scopes and substitutions are
+those of ROS 2 Jazzy (see `launch_actions`, `launch_text`). This reader is stricter: an argument
+must be declared by the file it is given to, and an unknown key or action is an error.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, final
+
+from lta_config.errors import BadInput, unknown
+from lta_config.files import load_yaml, sentence
+from lta_graph.launch_actions import (
+    Action,
+    ACTIONS,
+    Arg,
+    Conditional,
+    Group,
+    Include,
+    Let,
+    Node,
+    PushRosNamespace,
+)
+from lta_graph.launch_node import join, node_process, Process
+from lta_graph.launch_text import Context, substitute
+from pydantic import ValidationError
+
+NAMESPACE = 'ros_namespace'  # the launch variable in which ROS, too, keeps the pushed namespace
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Argument:
+    """
+    A launch argument that a file declares.
+
+    Attributes
+    ----------
+    name, description : str
+        As written.
+    default : str or None
+        As written, substitutions not made; None where the argument must be given.
+    choices : tuple of str
+        The allowed values; empty where every text is allowed.
+
+    """
+
+    name: str
+    description: str
+    default: str | None
+    choices: tuple[str, ...]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class LaunchPlan:
+    """What a launch file starts with the given arguments."""
+
+    processes: tuple[Process, ...]
+
+
+def arguments(path: Path) -> list[Argument]:
+    """
+    Return the arguments that a launch file declares, in their order.
+
+    Raises
+    ------
+    BadInput
+        If the file is not a launch file.
+
+    """
+    return [_argument(action) for action in _read(path) if isinstance(action, Arg)]
+
+
+def load(path: Path, given: Mapping[str, str]) -> LaunchPlan:
+    """
+    Return the plan of a launch file.
+
+    Parameters
+    ----------
+    path : Path
+        A `*.launch.yaml`.
+    given : mapping
+        Values of launch arguments by name.
+
+    Raises
+    ------
+    BadInput
+        If the file or an argument cannot be used: where, what, and the remedy.
+
+    """
+    walk = _Walk()
+    walk.file(Path(path), given)
+    return LaunchPlan(tuple(walk.processes))
+
+
+def _argument(arg: Arg) -> Argument:
+    choices = tuple(choice.value for choice in arg.choice or [])
+    return Argument(arg.name, arg.description, arg.default, choices)
+
+
+def _read(path: Path) -> list[Action]:
+    """Return a file's actions."""
+    if not path.is_file():
+        raise BadInput(f'There is no launch file {path}; check the path.')
+    if not path.name.endswith(('.launch.yaml', '.launch.yml')):
+        raise BadInput(f'{path} is not a *.launch.yaml; only YAML launch files run without ROS.')
+    content = load_yaml(path)
+    if not isinstance(content, dict) or list(content) != ['launch']:
+        raise BadInput(f"{path} is no launch file; its only key must be 'launch:'.")
+    return _actions(content['launch'], path)
+
+
+def _actions(entries: Any, path: Path) -> list[Action]:  # noqa: ANN401 - what the file held
+    if not isinstance(entries, list):
+        raise BadInput(f"{path}: actions must be a list; begin each with '- '.")
+    return [_action(entry, path) for entry in entries]
+
+
+def _action(entry: Any, path: Path) -> Action:  # noqa: ANN401 - what the file held
+    if not isinstance(entry, dict) or len(entry) != 1:
+        raise BadInput(f'{path}: an action must have one name, as "- node: ...", not {entry!r}.')
+    ((name, content),) = entry.items()
+    if name not in ACTIONS:
+        raise BadInput(f'{path}: {unknown("action", str(name), list(ACTIONS))}')
+    if name == 'group' and isinstance(content, list):
+        content = {'children': content}
+    try:
+        action = ACTIONS[name].model_validate(content)
+    except ValidationError as error:
+        raise BadInput(f'{path}: {name}: {sentence(error)}') from None
+    if isinstance(action, Group):
+        # Checked here and not when it runs, so that a mistake is found in every condition.
+        children = _actions(action.children, path)
+        if any(isinstance(child, Arg) for child in children):
+            raise BadInput(f"{path}: an 'arg' stands in a group; move it to the top of the file.")
+        return action.model_copy(update={'children': children})
+    return action
+
+
+class _Located(BadInput):
+    """Bad input whose sentence says already in which file it is."""
+
+
+@final
+class _Walk:
+    """One pass through a launch file: the variables in scope and the processes so far."""
+
+    def __init__(self) -> None:
+        self.processes: list[Process] = []
+        self._variables: dict[str, str] = {}
+        self._open: list[Path] = []
+
+    def file(self, path: Path, given: Mapping[str, str]) -> None:
+        """Walk a file; its variables stay, as in ROS, unless a group surrounds the include."""
+        if path.resolve() in self._open:
+            raise BadInput(f'{path} includes itself; remove the include.')
+        actions = _read(path)
+        declared = [action.name for action in actions if isinstance(action, Arg)]
+        for name in given:
+            if name not in declared:
+                raise BadInput(f'{path}: {unknown("launch argument", name, declared)}')
+        self._variables.update(given)
+        self._open.append(path.resolve())
+        self._all(actions)
+        self._open.pop()
+
+    def _all(self, actions: Sequence[Action]) -> None:
+        path = self._open[-1]
+        for action in actions:
+            try:
+                self._one(action)
+            except _Located:
+                raise
+            except BadInput as error:
+                raise _Located(f'{path}: {error}') from None
+
+    def _text(self, text: str) -> str:
+        return substitute(text, self._context())
+
+    def _context(self) -> Context:
+        return Context(self._open[-1].parent, self._variables)
+
+    def _one(self, action: Action) -> None:
+        if isinstance(action, Conditional) and not self._wanted(action):
+            return
+        match action:
+            case Arg():
+                self._declare(action)
+            case Let():
+                self._variables[self._text(action.name)] = self._text(action.value)
+            case PushRosNamespace():
+                pushed = join(self._variables.get(NAMESPACE, ''), self._text(action.namespace))
+                self._variables[NAMESPACE] = pushed
+            case Group():
+                before = dict(self._variables)
+                self._all(action.children)
+                if action.scoped:
+                    self._variables = before
+            case Include():
+                given = {item.name: self._text(item.value) for item in action.arg or []}
+                self.file(Path(self._text(action.file)), given)
+            case Node():
+                pushed = self._variables.get(NAMESPACE, '')
+                self.processes.append(node_process(action, self._context(), pushed))
+
+    def _wanted(self, action: Conditional) -> bool:
+        text = action.if_ if action.if_ is not None else action.unless
+        if text is None:
+            return True
+        value = self._text(text).strip().lower()
+        if value not in ('true', '1', 'false', '0'):
+            raise BadInput(f"The condition '{text}' is '{value}', but must be true or false.")
+        return (value in ('true', '1')) == (action.if_ is not None)
+
+    def _declare(self, arg: Arg) -> None:
+        choices = [choice.value for choice in arg.choice or []]
+        if arg.name not in self._variables:
+            if arg.default is None:
+                about = f' ({arg.description.rstrip(".")})' if arg.description else ''
+                raise BadInput(
+                    f"The launch argument '{arg.name}'{about} is missing; "
+                    f'give {arg.name}:={choices[0] if choices else "VALUE"}.'
+                )
+            self._variables[arg.name] = self._text(arg.default)
+        value = self._variables[arg.name]
+        if choices and value not in choices:
+            raise BadInput(
+                f"The launch argument '{arg.name}' is '{value}'; choose {', '.join(choices)}."
+            )

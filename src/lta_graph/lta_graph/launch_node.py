@@ -1,0 +1,182 @@
+"""From the `node` action of a launch file to the command line of a process."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+import json
+import math
+from pathlib import Path
+from typing import final
+
+from lta_config.errors import BadInput
+from lta_config.topics import is_name
+from lta_graph.launch_actions import Node, Param, PARAMETER_TYPES, Scalar
+from lta_graph.launch_text import command_line, Context, has_substitution, substitute
+import yaml
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Process:
+    """
+    One process of a launch plan.
+
+    Attributes
+    ----------
+    package, executable : str
+        As in `ros2 run PACKAGE EXECUTABLE`.
+    name : str
+        The node's name, or its executable where the file gives none.
+    namespace : str
+        Absolute; `/` where the file gives none.
+    arguments : tuple of str
+        All that follows the executable on the command line.
+    on_exit_shutdown : bool
+        Whether the end of this process ends the run.
+
+    """
+
+    package: str
+    executable: str
+    name: str
+    namespace: str
+    arguments: tuple[str, ...]
+    on_exit_shutdown: bool
+
+
+def node_process(node: Node, context: Context, pushed: str) -> Process:
+    """
+    Return the process that a `node` action starts.
+
+    Parameters
+    ----------
+    node : Node
+        The action as written.
+    context : Context
+        What its substitutions see.
+    pushed : str
+        The namespace of the scope, absolute, or empty.
+
+    """
+    executable = substitute(node.exec, context)
+    arguments = command_line(node.args, context)
+    ros = command_line(node.ros_args, context)
+    name = None if node.name is None else substitute(node.name, context)
+    if name is not None:
+        if not is_name(name):
+            raise BadInput(f"'{name}' cannot be a node name; use letters, digits and _.")
+        ros += ['-r', f'__node:={name}']
+    own = '' if node.namespace is None else substitute(node.namespace, context)
+    namespace = join(pushed, own)
+    if namespace:
+        ros += ['-r', f'__ns:={namespace}']
+    for param in node.param or []:
+        ros += parameter_arguments(param, context)
+    for remap in node.remap or []:
+        rule = f'{substitute(remap.from_, context)}:={substitute(remap.to, context)}'
+        ros += ['-r', rule]
+    if ros:
+        arguments += ['--ros-args', *ros]
+    return Process(
+        package=substitute(node.pkg, context),
+        executable=executable,
+        name=name or executable,
+        namespace=namespace or '/',
+        arguments=tuple(arguments),
+        on_exit_shutdown=node.on_exit == 'shutdown',
+    )
+
+
+def join(base: str, name: str) -> str:
+    """
+    Return a namespace below another, absolute; an absolute name stands for itself.
+
+    Raises
+    ------
+    BadInput
+        If the result is no namespace.
+
+    """
+    joined = name if name.startswith('/') else f'{base}/{name}'
+    joined = '/' + joined.strip('/') if joined.strip('/') else ''
+    if not all(is_name(token) for token in joined.split('/')[1:]):
+        raise BadInput(f"'{joined}' cannot be a namespace; use letters, digits, _ and /.")
+    return joined
+
+
+def parameter_arguments(param: Param, context: Context) -> list[str]:
+    """Return one `param` entry as arguments of `--ros-args`."""
+    if param.from_ is not None:
+        path = Path(substitute(param.from_, context))
+        if not path.is_file():
+            raise BadInput(f'There is no parameter file {path}; check the path.')
+        return ['--params-file', str(path)]
+    pairs = (['-p', f'{name}:={ros_yaml(value)}'] for name, value in flat(param, context))
+    return [word for pair in pairs for word in pair]
+
+
+def flat(
+    param: Param, context: Context, prefix: str = ''
+) -> Iterator[tuple[str, Scalar | list[Scalar]]]:
+    """Yield every parameter of an entry: its dotted name and its value."""
+    name = prefix + substitute(param.name or '', context)
+    for nested in param.param or []:
+        yield from flat(nested, context, f'{name}.')
+    if param.value is None:
+        return
+    if not isinstance(param.value, list):
+        yield name, typed(name, param.value, param.type, context)
+        return
+    items = [typed(name, item, param.type, context) for item in param.value]
+    if len({type(item) for item in items}) != 1:
+        raise BadInput(
+            f'Parameter {name} is the list {items}, but a ROS list has one or more values of one '
+            'type; write for example 1.0 instead of 1.'
+        )
+    yield name, items
+
+
+def typed(name: str, written: Scalar, kind: str | None, context: Context) -> Scalar:
+    """
+    Return a parameter's value with the type that ROS gives it.
+
+    A number or text as written keeps its type. What a substitution gives is read as YAML, so that
+    `$(var speed)` can be a number, unless `type` says what it is.
+    """
+    if not isinstance(written, str) or (kind is None and not has_substitution(written)):
+        value: object = substitute(written, context) if isinstance(written, str) else written
+    else:
+        value = _as_yaml(substitute(written, context), kind)
+    expected = (bool, int, float, str) if kind is None else (PARAMETER_TYPES[kind],)
+    if type(value) not in expected:
+        wanted = kind or 'a number, true, false or text'
+        raise BadInput(f'Parameter {name} is {value!r}, but must be {wanted}; check its value.')
+    return value  # type: ignore[return-value]
+
+
+def _as_yaml(text: str, kind: str | None) -> object:
+    if kind == 'str':
+        return text
+    if kind in ('int', 'float'):
+        try:
+            return PARAMETER_TYPES[kind](text)
+        except ValueError:
+            return text
+    try:
+        return yaml.safe_load(text)
+    except yaml.YAMLError:
+        return text
+
+
+def ros_yaml(value: Scalar | list[Scalar]) -> str:
+    """
+    Return a value as YAML that ROS's own parser reads back with the same type.
+
+    Text is always quoted: ROS takes a bare `y` for true and a bare `nan` for a number.
+    """
+    if isinstance(value, list):
+        return f'[{", ".join(ros_yaml(item) for item in value)}]'
+    if isinstance(value, bool):
+        return 'true' if value else 'false'
+    if isinstance(value, float) and not math.isfinite(value):
+        return '.nan' if math.isnan(value) else f'{"-" if value < 0 else ""}.inf'
+    return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)

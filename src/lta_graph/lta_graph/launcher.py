@@ -1,0 +1,214 @@
+"""
+Start the processes of a launch plan, watch them, and leave none behind.
+
+One thread reads what the processes write and notices their ends; events wait in a queue, so the
+caller may be busy with something else. Every process leads a session of its own: Ctrl-C reaches
+only the launcher, which then stops the others in order. If the launcher itself is killed, the
+kernel interrupts its processes, and a guard kills those that do not heed that.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from queue import Empty
+import signal
+import threading
+import time
+from types import FrameType, TracebackType
+from typing import final, Self
+
+from lta_graph.child import Child, command, Ended, spawn
+from lta_graph.child_environment import child_environment
+from lta_graph.guard import Guard
+from lta_graph.launch_file import LaunchPlan
+from lta_graph.watch import OnLine, Watch
+
+GRACE = 8.0  # seconds from SIGINT to SIGTERM: the recorder must close its bag
+TERM_GRACE = 2.0  # seconds from SIGTERM to SIGKILL
+PERIOD = 0.02  # seconds between looks while stopping
+
+
+@final
+class Launcher:
+    """
+    The processes of one launch plan: `with Launcher(plan, on_line) as launcher: ...`.
+
+    Start it from the main thread: the kernel takes the end of the starting thread for the end of
+    the launcher.
+
+    Parameters
+    ----------
+    plan : LaunchPlan
+        What to start.
+    on_line : callable
+        Called from another thread with a node's name and each line that it writes.
+    grace : float
+        Time that processes have to end after SIGINT. [s]
+
+    Attributes
+    ----------
+    ended : list of Ended
+        Every end that `poll` or `wait` has returned, in order.
+
+    """
+
+    def __init__(self, plan: LaunchPlan, on_line: OnLine, *, grace: float = GRACE) -> None:
+        self.ended: list[Ended] = []
+        self._plan = plan
+        self._on_line = on_line
+        self._grace = grace
+        self._children: list[Child] = []
+        self._stopping = threading.Event()
+        self._watch: Watch | None = None
+        self._guard: Guard | None = None
+
+    def __enter__(self) -> Self:
+        """Start."""
+        self.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Stop."""
+        self.stop()
+
+    @property
+    def running(self) -> list[str]:
+        """The names of the processes that have not ended."""
+        return [child.process.name for child in self._children if not child.dead()]
+
+    @property
+    def outcome(self) -> Ended | None:
+        """
+        The end of the process that ended the run, None while it goes on.
+
+        Its `success` tells whether that was planned; any process that ends unasked ends the run.
+        """
+        return next((item for item in self.ended if not item.stopped), None)
+
+    def start(self) -> None:
+        """
+        Start all processes, or none.
+
+        Raises
+        ------
+        BadInput
+            If one cannot be found or executed.
+        KeyboardInterrupt
+            If Ctrl-C came meanwhile; nothing is left running.
+
+        """
+        commands = [command(process) for process in self._plan.processes]
+        environment = child_environment()
+        try:
+            with _interrupts() as presses:
+                self._guard = Guard(self._grace + TERM_GRACE)
+                for process, words in zip(self._plan.processes, commands, strict=True):
+                    if presses:
+                        break
+                    child = spawn(process, words, environment)
+                    self._children.append(child)
+                    self._guard.watch(child.pid)
+                # Not earlier: a fork beside threads is unsafe.
+                self._begin_watch()
+        except BaseException:
+            self.stop()
+            raise
+
+    def _begin_watch(self) -> None:
+        self._watch = Watch(self._children, self._on_line, self._stopping)
+        self._watch.start()
+
+    def poll(self) -> list[Ended]:
+        """Return the processes that have ended since the last call; raises what `on_line` did."""
+        return self.wait(0.0)
+
+    def wait(self, timeout: float) -> list[Ended]:
+        """
+        Wait until a process ends, and return all that have since the last call.
+
+        Parameters
+        ----------
+        timeout : float
+            Longest time to wait. [s]
+
+        """
+        found: list[Ended] = []
+        if self._watch is not None:
+            try:
+                found.append(self._watch.events.get(timeout=timeout))
+                while True:
+                    found.append(self._watch.events.get_nowait())
+            except Empty:
+                pass
+            self.ended += found
+            if self._watch.fault is not None and not self._stopping.is_set():
+                raise self._watch.fault
+        return found
+
+    def stop(self) -> None:
+        """
+        End all processes: SIGINT, after the grace SIGTERM, then SIGKILL.
+
+        Returns when all are gone. Ctrl-C meanwhile does not interrupt it but goes on to the next
+        signal at once, and is raised as KeyboardInterrupt when all are gone.
+        """
+        with _interrupts() as presses:
+            self._stopping.set()
+            stages = (
+                (signal.SIGINT, self._grace),
+                (signal.SIGTERM, TERM_GRACE),
+                (signal.SIGKILL, float('inf')),
+            )
+            for number, grace in stages:
+                if not self.running:
+                    break
+                for child in self._children:
+                    child.signal(number)
+                self._await_ends(grace, presses)
+            self._clear_up()
+
+    def _await_ends(self, grace: float, presses: list[int]) -> None:
+        deadline = time.monotonic() + grace
+        before = len(presses)
+        # The last signal cannot be hurried, so a further Ctrl-C must not end the wait for it.
+        while self.running and time.monotonic() < deadline:
+            if len(presses) > before and grace < float('inf'):
+                return
+            time.sleep(PERIOD)
+
+    def _clear_up(self) -> None:
+        if self._watch is None and self._children:
+            self._begin_watch()
+        if self._watch is not None:
+            self._watch.join(1.0)  # not for ever: `on_line` may hang on a full terminal
+        for child in self._children:
+            child.reap()
+        if self._guard is not None:
+            self._guard.dismiss()
+            self._guard = None
+        self.poll()
+
+
+@contextmanager
+def _interrupts() -> Iterator[list[int]]:
+    """Count Ctrl-C instead of being interrupted, and raise KeyboardInterrupt afterwards."""
+    presses: list[int] = []
+
+    def press(number: int, _: FrameType | None) -> None:
+        presses.append(number)
+
+    before = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or not callable(before):
+        yield presses
+        return
+    signal.signal(signal.SIGINT, press)
+    try:
+        yield presses
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if presses:
+        raise KeyboardInterrupt
