@@ -1,7 +1,8 @@
 """
 One block of converter counts from the light on a ring of photodiodes.
 
-1. The light at a few instants is interpolated linearly over the block, times the lamp's wave.
+1. The light at a few instants is interpolated linearly over the block, taken as level within a
+   sample, times the lamp's wave.
 2. The amplifier's bandwidth is one pole, solved exactly from sample to sample, with the lamp's
    edges between samples: what lies above Nyquist aliases as it does on the board. The pole stays
    where the setting puts it, whatever the feedback resistor.
@@ -61,9 +62,9 @@ def synthesise(
     field : LightField
         When its lamp is on, and the mains' frequency and phase.
     light : Illuminance
-        Light on the diodes at instants evenly spread over the block, arrays of shape (k, d) with
-        k >= 2: the first at `start`, the last one sample after the block's last. Between them it
-        is taken to change linearly.
+        Light on the diodes at instants evenly spread over the block, arrays of shape (k, d): the
+        first at `start`, the last one sample after the block's last. Between them it is taken to
+        change linearly; a single instant holds throughout.
     start : int
         Time of the first sample. [ns]
     samples : int
@@ -115,6 +116,8 @@ def _ambient(
     volts: Array = weights @ (light.mains * lamp_volts(array))
     volts *= np.sin(2.0 * math.pi * position)[:, None]
     volts += weights @ (light.steady * ambient_volts(array))
+    # The two efficacies are free, so that a deep flicker could outweigh the light it belongs to.
+    np.maximum(volts, 0.0, out=volts)
     return volts
 
 

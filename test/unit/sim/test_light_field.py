@@ -1,0 +1,156 @@
+"""Light by hand: the paper's figures at its distances, the lamp's total flux, a room's echo."""
+
+import math
+
+from lta_config.errors import BadInput
+from lta_sim.light_field import (
+    Ambient,
+    direct,
+    illuminance,
+    Lamp,
+    LightField,
+    mean_illuminance,
+    Room,
+)
+from lta_vlc.modulation import SquareWave
+import numpy as np
+import pytest
+
+WAVE = SquareWave(150.0)
+LAMP = Lamp((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), 10_000.0, WAVE)
+TO_LAMP = np.array([-1.0, 0.0, 0.0])
+
+
+def at(distance: float, angle: float = 0.0) -> np.ndarray:
+    """Return a point at the lamp's height, off its axis by an angle."""
+    return np.array([distance * math.cos(angle), distance * math.sin(angle), 1.0])
+
+
+@pytest.mark.parametrize(
+    ('distance', 'lux', 'tolerance'),
+    [
+        (7.0, 64.96, 0.01),  # 10 000 / (pi 49)
+        (1.0, 3183.1, 1.0),
+        (0.42, 18.0e3, 0.1e3),  # as the paper's array test
+        (0.20, 80.0e3, 1.0e3),  # as its harvest test
+    ],
+)
+def test_on_axis_by_hand(distance, lux, tolerance):
+    assert direct(LAMP, at(distance), TO_LAMP) == pytest.approx(lux, abs=tolerance)
+
+
+def test_mean_is_half_the_light_of_a_square_wave():
+    mean = mean_illuminance(LightField(LAMP), at(7.0), TO_LAMP)
+    assert mean == pytest.approx(32.48, abs=0.01)
+    lit = LightField(LAMP, ambient=Ambient(steady=300.0, mains=20.0))
+    assert mean_illuminance(lit, at(7.0), TO_LAMP) == pytest.approx(332.48, abs=0.01)
+
+
+def test_half_power_at_sixty_degrees():
+    angle = math.radians(60.0)
+    ray = np.array([-math.cos(angle), -math.sin(angle), 0.0])
+    ratio = direct(LAMP, at(5.0, angle), ray) / direct(LAMP, at(5.0), TO_LAMP)
+    assert ratio == pytest.approx(0.5, rel=1e-12)
+
+
+def test_tilted_plane_gets_the_cosine():
+    normal = np.array([-math.cos(0.8), 0.0, math.sin(0.8)])
+    ratio = direct(LAMP, at(5.0), normal) / direct(LAMP, at(5.0), TO_LAMP)
+    assert ratio == pytest.approx(math.cos(0.8), rel=1e-12)
+
+
+@pytest.mark.parametrize('order', [1.0, 2.0, 5.5])
+def test_all_the_flux_arrives(order):
+    lamp = Lamp((0.0, 0.0, 0.0), (0.0, 0.0, 2.0), 10_000.0, WAVE, order=order)
+    # Light through a sphere of 10 m, by Gauss-Legendre over the cosine of the angle.
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+    cosine = 0.5 * (nodes + 1.0)
+    outwards = np.stack([np.sqrt(1.0 - cosine**2), 0.0 * cosine, cosine], axis=-1)
+    lux = direct(lamp, 10.0 * outwards, -outwards)
+    flux = 2.0 * math.pi * 100.0 * (0.5 * weights * lux).sum()
+    # The disc of 15 mm takes (0.015 / 10)^2 off.
+    assert flux == pytest.approx(10_000.0, rel=5e-6)
+
+
+def test_nothing_behind_the_lamp_or_the_plane():
+    assert direct(LAMP, np.array([-2.0, 0.0, 1.0]), -TO_LAMP) == 0.0
+    assert direct(LAMP, at(2.0), -TO_LAMP) == 0.0
+
+
+def test_light_is_finite_at_the_lamp():
+    # On the disc itself Phi / (pi r^2), the limit of its own formula.
+    close = direct(LAMP, at(1e-9), TO_LAMP)
+    assert close == pytest.approx(10_000.0 / (math.pi * 0.015**2), rel=1e-9)
+    assert direct(LAMP, np.array(LAMP.position), TO_LAMP) == 0.0
+
+
+def test_disc_is_exact_on_its_axis():
+    # Sum over rings of the disc at 3 cm: L cos^4 / d^2 dA, with L = Phi / (pi A).
+    radius = (np.arange(20_000) + 0.5) * (0.015 / 20_000)
+    distance = np.hypot(0.03, radius)
+    radiance = 10_000.0 / (math.pi * math.pi * 0.015**2)
+    rings = radiance * (0.03 / distance) ** 2 / distance**2 * 2.0 * math.pi * radius
+    lux = rings.sum() * 0.015 / 20_000
+    assert direct(LAMP, at(0.03), TO_LAMP) == pytest.approx(lux, rel=1e-7)
+
+
+def test_echo_of_the_shared_room_by_hand():
+    # 268 m^2 of surface: 10 000 x 0.5 / (268 x 0.5).
+    assert Room((10.0, 8.0, 3.0), 0.5).diffuse(10_000.0) == pytest.approx(37.3134, abs=1e-4)
+
+
+def test_echo_is_the_sum_of_all_bounces():
+    room, bounced = Room((10.0, 8.0, 3.0), 0.7), 0.0
+    for bounce in range(1, 200):
+        bounced += 10_000.0 * 0.7**bounce / 268.0
+    assert room.diffuse(10_000.0) == pytest.approx(bounced, rel=1e-12)
+
+
+def test_parts_are_kept_apart():
+    field = LightField(LAMP, Room((10.0, 8.0, 3.0), 0.5), Ambient(steady=300.0, mains=20.0))
+    points = np.stack([at(7.0), at(7.0)])
+    light = illuminance(field, points, np.stack([TO_LAMP, -TO_LAMP]))
+    assert light.modulated == pytest.approx([64.96 + 37.31, 37.31], abs=0.02)
+    assert light.steady.tolist() == [300.0, 300.0]
+    assert light.mains.tolist() == [20.0, 20.0]
+
+
+def test_many_points_are_as_one_by_one():
+    generator = np.random.default_rng(2)
+    points = generator.uniform(-4.0, 4.0, size=(11, 8, 3))
+    normals = generator.normal(size=(11, 8, 3))
+    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    lux = direct(LAMP, points, normals)
+    assert lux.shape == (11, 8)
+    for i in range(11):
+        for j in range(8):
+            assert direct(LAMP, points[i, j], normals[i, j]) == pytest.approx(lux[i, j], rel=1e-12)
+
+
+NAN = math.nan
+
+
+@pytest.mark.parametrize(
+    ('make', 'sentence'),
+    [
+        (lambda: Lamp((NAN, 0.0, 1.0), (1.0, 0.0, 0.0), 1e4, WAVE), 'is not finite'),
+        (lambda: Lamp((0.0, 0.0, 1.0), (math.inf, 0.0, 0.0), 1e4, WAVE), 'is not finite'),
+        (lambda: Lamp((0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 1e4, WAVE), 'axis .* no length'),
+        (lambda: Lamp((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), -1.0, WAVE), 'flux of -1.0 lm'),
+        (lambda: Lamp((0.0,) * 3, (1.0, 0.0, 0.0), 1e4, WAVE, order=0.0), 'order 0.0'),
+        (lambda: Lamp((0.0,) * 3, (1.0, 0.0, 0.0), 1e4, WAVE, radius=0.0), 'radius of 0.0'),
+        (lambda: Room((10.0, 0.0, 3.0), 0.5), 'every side positive'),
+        (lambda: Room((10.0, NAN, 3.0), 0.5), 'every side positive'),
+        (lambda: Room((10.0, 8.0, 3.0), 1.0), 'albedo of 1.0'),
+        (lambda: Room((10.0, 8.0, 3.0), NAN), 'albedo of nan'),
+        (lambda: Ambient(steady=-1.0), 'ambient light is -1.0 lx'),
+        (lambda: Ambient(steady=math.inf), 'ambient light is inf lx'),
+        (lambda: Ambient(steady=10.0, mains=11.0), 'by 11.0 lx around 10.0 lx'),
+        (lambda: Ambient(steady=10.0, mains=NAN), 'by nan lx'),
+        (lambda: Ambient(mains_frequency=0.0), 'mains flicker at 0.0 Hz'),
+        (lambda: Ambient(mains_phase=NAN), 'phase of nan'),
+    ],
+)
+def test_what_cannot_shine_is_refused(make, sentence):
+    with pytest.raises(BadInput, match=sentence):
+        make()

@@ -1,0 +1,137 @@
+"""The paper's bearing: exact where it must be, wrong where the paper's study needs it wrong."""
+
+import math
+
+from lta_vlc.array import azimuths, bearing, even_ring, Ring, weighted_mean
+from lta_vlc.demodulation import demodulate, Demodulation, Peaks, plan_bins
+import numba
+import numpy as np
+import pytest
+
+SURE = 1e6  # an SNR that passes every gate
+
+
+def seen(count: int, angle: float, response) -> Peaks:
+    """Return the peaks of a ring that sees a lamp at an angle through an angular response."""
+    towards = np.cos(np.array(azimuths(count)) - angle)
+    amplitude = response(np.maximum(towards, 0.0))
+    return Peaks(amplitude, np.where(amplitude > 1e-12, SURE, 0.0), np.full(count, 150.0))
+
+
+def difference(a: float, b: float) -> float:
+    """Return the angle from b to a, in [-pi, pi]."""
+    return math.remainder(a - b, 2.0 * math.pi)
+
+
+@pytest.mark.parametrize('count', [4, 6, 8, 16])
+@pytest.mark.parametrize('angle', np.radians(np.arange(-180.0, 180.0, 7.5)).tolist())
+def test_cosine_diodes_are_exact_at_every_angle(count, angle):
+    found = bearing(seen(count, angle, lambda c: c), even_ring(count), 6.0)
+    assert difference(found.angle, angle) == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize('count', [3, 5])
+def test_odd_rings_are_not_exact(count):
+    errors = [
+        difference(bearing(seen(count, a, lambda c: c), even_ring(count), 6.0).angle, a)
+        for a in np.linspace(0.0, 2.0 * math.pi, 73)
+    ]
+    assert max(map(abs, errors)) > math.radians(1.0)
+
+
+def test_squared_cosine_with_four_diodes_errs_as_computed():
+    angle = math.radians(22.5)
+    found = bearing(seen(4, angle, np.square), even_ring(4), 6.0)
+    # atan(tan^2 22.5) = 9.736 degrees.
+    assert math.degrees(found.angle) == pytest.approx(9.7356, abs=1e-4)
+
+
+@pytest.mark.parametrize('step', range(16))
+def test_identical_diodes_make_eight_exact_at_the_papers_angles(step):
+    angle = step * math.pi / 8.0
+    found = bearing(seen(8, angle, np.square), even_ring(8), 6.0)
+    assert difference(found.angle, angle) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_vector_by_hand():
+    # Four diodes reading 3, 1, 0, 0: v = (3, 1) / 4.
+    ring = even_ring(4)
+    peaks = Peaks(np.array([3.0, 1.0, 0.5, 0.5]), np.array([9.0, 6.0, 5.9, 0.0]), np.zeros(4))
+    found = bearing(peaks, ring, 6.0)
+    assert (found.x, found.y) == pytest.approx((0.75, 0.25), abs=1e-15)
+    assert found.angle == pytest.approx(math.atan2(1.0, 3.0), abs=1e-15)
+
+
+def test_deviation_by_hand():
+    # Readings 1 and 1 forward and left with SNR 10; the gated diode behind reads 0.1.
+    ring = Ring((1.0, 0.0, -1.0), (0.0, 1.0, 0.0))
+    peaks = Peaks(np.array([1.0, 1.0, 0.1]), np.array([10.0, 10.0, 1.0]), np.zeros(3))
+    # Length sqrt(2), all axes at 45 degrees to it: each adds (error / 2)^2.
+    each = 0.1 * math.sqrt(2.0 / math.pi)
+    hand = 0.5 * math.sqrt(2.0 * each**2 + 0.1**2)
+    assert bearing(peaks, ring, 6.0).deviation == pytest.approx(hand, rel=1e-12)
+
+
+def test_left_is_positive():
+    peaks = Peaks(np.array([0.0, 1.0, 0.0, 0.0]), np.array([0.0, 99.0, 0.0, 0.0]), np.zeros(4))
+    assert bearing(peaks, even_ring(4), 6.0).angle == pytest.approx(math.pi / 2.0, abs=1e-12)
+
+
+def test_common_pedestal_cancels():
+    direct = seen(8, 0.6, lambda c: c)
+    lit = Peaks(direct.amplitude + 5.0, np.full(8, SURE), direct.frequency)
+    found = bearing(lit, even_ring(8), 6.0)
+    assert found.angle == pytest.approx(0.6, abs=1e-12)
+    assert math.hypot(found.x, found.y) < 0.1
+
+
+def test_no_bearing_when_every_diode_is_gated():
+    peaks = Peaks(np.ones(8), np.full(8, 5.99), np.zeros(8))
+    assert bearing(peaks, even_ring(8), 6.0) is None
+
+
+@pytest.mark.parametrize('level', [0.0, 1e-300, 1.0, 4095.0])
+@pytest.mark.parametrize('count', [4, 8, 16])
+def test_no_bearing_in_even_light(level, count):
+    peaks = Peaks(np.full(count, level), np.full(count, SURE), np.zeros(count))
+    assert bearing(peaks, even_ring(count), 6.0) is None
+
+
+def test_core_compiles_to_the_same_numbers():
+    compiled = numba.njit(weighted_mean)
+    generator = np.random.default_rng(7)
+    ring = even_ring(8)
+    for _ in range(50):
+        amplitudes = tuple(generator.uniform(0.0, 100.0, 8).tolist())
+        snrs = tuple(generator.uniform(0.0, 12.0, 8).tolist())
+        given = (amplitudes, snrs, ring.cosines, ring.sines, 6.0)
+        # LLVM may round atan2 and hypot otherwise than the C library: in the last bit.
+        assert compiled(*given) == pytest.approx(weighted_mean(*given), rel=1e-14, abs=1e-300)
+    silent = ((1.0,) * 8, (0.0,) * 8, ring.cosines, ring.sines, 6.0)
+    assert compiled(*silent) == weighted_mean(*silent) == (False, 0.0, 0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(('amplitude', 'pedestal'), [(40.0, 30.0), (30.0, 0.0), (200.0, 120.0)])
+def test_deviation_is_that_of_many_noisy_blocks(amplitude, pedestal):
+    generator = np.random.default_rng(21)
+    ring, angle, trials = even_ring(8), 0.3, 1000
+    towards = np.maximum(np.cos(np.array(azimuths(8)) - angle), 0.0)
+    time = np.arange(250) / 2500.0
+    tone = np.sin(2.0 * math.pi * 150.0 * time)
+    signal = tone[:, None] * (amplitude * towards + pedestal)
+    noise = generator.normal(0.0, 20.0, size=(250, trials, 8))
+    bins = plan_bins(Demodulation(), 2500.0, 250)
+    peaks = demodulate((signal[:, None, :] + noise).reshape(250, -1), bins)
+    errors, stated = [], []
+    for k in range(trials):
+        part = slice(8 * k, 8 * k + 8)
+        each = Peaks(peaks.amplitude[part], peaks.snr[part], peaks.frequency[part])
+        found = bearing(each, ring, 6.0)
+        errors.append(difference(found.angle, angle))
+        stated.append(found.deviation)
+    if pedestal:
+        # All diodes pass: noise is all there is. 1000 trials know a deviation to 2.2 %.
+        assert np.std(errors) == pytest.approx(np.mean(stated), rel=0.10)
+        assert abs(np.mean(errors)) < 0.15 * np.std(errors)
+    inside = np.mean(np.abs(errors) < 1.96 * np.array(stated))
+    assert 0.93 <= inside <= (0.97 if pedestal else 1.0)

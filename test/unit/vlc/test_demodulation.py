@@ -1,0 +1,130 @@
+"""Peaks and SNR of built blocks, false alarms, and what is refused."""
+
+import math
+
+from lta_config.errors import BadInput
+from lta_vlc.demodulation import demodulate, Demodulation, find_peaks, plan_bins
+from lta_vlc.modulation import SquareWave
+import numpy as np
+from pydantic import ValidationError
+import pytest
+
+RATE = 10_000.0
+TIMES = np.arange(1000, dtype=np.int64) * 100_000
+
+
+def test_plan_of_the_default_beacon():
+    bins = plan_bins(Demodulation(), RATE, 1000)
+    assert (bins.first, bins.last, bins.width, bins.samples) == (13, 17, 10.0, 1000)
+    # 500 bins above zero; 33 harmonics below Nyquist, bins 15 to 495, five bins each.
+    assert bins.quiet.size == 500 - 33 * 5
+
+
+def test_peak_and_snr_of_a_spectrum_by_hand():
+    bins = plan_bins(Demodulation(window=1, harmonics=1), 100.0 * 150.0 / 10.0, 100)
+    assert (bins.first, bins.last) == (9, 11)
+    spectrum = np.full((51, 2), 0.5)
+    spectrum[0] = 1e9
+    spectrum[11, 0] = 8.0
+    spectrum[9, 1] = 3.0
+    spectrum[20, 1] = 0.5 + 47.0  # one of 47 quiet bins: adds 1 to their mean
+    peaks = find_peaks(spectrum, bins)
+    assert bins.quiet.size == 47
+    assert peaks.amplitude == pytest.approx([8.0, 3.0])
+    assert peaks.snr == pytest.approx([16.0, 2.0])
+    assert peaks.frequency == pytest.approx([165.0, 135.0])
+
+
+@pytest.mark.parametrize('duty', [0.5, 0.3])
+def test_square_wave_reads_its_fundamental(duty):
+    wave = SquareWave(150.0, duty, phase=0.123)
+    block = 1000.0 * wave.means(TIMES, 100_000)[:, None]
+    peaks = demodulate(block, plan_bins(Demodulation(), RATE, 1000))
+    # 2/pi sin(pi d), times the sine cardinal of averaging over 1.5 % of a period.
+    loss = math.sin(math.pi * 0.015) / (math.pi * 0.015)
+    hand = 1000.0 * 2.0 / math.pi * math.sin(math.pi * duty) * loss
+    # What aliases onto the fundamental stands in harmonics 199 and 201: within 1/200^2.
+    assert peaks.amplitude[0] == pytest.approx(hand, rel=5e-5)
+    assert peaks.frequency[0] == 150.0
+
+
+@pytest.mark.parametrize('drift', [-20.0, -10.0, 10.0, 20.0])
+def test_drifting_beacon_is_found_within_the_window(drift):
+    sine = np.sin(2.0 * math.pi * (150.0 + drift) * TIMES * 1e-9)[:, None]
+    peaks = demodulate(100.0 * sine, plan_bins(Demodulation(), RATE, 1000))
+    assert peaks.frequency[0] == 150.0 + drift
+    assert peaks.amplitude[0] == pytest.approx(100.0, rel=1e-9)
+
+
+def test_snr_of_a_sine_in_white_noise():
+    generator = np.random.default_rng(11)
+    amplitude, deviation = 20.0, 30.0
+    sine = amplitude * np.sin(2.0 * math.pi * 150.0 * TIMES * 1e-9)
+    block = sine[:, None] + generator.normal(0.0, deviation, size=(1000, 400))
+    peaks = demodulate(block, plan_bins(Demodulation(), RATE, 1000))
+    # Rayleigh mean of the quiet bins: deviation sqrt(pi / n).
+    hand = amplitude / (deviation * math.sqrt(math.pi / 1000.0))
+    # One block in 400 scatters by 6.7 % (peak) and 2.9 % (noise): the mean by 0.4 %; plus the
+    # Rician rise of the peak, 1/(2 SNR^2) (2/pi ... 4/pi), 0.5 %.
+    assert peaks.snr.mean() == pytest.approx(hand, rel=0.02)
+
+
+def test_false_alarms_are_as_rare_as_stated():
+    block = np.random.default_rng(12).normal(size=(1000, 8000))
+    snr = demodulate(block, plan_bins(Demodulation(), RATE, 1000)).snr
+    # 5 exp(-pi 2.5^2 / 4) = 3.69 % (one minus the product: 3.64 %); 8000 draws scatter by 0.21 %.
+    assert (snr >= 2.5).mean() == pytest.approx(0.0364, abs=0.008)
+    assert not (snr >= Demodulation().threshold).any()
+
+
+def test_flat_and_saturated_blocks_have_no_snr():
+    block = np.full((1000, 3), 4095, dtype=np.uint16)
+    peaks = demodulate(block, plan_bins(Demodulation(), RATE, 1000))
+    assert peaks.snr.tolist() == [0.0, 0.0, 0.0]
+    assert peaks.amplitude.tolist() == [0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ('settings', 'sample_rate', 'samples', 'sentence'),
+    [
+        ({}, 300.0, 1000, 'at 150 Hz cannot be seen at 300 samples/s'),
+        ({}, 250.0, 1000, 'more than twice'),
+        ({}, 10_000.0, 100, 'in bin 2 of a block of 100 .* too near to zero'),
+        ({'frequency': 10.0}, 10_000.0, 1000, 'in bin 1 .* too near to zero'),
+        ({'frequency': 4990.0}, 10_000.0, 1000, 'too near to the Nyquist frequency'),
+        ({'window': 7}, 10_000.0, 1000, 'leave 7 bins of a block of 1000 samples'),
+        ({'window': 14}, 10_000.0, 1000, 'leave 0 bins'),
+    ],
+)
+def test_what_cannot_be_seen_is_refused(settings, sample_rate, samples, sentence):
+    demodulation = Demodulation(**settings)
+    with pytest.raises(BadInput, match=sentence):
+        plan_bins(demodulation, sample_rate, samples)
+
+
+@pytest.mark.parametrize('shape', [(999, 8), (1000,), (8, 1000), (1000, 8, 1)])
+def test_block_of_another_shape_is_refused(shape):
+    with pytest.raises(BadInput, match='1000 samples by diodes are expected'):
+        demodulate(np.zeros(shape), plan_bins(Demodulation(), RATE, 1000))
+
+
+@pytest.mark.parametrize(
+    'setting',
+    [
+        {'frequency': 0.0},
+        {'frequency': math.nan},
+        {'window': -1},
+        {'harmonics': 0},
+        {'threshold': 0.5},
+        {'treshold': 6.0},
+    ],
+)
+def test_setting_out_of_bounds_is_refused(setting):
+    with pytest.raises(ValidationError):
+        Demodulation(**setting)
+
+
+def test_every_setting_says_what_it_is():
+    for name, field in Demodulation.model_fields.items():
+        assert field.description, name
+        assert field.json_schema_extra['unit'], name

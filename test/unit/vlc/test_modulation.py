@@ -1,0 +1,127 @@
+"""The square wave against exact fractions, its Fourier series and numbers by hand."""
+
+from fractions import Fraction
+import math
+
+from lta_config.errors import BadInput
+from lta_vlc.modulation import cycles, SquareWave
+import numpy as np
+import pytest
+
+EPOCH = 1_763_000_000_123_456_789  # ns, a date in 2025
+
+
+def exact_cycles(time: int, frequency: float, phase: float) -> float:
+    """Return the position in the period by rational arithmetic alone."""
+    position = Fraction(time, 10**9) * Fraction(frequency) + Fraction(phase)
+    return float(position - math.floor(position))
+
+
+@pytest.mark.parametrize('frequency', [150.0, 149.9973, 100.0 / 3.0, 4999.0])
+@pytest.mark.parametrize('hours', [0, 1, 1000])
+def test_phase_is_exact_after_any_time(frequency, hours):
+    start = EPOCH + hours * 3_600_000_000_000
+    times = start + np.arange(0, 100_000_000, 100_000, dtype=np.int64)
+    exact = [exact_cycles(int(time), frequency, 0.25) for time in times]
+    # 500 cycles at 4999 Hz times the rounding of a product: a few 1e-13.
+    distance = np.abs(cycles(times, frequency, 0.25) - exact)
+    assert np.minimum(distance, 1.0 - distance).max() < 5e-13
+
+
+def test_phase_stays_below_one():
+    assert cycles(np.array([0], dtype=np.int64), 1.0, -1e-20)[0] == 0.0
+
+
+def test_values_of_a_quarter_wave():
+    wave = SquareWave(10.0, duty=0.25, phase=0.0)
+    times = np.array([0, 24_999_999, 25_000_000, 99_999_999, 100_000_000], dtype=np.int64)
+    assert wave.values(times).tolist() == [1.0, 1.0, 0.0, 0.0, 1.0]
+
+
+def test_phase_shifts_the_wave_ahead():
+    wave = SquareWave(10.0, duty=0.5, phase=0.5)
+    assert wave.values(np.array([0, 49_999_999, 50_000_000])).tolist() == [0.0, 0.0, 1.0]
+
+
+def test_mean_over_an_interval_with_an_edge():
+    wave = SquareWave(10.0, duty=0.5)
+    starts = np.array([0, 40_000_000, 60_000_000, 90_000_000], dtype=np.int64)
+    # Intervals of 20 ms; on from 0 to 50 ms and from 100 ms.
+    assert wave.means(starts, 20_000_000) == pytest.approx([1.0, 0.5, 0.0, 0.5], abs=1e-12)
+
+
+def test_mean_over_whole_periods_is_the_duty():
+    wave = SquareWave(150.0, duty=0.3)
+    starts = EPOCH + np.arange(0, 7_000_000, 123_457, dtype=np.int64)
+    assert wave.means(starts, 100_000_000) == pytest.approx(np.full(len(starts), 0.3), abs=1e-12)
+
+
+def test_means_tile_the_time_on():
+    wave = SquareWave(137.0, duty=0.4, phase=0.1)
+    starts = EPOCH + np.arange(0, 1_000_000_000, 100_000, dtype=np.int64)
+    # 137 whole periods in a second.
+    assert wave.means(starts, 100_000).mean() == pytest.approx(0.4, abs=1e-12)
+
+
+def test_lagged_wave_is_its_filtered_fourier_series():
+    frequency, duty, time_constant = 150.0, 0.3, 4e-4
+    times = np.arange(20_000, 20_000_000, 40_000, dtype=np.int64)
+    order = np.arange(1, 20_001)
+    # Series of a wave on from 0 to d: c_n = (1 - exp(-2 pi i n d)) / (2 pi i n).
+    rotation = 2j * math.pi * order
+    coefficient = (1.0 - np.exp(-rotation * duty)) / rotation
+    coefficient = coefficient / (1.0 + rotation * frequency * time_constant)
+    series = duty + 2.0 * np.real(
+        np.exp(np.outer(times * (frequency * 1e-9), rotation)) @ coefficient
+    )
+    lagged = SquareWave(frequency, duty).lagged(times, time_constant)
+    # No time falls on an edge, where alone the rest of the series would add up (to 4e-5).
+    assert np.abs(lagged - series).max() < 1e-8
+
+
+def test_fast_lag_follows_and_slow_lag_averages():
+    wave = SquareWave(150.0, duty=0.3)
+    times = np.arange(1_000, 20_000_000, 99_991, dtype=np.int64)
+    assert wave.lagged(times, 1e-9) == pytest.approx(wave.values(times), abs=1e-9)
+    # A triangle of 0.3 x 0.7 / (f tau) from end to end around the duty.
+    slow = wave.lagged(times, 10.0)
+    assert np.abs(slow - 0.3).max() < 0.3 * 0.7 / 1500.0
+
+
+@pytest.mark.parametrize(
+    ('duty', 'order', 'amplitude'),
+    [
+        (0.5, 1, 0.6366197723675814),  # 2/pi
+        (0.5, 2, 0.0),
+        (0.5, 3, 0.2122065907891938),  # 2/(3 pi)
+        (0.25, 1, 0.4501581580785531),  # sqrt(2)/pi
+        (0.25, 2, 0.3183098861837907),  # 1/pi
+    ],
+)
+def test_harmonics_by_hand(duty, order, amplitude):
+    assert SquareWave(150.0, duty).harmonic(order) == pytest.approx(amplitude, abs=1e-15)
+
+
+def test_harmonics_are_those_of_the_wave():
+    # 10^6 samples of one period; the sum stands for the integral to 1e-6.
+    samples = SquareWave(1.0, 0.37).values(np.arange(0, 10**9, 1000, dtype=np.int64))
+    amplitude = 2.0 * np.abs(np.fft.rfft(samples))[1:6] / samples.size
+    hand = [SquareWave(1.0, 0.37).harmonic(order) for order in range(1, 6)]
+    assert amplitude == pytest.approx(hand, abs=3e-6)
+
+
+@pytest.mark.parametrize(
+    ('wave', 'sentence'),
+    [
+        ({'frequency': 0.0}, 'flickers at 0.0 Hz'),
+        ({'frequency': math.nan}, 'flickers at nan Hz'),
+        ({'frequency': math.inf}, 'flickers at inf Hz'),
+        ({'frequency': 150.0, 'duty': 0.0}, 'duty of 0.0'),
+        ({'frequency': 150.0, 'duty': 1.0}, 'duty of 1.0'),
+        ({'frequency': 150.0, 'duty': math.nan}, 'duty of nan'),
+        ({'frequency': 150.0, 'phase': math.inf}, 'phase of inf'),
+    ],
+)
+def test_what_is_no_wave_is_refused(wave, sentence):
+    with pytest.raises(BadInput, match=sentence):
+        SquareWave(**wave)
