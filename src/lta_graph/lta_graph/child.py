@@ -17,6 +17,7 @@ from lta_graph.launch_node import Process
 
 KEPT_LINES = 20  # of each stream
 PR_SET_PDEATHSIG = 1  # linux/prctl.h
+THREADS = ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS')
 _LIBC = ctypes.CDLL(None)  # loaded before any fork: nothing may be imported after one
 
 
@@ -127,13 +128,18 @@ class Child:
         )
 
 
+def environment() -> dict[str, str]:
+    """Return what nodes run in: prints come at once, and each is one thread of linear algebra."""
+    return {**os.environ, 'PYTHONUNBUFFERED': '1', **dict.fromkeys(THREADS, '1')}
+
+
 def command(process: Process) -> list[str]:
     """Return a process's whole command line; the executable is found by the ament index."""
     path = find_executable(process.package, process.executable)
     return [str(path), *process.arguments]
 
 
-def spawn(process: Process, words: list[str], environment: Mapping[str, str]) -> Child:
+def spawn(process: Process, words: list[str], variables: Mapping[str, str]) -> Child:
     """
     Start a process.
 
@@ -149,7 +155,7 @@ def spawn(process: Process, words: list[str], environment: Mapping[str, str]) ->
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
-            env=environment,
+            env=variables,
             bufsize=0,
             start_new_session=True,
             preexec_fn=_bound_to(os.getpid()),

@@ -16,8 +16,7 @@ import time
 from types import FrameType, TracebackType
 from typing import final, Self
 
-from lta_graph.child import Child, command, Ended, spawn
-from lta_graph.child_environment import child_environment
+from lta_graph.child import Child, command, Ended, environment, spawn
 from lta_graph.guard import Guard
 from lta_graph.launch_file import LaunchPlan
 from lta_graph.watch import OnLine, Watch
@@ -102,14 +101,14 @@ class Launcher:
 
         """
         commands = [command(process) for process in self._plan.processes]
-        environment = child_environment()
+        variables = environment()
         try:
             with _interrupts() as presses:
                 self._guard = Guard(self._grace + TERM_GRACE)
                 for process, words in zip(self._plan.processes, commands, strict=True):
                     if presses:
                         break
-                    child = spawn(process, words, environment)
+                    child = spawn(process, words, variables)
                     self._children.append(child)
                     self._guard.watch(child.pid)
                 # Not earlier: a fork beside threads is unsafe.
