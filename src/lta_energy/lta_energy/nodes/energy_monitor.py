@@ -19,8 +19,8 @@ class EnergyMonitor(GraphNode):
         super().__init__('energy_monitor')
         self._settings = Parameters(self, MonitorSettings)
         self._estimate = Estimate()
-        self._panel: 'BatteryState | None' = None
-        self._light: 'Illuminance | None' = None
+        self._panel: BatteryState | None = None
+        self._light: Illuminance | None = None
         self._battery = self.output('energy/battery')
         self._status = self.output('energy/status')
         self._reserve = self.output('energy/reserve')

@@ -1,0 +1,142 @@
+"""The BMI088: specific force against analysis, errors and noise against the data sheet."""
+
+import math
+
+from hypothesis import given
+from hypothesis import strategies as st
+from lta_sim.sensors import imu
+import numba
+import numpy as np
+import pytest
+from scipy.stats import chi2, kstest
+
+G = 9.81
+NONE = (0.0, 0.0, 0.0)
+UP = (0.0, 0.0, 1.0)
+number = st.floats(-5.0, 5.0)
+vector = st.tuples(number, number, number)
+
+
+def within_five_percent(sample, sigma):
+    """Assert a standard deviation by chi square; a sigma off by 5 % fails, let alone by 10 %."""
+    size = len(sample)
+    ratio = (size - 1) * np.var(sample, ddof=1) / sigma**2
+    assert chi2.ppf(1e-6, size - 1) < ratio < chi2.ppf(1 - 1e-6, size - 1)
+    assert chi2.ppf(1 - 1e-6, size - 1) / (size - 1) < 1.05**2
+
+
+def test_a_body_at_rest_feels_gravity_upwards():
+    assert imu.specific_force(NONE, NONE, NONE, NONE, UP, (0.1, 0.2, -0.3), G) == (0.0, 0.0, G)
+
+
+def test_a_body_at_rest_on_its_side_feels_gravity_sideways():
+    up = (0.0, 1.0, 0.0)  # rolled by 90 degrees: the body's y points up
+    assert imu.specific_force(NONE, NONE, NONE, NONE, up, (0.1, 0.0, 0.0), G) == (0.0, G, 0.0)
+
+
+def test_a_free_fall_feels_nothing():
+    assert imu.specific_force(NONE, NONE, (0.0, 0.0, -G), NONE, UP, NONE, G) == NONE
+
+
+def test_a_turntable_feels_the_centripetal_and_the_tangential_acceleration():
+    # 2 rad/s and 3 rad/s^2 about z, half a metre ahead: -w^2 r = -2 m/s^2, w' r = 1.5 m/s^2.
+    force = imu.specific_force(
+        NONE, (0.0, 0.0, 2.0), NONE, (0.0, 0.0, 3.0), UP, (0.5, 0.0, 0.0), G
+    )
+    assert force == pytest.approx((-2.0, 1.5, G), abs=1e-15)
+
+
+def test_a_steady_turn_feels_the_pull_to_its_centre():
+    # 0.5 m/s ahead while turning left at 0.4 rad/s: v w = 0.2 m/s^2 to the left.
+    force = imu.specific_force((0.5, 0.0, 0.0), (0.0, 0.0, 0.4), NONE, NONE, UP, NONE, G)
+    assert force == pytest.approx((0.0, 0.2, G), abs=1e-15)
+
+
+@given(vector, vector, vector, vector, vector, vector)
+def test_specific_force_is_the_textbook_sum(v, w, dv, dw, up, r):
+    expected = (
+        np.array(dv)
+        + np.cross(w, v)
+        + np.cross(dw, r)
+        + np.cross(w, np.cross(w, r))
+        + G * np.array(up)
+    )
+    got = imu.specific_force(v, w, dv, dw, up, r, G)
+    assert got == pytest.approx(tuple(expected), abs=1e-11)
+
+
+def test_specific_force_compiles_to_the_same():
+    arguments = (
+        (0.5, 0.1, 0.0),
+        (0.1, 0.2, 0.3),
+        (0.3, 0.2, 0.1),
+        (1.0, 2.0, 3.0),
+        UP,
+        (0.1, 0.2, 0.3),
+    )
+    compiled = numba.njit(imu.specific_force)
+    assert compiled(*arguments, G) == pytest.approx(imu.specific_force(*arguments, G), rel=1e-15)
+
+
+def test_noise_is_the_data_sheets_density_times_the_root_of_the_bandwidth():
+    rng = np.random.default_rng(1)
+    errors = imu.draw(imu.ImuSettings(), rng)
+    samples = [imu.measure(errors, (0.0, 0.0, G), (0.1, 0.0, 0.0), rng) for _ in range(40000)]
+    force = np.array([sample[0] for sample in samples])
+    rates = np.array([sample[1] for sample in samples])
+    # 160 ug/sqrt(Hz) * sqrt(40 Hz) = 1.0119 mg = 9.924 mm/s^2; 190 ug: 11.784 mm/s^2.
+    # The rounding to a count of 6 g / 2^15 adds step^2 / 12, one part in three hundred.
+    for axis, sigma in enumerate((9.924e-3, 9.924e-3, 11.784e-3)):
+        within_five_percent(force[:, axis], math.hypot(sigma, 6 * 9.80665 / 2**15 / 12**0.5))
+    # 0.014 deg/s/sqrt(Hz) * sqrt(32 Hz) = 0.0792 deg/s = 1.3822 mrad/s.
+    for axis in range(3):
+        within_five_percent(
+            rates[:, axis], math.hypot(1.3822e-3, math.radians(500) / 2**15 / 12**0.5)
+        )
+    correlation = np.corrcoef(np.hstack([force, rates]).T) - np.eye(6)
+    assert np.abs(correlation).max() < 5 / math.sqrt(40000)
+
+
+def test_offsets_and_scales_are_uniform_within_the_data_sheets_bounds():
+    rng = np.random.default_rng(2)
+    drawn = [imu.draw(imu.ImuSettings(), rng) for _ in range(3000)]
+    bounds = [0.020 * 9.80665] * 3 + [math.radians(1.0)] * 3
+    for axis, bound in enumerate(bounds):
+        offsets = [errors.offset[axis] for errors in drawn]
+        assert kstest(offsets, 'uniform', (-bound, 2 * bound)).pvalue > 1e-4
+        gains = [errors.gain[axis] for errors in drawn]
+        assert kstest(gains, 'uniform', (0.99, 0.02)).pvalue > 1e-4
+
+
+def silent(**settings):
+    """Return the errors of a sensor without noise."""
+    quiet = imu.ImuSettings(acceleration_noise=(0.0, 0.0, 0.0), rate_noise=0.0, **settings)
+    return imu.draw(quiet, np.random.default_rng(3))
+
+
+def test_a_reading_is_gain_times_truth_plus_offset_to_half_a_count():
+    errors, truth = silent(), (1.0, -2.0, 9.0, 0.3, -0.2, 0.1)
+    force, rates = imu.measure(errors, truth[:3], truth[3:], np.random.default_rng(4))
+    for axis, read in enumerate((*force, *rates)):
+        expected = errors.gain[axis] * truth[axis] + errors.offset[axis]
+        assert abs(read - expected) <= errors.step[axis] / 2 * (1 + 1e-9)
+        assert read / errors.step[axis] == pytest.approx(round(read / errors.step[axis]), abs=1e-6)
+
+
+def test_a_crash_reads_full_scale():
+    errors = silent(acceleration_range=3.0, rate_range=250.0)
+    force, rates = imu.measure(
+        errors, (1e3, -1e3, 0.0), (1e2, -1e2, 0.0), np.random.default_rng(5)
+    )
+    assert force[:2] == pytest.approx((3 * 9.80665, -3 * 9.80665))
+    assert rates[:2] == pytest.approx((math.radians(250), -math.radians(250)))
+
+
+def test_the_same_seed_gives_the_same_flight():
+    def flight(seed):
+        rng = np.random.default_rng(seed)
+        errors = imu.draw(imu.ImuSettings(), rng)
+        return [imu.measure(errors, (0.0, 0.0, G), NONE, rng) for _ in range(5)]
+
+    assert flight(7) == flight(7)
+    assert flight(7) != flight(8)
