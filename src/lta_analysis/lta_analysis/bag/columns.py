@@ -70,8 +70,9 @@ def leaves(value: object, path: str) -> Iterator[tuple[str, object]]:
 
 @cache
 def field_names(message_type: type) -> tuple[str, ...]:
-    """Return the names of a message's fields."""
-    return tuple(field.name for field in fields(message_type) if field.init)
+    """Return the names of a message's fields; constants are upper-case in ROS, and no fields."""
+    names = (field.name for field in fields(message_type))
+    return tuple(name for name in names if name.islower() and not name.startswith('__'))
 
 
 def elements(path: str, arrays: list[NDArray[Any] | None]) -> Columns:

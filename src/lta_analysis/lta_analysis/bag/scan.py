@@ -37,14 +37,21 @@ def scan(stream: BinaryIO, size: int) -> Contents:
         scanner.take(opcode, at, length)
         at = end
         if opcode == Opcode.FOOTER:
-            return scanner.contents
-    scanner.contents.losses.append(
-        f'The recording was not finished: the last {size - at} of {size} bytes are not a whole '
-        'record.'
-        if at < size
-        else 'The recording was not finished: it has no summary at its end.'
-    )
+            break
+    stream.seek(at)
+    if stream.read(len(MAGIC)) != MAGIC:
+        scanner.contents.losses.append(unfinished(at, size))
     return scanner.contents
+
+
+def unfinished(end: int, size: int) -> str:
+    """Return the sentence about a file whose last whole record ends before it should."""
+    if end == size:
+        return 'The recording was not finished: it ends without a summary.'
+    return (
+        f'The recording was not finished: the last {size - end} of {size} bytes are not a whole '
+        'record.'
+    )
 
 
 @final

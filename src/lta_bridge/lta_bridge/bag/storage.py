@@ -61,16 +61,18 @@ class RecordFile:
         try:
             while left:
                 left = left[os.pwrite(self._fd, left, start + len(data) - len(left)) :]
+            self.size = start + len(data)
         except OSError as error:
-            raise self._rolled_back(error) from error
-        self.size = start + len(data)
+            raise storage_fault(error, self.path) from error
+        finally:
+            if self.size == start:  # Ctrl-C tears a record as a full disk does.
+                self._cut_back()
         return start
 
-    def _rolled_back(self, error: OSError) -> StorageFault:
-        """Cut the file back to its last whole record and return the error to raise."""
+    def _cut_back(self) -> None:
+        """End the file on its last whole record."""
         with suppress(OSError):  # Where even that fails, the next append overwrites the rest.
             os.ftruncate(self._fd, self.size)
-        return storage_fault(error, self.path)
 
     def close(self) -> None:
         """Bring the file to the disk and close it."""

@@ -1,0 +1,80 @@
+"""Messages with random content, serialised without ROS."""
+
+from lta_bridge.bag.schemas import jazzy
+import numpy as np
+import pytest
+
+GRAPH_TYPES = [
+    'sensor_msgs/msg/Imu',
+    'sensor_msgs/msg/Range',
+    'sensor_msgs/msg/FluidPressure',
+    'sensor_msgs/msg/Image',
+    'sensor_msgs/msg/Illuminance',
+    'sensor_msgs/msg/BatteryState',
+    'sensor_msgs/msg/JointState',
+    'sensor_msgs/msg/PointCloud2',
+    'nav_msgs/msg/Odometry',
+    'geometry_msgs/msg/Vector3Stamped',
+    'geometry_msgs/msg/PoseWithCovarianceStamped',
+    'geometry_msgs/msg/PoseStamped',
+    'geometry_msgs/msg/TwistStamped',
+    'geometry_msgs/msg/WrenchStamped',
+    'diagnostic_msgs/msg/DiagnosticArray',
+    'std_msgs/msg/Bool',
+    'rosgraph_msgs/msg/Clock',
+    'tf2_msgs/msg/TFMessage',
+    'rcl_interfaces/msg/Log',
+]
+OCTETS = {'byte': 'uint8', 'char': 'uint8', 'octet': 'uint8'}
+WIDTHS = (8, 16, 32, 64)
+INTEGERS = {f'{sign}int{bits}' for sign in ('', 'u') for bits in WIDTHS}
+
+
+def random_base(name, rng):
+    if name == 'string':
+        return ''.join(rng.choice(list('abc/ _\u00e9\u0414'), rng.integers(0, 12)))
+    if name == 'bool':
+        return bool(rng.integers(2))
+    if name in OCTETS:
+        return int(rng.integers(128))  # rosbags packs a lone byte as signed.
+    if name in INTEGERS:
+        info = np.iinfo(name)
+        return int(rng.integers(info.min, info.max, dtype=info.dtype, endpoint=True))
+    return float(np.dtype(name).type(rng.normal()))
+
+
+def random_value(desc, rng):
+    """Return a random value for one field; see rosbags' field descriptions."""
+    kind, what = int(desc[0]), desc[1]
+    if kind == 1:
+        return random_base(what[0], rng)
+    if kind == 2:
+        return random_instance(what, rng)
+    inner, length = what
+    count = length if kind == 3 else int(rng.integers(1, 5))
+    values = [random_value(inner, rng) for _ in range(count)]
+    if int(inner[0]) == 2 or inner[1][0] == 'string':
+        return values
+    return np.array(values, dtype=OCTETS.get(inner[1][0], inner[1][0]))
+
+
+def random_instance(type_name, rng):
+    described = jazzy().fielddefs[type_name][1]
+    values = {name: random_value(field, rng) for name, field in described}
+    return jazzy().types[type_name](**values)
+
+
+@pytest.fixture(params=GRAPH_TYPES)
+def graph_type(request):
+    return request.param
+
+
+@pytest.fixture
+def random_message():
+    """Return a function from type name and generator to a message and its bytes."""
+
+    def make(type_name, rng):
+        message = random_instance(type_name, rng)
+        return message, bytes(jazzy().serialize_cdr(message, type_name))
+
+    return make
