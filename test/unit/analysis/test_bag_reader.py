@@ -7,6 +7,8 @@ import subprocess
 import sys
 
 from lta_analysis.bag import read_bag
+from lta_analysis.bag.scan import scan
+from lta_analysis.bag.summary import read_summary
 from lta_bridge.bag import BagWriter
 from lta_config.errors import BadInput
 from mcap.reader import make_reader
@@ -127,6 +129,14 @@ def test_damaged_summary_is_not_believed(torn, tmp_path):
         assert len(got) == CHUNKS * PER_CHUNK
 
 
+def test_summary_of_our_bags_is_enough(torn):
+    file = torn[0] / 'bag_0.mcap'
+    with file.open('rb') as stream:
+        quick = read_summary(stream, file.stat().st_size)
+        slow = scan(stream, file.stat().st_size)
+    assert quick == slow
+
+
 def test_topics_and_provenance_of_a_finished_folder(torn):
     bag = read_bag(torn[0])
     counts = {name: (topic.type_name, topic.count) for name, topic in bag.topics.items()}
@@ -154,6 +164,8 @@ def test_provenance_outlives_either_of_its_places(torn, tmp_path):
 KILLED = """
 import itertools, sys, time
 from pathlib import Path
+from lta_analysis.bag.scan import scan
+from lta_analysis.bag.summary import read_summary
 from lta_bridge.bag import BagWriter
 bag = BagWriter(Path(sys.argv[1]), {'seed': '9'})
 bag.add_topic('/b', 'std_msgs/msg/Bool', [])

@@ -1,5 +1,8 @@
 """What the recorder writes is what independent readers read: rosbags and mcap-ros2."""
 
+import struct
+import zlib
+
 from lta_bridge.bag import BagWriter, offered_qos
 from lta_bridge.bag.schemas import definition
 from mcap.reader import make_reader
@@ -72,6 +75,10 @@ def test_mcap_library_reads_profile_encodings_and_checksums(tmp_path, random_mes
         assert {index.compression for index in summary.chunk_indexes} == {'zstd'}
         assert [m.metadata for m in reader.iter_metadata()] == [{'commit': 'abc'}]
         decoded = [found for *_, found in reader.iter_decoded_messages()]
+        stream.seek(0)
+        data = stream.read()
+        start, _, crc = struct.unpack('<QQI', data[-28:-8])
+        assert crc == zlib.crc32(data[start:-12])
         assert [found.pose.pose.position.x for found in decoded] == [
             message.pose.pose.position.x
         ] * 3

@@ -8,13 +8,11 @@ import struct
 from typing import BinaryIO, final, NamedTuple
 
 from lta_analysis.bag.chunks import Damaged
+from lta_bridge.bag.records import PROVENANCE
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Channel, Metadata, Schema
-
-MAGIC = b'\x89MCAP0\r\n'
-PROVENANCE = 'provenance'
 
 
 class Place(NamedTuple):

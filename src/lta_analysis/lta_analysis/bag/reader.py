@@ -11,11 +11,12 @@ from pathlib import Path
 from typing import final
 
 from lta_analysis.bag.chunks import Damaged, messages, RECORD, unpacked
-from lta_analysis.bag.contents import Contents, MAGIC, read_at
+from lta_analysis.bag.contents import Contents, read_at
 from lta_analysis.bag.decoder import Decoder
 from lta_analysis.bag.folder import ADVICE, bag_files, described_provenance
 from lta_analysis.bag.scan import damage, scan
 from lta_analysis.bag.summary import read_summary
+from lta_bridge.bag.records import MAGIC
 from lta_config.errors import BadInput, unknown
 from mcap.records import Channel, Schema
 

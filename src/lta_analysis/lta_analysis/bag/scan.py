@@ -9,7 +9,8 @@ hold is left out.
 from typing import BinaryIO, final
 
 from lta_analysis.bag.chunks import Damaged, MESSAGE, RECORD, records, unpacked
-from lta_analysis.bag.contents import Contents, MAGIC, Place, read_at
+from lta_analysis.bag.contents import Contents, Place, read_at
+from lta_bridge.bag.records import MAGIC
 from mcap.opcode import Opcode
 
 LONGEST_RUN = 1 << 20  # Bare messages are read in stretches of about this many bytes.

@@ -6,7 +6,8 @@ from typing import BinaryIO
 import zlib
 
 from lta_analysis.bag.chunks import Damaged, RECORD, records
-from lta_analysis.bag.contents import Contents, MAGIC, Place, read_at
+from lta_analysis.bag.contents import Contents, Place, read_at
+from lta_bridge.bag.records import MAGIC
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode

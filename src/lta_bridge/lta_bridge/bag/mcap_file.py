@@ -12,7 +12,7 @@ from typing import final
 import zlib
 
 from lta_bridge.bag.chunk import ChunkBuilder
-from lta_bridge.bag.records import encoded
+from lta_bridge.bag.records import encoded, MAGIC
 from lta_bridge.bag.schemas import Definition
 from lta_bridge.bag.storage import RecordFile
 from mcap.opcode import Opcode
@@ -30,7 +30,6 @@ from mcap.records import (
     SummaryOffset,
 )
 
-MAGIC = b'\x89MCAP0\r\n'
 CHUNK_SIZE = 1 << 20
 
 

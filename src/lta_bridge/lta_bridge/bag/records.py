@@ -1,9 +1,12 @@
-"""MCAP records as bytes."""
+"""MCAP records as bytes, and the marks by which a recording of ours is known."""
 
 from collections.abc import Iterable
 
 from mcap.data_stream import RecordBuilder
 from mcap.records import McapRecord
+
+MAGIC = b'\x89MCAP0\r\n'
+PROVENANCE = 'provenance'  # name of the metadata record
 
 
 def encoded(records: Iterable[McapRecord]) -> bytes:

@@ -10,15 +10,17 @@ from typing import final
 class StorageFault(OSError):
     """The disk took no more: full, over a quota, or broken. What was written before stays."""
 
+    def __str__(self) -> str:
+        """Return the sentence for the user."""
+        return (
+            f"The disk took no more of '{self.filename}' ({self.strerror}); the recording ends "
+            'here and stays readable, make room before the next one.'
+        )
+
 
 def storage_fault(error: OSError, path: Path) -> StorageFault:
     """Return the error to raise in place of the system's own."""
-    return StorageFault(
-        error.errno,
-        f'The disk took no more ({error.strerror}); the recording ends here and stays readable, '
-        'make room before the next one',
-        str(path),
-    )
+    return StorageFault(error.errno, error.strerror, str(path))
 
 
 def free_space(path: Path) -> int:

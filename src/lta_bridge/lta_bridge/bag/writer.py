@@ -14,11 +14,11 @@ from typing import final, Self
 from lta_bridge.bag.mcap_file import McapFile
 from lta_bridge.bag.metadata import bag_metadata, TopicRecord, write_metadata
 from lta_bridge.bag.qos import Profile, to_yaml
+from lta_bridge.bag.records import PROVENANCE
 from lta_bridge.bag.schemas import definition
 from lta_bridge.bag.storage import StorageFault
 from lta_config.errors import BadInput
 
-PROVENANCE = 'provenance'
 LIBRARY = 'lta'
 
 
