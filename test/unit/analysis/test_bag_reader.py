@@ -1,5 +1,6 @@
 """Whole, torn and damaged recordings: what comes back is what was whole, and the rest is told."""
 
+from io import BytesIO
 import os
 import shutil
 import signal
@@ -7,6 +8,8 @@ import subprocess
 import sys
 
 from lta_analysis.bag import read_bag
+from lta_analysis.bag.chunks import Damaged
+from lta_analysis.bag.contents import read_at
 from lta_analysis.bag.scan import scan
 from lta_analysis.bag.summary import read_summary
 from lta_bridge.bag import BagWriter
@@ -135,6 +138,12 @@ def test_summary_of_our_bags_is_enough(torn):
         quick = read_summary(stream, file.stat().st_size)
         slow = scan(stream, file.stat().st_size)
     assert quick == slow
+
+
+@pytest.mark.parametrize(('offset', 'length'), [(0, 1 << 60), (1 << 63, 1), (7, 4)])
+def test_absurd_lengths_cost_no_memory(offset, length):
+    with pytest.raises(Damaged):
+        read_at(BytesIO(bytes(10)), offset, length)
 
 
 def test_topics_and_provenance_of_a_finished_folder(torn):
