@@ -1,0 +1,69 @@
+"""What comes in and what goes out, by hand and against published figures."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+from lta_energy import loads, panel
+import numba
+import numpy as np
+import pytest
+
+PANEL = panel.PanelSettings()
+LOADS = loads.LoadSettings()
+
+
+def harvest(illuminance, efficacy=PANEL.efficacy):
+    return panel.power(illuminance, efficacy, PANEL.area, PANEL.efficiency)
+
+
+def test_irradiance_by_hand():
+    assert panel.irradiance(60000.0, 300.0) == pytest.approx(200.0)
+
+
+def test_a_panel_of_138_8_square_centimetres_by_hand():
+    # 60 klux of white LED: 200 W/m^2 * 0.01388 m^2 * 0.20 = 0.5552 W.
+    assert harvest(60000.0) == pytest.approx(0.5552, rel=1e-12)
+
+
+def test_sunlight_gives_2_86_times_as_much_as_led_light():
+    assert harvest(80000.0, 105.0) / harvest(80000.0, 300.0) == pytest.approx(300 / 105)
+
+
+def test_darkness_gives_nothing():
+    assert harvest(0.0) == 0.0
+    assert harvest(-1.0) == 0.0
+
+
+def test_the_papers_electronics():
+    assert loads.demand(LOADS, (0.0,) * 4, transmitting=False) == pytest.approx(0.097)
+    assert loads.demand(LOADS, (0.0,) * 4, transmitting=True) == pytest.approx(0.120)
+
+
+@pytest.mark.parametrize(
+    ('amperes', 'grams', 'volts'),
+    [(0.94, 10.9, 3.88), (1.83, 24.4, 3.71), (3.06, 41.7, 3.56), (4.44, 57.9, 3.30)],
+)
+def test_rotors_against_bitcrazes_bench(amperes, grams, volts):
+    idle = 0.24 * 4.01  # the bench's own electronics
+    thrust = grams * 9.80665e-3 / 4
+    rotors = 4 * loads.rotor_power(thrust, LOADS.rotor_offset, LOADS.rotor_slope)
+    assert idle + rotors == pytest.approx(amperes * volts, abs=3 * 0.063)
+
+
+def test_a_still_rotor_takes_nothing_and_thrust_of_either_sign_the_same():
+    assert loads.rotor_power(0.0, 0.027, 23.96) == 0.0
+    assert loads.rotor_power(0.1, 0.027, 23.96) == pytest.approx(2.423, rel=1e-12)
+    assert loads.rotor_power(-0.1, 0.027, 23.96) == loads.rotor_power(0.1, 0.027, 23.96)
+
+
+@given(st.lists(st.floats(-0.2, 0.2), max_size=8))
+def test_demand_does_not_depend_on_the_order_of_rotors(thrusts):
+    forwards = loads.demand(LOADS, thrusts, transmitting=True)
+    assert forwards == pytest.approx(loads.demand(LOADS, thrusts[::-1], True), rel=1e-12)
+    spinning = np.count_nonzero(thrusts)
+    expected = 0.120 + 0.027 * spinning + 23.96 * np.abs(thrusts).sum()
+    assert forwards == pytest.approx(expected, rel=1e-12)
+
+
+def test_panel_and_rotor_compile_to_the_same():
+    assert numba.njit(loads.rotor_power)(0.1, 0.027, 23.96) == loads.rotor_power(0.1, 0.027, 23.96)
+    assert numba.njit(panel.irradiance)(100.0, 300.0) == panel.irradiance(100.0, 300.0)
