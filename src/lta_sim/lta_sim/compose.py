@@ -142,7 +142,8 @@ def mean(a, b, c, d):
 {INLINE}
 def normalised(state):
     """Return the state with a quaternion of length one."""
-    n = 1.0 / math.sqrt(state[3] ** 2 + state[4] ** 2 + state[5] ** 2 + state[6] ** 2)
+    x, y, z, w = {_items('state', 3, 4)}
+    n = 1.0 / math.sqrt(x * x + y * y + z * z + w * w)
     return {_tuple([f'state[{i}] * n' if 3 <= i < 7 else f'state[{i}]' for i in range(size)])}
 
 

@@ -22,7 +22,7 @@ def _definition(function: FunctionType) -> ast.FunctionDef:
     path = Path(inspect.getsourcefile(function) or '')
     tree = ast.parse(path.read_text(encoding='utf-8'))
     for node in tree.body:
-        if isinstance(node, ast.FunctionDef) and node.name == function.__name__:
+        if isinstance(node, ast.FunctionDef) and node.name == function.__qualname__:
             return node
     raise BadInput(
         f'No function {function.__name__} stands at the top of {path}; define it there.'

@@ -12,10 +12,11 @@ from functools import cache
 from types import ModuleType
 
 from lta_sim.compose import kernel_source
-from lta_sim.effects import EFFECTS
+from lta_sim.effects import EFFECTS, initial_memory
 from lta_sim.effects.protocol import WrenchEffect
 from lta_sim.kernel_cache import load
 from lta_sim.model import Model
+from lta_sim.state import ACTUATORS, RIGID
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -35,18 +36,39 @@ def _wrench_effects() -> tuple[str, ...]:
     return tuple(name for name, effect in EFFECTS.items() if isinstance(effect, WrenchEffect))
 
 
-def _floats(values: ArrayLike) -> State:
-    """Return a contiguous float64 array, itself if it is one."""
-    return np.ascontiguousarray(values, dtype=np.float64)
+@cache
+def _size() -> int:
+    """Return the length of a state."""
+    return RIGID + len(initial_memory())
 
 
-def derivative(state: State, model: Model, duty: ArrayLike, wind: ArrayLike = CALM) -> State:
+def _floats(what: str, values: ArrayLike, count: int) -> State:
+    """Return a contiguous float64 array of that many numbers, itself if it is one."""
+    array = np.ascontiguousarray(values, dtype=np.float64)
+    if array.shape != (count,):
+        # Compiled code does not look: it would read what lies behind the array.
+        raise ValueError(f'The {what} has shape {array.shape}; it must be ({count},).')
+    return array
+
+
+def _input(
+    state: ArrayLike, duty: ArrayLike, wind: ArrayLike
+) -> tuple[State, NDArray[np.float64], NDArray[np.float64]]:
+    """Return what all functions take, as the kernel takes it."""
+    return (
+        _floats('state', state, _size()),
+        _floats('duty', duty, ACTUATORS),
+        _floats('wind', wind, 3),
+    )
+
+
+def derivative(state: ArrayLike, model: Model, duty: ArrayLike, wind: ArrayLike = CALM) -> State:
     """
     Return d/dt of a state.
 
     Parameters
     ----------
-    state : ndarray, shape (N,)
+    state : array_like, shape (N,)
         Layout of `lta_sim.state`, SI.
     model : Model
         The vehicle.
@@ -60,16 +82,20 @@ def derivative(state: State, model: Model, duty: ArrayLike, wind: ArrayLike = CA
     ndarray, shape (N,)
         Rate of each element. [1/s]
 
+    Raises
+    ------
+    ValueError
+        If an array has the wrong shape.
+
     """
-    out = np.empty_like(state)
-    _kernel().derivative(
-        state, model.parameters, model.body, model.inverse, _floats(duty), _floats(wind), out
-    )
+    start, command, air = _input(state, duty, wind)
+    out = np.empty_like(start)
+    _kernel().derivative(start, model.parameters, model.body, model.inverse, command, air, out)
     return out
 
 
 def advance(
-    state: State, model: Model, duty: ArrayLike, wind: ArrayLike, dt: float, steps: int
+    state: ArrayLike, model: Model, duty: ArrayLike, wind: ArrayLike, dt: float, steps: int
 ) -> State:
     """
     Return the state after `steps` classical Runge-Kutta steps under a constant command.
@@ -89,14 +115,15 @@ def advance(
         The later state, its quaternion normalised after each step.
 
     """
-    out = np.empty_like(state)
+    start, command, air = _input(state, duty, wind)
+    out = np.empty_like(start)
     _kernel().advance(
-        state,
+        start,
         model.parameters,
         model.body,
         model.inverse,
-        _floats(duty),
-        _floats(wind),
+        command,
+        air,
         float(dt),
         int(steps),
         out,
@@ -105,7 +132,7 @@ def advance(
 
 
 def wrenches(
-    state: State, model: Model, duty: ArrayLike, wind: ArrayLike = CALM
+    state: ArrayLike, model: Model, duty: ArrayLike, wind: ArrayLike = CALM
 ) -> Mapping[str, NDArray[np.float64]]:
     """
     Return the wrench of each wrench effect.
@@ -121,7 +148,8 @@ def wrenches(
         Force and moment about the hull centre, body frame, by effect. [N, N m]
 
     """
+    start, command, air = _input(state, duty, wind)
     names = _wrench_effects()
     out = np.empty((len(names), 6))
-    _kernel().wrenches(state, model.parameters, _floats(duty), _floats(wind), out)
+    _kernel().wrenches(start, model.parameters, command, air, out)
     return dict(zip(names, out, strict=True))

@@ -41,6 +41,11 @@ def merged(known: dict[str, Effect]) -> dict[str, Effect]:
                 f'The entry point {point.name} of {GROUP} is {point.value}, which is no effect; '
                 'let it name a WrenchEffect, ActuatorEffect or InertiaEffect.'
             )
+        if not effect.name.isidentifier():
+            raise BadInput(
+                f'The effect {effect.name!r} of {point.value} has no name that code can use; '
+                'take letters, digits and underscores.'
+            )
         if effect.name in effects:
             raise BadInput(
                 f'The effect {effect.name} of {point.value} exists already; '

@@ -1,0 +1,90 @@
+"""
+Measure the kernel: `python test/benchmark/kernel.py` prints name, value and unit.
+
+Every effect is on; `kernel.cold` and `kernel.warm` are whole processes from their first import to
+their first step, without the start of the interpreter and with an empty and a filled cache.
+"""
+
+import os
+from pathlib import Path
+import subprocess
+import sys
+import tempfile
+import time
+
+from lta_sim.effects import initial_memory
+from lta_sim.kernel import advance
+from lta_sim.model import Model
+from lta_sim.state import pack
+import numpy as np
+
+CALM = np.zeros(3)
+DUTY = np.array([0.1, 0.1, 0.2, 0.2])
+STEP = 2e-3
+
+
+def vehicle() -> Model:
+    """Return a flat balloon of 1 m with every effect on."""
+    thrust = {f'{letter}_{i}': 0.08 for letter in 'ab' for i in range(1, 5)}
+    places = {'heave_1': 1.0, 'heave_2': 1.0, 'roll_1': 0.2, 'roll_2': -0.2, 'surge_3': 1.0}
+    axes = ('surge', 'sway', 'heave', 'roll', 'pitch', 'yaw')
+    return Model.build(
+        {
+            'weight_and_buoyancy': {'buoyancy': 3.49, 'weight': 3.51, 'cg_z': -0.08},
+            'added_mass': dict(zip(axes, (0.146, 0.146, 0.374, 5e-3, 5e-3, 0.0), strict=True)),
+            'linear_drag': dict(zip(axes, (0.01, 0.01, 0.01, 7e-4, 6e-4, 3e-4), strict=True)),
+            'quadratic_drag': dict(zip(axes, (0.09, 0.09, 0.36, 2e-3, 2e-3, 6e-4), strict=True)),
+            'motor_lag': {'up': 0.072, 'down': 0.1},
+            'rotor_thrust': thrust | places | {'surge_4': 1.0, 'yaw_3': -0.1, 'yaw_4': 0.1},
+            'floor_contact': {'stiffness': 100.0, 'relaxation': 0.05, 'friction': 0.5, 'z': -0.36},
+        },
+        mass=0.358,
+        cg=(0.0, 0.0, -0.08),
+        inertia=np.diag([0.015, 0.015, 0.018]),
+    )
+
+
+def best(steps: int, calls: int) -> float:
+    """Return the shortest of five times of a call. [s]"""
+    model, start = vehicle(), pack((0.0, 0.0, 1.0), memory=initial_memory())
+    advance(start, model, DUTY, CALM, STEP, 1)
+    times = []
+    for _ in range(5):
+        begin = time.perf_counter()
+        for _ in range(calls):
+            advance(start, model, DUTY, CALM, STEP, steps)
+        times.append((time.perf_counter() - begin) / calls)
+    return min(times)
+
+
+def first_step(cache: Path) -> float:
+    """Return the time of a new process from import to its first step. [s]"""
+    script = (
+        'import time; begin = time.perf_counter()\n'
+        'import kernel\n'
+        'start = kernel.pack(memory=kernel.initial_memory())\n'
+        'kernel.advance(start, kernel.vehicle(), kernel.DUTY, kernel.CALM, kernel.STEP, 1)\n'
+        'import sys; sys.stdout.write(str(time.perf_counter() - begin))\n'
+    )
+    path = os.pathsep.join([str(Path(__file__).parent), *filter(None, sys.path)])
+    environment = os.environ | {'PYTHONPATH': path, 'XDG_CACHE_HOME': str(cache)}
+    command = [sys.executable, '-c', script]
+    return float(subprocess.check_output(command, env=environment, text=True))
+
+
+def main() -> None:
+    """Print the table."""
+    with tempfile.TemporaryDirectory() as folder:
+        cold, warm = first_step(Path(folder)), first_step(Path(folder))
+    rows = (
+        ('kernel.single', 1.0 / (best(1_000_000, 1) / 1_000_000), 'steps/s'),
+        ('kernel.control_step', 1e6 * best(5, 20_000), 'us per call of 5 steps'),
+        ('kernel.cold', cold, 's'),
+        ('kernel.warm', warm, 's'),
+    )
+    for name, value, unit in rows:
+        sys.stdout.write(f'{name:<22} {value:>14,.3f} {unit}\n')
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,78 @@
+"""A flat foil balloon of 1 m with four rotors, to test the model on: numbers, not a claim."""
+
+from lta_sim.effects import initial_memory
+from lta_sim.model import Model
+from lta_sim.state import pack
+import numpy as np
+
+G = 9.80665
+MASS = 0.358
+CG = (0.0, 0.0, -0.08)
+INERTIA = np.diag([0.015, 0.015, 0.018])
+HEIGHT = 0.36
+
+# Columns V1 V2 H1 H2 of the thrust allocation, per newton, about the hull centre.
+B = np.array(
+    [
+        [0.000, 0.000, 0.981, 0.981],
+        [0.013, -0.013, 0.011, -0.011],
+        [0.961, 0.961, -0.061, -0.061],
+        [0.188, -0.188, -0.002, 0.002],
+        [0.000, 0.000, -0.403, -0.403],
+        [0.000, 0.000, -0.100, 0.100],
+    ]
+)
+AXES = ('surge', 'sway', 'heave', 'roll', 'pitch', 'yaw')
+
+WEIGHT = {
+    'buoyancy': (MASS - 0.002) * G,
+    'weight': MASS * G,
+    'cg_x': CG[0],
+    'cg_y': CG[1],
+    'cg_z': CG[2],
+}
+NEUTRAL = WEIGHT | {'buoyancy': MASS * G}
+ADDED = {'surge': 0.146, 'sway': 0.146, 'heave': 0.374, 'roll': 4.7e-3, 'pitch': 4.7e-3}
+ROTORS = {
+    **{f'a_{i}': 0.0915 for i in range(1, 5)},
+    **{f'b_{i}': 0.0677 for i in range(1, 5)},
+    **{f'{axis}_{i + 1}': B[k, i] for k, axis in enumerate(AXES) for i in range(4)},
+}
+EVERYTHING = {
+    'weight_and_buoyancy': WEIGHT,
+    'added_mass': ADDED,
+    'linear_drag': {'roll': 7e-4, 'pitch': 6.2e-4, 'yaw': 3.2e-4},
+    'quadratic_drag': {
+        'surge': 0.092,
+        'sway': 0.092,
+        'heave': 0.359,
+        'roll': 2.14e-3,
+        'pitch': 2.14e-3,
+        'yaw': 6.4e-4,
+    },
+    'motor_lag': {'up': 0.072, 'down': 0.1},
+    'rotor_thrust': ROTORS,
+    'floor_contact': {'stiffness': 100.0, 'relaxation': 0.05, 'friction': 0.5, 'z': -HEIGHT},
+}
+
+
+def model(given, cg=CG, inertia=INERTIA):
+    """Return the balloon with the effects of `given`."""
+    return Model.build(given, mass=MASS, cg=cg, inertia=inertia)
+
+
+def at(position=(0.0, 0.0, 2.0), **motion):
+    """Return a state with the motors off."""
+    return pack(position, memory=initial_memory(), **motion)
+
+
+def anywhere(generator, height=(-0.3, 0.3)):
+    """Return a random state, its foot above or under the floor, and a random command and wind."""
+    state = at()
+    state[:2] = generator.normal(size=2)
+    state[2] = generator.uniform(*height)
+    state[3:7] = generator.normal(size=4)
+    state[3:7] /= np.linalg.norm(state[3:7])
+    state[7:13] = generator.normal(size=6)
+    state[13:] = generator.uniform(-1.0, 1.0, size=state.size - 13)
+    return state, generator.uniform(-1.0, 1.0, size=4), generator.normal(size=3)

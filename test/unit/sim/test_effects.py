@@ -1,0 +1,105 @@
+"""Values of single effects by hand, and what may be an effect."""
+
+from lta_config.errors import BadInput
+from lta_sim import effects
+from lta_sim.effects import floor_contact, motor_lag, rotor_thrust, weight_and_buoyancy
+from lta_sim.effects.basis import basis
+from lta_sim.effects.protocol import Motion
+import numpy as np
+import pytest
+
+LEVEL = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+NO = (0.0, 0.0, 0.0)
+# A quarter turn about y: the nose points down, body x is map -z and body z is map x.
+NOSE_DOWN = (0.0, 0.0, 1.0, 0.0, 1.0, 0.0, -1.0, 0.0, 0.0)
+
+
+def still(position=NO, rotation=LEVEL, velocity=NO, rates=NO):
+    return Motion(position, rotation, velocity, rates, velocity)
+
+
+def foot(p, motion):
+    return floor_contact.wrench(p, motion, (0.0, 0.0, 0.0, 0.0))
+
+
+def test_cg_below_the_hull_centre_rights():
+    p = (3.0, 4.0, 0.0, 0.0, -0.1)
+    level = weight_and_buoyancy.wrench(p, still(), (0.0, 0.0, 0.0, 0.0))
+    assert level == (0.0, 0.0, -1.0, 0.0, 0.0, 0.0)
+    down = weight_and_buoyancy.wrench(p, still(rotation=NOSE_DOWN), (0.0, 0.0, 0.0, 0.0))
+    # Weight 4 N along body x, 0.1 m below: -0.4 N m about y lifts the nose.
+    np.testing.assert_allclose(down, (1.0, 0.0, 0.0, 0.0, -0.4, 0.0), atol=1e-15)
+
+
+def test_thrust_curve():
+    p = [0.0] * 32
+    p[0], p[4], p[2], p[6] = 0.0915, 0.0677, 0.02, 0.03
+    p[8 + 8], p[8 + 10], p[8 + 18] = 1.0, 0.5, -0.4
+    wrench = rotor_thrust.wrench(tuple(p), still(), (0.5, 1.0, -1.0, 1.0))
+    first, third = 0.0915 * 0.25 + 0.0677 * 0.5, -0.05
+    expected = (0.0, 0.0, first + 0.5 * third, 0.0, -0.4 * third, 0.0)
+    np.testing.assert_allclose(wrench, expected, rtol=1e-15)
+
+
+def test_lag_up_and_down():
+    p = (0.1, 0.2)
+    assert motor_lag.rate(p, (0.5,), 1.0) == (5.0,)
+    assert motor_lag.rate(p, (0.5,), 0.0) == (-2.5,)
+    assert motor_lag.rate(p, (-0.5,), -1.0) == (-5.0,)
+    assert motor_lag.output(p, (0.5,), 1.0) == 0.5
+
+
+P = (100.0, 0.05, 0.5, 0.0, 0.0, -0.3)
+
+
+def test_floor_holds_what_sinks_in():
+    assert foot(P, still((0.0, 0.0, 0.3))) == (0.0,) * 6
+    assert foot(P, still((1.0, 2.0, 0.29)))[2] == pytest.approx(1.0, rel=1e-12)
+    sinking = foot(P, still((0.0, 0.0, 0.29), velocity=(0.0, 0.0, -0.2)))
+    assert sinking[2] == pytest.approx(2.0, rel=1e-12)
+
+
+def test_floor_never_pulls():
+    rising = foot(P, still((0.0, 0.0, 0.29), velocity=(0.0, 0.0, 1.0)))
+    np.testing.assert_array_equal(rising, np.zeros(6))
+
+
+def test_friction_opposes_slip_at_the_foot():
+    fast = foot(P, still((0.0, 0.0, 0.29), velocity=(5.0, 0.0, 0.0)))
+    assert fast[0] == pytest.approx(-0.5, rel=1e-4)
+    assert fast[4] == pytest.approx(0.15, rel=1e-4)
+    # The hull rolls over its foot without slip: v = w x r, 0.3 m above.
+    rolling = foot(P, still((0.0, 0.0, 0.29), velocity=(0.3, 0.0, 0.0), rates=(0.0, 1.0, 0.0)))
+    assert rolling[0] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_basis_holds_the_other_parameters():
+    effect = effects.EFFECTS['floor_contact']
+    given = {'relaxation': 0.05, 'friction': 0.5, 'z': -0.3, 'stiffness': 7.0}
+    column = basis(effect, given, still((0.0, 0.0, 0.29), velocity=(1.0, 0.0, -0.1)), (0.0,) * 4)
+    assert column.shape == (6, 1)
+    assert column[2, 0] == pytest.approx(0.015, rel=1e-12)
+
+
+class Point:
+    """An entry point that names `effect`."""
+
+    def __init__(self, effect):
+        self.name, self.value, self._effect = 'point', 'somewhere:EFFECT', effect
+
+    def load(self):
+        return self._effect
+
+
+@pytest.mark.parametrize(
+    ('effect', 'words'),
+    [
+        (effects.EFFECTS['linear_drag'], 'linear_drag of somewhere:EFFECT exists already'),
+        ('wind', 'no effect'),
+        (effects.WrenchEffect('side-wind', (), weight_and_buoyancy.wrench), 'underscores'),
+    ],
+)
+def test_installed_effects_are_checked(monkeypatch, effect, words):
+    monkeypatch.setattr(effects, 'entry_points', lambda group: [Point(effect)])
+    with pytest.raises(BadInput, match=words):
+        effects.merged({'linear_drag': effects.EFFECTS['linear_drag']})

@@ -1,0 +1,94 @@
+"""What a function uses comes with its text, or is refused."""
+
+import math
+from math import hypot
+import os
+
+from lta_config.errors import BadInput
+from lta_sim.compose import kernel_source
+from lta_sim.effects import EFFECTS, linear_drag, quadratic_drag
+from lta_sim.effects.protocol import Motion
+from lta_sim.extract import Extract
+import pytest
+
+PAIR = (2.0, 3.0)
+HALF = 0.5
+
+
+def square(x: float) -> float:
+    return x * x
+
+
+def good(x: float) -> float:
+    return HALF * square(x) + PAIR[1] + math.sqrt(abs(x)) + hypot(x, x)
+
+
+def shadow(HALF: float) -> float:
+    return HALF + 1.0
+
+
+def of_motion(z: float) -> Motion:
+    return Motion((0.0, 0.0, z), (0.0,) * 9, (0.0,) * 3, (0.0,) * 3, (0.0,) * 3)
+
+
+def bad(x: float) -> str:
+    return os.sep * int(x)
+
+
+def text_of(*functions):
+    extract = Extract()
+    names = [extract.add(function, 'box') for function in functions]
+    text = extract.text('@plain')
+    space = {'math': math, 'plain': lambda function: function}
+    exec('from collections import namedtuple\n' + text, space)
+    return text, [space[name] for name in names]
+
+
+def test_the_text_computes_the_same():
+    _, (copy, shadowed) = text_of(good, shadow)
+    assert copy(3.0) == good(3.0)
+    assert shadowed(1.0) == 2.0
+
+
+def test_named_tuples_come_along():
+    _, (copy,) = text_of(of_motion)
+    assert copy(2.0) == of_motion(2.0)
+    assert copy(2.0)._fields == Motion._fields
+
+
+def test_a_constant_is_part_of_the_text(monkeypatch):
+    before, _ = text_of(good)
+    monkeypatch.setitem(good.__globals__, 'HALF', 0.25)
+    after, _ = text_of(good)
+    assert before != after
+
+
+@pytest.mark.parametrize(('function', 'word'), [(bad, 'os, a module'), (len, 'no plain function')])
+def test_what_cannot_be_compiled_is_refused(function, word):
+    with pytest.raises(BadInput, match=word):
+        text_of(function)
+
+
+def test_a_function_within_a_function_is_refused():
+    def square(x: float) -> float:
+        return x
+
+    with pytest.raises(BadInput, match='No function square stands at the top'):
+        text_of(square)
+
+
+def test_two_things_cannot_share_a_name():
+    with pytest.raises(BadInput, match='box_wrench'):
+        text_of(linear_drag.wrench, quadratic_drag.wrench)
+
+
+def test_the_kernel_needs_numba_only():
+    source = kernel_source(EFFECTS)
+    imports = [line for line in source.splitlines() if line.startswith(('import', 'from'))]
+    assert imports == [
+        'from collections import namedtuple',
+        'import math',
+        'from numba import njit',
+    ]
+    for effect in EFFECTS:
+        assert effect == 'added_mass' or f'def {effect}_' in source

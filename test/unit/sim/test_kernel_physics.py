@@ -1,0 +1,206 @@
+"""The model against what is known in closed form."""
+
+from itertools import pairwise
+import math
+
+from lta_sim.kernel import advance, derivative, wrenches
+from lta_sim.mass import rigid_mass_matrix
+from lta_sim.state import POSITION, QUATERNION, RATES, VELOCITY
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from . import flat_balloon as balloon
+
+OFF = np.zeros(4)
+CALM = np.zeros(3)
+
+
+def energy(state, given, cg):
+    matrix = rigid_mass_matrix(balloon.MASS, np.asarray(cg), balloon.INERTIA)
+    added = given['added_mass']
+    matrix = matrix + np.diag([added.get(axis, 0.0) for axis in balloon.AXES])
+    nu = state[7:13]
+    weight = given['weight_and_buoyancy']
+    turned = Rotation.from_quat(state[QUATERNION]).apply(cg)
+    potential = weight['weight'] * (state[2] + turned[2]) - weight['buoyancy'] * state[2]
+    return 0.5 * nu @ matrix @ nu + potential
+
+
+def test_energy_is_conserved_without_dissipation():
+    cg = (0.03, -0.02, -0.08)
+    weight = balloon.NEUTRAL | {'cg_x': cg[0], 'cg_y': cg[1], 'buoyancy': 3.6}
+    given = {'weight_and_buoyancy': weight, 'added_mass': balloon.ADDED}
+    model = balloon.model(given, cg)
+    state = balloon.at(velocity=(0.5, -0.2, 0.1), rates=(2.0, -1.0, 1.5))
+    start = energy(state, given, cg)
+    kinetic = start - energy(np.where(np.arange(17) < 7, state, 0.0), given, cg)
+    for _ in range(6):
+        state = advance(state, model, OFF, CALM, 2.5e-4, 40_000)
+        assert abs(energy(state, given, cg) - start) <= 1e-9 * kinetic
+
+
+def test_angular_momentum_about_the_vertical_is_conserved():
+    given = {'weight_and_buoyancy': balloon.NEUTRAL}
+    cg = np.array(balloon.CG)
+    model = balloon.model(given)
+
+    def vertical(state):
+        turn = Rotation.from_quat(state[QUATERNION])
+        velocity = turn.apply(state[VELOCITY] + np.cross(state[RATES], cg))
+        spin = turn.apply(balloon.INERTIA @ state[RATES])
+        place = state[POSITION] + turn.apply(cg)
+        return spin[2] + balloon.MASS * np.cross(place, velocity)[2]
+
+    state = balloon.at(velocity=(0.5, -0.2, 0.1), rates=(2.0, -1.0, 1.5))
+    later = advance(state, model, OFF, CALM, 1e-3, 10_000)
+    assert vertical(later) == pytest.approx(vertical(state), rel=1e-10)
+
+
+def test_pendulum_period():
+    given = {'weight_and_buoyancy': balloon.NEUTRAL, 'added_mass': balloon.ADDED}
+    model = balloon.model(given)
+    m, h = balloon.MASS, -balloon.CG[2]
+    # Free to drift, the hull swings about a point below it: the coupled inertia is smaller.
+    inertia = 0.015 + m * h**2 + 4.7e-3 - (m * h) ** 2 / (m + 0.146)
+    amplitude = 1e-3
+    expected = 2 * math.pi * math.sqrt(inertia / (m * balloon.G * h)) * (1 + amplitude**2 / 16)
+    state = balloon.at()
+    state[QUATERNION] = (0.0, math.sin(0.5 * amplitude), 0.0, math.cos(0.5 * amplitude))
+    dt, crossings = 1e-3, []
+    for k in range(20_000):
+        later = advance(state, model, OFF, CALM, dt, 1)
+        if state[4] < 0.0 <= later[4]:
+            crossings.append((k - state[4] / (later[4] - state[4])) * dt)
+        state = later
+    assert len(crossings) >= 10
+    assert np.diff(crossings).mean() == pytest.approx(expected, rel=1e-6)
+
+
+def test_fall_with_quadratic_drag():
+    heave = 0.359
+    given = {
+        'weight_and_buoyancy': balloon.WEIGHT,
+        'added_mass': balloon.ADDED,
+        'quadratic_drag': {'heave': heave},
+    }
+    terminal = math.sqrt(0.002 * balloon.G / heave)
+    time = (balloon.MASS + 0.374) / (heave * terminal)
+    model, state = balloon.model(given), balloon.at()
+    for t in (2.0, 4.0):
+        state = advance(state, model, OFF, CALM, 2e-3, 1000)
+        assert state[9] == pytest.approx(-terminal * math.tanh(t / time), rel=1e-9)
+    assert advance(state, model, OFF, CALM, 2e-3, 60_000)[9] == pytest.approx(-terminal, rel=1e-9)
+
+
+def test_free_balloon_drifts_with_the_wind():
+    still = {name: given for name, given in balloon.EVERYTHING.items() if name != 'floor_contact'}
+    model = balloon.model(still | {'weight_and_buoyancy': balloon.NEUTRAL})
+    wind = np.array([1.0, 0.5, 0.0])
+    state = balloon.at(heading=0.7)
+    late = advance(state, model, OFF, wind, 2e-3, 100_000)
+    over_ground = Rotation.from_quat(late[QUATERNION]).apply(late[VELOCITY])
+    assert 0.9 < np.dot(over_ground, wind) / np.dot(wind, wind) < 1.0
+    carried = balloon.at(heading=0.7)
+    carried[VELOCITY] = Rotation.from_quat(carried[QUATERNION]).inv().apply(wind)
+    after = advance(carried, model, OFF, wind, 2e-3, 5000)
+    np.testing.assert_allclose(after[POSITION] - carried[POSITION], 10.0 * wind, atol=1e-10)
+
+
+def test_flight_in_steady_wind_is_the_flight_in_calm_carried_along():
+    still = {name: given for name, given in balloon.EVERYTHING.items() if name != 'floor_contact'}
+    model = balloon.model(still, cg=(0.03, -0.02, -0.08))
+    wind, duty = np.array([1.0, -0.5, 0.2]), np.array([0.3, 0.2, 0.6, 0.4])
+    calm = balloon.at(velocity=(0.2, 0.1, 0.0), rates=(0.5, -1.0, 2.0), heading=0.4)
+    windy = calm.copy()
+    windy[VELOCITY] += Rotation.from_quat(calm[QUATERNION]).inv().apply(wind)
+    calm = advance(calm, model, duty, CALM, 1e-3, 5000)
+    windy = advance(windy, model, duty, wind, 1e-3, 5000)
+    calm[POSITION] += 5.0 * wind
+    calm[VELOCITY] += Rotation.from_quat(calm[QUATERNION]).inv().apply(wind)
+    np.testing.assert_allclose(windy, calm, atol=1e-9)
+
+
+def test_turning_the_start_turns_the_flight():
+    model = balloon.model(balloon.EVERYTHING)
+    duty, turn = np.array([0.3, 0.2, 0.6, 0.4]), Rotation.from_euler('z', 1.1)
+    start = {'velocity': (0.2, 0.1, 0.0), 'rates': (0.1, -0.2, 0.5)}
+    one = advance(balloon.at(heading=0.4, **start), model, duty, CALM, 2e-3, 2000)
+    two = advance(balloon.at(heading=1.5, **start), model, duty, CALM, 2e-3, 2000)
+    np.testing.assert_allclose(two[POSITION], turn.apply(one[POSITION]), atol=1e-11)
+    np.testing.assert_allclose(two[7:], one[7:], atol=1e-11)
+    turned = turn * Rotation.from_quat(one[QUATERNION])
+    assert (turned.inv() * Rotation.from_quat(two[QUATERNION])).magnitude() < 1e-11
+
+
+def test_fourth_order():
+    model = balloon.model(balloon.EVERYTHING)
+    start = balloon.at(velocity=(0.6, 0.3, 0.3), rates=(0.6, 0.5, 2.0))
+    ends = [advance(start, model, (0.5, 0.6, 0.8, 0.7), CALM, 0.2 / n, n) for n in (32, 64, 128)]
+    errors = [np.max(abs(a - b)) for a, b in pairwise(ends)]
+    orders = np.log2(np.divide(errors[:-1], errors[1:]))
+    assert np.all(abs(orders - 4.0) < 0.1), orders
+
+
+def test_steps_add_up_to_the_bit():
+    model = balloon.model(balloon.EVERYTHING)
+    state, duty, wind = balloon.anywhere(np.random.default_rng(3))
+    half = advance(state, model, duty, wind, 2e-3, 50)
+    np.testing.assert_array_equal(
+        advance(half, model, duty, wind, 2e-3, 50), advance(state, model, duty, wind, 2e-3, 100)
+    )
+
+
+def test_motor_follows_its_time_constants():
+    model = balloon.model({'motor_lag': {'up': 0.072, 'down': 0.15}})
+    state = advance(balloon.at(), model, (0.5, -0.5, 1.0, 0.0), CALM, 1e-3, 72)
+    risen = 1.0 - math.exp(-1.0)
+    expected = np.array([0.5, -0.5, 1.0, 0.0]) * risen
+    np.testing.assert_allclose(state[13:], expected, rtol=1e-9, atol=0.0)
+    later = advance(state, model, OFF, CALM, 1e-3, 150)
+    np.testing.assert_allclose(later[13:], expected * math.exp(-1.0), rtol=1e-9, atol=0.0)
+
+
+def test_without_lag_the_rotor_obeys_at_once():
+    model = balloon.model({'rotor_thrust': balloon.ROTORS})
+    rate = derivative(balloon.at(), model, (1.0, 1.0, 0.0, 0.0))
+    expected = 2 * 0.961 * (0.0915 + 0.0677) / balloon.MASS
+    assert rate[9] == pytest.approx(expected, rel=1e-12)
+
+
+def test_it_stands_on_the_floor_and_takes_off():
+    model = balloon.model(balloon.EVERYTHING)
+    sunk = 0.002 * balloon.G / 100.0
+    state = balloon.at((0.0, 0.0, balloon.HEIGHT + 0.1), heading=0.3, velocity=(0.1, 0.0, 0.0))
+    state = advance(state, model, OFF, CALM, 2e-3, 60_000)
+    assert state[2] == pytest.approx(balloon.HEIGHT - sunk, abs=1e-6)
+    assert np.max(abs(state[7:13])) < 1e-6
+    place = state[POSITION]
+    state = advance(state, model, OFF, CALM, 2e-3, 30_000)
+    np.testing.assert_allclose(state[POSITION], place, atol=1e-6)
+    state = advance(state, model, (0.6, 0.6, 0.0, 0.0), CALM, 2e-3, 1500)
+    assert state[2] > balloon.HEIGHT + 0.3
+
+
+@pytest.mark.parametrize(
+    ('state', 'duty', 'wind', 'words'),
+    [
+        (np.zeros(13), OFF, CALM, r'state has shape \(13,\); it must be \(17,\)'),
+        (np.zeros(17), np.zeros(3), CALM, r'duty has shape \(3,\)'),
+        (np.zeros(17), OFF, np.zeros(2), r'wind has shape \(2,\)'),
+    ],
+)
+@pytest.mark.parametrize('function', [derivative, wrenches])
+def test_wrong_shapes_are_refused(function, state, duty, wind, words):
+    with pytest.raises(ValueError, match=words):
+        function(state, balloon.model({}), duty, wind)
+
+
+def test_any_layout_of_the_state_will_do():
+    model = balloon.model(balloon.EVERYTHING)
+    state, duty, wind = balloon.anywhere(np.random.default_rng(5))
+    spread = np.zeros(34)
+    spread[::2] = state
+    for same in (spread[::2], state.tolist()):
+        rate = derivative(same, model, tuple(duty), list(wind))
+        np.testing.assert_array_equal(rate, derivative(state, model, duty, wind))

@@ -1,0 +1,81 @@
+"""A model is refused in one sentence, or it is a body that can exist."""
+
+from lta_config.errors import BadInput
+from lta_sim.effects import EFFECTS, get
+from lta_sim.model import Model
+import numpy as np
+import pytest
+
+from . import flat_balloon as balloon
+
+
+def build(given=None, mass=0.3, cg=(0.0, 0.0, 0.0), inertia=None):
+    inertia = np.eye(3) if inertia is None else inertia
+    return Model.build(given or {}, mass=mass, cg=cg, inertia=inertia)
+
+
+@pytest.mark.parametrize(
+    ('bad', 'words'),
+    [
+        ({'given': {'antigravity': {}}}, ['antigravity', 'weight_and_buoyancy', 'added_mass']),
+        ({'given': {'motor_lag': {'upp': 1.0}}}, ["'upp'", 'it has up, down']),
+        ({'given': {'linear_drag': {'surge': -1.0}}}, ['linear_drag.surge', '-1 N s/m', '0 to']),
+        ({'given': {'linear_drag': {'surge': float('nan')}}}, ['linear_drag.surge', 'nan']),
+        ({'given': {'motor_lag': {'up': 0.1}}}, ['motor_lag', 'both']),
+        ({'mass': -1.0}, ['mass', '-1 kg', 'positive']),
+        ({'mass': float('nan')}, ['mass', 'nan', 'positive']),
+        ({'cg': (0.0, float('inf'), 0.0)}, ['centre of gravity', 'inf']),
+        ({'cg': (0.0, 0.0)}, ['centre of gravity', 'three']),
+        ({'inertia': np.diag([1.0, 1.0, -1.0])}, ['inertia', 'positive definite']),
+        ({'inertia': np.full((3, 3), np.nan)}, ['inertia']),
+        ({'inertia': [1.0, 1.0]}, ['inertia', '(2,)']),
+        ({'inertia': np.array([[1, 0.1, 0], [0, 1, 0], [0, 0, 1]])}, ['inertia', 'symmetric']),
+    ],
+)
+def test_bad_input(bad, words):
+    with pytest.raises(BadInput) as error:
+        build(**bad)
+    sentence = str(error.value)
+    assert sentence.endswith('.')
+    assert '\n' not in sentence
+    for word in words:
+        assert word in sentence
+
+
+def test_unknown_effect_names_the_known_ones():
+    with pytest.raises(BadInput) as error:
+        get('drag')
+    assert all(name in str(error.value) for name in EFFECTS)
+
+
+def test_what_is_left_out_is_null():
+    nulls = {
+        name: {parameter.name: parameter.null for parameter in effect.parameters}
+        for name, effect in EFFECTS.items()
+    }
+    for one, two in zip(vectors(build()), vectors(build(nulls)), strict=True):
+        assert one.tobytes() == two.tobytes()
+
+
+def test_inertia_by_elements():
+    tensor = np.array([[1.0, 0.1, 0.2], [0.1, 2.0, 0.3], [0.2, 0.3, 3.0]])
+    one, two = build(inertia=tensor), build(inertia=[1.0, 0.1, 0.2, 2.0, 0.3, 3.0])
+    np.testing.assert_array_equal(one.inverse, two.inverse)
+
+
+def test_numbers_of_the_kernel():
+    model = balloon.model(balloon.EVERYTHING)
+    steiner = 0.015 + 0.358 * 0.08**2
+    expected = [
+        *(0.358, 0.0, 0.0, -0.358 * 0.08),
+        *(steiner, steiner, 0.018, 0.0, 0.0, 0.0),
+        *(0.146, 0.146, 0.374, 4.7e-3, 4.7e-3, 0.0),
+    ]
+    np.testing.assert_allclose(model.body, expected, rtol=1e-14, atol=1e-18)
+    heave = np.reshape(model.inverse, (6, 6))[2, 2]
+    assert heave == pytest.approx(1.0 / (0.358 + 0.374), rel=1e-14)
+    assert len(model.parameters) == sum(len(effect.parameters) for effect in EFFECTS.values())
+
+
+def vectors(model):
+    return model.parameters, model.body, model.inverse
