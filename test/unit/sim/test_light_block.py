@@ -56,13 +56,29 @@ def test_steady_light_by_hand():
 def test_mains_by_hand():
     # 100 lx with 20 lx of LED flicker: 0.156 V either side, a sine of 193.6 counts at 100 Hz.
     array = PhotodiodeArray(feedback_resistance=1e5, noise=0.0, count=1)
-    field = scene(Ambient(300.0, 200.0, mains_frequency=120.0, mains_phase=0.25))
+    field = scene(Ambient(300.0, 200.0, mains_frequency=120.0))
     block, _ = synthesise(array, field, light([0.0], 300.0, 200.0), 0, 1000, generator())
     peaks = demodulate(block, plan_bins(Demodulation(frequency=120.0), 1e4, 1000))
     assert peaks.amplitude[0] == pytest.approx(0.156 / STEP, abs=0.1)
     assert peaks.frequency[0] == 120.0
-    # At a phase of a quarter it starts at its crest: 0.66857 + 0.156 + 0.0075 V.
-    assert block[0, 0] == pytest.approx(0.83207 / STEP, abs=1.0)
+    # It rises from its mean, 0.66857 + 0.0075 V; one sample is a step of 14.6 counts.
+    assert block[0, 0] == pytest.approx(0.67607 / STEP, abs=1.0)
+    assert block[1, 0] == pytest.approx(0.67607 / STEP + 14.6, abs=1.0)
+
+
+def test_mains_phase_shifts_its_flicker():
+    array = PhotodiodeArray(feedback_resistance=1e5, noise=0.0, count=1)
+    field = scene(Ambient(300.0, 200.0, mains_frequency=120.0, mains_phase=0.75))
+    block, _ = synthesise(array, field, light([0.0], 300.0, 200.0), 0, 1000, generator())
+    # Three quarters on it stands in its trough: 0.66857 - 0.156 + 0.0075 V.
+    assert block[0, 0] == pytest.approx(0.52007 / STEP, abs=1.0)
+
+
+def test_light_is_never_negative():
+    # An efficacy of the mains' lamps so poor that their flicker outweighs the steady light.
+    array = PhotodiodeArray(lamp_efficacy=10.0, ambient_efficacy=683.0, count=1, noise=0.0)
+    block, _ = synthesise(array, scene(), light([0.0], 10.0, 10.0), START, 1000, generator())
+    assert block.min() == 9
 
 
 def test_saturation_clips_at_full_scale():
@@ -158,6 +174,16 @@ def test_two_blocks_are_one(bandwidth):
     # The light of the sample at the seam comes from the same instant in both.
     assert np.array_equal(np.concatenate([head, tail]), whole)
     assert last.volts == pytest.approx(end.volts, rel=1e-12)
+
+
+def test_first_block_starts_in_the_middle_of_the_flicker():
+    # A pole of 5 ms, near the lamp's period: after a block it has forgotten how it started.
+    slow = PhotodiodeArray(bandwidth=30.0, noise=0.0, feedback_resistance=1e6, count=1)
+    before = START - 100_000_000
+    _, state = synthesise(slow, scene(), light([65.0], 20.0), before, 1000, generator())
+    running, _ = synthesise(slow, scene(), light([65.0], 20.0), START, 1000, generator(), state)
+    fresh, _ = synthesise(slow, scene(), light([65.0], 20.0), START, 1000, generator())
+    assert np.abs(fresh.astype(int) - running).max() <= 1
 
 
 def test_light_between_the_instants_is_linear():

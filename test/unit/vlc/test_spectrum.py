@@ -46,6 +46,11 @@ def test_highest_bin_of_an_even_block_reads_its_amplitude():
     assert amplitude_spectrum(alternating[:, None])[32, 0] == pytest.approx(2.5, rel=1e-12)
 
 
+def test_highest_bin_of_an_odd_block_is_a_bin_like_others():
+    sine = 2.5 * np.sin(2.0 * math.pi * 50.0 * np.arange(101) / 101.0)
+    assert amplitude_spectrum(sine[:, None])[50, 0] == pytest.approx(2.5, rel=1e-12)
+
+
 def test_sine_between_bins_reads_two_over_pi():
     time = np.arange(1000)
     sine = np.sin(2.0 * math.pi * 100.5 * time / 1000.0)

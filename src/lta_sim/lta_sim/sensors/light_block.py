@@ -1,8 +1,8 @@
 """
 One block of converter counts from the light on a ring of photodiodes.
 
-1. The light at a few instants is interpolated linearly over the block, taken as level within a
-   sample, times the lamp's wave.
+1. The light at a few instants is interpolated linearly over the block, times the
+   lamp's wave; it and the flicker of the mains are taken as level within a sample.
 2. The amplifier's bandwidth is one pole, solved exactly from sample to sample, with the lamp's
    edges between samples: what lies above Nyquist aliases as it does on the board. The pole stays
    where the setting puts it, whatever the feedback resistor.
