@@ -34,8 +34,9 @@ choose_python() {
         stop "$lacking has no venv module; install it (Debian, Ubuntu:" \
             "apt install python3-venv) and run make again."
     fi
-    stop "LTA needs Python 3.11 to 3.14 and ${PYTHON:-python3} is" \
-        "$(${PYTHON:-python3} -V 2>&1 || :); install one or name it: make PYTHON=/path/to/python3."
+    found=$(${PYTHON:-python3} -V 2>/dev/null || echo 'not there')
+    stop "LTA needs Python 3.11 to 3.14 and ${PYTHON:-python3} is $found; install one or name it:" \
+        'make PYTHON=/path/to/python3.'
 }
 
 check_machine() {
@@ -53,7 +54,7 @@ check_machine() {
 install() {
     if ! "$venv/bin/python" -m pip install --disable-pip-version-check --no-input \
         --constraint constraints.txt "$@" >>"$venv/install.log" 2>&1; then
-        reason=$(grep '^ERROR' "$venv/install.log" | tail -n 1)
+        reason=$(sed -n "s/^ERROR: //p" "$venv/install.log" | head -n 1)
         stop "pip cannot install the environment (${reason:-see $venv/install.log}); check the" \
             'network and the pip configuration and run make again.'
     fi

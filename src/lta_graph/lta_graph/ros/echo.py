@@ -1,0 +1,93 @@
+"""
+Ask and answer over DDS: the two processes with which `lta doctor` proves that nodes can talk.
+
+`python -m lta_graph.ros.echo answer` returns what it hears; `... ask` sends until one answer is
+there, then times round trips and prints one line of JSON. Both end by themselves.
+"""
+
+import argparse
+import json
+import statistics
+import sys
+import time
+
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from std_msgs.msg import String
+
+QUESTION = 'lta_doctor/question'
+ANSWER = 'lta_doctor/answer'
+ROUND_TRIPS = 20
+RETRY = 0.05  # s between questions until the first answer
+
+
+def answer(node: Node, executor: SingleThreadedExecutor, deadline: float) -> None:
+    """Send every question back until the last one, or until the deadline."""
+    heard: list[str] = []
+    publisher = node.create_publisher(String, ANSWER, 10)
+
+    def on_question(message: String) -> None:
+        heard.append(message.data)
+        publisher.publish(message)
+
+    node.create_subscription(String, QUESTION, on_question, 10)
+    while time.monotonic() < deadline and heard[-1:] != ['end']:
+        executor.spin_once(timeout_sec=0.1)
+
+
+def ask(node: Node, executor: SingleThreadedExecutor, deadline: float) -> dict[str, float] | None:
+    """Return the times of discovery and of a round trip [s], or None at the deadline."""
+    heard: set[str] = set()
+    publisher = node.create_publisher(String, QUESTION, 10)
+    node.create_subscription(String, ANSWER, lambda message: heard.add(message.data), 10)
+
+    def round_trip(text: str, patience: float) -> float | None:
+        sent = time.perf_counter()
+        publisher.publish(String(data=text))
+        until = min(deadline, time.monotonic() + patience)
+        while text not in heard:
+            if time.monotonic() >= until:
+                return None
+            executor.spin_once(timeout_sec=patience)
+        return time.perf_counter() - sent
+
+    began = time.monotonic()
+    while round_trip('begin', RETRY) is None:
+        if time.monotonic() >= deadline:
+            return None
+    found = time.monotonic() - began
+    trips = [round_trip(str(count), 1.0) for count in range(ROUND_TRIPS)]
+    publisher.publish(String(data='end'))
+    times = [trip for trip in trips if trip is not None]
+    if len(times) < ROUND_TRIPS:
+        return None
+    return {'discovery_s': found, 'round_trip_s': statistics.median(times)}
+
+
+def main() -> None:
+    """Play one of the two roles; exit status 1 if nobody was heard in time."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument('role', choices=('ask', 'answer'))
+    parser.add_argument('--seconds', type=float, default=8.0, help='give up after [s]')
+    options = parser.parse_args()
+    deadline = time.monotonic() + options.seconds
+    rclpy.init(args=[])
+    node = Node(f'lta_doctor_{options.role}')
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    times = None
+    try:
+        if options.role == 'answer':
+            answer(node, executor, deadline)
+        elif (times := ask(node, executor, deadline)) is not None:
+            sys.stdout.write(json.dumps(times) + '\n')
+    finally:
+        executor.shutdown()
+        node.destroy_node()
+        rclpy.try_shutdown()
+    sys.exit(1 if options.role == 'ask' and times is None else 0)
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,36 @@
+"""`lta doctor` proves DDS with two real processes, and gives up in time when nobody answers."""
+
+import os
+import subprocess
+import sys
+import time
+
+from lta_analysis.doctor import dds
+import pytest
+
+
+@pytest.fixture(autouse=True)
+def _source_path(monkeypatch):
+    monkeypatch.setenv('PYTHONPATH', os.pathsep.join(path for path in sys.path if path))
+
+
+def test_two_processes_talk():
+    began = time.monotonic()
+    check = dds.conversation()
+    assert check.state == 'ok', check.found
+    assert check.found.startswith('two processes found each other in ')
+    assert time.monotonic() - began < dds.DEADLINE
+
+
+def test_nobody_answers():
+    command = [sys.executable, '-m', 'lta_graph.ros.echo', 'ask', '--seconds', '0.5']
+    result = subprocess.run(command, capture_output=True, timeout=dds.DEADLINE)
+    assert (result.returncode, result.stdout) == (1, b'')
+
+
+def test_a_process_that_cannot_start_says_why(monkeypatch):
+    monkeypatch.setenv('RMW_IMPLEMENTATION', 'rmw_of_another_world')
+    check = dds.conversation()
+    assert check.state == 'fail'
+    assert check.found
+    assert check.remedy
