@@ -1,5 +1,7 @@
 """Install lta_config as an ament_python package."""
 
+from pathlib import Path
+
 from setuptools import find_packages, setup
 
 setup(
@@ -9,7 +11,11 @@ setup(
     package_data={'lta_config': ['py.typed']},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/lta_config']),
-        ('share/lta_config', ['package.xml']),
+        ('share/lta_config', ['package.xml', 'topics.yaml']),
+        *(
+            (f'share/lta_config/{folder}', sorted(map(str, Path(folder).glob('*.yaml'))))
+            for folder in ('control', 'launch', 'scenarios', 'vehicles')
+        ),
     ],
     install_requires=['setuptools'],
     zip_safe=False,

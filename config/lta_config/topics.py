@@ -1,7 +1,7 @@
 """The topic table of `topics.yaml`, and the one rule for which message is due when."""
 
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, cached_property
 import re
 from typing import Annotated, Literal
 
@@ -44,12 +44,12 @@ class Topic(Record):
         """The message's own name, `Imu`."""
         return self.type.split('/')[2]
 
-    @property
+    @cached_property
     def period_ns(self) -> int:
         """Time between two stamps; 0 where the topic has no rhythm. [ns]"""
         return 0 if self.period is None else nanoseconds(self.period)
 
-    @property
+    @cached_property
     def latency_ns(self) -> int:
         """Time from the stamp to the publication. [ns]"""
         return nanoseconds(self.latency)
@@ -77,12 +77,12 @@ class TopicTable(Record):
             raise unknown('topic', name, list(self.topics))
         return self.topics[name]
 
-    @property
+    @cached_property
     def start_ns(self) -> int:
         """The first stamp of a simulated flight. [ns]"""
         return nanoseconds(self.start)
 
-    @property
+    @cached_property
     def control_ns(self) -> int:
         """The control period. [ns]"""
         return nanoseconds(self.control_period)

@@ -1,10 +1,10 @@
 """
 Planar velocity through the air, from acceleration and the drag model.
 
-Integrated acceleration alone drifts; damped, it decays to zero at a steady speed, and a loop closed
-on it runs away to full speed. So the damping pulls towards the speed that the drag model gives for
-the commanded thrust. In wind this is the speed through the air: ground speed is not observable
-with these sensors.
+Integrated acceleration alone drifts; damped, it decays to zero at a steady speed, and a loop
+closed on it runs away to full speed. So the damping pulls towards the speed that the drag model
+gives for the commanded thrust. In wind this is the speed through the air: ground speed is not
+observable with these sensors.
 """
 
 from typing import NamedTuple

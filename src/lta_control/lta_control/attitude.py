@@ -2,8 +2,9 @@
 Attitude from gyroscope and accelerometer.
 
 A complementary filter on the rotation group (Mahony, Hamel and Pflimlin 2008,
-doi:10.1109/TAC.2008.923738, without the bias estimate: the bias is measured at rest before take-off).
-Gravity corrects roll and pitch; nothing on board corrects heading, which drifts with the gyroscope.
+doi:10.1109/TAC.2008.923738), without its bias estimate: the bias is measured at rest before
+take-off. Gravity corrects roll and pitch; nothing on board corrects heading, which drifts with
+the gyroscope.
 """
 
 import math

@@ -70,7 +70,7 @@ class Body(NamedTuple):
 class Rest(NamedTuple):
     """Sums gathered at rest; the mean of each is a bias."""
 
-    count: int = 0
+    samples: int = 0
     rates: Vector = (0.0, 0.0, 0.0)
     force: Vector = (0.0, 0.0, 0.0)
     pressure: float = 0.0
@@ -161,7 +161,7 @@ def _learn_at_rest(
     rest = state.rest
     heard = inputs.pressure is not None
     rest = Rest(
-        rest.count + 1,
+        rest.samples + 1,
         _plus(rest.rates, inputs.rates),
         _plus(rest.force, inputs.force),
         rest.pressure + (inputs.pressure or 0.0),
@@ -171,9 +171,9 @@ def _learn_at_rest(
     if inputs.range is not None and math.isfinite(inputs.range):
         height = inputs.range - body.range_position[2]
         altitude = correct(altitude, height, settings.altitude.range_noise, False)
-    if rest.count * dt < settings.rest_time or rest.pressures == 0:
+    if rest.samples * dt < settings.rest_time or rest.pressures == 0:
         return state._replace(rest=rest, altitude=altitude)
-    n = float(rest.count)
+    n = float(rest.samples)
     fx, fy, fz = rest.force
     biases = Biases(
         (rest.rates[0] / n, rest.rates[1] / n, rest.rates[2] / n),

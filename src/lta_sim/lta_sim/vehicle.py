@@ -14,13 +14,16 @@ from typing import final
 
 from lta_config.errors import BadInput
 from lta_config.quantity import Quantity
+from lta_config.vehicle_file import Drag, load_vehicle_file, Part, VehicleFile
+from lta_energy.battery import BatterySettings
+from lta_energy.loads import LoadSettings
+from lta_energy.panel import PanelSettings
 from lta_sim import effects
 from lta_sim.effects.protocol import AXES
 from lta_sim.mass import spheroid_added_mass
 from lta_sim.model import Model
 from lta_sim.sensors.photodiode import PhotodiodeArray
 from lta_sim.state import ACTUATORS
-from lta_sim.vehicle_file import load_vehicle_file, Part, VehicleFile
 import numpy as np
 from numpy.typing import NDArray
 
@@ -79,8 +82,8 @@ class Vehicle:
             )
         if self.ballast < 0.0:
             raise BadInput(
-                f'{file.name} is {-1e3 * self.ballast:.1f} g too heavy for {1e3 * self.lift:.1f} g '
-                'of lift; make parts lighter or the hull larger.'
+                f'{file.name} is {-1e3 * self.ballast:.1f} g too heavy for its lift of '
+                f'{1e3 * self.lift:.1f} g; make parts lighter or the hull larger.'
             )
         if self.cg[2] >= 0.0:
             raise BadInput(
@@ -159,12 +162,12 @@ class Vehicle:
         """Actuator names in the order of `motors`."""
         return list(self.file.rotors)
 
-    @property
+    @cached_property
     def reversible(self) -> tuple[bool, ...]:
         """Whether each rotor accepts negative duty."""
         return tuple(rotor.reversible for rotor in self.file.rotors.values())
 
-    @property
+    @cached_property
     def thrust_curve(self) -> tuple[float, float]:
         """Coefficients a and b of T = a u^2 + b u. [N]."""
         return self.file.thrust_curve.a.si, self.file.thrust_curve.b.si
@@ -174,13 +177,13 @@ class Vehicle:
         """Thrust of one rotor at full duty. [N]."""
         return sum(self.thrust_curve)
 
-    @property
+    @cached_property
     def allocation(self) -> tuple[Vector, ...]:
         """B as columns, one a rotor: wrench about the hull centre per newton. [1, m]."""
         columns = self.file.aero.thrust_allocation.values()
         return tuple((*column.force.vector, *column.moment.vector) for column in columns)
 
-    @property
+    @cached_property
     def diodes(self) -> PhotodiodeArray:
         """The ring of photodiodes."""
         ring = self.file.sensors.diodes
@@ -190,6 +193,29 @@ class Vehicle:
             radius=ring.radius.si,
             feedback_resistance=ring.feedback.si,
         )
+
+    @cached_property
+    def battery(self) -> BatterySettings:
+        """The cell."""
+        energy = self.file.energy
+        return BatterySettings(capacity=energy.capacity.si, resistance=energy.resistance.si)
+
+    @cached_property
+    def loads(self) -> LoadSettings:
+        """The consumers."""
+        energy = self.file.energy
+        return LoadSettings(
+            idle=energy.idle.si,
+            transmitting=energy.transmitting.si,
+            rotor_offset=energy.rotor_idle.si,
+            rotor_slope=energy.rotor_power.si,
+        )
+
+    @cached_property
+    def panel(self) -> PanelSettings:
+        """The solar panels."""
+        energy = self.file.energy
+        return PanelSettings(area=energy.panel_area.si, efficiency=energy.panel_efficiency.si)
 
     def effects(self) -> dict[str, dict[str, float]]:
         """Return the parameters of every effect that is on, in SI."""
@@ -241,6 +267,10 @@ class Vehicle:
                 f'{1e3 * (thrust - self.full_thrust) * sum(up) / GRAVITY:.1f} g.'
             )
         return 2.0 * thrust / (b + math.sqrt(b * b + 4.0 * a * thrust)) if thrust > 0 else 0.0
+
+
+def _drag(drag: Drag) -> dict[str, float]:
+    return _by_axis(drag.force.vector + drag.moment.vector)
 
 
 def _by_axis(values: Vector) -> dict[str, float]:

@@ -8,6 +8,7 @@ come from `topics.yaml`. `on_step` gets everything that belongs to one answer (s
 
 from collections.abc import Callable
 from importlib import import_module
+import signal
 import sys
 import time
 from typing import Any, Literal
@@ -24,12 +25,14 @@ from lta_graph.ros.qos import profile
 from lta_graph.ros.spin import spin
 import rclpy
 from rclpy.clock import Clock, ClockType
-from rclpy.executors import ExternalShutdownException
+from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
+from rclpy.signals import SignalHandlerOptions
 
 WATCH_PERIOD = 0.2  # wall seconds between looks at what is missing
 REPORT_PERIOD = 1.0  # wall seconds between two /diagnostics without news
+FAREWELL = 0.5  # wall seconds for the last messages to arrive
 PATIENCE = 0.8  # wall seconds of waiting after which the missing input is named
 
 
@@ -74,6 +77,7 @@ class GraphNode(Node):
         self.table = topic_table()
         self.role = role or name
         self.lockstep = Parameters(self, GraphSettings).value.time == 'lockstep'
+        self.running = True
         self.health = Health()
         self.health.report('state', Level.OK, 'starting')
         self._inboxes: list[tuple[Inbox, Callable[[Step], None]]] = []
@@ -182,12 +186,14 @@ class GraphNode(Node):
         self._diagnostics.publish(array)
 
     def work(self) -> None:
-        """Answer inputs until ROS shuts down; a node with a rhythm of its own replaces this."""
+        """Answer inputs until told to stop; a node with a rhythm of its own adds to this."""
         self.health.report('state', Level.OK, 'running')
-        spin(self)
+        spin(self, lambda: self.running)
 
     def close(self) -> None:
         """Leave everything outside in order; called once on every way out but SIGKILL."""
+        for publisher in self.publishers:
+            publisher.wait_for_all_acked(Duration(seconds=FAREWELL))
 
 
 def run(node_class: type[GraphNode], args: list[str] | None = None) -> None:
@@ -197,12 +203,15 @@ def run(node_class: type[GraphNode], args: list[str] | None = None) -> None:
     Exit status 0 after a shut-down, 2 with one sentence on bad input; anything else is a crash
     with its traceback.
     """
-    rclpy.init(args=args)
+    # Our own handlers: rclpy's would tear the context down before the last messages are out.
+    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     node: GraphNode | None = None
     try:
         node = node_class()  # type: ignore[call-arg]
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, lambda *_: setattr(node, 'running', False))
         node.work()
-    except (KeyboardInterrupt, ExternalShutdownException):
+    except KeyboardInterrupt:  # before the handlers were there
         pass
     except BadInput as error:
         sys.stderr.write(f'{error}\n')

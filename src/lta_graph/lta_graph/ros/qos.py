@@ -25,19 +25,3 @@ def profile(topic: Topic, lockstep: bool) -> QoSProfile:
         return PROFILES[topic.qos]
     depth = LOCKSTEP_HISTORY_NS // topic.period_ns if topic.period_ns else 100
     return QoSProfile(depth=depth, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-
-
-def as_text(chosen: QoSProfile) -> dict[str, object]:
-    """Return a profile in the words of rosbag2's metadata."""
-    forever = {'sec': 9223372036, 'nsec': 854775807}
-    return {
-        'history': chosen.history.name.lower(),
-        'depth': chosen.depth,
-        'reliability': chosen.reliability.name.lower(),
-        'durability': chosen.durability.name.lower(),
-        'deadline': forever,
-        'lifespan': forever,
-        'liveliness': 'automatic',
-        'liveliness_lease_duration': forever,
-        'avoid_ros_namespace_conventions': False,
-    }

@@ -1,0 +1,145 @@
+"""
+The recorder node: everything that the topic table marks as recorded, raw, into a bag.
+
+What is older than `FLUSH_PERIOD` survives even SIGKILL. When the disk fills, the bag is closed
+while its index still fits and the process ends with a sentence and status 2.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+import time
+
+from lta_bridge.bag.qos import offered_qos
+from lta_bridge.bag.storage import free_space, StorageFault
+from lta_bridge.bag.writer import BagWriter
+from lta_bridge.bookkeeping import Bookkeeping
+from lta_bridge.provenance import provenance
+from lta_config.errors import BadInput
+from lta_config.settings import setting, Settings
+from lta_config.topics import robot_topic
+from lta_graph.health import Level
+from lta_graph.ros.node import GraphNode, message_type, run
+from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.qos import profile
+from lta_graph.ros.spin import spin
+from rclpy.clock import Clock, ClockType
+from rclpy.qos import QoSProfile
+
+FLUSH_PERIOD = 0.4  # wall seconds; a killed recorder loses at most this
+QUIET = 0.3  # wall seconds without a message after which nothing more is on the way
+LINGER = 3.0  # wall seconds to wait for that quiet at most
+MARGIN = 4_000_000  # bytes left free on the disk beyond what closing needs
+DEPTH = 1000  # messages that may wait while the disk is slow
+
+
+class RecorderSettings(Settings):
+    """Where to, and what the bag says of its origin."""
+
+    bag: str = setting('bag', 'Folder of the bag; it must not exist yet or be empty.', fixed=True)
+    vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
+    scenario: str = setting('lamp_room', 'Scenario name or file.', fixed=True)
+    strategy: str = setting('bag', 'Navigation strategy.', fixed=True)
+    seed: int = setting(1, 'Seed of all chance.', low=0, high=2**31 - 1, fixed=True)
+
+
+class Recorder(GraphNode):
+    """Write raw messages to a bag."""
+
+    def __init__(self) -> None:
+        super().__init__('recorder')
+        settings = Parameters(self, RecorderSettings).value
+        origin = provenance(
+            settings.vehicle,
+            settings.scenario,
+            strategy=settings.strategy,
+            seed=str(settings.seed),
+            time='lockstep' if self.lockstep else 'realtime',
+        )
+        self._books = Bookkeeping(self.table)
+        self._fault = ''
+        self._heard = time.monotonic()
+        self._writer = BagWriter(Path(settings.bag), origin)
+        for name, topic in self.table.topics.items():
+            if topic.recorded:
+                self._record(name)
+        self._writer.flush()
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(FLUSH_PERIOD, self._flush, clock=steady)
+
+    def _record(self, name: str) -> None:
+        topic = self.table[name]
+        robot = self.get_namespace().strip('/')
+        offered = profile(topic, self.lockstep)
+        words = offered.reliability.name.lower(), offered.durability.name.lower()
+        absolute = robot_topic(robot, name) if robot else f'/{name.lstrip("/")}'
+        self._writer.add_topic(absolute, topic.type, [offered_qos(*words, offered.depth)])
+        asked = QoSProfile(
+            depth=max(DEPTH, offered.depth),
+            reliability=offered.reliability,
+            durability=offered.durability,
+        )
+        callback = self._writes(name, absolute)
+        self.create_subscription(message_type(topic), name, callback, asked, raw=True)
+
+    def _writes(self, name: str, absolute: str) -> Callable[[bytes], None]:
+        def write(data: bytes) -> None:
+            self._heard = time.monotonic()
+            if not self._fault:
+                try:
+                    self._writer.write(absolute, data, self._books.log_time(name, data))
+                except StorageFault as fault:
+                    self._give_up(str(fault))
+
+        return write
+
+    def _flush(self) -> None:
+        if self._fault:
+            return
+        try:
+            self._writer.flush()
+        except StorageFault as fault:
+            self._give_up(str(fault))
+            return
+        if free_space(self._writer.path) < self._writer.reserve + MARGIN:
+            self._give_up(
+                f"The disk is nearly full, so the bag '{self._writer.path}' ends here, whole; "
+                'make room before the next flight.'
+            )
+        lost = sum(self._books.lost.values())
+        self.health.report(
+            'recording',
+            Level.WARN if lost else Level.OK,
+            f'{lost} messages lost' if lost else 'recording',
+            messages=sum(self._books.counts.values()),
+            **{f'lost {name}': count for name, count in self._books.lost.items()},
+        )
+
+    def _give_up(self, reason: str) -> None:
+        """End the recording and the process; the sentence is said once the bag is closed."""
+        self._fault = reason
+        self.health.report('recording', Level.ERROR, reason)
+        self.running = False
+
+    def work(self) -> None:
+        """Record until told to stop, then until nothing more is on the way."""
+        super().work()
+        deadline = time.monotonic() + LINGER
+        if not self._fault:
+            self._heard = time.monotonic()
+            spin(self, lambda: time.monotonic() < min(deadline, self._heard + QUIET))
+
+    def close(self) -> None:
+        """Finish the bag, and say so if it had to end early."""
+        try:
+            self._writer.close()
+        except StorageFault as fault:
+            self._fault = self._fault or str(fault)
+        self.publish_health()
+        super().close()
+        if self._fault:
+            raise BadInput(self._fault)
+
+
+def main(args: list[str] | None = None) -> None:
+    """Run the node until it is told to stop."""
+    run(Recorder, args)

@@ -1,0 +1,64 @@
+"""Where a bag's data come from: everything needed to make the flight again."""
+
+from datetime import datetime, UTC
+import hashlib
+from importlib.metadata import version
+from pathlib import Path
+import platform
+import subprocess
+
+from lta_config.files import find, share
+
+LIBRARIES = ('numpy', 'scipy', 'numba', 'mcap', 'ros-jazzy-rclpy')
+
+
+def commit() -> str:
+    """Return the commit of the workspace that is running, '-dirty' if changed, or 'unknown'."""
+    try:
+        done = subprocess.run(
+            ['git', 'describe', '--always', '--dirty', '--abbrev=40'],
+            cwd=share(),
+            capture_output=True,
+            text=True,
+            timeout=5.0,
+            check=True,
+        )
+    except (OSError, subprocess.SubprocessError):
+        return 'unknown'
+    return done.stdout.strip()
+
+
+def config_hash(folder: Path) -> str:
+    """Return one SHA-256 over the names and contents of all configuration files in a folder."""
+    digest = hashlib.sha256()
+    for path in sorted(folder.rglob('*.yaml')):
+        digest.update(str(path.relative_to(folder)).encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def provenance(vehicle: str, scenario: str, **choices: str) -> dict[str, str]:
+    """
+    Return what a bag says of its origin.
+
+    Parameters
+    ----------
+    vehicle, scenario : str
+        Names or paths; the files go into the bag whole.
+    choices : str
+        Whatever else was chosen: seed, strategy, time.
+
+    """
+    return {
+        'vehicle': vehicle,
+        'scenario': scenario,
+        **choices,
+        'lta': version('lta_bridge'),
+        'commit': commit(),
+        'config_sha256': config_hash(share()),
+        'created': datetime.now(UTC).isoformat(timespec='seconds'),
+        'platform': f'{platform.platform()} Python {platform.python_version()}',
+        'libraries': ' '.join(f'{name} {version(name)}' for name in LIBRARIES),
+        'vehicle_file': find('vehicle', vehicle).read_text(encoding='utf-8'),
+        'scenario_file': find('scenario', scenario).read_text(encoding='utf-8'),
+    }

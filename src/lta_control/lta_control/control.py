@@ -1,0 +1,64 @@
+"""
+One step of control: from estimate and setpoint to duties.
+
+The cascade asks, the allocation gives what the rotors can, and what is missing goes back to the
+cascade, so that no integral winds up against a rotor at its limit.
+"""
+
+from typing import NamedTuple
+
+from lta_control.allocation import allocate, duty, Rotors
+from lta_control.cascade import (
+    cascade_step,
+    CascadeGains,
+    CascadeMemory,
+    Demand,
+    Measured,
+    Setpoint,
+)
+
+
+class ControlMemory(NamedTuple):
+    """What control remembers from step to step."""
+
+    cascade: CascadeMemory = CascadeMemory()
+    thrusts: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+    shortfall: Demand = Demand(0.0, 0.0, 0.0)
+
+
+def control_step(
+    gains: CascadeGains,
+    rotors: Rotors,
+    surge_drag: tuple[float, float],
+    memory: ControlMemory,
+    measured: Measured,
+    setpoint: Setpoint,
+    dt: float,
+) -> tuple[tuple[float, ...], ControlMemory]:
+    """
+    Return the duties of the rotors and the new memory.
+
+    Parameters
+    ----------
+    gains : CascadeGains
+        Of all loops.
+    rotors : Rotors
+        What the rotors can do.
+    surge_drag : tuple
+        Linear [N s/m] and quadratic [N s2/m2] drag along body x.
+    memory : ControlMemory
+        From the last step.
+    measured, setpoint : Measured, Setpoint
+        Where the drone is and where it should be.
+    dt : float
+        Time since the last step. [s]
+
+    """
+    demand, cascade = cascade_step(
+        gains, surge_drag, memory.cascade, measured, setpoint, memory.shortfall, dt
+    )
+    wrench = (demand.surge, 0.0, demand.heave, 0.0, 0.0, demand.yaw)
+    thrusts, given = allocate(rotors, wrench, memory.thrusts)
+    shortfall = Demand(given[0] - demand.surge, given[2] - demand.heave, given[5] - demand.yaw)
+    duties = tuple(duty(thrust, rotors.a, rotors.b) for thrust in thrusts)
+    return duties, ControlMemory(cascade, thrusts, shortfall)

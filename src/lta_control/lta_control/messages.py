@@ -1,0 +1,132 @@
+"""Estimates, setpoints and duties as ROS messages, and back."""
+
+import math
+
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import PoseStamped, TwistStamped
+from lta_control.attitude import heading, Quaternion, up_in_body
+from lta_control.cascade import Measured, Setpoint
+from lta_control.estimator import Estimate, Inputs
+from lta_graph.inbox import Step
+from nav_msgs.msg import Odometry
+import numpy as np
+from sensor_msgs.msg import Imu, JointState, PointCloud2
+
+UNKNOWN = -1.0  # in the first element of a covariance: the field is not known (REP-145's habit)
+DRIFT = 0.1  # of dead-reckoned position, per metre or second flown: an assumption
+YAW_DRIFT = 1e-3  # of heading after the rest at the start [rad/s]: an assumption
+SPEED_SIGMA = 0.1  # of the airspeed [m/s]: an assumption, checked by the report
+
+
+def to_inputs(step: Step, names: list[str]) -> Inputs:
+    """Return what the estimator takes from one step's messages; the newest of each counts."""
+    imu: Imu = step.last('imu')
+    distance, air, motors = step.last('range'), step.last('pressure'), step.last('motors')
+    w, f = imu.angular_velocity, imu.linear_acceleration
+    known = motors is not None and list(motors.name) == names
+    return Inputs(
+        rates=(w.x, w.y, w.z),
+        force=(f.x, f.y, f.z),
+        range=None if distance is None else distance.range,
+        pressure=None if air is None else air.fluid_pressure,
+        duties=tuple(motors.effort) if known else None,
+    )
+
+
+def from_estimate(stamp: Time, estimate: Estimate) -> Odometry:
+    """Return the estimate; covariance[0] is -1 while the estimator still learns its biases."""
+    message = Odometry()
+    message.header.stamp = stamp
+    message.header.frame_id = 'odom'
+    message.child_frame_id = 'base_link'
+    pose, twist = message.pose.pose, message.twist.twist
+    p, q = pose.position, pose.orientation
+    p.x, p.y = estimate.position
+    p.z = estimate.altitude.height
+    q.x, q.y, q.z, q.w = estimate.attitude
+    v, w = twist.linear, twist.angular
+    v.x, v.y = estimate.airspeed.surge, estimate.airspeed.sway
+    v.z = estimate.altitude.climb
+    w.x, w.y, w.z = estimate.rates
+    pose_covariance = np.zeros(36)
+    twist_covariance = np.zeros(36)
+    if estimate.biases is None:
+        pose_covariance[0] = twist_covariance[0] = UNKNOWN
+    else:
+        pose_covariance[0] = pose_covariance[7] = (DRIFT * estimate.flown) ** 2
+        pose_covariance[14] = estimate.altitude.p[0]
+        pose_covariance[21] = pose_covariance[28] = 0.02**2
+        pose_covariance[35] = (YAW_DRIFT * estimate.flown) ** 2
+        twist_covariance[0] = twist_covariance[7] = SPEED_SIGMA**2
+        twist_covariance[14] = estimate.altitude.p[3]
+        twist_covariance[21] = twist_covariance[28] = twist_covariance[35] = 1e-4
+    message.pose.covariance = pose_covariance
+    message.twist.covariance = twist_covariance
+    return message
+
+
+def attitude_of(message: Odometry) -> Quaternion:
+    """Return the orientation as x, y, z, w."""
+    q = message.pose.pose.orientation
+    return q.x, q.y, q.z, q.w
+
+
+def to_measured(message: Odometry) -> Measured | None:
+    """Return what the cascade acts on, or None while the estimate is unknown."""
+    if message.pose.covariance[0] == UNKNOWN:
+        return None
+    twist = message.twist.twist
+    return Measured(
+        altitude=message.pose.pose.position.z,
+        climb=twist.linear.z,
+        heading=heading(attitude_of(message)),
+        yaw_rate=twist.angular.z,
+        speed=twist.linear.x,
+    )
+
+
+def is_level(message: Odometry, limit: float) -> bool:
+    """Tell whether the vehicle tilts less than an angle. [rad]."""
+    return up_in_body(attitude_of(message))[2] >= math.cos(limit)
+
+
+def to_setpoint(pose: PoseStamped, velocity: TwistStamped) -> Setpoint:
+    """Return what the navigator asks for."""
+    q = pose.pose.orientation
+    return Setpoint(
+        altitude=pose.pose.position.z,
+        heading=heading((q.x, q.y, q.z, q.w)),
+        speed=velocity.twist.linear.x,
+    )
+
+
+def from_setpoint(stamp: Time, setpoint: Setpoint) -> tuple[PoseStamped, TwistStamped]:
+    """Return heading and altitude, and forward speed."""
+    pose = PoseStamped()
+    pose.header.stamp = stamp
+    pose.header.frame_id = 'odom'
+    pose.pose.position.z = setpoint.altitude
+    pose.pose.orientation.z = math.sin(0.5 * setpoint.heading)
+    pose.pose.orientation.w = math.cos(0.5 * setpoint.heading)
+    velocity = TwistStamped()
+    velocity.header.stamp = stamp
+    velocity.header.frame_id = 'base_link'
+    velocity.twist.linear.x = setpoint.speed
+    return pose, velocity
+
+
+def from_duties(stamp: Time, names: list[str], duties: tuple[float, ...]) -> JointState:
+    """Return duties by actuator name."""
+    message = JointState()
+    message.header.stamp = stamp
+    message.header.frame_id = 'base_link'
+    message.name = names
+    message.effort = list(duties)
+    return message
+
+
+def to_amplitudes(message: PointCloud2) -> tuple[float, ...]:
+    """Return the amplitude of each diode."""
+    offset = next(field.offset for field in message.fields if field.name == 'amplitude')
+    words = np.frombuffer(message.data, dtype='<f4').reshape(-1, message.point_step // 4)
+    return tuple(words[:, offset // 4].tolist())

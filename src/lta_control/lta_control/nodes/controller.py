@@ -1,0 +1,131 @@
+"""
+The controller node: from estimate and setpoint to duties.
+
+It fails safe: no duty before it is armed and the estimate is known, level hold and then a descent
+when setpoints go stale, and nothing at all after an emergency stop or when the vehicle has turned
+over.
+"""
+
+import math
+
+from lta_config.settings import setting, Settings
+from lta_control.cascade import CascadeGains, Measured, Setpoint
+from lta_control.control import control_step, ControlMemory
+from lta_control.messages import from_duties, is_level, to_measured, to_setpoint
+from lta_control.vehicle_side import rotors_of
+from lta_graph.health import Level
+from lta_graph.inbox import Step
+from lta_graph.ros.node import from_stamp, GraphNode, run
+from lta_graph.ros.parameters import Parameters
+from lta_sim.vehicle import load_vehicle
+from std_srvs.srv import SetBool, Trigger
+
+
+class ControllerSettings(Settings):
+    """The vehicle, the gains and when to give up."""
+
+    vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
+    armed: bool = setting(False, 'Whether the motors may run from the start.', fixed=True)
+    hold_after: float = setting(
+        0.5, 'Age of a setpoint from which the drone holds.', unit='s', low=0.05, high=60.0
+    )
+    land_after: float = setting(
+        3.0, 'Age of a setpoint from which the drone comes down.', unit='s', low=0.05, high=600.0
+    )
+    tilt_limit: float = setting(
+        1.0, 'Tilt beyond which the motors stop.', unit='rad', low=0.1, high=3.2
+    )
+    gains: CascadeGains = setting(CascadeGains(), 'The cascade.')
+
+
+class Controller(GraphNode):
+    """Answer each estimate with duties."""
+
+    def __init__(self) -> None:
+        super().__init__('controller')
+        self._settings = Parameters(self, ControllerSettings)
+        vehicle = load_vehicle(self._settings.value.vehicle)
+        drag = vehicle.file.aero
+        self._drag = drag.linear_drag.force.vector[0], drag.quadratic_drag.force.vector[0]
+        self._rotors = rotors_of(vehicle)
+        self._names = vehicle.rotor_names
+        self._memory = ControlMemory()
+        self._setpoint: tuple[int, Setpoint] | None = None
+        self._armed = self._settings.value.armed
+        self._stopped = ''
+        self._motors = self.output('motors')
+        self.create_service(SetBool, 'arm', self._on_arm)
+        self.create_service(Trigger, 'emergency_stop', self._on_emergency_stop)
+        self.listen(self.table.read_by('controller'), trigger='odom', on_step=self._on_step)
+
+    def _on_arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+        refused = request.data and bool(self._stopped)
+        self._armed = request.data and not refused
+        self._memory = ControlMemory()
+        response.success = not refused
+        response.message = self._stopped if refused else 'armed' if self._armed else 'disarmed'
+        return response
+
+    def _on_emergency_stop(
+        self, _: Trigger.Request, response: Trigger.Response
+    ) -> Trigger.Response:
+        self._stop('emergency stop: restart the controller to fly again')
+        response.success, response.message = True, self._stopped
+        return response
+
+    def _stop(self, reason: str) -> None:
+        self._armed, self._stopped = False, reason
+        self.health.report('motors', Level.ERROR, reason)
+
+    def _on_step(self, step: Step) -> None:
+        odom = step.last('odom')
+        pose, velocity = step.last('setpoint/pose'), step.last('setpoint/velocity')
+        if pose is not None and velocity is not None:
+            self._setpoint = from_stamp(odom.header.stamp), to_setpoint(pose, velocity)
+        measured = to_measured(odom)
+        if measured is not None and not is_level(odom, self._settings.value.tilt_limit):
+            self._stop('turned over: the motors are off until the controller restarts')
+        self._motors.publish(
+            from_duties(odom.header.stamp, self._names, self._duties(step.stamp_ns, measured))
+        )
+
+    def _duties(self, now_ns: int, measured: Measured | None) -> tuple[float, ...]:
+        off = (0.0,) * len(self._names)
+        if not self._armed or measured is None or self._setpoint is None:
+            if not self._stopped:
+                self.health.report('motors', Level.OK, 'off')
+            return off
+        setpoint = self._fresh(now_ns, measured)
+        if not all(map(math.isfinite, (*measured, *setpoint))):
+            self._stop(f'not a number in {measured} or {setpoint}: the motors are off')
+            return off
+        duties, self._memory = control_step(
+            self._settings.value.gains,
+            self._rotors,
+            self._drag,
+            self._memory,
+            measured,
+            setpoint,
+            self.table.control_ns * 1e-9,
+        )
+        return duties
+
+    def _fresh(self, now_ns: int, measured: Measured) -> Setpoint:
+        """Return the setpoint, or what replaces one that is too old: hold, then come down."""
+        assert self._setpoint is not None
+        taken_ns, setpoint = self._setpoint
+        settings = self._settings.value
+        age = (now_ns - taken_ns) * 1e-9
+        if age <= settings.hold_after:
+            self.health.report('motors', Level.OK, 'flying by the setpoint')
+            return setpoint
+        landing = age > settings.land_after
+        text = f'no setpoint for {settings.land_after if landing else settings.hold_after} s: '
+        self.health.report('motors', Level.WARN, text + ('landing' if landing else 'holding'))
+        altitude = measured.altitude - 0.2 if landing else setpoint.altitude
+        return Setpoint(altitude, setpoint.heading, 0.0)
+
+
+def main(args: list[str] | None = None) -> None:
+    """Run the node until it is told to stop."""
+    run(Controller, args)

@@ -1,0 +1,49 @@
+"""The estimator node: from the drone's own sensors and commands to its motion."""
+
+from lta_config.settings import setting
+from lta_control.estimator import Estimate, estimator_step, EstimatorSettings
+from lta_control.messages import from_estimate, to_inputs
+from lta_control.vehicle_side import body_of
+from lta_graph.health import Level
+from lta_graph.inbox import Step
+from lta_graph.ros.node import GraphNode, run
+from lta_graph.ros.parameters import Parameters
+from lta_sim.vehicle import load_vehicle
+
+
+class EstimatorParameters(EstimatorSettings):
+    """The filters, and the vehicle they are for."""
+
+    vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
+
+
+class Estimator(GraphNode):
+    """Answer each IMU sample with an estimate."""
+
+    def __init__(self) -> None:
+        super().__init__('estimator')
+        self._settings = Parameters(self, EstimatorParameters)
+        vehicle = load_vehicle(self._settings.value.vehicle)
+        self._names = vehicle.rotor_names
+        self._body = body_of(vehicle)
+        self._dt = self.table.control_ns * 1e-9
+        self._estimate = Estimate(duties=(0.0,) * len(self._names))
+        self._odom = self.output('odom')
+        self.listen(self.table.read_by('estimator'), trigger='imu', on_step=self._on_step)
+
+    def _on_step(self, step: Step) -> None:
+        learning = self._estimate.biases is None
+        inputs = to_inputs(step, self._names)
+        settings = self._settings.value
+        self._estimate = estimator_step(settings, self._body, self._estimate, inputs, self._dt)
+        self._odom.publish(from_estimate(step.last('imu').header.stamp, self._estimate))
+        if learning:
+            known = self._estimate.biases is not None
+            level = Level.OK if known else Level.WARN
+            text = 'biases are known' if known else 'learning the biases: keep the drone still'
+            self.health.report('estimate', level, text)
+
+
+def main(args: list[str] | None = None) -> None:
+    """Run the node until it is told to stop."""
+    run(Estimator, args)

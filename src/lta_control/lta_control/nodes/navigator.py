@@ -1,0 +1,86 @@
+"""The navigator node: from what the light says to heading, altitude and speed."""
+
+from collections import deque
+import math
+
+from lta_config.settings import setting
+from lta_control.attitude import heading
+from lta_control.messages import (
+    attitude_of,
+    from_setpoint,
+    to_amplitudes,
+    to_measured,
+    UNKNOWN,
+)
+from lta_control.mission import Mission, mission_step, MissionSettings
+from lta_control.strategies import strategy
+from lta_control.strategies.protocol import Sight
+from lta_graph.health import Level
+from lta_graph.inbox import Step
+from lta_graph.ros.node import from_stamp, GraphNode, run
+from lta_graph.ros.parameters import Parameters
+from nav_msgs.msg import Odometry
+
+
+class NavigatorParameters(MissionSettings):
+    """The mission and its strategy."""
+
+    strategy: str = setting('bag', 'Navigation strategy.', fixed=True)
+
+
+class Navigator(GraphNode):
+    """Answer each light estimate with setpoints."""
+
+    def __init__(self) -> None:
+        super().__init__('navigator')
+        self._settings = Parameters(self, NavigatorParameters)
+        self._strategy = strategy(self._settings.value.strategy)
+        self._mission = Mission()
+        self._reserve = False
+        light = self.table['photodiodes']
+        self._block_ns = light.period_ns
+        self._history: deque[Odometry] = deque(maxlen=3 * self._block_ns // self.table.control_ns)
+        self._pose = self.output('setpoint/pose')
+        self._velocity = self.output('setpoint/velocity')
+        inputs = self.table.read_by('navigator')
+        self.listen(inputs, trigger='light/estimate', on_step=self._on_step)
+
+    def _on_step(self, step: Step) -> None:
+        self._history.extend(step.messages['odom'])
+        for message in step.messages['energy/reserve']:
+            self._reserve = message.data
+        if not self._history:
+            return  # only in real time: the first light may come before the first estimate
+        estimate = step.last('light/estimate')
+        measured = to_measured(self._history[-1])
+        setpoint, self._mission = mission_step(
+            self._settings.value,
+            self._strategy,
+            self._mission,
+            self._sight(step),
+            None if measured is None else measured.altitude,
+            self._reserve,
+        )
+        pose, velocity = from_setpoint(estimate.header.stamp, setpoint)
+        self._pose.publish(pose)
+        self._velocity.publish(velocity)
+        self.health.report('mission', Level.OK, str(self._mission.phase))
+
+    def _sight(self, step: Step) -> Sight:
+        """Return the light with the heading at the middle of its block."""
+        estimate, peaks = step.last('light/estimate'), step.last('light/peaks')
+        lamp = estimate.pose.pose.position
+        seen = estimate.pose.covariance[0] != UNKNOWN
+        middle = step.stamp_ns + self._block_ns // 2
+        then = min(self._history, key=lambda m: abs(from_stamp(m.header.stamp) - middle))
+        return Sight(
+            bearing=math.atan2(lamp.y, lamp.x) if seen else None,
+            heading=heading(attitude_of(then)),
+            amplitudes=() if peaks is None else to_amplitudes(peaks),
+            interval=self._block_ns * 1e-9,
+        )
+
+
+def main(args: list[str] | None = None) -> None:
+    """Run the node until it is told to stop."""
+    run(Navigator, args)

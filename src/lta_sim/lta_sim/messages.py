@@ -1,0 +1,115 @@
+"""What the vehicle publishes, as ROS messages."""
+
+import array
+
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import Vector3Stamped, WrenchStamped
+from lta_sim.sensors.range import RangeSettings
+from lta_sim.state import POSITION, QUATERNION, RATES, VELOCITY
+from nav_msgs.msg import Odometry
+import numpy as np
+from numpy.typing import NDArray
+from sensor_msgs.msg import BatteryState, FluidPressure, Illuminance, Image, Imu, Range
+from std_msgs.msg import Header
+
+BASE = 'base_link'
+NAN = float('nan')
+
+
+def imu(stamp: Time, force: tuple[float, ...], rates: tuple[float, ...]) -> Imu:
+    """Return specific force and angular rate; there is no orientation (REP-145)."""
+    message = Imu()
+    message.header.stamp = stamp
+    message.header.frame_id = BASE
+    message.orientation_covariance[0] = -1.0
+    a, w = message.linear_acceleration, message.angular_velocity
+    a.x, a.y, a.z = force
+    w.x, w.y, w.z = rates
+    return message
+
+
+def range_(stamp: Time, distance: float, settings: RangeSettings) -> Range:
+    """Return a downward distance; +Inf is no return (REP-117)."""
+    return Range(
+        header=_header(stamp),
+        radiation_type=Range.INFRARED,
+        field_of_view=np.deg2rad(settings.field_of_view),
+        min_range=settings.minimum,
+        max_range=settings.maximum,
+        range=distance,
+    )
+
+
+def pressure(stamp: Time, value: float, deviation: float) -> FluidPressure:
+    """Return the air pressure with its variance."""
+    return FluidPressure(
+        header=_header(stamp), fluid_pressure=value, variance=deviation * deviation
+    )
+
+
+def light_block(stamp: Time, block: NDArray[np.uint16]) -> Image:
+    """Return an ADC block: one row a sample, one column a diode."""
+    rows, columns = block.shape
+    image = Image()
+    image.header = _header(stamp)
+    image.height, image.width = rows, columns
+    image.encoding = '16UC1'
+    image.step = 2 * columns
+    # An array of bytes is taken as it is; any other sequence would be checked item by item.
+    image.data = array.array('B', block.astype('<u2', copy=False).tobytes())
+    return image
+
+
+def illuminance(stamp: Time, lux: float) -> Illuminance:
+    """Return the light at the panel."""
+    return Illuminance(header=_header(stamp), illuminance=lux)
+
+
+def branch(stamp: Time, voltage: float, current: float, location: str) -> BatteryState:
+    """Return a voltage and a current; what a meter cannot know is NaN."""
+    return BatteryState(
+        header=_header(stamp),
+        voltage=voltage,
+        current=current,
+        temperature=NAN,
+        charge=NAN,
+        capacity=NAN,
+        design_capacity=NAN,
+        percentage=NAN,
+        present=True,
+        location=location,
+    )
+
+
+def truth(stamp: Time, state: NDArray[np.float64]) -> Odometry:
+    """Return the true pose in `map` and twist in the body frame."""
+    message = Odometry()
+    message.header.stamp = stamp
+    message.header.frame_id = 'map'
+    message.child_frame_id = BASE
+    pose, twist = message.pose.pose, message.twist.twist
+    p, q, v, w = pose.position, pose.orientation, twist.linear, twist.angular
+    p.x, p.y, p.z = state[POSITION].tolist()
+    q.x, q.y, q.z, q.w = state[QUATERNION].tolist()
+    v.x, v.y, v.z = state[VELOCITY].tolist()
+    w.x, w.y, w.z = state[RATES].tolist()
+    return message
+
+
+def wind(stamp: Time, velocity: tuple[float, ...]) -> Vector3Stamped:
+    """Return the velocity of the air in `map`."""
+    message = Vector3Stamped(header=_header(stamp, 'map'))
+    message.vector.x, message.vector.y, message.vector.z = velocity
+    return message
+
+
+def wrench(stamp: Time, values: NDArray[np.float64]) -> WrenchStamped:
+    """Return one effect's force and moment about the hull centre, body frame."""
+    message = WrenchStamped(header=_header(stamp))
+    force, torque = message.wrench.force, message.wrench.torque
+    force.x, force.y, force.z, torque.x, torque.y, torque.z = values.tolist()
+    return message
+
+
+def _header(stamp: Time, frame: str = BASE) -> Header:
+    return Header(stamp=stamp, frame_id=frame)

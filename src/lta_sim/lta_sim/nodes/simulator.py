@@ -1,0 +1,182 @@
+"""
+The simulator node: plays the vehicle.
+
+In lockstep it publishes a state, waits for the duties that answer it, and steps on; in real time
+it paces on the wall clock. It also referees: the process ends with status 0 when the flight has
+reached its goal, run out of time or left the room, and says which.
+"""
+
+import math
+import time
+
+from lta_config.errors import BadInput
+from lta_config.settings import setting, Settings
+from lta_graph.health import Level
+from lta_graph.inbox import Step
+from lta_graph.ros.node import from_stamp, GraphNode, run, to_stamp
+from lta_graph.ros.parameters import Parameters
+from lta_sim import messages
+from lta_sim.scenario import load_scenario
+from lta_sim.sensors.range import RangeSettings
+from lta_sim.vehicle import load_vehicle
+from lta_sim.world import Outcome, Readings, World
+from rclpy.clock import Clock, ClockType
+from rosgraph_msgs.msg import Clock as ClockMessage
+
+STALE_NS = 300_000_000  # commands older than this stop the motors, as on the real vehicle
+CLOCK_PERIOD = 0.02  # wall seconds between two /clock
+PATIENCE = 20.0  # wall seconds for the graph to come up
+
+
+class SimulatorSettings(Settings):
+    """What is simulated."""
+
+    vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
+    scenario: str = setting('lamp_room', 'Scenario name or file.', fixed=True)
+    seed: int = setting(1, 'Seed of all chance.', low=0, high=2**31 - 1, fixed=True)
+    record: bool = setting(False, 'Whether to wait for a recorder.', fixed=True)
+
+
+class Simulator(GraphNode):
+    """Publish what a `World` senses and fly the duties that come back."""
+
+    def __init__(self) -> None:
+        super().__init__('simulator', role='vehicle')
+        self._settings = Parameters(self, SimulatorSettings).value
+        scenario = load_scenario(self._settings.scenario)
+        vehicle = load_vehicle(self._settings.vehicle, scenario.air.density)
+        self._world = World(vehicle, scenario, self.table, self._settings.seed)
+        self._outputs = {name: self.output(name) for name in self.table.published_by('vehicle')}
+        inputs = self.table.read_by('vehicle')
+        self.listen(inputs, trigger='motors', on_step=self._on_motors)
+        self._duties = [0.0] * len(vehicle.rotor_names)
+        self._commanded_ns = 0
+        self._began = self._clocked = 0.0
+        if not self.lockstep:
+            steady = Clock(clock_type=ClockType.STEADY_TIME)
+            self._pacer = self.create_timer(self.table.control_ns * 1e-9, self._tick, clock=steady)
+            self._pacer.cancel()
+
+    def work(self) -> None:
+        """Wait for the graph, then fly."""
+        self._wait_for_graph()
+        self._began = time.monotonic()
+        self._publish()
+        if not self.lockstep:
+            self._pacer.reset()
+        super().work()
+
+    def _lonely(self) -> list[str]:
+        """Return whom the outputs still wait for."""
+        waiting: set[str] = set()
+        for name, publisher in self._outputs.items():
+            readers = set(self.table[name].subscribers)
+            if self._settings.record and self.table[name].recorded:
+                readers.add('recorder')
+            if publisher.get_subscription_count() < len(readers):
+                waiting |= readers
+        return sorted(waiting)
+
+    def _wait_for_graph(self) -> None:
+        deadline = time.monotonic() + PATIENCE
+        while self.running and (missing := self._lonely()):
+            if time.monotonic() > deadline:
+                raise BadInput(
+                    f'After {PATIENCE:.0f} s the simulator still waits for {", ".join(missing)}; '
+                    'start them, or see "lta doctor" on discovery between processes.'
+                )
+            time.sleep(0.02)
+
+    def _on_motors(self, step: Step) -> None:
+        for command in step.messages['motors']:
+            self._take(command.name, list(command.effort))
+        self._commanded_ns = from_stamp(step.messages['motors'][-1].header.stamp)
+        if self.lockstep:
+            self._step()
+
+    def _take(self, names: list[str], duties: list[float]) -> None:
+        """Accept a command, or stop the motors on one that cannot be meant."""
+        expected = self._world.vehicle.rotor_names
+        if list(names) == expected and all(map(math.isfinite, duties)):
+            self._duties = duties
+            return
+        self._duties = [0.0] * len(expected)
+        self.health.report(
+            'command', Level.ERROR, f'motors names {names} with {duties}; expected {expected}'
+        )
+
+    def _tick(self) -> None:
+        if self._world.stamp_ns - self._commanded_ns > STALE_NS:
+            self._duties = [0.0] * len(self._duties)
+        self._step()
+
+    def _step(self) -> None:
+        if self._ended():
+            self.running = False
+            return
+        self._world.advance(self._duties)
+        self._publish()
+
+    def _ended(self) -> bool:
+        """Tell whether to stop: one control step after a light block, when all have answered."""
+        if self._world.outcome is Outcome.FLYING:
+            return False
+        since = self._world.stamp_ns - self.table.start_ns - self.table.control_ns
+        return since % self.table['photodiodes'].period_ns == 0
+
+    def _publish(self) -> None:
+        readings = self._world.sense()
+        stamp = to_stamp(readings.stamp_ns)
+        self._publish_slow(readings)
+        if readings.truth:
+            self._outputs['ground_truth/odom'].publish(messages.truth(stamp, self._world.state))
+        now = time.monotonic()
+        if now - self._clocked >= CLOCK_PERIOD:
+            self._clocked = now
+            self._outputs['/clock'].publish(ClockMessage(clock=stamp))
+        self._outputs['imu'].publish(messages.imu(stamp, readings.force, readings.rates))
+
+    def _publish_slow(self, readings: Readings) -> None:
+        """Publish what is not due at every control step, before the step's IMU sample."""
+        stamp = to_stamp(readings.stamp_ns)
+        out = self._outputs
+        for taken_ns, distance in readings.ranges:
+            out['range'].publish(messages.range_(to_stamp(taken_ns), distance, RangeSettings()))
+        if readings.pressure is not None:
+            out['pressure'].publish(messages.pressure(stamp, readings.pressure, 1.2))
+        if readings.block is not None:
+            begun_ns, block = readings.block
+            out['photodiodes'].publish(messages.light_block(to_stamp(begun_ns), block))
+        if readings.illuminance is None or readings.battery is None or readings.panel is None:
+            return
+        out['wind'].publish(messages.wind(stamp, self._world.scenario.air.wind.vector))
+        out['illuminance'].publish(messages.illuminance(stamp, readings.illuminance))
+        out['panel'].publish(messages.branch(stamp, *readings.panel, 'panel'))
+        out['battery'].publish(messages.branch(stamp, *readings.battery, 'battery'))
+
+    def _watch(self) -> None:
+        """Tell how the flight stands at every look, for progress bars."""
+        world = self._world
+        wall = time.monotonic() - self._began if self._began else 0.0
+        pace = world.elapsed / wall if wall else 0.0
+        self.health.report(
+            'flight',
+            Level.OK,
+            f'{world.outcome} at {world.elapsed:.1f} s, {world.distance:.2f} m from the lamp',
+            outcome=world.outcome.name.lower(),
+            time_s=f'{world.elapsed:.2f}',
+            distance_m=f'{world.distance:.3f}',
+            pace=f'{pace:.2f}',
+        )
+        self.health.changed = True
+        super()._watch()
+
+    def close(self) -> None:
+        """Say how the flight ended, and let the last messages out."""
+        self._watch()
+        super().close()
+
+
+def main(args: list[str] | None = None) -> None:
+    """Run the node until the flight ends or it is told to stop."""
+    run(Simulator, args)

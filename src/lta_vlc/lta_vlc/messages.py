@@ -1,0 +1,79 @@
+"""Light blocks, peaks and bearings as ROS messages, and back."""
+
+import array
+
+from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3Stamped
+from lta_vlc.array import Bearing, Ring
+from lta_vlc.demodulation import Peaks
+from lta_vlc.lamp import LampEstimate
+import numpy as np
+from numpy.typing import NDArray
+from sensor_msgs.msg import Image, PointCloud2, PointField
+from std_msgs.msg import Header
+
+FIELDS = ('x', 'y', 'z', 'amplitude', 'snr', 'frequency')
+UNKNOWN = -1.0  # in covariance[0]: no lamp is seen
+
+
+def to_block(message: Image) -> NDArray[np.uint16]:
+    """
+    Return the ADC block of an image, shape (samples, diodes).
+
+    Raises
+    ------
+    ValueError
+        If the message does not hold what it declares.
+
+    """
+    if message.encoding != '16UC1' or message.is_bigendian:
+        raise ValueError(f'a light block is 16UC1, little endian, not {message.encoding}')
+    if len(message.data) != 2 * message.height * message.width:
+        raise ValueError(
+            f'a light block of {message.height} x {message.width} has {len(message.data)} bytes'
+        )
+    return np.frombuffer(message.data, dtype='<u2').reshape(message.height, message.width)
+
+
+def from_peaks(header: Header, peaks: Peaks, ring: Ring) -> PointCloud2:
+    """Return one point a diode: axis, amplitude, SNR and frequency."""
+    count = len(ring.cosines)
+    columns = (
+        ring.cosines,
+        ring.sines,
+        (0.0,) * count,
+        peaks.amplitude,
+        peaks.snr,
+        peaks.frequency,
+    )
+    message = PointCloud2(header=header, height=1, width=count, is_dense=True)
+    message.fields = [
+        PointField(name=name, offset=4 * index, datatype=PointField.FLOAT32, count=1)
+        for index, name in enumerate(FIELDS)
+    ]
+    message.point_step = 4 * len(FIELDS)
+    message.row_step = message.point_step * count
+    data = np.stack([np.asarray(column, dtype='<f4') for column in columns], axis=1)
+    message.data = array.array('B', data.tobytes())
+    return message
+
+
+def from_bearing(header: Header, bearing: Bearing | None) -> Vector3Stamped:
+    """Return the paper's vector; zero when no diode is believed."""
+    message = Vector3Stamped(header=header)
+    if bearing is not None:
+        message.vector.x, message.vector.y = bearing.x, bearing.y
+    return message
+
+
+def from_lamp(header: Header, lamp: LampEstimate | None) -> PoseWithCovarianceStamped:
+    """Return the lamp in the body frame; covariance[0] is -1 when none is seen."""
+    message = PoseWithCovarianceStamped(header=header)
+    covariance = np.zeros((6, 6))
+    if lamp is None:
+        covariance[0, 0] = UNKNOWN
+    else:
+        position = message.pose.pose.position
+        position.x, position.y, position.z = lamp.position.tolist()
+        covariance[:3, :3] = lamp.covariance
+    message.pose.covariance = covariance.ravel()
+    return message

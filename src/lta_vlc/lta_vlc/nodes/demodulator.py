@@ -1,0 +1,66 @@
+"""The demodulator node: from ADC blocks to peaks and a bearing."""
+
+from lta_config.settings import setting
+from lta_graph.health import Level
+from lta_graph.inbox import Step
+from lta_graph.ros.node import GraphNode, run
+from lta_graph.ros.parameters import Parameters
+from lta_vlc.array import bearing, even_ring
+from lta_vlc.demodulation import demodulate, Demodulation, plan_bins
+from lta_vlc.lamp import lamp_estimate, LampPrior
+from lta_vlc.messages import from_bearing, from_lamp, from_peaks, to_block
+from sensor_msgs.msg import Image
+
+
+class DemodulatorParameters(Demodulation):
+    """The beacon to listen for, and what is known of its lamp."""
+
+    prior: LampPrior = setting(LampPrior(), 'The lamp before it is seen.')
+
+
+class Demodulator(GraphNode):
+    """Answer each ADC block with peaks, the paper's vector and where the lamp is."""
+
+    def __init__(self) -> None:
+        super().__init__('demodulator')
+        self._settings = Parameters(self, DemodulatorParameters, changed=self._plan)
+        self._plan(self._settings.value)
+        self._peaks = self.output('light/peaks')
+        self._bearing = self.output('light/bearing')
+        self._estimate = self.output('light/estimate')
+        self._refused = 0
+        self.listen(['photodiodes'], trigger='photodiodes', on_step=self._on_step)
+
+    def _plan(self, settings: DemodulatorParameters) -> None:
+        light = self.table.light
+        self._bins = plan_bins(settings, light.sample_rate.si, light.samples)
+
+    def _on_step(self, step: Step) -> None:
+        message: Image = step.last('photodiodes')
+        try:
+            block = to_block(message)
+            peaks = demodulate(block, self._bins)
+        except ValueError as error:
+            self._refused += 1
+            self.health.report('light', Level.ERROR, str(error), refused=self._refused)
+            return
+        settings = self._settings.value
+        ring = even_ring(block.shape[1])
+        towards = bearing(peaks, ring, settings.threshold)
+        lamp = None if towards is None else lamp_estimate(towards, settings.prior)
+        self._bearing.publish(from_bearing(message.header, towards))
+        self._peaks.publish(from_peaks(message.header, peaks, ring))
+        self._estimate.publish(from_lamp(message.header, lamp))
+        clipped = int((block >= 4095).sum())
+        self.health.report(
+            'light',
+            Level.OK if towards is not None else Level.WARN,
+            'beacon found' if towards is not None else 'no diode hears the beacon',
+            best_snr=f'{peaks.snr.max():.1f}',
+            clipped_samples=clipped,
+        )
+
+
+def main(args: list[str] | None = None) -> None:
+    """Run the node until it is told to stop."""
+    run(Demodulator, args)
