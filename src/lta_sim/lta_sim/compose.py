@@ -8,6 +8,7 @@ a compilation.
 """
 
 from collections.abc import Iterator, Mapping
+from string import Template
 
 from lta_sim import rigid_body
 from lta_sim.effects.protocol import ActuatorEffect, Effect, WrenchEffect
@@ -29,6 +30,81 @@ from numba import njit
 # Nothing is reordered and a division by zero gives inf: all forms of the model agree to the bit.
 INLINE = "@njit(error_model='numpy', fastmath=False)"
 ENTRY = "@njit(error_model='numpy', fastmath=False, cache=True)"
+
+
+# The functions that know the layout; extracted functions go before them.
+GLUE = Template('''
+$INLINE
+def rates(state, parameters, body, inverse, duty, wind):
+    """Return d/dt of the state."""
+$see
+$actuators
+$calls
+    total = $total
+    air = (v[0] - motion.airspeed[0], v[1] - motion.airspeed[1], v[2] - motion.airspeed[2])
+    f = rigid_body_to_map(motion.rotation, v)
+    g = rigid_body_quaternion_rate(q, w)
+    a = rigid_body_acceleration(total, motion, air, body, inverse)
+    return (*f, *g, *a, *$memory)
+
+
+$INLINE
+def ahead(state, rate, dt):
+    """Return the state after dt at a constant rate."""
+    return $ahead
+
+
+$INLINE
+def mean(a, b, c, d):
+    """Return the mean rate of the classical Runge-Kutta step."""
+    return $mean
+
+
+$INLINE
+def normalised(state):
+    """Return the state with a quaternion of length one."""
+    x, y, z, w = state[3:7]
+    n = 1.0 / math.sqrt(x * x + y * y + z * z + w * w)
+    return (*state[0:3], x * n, y * n, z * n, w * n, *state[7:])
+
+
+$ENTRY
+def derivative(start, parameters, body, inverse, command, air, out):
+    """Write d/dt of the state into out."""
+$edge
+    rate = rates(state, parameters, body, inverse, duty, wind)
+    for i in range($size):
+        out[i] = rate[i]
+
+
+$ENTRY
+def advance(start, parameters, body, inverse, command, air, dt, steps, out):
+    """Write the state after `steps` steps of dt into out."""
+$edge
+    for _ in range(steps):
+        a = rates(state, parameters, body, inverse, duty, wind)
+        b = rates(ahead(state, a, 0.5 * dt), parameters, body, inverse, duty, wind)
+        c = rates(ahead(state, b, 0.5 * dt), parameters, body, inverse, duty, wind)
+        d = rates(ahead(state, c, dt), parameters, body, inverse, duty, wind)
+        state = normalised(ahead(state, mean(a, b, c, d), dt))
+    for i in range($size):
+        out[i] = state[i]
+
+
+$ENTRY
+def wrenches(start, parameters, command, air, out):
+    """Write the wrench of each wrench effect into a row of out."""
+$edge
+$see
+$actuators
+$calls
+$store
+''')
+
+SEE = """
+    q, v, w = state[3:7], state[7:10], state[10:13]
+    motion = rigid_body_motion(state[0:3], q, v, w, wind)
+""".strip('\n')
 
 
 def _tuple(items: Iterator[str] | list[str]) -> str:
@@ -82,103 +158,38 @@ def _memory(effects: Mapping[str, Effect]) -> list[str]:
     ]
 
 
+def _sum(names: list[str]) -> str:
+    """Write the sum of wrenches."""
+    return _tuple([' + '.join(['0.0', *(f'W_{name}[{i}]' for name in names)]) for i in range(6)])
+
+
 def _glue(effects: Mapping[str, Effect], extract: Extract) -> str:
     """Write the functions that know the layout."""
+    for function in rigid_body.motion, rigid_body.to_map, rigid_body.quaternion_rate:
+        extract.add(function, 'rigid_body')
+    extract.add(rigid_body.acceleration, 'rigid_body')
     memory = _memory(effects)
-    size = RIGID + len(memory)
-    actuators = '\n'.join(_actuators(effects, extract))
-    wrenches = dict(_wrenches(effects, extract))
-    calls = '\n'.join(f'    W_{name} = {call}' for name, call in wrenches.items())
-    total = _tuple(
-        [' + '.join(['0.0', *(f'W_{name}[{i}]' for name in wrenches)]) for i in range(6)]
+    state = range(RIGID + len(memory))
+    calls = dict(_wrenches(effects, extract))
+    return GLUE.substitute(
+        INLINE=INLINE,
+        ENTRY=ENTRY,
+        see=SEE,
+        size=len(state),
+        actuators='\n'.join(_actuators(effects, extract)),
+        calls='\n'.join(f'    W_{name} = {call}' for name, call in calls.items()),
+        total=_sum(list(calls)),
+        memory=_tuple(memory),
+        ahead=_tuple([f'state[{i}] + dt * rate[{i}]' for i in state]),
+        mean=_tuple([f'(a[{i}] + 2.0 * (b[{i}] + c[{i}]) + d[{i}]) / 6.0' for i in state]),
+        edge=f'    state = {_items("start", 0, len(state))}\n'
+        f'    duty = {_items("command", 0, ACTUATORS)}\n'
+        f'    wind = {_items("air", 0, 3)}',
+        store='\n'.join(
+            f'    for i in range(6):\n        out[{row}, i] = W_{name}[i]'
+            for row, name in enumerate(calls)
+        ),
     )
-    store = '\n'.join(
-        f'    for i in range(6):\n        out[{row}, i] = W_{name}[i]'
-        for row, name in enumerate(wrenches)
-    )
-    edge = f"""
-    state = {_items('start', 0, size)}
-    duty, wind = {_items('command', 0, ACTUATORS)}, {_items('air', 0, 3)}
-""".strip('\n')
-    body = {
-        name: extract.add(getattr(rigid_body, name), 'rigid_body')
-        for name in ('motion', 'quaternion_rate', 'acceleration', 'to_map')
-    }
-    see = f"""
-    q = (state[3], state[4], state[5], state[6])
-    v = (state[7], state[8], state[9])
-    w = (state[10], state[11], state[12])
-    motion = {body['motion']}((state[0], state[1], state[2]), q, v, w, wind)
-""".strip('\n')
-    derivative = _items('f', 0, 3)[:-1] + ' ' + _items('g', 0, 4)[1:-1]
-    derivative += ' ' + _items('a', 0, 6)[1:-1] + ' ' + _tuple(memory)[1:]
-    return f'''
-{INLINE}
-def rates(state, parameters, body, inverse, duty, wind):
-    """Return d/dt of the state."""
-{see}
-{actuators}
-{calls}
-    total = {total}
-    air = (v[0] - motion.airspeed[0], v[1] - motion.airspeed[1], v[2] - motion.airspeed[2])
-    f = {body['to_map']}(motion.rotation, v)
-    g = {body['quaternion_rate']}(q, w)
-    a = {body['acceleration']}(total, motion, air, body, inverse)
-    return {derivative}
-
-
-{INLINE}
-def ahead(state, rate, dt):
-    """Return the state after dt at a constant rate."""
-    return {_tuple([f'state[{i}] + dt * rate[{i}]' for i in range(size)])}
-
-
-{INLINE}
-def mean(a, b, c, d):
-    """Return the mean rate of the classical Runge-Kutta step."""
-    return {_tuple([f'(a[{i}] + 2.0 * (b[{i}] + c[{i}]) + d[{i}]) / 6.0' for i in range(size)])}
-
-
-{INLINE}
-def normalised(state):
-    """Return the state with a quaternion of length one."""
-    x, y, z, w = {_items('state', 3, 4)}
-    n = 1.0 / math.sqrt(x * x + y * y + z * z + w * w)
-    return {_tuple([f'state[{i}] * n' if 3 <= i < 7 else f'state[{i}]' for i in range(size)])}
-
-
-{ENTRY}
-def derivative(start, parameters, body, inverse, command, air, out):
-    """Write d/dt of the state into out."""
-{edge}
-    rate = rates(state, parameters, body, inverse, duty, wind)
-    for i in range({size}):
-        out[i] = rate[i]
-
-
-{ENTRY}
-def advance(start, parameters, body, inverse, command, air, dt, steps, out):
-    """Write the state after `steps` steps of dt into out."""
-{edge}
-    for _ in range(steps):
-        a = rates(state, parameters, body, inverse, duty, wind)
-        b = rates(ahead(state, a, 0.5 * dt), parameters, body, inverse, duty, wind)
-        c = rates(ahead(state, b, 0.5 * dt), parameters, body, inverse, duty, wind)
-        d = rates(ahead(state, c, dt), parameters, body, inverse, duty, wind)
-        state = normalised(ahead(state, mean(a, b, c, d), dt))
-    for i in range({size}):
-        out[i] = state[i]
-
-
-{ENTRY}
-def wrenches(start, parameters, command, air, out):
-    """Write the wrench of each wrench effect into a row of out."""
-{edge}
-{see}
-{actuators}
-{calls}
-{store}
-'''
 
 
 def kernel_source(effects: Mapping[str, Effect]) -> str:

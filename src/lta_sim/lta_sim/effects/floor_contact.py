@@ -36,15 +36,13 @@ def wrench(p: Values, motion: Motion, duty: Duty) -> Wrench:
     stiffness, relaxation, friction, x, y, z = p
     r, v, w = motion.rotation, motion.velocity, motion.rates
     depth = -(motion.position[2] + r[6] * x + r[7] * y + r[8] * z)
-    if depth <= 0.0:
-        return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     u = v[0] + w[1] * z - w[2] * y
     s = v[1] + w[2] * x - w[0] * z
     h = v[2] + w[0] * y - w[1] * x
     east = r[0] * u + r[1] * s + r[2] * h
     north = r[3] * u + r[4] * s + r[5] * h
     up = r[6] * u + r[7] * s + r[8] * h
-    normal = stiffness * max(0.0, depth - relaxation * up)
+    normal = stiffness * max(0.0, depth - relaxation * up) if depth > 0.0 else 0.0
     grip = -friction * normal / math.sqrt(east * east + north * north + SLIP_SPEED * SLIP_SPEED)
     f_x = r[0] * grip * east + r[3] * grip * north + r[6] * normal
     f_y = r[1] * grip * east + r[4] * grip * north + r[7] * normal
