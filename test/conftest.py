@@ -30,6 +30,11 @@ settings.register_profile('lta', deadline=None, derandomize=True)
 settings.load_profile('lta')
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    # rclpy's message classes import a parser that imports modules Python has renamed.
+    config.addinivalue_line('filterwarnings', "ignore:module 'sre_:DeprecationWarning")
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         folder = item.path.relative_to(ROOT / 'test').parts[0]

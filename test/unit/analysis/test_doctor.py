@@ -98,6 +98,13 @@ def test_a_wheel_that_does_not_import_is_named(monkeypatch):
     assert 'json' not in check.found
 
 
+def test_a_library_that_ends_the_process_does_not_end_the_doctor(monkeypatch, tmp_path):
+    (tmp_path / 'bad_library.py').write_text('import os; os._exit(102)')
+    monkeypatch.setenv('PYTHONPATH', str(tmp_path))
+    monkeypatch.setattr(software, 'MODULES', ('json', 'bad_library'))
+    assert software.wheels().found == 'cannot import bad_library: exit status 102'
+
+
 def test_packages_are_looked_up_in_the_ament_index(monkeypatch, tmp_path):
     index = tmp_path / 'share/ament_index/resource_index/packages'
     index.mkdir(parents=True)

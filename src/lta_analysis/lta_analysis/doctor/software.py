@@ -1,10 +1,11 @@
 """Is the software whole: wheels, their versions, the workspace, a browser."""
 
-from importlib import import_module, metadata
+from importlib import metadata
 import os
 from pathlib import Path
 import re
 import shutil
+import subprocess
 import sys
 
 from lta_analysis.doctor.check import Check
@@ -12,19 +13,20 @@ from lta_analysis.doctor.check import Check
 MODULES = ('rclpy', 'sensor_msgs', 'numpy', 'scipy', 'numba', 'pydantic', 'yaml', 'mcap', 'plotly')
 PACKAGES = ('analysis', 'bridge', 'config', 'control', 'energy', 'graph', 'sim', 'vlc')
 BROWSERS = ('chromium', 'chromium-browser', 'google-chrome', 'google-chrome-stable')
+PATIENCE = 60.0  # s; the first import after an installation reads from a cold disk
 MAKE_AGAIN = "Run 'make build'; if that changes nothing, 'make clean' and 'make build'."
 
 
 def wheels() -> Check:
-    """Check that what LTA runs on can be imported."""
-    broken = []
-    for module in MODULES:
-        try:
-            import_module(module)
-        except (ImportError, OSError) as error:
-            broken.append(f'{module} ({error})')
-    if broken:
-        return Check('wheels', 'fail', f'cannot import {"; ".join(broken)}', MAKE_AGAIN)
+    """Check that what LTA runs on can be imported, in a process that a bad library may end."""
+    script = '; '.join(f'print({module!r}, flush=True); import {module}' for module in MODULES)
+    result = subprocess.run(
+        [sys.executable, '-c', script], capture_output=True, text=True, timeout=PATIENCE
+    )
+    if result.returncode != 0:
+        module = result.stdout.split()[-1]
+        why = (result.stderr.strip().splitlines() or [f'exit status {result.returncode}'])[-1]
+        return Check('wheels', 'fail', f'cannot import {module}: {why}', MAKE_AGAIN)
     return Check('wheels', 'ok', f'{len(MODULES)} of {len(MODULES)} can be imported')
 
 

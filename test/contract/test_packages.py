@@ -1,0 +1,193 @@
+"""Every package says of itself what is true: name, version, dependencies, executables, fence."""
+
+import ast
+from importlib import import_module, metadata
+import json
+from pathlib import Path
+import re
+import sys
+
+from catkin_pkg.package import parse_package
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+import pytest
+import yaml
+
+ROOT = Path(__file__).resolve().parents[2]
+FOLDERS = [ROOT / 'config', *sorted(path.parent for path in ROOT.glob('src/*/setup.py'))]
+NAMES = {
+    'lta_analysis',
+    'lta_bridge',
+    'lta_config',
+    'lta_control',
+    'lta_energy',
+    'lta_graph',
+    'lta_sim',
+    'lta_vlc',
+}
+# What rosdep knows under another name. The rest of PyPI stands in colcon.meta: Ubuntu's own
+# packages of it are too old (pydantic) or not there (mcap).
+ROSDEP = {'numpy': 'python3-numpy', 'scipy': 'python3-scipy', 'yaml': 'python3-yaml'}
+ROS = re.compile(
+    r'(rclpy|ament_index_python|builtin_interfaces|rcl_interfaces|\w+_msgs|std_srvs)$'
+)
+FENCED = re.compile(r'(rclpy|builtin_interfaces|rcl_interfaces|\w+_msgs|std_srvs)(\.|$)')
+BEYOND = re.compile(r'lta_graph\.ros(\.|$)|lta_\w+\.(nodes|messages)(\.|$)')
+
+each_package = pytest.mark.parametrize('folder', FOLDERS, ids=lambda folder: folder.name)
+
+
+def name_of(folder):
+    return 'lta_config' if folder.name == 'config' else folder.name
+
+
+def sources(folder):
+    return sorted((folder / name_of(folder)).rglob('*.py'))
+
+
+def imports(path):
+    """Return the full names of all modules that a file imports, wherever in the file."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f'{path}: relative import'
+            found |= {f'{node.module}.{alias.name}' for alias in node.names}
+    return found
+
+
+def setup_of(folder):
+    """Return the literal arguments of the setup() call."""
+    calls = [
+        node
+        for node in ast.walk(ast.parse((folder / 'setup.py').read_text(encoding='utf-8')))
+        if isinstance(node, ast.Call) and getattr(node.func, 'id', '') == 'setup'
+    ]
+    assert len(calls) == 1
+    arguments = {}
+    for keyword in calls[0].keywords:
+        try:
+            arguments[keyword.arg] = ast.literal_eval(keyword.value)
+        except ValueError:
+            continue  # data_files may be computed
+    return arguments
+
+
+def executables(folder):
+    """Return (name, module, function) of each console script."""
+    scripts = setup_of(folder)['entry_points']['console_scripts']
+    return [re.fullmatch(r'(\w+) = ([\w.]+):(\w+)', script).groups() for script in scripts]
+
+
+def inside_the_fence(path):
+    """Return whether a file is a core, which knows no ROS."""
+    within = path.relative_to(ROOT).parts
+    return not (
+        'nodes' in within or path.name == 'messages.py' or within[2:4] == ('lta_graph', 'ros')
+    )
+
+
+def test_the_workspace_has_these_packages():
+    assert {name_of(folder) for folder in FOLDERS} == NAMES
+
+
+@each_package
+def test_manifest_is_valid_and_agrees_with_setup(folder):
+    warnings = []
+    manifest = parse_package(folder / 'package.xml', warnings=warnings)
+    manifest.validate()
+    setup = setup_of(folder)
+    assert warnings == []
+    assert manifest.package_format == 3
+    assert manifest.get_build_type() == 'ament_python'
+    assert manifest.name == setup['name'] == name_of(folder)
+    assert manifest.version == setup['version']
+    assert manifest.description == setup['description']
+    assert manifest.licenses == [setup['license']] == ['Apache-2.0']
+    assert [person.email for person in manifest.maintainers] == [setup['maintainer_email']]
+
+
+@each_package
+def test_installed_where_ros2_run_and_the_ament_index_look(folder):
+    name = name_of(folder)
+    assert (folder / 'resource' / name).read_bytes() == b''
+    lines = (folder / 'setup.cfg').read_text().split()
+    assert f'script_dir=$base/lib/{name}' in lines
+    assert f'install_scripts=$base/lib/{name}' in lines
+    assert (folder / name / 'py.typed').is_file()
+
+
+@each_package
+def test_executables_can_be_imported_and_every_node_is_one(folder):
+    scripts = executables(folder)
+    for name, module, function in scripts:
+        assert callable(getattr(import_module(module), function)), name
+    nodes = {path.stem for path in (folder / name_of(folder) / 'nodes').glob('[!_]*.py')}
+    started = {module.rpartition('.')[2] for _, module, _ in scripts if '.nodes.' in module}
+    assert nodes == started
+
+
+@each_package
+def test_dependencies_cover_the_imports(folder):
+    manifest = parse_package(folder / 'package.xml')
+    declared = {depend.name for depend in manifest.exec_depends}
+    meta = json.loads((ROOT / 'colcon.meta').read_text())['names'].get(name_of(folder), {})
+    pypi = set(meta.get('run-dependencies', []))
+    modules = {name.split('.')[0] for path in sources(folder) for name in imports(path)}
+    modules -= {*sys.stdlib_module_names, name_of(folder)}
+    ros = {module for module in modules if module in NAMES or ROS.match(module)}
+    system = {ROSDEP[module] for module in modules & ROSDEP.keys()}
+    assert ros | system <= declared, f'missing in package.xml: {(ros | system) - declared}'
+    assert modules - ros - ROSDEP.keys() == pypi, 'colcon.meta names what comes from PyPI alone'
+
+
+@pytest.mark.parametrize(
+    'path',
+    [path for folder in FOLDERS for path in sources(folder) if inside_the_fence(path)],
+    ids=lambda path: str(path.relative_to(ROOT)),
+)
+def test_cores_know_no_ros(path):
+    crossing = {name for name in imports(path) if FENCED.match(name) or BEYOND.match(name)}
+    assert not crossing, 'ROS belongs in nodes/, messages.py and lta_graph/ros'
+
+
+def test_one_version_everywhere():
+    (version,) = {setup_of(folder)['version'] for folder in FOLDERS}
+    assert yaml.safe_load((ROOT / 'CITATION.cff').read_text())['version'] == version
+    heading = re.compile(rf'^## \[(Unreleased|{re.escape(version)})\]', re.MULTILINE)
+    assert heading.search((ROOT / 'CHANGELOG.md').read_text())
+
+
+def is_needed(requirement, extra):
+    """Return whether one of the Python versions that LTA is tested with needs it."""
+    return requirement.marker is None or any(
+        requirement.marker.evaluate({'python_version': version, 'extra': extra})
+        for version in ('3.11', '3.12', '3.13')
+    )
+
+
+def test_everything_that_is_asked_for_is_pinned():
+    pins = {}
+    for line in (ROOT / 'constraints.txt').read_text().splitlines():
+        if not line.startswith('#'):
+            name, version = line.split('==')
+            pins[canonicalize_name(name)] = version
+    waiting = [
+        Requirement(line)
+        for file in ('requirements.txt', 'requirements-test.txt')
+        for line in (ROOT / file).read_text().splitlines()
+        if line and not line.startswith('#')
+    ]
+    reached, seen = set(), set()
+    while waiting:
+        requirement = waiting.pop()
+        name = canonicalize_name(requirement.name)
+        reached.add(name)
+        assert name in pins, f'{name} is not in constraints.txt'
+        for extra in {'', *requirement.extras}:
+            if (name, extra) not in seen:
+                seen.add((name, extra))
+                further = map(Requirement, metadata.requires(name) or [])
+                waiting += [each for each in further if is_needed(each, extra)]
+    assert reached == pins.keys(), f'pinned and not needed: {pins.keys() - reached}'

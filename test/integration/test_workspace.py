@@ -1,0 +1,149 @@
+"""
+The workspace as `colcon build` installs it: copied, not linked, and started as `ros2 run` would.
+
+Whatever executables the packages declare are found here by themselves: nothing to add for a node.
+"""
+
+from collections.abc import Iterator
+import os
+from pathlib import Path
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+import rclpy
+from rclpy.context import Context
+from rclpy.node import Node
+
+ROOT = Path(__file__).resolve().parents[2]
+START = 30.0  # s; a cold start on a busy machine, with the kernel to compile
+STOP = 10.0  # s from SIGINT to the end
+NAMESPACE = '/probe'
+
+
+@pytest.fixture(scope='module')
+def installed(tmp_path_factory) -> Path:
+    """Return an install folder built from a copy of the sources, far from the tree."""
+    folder = tmp_path_factory.mktemp('workspace')
+    ignore = shutil.ignore_patterns('__pycache__', '*.egg-info')
+    for name in ('config', 'src'):
+        shutil.copytree(ROOT / name, folder / name, ignore=ignore)
+    shutil.copy(ROOT / 'colcon.meta', folder)
+    environment = {key: value for key, value in os.environ.items() if key != 'PYTHONPATH'}
+    environment |= {'AMENT_PREFIX_PATH': sys.prefix, 'VIRTUAL_ENV': sys.prefix}
+    result = subprocess.run(
+        [Path(sys.prefix) / 'bin' / 'colcon', 'build', '--base-paths', 'config', 'src'],
+        cwd=folder,
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=120,
+    )
+    assert result.returncode == 0, result.stdout
+    assert 'WARNING' not in result.stdout
+    # Links into the sources would hide what setup.py forgets to install.
+    shutil.rmtree(folder / 'config')
+    shutil.rmtree(folder / 'src')
+    return folder / 'install'
+
+
+@pytest.fixture(scope='module')
+def environment(installed) -> dict[str, str]:
+    """Return the environment that the setup script of the installation makes."""
+    base = {key: os.environ[key] for key in ('PATH', 'HOME', 'LANG') if key in os.environ}
+    script = f'. {installed}/local_setup.sh && env -0'
+    # The environment of make is the underlay, as a sourced ROS would be.
+    base['AMENT_PREFIX_PATH'] = sys.prefix
+    output = subprocess.run(['sh', '-c', script], env=base, capture_output=True, check=True).stdout
+    made = dict(item.split('=', 1) for item in output.decode().split('\0') if item)
+    return made | {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST', 'OPENBLAS_NUM_THREADS': '1'}
+
+
+@pytest.fixture
+def watcher(domain_id) -> Iterator[Node]:
+    """Return a node that sees who is in this test's domain."""
+    context = Context()
+    rclpy.init(context=context, domain_id=domain_id)
+    node = Node('watcher', context=context)
+    yield node
+    node.destroy_node()
+    context.try_shutdown()
+
+
+def declared() -> list[tuple[str, str]]:
+    """Return (package, executable) of every console script in the sources."""
+    found = []
+    for setup in (ROOT / 'config' / 'setup.py', *sorted(ROOT.glob('src/*/setup.py'))):
+        package = 'lta_config' if setup.parent == ROOT / 'config' else setup.parent.name
+        lines = setup.read_text(encoding='utf-8').split("'")
+        names = [text.split(' = ')[0] for text in lines if ' = ' in text and ':' in text]
+        found += [(package, name) for name in names]
+    return found
+
+
+NODES = [pair for pair in declared() if pair != ('lta_analysis', 'lta')]
+
+
+def test_every_package_is_in_the_ament_index(installed):
+    sources = {path.parent.name for path in ROOT.glob('src/*/package.xml')} | {'lta_config'}
+    for name in sources:
+        marker = installed / name / 'share/ament_index/resource_index/packages' / name
+        assert marker.is_file(), name
+        assert (installed / name / 'share' / name / 'package.xml').is_file(), name
+
+
+def test_what_is_declared_is_what_is_installed(installed):
+    executables = [path for path in installed.glob('*/lib/*/*') if os.access(path, os.X_OK)]
+    # Beside them lies <prefix>/lib/python3.x, with no executables directly in it.
+    found = {(path.parent.name, path.name) for path in executables if path.is_file()}
+    assert found == set(declared())
+
+
+def test_data_is_installed_with_lta_config(installed):
+    share = installed / 'lta_config' / 'share' / 'lta_config'
+    kinds = ('.yaml', '.json', '.csv', '.npz', '.xml')
+    expected = {
+        path.relative_to(ROOT / 'config')
+        for path in (ROOT / 'config').rglob('*')
+        if path.suffix in kinds and path.name != 'package.xml'
+    }
+    assert Path('topics.yaml') in expected
+    missing = {str(path) for path in expected if not (share / path).is_file()}
+    assert not missing, 'config/setup.py does not install these'
+
+
+@pytest.mark.parametrize(('package', 'executable'), NODES)
+def test_node_starts_and_stops(package, executable, installed, environment, watcher, tmp_path):
+    command = [installed / package / 'lib' / package / executable]
+    command += ['--ros-args', '-r', f'__ns:={NAMESPACE}']
+    environment = environment | {'ROS_DOMAIN_ID': os.environ['ROS_DOMAIN_ID']}
+    log = tmp_path / 'log'
+    with log.open('wb') as output:
+        process = subprocess.Popen(
+            command, cwd=tmp_path, env=environment, stdout=output, stderr=subprocess.STDOUT
+        )
+    try:
+        deadline = time.monotonic() + START
+        while (executable, NAMESPACE) not in watcher.get_node_names_and_namespaces():
+            assert process.poll() is None, log.read_text()
+            assert time.monotonic() < deadline, f'not in the graph; {log.read_text()}'
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(STOP) == 0, log.read_text()
+    finally:
+        process.kill()
+        process.wait()
+    assert 'Traceback' not in log.read_text()
+
+
+def test_command_explains_itself(installed, environment, tmp_path):
+    command = [installed / 'lta_analysis' / 'lib' / 'lta_analysis' / 'lta', '--help']
+    result = subprocess.run(
+        command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=START
+    )
+    assert (result.returncode, result.stderr) == (0, '')
+    assert 'fly' in result.stdout
