@@ -1,5 +1,5 @@
 # Two commands: `make demo` flies, `make test` checks everything. Both do only what is needed.
-# PYTHON=/path/to/python3 chooses the interpreter; ARGS='...' is passed on to lta fly or pytest.
+# PYTHON=/path/to/python3 chooses the interpreter; ARGS='...' goes on to lta fly or pytest.
 
 MAKEFLAGS += --no-print-directory
 SHELL := /bin/sh
@@ -29,8 +29,8 @@ test: check  ## style, types and the whole suite but the long tests
 test-long: check  ## the long tests as well
 	@$(pytest) -m 'not benchmark' $(ARGS)
 
-bench: test-environment  ## the measurements
-	@$(pytest) -m benchmark -s $(ARGS)
+bench: test-environment  ## the measurements: name, value, unit
+	@$(enter) && for script in test/benchmark/[!_]*.py; do .venv/bin/python $$script || exit; done
 
 check: test-environment  ## style and types only
 	@.venv/bin/ruff check --quiet $(sources)
