@@ -16,6 +16,15 @@ import yaml
 SIZE_LIMIT = 1_000_000  # bytes; no file that people write by hand comes near it
 
 
+# Where the files of each kind are shipped.
+FOLDERS = {
+    'vehicle': 'vehicles',
+    'scenario': 'scenarios',
+    'gains': 'control',
+    'launch file': 'launch',
+}
+
+
 class Record(BaseModel):
     """Base of everything read from a file: immutable, nothing unknown, nothing coerced."""
 
@@ -61,7 +70,7 @@ def find(kind: str, name: str, suffix: str = '.yaml') -> Path:
     Parameters
     ----------
     kind : str
-        What the file describes, in the singular: 'vehicle' is looked up in `vehicles/`.
+        What the file describes: a key of `FOLDERS`.
     name : str
         A shipped name, or a path (it has a slash or ends in `.yaml`).
 
@@ -76,7 +85,7 @@ def find(kind: str, name: str, suffix: str = '.yaml') -> Path:
         if not path.is_file():
             raise BadInput(f'There is no {kind} file {path}; check the path.')
         return path
-    folder = 'launch' if kind == 'launch file' else f'{kind}s'
+    folder = FOLDERS[kind]
     names = known(folder, suffix)
     if name not in names:
         raise unknown(kind, name, names)

@@ -112,6 +112,7 @@ class Loop:
             heading=self._headings[-1],
             yaw_rate=estimate.rates[2],
             speed=estimate.airspeed.surge,
+            sway=estimate.airspeed.sway,
         )
 
     def _navigate(self, block: NDArray[np.uint16]) -> Setpoint:

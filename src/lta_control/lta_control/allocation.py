@@ -33,6 +33,12 @@ class Rotors(NamedTuple):
     a: float
     b: float
 
+    @property
+    def lowest_heave(self) -> float:
+        """Strongest push downwards by the rotors that point up. [N]."""
+        lows = zip(self.allocation, self.low, strict=True)
+        return sum(column[2] * low for column, low in lows if column[2] > 0.5)
+
 
 # Altitude before heading before speed; roll only so that the two vertical rotors share the load.
 # Moments are scaled by a 0.1 m arm so that all weights compare newtons.

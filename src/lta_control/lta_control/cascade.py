@@ -19,20 +19,27 @@ class CascadeGains(Settings):
     altitude_kp: float = setting(
         0.6, 'Climb rate asked for each metre below.', unit='1/s', low=0.0, high=10.0
     )
-    climb_limit: float = setting(0.2, 'Largest climb rate.', unit='m/s', low=0.01, high=2.0)
+    climb_limit: float = setting(0.15, 'Largest climb rate.', unit='m/s', low=0.01, high=2.0)
     climb: PidGains = setting(
-        PidGains(kp=0.8, ki=0.25, limit=0.3), 'Climb rate to vertical force, N per m/s.'
+        PidGains(kp=0.5, ki=0.15, limit=0.2), 'Climb rate to vertical force, N per m/s.'
     )
     heading_kp: float = setting(
-        0.8, 'Yaw rate asked for each radian of error.', unit='1/s', low=0.0, high=10.0
+        0.6, 'Yaw rate asked for each radian of error.', unit='1/s', low=0.0, high=10.0
     )
-    yaw_rate_limit: float = setting(0.5, 'Largest yaw rate.', unit='rad/s', low=0.01, high=6.0)
+    yaw_rate_limit: float = setting(0.3, 'Largest yaw rate.', unit='rad/s', low=0.01, high=6.0)
     yaw_rate: PidGains = setting(
-        PidGains(kp=0.05, ki=0.02, limit=0.02), 'Yaw rate to yaw moment, N m per rad/s.'
+        PidGains(kp=0.04, ki=0.01, limit=0.006), 'Yaw rate to yaw moment, N m per rad/s.'
     )
     speed: PidGains = setting(
-        PidGains(kp=0.2, ki=0.05, limit=0.2), 'Airspeed to surge force, N per m/s.'
+        PidGains(kp=0.15, ki=0.03, limit=0.05), 'Airspeed to surge force, N per m/s.'
     )
+    turn_first: float = setting(
+        0.6, 'Heading error at which forward flight waits for the turn.', unit='rad', low=0.05
+    )
+    drift_gain: float = setting(
+        1.5, 'Angle of the nose against sideways drift.', unit='rad s/m', low=0.0, high=20.0
+    )
+    drift_limit: float = setting(0.7, 'Largest such angle.', unit='rad', low=0.0, high=1.5)
 
 
 class Measured(NamedTuple):
@@ -43,6 +50,7 @@ class Measured(NamedTuple):
     heading: float  # [rad]
     yaw_rate: float  # [rad/s]
     speed: float  # forward airspeed [m/s]
+    sway: float  # airspeed to the left [m/s]
 
 
 class Setpoint(NamedTuple):
@@ -79,14 +87,41 @@ def drag_force(linear: float, quadratic: float, speed: float) -> float:
     return (linear + quadratic * abs(speed)) * speed
 
 
-def pid_gains(gains: PidGains) -> tuple[float, float, float, float]:
+def pid_gains(gains: PidGains) -> tuple[float, float, float, float, float]:
     """Return a loop's gains as the tuple that `pid_step` takes."""
-    return gains.kp, gains.ki, gains.kd, gains.limit
+    return gains.kp, gains.ki, gains.kd, -gains.limit, gains.limit
+
+
+def course(
+    gains: CascadeGains, measured: Measured, setpoint: Setpoint
+) -> tuple[float, float, float]:
+    """
+    Return heading and speed to ask for, and the speed along the wanted course.
+
+    A round hull has no keel: turning the nose does not turn the motion. So the drone turns first
+    and flies then, and leans its nose against the drift that is left across the course.
+
+    Returns
+    -------
+    tuple of float
+        Heading [rad], forward speed [m/s], present airspeed along the course [m/s].
+
+    """
+    off = wrap(measured.heading - setpoint.heading)
+    cos, sin = math.cos(off), math.sin(off)
+    along = cos * measured.speed - sin * measured.sway
+    across = sin * measured.speed + cos * measured.sway
+    lean = min(max(gains.drift_gain * across, -gains.drift_limit), gains.drift_limit)
+    moving = 1.0 if setpoint.speed > 0.0 else 0.0
+    heading = setpoint.heading - moving * lean
+    error = abs(wrap(heading - measured.heading))
+    return heading, setpoint.speed * max(0.0, 1.0 - error / gains.turn_first), along
 
 
 def cascade_step(
     gains: CascadeGains,
     surge_drag: tuple[float, float],
+    lowest_heave: float,
     memory: CascadeMemory,
     measured: Measured,
     setpoint: Setpoint,
@@ -102,6 +137,8 @@ def cascade_step(
         Gains of all loops.
     surge_drag : tuple
         Linear [N s/m] and quadratic [N s2/m2] drag along body x, for the feed-forward.
+    lowest_heave : float
+        Strongest push downwards that the rotors have; 0 where gravity alone brings it down. [N]
     memory : CascadeMemory
         From the last step.
     measured, setpoint : Measured, Setpoint
@@ -113,12 +150,17 @@ def cascade_step(
 
     """
     climb = gains.altitude_kp * (setpoint.altitude - measured.altitude)
-    climb = min(max(climb, -gains.climb_limit), gains.climb_limit)
+    climb = _within(climb, gains.climb_limit)
     heave, climb_memory = pid_step(
-        pid_gains(gains.climb), memory.climb, climb - measured.climb, 0.0, shortfall.heave, dt
+        (*pid_gains(gains.climb)[:3], max(lowest_heave, -gains.climb.limit), gains.climb.limit),
+        memory.climb,
+        climb - measured.climb,
+        0.0,
+        shortfall.heave,
+        dt,
     )
-    rate = gains.heading_kp * wrap(setpoint.heading - measured.heading)
-    rate = min(max(rate, -gains.yaw_rate_limit), gains.yaw_rate_limit)
+    heading, speed, along = course(gains, measured, setpoint)
+    rate = _within(gains.heading_kp * wrap(heading - measured.heading), gains.yaw_rate_limit)
     yaw, rate_memory = pid_step(
         pid_gains(gains.yaw_rate),
         memory.yaw_rate,
@@ -128,12 +170,11 @@ def cascade_step(
         dt,
     )
     surge, speed_memory = pid_step(
-        pid_gains(gains.speed),
-        memory.speed,
-        setpoint.speed - measured.speed,
-        0.0,
-        shortfall.surge,
-        dt,
+        pid_gains(gains.speed), memory.speed, speed - along, 0.0, shortfall.surge, dt
     )
-    surge += drag_force(*surge_drag, setpoint.speed)
+    surge += drag_force(*surge_drag, speed)
     return Demand(surge, heave, yaw), CascadeMemory(climb_memory, rate_memory, speed_memory)
+
+
+def _within(value: float, limit: float) -> float:
+    return min(max(value, -limit), limit)

@@ -55,7 +55,14 @@ def control_step(
 
     """
     demand, cascade = cascade_step(
-        gains, surge_drag, memory.cascade, measured, setpoint, memory.shortfall, dt
+        gains,
+        surge_drag,
+        rotors.lowest_heave,
+        memory.cascade,
+        measured,
+        setpoint,
+        memory.shortfall,
+        dt,
     )
     wrench = (demand.surge, 0.0, demand.heave, 0.0, 0.0, demand.yaw)
     thrusts, given = allocate(rotors, wrench, memory.thrusts)

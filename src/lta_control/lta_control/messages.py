@@ -82,6 +82,7 @@ def to_measured(message: Odometry) -> Measured | None:
         heading=heading(attitude_of(message)),
         yaw_rate=twist.angular.z,
         speed=twist.linear.x,
+        sway=twist.linear.y,
     )
 
 

@@ -23,7 +23,7 @@ class PidGains(Settings):
 
 
 def pid_step(
-    gains: tuple[float, float, float, float],
+    gains: tuple[float, float, float, float, float],
     integral: float,
     error: float,
     rate: float,
@@ -36,7 +36,7 @@ def pid_step(
     Parameters
     ----------
     gains : tuple
-        kp, ki, kd, limit.
+        kp, ki, kd, lowest and highest output.
     integral : float
         Integral term of the last step. [output]
     error : float
@@ -50,8 +50,8 @@ def pid_step(
         Time since the last step. [s]
 
     """
-    kp, ki, kd, limit = gains
+    kp, ki, kd, low, high = gains
     wanted = kp * error + integral - kd * rate
-    output = min(max(wanted, -limit), limit)
+    output = min(max(wanted, low), high)
     unwind = ki / kp if kp > 0.0 else 0.0
     return output, integral + dt * (ki * error + unwind * (output - wanted + shortfall))
