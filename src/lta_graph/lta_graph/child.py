@@ -115,6 +115,14 @@ class Child:
         with self._lock:
             self.popen.wait()
 
+    def group_left(self) -> bool:
+        """Tell whether a reaped process's group still has members: a kill takes a moment."""
+        try:
+            os.killpg(self.pid, 0)
+        except (ProcessLookupError, PermissionError):
+            return False
+        return True
+
     def ended(self, stopped: bool) -> Ended:
         """Return how a reaped process ended."""
         status = int(self.popen.returncode)

@@ -23,6 +23,7 @@ from lta_graph.watch import OnLine, Watch
 
 GRACE = 8.0  # seconds from SIGINT to SIGTERM: the recorder must close its bag
 TERM_GRACE = 2.0  # seconds from SIGTERM to SIGKILL
+GROUP_PATIENCE = 1.0  # seconds; a container may have nobody who takes orphans' statuses
 PERIOD = 0.02  # seconds between looks while stopping
 
 
@@ -186,6 +187,9 @@ class Launcher:
             self._watch.join(1.0)  # not for ever: `on_line` may hang on a full terminal
         for child in self._children:
             child.reap()
+        deadline = time.monotonic() + GROUP_PATIENCE
+        while any(child.group_left() for child in self._children) and time.monotonic() < deadline:
+            time.sleep(PERIOD)
         if self._guard is not None:
             self._guard.dismiss()
             self._guard = None
