@@ -1,0 +1,227 @@
+"""
+A Chromium without a screen: looks at a page and takes its picture.
+
+Speaks the Chrome DevTools Protocol over two pipes (--remote-debugging-pipe): JSON messages that
+end with a zero byte. Nothing listens on a port, and the browser ends with us.
+"""
+
+from collections.abc import Mapping
+from contextlib import suppress
+import fcntl
+import json
+import os
+import select
+import shutil
+import subprocess
+import tempfile
+import time
+from types import TracebackType
+from typing import Any, Final, final, Self
+
+from lta_config.errors import BadInput
+
+NAMES: Final = ('chromium', 'chromium-browser', 'google-chrome', 'google-chrome-stable', 'chrome')
+OVERRIDE: Final = 'LTA_CHROMIUM'
+MISSING: Final = (
+    'No Chromium was found; install it (Debian or Ubuntu: sudo apt install chromium) or set '
+    f'{OVERRIDE} to the program.'
+)
+FLAGS: Final = (
+    '--headless=new',
+    '--remote-debugging-pipe',
+    '--disable-background-networking',
+    '--disable-component-update',
+    '--disable-default-apps',
+    '--disable-dev-shm-usage',
+    '--disable-domain-reliability',
+    '--disable-extensions',
+    '--disable-gpu',
+    '--disable-sync',
+    '--hide-scrollbars',
+    '--metrics-recording-only',
+    '--mute-audio',
+    '--no-default-browser-check',
+    '--no-first-run',
+    '--no-pings',
+    '--password-store=basic',
+)
+READ, WRITE = 3, 4  # where Chromium expects its ends of the pipes
+PATIENCE = 30.0  # s; a cold start on a busy machine takes a few
+
+
+def find_chromium() -> str:
+    """
+    Return the browser to use.
+
+    Raises
+    ------
+    BadInput
+        If there is none; the sentence says how to install one.
+
+    """
+    named = os.environ.get(OVERRIDE)
+    if named:
+        found = shutil.which(named)
+        if found is None:
+            raise BadInput(
+                f"{OVERRIDE} names '{named}', which cannot be run; correct or unset it."
+            )
+        return found
+    for name in NAMES:
+        found = shutil.which(name)
+        if found is not None:
+            return found
+    raise BadInput(MISSING)
+
+
+@final
+class Browser:
+    """
+    One headless browser with one tab; use it as a context manager.
+
+    Attributes
+    ----------
+    events : list of tuple of str and dict
+        Everything the tab has reported so far: method and parameters.
+
+    """
+
+    def __init__(self) -> None:
+        self._program = find_chromium()
+        self.events: list[tuple[str, dict[str, Any]]] = []
+        self._buffer = b''
+        self._count = 0
+        self._session: str | None = None
+        self._profile = tempfile.TemporaryDirectory(
+            prefix='lta-browser-', ignore_cleanup_errors=True
+        )
+        self._process, self._out, self._in = launched(self._program, self._profile.name)
+
+    def __enter__(self) -> Self:
+        """Open the tab."""
+        try:
+            target = self.call('Target.createTarget', url='about:blank')['targetId']
+            attached = self.call('Target.attachToTarget', targetId=target, flatten=True)
+            self._session = attached['sessionId']
+            for domain in ('Page', 'Runtime', 'Log', 'Network'):
+                self.call(f'{domain}.enable')
+        except BaseException:
+            self.close()
+            raise
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """End the browser."""
+        self.close()
+
+    def close(self) -> None:
+        """End the browser, whatever it is doing."""
+        with suppress(OSError, BadInput):
+            self._session = None
+            self.call('Browser.close')
+            self._process.wait(5.0)
+        if self._process.poll() is None:
+            self._process.kill()
+        self._process.wait()
+        os.close(self._in)
+        os.close(self._out)
+        self._profile.cleanup()
+
+    def call(self, method: str, **parameters: object) -> Mapping[str, Any]:
+        """
+        Return the answer to one command of the protocol.
+
+        Raises
+        ------
+        BadInput
+            If the browser refuses it, does not answer or has died.
+
+        """
+        self._count += 1
+        command: dict[str, object] = {'id': self._count, 'method': method, 'params': parameters}
+        if self._session is not None:
+            command['sessionId'] = self._session
+        try:
+            os.write(self._out, json.dumps(command).encode() + b'\0')
+        except BrokenPipeError as error:
+            raise self._died(method) from error
+        while True:
+            message = self._next(method)
+            if message.get('id') == self._count:
+                if 'error' in message:
+                    raise BadInput(f'Chromium refuses {method}: {message["error"]["message"]}.')
+                answer: Mapping[str, Any] = message['result']
+                return answer
+
+    def evaluate(self, expression: str) -> Any:  # noqa: ANN401 - any JSON value
+        """Return the value of an expression in the page, awaited if it is a promise."""
+        answer = self.call(
+            'Runtime.evaluate', expression=expression, awaitPromise=True, returnByValue=True
+        )
+        return answer['result'].get('value')
+
+    def wait(self, expression: str) -> None:
+        """Wait until an expression holds in the page; `BadInput` if it never does."""
+        end = time.monotonic() + PATIENCE
+        while not self.evaluate(f'Boolean({expression})'):
+            if time.monotonic() > end:
+                raise BadInput(f'The page is not drawn within {PATIENCE:g} s; open it by hand.')
+            time.sleep(0.02)
+
+    def _next(self, method: str) -> dict[str, Any]:
+        """Return the next message; events are kept as well."""
+        end = time.monotonic() + PATIENCE
+        while b'\0' not in self._buffer:
+            ready, _, _ = select.select([self._in], [], [], max(0.0, end - time.monotonic()))
+            if not ready:
+                raise BadInput(f'Chromium does not answer {method} within {PATIENCE:g} s.')
+            data = os.read(self._in, 1 << 20)
+            if not data:
+                raise self._died(method)
+            self._buffer += data
+        text, _, self._buffer = self._buffer.partition(b'\0')
+        message: dict[str, Any] = json.loads(text)
+        if 'method' in message:
+            self.events.append((message['method'], message.get('params', {})))
+        return message
+
+    def _died(self, method: str) -> BadInput:
+        """Return the error for a browser that has gone."""
+        with suppress(subprocess.TimeoutExpired):
+            self._process.wait(1.0)
+        return BadInput(
+            f'{self._program} ended at {method} with status {self._process.returncode}; start it '
+            'by hand to see why.'
+        )
+
+
+def launched(program: str, profile: str) -> tuple[subprocess.Popen[bytes], int, int]:
+    """Return a running browser, the end to write to and the end to read from."""
+    theirs_in, ours_out = os.pipe()
+    ours_in, theirs_out = os.pipe()
+    # Copies above READ and WRITE, so that putting one in place cannot overwrite the other.
+    copies = [fcntl.fcntl(end, fcntl.F_DUPFD_CLOEXEC, 10) for end in (theirs_in, theirs_out)]
+
+    def place() -> None:
+        os.dup2(copies[0], READ)
+        os.dup2(copies[1], WRITE)
+
+    flags = [*FLAGS, f'--user-data-dir={profile}']
+    if os.geteuid() == 0:
+        flags.append('--no-sandbox')  # Chromium's sandbox refuses to run as root.
+    process = subprocess.Popen(
+        [program, *flags],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        close_fds=False,
+        preexec_fn=place,
+    )
+    for end in (theirs_in, theirs_out, *copies):
+        os.close(end)
+    return process, ours_out, ours_in

@@ -1,0 +1,45 @@
+"""The two blocks of samples worth a look: the first and the last of the search."""
+
+from typing import Final, NamedTuple
+
+from lta_analysis.report.palette import ESTIMATE, TRUTH
+from lta_analysis.report.results import distance, phases_of
+from lta_analysis.report.view import Array, sampled, View
+from lta_config.topics import topic_table
+import numpy as np
+
+COLOURS: Final = (TRUTH, ESTIMATE)
+
+
+class Moment(NamedTuple):
+    """One block of the diode that flickers most: samples over time, and in words where."""
+
+    where: str
+    colour: str
+    time: Array  # in the block [s]
+    samples: Array  # [counts]
+
+
+def moments(view: View) -> list[Moment]:
+    """Return the block at the start of the search, and that at its end."""
+    time, blocks = view.blocks
+    phases = phases_of(view)
+    searched = np.flatnonzero((time >= phases.search) & (time <= phases.end - 2 * view.half_block))
+    chosen = searched if len(searched) else np.arange(len(time))
+    rate = topic_table().light.sample_rate.si
+    found = []
+    for k, colour in zip((chosen[0], chosen[-1]), COLOURS, strict=True):
+        block = blocks[k].astype(np.float64)
+        brightest = block[:, block.std(axis=0).argmax()]
+        found.append(
+            Moment(where(view, float(time[k])), colour, np.arange(len(block)) / rate, brightest)
+        )
+    return found
+
+
+def where(view: View, time: float) -> str:
+    """Return in words how far from the lamp the drone is."""
+    if view.lamp is None or not view.has('ground_truth/odom'):
+        return f'at {time:.1f} s'
+    away = distance(view.truth, view.lamp)
+    return f'{float(sampled(np.array([time]), view.truth.time, away)[0]):.1f} m away'

@@ -1,0 +1,179 @@
+"""One flight as one self-contained HTML file."""
+
+from collections.abc import Mapping
+from html import escape
+from importlib.resources import files
+import json
+import os
+from pathlib import Path
+from string import Template
+from typing import Final
+
+from lta_analysis.bag.flight import Flight, open_flight
+from lta_analysis.report.outcome import sentence, table, tiles
+from lta_analysis.report.palette import DARK
+from lta_analysis.report.panels.registry import Panel, PANELS
+from lta_analysis.report.results import Results, results_of
+from lta_analysis.report.track import track_of
+from lta_analysis.report.view import View
+from lta_config.errors import BadInput
+from plotly.offline import get_plotlyjs
+
+FILES: Final = ('vehicle_file', 'scenario_file')
+CONTRADICTION: Final = (
+    'The paper’s indoor row contradicts itself: 7.3 m in 8.4 s is 0.87 m/s, not 0.5 m/s, and even '
+    'the straight 6.0 m would need 0.71 m/s. This flight holds 0.5 m/s and is tuned to neither '
+    'path nor time.'
+)
+
+
+def write_page(bag: Path, out: Path) -> Results:
+    """
+    Write the page of a flight and return its results.
+
+    Parameters
+    ----------
+    bag : Path
+        rosbag2 folder or .mcap file with one robot.
+    out : Path
+        HTML file to write; replaced if it is there.
+
+    Raises
+    ------
+    BadInput
+        If there is no recording, or the page cannot be written.
+
+    """
+    flight = open_flight(bag)
+    view = View(flight)
+    results = results_of(view)
+    text = page(view, results, os.path.relpath(bag, out.parent))
+    try:
+        out.write_text(text, encoding='utf-8')
+    except OSError as error:
+        raise BadInput(
+            f"The page '{out}' cannot be written ({error.strerror}); choose another place."
+        ) from error
+    return results
+
+
+def page(view: View, results: Results, bag: str) -> str:
+    """Return the whole page; `bag` is how the reader finds the recording from it."""
+    assets = files('lta_analysis.report') / 'assets'
+    text = {
+        name: (assets / name).read_text(encoding='utf-8')
+        for name in ('page.html', 'page.css', 'page.js')
+    }
+    sections = {panel.name: section(panel, view) for panel in PANELS}
+    return Template(text['page.html']).substitute(
+        title=escape(sentence(results)),
+        kicker=escape(kicker(view.provenance)),
+        origin=escape(origin(view)),
+        tiles='\n'.join(tile_html(*tile) for tile in tiles(results)),
+        table='\n'.join(row_html(*row) for row in table(results)),
+        contradiction=escape(CONTRADICTION),
+        hero=sections.pop('path'),
+        panels='\n'.join(sections.values()),
+        facts=facts_html(view.flight),
+        commands=commands_html(view.provenance, bag),
+        files='\n'.join(
+            file_html(key, view.provenance[key]) for key in FILES if key in view.provenance
+        ),
+        css=text['page.css'],
+        dark=embedded('dark', DARK),
+        track=embedded('track', track_of(view)),
+        plotly=get_plotlyjs(),
+        js=text['page.js'],
+    )
+
+
+def section(panel: Panel, view: View) -> str:
+    """Return one picture with heading and caption, or a sentence on why there is none."""
+    title, caption = escape(panel.title), escape(panel.caption)
+    head = f'<figure class="panel" id="panel-{panel.name}" aria-labelledby="title-{panel.name}">'
+    head += f'<h2 id="title-{panel.name}">{title}</h2>'
+    missing = [topic for topic in panel.needs if not view.has(topic)]
+    if missing:
+        names = ' and '.join(f'<code>{escape(topic)}</code>' for topic in missing)
+        return f'{head}<p class="absent">The recording has nothing on {names}.</p></figure>'
+    figure = panel.picture(view).to_json()
+    return (
+        f'{head}<div class="plot" data-panel="{panel.name}" data-timed="{str(panel.timed).lower()}" '
+        f'role="img" aria-label="{title}. {caption}"></div>'
+        f'<figcaption>{caption}</figcaption>{embedded_text(f"figure-{panel.name}", figure)}</figure>'
+    )
+
+
+def embedded(name: str, content: object) -> str:
+    """Return data for the page's script."""
+    return embedded_text(name, json.dumps(content, separators=(',', ':'), allow_nan=False))
+
+
+def embedded_text(name: str, text: str) -> str:
+    """Return JSON for the page's script; no text in it can end the element."""
+    safe = text.replace('</', '<\\/').replace('<!--', '<\\!--')
+    return f'<script type="application/json" id="{name}">{safe}</script>'
+
+
+def kicker(provenance: Mapping[str, str]) -> str:
+    """Return the line above the title."""
+    names = [provenance.get(key, '') for key in ('vehicle', 'scenario', 'strategy')]
+    seed = provenance.get('seed')
+    return ' · '.join([name for name in names if name] + ([f'seed {seed}'] if seed else []))
+
+
+def origin(view: View) -> str:
+    """Return what is simulated, what is estimated, and where the truth comes from."""
+    if view.scene.scenario is None:
+        return 'The drone flew on its own sensors alone.'
+    return (
+        'A simulated flight. “Truth” is the simulator’s own state, which no part of the drone ever '
+        'sees; “estimate” is what the drone made of its simulated sensors.'
+    )
+
+
+def tile_html(name: str, value: str, unit: str, note: str) -> str:
+    """Return one large figure."""
+    return (
+        f'<div class="tile"><dt>{escape(name)}</dt><dd><b>{escape(value)}</b> '
+        f'<span>{escape(unit)}</span><small>{escape(note)}</small></dd></div>'
+    )
+
+
+def row_html(name: str, here: str, paper: str) -> str:
+    """Return one line of the table."""
+    return f'<tr><th scope="row">{escape(name)}</th><td>{escape(here)}</td><td>{escape(paper)}</td></tr>'
+
+
+def facts_html(flight: Flight) -> str:
+    """Return where the data come from, as a list of terms."""
+    facts = {key: value for key, value in flight.bag.provenance.items() if key not in FILES}
+    facts['recording'] = 'complete' if flight.bag.complete else ' '.join(flight.bag.losses)
+    return '\n'.join(
+        f'<div><dt>{escape(key.replace("_", " "))}</dt><dd>{escape(value)}</dd></div>'
+        for key, value in facts.items()
+    )
+
+
+def commands_html(provenance: Mapping[str, str], bag: str) -> str:
+    """Return how to look further, and how to fly it again."""
+    options = [
+        f'--{key} {provenance[key]}' for key in ('vehicle', 'scenario', 'strategy', 'seed')
+        if key in provenance
+    ]  # fmt: skip
+    lines = [
+        ('List what was recorded', f'lta bag info {bag}'),
+        ('Plot any topic', f'plotjuggler -d {bag}'),
+        ('Replay in ROS 2', f'ros2 bag play {bag} --clock'),
+        ('Fly it again', ' '.join(['lta fly', *options])),
+    ]
+    return '\n'.join(
+        f'<div><dt>{escape(what)}</dt><dd><code>{escape(line)}</code></dd></div>'
+        for what, line in lines
+    )
+
+
+def file_html(key: str, text: str) -> str:
+    """Return a file of the provenance, folded."""
+    name = key.replace('_', ' ').capitalize()
+    return f'<details><summary>{escape(name)}</summary><pre tabindex="0">{escape(text)}</pre></details>'

@@ -1,0 +1,1 @@
+"""The pictures of a flight, one a file; `panels.registry` lists them."""

@@ -1,0 +1,242 @@
+"""
+What a flight came to, in numbers.
+
+The flight starts when the drone leaves the ground, the search when a forward speed is first asked
+for, the cruise two seconds later. All end when the hull centre is within the goal radius of the
+lamp, horizontally, or with the recording. Truth comes from the simulator or a tracker.
+"""
+
+from dataclasses import asdict, dataclass, field
+from typing import Any, final, NamedTuple
+
+from lta_analysis.report.view import Array, held, Motion, sampled, Spot, View
+import numpy as np
+from numpy.typing import NDArray
+
+Flags = NDArray[np.bool_]
+
+LIFTED = 0.02  # m above where it stood: the drone has left the ground
+SETTLING = 2.0  # s from the first forward set-point to the cruise
+ENDS = 5  # blocks whose median is the SNR at the start or the end
+
+
+def figure(unit: str, about: str) -> Any:  # noqa: ANN401 - a field of any type
+    """Return a field of the results: None unless the bag tells it."""
+    return field(default=None, metadata={'unit': unit, 'about': about})
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Results:
+    """The results of one flight; None is what its bag cannot tell. SI units, angles in rad."""
+
+    success: bool | None = figure('', 'came within the goal radius')
+    lift_off: float | None = figure('s', 'left the ground')
+    search_start: float | None = figure('s', 'was first asked to fly forward')
+    end: float | None = figure('s', 'reached the goal, or the end of the recording')
+    flight_time: float | None = figure('s', 'from leaving the ground to the goal')
+    search_time: float | None = figure('s', 'from the first forward set-point to the goal')
+    path_length: float | None = figure('m', 'true horizontal path to the goal')
+    straight_length: float | None = figure('m', 'straight line from the start to the goal circle')
+    closest: float | None = figure('m', 'nearest to the lamp, horizontally')
+    airspeed: float | None = figure('m/s', 'true forward airspeed, mean over the cruise')
+    airspeed_spread: float | None = figure('m/s', 'its standard deviation over the cruise')
+    altitude: float | None = figure('m', 'true altitude of the hull centre, mean over the cruise')
+    altitude_error: float | None = figure('m', 'true altitude against set-point, RMS, cruise')
+    heading_error: float | None = figure('rad', 'nose against the true lamp, RMS, cruise')
+    bearing_error: float | None = figure('rad', 'measured bearing against the true one, RMS')
+    bearing_share: float | None = figure('1', 'part of the light blocks that gave a bearing')
+    snr_start: float | None = figure('1', 'SNR of the best diode when the search starts')
+    snr_end: float | None = figure('1', 'SNR of the best diode at the end')
+    altitude_estimate_error: float | None = figure('m', 'estimated altitude, RMS, in flight')
+    airspeed_estimate_error: float | None = figure('m/s', 'estimated airspeed, RMS, in flight')
+    heading_estimate_error: float | None = figure('rad', 'estimated heading, RMS, in flight')
+    heading_drift: float | None = figure('rad', 'estimated less true heading at the end')
+    energy: float | None = figure('J', 'out of the cell from leaving the ground to the goal')
+    power: float | None = figure('W', 'mean of the same')
+    cruise_power: float | None = figure('W', 'out of the cell, mean over the cruise')
+    real_time_factor: float | None = figure('1', 'flight time per wall time')
+
+    def to_dict(self) -> dict[str, float | bool | None]:
+        """Return the figures by name, ready for JSON."""
+        return asdict(self)
+
+
+class Phases(NamedTuple):
+    """When the flight, search and cruise start and all end; NaN where they never do. [s]"""
+
+    lift_off: float
+    search: float
+    cruise: float
+    end: float
+
+
+def results_of(view: View) -> Results:
+    """Return the results of a flight."""
+    phases = phases_of(view)
+    found: dict[str, float | bool] = {
+        'lift_off': phases.lift_off,
+        'search_start': phases.search,
+        'end': phases.end,
+        **reached(view, phases),
+        **cruise(view, phases),
+        **light(view, phases),
+        **estimates(view, phases),
+        **electricity(view, phases),
+        'real_time_factor': float(view.provenance.get('real_time_factor', 'nan')),
+    }
+    known: dict[str, Any] = {name: value for name, value in found.items() if np.isfinite(value)}
+    return Results(**known)
+
+
+def phases_of(view: View) -> Phases:
+    """Return when the parts of the flight start and end."""
+    lift_off = search = np.nan
+    end = view.span[1]
+    if view.has('ground_truth/odom'):
+        truth = view.truth
+        lift_off = first(truth.time, truth.z > truth.z[0] + LIFTED)
+        arrival = first(truth.time, distance(truth, view.lamp) <= goal_radius(view))
+        end = arrival if np.isfinite(arrival) else end
+    if view.has('setpoint/velocity'):
+        setpoint = view.speed_setpoint
+        search = first(setpoint.time, setpoint.value > 0.0)
+    return Phases(lift_off, search, search + SETTLING, end)
+
+
+def first(time: Array, holds: Flags) -> float:
+    """Return the first instant at which a condition holds, NaN if it never does."""
+    return float(time[np.argmax(holds)]) if np.any(holds) else np.nan
+
+
+def distance(motion: Motion, lamp: Spot | None) -> Array:
+    """Return the horizontal distance to the lamp, NaN where no lamp is known. [m]"""
+    if lamp is None:
+        return np.full(len(motion.time), np.nan)
+    return np.hypot(lamp.x - motion.x, lamp.y - motion.y)
+
+
+def direction(motion: Motion, lamp: Spot | None) -> Array:
+    """Return the direction to the lamp in the body frame. [rad]"""
+    if lamp is None:
+        return np.full(len(motion.time), np.nan)
+    return wrapped(np.arctan2(lamp.y - motion.y, lamp.x - motion.x) - motion.yaw)
+
+
+def goal_radius(view: View) -> float:
+    """Return how near counts as reached; NaN where it is not known. [m]"""
+    return np.nan if view.scene.scenario is None else view.scene.scenario.goal.radius.si
+
+
+def wrapped(angle: Array) -> Array:
+    """Return angles in [-pi, pi). [rad]"""
+    return (angle + np.pi) % (2.0 * np.pi) - np.pi
+
+
+def within(time: Array, start: float, end: float) -> Flags:
+    """Tell which instants lie in a closed interval; none if it has no start."""
+    return (time >= start) & (time <= end)
+
+
+def rms(errors: Array) -> float:
+    """Return the root mean square of what is finite, NaN of nothing."""
+    finite = errors[np.isfinite(errors)]
+    return float(np.sqrt(np.mean(finite**2))) if len(finite) else np.nan
+
+
+def mean(values: Array) -> float:
+    """Return the mean, NaN of nothing."""
+    return float(np.mean(values)) if len(values) else np.nan
+
+
+def reached(view: View, phases: Phases) -> dict[str, float | bool]:
+    """Return whether, when and over which path the lamp was reached."""
+    if not view.has('ground_truth/odom') or view.lamp is None:
+        return {}
+    truth = view.truth
+    away = distance(truth, view.lamp)
+    flown = truth.time <= phases.end
+    path = float(np.hypot(np.diff(truth.x[flown]), np.diff(truth.y[flown])).sum())
+    success = bool(np.min(away) <= goal_radius(view))
+    end = phases.end if success else np.nan
+    return {
+        'success': success,
+        'flight_time': end - phases.lift_off,
+        'search_time': end - phases.search,
+        'path_length': path,
+        'straight_length': float(away[0]) - goal_radius(view),
+        'closest': float(np.min(away)),
+    }
+
+
+def cruise(view: View, phases: Phases) -> dict[str, float]:
+    """Return how well speed, altitude and heading were held."""
+    if not view.has('ground_truth/odom'):
+        return {}
+    truth = view.truth
+    flown = within(truth.time, phases.cruise, phases.end)
+    speed, height = truth.speed[flown], truth.z[flown]
+    found = {
+        'airspeed': mean(speed),
+        'airspeed_spread': float(np.std(speed)) if len(speed) else np.nan,
+        'altitude': mean(height),
+        'heading_error': rms(direction(truth, view.lamp)[flown]),
+    }
+    if view.has('setpoint/pose'):
+        found['altitude_error'] = rms(height - held(truth.time[flown], view.altitude_setpoint))
+    return found
+
+
+def light(view: View, phases: Phases) -> dict[str, float]:
+    """Return what the photodiodes were worth during the search."""
+    found = {}
+    if view.has('light/bearing'):
+        time, angle = view.bearing
+        searched = within(time, phases.search, phases.end)
+        found['bearing_share'] = mean(np.isfinite(angle[searched]))
+        if view.has('ground_truth/odom'):
+            truth = view.truth
+            x, y, yaw = (sampled(time, truth.time, part) for part in (truth.x, truth.y, truth.yaw))
+            there = truth._replace(time=time, x=x, y=y, yaw=yaw)
+            found['bearing_error'] = rms(wrapped(angle - direction(there, view.lamp))[searched])
+    if view.has('light/peaks'):
+        time, parts = view.peaks
+        best = parts['snr'].max(axis=1)[within(time, phases.search, phases.end)]
+        if len(best):
+            found['snr_start'] = float(np.median(best[:ENDS]))
+            found['snr_end'] = float(np.median(best[-ENDS:]))
+    return found
+
+
+def estimates(view: View, phases: Phases) -> dict[str, float]:
+    """Return how far the estimator was from the truth in flight."""
+    if not view.has('ground_truth/odom', 'odom'):
+        return {}
+    estimate, truth = view.estimate, view.truth
+    flown = within(estimate.time, phases.lift_off, phases.end)
+    time = estimate.time[flown]
+    yaw = estimate.yaw[flown] - sampled(time, truth.time, truth.yaw)
+    height = estimate.z[flown] - sampled(time, truth.time, truth.z)
+    speed = estimate.speed[flown] - sampled(time, truth.time, truth.speed)
+    return {
+        'altitude_estimate_error': rms(height),
+        'airspeed_estimate_error': rms(speed),
+        'heading_estimate_error': rms(yaw),
+        'heading_drift': float(yaw[-1]) if len(yaw) else np.nan,
+    }
+
+
+def electricity(view: View, phases: Phases) -> dict[str, float]:
+    """Return what the flight cost."""
+    if not view.has('battery'):
+        return {}
+    time, voltage, current = view.battery
+    power = -voltage * current
+    flown = within(time, phases.lift_off, phases.end)
+    energy = float(np.trapezoid(power[flown], time[flown]))
+    lasted = float(np.ptp(time[flown])) if np.any(flown) else 0.0
+    return {
+        'energy': energy if lasted > 0.0 else np.nan,
+        'power': energy / lasted if lasted > 0.0 else np.nan,
+        'cruise_power': mean(power[within(time, phases.cruise, phases.end)]),
+    }

@@ -1,0 +1,53 @@
+"""The world of a flight, from the scenario and vehicle files that its bag carries."""
+
+from collections.abc import Mapping
+from typing import final, NamedTuple, TypeVar
+
+from lta_config.errors import BadInput
+from lta_config.files import sentence
+from lta_config.vehicle_file import VehicleFile
+from lta_sim.scenario import Scenario
+from pydantic import BaseModel, ValidationError
+import yaml
+
+Model = TypeVar('Model', bound=BaseModel)
+
+
+@final
+class Scene(NamedTuple):
+    """What the bag tells of world and vehicle; None where it does not tell."""
+
+    scenario: Scenario | None
+    vehicle: VehicleFile | None
+
+
+def scene_of(provenance: Mapping[str, str]) -> Scene:
+    """
+    Return the world of a flight from its bag's provenance.
+
+    Raises
+    ------
+    BadInput
+        If the bag carries a file that cannot be read.
+
+    """
+    return Scene(
+        parsed(Scenario, provenance, 'scenario_file'),
+        parsed(VehicleFile, provenance, 'vehicle_file'),
+    )
+
+
+def parsed(model: type[Model], provenance: Mapping[str, str], key: str) -> Model | None:
+    """Return one file of the provenance, checked against its model; None if it is not there."""
+    if key not in provenance:
+        return None
+    try:
+        return model.model_validate(yaml.load(provenance[key], yaml.CSafeLoader))
+    except yaml.YAMLError as error:
+        raise BadInput(
+            f"The bag's {key} is no YAML ({' '.join(str(error).split())}); record it again."
+        ) from error
+    except ValidationError as error:
+        raise BadInput(
+            f"The bag's {key} is not one that this version reads: {sentence(error)}"
+        ) from error

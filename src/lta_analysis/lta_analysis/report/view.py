@@ -1,0 +1,254 @@
+"""
+A flight as the report looks at it: each part read once, everything in one frame.
+
+Time runs in seconds from the first message, positions are in the map frame. The estimator's own
+frame starts at zero; it is laid on the truth where both begin.
+"""
+
+from functools import cached_property
+from typing import Any, final, NamedTuple
+
+from lta_analysis.bag.attitude import angles
+from lta_analysis.bag.flight import Blocks, Flight, Points
+from lta_analysis.bag.series import Series
+from lta_analysis.report.scene import scene_of
+from lta_config.topics import topic_table
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Motion(NamedTuple):
+    """Hull centre in map [m], yaw without jumps [rad], air-relative speed along body x [m/s]."""
+
+    time: Array
+    x: Array
+    y: Array
+    z: Array
+    yaw: Array
+    speed: Array
+
+
+class Track(NamedTuple):
+    """One number over time. [s, unit of the number]"""
+
+    time: Array
+    value: Array
+
+
+class Arrow(NamedTuple):
+    """A direction in the body frame over time, NaN where there is none. [s, rad]"""
+
+    time: Array
+    angle: Array
+
+
+class Spot(NamedTuple):
+    """A place on the floor plan. [m, map]"""
+
+    x: float
+    y: float
+
+
+class Electricity(NamedTuple):
+    """Voltage [V] and current [A] over time; a current that leaves the cell is negative."""
+
+    time: Array
+    voltage: Array
+    current: Array
+
+
+class Duties(NamedTuple):
+    """Commanded duty of each rotor, shape (n, rotors). [1]"""
+
+    time: Array
+    names: list[str]
+    values: Array
+
+
+def sampled(time: Array, track_time: Array, values: Array) -> Array:
+    """Return values at other times, linear in between and constant beyond the ends."""
+    return np.asarray(np.interp(time, track_time, values))
+
+
+def held(time: Array, track: Track) -> Array:
+    """Return the newest value at each time, NaN before the first: how a set-point acts."""
+    index = np.searchsorted(track.time, time, side='right') - 1
+    values = np.append(track.value, np.nan)
+    return np.asarray(values[np.where(index < 0, len(track.value), index)])
+
+
+@final
+class View:
+    """
+    What the pictures and results are made of.
+
+    Parameters
+    ----------
+    flight : Flight
+        The recording of one robot.
+
+    Raises
+    ------
+    BadInput
+        If the bag carries a scenario or vehicle file that cannot be read.
+
+    """
+
+    def __init__(self, flight: Flight) -> None:
+        self.flight = flight
+        self.provenance = flight.bag.provenance
+        self.scene = scene_of(self.provenance)
+        self._read: dict[str, Any] = {}
+
+    def has(self, *topics: str) -> bool:
+        """Tell whether the bag has messages of all these topics."""
+        bag, robot = self.flight.bag, self.flight.robot
+        names = [f'/{robot}/{topic}' if robot else f'/{topic}' for topic in topics]
+        return all(name in bag.topics and bag.topics[name].count > 0 for name in names)
+
+    def series(self, topic: str) -> Series:
+        """Return a topic's fields, read once."""
+        if topic not in self._read:
+            self._read[topic] = self.flight.series(topic)
+        series: Series = self._read[topic]
+        return series
+
+    @cached_property
+    def span(self) -> tuple[float, float]:
+        """First and last instant of the motion, or of the bag where there is none. [s]"""
+        for topic in ('ground_truth/odom', 'odom'):
+            if self.has(topic):
+                time = self.series(topic).time
+                return float(time[0]), float(time[-1])
+        bag = self.flight.bag
+        return 0.0, 0.0 if bag.start is None or bag.end is None else (bag.end - bag.start) * 1e-9
+
+    @cached_property
+    def lamp(self) -> Spot | None:
+        """Where the lamp is."""
+        if self.scene.scenario is None:
+            return None
+        x, y, _ = self.scene.scenario.lamp.position.vector
+        return Spot(x, y)
+
+    @cached_property
+    def truth(self) -> Motion:
+        """The true motion; the wind is taken off the speed."""
+        motion = self._motion('ground_truth/odom')
+        if not self.has('wind'):
+            return motion
+        wind = self.series('wind')
+        blow = wind.vector('vector')
+        along = sampled(motion.time, wind.time, blow[:, 0]) * np.cos(motion.yaw)
+        along += sampled(motion.time, wind.time, blow[:, 1]) * np.sin(motion.yaw)
+        return motion._replace(speed=motion.speed - along)
+
+    @cached_property
+    def estimate(self) -> Motion:
+        """The drone's own idea of its motion, laid on the truth at the start."""
+        motion = self._motion('odom')
+        if not self.has('ground_truth/odom'):
+            return motion
+        truth = self.truth
+        turn = float(truth.yaw[0] - motion.yaw[0])
+        x, y = motion.x - motion.x[0], motion.y - motion.y[0]
+        return motion._replace(
+            x=truth.x[0] + np.cos(turn) * x - np.sin(turn) * y,
+            y=truth.y[0] + np.sin(turn) * x + np.cos(turn) * y,
+            yaw=motion.yaw + turn,
+        )
+
+    @cached_property
+    def turn(self) -> float:
+        """Angle from the estimator's x to map's. [rad]"""
+        return float(self.estimate.yaw[0] - self._motion('odom').yaw[0])
+
+    @cached_property
+    def heading_setpoint(self) -> Track:
+        """Heading to hold, in map, without jumps. [rad]"""
+        series = self.series('setpoint/pose')
+        yaw = angles(series.vector('pose.orientation')).yaw
+        return Track(series.time, np.unwrap(np.nan_to_num(yaw)) + self.turn)
+
+    @cached_property
+    def altitude_setpoint(self) -> Track:
+        """Altitude to hold. [m]"""
+        series = self.series('setpoint/pose')
+        return Track(series.time, series['pose.position.z'])
+
+    @cached_property
+    def speed_setpoint(self) -> Track:
+        """Forward airspeed to hold. [m/s]"""
+        series = self.series('setpoint/velocity')
+        return Track(series.time, series['twist.linear.x'])
+
+    @cached_property
+    def range(self) -> Track:
+        """Measured range plus the sensor's distance below the hull centre. [m]"""
+        series = self.series('range')
+        vehicle = self.scene.vehicle
+        below = 0.0 if vehicle is None else -vehicle.sensors.range_position.vector[2]
+        return Track(
+            series.time, np.where(np.isfinite(series['range']), series['range'], np.nan) + below
+        )
+
+    @cached_property
+    def duties(self) -> Duties:
+        """Commands to the rotors."""
+        series = self.series('motors')
+        names = [
+            str(series.texts[f'name[{k}]'][-1])
+            for k in range(len(series.texts))
+            if f'name[{k}]' in series.texts
+        ]
+        efforts = [series[f'effort[{k}]'] for k in range(len(names))]
+        return Duties(series.time, names, np.stack(efforts, axis=1))
+
+    @cached_property
+    def blocks(self) -> Blocks:
+        """ADC blocks of the photodiodes."""
+        return self.flight.blocks('photodiodes')
+
+    @cached_property
+    def half_block(self) -> float:
+        """From a light message's stamp, its block's first sample, to the block's middle. [s]"""
+        light = topic_table().light
+        return light.samples / light.sample_rate.si / 2.0
+
+    @cached_property
+    def peaks(self) -> Points:
+        """Amplitude [counts] and SNR of each diode, at the middle of its block."""
+        points = self.flight.points('light/peaks')
+        return Points(points.time + self.half_block, points.fields)
+
+    @cached_property
+    def bearing(self) -> Arrow:
+        """Measured direction to the lamp in the body frame, at the middle of its block."""
+        series = self.series('light/bearing')
+        vector = series.vector('vector')
+        angle = np.arctan2(vector[:, 1], vector[:, 0])
+        angle[np.hypot(vector[:, 0], vector[:, 1]) == 0.0] = np.nan
+        return Arrow(series.time + self.half_block, angle)
+
+    @cached_property
+    def battery(self) -> Electricity:
+        """The cell as measured."""
+        return self._electricity('battery')
+
+    @cached_property
+    def panel(self) -> Electricity:
+        """The harvesting branch as measured."""
+        return self._electricity('panel')
+
+    def _electricity(self, topic: str) -> Electricity:
+        series = self.series(topic)
+        return Electricity(series.time, series['voltage'], series['current'])
+
+    def _motion(self, topic: str) -> Motion:
+        """Return a topic of nav_msgs/Odometry as it is written."""
+        series = self.series(topic)
+        x, y, z = series.vector('pose.pose.position').T
+        yaw = np.unwrap(angles(series.vector('pose.pose.orientation')).yaw)
+        return Motion(series.time, x, y, z, yaw, series['twist.twist.linear.x'])
