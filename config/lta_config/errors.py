@@ -24,4 +24,4 @@ def unknown(kind: str, name: str, known: list[str]) -> BadInput:
         The names that exist.
 
     """
-    return BadInput(f"Unknown {kind} '{name}'; known: {', '.join(sorted(known))}.")
+    return BadInput(f"Unknown {kind} '{name}'; known: {', '.join(sorted(known)) or 'none'}.")

@@ -1,0 +1,361 @@
+"""Every construct of the launch files, with the values that ROS 2's own launch would give."""
+
+from pathlib import Path
+
+from lta_config.errors import BadInput
+from lta_graph.launch_file import Argument, arguments, load
+from lta_graph.launch_node import ros_yaml
+from lta_graph.launch_text import command_line, Context, substitute
+import pytest
+import yaml
+
+
+@pytest.fixture
+def write(tmp_path):
+    def write(text: str, name: str = 'a.launch.yaml') -> Path:
+        path = tmp_path / name
+        path.write_text(text, encoding='utf-8')
+        return path
+
+    return write
+
+
+def plan_of(path: Path, **given: str):
+    return load(path, given).processes
+
+
+def node_arguments(write, *lines: str, **given: str) -> tuple[str, ...]:
+    """Return what follows --ros-args for a node with these further lines."""
+    body = ''.join(f'      {line}\n' for line in lines)
+    declared = ''.join(f'  - arg: {{name: {name}}}\n' for name in given)
+    text = f'launch:\n{declared}  - node:\n      pkg: p\n      exec: e\n{body}'
+    ((process,),) = (plan_of(write(text), **given),)
+    assert not process.arguments or process.arguments[0] == '--ros-args'
+    return process.arguments[1:]
+
+
+def test_a_node_becomes_a_command_line_in_the_order_of_ros(write):
+    path = write("""
+launch:
+- node:
+    pkg: lta_sim
+    exec: simulator
+    name: sim
+    namespace: lta1
+    args: "--verbose  '$(dirname)/a b' x"
+    ros_args: --log-level debug
+    param:
+    - {name: seed, value: 7}
+    - {from: $(dirname)/a.launch.yaml}
+    remap:
+    - {from: odom, to: truth/odom}
+    output: screen
+    on_exit: shutdown
+    respawn: false
+""")
+    (process,) = plan_of(path)
+    assert (process.package, process.executable) == ('lta_sim', 'simulator')
+    assert (process.name, process.namespace, process.on_exit_shutdown) == ('sim', '/lta1', True)
+    assert process.arguments == (
+        *('--verbose', f'{path.parent}/a b', 'x'),
+        *('--ros-args', '--log-level', 'debug', '-r', '__node:=sim', '-r', '__ns:=/lta1'),
+        *('-p', 'seed:=7', '--params-file', str(path), '-r', 'odom:=truth/odom'),
+    )
+
+
+def test_a_bare_node_gets_no_arguments(write):
+    (process,) = plan_of(write('launch: [node: {pkg: p, exec: e}]'))
+    assert (process.name, process.namespace, process.arguments) == ('e', '/', ())
+    assert process.on_exit_shutdown is False
+
+
+@pytest.mark.parametrize(
+    ('value', 'expected'),
+    [
+        ('7', 'x:=7'),
+        ('7.0', 'x:=7.0'),
+        ('1.0e-5', 'x:=1e-05'),
+        ('true', 'x:=true'),
+        ('.inf', 'x:=.inf'),
+        ('-.inf', 'x:=-.inf'),
+        ('bag', 'x:="bag"'),
+        ('"7"', 'x:="7"'),  # text as written stays text ...
+        ('"true"', 'x:="true"'),
+        ('""', 'x:=""'),
+        ('$(var n)', 'x:=7'),  # ... but what a substitution gives is read as YAML
+        ('$(var f)', 'x:=0.5'),
+        ('$(var b)', 'x:=true'),
+        ('$(var t)', 'x:="a b"'),
+        ('$(var n)$(var n)', 'x:=77'),
+        ('n$(var n)', 'x:="n7"'),
+        ('"\'$(var n)\'"', 'x:="7"'),  # quoted for YAML after the substitution
+        ('"[$(var n), 8]"', None),
+        ('[1, 2]', 'x:=[1, 2]'),
+        ('[1.5, 2.0]', 'x:=[1.5, 2.0]'),
+        ('[true, false]', 'x:=[true, false]'),
+        ('[a, "1"]', 'x:=["a", "1"]'),
+        ('["$(var n)", 8]', 'x:=[7, 8]'),
+        ('\\$(var n)', 'x:="$(var n)"'),
+    ],
+)
+def test_parameters_have_the_types_of_ros(write, value, expected):
+    given = {'n': '7', 'f': '0.5', 'b': 'true', 't': 'a b'}
+
+    def found():
+        return node_arguments(write, 'param:', f'- {{name: x, value: {value}}}', **given)
+
+    if expected is None:
+        with pytest.raises(BadInput, match=r'Parameter x is \[7, 8\], but must be'):
+            found()
+    else:
+        assert found() == ('-p', expected)
+
+
+@pytest.mark.parametrize(
+    ('kind', 'text', 'expected'),
+    [('str', '7', '"7"'), ('float', '7', '7.0'), ('int', '7', '7'), ('bool', 'true', 'true')],
+)
+def test_a_type_rules_what_a_substitution_gives(write, kind, text, expected):
+    line = f'- {{name: x, value: $(var v), type: {kind}}}'
+    assert node_arguments(write, 'param:', line, v=text) == ('-p', f'x:={expected}')
+
+
+@pytest.mark.parametrize(
+    ('kind', 'value'), [('int', '0.5'), ('float', 'fast'), ('bool', '1'), ('int', '$(var v)')]
+)
+def test_a_value_of_another_type_is_refused(write, kind, value):
+    line = f'- {{name: x, value: {value}, type: {kind}}}'
+    with pytest.raises(BadInput, match=f'Parameter x is .* but must be {kind}'):
+        node_arguments(write, 'param:', line, v='seven')
+
+
+def test_nested_parameters_get_dotted_names(write):
+    found = node_arguments(
+        write,
+        'param:',
+        '- name: gains',
+        '  param:',
+        '  - {name: kp, value: 1.5}',
+        '  - name: yaw',
+        '    param: [{name: $(var v), value: 2}]',
+        v='ki',
+    )
+    assert found == ('-p', 'gains.kp:=1.5', '-p', 'gains.yaw.ki:=2')
+
+
+@pytest.mark.parametrize(
+    'value',
+    ['y', 'nan', 'a: b', '# no', '"q"', "it's", '\\', '{}', 'ä\n', ' ', '5', True, -3, 1e300, 0.1],
+)
+def test_yaml_for_ros_reads_back_as_it_was(value):
+    read = yaml.safe_load(ros_yaml([value, value]))
+    # PyYAML wants a dot in a float; ROS's parser and JSON do not.
+    read = [float(item) if isinstance(value, float) else item for item in read]
+    assert read == [value, value]
+    assert type(read[0]) is type(value)
+
+
+def test_arguments_have_defaults_and_choices(write):
+    path = write("""
+launch:
+- arg: {name: world, description: Where to fly.}
+- arg: {name: strategy, default: bag, choice: [{value: bag}, {value: des}]}
+- arg: {name: robot, default: "$(var world)_$(var strategy)"}
+- node: {pkg: p, exec: e, name: $(var robot)}
+""")
+    assert arguments(path) == [
+        Argument('world', 'Where to fly.', None, ()),
+        Argument('strategy', '', 'bag', ('bag', 'des')),
+        Argument('robot', '', '$(var world)_$(var strategy)', ()),
+    ]
+    assert plan_of(path, world='room')[0].name == 'room_bag'
+    assert plan_of(path, world='room', strategy='des')[0].name == 'room_des'
+    assert plan_of(path, world='room', robot='lta2')[0].name == 'lta2'
+    for given, message in [
+        ({}, r"'world' \(Where to fly\) is missing; give world:=VALUE\."),
+        ({'world': 'a', 'strategy': 'up'}, r"'strategy' is 'up'; choose bag, des\."),
+        ({'world': 'a', 'strateg': 'bag'}, r"Unknown launch argument 'strateg'; known: robot, s"),
+    ]:
+        with pytest.raises(BadInput, match=message) as caught:
+            load(path, given)
+        assert str(caught.value).startswith(f'{path}: ')
+
+
+def test_scopes_end_with_their_group(write):
+    path = write("""
+launch:
+- let: {name: n, value: a}
+- group:
+  - push_ros_namespace: {namespace: r1}
+  - let: {name: n, value: b}
+  - node: {pkg: p, exec: e, name: $(var n)}
+  - group:
+    - push-ros-namespace: {namespace: sub}
+    - node: {pkg: p, exec: e, name: c, namespace: own}
+    - node: {pkg: p, exec: e, name: d, namespace: /absolute}
+- node: {pkg: p, exec: e, name: $(var n)}
+- group:
+    scoped: false
+    children:
+    - let: {name: n, value: open}
+- node: {pkg: p, exec: e, name: $(var n)}
+""")
+    found = [(item.name, item.namespace) for item in plan_of(path)]
+    assert found == [
+        ('b', '/r1'),
+        ('c', '/r1/sub/own'),
+        ('d', '/absolute'),
+        ('a', '/'),
+        ('open', '/'),
+    ]
+    assert '__ns:=/r1/sub/own' in plan_of(path)[1].arguments
+
+
+@pytest.mark.parametrize('word', ['true', 'True', '1', 'false', 'FALSE', '0'])
+def test_conditions(write, word):
+    path = write("""
+launch:
+- arg: {name: fly}
+- let: {name: n, value: unset}
+- let: {name: n, value: set, if: $(var fly)}
+- node: {pkg: p, exec: e, name: yes_node, if: $(var fly)}
+- node: {pkg: p, exec: e, name: no_node, unless: $(var fly)}
+- group: {if: $(var fly), children: [node: {pkg: p, exec: e, name: yes_group}]}
+- group: {unless: $(var fly), children: [node: {pkg: p, exec: e, name: no_group}]}
+- node: {pkg: p, exec: e, name: $(var n)}
+""")
+    names = [item.name for item in plan_of(path, fly=word)]
+    if word.lower() in ('true', '1'):
+        assert names == ['yes_node', 'yes_group', 'set']
+    else:
+        assert names == ['no_node', 'no_group', 'unset']
+
+
+def test_a_condition_must_be_a_truth_value(write):
+    path = write('launch: [arg: {name: fly}, node: {pkg: p, exec: e, if: $(var fly)}]')
+    with pytest.raises(BadInput, match=r"'\$\(var fly\)' is 'maybe', but must be true or false"):
+        plan_of(path, fly='maybe')
+    with pytest.raises(BadInput, match='has both "if" and "unless"'):
+        plan_of(write('launch: [node: {pkg: p, exec: e, if: "1", unless: "0"}]'))
+
+
+def test_an_include_has_its_own_folder_and_shares_variables_as_in_ros(write, tmp_path):
+    (tmp_path / 'sub').mkdir()
+    inner = """
+launch:
+- arg: {name: robot}
+- arg: {name: speed, default: "1"}
+- let: {name: left, value: behind}
+- node: {pkg: p, exec: e, name: $(var robot), args: $(dirname) $(var speed)}
+"""
+    write(inner, 'sub/inner.launch.yaml')
+    outer = """
+launch:
+- let: {name: speed, value: "2"}
+- group:
+  - include: {file: $(dirname)/sub/inner.launch.yaml, arg: [{name: robot, value: one}]}
+- include: {file: $(dirname)/sub/inner.launch.yaml, arg: [{name: robot, value: two}]}
+- node: {pkg: p, exec: e, name: $(var left), args: $(dirname)}
+"""
+    first, second, third = plan_of(write(outer))
+    assert first.name == 'one'
+    assert second.name == 'two'
+    assert first.arguments[:2] == (f'{tmp_path}/sub', '2')
+    assert third.name == 'behind'
+    assert third.arguments[0] == str(tmp_path)
+
+
+def test_errors_in_includes_name_both_ends(write, tmp_path):
+    inner = write('launch: [node: {pkg: p, exe: e}]', 'inner.launch.yaml')
+    outer = write(f'launch: [include: {{file: {inner}}}]')
+    with pytest.raises(BadInput, match=r"inner\.launch\.yaml: node: the key 'exec' is missing"):
+        plan_of(outer)
+    write('launch: [arg: {name: x}, arg: {name: y, default: "1"}]', 'inner.launch.yaml')
+    with pytest.raises(BadInput, match=r"inner\.launch\.yaml: The launch argument 'x' is missing"):
+        plan_of(outer)
+    outer = write(f'launch: [include: {{file: {inner}, arg: [{{name: z, value: "1"}}]}}]')
+    with pytest.raises(BadInput, match=r"Unknown launch argument 'z'; known: x, y\."):
+        plan_of(outer)
+    with pytest.raises(BadInput, match=r'a\.launch\.yaml: There is no launch file /no/x\.launch'):
+        plan_of(write('launch: [include: {file: /no/x.launch.yaml}]'))
+    with pytest.raises(BadInput, match=r'includes itself; remove the include\.$'):
+        plan_of(write('launch: [include: {file: $(dirname)/a.launch.yaml}]'))
+
+
+@pytest.mark.parametrize(
+    ('text', 'message'),
+    [
+        ('launch: [', 'is not valid YAML'),
+        ('nodes: []', "its only key must be 'launch:'"),
+        ('launch: {node: {pkg: p, exec: e}}', 'actions must be a list'),
+        ('launch: [node]', 'an action must have one name'),
+        ('launch: [{node: {pkg: p, exec: e}, let: {name: a, value: b}}]', 'must have one name'),
+        ('launch: [executable: {cmd: ls}]', "Unknown action 'executable'; known: arg, group, inc"),
+        ('launch: [node: {pkg: p}]', "node: the key 'exec' is missing; add it"),
+        ('launch: [node: {pkg: p, exec: e, cwd: /}]', "node: the key 'cwd' is not known"),
+        ('launch: [node: {pkg: p, exec: e, respawn: true}]', 'respawn is True'),
+        ('launch: [node: {pkg: p, exec: e, on_exit: restart}]', "on_exit is 'restart'"),
+        ('launch: [node: {pkg: p, exec: e, name: a-b}]', "'a-b' cannot be a node name"),
+        ('launch: [node: {pkg: p, exec: e, namespace: 1a}]', "'/1a' cannot be a namespace"),
+        ('launch: [node: {pkg: p, exec: e, param: []}]', 'param: List should have at least 1'),
+        ('launch: [node: {pkg: p, exec: e, param: [{name: x}]}]', 'needs either "from", or "nam'),
+        ('launch: [node: {pkg: p, exec: e, param: [{value: 1}]}]', 'needs either "from"'),
+        ('launch: [node: {pkg: p, exec: e, param: [{name: x, value: {}}]}]', 'the value {}, but'),
+        ('launch: [node: {pkg: p, exec: e, param: [{name: x, value: [1, 2.5]}]}]', 'of one type'),
+        ('launch: [node: {pkg: p, exec: e, param: [{name: x, value: []}]}]', 'one or more values'),
+        ('launch: [node: {pkg: p, exec: e, param: [{from: /no/x}]}]', 'no parameter file /no/x'),
+        ('launch: [node: {pkg: p, exec: e, args: "a \'b"}]', 'has a quote without its end'),
+        ('launch: [arg: {name: x, default: 5}]', "default is 5 without quotes.*write '5'"),
+        ('launch: [let: {name: x, value: true}]', 'value is True without quotes'),
+        ('launch: [arg: {name: x, default: a, choice: [{value: b}]}]', "'x' is 'a'; choose b"),
+        ('launch: [group: [arg: {name: x}]]', "an 'arg' stands in a group"),
+        ('launch: [group: {if: "0", children: [nod: {}]}]', "Unknown action 'nod'"),
+        (
+            'launch: [let: {name: x, value: $(var y)}]',
+            r"Unknown launch variable 'y'; known: none\.",
+        ),
+        ('launch: [let: {name: x, value: $(eval 1)}]', r"Unknown substitution '\$\(eval 1\)'; kn"),
+        ('launch: [let: {name: x, value: "$(var y"}]', 'substitution without its end'),
+        ('launch: [let: {name: x, value: "$(var a b)"}]', r'has 2 arguments, but \$\(var\) takes'),
+        ('launch: [let: {name: x, value: "$(env LTA_NO_SUCH)"}]', 'LTA_NO_SUCH is not set'),
+        ('launch: [let: {name: x, value: "$(find-pkg-share nope)"}]', "Package 'nope' is not ins"),
+        ('launch: [let: {name: x, name: y, value: z}]', "the key 'name' stands twice"),
+    ],
+)
+def test_bad_files_get_one_sentence(write, text, message):
+    path = write(text)
+    with pytest.raises(BadInput, match=message) as caught:
+        plan_of(path)
+    sentence = str(caught.value)
+    assert sentence.startswith(str(path))
+    assert '\n' not in sentence
+    assert sentence.endswith('.')
+
+
+def test_files_that_are_no_launch_files(write, tmp_path):
+    with pytest.raises(BadInput, match=r'^There is no launch file .*none\.launch\.yaml; check'):
+        load(tmp_path / 'none.launch.yaml', {})
+    with pytest.raises(BadInput, match='only YAML launch files run'):
+        load(write('', 'fly.launch.py'), {})
+
+
+def test_substitutions_nest_and_quote(monkeypatch, tmp_path):
+    markers = tmp_path / 'share/ament_index/resource_index/packages'
+    markers.mkdir(parents=True)
+    (markers / 'lta_config').touch()
+    monkeypatch.setenv('AMENT_PREFIX_PATH', f'/nowhere:{tmp_path}')
+    monkeypatch.setenv('LTA_HOME', '/home/x')
+    context = Context(tmp_path, {'p': 'lta_config', 'q': 'p', 's': 'two words'})
+
+    def made(text: str) -> str:
+        return substitute(text, context)
+
+    assert made('$(find-pkg-share $(var p))/x') == f'{tmp_path}/share/lta_config/x'
+    assert made('$(var $(var q))') == 'lta_config'
+    assert made('$(env LTA_HOME)') == made('$(env LTA_HOME other)') == '/home/x'
+    assert made('$(env LTA_NONE "a b)c")') == 'a b)c'
+    assert made("$(env LTA_NONE '')") == ''
+    assert made('$(env LTA_NONE $(var s))') == 'two words'
+    assert made("it's 5 $ and (x)") == "it's 5 $ and (x)"
+    assert command_line('a  \'b c\'d $(var s) ""', context) == ['a', 'b cd', 'two words', '']
+    assert command_line('', context) == []
