@@ -5,7 +5,9 @@ A name (`gtmab`) means a file that LTA ships; anything with a suffix or a slash 
 file is checked whole against its pydantic model before anything starts.
 """
 
+from collections.abc import Hashable, Iterable
 from functools import cache
+import os
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -14,6 +16,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 import yaml
 
 SIZE_LIMIT = 1_000_000  # bytes; no file that people write by hand comes near it
+DEPTH_LIMIT = 50  # levels of nesting; thousands of them overflow the C stack of the YAML reader
 
 
 # Where the files of each kind are shipped.
@@ -41,6 +44,8 @@ class _UniqueKeys(yaml.CSafeLoader):
         seen = set()
         for key_node, _ in node.value:
             key = self.construct_object(key_node, deep=True)
+            if not isinstance(key, Hashable):
+                raise BadInput(f'{key_node.start_mark.name}: the key {key} must be one word.')
             if key in seen:
                 raise BadInput(f"{key_node.start_mark.name}: the key '{key}' stands twice.")
             seen.add(key)
@@ -81,7 +86,7 @@ def find(kind: str, name: str, suffix: str = '.yaml') -> Path:
 
     """
     if '/' in name or name.endswith(('.yaml', '.yml')):
-        path = Path(name).expanduser()
+        path = Path(os.path.expanduser(name))  # noqa: PTH111 - Path's own fails for ~nobody
         if not path.is_file():
             raise BadInput(f'There is no {kind} file {path}; check the path.')
         return path
@@ -106,12 +111,25 @@ def load_yaml(path: Path) -> Any:  # noqa: ANN401 - YAML holds anything
         if path.stat().st_size > SIZE_LIMIT:
             raise BadInput(f'{path} is larger than {SIZE_LIMIT} bytes; that is no file of ours.')
         with path.open(encoding='utf-8') as stream:
+            _check_depth(path, yaml.parse(stream, Loader=_UniqueKeys))
+            stream.seek(0)
             return yaml.load(stream, Loader=_UniqueKeys)
+    except BadInput:
+        raise
     except (OSError, UnicodeDecodeError) as error:
         raise BadInput(f'{path} cannot be read: {error}.') from None
-    except (yaml.YAMLError, RecursionError) as error:
+    except (yaml.YAMLError, ValueError) as error:  # ValueError: no such date or number
         where = ' '.join(str(error).split())
         raise BadInput(f'{path} is not valid YAML: {where}.') from None
+
+
+def _check_depth(path: Path, events: Iterable[yaml.Event]) -> None:
+    depth = 0
+    for event in events:
+        depth += isinstance(event, yaml.CollectionStartEvent)
+        depth -= isinstance(event, yaml.CollectionEndEvent)
+        if depth > DEPTH_LIMIT:
+            raise BadInput(f'{path} is nested more than {DEPTH_LIMIT} deep; flatten it.')
 
 
 def load(model: type[Model], path: Path) -> Model:

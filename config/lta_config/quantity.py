@@ -68,7 +68,19 @@ UNITS: dict[str, tuple[str, float]] = {
     'lm/W': ('lm/W', 1.0),
 }
 
-_TEXT = re.compile(r'^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*$')
+_TEXT = re.compile(r'(?a)^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*$')
+
+
+def _number_or_numbers(given: Any) -> float | tuple[float, ...]:  # noqa: ANN401 - as the file has it
+    numbers = given if isinstance(given, list | tuple) else [given]
+    for number in numbers:
+        if isinstance(number, bool) or not isinstance(number, int | float):
+            raise ValueError(f'has the value {given!r}, but needs a number or a list of numbers')
+    try:
+        floats = tuple(float(number) for number in numbers)
+    except OverflowError:
+        raise ValueError('has a value too large for a number') from None
+    return floats if isinstance(given, list | tuple) else floats[0]
 
 
 @final
@@ -94,16 +106,15 @@ class Quantity(BaseModel):
         if isinstance(given, dict):
             if 'unit' not in given:
                 raise ValueError('has no unit; add "unit: ..."')
-            value = given.get('value')
-            if isinstance(value, list):
-                given = {**given, 'value': tuple(value)}
+            if 'value' in given:
+                given = {**given, 'value': _number_or_numbers(given['value'])}
         return given
 
     @model_validator(mode='after')
     def _check(self) -> 'Quantity':
         if self.unit not in UNITS:
             raise ValueError(f'has the unknown unit "{self.unit}"; known: {", ".join(UNITS)}')
-        if not all(math.isfinite(number) for number in self._numbers()):
+        if not all(math.isfinite(number) for number in self.vector):
             raise ValueError(f'is {self.value}, which is not a finite number')
         return self
 

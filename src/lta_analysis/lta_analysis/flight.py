@@ -1,0 +1,186 @@
+"""
+One flight of the whole graph: checked, started, watched and put away.
+
+Everything that can be wrong with the order is found before a process starts. While it flies, who
+holds the graph up is named within a second; whatever ends the flight, no process stays.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+import time
+from typing import final, Literal, Protocol
+
+from lta_analysis.session import Session
+from lta_config.errors import BadInput
+from lta_config.files import find
+from lta_control.strategies import strategy
+from lta_graph.child import Ended
+from lta_graph.health import Fact, Level
+from lta_graph.launch_file import load
+from lta_graph.launcher import Launcher
+from lta_graph.ros.listener import DiagnosticsListener
+from lta_graph.suspicion import culprits
+from lta_sim.scenario import load_scenario
+from lta_sim.vehicle import load_vehicle
+
+ROBOT = 'lta1'
+PATIENCE = 10.0  # wall seconds that the graph may stand still before the flight is given up
+LOOK = 0.05  # wall seconds between looks at the processes and the diagnostics
+
+
+class Watcher(Protocol):
+    """Whoever shows the flight to a person."""
+
+    def at(self, time: float, distance: float, pace: float) -> None:
+        """Show where the drone is: flight time [s], distance to the lamp [m], pace."""
+        ...
+
+    def say(self, sentence: str) -> None:
+        """Tell something that happened."""
+        ...
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Order:
+    """What to fly; names or files, checked by `fly_once`."""
+
+    vehicle: str
+    scenario: str
+    strategy: str
+    seed: int
+    time: Literal['lockstep', 'realtime']
+    out: Path | None = None
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Flown:
+    """
+    How a flight went.
+
+    Attributes
+    ----------
+    folder, bag : Path
+        Where the results and the recording are.
+    outcome : str
+        'reached', 'timeout', 'escaped', or 'failed' when the graph broke.
+    sentence : str
+        The same for people, to be put behind 'The drone'.
+    pace : float
+        Flight seconds a wall second.
+
+    """
+
+    folder: Path
+    bag: Path
+    outcome: str
+    sentence: str
+    pace: float
+
+
+def fly_once(order: Order, watcher: Watcher) -> Flown:
+    """
+    Fly one flight and return how it went.
+
+    Raises
+    ------
+    BadInput
+        If the order cannot be flown; nothing has been started then.
+
+    """
+    scenario = load_scenario(order.scenario)
+    vehicle = load_vehicle(order.vehicle, scenario.air.density)
+    strategy(order.strategy)
+    _ = vehicle.model(), vehicle.hover_duty, scenario.light_field
+    folder = results_folder(order.out, f'{scenario.name}-{order.seed}')
+    bag = folder / 'bag'
+    choices = {
+        'robot': ROBOT,
+        'vehicle': order.vehicle,
+        'scenario': order.scenario,
+        'strategy': order.strategy,
+        'time': order.time,
+        'seed': str(order.seed),
+        'bag': str(bag),
+    }
+    plan = load(find('launch file', 'fly', '.launch.yaml'), choices)
+    with Session(ROBOT), DiagnosticsListener() as listener:
+        with Launcher(plan, on_line=lambda _name, _line: None) as launcher:
+            watch(launcher, listener, watcher)
+        flight = listener.poll(0.0).get('simulator: flight')
+    return judged(folder, bag, launcher.outcome, flight, watcher)
+
+
+def results_folder(given: Path | None, name: str) -> Path:
+    """
+    Return a new or empty folder for the results.
+
+    Raises
+    ------
+    BadInput
+        If it holds something or cannot be made.
+
+    """
+    stamp = datetime.now().astimezone().strftime('%Y%m%d-%H%M%S')
+    folder = (given or Path('runs') / f'{stamp}-{name}').absolute()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        busy = any(folder.iterdir())
+    except OSError as error:
+        raise BadInput(f"'{folder}' cannot be made ({error.strerror}); choose another.") from None
+    if busy:
+        raise BadInput(f"'{folder}' is not empty; choose another folder or remove it.")
+    return folder
+
+
+def watch(launcher: Launcher, listener: DiagnosticsListener, watcher: Watcher) -> None:
+    """Follow a flight until a process ends it, or the graph has stood still for too long."""
+    named: list[str] = []
+    since = time.monotonic()
+    while launcher.outcome is None:
+        facts = listener.poll(LOOK)
+        launcher.poll()
+        show(facts, watcher)
+        blamed = culprits(facts.values())
+        if blamed and blamed != named:
+            watcher.say(f'Nothing comes from {", ".join(blamed)}.')
+        if not blamed:
+            since = time.monotonic()
+        named = blamed
+        if time.monotonic() - since > PATIENCE:
+            watcher.say(f'The graph has stood still for {PATIENCE:.0f} s and is stopped.')
+            return
+
+
+def show(facts: Mapping[str, Fact], watcher: Watcher) -> None:
+    """Show the simulator's newest word on the flight."""
+    fact = facts.get('simulator: flight')
+    if fact is not None and fact.level == Level.OK:
+        values = fact.values
+        watcher.at(float(values['time_s']), float(values['distance_m']), float(values['pace']))
+
+
+def judged(
+    folder: Path, bag: Path, end: Ended | None, flight: Fact | None, watcher: Watcher
+) -> Flown:
+    """
+    Return how the flight went, from how its processes ended.
+
+    Raises
+    ------
+    BadInput
+        If a node refused its input: the node's own sentence.
+
+    """
+    if end is not None and not end.success:
+        if end.status == 2 and end.lines:
+            raise BadInput(end.lines[-1])
+        watcher.say('\n'.join((f'{end.sentence}; its last lines:', *end.lines)))
+    broken = end is None or not end.success
+    if broken or flight is None:
+        return Flown(folder, bag, 'failed', 'did not finish: the graph broke', 0.0)
+    values = flight.values
+    return Flown(folder, bag, values['outcome'], flight.message, float(values['pace']))

@@ -1,0 +1,1 @@
+"""The verbs of the lta command, one file each."""

@@ -1,0 +1,34 @@
+"""lta bag: look at recordings."""
+
+from pathlib import Path
+import sys
+from typing import Annotated
+
+from lta_analysis.bag.info import bag_info, show
+from rich.console import Console
+import typer
+
+bag = typer.Typer(help='Look at recordings.', no_args_is_help=True)
+
+
+@bag.callback()
+def group() -> None:
+    """Look at recordings."""
+
+
+@bag.command()
+def info(
+    path: Annotated[Path, typer.Argument(help='A rosbag2 folder or an .mcap file.')],
+    json: Annotated[bool, typer.Option('--json', help='Print JSON instead of a table.')] = False,
+) -> None:
+    """
+    Show what a bag holds: topics, counts, rates, length, and where it comes from.
+
+    A bag that was cut short (a killed recorder, a full disk) is read as far as it goes, and what
+    is missing is said.
+    """
+    found = bag_info(path)
+    if json:
+        sys.stdout.write(found.to_json() + '\n')
+    else:
+        show(found, Console())

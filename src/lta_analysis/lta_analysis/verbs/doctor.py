@@ -1,0 +1,28 @@
+"""lta doctor: look at this machine."""
+
+from dataclasses import asdict
+import json as json_text
+import sys
+from typing import Annotated
+
+from lta_analysis.doctor import checks, show, status
+from rich.console import Console
+import typer
+
+
+def doctor(
+    json: Annotated[bool, typer.Option('--json', help='Print JSON instead of a table.')] = False,
+) -> None:
+    """
+    Check Python, wheels, discovery between two processes, ports, disk, and say what to do.
+
+    Exit status 1 if something keeps LTA from flying; warnings do not.
+    """
+    console = Console()
+    with console.status('looking at this machine ...'):
+        results = list(checks())
+    if json:
+        sys.stdout.write(json_text.dumps([asdict(item) for item in results], indent=1) + '\n')
+    else:
+        show(results, console)
+    raise typer.Exit(status(results))

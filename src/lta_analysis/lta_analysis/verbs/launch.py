@@ -1,0 +1,76 @@
+"""lta launch: a launch file, as `ros2 launch` would."""
+
+import os
+from pathlib import Path
+import shutil
+import sys
+from typing import Annotated
+
+from lta_config.errors import BadInput
+from lta_config.files import find
+from lta_graph.launch_file import arguments, load
+from lta_graph.launcher import Launcher
+from rich.console import Console
+from rich.table import Table
+import typer
+
+SUFFIX = '.launch.yaml'
+
+
+def launch(
+    file: Annotated[str, typer.Argument(help='A shipped name (fly) or a *.launch.yaml.')],
+    given: Annotated[
+        list[str] | None, typer.Argument(metavar='[NAME:=VALUE]...', help='Launch arguments.')
+    ] = None,
+    show_args: Annotated[
+        bool, typer.Option('--show-args', help='List the arguments and leave.')
+    ] = False,
+) -> None:
+    """
+    Start a graph from a ROS 2 YAML launch file and watch it.
+
+    Where ROS 2 is installed, the genuine "ros2 launch" does it. The end of a node is named; if it
+    was not the planned end of the run, all others are stopped and the exit status is 1.
+
+    Example: lta launch fly seed:=2 time:=lockstep bag:=/tmp/flight
+    """
+    path = find('launch file', file, SUFFIX)
+    if show_args:
+        show(path)
+        return
+    pairs = parse(given or [])
+    plan = load(path, pairs)
+    if shutil.which('ros2'):
+        os.execvp('ros2', ['ros2', 'launch', str(path), *(given or [])])
+    with Launcher(plan, say) as launcher:
+        while launcher.outcome is None:
+            for end in launcher.wait(0.2):
+                sys.stderr.write(f'{end.sentence}.\n')
+    outcome = launcher.outcome
+    if outcome is not None and not outcome.success:
+        raise typer.Exit(2 if outcome.status == 2 else 1)
+
+
+def say(node: str, line: str) -> None:
+    """Print one line of a node under its name."""
+    sys.stdout.write(f'[{node}] {line}\n')
+
+
+def parse(given: list[str]) -> dict[str, str]:
+    """Return launch arguments by name; each is written NAME:=VALUE."""
+    pairs = {}
+    for item in given:
+        name, mark, value = item.partition(':=')
+        if not mark or not name:
+            raise BadInput(f"'{item}' is no launch argument; write NAME:=VALUE.")
+        pairs[name] = value
+    return pairs
+
+
+def show(path: Path) -> None:
+    """Print the arguments of a launch file as a table."""
+    table = Table('argument', 'default', 'choices', 'meaning', title=path.name)
+    for item in arguments(path):
+        default = 'required' if item.default is None else item.default
+        table.add_row(item.name, default, ' '.join(item.choices), item.description)
+    Console().print(table)

@@ -1,0 +1,32 @@
+"""
+Who holds the graph up: from what each node says it is waiting for.
+
+When one node dies in lockstep, all downstream of it wait, each for the one before. The culprit is
+whom somebody waits for and who does not say that it is itself waiting.
+"""
+
+from collections.abc import Iterable
+
+from lta_graph.health import Fact, Level
+
+INPUTS = 'inputs'
+VEHICLE = {'simulator': 'vehicle'}  # nodes whose role has another name
+
+
+def culprits(facts: Iterable[Fact]) -> list[str]:
+    """
+    Return the roles that keep others waiting, in alphabetical order.
+
+    Parameters
+    ----------
+    facts : iterable of Fact
+        The newest facts of all nodes, tasks named 'NODE: TASK' as on /diagnostics.
+
+    """
+    waiting, suspects = set(), set()
+    for fact in facts:
+        node, _, task = fact.task.partition(': ')
+        if task == INPUTS and fact.level == Level.ERROR:
+            waiting.add(VEHICLE.get(node, node))
+            suspects |= set(fact.values.get('suspects', '').split(',')) - {''}
+    return sorted(suspects - waiting)
