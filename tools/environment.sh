@@ -12,6 +12,9 @@ venv=$root/.venv
 stamp=$venv/.lta
 needed_mb=2500
 cd "$root"
+# Packages of a sourced ROS would pass for installed, and a user install for one into .venv.
+unset PYTHONPATH PYTHONHOME
+export PIP_USER=0
 
 stop() {
     echo "$*" >&2
@@ -25,7 +28,8 @@ choose_python() {
         "$python" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 15))' \
             2>/dev/null || continue
         if "$python" -c 'import ensurepip, venv' 2>/dev/null; then
-            echo "$python"
+            # Not the link in an activated environment, perhaps the very one to be made anew.
+            "$python" -c 'import sys; print(getattr(sys, "_base_executable", sys.executable))'
             return
         fi
         lacking=$python

@@ -20,6 +20,7 @@ from rclpy.node import Node
 
 ROOT = Path(__file__).resolve().parents[2]
 START = 30.0  # s; a cold start on a busy machine, with the kernel to compile
+SETTLE = 0.5  # s in which timers fire that a node has before any message comes
 STOP = 10.0  # s from SIGINT to the end
 NAMESPACE = '/probe'
 
@@ -132,6 +133,8 @@ def test_node_starts_and_stops(package, executable, installed, environment, watc
             assert process.poll() is None, log.read_text()
             assert time.monotonic() < deadline, f'not in the graph; {log.read_text()}'
             time.sleep(0.05)
+        time.sleep(SETTLE)
+        assert process.poll() is None, log.read_text()
         process.send_signal(signal.SIGINT)
         assert process.wait(STOP) == 0, log.read_text()
     finally:
