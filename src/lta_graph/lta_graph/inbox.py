@@ -66,6 +66,7 @@ class Inbox:
         self._others = {
             name: table[name].subscribers.get(role, 0) for name in topics if name != trigger
         }
+        self._rhythmic = {name for name in topics if table[name].period_ns}
         self._queues: dict[str, deque[Any]] = {name: deque() for name in topics}
         self._taken = dict.fromkeys(topics, 0)
         self.gaps = dict.fromkeys(topics, 0)
@@ -96,18 +97,24 @@ class Inbox:
         """Count messages that were lost on the way, by the turn that this one should have."""
         row = self._table[topic]
         turn = self._turn[topic]
-        if row.stamped:
+        if row.stamped and topic in self._rhythmic:
             arrived = (stamp_ns - self._table.start_ns) // row.period_ns
             self.gaps[topic] += max(0, arrived - turn)
             turn = arrived
         self._turn[topic] = turn + 1
+
+    def _due(self, name: str, lag: int, now: int) -> int:
+        """Return how many messages must have come; of a topic without rhythm, all that have."""
+        if name not in self._rhythmic:
+            return self._taken[name] + len(self._queues[name])
+        return self._table.due(name, now, lag)
 
     def _missing(self) -> list[str]:
         now = self._trigger_stamps[0] + self._table[self._trigger].latency_ns
         return [
             name
             for name, lag in self._others.items()
-            if self._taken[name] + len(self._queues[name]) < self._table.due(name, now, lag)
+            if self._taken[name] + len(self._queues[name]) < self._due(name, lag, now)
         ]
 
     def pop(self) -> Step | None:
@@ -122,7 +129,7 @@ class Inbox:
             queue = self._queues[name]
             count = len(queue)
             if self._lockstep:
-                count = self._table.due(name, now, lag) - self._taken[name]
+                count = self._due(name, lag, now) - self._taken[name]
             messages[name] = [queue.popleft() for _ in range(count)]
             self._taken[name] += count
         return Step(stamp, messages)

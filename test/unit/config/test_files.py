@@ -1,0 +1,140 @@
+"""Strict files: whatever stands in one, it is read exactly or refused in one sentence."""
+
+import contextlib
+from pathlib import Path
+import string
+
+from hypothesis import given
+from hypothesis import strategies as st
+from lta_config import files
+from lta_config.errors import BadInput, unknown
+from lta_config.files import find, load, load_yaml, Record
+from lta_config.settings import setting, Settings
+from pydantic import ValidationError
+import pytest
+
+
+class Gains(Settings):
+    kp: float = setting(0.5, 'Proportional gain.', unit='1/s', low=0.0, high=2.0)
+    count: int = setting(3, 'Terms.', low=1, fixed=True)
+
+
+class File(Record):
+    name: str
+    gains: Gains = Gains()
+
+
+@pytest.fixture
+def write(tmp_path):
+    def write(content: str | bytes) -> Path:
+        path = tmp_path / 'x.yaml'
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return path
+
+    return write
+
+
+def test_a_good_file(write):
+    read = load(File, write('name: a\ngains: {kp: 1.5}\n'))
+    assert (read.name, read.gains.kp, read.gains.count) == ('a', 1.5, 3)
+    with pytest.raises(ValidationError):
+        read.name = 'b'
+
+
+@pytest.mark.parametrize(
+    ('content', 'message'),
+    [
+        ('', 'holds no mapping of keys; compare it with a shipped file.'),
+        ('[1]', 'holds no mapping of keys'),
+        ('name: a\nname: b', "the key 'name' stands twice."),
+        ('name: a\ngains: {kp: 1, kp: 1}', "the key 'kp' stands twice."),
+        ('{}', "the key 'name' is missing; add it."),
+        ('name: a\nnam: b', "the key 'nam' is not known; remove it or correct its spelling."),
+        ('name: a\ngains: {ki: 1.0}', "the key 'gains.ki' is not known"),
+        ('name: 5', 'name is 5: input should be a valid string.'),
+        ('name: a\ngains: {kp: 2.5}', 'gains.kp is 2.5: input should be less than or equal to 2.'),
+        ('name: a\ngains: {kp: .nan}', 'gains.kp is nan: input should be'),
+        ('name: a\ngains: {kp: "1"}', "gains.kp is '1': input should be a valid number."),
+        ('name: a\ngains: {count: 1.0}', 'gains.count is 1.0: input should be a valid integer.'),
+        ('name: a\ngains: {count: true}', 'gains.count is True: input should be a valid integer'),
+        ('name: [', 'is not valid YAML: '),
+        ('name: !!python/name:os.system', 'is not valid YAML: could not determine a constructor'),
+        ('? [a, b]\n: 1', "the key ['a', 'b'] must be one word."),
+        ('name: 2024-13-45', 'is not valid YAML: month must be in 1..12.'),
+        ('name: ' + 5000 * '1', 'is not valid YAML: Exceeds the limit'),
+        (100 * '[', 'is nested more than 50 deep; flatten it.'),
+        (900_000 * '[', 'is nested more than 50 deep; flatten it.'),  # once a crash of libyaml
+        (1_000_001 * ' ', 'is larger than 1000000 bytes'),
+        ('name: &a [*a]', 'name: Input should be a valid string.'),
+        (b'name: \xff', 'cannot be read: '),
+        (b'name: \x00', 'is not valid YAML: unacceptable character'),
+    ],
+)
+def test_a_bad_file_gets_one_sentence(write, content, message):
+    path = write(content)
+    with pytest.raises(BadInput) as caught:
+        load(File, path)
+    text = str(caught.value)
+    assert message in text
+    assert text.startswith(str(path))
+    assert '\n' not in text
+    assert text.endswith('.')
+
+
+@given(st.text(string.printable, max_size=60))
+def test_no_text_gets_past_but_as_data_or_bad_input(tmp_path_factory, text):
+    path = tmp_path_factory.getbasetemp() / 'any.yaml'
+    path.write_text(text, encoding='utf-8')
+    with contextlib.suppress(BadInput):
+        load_yaml(path)
+
+
+def test_what_is_not_a_file(tmp_path):
+    for path in (tmp_path, tmp_path / 'none.yaml'):
+        with pytest.raises(BadInput, match=r'cannot be read: '):
+            load_yaml(path)
+
+
+def test_names_are_shipped_files_and_paths_are_paths(tmp_path, monkeypatch):
+    (tmp_path / 'vehicles').mkdir()
+    (tmp_path / 'launch').mkdir()
+    for name in ('vehicles/b.yaml', 'vehicles/a.yaml', 'launch/fly.launch.yaml', 'own.yaml'):
+        (tmp_path / name).touch()
+    monkeypatch.setattr(files, 'share', lambda: tmp_path)
+    monkeypatch.chdir(tmp_path)
+    assert files.known('vehicles') == ['a', 'b']
+    assert find('vehicle', 'a') == tmp_path / 'vehicles/a.yaml'
+    assert find('vehicle', 'own.yaml') == Path('own.yaml')
+    assert find('vehicle', 'vehicles/b.yaml') == Path('vehicles/b.yaml')
+    assert find('launch file', 'fly', '.launch.yaml') == tmp_path / 'launch/fly.launch.yaml'
+    for name in ('c', '', '..', 'A'):
+        with pytest.raises(BadInput, match=r"^Unknown vehicle '.*'; known: a, b\.$"):
+            find('vehicle', name)
+    for name in ('no.yaml', './a', '/', '~nobody-at-all/x.yaml'):
+        with pytest.raises(BadInput, match=r'^There is no vehicle file .*; check the path\.$'):
+            find('vehicle', name)
+
+
+def test_the_data_is_found():
+    assert (files.share() / 'topics.yaml').is_file()
+
+
+def test_unknown_names_the_known():
+    assert str(unknown('wind', 'x', ['b', 'a'])) == "Unknown wind 'x'; known: a, b."
+    assert str(unknown('wind', 'x', [])) == "Unknown wind 'x'; known: none."
+
+
+def test_a_default_outside_its_bounds_is_a_mistake():
+    class Wrong(Settings):
+        kp: float = setting(3.0, 'Gain.', high=2.0)
+
+    with pytest.raises(ValidationError, match='less than or equal to 2'):
+        Wrong()
+
+
+def test_a_setting_carries_what_a_parameter_needs():
+    info = Gains.model_fields['kp']
+    assert info.description == 'Proportional gain.'
+    assert info.json_schema_extra == {'unit': '1/s', 'read_only': False}
+    assert Gains.model_fields['count'].json_schema_extra == {'unit': '', 'read_only': True}
+    assert (Gains(kp=0.0).kp, Gains(kp=2.0).kp) == (0.0, 2.0)

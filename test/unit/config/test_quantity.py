@@ -1,0 +1,118 @@
+"""Quantities: units against their definitions, and one sentence for each way to get one wrong."""
+
+import math
+from typing import Annotated
+
+from hypothesis import given
+from hypothesis import strategies as st
+from lta_config.files import Record, sentence
+from lta_config.quantity import Quantity, si, UNITS
+from pydantic import ValidationError
+import pytest
+
+SI = {'1', 'm', 'm2', 'kg', 's', 'Hz', 'rad', 'N', 'Pa', 'V', 'A', 'ohm', 'W', 'C', 'lx', 'lm'}
+
+
+@pytest.mark.parametrize(
+    ('text', 'unit', 'value'),
+    [
+        ('7 m', 'm', 7.0),
+        ('-8 cm', 'm', -0.08),
+        ('25mm2', 'm2', 25e-6),
+        ('.5 g', 'kg', 0.0005),
+        ('180 deg', 'rad', math.pi),
+        ('360 deg/s', 'rad/s', 2 * math.pi),
+        ('2 min', 's', 120.0),
+        ('1e2 Hz', 'Hz', 100.0),
+        ('10. kHz', 'Hz', 1e4),
+        ('1013.25 hPa', 'Pa', 101325.0),
+        ('250 mA h', 'C', 900.0),  # 0.25 A for an hour
+        ('1 A h', 'C', 3600.0),
+        ('50 %', '1', 0.5),
+        ('3 N s2/m2', 'N s2/m2', 3.0),
+        ('20 degC', 'degC', 20.0),
+    ],
+)
+def test_text_is_read_into_si(text, unit, value):
+    quantity = Quantity.model_validate(text)
+    assert quantity.dimension == unit
+    assert quantity.si == pytest.approx(value, rel=1e-15)
+    assert quantity.vector == (quantity.si,)
+
+
+def test_a_vector_keeps_unit_and_source():
+    quantity = Quantity.model_validate({'value': [0, 1.5, -8], 'unit': 'cm', 'source': 'scale'})
+    assert quantity.vector == pytest.approx((0.0, 0.015, -0.08), rel=1e-15)
+    assert (quantity.unit, quantity.source) == ('cm', 'scale')
+
+
+@given(
+    st.floats(allow_nan=False, allow_infinity=False, min_value=-1e200, max_value=1e200),
+    st.sampled_from(sorted(UNITS)),
+)
+def test_every_number_and_unit_survives_writing(number, unit):
+    read = Quantity.model_validate(f'{number!r} {unit}')
+    assert (read.value, read.unit) == (number, unit)
+    assert read.si == number * UNITS[unit][1]
+
+
+def test_units_convert_to_units_that_convert_to_themselves():
+    for unit, (base, factor) in UNITS.items():
+        assert factor > 0.0, unit
+        if base in UNITS:
+            assert UNITS[base] == (base, 1.0), unit
+        else:
+            assert base in SI, unit
+
+
+class Part(Record):
+    mass: Annotated[Quantity, si('kg', above=0.0, high=5.0, sourced=True)] = Quantity(
+        value=1.0, unit='kg', source='assumed'
+    )
+    place: Annotated[Quantity, si('m', low=-1.0, high=1.0, length=3)] = Quantity(
+        value=(0.0, 0.0, 0.0), unit='m'
+    )
+
+
+@pytest.mark.parametrize(
+    ('given', 'message'),
+    [
+        ({'mass': 1}, 'mass 1 has no unit; write for example "1 m".'),
+        ({'mass': True}, 'mass True has no unit; write for example "True m".'),
+        ({'mass': 'kg'}, 'mass "kg" is not a number and a unit, such as "7 m".'),
+        ({'mass': '7'}, 'mass "7" is not a number and a unit, such as "7 m".'),
+        ({'mass': 'nan kg'}, 'mass "nan kg" is not a number and a unit, such as "7 m".'),
+        ({'mass': '\u0661 kg'}, 'mass "\u0661 kg" is not a number and a unit, such as "7 m".'),
+        ({'mass': '1e999 kg'}, 'mass is inf, which is not a finite number.'),
+        ({'mass': {'value': math.nan, 'unit': 'kg'}}, 'mass is nan, which is not a finite number'),
+        ({'mass': {'value': 10**400, 'unit': 'kg'}}, 'mass has a value too large for a number.'),
+        ({'mass': {'value': 1}}, 'mass has no unit; add "unit: ...".'),
+        ({'mass': {'unit': 'kg'}}, "the key 'mass.value' is missing; add it."),
+        ({'mass': {'value': 'x', 'unit': 'kg'}}, "mass has the value 'x', but needs a number or"),
+        ({'mass': {'value': True, 'unit': 'kg'}}, 'mass has the value True, but needs a number'),
+        ({'mass': {'value': [[1]], 'unit': 'kg'}}, 'mass has the value [[1]], but needs a number'),
+        ({'mass': {'value': 1, 'unit': 'kg', 'sorce': 'x'}}, "the key 'mass.sorce' is not known;"),
+        ({'mass': '1 lb'}, 'mass has the unknown unit "lb"; known: 1, %, m, cm'),
+        ({'mass': '1 m'}, 'mass is in m, but must be in kg or its like.'),
+        ({'mass': '0 g'}, 'mass is 0.0 g, but must be above 0 kg.'),
+        ({'mass': '-3 g'}, 'mass is -3.0 g, but must be above 0 kg.'),
+        ({'mass': '5001 g'}, 'mass is 5001.0 g, but must lie in [-inf, 5] kg.'),
+        ({'mass': '1 g'}, 'mass has no source; add "source: ..." (measured, datasheet, assumed'),
+        ({'place': '1 m'}, 'place has 1 numbers, but needs 3.'),
+        ({'place': {'value': [], 'unit': 'm'}}, 'place has 0 numbers, but needs 3.'),
+        ({'place': {'value': [0, 0, 1.1], 'unit': 'm'}}, 'must lie in [-1, 1] m.'),
+    ],
+)
+def test_what_is_wrong_is_said_in_one_sentence(given, message):
+    with pytest.raises(ValidationError) as caught:
+        Part.model_validate(given)
+    assert message in sentence(caught.value)
+
+
+def test_a_number_that_is_finite_only_outside_si_is_refused():
+    with pytest.raises(ValidationError, match='not a finite number'):
+        Quantity.model_validate('1e307 kHz')
+
+
+def test_bounds_are_closed():
+    assert Part.model_validate({'place': {'value': [-1, 100e-2, 1], 'unit': 'm'}}).mass.si == 1.0

@@ -1,0 +1,112 @@
+"""The topic table: what is due when, against counting message by message."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+from lta_config.errors import BadInput
+from lta_config.files import load
+from lta_config.topics import is_name, robot_topic, topic_table, TopicTable
+import pytest
+
+TABLE = topic_table()
+PERIODIC = [name for name, topic in TABLE.topics.items() if topic.period is not None]
+
+
+def published(name: str, now: int, lag: int) -> int:
+    """Count a topic's messages one by one: those published a lag before `now` or earlier."""
+    count = 0
+    while True:
+        publication = TABLE.stamp(name, count) + TABLE[name].latency_ns
+        if publication + lag * TABLE.control_ns > now:
+            return count
+        count += 1
+
+
+@given(st.sampled_from(PERIODIC), st.integers(-300, 1500), st.integers(0, 3), st.integers(-1, 1))
+def test_due_is_what_counting_gives(name, step, lag, nudge):
+    now = TABLE.start_ns + step * TABLE.control_ns + nudge  # one nanosecond beside the grid, too
+    assert TABLE.due(name, now, lag) == published(name, now, lag)
+
+
+def test_due_by_hand():
+    start, ms = 1_000_000_000, 1_000_000
+    assert TABLE.due('imu', start - 1) == 0
+    assert TABLE.due('imu', start) == 1
+    assert TABLE.due('imu', start + 20 * ms) == 3
+    assert TABLE.due('motors', start, lag=1) == 0
+    assert TABLE.due('motors', start + 10 * ms, lag=1) == 1
+    assert TABLE.due('range', start + 30 * ms) == 2  # 0 and 25 ms
+    assert TABLE.due('photodiodes', start + 90 * ms) == 0  # out only after its last sample
+    assert TABLE.due('photodiodes', start + 100 * ms) == 1
+
+
+def test_the_table_is_consistent():
+    roles = {topic.source for topic in TABLE.topics.values()}
+    for name, topic in TABLE.topics.items():
+        assert set(topic.subscribers) <= roles, name
+        assert all(lag >= 0 for lag in topic.subscribers.values()), name
+        if topic.subscribers:
+            assert topic.period_ns > 0, f'{name}: nobody can wait for what has no rhythm'
+    block = TABLE.light.samples / TABLE.light.sample_rate.si
+    assert TABLE['photodiodes'].period_ns == round(block * 1e9)
+    assert TABLE['photodiodes'].latency_ns == round(block * 1e9)
+
+
+def test_no_loop_waits_for_itself():
+    # Edges without a lag, where an answer at a step needs an input of the same step.
+    needs: dict[str, set[str]] = {}
+    for topic in TABLE.topics.values():
+        for role, lag in topic.subscribers.items():
+            # The vehicle publishes a state before it waits for the answers to it.
+            if lag == 0 and role != 'vehicle':
+                needs.setdefault(role, set()).add(topic.source)
+    ready: set[str] = {'vehicle', 'every node'}
+    while True:
+        more = {role for role in needs if role not in ready and needs[role] <= ready}
+        if not more:
+            break
+        ready |= more
+    assert set(needs) <= ready
+
+
+def test_roles_and_names():
+    assert TABLE.published_by('controller') == ['motors']
+    assert TABLE.read_by('estimator') == ['imu', 'range', 'pressure', 'motors']
+    assert (TABLE['imu'].package, TABLE['imu'].message) == ('sensor_msgs', 'Imu')
+    with pytest.raises(BadInput, match=r"^Unknown topic 'imo'; known: /clock, /diagnostics, bat"):
+        TABLE['imo']
+    assert robot_topic('lta1', 'light/peaks') == '/lta1/light/peaks'
+    assert robot_topic('lta1', '/clock') == '/clock'
+
+
+@pytest.mark.parametrize('text', ['a', 'lta1', 'A_b2'])
+def test_names_for_ros(text):
+    assert is_name(text)
+
+
+@pytest.mark.parametrize('text', ['', '1a', '_a', 'a-b', 'a/b', 'a b', 'a\n', 'ä', 'a.b'])
+def test_no_names_for_ros(text):
+    assert not is_name(text)
+
+
+HEAD = 'schema: 1\nstart: 1 s\ncontrol_period: 10 ms\nlight: {sample_rate: 10 kHz, samples: 10}\n'
+ROW = '{type: std_msgs/msg/Bool, unit: "", frame: "", qos: default, from: a, to: {}, about: ""}'
+
+
+@pytest.mark.parametrize(
+    ('text', 'message'),
+    [
+        (HEAD, "the key 'topics' is missing"),
+        (HEAD.replace('schema: 1', 'schema: 2'), 'schema is 2: input should be 1'),
+        (HEAD.replace('10 ms', '0 ms'), 'control_period is 0.0 ms, but must be above 0 s'),
+        (HEAD + f'topics: {{x: {ROW.replace("default", "best")}}}', "topics.x.qos is 'best'"),
+        (HEAD + f'topics: {{x: {ROW.replace("/msg", "")}}}', 'topics.x.type is'),
+        (HEAD + f'topics: {{x: {ROW.replace("to: {}", "to: {b: 0.5}")}}}', 'topics.x.to.b is 0.5'),
+        (HEAD + f'topics: {{x: {ROW}, x: {ROW}}}', "the key 'x' stands twice"),
+    ],
+)
+def test_a_bad_table_is_refused(tmp_path, text, message):
+    path = tmp_path / 'topics.yaml'
+    path.write_text(text)
+    with pytest.raises(BadInput) as caught:
+        load(TopicTable, path)
+    assert message in str(caught.value)
