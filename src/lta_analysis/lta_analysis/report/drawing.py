@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from lta_analysis.report.palette import GRID, INK, PAPER, SOFT
+from lta_analysis.report.palette import GRID, INK, PAPER, SOFT, WALL
 from lta_analysis.report.results import phases_of
 from lta_analysis.report.view import Array, View
 import numpy as np
@@ -71,7 +71,9 @@ def over_time(view: View, rows: int = 1, heights: Sequence[float] | None = None)
     ]
     for time, text, side in marks:
         if view.span[0] < time < view.span[1]:
-            figure.add_vline(time, line={'color': GRID, 'width': 1.5}, layer='below')
+            figure.add_vline(
+                time, line={'color': WALL, 'width': 1, 'dash': '2px,3px'}, layer='below'
+            )
             figure.add_annotation(
                 x=time, y=1.0, yref='paper', yanchor='bottom', text=text, xanchor=side,
                 font={'size': 10, 'color': SOFT},

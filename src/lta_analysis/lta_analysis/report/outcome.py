@@ -5,7 +5,8 @@ from typing import Final, NamedTuple
 
 from lta_analysis.report.results import Results
 
-MISSING: Final = '–'
+MISSING: Final = '\N{EN DASH}'
+DEGREES: Final = 180.0 / math.pi
 
 
 class Tile(NamedTuple):
@@ -22,90 +23,90 @@ class Row(NamedTuple):
 
     name: str
     here: str
-    paper: str
+    paper: str = MISSING
 
 
 def number(value: float | None, digits: int = 2, factor: float = 1.0) -> str:
     """Return a figure as people read it."""
-    return (
-        MISSING if value is None else f'{value * factor:.{digits}f}'.replace('-', '\N{MINUS SIGN}')
-    )
+    if value is None:
+        return MISSING
+    return f'{value * factor:.{digits}f}'.replace('-', '\N{MINUS SIGN}')
 
 
-def degrees(value: float | None, digits: int = 1) -> str:
-    """Return an angle in rad as degrees."""
-    return number(value, digits, 180.0 / math.pi)
+def spread(value: float | None, deviation: float | None, unit: str, digits: int = 2) -> str:
+    """Return a figure with its spread and unit."""
+    if value is None:
+        return MISSING
+    around = '' if deviation is None else f' \N{PLUS-MINUS SIGN} {deviation:.{digits}f}'
+    return f'{number(value)}{around} {unit}'
+
+
+def amount(value: float | None, unit: str, digits: int = 2, factor: float = 1.0) -> str:
+    """Return a figure with its unit."""
+    if value is None:
+        return MISSING
+    gap = '' if unit.startswith('°') else ' '
+    return f'{number(value, digits, factor)}{gap}{unit}'
 
 
 def sentence(results: Results) -> str:
     """Return the outcome in one sentence."""
     if results.success is None:
         return 'A flight was recorded; whether it reached a lamp, its bag does not tell'
-    if results.success:
-        return (
-            f'The drone found the lamp and reached it in {number(results.search_time, 1)} s over '
-            f'{number(results.path_length, 1)} m'
-        )
-    return (
-        f'The drone did not reach the lamp: it came no nearer than {number(results.closest, 1)} m'
-    )
+    if not results.success:
+        near = amount(results.closest, 'm', 1)
+        return f'The drone did not reach the lamp: it came no nearer than {near}'
+    time, path = amount(results.search_time, 's', 1), amount(results.path_length, 'm', 1)
+    return f'The drone found the lamp and reached it in {time} over {path}'
 
 
 def tiles(results: Results) -> list[Tile]:
     """Return the figures that matter most."""
-    share = number(results.bearing_share, 0, 100.0)
+    r = results
     return [
-        Tile('Time to the lamp', number(results.search_time, 1), 's',
-             f'{number(results.flight_time, 1)} s from leaving the ground'),
-        Tile('Path', number(results.path_length), 'm',
-             f'straight line to the goal {number(results.straight_length)} m'),
-        Tile('Airspeed', number(results.airspeed), 'm/s',
-             f'true mean, ± {number(results.airspeed_spread)} over the cruise'),
-        Tile('Altitude', number(results.altitude), 'm',
-             f'{number(results.altitude_error, 1, 100.0)} cm RMS off the set-point'),
-        Tile('Bearing error', degrees(results.bearing_error), '° RMS',
-             f'from {share} % of the light blocks'),
-        Tile('Signal to noise', f'{number(results.snr_start, 0)} → {number(results.snr_end, 0)}', '',
+        Tile('Time to the lamp', number(r.search_time, 1), 's',
+             f'{amount(r.flight_time, "s", 1)} from leaving the ground'),
+        Tile('Path', number(r.path_length), 'm',
+             f'straight line to the goal {amount(r.straight_length, "m")}'),
+        Tile('Airspeed', number(r.airspeed), 'm/s',
+             f'true mean, \N{PLUS-MINUS SIGN} {number(r.airspeed_spread)} over the cruise'),
+        Tile('Altitude', number(r.altitude), 'm',
+             f'{amount(r.altitude_error, "cm", 1, 100.0)} RMS off the set-point'),
+        Tile('Bearing error', number(r.bearing_error, 1, DEGREES), '° RMS',
+             f'from {amount(r.bearing_share, "%", 0, 100.0)} of the light blocks'),
+        Tile('Signal to noise', f'{number(r.snr_start, 0)} → {number(r.snr_end, 0)}', '',
              'best diode, first and last half second'),
-        Tile('Power', number(results.cruise_power), 'W',
-             f'{number(results.energy, 1)} J from the cell for the flight'),
-        Tile('Heading drift', degrees(results.heading_drift), '°',
+        Tile('Power', number(r.cruise_power), 'W',
+             f'{amount(r.energy, "J", 1)} from the cell for the flight'),
+        Tile('Heading drift', number(r.heading_drift, 1, DEGREES), '°',
              'of the estimate, at the end'),
     ]  # fmt: skip
 
 
 def table(results: Results) -> list[Row]:
     """
-    Return this flight beside the paper's indoor flight with the same strategy.
+    Return this flight beside the indoor flight of the paper with the same strategy.
 
-    The paper prints power for all strategies together.
+    The paper prints the power of all its strategies together.
     """
-    reached = {None: MISSING, True: 'yes', False: 'no'}[results.success]
-    altitude = f'{number(results.altitude)} ± {number(results.altitude_error, 3)} m'
-    airspeed = f'{number(results.airspeed)} ± {number(results.airspeed_spread)} m/s'
-    return [
-        Row('came within 1 m of the lamp', reached, 'yes'),
-        Row('path to the goal', f'{number(results.path_length)} m', '7.3 m'),
-        Row('time from the first forward command', f'{number(results.search_time, 1)} s', '8.4 s'),
-        Row('time from leaving the ground', f'{number(results.flight_time, 1)} s', MISSING),
-        Row('forward airspeed, true, cruise', airspeed, '0.5 m/s'),
-        Row('altitude of the hull centre, cruise', altitude, '0.5 m'),
-        Row('nose off the lamp, RMS, cruise', f'{degrees(results.heading_error)}°', MISSING),
-        Row('bearing error, RMS', f'{degrees(results.bearing_error)}°', MISSING),
-        Row('power, cruise', f'{number(results.cruise_power)} W', '1.52 to 1.54 W'),
-        Row('energy of the flight', f'{number(results.energy, 1)} J', MISSING),
-        Row(
-            'estimated altitude, RMS error',
-            f'{number(results.altitude_estimate_error, 1, 100)} cm',
-            MISSING,
-        ),
-        Row(
-            'estimated airspeed, RMS error',
-            f'{number(results.airspeed_estimate_error)} m/s',
-            MISSING,
-        ),
-        Row(
-            'estimated heading, RMS error', f'{degrees(results.heading_estimate_error)}°', MISSING
-        ),
-        Row('flight time per wall time', f'{number(results.real_time_factor, 1)} ×', MISSING),
-    ]
+    r = results
+    reached = {None: MISSING, True: 'yes', False: 'no'}[r.success]
+    rows = [
+        Row('came within the goal radius', reached, 'yes'),
+        Row('path to the goal', amount(r.path_length, 'm'), '7.3 m'),
+        Row('time from the first forward command', amount(r.search_time, 's', 1), '8.4 s'),
+        Row('time from leaving the ground', amount(r.flight_time, 's', 1)),
+        Row('forward airspeed, true, cruise', spread(r.airspeed, r.airspeed_spread, 'm/s'),
+            '0.5 m/s'),
+        Row('altitude of the hull centre, cruise', spread(r.altitude, r.altitude_error, 'm', 3),
+            '0.5 m'),
+        Row('nose off the lamp, RMS, cruise', amount(r.heading_error, '°', 1, DEGREES)),
+        Row('bearing error, RMS', amount(r.bearing_error, '°', 1, DEGREES)),
+        Row('power, cruise', amount(r.cruise_power, 'W'), '1.52 to 1.54 W'),
+        Row('energy of the flight', amount(r.energy, 'J', 1)),
+        Row('estimated altitude, RMS error', amount(r.altitude_estimate_error, 'cm', 1, 100.0)),
+        Row('estimated airspeed, RMS error', amount(r.airspeed_estimate_error, 'm/s')),
+        Row('estimated heading, RMS error', amount(r.heading_estimate_error, '°', 1, DEGREES)),
+        Row('flight time per wall time', number(r.real_time_factor, 1)),
+    ]  # fmt: skip
+    return [row for row in rows if row.here != MISSING or row.paper != MISSING]

@@ -20,11 +20,15 @@ from lta_config.errors import BadInput
 from plotly.offline import get_plotlyjs
 
 FILES: Final = ('vehicle_file', 'scenario_file')
-CONTRADICTION: Final = (
-    'The paper’s indoor row contradicts itself: 7.3 m in 8.4 s is 0.87 m/s, not 0.5 m/s, and even '
-    'the straight 6.0 m would need 0.71 m/s. This flight holds 0.5 m/s and is tuned to neither '
-    'path nor time.'
+SIMULATED: Final = (
+    'A simulated flight. "Truth" is the state of the simulator, which no part of the drone ever '
+    'sees; "estimate" is what the drone made of its simulated sensors.'
 )
+MEASURED: Final = (
+    'The recording brings no scenario. "Truth" is its ground truth, from wherever that came; '
+    '"estimate" is what the drone made of its sensors.'
+)
+ASSETS: Final = ('page.html', 'page.css', 'page.js')
 
 
 def write_page(bag: Path, out: Path) -> Results:
@@ -60,10 +64,7 @@ def write_page(bag: Path, out: Path) -> Results:
 def page(view: View, results: Results, bag: str) -> str:
     """Return the whole page; `bag` is how the reader finds the recording from it."""
     assets = files('lta_analysis.report') / 'assets'
-    text = {
-        name: (assets / name).read_text(encoding='utf-8')
-        for name in ('page.html', 'page.css', 'page.js')
-    }
+    text = {name: (assets / name).read_text(encoding='utf-8') for name in ASSETS}
     sections = {panel.name: section(panel, view) for panel in PANELS}
     return Template(text['page.html']).substitute(
         title=escape(sentence(results)),
@@ -71,7 +72,6 @@ def page(view: View, results: Results, bag: str) -> str:
         origin=escape(origin(view)),
         tiles='\n'.join(tile_html(*tile) for tile in tiles(results)),
         table='\n'.join(row_html(*row) for row in table(results)),
-        contradiction=escape(CONTRADICTION),
         hero=sections.pop('path'),
         panels='\n'.join(sections.values()),
         facts=facts_html(view.flight),
@@ -89,18 +89,21 @@ def page(view: View, results: Results, bag: str) -> str:
 
 def section(panel: Panel, view: View) -> str:
     """Return one picture with heading and caption, or a sentence on why there is none."""
-    title, caption = escape(panel.title), escape(panel.caption)
-    head = f'<figure class="panel" id="panel-{panel.name}" aria-labelledby="title-{panel.name}">'
-    head += f'<h2 id="title-{panel.name}">{title}</h2>'
+    name, title, caption = panel.name, escape(panel.title), escape(panel.caption)
     missing = [topic for topic in panel.needs if not view.has(topic)]
     if missing:
         names = ' and '.join(f'<code>{escape(topic)}</code>' for topic in missing)
-        return f'{head}<p class="absent">The recording has nothing on {names}.</p></figure>'
-    figure = panel.picture(view).to_json()
+        body = f'<p class="absent">The recording has nothing on {names}.</p>'
+    else:
+        body = (
+            f'<div class="plot" data-panel="{name}" data-timed="{str(panel.timed).lower()}" '
+            f'role="img" aria-label="{title}. {caption}"></div>'
+            f'<figcaption>{caption}</figcaption>'
+            f'{embedded_text(f"figure-{name}", panel.picture(view).to_json())}'
+        )
     return (
-        f'{head}<div class="plot" data-panel="{panel.name}" data-timed="{str(panel.timed).lower()}" '
-        f'role="img" aria-label="{title}. {caption}"></div>'
-        f'<figcaption>{caption}</figcaption>{embedded_text(f"figure-{panel.name}", figure)}</figure>'
+        f'<figure class="panel" id="panel-{name}" aria-labelledby="title-{name}">'
+        f'<h2 id="title-{name}">{title}</h2>{body}</figure>'
     )
 
 
@@ -125,11 +128,8 @@ def kicker(provenance: Mapping[str, str]) -> str:
 def origin(view: View) -> str:
     """Return what is simulated, what is estimated, and where the truth comes from."""
     if view.scene.scenario is None:
-        return 'The drone flew on its own sensors alone.'
-    return (
-        'A simulated flight. “Truth” is the simulator’s own state, which no part of the drone ever '
-        'sees; “estimate” is what the drone made of its simulated sensors.'
-    )
+        return MEASURED
+    return SIMULATED
 
 
 def tile_html(name: str, value: str, unit: str, note: str) -> str:
@@ -142,7 +142,10 @@ def tile_html(name: str, value: str, unit: str, note: str) -> str:
 
 def row_html(name: str, here: str, paper: str) -> str:
     """Return one line of the table."""
-    return f'<tr><th scope="row">{escape(name)}</th><td>{escape(here)}</td><td>{escape(paper)}</td></tr>'
+    return (
+        f'<tr><th scope="row">{escape(name)}</th><td>{escape(here)}</td>'
+        f'<td>{escape(paper)}</td></tr>'
+    )
 
 
 def facts_html(flight: Flight) -> str:
@@ -176,4 +179,7 @@ def commands_html(provenance: Mapping[str, str], bag: str) -> str:
 def file_html(key: str, text: str) -> str:
     """Return a file of the provenance, folded."""
     name = key.replace('_', ' ').capitalize()
-    return f'<details><summary>{escape(name)}</summary><pre tabindex="0">{escape(text)}</pre></details>'
+    return (
+        f'<details><summary>{escape(name)}</summary>'
+        f'<pre tabindex="0">{escape(text)}</pre></details>'
+    )

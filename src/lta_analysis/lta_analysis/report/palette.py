@@ -21,7 +21,7 @@ GOOD: Final = '#0f7b5f'
 FILL: Final = 'rgba(11,98,168,0.16)'
 GLOW: Final = ('rgba(255,190,20,0.00)', 'rgba(255,190,20,0.38)')
 TIME: Final = ('#41217a', '#2b5f9e', '#1f8f8a', '#58a846', '#c79a00')
-STRENGTH: Final = ('#dfe3ea', '#eab98a', '#d8702a', '#9c2f0c')
+STRENGTH: Final = ('#d9a3b0', '#c9667f', '#a5304f', '#6d0d2c')
 HEAT: Final = ('#f6f7fa', '#d5e0ef', '#8fb4da', '#3b7fbf', '#0d4c8c', '#062a55')
 
 DARK: Final[dict[str, str]] = {
@@ -40,7 +40,7 @@ DARK: Final[dict[str, str]] = {
     GLOW[0]: 'rgba(255,205,90,0.00)',
     GLOW[1]: 'rgba(255,205,90,0.34)',
     **dict(zip(TIME, ('#a68bf0', '#6f9df2', '#45c2d6', '#7fdc8a', '#ffe066'), strict=True)),
-    **dict(zip(STRENGTH, ('#333d4b', '#7a5433', '#d8833a', '#ffd1a3'), strict=True)),
+    **dict(zip(STRENGTH, ('#6b4552', '#a85a73', '#e4819f', '#ffc9d6'), strict=True)),
     **dict(
         zip(
             HEAT,

@@ -42,7 +42,7 @@ def track_of(view: View) -> dict[str, list[float | None]]:
     vehicle = view.scene.vehicle
     columns |= {
         'time': time,
-        'start': np.array([begin + 0.45 * (phases.end - begin)]),
+        'start': np.array([begin + 0.75 * (phases.end - begin)]),
         'radius': np.array([0.5 if vehicle is None else vehicle.hull.diameter.si / 2.0]),
     }
     return {name: plain(values) for name, values in columns.items()}

@@ -12,7 +12,7 @@ const touch = matchMedia('(pointer: coarse)').matches;
 // --- paper -----------------------------------------------------------------------------------
 
 function recoloured(value) {
-  if (typeof value === 'string') return dark[value] ?? value;
+  if (typeof value === 'string') return dark[value] ?? value.replace(/#[0-9a-f]{6}/g, (colour) => dark[colour] ?? colour);
   if (Array.isArray(value)) return value.map(recoloured);
   if (value === null || typeof value !== 'object' || 'bdata' in value) return value;
   return Object.fromEntries(Object.entries(value).map(([key, part]) => [key, recoloured(part)]));
@@ -99,7 +99,7 @@ function mark(time) {
   for (const cell of cells) {
     const value = track[cell.dataset.value]?.[k] ?? null;
     const factor = Number(cell.dataset.factor ?? 1);
-    cell.textContent = value === null ? '–' : (value * factor).toFixed(cell.dataset.digits).replace('-', '−') + ' ' + cell.dataset.unit;
+    cell.textContent = value === null ? '–' : (value * factor).toFixed(cell.dataset.digits).replace('-', '−') + cell.dataset.unit;
   }
   slider.value = now;
   slider.setAttribute('aria-valuetext', cells.map((cell) => cell.previousElementSibling.textContent + ' ' + cell.textContent).join(', '));
@@ -136,7 +136,7 @@ let playing = false;
 
 function setPlaying(wanted) {
   playing = wanted;
-  play.textContent = playing ? '❚❚' : '▶';
+  play.textContent = playing ? '❚❚' : '▶\ufe0e';
   play.setAttribute('aria-label', playing ? 'Pause' : 'Play the flight');
   if (!playing) return;
   const last = times[times.length - 1];

@@ -2,7 +2,8 @@
 
 from lta_analysis.report.drawing import dots, extent, Label, label_ends, line, over_time
 from lta_analysis.report.palette import ESTIMATE, RAW, SETPOINT, TRUTH
-from lta_analysis.report.view import View
+from lta_analysis.report.results import phases_of
+from lta_analysis.report.view import held, View
 from plotly.graph_objects import Figure
 
 
@@ -14,14 +15,14 @@ def picture(view: View) -> Figure:
     shown = [truth.z]
     if view.has('range'):
         measured = view.range
-        figure.add_trace(dots('range + 0.37 m', *measured, RAW, unit='m'))
+        figure.add_trace(dots('range', *measured, RAW, unit='m'))
     if view.has('setpoint/pose'):
         asked = view.altitude_setpoint
         figure.add_trace(
             line('set-point', *asked, SETPOINT, unit='m', width=1.2, dash='dot', steps=True)
         )
         labels.append(Label('set-point', asked.value[-1], SETPOINT))
-        shown.append(asked.value)
+        shown.append(held(truth.time[truth.time >= phases_of(view).lift_off], asked))
     if view.has('odom'):
         estimate = view.estimate
         figure.add_trace(line('estimate', estimate.time, estimate.z, ESTIMATE, unit='m'))

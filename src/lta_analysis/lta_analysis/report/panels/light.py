@@ -18,21 +18,19 @@ def picture(view: View) -> Figure:
     order = np.argsort(azimuth)
     amplitude = parts['amplitude'][:, order].T
     figure.add_trace(amplitudes(time, azimuth[order], amplitude), row=1, col=1)
+    if view.has('light/bearing'):
+        figure.add_trace(bearings(view), row=1, col=1)
     if view.has('ground_truth/odom') and view.lamp is not None:
         truth = view.truth
         angle = broken(np.degrees(direction(truth, view.lamp)))
-        figure.add_trace(line('true', truth.time, angle, LAMP, unit='°', width=2), row=1, col=1)
-    if view.has('light/bearing'):
-        figure.add_trace(bearings(view), row=1, col=1)
-    figure.update_yaxes(
-        title_text='direction, nose = 0 [°]', tickvals=[-135, -90, 0, 90, 180], row=1
-    )
+        figure.add_trace(line('true', truth.time, angle, LAMP, unit='°', width=1.4), row=1, col=1)
+    figure.update_yaxes(title_text='left of the nose [°]', tickvals=[-90, 0, 90, 180], row=1)
     best = parts['snr'].max(axis=1)
     snr = np.log10(np.maximum(best, 0.1))
     figure.add_trace(snr_line(time, best), row=2, col=1)
     figure.update_yaxes(title_text='SNR [1]', type='log', row=2)
     low, high = extent(snr)
-    figure.update_yaxes(range=[low, high], dtick=1, row=2)
+    figure.update_yaxes(range=[low, high], nticks=4, row=2)
     label_ends(figure, [Label('best diode', float(snr[-1]), GOOD)], (low, high), row=2)
     return figure
 
@@ -73,7 +71,7 @@ def bearings(view: View) -> Scatter:
         x=time.astype(np.float32),
         y=np.degrees(angle).astype(np.float32),
         mode='markers',
-        marker={'color': ESTIMATE, 'size': 3},
+        marker={'color': ESTIMATE, 'size': 4},
         name='measured',
         hovertemplate='%{y:.1f}°',
     )

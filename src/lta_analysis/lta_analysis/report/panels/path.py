@@ -1,187 +1,126 @@
 """The flight from above."""
 
 from lta_analysis.report.drawing import blank
-from lta_analysis.report.palette import (
-    ESTIMATE,
-    GLOW,
-    GOOD,
-    INK,
-    LAMP,
-    PAPER,
-    scale,
-    SOFT,
-    STRENGTH,
-    TIME,
-    WALL,
-)
+from lta_analysis.report.palette import ESTIMATE, scale, SOFT, TIME
+from lta_analysis.report.rays import draw_rays
 from lta_analysis.report.results import phases_of
-from lta_analysis.report.view import sampled, View
-from lta_sim.light_field import direct
-from lta_sim.scenario import Scenario
+from lta_analysis.report.room import draw_room, word
+from lta_analysis.report.view import Array, View
 import numpy as np
-from plotly.graph_objects import Contour, Figure, Scatter
+from plotly.graph_objects import Figure, Scatter
 
-RAY = 0.75  # m; long enough to see a direction, short enough not to hide the next
-RAY_PERIOD = 1.0  # s
 BEADS = 700
 MARGIN = 0.25  # m of paper around the room
+STEPS = (1, 2, 5, 10, 20, 60)  # s between the times written beside the path
+MOST_STEPS = 7
 
 
 def picture(view: View) -> Figure:
     """Return the true path in the room, with the lamp's light and the measured bearings."""
     figure = blank()
-    figure.update_layout(hovermode='closest', margin={'l': 40, 'r': 12, 't': 12, 'b': 40})
-    scenario = view.scene.scenario
-    if scenario is not None:
-        figure.add_trace(glow(view, scenario))
-        furnish(figure, scenario)
+    figure.update_layout(hovermode='closest', margin={'l': 44, 'r': 12, 't': 8, 'b': 40})
+    if view.scene.scenario is not None:
+        draw_room(figure, view.scene.scenario, float(np.median(view.truth.z)))
     if view.has('light/bearing', 'light/peaks'):
-        for ray in rays(view):
-            figure.add_trace(ray)
+        draw_rays(figure, view)
     if view.has('odom'):
-        estimate = view.estimate
-        keep = slice(None, None, max(1, len(estimate.time) // BEADS))
-        figure.add_trace(
-            Scatter(
-                x=estimate.x[keep].astype(np.float32), y=estimate.y[keep].astype(np.float32),
-                mode='lines', line={'color': ESTIMATE, 'width': 1.2, 'dash': 'dot'},
-                name='dead reckoning', hoverinfo='skip',
-            )
-        )  # fmt: skip
-        name(figure, float(estimate.x[-1]), float(estimate.y[-1]), 'dead reckoning', ESTIMATE, -12)
+        draw_estimate(figure, view)
     figure.add_trace(beads(view))
-    clock(figure, view)
+    draw_times(figure, view)
     frame(figure, view)
     return figure
 
 
-def name(figure: Figure, x: float, y: float, text: str, colour: str, shift: float) -> None:
-    """Write a word at a place, `shift` px above it."""
-    figure.add_annotation(x=x, y=y, yshift=shift, text=text, font={'color': colour, 'size': 11})
-
-
 def frame(figure: Figure, view: View) -> None:
-    """Show the whole room, or the whole path where there is none, one metre as long as another."""
+    """Show the whole room, or the whole path where there is none, to one scale."""
     if view.scene.scenario is not None:
         length, width, _ = view.scene.scenario.room.size.vector
-        corners = (-length / 2, length / 2, -width / 2, width / 2)
+        sides = [(-length / 2, length / 2), (-width / 2, width / 2)]
     else:
-        truth = view.truth
-        corners = (truth.x.min(), truth.x.max(), truth.y.min(), truth.y.max())
-    left, right, low, high = corners
-    figure.update_xaxes(
-        range=[left - MARGIN, right + MARGIN], title_text='x [m]', showgrid=False, dtick=1,
-        constrain='domain',
-    )  # fmt: skip
+        sides = [(part.min() - 1.0, part.max() + 1.0) for part in (view.truth.x, view.truth.y)]
+    (left, right), (low, high) = sides
+    shared = {'showgrid': False, 'dtick': 1, 'constrain': 'domain'}
+    figure.update_xaxes(range=[left - MARGIN, right + MARGIN], title_text='x [m]', **shared)
     figure.update_yaxes(
-        range=[low - MARGIN, high + MARGIN], title_text='y [m]', showgrid=False, dtick=1,
-        scaleanchor='x', constrain='domain',
-    )  # fmt: skip
+        range=[low - MARGIN, high + MARGIN], title_text='y [m]', scaleanchor='x', **shared
+    )
 
 
-def glow(view: View, scenario: Scenario) -> Contour:
-    """Return the lamp's direct light at cruising height, a shade for each factor of two."""
-    length, width, _ = scenario.room.size.vector
-    x, y = np.linspace(-length / 2, length / 2, 121), np.linspace(-width / 2, width / 2, 97)
-    height = float(np.median(view.truth.z)) if view.has('ground_truth/odom') else 0.5
-    points = np.stack([*np.meshgrid(x, y), np.full((len(y), len(x)), height)], axis=-1)
-    towards = np.array(scenario.lamp.position.vector) - points
-    towards /= np.linalg.norm(towards, axis=-1, keepdims=True)
-    octaves = np.log2(np.maximum(direct(scenario.light_field.lamp, points, towards), 1.0))
-    return Contour(
-        x=x.astype(np.float32), y=y.astype(np.float32), z=octaves.astype(np.float32),
-        colorscale=scale(GLOW), showscale=False, hoverinfo='skip', name='light of the lamp',
-        contours={'start': 4, 'end': 12, 'size': 1, 'coloring': 'fill'}, line={'width': 0},
-        zmin=3, zmax=12,
-    )  # fmt: skip
-
-
-def furnish(figure: Figure, scenario: Scenario) -> None:
-    """Draw walls, lamp, goal and start."""
-    length, width, _ = scenario.room.size.vector
-    x, y, _ = scenario.lamp.position.vector
-    radius = scenario.goal.radius.si
-    facing = np.arctan2(scenario.lamp.facing.vector[1], scenario.lamp.facing.vector[0])
-    half = {'x0': -length / 2, 'x1': length / 2, 'y0': -width / 2, 'y1': width / 2}
-    figure.add_shape(type='rect', **half, line={'color': WALL, 'width': 3}, layer='below')
-    figure.add_shape(
-        type='circle', x0=x - radius, x1=x + radius, y0=y - radius, y1=y + radius,
-        line={'color': GOOD, 'width': 1.5, 'dash': 'dash'},
-    )  # fmt: skip
+def draw_estimate(figure: Figure, view: View) -> None:
+    """Draw where the drone would believe to be, and name it at its end."""
+    estimate, truth = view.estimate, view.truth
+    keep = slice(None, None, max(1, len(estimate.time) // BEADS))
     figure.add_trace(
         Scatter(
-            x=[x], y=[y], mode='markers', name='lamp',
-            marker={
-                'symbol': 'triangle-up', 'size': 15, 'color': LAMP,
-                'angle': 90.0 - float(np.degrees(facing)), 'line': {'color': PAPER, 'width': 1.5},
-            },
-            hovertemplate=f'lamp, {scenario.lamp.frequency.si:g} Hz<extra></extra>',
+            x=estimate.x[keep].astype(np.float32),
+            y=estimate.y[keep].astype(np.float32),
+            mode='lines',
+            line={'color': ESTIMATE, 'width': 1.3, 'dash': 'dot'},
+            name='dead reckoning',
+            hoverinfo='skip',
         )
-    )  # fmt: skip
-    figure.add_annotation(
-        x=x, y=y, xshift=12, xanchor='left', text=f'lamp<br>{scenario.lamp.frequency.si:g} Hz',
-        align='left', font={'color': LAMP, 'size': 12},
-    )  # fmt: skip
-    name(figure, x, y - radius, f'goal: within {radius:g} m', GOOD, -10)
-    start = scenario.start.position.vector
-    figure.add_trace(
-        Scatter(
-            x=[start[0]], y=[start[1]], mode='markers', name='start', hoverinfo='skip',
-            marker={'symbol': 'circle-open', 'size': 11, 'color': INK, 'line': {'width': 1.5}},
-        )
-    )  # fmt: skip
-    name(figure, start[0], start[1], 'start', INK, -16)
+    )
+    place, away = farthest(
+        np.stack([estimate.x[keep], estimate.y[keep]], axis=1),
+        np.stack([truth.x, truth.y], axis=1)[:: max(1, len(truth.time) // BEADS)],
+    )
+    word(figure, place, 'dead reckoning', ESTIMATE, 52.0 * away[0], 16.0 * away[1])
+
+
+def farthest(path: Array, other: Array) -> tuple[tuple[float, float], tuple[float, float]]:
+    """
+    Return where a path is farthest from another one, and the direction away from that.
+
+    Parameters
+    ----------
+    path, other : ndarray, shape (n, 2) and (m, 2)
+        Places. [m]
+
+    Returns
+    -------
+    place, direction : tuple of 2 floats
+        There is room for a word. [m, 1]
+
+    """
+    gaps = path[:, None, :] - other[None, :, :]
+    distances = np.hypot(gaps[..., 0], gaps[..., 1])
+    k = int(distances.min(axis=1).argmax())
+    nearest = int(distances[k].argmin())
+    x, y = gaps[k, nearest] / (distances[k, nearest] or 1.0)
+    return (float(path[k, 0]), float(path[k, 1])), (float(x), float(y))
 
 
 def beads(view: View) -> Scatter:
     """Return the true path as a ribbon that is coloured by time."""
     truth = view.truth
     keep = slice(None, None, max(1, len(truth.time) // BEADS))
-    time = truth.time[keep]
+    time = truth.time[keep].astype(np.float32)
     return Scatter(
-        x=truth.x[keep].astype(np.float32), y=truth.y[keep].astype(np.float32), mode='markers',
-        name='path', customdata=np.stack([time, truth.z[keep]], axis=1).astype(np.float32),
-        marker={'color': time.astype(np.float32), 'colorscale': scale(TIME), 'size': 4.5},
+        x=truth.x[keep].astype(np.float32),
+        y=truth.y[keep].astype(np.float32),
+        customdata=np.stack([time, truth.z[keep].astype(np.float32)], axis=1),
+        mode='markers',
+        marker={'color': time, 'colorscale': scale(TIME), 'size': 4.5},
+        name='path',
         hovertemplate='%{customdata[0]:.1f} s<br>x %{x:.2f} m, y %{y:.2f} m, '
         'z %{customdata[1]:.2f} m<extra></extra>',
-    )  # fmt: skip
+    )
 
 
-def clock(figure: Figure, view: View) -> None:
-    """Write the time beside the path, every few seconds while it moves."""
+def draw_times(figure: Figure, view: View) -> None:
+    """Write the time beside the path every few seconds, away from the lamp where it turns."""
     phases = phases_of(view)
     start = phases.search if np.isfinite(phases.search) else view.span[0]
-    step = next(s for s in (2, 5, 10, 20, 60, 600) if (phases.end - start) / s <= 8 or s == 600)
+    step = next((step for step in STEPS if (phases.end - start) / step <= MOST_STEPS), STEPS[-1])
     truth = view.truth
     for time in np.arange(np.ceil(start / step) * step, phases.end, step):
-        x, y = (float(np.interp(time, truth.time, part)) for part in (truth.x, truth.y))
-        name(figure, x, y, f'{time:g} s', SOFT, 14)
-
-
-def rays(view: View) -> list[Scatter]:
-    """Return the measured bearings, one a second, coloured by the SNR of the best diode."""
-    time, angle = view.bearing
-    phases = phases_of(view)
-    start = phases.search if np.isfinite(phases.search) else view.span[0]
-    moments = np.arange(start, phases.end, RAY_PERIOD)
-    chosen = np.unique(np.searchsorted(time, moments).clip(0, len(time) - 1))
-    chosen = chosen[np.isfinite(angle[chosen])]
-    truth = view.truth
-    x, y, yaw = (sampled(time, truth.time, part) for part in (truth.x, truth.y, truth.yaw))
-    peak_time, parts = view.peaks
-    snr = np.log10(np.maximum(sampled(time, peak_time, parts['snr'].max(axis=1)), 1.0))
-    course = yaw + angle
-    return [ray(x[k], y[k], course[k], shade(snr[k])) for k in chosen]
-
-
-def ray(x: float, y: float, course: float, colour: str) -> Scatter:
-    """Return one bearing."""
-    return Scatter(
-        x=[x, x + RAY * np.cos(course)], y=[y, y + RAY * np.sin(course)], mode='lines',
-        line={'color': colour, 'width': 1.6}, hoverinfo='skip', name='bearing',
-    )  # fmt: skip
-
-
-def shade(decades: float) -> str:
-    """Return the colour of an SNR: below 3, 30, 300, and beyond."""
-    return STRENGTH[int(np.clip(np.floor(decades - 0.477 + 1.0), 0, len(STRENGTH) - 1))]
+        x, y, ahead_x, ahead_y = (
+            float(np.interp(when, truth.time, part))
+            for when in (time, time + 0.5)
+            for part in (truth.x, truth.y)
+        )
+        course = np.arctan2(ahead_y - y, ahead_x - x)
+        across, up = -np.sin(course), np.cos(course)
+        if view.lamp is not None and across * (view.lamp.x - x) + up * (view.lamp.y - y) > 0.0:
+            across, up = -across, -up
+        word(figure, (x, y), f'{time:g} s', SOFT, 20.0 * across, 14.0 * up)

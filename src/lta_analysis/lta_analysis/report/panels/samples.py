@@ -23,9 +23,7 @@ def picture(view: View) -> Figure:
             row=row,
             col=1,
         )
-        label = Label(
-            moment.where.replace(' away', '<br>away'), float(moment.samples.mean()), moment.colour
-        )
+        label = Label(moment.where, float(moment.samples.mean()), moment.colour)
         label_ends(figure, [label], extent(moment.samples), row)
         figure.update_yaxes(title_text='light [counts]', row=row)
     figure.update_xaxes(title_text='time in the block [ms]', row=2)

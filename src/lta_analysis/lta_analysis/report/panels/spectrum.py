@@ -34,9 +34,7 @@ def picture(view: View) -> Figure:
             )
         )
         peaks.append(np.log10(values))
-        labels.append(
-            Label(moment.where.replace(' away', '<br>away'), peaks[-1][-1], moment.colour)
-        )
+        labels.append(Label(moment.where, peaks[-1][-1], moment.colour))
     low = float(np.floor(min(np.quantile(peak, 0.02) for peak in peaks)))
     high = float(max(peak.max() for peak in peaks)) + 0.45
     figure.update_yaxes(title_text='amplitude [counts]', type='log', dtick=1)
@@ -57,7 +55,7 @@ def mark(figure: Figure, view: View) -> None:
         (mains, f'mains<br>{mains:g} Hz', SOFT, 'right'),
         (lamp, f'lamp<br>{lamp:g} Hz', LAMP, 'left'),
     ]
-    marks += [(k * lamp, f'× {k}', LAMP, 'left') for k in (3, 5) if k * lamp <= HIGHEST]
+    marks += [(k * lamp, f'{k} f', LAMP, 'left') for k in (3, 5) if k * lamp <= HIGHEST]
     for frequency, text, colour, side in marks:
         figure.add_vline(
             frequency, line={'color': colour, 'width': 1, 'dash': 'dot'}, layer='below'
