@@ -32,9 +32,9 @@ def package_prefix(package: str) -> Path:
     for prefix in prefixes():
         if (prefix / MARKERS / package).is_file():
             return prefix
-    where = os.environ.get('AMENT_PREFIX_PATH') or 'nothing'
+    where = os.environ.get('AMENT_PREFIX_PATH') or 'which is empty'
     raise BadInput(
-        f"Package '{package}' is not installed in {where} (AMENT_PREFIX_PATH); "
+        f"Package '{package}' is not installed under AMENT_PREFIX_PATH ({where}); "
         'build the workspace (make build) and source its setup file.'
     )
 

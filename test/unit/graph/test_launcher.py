@@ -257,7 +257,7 @@ def test_what_cannot_be_executed_starts_nothing(fleet):
     with pytest.raises(BadInput, match=r"^Unknown executable of fleet 'bad'; known: good\.$"):
         fleet.launcher().start()
     fleet.processes = [Process('nowhere', 'x', 'x', '/', (), False)]
-    with pytest.raises(BadInput, match=r"^Package 'nowhere' is not installed in .*build"):
+    with pytest.raises(BadInput, match=r"^Package 'nowhere' is not installed under .*build"):
         fleet.launcher().start()
 
 
