@@ -120,6 +120,7 @@ class World:
         self._ranges: list[tuple[int, float]] = []
         self._amplifier: AmplifierState | None = None
         self._poses = [self._pose()]
+        self.wrenches()  # loads the compiled kernel now, not in the middle of the first step
 
     def _draw_errors(self) -> None:
         """Draw what stays the same during the flight."""
@@ -287,9 +288,17 @@ class World:
         duties : sequence of float
             Duty by rotor, clipped to what each rotor can do.
 
+        Raises
+        ------
+        ValueError
+            If there is not one finite duty for each rotor; the state stays as it was.
+
         """
+        asked = np.asarray(duties, dtype=np.float64)
+        if asked.shape != (ACTUATORS,) or not np.isfinite(asked).all():
+            raise ValueError(f'The duties are {asked}; give {ACTUATORS} finite numbers.')
         low = np.where(self.vehicle.reversible, -1.0, 0.0)
-        self.duties = np.clip(np.asarray(duties, dtype=np.float64), low, 1.0)
+        self.duties = np.clip(asked, low, 1.0)
         now, end = self.stamp_ns, self.stamp_ns + self._table.control_ns
         period = self._table['range'].period_ns
         while now < end:

@@ -30,6 +30,7 @@ QUIET = 0.3  # wall seconds without a message after which nothing more is on the
 LINGER = 3.0  # wall seconds to wait for that quiet at most
 MARGIN = 4_000_000  # bytes left free on the disk beyond what closing needs
 DEPTH = 1000  # messages that may wait while the disk is slow
+NAP_NS = 5_000_000  # between looks: waking up for every message would cost half a core
 
 
 class RecorderSettings(Settings):
@@ -57,7 +58,7 @@ class Recorder(GraphNode):
         )
         self._books = Bookkeeping(self.table)
         self._fault = ''
-        self._heard = time.monotonic()
+        self._latest = time.monotonic()
         self._writer = BagWriter(Path(settings.bag), origin)
         for name, topic in self.table.topics.items():
             if topic.recorded:
@@ -83,7 +84,7 @@ class Recorder(GraphNode):
 
     def _writes(self, name: str, absolute: str) -> Callable[[bytes], None]:
         def write(data: bytes) -> None:
-            self._heard = time.monotonic()
+            self._latest = time.monotonic()
             if not self._fault:
                 try:
                     self._writer.write(absolute, data, self._books.log_time(name, data))
@@ -122,11 +123,13 @@ class Recorder(GraphNode):
 
     def work(self) -> None:
         """Record until told to stop, then until nothing more is on the way."""
-        super().work()
+        self.health.report('state', Level.OK, 'running')
+        spin(self, lambda: self.running, awaited=list, wait_ns=NAP_NS)
         deadline = time.monotonic() + LINGER
         if not self._fault:
-            self._heard = time.monotonic()
-            spin(self, lambda: time.monotonic() < min(deadline, self._heard + QUIET))
+            self._latest = time.monotonic()
+            end = lambda: time.monotonic() < min(deadline, self._latest + QUIET)  # noqa: E731
+            spin(self, end, awaited=list, wait_ns=NAP_NS)
 
     def close(self) -> None:
         """Finish the bag, and say so if it had to end early."""

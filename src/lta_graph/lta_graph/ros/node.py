@@ -6,7 +6,7 @@ come from `topics.yaml`. `on_step` gets everything that belongs to one answer (s
 `lta_graph.inbox`). Health goes to /diagnostics at every change and once a wall second.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from importlib import import_module
 import signal
 import sys
@@ -29,6 +29,7 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.signals import SignalHandlerOptions
+from rclpy.subscription import Subscription
 
 WATCH_PERIOD = 0.2  # wall seconds between looks at what is missing
 REPORT_PERIOD = 1.0  # wall seconds between two /diagnostics without news
@@ -80,7 +81,8 @@ class GraphNode(Node):
         self.running = True
         self.health = Health()
         self.health.report('state', Level.OK, 'starting')
-        self._inboxes: list[tuple[Inbox, Callable[[Step], None]]] = []
+        self._inbox: Inbox | None = None
+        self._inputs: dict[str, Subscription] = {}
         self._waiting_since: float | None = None
         self._heard: dict[str, float] = {}
         self._reported = 0.0
@@ -93,7 +95,7 @@ class GraphNode(Node):
         topic = self.table[name]
         return self.create_publisher(message_type(topic), name, profile(topic, self.lockstep))
 
-    def listen(self, topics: list[str], trigger: str, on_step: Callable[[Step], None]) -> Inbox:
+    def listen(self, topics: list[str], trigger: str, on_step: Callable[[Step], None]) -> None:
         """
         Subscribe to topics and call `on_step` for each message of the trigger.
 
@@ -107,17 +109,17 @@ class GraphNode(Node):
             Gets a `Step` with ROS messages.
 
         """
-        inbox = Inbox(self.table, self.role, topics, trigger, self.lockstep)
-        self._inboxes.append((inbox, on_step))
-        for name in topics:
+        inbox = self._inbox = Inbox(self.table, self.role, topics, trigger, self.lockstep)
+        # The trigger first: `spin` takes what was made first last, when all else has been taken.
+        for name in sorted(topics, key=lambda topic: topic != trigger):
             topic = self.table[name]
-            self.create_subscription(
+            self._inputs[name] = self.create_subscription(
                 message_type(topic),
                 name,
                 self._receiver(inbox, name, topic.stamped, on_step),
                 profile(topic, self.lockstep),
             )
-        return inbox
+        self._trigger = [self._inputs[trigger]]
 
     def _receiver(
         self, inbox: Inbox, name: str, stamped: bool, on_step: Callable[[Step], None]
@@ -131,10 +133,17 @@ class GraphNode(Node):
 
         return receive
 
+    def awaited(self) -> Iterable[Subscription]:
+        """Return what to wake up for: in lockstep only what can complete the next answer."""
+        if not self.lockstep or self._inbox is None:
+            return self.subscriptions
+        missing = self._inbox.waiting_for()
+        return [self._inputs[name] for name in missing] if missing else self._trigger
+
     def missing(self) -> list[str]:
         """Return the inputs that this node is waiting for; a node may add its own."""
         if self.lockstep:
-            return [name for inbox, _ in self._inboxes for name in inbox.waiting_for()]
+            return self._inbox.waiting_for() if self._inbox else []
         now = time.monotonic()
         return [
             name
@@ -161,7 +170,8 @@ class GraphNode(Node):
             )
         elif self._heard:
             self.health.report('inputs', Level.OK, 'all inputs arrive')
-        lost = {name: gap for inbox, _ in self._inboxes for name, gap in inbox.gaps.items() if gap}
+        gaps = self._inbox.gaps if self._inbox else {}
+        lost = {name: gap for name, gap in gaps.items() if gap}
         if lost:
             self.health.report('losses', Level.ERROR, 'messages were lost on the way', **lost)
         if self.health.changed or now - self._reported >= REPORT_PERIOD:
@@ -188,7 +198,7 @@ class GraphNode(Node):
     def work(self) -> None:
         """Answer inputs until told to stop; a node with a rhythm of its own adds to this."""
         self.health.report('state', Level.OK, 'running')
-        spin(self, lambda: self.running)
+        spin(self, lambda: self.running, self.awaited)
 
     def close(self) -> None:
         """Leave everything outside in order; called once on every way out but SIGKILL."""
