@@ -114,7 +114,7 @@ def embedded(name: str, content: object) -> str:
 
 def embedded_text(name: str, text: str) -> str:
     """Return JSON for the page's script; no text in it can end the element."""
-    safe = text.replace('</', '<\\/').replace('<!--', '<\\!--')
+    safe = text.replace('<', '\\u003c')
     return f'<script type="application/json" id="{name}">{safe}</script>'
 
 
@@ -161,7 +161,7 @@ def facts_html(flight: Flight) -> str:
 def commands_html(provenance: Mapping[str, str], bag: str) -> str:
     """Return how to look further, and how to fly it again."""
     options = [
-        f'--{key} {provenance[key]}' for key in ('vehicle', 'scenario', 'strategy', 'seed')
+        f'--{key} {provenance[key]}' for key in ('vehicle', 'scenario', 'strategy', 'seed', 'time')
         if key in provenance
     ]  # fmt: skip
     lines = [

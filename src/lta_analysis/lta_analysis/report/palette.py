@@ -16,8 +16,9 @@ TRUTH: Final = '#0b62a8'
 ESTIMATE: Final = '#c8500a'
 SETPOINT: Final = '#3d4757'
 RAW: Final = '#a9b3c1'
-LAMP: Final = '#b07a00'
+LAMP: Final = '#8a6100'
 GOOD: Final = '#0f7b5f'
+VEIL: Final = 'rgba(255,255,255,0.62)'
 FILL: Final = 'rgba(11,98,168,0.16)'
 GLOW: Final = ('rgba(255,190,20,0.00)', 'rgba(255,190,20,0.38)')
 TIME: Final = ('#41217a', '#2b5f9e', '#1f8f8a', '#58a846', '#c79a00')
@@ -36,6 +37,7 @@ DARK: Final[dict[str, str]] = {
     RAW: '#566274',
     LAMP: '#f5c542',
     GOOD: '#4fd1a5',
+    VEIL: 'rgba(21,27,36,0.55)',
     FILL: 'rgba(98,181,245,0.22)',
     GLOW[0]: 'rgba(255,205,90,0.00)',
     GLOW[1]: 'rgba(255,205,90,0.34)',

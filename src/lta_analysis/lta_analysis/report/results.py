@@ -85,7 +85,11 @@ def results_of(view: View) -> Results:
         **electricity(view, phases),
         'real_time_factor': float(view.provenance.get('real_time_factor', 'nan')),
     }
-    known: dict[str, Any] = {name: value for name, value in found.items() if np.isfinite(value)}
+    known: dict[str, Any] = {
+        name: value if isinstance(value, bool) else float(value)
+        for name, value in found.items()
+        if np.isfinite(value)
+    }
     return Results(**known)
 
 
@@ -232,11 +236,11 @@ def electricity(view: View, phases: Phases) -> dict[str, float]:
         return {}
     time, voltage, current = view.battery
     power = -voltage * current
-    flown = within(time, phases.lift_off, phases.end)
-    energy = float(np.trapezoid(power[flown], time[flown]))
-    lasted = float(np.ptp(time[flown])) if np.any(flown) else 0.0
+    inside = time[(time > phases.lift_off) & (time < phases.end)]
+    instants = np.array([phases.lift_off, *inside, phases.end])
+    energy = float(np.trapezoid(sampled(instants, time, power), instants))
     return {
-        'energy': energy if lasted > 0.0 else np.nan,
-        'power': energy / lasted if lasted > 0.0 else np.nan,
+        'energy': energy,
+        'power': energy / (phases.end - phases.lift_off),
         'cruise_power': mean(power[within(time, phases.cruise, phases.end)]),
     }

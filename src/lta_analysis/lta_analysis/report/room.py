@@ -2,7 +2,7 @@
 
 import math
 
-from lta_analysis.report.palette import GLOW, GOOD, INK, LAMP, PAPER, scale, WALL
+from lta_analysis.report.palette import GLOW, GOOD, INK, LAMP, PAPER, scale, VEIL, WALL
 from lta_sim.light_field import direct
 from lta_sim.scenario import Scenario
 import numpy as np
@@ -23,6 +23,8 @@ def word(
         yshift=up,
         text=text,
         font={'color': colour, 'size': 11},
+        bgcolor=VEIL,
+        borderpad=1,
     )
 
 

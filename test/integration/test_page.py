@@ -1,0 +1,187 @@
+"""The page of a flight in a real browser: nothing to complain of, everything drawn."""
+
+import os
+import re
+import struct
+
+from lta_analysis import browser
+from lta_analysis.browser import Browser, find_chromium
+from lta_analysis.report import write_page
+from lta_analysis.report.panels.registry import PANELS
+from lta_analysis.report.pictures import check, picture, SHARPNESS, show, write_pictures
+from lta_config.errors import BadInput
+import pytest
+
+from ..unit.analysis.report_flight import write_flight  # noqa: TID252 - `test` is Python's own
+
+NAMES = [panel.name for panel in PANELS]
+TIMED = [panel.name for panel in PANELS if panel.timed]
+RANGES = """Object.fromEntries([...document.querySelectorAll('.plot')].map(
+  (plot) => [plot.dataset.panel, plot._fullLayout.xaxis.range.slice()]))"""
+CURSORS = """[...document.querySelectorAll('.cursor')].map((line) => {
+  const plot = line.parentElement;
+  return plot._fullLayout.xaxis.p2d(parseFloat(line.style.left) - plot._fullLayout._size.l);
+})"""
+DRONE = """(() => {
+  const plot = document.querySelector('[data-panel=path]');
+  const { xaxis, yaxis } = plot._fullLayout;
+  const hull = plot.querySelector('.hull');
+  return [xaxis.p2d(hull.getAttribute('cx') - xaxis._offset),
+          yaxis.p2d(hull.getAttribute('cy') - yaxis._offset)];
+})()"""
+
+
+@pytest.fixture(scope='module')
+def page(tmp_path_factory):
+    folder = tmp_path_factory.mktemp('page')
+    try:
+        find_chromium()
+    except BadInput as reason:
+        pytest.skip(str(reason))
+    write_page(write_flight(folder / 'bag'), folder / 'page.html')
+    return folder / 'page.html'
+
+
+@pytest.fixture(scope='module')
+def running(page):
+    with Browser() as session:
+        yield session
+
+
+@pytest.fixture
+def session(running, page):
+    """Return a browser that has just opened the page."""
+    show(running, page, 'light', 1280)
+    return running
+
+
+@pytest.mark.parametrize(('theme', 'width'), [('light', 1280), ('dark', 1280), ('light', 390)])
+def test_every_panel_is_drawn_without_a_complaint_or_a_request(page, theme, width):
+    found = check(page, theme, width)
+    assert found.messages == []
+    assert found.fetched == []
+    assert [panel.name for panel in found.panels] == NAMES
+    for panel in found.panels:
+        assert panel.traces > 0, panel
+        assert panel.marks > 0, panel
+        assert panel.width > 250, panel
+        assert panel.height > 150, panel
+        assert panel.width <= width
+
+
+def test_one_instant_is_marked_in_all_panels_and_on_the_path(session):
+    slider = "document.getElementById('time')"
+    session.evaluate(f"{slider}.value = 10; {slider}.dispatchEvent(new Event('input'))")
+    assert session.evaluate(CURSORS) == pytest.approx([10.0] * len(TIMED), abs=1e-3)
+    assert session.evaluate(DRONE) == pytest.approx([-0.5, 0.0], abs=0.03)
+    spoken = session.evaluate(f"{slider}.getAttribute('aria-valuetext')")
+    assert 'time 10.0' in spoken
+    assert re.search(r'to the lamp (3\.99|4\.0\d)', spoken)
+
+
+def test_pointing_at_one_panel_marks_the_instant_in_the_others(session):
+    spot = session.evaluate("""(() => {
+      const plot = document.querySelector('[data-panel=airspeed]');
+      plot.scrollIntoView({ block: 'center', behavior: 'instant' });
+      const { left, top, height } = plot.getBoundingClientRect();
+      const { _size: size, xaxis } = plot._fullLayout;
+      return [left + size.l + xaxis.d2p(8), top + height / 2];
+    })()""")
+    session.call('Input.dispatchMouseEvent', type='mouseMoved', x=spot[0], y=spot[1])
+    session.wait(f'Math.abs({CURSORS}[0] - 8) < 0.1')
+    assert session.evaluate(CURSORS) == pytest.approx([8.0] * len(TIMED), abs=0.1)
+
+
+def test_zooming_one_panel_zooms_all_panels_over_time(session):
+    before = session.evaluate(RANGES)
+    session.evaluate("""Plotly.relayout(document.querySelector('[data-panel=duty]'),
+                        { 'xaxis.range[0]': 5, 'xaxis.range[1]': 9 }).then(() => 0)""")
+    session.wait(f'{RANGES}.altitude[0] === 5')
+    after = session.evaluate(RANGES)
+    for name in NAMES:
+        assert after[name] == pytest.approx([5, 9] if name in TIMED else before[name])
+
+
+def test_button_changes_the_paper_of_page_and_pictures(session):
+    paper = """[getComputedStyle(document.querySelector('.panel')).backgroundColor,
+                document.querySelector('[data-panel=duty]')._fullLayout.paper_bgcolor]"""
+    assert session.evaluate(paper) == ['rgb(255, 255, 255)', '#ffffff']
+    session.evaluate("document.getElementById('theme').click()")
+    session.wait(f"{paper}[1] === '#151b24'")
+    assert session.evaluate(paper) == ['rgb(21, 27, 36)', '#151b24']
+
+
+def test_flight_plays_from_the_keyboard(session):
+    session.evaluate("document.getElementById('play').focus()")
+    for kind in ('keyDown', 'keyUp'):
+        session.call(
+            'Input.dispatchKeyEvent', type=kind, key=' ', code='Space', text=' ',
+            windowsVirtualKeyCode=32,
+        )  # fmt: skip
+    start = session.evaluate("Number(document.getElementById('time').value)")
+    session.wait(f"Number(document.getElementById('time').value) > {start} + 0.3")
+    assert session.evaluate("document.getElementById('play').ariaLabel") == 'Pause'
+
+
+def size(png):
+    """Return width and height of a PNG, which must be one."""
+    data = png.read_bytes()
+    assert data.startswith(b'\x89PNG\r\n\x1a\n')
+    return struct.unpack('>II', data[16:24])
+
+
+def test_pictures_of_the_whole_top_and_of_every_panel(page, tmp_path):
+    written = write_pictures(page, tmp_path / 'pictures')
+    assert [path.stem for path in written] == ['top', *NAMES]
+    sizes = {path.stem: size(path) for path in written}
+    assert sizes['top'][0] == 1280 * SHARPNESS
+    assert all(width > 500 * SHARPNESS for width, _ in sizes.values())
+    assert all(height > 300 * SHARPNESS for _, height in sizes.values())
+
+
+def test_picture_of_an_unknown_panel_names_the_known_ones(page, tmp_path):
+    with pytest.raises(BadInput, match=r"Unknown panel 'nose'; known: .*path.*top"):
+        picture(page, tmp_path / 'x.png', 'nose')
+
+
+def test_no_page_is_one_sentence(page, tmp_path):
+    with pytest.raises(BadInput, match=r"^There is no page '.+'; check the path\.$"):
+        check(tmp_path / 'none.html')
+
+
+def test_complaints_and_requests_are_seen(page, tmp_path):
+    bad = tmp_path / 'bad.html'
+    bad.write_text(
+        '<script>document.documentElement.dataset.drawn = "1"; console.warn("odd");'
+        'fetch("http://127.0.0.1:9/x").catch(() => 0); nothing.at.all;</script>'
+    )
+    found = check(bad)
+    assert 'odd' in found.messages
+    assert any('nothing is not defined' in message for message in found.messages)
+    assert found.fetched == ['http://127.0.0.1:9/x']
+
+
+def test_browser_leaves_no_process_behind(page):
+    with Browser() as session:
+        process = session._process.pid
+    with pytest.raises(ProcessLookupError):
+        os.kill(process, 0)
+
+
+def test_without_a_browser_the_sentence_says_how_to_get_one(monkeypatch, tmp_path):
+    monkeypatch.setenv('PATH', str(tmp_path))
+    monkeypatch.delenv(browser.OVERRIDE, raising=False)
+    with pytest.raises(BadInput, match='sudo apt install chromium'):
+        find_chromium()
+
+
+def test_named_browser_must_exist(monkeypatch):
+    monkeypatch.setenv(browser.OVERRIDE, '/no/such/program')
+    with pytest.raises(BadInput, match="LTA_CHROMIUM names '/no/such/program'"):
+        find_chromium()
+
+
+def test_program_that_is_no_browser_is_one_sentence(monkeypatch):
+    monkeypatch.setenv(browser.OVERRIDE, 'true')
+    with pytest.raises(BadInput, match=r'true ended at .+ with status 0; start it by hand'):
+        Browser().__enter__()

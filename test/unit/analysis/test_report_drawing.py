@@ -1,0 +1,123 @@
+"""Lines, labels and colours of the pictures."""
+
+import re
+
+from lta_analysis.bag import open_flight
+from lta_analysis.report import palette
+from lta_analysis.report.drawing import extent, Label, label_ends, MOST_POINTS, over_time, thinned
+from lta_analysis.report.moments import moments
+from lta_analysis.report.panels import path
+from lta_analysis.report.panels.registry import PANELS
+from lta_analysis.report.rays import graded
+from lta_analysis.report.view import View
+from lta_vlc.spectrum import amplitude_spectrum
+import numpy as np
+import pytest
+
+from .report_flight import write_flight
+
+COLOUR = re.compile(r'#[0-9a-f]{6}\b|rgba?\([^)]*\)')
+WORDS = ['INK', 'SOFT', 'TRUTH', 'ESTIMATE', 'SETPOINT', 'LAMP', 'GOOD']
+
+
+@pytest.fixture(scope='module')
+def view(tmp_path_factory):
+    return View(open_flight(write_flight(tmp_path_factory.mktemp('flight') / 'bag')))
+
+
+def luminance(colour):
+    """Return the relative luminance of #rrggbb (WCAG 2.1)."""
+    parts = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def contrast(one, other):
+    light, dark = sorted([luminance(one), luminance(other)], reverse=True)
+    return (light + 0.05) / (dark + 0.05)
+
+
+@pytest.mark.parametrize('name', WORDS)
+def test_words_can_be_read_on_both_papers(name):
+    colour = getattr(palette, name)
+    assert contrast(colour, palette.PAPER) >= 4.5
+    assert contrast(palette.DARK[colour], palette.DARK[palette.PAPER]) >= 4.5
+
+
+@pytest.mark.parametrize('panel', PANELS, ids=lambda panel: panel.name)
+def test_every_colour_has_its_partner_on_dark_paper(view, panel):
+    drawn = panel.picture(view)
+    drawn.layout.template.data = {}
+    used = set(COLOUR.findall(drawn.to_json()))
+    assert used - set(palette.DARK) == set()
+
+
+@pytest.mark.parametrize('scale', ['TIME', 'HEAT'])
+@pytest.mark.parametrize('dark', [False, True])
+def test_scales_are_ordered_by_lightness(scale, dark):
+    colours = getattr(palette, scale)
+    shades = [luminance(palette.DARK[colour] if dark else colour) for colour in colours]
+    assert shades in (sorted(shades), sorted(shades, reverse=True))
+
+
+@pytest.mark.parametrize('panel', PANELS, ids=lambda panel: panel.name)
+def test_no_line_has_more_points_than_anyone_can_see(view, panel):
+    for trace in panel.picture(view).data:
+        assert trace.x is None or len(trace.x) <= MOST_POINTS + 2
+
+
+def test_thinning_keeps_the_ends_and_every_spike():
+    time = np.linspace(0.0, 60.0, 6001)
+    values = np.sin(time)
+    values[[17, 4321]] = 9.0, -9.0
+    x, y = thinned(time, values)
+    assert len(x) <= MOST_POINTS + 1
+    assert np.all(np.diff(x) > 0.0)
+    assert (y.max(), y.min()) == (9.0, -9.0)
+    assert x[0] == 0.0
+    assert x[-1] == pytest.approx(60.0, abs=0.07)
+
+
+def test_thinning_leaves_a_short_line_alone():
+    x, y = thinned(np.arange(5.0), np.arange(5.0) ** 2)
+    np.testing.assert_array_equal(x, [0, 1, 2, 3, 4])
+    np.testing.assert_array_equal(y, [0, 1, 4, 9, 16])
+
+
+def test_labels_at_the_same_height_are_moved_apart_and_stay_inside(view):
+    figure = over_time(view)
+    before = len(figure.layout.annotations)
+    label_ends(figure, [Label(name, 1.0, '#000000') for name in 'abcd'], (0.0, 1.0))
+    heights = sorted(note.y for note in figure.layout.annotations[before:])
+    assert np.all(np.diff(heights) >= 0.0849)
+    assert heights[-1] <= 1.0
+
+
+def test_extent_shows_all_that_is_finite():
+    assert extent(np.array([1.0, np.nan, 3.0]), pad=0.5) == (0.0, 4.0)
+    assert extent(np.array([np.nan])) == (0.0, 1.0)
+    low, high = extent(np.array([2.0]))
+    assert low < 2.0 < high
+
+
+def test_grades_run_from_the_least_to_the_greatest():
+    assert graded(np.array([0.0, 0.3, 0.6, 1.0])).tolist() == [0, 1, 2, 3]
+    assert graded(np.array([5.0, 5.0])).tolist() == [0, 0]
+
+
+def test_word_goes_where_the_paths_are_farthest_apart():
+    other = np.array([[x, 0.0] for x in np.linspace(0.0, 4.0, 401)])
+    bulge = np.array([[0.0, 0.0], [1.0, 0.1], [2.0, -0.5], [3.0, 0.2]])
+    place, direction = path.farthest(bulge, other)
+    assert place == (2.0, -0.5)
+    assert direction == pytest.approx((0.0, -1.0), abs=1e-6)
+
+
+def test_moments_are_the_ends_of_the_search(view):
+    far, near = moments(view)
+    assert far.where == '7.0 m away'
+    assert near.where in {'1.0 m away', '1.1 m away'}  # 1.05 m
+    for moment, distance in ((far, 7.0), (near, 1.05)):
+        spectrum = amplitude_spectrum(moment.samples[:, None])[:, 0]
+        assert spectrum[15] == pytest.approx(500.0 / distance**2, rel=0.05)  # 150 Hz, 10 Hz a bin
+        assert spectrum[10] == pytest.approx(20.0, rel=0.05)  # the mains
