@@ -71,9 +71,10 @@ def over_time(view: View, rows: int = 1, heights: Sequence[float] | None = None)
     ]
     for time, text, side in marks:
         if view.span[0] < time < view.span[1]:
-            figure.add_vline(
-                time, line={'color': WALL, 'width': 1, 'dash': '2px,3px'}, layer='below'
-            )
+            figure.add_shape(
+                type='line', x0=time, x1=time, y0=0.0, y1=1.0, yref='paper', layer='below',
+                line={'color': WALL, 'width': 1, 'dash': '2px,3px'},
+            )  # fmt: skip
             figure.add_annotation(
                 x=time, y=1.0, yref='paper', yanchor='bottom', text=text, xanchor=side,
                 font={'size': 10, 'color': SOFT},

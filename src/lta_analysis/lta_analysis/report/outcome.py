@@ -33,12 +33,11 @@ def number(value: float | None, digits: int = 2, factor: float = 1.0) -> str:
     return f'{value * factor:.{digits}f}'.replace('-', '\N{MINUS SIGN}')
 
 
-def spread(value: float | None, deviation: float | None, unit: str, digits: int = 2) -> str:
+def spread(value: float | None, deviation: float | None, unit: str) -> str:
     """Return a figure with its spread and unit."""
     if value is None:
         return MISSING
-    around = '' if deviation is None else f' \N{PLUS-MINUS SIGN} {deviation:.{digits}f}'
-    return f'{number(value)}{around} {unit}'
+    return f'{number(value)} \N{PLUS-MINUS SIGN} {number(deviation)} {unit}'
 
 
 def amount(value: float | None, unit: str, digits: int = 2, factor: float = 1.0) -> str:
@@ -96,10 +95,10 @@ def table(results: Results) -> list[Row]:
         Row('path to the goal', amount(r.path_length, 'm'), '7.3 m'),
         Row('time from the first forward command', amount(r.search_time, 's', 1), '8.4 s'),
         Row('time from leaving the ground', amount(r.flight_time, 's', 1)),
-        Row('forward airspeed, true, cruise', spread(r.airspeed, r.airspeed_spread, 'm/s'),
-            '0.5 m/s'),
-        Row('altitude of the hull centre, cruise', spread(r.altitude, r.altitude_error, 'm', 3),
-            '0.5 m'),
+        Row('forward airspeed, true, cruise, mean and SD',
+            spread(r.airspeed, r.airspeed_spread, 'm/s'), '0.5 m/s'),
+        Row('altitude of the hull centre, cruise', amount(r.altitude, 'm'), '0.5 m'),
+        Row('altitude off its set-point, RMS, cruise', amount(r.altitude_error, 'cm', 1, 100.0)),
         Row('nose off the lamp, RMS, cruise', amount(r.heading_error, '°', 1, DEGREES)),
         Row('bearing error, RMS', amount(r.bearing_error, '°', 1, DEGREES)),
         Row('power, cruise', amount(r.cruise_power, 'W'), '1.52 to 1.54 W'),

@@ -59,7 +59,7 @@ def amplitudes(time: Array, azimuth: Array, amplitude: Array) -> Heatmap:
             'tickvals': ticks,
             'ticktext': [f'{10.0**tick:g}' for tick in ticks],
             'tickfont': {'color': SOFT, 'size': 10},
-            'title': {'text': 'counts', 'font': {'color': SOFT, 'size': 10}},
+            'title': {'text': 'counts', 'side': 'right', 'font': {'color': SOFT, 'size': 10}},
         },
     )
 

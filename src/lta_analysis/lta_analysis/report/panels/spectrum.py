@@ -39,7 +39,7 @@ def picture(view: View) -> Figure:
     high = float(max(peak.max() for peak in peaks)) + 0.45
     figure.update_yaxes(title_text='amplitude [counts]', type='log', dtick=1)
     label_ends(figure, labels, (low, high))
-    figure.update_xaxes(title_text='frequency [Hz]', range=[0, HIGHEST], dtick=100)
+    figure.update_xaxes(title_text='frequency [Hz]', range=[0, HIGHEST], tickangle=0)
     figure.update_xaxes(unifiedhovertitle_text='%{x} Hz')
     mark(figure, view)
     return figure
