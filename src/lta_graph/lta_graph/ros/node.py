@@ -33,7 +33,7 @@ from rclpy.subscription import Subscription
 
 WATCH_PERIOD = 0.2  # wall seconds between looks at what is missing
 REPORT_PERIOD = 1.0  # wall seconds between two /diagnostics without news
-FAREWELL = 0.5  # wall seconds for the last messages to arrive
+FAREWELL = 0.2  # wall seconds for the last messages to be acknowledged
 PATIENCE = 0.8  # wall seconds of waiting after which the missing input is named
 
 
@@ -202,8 +202,10 @@ class GraphNode(Node):
 
     def close(self) -> None:
         """Leave everything outside in order; called once on every way out but SIGKILL."""
+        deadline = time.monotonic() + FAREWELL
         for publisher in self.publishers:
-            publisher.wait_for_all_acked(Duration(seconds=FAREWELL))
+            left = max(0.0, deadline - time.monotonic())
+            publisher.wait_for_all_acked(Duration(seconds=left))
 
 
 def run(node_class: type[GraphNode], args: list[str] | None = None) -> None:
