@@ -169,8 +169,10 @@ def cascade_step(
         shortfall.yaw,
         dt,
     )
+    # The rotors push along the nose: of what lacks along the course, only that part is theirs.
+    lack = math.cos(measured.heading - setpoint.heading) * (speed - along)
     surge, speed_memory = pid_step(
-        pid_gains(gains.speed), memory.speed, speed - along, 0.0, shortfall.surge, dt
+        pid_gains(gains.speed), memory.speed, lack, 0.0, shortfall.surge, dt
     )
     surge += drag_force(*surge_drag, speed)
     return Demand(surge, heave, yaw), CascadeMemory(climb_memory, rate_memory, speed_memory)

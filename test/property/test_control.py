@@ -1,0 +1,106 @@
+"""Laws of the control cores over what they may be asked."""
+
+import math
+
+from hypothesis import given, settings, strategies as st
+from lta_control.allocation import allocate, duty, WEIGHTS
+from lta_control.cascade import CascadeGains, course, Measured, Setpoint, wrap
+from lta_control.control import control_step, ControlMemory
+from lta_control.gains_file import load_gains
+from lta_control.pid import pid_step
+from lta_control.vehicle_side import rotors_of
+from lta_sim.vehicle import load_vehicle
+import numpy as np
+import pytest
+from scipy.optimize import lsq_linear
+
+ROTORS = rotors_of(load_vehicle('gtmab'))
+REVERSIBLE = ROTORS._replace(low=tuple(-x for x in ROTORS.high))
+B = np.array(ROTORS.allocation).T
+ROOT = np.sqrt(np.array(WEIGHTS))[:, None]
+FULL = ROTORS.high[0]
+
+force = st.floats(-0.5, 0.5)
+moment = st.floats(-0.05, 0.05)
+thrust = st.floats(0.0, FULL)
+number = st.floats(-10.0, 10.0)
+angle = st.floats(-4.0, 4.0)
+
+
+def objective(thrusts, wrench):
+    return float(np.sum((ROOT[:, 0] * (B @ thrusts - wrench)) ** 2))
+
+
+@pytest.mark.parametrize('rotors', [ROTORS, REVERSIBLE], ids=['forward only', 'reversible'])
+@settings(max_examples=150)
+@given(
+    st.tuples(force, force, force, moment, moment, moment),
+    st.tuples(thrust, thrust, thrust, thrust),
+)
+def test_allocation_is_the_bounded_least_squares_solution(rotors, wrench, start):
+    wanted = np.array(wrench)
+    best = lsq_linear(
+        ROOT * B, ROOT[:, 0] * wanted, (rotors.low, np.array(rotors.high)), 'bvls', tol=1e-15
+    )
+    least = objective(best.x, wanted)
+    asked = objective(np.zeros(4), wanted)  # what is at stake
+    for begin in (0.0,) * 4, start, tuple(best.x):
+        thrusts, delivered = allocate(rotors, wrench, begin)
+        assert objective(thrusts, wanted) - least <= 1e-9 * asked + 1e-15
+        assert all(
+            low <= t <= high
+            for low, t, high in zip(rotors.low, thrusts, rotors.high, strict=True)
+        )
+        np.testing.assert_allclose(delivered, B @ thrusts, atol=1e-12)
+
+
+@given(st.floats(-5.0, 5.0), st.floats(0.0, 1.0), st.floats(0.01, 1.0))
+def test_duty_inverts_any_curve(size, a, b):
+    u = duty(size, a, b)
+    assert (a * abs(u) + b) * u == pytest.approx(size, rel=1e-12, abs=1e-300)
+    assert duty(-size, a, b) == -u
+
+
+@given(st.tuples(number, number, number, number), number, st.floats(0.001, 0.1))
+def test_pid_stays_within_its_limits(signals, limit, dt):
+    integral, error, rate, shortfall = signals
+    gains = (1.0, 0.5, 0.2, -abs(limit), abs(limit))
+    output, _ = pid_step(gains, integral, error, rate, shortfall, dt)
+    assert abs(output) <= abs(limit)
+
+
+@given(angle, angle, number, number, st.floats(0.0, 3.0))
+def test_course_never_asks_for_more_than_the_setpoint(nose, wanted, surge, sway, speed):
+    gains = CascadeGains()
+    measured = Measured(0.5, 0.0, nose, 0.0, surge, sway)
+    heading, asked, along = course(gains, measured, Setpoint(0.5, wanted, speed))
+    assert 0.0 <= asked <= speed
+    assert abs(wrap(heading - wanted)) <= gains.drift_limit + 1e-12
+    assert abs(along) <= math.hypot(surge, sway) + 1e-12
+
+
+@given(angle, angle, number, number, st.floats(0.0, 3.0))
+def test_course_is_the_same_mirrored(nose, wanted, surge, sway, speed):
+    gains = CascadeGains()
+    left = course(
+        gains, Measured(0.5, 0.0, nose, 0.0, surge, sway), Setpoint(0.5, wanted, speed)
+    )
+    right = course(
+        gains, Measured(0.5, 0.0, -nose, 0.0, surge, -sway), Setpoint(0.5, -wanted, speed)
+    )
+    assert right == pytest.approx((-left[0], left[1], left[2]), abs=1e-12)
+
+
+@given(
+    st.tuples(st.floats(-1.0, 5.0), number, angle, number, number, number),
+    st.tuples(st.floats(0.0, 5.0), angle, st.floats(0.0, 3.0)),
+)
+def test_duties_are_what_the_rotors_accept(measured, setpoint):
+    gains = load_gains('gtmab')
+    memory = ControlMemory()
+    for _ in range(3):
+        duties, memory = control_step(
+            gains, ROTORS, (0.0, 0.092), memory, Measured(*measured), Setpoint(*setpoint), 0.01
+        )
+        assert all(0.0 <= u <= 1.0 + 1e-12 for u in duties)
+        assert all(map(math.isfinite, (*memory.cascade, *memory.thrusts, *memory.shortfall)))

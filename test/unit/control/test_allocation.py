@@ -1,0 +1,117 @@
+"""Allocation on GT-MAB: exact where it can be, and what gives way first where it cannot."""
+
+from lta_control.allocation import allocate, duty, Rotors
+from lta_control.vehicle_side import rotors_of
+from lta_sim.vehicle import load_vehicle
+import numpy as np
+import pytest
+
+ROTORS = rotors_of(load_vehicle('gtmab'))
+FULL = 0.0915 + 0.0677
+REST = (0.0, 0.0, 0.0, 0.0)
+
+
+def give(surge=0.0, heave=0.0, yaw=0.0, rotors=ROTORS, start=REST):
+    return allocate(rotors, (surge, 0.0, heave, 0.0, 0.0, yaw), start)
+
+
+def test_the_rotors_of_the_file():
+    assert ROTORS.low == (0.0, 0.0, 0.0, 0.0)
+    assert ROTORS.high == pytest.approx((FULL,) * 4, rel=1e-12)
+    assert (ROTORS.a, ROTORS.b) == (0.0915, 0.0677)
+    assert ROTORS.allocation[0] == (0.0, 0.013, 0.961, 0.188, 0.0, 0.0)
+    assert ROTORS.allocation[3] == (0.981, -0.011, -0.061, 0.002, -0.403, 0.1)
+
+
+def test_what_can_be_given_is_given():
+    # By hand: t_f = surge / (2 * 0.981) each -+ yaw / (2 * 0.1), t_v = (heave + 0.122 t_f) / 1.922.
+    thrusts, given = give(surge=0.04, heave=0.05, yaw=0.001)
+    forward = 0.04 / 1.962
+    up = (0.05 + 0.122 * forward) / 1.922
+    assert thrusts[2:] == pytest.approx((forward - 0.005, forward + 0.005), rel=1e-7)
+    assert sum(thrusts[:2]) == pytest.approx(2 * up, rel=1e-7)
+    assert given[0] == pytest.approx(0.04, rel=1e-7)
+    assert given[2] == pytest.approx(0.05, rel=1e-7)
+    assert given[5] == pytest.approx(0.001, rel=1e-6)
+
+
+def test_the_vertical_rotors_share_the_load():
+    thrusts, given = give(heave=0.1)
+    assert thrusts[0] == pytest.approx(thrusts[1], rel=1e-8)
+    assert given[3] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_what_is_given_is_b_times_the_thrusts():
+    thrusts, given = give(surge=0.3, heave=0.02, yaw=-0.01)
+    np.testing.assert_allclose(given, np.array(ROTORS.allocation).T @ thrusts, atol=1e-15)
+
+
+def test_altitude_before_heading_before_speed():
+    """All three beyond the rotors: heave is kept best, then yaw, and surge gives way."""
+    thrusts, given = give(surge=0.35, heave=0.15, yaw=0.012)
+    assert thrusts[3] == FULL
+    lost = 1 - given[2] / 0.15, 1 - given[5] / 0.012, 1 - given[0] / 0.35
+    assert abs(lost[0]) < 0.002
+    assert 0.002 < lost[1] < 0.15
+    assert 0.4 < lost[2]
+
+
+def test_what_gives_way_by_hand():
+    """With one rotor at full, the other forward rotor weighs surge (1) against yaw (1000)."""
+    thrusts, _ = give(surge=0.35, yaw=0.012)
+    t4 = FULL
+    # Minimise (0.981 (t3 + t4) - 0.35)^2 + 1000 (0.1 (t4 - t3) - 0.012)^2 over t3; heave can follow
+    # and the 0.002 m of roll are the vertical rotors' as well.
+    t3 = (0.981 * (0.35 - 0.981 * t4) + 1000.0 * 0.1 * (0.1 * t4 - 0.012))
+    t3 /= 0.981**2 + 1000.0 * 0.1**2
+    assert thrusts[2] == pytest.approx(t3, rel=1e-6)
+
+
+def test_full_heave_and_surge_at_once():
+    thrusts, given = give(surge=1.0, heave=1.0)
+    assert thrusts[:2] == pytest.approx((FULL, FULL), rel=1e-12)
+    # The forward rotors push down, but a newton of surge is worth more than 0.061 of 100 heave^2.
+    assert given[2] <= 2 * 0.961 * FULL
+
+
+def test_braking_without_reverse_gives_nothing():
+    thrusts, given = give(surge=-0.1)
+    assert thrusts == pytest.approx(REST, abs=1e-12)
+    assert given == pytest.approx((0.0,) * 6, abs=1e-12)
+
+
+def test_a_reversible_rotor_brakes_and_pushes_down():
+    both = ROTORS._replace(low=(-FULL,) * 4)
+    _, given = give(surge=-0.1, heave=-0.1, rotors=both)
+    assert given[0] == pytest.approx(-0.1, rel=1e-7)
+    assert given[2] == pytest.approx(-0.1, rel=1e-7)
+
+
+def test_the_strongest_push_downwards():
+    assert ROTORS.lowest_heave == 0.0
+    both = ROTORS._replace(low=(-FULL,) * 4)
+    assert both.lowest_heave == pytest.approx(-2 * 0.961 * FULL, rel=1e-12)
+
+
+def test_a_rotor_that_nothing_feels_stays_as_it_is():
+    columns = (*ROTORS.allocation[:3], (0.0, 1.0, 0.0, 0.0, 1.0, 0.0))
+    dumb = ROTORS._replace(allocation=columns)
+    assert give(heave=0.1, rotors=dumb, start=(0.0, 0.0, 0.0, 0.07))[0][3] == 0.07
+
+
+@pytest.mark.parametrize('u', [-1.0, -0.4, -1e-9, 0.0, 1e-12, 0.02, 0.5, 1.0])
+def test_duty_is_the_inverse_of_the_thrust_curve(u):
+    thrust = (0.0915 * abs(u) + 0.0677) * u
+    assert duty(thrust, 0.0915, 0.0677) == pytest.approx(u, rel=1e-12)
+
+
+def test_duty_of_a_straight_curve():
+    assert duty(0.03, 0.0, 0.06) == 0.5
+    assert duty(-0.03, 0.0, 0.06) == -0.5
+
+
+def test_rotors_are_what_the_caller_says():
+    rotors = Rotors(((0.0, 0.0, 1.0, 0.0, 0.0, 0.0),), (0.0,), (2.0,), 0.1, 0.1)
+    thrusts, given = allocate(rotors, (0.0, 0.0, 1.5, 0.0, 0.0, 0.0), (0.0,))
+    assert thrusts == pytest.approx((1.5,), rel=1e-8)
+    assert given[2] == thrusts[0]

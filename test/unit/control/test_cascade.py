@@ -1,0 +1,181 @@
+"""The cascade: signs, limits, feed-forward and the course of a hull without a keel."""
+
+import math
+
+from lta_control.cascade import (
+    cascade_step,
+    CascadeGains,
+    CascadeMemory,
+    course,
+    Demand,
+    drag_force,
+    Measured,
+    pid_gains,
+    Setpoint,
+    wrap,
+)
+from lta_control.pid import PidGains
+import numpy as np
+import pytest
+
+GAINS = CascadeGains()
+AT_REST = Measured(altitude=0.5, climb=0.0, heading=0.0, yaw_rate=0.0, speed=0.0, sway=0.0)
+HOLD = Setpoint(altitude=0.5, heading=0.0, speed=0.0)
+NONE = Demand(0.0, 0.0, 0.0)
+DT = 0.01
+
+
+def ask(measured=AT_REST, setpoint=HOLD, memory=None, shortfall=NONE, gains=GAINS, **more):
+    drag, lowest = more.get('drag', (0.0, 0.092)), more.get('lowest', -10.0)
+    memory = memory or CascadeMemory()
+    return cascade_step(gains, drag, lowest, memory, measured, setpoint, shortfall, DT)
+
+
+def test_where_it_should_be_it_does_nothing():
+    assert ask() == (NONE, CascadeMemory())
+
+
+def test_too_low_is_pushed_up_by_the_product_of_the_gains():
+    demand, memory = ask(AT_REST._replace(altitude=0.4))
+    # 0.1 m low: 0.6 * 0.1 = 0.06 m/s asked, 0.5 N s/m times that.
+    assert demand == (0.0, pytest.approx(0.5 * 0.06), 0.0)
+    assert memory.climb == pytest.approx(DT * 0.15 * 0.06)
+
+
+def test_too_high_is_pushed_down_only_as_far_as_the_rotors_can():
+    assert ask(AT_REST._replace(altitude=0.6))[0].heave == pytest.approx(-0.03)
+    assert ask(AT_REST._replace(altitude=0.6), lowest=0.0)[0].heave == 0.0
+    assert ask(AT_REST._replace(altitude=0.6), lowest=-0.01)[0].heave == -0.01
+
+
+def test_climb_rate_is_damped_and_limited():
+    assert ask(AT_REST._replace(climb=0.1))[0].heave == pytest.approx(-0.5 * 0.1)
+    far = ask(AT_REST._replace(altitude=0.0), HOLD._replace(altitude=90.0))
+    assert far[0].heave == pytest.approx(0.5 * GAINS.climb_limit)
+    down = ask(AT_REST._replace(altitude=90.0))
+    assert down[0].heave == pytest.approx(-0.5 * GAINS.climb_limit)
+
+
+def test_the_force_is_limited():
+    demand, _ = ask(AT_REST._replace(climb=-5.0))
+    assert demand.heave == GAINS.climb.limit
+    demand, _ = ask(AT_REST._replace(yaw_rate=-5.0))
+    assert demand.yaw == GAINS.yaw_rate.limit
+    demand, _ = ask(AT_REST._replace(speed=-5.0))
+    assert demand.surge == GAINS.speed.limit
+
+
+def test_a_lamp_to_the_left_turns_left():
+    demand, memory = ask(setpoint=HOLD._replace(heading=0.2))
+    assert demand == (0.0, 0.0, pytest.approx(0.04 * 0.6 * 0.2))
+    assert memory.yaw_rate == pytest.approx(DT * 0.01 * 0.6 * 0.2)
+    assert ask(setpoint=HOLD._replace(heading=-0.2))[0].yaw == pytest.approx(-0.04 * 0.6 * 0.2)
+
+
+def test_yaw_rate_is_damped_and_limited():
+    assert ask(AT_REST._replace(yaw_rate=0.1))[0].yaw == pytest.approx(-0.04 * 0.1)
+    wide = GAINS.model_copy(update={'yaw_rate': PidGains(kp=0.04, limit=1.0)})
+    turned = ask(setpoint=HOLD._replace(heading=3.0), gains=wide)[0].yaw
+    assert turned == pytest.approx(0.04 * GAINS.yaw_rate_limit)
+    assert ask(setpoint=HOLD._replace(heading=-3.0), gains=wide)[0].yaw == pytest.approx(-turned)
+
+
+def test_it_turns_the_short_way_round():
+    measured, setpoint = AT_REST._replace(heading=3.1), HOLD._replace(heading=-3.1)
+    assert ask(measured, setpoint)[0].yaw == pytest.approx(0.04 * 0.6 * (2 * math.pi - 6.2))
+
+
+def test_the_drag_at_the_wanted_speed_is_fed_forward():
+    flying = AT_REST._replace(speed=0.5)
+    demand, memory = ask(flying, HOLD._replace(speed=0.5), drag=(0.01, 0.092))
+    # At the wanted speed nothing but the drag is left: 0.01 * 0.5 + 0.092 * 0.25.
+    assert demand.surge == pytest.approx(0.028, rel=1e-12)
+    assert memory.speed == 0.0
+
+
+def test_too_slow_is_pushed_forward():
+    demand, memory = ask(AT_REST._replace(speed=0.4), HOLD._replace(speed=0.5), drag=(0.0, 0.0))
+    assert demand.surge == pytest.approx(0.15 * 0.1)
+    assert memory.speed == pytest.approx(DT * 0.03 * 0.1)
+
+
+@pytest.mark.parametrize('off', [0.3, 1.2, 1.9, 2.8, -2.8])
+def test_speed_along_the_course_is_braked_whichever_way_the_nose_points(off):
+    """Adrift along the course with the nose off it, the push must take speed away."""
+    adrift = AT_REST._replace(heading=off, speed=0.3 * math.cos(off), sway=-0.3 * math.sin(off))
+    demand, _ = ask(adrift, HOLD)
+    push = np.array([math.cos(off), math.sin(off)]) * demand.surge
+    assert push[0] == pytest.approx(-0.15 * 0.3 * math.cos(off) ** 2)
+
+
+def test_flying_backwards_is_not_driven_further():
+    """The nose away from the lamp and drifting away from it: forward thrust would run away."""
+    away = AT_REST._replace(heading=math.pi - 0.1, speed=0.2)
+    assert ask(away, HOLD._replace(speed=0.5))[0].surge < 0.0
+
+
+def test_what_the_rotors_could_not_give_unwinds_the_integrals():
+    memory = CascadeMemory(0.05, 0.002, 0.03)
+    _, kept = ask(memory=memory)
+    _, unwound = ask(memory=memory, shortfall=Demand(-0.02, -0.1, -0.001))
+    assert kept == memory
+    # Tracking time kp / ki of each loop.
+    assert unwound.speed == pytest.approx(0.03 - DT * 0.03 / 0.15 * 0.02)
+    assert unwound.climb == pytest.approx(0.05 - DT * 0.15 / 0.5 * 0.1)
+    assert unwound.yaw_rate == pytest.approx(0.002 - DT * 0.01 / 0.04 * 0.001)
+
+
+def test_on_course_without_drift_the_course_is_the_setpoint():
+    assert course(GAINS, AT_REST._replace(speed=0.5), HOLD._replace(speed=0.5)) == (0.0, 0.5, 0.5)
+
+
+@pytest.mark.parametrize('sway', [0.1, -0.1])
+def test_the_nose_leans_against_drift(sway):
+    heading, _, along = course(GAINS, AT_REST._replace(sway=sway), HOLD._replace(speed=0.5))
+    assert heading == pytest.approx(-1.5 * sway)  # drifting left, nose right
+    assert along == 0.0
+
+
+def test_the_lean_is_limited():
+    heading, _, _ = course(GAINS, AT_REST._replace(sway=2.0), HOLD._replace(speed=0.5))
+    assert heading == -GAINS.drift_limit
+
+
+def test_hovering_does_not_lean():
+    assert course(GAINS, AT_REST._replace(sway=0.2), HOLD)[0] == 0.0
+
+
+@pytest.mark.parametrize(
+    ('error', 'share'), [(0.0, 1.0), (0.15, 0.75), (-0.3, 0.5), (0.6, 0.0), (2.0, 0.0)]
+)
+def test_it_turns_first(error, share):
+    _, speed, _ = course(GAINS, AT_REST, Setpoint(0.5, error, 0.5))
+    assert speed == pytest.approx(0.5 * share, abs=1e-15)
+
+
+def test_the_speed_along_the_course_is_the_projection():
+    generator = np.random.default_rng(5)
+    for _ in range(20):
+        nose, wanted, surge, sway = generator.uniform(-3.0, 3.0, 4)
+        turn = np.array([[math.cos(nose), -math.sin(nose)], [math.sin(nose), math.cos(nose)]])
+        velocity = turn @ (surge, sway)
+        measured = AT_REST._replace(heading=nose, speed=surge, sway=sway)
+        heading, _, along = course(GAINS, measured, Setpoint(0.5, wanted, 0.5))
+        assert along == pytest.approx(velocity @ (math.cos(wanted), math.sin(wanted)), abs=1e-12)
+        across = velocity @ (-math.sin(wanted), math.cos(wanted))
+        lean = np.clip(1.5 * across, -0.7, 0.7)
+        assert heading == pytest.approx(wanted - lean, abs=1e-12)
+
+
+def test_drag_is_odd_in_the_speed():
+    assert drag_force(0.1, 0.2, 2.0) == pytest.approx(1.0)
+    assert drag_force(0.1, 0.2, -2.0) == pytest.approx(-1.0)
+
+
+def test_wrap():
+    assert wrap(3.5 * math.pi) == pytest.approx(-0.5 * math.pi)
+    assert wrap(-0.3) == pytest.approx(-0.3)
+
+
+def test_limits_go_both_ways():
+    assert pid_gains(PidGains(kp=1.0, ki=2.0, kd=3.0, limit=4.0)) == (1.0, 2.0, 3.0, -4.0, 4.0)
