@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 Flags = NDArray[np.bool_]
 
-LIFTED = 0.02  # m above where it stood: the drone has left the ground
+LIFTED = 0.01  # m above where it stood: the drone has left the ground
 SETTLING = 2.0  # s from the first forward set-point to the cruise
 ENDS = 5  # blocks whose median is the SNR at the start or the end
 

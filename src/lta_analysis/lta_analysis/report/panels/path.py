@@ -42,7 +42,11 @@ def frame(figure: Figure, view: View) -> None:
     shared = {'showgrid': False, 'dtick': 1, 'constrain': 'domain'}
     figure.update_xaxes(range=[left - MARGIN, right + MARGIN], title_text='x [m]', **shared)
     figure.update_yaxes(
-        range=[low - MARGIN, high + MARGIN], title_text='y [m]', scaleanchor='x', **shared
+        range=[low - MARGIN, high + MARGIN],
+        title_text='y [m]',
+        scaleanchor='x',
+        constraintoward='top',
+        **shared,
     )
 
 

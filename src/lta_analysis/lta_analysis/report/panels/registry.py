@@ -120,7 +120,8 @@ PANELS: Final = (
         'spectrum',
         'The lamp in the spectrum',
         'The same samples by frequency. The lamp has its own place beside the flicker of the '
-        'mains, and its odd harmonics show that it is a square wave.',
+        'mains, its odd harmonics show that it is a square wave, and the small peaks between '
+        'them are high harmonics that the sampling folds back.',
         ('photodiodes',),
         spectrum.picture,
         timed=False,

@@ -52,8 +52,8 @@ def mark(figure: Figure, view: View) -> None:
         return
     lamp, mains = scenario.lamp.frequency.si, scenario.ambient.mains_frequency.si
     marks = [
-        (mains, f'mains<br>{mains:g} Hz', SOFT, 'right'),
-        (lamp, f'lamp<br>{lamp:g} Hz', LAMP, 'left'),
+        (mains, f'mains {mains:g} Hz', SOFT, 'right'),
+        (lamp, f'lamp {lamp:g} Hz', LAMP, 'left'),
     ]
     marks += [(k * lamp, f'{k} f', LAMP, 'left') for k in (3, 5) if k * lamp <= HIGHEST]
     for frequency, text, colour, side in marks:
@@ -61,6 +61,6 @@ def mark(figure: Figure, view: View) -> None:
             frequency, line={'color': colour, 'width': 1, 'dash': 'dot'}, layer='below'
         )
         figure.add_annotation(
-            x=frequency, y=1.0, yref='paper', yanchor='top', xanchor=side, align=side, text=text,
-            font={'color': colour, 'size': 11},
+            x=frequency, y=1.0, yref='paper', yanchor='bottom', xanchor=side,
+            text=text, font={'color': colour, 'size': 11},
         )  # fmt: skip
