@@ -1,0 +1,54 @@
+"""
+The topic table as a page: `python -m lta_config.topics_page > docs/topics.md`.
+
+A test holds the page in docs/ against this.
+"""
+
+import sys
+
+from lta_config.topics import topic_table, TopicTable
+
+HEAD = """# Topics
+
+Generated from `config/topics.yaml` by `python -m lta_config.topics_page > docs/topics.md`.
+
+Names are relative to the robot's namespace (default `lta1`), but for those with a leading slash.
+Units and axes follow REP-103: ENU world, FLU body. "After" is the time from a message's stamp to
+its publication. A reader with *+1* uses a message one control period later. Light blocks hold
+{samples} samples of each diode at {rate:g} kS/s.
+
+| topic | type | from | to | period | after | quality of service | unit | what |
+|---|---|---|---|---|---|---|---|---|
+"""
+
+
+def milliseconds(nanoseconds: int) -> str:
+    """Return a time for a table cell, empty for none."""
+    return f'{nanoseconds / 1e6:g} ms' if nanoseconds else ''
+
+
+def page(table: TopicTable) -> str:
+    """Return the page, one row a topic."""
+    rows = []
+    for name, topic in table.topics.items():
+        readers = ', '.join(
+            f'{role} *+{lag}*' if lag else role for role, lag in topic.subscribers.items()
+        )
+        cells = (
+            f'`{name}`',
+            topic.type.replace('/msg/', '/'),
+            topic.source,
+            readers or 'users',
+            milliseconds(topic.period_ns),
+            milliseconds(topic.latency_ns),
+            topic.qos,
+            topic.unit,
+            topic.about,
+        )
+        rows.append('| ' + ' | '.join(cells) + ' |\n')
+    rate = table.light.sample_rate.si / 1e3
+    return HEAD.format(samples=table.light.samples, rate=rate) + ''.join(rows)
+
+
+if __name__ == '__main__':
+    sys.stdout.write(page(topic_table()))
