@@ -2,7 +2,8 @@
 
 import math
 
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from lta_control.allocation import allocate, duty, WEIGHTS
 from lta_control.cascade import CascadeGains, course, Measured, Setpoint, wrap
 from lta_control.control import control_step, ControlMemory
@@ -48,8 +49,7 @@ def test_allocation_is_the_bounded_least_squares_solution(rotors, wrench, start)
         thrusts, delivered = allocate(rotors, wrench, begin)
         assert objective(thrusts, wanted) - least <= 1e-9 * asked + 1e-15
         assert all(
-            low <= t <= high
-            for low, t, high in zip(rotors.low, thrusts, rotors.high, strict=True)
+            low <= t <= high for low, t, high in zip(rotors.low, thrusts, rotors.high, strict=True)
         )
         np.testing.assert_allclose(delivered, B @ thrusts, atol=1e-12)
 
@@ -82,9 +82,7 @@ def test_course_never_asks_for_more_than_the_setpoint(nose, wanted, surge, sway,
 @given(angle, angle, number, number, st.floats(0.0, 3.0))
 def test_course_is_the_same_mirrored(nose, wanted, surge, sway, speed):
     gains = CascadeGains()
-    left = course(
-        gains, Measured(0.5, 0.0, nose, 0.0, surge, sway), Setpoint(0.5, wanted, speed)
-    )
+    left = course(gains, Measured(0.5, 0.0, nose, 0.0, surge, sway), Setpoint(0.5, wanted, speed))
     right = course(
         gains, Measured(0.5, 0.0, -nose, 0.0, surge, -sway), Setpoint(0.5, -wanted, speed)
     )

@@ -34,7 +34,11 @@ class CascadeGains(Settings):
         PidGains(kp=0.15, ki=0.03, limit=0.05), 'Airspeed to surge force, N per m/s.'
     )
     turn_first: float = setting(
-        0.6, 'Heading error at which forward flight waits for the turn.', unit='rad', low=0.05
+        0.6,
+        'Heading error at which forward flight waits for the turn.',
+        unit='rad',
+        low=0.05,
+        high=10.0,
     )
     drift_gain: float = setting(
         1.5, 'Angle of the nose against sideways drift.', unit='rad s/m', low=0.0, high=20.0

@@ -216,7 +216,7 @@ def _lagged(
     before = duties or (0.0,) * len(commanded)
     reached = []
     for old, new in zip(before, commanded, strict=True):
-        lag = body.lag_up if new > old else body.lag_down
+        lag = body.lag_up if abs(new) > abs(old) else body.lag_down
         share = 1.0 - math.exp(-dt / lag) if lag > 0.0 else 1.0
         reached.append(old + share * (new - old))
     return tuple(reached)

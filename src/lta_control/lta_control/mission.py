@@ -30,7 +30,11 @@ class MissionSettings(CruiseSettings):
         0.04, 'The climb ends this near the altitude.', unit='m', low=0.001, high=1.0
     )
     landing: float = setting(
-        0.3, 'Altitude asked for when landing; below where the gear stands.', unit='m', low=0.0
+        0.3,
+        'Altitude asked for when landing; below where the gear stands.',
+        unit='m',
+        low=0.0,
+        high=100.0,
     )
 
 

@@ -53,16 +53,16 @@ def test_altitude_before_heading_before_speed():
     lost = 1 - given[2] / 0.15, 1 - given[5] / 0.012, 1 - given[0] / 0.35
     assert abs(lost[0]) < 0.002
     assert 0.002 < lost[1] < 0.15
-    assert 0.4 < lost[2]
+    assert lost[2] > 0.4
 
 
 def test_what_gives_way_by_hand():
     """With one rotor at full, the other forward rotor weighs surge (1) against yaw (1000)."""
     thrusts, _ = give(surge=0.35, yaw=0.012)
     t4 = FULL
-    # Minimise (0.981 (t3 + t4) - 0.35)^2 + 1000 (0.1 (t4 - t3) - 0.012)^2 over t3; heave can follow
-    # and the 0.002 m of roll are the vertical rotors' as well.
-    t3 = (0.981 * (0.35 - 0.981 * t4) + 1000.0 * 0.1 * (0.1 * t4 - 0.012))
+    # Minimise (0.981 (t3 + t4) - 0.35)^2 + 1000 (0.1 (t4 - t3) - 0.012)^2 over t3; heave
+    # can follow, and the 0.002 m of roll are the vertical rotors' as well.
+    t3 = 0.981 * (0.35 - 0.981 * t4) + 1000.0 * 0.1 * (0.1 * t4 - 0.012)
     t3 /= 0.981**2 + 1000.0 * 0.1**2
     assert thrusts[2] == pytest.approx(t3, rel=1e-6)
 

@@ -1,0 +1,100 @@
+"""The altitude filter against matrices, and its honesty against noise that is what it believes."""
+
+from lta_control.altitude import Altitude, correct, predict
+import numpy as np
+import pytest
+from scipy.stats import chi2
+
+DT = 0.01
+UPPER = np.triu_indices(3)
+
+
+def matrix(p):
+    full = np.zeros((3, 3))
+    full[UPPER] = p
+    return full + full.T - np.diag(np.diag(full))
+
+
+def kalman_predict(x, P, a, noise, walk):
+    F = np.array([[1.0, DT, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    G = np.array([0.5 * DT**2, DT, 0.0])
+    Q = np.outer(G, G) * noise**2 + np.diag([0.0, 0.0, walk**2 * DT])
+    return F @ x + G * a, F @ P @ F.T + Q
+
+
+def kalman_correct(x, P, z, noise, H):
+    H = np.array([H])
+    K = P @ H.T / (H @ P @ H.T + noise**2)
+    return x + K[:, 0] * (z - H @ x), (np.eye(3) - K @ H) @ P
+
+
+def test_it_is_the_kalman_filter_of_matrices():
+    generator = np.random.default_rng(7)
+    state = Altitude()
+    x, P = np.zeros(3), matrix(state.p)
+    for k in range(400):
+        a = float(generator.normal())
+        state = predict(state, a, 0.15, 0.02, DT)
+        x, P = kalman_predict(x, P, a, 0.15, 0.02)
+        if k % 3 == 0:
+            z = float(generator.normal(0.5, 0.1))
+            state = correct(state, z, 0.01, False)
+            x, P = kalman_correct(x, P, z, 0.01, (1.0, 0.0, 0.0))
+        if k % 2 == 0:
+            z = float(generator.normal(0.7, 0.3))
+            state = correct(state, z, 0.15, True)
+            x, P = kalman_correct(x, P, z, 0.15, (1.0, 0.0, 1.0))
+        np.testing.assert_allclose((state.height, state.climb, state.offset), x, atol=1e-12)
+        np.testing.assert_allclose(matrix(state.p), P, atol=1e-12)
+
+
+def flight(generator, steps=150):
+    """Return estimate and truth after a flight whose noise is what the filter believes."""
+    first = matrix(Altitude().p)
+    truth = generator.multivariate_normal(np.zeros(3), first)
+    state = Altitude()
+    for k in range(steps):
+        a = generator.normal(0.0, 0.3)
+        truth[0] += DT * truth[1] + 0.5 * DT**2 * a
+        truth[1] += DT * a
+        truth[2] += 0.02 * np.sqrt(DT) * generator.normal()
+        state = predict(state, a + 0.15 * generator.normal(), 0.15, 0.02, DT)
+        if k % 2 == 0:
+            z = truth[0] + truth[2] + 0.15 * generator.normal()
+            state = correct(state, z, 0.15, True)
+        if k % 5 == 0:
+            state = correct(state, truth[0] + 0.01 * generator.normal(), 0.01, False)
+    return state, truth
+
+
+def test_its_covariance_is_that_of_its_errors():
+    """The normalised errors squared of N flights are chi-square distributed, 3 N degrees."""
+    generator = np.random.default_rng(11)
+    size = 200
+    total = 0.0
+    for _ in range(size):
+        state, truth = flight(generator)
+        error = np.array([state.height, state.climb, state.offset]) - truth
+        total += error @ np.linalg.solve(matrix(state.p), error)
+    low, high = chi2.ppf([0.0005, 0.9995], 3 * size)
+    assert low < total < high
+    assert (low, high) == pytest.approx((3 * size,) * 2, rel=0.21)  # a bound that binds
+
+
+def test_range_separates_height_and_pressure_offset():
+    state = Altitude()
+    for _ in range(2000):
+        state = predict(state, 0.0, 0.15, 0.02, DT)
+        state = correct(state, 0.5, 0.01, False)
+        state = correct(state, 0.8, 0.15, True)
+    assert state.height == pytest.approx(0.5, abs=1e-6)
+    assert state.offset == pytest.approx(0.3, abs=1e-3)
+
+
+def test_without_range_pressure_carries_on():
+    state = Altitude(height=0.5, offset=0.3, p=(1e-4, 0.0, 0.0, 1e-4, 0.0, 1e-8))
+    for _ in range(3000):
+        state = predict(state, 0.0, 0.15, 0.0, DT)
+        state = correct(state, 1.3, 0.15, True)
+    assert state.height + state.offset == pytest.approx(1.3, abs=1e-3)
+    assert state.height == pytest.approx(1.0, abs=1e-2)

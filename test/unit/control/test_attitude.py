@@ -1,0 +1,82 @@
+"""The attitude filter against exact rotations, and what gravity may correct."""
+
+import math
+
+from lta_control.attitude import attitude_step, heading, up_in_body
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+G = 9.80665
+LEVEL = (0.0, 0.0, 0.0, 1.0)
+DT = 0.01
+
+
+def angle_between(a, b):
+    return (Rotation.from_quat(a).inv() * Rotation.from_quat(b)).magnitude()
+
+
+@pytest.mark.parametrize('seed', range(3))
+def test_rates_are_integrated_as_by_scipy(seed):
+    generator = np.random.default_rng(seed)
+    q, exact = LEVEL, Rotation.identity()
+    rates = generator.uniform(-1.0, 1.0, 3)
+    for _ in range(1000):
+        rates = np.clip(rates + 0.1 * generator.normal(size=3), -2.0, 2.0)
+        q = attitude_step(q, tuple(rates), (0.0, 0.0, G), 0.0, DT)
+        exact = exact * Rotation.from_rotvec(rates * DT)
+    # One step turns by 2 atan(w dt / 2) about the right axis: at most (w dt)^3 / 12 short.
+    bound = 1000 * (math.sqrt(12.0) * DT) ** 3 / 12.0
+    assert angle_between(q, exact.as_quat()) < bound
+    assert np.linalg.norm(q) == pytest.approx(1.0, rel=1e-12)
+
+
+def test_a_turn_to_the_left_grows_the_heading():
+    q = LEVEL
+    for _ in range(100):
+        q = attitude_step(q, (0.0, 0.0, 0.5), (0.0, 0.0, G), 0.1, DT)
+    assert heading(q) == pytest.approx(0.5, abs=1e-5)
+
+
+@pytest.mark.parametrize('turn', [(0.4, -0.2, 1.1), (-0.3, 0.5, -2.9)])
+def test_up_and_heading_are_those_of_the_rotation(turn):
+    rotation = Rotation.from_euler('ZYX', turn[::-1])
+    q = tuple(rotation.as_quat())
+    np.testing.assert_allclose(up_in_body(q), rotation.inv().apply((0, 0, 1)), atol=1e-15)
+    assert heading(q) == pytest.approx(turn[2], abs=1e-12)
+
+
+@pytest.mark.parametrize('axis', [0, 1])
+@pytest.mark.parametrize('sign', [1.0, -1.0])
+def test_gravity_corrects_a_tilt_with_the_time_constant(axis, sign):
+    """A standing vehicle believed tilted: sin(tilt) pulls, so that tan(tilt / 2) decays by e."""
+    gain, tilt = 0.5, 0.2 * sign
+    q = tuple(Rotation.from_rotvec(np.eye(3)[axis] * tilt).as_quat())
+    for _ in range(round(1.0 / gain / 0.001)):
+        q = attitude_step(q, (0.0, 0.0, 0.0), (0.0, 0.0, G), gain, 0.001)
+    left = 2.0 * math.atan(math.tan(tilt / 2.0) / math.e)
+    assert Rotation.from_quat(q).as_rotvec()[axis] == pytest.approx(left, rel=1e-3)
+
+
+def test_the_size_of_the_force_does_not_matter():
+    tilted = tuple(Rotation.from_rotvec((0.1, 0.0, 0.0)).as_quat())
+    weak = attitude_step(tilted, (0.0, 0.0, 0.0), (0.0, 0.0, 0.5 * G), 0.5, DT)
+    strong = attitude_step(tilted, (0.0, 0.0, 0.0), (0.0, 0.0, 2.0 * G), 0.5, DT)
+    np.testing.assert_allclose(weak, strong, atol=1e-15)
+
+
+def test_no_force_corrects_nothing():
+    tilted = tuple(Rotation.from_rotvec((0.1, 0.0, 0.0)).as_quat())
+    free = attitude_step(tilted, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.5, DT)
+    np.testing.assert_allclose(free, tilted, atol=1e-15)
+
+
+@pytest.mark.parametrize('tilt', [(0.3, 0.0, 0.0), (0.0, -0.3, 0.0)])
+@pytest.mark.parametrize('turned', [0.0, 1.0, -2.5])
+def test_gravity_leaves_the_heading(tilt, turned):
+    rotation = Rotation.from_rotvec((0.0, 0.0, turned)) * Rotation.from_rotvec(tilt)
+    q = tuple(rotation.as_quat())
+    for _ in range(2000):
+        q = attitude_step(q, (0.0, 0.0, 0.0), (0.0, 0.0, G), 0.5, DT)
+        assert heading(q) == pytest.approx(turned, abs=1e-12)
+    assert up_in_body(q)[2] > 1.0 - 1e-6

@@ -1,0 +1,216 @@
+"""The estimator: what it learns at rest, what it leaves out, and that it cannot see the truth."""
+
+import ast
+import inspect
+import math
+
+from lta_control import estimator
+from lta_control.airspeed import Airspeed, Hull
+from lta_control.altitude import Altitude
+from lta_control.estimator import (
+    Body,
+    Estimate,
+    estimator_step,
+    EstimatorSettings,
+    Inputs,
+    Rest,
+)
+from lta_control.vehicle_side import body_of
+from lta_sim.vehicle import load_vehicle
+import numpy as np
+import pytest
+
+G = 9.80665
+DT = 0.01
+SETTINGS = EstimatorSettings()
+BODY = Body(
+    hull=Hull((0.5, 0.5), (0.0, 0.0), (0.1, 0.1)),
+    range_position=(0.0, 0.0, -0.37),
+    allocation=((0.0, 0.0, 1.0, 0.0, 0.0, 0.0), (1.0, 0.2, 0.0, 0.0, 0.0, 0.0)),
+    a=0.09,
+    b=0.07,
+    lag_up=0.05,
+    lag_down=0.1,
+)
+STILL = Inputs((0.01, -0.02, 0.03), (0.1, -0.2, G + 0.3), None, None, (0.0, 0.0))
+
+
+def run(state, inputs, steps, settings=SETTINGS, body=BODY):
+    for _ in range(steps):
+        state = estimator_step(settings, body, state, inputs, DT)
+    return state
+
+
+def rested(height=0.05, pressure=101_000.0):
+    inputs = STILL._replace(range=height, pressure=pressure)
+    return run(Estimate(duties=(0.0, 0.0)), inputs, 200)
+
+
+def test_it_rests_for_two_seconds():
+    inputs = STILL._replace(range=0.05, pressure=101_000.0)
+    state = run(Estimate(), inputs, 199)
+    assert state.biases is None
+    assert state.flown == 0.0
+    assert run(state, inputs, 1).biases is not None
+
+
+def test_it_waits_for_a_pressure():
+    state = run(Estimate(), STILL._replace(range=0.05), 300)
+    assert state.biases is None
+    assert run(state, STILL._replace(pressure=101_000.0), 1).biases is not None
+
+
+def test_it_learns_the_biases_exactly():
+    """Means of readings that differ, gravity taken off; pressure counts where there was one."""
+    generator = np.random.default_rng(3)
+    rates = generator.normal(0.0, 0.1, (200, 3))
+    force = generator.normal(0.0, 0.1, (200, 3)) + np.array((0.0, 0.0, G))
+    state, heard = Estimate(), []
+    for k in range(200):
+        pressure = 100_000.0 + k if k % 2 else None
+        heard += [pressure] if k % 2 else []
+        inputs = Inputs(tuple(rates[k]), tuple(force[k]), 0.06, pressure, None)
+        state = estimator_step(SETTINGS, BODY, state, inputs, DT)
+    np.testing.assert_allclose(state.biases.rates, rates.mean(axis=0), atol=1e-15)
+    np.testing.assert_allclose(state.biases.force, force.mean(axis=0) - (0, 0, G), atol=1e-13)
+    # 0.06 m under a sensor 0.37 m below the centre; the prior of 1 m weighs 1e-4 / 200.
+    height = state.altitude.height
+    assert height == pytest.approx(0.43, abs=1e-6)
+    floor = np.mean(heard) + 1.204 * G * height
+    assert state.biases.pressure == pytest.approx(floor, rel=1e-14)
+
+
+def test_standing_still_stays_still():
+    state = run(rested(), STILL._replace(range=0.05, pressure=101_000.0), 1000)
+    assert state.attitude == pytest.approx((0.0, 0.0, 0.0, 1.0), abs=1e-12)
+    assert state.rates == pytest.approx((0.0, 0.0, 0.0), abs=1e-15)
+    assert state.airspeed == pytest.approx((0.0, 0.0, 0.0, 0.0), abs=1e-12)
+    assert state.position == pytest.approx((0.0, 0.0), abs=1e-12)
+    assert state.altitude.height == pytest.approx(0.42, abs=1e-6)
+    assert state.altitude.climb == pytest.approx(0.0, abs=1e-7)
+    assert state.flown == pytest.approx(10.0)
+
+
+@pytest.mark.parametrize('reading', [math.inf, -math.inf, math.nan])
+def test_a_range_without_a_return_is_left_out(reading):
+    state = rested()
+    with_it = run(state, STILL._replace(range=reading), 10)
+    assert with_it == run(state, STILL, 10)
+    early = run(Estimate(), STILL._replace(range=reading), 10)
+    assert early == run(Estimate(), STILL, 10)
+
+
+def test_pressure_falls_as_it_climbs():
+    """Half a metre up is 0.5 * 1.204 * 9.80665 Pa less; without range it is the only word."""
+    state = rested()
+    state = run(state, STILL._replace(pressure=101_000.0 - 0.5 * 1.204 * G), 1)
+    error = state.altitude.height + state.altitude.offset - 0.42
+    assert 0.0 < error < 0.5
+    state = run(state, STILL._replace(pressure=101_000.0 - 0.5 * 1.204 * G), 2000)
+    assert state.altitude.height + state.altitude.offset == pytest.approx(0.92, abs=1e-3)
+
+
+def test_a_tilted_range_is_the_height():
+    """Rolled by 0.3 about the centre: the slant is longer, and the sensor hangs less deep."""
+    roll = 0.3
+    tilted = rested()._replace(attitude=(math.sin(roll / 2), 0.0, 0.0, math.cos(roll / 2)))
+    height = 1.0
+    slant = (height - 0.37 * math.cos(roll)) / math.cos(roll)
+    force = (0.1, -0.2 + G * math.sin(roll), 0.3 + G * math.cos(roll))
+    state = run(tilted, STILL._replace(force=force, range=slant), 2000)
+    assert state.altitude.height == pytest.approx(height, abs=1e-6)
+    assert state.airspeed == pytest.approx((0.0,) * 4, abs=1e-6)  # gravity is not acceleration
+
+
+def test_lying_on_its_side_the_range_is_left_out():
+    side = rested()._replace(attitude=(math.sin(0.55), 0.0, 0.0, math.cos(0.55)))  # 63 degrees
+    assert run(side, STILL._replace(range=0.9), 1) == run(side, STILL, 1)
+
+
+def test_it_climbs_by_its_acceleration():
+    force = (0.1, -0.2, G + 0.3 + 0.2)
+    state = run(rested(), STILL._replace(force=force), 100)
+    assert state.altitude.climb == pytest.approx(0.2, rel=1e-6)
+    assert state.altitude.height == pytest.approx(0.42 + 0.1, rel=1e-4)
+
+
+def test_motors_reach_a_commanded_duty_with_their_lag():
+    state = run(rested(), STILL._replace(duties=(0.5, 1.0)), 5)
+    assert state.duties == pytest.approx((0.5 * (1 - math.exp(-1)), 1 - math.exp(-1)))
+    state = run(state, STILL._replace(duties=(0.0, 0.0)), 10)
+    assert state.duties[0] == pytest.approx(0.5 * (1 - math.exp(-1)) * math.exp(-1))
+
+
+def test_a_reversing_motor_speeds_up_with_the_lag_up():
+    state = run(rested(), STILL._replace(duties=(-0.5, 0.0)), 5)
+    assert state.duties[0] == pytest.approx(-0.5 * (1 - math.exp(-1)))
+
+
+def test_no_new_duties_keep_the_old():
+    state = run(rested()._replace(duties=(0.2, 0.4)), STILL._replace(duties=None), 5)
+    assert state.duties == (0.2, 0.4)
+
+
+def test_without_lag_motors_follow_at_once():
+    swift = BODY._replace(lag_up=0.0, lag_down=0.0)
+    state = run(rested(), STILL._replace(duties=(0.3, 0.1)), 1, body=swift)
+    assert state.duties == (0.3, 0.1)
+
+
+def test_the_drag_model_is_driven_by_the_rotors():
+    """u = 0.5: T = 0.09 * 0.25 + 0.07 * 0.5; column (1, 0.2): surge sqrt(T / 0.1)."""
+    state = run(rested(), STILL._replace(duties=(0.9, 0.5)), 8000)
+    thrust = 0.0575
+    assert state.airspeed.model_surge == pytest.approx(math.sqrt(thrust / 0.1), rel=1e-4)
+    assert state.airspeed.surge == pytest.approx(math.sqrt(thrust / 0.1), rel=1e-4)
+    assert state.airspeed.sway == pytest.approx(math.sqrt(0.2 * thrust / 0.1), rel=1e-4)
+
+
+def test_position_is_dead_reckoned_along_the_heading():
+    heading = 2.0
+    turned = rested()._replace(
+        attitude=(0.0, 0.0, math.sin(heading / 2), math.cos(heading / 2)),
+        airspeed=Airspeed(0.3, 0.1, 0.3, 0.1),
+    )
+    state = run(turned, STILL, 1)
+    way = 0.01 * np.array(
+        (
+            0.3 * math.cos(heading) - 0.1 * math.sin(heading),
+            0.3 * math.sin(heading) + 0.1 * math.cos(heading),
+        )
+    )
+    np.testing.assert_allclose(state.position, way, rtol=1e-2)
+
+
+def test_yaw_follows_the_gyroscope_less_its_bias():
+    rates = (0.01, -0.02, 0.03 + 0.4)
+    state = run(rested(), STILL._replace(rates=rates), 100)
+    assert state.rates == pytest.approx((0.0, 0.0, 0.4), abs=1e-12)
+    assert estimator.heading(state.attitude) == pytest.approx(0.4, abs=1e-5)
+
+
+def test_the_body_of_gtmab():
+    body = body_of(load_vehicle('gtmab', 1.2))
+    assert body.range_position == (0.0, 0.0, -0.37)
+    assert (body.a, body.b) == (0.0915, 0.0677)
+    assert (body.lag_up, body.lag_down) == pytest.approx((0.072, 0.072))
+    assert body.hull.quadratic == (0.092, 0.092)
+    assert body.hull.linear == (0.0, 0.0)
+    # 331 g + 2 g + 82 g of gas in air of 1.2041; added mass 0.355 of a spheroid's 0.378 kg.
+    parts = (0.3432 * 1.2 + 0.002, 0.355 * 1.2 * 4 / 3 * math.pi * 0.25 * 0.2995)
+    assert body.hull.mass == pytest.approx((sum(parts),) * 2, rel=2e-3)
+
+
+def test_the_truth_is_out_of_reach():
+    """Its inputs are measurements and commands; no simulator stands in what it imports."""
+    assert Inputs._fields == ('rates', 'force', 'range', 'pressure', 'duties')
+    arguments = list(inspect.signature(estimator_step).parameters)
+    assert arguments == ['settings', 'body', 'state', 'inputs', 'dt']
+    tree = ast.parse(inspect.getsource(estimator))
+    imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+    assert not any(module.startswith('lta_sim') for module in imported)
+    assert not any(isinstance(node, ast.Global | ast.Nonlocal) for node in ast.walk(tree))
+
+
+def test_a_fresh_estimate_knows_nothing():
+    assert Estimate() == Estimate(rest=Rest(), biases=None, altitude=Altitude())
