@@ -83,11 +83,11 @@ def test_wind_is_taken_off_the_speed(tmp_path):
     wind = Stream(
         0.1,
         lambda t: make(
-            'geometry_msgs/msg/Vector3Stamped', header=header(t), vector=vector(0.2, 0.1, 0.0)
+            'geometry_msgs/msg/Vector3Stamped', header=header(t), vector=vector(-0.2, 0.1, 0.0)
         ),
     )
     folder = write_flight(tmp_path / 'bag', instead={'wind': wind})
-    assert results(folder).airspeed == pytest.approx(0.3)
+    assert results(folder).airspeed == pytest.approx(0.7)
 
 
 def test_flight_that_ends_early_has_not_reached(tmp_path):

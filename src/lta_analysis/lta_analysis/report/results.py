@@ -2,7 +2,7 @@
 What a flight came to, in numbers.
 
 The flight starts when the drone leaves the ground, the search when a forward speed is first asked
-for, the cruise two seconds later. All end when the hull centre is within the goal radius of the
+for, the cruise when 90 % of that speed is first flown. All end when the hull centre is within the goal radius of the
 lamp, horizontally, or with the recording. Truth comes from the simulator or a tracker.
 """
 
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 Flags = NDArray[np.bool_]
 
 LIFTED = 0.01  # m above where it stood: the drone has left the ground
-SETTLING = 2.0  # s from the first forward set-point to the cruise
+CRUISING = 0.9  # of the set speed, whose first reaching begins the cruise
 ENDS = 5  # blocks whose median is the SNR at the start or the end
 
 
@@ -105,7 +105,17 @@ def phases_of(view: View) -> Phases:
     if view.has('setpoint/velocity'):
         setpoint = view.speed_setpoint
         search = first(setpoint.time, setpoint.value > 0.0)
-    return Phases(lift_off, search, search + SETTLING, end)
+    return Phases(lift_off, search, cruise_start(view, search), end)
+
+
+def cruise_start(view: View, search: float) -> float:
+    """Return when the true forward speed is first near the one asked for. [s]"""
+    if not view.has('ground_truth/odom') or not np.isfinite(search):
+        return np.nan
+    truth = view.truth
+    asked = held(truth.time, view.speed_setpoint)
+    fast = (truth.time >= search) & (asked > 0.0) & (truth.speed >= CRUISING * asked)
+    return first(truth.time, fast)
 
 
 def first(time: Array, holds: Flags) -> float:
