@@ -47,8 +47,8 @@ class Body(NamedTuple):
     ----------
     hull : Hull
         The drag model.
-    range_position : tuple
-        Where the range sensor sits, body frame. [m]
+    imu_position, range_position : tuple
+        Where the sensors sit, body frame. [m]
     allocation : tuple of tuple of float
         B: one column a rotor. [N/N, m]
     a, b : float
@@ -59,6 +59,7 @@ class Body(NamedTuple):
     """
 
     hull: Hull
+    imu_position: Vector
     range_position: Vector
     allocation: tuple[tuple[float, ...], ...]
     a: float
@@ -119,7 +120,8 @@ def estimator_step(
     force = _minus(inputs.force, state.biases.force)
     attitude = attitude_step(state.attitude, rates, force, settings.gravity_gain, dt)
     ux, uy, uz = up_in_body(attitude)
-    ax, ay, az = _minus(force, (GRAVITY * ux, GRAVITY * uy, GRAVITY * uz))
+    swing = _swing(body.imu_position, rates, state.rates, dt)
+    ax, ay, az = _minus(_minus(force, (GRAVITY * ux, GRAVITY * uy, GRAVITY * uz)), swing)
     altitude = _altitude(
         settings, body, state, inputs, (ux, uy, uz), ux * ax + uy * ay + uz * az, dt
     )
@@ -152,6 +154,25 @@ def _minus(a: Vector, b: Vector) -> Vector:
 
 def _plus(a: Vector, b: Vector) -> Vector:
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+def _swing(place: Vector, rates: Vector, before: Vector, dt: float) -> Vector:
+    """
+    Return what the IMU feels beyond the hull centre: w' x r + w x (w x r). [m/s2].
+
+    The difference of noisy rates is no good acceleration, but the filters integrate it, and its
+    sum is w x r again. Without it, every swing of the gondola reads as speed of the hull.
+    """
+    turning = (
+        (rates[0] - before[0]) / dt,
+        (rates[1] - before[1]) / dt,
+        (rates[2] - before[2]) / dt,
+    )
+    return _plus(_cross(turning, place), _cross(rates, _cross(rates, place)))
+
+
+def _cross(a: Vector, b: Vector) -> Vector:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 def _learn_at_rest(

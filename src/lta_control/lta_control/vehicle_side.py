@@ -24,13 +24,16 @@ def body_of(vehicle: Vehicle) -> Body:
     aero = vehicle.file.aero
     a, b = vehicle.thrust_curve
     lag = vehicle.effects().get('motor_lag', {'up': 0.0, 'down': 0.0})
-    x, y, z = vehicle.file.sensors.range_position.vector
+    sensors = vehicle.file.sensors
+    imu_x, imu_y, imu_z = sensors.imu_position.vector
+    x, y, z = sensors.range_position.vector
     return Body(
         hull=Hull(
             mass=(vehicle.mass + vehicle.added_mass[0], vehicle.mass + vehicle.added_mass[1]),
             linear=(aero.linear_drag.force.vector[0], aero.linear_drag.force.vector[1]),
             quadratic=(aero.quadratic_drag.force.vector[0], aero.quadratic_drag.force.vector[1]),
         ),
+        imu_position=(imu_x, imu_y, imu_z),
         range_position=(x, y, z),
         allocation=vehicle.allocation,
         a=a,

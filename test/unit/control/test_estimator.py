@@ -16,6 +16,7 @@ from lta_control.estimator import (
     Rest,
 )
 from lta_control.vehicle_side import body_of
+from lta_sim.sensors.imu import specific_force
 from lta_sim.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -25,6 +26,7 @@ DT = 0.01
 SETTINGS = EstimatorSettings()
 BODY = Body(
     hull=Hull((0.5, 0.5), (0.0, 0.0), (0.1, 0.1)),
+    imu_position=(0.0, 0.0, 0.0),
     range_position=(0.0, 0.0, -0.37),
     allocation=((0.0, 0.0, 1.0, 0.0, 0.0, 0.0), (1.0, 0.2, 0.0, 0.0, 0.0, 0.0)),
     a=0.09,
@@ -189,8 +191,30 @@ def test_yaw_follows_the_gyroscope_less_its_bias():
     assert estimator.heading(state.attitude) == pytest.approx(0.4, abs=1e-5)
 
 
+def test_a_swinging_gondola_is_no_speed_of_the_hull():
+    """The hull centre stands still while the body swings about it in pitch and yaws."""
+    body = BODY._replace(imu_position=(0.05, 0.0, -0.36))
+    settings = EstimatorSettings(accelerometer_trust=60.0, gravity_gain=0.0)
+    state, largest = rested(), 0.0
+    for k in range(1, 400):
+        t = k * DT
+        pitch = 0.2 * (1.0 - math.cos(2.5 * t))
+        rate, turn = 0.5 * math.sin(2.5 * t), 1.25 * math.cos(2.5 * t)
+        up = (-math.sin(pitch), 0.0, math.cos(pitch))
+        force = specific_force(
+            (0.0,) * 3, (0.0, rate, 0.0), (0.0,) * 3, (0.0, turn, 0.0), up, body.imu_position, G
+        )
+        sensed = tuple(f + b for f, b in zip(force, (0.1, -0.2, 0.3), strict=True))
+        inputs = Inputs((0.01, -0.02 + rate, 0.03), sensed, None, None, None)
+        state = estimator_step(settings, body, state, inputs, DT)
+        largest = max(largest, abs(state.airspeed.surge))
+    # Uncorrected, the gondola's own 0.5 rad/s * 0.36 m = 0.18 m/s would read as speed.
+    assert largest < 0.03
+
+
 def test_the_body_of_gtmab():
     body = body_of(load_vehicle('gtmab', 1.2))
+    assert body.imu_position == pytest.approx((0.0, 0.0, -0.36))
     assert body.range_position == (0.0, 0.0, -0.37)
     assert (body.a, body.b) == (0.0915, 0.0677)
     assert (body.lag_up, body.lag_down) == pytest.approx((0.072, 0.072))

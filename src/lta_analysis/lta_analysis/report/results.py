@@ -2,8 +2,9 @@
 What a flight came to, in numbers.
 
 The flight starts when the drone leaves the ground, the search when a forward speed is first asked
-for, the cruise when 90 % of that speed is first flown. All end when the hull centre is within the goal radius of the
-lamp, horizontally, or with the recording. Truth comes from the simulator or a tracker.
+for, the cruise when 90 % of that speed is first flown. All end when the hull centre is within the
+goal radius of the lamp, horizontally, or with the recording. Truth comes from the simulator or a
+tracker.
 """
 
 from dataclasses import asdict, dataclass, field
