@@ -2,7 +2,8 @@
 
 import math
 
-from hypothesis import given, strategies as st
+from hypothesis import given
+from hypothesis import strategies as st
 from lta_control.strategies import STRATEGIES
 from lta_control.strategies.protocol import Course, CruiseSettings, Sight
 import pytest

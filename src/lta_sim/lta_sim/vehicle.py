@@ -14,7 +14,7 @@ from typing import final
 
 from lta_config.errors import BadInput
 from lta_config.quantity import Quantity
-from lta_config.vehicle_file import Drag, load_vehicle_file, Part, VehicleFile
+from lta_config.vehicle_file import load_vehicle_file, Part, VehicleFile
 from lta_energy.battery import BatterySettings
 from lta_energy.loads import LoadSettings
 from lta_energy.panel import PanelSettings
@@ -69,7 +69,8 @@ class Vehicle:
     ------
     BadInput
         If the parts are too heavy for the lift, the centre of gravity is above the hull centre,
-        the rotors are not the number that the model has, or an effect is not known.
+        the rotors are not the number that the model has, or an effect is not known, has a
+        parameter that it does not know, or one in the wrong unit or out of bounds.
 
     """
 
@@ -90,6 +91,7 @@ class Vehicle:
                 f'{file.name} has its centre of gravity {100 * self.cg[2]:.1f} cm above the hull '
                 'centre and would flip; move mass down.'
             )
+        self.model()  # refuses effects and parameters that do not exist or are out of bounds
 
     @property
     def volume(self) -> float:
@@ -267,10 +269,6 @@ class Vehicle:
                 f'{1e3 * (thrust - self.full_thrust) * sum(up) / GRAVITY:.1f} g.'
             )
         return 2.0 * thrust / (b + math.sqrt(b * b + 4.0 * a * thrust)) if thrust > 0 else 0.0
-
-
-def _drag(drag: Drag) -> dict[str, float]:
-    return _by_axis(drag.force.vector + drag.moment.vector)
 
 
 def _by_axis(values: Vector) -> dict[str, float]:

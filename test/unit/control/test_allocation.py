@@ -24,7 +24,7 @@ def test_the_rotors_of_the_file():
 
 
 def test_what_can_be_given_is_given():
-    # By hand: t_f = surge / (2 * 0.981) each -+ yaw / (2 * 0.1), t_v = (heave + 0.122 t_f) / 1.922.
+    # By hand: t_f = surge / (2 * 0.981) -+ yaw / (2 * 0.1), t_v = (heave + 0.122 t_f) / 1.922.
     thrusts, given = give(surge=0.04, heave=0.05, yaw=0.001)
     forward = 0.04 / 1.962
     up = (0.05 + 0.122 * forward) / 1.922

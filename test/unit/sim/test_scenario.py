@@ -1,0 +1,128 @@
+"""The scenario file: the shipped scene by hand, and each mistake in one sentence."""
+
+import copy
+import math
+
+from lta_config.errors import BadInput
+from lta_config.files import find, load_yaml
+from lta_sim.scenario import load_scenario
+import pytest
+import yaml
+
+ROOM = load_yaml(find('scenario', 'lamp_room'))
+
+
+def written(tmp_path, place, value):
+    content = copy.deepcopy(ROOM)
+    *way, last = place.split('.')
+    part = content
+    for key in way:
+        part = part[key]
+    if value is None:
+        del part[last]
+    else:
+        part[last] = value
+    path = tmp_path / 'scene.yaml'
+    path.write_text(yaml.safe_dump(content, sort_keys=False))
+    return path
+
+
+def metres(*numbers):
+    return {'value': list(numbers), 'unit': 'm'}
+
+
+def test_the_shipped_scene():
+    scene = load_scenario('lamp_room')
+    field = scene.light_field
+    assert field.lamp.position == (3.5, 0.0, 1.0)
+    assert tuple(field.lamp.axis) == (-1.0, 0.0, 0.0)
+    assert field.lamp.flux == 10000.0
+    assert field.lamp.wave.frequency == 150.0
+    assert field.lamp.wave.duty == 0.5
+    assert tuple(field.room.size) == (10.0, 8.0, 3.0)
+    assert field.room.albedo == 0.5
+    assert field.ambient.steady == 100.0
+    assert field.ambient.mains == 20.0
+    assert field.ambient.mains_frequency == 100.0
+    x, y = scene.start.position.vector
+    assert math.hypot(3.5 - x, y) == 7.0
+    assert scene.start.heading_spread.si == pytest.approx(math.pi)
+    assert scene.start.charge.si == pytest.approx(0.95)
+    assert (scene.goal.radius.si, scene.goal.time_limit.si) == (1.0, 60.0)
+
+
+def test_density_by_hand(tmp_path):
+    # 101325 / (287.05 * 293.15) = 1.20412; the tables' 1.2041 at 20 C and 1 atm.
+    assert load_scenario('lamp_room').air.density == pytest.approx(1.20412, abs=5e-6)
+    cold = load_scenario(str(written(tmp_path, 'air.temperature', '0 degC')))
+    assert cold.air.density == pytest.approx(1.2923, abs=1e-4)
+    thin = load_scenario(str(written(tmp_path, 'air.pressure', '900 hPa')))
+    assert thin.air.density == pytest.approx(90000 / (287.05 * 293.15), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ('place', 'value', 'sentence'),
+    [
+        ('lamps', [], "the key 'lamps' is not known; remove it or correct its spelling."),
+        ('lamp.power', '1 W', "the key 'lamp.power' is not known; remove it or correct its"),
+        ('goal.radius', None, "the key 'goal.radius' is missing; add it."),
+        ('schema', 7, 'schema is 7: input should be 1.'),
+        ('lamp.flux', 10000, 'lamp.flux 10000 has no unit; write for example "10000 m".'),
+        ('lamp.flux', '10000 lx', 'lamp.flux is in lx, but must be in lm or its like.'),
+        ('lamp.flux', '-1 lm', 'lamp.flux is -1.0 lm, but must lie in [0, 1e+07] lm.'),
+        ('lamp.frequency', '0 Hz', 'lamp.frequency is 0.0 Hz, but must be above 0 Hz.'),
+        ('lamp.duty', '100 %', 'lamp.duty is 100.0 %, but must lie in [-inf, 0.999] 1.'),
+        ('lamp.position', metres(1, 2), 'lamp.position has 2 numbers, but needs 3.'),
+        ('room.size', metres(10, 0, 3), 'room.size is (10.0, 0.0, 3.0) m, but must be above 0 m.'),
+        ('room.albedo', 1.0, 'room.albedo is 1.0: input should be less than 1.'),
+        ('room.albedo', math.nan, 'room.albedo is nan: input should be'),
+        ('air.temperature', '20 K', 'air.temperature has the unknown unit "K"; known: 1, %,'),
+        ('air.pressure', '1 hPa', 'air.pressure is 1.0 hPa, but must lie in [50000, 120000] Pa.'),
+        ('start.charge', '101 %', 'start.charge is 101.0 %, but must lie in [0, 1] 1.'),
+        ('start.heading', '90 degree', 'start.heading has the unknown unit "degree"; known:'),
+        ('goal.time_limit', '0 s', 'goal.time_limit is 0.0 s, but must be above 0 s.'),
+        (
+            'lamp.position',
+            metres(5.1, 0, 1),
+            'the file has its lamp at (5.1, 0.0, 1.0) m, outside',
+        ),
+        ('lamp.position', metres(0, -4.1, 1), 'the file has its lamp at (0.0, -4.1, 1.0) m, out'),
+        (
+            'lamp.position',
+            metres(0, 0, 3.1),
+            'the file has its lamp at (0.0, 0.0, 3.1) m, outside',
+        ),
+        ('lamp.position', metres(0, 0, -0.1), 'the file has its lamp at (0.0, 0.0, -0.1) m, outs'),
+        (
+            'start.position',
+            metres(-5.1, 0),
+            'the file has its start at (-5.1, 0.0) m, outside the',
+        ),
+        ('start.position', metres(0, 4.1), 'the file has its start at (0.0, 4.1) m, out'),
+    ],
+)
+def test_a_mistake_is_one_sentence(tmp_path, place, value, sentence):
+    path = written(tmp_path, place, value)
+    with pytest.raises(BadInput) as caught:
+        load_scenario(str(path))
+    text = str(caught.value)
+    assert text.startswith(f'{path}: {sentence}')
+    assert text.endswith('.')
+    assert '\n' not in text
+
+
+def test_a_lamp_in_the_corner_is_inside(tmp_path):
+    assert load_scenario(str(written(tmp_path, 'lamp.position', metres(5, -4, 3))))
+
+
+def test_a_lamp_that_faces_nowhere_is_refused(tmp_path):
+    nowhere = {'value': [0, 0, 0], 'unit': '1'}
+    scene = load_scenario(str(written(tmp_path, 'lamp.facing', nowhere)))
+    with pytest.raises(BadInput) as caught:
+        _ = scene.light_field
+    assert str(caught.value).endswith('.')
+
+
+def test_an_unknown_scenario_lists_the_known_ones():
+    with pytest.raises(BadInput, match=r"^Unknown scenario 'moon'; known: .*lamp_room.*\.$"):
+        load_scenario('moon')
