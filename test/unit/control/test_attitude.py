@@ -58,6 +58,19 @@ def test_gravity_corrects_a_tilt_with_the_time_constant(axis, sign):
     assert Rotation.from_quat(q).as_rotvec()[axis] == pytest.approx(left, rel=1e-3)
 
 
+@pytest.mark.parametrize('seed', range(4))
+def test_the_correction_turns_about_the_axis_between_force_and_up(seed):
+    """Whatever the attitude: gain times force x up, of unit vectors, added to the rates."""
+    generator = np.random.default_rng(seed)
+    rotation = Rotation.random(rng=generator)
+    rates, force = generator.normal(size=3), generator.normal(size=3)
+    q = attitude_step(tuple(rotation.as_quat()), tuple(rates), tuple(force), 0.7, 1e-5)
+    up = rotation.inv().apply((0.0, 0.0, 1.0))
+    turned = (rotation.inv() * Rotation.from_quat(q)).as_rotvec() / 1e-5
+    pull = 0.7 * np.cross(force / np.linalg.norm(force), up)
+    np.testing.assert_allclose(turned, rates + pull, atol=1e-6)
+
+
 def test_the_size_of_the_force_does_not_matter():
     tilted = tuple(Rotation.from_rotvec((0.1, 0.0, 0.0)).as_quat())
     weak = attitude_step(tilted, (0.0, 0.0, 0.0), (0.0, 0.0, 0.5 * G), 0.5, DT)

@@ -1,9 +1,13 @@
 """One step of control: cascade, allocation and duty in a chain, and the shortfall back."""
 
+import math
+
 from lta_control.cascade import CascadeGains, Measured, Setpoint
 from lta_control.control import control_step, ControlMemory
+from lta_control.pid import PidGains
 from lta_control.vehicle_side import rotors_of
 from lta_sim.vehicle import load_vehicle
+import numpy as np
 import pytest
 
 ROTORS = rotors_of(load_vehicle('gtmab'))
@@ -57,3 +61,22 @@ def test_the_shortfall_acts_at_the_next_step():
     # ki e and ki / kp times the shortfall cancel: nothing winds up.
     assert later.cascade.speed == pytest.approx(memory.cascade.speed, abs=1e-6)
     assert once == (0.0, 0.0, 0.0, 0.0)
+
+
+def test_every_axis_is_told_its_own_shortfall():
+    """Beyond the rotors in all three: what was given less what was asked, axis by axis."""
+    gains = CascadeGains().model_copy(
+        update={
+            'climb': PidGains(kp=50.0, limit=50.0),
+            'yaw_rate': PidGains(kp=1.0, limit=1.0),
+            'speed': PidGains(kp=10.0, limit=10.0),
+        }
+    )
+    slow = AT_REST._replace(altitude=0.3, speed=-0.1)
+    _, memory = control(slow, Setpoint(0.5, 0.2, 0.0), gains=gains)
+    given = np.array(ROTORS.allocation).T @ memory.thrusts
+    surge, heave, yaw = 10.0 * (0.1 * math.cos(0.2)) * math.cos(0.2), 50.0 * 0.6 * 0.2, 0.6 * 0.2
+    assert memory.shortfall == pytest.approx(
+        (given[0] - surge, given[2] - heave, given[5] - yaw), rel=1e-9
+    )
+    assert max(memory.shortfall) < -0.1

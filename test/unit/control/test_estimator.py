@@ -20,6 +20,7 @@ from lta_sim.sensors.imu import specific_force
 from lta_sim.vehicle import load_vehicle
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 G = 9.80665
 DT = 0.01
@@ -238,3 +239,27 @@ def test_the_truth_is_out_of_reach():
 
 def test_a_fresh_estimate_knows_nothing():
     assert Estimate() == Estimate(rest=Rest(), biases=None, altitude=Altitude())
+
+
+@pytest.mark.parametrize('place', [(0.0, 0.0, -0.36), (0.1, -0.2, -0.3)])
+def test_turning_about_the_hull_centre_is_no_speed(place):
+    """The IMU swings around a centre that stays where it is; exact rates and specific force."""
+    body = BODY._replace(imu_position=place)
+    state = run(
+        Estimate(duties=(0.0, 0.0)), Inputs((0.0,) * 3, (0.0, 0.0, G), 0.05, 1e5, None), 200
+    )
+    settings = EstimatorSettings(gravity_gain=0.0, accelerometer_trust=60.0)
+    dt, turn = 0.001, Rotation.identity()
+    fastest = 0.0
+    for k in range(3000):
+        t = (k + 1) * dt
+        w = np.array([0.3 * math.sin(3 * t), 0.2 * math.sin(4 * t), 0.4 * math.sin(2 * t)])
+        change = np.array([0.9 * math.cos(3 * t), 0.8 * math.cos(4 * t), 0.8 * math.cos(2 * t)])
+        turn = turn * Rotation.from_rotvec(w * dt)
+        felt = np.cross(change, place) + np.cross(w, np.cross(w, place))
+        felt = felt + turn.inv().apply((0.0, 0.0, G))
+        inputs = Inputs(tuple(w), tuple(felt), None, None, None)
+        state = estimator_step(settings, body, state, inputs, dt)
+        fastest = max(fastest, abs(state.airspeed.surge), abs(state.airspeed.sway))
+    assert fastest < 2e-3
+    assert abs(state.altitude.climb) < 2e-3

@@ -49,9 +49,10 @@ def test_sinking_does_not_start_another_climb():
 
 
 @pytest.mark.parametrize('phase', [Phase.REST, Phase.CLIMB, Phase.SEEK, Phase.LAND])
-def test_the_reserve_lands_it(phase):
+@pytest.mark.parametrize('altitude', [0.42, 0.5])
+def test_the_reserve_lands_it(phase, altitude):
     memory = () if phase is Phase.REST else (0.7,)
-    setpoint, mission = go(Mission(phase, memory), altitude=0.5, reserve=True)
+    setpoint, mission = go(Mission(phase, memory), altitude=altitude, reserve=True)
     assert mission.phase is Phase.LAND
     assert setpoint == Setpoint(0.3, 1.0 if phase is Phase.REST else 0.7, 0.0)
 

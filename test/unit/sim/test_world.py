@@ -1,13 +1,16 @@
 """The world: at rest on the floor, on time, reproducible, and honest about energy and ends."""
 
 import copy
+import itertools
 import math
 
 from lta_config.files import find, load_yaml, share
 from lta_config.topics import TopicTable
 from lta_config.vehicle_file import VehicleFile
 from lta_energy.battery import open_circuit_voltage
+from lta_sim import kernel
 from lta_sim.scenario import Scenario
+from lta_sim.sensors.light_block import synthesise
 from lta_sim.vehicle import Vehicle
 from lta_sim.world import Outcome, World
 import numpy as np
@@ -116,6 +119,38 @@ def test_at_rest_the_pressure_is_that_of_the_floor(rested):
     assert np.std(told) == pytest.approx(1.2, rel=0.2)
 
 
+def test_the_barometer_sits_with_the_imu():
+    """Five metres up the standard atmosphere is 5 * 1.225 * g = 60 Pa thinner."""
+    place = {'value': [0, 0, 4.64], 'unit': 'm', 'source': 'test'}
+    low, high = build(seed=3), build(seed=3, vehicle={'sensors/imu_position': place})
+    fall = low.sense().pressure - high.sense().pressure
+    assert fall == pytest.approx(5.0 * 1.225 * G, abs=0.7)  # two roundings to 0.33 Pa
+
+
+def test_a_tilted_range_is_the_slant():
+    world, roll = build(), 0.5
+    world.state[2] = 1.0
+    world.state[3:7] = math.sin(roll / 2), 0.0, 0.0, math.cos(roll / 2)
+    (_, told), *_ = world.sense().ranges
+    slant = 1.0 / math.cos(roll) - 0.37
+    assert told == pytest.approx(slant + world._range.offset, abs=4 * 0.0025)
+
+
+def test_the_imu_feels_the_thrust_where_it_sits():
+    """Both forward rotors at full: v' + w' x r at the IMU, 36 cm below the hull centre."""
+    pushed, still = build(seed=6), build(seed=6)
+    for world in pushed, still:
+        world.state[2] = 1.0
+    pushed.state[15:17] = 1.0
+    pushed.duties = np.array([0.0, 0.0, 1.0, 1.0])
+    rate = kernel.derivative(pushed.state, pushed.vehicle.model(), pushed.duties)
+    felt = rate[7:10] + np.cross(rate[10:13], (0.0, 0.0, -0.36))
+    assert felt[0] > 0.5
+    idle = kernel.derivative(still.state, still.vehicle.model(), still.duties)
+    told = np.subtract(pushed.sense().force, still.sense().force)  # the same noise and bias
+    np.testing.assert_allclose(told, felt - idle[7:10], rtol=0.011, atol=0.004)
+
+
 def test_every_25_ms_there_is_a_range_even_between_control_steps(rested):
     _, readings = rested
     stamps = [stamp for r in readings for stamp, _ in r.ranges]
@@ -159,26 +194,23 @@ def test_the_lamp_is_in_the_light(rested):
     assert np.argmax(bins) == np.argmax(np.cos(azimuths + heading))
 
 
-def test_light_follows_the_lamp_across_blocks():
-    """Amplifiers and poses go on from block to block, as in one block twice as long."""
-    short = build(seed=5)
-    long = build(
-        seed=5,
-        topics={
-            'light/samples': 2000,
-            'topics/photodiodes/period': '200 ms',
-            'topics/photodiodes/latency': '200 ms',
-        },
-    )
-    push = (0.3, 0.3, 0.5, 0.2)
-    a = [r.block[1] for r in fly(short, 41, push) if r.block is not None]
-    b = [r.block[1] for r in fly(long, 41, push) if r.block is not None]
-    assert (len(a), len(b)) == (4, 2)
-    np.testing.assert_array_equal(short.state, long.state)
-    joined = np.concatenate(a).astype(int)
-    whole = np.concatenate(b).astype(int)
-    assert np.abs(joined - whole).max() <= 1
-    assert (joined != whole).mean() < 1e-3
+def test_amplifiers_and_poses_go_on_from_block_to_block(monkeypatch):
+    calls = []
+
+    def spy(array, field, light, start, samples, generator, state):
+        block, after = synthesise(array, field, light, start, samples, generator, state)
+        calls.append((light.modulated, state, after))
+        return block, after
+
+    monkeypatch.setattr('lta_sim.world.synthesise', spy)
+    fly(build(seed=5), 41, (0.3, 0.3, 0.5, 0.2))
+    assert len(calls) == 4
+    assert calls[0][1] is None
+    for (light, _, after), (next_light, before, _) in itertools.pairwise(calls):
+        assert before is after
+        assert light.shape == next_light.shape == (11, 8)  # both ends of ten control steps
+        np.testing.assert_array_equal(next_light[0], light[-1])
+    assert not np.array_equal(calls[-1][0][0], calls[-1][0][-1])
 
 
 def consumed(duty, steps):
