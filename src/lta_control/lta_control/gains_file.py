@@ -19,9 +19,7 @@ def load_gains(name: str) -> CascadeGains:
     path = find('gains', name)
     content = load_yaml(path)
     try:
-        return CascadeGains.model_validate(
-            content['/**/controller']['ros__parameters']['gains'], strict=False
-        )
+        return CascadeGains.model_validate(content['/**/controller']['ros__parameters']['gains'])
     except ValidationError as error:
         raise BadInput(f'{path}: {sentence(error)}') from None
     except (KeyError, TypeError):

@@ -137,6 +137,13 @@ def test_it_climbs_by_its_acceleration():
     assert state.altitude.height == pytest.approx(0.42 + 0.1, rel=1e-4)
 
 
+def test_a_tilted_vehicle_climbs_by_the_vertical_part():
+    roll = 0.3
+    tilted = rested()._replace(attitude=(math.sin(roll / 2), 0.0, 0.0, math.cos(roll / 2)))
+    force = (0.1, -0.2 + (G + 0.2) * math.sin(roll), 0.3 + (G + 0.2) * math.cos(roll))
+    assert run(tilted, STILL._replace(force=force), 100).altitude.climb == pytest.approx(0.2)
+
+
 def test_motors_reach_a_commanded_duty_with_their_lag():
     state = run(rested(), STILL._replace(duties=(0.5, 1.0)), 5)
     assert state.duties == pytest.approx((0.5 * (1 - math.exp(-1)), 1 - math.exp(-1)))

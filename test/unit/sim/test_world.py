@@ -127,6 +127,15 @@ def test_the_barometer_sits_with_the_imu():
     assert fall == pytest.approx(5.0 * 1.225 * G, abs=0.7)  # two roundings to 0.33 Pa
 
 
+def test_the_barometer_drifts_with_the_time():
+    seed = max(range(20), key=lambda seed: build(seed)._pressure.drift)
+    early, late = build(seed), build(seed)
+    late.steps = 60_000
+    drift = late._pressure.drift
+    assert late.sense().pressure - early.sense().pressure == pytest.approx(600 * drift, abs=0.7)
+    assert 600 * drift > 2.0
+
+
 def test_a_tilted_range_is_the_slant():
     world, roll = build(), 0.5
     world.state[2] = 1.0
@@ -252,6 +261,25 @@ def test_light_on_the_panel_charges():
     assert bright.charge - before == pytest.approx(gained, rel=0.02)
 
 
+def test_the_panel_looks_up():
+    """Lambertian lamp, half of the time on: 0.5 flux / pi / distance^2 below it, 0 above it."""
+    scene = {
+        'lamp/position': {'value': [-3.5, 0, 2.5], 'unit': 'm'},
+        'lamp/facing': {'value': [0, 0, -1], 'unit': '1'},
+        'ambient/steady': '0 lx',
+        'ambient/mains_amplitude': '0 lx',
+        'room/albedo': 0.0,
+    }
+    below = 2.5 - (0.41902 + 0.302)
+    expected = 0.5 * 10000.0 / math.pi / below**2
+    assert build(scene=scene).sense().illuminance == pytest.approx(expected, rel=1e-4)
+    scene |= {
+        'lamp/position': {'value': [-3.5, 0, 0.1], 'unit': 'm'},
+        'lamp/facing': {'value': [0, 0, 1], 'unit': '1'},
+    }
+    assert build(scene=scene).sense().illuminance == 0.0
+
+
 def everything(readings):
     out = []
     for r in readings:
@@ -333,6 +361,14 @@ def test_outcomes():
     world.steps = 6000
     assert place(world, 0.0, 0.0) is Outcome.TIMEOUT
     assert place(world, 3.0, 0.0) is Outcome.REACHED  # at the last moment
+
+
+def test_time_runs_out_at_the_limit():
+    world = build(scene={'goal/time_limit': '1 s'})
+    world.steps = 99
+    assert world.outcome is Outcome.FLYING
+    world.steps = 100
+    assert world.outcome is Outcome.TIMEOUT
 
 
 def test_rotors_that_do_not_reverse_never_push_backwards():
