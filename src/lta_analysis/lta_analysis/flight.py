@@ -9,9 +9,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
-import time
 from typing import final, Literal, Protocol
 
+from lta_analysis.blame import Blame
 from lta_analysis.session import Session
 from lta_config.errors import BadInput
 from lta_config.files import find
@@ -26,6 +26,7 @@ from lta_sim.scenario import load_scenario
 from lta_sim.vehicle import load_vehicle
 
 ROBOT = 'lta1'
+FLIGHT = 'simulator: flight'  # the fact on how the flight stands
 PATIENCE = 10.0  # wall seconds that the graph may stand still before the flight is given up
 LOOK = 0.05  # wall seconds between looks at the processes and the diagnostics
 
@@ -95,9 +96,21 @@ def fly_once(order: Order, watcher: Watcher) -> Flown:
     vehicle = load_vehicle(order.vehicle, scenario.air.density)
     strategy(order.strategy)
     _ = vehicle.model(), vehicle.hover_duty, scenario.light_field
-    folder = results_folder(order.out, f'{scenario.name}-{order.seed}')
-    bag = folder / 'bag'
-    choices = {
+    stamp = datetime.now().astimezone().strftime('%Y%m%d-%H%M%S')
+    folder = order.out or Path('runs') / f'{stamp}-{scenario.name}-{order.seed}'
+    folder = folder.absolute()
+    plan = load(find('launch file', 'fly', '.launch.yaml'), choices(order, folder / 'bag'))
+    with Session(ROBOT), DiagnosticsListener() as listener:
+        make_empty(folder)
+        with Launcher(plan, on_line=lambda _name, _line: None) as launcher:
+            watch(launcher, listener, watcher)
+        flight = listener.poll(0.0).get(FLIGHT)
+    return judged(folder, launcher, flight, watcher)
+
+
+def choices(order: Order, bag: Path) -> dict[str, str]:
+    """Return an order as launch arguments."""
+    return {
         'robot': ROBOT,
         'vehicle': order.vehicle,
         'scenario': order.scenario,
@@ -106,17 +119,11 @@ def fly_once(order: Order, watcher: Watcher) -> Flown:
         'seed': str(order.seed),
         'bag': str(bag),
     }
-    plan = load(find('launch file', 'fly', '.launch.yaml'), choices)
-    with Session(ROBOT), DiagnosticsListener() as listener:
-        with Launcher(plan, on_line=lambda _name, _line: None) as launcher:
-            watch(launcher, listener, watcher)
-        flight = listener.poll(0.0).get('simulator: flight')
-    return judged(folder, bag, launcher.outcome, flight, watcher)
 
 
-def results_folder(given: Path | None, name: str) -> Path:
+def make_empty(folder: Path) -> None:
     """
-    Return a new or empty folder for the results.
+    Make a folder for the results, unless it is there and empty.
 
     Raises
     ------
@@ -124,8 +131,6 @@ def results_folder(given: Path | None, name: str) -> Path:
         If it holds something or cannot be made.
 
     """
-    stamp = datetime.now().astimezone().strftime('%Y%m%d-%H%M%S')
-    folder = (given or Path('runs') / f'{stamp}-{name}').absolute()
     try:
         folder.mkdir(parents=True, exist_ok=True)
         busy = any(folder.iterdir())
@@ -133,39 +138,51 @@ def results_folder(given: Path | None, name: str) -> Path:
         raise BadInput(f"'{folder}' cannot be made ({error.strerror}); choose another.") from None
     if busy:
         raise BadInput(f"'{folder}' is not empty; choose another folder or remove it.")
-    return folder
 
 
 def watch(launcher: Launcher, listener: DiagnosticsListener, watcher: Watcher) -> None:
     """Follow a flight until a process ends it, or the graph has stood still for too long."""
-    named: list[str] = []
-    since = time.monotonic()
+    blame, named = Blame(), list[str]()
     while launcher.outcome is None:
         facts = listener.poll(LOOK)
         launcher.poll()
         show(facts, watcher)
-        blamed = culprits(facts.values())
-        if blamed and blamed != named:
+        running = launcher.running
+        blamed = blame.look(
+            culprits(facts.values()), listener.silent(running), listener.hears(running)
+        )
+        # Once the flight is over the simulator leaves, and all others wait for it in vain.
+        if blamed and blamed != named and flying(facts):
             watcher.say(f'Nothing comes from {", ".join(blamed)}.')
-        if not blamed:
-            since = time.monotonic()
         named = blamed
-        if time.monotonic() - since > PATIENCE:
+        if blame.standing > PATIENCE:
             watcher.say(f'The graph has stood still for {PATIENCE:.0f} s and is stopped.')
             return
+    end = launcher.outcome
+    if not end.success and not refused(end):
+        watcher.say(f'{end.sentence}.')
+
+
+def flying(facts: Mapping[str, Fact]) -> bool:
+    """Tell whether the simulator has not said yet how the flight ended."""
+    fact = facts.get(FLIGHT)
+    return fact is None or fact.values['outcome'] == 'flying'
 
 
 def show(facts: Mapping[str, Fact], watcher: Watcher) -> None:
     """Show the simulator's newest word on the flight."""
-    fact = facts.get('simulator: flight')
+    fact = facts.get(FLIGHT)
     if fact is not None and fact.level == Level.OK:
         values = fact.values
         watcher.at(float(values['time_s']), float(values['distance_m']), float(values['pace']))
 
 
-def judged(
-    folder: Path, bag: Path, end: Ended | None, flight: Fact | None, watcher: Watcher
-) -> Flown:
+def refused(end: Ended) -> bool:
+    """Tell whether a node ended with a sentence on what it cannot work with."""
+    return end.status == 2 and bool(end.lines)
+
+
+def judged(folder: Path, launcher: Launcher, flight: Fact | None, watcher: Watcher) -> Flown:
     """
     Return how the flight went, from how its processes ended.
 
@@ -175,12 +192,20 @@ def judged(
         If a node refused its input: the node's own sentence.
 
     """
-    if end is not None and not end.success:
-        if end.status == 2 and end.lines:
-            raise BadInput(end.lines[-1])
-        watcher.say('\n'.join((f'{end.sentence}; its last lines:', *end.lines)))
+    bag, end = folder / 'bag', launcher.outcome
     broken = end is None or not end.success
-    if broken or flight is None:
+    # Whoever is stopped in an orderly way ends with 0; in a broken graph, not all come so far.
+    faulty = [item for item in launcher.ended if item.status and not (broken and item.stopped)]
+    for item in faulty:
+        if refused(item):
+            raise BadInput(item.lines[-1])
+        if item is not end:
+            watcher.say(f'{item.sentence}.')
+        if item.lines:
+            watcher.say('\n'.join((f'The last lines of {item.name}:', *item.lines)))
+    if flight is None:
+        watcher.say('Nothing was heard of the simulator on /diagnostics.')
+    if broken or faulty or flight is None:
         return Flown(folder, bag, 'failed', 'did not finish: the graph broke', 0.0)
     values = flight.values
     return Flown(folder, bag, values['outcome'], flight.message, float(values['pace']))

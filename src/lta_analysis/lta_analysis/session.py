@@ -1,6 +1,5 @@
 """One flight of one robot on one ROS domain at a time: two would hear each other's commands."""
 
-from contextlib import suppress
 import fcntl
 import os
 from pathlib import Path
@@ -9,6 +8,8 @@ from types import TracebackType
 from typing import final, Self
 
 from lta_config.errors import BadInput
+
+HIGHEST_DOMAIN = 232  # whose ports still fit into 16 bits
 
 
 @final
@@ -24,7 +25,7 @@ class Session:
     Raises
     ------
     BadInput
-        On entering, if another flight of this user holds it.
+        On entering, if another flight of this user holds it, or there is no such domain.
 
     """
 
@@ -36,7 +37,17 @@ class Session:
 
     def __enter__(self) -> Self:
         """Take the name."""
-        self._file = os.open(self._path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+        if not (self._domain.isdecimal() and int(self._domain) <= HIGHEST_DOMAIN):
+            raise BadInput(
+                f"ROS_DOMAIN_ID is '{self._domain}', but must be a number from 0 to "
+                f'{HIGHEST_DOMAIN}; set it anew or unset it.'
+            )
+        try:
+            self._file = os.open(self._path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+        except OSError as error:
+            raise BadInput(
+                f"'{self._path}' cannot be opened ({error.strerror}); remove it."
+            ) from None
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
@@ -54,6 +65,5 @@ class Session:
         trace: TracebackType | None,
     ) -> None:
         """Give the name back."""
-        with suppress(OSError):
-            self._path.unlink()
+        # The file stays: whoever opened it before a removal would lock what nobody else sees.
         os.close(self._file)

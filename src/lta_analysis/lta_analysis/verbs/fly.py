@@ -16,7 +16,7 @@ def fly(
     vehicle: Annotated[str, typer.Option(help='Vehicle name or file.')] = 'gtmab',
     scenario: Annotated[str, typer.Option(help='Scenario name or file.')] = 'lamp_room',
     strategy: Annotated[str, typer.Option(help='Navigation strategy.')] = 'bag',
-    seed: Annotated[int, typer.Option(help='Seed of all chance.', min=0)] = 1,
+    seed: Annotated[int, typer.Option(help='Seed of all chance.', min=0, max=2**31 - 1)] = 1,
     time: Annotated[
         Literal['lockstep', 'realtime'],
         typer.Option(help='As fast as the graph answers, or at the pace of the wall clock.'),

@@ -83,7 +83,8 @@ class Controller(GraphNode):
         if pose is not None and velocity is not None:
             self._setpoint = from_stamp(odom.header.stamp), to_setpoint(pose, velocity)
         measured = to_measured(odom)
-        if measured is not None and not is_level(odom, self._settings.value.tilt_limit):
+        known = measured is not None and all(map(math.isfinite, measured))
+        if known and not is_level(odom, self._settings.value.tilt_limit):
             self._stop('turned over: the motors are off until the controller restarts')
         self._motors.publish(
             from_duties(odom.header.stamp, self._names, self._duties(step.stamp_ns, measured))

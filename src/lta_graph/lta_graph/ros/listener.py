@@ -1,5 +1,7 @@
 """Hear /diagnostics from outside the graph: for progress bars and for naming faults."""
 
+from collections.abc import Iterable
+import time
 from types import TracebackType
 from typing import final, Self
 
@@ -13,6 +15,8 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+SILENCE = 0.85  # wall seconds after which a node that reports twice as often is missed
+
 
 @final
 class DiagnosticsListener:
@@ -20,6 +24,7 @@ class DiagnosticsListener:
 
     def __init__(self) -> None:
         self.facts: dict[str, Fact] = {}
+        self._heard: dict[str, float] = {}
         self._context = Context()
 
     def __enter__(self) -> Self:
@@ -56,8 +61,18 @@ class DiagnosticsListener:
             values = {item.key: item.value for item in status.values}
             level = Level(int.from_bytes(status.level, 'little'))
             self.facts[status.name] = Fact(status.name, level, status.message, values)
+            self._heard[status.name.partition(':')[0]] = time.monotonic()
 
     def poll(self, timeout: float) -> dict[str, Fact]:
         """Listen for a while and return the newest fact of each 'NODE: TASK'."""
         self._executor.spin_once(timeout_sec=timeout)
         return self.facts
+
+    def silent(self, nodes: Iterable[str]) -> list[str]:
+        """Return which of some nodes were heard once and no longer are, in alphabetical order."""
+        limit = time.monotonic() - SILENCE
+        return sorted(name for name in nodes if self._heard.get(name, limit) < limit)
+
+    def hears(self, nodes: Iterable[str]) -> bool:
+        """Tell whether all of some nodes have been heard: DDS may take seconds to find them."""
+        return self._heard.keys() >= set(nodes)

@@ -3,7 +3,7 @@ The base of every LTA node: wired by the topic table, kept in step, and watched.
 
 A node says which role it plays and which topic it answers; types, names and quality of service
 come from `topics.yaml`. `on_step` gets everything that belongs to one answer (see
-`lta_graph.inbox`). Health goes to /diagnostics at every change and once a wall second.
+`lta_graph.inbox`). Health goes to /diagnostics at every change and twice a wall second.
 """
 
 from collections.abc import Callable, Iterable
@@ -31,10 +31,10 @@ from rclpy.publisher import Publisher
 from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
 
-WATCH_PERIOD = 0.2  # wall seconds between looks at what is missing
-REPORT_PERIOD = 1.0  # wall seconds between two /diagnostics without news
+WATCH_PERIOD = 0.1  # wall seconds between looks at what is missing
+REPORT_PERIOD = 0.3  # wall seconds between two /diagnostics without news
 FAREWELL = 0.2  # wall seconds for the last messages to be acknowledged
-PATIENCE = 0.8  # wall seconds of waiting after which the missing input is named
+PATIENCE = 0.5  # wall seconds of waiting after which the missing input is named
 
 
 class GraphSettings(Settings):
@@ -79,6 +79,7 @@ class GraphNode(Node):
         self.role = role or name
         self.lockstep = Parameters(self, GraphSettings).value.time == 'lockstep'
         self.running = True
+        self.begun = False  # whether the first message has gone or come
         self.health = Health()
         self.health.report('state', Level.OK, 'starting')
         self._inbox: Inbox | None = None
@@ -119,17 +120,18 @@ class GraphNode(Node):
                 self._receiver(inbox, name, topic.stamped, on_step),
                 profile(topic, self.lockstep),
             )
-        self._trigger = [self._inputs[trigger]]
+        self._trigger = trigger
 
     def _receiver(
         self, inbox: Inbox, name: str, stamped: bool, on_step: Callable[[Step], None]
     ) -> Callable[[Any], None]:
         def receive(message: Any) -> None:  # noqa: ANN401 - whatever the topic carries
             self._heard[name] = time.monotonic()
+            self.begun = True
             inbox.put(name, from_stamp(message.header.stamp) if stamped else 0, message)
             while (step := inbox.pop()) is not None:
-                self._waiting_since = None
                 on_step(step)
+                self._waiting_since = time.monotonic()
 
         return receive
 
@@ -137,13 +139,14 @@ class GraphNode(Node):
         """Return what to wake up for: in lockstep only what can complete the next answer."""
         if not self.lockstep or self._inbox is None:
             return self.subscriptions
-        missing = self._inbox.waiting_for()
-        return [self._inputs[name] for name in missing] if missing else self._trigger
+        return [self._inputs[name] for name in self._inbox.waiting_for() or [self._trigger]]
 
     def missing(self) -> list[str]:
         """Return the inputs that this node is waiting for; a node may add its own."""
         if self.lockstep:
-            return self._inbox.waiting_for() if self._inbox else []
+            if self._inbox is None or not self.begun:
+                return []
+            return self._inbox.waiting_for() or [self._trigger]
         now = time.monotonic()
         return [
             name
@@ -217,19 +220,26 @@ def run(node_class: type[GraphNode], args: list[str] | None = None) -> None:
     """
     # Our own handlers: rclpy's would tear the context down before the last messages are out.
     rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-    node: GraphNode | None = None
     try:
-        node = node_class()  # type: ignore[call-arg]
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, lambda *_: setattr(node, 'running', False))
-        node.work()
+        live(node_class)
     except KeyboardInterrupt:  # before the handlers were there
         pass
     except BadInput as error:
         sys.stderr.write(f'{error}\n')
         sys.exit(2)
     finally:
-        if node is not None:
-            node.close()
-            node.destroy_node()
         rclpy.try_shutdown()
+
+
+def live(node_class: type[GraphNode]) -> None:
+    """Make a node, let it work until it should stop, and close it whatever happens."""
+    node = node_class()  # type: ignore[call-arg]
+    try:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, lambda *_: setattr(node, 'running', False))
+        node.work()
+    finally:
+        try:
+            node.close()
+        finally:
+            node.destroy_node()

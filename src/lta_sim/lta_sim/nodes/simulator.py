@@ -6,7 +6,7 @@ it paces on the wall clock. It also referees: the process ends with status 0 whe
 reached its goal, run out of time or left the room, and says which.
 """
 
-import math
+import operator
 import time
 
 from lta_config.errors import BadInput
@@ -50,6 +50,8 @@ class Simulator(GraphNode):
         inputs = self.table.read_by('vehicle')
         self.listen(inputs, trigger='motors', on_step=self._on_motors)
         self._duties = [0.0] * len(vehicle.rotor_names)
+        self._lowest = [-1.0 if reversible else 0.0 for reversible in vehicle.reversible]
+        self._refused = False
         self._commanded_ns = 0
         self._began = self._clocked = 0.0
         if not self.lockstep:
@@ -61,6 +63,7 @@ class Simulator(GraphNode):
         """Wait for the graph, then fly."""
         self._wait_for_graph()
         self._began = time.monotonic()
+        self.begun = True
         self._publish()
         if not self.lockstep:
             self._pacer.reset()
@@ -97,12 +100,21 @@ class Simulator(GraphNode):
     def _take(self, names: list[str], duties: list[float]) -> None:
         """Accept a command, or stop the motors on one that cannot be meant."""
         expected = self._world.vehicle.rotor_names
-        if list(names) == expected and all(map(math.isfinite, duties)):
+        fits = list(names) == expected and len(duties) == len(expected)
+        # NaN is refused as well: it compares false.
+        if fits and all(map(operator.le, self._lowest, duties)) and max(duties) <= 1.0:
             self._duties = duties
+            if self._refused:
+                self._refused = False
+                self.health.report('command', Level.OK, 'accepted')
             return
         self._duties = [0.0] * len(expected)
+        self._refused = True
         self.health.report(
-            'command', Level.ERROR, f'motors names {names} with {duties}; expected {expected}'
+            'command',
+            Level.ERROR,
+            f'refused duties {duties} of {names}: expected {expected} from {self._lowest} to 1; '
+            'the motors are off',
         )
 
     def _tick(self) -> None:

@@ -1,0 +1,126 @@
+"""What breaks in a flight is named within a second, and leaves a bag that opens and no process."""
+
+import json
+import os
+from pathlib import Path
+import signal
+import subprocess
+import time
+
+from lta_analysis.bag.reader import read_bag
+from lta_config.topics import topic_table
+from lta_graph.suspicion import culprits
+import pytest
+
+NODES = ('estimator', 'controller', 'demodulator', 'navigator', 'energy_monitor', 'recorder')
+NAMED = 1.0  # s of wall time
+SETTLED = 18.0  # s of flight after which DDS has found everyone, on a busy machine
+TABLE = topic_table()
+
+
+@pytest.mark.parametrize('name', NODES)
+def test_a_node_that_hangs_and_then_dies_is_named_twice(lta, flying, hear, tmp_path, name):
+    out = tmp_path / 'out'
+    flight = lta.start('fly', '--no-page', '--out', out)
+    flying(SETTLED)
+    pid = flight.node(name)
+
+    os.kill(pid, signal.SIGSTOP)
+    stopped = time.monotonic()
+    if name != 'recorder':  # for whom nobody waits
+        assert hear(lambda facts: culprits(facts.values()) == [name]) - stopped < NAMED
+    assert flight.said(f'Nothing comes from {name}.') - stopped < NAMED
+
+    os.kill(pid, signal.SIGKILL)
+    killed = time.monotonic()
+    assert flight.said(f'{name} was killed by SIGKILL.') - killed < NAMED
+    assert flight.end() == 1
+    assert time.monotonic() - killed < 5.0
+    assert 'Traceback' not in flight.text
+    assert read_bag(out / 'bag').complete == (name != 'recorder')
+
+
+def test_what_is_a_second_old_survives_the_recorder(lta, flying, tmp_path, diagnostics):
+    """Every message whose flight time the simulator told a wall second before is in the bag."""
+    out = tmp_path / 'out'
+    flight = lta.start('fly', '--no-page', '--time', 'realtime', '--out', out)
+    flying(2.5)
+    pid = flight.node('recorder')
+    flown = float(diagnostics.facts['simulator: flight'].values['time_s'])
+    os.kill(pid, signal.SIGKILL)
+    assert flight.end() == 1
+
+    bag = read_bag(out / 'bag')
+    old = TABLE.start_ns + int((flown - NAMED) * 1e9)
+    for name, topic in TABLE.topics.items():
+        if topic.source == 'every node' or not topic.period_ns:
+            continue
+        full = f'/lta1/{name}'
+        times = [when for _, when, _ in bag.messages([full])]
+        expected = (old - TABLE.start_ns - topic.latency_ns) // topic.period_ns
+        assert sum(when <= old for when in times) >= expected, name
+    shown = lta.run('bag', 'info', out / 'bag')
+    assert shown.returncode == 0
+    facts = json.loads(lta.run('bag', 'info', '--json', out / 'bag').stdout)
+    assert not facts['complete']
+    assert all(loss in ' '.join(shown.stdout.split()) for loss in facts['losses'])
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path):
+    """Mount a disk of a few megabytes, where we may."""
+    folder = tmp_path / 'disk'
+    folder.mkdir()
+    command = ['mount', '-t', 'tmpfs', '-o', 'size=4300k', 'tmpfs', folder]
+    if subprocess.run(command, capture_output=True).returncode:
+        pytest.skip('mounting a small disk needs root')
+    yield folder
+    subprocess.run(['umount', folder], check=True)
+
+
+def test_a_full_disk_ends_the_flight_with_a_sentence_and_a_bag_that_opens(lta, small_disk):
+    result = lta.run('fly', '--no-page', '--out', small_disk / 'out')
+    assert result.returncode == 2
+    (sentence,) = [line for line in result.stderr.splitlines() if line]
+    assert 'The disk' in sentence
+    assert 'make room' in sentence
+    bag = read_bag(small_disk / 'out' / 'bag')
+    assert bag.complete
+    assert bag.topics['/lta1/imu'].count > 10
+
+
+@pytest.mark.parametrize('seconds', [0.0, 0.1, 0.5, 1.0, 2.0, 3.0])
+def test_ctrl_c_at_any_moment_leaves_no_process_and_no_torn_bag(lta, tmp_path, seconds):
+    out = tmp_path / 'out'
+    flight = lta.start('fly', '--no-page', '--out', out)
+    time.sleep(seconds)  # the moments themselves are the test
+    pressed = flight.interrupt()
+    # Before the script has begun, the shell itself dies of the signal, which shells call 130.
+    assert flight.end() in ((130,) if seconds else (130, -signal.SIGINT))
+    assert time.monotonic() - pressed < 5.0
+    assert flight.text in ('Stopped.', '') if not seconds else flight.text == 'Stopped.'
+    assert lta.left() == []
+    if (out / 'bag' / 'metadata.yaml').exists():
+        assert read_bag(out / 'bag').complete
+
+
+def test_a_second_ctrl_c_changes_nothing(lta, flying, tmp_path):
+    out = tmp_path / 'out'
+    flight = lta.start('fly', '--no-page', '--out', out)
+    flying(1.0)
+    flight.interrupt()
+    time.sleep(0.1)
+    flight.interrupt()
+    assert flight.end() == 130
+    assert flight.text == 'Stopped.'
+    read_bag(out / 'bag')
+
+
+@pytest.mark.long
+def test_a_node_that_never_comes_back_is_given_up_and_leaves(lta, flying, tmp_path):
+    flight = lta.start('fly', '--no-page', '--out', tmp_path / 'out')
+    flying(1.0)
+    os.kill(flight.node('estimator'), signal.SIGSTOP)
+    assert flight.end() == 1
+    assert 'The graph has stood still for 10 s and is stopped.' in flight.text
+    assert lta.left() == []
