@@ -1,0 +1,250 @@
+"""The topic table, the nodes, the launch files and the parameters say one and the same."""
+
+import ast
+from importlib import import_module
+from pathlib import Path
+
+from lta_bridge.nodes.recorder import RecorderSettings
+from lta_config.settings import Settings
+from lta_config.topics import Topic, topic_table
+from lta_control.nodes.controller import ControllerSettings
+from lta_control.nodes.estimator import EstimatorParameters
+from lta_control.nodes.navigator import NavigatorParameters
+from lta_energy.monitor import MonitorSettings
+from lta_graph.launch_file import arguments, load
+from lta_graph.ros.node import GraphSettings, message_type
+from lta_graph.ros.parameters import describe, leaves
+from lta_graph.ros.qos import profile
+from lta_sim.nodes.simulator import SimulatorSettings
+from lta_sim.scenario import load_scenario
+from lta_sim.vehicle import load_vehicle
+from lta_vlc.nodes.demodulator import DemodulatorParameters
+import pytest
+from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+import yaml
+
+ROOT = Path(__file__).resolve().parents[2]
+TABLE = topic_table()
+LAUNCH = ROOT / 'config/launch/fly.launch.yaml'
+ROLES = {'simulator': 'vehicle'}  # nodes that play a role of another name
+NODES = {
+    'simulator': SimulatorSettings,
+    'estimator': EstimatorParameters,
+    'controller': ControllerSettings,
+    'demodulator': DemodulatorParameters,
+    'navigator': NavigatorParameters,
+    'energy_monitor': MonitorSettings,
+    'recorder': RecorderSettings,
+}
+FILES = {path.stem: path for path in ROOT.glob('src/*/lta_*/nodes/[!_]*.py')}
+HEADERLESS = {'std_msgs/msg/Bool', 'rosgraph_msgs/msg/Clock'}
+
+each_node = pytest.mark.parametrize('name', NODES)
+each_topic = pytest.mark.parametrize('name', TABLE.topics)
+
+
+def calls(node, method):
+    """Yield the first argument of each `self.method(...)` in a node's file, as an expression."""
+    for item in ast.walk(ast.parse(FILES[node].read_text(encoding='utf-8'))):
+        if (
+            isinstance(item, ast.Call)
+            and isinstance(item.func, ast.Attribute)
+            and item.func.attr == method
+            and isinstance(item.func.value, ast.Name)
+            and item.func.value.id == 'self'
+        ):
+            yield item.args[0]
+
+
+def declared(node, text, query):
+    """Return whether a node asks the table for its topics by `self.table.QUERY(role)`."""
+    role = ROLES.get(node, node)
+    return f"self.table.{query}('{role}')" in text
+
+
+def published(node):
+    """Return the topics that a node makes publishers for."""
+    found = {item.value for item in calls(node, 'output') if isinstance(item, ast.Constant)}
+    if declared(node, FILES[node].read_text(encoding='utf-8'), 'published_by'):
+        found |= set(TABLE.published_by(ROLES.get(node, node)))
+    return found
+
+
+def read(node):
+    """Return the topics that a node listens to."""
+    text = FILES[node].read_text(encoding='utf-8')
+    if declared(node, text, 'read_by'):
+        return set(TABLE.read_by(ROLES.get(node, node)))
+    lists = [item for item in calls(node, 'listen') if isinstance(item, ast.List)]
+    return {item.value for each in lists for item in each.elts}
+
+
+def test_every_node_is_known_here():
+    assert set(FILES) == set(NODES)
+
+
+@each_node
+def test_a_node_publishes_what_the_table_gives_it(name):
+    assert published(name) == set(TABLE.published_by(ROLES.get(name, name)))
+
+
+@each_node
+def test_a_node_reads_what_the_table_sends_it(name):
+    assert read(name) == set(TABLE.read_by(ROLES.get(name, name)))
+
+
+@each_node
+def test_no_node_goes_around_the_table(name):
+    """The recorder alone subscribes for itself: raw, to all that the table marks."""
+    text = FILES[name].read_text(encoding='utf-8')
+    assert 'create_publisher' not in text
+    assert text.count('create_subscription') == (1 if name == 'recorder' else 0)
+
+
+@each_topic
+def test_a_topic_s_row_is_whole(name):
+    topic = TABLE[name]
+    fields = message_type(topic).get_fields_and_field_types()
+    assert topic.stamped == ('header' in fields), 'stamped says whether there is a header'
+    assert topic.about.endswith('.')
+    roles = {ROLES.get(node, node) for node in NODES}
+    assert topic.source in roles | {'every node'}
+    assert set(topic.subscribers) <= roles
+    assert all(lag in (0, 1) for lag in topic.subscribers.values())
+    assert topic.period_ns % 1_000_000 == 0
+    # What somebody waits for must have a rhythm, or nobody could tell that it is missing.
+    assert topic.period_ns > 0 or not topic.subscribers
+
+
+@each_topic
+def test_both_ends_offer_and_ask_the_same_quality(name):
+    topic: Topic = TABLE[name]
+    real, step = profile(topic, lockstep=False), profile(topic, lockstep=True)
+    reliable = ReliabilityPolicy.BEST_EFFORT if topic.qos == 'sensor' else None
+    assert real.reliability == (reliable or ReliabilityPolicy.RELIABLE)
+    latched = DurabilityPolicy.TRANSIENT_LOCAL
+    assert (real.durability == latched) == (topic.qos == 'latched')
+    if topic.repeatable:
+        assert (step.reliability, step.durability) == (ReliabilityPolicy.RELIABLE, latched)
+        assert step.depth * topic.period_ns >= 10 * 10**9
+
+
+def test_the_sensors_are_best_effort_and_the_command_is_one_deep():
+    assert {name for name, topic in TABLE.topics.items() if topic.qos == 'sensor'} == {
+        'imu',
+        'range',
+        'pressure',
+        'photodiodes',
+        'illuminance',
+    }
+    assert profile(TABLE['motors'], lockstep=False).depth == 1
+
+
+def test_a_light_block_is_as_long_as_it_says():
+    light = TABLE.light
+    block = round(light.samples / light.sample_rate.si * 1e9)
+    assert TABLE['photodiodes'].period_ns == TABLE['photodiodes'].latency_ns == block
+
+
+@each_node
+def test_every_parameter_is_described(name):
+    settings = NODES[name]()
+    for key, info, value in [*leaves(GraphSettings()), *leaves(settings)]:
+        descriptor = describe(info, value)
+        assert descriptor.description.split('[')[0].strip(), key
+        if isinstance(value, bool | str):
+            continue
+        ranged = descriptor.integer_range or descriptor.floating_point_range
+        assert ranged, f'{key} has no range'
+        assert ranged[0].from_value <= value <= ranged[0].to_value, key
+
+
+@each_node
+def test_structure_is_fixed_and_figures_are_not(name):
+    """A name or a path needs a restart; a number can be tried in flight, but for the seed."""
+    for key, info, value in leaves(NODES[name]()):
+        fixed = describe(info, value).read_only
+        if isinstance(value, str) or key == 'seed':
+            assert fixed, key
+
+
+def nodes_of_launch():
+    """Return the parameters that the launch file gives each node by itself."""
+    (group,) = [
+        item['group'] for item in yaml.safe_load(LAUNCH.read_text())['launch'] if 'group' in item
+    ]
+    nodes = [item['node'] for item in group if 'node' in item]
+    return {
+        node['name']: {item['name'] for item in node['param'] if 'name' in item} for node in nodes
+    }
+
+
+def test_the_launch_file_starts_every_node_under_its_name(monkeypatch, tmp_path):
+    marker = tmp_path / 'share/ament_index/resource_index/packages/lta_config'
+    marker.parent.mkdir(parents=True)
+    marker.touch()
+    monkeypatch.setenv('AMENT_PREFIX_PATH', str(tmp_path))
+    (tmp_path / 'share/lta_config').symlink_to(ROOT / 'config')
+    plan = load(LAUNCH, {})
+    assert [process.name for process in plan.processes] == list(NODES)
+    for process in plan.processes:
+        assert process.name == process.executable
+        assert process.namespace == '/lta1'
+        assert FILES[process.name].parts[-4] == process.package
+    assert [p.name for p in plan.processes if p.on_exit_shutdown] == ['simulator']
+
+
+@each_node
+def test_the_launch_file_gives_only_parameters_that_are_declared(name):
+    own = {key for key, _, _ in [*leaves(GraphSettings()), *leaves(NODES[name]())]}
+    given = nodes_of_launch()[name]
+    assert given - {'use_sim_time'} <= own
+    # The simulator makes the time that all others use.
+    assert ('use_sim_time' in given) == (name != 'simulator')
+    assert 'time' in given
+
+
+def test_launch_arguments_are_documented_and_default_to_what_is_shipped():
+    given = {item.name: item for item in arguments(LAUNCH)}
+    assert all(item.description.endswith('.') for item in given.values())
+    load_vehicle(given['vehicle'].default)
+    load_scenario(given['scenario'].default)
+    for name in ('vehicle', 'scenario', 'strategy', 'seed', 'bag'):
+        assert str(getattr(RecorderSettings(), name)) == given[name].default
+    assert given['time'].choices == ('realtime', 'lockstep')
+    assert given['time'].default == GraphSettings().time
+
+
+def test_the_shipped_gains_are_parameters_and_all_of_them():
+    content = yaml.safe_load((ROOT / 'config/control/gtmab.yaml').read_text())
+    given = content['/**/controller']['ros__parameters']['gains']
+
+    def flat(tree, prefix):
+        for key, value in tree.items():
+            if isinstance(value, dict):
+                yield from flat(value, f'{prefix}{key}.')
+            else:
+                yield prefix + key
+
+    known = {key for key, _, _ in leaves(ControllerSettings()) if key.startswith('gains.')}
+    assert set(flat(given, 'gains.')) == known
+
+
+@pytest.mark.parametrize('model', NODES.values(), ids=list(NODES))
+def test_a_setting_beyond_its_bounds_is_refused(model):
+    for key, info, value in leaves(model()):
+        ranges = describe(info, value).floating_point_range
+        if not ranges:
+            continue
+        *path, last = key.split('.')
+        tree = {last: ranges[0].to_value * 2 + 1}
+        for part in reversed(path):
+            tree = {part: tree}
+        with pytest.raises(ValueError, match=last):
+            model.model_validate(tree)
+    assert issubclass(model, Settings)
+
+
+def test_the_page_of_topics_is_fresh():
+    page = import_module('lta_config.topics_page')
+    assert (ROOT / 'docs/topics.md').read_text(encoding='utf-8') == page.page(TABLE)
