@@ -1,9 +1,13 @@
 """A setting of a core or node: declared once, with meaning, unit and bounds."""
 
-from typing import Any
+from collections import namedtuple
+from functools import cache
+from typing import Any, cast, TypeVar
 
 from lta_config.files import Record
-from pydantic import Field
+from pydantic import BaseModel, Field
+
+Model = TypeVar('Model', bound=BaseModel)
 
 
 class Settings(Record):
@@ -44,3 +48,19 @@ def setting(
         json_schema_extra={'unit': unit, 'read_only': fixed},
         validate_default=True,
     )
+
+
+@cache
+def _plain_type(model: type[BaseModel]) -> Any:  # noqa: ANN401 - a type made here
+    return namedtuple(model.__name__, model.model_fields)
+
+
+def plain(settings: Model) -> Model:
+    """
+    Return settings as named tuples of numbers, nested as they are.
+
+    Cores only read attributes, so they take either; compiled, they take this.
+    """
+    values = (getattr(settings, name) for name in type(settings).model_fields)
+    numbers = (plain(value) if isinstance(value, BaseModel) else value for value in values)
+    return cast('Model', _plain_type(type(settings))(*numbers))

@@ -13,7 +13,8 @@ angle = st.floats(-math.pi, math.pi)
 sights = st.lists(
     st.builds(
         Sight,
-        bearing=st.none() | angle,
+        seen=st.booleans(),
+        bearing=angle,
         heading=angle,
         amplitudes=st.tuples(*[st.floats(0.0, 2000.0)] * 8),
         interval=st.just(0.1),

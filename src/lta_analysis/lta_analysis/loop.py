@@ -6,6 +6,7 @@ of the step before, and the controller a setpoint one control period after its l
 """
 
 from dataclasses import dataclass, field
+import math
 from typing import final
 
 from lta_config.topics import TopicTable
@@ -66,15 +67,13 @@ class Loop:
         self._bins = plan_bins(
             policy.demodulation, table.light.sample_rate.si, table.light.samples
         )
-        none = (0.0,) * len(vehicle.rotor_names)
-        self.estimate = Estimate(duties=none)
-        self.duties: tuple[float, ...] = none
+        self.estimate = Estimate()
+        self.duties = self.estimate.duties
         self.setpoint: Setpoint | None = None
         self.mission = Mission()
         self._memory = ControlMemory()
         self._headings: list[float] = []
         self._pending: Setpoint | None = None
-        self._first = True
 
     def step(self) -> Outcome:
         """Sense, decide and fly one control period; return how the flight stands."""
@@ -91,11 +90,10 @@ class Loop:
         inputs = Inputs(
             rates=readings.rates,
             force=readings.force,
-            range=readings.ranges[-1][1] if readings.ranges else None,
-            pressure=readings.pressure,
-            duties=None if self._first else self.duties,
+            range=readings.ranges[-1][1] if readings.ranges else math.nan,
+            pressure=math.nan if readings.pressure is None else readings.pressure,
+            duties=self.duties,
         )
-        self._first = False
         self.estimate = estimator_step(
             self._policy.estimator, self._body, self.estimate, inputs, self._dt
         )
@@ -104,7 +102,7 @@ class Loop:
     def measured(self) -> Measured | None:
         """Return what the controller acts on; None while the estimator is learning."""
         estimate = self.estimate
-        if estimate.biases is None:
+        if not estimate.ready:
             return None
         return Measured(
             altitude=estimate.altitude.height,
@@ -119,7 +117,8 @@ class Loop:
         peaks = demodulate(block, self._bins)
         found = bearing(peaks, self._ring, self._policy.demodulation.threshold)
         sight = Sight(
-            bearing=None if found is None else found.angle,
+            seen=found is not None,
+            bearing=0.0 if found is None else found.angle,
             heading=self._headings[-1 - self._half_block],
             amplitudes=tuple(peaks.amplitude.tolist()),
             interval=self._block,

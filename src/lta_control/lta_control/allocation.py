@@ -11,9 +11,14 @@ rotors this needs no library and compiles.
 import math
 from typing import NamedTuple
 
+AXES = 6
+
 ROUNDS = 60  # at most; four rotors from anywhere need fewer than a dozen
 RIDGE = 1e-9  # of the mean stiffness: what no weighted axis feels stays as it is
 INWARD = 1e-12  # pull away from a limit that counts as one [N]
+
+Thrusts = tuple[float, float, float, float]
+Wrench = tuple[float, float, float, float, float, float]
 
 
 class Rotors(NamedTuple):
@@ -26,6 +31,8 @@ class Rotors(NamedTuple):
         B: one column a rotor, wrench (fx, fy, fz, mx, my, mz) per newton of thrust. [N/N, m]
     low, high : tuple of float
         Thrust limits of each rotor. [N]
+    lowest_heave : float
+        Strongest push downwards by the rotors that point up. [N]
     a, b : float
         Thrust curve T = a u^2 + b u, u = duty (paper section on thrust). [N]
 
@@ -34,14 +41,9 @@ class Rotors(NamedTuple):
     allocation: tuple[tuple[float, ...], ...]
     low: tuple[float, ...]
     high: tuple[float, ...]
+    lowest_heave: float
     a: float
     b: float
-
-    @property
-    def lowest_heave(self) -> float:
-        """Strongest push downwards by the rotors that point up. [N]."""
-        lows = zip(self.allocation, self.low, strict=True)
-        return sum(column[2] * low for column, low in lows if column[2] > 0.5)
 
 
 # Altitude before heading before speed; roll only so that the two vertical rotors share the load.
@@ -49,9 +51,7 @@ class Rotors(NamedTuple):
 WEIGHTS = (1.0, 0.0, 100.0, 10.0, 0.0, 1000.0)
 
 
-def allocate(
-    rotors: Rotors, wrench: tuple[float, ...], start: tuple[float, ...]
-) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def allocate(rotors: Rotors, wrench: Wrench, start: Thrusts) -> tuple[Thrusts, Wrench]:
     """
     Return rotor thrusts and the wrench they give.
 
@@ -69,7 +69,9 @@ def allocate(
     low, high = rotors.low, rotors.high
     count = len(columns)
     stiffness = [[_weighted(p, q) for q in columns] for p in columns]
-    ridge = RIDGE * sum(stiffness[j][j] for j in range(count)) / count
+    ridge = 0.0
+    for j in range(count):
+        ridge += RIDGE * stiffness[j][j] / count
     thrusts = [min(max(start[j], low[j]), high[j]) for j in range(count)]
     target = [_weighted(columns[j], wrench) + ridge * thrusts[j] for j in range(count)]
     for j in range(count):
@@ -88,34 +90,41 @@ def allocate(
         if stop < 0:
             break
         free[stop] = True
-    given = tuple(
-        sum(columns[j][axis] * thrusts[j] for j in range(count)) for axis in range(len(wrench))
-    )
-    return tuple(thrusts), given
+    given = [0.0] * AXES
+    for j in range(count):
+        for axis in range(AXES):
+            given[axis] += columns[j][axis] * thrusts[j]
+    # Tuples of fixed length, so that this compiles.
+    return (thrusts[0], thrusts[1], thrusts[2], thrusts[3]), (
+        given[0], given[1], given[2], given[3], given[4], given[5],
+    )  # fmt: skip
 
 
 def _pull(stiffness: list[list[float]], target: list[float], thrusts: list[float]) -> list[float]:
     """Return minus the gradient: where each thrust would go."""
-    count = len(thrusts)
-    return [
-        target[j] - sum(stiffness[j][i] * thrusts[i] for i in range(count)) for j in range(count)
-    ]
+    pull = list(target)
+    for j in range(len(target)):
+        for i in range(len(target)):
+            pull[j] -= stiffness[j][i] * thrusts[i]
+    return pull
 
 
 def _solved(stiffness: list[list[float]], pull: list[float], free: list[bool]) -> list[float]:
     """Return the step to the minimum over the free thrusts; 0 for the others (elimination)."""
     count = len(pull)
-    rows = [[*stiffness[j], pull[j]] for j in range(count)]
+    rows = [list(row) for row in stiffness]
+    right = list(pull)
     step = [0.0] * count
     for j in range(count):
         for k in range(j + 1, count):
             if free[j] and free[k] and rows[j][j] > 0.0:
                 factor = rows[k][j] / rows[j][j]
-                for i in range(j, count + 1):
+                right[k] -= factor * right[j]
+                for i in range(j, count):
                     rows[k][i] -= factor * rows[j][i]
     for j in range(count - 1, -1, -1):
         if free[j] and rows[j][j] > 0.0:
-            rest = rows[j][count]
+            rest = right[j]
             for i in range(j + 1, count):
                 rest -= rows[j][i] * step[i]
             step[j] = rest / rows[j][j]
@@ -152,8 +161,8 @@ def _held_back(
 
 def _weighted(p: tuple[float, ...], q: tuple[float, ...]) -> float:
     total = 0.0
-    for weight, left, right in zip(WEIGHTS, p, q, strict=True):
-        total += weight * left * right
+    for axis in range(AXES):
+        total += WEIGHTS[axis] * p[axis] * q[axis]
     return total
 
 

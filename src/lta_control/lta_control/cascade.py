@@ -82,8 +82,8 @@ class CascadeMemory(NamedTuple):
 
 
 def wrap(angle: float) -> float:
-    """Return an angle in [-pi, pi]. [rad]."""
-    return math.remainder(angle, 2.0 * math.pi)
+    """Return an angle in [-pi, pi). [rad]"""
+    return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
 
 
 def drag_force(linear: float, quadratic: float, speed: float) -> float:
@@ -155,8 +155,9 @@ def cascade_step(
     """
     climb = gains.altitude_kp * (setpoint.altitude - measured.altitude)
     climb = _within(climb, gains.climb_limit)
+    kp, ki, kd, low, high = pid_gains(gains.climb)
     heave, climb_memory = pid_step(
-        (*pid_gains(gains.climb)[:3], max(lowest_heave, -gains.climb.limit), gains.climb.limit),
+        (kp, ki, kd, max(lowest_heave, low), high),
         memory.climb,
         climb - measured.climb,
         0.0,
@@ -178,7 +179,7 @@ def cascade_step(
     surge, speed_memory = pid_step(
         pid_gains(gains.speed), memory.speed, lack, 0.0, shortfall.surge, dt
     )
-    surge += drag_force(*surge_drag, speed)
+    surge += drag_force(surge_drag[0], surge_drag[1], speed)
     return Demand(surge, heave, yaw), CascadeMemory(climb_memory, rate_memory, speed_memory)
 
 

@@ -7,7 +7,7 @@ cascade, so that no integral winds up against a rotor at its limit.
 
 from typing import NamedTuple
 
-from lta_control.allocation import allocate, duty, Rotors
+from lta_control.allocation import allocate, duty, Rotors, Thrusts
 from lta_control.cascade import (
     cascade_step,
     CascadeGains,
@@ -22,7 +22,7 @@ class ControlMemory(NamedTuple):
     """What control remembers from step to step."""
 
     cascade: CascadeMemory = CascadeMemory()
-    thrusts: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+    thrusts: Thrusts = (0.0, 0.0, 0.0, 0.0)
     shortfall: Demand = Demand(0.0, 0.0, 0.0)
 
 
@@ -34,7 +34,7 @@ def control_step(
     measured: Measured,
     setpoint: Setpoint,
     dt: float,
-) -> tuple[tuple[float, ...], ControlMemory]:
+) -> tuple[Thrusts, ControlMemory]:
     """
     Return the duties of the rotors and the new memory.
 
@@ -67,5 +67,7 @@ def control_step(
     wrench = (demand.surge, 0.0, demand.heave, 0.0, 0.0, demand.yaw)
     thrusts, given = allocate(rotors, wrench, memory.thrusts)
     shortfall = Demand(given[0] - demand.surge, given[2] - demand.heave, given[5] - demand.yaw)
-    duties = tuple(duty(thrust, rotors.a, rotors.b) for thrust in thrusts)
+    a, b = rotors.a, rotors.b
+    first, second, third, fourth = thrusts
+    duties = (duty(first, a, b), duty(second, a, b), duty(third, a, b), duty(fourth, a, b))
     return duties, ControlMemory(cascade, thrusts, shortfall)

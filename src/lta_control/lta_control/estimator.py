@@ -13,8 +13,9 @@ from lta_config.settings import setting, Settings
 from lta_control.airspeed import Airspeed, airspeed_step, Hull
 from lta_control.altitude import Altitude, AltitudeSettings, correct, predict
 from lta_control.attitude import attitude_step, heading, Quaternion, up_in_body, Vector
+from lta_control.rest import Biases, biases_of, GRAVITY, Rest, rest_step
 
-GRAVITY = 9.80665  # m/s2, standard; the accelerometer's scale is calibrated against it at rest
+Duties = tuple[float, float, float, float]
 
 
 class EstimatorSettings(Settings):
@@ -68,83 +69,91 @@ class Body(NamedTuple):
     lag_down: float
 
 
-class Rest(NamedTuple):
-    """Sums gathered at rest; the mean of each is a bias."""
-
-    samples: int = 0
-    rates: Vector = (0.0, 0.0, 0.0)
-    force: Vector = (0.0, 0.0, 0.0)
-    pressure: float = 0.0
-    pressures: int = 0
-
-
-class Biases(NamedTuple):
-    """What the sensors read at rest beyond the truth."""
-
-    rates: Vector  # [rad/s]
-    force: Vector  # [m/s2]
-    pressure: float  # at the floor [Pa]
-
-
 class Estimate(NamedTuple):
-    """Everything the estimator remembers; `biases` is None until the rest is over."""
+    """Everything the estimator remembers; nothing but `rest` and the height until it is ready."""
 
+    ready: bool = False  # whether the biases are known
     rest: Rest = Rest()
-    biases: Biases | None = None
+    biases: Biases = Biases()
     attitude: Quaternion = (0.0, 0.0, 0.0, 1.0)
     rates: Vector = (0.0, 0.0, 0.0)
     altitude: Altitude = Altitude()
     airspeed: Airspeed = Airspeed()
     position: tuple[float, float] = (0.0, 0.0)
-    duties: tuple[float, ...] = ()
+    duties: Duties = (0.0, 0.0, 0.0, 0.0)  # that the motors have reached
     flown: float = 0.0  # time since the rest ended [s]
 
 
 class Inputs(NamedTuple):
-    """One step's new measurements; None where nothing has come."""
+    """One step's measurements; NaN where nothing has come."""
 
     rates: Vector  # [rad/s]
     force: Vector  # specific force [m/s2]
-    range: float | None  # [m]
-    pressure: float | None  # [Pa]
-    duties: tuple[float, ...] | None
+    range: float  # [m]; infinite where nothing is in reach
+    pressure: float  # [Pa]
+    duties: Duties  # the newest command
 
 
 def estimator_step(
     settings: EstimatorSettings, body: Body, state: Estimate, inputs: Inputs, dt: float
 ) -> Estimate:
     """Return the estimate after one IMU sample and whatever else has come with it."""
-    if state.biases is None:
-        return _learn_at_rest(settings, body, state, inputs, dt)
+    if not state.ready:
+        return _at_rest(settings, body, state, inputs, dt)
     rates = _minus(inputs.rates, state.biases.rates)
     force = _minus(inputs.force, state.biases.force)
     attitude = attitude_step(state.attitude, rates, force, settings.gravity_gain, dt)
-    ux, uy, uz = up_in_body(attitude)
+    up = up_in_body(attitude)
     swing = _swing(body.imu_position, rates, state.rates, dt)
-    ax, ay, az = _minus(_minus(force, (GRAVITY * ux, GRAVITY * uy, GRAVITY * uz)), swing)
-    altitude = _altitude(
-        settings, body, state, inputs, (ux, uy, uz), ux * ax + uy * ay + uz * az, dt
-    )
+    moving = _minus(_minus(force, (GRAVITY * up[0], GRAVITY * up[1], GRAVITY * up[2])), swing)
     duties = _lagged(body, state.duties, inputs.duties, dt)
     airspeed = airspeed_step(
         body.hull,
         state.airspeed,
         _rotor_force(body, duties),
-        (ax, ay),
+        (moving[0], moving[1]),
         rates[2],
         settings.accelerometer_trust,
         dt,
     )
     return Estimate(
-        rest=state.rest,
-        biases=state.biases,
-        attitude=attitude,
-        rates=rates,
-        altitude=altitude,
-        airspeed=airspeed,
-        position=_moved(state.position, airspeed, heading(attitude), dt),
-        duties=duties,
-        flown=state.flown + dt,
+        True,
+        state.rest,
+        state.biases,
+        attitude,
+        rates,
+        _altitude(settings, body, state, inputs, up, moving, dt),
+        airspeed,
+        _moved(state.position, airspeed, heading(attitude), dt),
+        duties,
+        state.flown + dt,
+    )
+
+
+def _at_rest(
+    settings: EstimatorSettings, body: Body, state: Estimate, inputs: Inputs, dt: float
+) -> Estimate:
+    """Gather means while the drone stands still, until the rest is over."""
+    rest = rest_step(state.rest, inputs.rates, inputs.force, inputs.pressure)
+    altitude = state.altitude
+    if math.isfinite(inputs.range):
+        height = inputs.range - body.range_position[2]
+        altitude = correct(altitude, height, settings.altitude.range_noise, False)
+    ready = rest.samples * dt >= settings.rest_time and rest.pressures > 0
+    biases = state.biases
+    if ready:
+        biases = biases_of(rest, altitude.height, settings.air_density)
+    return Estimate(
+        ready,
+        rest,
+        biases,
+        state.attitude,
+        state.rates,
+        altitude,
+        state.airspeed,
+        state.position,
+        state.duties,
+        state.flown,
     )
 
 
@@ -175,81 +184,52 @@ def _cross(a: Vector, b: Vector) -> Vector:
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-def _learn_at_rest(
-    settings: EstimatorSettings, body: Body, state: Estimate, inputs: Inputs, dt: float
-) -> Estimate:
-    """Gather means while the drone stands still; the floor it stands on counts as level."""
-    rest = state.rest
-    heard = inputs.pressure is not None
-    rest = Rest(
-        rest.samples + 1,
-        _plus(rest.rates, inputs.rates),
-        _plus(rest.force, inputs.force),
-        rest.pressure + (inputs.pressure or 0.0),
-        rest.pressures + heard,
-    )
-    altitude = state.altitude
-    if inputs.range is not None and math.isfinite(inputs.range):
-        height = inputs.range - body.range_position[2]
-        altitude = correct(altitude, height, settings.altitude.range_noise, False)
-    if rest.samples * dt < settings.rest_time or rest.pressures == 0:
-        return state._replace(rest=rest, altitude=altitude)
-    n = float(rest.samples)
-    fx, fy, fz = rest.force
-    biases = Biases(
-        (rest.rates[0] / n, rest.rates[1] / n, rest.rates[2] / n),
-        (fx / n, fy / n, fz / n - GRAVITY),
-        rest.pressure / rest.pressures + settings.air_density * GRAVITY * altitude.height,
-    )
-    return state._replace(rest=rest, biases=biases, altitude=altitude)
-
-
 def _altitude(
     settings: EstimatorSettings,
     body: Body,
     state: Estimate,
     inputs: Inputs,
     up: Vector,
-    acceleration: float,
+    moving: Vector,
     dt: float,
 ) -> Altitude:
     weights = settings.altitude
-    altitude = predict(
-        state.altitude, acceleration, weights.acceleration_noise, weights.offset_walk, dt
-    )
-    if inputs.pressure is not None and state.biases is not None:
+    upward = up[0] * moving[0] + up[1] * moving[1] + up[2] * moving[2]
+    altitude = predict(state.altitude, upward, weights.acceleration_noise, weights.offset_walk, dt)
+    if math.isfinite(inputs.pressure):
         drop = state.biases.pressure - inputs.pressure
         height = drop / (settings.air_density * GRAVITY)
         altitude = correct(altitude, height, weights.pressure_noise, True)
-    if inputs.range is not None and math.isfinite(inputs.range) and up[2] > 0.5:
+    if math.isfinite(inputs.range) and up[2] > 0.5:
         px, py, pz = body.range_position
         below = px * up[0] + py * up[1] + pz * up[2]
         altitude = correct(altitude, inputs.range * up[2] - below, weights.range_noise, False)
     return altitude
 
 
-def _lagged(
-    body: Body, duties: tuple[float, ...], commanded: tuple[float, ...] | None, dt: float
-) -> tuple[float, ...]:
+def _lagged(body: Body, before: Duties, commanded: Duties, dt: float) -> Duties:
     """Return the duties that the motors have reached, by the nominal lag."""
-    if commanded is None:
-        return duties
-    before = duties or (0.0,) * len(commanded)
-    reached = []
-    for old, new in zip(before, commanded, strict=True):
-        lag = body.lag_up if abs(new) > abs(old) else body.lag_down
-        share = 1.0 - math.exp(-dt / lag) if lag > 0.0 else 1.0
-        reached.append(old + share * (new - old))
-    return tuple(reached)
+    return (
+        _followed(body, before[0], commanded[0], dt),
+        _followed(body, before[1], commanded[1], dt),
+        _followed(body, before[2], commanded[2], dt),
+        _followed(body, before[3], commanded[3], dt),
+    )
 
 
-def _rotor_force(body: Body, duties: tuple[float, ...]) -> tuple[float, float]:
+def _followed(body: Body, before: float, commanded: float, dt: float) -> float:
+    lag = body.lag_up if abs(commanded) > abs(before) else body.lag_down
+    share = 1.0 - math.exp(-dt / lag) if lag > 0.0 else 1.0
+    return before + share * (commanded - before)
+
+
+def _rotor_force(body: Body, duties: Duties) -> tuple[float, float]:
     """Return the rotors' force along body x and y. [N]."""
     fx = fy = 0.0
-    for column, u in zip(body.allocation, duties, strict=False):
-        thrust = (body.a * abs(u) + body.b) * u
-        fx += column[0] * thrust
-        fy += column[1] * thrust
+    for j in range(len(duties)):
+        thrust = (body.a * abs(duties[j]) + body.b) * duties[j]
+        fx += body.allocation[j][0] * thrust
+        fy += body.allocation[j][1] * thrust
     return fx, fy
 
 

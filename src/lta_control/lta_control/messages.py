@@ -6,7 +6,7 @@ from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped, TwistStamped
 from lta_control.attitude import heading, Quaternion, up_in_body
 from lta_control.cascade import Measured, Setpoint
-from lta_control.estimator import Estimate, Inputs
+from lta_control.estimator import Duties, Estimate, Inputs
 from lta_graph.inbox import Step
 from nav_msgs.msg import Odometry
 import numpy as np
@@ -18,19 +18,26 @@ YAW_DRIFT = 1e-3  # of heading after the rest at the start [rad/s]: an assumptio
 SPEED_SIGMA = 0.1  # of the airspeed [m/s]: an assumption, checked by the report
 
 
-def to_inputs(step: Step, names: list[str]) -> Inputs:
+def to_inputs(step: Step, commanded: Duties) -> Inputs:
     """Return what the estimator takes from one step's messages; the newest of each counts."""
     imu: Imu = step.last('imu')
-    distance, air, motors = step.last('range'), step.last('pressure'), step.last('motors')
+    distance, air = step.last('range'), step.last('pressure')
     w, f = imu.angular_velocity, imu.linear_acceleration
-    known = motors is not None and list(motors.name) == names
     return Inputs(
         rates=(w.x, w.y, w.z),
         force=(f.x, f.y, f.z),
-        range=None if distance is None else distance.range,
-        pressure=None if air is None else air.fluid_pressure,
-        duties=tuple(motors.effort) if known else None,
+        range=math.nan if distance is None else distance.range,
+        pressure=math.nan if air is None else air.fluid_pressure,
+        duties=commanded,
     )
+
+
+def to_duties(motors: JointState | None, names: list[str], before: Duties) -> Duties:
+    """Return the commanded duties; those before where nothing that fits the names has come."""
+    if motors is None or list(motors.name) != names or len(motors.effort) != len(names):
+        return before
+    first, second, third, fourth = motors.effort
+    return first, second, third, fourth
 
 
 def from_estimate(stamp: Time, estimate: Estimate) -> Odometry:
@@ -50,7 +57,7 @@ def from_estimate(stamp: Time, estimate: Estimate) -> Odometry:
     w.x, w.y, w.z = estimate.rates
     pose_covariance = np.zeros(36)
     twist_covariance = np.zeros(36)
-    if estimate.biases is None:
+    if not estimate.ready:
         pose_covariance[0] = twist_covariance[0] = UNKNOWN
     else:
         pose_covariance[0] = pose_covariance[7] = (DRIFT * estimate.flown) ** 2

@@ -10,10 +10,13 @@ def rotors_of(vehicle: Vehicle) -> Rotors:
     """Return the rotors for the allocation."""
     a, b = vehicle.thrust_curve
     full = vehicle.full_thrust
+    low = tuple(-full if reversible else 0.0 for reversible in vehicle.reversible)
+    lows = zip(vehicle.allocation, low, strict=True)
     return Rotors(
         allocation=vehicle.allocation,
-        low=tuple(-full if reversible else 0.0 for reversible in vehicle.reversible),
+        low=low,
         high=(full,) * len(vehicle.reversible),
+        lowest_heave=sum(column[2] * least for column, least in lows if column[2] > 0.5),
         a=a,
         b=b,
     )

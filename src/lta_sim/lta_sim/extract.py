@@ -80,12 +80,11 @@ class Extract:
             raise BadInput(f'{function!r} of {prefix} is no plain function; write it with def.')
         own = f'{prefix}_{function.__name__}'
         node = _bare(_definition(function))
-        local = set(function.__code__.co_varnames)
-        used = {
-            item.id
-            for item in ast.walk(node)
-            if isinstance(item, ast.Name) and item.id not in local
-        }
+        names_in = [item for item in ast.walk(node) if isinstance(item, ast.Name)]
+        # What a comprehension binds is in no list of the function's own variables.
+        local = {item.id for item in names_in if isinstance(item.ctx, ast.Store)}
+        local.update(function.__code__.co_varnames)
+        used = {item.id for item in names_in} - local
         names = {name: self._global(function, name, prefix) for name in sorted(used)}
         _Rename(names).visit(node)
         node.name = own

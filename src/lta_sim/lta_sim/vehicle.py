@@ -228,7 +228,7 @@ class Vehicle:
             thrust |= {f'{axis}_{i}': x for axis, x in zip(AXES, column, strict=True)}
         cg = dict(zip(('cg_x', 'cg_y', 'cg_z'), self.cg.tolist(), strict=True))
         buoyancy = self.volume * self.air_density * GRAVITY
-        return {
+        derived = {
             'weight_and_buoyancy': {'buoyancy': buoyancy, 'weight': self.mass * GRAVITY, **cg},
             'added_mass': _by_axis(self.added_mass),
             'linear_drag': _by_axis(
@@ -238,8 +238,14 @@ class Vehicle:
                 aero.quadratic_drag.force.vector + aero.quadratic_drag.moment.vector
             ),
             'rotor_thrust': thrust,
-            **{name: _checked(name, given) for name, given in self.file.effects.items()},
         }
+        for name in self.file.effects:
+            if name in derived:
+                raise BadInput(
+                    f'The effect {name} of {self.file.name} follows from hull, parts, rotors or '
+                    'aero; change it there.'
+                )
+        return derived | {name: _checked(name, given) for name, given in self.file.effects.items()}
 
     def model(self) -> Model:
         """Return the numbers that the kernel takes."""

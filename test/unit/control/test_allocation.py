@@ -1,8 +1,8 @@
 """Allocation on GT-MAB: exact where it can be, and what gives way first where it cannot."""
 
-from lta_control.allocation import allocate, duty, Rotors
+from lta_control.allocation import allocate, duty
 from lta_control.vehicle_side import rotors_of
-from lta_sim.vehicle import load_vehicle
+from lta_sim.vehicle import load_vehicle, Vehicle
 import numpy as np
 import pytest
 
@@ -88,9 +88,14 @@ def test_a_reversible_rotor_brakes_and_pushes_down():
 
 
 def test_the_strongest_push_downwards():
-    assert ROTORS.lowest_heave == 0.0
-    both = ROTORS._replace(low=(-FULL,) * 4)
-    assert both.lowest_heave == pytest.approx(-2 * 0.961 * FULL, rel=1e-12)
+    vehicle = load_vehicle('gtmab')
+    assert rotors_of(vehicle).lowest_heave == 0.0
+    reversing = {
+        name: rotor.model_copy(update={'reversible': True})
+        for name, rotor in vehicle.file.rotors.items()
+    }
+    both = Vehicle(vehicle.file.model_copy(update={'rotors': reversing}))
+    assert rotors_of(both).lowest_heave == pytest.approx(-2 * 0.961 * FULL, rel=1e-12)
 
 
 def test_a_rotor_that_nothing_feels_stays_as_it_is():
@@ -108,10 +113,3 @@ def test_duty_is_the_inverse_of_the_thrust_curve(u):
 def test_duty_of_a_straight_curve():
     assert duty(0.03, 0.0, 0.06) == 0.5
     assert duty(-0.03, 0.0, 0.06) == -0.5
-
-
-def test_rotors_are_what_the_caller_says():
-    rotors = Rotors(((0.0, 0.0, 1.0, 0.0, 0.0, 0.0),), (0.0,), (2.0,), 0.1, 0.1)
-    thrusts, given = allocate(rotors, (0.0, 0.0, 1.5, 0.0, 0.0, 0.0), (0.0,))
-    assert thrusts == pytest.approx((1.5,), rel=1e-8)
-    assert given[2] == thrusts[0]

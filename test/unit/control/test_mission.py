@@ -10,8 +10,8 @@ import pytest
 
 SETTINGS = MissionSettings()
 BAG = strategy('bag')
-SEEN = Sight(bearing=0.4, heading=1.0, amplitudes=(0.0,) * 8, interval=0.1)
-BLIND = SEEN._replace(bearing=None)
+SEEN = Sight(seen=True, bearing=0.4, heading=1.0, amplitudes=(0.0,) * 8, interval=0.1)
+BLIND = SEEN._replace(seen=False, bearing=0.0)
 
 
 def go(mission=Mission(), sight=SEEN, altitude=0.42, reserve=False):  # noqa: B008 - immutable

@@ -5,7 +5,8 @@ import math
 
 from lta_config.errors import BadInput
 from lta_config.files import find, load_yaml
-from lta_config.vehicle_file import VehicleFile
+from lta_config.quantity import Quantity
+from lta_config.vehicle_file import load_vehicle_file, VehicleFile
 from lta_sim import kernel
 from lta_sim.effects import initial_memory
 from lta_sim.state import pack
@@ -292,3 +293,12 @@ def test_the_sentence_names_the_file(tmp_path):
     with pytest.raises(BadInput) as caught:
         load_vehicle(str(path))
     assert str(caught.value) == (f'{path}: parts.battery.mass is -1.0 g, but must be above 0 kg.')
+
+
+def test_a_derived_effect_cannot_be_overridden_in_silence():
+    """Drag follows from the aero block; a second word on it would be one too many."""
+    file = load_vehicle_file('gtmab')
+    drag = {'surge': Quantity(value=1.0, unit='N s2/m2', source='none')}
+    twice = file.model_copy(update={'effects': {**file.effects, 'quadratic_drag': drag}})
+    with pytest.raises(BadInput, match='quadratic_drag of gtmab follows from hull, parts'):
+        Vehicle(twice)

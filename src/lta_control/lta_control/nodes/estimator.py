@@ -2,7 +2,7 @@
 
 from lta_config.settings import setting
 from lta_control.estimator import Estimate, estimator_step, EstimatorSettings
-from lta_control.messages import from_estimate, to_inputs
+from lta_control.messages import from_estimate, to_duties, to_inputs
 from lta_control.vehicle_side import body_of
 from lta_graph.health import Level
 from lta_graph.inbox import Step
@@ -27,20 +27,22 @@ class Estimator(GraphNode):
         self._names = vehicle.rotor_names
         self._body = body_of(vehicle)
         self._dt = self.table.control_ns * 1e-9
-        self._estimate = Estimate(duties=(0.0,) * len(self._names))
+        self._estimate = Estimate()
+        self._commanded = self._estimate.duties
         self._odom = self.output('odom')
         self.listen(self.table.read_by('estimator'), trigger='imu', on_step=self._on_step)
 
     def _on_step(self, step: Step) -> None:
-        learning = self._estimate.biases is None
-        inputs = to_inputs(step, self._names)
+        learning = not self._estimate.ready
+        self._commanded = to_duties(step.last('motors'), self._names, self._commanded)
+        inputs = to_inputs(step, self._commanded)
         settings = self._settings.value
         self._estimate = estimator_step(settings, self._body, self._estimate, inputs, self._dt)
         self._odom.publish(from_estimate(step.last('imu').header.stamp, self._estimate))
         if learning:
-            known = self._estimate.biases is not None
-            level = Level.OK if known else Level.WARN
-            text = 'biases are known' if known else 'learning the biases: keep the drone still'
+            ready = self._estimate.ready
+            level = Level.OK if ready else Level.WARN
+            text = 'biases are known' if ready else 'learning the biases: keep the drone still'
             self.health.report('estimate', level, text)
 
 

@@ -74,7 +74,8 @@ class Navigator(GraphNode):
         middle = step.stamp_ns + self._block_ns // 2
         then = min(self._history, key=lambda m: abs(from_stamp(m.header.stamp) - middle))
         return Sight(
-            bearing=math.atan2(lamp.y, lamp.x) if seen else None,
+            seen=seen,
+            bearing=math.atan2(lamp.y, lamp.x) if seen else 0.0,
             heading=heading(attitude_of(then)),
             amplitudes=() if peaks is None else to_amplitudes(peaks),
             interval=self._block_ns * 1e-9,

@@ -1,10 +1,10 @@
 """Navigation strategies by name."""
 
 from lta_config.errors import unknown
-from lta_control.strategies.bearing_angle import BearingAngle
+from lta_control.strategies import bearing_angle
 from lta_control.strategies.protocol import Strategy
 
-STRATEGIES: dict[str, Strategy] = {'bag': BearingAngle()}
+STRATEGIES: dict[str, Strategy] = {'bag': bearing_angle.STRATEGY}
 
 
 def strategy(name: str) -> Strategy:

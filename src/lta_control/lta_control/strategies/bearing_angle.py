@@ -1,28 +1,24 @@
 """
 BAG, bearing angle guidance: the heading is the bearing of the lamp (the paper's first strategy).
 
-With no lamp in sight it stops and turns, so that the light is found from any start.
+With no lamp in sight it stops and turns, so that the light is found from any start. The memory is
+the last heading asked for.
 """
 
-from typing import final
-
-from lta_control.strategies.protocol import Course, CruiseSettings, Sight
+from lta_control.strategies.protocol import Course, CruiseSettings, Memory, Sight, Strategy
 
 
-@final
-class BearingAngle:
-    """Head for the lamp; memory is the last heading asked for."""
+def start(heading: float) -> Memory:
+    """Return the memory before the first sight: keep the heading."""
+    return (heading,)
 
-    def start(self, heading: float) -> tuple[float, ...]:
-        """Return the memory before the first sight: keep the heading."""
-        return (heading,)
 
-    def steer(
-        self, settings: CruiseSettings, memory: tuple[float, ...], sight: Sight
-    ) -> tuple[Course, tuple[float, ...]]:
-        """Return the heading of the lamp at cruise speed, or a slow turn on the spot."""
-        if sight.bearing is None:
-            heading = memory[0] + settings.search_rate * sight.interval
-            return Course(heading, 0.0), (heading,)
-        heading = sight.heading + sight.bearing
-        return Course(heading, settings.speed), (heading,)
+def steer(settings: CruiseSettings, memory: Memory, sight: Sight) -> tuple[Course, Memory]:
+    """Return the heading of the lamp at cruise speed, or a slow turn on the spot."""
+    heading, speed = sight.heading + sight.bearing, settings.speed
+    if not sight.seen:
+        heading, speed = memory[0] + settings.search_rate * sight.interval, 0.0
+    return Course(heading, speed), (heading,)
+
+
+STRATEGY = Strategy('bag', start, steer)

@@ -1,8 +1,12 @@
 """What a navigation strategy is: from what the light says to where to go."""
 
-from typing import NamedTuple, Protocol
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import final, NamedTuple
 
 from lta_config.settings import setting, Settings
+
+Memory = tuple[float, ...]
 
 
 class Sight(NamedTuple):
@@ -11,8 +15,10 @@ class Sight(NamedTuple):
 
     Attributes
     ----------
-    bearing : float or None
-        Of the lamp in the body frame, counter-clockwise; None when no diode is trusted. [rad]
+    seen : bool
+        Whether any diode is trusted.
+    bearing : float
+        Of the lamp in the body frame, counter-clockwise; 0 where it is not seen. [rad]
     heading : float
         Of the drone, in the odom frame, at the same instant. [rad]
     amplitudes : tuple of float
@@ -22,7 +28,8 @@ class Sight(NamedTuple):
 
     """
 
-    bearing: float | None
+    seen: bool
+    bearing: float
     heading: float
     amplitudes: tuple[float, ...]
     interval: float
@@ -44,19 +51,25 @@ class CruiseSettings(Settings):
     )
 
 
-class Strategy(Protocol):
+@final
+@dataclass(frozen=True, slots=True)
+class Strategy:
     """
-    A navigation strategy: pure, with its memory handed in and out.
+    A navigation strategy: two plain functions of scalars and tuples, memory handed in and out.
 
-    A new one is one file with one class and one line in the registry.
+    A new one is one file with its functions and a `STRATEGY`, and one line in the registry.
+
+    Parameters
+    ----------
+    name : str
+        Name in launch files.
+    start : callable
+        `start(heading) -> memory` before the first sight.
+    steer : callable
+        `steer(settings, memory, sight) -> (course, memory)`.
+
     """
 
-    def start(self, heading: float) -> tuple[float, ...]:
-        """Return the memory before the first sight."""
-        ...
-
-    def steer(
-        self, settings: CruiseSettings, memory: tuple[float, ...], sight: Sight
-    ) -> tuple[Course, tuple[float, ...]]:
-        """Return where to go now, and the new memory."""
-        ...
+    name: str
+    start: Callable[[float], Memory]
+    steer: Callable[[CruiseSettings, Memory, Sight], tuple[Course, Memory]]

@@ -1,0 +1,135 @@
+"""
+The cores compile as they stand: numba gives what Python gives, to the last bit.
+
+Their source is taken with all that it uses, as the kernel's is, so that a construct that cannot be
+compiled fails here and not in the loop that needs it.
+"""
+
+import math
+
+from lta_config.settings import plain
+from lta_control.airspeed import Airspeed
+from lta_control.altitude import Altitude
+from lta_control.attitude import attitude_step
+from lta_control.cascade import CascadeGains, CascadeMemory, Demand, Measured, Setpoint
+from lta_control.control import control_step, ControlMemory
+from lta_control.estimator import Estimate, estimator_step, EstimatorSettings, Inputs
+from lta_control.gains_file import load_gains
+from lta_control.rest import Biases, Rest
+from lta_control.strategies import STRATEGIES
+from lta_control.strategies.protocol import Course, CruiseSettings, Sight
+from lta_control.vehicle_side import body_of, rotors_of
+from lta_sim.extract import Extract
+from lta_sim.vehicle import load_vehicle
+from lta_vlc.array import even_ring, weighted_mean
+import numba
+import numpy as np
+import pytest
+
+VEHICLE = load_vehicle('gtmab')
+GAINS = load_gains('gtmab')
+
+
+# The compiled text makes its named tuples anew; here they must be the ones that Python uses.
+TUPLES = {
+    kind.__name__: kind
+    for kind in (
+        Airspeed,
+        Altitude,
+        Biases,
+        CascadeMemory,
+        ControlMemory,
+        Course,
+        Demand,
+        Estimate,
+        Rest,
+    )
+}
+
+
+def compiled(function):
+    """Return a function compiled from its own source and all that it uses."""
+    extract = Extract()
+    name = extract.add(function, 'core')
+    space = {'math': math, 'namedtuple': lambda name, _: TUPLES[name], 'njit': numba.njit}
+    exec(extract.text('@njit'), space)
+    return space[name]
+
+
+def numbers(value):
+    """Return all numbers of nested tuples, in order."""
+    if isinstance(value, tuple):
+        return [number for item in value for number in numbers(item)]
+    return [value]
+
+
+def test_control_compiles():
+    fast, generator = compiled(control_step), np.random.default_rng(1)
+    rotors, drag = rotors_of(VEHICLE), (0.001, 0.092)
+    slow_memory = fast_memory = ControlMemory()
+    for _ in range(300):
+        measured = Measured(*generator.normal(0.3, 0.5, 6).tolist())
+        setpoint = Setpoint(*generator.normal(0.4, 0.4, 3).tolist())
+        slow, slow_memory = control_step(
+            GAINS, rotors, drag, slow_memory, measured, setpoint, 0.01
+        )
+        quick, fast_memory = fast(
+            plain(GAINS), rotors, drag, fast_memory, measured, setpoint, 0.01
+        )
+        assert numbers((quick, fast_memory)) == numbers((slow, slow_memory))
+    assert isinstance(slow_memory.shortfall, Demand)
+
+
+def test_the_estimator_compiles():
+    fast, generator = compiled(estimator_step), np.random.default_rng(2)
+    settings, body = EstimatorSettings(rest_time=0.5), body_of(VEHICLE)
+    slow = quick = Estimate()
+    for k in range(400):
+        rates, force = generator.normal(0.0, 0.2, 3), generator.normal(0.0, 0.5, 3)
+        inputs = Inputs(
+            tuple(rates.tolist()),
+            (float(force[0]), float(force[1]), 9.8 + float(force[2])),
+            float(generator.normal(0.1, 0.01)) if k % 3 else math.inf,
+            float(generator.normal(1e5, 2.0)) if k % 2 else math.nan,
+            tuple(generator.uniform(0.0, 1.0, 4).tolist()),
+        )
+        slow = estimator_step(settings, body, slow, inputs, 0.01)
+        quick = fast(plain(settings), body, quick, inputs, 0.01)
+        assert numbers(quick) == numbers(slow)
+    assert slow.ready
+    assert slow.flown == pytest.approx(3.5)
+
+
+def test_the_attitude_filter_compiles():
+    fast = compiled(attitude_step)
+    arguments = ((0.1, -0.2, 0.3, math.sqrt(0.86)), (0.5, 0.4, -0.3), (0.1, 0.2, 9.7), 0.1, 0.01)
+    assert fast(*arguments) == attitude_step(*arguments)
+
+
+@pytest.mark.parametrize('name', STRATEGIES)
+def test_every_strategy_compiles(name):
+    strategy, settings = STRATEGIES[name], CruiseSettings()
+    start, steer = compiled(strategy.start), compiled(strategy.steer)
+    memory = strategy.start(0.7)
+    assert start(0.7) == memory
+    for seen in (True, False, False, True):
+        sight = Sight(seen, 0.3 if seen else 0.0, -1.2, (1.0, 2.0, 3.0, 4.0), 0.1)
+        fast = steer(plain(settings), memory, sight)
+        course, memory = strategy.steer(settings, memory, sight)
+        assert numbers(fast) == numbers((course, memory))
+
+
+def test_the_bearing_compiles():
+    fast, generator = compiled(weighted_mean), np.random.default_rng(3)
+    ring = even_ring(8)
+    for _ in range(50):
+        amplitudes = tuple(generator.uniform(0.0, 500.0, 8).tolist())
+        snrs = tuple(generator.uniform(0.0, 30.0, 8).tolist())
+        arguments = (amplitudes, snrs, ring.cosines, ring.sines, 6.0)
+        assert numbers(fast(*arguments)) == numbers(weighted_mean(*arguments))
+
+
+def test_plain_settings_are_the_same_numbers():
+    gains = plain(CascadeGains())
+    assert gains.climb.kp == CascadeGains().climb.kp
+    assert gains._fields == tuple(CascadeGains.model_fields)
