@@ -6,15 +6,15 @@ from types import TracebackType
 from typing import final, Self
 
 from diagnostic_msgs.msg import DiagnosticArray
-from lta_config.topics import topic_table
 from lta_graph.health import Fact, Level
-from lta_graph.ros.qos import profile
 import rclpy
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+DEPTH = 100  # messages of all nodes together that may wait until the next look
+DISCOVERY = 10.0  # wall seconds after the first node in which DDS finds all, on a busy machine
 SILENCE = 0.85  # wall seconds after which a node that reports twice as often is missed
 
 
@@ -25,6 +25,7 @@ class DiagnosticsListener:
     def __init__(self) -> None:
         self.facts: dict[str, Fact] = {}
         self._heard: dict[str, float] = {}
+        self._begun: float | None = None
         self._context = Context()
 
     def __enter__(self) -> Self:
@@ -37,9 +38,8 @@ class DiagnosticsListener:
             enable_rosout=False,
             start_parameter_services=False,
         )
-        topic = topic_table()['/diagnostics']
-        self._node.create_subscription(
-            DiagnosticArray, '/diagnostics', self._hear, profile(topic, lockstep=False)
+        self._subscription = self._node.create_subscription(
+            DiagnosticArray, '/diagnostics', self._hear, DEPTH
         )
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
@@ -57,6 +57,7 @@ class DiagnosticsListener:
         self._context.try_shutdown()
 
     def _hear(self, message: DiagnosticArray) -> None:
+        self._begun = self._begun or time.monotonic()
         for status in message.status:
             values = {item.key: item.value for item in status.values}
             level = Level(int.from_bytes(status.level, 'little'))
@@ -66,12 +67,22 @@ class DiagnosticsListener:
     def poll(self, timeout: float) -> dict[str, Fact]:
         """Listen for a while and return the newest fact of each 'NODE: TASK'."""
         self._executor.spin_once(timeout_sec=timeout)
+        # The executor hands out one message at a time, and more may have come than it was asked.
+        while (
+            taken := self._subscription.handle.take_message(DiagnosticArray, False)
+        ) is not None:
+            self._hear(taken[0])
         return self.facts
 
     def silent(self, nodes: Iterable[str]) -> list[str]:
-        """Return which of some nodes were heard once and no longer are, in alphabetical order."""
-        limit = time.monotonic() - SILENCE
-        return sorted(name for name in nodes if self._heard.get(name, limit) < limit)
+        """Return which of some nodes are no longer heard, or never were, in alphabetical order."""
+        now = time.monotonic()
+        begun = self._begun or now
+        return sorted(
+            name
+            for name in nodes
+            if now - self._heard.get(name, begun + DISCOVERY - SILENCE) > SILENCE
+        )
 
     def hears(self, nodes: Iterable[str]) -> bool:
         """Tell whether all of some nodes have been heard: DDS may take seconds to find them."""

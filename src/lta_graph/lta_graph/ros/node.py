@@ -151,7 +151,7 @@ class GraphNode(Node):
         return [
             name
             for name, heard in self._heard.items()
-            if now - heard > PATIENCE + 3e-9 * self.table[name].period_ns
+            if now - heard > PATIENCE + 1e-9 * self.table[name].period_ns
         ]
 
     def _watch(self) -> None:
