@@ -18,7 +18,13 @@ SETTLED = 2.5  # s of flight after which DDS has found everyone
 TABLE = topic_table()
 
 
-@pytest.mark.parametrize('name', NODES)
+@pytest.mark.parametrize(
+    'name',
+    [
+        pytest.param(name, marks=() if name in ('estimator', 'recorder') else pytest.mark.long)
+        for name in NODES
+    ],
+)
 def test_a_node_that_hangs_and_then_dies_is_named_twice(lta, flying, hear, tmp_path, name):
     out = tmp_path / 'out'
     flight = lta.start('fly', '--no-page', '--time', 'realtime', '--out', out)

@@ -8,6 +8,7 @@ over.
 
 import math
 
+from geometry_msgs.msg import PoseStamped, TwistStamped
 from lta_config.settings import setting, Settings
 from lta_control.cascade import CascadeGains, Measured, Setpoint
 from lta_control.control import control_step, ControlMemory
@@ -50,6 +51,7 @@ class Controller(GraphNode):
         self._rotors = rotors_of(vehicle)
         self._names = vehicle.rotor_names
         self._memory = ControlMemory()
+        self._asked: tuple[PoseStamped | None, TwistStamped | None] = None, None
         self._setpoint: tuple[int, Setpoint] | None = None
         self._armed = self._settings.value.armed
         self._stopped = ''
@@ -80,8 +82,11 @@ class Controller(GraphNode):
     def _on_step(self, step: Step) -> None:
         odom = step.last('odom')
         pose, velocity = step.last('setpoint/pose'), step.last('setpoint/velocity')
-        if pose is not None and velocity is not None:
-            self._setpoint = from_stamp(odom.header.stamp), to_setpoint(pose, velocity)
+        if pose is not None or velocity is not None:
+            # In real time an estimate may come between the two.
+            self._asked = pose or self._asked[0], velocity or self._asked[1]
+            if None not in self._asked:
+                self._setpoint = from_stamp(odom.header.stamp), to_setpoint(*self._asked)
         measured = to_measured(odom)
         known = measured is not None and all(map(math.isfinite, measured))
         if known and not is_level(odom, self._settings.value.tilt_limit):

@@ -1,0 +1,140 @@
+"""What people type wrong gets one sentence and exit status 2 before anything starts."""
+
+import json
+from pathlib import Path
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).resolve().parents[2]
+GTMAB = (ROOT / 'config/vehicles/gtmab.yaml').read_text()
+
+COMMANDS = {
+    'vehicle': (['fly', '--vehicle', 'zeppelin'], "Unknown vehicle 'zeppelin'; known: gtmab."),
+    'scenario': (['fly', '--scenario', 'moon'], "Unknown scenario 'moon'; known: lamp_room."),
+    'strategy': (['fly', '--strategy', 'luck'], "Unknown strategy 'luck'; known: bag."),
+    'vehicle path': (['fly', '--vehicle', 'no/such.yaml'], 'There is no vehicle file'),
+    'seed': (['fly', '--seed', '-1'], "Invalid value for '--seed'"),
+    'seed too large': (['fly', '--seed', str(2**31)], "Invalid value for '--seed'"),
+    'seed text': (['fly', '--seed', 'x'], "Invalid value for '--seed'"),
+    'time': (['fly', '--time', 'slow'], "Invalid value for '--time'"),
+    'option': (['fly', '--sped', '2'], 'No such option: --sped'),
+    'verb': (['flie'], "No such command 'flie'"),
+    'launch file': (['launch', 'soar'], "Unknown launch file 'soar'; known: fly."),
+    'launch path': (['launch', './x.launch.yaml'], 'x.launch.yaml; check the path.'),
+    'launch argument': (['launch', 'fly', 'sed:=2'], "Unknown launch argument 'sed'"),
+    'launch pair': (['launch', 'fly', 'seed=2'], "'seed=2' is no launch argument"),
+    'launch choice': (['launch', 'fly', 'time:=slow'], "The launch argument 'time' is 'slow'"),
+    'package': (['run', 'lta_nothing', 'x'], "Package 'lta_nothing' is not installed"),
+    'executable': (['run', 'lta_vlc', 'x'], "Unknown executable of lta_vlc 'x'"),
+    'bag path': (['bag', 'info', '/no/such/bag'], '/no/such/bag'),
+    'no bag': (['bag', 'info', str(ROOT / 'config')], 'config'),
+    'no bag file': (['bag', 'info', str(ROOT / 'Makefile')], 'Makefile'),
+}
+VEHICLES = {
+    'unknown key': ('about:', 'abuot: x\nabout:', "the key 'abuot' is not known"),
+    'missing unit': ('{value: 116.8, unit: g,', '{value: 116.8,', 'has no unit'),
+    'no unit at all': ('{value: 2, unit: g, source', '{value: 2, unit: parsec, source', 'parsec'),
+    'negative mass': ('value: 116.8', 'value: -116.8', 'must be above 0 kg'),
+    'not a number': ('value: 116.8', 'value: .nan', 'not a finite number'),
+    'no number': ('value: 116.8', 'value: heavy', 'heavy'),
+    'not yaml': ('schema: 1', 'schema: [1', 'is not valid YAML'),
+    'newer schema': ('schema: 1', 'schema: 99', '99'),
+}
+
+
+def refused(lta, *arguments):
+    """Run a command that must be refused, and return its one sentence."""
+    result = lta.run(*arguments)
+    assert result.returncode == 2, result.stderr
+    assert result.stdout.strip() == ''
+    (sentence,) = [line for line in result.stderr.splitlines() if line.strip()]
+    assert sentence.endswith('.')
+    return sentence
+
+
+def some(table, kept):
+    """Return a table's rows as parameters; a second of imports each makes all but `kept` long."""
+    marks = {name: () if name in kept else pytest.mark.long for name in table}
+    return [pytest.param(*row, id=name, marks=marks[name]) for name, row in table.items()]
+
+
+KEPT = ('vehicle', 'strategy', 'seed', 'verb', 'launch argument', 'executable', 'no bag')
+
+
+@pytest.mark.parametrize(('arguments', 'words'), some(COMMANDS, KEPT))
+def test_a_mistyped_command_is_one_sentence(lta, tmp_path, monkeypatch, arguments, words):
+    monkeypatch.chdir(tmp_path)
+    assert words in refused(lta, *arguments)
+    assert list(tmp_path.iterdir()) == [], 'nothing may be made or started'
+
+
+@pytest.mark.parametrize(
+    ('old', 'new', 'words'), some(VEHICLES, ('unknown key', 'missing unit', 'negative mass'))
+)
+def test_a_wrong_vehicle_file_is_one_sentence(lta, tmp_path, old, new, words):
+    assert old in GTMAB
+    path = tmp_path / 'mine.yaml'
+    path.write_text(GTMAB.replace(old, new, 1))
+    sentence = refused(lta, 'fly', '--vehicle', path, '--out', tmp_path / 'out')
+    assert str(path) in sentence
+    assert words in sentence
+    assert not (tmp_path / 'out').exists()
+
+
+def test_a_busy_folder_stays_as_it_is(lta, tmp_path):
+    out = tmp_path / 'out'
+    out.mkdir()
+    (out / 'thesis.tex').write_text('mine')
+    assert 'is not empty' in refused(lta, 'fly', '--out', out)
+    assert [path.name for path in out.iterdir()] == ['thesis.tex']
+    assert (out / 'thesis.tex').read_text() == 'mine'
+    assert 'cannot be made' in refused(lta, 'fly', '--out', out / 'thesis.tex')
+
+
+def test_a_domain_that_cannot_be_is_one_sentence(lta, tmp_path, monkeypatch):
+    monkeypatch.setenv('ROS_DOMAIN_ID', 'home')
+    assert "ROS_DOMAIN_ID is 'home'" in refused(lta, 'fly', '--out', tmp_path / 'out')
+    assert not (tmp_path / 'out').exists()
+
+
+def test_two_flights_on_one_domain_are_refused_and_the_first_flies_on(lta, flying, tmp_path):
+    first = lta.start('fly', '--no-page', '--out', tmp_path / 'first')
+    flying(0.1)
+    sentence = refused(lta, 'fly', '--out', tmp_path / 'second')
+    assert 'lta1 is flying on ROS domain' in sentence
+    assert not (tmp_path / 'second').exists()
+    assert first.popen.poll() is None
+    first.interrupt()
+    assert first.end() == 130
+
+
+VERBS = {
+    ' '.join(words): (words,)
+    for words in ([], ['fly'], ['launch'], ['run'], ['bag'], ['bag', 'info'], ['doctor'])
+}
+
+
+@pytest.mark.parametrize('verb', some(VERBS, ('', 'fly')))
+def test_every_verb_explains_itself(lta, verb):
+    result = lta.run(*verb, '--help')
+    assert (result.returncode, result.stderr) == (0, '')
+    assert 'Usage:' in result.stdout
+    assert len(result.stdout.splitlines()) > 8
+
+
+def test_launch_shows_the_arguments_of_a_file(lta):
+    result = lta.run('launch', 'fly', '--show-args')
+    assert (result.returncode, result.stderr) == (0, '')
+    shipped = yaml.safe_load((ROOT / 'config/launch/fly.launch.yaml').read_text())['launch']
+    for item in shipped:
+        if 'arg' in item:
+            assert item['arg']['name'] in result.stdout
+
+
+def test_the_doctor_ends_well_or_says_what_to_do(lta):
+    result = lta.run('doctor', '--json')
+    checks = json.loads(result.stdout)
+    failed = [check for check in checks if check['state'] == 'fail']
+    assert result.returncode == (1 if failed else 0)
+    assert all(check['remedy'] for check in failed)

@@ -1,0 +1,228 @@
+"""Nodes over DDS: parameters, services, quality of service, and what they make of nonsense."""
+
+from collections.abc import Iterator
+import math
+import os
+from pathlib import Path
+import signal
+import subprocess
+import time
+
+from lta_config.topics import topic_table
+from lta_graph.health import Level
+from lta_graph.ros.node import message_type, to_stamp
+from lta_graph.ros.qos import profile
+import pytest
+from rcl_interfaces.srv import DescribeParameters, SetParameters
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.parameter import Parameter
+from rclpy.qos import ReliabilityPolicy
+from std_srvs.srv import SetBool, Trigger
+
+ROOT = Path(__file__).resolve().parents[2]
+TABLE = topic_table()
+PATIENCE = 20.0  # s of wall time
+ROTORS = ['up_left', 'up_right', 'forward_left', 'forward_right']
+STEP = TABLE.control_ns
+
+
+class Peer:
+    """A node of the test's own in the robot's namespace."""
+
+    def __init__(self, context: Context) -> None:
+        self.node = rclpy.create_node('peer', namespace='/lta1', context=context)
+        self._executor = SingleThreadedExecutor(context=context)
+        self._executor.add_node(self.node)
+        self.motors = []
+        self.hear('motors', self.motors.append)
+        self._outputs = {}
+
+    def hear(self, name, callback):
+        row = TABLE[name]
+        self.node.create_subscription(
+            message_type(row), name, callback, profile(row, lockstep=False)
+        )
+
+    def until(self, condition):
+        deadline = time.monotonic() + PATIENCE
+        while not condition():
+            assert time.monotonic() < deadline, 'the graph did not answer'
+            self._executor.spin_once(timeout_sec=0.02)
+
+    def publisher(self, name):
+        if name not in self._outputs:
+            row = TABLE[name]
+            self._outputs[name] = self.node.create_publisher(
+                message_type(row), name, profile(row, lockstep=False)
+            )
+            self.until(self._outputs[name].get_subscription_count)
+        return self._outputs[name]
+
+    def ask(self, kind, name, **fields):
+        client = self.node.create_client(kind, name)
+        self.until(client.service_is_ready)
+        future = client.call_async(kind.Request(**fields))
+        self.until(future.done)
+        return future.result()
+
+    def set(self, node, name, value):
+        parameter = Parameter(name, value=value).to_parameter_msg()
+        return self.ask(SetParameters, f'{node}/set_parameters', parameters=[parameter]).results[0]
+
+    def close(self):
+        self._executor.shutdown()
+        self.node.destroy_node()
+
+
+@pytest.fixture
+def peer(domain_id: int) -> Iterator[Peer]:
+    context = Context()
+    rclpy.init(context=context, domain_id=domain_id)
+    peer = Peer(context)
+    yield peer
+    peer.close()
+    context.try_shutdown()
+
+
+@pytest.fixture
+def controller(peer: Peer) -> Iterator[Peer]:
+    """Return the peer of a controller that flies alone."""
+    paths = [str(path.parent) for path in ROOT.glob('src/*/package.xml')] + [str(ROOT / 'config')]
+    code = 'from lta_control.nodes.controller import main; main()'
+    process = subprocess.Popen(
+        ['python', '-c', code, '--ros-args', '-r', '__ns:=/lta1', '-p', 'armed:=true'],
+        env={**os.environ, 'PYTHONPATH': os.pathsep.join(paths)},
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    yield peer
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=PATIENCE)
+    assert (process.returncode, errors) == (0, '')
+
+
+def estimate(peer, step, **position):
+    """Send an estimate of a drone at rest at 0.5 m, and return the duties that answer it."""
+    odom = message_type(TABLE['odom'])()
+    odom.header.stamp = to_stamp(TABLE.start_ns + step * STEP)
+    odom.pose.pose.position.z = position.get('z', 0.5)
+    odom.pose.pose.orientation.w = 1.0
+    peer.motors.clear()
+    peer.publisher('odom').publish(odom)
+    peer.until(lambda: peer.motors)
+    assert peer.motors[-1].header.stamp == odom.header.stamp
+    assert peer.motors[-1].name == ROTORS
+    return list(peer.motors[-1].effort)
+
+
+def setpoint(peer, altitude):
+    """Ask for an altitude, straight on and at rest."""
+    for name in ('setpoint/velocity', 'setpoint/pose'):
+        message = message_type(TABLE[name])()
+        if name == 'setpoint/pose':
+            message.pose.position.z = altitude
+            message.pose.orientation.w = 1.0
+        peer.publisher(name).publish(message)
+
+
+def flying_controller(peer):
+    """Bring a controller to answer with thrust: setpoints have no order with the estimates."""
+    step = 0
+    while not any(estimate(peer, step)):
+        setpoint(peer, 1.0)
+        step += 1
+        assert step < 500
+    return step
+
+
+def motors(facts):
+    """Return what the controller says of its motors when all is not well."""
+    fact = facts.get('controller: motors')
+    return '' if fact is None or fact.level == Level.OK else fact.message
+
+
+def test_one_half_of_a_setpoint_waits_for_the_other(controller):
+    step = flying_controller(controller)
+    velocity = message_type(TABLE['setpoint/velocity'])()
+    velocity.twist.linear.x = 0.5
+    for turn in range(300):
+        controller.publisher('setpoint/velocity').publish(velocity)
+        forward = estimate(controller, step + turn)[2:]
+        if min(forward) > 0.0:
+            return
+    raise AssertionError('the new speed was not flown without a new pose')
+
+
+def test_a_stale_setpoint_is_held_and_then_the_drone_comes_down(controller, hear):
+    step = flying_controller(controller)
+    for seconds, word in ((0.6, 'holding'), (3.2, 'landing')):
+        estimate(controller, step + round(seconds * 1e9 / STEP))
+        hear(lambda facts, word=word: word in motors(facts))
+    # Landing asks for 0.2 m below where the drone is: no lift, whatever was asked before.
+    up = [estimate(controller, step + 400 + i)[:2] for i in range(200)][-1]
+    assert up == pytest.approx([0.0, 0.0], abs=1e-9)
+    setpoint(controller, 1.0)
+    hear(lambda facts: max(estimate(controller, step + 601)) > 0.0)
+
+
+def test_not_a_number_stops_the_motors_for_good(controller, hear):
+    step = flying_controller(controller)
+    assert estimate(controller, step + 1, z=math.nan) == [0.0] * 4
+    assert estimate(controller, step + 2) == [0.0] * 4
+    hear(lambda facts: 'not a number' in motors(facts))
+    refused = controller.ask(SetBool, 'arm', data=True)
+    assert not refused.success
+    assert 'not a number' in refused.message
+
+
+def test_disarmed_motors_stand_still_and_armed_ones_turn(controller):
+    step = flying_controller(controller)
+    assert controller.ask(SetBool, 'arm', data=False).success
+    assert estimate(controller, step + 1) == [0.0] * 4
+    assert controller.ask(SetBool, 'arm', data=True).success
+    assert any(estimate(controller, step + 2))
+
+
+def test_a_flight_in_real_time_is_open_to_people(lta, peer, flying, hear, tmp_path):
+    """Quality of service, parameters and services of a whole graph, as users find them."""
+    flight = lta.start('fly', '--no-page', '--time', 'realtime', '--out', tmp_path / 'out')
+    flying(2.5)
+
+    for name, topic in TABLE.topics.items():
+        full = name if name.startswith('/') else f'/lta1/{name}'
+        offered = [info.qos_profile for info in peer.node.get_publishers_info_by_topic(full)]
+        expected = profile(topic, lockstep=False)
+        assert offered, name
+        for quality in offered:
+            assert quality.reliability == expected.reliability, name
+            assert quality.durability == expected.durability, name
+    imu = peer.node.get_subscriptions_info_by_topic('/lta1/imu')
+    assert {info.qos_profile.reliability for info in imu} == {ReliabilityPolicy.BEST_EFFORT}
+
+    asked = ['gains.altitude_kp', 'vehicle', 'armed']
+    told = peer.ask(DescribeParameters, 'controller/describe_parameters', names=asked).descriptors
+    assert all(item.description for item in told)
+    assert told[0].floating_point_range[0].from_value >= 0.0
+    assert [item.read_only for item in told] == [False, True, True]
+    assert peer.set('controller', 'gains.altitude_kp', 0.7).successful
+    for name, value in (('gains.altitude_kp', -1.0), ('vehicle', 'other')):
+        answer = peer.set('controller', name, value)
+        assert not answer.successful
+        assert answer.reason
+
+    # Both the simulator and the estimator hear a command for some other drone.
+    wrong = message_type(TABLE['motors'])(name=['left', 'right'], effort=[1.0, 1.0])
+    peer.publisher('motors').publish(wrong)
+    hear(lambda facts: 'simulator: command' in facts)
+    hear(lambda facts: facts['simulator: command'].message == 'accepted')
+
+    assert peer.ask(Trigger, 'emergency_stop').success
+    peer.motors.clear()
+    peer.until(lambda: len(peer.motors) > 50)
+    answers = [list(item.effort) for item in peer.motors if item.name == ROTORS]
+    assert answers[1:] == [[0.0] * 4] * (len(answers) - 1)  # the first may have been on its way
+    flight.interrupt()
+    assert flight.end() == 130
+    assert flight.text == 'Stopped.'
