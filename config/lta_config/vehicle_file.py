@@ -122,6 +122,7 @@ class Energy(Record):
     rotor_power: Annotated[Quantity, si('W/N', low=0.0, sourced=True)]
     panel_area: Annotated[Quantity, si('m2', low=0.0, sourced=True)]
     panel_efficiency: Fraction
+    panel_voltage: Annotated[Quantity, si('V', above=0.0, sourced=True)]
 
 
 class VehicleFile(Record):

@@ -3,6 +3,7 @@
 import ast
 from importlib import import_module
 from pathlib import Path
+import re
 
 from lta_bridge.nodes.recorder import RecorderSettings
 from lta_config.settings import Settings
@@ -10,7 +11,7 @@ from lta_config.topics import Topic, topic_table
 from lta_control.nodes.controller import ControllerSettings
 from lta_control.nodes.estimator import EstimatorParameters
 from lta_control.nodes.navigator import NavigatorParameters
-from lta_energy.monitor import MonitorSettings
+from lta_energy.nodes.energy_monitor import EnergyMonitorParameters
 from lta_graph.launch_file import arguments, load
 from lta_graph.ros.node import GraphSettings, message_type
 from lta_graph.ros.parameters import describe, leaves
@@ -33,7 +34,7 @@ NODES = {
     'controller': ControllerSettings,
     'demodulator': DemodulatorParameters,
     'navigator': NavigatorParameters,
-    'energy_monitor': MonitorSettings,
+    'energy_monitor': EnergyMonitorParameters,
     'recorder': RecorderSettings,
 }
 FILES = {path.stem: path for path in ROOT.glob('src/*/lta_*/nodes/[!_]*.py')}
@@ -179,12 +180,18 @@ def nodes_of_launch():
     }
 
 
-def test_the_launch_file_starts_every_node_under_its_name(monkeypatch, tmp_path):
+@pytest.fixture
+def installed(monkeypatch, tmp_path):
+    """Stand in for the installed lta_config, whose share the launch file asks for."""
     marker = tmp_path / 'share/ament_index/resource_index/packages/lta_config'
     marker.parent.mkdir(parents=True)
     marker.touch()
     monkeypatch.setenv('AMENT_PREFIX_PATH', str(tmp_path))
     (tmp_path / 'share/lta_config').symlink_to(ROOT / 'config')
+
+
+@pytest.mark.usefixtures('installed')
+def test_the_launch_file_starts_every_node_under_its_name():
     plan = load(LAUNCH, {})
     assert [process.name for process in plan.processes] == list(NODES)
     for process in plan.processes:
@@ -192,6 +199,24 @@ def test_the_launch_file_starts_every_node_under_its_name(monkeypatch, tmp_path)
         assert process.namespace == '/lta1'
         assert FILES[process.name].parts[-4] == process.package
     assert [p.name for p in plan.processes if p.on_exit_shutdown] == ['simulator']
+
+
+@pytest.mark.usefixtures('installed')
+def test_every_text_of_the_launch_file_stays_a_text():
+    """Names may look like numbers, dates or truths; only what is meant as such becomes one."""
+    texts = {'vehicle': '1', 'scenario': 'yes', 'bag': '2026-11-20'}
+    found = set()
+    for process in load(LAUNCH, {**texts, 'seed': '7'}).processes:
+        defaults = {key: value for key, _, value in leaves(NODES[process.name]())}
+        values = [word for word in process.arguments if re.match(r'\w+:=', word)]
+        for key, value in (word.split(':=', 1) for word in values):
+            read = yaml.safe_load(value)
+            if key in defaults:
+                assert type(read) is type(defaults[key]), (process.name, key, value)
+            if key in texts:
+                assert read == texts[key], (process.name, key)
+                found.add((process.name, key))
+    assert {('simulator', 'vehicle'), ('energy_monitor', 'vehicle'), ('recorder', 'bag')} <= found
 
 
 @each_node

@@ -10,6 +10,7 @@ import sys
 import time
 
 from diagnostic_msgs.msg import DiagnosticArray
+from lta_config.files import find
 from lta_config.topics import topic_table
 from lta_graph.ros.node import from_stamp, message_type, to_stamp
 from lta_graph.ros.qos import profile
@@ -30,6 +31,7 @@ INPUTS = ('battery', 'panel', 'illuminance')
 OUTPUTS = ('energy/battery', 'energy/status', 'energy/reserve')
 PATIENCE = 20.0  # s of wall time; what comes normally comes within milliseconds
 RESTING = 3.84  # V; half full
+RESISTANCE = 0.15  # ohm, of the shipped vehicle
 
 
 def start(*arguments):
@@ -92,7 +94,7 @@ class Vehicle:
     def turn(self, turn: int, current: float, order=('panel', 'illuminance', 'battery')) -> None:
         """Publish one turn of all meters and wait for its three answers."""
         content = {
-            'battery': {'voltage': RESTING + 0.13 * current, 'current': current},
+            'battery': {'voltage': RESTING + RESISTANCE * current, 'current': current},
             'panel': {'voltage': 4.4, 'current': 0.1},
             'illuminance': {'illuminance': 40000.0},
         }
@@ -100,7 +102,7 @@ class Vehicle:
             self.send(name, turn, **content[name])
         self.until(lambda: all(len(got) == turn + 1 for got in self.answers.values()))
 
-    def set(self, name: str, value: float):
+    def set(self, name: str, value: float | str):
         """Set one parameter of the node and return the result."""
         request = SetParameters.Request(
             parameters=[Parameter(name, value=value).to_parameter_msg()]
@@ -115,12 +117,12 @@ class Vehicle:
 
 
 @contextlib.contextmanager
-def graph(domain_id: int, mode: str) -> Iterator[Vehicle]:
+def graph(domain_id: int, mode: str, *arguments: str) -> Iterator[Vehicle]:
     """Run the node beside a vehicle; the node must leave in order when interrupted."""
     context = Context()
     rclpy.init(context=context, domain_id=domain_id)
     vehicle = Vehicle(context, mode == 'lockstep')
-    process = start('-p', f'time:={mode}')
+    process = start('-p', f'time:={mode}', *arguments)
     try:
         vehicle.until(vehicle.connected)
         yield vehicle
@@ -159,7 +161,7 @@ def test_every_turn_is_answered_with_its_stamp_and_counted(vehicle: Vehicle) -> 
 
     (status,) = vehicle.answers['energy/status'][-1].status
     books = {item.key: float(item.value) for item in status.values}
-    volts = RESTING - 0.13 * 0.45
+    volts = RESTING - RESISTANCE * 0.45
     assert books['power_in_W'] == pytest.approx(0.44)
     assert books['power_out_W'] == pytest.approx(0.44 + 0.45 * volts)
     assert books['power_net_W'] == pytest.approx(-0.45 * volts)
@@ -197,7 +199,7 @@ def test_the_reserve_can_be_moved_in_flight_but_not_out_of_range(vehicle: Vehicl
     for name, value, word in (
         ('reserve', 1.5, 'reserve'),
         ('smoothing', -1.0, 'smoothing'),
-        ('battery.capacity', 500.0, 'read-only'),
+        ('vehicle', 'other', 'read-only'),
     ):
         refusal = vehicle.set(name, value)
         assert not refusal.successful
@@ -210,6 +212,28 @@ def test_a_meter_mounted_the_wrong_way_round_is_named(vehicle: Vehicle) -> None:
     vehicle.turn(0, 0.45)
     vehicle.until(lambda: vehicle.facts.get('energy_monitor: meters', (0,))[0] == 2)
     assert 'check the sign of the current' in vehicle.facts['energy_monitor: meters'][1]
+
+
+def test_it_knows_the_cell_of_its_vehicle(domain_id: int, tmp_path: Path) -> None:
+    """A file with half the capacity: the same current counts twice, and it says so."""
+    text = find('vehicle', 'gtmab').read_text(encoding='utf-8')
+    assert text.count('value: 250, unit: mA h') == 1
+    path = tmp_path / 'small.yaml'
+    path.write_text(text.replace('value: 250, unit: mA h', 'value: 125, unit: mA h'))
+    with graph(domain_id, 'lockstep', '-p', f'vehicle:={path}') as vehicle:
+        for turn in range(3):
+            vehicle.turn(turn, -0.45)
+        cell = vehicle.answers['energy/battery'][-1]
+        assert cell.design_capacity == pytest.approx(0.125)
+        assert cell.percentage == pytest.approx(0.5 - 0.09 / 450.0, abs=1e-6)
+
+
+def test_an_unknown_vehicle_is_one_sentence_and_exit_2(domain_id: int) -> None:
+    process = start('-p', 'vehicle:=zeppelin')
+    _, errors = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 2
+    assert errors.count('\n') == 1
+    assert "Unknown vehicle 'zeppelin'; known: gtmab" in errors
 
 
 def test_a_bad_parameter_at_the_start_is_one_sentence_and_exit_2(domain_id: int) -> None:

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+RING = PhotodiodeArray(count=8, depth=0.33, radius=0.05, feedback_resistance=1e5)
 ANGLES = st.floats(-math.pi, math.pi)
 METRES = st.floats(-5.0, 5.0)
 POINTS = st.tuples(METRES, METRES, st.floats(0.1, 3.0))
@@ -36,10 +37,10 @@ def turned(scene_turn: Rotation, position, attitude: Rotation, lamp_axis) -> np.
         tuple(scene_turn.apply(lamp_axis)),
         10_000.0,
         SquareWave(150.0),
+        300.0,
     )
-    field = LightField(lamp, Room((10.0, 8.0, 3.0), 0.5), Ambient(300.0, 20.0))
-    array = PhotodiodeArray()
-    place = array.place(scene_turn.apply(position), (scene_turn * attitude).as_matrix())
+    field = LightField(lamp, Ambient(300.0, 300.0, 20.0), Room((10.0, 8.0, 3.0), 0.5))
+    place = RING.place(scene_turn.apply(position), (scene_turn * attitude).as_matrix())
     return illuminance(field, *place).modulated
 
 
@@ -69,12 +70,12 @@ def test_turning_lamp_and_drone_together_leaves_the_counts(yaw, distance):
             tuple(about.apply([-1.0, 0.0, 0.0])),
             10_000.0,
             SquareWave(150.0),
+            300.0,
         )
-        field = LightField(lamp, None, Ambient(100.0, 10.0))
-        array = PhotodiodeArray()
-        place = array.place(np.array([[0.0, 0.0, 1.3]]), about.as_matrix()[None])
+        field = LightField(lamp, Ambient(300.0, 100.0, 10.0))
+        place = RING.place(np.array([[0.0, 0.0, 1.3]]), about.as_matrix()[None])
         light = illuminance(field, *place)
-        block, _ = synthesise(array, field, light, 10**18, 1000, np.random.default_rng(3))
+        block, _ = synthesise(RING, field, light, 10**18, 1e4, 1000, np.random.default_rng(3))
         blocks.append(block.astype(int))
     # Rounding may tip a sample that stands between two counts, never more.
     assert np.abs(blocks[1] - blocks[0]).max() <= 1

@@ -2,6 +2,7 @@
 
 import math
 
+from lta_energy.battery import Battery
 from lta_energy.monitor import Estimate, MonitorSettings, Reading, time_to_empty
 from lta_graph.health import Level
 
@@ -12,7 +13,7 @@ LONGEST_GAP = 1.0  # s; the current is taken as straight between two readings
 Verdict = tuple[Level, str]
 
 
-def battery(settings: MonitorSettings, estimate: Estimate) -> Verdict:
+def battery(settings: MonitorSettings, cell: Battery, estimate: Estimate) -> Verdict:
     """Return how the cell stands."""
     if estimate.last is None:
         return Level.WARN, 'no usable reading of the battery yet; the reserve counts as reached'
@@ -21,7 +22,7 @@ def battery(settings: MonitorSettings, estimate: Estimate) -> Verdict:
         return Level.ERROR, f'the battery gives only {estimate.last.voltage:.2f} V: land now'
     if estimate.reserve:
         return Level.WARN, f'battery low: {percent} left, reserve {settings.reserve:.0%}'
-    left = time_to_empty(settings, estimate)
+    left = time_to_empty(cell, estimate)
     lasts = f', {left / 60.0:.0f} min at this power' if math.isfinite(left) else ''
     return Level.OK, f'{percent} left{lasts}'
 

@@ -6,9 +6,11 @@ take and return scalars and make nothing on the heap, so that numba compiles the
 temperature or ageing yet.
 """
 
-from typing import final
+from typing import Annotated, final, Self
 
-from lta_config.settings import setting, Settings
+from lta_config.files import Record
+from lta_config.vehicle_file import Energy
+from pydantic import Field
 
 # Resting voltage in steps of 5 % from empty to full: the chart that hobby LiPo cells are sold with
 # (ampow.com, "LiPo voltage chart"). Assumed for this cell, not measured on it. [V]
@@ -20,16 +22,26 @@ INTERVALS = len(OPEN_CIRCUIT) - 1
 
 
 @final
-class BatterySettings(Settings):
-    """The cell of GT-MAB: 250 mAh, one cell in series."""
+class Battery(Record):
+    """
+    One cell.
 
-    capacity: float = setting(
-        900.0, 'Charge of the full cell; 250 mAh.', unit='C', low=1.0, high=1e6, fixed=True
-    )
-    # Bitcraze's limit of 0.70 V sag at 4.4 A allows 0.16 ohm; a cell alone has 0.10 to 0.15.
-    resistance: float = setting(
-        0.13, 'Series resistance, assumed.', unit='ohm', low=0.0, high=10.0, fixed=True
-    )
+    Attributes
+    ----------
+    capacity : float
+        Charge of the full cell. [C]
+    resistance : float
+        Series resistance. [ohm]
+
+    """
+
+    capacity: Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+    resistance: Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+
+    @classmethod
+    def of(cls, energy: Energy) -> Self:
+        """Return the cell of a vehicle file."""
+        return cls(capacity=energy.capacity.si, resistance=energy.resistance.si)
 
 
 def open_circuit_voltage(charge: float) -> float:

@@ -1,28 +1,52 @@
 """
 What the drone consumes: electronics and rotors.
 
-Electronics: the paper's 97 mW idle and 120 mW transmitting. Rotors: 27 mW and 23.96 W/N each above
-idle, fitted to Bitcraze's bench table of four 7 mm coreless motors (rmse 63 mW of four).
+A turning rotor takes a power that is affine in its thrust. That fits Bitcraze's bench table of
+four 7 mm coreless motors with an rmse of 63 mW of all four.
 """
 
 from collections.abc import Sequence
-from typing import final
+from typing import Annotated, final, Self
 
-from lta_config.settings import setting, Settings
+from lta_config.files import Record
+from lta_config.vehicle_file import Energy
+from pydantic import Field
+
+NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 
 
 @final
-class LoadSettings(Settings):
-    """Power of each consumer."""
+class Loads(Record):
+    """
+    Power of each consumer.
 
-    idle: float = setting(0.097, 'Electronics without radio.', unit='W', low=0.0, high=100.0)
-    transmitting: float = setting(
-        0.023, 'What the radio adds while it sends.', unit='W', low=0.0, high=100.0
-    )
-    rotor_offset: float = setting(
-        0.027, 'A turning rotor at vanishing thrust.', unit='W', low=0.0, high=100.0
-    )
-    rotor_slope: float = setting(23.96, 'Rotor power by thrust.', unit='W/N', low=0.0, high=1000.0)
+    Attributes
+    ----------
+    idle : float
+        Electronics without radio. [W]
+    transmitting : float
+        What the radio adds while it sends. [W]
+    rotor_offset : float
+        A turning rotor at vanishing thrust. [W]
+    rotor_slope : float
+        Rotor power by thrust. [W/N]
+
+    """
+
+    idle: NotNegative
+    transmitting: NotNegative
+    rotor_offset: NotNegative
+    rotor_slope: NotNegative
+
+    @classmethod
+    def of(cls, energy: Energy) -> Self:
+        """Return the consumers of a vehicle file."""
+        return cls(
+            idle=energy.idle.si,
+            transmitting=energy.transmitting.si,
+            rotor_offset=energy.rotor_idle.si,
+            rotor_slope=energy.rotor_power.si,
+        )
 
 
 def rotor_power(thrust: float, offset: float, slope: float) -> float:
@@ -47,13 +71,13 @@ def rotor_power(thrust: float, offset: float, slope: float) -> float:
     return offset + slope * abs(thrust) if thrust != 0.0 else 0.0
 
 
-def demand(settings: LoadSettings, thrusts: Sequence[float], transmitting: bool) -> float:
+def demand(loads: Loads, thrusts: Sequence[float], transmitting: bool) -> float:
     """
     Return the power that the whole drone draws.
 
     Parameters
     ----------
-    settings : LoadSettings
+    loads : Loads
         Power of each consumer.
     thrusts : sequence of float
         Thrust of each rotor. [N]
@@ -66,7 +90,5 @@ def demand(settings: LoadSettings, thrusts: Sequence[float], transmitting: bool)
         Power. [W]
 
     """
-    rotors = sum(
-        rotor_power(thrust, settings.rotor_offset, settings.rotor_slope) for thrust in thrusts
-    )
-    return settings.idle + (settings.transmitting if transmitting else 0.0) + rotors
+    rotors = sum(rotor_power(thrust, loads.rotor_offset, loads.rotor_slope) for thrust in thrusts)
+    return loads.idle + (loads.transmitting if transmitting else 0.0) + rotors

@@ -3,7 +3,8 @@
 import math
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from lta_energy.monitor import Estimate, MonitorSettings, Reading, time_to_empty
+from lta_energy.battery import Battery
+from lta_energy.monitor import Estimate, Reading, time_to_empty
 from lta_graph.health import Level
 from sensor_msgs.msg import BatteryState, Illuminance
 from std_msgs.msg import Bool
@@ -25,11 +26,9 @@ def to_reading(
     )
 
 
-def from_charge(
-    settings: MonitorSettings, estimate: Estimate, measured: BatteryState
-) -> BatteryState:
+def from_charge(cell: Battery, estimate: Estimate, measured: BatteryState) -> BatteryState:
     """Return the measured battery with the estimated charge; REP-147 signs, NaN if unknown."""
-    capacity = settings.battery.capacity / SECONDS_PER_HOUR
+    capacity = cell.capacity / SECONDS_PER_HOUR
     return BatteryState(
         header=measured.header,
         voltage=measured.voltage,
@@ -59,7 +58,7 @@ def _flow(current: float) -> int:
     return int(BatteryState.POWER_SUPPLY_STATUS_UNKNOWN)
 
 
-def figures(settings: MonitorSettings, estimate: Estimate, reading: Reading) -> dict[str, float]:
+def figures(cell: Battery, estimate: Estimate, reading: Reading) -> dict[str, float]:
     """Return the books as named numbers; each name ends with its unit."""
     books = estimate.books
     return {
@@ -72,13 +71,13 @@ def figures(settings: MonitorSettings, estimate: Estimate, reading: Reading) -> 
         'stored_J': books.stored,
         'imbalance_J': books.imbalance,
         'state_of_charge_1': estimate.charge,
-        'time_to_empty_s': time_to_empty(settings, estimate),
+        'time_to_empty_s': time_to_empty(cell, estimate),
         'illuminance_lx': reading.illuminance,
     }
 
 
 def from_books(
-    settings: MonitorSettings,
+    cell: Battery,
     estimate: Estimate,
     reading: Reading,
     verdict: tuple[Level, str],
@@ -86,7 +85,7 @@ def from_books(
 ) -> DiagnosticArray:
     """Return the books as one diagnostic status, stamped as the battery was measured."""
     level, sentence = verdict
-    numbers = figures(settings, estimate, reading)
+    numbers = figures(cell, estimate, reading)
     array = DiagnosticArray()
     array.header.stamp = measured.header.stamp
     array.status = [

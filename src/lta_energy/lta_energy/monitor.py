@@ -11,7 +11,7 @@ from typing import final
 
 from lta_config.settings import setting, Settings
 from lta_energy.battery import (
-    BatterySettings,
+    Battery,
     count,
     open_circuit_voltage,
     state_of_charge,
@@ -20,11 +20,9 @@ from lta_energy.battery import (
 from lta_energy.books import Books, enter
 
 
-@final
 class MonitorSettings(Settings):
-    """The cell as the monitor believes it to be, and when to come down."""
+    """When to come down, and how the readings are taken."""
 
-    battery: BatterySettings = BatterySettings()
     reserve: float = setting(
         0.25, 'State of charge at which the reserve is reached.', low=0.0, high=0.9
     )
@@ -114,14 +112,18 @@ class Estimate:
     books: Books = Books()  # noqa: RUF009 - frozen
 
 
-def update(settings: MonitorSettings, before: Estimate, reading: Reading) -> Estimate:
+def update(
+    settings: MonitorSettings, cell: Battery, before: Estimate, reading: Reading
+) -> Estimate:
     """
     Return what is known after one more reading; an unusable or older one changes nothing.
 
     Parameters
     ----------
     settings : MonitorSettings
-        The cell and the reserve.
+        The reserve and the smoothing.
+    cell : Battery
+        The cell, as the monitor believes it to be.
     before : Estimate
         What was known.
     reading : Reading
@@ -131,11 +133,11 @@ def update(settings: MonitorSettings, before: Estimate, reading: Reading) -> Est
     if not reading.usable:
         return before
     if before.last is None:
-        return _begin(settings, reading)
+        return _begin(settings, cell, reading)
     dt = (reading.stamp_ns - before.last.stamp_ns) * 1e-9
     if dt <= 0.0:
         return before
-    cell, last = settings.battery, before.last
+    last = before.last
     charge = count(before.charge, 0.5 * (last.current + reading.current), cell.capacity, dt)
     harvest = 0.5 * (last.income + reading.income)
     books = enter(
@@ -154,9 +156,9 @@ def update(settings: MonitorSettings, before: Estimate, reading: Reading) -> Est
     )
 
 
-def _begin(settings: MonitorSettings, reading: Reading) -> Estimate:
+def _begin(settings: MonitorSettings, cell: Battery, reading: Reading) -> Estimate:
     """Return the estimate of a first reading: the charge by the resting voltage."""
-    charge = state_of_charge(reading.voltage - settings.battery.resistance * reading.current)
+    charge = state_of_charge(reading.voltage - cell.resistance * reading.current)
     return Estimate(
         charge=charge,
         drain=_drain(charge, reading),
@@ -175,7 +177,7 @@ def _reserve(settings: MonitorSettings, before: bool, charge: float) -> bool:
     return charge <= settings.reserve + (settings.hysteresis if before else 0.0)
 
 
-def time_to_empty(settings: MonitorSettings, estimate: Estimate) -> float:
+def time_to_empty(cell: Battery, estimate: Estimate) -> float:
     """
     Return how long the charge lasts at the smoothed drain. [s]
 
@@ -189,4 +191,4 @@ def time_to_empty(settings: MonitorSettings, estimate: Estimate) -> float:
         return math.nan
     if estimate.drain <= 0.0:
         return math.inf
-    return stored_energy(estimate.charge, settings.battery.capacity) / estimate.drain
+    return stored_energy(estimate.charge, cell.capacity) / estimate.drain

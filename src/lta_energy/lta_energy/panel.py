@@ -1,46 +1,57 @@
 """
-What a solar panel gives: light on its plane times area times one constant efficiency.
+What a solar panel gives: radiant power on its plane times area times one constant efficiency.
 
 A constant efficiency is right to first order only: real cells lose voltage in dim light. A
 single-diode model takes the place of `power` later; the charger is taken as lossless till then.
 """
 
-from typing import final
+from typing import Annotated, final, Self
 
-from lta_config.settings import setting, Settings
+from lta_config.files import Record
+from lta_config.vehicle_file import Energy
+from pydantic import Field
 
 
 @final
-class PanelSettings(Settings):
-    """Two ANYSOLAR SM811K08L of 89 x 78 mm."""
+class Panel(Record):
+    """
+    All solar cells of a vehicle, in one plane.
 
-    area: float = setting(0.01388, 'Area of all cells.', unit='m2', low=0.0, high=10.0)
-    efficiency: float = setting(0.20, 'Electrical by radiant power, assumed.', low=0.0, high=1.0)
-    efficacy: float = setting(
-        300.0, 'Lumens a radiant watt: white LED 300, sun 105.', unit='lm/W', low=1.0, high=683.0
-    )
-    voltage: float = setting(
-        4.4, 'Voltage of the harvesting branch, assumed constant.', unit='V', low=0.1, high=60.0
-    )
+    Attributes
+    ----------
+    area : float
+        Area of all cells. [m2]
+    efficiency : float
+        Electrical by radiant power. [1]
+    voltage : float
+        Voltage of the harvesting branch. [V]
+
+    """
+
+    area: Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+    efficiency: Annotated[float, Field(ge=0.0, le=1.0)]
+    voltage: Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+
+    @classmethod
+    def of(cls, energy: Energy) -> Self:
+        """Return the panel of a vehicle file."""
+        return cls(
+            area=energy.panel_area.si,
+            efficiency=energy.panel_efficiency.si,
+            voltage=energy.panel_voltage.si,
+        )
 
 
-def irradiance(illuminance: float, efficacy: float) -> float:
-    """Return radiant power by area [W/m^2] for an illuminance [lx] and efficacy [lm/W]."""
-    return illuminance / efficacy
-
-
-def power(illuminance: float, efficacy: float, area: float, efficiency: float) -> float:
+def power(irradiance: float, area: float, efficiency: float) -> float:
     """
     Return the electrical power of a panel.
 
     Parameters
     ----------
-    illuminance : float
-        Light on the panel's plane. [lx]
-    efficacy : float
-        Lumens of the light by radiant watt. [lm/W]
+    irradiance : float
+        Radiant power on the panel's plane by area. [W/m2]
     area : float
-        Area of the cells. [m^2]
+        Area of the cells. [m2]
     efficiency : float
         Electrical by radiant power. [1]
 
@@ -50,4 +61,4 @@ def power(illuminance: float, efficacy: float, area: float, efficiency: float) -
         Power, never negative. [W]
 
     """
-    return max(0.0, irradiance(illuminance, efficacy)) * area * efficiency
+    return max(0.0, irradiance) * area * efficiency

@@ -9,6 +9,8 @@ Map frame. Three parts, each in lux on a small plane at a point:
   sphere (Phil. Mag. 35, 1893): :math:`E = \Phi \varrho / (A (1 - \varrho))`. It flickers too;
 - ambient light, uniform and from all sides: a steady part and the flicker of the mains.
 
+Lux over the luminous efficacy of the light (white LED 300 lm/W, sun 105) is irradiance.
+
 Left out: the first reflections, which depend on place and so pull a bearing; the shade of the
 drone's own hull; the lamp's rise time; light that arrives later (20 ns, against milliseconds).
 """
@@ -22,6 +24,8 @@ from lta_vlc.modulation import SquareWave
 import numpy as np
 from numpy.typing import NDArray
 
+MOST_EFFICACY = 683.0  # lm/W, by definition of the lumen, of green light at 555 nm
+
 Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
 
@@ -30,6 +34,14 @@ def _require(holds: bool, sentence: str) -> None:
     """Raise `BadInput` with the sentence unless the condition holds."""
     if not holds:
         raise BadInput(sentence)
+
+
+def _require_efficacy(efficacy: float) -> None:
+    _require(
+        0.0 < efficacy <= MOST_EFFICACY,
+        f'The light has an efficacy of {efficacy} lm/W; give one above 0 and up to '
+        f'{MOST_EFFICACY:g}.',
+    )
 
 
 @final
@@ -48,6 +60,8 @@ class Lamp:
         Luminous flux while on. [lm]
     wave : SquareWave
         When it is on.
+    efficacy : float
+        Luminous flux by radiant flux. [lm/W]
     order : float
         Lambertian order: 1 for a half-power angle of 60 degrees.
     radius : float
@@ -59,6 +73,7 @@ class Lamp:
     axis: Vector
     flux: float
     wave: SquareWave
+    efficacy: float
     order: float = 1.0
     radius: float = 0.015
 
@@ -76,6 +91,7 @@ class Lamp:
         _require(self.flux >= 0.0, f'The lamp has a flux of {self.flux} lm; give 0 or more.')
         _require(self.order > 0.0, f'The lamp has the order {self.order}; give one above 0.')
         _require(self.radius > 0.0, f'The lamp has a radius of {self.radius} m; make it positive.')
+        _require_efficacy(self.efficacy)
 
     @property
     def intensity(self) -> float:
@@ -127,6 +143,8 @@ class Ambient:
 
     Parameters
     ----------
+    efficacy : float
+        Luminous by radiant flux, of the steady part and the flicker alike. [lm/W]
     steady : float
         Mean illuminance. [lx]
     mains : float
@@ -138,6 +156,7 @@ class Ambient:
 
     """
 
+    efficacy: float
     steady: float = 0.0
     mains: float = 0.0
     mains_frequency: float = 100.0
@@ -145,6 +164,7 @@ class Ambient:
 
     def __post_init__(self) -> None:
         """Refuse negative or endless light."""
+        _require_efficacy(self.efficacy)
         _require(
             math.isfinite(self.steady) and self.steady >= 0.0,
             f'The ambient light is {self.steady} lx; give 0 or more.',
@@ -174,16 +194,16 @@ class LightField:
     ----------
     lamp : Lamp
         The beacon.
-    room : Room or None
-        The closed room around it; None outdoors.
     ambient : Ambient
         The rest.
+    room : Room or None
+        The closed room around the lamp; None outdoors.
 
     """
 
     lamp: Lamp
+    ambient: Ambient
     room: Room | None = None
-    ambient: Ambient = Ambient()
 
 
 @final
@@ -269,6 +289,13 @@ def illuminance(field: LightField, points: Array, normals: Array) -> Illuminance
 
 
 def mean_illuminance(field: LightField, points: Array, normals: Array) -> Array:
-    """Return the light on small planes averaged over the flicker, as a panel uses it. [lx]"""
+    """Return the light on small planes averaged over the flicker. [lx]"""
     light = illuminance(field, points, normals)
     return light.modulated * field.lamp.wave.duty + light.steady
+
+
+def mean_irradiance(field: LightField, points: Array, normals: Array) -> Array:
+    """Return the radiant power on small planes by area, averaged over the flicker. [W/m2]"""
+    light = illuminance(field, points, normals)
+    lamp = light.modulated * (field.lamp.wave.duty / field.lamp.efficacy)
+    return lamp + light.steady / field.ambient.efficacy

@@ -9,12 +9,13 @@ from typing import Annotated, Literal, Self
 
 from lta_config.files import find, load, Record
 from lta_config.quantity import Quantity, si
-from lta_sim.light_field import Ambient, Lamp, LightField, Room
+from lta_sim.light_field import Ambient, Lamp, LightField, MOST_EFFICACY, Room
 from lta_vlc.modulation import SquareWave
 from pydantic import AliasChoices, Field, model_validator
 
 GAS_CONSTANT_OF_AIR = 287.05  # J/(kg K), dry
 Point = Annotated[Quantity, si('m', low=-1000.0, high=1000.0, length=3)]
+Efficacy = Annotated[Quantity, si('lm/W', above=0.0, high=MOST_EFFICACY)]
 Fraction = Annotated[Quantity, si('1', low=0.0, high=1.0)]
 
 
@@ -46,6 +47,7 @@ class LampScene(Record):
     flux: Annotated[Quantity, si('lm', low=0.0, high=1e7)]
     frequency: Annotated[Quantity, si('Hz', above=0.0, high=1e5)]
     duty: Annotated[Quantity, si('1', above=0.0, high=0.999)]
+    efficacy: Efficacy
 
 
 class AmbientScene(Record):
@@ -54,6 +56,7 @@ class AmbientScene(Record):
     steady: Annotated[Quantity, si('lx', low=0.0, high=2e5)]
     mains_amplitude: Annotated[Quantity, si('lx', low=0.0, high=2e5)]
     mains_frequency: Annotated[Quantity, si('Hz', above=0.0, high=1e4)]
+    efficacy: Efficacy
 
 
 class Start(Record):
@@ -106,10 +109,14 @@ class Scenario(Record):
                 axis=_three(lamp.facing),
                 flux=lamp.flux.si,
                 wave=SquareWave(lamp.frequency.si, lamp.duty.si),
+                efficacy=lamp.efficacy.si,
             ),
             room=Room(_three(self.room.size), self.room.albedo),
             ambient=Ambient(
-                ambient.steady.si, ambient.mains_amplitude.si, ambient.mains_frequency.si
+                efficacy=ambient.efficacy.si,
+                steady=ambient.steady.si,
+                mains=ambient.mains_amplitude.si,
+                mains_frequency=ambient.mains_frequency.si,
             ),
         )
 

@@ -15,9 +15,9 @@ from typing import final
 from lta_config.errors import BadInput
 from lta_config.quantity import Quantity
 from lta_config.vehicle_file import load_vehicle_file, Part, VehicleFile
-from lta_energy.battery import BatterySettings
-from lta_energy.loads import LoadSettings
-from lta_energy.panel import PanelSettings
+from lta_energy.battery import Battery
+from lta_energy.loads import Loads
+from lta_energy.panel import Panel
 from lta_sim import effects
 from lta_sim.effects.protocol import AXES
 from lta_sim.mass import spheroid_added_mass
@@ -197,27 +197,19 @@ class Vehicle:
         )
 
     @cached_property
-    def battery(self) -> BatterySettings:
+    def battery(self) -> Battery:
         """The cell."""
-        energy = self.file.energy
-        return BatterySettings(capacity=energy.capacity.si, resistance=energy.resistance.si)
+        return Battery.of(self.file.energy)
 
     @cached_property
-    def loads(self) -> LoadSettings:
+    def loads(self) -> Loads:
         """The consumers."""
-        energy = self.file.energy
-        return LoadSettings(
-            idle=energy.idle.si,
-            transmitting=energy.transmitting.si,
-            rotor_offset=energy.rotor_idle.si,
-            rotor_slope=energy.rotor_power.si,
-        )
+        return Loads.of(self.file.energy)
 
     @cached_property
-    def panel(self) -> PanelSettings:
+    def panel(self) -> Panel:
         """The solar panels."""
-        energy = self.file.energy
-        return PanelSettings(area=energy.panel_area.si, efficiency=energy.panel_efficiency.si)
+        return Panel.of(self.file.energy)
 
     def effects(self) -> dict[str, dict[str, float]]:
         """Return the parameters of every effect that is on, in SI."""

@@ -17,7 +17,7 @@ from lta_config.topics import TopicTable
 from lta_energy import battery, loads, panel
 from lta_sim import kernel
 from lta_sim.effects import initial_memory
-from lta_sim.light_field import illuminance, mean_illuminance
+from lta_sim.light_field import illuminance, mean_illuminance, mean_irradiance
 from lta_sim.rigid_body import rotation
 from lta_sim.scenario import Scenario
 from lta_sim.sensors import imu, power, pressure, range
@@ -252,6 +252,7 @@ class World:
             self._light,
             illuminance(self._light, points, axes),
             start,
+            light.sample_rate.si,
             light.samples,
             self._chance['photodiodes'],
             self._amplifier,
@@ -259,25 +260,28 @@ class World:
         self._poses = [self._poses[-1]]
         return start, block
 
-    def _panel_light(self) -> float:
+    def _panel_plane(self) -> tuple[Array, Array]:
+        """Return the panel's place and normal, each of shape (1, 3). [m, map]"""
         position, turn = self._pose()
         place = position + turn @ np.array(self.vehicle.file.sensors.panel_position.vector)
-        return float(mean_illuminance(self._light, place[None, :], turn[:, 2][None, :])[0])
+        return place[None, :], turn[:, 2][None, :]
 
     def _sense_energy(self, readings: Readings) -> None:
-        readings.illuminance = self._panel_light()
+        readings.illuminance = float(mean_illuminance(self._light, *self._panel_plane())[0])
         readings.battery = power.measure(
             self._meter, self._meters['battery'], *self._electrics, self._chance['battery']
         )
         voltage = self.vehicle.panel.voltage
-        current = self._harvest(readings.illuminance) / voltage
+        current = self._harvest() / voltage
         readings.panel = power.measure(
             self._meter, self._meters['panel'], voltage, current, self._chance['panel']
         )
 
-    def _harvest(self, light: float) -> float:
+    def _harvest(self) -> float:
+        """Return what the panel gives now. [W]"""
         cells = self.vehicle.panel
-        return panel.power(light, cells.efficacy, cells.area, cells.efficiency)
+        irradiance = float(mean_irradiance(self._light, *self._panel_plane())[0])
+        return panel.power(irradiance, cells.area, cells.efficiency)
 
     def advance(self, duties: Sequence[float]) -> None:
         """
@@ -323,7 +327,7 @@ class World:
         thrusts = [(a * abs(u) + b) * u for u in self.state[MEMORY][:ACTUATORS].tolist()]
         asked = loads.demand(self.vehicle.loads, thrusts, transmitting=True)
         if self._due('illuminance'):
-            self._harvested = self._harvest(self._panel_light())
+            self._harvested = self._harvest()
         cell = self.vehicle.battery
         self.charge, voltage, current = battery.advance(
             self.charge, self._harvested - asked, cell.capacity, cell.resistance, dt

@@ -4,14 +4,16 @@ from types import FunctionType
 
 from hypothesis import given
 from hypothesis import strategies as st
+from lta_config.vehicle_file import load_vehicle_file
 from lta_energy import battery
 from lta_energy.books import Books, enter
 import numba
 import numpy as np
+from pydantic import ValidationError
 import pytest
 from scipy.integrate import quad
 
-CELL = battery.BatterySettings()
+CELL = battery.Battery(capacity=900.0, resistance=0.13)
 charges = st.floats(0.0, 1.0)
 
 
@@ -53,6 +55,20 @@ def test_stored_energy_is_the_integral_of_voltage(charge):
 def test_a_full_cell_holds_about_a_watt_hour():
     # The mean of the chart by trapezoids: (73.43 + (3.27 + 4.20) / 2) V / 20 = 3.85825 V.
     assert battery.stored_energy(1.0, CELL.capacity) == pytest.approx(900.0 * 3.85825, rel=1e-9)
+
+
+def test_the_cell_of_a_vehicle_file():
+    cell = battery.Battery.of(load_vehicle_file('gtmab').energy)
+    assert cell.capacity == pytest.approx(250e-3 * 3600.0)
+    assert cell.resistance == 0.15
+
+
+@pytest.mark.parametrize(
+    'change', [{'capacity': 0.0}, {'capacity': np.inf}, {'resistance': -0.1}, {'resistance': None}]
+)
+def test_what_is_no_cell_is_refused(change):
+    with pytest.raises(ValidationError, match=next(iter(change))):
+        battery.Battery(**{'capacity': 900.0, 'resistance': 0.13, **change})
 
 
 def test_drawing_one_watt_by_hand():

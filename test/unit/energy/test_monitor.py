@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 SETTINGS = MonitorSettings()
+CELL = battery.Battery(capacity=900.0, resistance=0.13)
 SECOND = 1_000_000_000
 
 
@@ -27,7 +28,7 @@ def readings(*pairs, harvest=0.0):
 def follow(series, settings=SETTINGS):
     estimate = Estimate()
     for reading in series:
-        estimate = update(settings, estimate, reading)
+        estimate = update(settings, CELL, estimate, reading)
     return estimate
 
 
@@ -60,9 +61,9 @@ def test_the_books_by_hand():
 def test_time_to_empty_by_hand():
     estimate = follow(readings((3.84 - 0.13 * 0.4, -0.4)))
     half = battery.stored_energy(0.5, 900.0)
-    assert time_to_empty(SETTINGS, estimate) == pytest.approx(half / (3.84 * 0.4), rel=1e-9)
-    assert time_to_empty(SETTINGS, follow(readings((3.9, 0.2), harvest=1.0))) == math.inf
-    assert math.isnan(time_to_empty(SETTINGS, Estimate()))
+    assert time_to_empty(CELL, estimate) == pytest.approx(half / (3.84 * 0.4), rel=1e-9)
+    assert time_to_empty(CELL, follow(readings((3.9, 0.2), harvest=1.0))) == math.inf
+    assert math.isnan(time_to_empty(CELL, Estimate()))
 
 
 def test_the_drain_is_smoothed_over_five_seconds():
@@ -84,22 +85,23 @@ def test_the_reserve_has_hysteresis():
     for k, (current, charge, reserve) in enumerate(
         [(-4.5, 0.4975, True), (45.0, 0.52, True), (8.1, 0.5495, True), (8.1, 0.5585, False)]
     ):
-        estimate = update(settings, estimate, Reading((k + 4) * SECOND, 3.8, current))
+        estimate = update(settings, CELL, estimate, Reading((k + 4) * SECOND, 3.8, current))
         assert estimate.charge == pytest.approx(charge, abs=1e-9)
         assert estimate.reserve is reserve
 
 
 def test_an_unknown_charge_counts_as_reserve_reached():
-    estimate = follow(readings((math.nan, -0.1), (3.9, math.nan)))
-    assert estimate == Estimate()
-    assert estimate.reserve
-    assert not update(SETTINGS, estimate, Reading(9 * SECOND, 4.1, 0.0)).reserve
+    unknown = Estimate()
+    for reading in readings((math.nan, -0.1), (3.9, math.nan)):
+        assert update(SETTINGS, CELL, unknown, reading) is unknown
+    assert unknown.reserve
+    assert not update(SETTINGS, CELL, unknown, Reading(9 * SECOND, 4.1, 0.0)).reserve
 
 
 def test_unusable_and_older_readings_change_nothing():
     estimate = follow(readings((3.9, -0.1), (3.9, -0.1)))
     for bad in (Reading(3 * SECOND, math.nan, -0.1), Reading(SECOND, 3.9, -0.1)):
-        assert update(SETTINGS, estimate, bad) is estimate
+        assert update(SETTINGS, CELL, estimate, bad) is estimate
 
 
 def test_without_a_panel_the_cell_is_still_counted():
@@ -129,7 +131,7 @@ def test_a_flight_through_real_meters_is_known_to_two_percent():
             charge, voltage, current = battery.advance(charge, -load, 900.0, 0.13, 0.1)
             volts, amperes = power.measure(meter, errors, voltage, current, rng)
             reading = Reading(SECOND + k * 100_000_000, volts, amperes, 0.0)
-            estimate = update(SETTINGS, estimate, reading)
+            estimate = update(SETTINGS, CELL, estimate, reading)
         # 167 J and 2 J of losses at 4.0 V are 42 C of 900 C.
         assert charge == pytest.approx(0.8 - 0.047, abs=0.001)
         assert estimate.charge == pytest.approx(charge, abs=0.02)
@@ -147,7 +149,7 @@ def test_a_flight_through_real_meters_is_known_to_two_percent():
     ],
 )
 def test_what_is_said_of_the_battery(series, level, words):
-    found, sentence = alarms.battery(SETTINGS, follow(series))
+    found, sentence = alarms.battery(SETTINGS, CELL, follow(series))
     assert (found, words in sentence) == (level, True), sentence
 
 

@@ -2,35 +2,45 @@
 
 from hypothesis import given
 from hypothesis import strategies as st
+from lta_config.vehicle_file import load_vehicle_file
 from lta_energy import loads, panel
 import numba
 import numpy as np
+from pydantic import ValidationError
 import pytest
 
-PANEL = panel.PanelSettings()
-LOADS = loads.LoadSettings()
-
-
-def harvest(illuminance, efficacy=PANEL.efficacy):
-    return panel.power(illuminance, efficacy, PANEL.area, PANEL.efficiency)
-
-
-def test_irradiance_by_hand():
-    assert panel.irradiance(60000.0, 300.0) == pytest.approx(200.0)
+ENERGY = load_vehicle_file('gtmab').energy
+LOADS = loads.Loads.of(ENERGY)
 
 
 def test_a_panel_of_138_8_square_centimetres_by_hand():
-    # 60 klux of white LED: 200 W/m^2 * 0.01388 m^2 * 0.20 = 0.5552 W.
-    assert harvest(60000.0) == pytest.approx(0.5552, rel=1e-12)
-
-
-def test_sunlight_gives_2_86_times_as_much_as_led_light():
-    assert harvest(80000.0, 105.0) / harvest(80000.0, 300.0) == pytest.approx(300 / 105)
+    # 60 klux of white LED are 200 W/m^2: * 0.013884 m^2 * 0.20 = 0.55536 W.
+    cells = panel.Panel.of(ENERGY)
+    assert panel.power(200.0, cells.area, cells.efficiency) == pytest.approx(0.55536, rel=1e-12)
+    assert cells.voltage == 4.4
 
 
 def test_darkness_gives_nothing():
-    assert harvest(0.0) == 0.0
-    assert harvest(-1.0) == 0.0
+    assert panel.power(0.0, 0.01, 0.2) == 0.0
+    assert panel.power(-1.0, 0.01, 0.2) == 0.0
+
+
+@pytest.mark.parametrize(
+    'change', [{'area': -0.01}, {'area': np.inf}, {'efficiency': 1.01}, {'voltage': 0.0}]
+)
+def test_what_is_no_panel_is_refused(change):
+    with pytest.raises(ValidationError, match=next(iter(change))):
+        panel.Panel(**{'area': 0.01, 'efficiency': 0.2, 'voltage': 4.4, **change})
+
+
+@pytest.mark.parametrize('name', ['idle', 'transmitting', 'rotor_offset', 'rotor_slope'])
+def test_no_load_is_negative_or_left_out(name):
+    given = LOADS.model_dump()
+    with pytest.raises(ValidationError, match=name):
+        loads.Loads(**{**given, name: -0.1})
+    del given[name]
+    with pytest.raises(ValidationError, match=name):
+        loads.Loads(**given)
 
 
 def test_the_papers_electronics():
@@ -66,4 +76,4 @@ def test_demand_does_not_depend_on_the_order_of_rotors(thrusts):
 
 def test_panel_and_rotor_compile_to_the_same():
     assert numba.njit(loads.rotor_power)(0.1, 0.027, 23.96) == loads.rotor_power(0.1, 0.027, 23.96)
-    assert numba.njit(panel.irradiance)(100.0, 300.0) == panel.irradiance(100.0, 300.0)
+    assert numba.njit(panel.power)(200.0, 0.01, 0.2) == panel.power(200.0, 0.01, 0.2)

@@ -13,14 +13,23 @@ import pytest
 
 START = 1_763_000_000_000_000_000
 STEP = 3.3 / 4096
-SILENT = PhotodiodeArray(feedback_resistance=1e6, noise=0.0, count=1)
-DARK = Ambient()
+SUN, LED = 105.0, 300.0  # lm/W
+
+
+def ring(**given) -> PhotodiodeArray:
+    """Return a ring of eight photodiodes, with other numbers where given."""
+    usual = {'count': 8, 'depth': 0.33, 'radius': 0.05, 'feedback_resistance': 1e5}
+    return PhotodiodeArray(**{**usual, **given})
+
+
+SILENT = ring(feedback_resistance=1e6, noise=0.0, count=1)
+DARK = Ambient(SUN)
 
 
 def scene(ambient: Ambient = DARK, frequency: float = 150.0) -> LightField:
     """Return the shared scene's lamp, 7 m from the origin."""
-    lamp = Lamp((7.0, 0.0, 1.0), (-1.0, 0.0, 0.0), 10_000.0, SquareWave(frequency))
-    return LightField(lamp, None, ambient)
+    lamp = Lamp((7.0, 0.0, 1.0), (-1.0, 0.0, 0.0), 10_000.0, SquareWave(frequency), LED)
+    return LightField(lamp, ambient)
 
 
 def light(modulated, steady=0.0, mains=0.0) -> Illuminance:
@@ -35,7 +44,7 @@ def generator(seed: int = 1) -> np.random.Generator:
 
 def test_levels_by_hand():
     # 65 lx: 0.507 V and the dark 7.5 mV: 514.5 mV / 0.80566 mV = 638.6; dark alone 9.3.
-    block, _ = synthesise(SILENT, scene(), light([65.0]), START, 1000, generator())
+    block, _ = synthesise(SILENT, scene(), light([65.0]), START, 1e4, 1000, generator())
     assert block.shape == (1000, 1)
     assert block.dtype == np.uint16
     assert block.flags.c_contiguous
@@ -48,50 +57,62 @@ def test_levels_by_hand():
 
 def test_steady_light_by_hand():
     # 100 lx of sun at 1 Mohm: 2.22857 V + 0.0075 V is step 2775.4; shot noise 0.13 mV.
-    quiet, _ = synthesise(SILENT, scene(), light([0.0], steady=100.0), START, 1000, generator())
+    quiet, _ = synthesise(
+        SILENT, scene(), light([0.0], steady=100.0), START, 1e4, 1000, generator()
+    )
     assert np.abs(quiet.astype(int) - 2775).max() <= 1
     assert quiet.mean() == pytest.approx(2775.4, abs=0.25)
 
 
 def test_mains_by_hand():
-    # 100 lx with 20 lx of LED flicker: 0.156 V either side, a sine of 193.6 counts at 100 Hz.
-    array = PhotodiodeArray(feedback_resistance=1e5, noise=0.0, count=1)
-    field = scene(Ambient(300.0, 200.0, mains_frequency=120.0))
-    block, _ = synthesise(array, field, light([0.0], 300.0, 200.0), 0, 1000, generator())
+    # 300 lx of LED with 200 lx of flicker: 0.156 V either side, a sine of 193.6 counts.
+    array = ring(feedback_resistance=1e5, noise=0.0, count=1)
+    field = scene(Ambient(LED, 300.0, 200.0, mains_frequency=120.0))
+    block, _ = synthesise(array, field, light([0.0], 300.0, 200.0), 0, 1e4, 1000, generator())
     peaks = demodulate(block, plan_bins(Demodulation(frequency=120.0), 1e4, 1000))
     assert peaks.amplitude[0] == pytest.approx(0.156 / STEP, abs=0.1)
     assert peaks.frequency[0] == 120.0
-    # It rises from its mean, 0.66857 + 0.0075 V; one sample is a step of 14.6 counts.
-    assert block[0, 0] == pytest.approx(0.67607 / STEP, abs=1.0)
-    assert block[1, 0] == pytest.approx(0.67607 / STEP + 14.6, abs=1.0)
+    # It rises from its mean, 0.234 + 0.0075 V; one sample is a step of 14.6 counts.
+    assert block[0, 0] == pytest.approx(0.2415 / STEP, abs=1.0)
+    assert block[1, 0] == pytest.approx(0.2415 / STEP + 14.6, abs=1.0)
 
 
 def test_mains_phase_shifts_its_flicker():
-    array = PhotodiodeArray(feedback_resistance=1e5, noise=0.0, count=1)
-    field = scene(Ambient(300.0, 200.0, mains_frequency=120.0, mains_phase=0.75))
-    block, _ = synthesise(array, field, light([0.0], 300.0, 200.0), 0, 1000, generator())
-    # Three quarters on it stands in its trough: 0.66857 - 0.156 + 0.0075 V.
-    assert block[0, 0] == pytest.approx(0.52007 / STEP, abs=1.0)
+    array = ring(feedback_resistance=1e5, noise=0.0, count=1)
+    field = scene(Ambient(LED, 300.0, 200.0, mains_frequency=120.0, mains_phase=0.75))
+    block, _ = synthesise(array, field, light([0.0], 300.0, 200.0), 0, 1e4, 1000, generator())
+    # Three quarters on it stands in its trough: 0.234 - 0.156 + 0.0075 V.
+    assert block[0, 0] == pytest.approx(0.0855 / STEP, abs=1.0)
 
 
-def test_light_is_never_negative():
-    # An efficacy of the mains' lamps so poor that their flicker outweighs the steady light.
-    array = PhotodiodeArray(lamp_efficacy=10.0, ambient_efficacy=683.0, count=1, noise=0.0)
-    block, _ = synthesise(array, scene(), light([0.0], 10.0, 10.0), START, 1000, generator())
+def test_a_flicker_as_deep_as_its_light_touches_the_dark():
+    field = scene(Ambient(LED, 100.0, 100.0))
+    block, _ = synthesise(SILENT, field, light([0.0], 100.0, 100.0), START, 1e4, 1000, generator())
+    # 0.78 V of mean and of amplitude: from the dark, 9.3 counts, to 1.5675 V.
     assert block.min() == 9
+    assert block.max() == pytest.approx(1.5675 / STEP, abs=1.0)
+
+
+def test_a_lux_of_sun_is_worth_more_than_one_of_a_led():
+    def mean(efficacy):
+        field, lit = scene(Ambient(efficacy)), light([0.0], 100.0)
+        block, _ = synthesise(SILENT, field, lit, START, 1e4, 1000, generator())
+        return block.mean() - 7.5e-3 / STEP
+
+    assert mean(SUN) / mean(LED) == pytest.approx(LED / SUN, rel=1e-3)
 
 
 def test_saturation_clips_at_full_scale():
-    block, _ = synthesise(SILENT, scene(), light([500.0]), START, 1000, generator())
+    block, _ = synthesise(SILENT, scene(), light([500.0]), START, 1e4, 1000, generator())
     assert block.max() == 4095
     assert 490 <= (block == 4095).sum() <= 510
-    flooded, _ = synthesise(SILENT, scene(), light([0.0], 1e5), START, 1000, generator())
+    flooded, _ = synthesise(SILENT, scene(), light([0.0], 1e5), START, 1e4, 1000, generator())
     assert (flooded == 4095).all()
 
 
 def test_noise_never_goes_below_zero_counts():
-    noisy = PhotodiodeArray(dark_offset=0.0, noise=0.01, feedback_resistance=1e6, count=1)
-    block, _ = synthesise(noisy, scene(), light([0.0]), START, 1000, generator())
+    noisy = ring(dark_offset=0.0, noise=0.01, feedback_resistance=1e6, count=1)
+    block, _ = synthesise(noisy, scene(), light([0.0]), START, 1e4, 1000, generator())
     # 10 mV is 12.4 steps: half of the samples stand at the bottom.
     assert (block == 0).mean() == pytest.approx(0.5, abs=0.07)
     assert block.max() < 60
@@ -103,11 +124,9 @@ def test_noise_never_goes_below_zero_counts():
 )
 def test_variance_is_the_theorys(resistance, noise, lux):
     # Sixteen bits resolve the shot noise; the offset keeps clear of zero.
-    array = PhotodiodeArray(
-        feedback_resistance=resistance, noise=noise, adc_bits=16, dark_offset=0.5
-    )
+    array = ring(feedback_resistance=resistance, noise=noise, adc_bits=16, dark_offset=0.5)
     lit = Illuminance(np.zeros((1, 8)), np.full((1, 8), lux), np.zeros((1, 8)))
-    block, _ = synthesise(array, scene(), lit, START, 10_000, generator(4))
+    block, _ = synthesise(array, scene(), lit, START, 1e4, 10_000, generator(4))
     step = 3.3 / 65_536
     volts = lux / 105.0 * 5.2e-6 * 0.45 * resistance
     theory = noise_volts(array, volts) ** 2 + step**2 / 12.0
@@ -117,12 +136,12 @@ def test_variance_is_the_theorys(resistance, noise, lux):
 
 def test_noise_is_as_correlated_as_the_pole_makes_it():
     # A pole at 500 Hz keeps exp(-2 pi 0.05) = 0.7304 from sample to sample.
-    slow = PhotodiodeArray(bandwidth=500.0, noise=0.03, feedback_resistance=1e6, dark_offset=0.5)
+    slow = ring(bandwidth=500.0, noise=0.03, feedback_resistance=1e6, dark_offset=0.5)
     dark = Illuminance(np.zeros((1, 8)), np.zeros((1, 8)), np.zeros((1, 8)))
     state, blocks = None, []
     for k in range(20):
         block, state = synthesise(
-            slow, scene(), dark, START + k * 100_000_000, 1000, generator(k), state
+            slow, scene(), dark, START + k * 100_000_000, 1e4, 1000, generator(k), state
         )
         blocks.append(block)
     counts = np.concatenate(blocks)[1000:].astype(float)
@@ -136,11 +155,9 @@ def test_noise_is_as_correlated_as_the_pole_makes_it():
 
 def test_filter_is_that_of_a_fine_simulation():
     # A slow pole, so that it shows: 800 Hz; an odd frequency, so that edges fall anywhere.
-    array = PhotodiodeArray(
-        bandwidth=800.0, noise=0.0, feedback_resistance=1e6, adc_bits=16, count=1
-    )
+    array = ring(bandwidth=800.0, noise=0.0, feedback_resistance=1e6, adc_bits=16, count=1)
     field = scene(frequency=137.3)
-    block, _ = synthesise(array, field, light([300.0, 312.0]), START, 1000, generator())
+    block, _ = synthesise(array, field, light([300.0, 312.0]), START, 1e4, 1000, generator())
     # Euler's exponential in steps of 1 us through 100 us before each sample.
     fine = START + np.arange(-20_000, 100_000, dtype=np.int64) * 1000
     ramp = np.clip(300.0 + 12.0 * (fine - START) * 1e-8, 300.0, None)
@@ -160,17 +177,17 @@ def test_filter_is_that_of_a_fine_simulation():
 
 @pytest.mark.parametrize('bandwidth', [14e3, 300.0])
 def test_two_blocks_are_one(bandwidth):
-    array = PhotodiodeArray(bandwidth=bandwidth, noise=1e-3, feedback_resistance=1e6, adc_bits=16)
+    array = ring(bandwidth=bandwidth, noise=1e-3, feedback_resistance=1e6, adc_bits=16)
     bright = Illuminance(
         np.linspace(20.0, 90.0, 11 * 8).reshape(11, 8), np.full((11, 8), 9.0), np.ones((11, 8))
     )
-    field = scene(Ambient(9.0, 1.0))
+    field = scene(Ambient(LED, 9.0, 1.0))
     first = Illuminance(bright.modulated[:6], bright.steady[:6], bright.mains[:6])
     second = Illuminance(bright.modulated[5:], bright.steady[5:], bright.mains[5:])
-    whole, end = synthesise(array, field, bright, START, 1000, generator())
+    whole, end = synthesise(array, field, bright, START, 1e4, 1000, generator())
     draws = generator()
-    head, middle = synthesise(array, field, first, START, 500, draws)
-    tail, last = synthesise(array, field, second, START + 50_000_000, 500, draws, middle)
+    head, middle = synthesise(array, field, first, START, 1e4, 500, draws)
+    tail, last = synthesise(array, field, second, START + 50_000_000, 1e4, 500, draws, middle)
     # The light of the sample at the seam comes from the same instant in both.
     assert np.array_equal(np.concatenate([head, tail]), whole)
     assert last.volts == pytest.approx(end.volts, rel=1e-12)
@@ -178,25 +195,27 @@ def test_two_blocks_are_one(bandwidth):
 
 def test_first_block_starts_in_the_middle_of_the_flicker():
     # A pole of 5 ms, near the lamp's period: after a block it has forgotten how it started.
-    slow = PhotodiodeArray(bandwidth=30.0, noise=0.0, feedback_resistance=1e6, count=1)
+    slow = ring(bandwidth=30.0, noise=0.0, feedback_resistance=1e6, count=1)
     before = START - 100_000_000
-    _, state = synthesise(slow, scene(), light([65.0], 20.0), before, 1000, generator())
-    running, _ = synthesise(slow, scene(), light([65.0], 20.0), START, 1000, generator(), state)
-    fresh, _ = synthesise(slow, scene(), light([65.0], 20.0), START, 1000, generator())
+    _, state = synthesise(slow, scene(), light([65.0], 20.0), before, 1e4, 1000, generator())
+    running, _ = synthesise(
+        slow, scene(), light([65.0], 20.0), START, 1e4, 1000, generator(), state
+    )
+    fresh, _ = synthesise(slow, scene(), light([65.0], 20.0), START, 1e4, 1000, generator())
     assert np.abs(fresh.astype(int) - running).max() <= 1
 
 
 def test_light_between_the_instants_is_linear():
-    array = PhotodiodeArray(feedback_resistance=1e6, noise=0.0, adc_bits=16, count=1)
+    array = ring(feedback_resistance=1e6, noise=0.0, adc_bits=16, count=1)
     ramp = Illuminance(np.zeros((3, 1)), np.array([[10.0], [50.0], [30.0]]), np.zeros((3, 1)))
-    block, _ = synthesise(array, scene(), ramp, START, 1000, generator())
+    block, _ = synthesise(array, scene(), ramp, START, 1e4, 1000, generator())
     lux = (block[:, 0] * (3.3 / 65_536) - 7.5e-3) / 22.285714e-3
     assert lux[[0, 250, 500, 750, 999]] == pytest.approx([10.0, 30.0, 50.0, 40.0, 30.04], abs=0.1)
 
 
 def test_one_seed_gives_one_block():
     blocks = [
-        synthesise(PhotodiodeArray(count=1), scene(), light([65.0]), START, 1000, generator(seed))
+        synthesise(ring(count=1), scene(), light([65.0]), START, 1e4, 1000, generator(seed))
         for seed in (3, 3, 4)
     ]
     assert np.array_equal(blocks[0][0], blocks[1][0])
@@ -212,7 +231,7 @@ def pose(distance: float, yaw: float):
             [0.0, 0.0, 1.0],
         ]
     )
-    array = PhotodiodeArray()
+    array = ring()
     return array.place(np.array([7.0 - distance, 0.0, 1.0 + array.depth]), turn)
 
 
@@ -220,10 +239,10 @@ def pose(distance: float, yaw: float):
 @pytest.mark.parametrize('yaw', [0.0, 0.4, 2.0, -3.0])
 def test_lamp_is_heard_and_found_at_seven_metres(room, yaw):
     lamp = scene().lamp
-    field = LightField(lamp, room, Ambient(steady=300.0, mains=30.0))
+    field = LightField(lamp, Ambient(LED, steady=300.0, mains=30.0), room)
     here = illuminance(field, *pose(7.0, yaw))
     lit = Illuminance(here.modulated[None], here.steady[None], here.mains[None])
-    block, _ = synthesise(PhotodiodeArray(), field, lit, START, 1000, generator(8))
+    block, _ = synthesise(ring(), field, lit, START, 1e4, 1000, generator(8))
     peaks = demodulate(block, plan_bins(Demodulation(), 1e4, 1000))
     assert peaks.snr.max() > 10.0
     found = bearing(peaks, even_ring(8), Demodulation().threshold)
@@ -235,7 +254,7 @@ def test_amplitude_at_seven_metres_by_hand():
     field = scene()
     here = illuminance(field, *pose(7.0, 0.0))
     lit = Illuminance(here.modulated[None], here.steady[None], here.mains[None])
-    block, _ = synthesise(PhotodiodeArray(), field, lit, START, 1000, generator(8))
+    block, _ = synthesise(ring(), field, lit, START, 1e4, 1000, generator(8))
     peaks = demodulate(block, plan_bins(Demodulation(), 1e4, 1000))
     # The forward diode is at 6.95 m: 65.90 lx x 0.78 mV/lx x 2/pi / 0.80566 mV = 40.61 counts.
     assert peaks.amplitude[0] == pytest.approx(40.61, abs=0.1)

@@ -10,14 +10,16 @@ from lta_sim.light_field import (
     Lamp,
     LightField,
     mean_illuminance,
+    mean_irradiance,
     Room,
 )
 from lta_vlc.modulation import SquareWave
 import numpy as np
 import pytest
 
+LED = 300.0  # lm/W
 WAVE = SquareWave(150.0)
-LAMP = Lamp((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), 10_000.0, WAVE)
+LAMP = Lamp((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), 10_000.0, WAVE, LED)
 TO_LAMP = np.array([-1.0, 0.0, 0.0])
 
 
@@ -40,10 +42,16 @@ def test_on_axis_by_hand(distance, lux, tolerance):
 
 
 def test_mean_is_half_the_light_of_a_square_wave():
-    mean = mean_illuminance(LightField(LAMP), at(7.0), TO_LAMP)
+    mean = mean_illuminance(LightField(LAMP, Ambient(LED)), at(7.0), TO_LAMP)
     assert mean == pytest.approx(32.48, abs=0.01)
-    lit = LightField(LAMP, ambient=Ambient(steady=300.0, mains=20.0))
+    lit = LightField(LAMP, Ambient(LED, steady=300.0, mains=20.0))
     assert mean_illuminance(lit, at(7.0), TO_LAMP) == pytest.approx(332.48, abs=0.01)
+
+
+def test_each_light_has_its_own_watts():
+    # 32.48 lx of LED at 300 lm/W and 210 lx of sun at 105: 0.10827 + 2 W/m^2.
+    field = LightField(LAMP, Ambient(105.0, steady=210.0, mains=50.0))
+    assert mean_irradiance(field, at(7.0), TO_LAMP) == pytest.approx(2.10827, abs=1e-5)
 
 
 def test_half_power_at_sixty_degrees():
@@ -61,7 +69,7 @@ def test_tilted_plane_gets_the_cosine():
 
 @pytest.mark.parametrize('order', [1.0, 2.0, 5.5])
 def test_all_the_flux_arrives(order):
-    lamp = Lamp((0.0, 0.0, 0.0), (0.0, 0.0, 2.0), 10_000.0, WAVE, order=order)
+    lamp = Lamp((0.0, 0.0, 0.0), (0.0, 0.0, 2.0), 10_000.0, WAVE, LED, order=order)
     # Light through a sphere of 10 m, by Gauss-Legendre over the cosine of the angle.
     nodes, weights = np.polynomial.legendre.leggauss(60)
     cosine = 0.5 * (nodes + 1.0)
@@ -107,7 +115,7 @@ def test_echo_is_the_sum_of_all_bounces():
 
 
 def test_parts_are_kept_apart():
-    field = LightField(LAMP, Room((10.0, 8.0, 3.0), 0.5), Ambient(steady=300.0, mains=20.0))
+    field = LightField(LAMP, Ambient(LED, steady=300.0, mains=20.0), Room((10.0, 8.0, 3.0), 0.5))
     points = np.stack([at(7.0), at(7.0)])
     light = illuminance(field, points, np.stack([TO_LAMP, -TO_LAMP]))
     assert light.modulated == pytest.approx([64.96 + 37.31, 37.31], abs=0.02)
@@ -133,22 +141,25 @@ NAN = math.nan
 @pytest.mark.parametrize(
     ('make', 'sentence'),
     [
-        (lambda: Lamp((NAN, 0.0, 1.0), (1.0, 0.0, 0.0), 1e4, WAVE), 'is not finite'),
-        (lambda: Lamp((0.0, 0.0, 1.0), (math.inf, 0.0, 0.0), 1e4, WAVE), 'is not finite'),
-        (lambda: Lamp((0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 1e4, WAVE), 'axis .* no length'),
-        (lambda: Lamp((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), -1.0, WAVE), 'flux of -1.0 lm'),
-        (lambda: Lamp((0.0,) * 3, (1.0, 0.0, 0.0), 1e4, WAVE, order=0.0), 'order 0.0'),
-        (lambda: Lamp((0.0,) * 3, (1.0, 0.0, 0.0), 1e4, WAVE, radius=0.0), 'radius of 0.0'),
+        (lambda: Lamp((NAN, 0.0, 1.0), (1.0, 0.0, 0.0), 1e4, WAVE, LED), 'is not finite'),
+        (lambda: Lamp((0.0, 0.0, 1.0), (math.inf, 0.0, 0.0), 1e4, WAVE, LED), 'is not finite'),
+        (lambda: Lamp((0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 1e4, WAVE, LED), 'axis .* no length'),
+        (lambda: Lamp((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), -1.0, WAVE, LED), 'flux of -1.0 lm'),
+        (lambda: Lamp((0.0,) * 3, (1.0, 0.0, 0.0), 1e4, WAVE, LED, order=0.0), 'order 0.0'),
+        (lambda: Lamp((0.0,) * 3, (1.0, 0.0, 0.0), 1e4, WAVE, LED, radius=0.0), 'radius of 0.0'),
+        (lambda: Lamp((0.0,) * 3, (1.0, 0.0, 0.0), 1e4, WAVE, 0.0), 'efficacy of 0.0 lm/W'),
+        (lambda: Lamp((0.0,) * 3, (1.0, 0.0, 0.0), 1e4, WAVE, 684.0), 'efficacy of 684.0 lm/W'),
+        (lambda: Ambient(NAN), 'efficacy of nan lm/W'),
         (lambda: Room((10.0, 0.0, 3.0), 0.5), 'every side positive'),
         (lambda: Room((10.0, NAN, 3.0), 0.5), 'every side positive'),
         (lambda: Room((10.0, 8.0, 3.0), 1.0), 'albedo of 1.0'),
         (lambda: Room((10.0, 8.0, 3.0), NAN), 'albedo of nan'),
-        (lambda: Ambient(steady=-1.0), 'ambient light is -1.0 lx'),
-        (lambda: Ambient(steady=math.inf), 'ambient light is inf lx'),
-        (lambda: Ambient(steady=10.0, mains=11.0), 'by 11.0 lx around 10.0 lx'),
-        (lambda: Ambient(steady=10.0, mains=NAN), 'by nan lx'),
-        (lambda: Ambient(mains_frequency=0.0), 'mains flicker at 0.0 Hz'),
-        (lambda: Ambient(mains_phase=NAN), 'phase of nan'),
+        (lambda: Ambient(LED, steady=-1.0), 'ambient light is -1.0 lx'),
+        (lambda: Ambient(LED, steady=math.inf), 'ambient light is inf lx'),
+        (lambda: Ambient(LED, steady=10.0, mains=11.0), 'by 11.0 lx around 10.0 lx'),
+        (lambda: Ambient(LED, steady=10.0, mains=NAN), 'by nan lx'),
+        (lambda: Ambient(LED, mains_frequency=0.0), 'mains flicker at 0.0 Hz'),
+        (lambda: Ambient(LED, mains_phase=NAN), 'phase of nan'),
     ],
 )
 def test_what_cannot_shine_is_refused(make, sentence):

@@ -2,42 +2,45 @@
 
 import math
 
-from lta_sim.sensors.photodiode import ambient_volts, lamp_volts, noise_volts, PhotodiodeArray
+from lta_sim.sensors.photodiode import noise_volts, PhotodiodeArray, sensitivity
 import numpy as np
 from pydantic import ValidationError
 import pytest
 
-PLAIN = PhotodiodeArray(feedback_resistance=1e6)
+RING = {'count': 8, 'depth': 0.33, 'radius': 0.05, 'feedback_resistance': 1e5}
+
+
+def ring(**given) -> PhotodiodeArray:
+    """Return a ring of eight photodiodes, with other numbers where given."""
+    return PhotodiodeArray(**{**RING, **given})
+
+
+PLAIN = ring(feedback_resistance=1e6)
+
+
+def test_sensitivity_is_the_data_sheets():
+    # 0.45 V/uW at 1 Mohm, on 5.2 mm^2.
+    assert sensitivity(PLAIN) == pytest.approx(0.45e6 * 5.2e-6, rel=1e-12)
 
 
 def test_volts_of_one_lux_by_hand():
     # 1/300 W/m^2 on 5.2 mm^2: 17.33 nW, times 0.45 A/W: 7.8 nA, times 1 Mohm.
-    assert lamp_volts(PLAIN) == pytest.approx(7.8e-3, rel=1e-12)
-    # The sun's lux holds 300/105 as much power.
-    assert ambient_volts(PLAIN) == pytest.approx(22.2857e-3, rel=1e-5)
-
-
-def test_data_sheet_sensitivity():
-    # 0.45 V/uW at 1 Mohm: one lux at 300 lm/W is 17.33 nW on the diode.
-    assert lamp_volts(PLAIN) / (5.2e-6 / 300.0) == pytest.approx(0.45e6, rel=1e-12)
-
-
-def test_resistor_scales_the_volts():
-    assert lamp_volts(PhotodiodeArray(feedback_resistance=47e3)) == pytest.approx(7.8e-3 * 0.047)
+    assert sensitivity(PLAIN) / 300.0 == pytest.approx(7.8e-3, rel=1e-12)
+    assert sensitivity(ring(feedback_resistance=47e3)) / 300.0 == pytest.approx(7.8e-3 * 0.047)
 
 
 def test_noise_in_the_dark_is_the_data_sheets():
     assert noise_volts(PLAIN, 0.0) == pytest.approx(300e-6, rel=1e-12)
-    small = PhotodiodeArray(feedback_resistance=10e3)
+    small = ring(feedback_resistance=10e3)
     assert noise_volts(small, 0.0) == pytest.approx(30e-6, rel=1e-12)
 
 
 def test_shot_noise_by_hand():
     # 1 V at 1 Mohm is 1 uA; B = 21 991 Hz; 2 q I B = 7.047e-21 A^2: 83.9 pA, 83.9 uV.
-    quiet = PhotodiodeArray(feedback_resistance=1e6, noise=0.0)
+    quiet = ring(feedback_resistance=1e6, noise=0.0)
     assert noise_volts(quiet, 1.0) == pytest.approx(83.95e-6, rel=1e-3)
     # The same current through a tenth of the resistor gives a tenth of the noise.
-    tenth = PhotodiodeArray(feedback_resistance=1e5, noise=0.0)
+    tenth = ring(feedback_resistance=1e5, noise=0.0)
     assert noise_volts(tenth, 0.1) == pytest.approx(8.395e-6, rel=1e-3)
 
 
@@ -46,7 +49,7 @@ def test_noises_add_as_squares():
 
 
 def test_ring_looks_around_and_hangs_below():
-    array = PhotodiodeArray(count=4, depth=0.3, radius=0.1)
+    array = ring(count=4, depth=0.3, radius=0.1)
     points, axes = array.place(np.array([1.0, 2.0, 3.0]), np.eye(3))
     hand = [[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]]
     assert axes == pytest.approx(np.array(hand, dtype=float), abs=1e-15)
@@ -55,7 +58,7 @@ def test_ring_looks_around_and_hangs_below():
 
 def test_ring_turns_with_the_drone():
     left = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    points, axes = PhotodiodeArray(count=4, radius=0.1).place(np.zeros(3), left)
+    points, axes = ring(count=4, radius=0.1).place(np.zeros(3), left)
     assert axes[0] == pytest.approx([0.0, 1.0, 0.0], abs=1e-15)
     assert points[0] == pytest.approx([0.0, 0.1, -0.33], abs=1e-15)
 
@@ -63,7 +66,7 @@ def test_ring_turns_with_the_drone():
 def test_ring_tilts_with_the_drone():
     # Nose down by 90 degrees (positive pitch): forward looks down, the ring swings back.
     pitch = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
-    points, axes = PhotodiodeArray(count=4, radius=0.0).place(np.zeros(3), pitch)
+    points, axes = ring(count=4, radius=0.0).place(np.zeros(3), pitch)
     assert axes[0] == pytest.approx([0.0, 0.0, -1.0], abs=1e-15)
     assert points[0] == pytest.approx([-0.33, 0.0, 0.0], abs=1e-15)
 
@@ -72,7 +75,7 @@ def test_many_poses_are_as_one_by_one():
     generator = np.random.default_rng(1)
     positions = generator.normal(size=(5, 3))
     rotations = np.linalg.qr(generator.normal(size=(5, 3, 3)))[0]
-    array = PhotodiodeArray()
+    array = ring()
     points, axes = array.place(positions, rotations)
     assert points.shape == axes.shape == (5, 8, 3)
     for k in range(5):
@@ -82,22 +85,24 @@ def test_many_poses_are_as_one_by_one():
 
 
 @pytest.mark.parametrize(
-    'setting',
+    'change',
     [
         {'count': 0},
-        {'sample_rate': math.nan},
+        {'radius': -0.1},
+        {'depth': math.nan},
         {'feedback_resistance': 0.0},
         {'bandwidth': -1.0},
+        {'bandwidth': math.inf},
         {'adc_bits': 17},
         {'resistance': 1.0},
     ],
 )
-def test_setting_out_of_bounds_is_refused(setting):
-    with pytest.raises(ValidationError):
-        PhotodiodeArray(**setting)
+def test_what_is_no_ring_is_refused(change):
+    with pytest.raises(ValidationError, match=next(iter(change))):
+        ring(**change)
 
 
-def test_every_setting_says_what_it_is():
-    for name, field in PhotodiodeArray.model_fields.items():
-        assert field.description, name
-        assert field.json_schema_extra['unit'], name
+@pytest.mark.parametrize('name', list(RING))
+def test_the_ring_has_no_defaults(name):
+    with pytest.raises(ValidationError, match=name):
+        PhotodiodeArray(**{key: value for key, value in RING.items() if key != name})

@@ -39,6 +39,8 @@ def test_the_shipped_scene():
     assert field.lamp.flux == 10000.0
     assert field.lamp.wave.frequency == 150.0
     assert field.lamp.wave.duty == 0.5
+    assert field.lamp.efficacy == 300.0
+    assert field.ambient.efficacy == 300.0
     assert tuple(field.room.size) == (10.0, 8.0, 3.0)
     assert field.room.albedo == 0.5
     assert field.ambient.steady == 100.0
@@ -74,6 +76,9 @@ def test_density_by_hand(tmp_path):
         ('lamp.duty', '100 %', 'lamp.duty is 100.0 %, but must lie in [-inf, 0.999] 1.'),
         ('lamp.position', metres(1, 2), 'lamp.position has 2 numbers, but needs 3.'),
         ('room.size', metres(10, 0, 3), 'room.size is (10.0, 0.0, 3.0) m, but must be above 0 m.'),
+        ('lamp.efficacy', None, "the key 'lamp.efficacy' is missing; add it."),
+        ('lamp.efficacy', '684 lm/W', 'lamp.efficacy is 684.0 lm/W, but must lie in [-inf, 683]'),
+        ('ambient.efficacy', '0 lm/W', 'ambient.efficacy is 0.0 lm/W, but must be above 0 lm/W.'),
         ('room.albedo', 1.0, 'room.albedo is 1.0: input should be less than 1.'),
         ('room.albedo', math.nan, 'room.albedo is nan: input should be'),
         ('air.temperature', '20 K', 'air.temperature has the unknown unit "K"; known: 1, %,'),

@@ -206,9 +206,9 @@ def test_the_lamp_is_in_the_light(rested):
 def test_amplifiers_and_poses_go_on_from_block_to_block(monkeypatch):
     calls = []
 
-    def spy(array, field, light, start, samples, generator, state):
-        block, after = synthesise(array, field, light, start, samples, generator, state)
-        calls.append((light.modulated, state, after))
+    def spy(array, field, light, *rest):
+        block, after = synthesise(array, field, light, *rest)
+        calls.append((light.modulated, rest[-1], after))
         return block, after
 
     monkeypatch.setattr('lta_sim.world.synthesise', spy)
@@ -236,7 +236,7 @@ def test_the_battery_drains_by_what_the_loads_draw(duty):
     # By hand: 97 + 23 mW, and of each turning rotor 27 mW + 23.96 W/N of 0.0915 u^2 + 0.0677 u.
     thrust = 0.0915 * duty**2 + 0.0677 * duty
     power = 0.120 + 4 * (0.027 + 23.96 * thrust) * (duty > 0)
-    harvest = 0.2 * 0.013884 * world._panel_light() / 300.0
+    harvest = 0.2 * 0.013884 * world.sense().illuminance / 300.0
     assert harvest < 0.01 * power
     resting = open_circuit_voltage(world.charge)
     # (E - 0.15 I) I = P for 5 s of 900 C.
@@ -259,6 +259,20 @@ def test_light_on_the_panel_charges():
     assert readings[10].panel[0] == pytest.approx(4.4, abs=0.02)
     gained = (harvest - 0.12) / (open_circuit_voltage(before) + 0.03) * 2.0 / 900.0
     assert bright.charge - before == pytest.approx(gained, rel=0.02)
+
+
+def test_the_panel_gives_more_of_the_sun_than_of_leds():
+    def harvest(efficacy):
+        scene = {
+            'lamp/flux': '0 lm',
+            'ambient/steady': '50000 lx',
+            'ambient/efficacy': efficacy,
+        }
+        return build(scene=scene)._harvest()
+
+    # 50 klx / 105 lm/W * 0.013884 m2 * 20 %.
+    assert harvest('105 lm/W') == pytest.approx(1.32229, rel=1e-5)
+    assert harvest('105 lm/W') / harvest('300 lm/W') == pytest.approx(300 / 105, rel=1e-12)
 
 
 def test_the_panel_looks_up():

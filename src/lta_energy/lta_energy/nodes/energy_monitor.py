@@ -2,7 +2,10 @@
 
 from typing import TYPE_CHECKING
 
+from lta_config.settings import setting
+from lta_config.vehicle_file import load_vehicle_file
 from lta_energy import alarms, messages
+from lta_energy.battery import Battery
 from lta_energy.monitor import Estimate, MonitorSettings, update
 from lta_graph.ros.node import GraphNode, run
 from lta_graph.ros.parameters import Parameters
@@ -12,12 +15,19 @@ if TYPE_CHECKING:
     from sensor_msgs.msg import BatteryState, Illuminance
 
 
+class EnergyMonitorParameters(MonitorSettings):
+    """When to come down, and the vehicle whose cell it is."""
+
+    vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
+
+
 class EnergyMonitor(GraphNode):
     """Answer every battery message with charge, books and reserve, under the same stamp."""
 
     def __init__(self) -> None:
         super().__init__('energy_monitor')
-        self._settings = Parameters(self, MonitorSettings)
+        self._settings = Parameters(self, EnergyMonitorParameters)
+        self._cell = Battery.of(load_vehicle_file(self._settings.value.vehicle).energy)
         self._estimate = Estimate()
         self._panel: BatteryState | None = None
         self._light: Illuminance | None = None
@@ -30,12 +40,12 @@ class EnergyMonitor(GraphNode):
         measured = step.last('battery')
         self._panel = step.last('panel') or self._panel
         self._light = step.last('illuminance') or self._light
-        settings = self._settings.value
+        settings, cell = self._settings.value, self._cell
         reading = messages.to_reading(measured, self._panel, self._light)
-        self._estimate = estimate = update(settings, self._estimate, reading)
-        verdict = alarms.battery(settings, estimate)
-        self._battery.publish(messages.from_charge(settings, estimate, measured))
-        self._status.publish(messages.from_books(settings, estimate, reading, verdict, measured))
+        self._estimate = estimate = update(settings, cell, self._estimate, reading)
+        verdict = alarms.battery(settings, cell, estimate)
+        self._battery.publish(messages.from_charge(cell, estimate, measured))
+        self._status.publish(messages.from_books(cell, estimate, reading, verdict, measured))
         self._reserve.publish(messages.from_reserve(estimate))
         self.health.report('battery', *verdict)
         self.health.report('meters', *alarms.meters(estimate, reading))

@@ -19,7 +19,7 @@ import math
 from typing import final
 
 from lta_sim.light_field import Ambient, Illuminance, LightField
-from lta_sim.sensors.photodiode import ambient_volts, lamp_volts, noise_volts, PhotodiodeArray
+from lta_sim.sensors.photodiode import noise_volts, PhotodiodeArray, sensitivity
 from lta_vlc.modulation import cycles, NANOSECONDS
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +48,7 @@ def synthesise(
     field: LightField,
     light: Illuminance,
     start: int,
+    sample_rate: float,
     samples: int,
     generator: np.random.Generator,
     state: AmplifierState | None = None,
@@ -67,6 +68,8 @@ def synthesise(
         change linearly; a single instant holds throughout.
     start : int
         Time of the first sample. [ns]
+    sample_rate : float
+        Samples a second of each diode. [Hz]
     samples : int
         Samples in the block.
     generator : numpy.random.Generator
@@ -83,11 +86,11 @@ def synthesise(
 
     """
     time_constant = 1.0 / (2.0 * math.pi * array.bandwidth)
-    keep = math.exp(-1.0 / (array.sample_rate * time_constant))
-    times = start + _offsets(samples, array.sample_rate)
+    keep = math.exp(-1.0 / (sample_rate * time_constant))
+    times = start + _offsets(samples, sample_rate)
     wave = field.lamp.wave.lagged(times, time_constant)
     weights = _interpolation(samples, light.modulated.shape[0])
-    modulated = weights @ (light.modulated * lamp_volts(array))
+    modulated = weights @ (light.modulated * (sensitivity(array) / field.lamp.efficacy))
     rest = _ambient(array, field.ambient, light, weights, times[1:])
     if state is None:
         state = AmplifierState(modulated[0] * wave[0] + rest[0])
@@ -113,11 +116,10 @@ def _ambient(
 ) -> Array:
     """Return the volts of all light but the lamp's at the times of the samples."""
     position = cycles(times, ambient.mains_frequency, ambient.mains_phase)
-    volts: Array = weights @ (light.mains * lamp_volts(array))
+    volts: Array = weights @ light.mains
     volts *= np.sin(2.0 * math.pi * position)[:, None]
-    volts += weights @ (light.steady * ambient_volts(array))
-    # The two efficacies are free, so that a deep flicker could outweigh the light it belongs to.
-    np.maximum(volts, 0.0, out=volts)
+    volts += weights @ light.steady
+    volts *= sensitivity(array) / ambient.efficacy
     return volts
 
 
