@@ -14,6 +14,7 @@ import pytest
 
 NODES = ('estimator', 'controller', 'demodulator', 'navigator', 'energy_monitor', 'recorder')
 NAMED = 1.0  # s of wall time
+ENDED = 10.0  # s from the death of a node or Ctrl-C to the end; one second if nobody else works
 SETTLED = 2.5  # s of flight after which DDS has found everyone
 TABLE = topic_table()
 
@@ -41,7 +42,7 @@ def test_a_node_that_hangs_and_then_dies_is_named_twice(lta, flying, hear, tmp_p
     killed = time.monotonic()
     assert flight.said(f'{name} was killed by SIGKILL.') - killed < NAMED
     assert flight.end() == 1
-    assert time.monotonic() - killed < 5.0
+    assert time.monotonic() - killed < ENDED
     assert 'Traceback' not in flight.text
     assert read_bag(out / 'bag').complete == (name != 'recorder')
 
@@ -103,7 +104,7 @@ def test_ctrl_c_at_any_moment_leaves_no_process_and_no_torn_bag(lta, tmp_path, s
     pressed = flight.interrupt()
     # Before the script has begun, the shell itself dies of the signal, which shells call 130.
     assert flight.end() in ((130,) if seconds else (130, -signal.SIGINT))
-    assert time.monotonic() - pressed < 5.0
+    assert time.monotonic() - pressed < ENDED
     assert flight.text in ('Stopped.', '') if not seconds else flight.text == 'Stopped.'
     assert lta.left() == []
     if (out / 'bag' / 'metadata.yaml').exists():

@@ -64,7 +64,7 @@ def check_against_the_loop(bag, goal):
     Compare the true path with that of the same cores in one process.
 
     Between them lies the setpoint's heading, which a message carries as sine and cosine: a
-    rounding error of 1e-16 to begin with.
+    rounding error of 1e-16 to begin with, which the contact with the floor makes grow.
     """
     path = bag.parents[1] / f'1.0m-{goal["time_limit"]}.yaml'.replace(' ', '')
     scene = load_scenario(str(path))
@@ -84,7 +84,7 @@ def check_against_the_loop(bag, goal):
             stamp = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
             p = message.pose.pose.position
             if stamp in truth:
-                assert (p.x, p.y, p.z) == pytest.approx(truth[stamp], rel=0.0, abs=1e-9)
+                assert (p.x, p.y, p.z) == pytest.approx(truth[stamp], rel=0.0, abs=1e-7)
                 compared += 1
     assert compared > 350
 
