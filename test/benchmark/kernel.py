@@ -23,25 +23,42 @@ DUTY = np.array([0.1, 0.1, 0.2, 0.2])
 STEP = 2e-3
 
 
-def vehicle() -> Model:
-    """Return a flat balloon of 1 m with every effect on."""
+def vehicle(generator: np.random.Generator | None = None) -> Model:
+    """Return a flat balloon of 1 m with every effect on; a generator scatters its numbers."""
+
+    def about(value: float) -> float:
+        return value * generator.uniform(0.95, 1.05) if generator else value
+
     thrust = {f'{letter}_{i}': 0.08 for letter in 'ab' for i in range(1, 5)}
     places = {'heave_1': 1.0, 'heave_2': 1.0, 'roll_1': 0.2, 'roll_2': -0.2, 'surge_3': 1.0}
     axes = ('surge', 'sway', 'heave', 'roll', 'pitch', 'yaw')
+    given = {
+        'weight_and_buoyancy': {'buoyancy': 3.49, 'weight': 3.51, 'cg_z': -0.08},
+        'added_mass': dict(zip(axes, (0.146, 0.146, 0.374, 5e-3, 5e-3, 0.0), strict=True)),
+        'linear_drag': dict(zip(axes, (0.01, 0.01, 0.01, 7e-4, 6e-4, 3e-4), strict=True)),
+        'quadratic_drag': dict(zip(axes, (0.09, 0.09, 0.36, 2e-3, 2e-3, 6e-4), strict=True)),
+        'motor_lag': {'up': 0.072, 'down': 0.1},
+        'rotor_thrust': thrust | places | {'surge_4': 1.0, 'yaw_3': -0.1, 'yaw_4': 0.1},
+        'floor_contact': {'stiffness': 100.0, 'relaxation': 0.05, 'friction': 0.5, 'z': -0.36},
+    }
     return Model.build(
-        {
-            'weight_and_buoyancy': {'buoyancy': 3.49, 'weight': 3.51, 'cg_z': -0.08},
-            'added_mass': dict(zip(axes, (0.146, 0.146, 0.374, 5e-3, 5e-3, 0.0), strict=True)),
-            'linear_drag': dict(zip(axes, (0.01, 0.01, 0.01, 7e-4, 6e-4, 3e-4), strict=True)),
-            'quadratic_drag': dict(zip(axes, (0.09, 0.09, 0.36, 2e-3, 2e-3, 6e-4), strict=True)),
-            'motor_lag': {'up': 0.072, 'down': 0.1},
-            'rotor_thrust': thrust | places | {'surge_4': 1.0, 'yaw_3': -0.1, 'yaw_4': 0.1},
-            'floor_contact': {'stiffness': 100.0, 'relaxation': 0.05, 'friction': 0.5, 'z': -0.36},
-        },
-        mass=0.358,
-        cg=(0.0, 0.0, -0.08),
-        inertia=np.diag([0.015, 0.015, 0.018]),
+        {effect: {name: about(v) for name, v in of.items()} for effect, of in given.items()},
+        mass=about(0.358),
+        cg=(0.0, 0.0, about(-0.08)),
+        inertia=np.diag([about(0.015), about(0.015), about(0.018)]),
     )
+
+
+def scattered(count: int) -> tuple[list[Model], np.ndarray, np.ndarray, np.ndarray]:
+    """Return different vehicles, their states, duties and winds."""
+    generator = np.random.default_rng(1)
+    models = [vehicle(generator) for _ in range(count)]
+    states = np.array([pack((0.0, 0.0, 1.0), memory=initial_memory())] * count)
+    states[:, :3] += generator.uniform(-0.5, 0.5, (count, 3))
+    states[:, 7:13] = generator.uniform(-0.3, 0.3, (count, 6))
+    duties, winds = generator.uniform(0.0, 0.4, (count, 4)), np.zeros((count, 3))
+    winds[:, :2] = generator.uniform(-0.3, 0.3, (count, 2))
+    return models, states, duties, winds
 
 
 def best(steps: int, calls: int) -> float:

@@ -8,7 +8,9 @@ a compilation.
 """
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from string import Template
+from typing import final
 
 from lta_sim import rigid_body
 from lta_sim.effects.protocol import ActuatorEffect, Effect, WrenchEffect
@@ -24,7 +26,6 @@ A state is a tuple: position, quaternion, velocity, rates, memory of the effects
 from collections import namedtuple
 import math
 
-from numba import njit
 '''
 
 # Nothing is reordered and a division by zero gives inf: all forms of the model agree to the bit.
@@ -32,8 +33,31 @@ INLINE = "@njit(error_model='numpy', fastmath=False)"
 ENTRY = "@njit(error_model='numpy', fastmath=False, cache=True)"
 
 
+@final
+@dataclass(frozen=True, slots=True)
+class Form:
+    """
+    What the model is compiled for.
+
+    Parameters
+    ----------
+    imports : str
+        What the text needs beside `math` and `namedtuple`.
+    inline, entry : str
+        Decorators of the model's own functions and of those that are called from outside.
+    entries : Template
+        The functions that are called from outside; `kernel_source` fills in the layout.
+
+    """
+
+    imports: str
+    inline: str
+    entry: str
+    entries: Template
+
+
 # The functions that know the layout; extracted functions go before them.
-GLUE = Template('''
+MODEL = Template('''
 $INLINE
 def rates(state, parameters, body, inverse, duty, wind):
     """Return d/dt of the state."""
@@ -66,8 +90,14 @@ def normalised(state):
     x, y, z, w = state[3:7]
     n = 1.0 / math.sqrt(x * x + y * y + z * z + w * w)
     return (*state[0:3], x * n, y * n, z * n, w * n, *state[7:])
+''')
 
-
+# One vehicle, from arrays to arrays.
+SCALAR = Form(
+    'from numba import njit\n',
+    INLINE,
+    ENTRY,
+    Template('''
 $ENTRY
 def derivative(start, parameters, body, inverse, command, air, out):
     """Write d/dt of the state into out."""
@@ -99,7 +129,32 @@ $see
 $actuators
 $calls
 $store
+'''),
+)
+
+# A vehicle is column i of a block: number k of it is at k * width + i, neighbours side by side.
+COLUMNS = Template('''
+$INLINE
+def fixed_of(block, width, i):
+    """Return what vehicle i keeps: its parameters, body, inverse, duty and wind."""
+$fixed
+    return parameters, body, inverse, duty, wind
+
+
+$INLINE
+def state_of(block, width, i):
+    """Return the state of vehicle i, or what else has its length."""
+    return $state
+
+
+$INLINE
+def put(block, width, i, state):
+    """Store the state of vehicle i."""
+$put
 ''')
+
+# What each vehicle keeps in a block after its parameters: how many numbers of each.
+FIXED = {'body': 16, 'inverse': 36, 'duty': ACTUATORS, 'wind': 3}
 
 SEE = """
     q, v, w = state[3:7], state[7:10], state[10:13]
@@ -163,36 +218,51 @@ def _sum(names: list[str]) -> str:
     return _tuple([' + '.join(['0.0', *(f'W_{name}[{i}]' for name in names)]) for i in range(6)])
 
 
-def _glue(effects: Mapping[str, Effect], extract: Extract) -> str:
-    """Write the functions that know the layout."""
+def _column(first: int, count: int) -> str:
+    """Return the source of the tuple of some numbers of a vehicle in a block."""
+    return _tuple([f'block[{k} * width + i]' for k in range(first, first + count)])
+
+
+def _fixed(counts: Mapping[str, int]) -> Iterator[str]:
+    """Write what a vehicle keeps, in the order of FIXED."""
+    first = 0
+    for name, count in counts.items():
+        yield f'    {name} = {_column(first, count)}'
+        first += count
+
+
+def _layout(effects: Mapping[str, Effect], extract: Extract) -> dict[str, str]:
+    """Write the parts of the text that know the layout."""
     for function in rigid_body.motion, rigid_body.to_map, rigid_body.quaternion_rate:
         extract.add(function, 'rigid_body')
     extract.add(rigid_body.acceleration, 'rigid_body')
     memory = _memory(effects)
     state = range(RIGID + len(memory))
     calls = dict(_wrenches(effects, extract))
-    return GLUE.substitute(
-        INLINE=INLINE,
-        ENTRY=ENTRY,
-        see=SEE,
-        size=len(state),
-        actuators='\n'.join(_actuators(effects, extract)),
-        calls='\n'.join(f'    W_{name} = {call}' for name, call in calls.items()),
-        total=_sum(list(calls)),
-        memory=_tuple(memory),
-        ahead=_tuple([f'state[{i}] + dt * rate[{i}]' for i in state]),
-        mean=_tuple([f'(a[{i}] + 2.0 * (b[{i}] + c[{i}]) + d[{i}]) / 6.0' for i in state]),
-        edge=f'    state = {_items("start", 0, len(state))}\n'
+    parameters = sum(len(effect.parameters) for effect in effects.values())
+    return {
+        'see': SEE,
+        'size': str(len(state)),
+        'actuators': '\n'.join(_actuators(effects, extract)),
+        'calls': '\n'.join(f'    W_{name} = {call}' for name, call in calls.items()),
+        'total': _sum(list(calls)),
+        'memory': _tuple(memory),
+        'ahead': _tuple([f'state[{i}] + dt * rate[{i}]' for i in state]),
+        'mean': _tuple([f'(a[{i}] + 2.0 * (b[{i}] + c[{i}]) + d[{i}]) / 6.0' for i in state]),
+        'edge': f'    state = {_items("start", 0, len(state))}\n'
         f'    duty = {_items("command", 0, ACTUATORS)}\n'
         f'    wind = {_items("air", 0, 3)}',
-        store='\n'.join(
+        'store': '\n'.join(
             f'    for i in range(6):\n        out[{row}, i] = W_{name}[i]'
             for row, name in enumerate(calls)
         ),
-    )
+        'fixed': '\n'.join(_fixed({'parameters': parameters, **FIXED})),
+        'state': _column(0, len(state)),
+        'put': '\n'.join(f'    block[{k} * width + i] = state[{k}]' for k in state),
+    }
 
 
-def kernel_source(effects: Mapping[str, Effect]) -> str:
+def kernel_source(effects: Mapping[str, Effect], form: Form = SCALAR) -> str:
     """
     Return the kernel of these effects as Python source.
 
@@ -200,13 +270,17 @@ def kernel_source(effects: Mapping[str, Effect]) -> str:
     ----------
     effects : mapping of str to Effect
         Their order is the layout of the parameter vector and of the memory.
+    form : Form
+        What it is compiled for; by default one vehicle, with `derivative`, `advance` and
+        `wrenches`.
 
     Returns
     -------
     str
-        A module with `derivative`, `advance` and `wrenches`, that needs only numba.
+        A module that needs only numba.
 
     """
     extract = Extract()
-    glue = _glue(effects, extract)
-    return f'{HEAD}\n\n{extract.text(INLINE)}\n\n{glue}'
+    layout = {'INLINE': form.inline, 'ENTRY': form.entry, **_layout(effects, extract)}
+    glue = MODEL.substitute(layout) + '\n' + form.entries.substitute(layout)
+    return f'{HEAD}{form.imports}\n\n{extract.text(form.inline)}\n\n{glue}'
