@@ -37,7 +37,7 @@ def fly(lta, scenario, tmp_path):
         out = tmp_path / name
         result = lta.run('fly', '--no-page', '--json', '--scenario', path, '--out', out, *options)
         assert 'Traceback' not in result.stderr
-        return {**json.loads(result.stdout), 'status': result.returncode}
+        return {**json.loads(result.stdout), 'status': result.returncode, 'said': result.stderr}
 
     return run
 
@@ -46,14 +46,16 @@ def test_one_seed_is_one_flight_and_another_is_another(fly):
     """Byte for byte in every repeatable topic; and the loop in one process flies the same path."""
     goal = {'time_limit': '8 s'}
     first, again = (fly(name, '--seed', '7', **goal) for name in ('first', 'again'))
-    assert (first['outcome'], first['status']) == ('timeout', 1)
+    assert (first['outcome'], first['status']) == ('timeout', 1), first['said']
     one, two = contents(Path(first['bag'])), contents(Path(again['bag']))
     for topic in REPEATABLE:
         messages = [data for _, data in one[topic]]
         assert messages == [data for _, data in two[topic]], topic
         assert messages, topic
 
-    other = contents(Path(fly('other', '--seed', '8', **goal)['bag']))
+    third = fly('other', '--seed', '8', **goal)
+    assert third['outcome'] == 'timeout', third['said']
+    other = contents(Path(third['bag']))
     for topic in ('/lta1/imu', '/lta1/photodiodes', '/lta1/motors', '/lta1/odom'):
         assert [data for _, data in other[topic]] != [data for _, data in one[topic]], topic
     check_against_the_loop(Path(first['bag']), goal)
