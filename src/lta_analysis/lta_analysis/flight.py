@@ -13,6 +13,7 @@ from typing import final, Literal, Protocol
 
 from lta_analysis.blame import Blame
 from lta_analysis.session import Session
+from lta_bridge.bag.writer import empty_folder
 from lta_config.errors import BadInput
 from lta_config.files import find
 from lta_control.strategies import strategy
@@ -101,7 +102,7 @@ def fly_once(order: Order, watcher: Watcher) -> Flown:
     folder = folder.absolute()
     plan = load(find('launch file', 'fly', '.launch.yaml'), choices(order, folder / 'bag'))
     with Session(ROBOT), DiagnosticsListener() as listener:
-        make_empty(folder)
+        empty_folder(folder)
         with Launcher(plan, on_line=lambda _name, _line: None) as launcher:
             watch(launcher, listener, watcher)
         flight = listener.poll(0.0).get(FLIGHT)
@@ -119,25 +120,6 @@ def choices(order: Order, bag: Path) -> dict[str, str]:
         'seed': str(order.seed),
         'bag': str(bag),
     }
-
-
-def make_empty(folder: Path) -> None:
-    """
-    Make a folder for the results, unless it is there and empty.
-
-    Raises
-    ------
-    BadInput
-        If it holds something or cannot be made.
-
-    """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        busy = any(folder.iterdir())
-    except OSError as error:
-        raise BadInput(f"'{folder}' cannot be made ({error.strerror}); choose another.") from None
-    if busy:
-        raise BadInput(f"'{folder}' is not empty; choose another folder or remove it.")
 
 
 def watch(launcher: Launcher, listener: DiagnosticsListener, watcher: Watcher) -> None:
@@ -203,7 +185,7 @@ def judged(folder: Path, launcher: Launcher, flight: Fact | None, watcher: Watch
             watcher.say(f'{item.sentence}.')
         if item.lines:
             watcher.say('\n'.join((f'The last lines of {item.name}:', *item.lines)))
-    if flight is None:
+    if flight is None and not broken:
         watcher.say('Nothing was heard of the simulator on /diagnostics.')
     if broken or faulty or flight is None:
         return Flown(folder, bag, 'failed', 'did not finish: the graph broke', 0.0)
