@@ -95,10 +95,6 @@ class TopicTable(Record):
         """Return the topics that a role must wait for."""
         return [name for name, topic in self.topics.items() if role in topic.subscribers]
 
-    def stamp(self, name: str, index: int) -> int:
-        """Return the stamp of a periodic topic's message, counted from 0. [ns]"""
-        return self.start_ns + index * self[name].period_ns
-
     def due(self, name: str, now_ns: int, lag: int = 0) -> int:
         """
         Return how many messages of a topic are out at a control step.

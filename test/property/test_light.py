@@ -144,16 +144,6 @@ def test_more_light_gives_more_snr(seed, amplitude, growth, phase):
     assert bright > faint
 
 
-@given(wave=WAVES, start=TIMES, interval=st.integers(1000, 10**9))
-def test_means_are_shares_and_add_up(wave, start, interval):
-    times = np.array([start, start + interval], dtype=np.int64)
-    halves = wave.means(times, interval)
-    whole = wave.means(times[:1], 2 * interval)[0]
-    assert (halves > -1e-9).all()
-    assert (halves < 1.0 + 1e-9).all()
-    assert halves.mean() == pytest.approx(whole, abs=1e-8)
-
-
 @given(wave=WAVES, start=TIMES, time_constant=st.floats(1e-6, 10.0))
 def test_lagged_wave_stays_between_off_and_on(wave, start, time_constant):
     times = start + np.arange(0, 10**8, 1_234_567, dtype=np.int64)

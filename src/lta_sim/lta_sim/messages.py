@@ -3,7 +3,7 @@
 import array
 
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Vector3Stamped, WrenchStamped
+from geometry_msgs.msg import Vector3Stamped
 from lta_sim.sensors.range import RangeSettings
 from lta_sim.state import POSITION, QUATERNION, RATES, VELOCITY
 from nav_msgs.msg import Odometry
@@ -100,14 +100,6 @@ def wind(stamp: Time, velocity: tuple[float, ...]) -> Vector3Stamped:
     """Return the velocity of the air in `map`."""
     message = Vector3Stamped(header=_header(stamp, 'map'))
     message.vector.x, message.vector.y, message.vector.z = velocity
-    return message
-
-
-def wrench(stamp: Time, values: NDArray[np.float64]) -> WrenchStamped:
-    """Return one effect's force and moment about the hull centre, body frame."""
-    message = WrenchStamped(header=_header(stamp))
-    force, torque = message.wrench.force, message.wrench.torque
-    force.x, force.y, force.z, torque.x, torque.y, torque.z = values.tolist()
     return message
 
 

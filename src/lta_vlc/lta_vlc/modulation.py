@@ -88,27 +88,6 @@ class SquareWave:
         """Return the wave, 0 or 1, at times in ns."""
         return (self.cycles(times) < self.duty).astype(np.float64)
 
-    def means(self, times: NDArray[np.int64], interval: int) -> NDArray[np.float64]:
-        """
-        Return the exact mean of the wave over intervals.
-
-        Parameters
-        ----------
-        times : ndarray of int64, shape (n,)
-            Starts of the intervals. [ns]
-        interval : int
-            Length of each, positive. [ns]
-
-        Returns
-        -------
-        ndarray of float64, shape (n,)
-            Part of each interval that the wave is on.
-
-        """
-        start = self.cycles(times)
-        length = self.frequency * interval / NANOSECONDS
-        return (self._time_on(start + length) - self._time_on(start)) / length
-
     def lagged(self, times: NDArray[np.int64], time_constant: float) -> NDArray[np.float64]:
         r"""
         Return the wave as a first-order low pass passes it on, long after its start.
@@ -143,26 +122,3 @@ class SquareWave:
         on = position < self.duty
         decay = np.exp(-rate * np.where(on, position, position - self.duty))
         return np.where(on, 1.0 - missing * decay, left * decay)
-
-    def harmonic(self, order: int) -> float:
-        """
-        Return the amplitude of one harmonic of the wave.
-
-        Parameters
-        ----------
-        order : int
-            1 for the fundamental, 2 for the next, and so on.
-
-        Returns
-        -------
-        float
-            Amplitude of the sine at `order` times the frequency: the Fourier series of a
-            rectangular wave, 2/(n pi) |sin(n pi d)|.
-
-        """
-        return 2.0 / (order * math.pi) * abs(math.sin(order * math.pi * self.duty))
-
-    def _time_on(self, position: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return for how many cycles the wave was on between cycle zero and a position."""
-        whole = np.floor(position)
-        return whole * self.duty + np.minimum(position - whole, self.duty)

@@ -132,6 +132,17 @@ def test_unreadable_file_in_the_bag_is_one_sentence(tmp_path, key, text):
         results(folder)
 
 
+def test_a_whole_recording_tells_every_figure(found):
+    assert [name for name, value in found.to_dict().items() if value is None] == []
+
+
+def test_units_are_told_by_name():
+    units = Results.units()
+    assert (units['path_length'], units['heading_error'], units['snr_end']) == ('m', 'rad', '1')
+    assert 'success' not in units
+    assert units.keys() < Results().to_dict().keys()
+
+
 def test_every_figure_says_what_it_is():
     for field in Results.__dataclass_fields__.values():
         assert set(field.metadata) == {'unit', 'about'}

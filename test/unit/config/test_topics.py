@@ -15,7 +15,7 @@ def published(name: str, now: int, lag: int) -> int:
     """Count a topic's messages one by one: those published a lag before `now` or earlier."""
     count = 0
     while True:
-        publication = TABLE.stamp(name, count) + TABLE[name].latency_ns
+        publication = TABLE.start_ns + count * TABLE[name].period_ns + TABLE[name].latency_ns
         if publication + lag * TABLE.control_ns > now:
             return count
         count += 1

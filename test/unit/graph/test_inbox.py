@@ -15,6 +15,11 @@ MS = 1_000_000
 LENGTH = 400 * MS  # of every stream: four light blocks
 
 
+def nth(name: str, index: int) -> int:
+    """Return the stamp of a periodic topic's message, counted from 0. [ns]"""
+    return START + index * TABLE[name].period_ns
+
+
 @dataclass(frozen=True)
 class Reader:
     """A role, what it reads, and what it answers."""
@@ -30,7 +35,7 @@ class Reader:
         """Return every topic's messages: stamp, and a text that stands for the message."""
         return {
             name: [
-                (TABLE.stamp(name, k) if TABLE[name].stamped else 0, f'{name} {k}')
+                (nth(name, k) if TABLE[name].stamped else 0, f'{name} {k}')
                 # One more of the others: the last block is answered when it is complete.
                 for k in range(LENGTH // TABLE[name].period_ns + (name != self.trigger))
             ]
@@ -58,7 +63,7 @@ def expected(reader: Reader) -> list[tuple[int, dict[str, list[str]]]]:
     for name in reader.topics:
         lag = 0 if name == reader.trigger else TABLE[name].subscribers[reader.role]
         for k, (_, message) in enumerate(streams[name]):
-            known = TABLE.stamp(name, k) + TABLE[name].latency_ns + lag * TABLE.control_ns
+            known = nth(name, k) + TABLE[name].latency_ns + lag * TABLE.control_ns
             if name == reader.trigger:
                 steps[k][1][name].append(message)
                 continue
@@ -113,7 +118,7 @@ def test_a_begun_step_waits_for_exactly_what_is_missing(drawn):
         done += len(take(inbox))
         missing = []
         if put[reader.trigger] > done:
-            now = TABLE.stamp(reader.trigger, done) + TABLE[reader.trigger].latency_ns
+            now = nth(reader.trigger, done) + TABLE[reader.trigger].latency_ns
             for name in reader.topics:
                 lag = TABLE[name].subscribers.get(reader.role, 0)
                 if name != reader.trigger and put[name] < TABLE.due(name, now, lag):

@@ -9,6 +9,8 @@ import numpy as np
 from pydantic import ValidationError
 import pytest
 
+from .square_mean import mean_on
+
 RATE = 10_000.0
 TIMES = np.arange(1000, dtype=np.int64) * 100_000
 
@@ -38,7 +40,7 @@ def test_peak_and_snr_of_a_spectrum_by_hand():
 @pytest.mark.parametrize('duty', [0.5, 0.3])
 def test_square_wave_reads_its_fundamental(duty):
     wave = SquareWave(150.0, duty, phase=0.123)
-    block = 1000.0 * wave.means(TIMES, 100_000)[:, None]
+    block = 1000.0 * mean_on(wave, TIMES, 100_000)[:, None]
     peaks = demodulate(block, plan_bins(Demodulation(), RATE, 1000))
     # 2/pi sin(pi d), times the sine cardinal of averaging over 1.5 % of a period.
     loss = math.sin(math.pi * 0.015) / (math.pi * 0.015)

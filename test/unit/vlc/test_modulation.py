@@ -43,26 +43,6 @@ def test_phase_shifts_the_wave_ahead():
     assert wave.values(np.array([0, 49_999_999, 50_000_000])).tolist() == [0.0, 0.0, 1.0]
 
 
-def test_mean_over_an_interval_with_an_edge():
-    wave = SquareWave(10.0, duty=0.5)
-    starts = np.array([0, 40_000_000, 60_000_000, 90_000_000], dtype=np.int64)
-    # Intervals of 20 ms; on from 0 to 50 ms and from 100 ms.
-    assert wave.means(starts, 20_000_000) == pytest.approx([1.0, 0.5, 0.0, 0.5], abs=1e-12)
-
-
-def test_mean_over_whole_periods_is_the_duty():
-    wave = SquareWave(150.0, duty=0.3)
-    starts = EPOCH + np.arange(0, 7_000_000, 123_457, dtype=np.int64)
-    assert wave.means(starts, 100_000_000) == pytest.approx(np.full(len(starts), 0.3), abs=1e-12)
-
-
-def test_means_tile_the_time_on():
-    wave = SquareWave(137.0, duty=0.4, phase=0.1)
-    starts = EPOCH + np.arange(0, 1_000_000_000, 100_000, dtype=np.int64)
-    # 137 whole periods in a second.
-    assert wave.means(starts, 100_000).mean() == pytest.approx(0.4, abs=1e-12)
-
-
 def test_lagged_wave_is_its_filtered_fourier_series():
     frequency, duty, time_constant = 150.0, 0.3, 4e-4
     times = np.arange(20_000, 20_000_000, 40_000, dtype=np.int64)
@@ -86,28 +66,6 @@ def test_fast_lag_follows_and_slow_lag_averages():
     # A triangle of 0.3 x 0.7 / (f tau) from end to end around the duty.
     slow = wave.lagged(times, 10.0)
     assert np.abs(slow - 0.3).max() < 0.3 * 0.7 / 1500.0
-
-
-@pytest.mark.parametrize(
-    ('duty', 'order', 'amplitude'),
-    [
-        (0.5, 1, 0.6366197723675814),  # 2/pi
-        (0.5, 2, 0.0),
-        (0.5, 3, 0.2122065907891938),  # 2/(3 pi)
-        (0.25, 1, 0.4501581580785531),  # sqrt(2)/pi
-        (0.25, 2, 0.3183098861837907),  # 1/pi
-    ],
-)
-def test_harmonics_by_hand(duty, order, amplitude):
-    assert SquareWave(150.0, duty).harmonic(order) == pytest.approx(amplitude, abs=1e-15)
-
-
-def test_harmonics_are_those_of_the_wave():
-    # 10^6 samples of one period; the sum stands for the integral to 1e-6.
-    samples = SquareWave(1.0, 0.37).values(np.arange(0, 10**9, 1000, dtype=np.int64))
-    amplitude = 2.0 * np.abs(np.fft.rfft(samples))[1:6] / samples.size
-    hand = [SquareWave(1.0, 0.37).harmonic(order) for order in range(1, 6)]
-    assert amplitude == pytest.approx(hand, abs=3e-6)
 
 
 @pytest.mark.parametrize(

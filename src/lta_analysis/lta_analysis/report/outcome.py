@@ -106,6 +106,5 @@ def table(results: Results) -> list[Row]:
         Row('estimated altitude, RMS error', amount(r.altitude_estimate_error, 'cm', 1, 100.0)),
         Row('estimated airspeed, RMS error', amount(r.airspeed_estimate_error, 'm/s')),
         Row('estimated heading, RMS error', amount(r.heading_estimate_error, '°', 1, DEGREES)),
-        Row('flight time per wall time', number(r.real_time_factor, 1)),
     ]  # fmt: skip
     return [row for row in rows if row.here != MISSING or row.paper != MISSING]

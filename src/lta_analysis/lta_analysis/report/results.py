@@ -7,7 +7,7 @@ goal radius of the lamp, horizontally, or with the recording. Truth comes from t
 tracker.
 """
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from typing import Any, final, NamedTuple
 
 from lta_analysis.report.view import Array, held, Motion, sampled, Spot, View
@@ -56,11 +56,15 @@ class Results:
     energy: float | None = figure('J', 'out of the cell from leaving the ground to the goal')
     power: float | None = figure('W', 'mean of the same')
     cruise_power: float | None = figure('W', 'out of the cell, mean over the cruise')
-    real_time_factor: float | None = figure('1', 'flight time per wall time')
 
     def to_dict(self) -> dict[str, float | bool | None]:
         """Return the figures by name, ready for JSON."""
         return asdict(self)
+
+    @classmethod
+    def units(cls) -> dict[str, str]:
+        """Return the unit of each figure that has one, by name."""
+        return {item.name: item.metadata['unit'] for item in fields(cls) if item.metadata['unit']}
 
 
 class Phases(NamedTuple):
@@ -84,7 +88,6 @@ def results_of(view: View) -> Results:
         **light(view, phases),
         **estimates(view, phases),
         **electricity(view, phases),
-        'real_time_factor': float(view.provenance.get('real_time_factor', 'nan')),
     }
     known: dict[str, Any] = {
         name: value if isinstance(value, bool) else float(value)

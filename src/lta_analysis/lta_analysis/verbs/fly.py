@@ -39,10 +39,17 @@ def fly(
     order = Order(vehicle, scenario, strategy, seed, time, out)
     with FlightProgress(console) as progress:
         flight = fly_once(order, progress)
-    results = {'outcome': flight.outcome, 'pace': flight.pace, 'bag': str(flight.bag)}
+    results: dict[str, object] = {
+        'outcome': flight.outcome,
+        'pace': flight.pace,
+        'bag': str(flight.bag),
+        'units': {'pace': '1'},
+    }
     if page:
         target = flight.folder / 'report.html'
-        results |= write_page(flight.bag, target).to_dict() | {'page': str(target)}
+        figures = write_page(flight.bag, target)
+        results |= figures.to_dict() | {'page': str(target)}
+        results['units'] = {'pace': '1', **figures.units()}
     if json:
         sys.stdout.write(json_text.dumps(results, indent=1) + '\n')
     console.print(f'The drone {flight.sentence}.', highlight=False)

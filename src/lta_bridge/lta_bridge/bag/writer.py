@@ -29,20 +29,20 @@ def empty_folder(path: Path) -> Path:
     Raises
     ------
     BadInput
-        If something is there already, or it cannot be made.
+        If it holds something, is no folder, or cannot be made.
 
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
         busy = any(path.iterdir())
     except FileExistsError:
-        busy = True
+        raise BadInput(f"'{path}' is no folder; choose another name or remove it.") from None
     except OSError as error:
         raise BadInput(
-            f"Recording folder '{path}' cannot be made ({error.strerror}); choose another place."
+            f"Folder '{path}' cannot be made ({error.strerror}); choose another place."
         ) from error
     if busy:
-        raise BadInput(f"'{path}' exists already; choose another folder or remove it.")
+        raise BadInput(f"'{path}' is not empty; choose another folder or remove it.")
     return path
 
 

@@ -137,6 +137,8 @@ class Recorder(GraphNode):
             self._writer.close()
         except StorageFault as fault:
             self._fault = self._fault or str(fault)
+        if self._fault:
+            self.health.report('recording', Level.ERROR, self._fault, unwritten=self._writer.lost)
         self.publish_health()
         super().close()
         if self._fault:
