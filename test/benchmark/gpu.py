@@ -11,6 +11,7 @@ import sys
 import time
 
 from kernel import scattered, STEP
+from lta_config.errors import BadInput
 from lta_sim import gpu
 from lta_sim.fleet import Fleet
 from lta_sim.kernel import advance
@@ -55,7 +56,11 @@ def difference(height: float) -> float:
 def main() -> None:
     """Print the table."""
     begin = time.perf_counter()
-    gpu.advance_many(*many(1), STEP, 1)
+    try:
+        gpu.advance_many(*many(1), STEP, 1)
+    except BadInput as refusal:
+        sys.stderr.write(f'{refusal}\n')
+        return
     first = time.perf_counter() - begin
     count = 1_000_000
     whole, empty = seconds(count, STEPS), seconds(count, 0)

@@ -1,0 +1,109 @@
+"""Many vehicles at once fly as each of them alone, to the last bit."""
+
+from lta_config.errors import BadInput
+from lta_sim import kernel
+from lta_sim.batch import advance_many
+from lta_sim.fleet import Fleet
+import numpy as np
+import pytest
+
+from . import flat_balloon as balloon
+
+STEP = 2e-3
+
+
+def scaled(given, generator):
+    """Return the parameters of another balloon."""
+    return {
+        effect: {name: value * generator.uniform(0.8, 1.2) for name, value in values.items()}
+        for effect, values in given.items()
+    }
+
+
+def flights(count, seed=1):
+    """Return different vehicles, above and in the floor, with states, duties and winds."""
+    generator = np.random.default_rng(seed)
+    models = [
+        balloon.model(scaled(balloon.EVERYTHING, generator), generator.normal(0.0, 0.03, 3))
+        for _ in range(count)
+    ]
+    starts = [balloon.anywhere(generator) for _ in range(count)]
+    states, duties, winds = (np.array(column) for column in zip(*starts, strict=True))
+    return models, states, duties, winds
+
+
+def alone(models, states, duties, winds, dt, steps):
+    """Return what the scalar kernel makes of each vehicle."""
+    return np.array(
+        [
+            kernel.advance(state, model, duty, wind, dt, steps)
+            for state, model, duty, wind in zip(states, models, duties, winds, strict=True)
+        ]
+    )
+
+
+@pytest.mark.parametrize('count', [1, 15, 16, 17, 100])
+def test_each_flies_as_alone_to_the_bit(count):
+    models, states, duties, winds = flights(count)
+    many = advance_many(states, Fleet.of(models), duties, winds, STEP, 200)
+    np.testing.assert_array_equal(many, alone(models, states, duties, winds, STEP, 200))
+
+
+def test_the_flights_meet_every_branch():
+    models, states, duties, winds = flights(100)
+    later = alone(models, states, duties, winds, STEP, 200)
+    touched = [
+        bool(np.any(kernel.wrenches(state, model, np.zeros(4))['floor_contact']))
+        for state, model in zip(later, models, strict=True)
+    ]
+    assert 5 < sum(touched) < 95
+    slower = abs(duties) < abs(states[:, 13:])
+    assert 50 < np.count_nonzero(slower) < 350
+
+
+def test_null_parameters_are_null_to_the_bit():
+    _, states, duties, winds = flights(20)
+    models = [balloon.model({'weight_and_buoyancy': balloon.WEIGHT})] * 20
+    many = advance_many(states, Fleet.of(models), duties, winds, STEP, 50)
+    np.testing.assert_array_equal(many, alone(models, states, duties, winds, STEP, 50))
+
+
+def test_what_is_lost_stays_its_own():
+    models, states, duties, winds = flights(20)
+    states[3] = np.nan
+    many = advance_many(states, Fleet.of(models), duties, winds, STEP, 10)
+    expected = alone(models, states, duties, winds, STEP, 10)
+    assert np.isnan(many[3]).all()
+    np.testing.assert_array_equal(many, expected)
+
+
+def test_nothing_is_written_into_what_was_given():
+    models, states, duties, winds = flights(3)
+    before = states.copy()
+    assert np.array_equal(
+        advance_many(states, Fleet.of(models), duties, winds, STEP, 0)[:, :3], before[:, :3]
+    )
+    advance_many(states, Fleet.of(models), duties, winds, STEP, 5)
+    np.testing.assert_array_equal(states, before)
+
+
+@pytest.mark.parametrize(
+    ('part', 'shape', 'words'),
+    [
+        (0, (3, 13), r'states have shape \(3, 13\); it must be \(3, 17\)'),
+        (0, (2, 17), r'states have shape \(2, 17\)'),
+        (1, (3, 3), r'duties have shape \(3, 3\)'),
+        (2, (1, 3), r'winds have shape \(1, 3\)'),
+    ],
+)
+def test_wrong_shapes_are_refused(part, shape, words):
+    models, *arrays = flights(3)
+    arrays[part] = np.zeros(shape)
+    states, duties, winds = arrays
+    with pytest.raises(ValueError, match=words):
+        advance_many(states, Fleet.of(models), duties, winds, STEP, 1)
+
+
+def test_no_fleet_of_nobody():
+    with pytest.raises(BadInput, match='fleet of 0 vehicles'):
+        Fleet.of([])
