@@ -10,8 +10,9 @@ export PYTHON
 enter := root='$(CURDIR)' && . tools/workspace.sh
 pytest := $(enter) && .venv/bin/python -m pytest -q
 sources := config src test
+benchmarks := $(filter-out test/benchmark/flights.py,$(sort $(wildcard test/benchmark/*.py)))
 
-.PHONY: help demo build test test-long bench check format clean
+.PHONY: help demo build test test-long bench flights check format clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
@@ -30,7 +31,10 @@ test-long: check  ## the long tests as well
 	@$(pytest) -m 'not benchmark' $(ARGS)
 
 bench: test-environment  ## the measurements: name, value, unit
-	@$(enter) && for script in test/benchmark/[!_]*.py; do .venv/bin/python $$script || exit; done
+	@$(enter) && for script in $(benchmarks); do .venv/bin/python $$script || exit; done
+
+flights: test-environment  ## fly many seeds (ARGS=SEEDS, 20 by default: minutes)
+	@$(enter) && .venv/bin/python test/benchmark/flights.py $(ARGS)
 
 check: test-environment  ## style and types only
 	@.venv/bin/ruff check --quiet $(sources)

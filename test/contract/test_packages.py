@@ -8,6 +8,7 @@ import re
 import sys
 
 from catkin_pkg.package import parse_package
+from lta_analysis.doctor.machine import python
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 import pytest
@@ -35,6 +36,8 @@ FENCED = re.compile(r'(rclpy|builtin_interfaces|rcl_interfaces|\w+_msgs|std_srvs
 BEYOND = re.compile(r'lta_graph\.ros(\.|$)|lta_\w+\.(nodes|messages)(\.|$)')
 CONDUCTORS = {'src/lta_analysis/lta_analysis/flight.py'}  # start a graph and listen to it
 
+CODE = re.compile(r'(from [\w.]+ )?import [\w., ]+\n')  # a line of code that is written to a file
+
 each_package = pytest.mark.parametrize('folder', FOLDERS, ids=lambda folder: folder.name)
 
 
@@ -48,13 +51,23 @@ def sources(folder):
 
 def imports(path):
     """Return the full names of all modules that a file imports, wherever in the file."""
+    return imports_of(ast.parse(path.read_text(encoding='utf-8')), str(path))
+
+
+def imports_of(tree, where):
+    """Return what is imported: by statement, by import_module, and in the text of made code."""
     found = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, f'{path}: relative import'
+            assert node.level == 0, f'{where}: relative import'
             found |= {f'{node.module}.{alias.name}' for alias in node.names}
+        elif isinstance(node, ast.Call) and 'import_module' in ast.unparse(node.func):
+            name = node.args[0]
+            found |= {name.value} if isinstance(name, ast.Constant) else set()
+        elif isinstance(node, ast.Constant) and CODE.fullmatch(str(node.value)):
+            found |= imports_of(ast.parse(node.value), where)
     return found
 
 
@@ -146,6 +159,29 @@ def test_dependencies_cover_the_imports(folder):
     assert modules - ros - ROSDEP.keys() == pypi, 'colcon.meta names what comes from PyPI alone'
 
 
+def test_imports_are_found_wherever_they_stand():
+    tree = ast.parse("""
+import numpy.linalg
+def late():
+    from scipy import stats
+    return import_module('mcap.records'), importlib.import_module(name)
+HEAD = 'from numba import njit\\n'
+WORDS = 'import it from there'
+""")
+    assert imports_of(tree, '') == {'numpy.linalg', 'scipy.stats', 'mcap.records', 'numba.njit'}
+
+
+def test_python_versions_are_the_same_everywhere():
+    script = (ROOT / 'tools/environment.sh').read_text()
+    lowest, end = re.search(r'\(3, (\d+)\) <= sys\.version_info < \(3, (\d+)\)', script).groups()
+    words = f'3.{lowest} to 3.{int(end) - 1}'
+    assert f'LTA needs Python {words}' in script
+    for name in ('README.md', 'CONTRIBUTING.md'):
+        assert f'Python {words}' in (ROOT / name).read_text(), name
+    assert f'LTA needs {words}:' in python((3, int(lowest) - 1)).remedy
+    assert python((3, int(end) - 1)).state == 'ok'
+
+
 @pytest.mark.parametrize(
     'path',
     [path for folder in FOLDERS for path in sources(folder) if inside_the_fence(path)],
@@ -167,7 +203,7 @@ def is_needed(requirement, extra):
     """Return whether one of the Python versions that LTA is tested with needs it."""
     return requirement.marker is None or any(
         requirement.marker.evaluate({'python_version': version, 'extra': extra})
-        for version in ('3.11', '3.12', '3.13')
+        for version in ('3.11', '3.12', '3.13', '3.14')
     )
 
 

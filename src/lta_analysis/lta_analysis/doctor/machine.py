@@ -16,7 +16,7 @@ def python(version: tuple[int, int] = sys.version_info[:2]) -> Check:
     """Check the interpreter that runs this."""
     found = f'{host.python_version()} ({sys.executable})'
     if version < OLDEST_PYTHON:
-        return Check('python', 'fail', found, 'LTA needs 3.11 or newer: make PYTHON=/path/to/it.')
+        return Check('python', 'fail', found, 'LTA needs 3.11 to 3.14: make PYTHON=/path/to/it.')
     return Check('python', 'ok', found)
 
 

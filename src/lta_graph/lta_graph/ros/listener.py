@@ -15,7 +15,7 @@ from rclpy.signals import SignalHandlerOptions
 
 DEPTH = 100  # messages of all nodes together that may wait until the next look
 DISCOVERY = 10.0  # wall seconds after the first node in which DDS finds all, on a busy machine
-SILENCE = 0.85  # wall seconds after which a node that reports twice as often is missed
+SILENCE = 0.85  # wall seconds after which a node is missed: two of its reports, and some delay
 
 
 @final

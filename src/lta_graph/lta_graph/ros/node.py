@@ -3,7 +3,8 @@ The base of every LTA node: wired by the topic table, kept in step, and watched.
 
 A node says which role it plays and which topic it answers; types, names and quality of service
 come from `topics.yaml`. `on_step` gets everything that belongs to one answer (see
-`lta_graph.inbox`). Health goes to /diagnostics at every change and twice a wall second.
+`lta_graph.inbox`). Health goes to /diagnostics at every change
+and every `REPORT_PERIOD`.
 """
 
 from collections.abc import Callable, Iterable

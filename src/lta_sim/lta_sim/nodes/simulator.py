@@ -17,7 +17,6 @@ from lta_graph.ros.node import from_stamp, GraphNode, run, to_stamp
 from lta_graph.ros.parameters import Parameters
 from lta_sim import messages
 from lta_sim.scenario import load_scenario
-from lta_sim.sensors.range import RangeSettings
 from lta_sim.vehicle import load_vehicle
 from lta_sim.world import Outcome, Readings, World
 from rclpy.clock import Clock, ClockType
@@ -153,9 +152,11 @@ class Simulator(GraphNode):
         stamp = to_stamp(readings.stamp_ns)
         out = self._outputs
         for taken_ns, distance in readings.ranges:
-            out['range'].publish(messages.range_(to_stamp(taken_ns), distance, RangeSettings()))
+            message = messages.range_(to_stamp(taken_ns), distance, self._world.range_settings)
+            out['range'].publish(message)
         if readings.pressure is not None:
-            out['pressure'].publish(messages.pressure(stamp, readings.pressure, 1.2))
+            noise = self._world.pressure_settings.noise
+            out['pressure'].publish(messages.pressure(stamp, readings.pressure, noise))
         if readings.block is not None:
             begun_ns, block = readings.block
             out['photodiodes'].publish(messages.light_block(to_stamp(begun_ns), block))

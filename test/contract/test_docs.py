@@ -1,0 +1,44 @@
+"""What the pages for people say is there, and the figures in them are those of the code."""
+
+from pathlib import Path
+import re
+
+from lta_graph.ros.node import PATIENCE, REPORT_PERIOD
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = [ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted(ROOT.glob('docs/*.md'))]
+LINK = re.compile(r'\]\(<?([^)\s>]+)>?(?:\s+"[^"]*")?\)|\b(?:src|href)="([^"]+)"')
+HEADING = re.compile(r'^#+\s+(.*)$', re.MULTILINE)
+
+
+def anchors(page):
+    """Return the names of a page's headings as hosts of Markdown make them."""
+    titles = HEADING.findall(page.read_text(encoding='utf-8'))
+    return {re.sub(r'[^\w\- ]', '', title.lower()).replace(' ', '-') for title in titles}
+
+
+def links(page):
+    """Return the relative links and images of a page."""
+    found = [''.join(pair) for pair in LINK.findall(page.read_text(encoding='utf-8'))]
+    return [link for link in found if not re.match(r'[a-z]+:', link)]
+
+
+@pytest.mark.parametrize('page', PAGES, ids=lambda page: page.name)
+def test_every_relative_link_and_image_is_there(page):
+    for link in links(page):
+        path, _, anchor = link.partition('#')
+        target = (page.parent / path).resolve() if path else page
+        assert target.exists(), link
+        assert target.is_relative_to(ROOT), link
+        assert not anchor or anchor in anchors(target), link
+
+
+def test_a_page_has_links_to_look_at():
+    assert 'docs/architecture.md' in links(ROOT / 'README.md')
+
+
+def test_rates_of_health_are_those_of_the_nodes():
+    text = ' '.join((ROOT / 'docs/architecture.md').read_text(encoding='utf-8').split())
+    assert f'reports in `/diagnostics` every {REPORT_PERIOD} s of wall time' in text
+    assert f'one that waits longer than {PATIENCE} s names its missing inputs' in text
