@@ -12,11 +12,11 @@ from typing import final
 from lta_config.topics import TopicTable
 from lta_control.attitude import heading
 from lta_control.cascade import CascadeGains, Measured, Setpoint
-from lta_control.control import control_step, ControlMemory
+from lta_control.control import control_step, ControlMemory, landed
 from lta_control.estimator import Estimate, estimator_step, EstimatorSettings, Inputs
 from lta_control.mission import Mission, mission_step, MissionSettings
 from lta_control.strategies.protocol import Sight, Strategy
-from lta_control.vehicle_side import body_of, rotors_of
+from lta_control.vehicle_side import body_of, rotors_of, surge_drag_of
 from lta_sim.world import Outcome, Readings, World
 from lta_vlc.array import bearing, even_ring
 from lta_vlc.demodulation import demodulate, Demodulation, plan_bins
@@ -30,7 +30,7 @@ class Policy:
     """Everything that can be chosen about what the drone decides."""
 
     strategy: Strategy
-    gains: CascadeGains = field(default_factory=CascadeGains)
+    gains: CascadeGains
     estimator: EstimatorSettings = field(default_factory=EstimatorSettings)
     mission: MissionSettings = field(default_factory=MissionSettings)
     demodulation: Demodulation = field(default_factory=Demodulation)
@@ -59,8 +59,7 @@ class Loop:
         self._block = table['photodiodes'].period_ns * 1e-9
         self._half_block = table['photodiodes'].period_ns // table.control_ns // 2
         vehicle = world.vehicle
-        aero = vehicle.file.aero
-        self._drag = aero.linear_drag.force.vector[0], aero.quadratic_drag.force.vector[0]
+        self._drag = surge_drag_of(vehicle)
         self._body = body_of(vehicle)
         self._rotors = rotors_of(vehicle)
         self._ring = even_ring(vehicle.diodes.count)
@@ -137,6 +136,9 @@ class Loop:
     def _control(self) -> None:
         measured = self.measured()
         if measured is None or self.setpoint is None:
+            return
+        if landed(measured, self.setpoint, self._body.standing_height):
+            self.duties, self._memory = (0.0, 0.0, 0.0, 0.0), ControlMemory()
             return
         self.duties, self._memory = control_step(
             self._policy.gains,

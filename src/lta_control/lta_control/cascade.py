@@ -12,38 +12,34 @@ from typing import NamedTuple
 from lta_config.settings import setting, Settings
 from lta_control.pid import pid_step, PidGains
 
+SLOPE_TIME = 0.1  # s; noise of the rates against delay of the derivative terms
+
 
 class CascadeGains(Settings):
-    """Gains of all loops. Tuned in simulation and flown unmodified, as in the paper."""
+    """Gains of all loops; the values are a vehicle's, from `config/control/`."""
 
     altitude_kp: float = setting(
-        0.6, 'Climb rate asked for each metre below.', unit='1/s', low=0.0, high=10.0
+        ..., 'Climb rate asked for each metre below.', unit='1/s', low=0.0, high=10.0
     )
-    climb_limit: float = setting(0.15, 'Largest climb rate.', unit='m/s', low=0.01, high=2.0)
-    climb: PidGains = setting(
-        PidGains(kp=0.5, ki=0.15, limit=0.2), 'Climb rate to vertical force, N per m/s.'
-    )
+    climb_limit: float = setting(..., 'Largest climb rate.', unit='m/s', low=0.01, high=2.0)
+    climb: PidGains = setting(..., 'Climb rate to vertical force, N per m/s.')
     heading_kp: float = setting(
-        0.6, 'Yaw rate asked for each radian of error.', unit='1/s', low=0.0, high=10.0
+        ..., 'Yaw rate asked for each radian of error.', unit='1/s', low=0.0, high=10.0
     )
-    yaw_rate_limit: float = setting(0.3, 'Largest yaw rate.', unit='rad/s', low=0.01, high=6.0)
-    yaw_rate: PidGains = setting(
-        PidGains(kp=0.04, ki=0.01, limit=0.006), 'Yaw rate to yaw moment, N m per rad/s.'
-    )
-    speed: PidGains = setting(
-        PidGains(kp=0.15, ki=0.03, limit=0.05), 'Airspeed to surge force, N per m/s.'
-    )
+    yaw_rate_limit: float = setting(..., 'Largest yaw rate.', unit='rad/s', low=0.01, high=6.0)
+    yaw_rate: PidGains = setting(..., 'Yaw rate to yaw moment, N m per rad/s.')
+    speed: PidGains = setting(..., 'Airspeed to surge force, N per m/s.')
     turn_first: float = setting(
-        0.6,
+        ...,
         'Heading error at which forward flight waits for the turn.',
         unit='rad',
         low=0.05,
         high=10.0,
     )
     drift_gain: float = setting(
-        1.5, 'Angle of the nose against sideways drift.', unit='rad s/m', low=0.0, high=20.0
+        ..., 'Angle of the nose against sideways drift.', unit='rad s/m', low=0.0, high=20.0
     )
-    drift_limit: float = setting(0.7, 'Largest such angle.', unit='rad', low=0.0, high=1.5)
+    drift_limit: float = setting(..., 'Largest such angle.', unit='rad', low=0.0, high=1.5)
 
 
 class Measured(NamedTuple):
@@ -73,12 +69,30 @@ class Demand(NamedTuple):
     yaw: float  # [N m]
 
 
+class Slope(NamedTuple):
+    """A measurement and its smoothed rate, for the derivative terms."""
+
+    value: float = math.nan  # NaN before the first measurement
+    rate: float = 0.0
+
+
 class CascadeMemory(NamedTuple):
-    """Integral terms of the inner loops, and what they asked for last."""
+    """Integral terms of the inner loops, and the slopes of what they measure."""
 
     climb: float = 0.0  # [N]
     yaw_rate: float = 0.0  # [N m]
     speed: float = 0.0  # [N]
+    climbing: Slope = Slope()  # [m/s, m/s2]
+    turning: Slope = Slope()  # [rad/s, rad/s2]
+    speeding: Slope = Slope()  # [m/s, m/s2]
+
+
+def slope_step(slope: Slope, value: float, dt: float) -> Slope:
+    """Return a slope after one more measurement: the difference behind a first-order filter."""
+    if math.isnan(slope.value):
+        return Slope(value, 0.0)
+    share = dt / (SLOPE_TIME + dt)
+    return Slope(value, slope.rate + share * ((value - slope.value) / dt - slope.rate))
 
 
 def wrap(angle: float) -> float:
@@ -155,32 +169,37 @@ def cascade_step(
     """
     climb = gains.altitude_kp * (setpoint.altitude - measured.altitude)
     climb = _within(climb, gains.climb_limit)
+    climbing = slope_step(memory.climbing, measured.climb, dt)
     kp, ki, kd, low, high = pid_gains(gains.climb)
     heave, climb_memory = pid_step(
         (kp, ki, kd, max(lowest_heave, low), high),
         memory.climb,
         climb - measured.climb,
-        0.0,
+        climbing.rate,
         shortfall.heave,
         dt,
     )
     heading, speed, along = course(gains, measured, setpoint)
     rate = _within(gains.heading_kp * wrap(heading - measured.heading), gains.yaw_rate_limit)
+    turning = slope_step(memory.turning, measured.yaw_rate, dt)
     yaw, rate_memory = pid_step(
         pid_gains(gains.yaw_rate),
         memory.yaw_rate,
         rate - measured.yaw_rate,
-        0.0,
+        turning.rate,
         shortfall.yaw,
         dt,
     )
     # The rotors push along the nose: of what lacks along the course, only that part is theirs.
     lack = math.cos(measured.heading - setpoint.heading) * (speed - along)
+    speeding = slope_step(memory.speeding, measured.speed, dt)
     surge, speed_memory = pid_step(
-        pid_gains(gains.speed), memory.speed, lack, 0.0, shortfall.surge, dt
+        pid_gains(gains.speed), memory.speed, lack, speeding.rate, shortfall.surge, dt
     )
     surge += drag_force(surge_drag[0], surge_drag[1], speed)
-    return Demand(surge, heave, yaw), CascadeMemory(climb_memory, rate_memory, speed_memory)
+    return Demand(surge, heave, yaw), CascadeMemory(
+        climb_memory, rate_memory, speed_memory, climbing, turning, speeding
+    )
 
 
 def _within(value: float, limit: float) -> float:

@@ -17,6 +17,9 @@ from lta_control.cascade import (
     Setpoint,
 )
 
+FOOT = 0.03  # m above its standing height that still count as standing
+STILL = 0.05  # m/s
+
 
 class ControlMemory(NamedTuple):
     """What control remembers from step to step."""
@@ -71,3 +74,30 @@ def control_step(
     first, second, third, fourth = thrusts
     duties = (duty(first, a, b), duty(second, a, b), duty(third, a, b), duty(fourth, a, b))
     return duties, ControlMemory(cascade, thrusts, shortfall)
+
+
+def landed(measured: Measured, setpoint: Setpoint, standing: float) -> bool:
+    """
+    Tell whether the drone stands on the floor and is asked to be no higher.
+
+    Parameters
+    ----------
+    measured, setpoint : Measured, Setpoint
+        Where the drone is and where it should be.
+    standing : float
+        Altitude of the hull centre when the drone stands. [m]
+
+    """
+    down = measured.altitude < standing + FOOT and abs(measured.climb) < STILL
+    return down and setpoint.altitude <= standing
+
+
+def elapsed(last_ns: int | None, now_ns: int, period_ns: int) -> float:
+    """
+    Return the time for one step: between the stamps, up to ten periods. [s]
+
+    Best-effort messages may be lost, and a first one has none before it.
+    """
+    if last_ns is None:
+        return period_ns * 1e-9
+    return min(max(now_ns - last_ns, 0), 10 * period_ns) * 1e-9

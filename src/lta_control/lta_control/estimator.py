@@ -9,11 +9,12 @@ reckoning through the air and says so by its covariance.
 import math
 from typing import NamedTuple
 
+from lta_config.constants import AIR_DENSITY, STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
 from lta_control.airspeed import Airspeed, airspeed_step, Hull
 from lta_control.altitude import Altitude, AltitudeSettings, correct, predict
 from lta_control.attitude import attitude_step, heading, Quaternion, up_in_body, Vector
-from lta_control.rest import Biases, biases_of, GRAVITY, Rest, rest_step
+from lta_control.rest import Biases, biases_of, Rest, rest_step
 
 Duties = tuple[float, float, float, float]
 
@@ -35,7 +36,11 @@ class EstimatorSettings(Settings):
         high=60.0,
     )
     air_density: float = setting(
-        1.204, 'Density of the air, for the pressure height.', unit='kg/m3', low=0.5, high=2.0
+        AIR_DENSITY,
+        'Density of the air, for the pressure height.',
+        unit='kg/m3',
+        low=0.5,
+        high=2.0,
     )
     altitude: AltitudeSettings = setting(AltitudeSettings(), 'The altitude filter.')
 
@@ -48,6 +53,8 @@ class Body(NamedTuple):
     ----------
     hull : Hull
         The drag model.
+    standing_height : float
+        Of the hull centre above the floor while the vehicle stands on it. [m]
     imu_position, range_position : tuple
         Where the sensors sit, body frame. [m]
     allocation : tuple of tuple of float
@@ -60,6 +67,7 @@ class Body(NamedTuple):
     """
 
     hull: Hull
+    standing_height: float
     imu_position: Vector
     range_position: Vector
     allocation: tuple[tuple[float, ...], ...]
@@ -105,7 +113,12 @@ def estimator_step(
     attitude = attitude_step(state.attitude, rates, force, settings.gravity_gain, dt)
     up = up_in_body(attitude)
     swing = _swing(body.imu_position, rates, state.rates, dt)
-    moving = _minus(_minus(force, (GRAVITY * up[0], GRAVITY * up[1], GRAVITY * up[2])), swing)
+    moving = _minus(
+        _minus(
+            force, (STANDARD_GRAVITY * up[0], STANDARD_GRAVITY * up[1], STANDARD_GRAVITY * up[2])
+        ),
+        swing,
+    )
     duties = _lagged(body, state.duties, inputs.duties, dt)
     airspeed = airspeed_step(
         body.hull,
@@ -135,14 +148,11 @@ def _at_rest(
 ) -> Estimate:
     """Gather means while the drone stands still, until the rest is over."""
     rest = rest_step(state.rest, inputs.rates, inputs.force, inputs.pressure)
-    altitude = state.altitude
-    if math.isfinite(inputs.range):
-        height = inputs.range - body.range_position[2]
-        altitude = correct(altitude, height, settings.altitude.range_noise, False)
     ready = rest.samples * dt >= settings.rest_time and rest.pressures > 0
-    biases = state.biases
-    if ready:
-        biases = biases_of(rest, altitude.height, settings.air_density)
+    # The gear's height is known better than a range finder this near to the floor tells it.
+    height = body.standing_height
+    altitude = correct(state.altitude, height, settings.altitude.range_noise, False)
+    biases = biases_of(rest, height, settings.air_density) if ready else state.biases
     return Estimate(
         ready,
         rest,
@@ -198,7 +208,7 @@ def _altitude(
     altitude = predict(state.altitude, upward, weights.acceleration_noise, weights.offset_walk, dt)
     if math.isfinite(inputs.pressure):
         drop = state.biases.pressure - inputs.pressure
-        height = drop / (settings.air_density * GRAVITY)
+        height = drop / (settings.air_density * STANDARD_GRAVITY)
         altitude = correct(altitude, height, weights.pressure_noise, True)
     if math.isfinite(inputs.range) and up[2] > 0.5:
         px, py, pz = body.range_position

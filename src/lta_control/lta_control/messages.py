@@ -10,11 +10,13 @@ from lta_control.estimator import Duties, Estimate, Inputs
 from lta_graph.inbox import Step
 from nav_msgs.msg import Odometry
 import numpy as np
-from sensor_msgs.msg import Imu, JointState, PointCloud2
+from sensor_msgs.msg import Imu, JointState, PointCloud2, Range
 
 UNKNOWN = -1.0  # in the first element of a covariance: the field is not known (REP-145's habit)
-DRIFT = 0.1  # of dead-reckoned position, per metre or second flown: an assumption
+DRIFT = 0.1  # of dead-reckoned position [m/s]: an assumption
+START_SIGMA = 0.01  # of the origin that the position counts from [m]: an assumption
 YAW_DRIFT = 1e-3  # of heading after the rest at the start [rad/s]: an assumption
+LEVEL = 0.1  # cosine of the tilt below which climb and heave are not told apart
 SPEED_SIGMA = 0.1  # of the airspeed [m/s]: an assumption, checked by the report
 
 
@@ -26,10 +28,16 @@ def to_inputs(step: Step, commanded: Duties) -> Inputs:
     return Inputs(
         rates=(w.x, w.y, w.z),
         force=(f.x, f.y, f.z),
-        range=math.nan if distance is None else distance.range,
+        range=math.nan if distance is None else to_distance(distance),
         pressure=math.nan if air is None else air.fluid_pressure,
         duties=commanded,
     )
+
+
+def to_distance(message: Range) -> float:
+    """Return a distance, NaN where it is outside the sensor's reach (REP-117)."""
+    inside = message.min_range <= message.range <= message.max_range
+    return float(message.range) if inside else math.nan
 
 
 def to_duties(motors: JointState | None, names: list[str], before: Duties) -> Duties:
@@ -53,14 +61,14 @@ def from_estimate(stamp: Time, estimate: Estimate) -> Odometry:
     q.x, q.y, q.z, q.w = estimate.attitude
     v, w = twist.linear, twist.angular
     v.x, v.y = estimate.airspeed.surge, estimate.airspeed.sway
-    v.z = estimate.altitude.climb
+    v.z = heave(estimate)
     w.x, w.y, w.z = estimate.rates
     pose_covariance = np.zeros(36)
     twist_covariance = np.zeros(36)
     if not estimate.ready:
         pose_covariance[0] = twist_covariance[0] = UNKNOWN
     else:
-        pose_covariance[0] = pose_covariance[7] = (DRIFT * estimate.flown) ** 2
+        pose_covariance[0] = pose_covariance[7] = START_SIGMA**2 + (DRIFT * estimate.flown) ** 2
         pose_covariance[14] = estimate.altitude.p[0]
         pose_covariance[21] = pose_covariance[28] = 0.02**2
         pose_covariance[35] = (YAW_DRIFT * estimate.flown) ** 2
@@ -70,6 +78,13 @@ def from_estimate(stamp: Time, estimate: Estimate) -> Odometry:
     message.pose.covariance = pose_covariance
     message.twist.covariance = twist_covariance
     return message
+
+
+def heave(estimate: Estimate) -> float:
+    """Return the velocity along body z that goes with the climb rate. [m/s]"""
+    ux, uy, uz = up_in_body(estimate.attitude)
+    sideways = ux * estimate.airspeed.surge + uy * estimate.airspeed.sway
+    return (estimate.altitude.climb - sideways) / uz if uz > LEVEL else estimate.altitude.climb
 
 
 def attitude_of(message: Odometry) -> Quaternion:
@@ -83,10 +98,12 @@ def to_measured(message: Odometry) -> Measured | None:
     if message.pose.covariance[0] == UNKNOWN:
         return None
     twist = message.twist.twist
+    attitude = attitude_of(message)
+    ux, uy, uz = up_in_body(attitude)
     return Measured(
         altitude=message.pose.pose.position.z,
-        climb=twist.linear.z,
-        heading=heading(attitude_of(message)),
+        climb=ux * twist.linear.x + uy * twist.linear.y + uz * twist.linear.z,
+        heading=heading(attitude),
         yaw_rate=twist.angular.z,
         speed=twist.linear.x,
         sway=twist.linear.y,

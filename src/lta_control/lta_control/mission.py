@@ -67,7 +67,8 @@ def mission_step(
     sight : Sight
         The newest light.
     altitude : float or None
-        Estimated; None while the estimator is still learning at rest. [m]
+        Estimated; None while it is too early to take off: the estimator is learning its biases,
+        or nothing is known of the energy. [m]
     reserve : bool
         Whether the energy reserve is reached.
 

@@ -16,10 +16,10 @@ class PidGains(Settings):
     Output unit per unit of error, per second and so on; the loop's own docstring names the units.
     """
 
-    kp: float = setting(0.0, 'Proportional gain.', low=0.0, high=100.0)
-    ki: float = setting(0.0, 'Integral gain.', unit='1/s', low=0.0, high=100.0)
-    kd: float = setting(0.0, 'Gain on the measured rate.', unit='s', low=0.0, high=100.0)
-    limit: float = setting(1.0, 'Largest output, either way.', low=0.0, high=100.0)
+    kp: float = setting(..., 'Proportional gain.', low=0.0, high=100.0)
+    ki: float = setting(..., 'Integral gain.', unit='1/s', low=0.0, high=100.0)
+    kd: float = setting(..., 'Gain on the measured rate.', unit='s', low=0.0, high=100.0)
+    limit: float = setting(..., 'Largest output, either way.', low=0.0, high=100.0)
 
 
 def pid_step(

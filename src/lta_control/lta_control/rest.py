@@ -8,9 +8,8 @@ to the floor, is the zero of the pressure height.
 import math
 from typing import NamedTuple
 
+from lta_config.constants import STANDARD_GRAVITY
 from lta_control.attitude import Vector
-
-GRAVITY = 9.80665  # m/s2, standard; the accelerometer's scale is calibrated against it at rest
 
 
 class Rest(NamedTuple):
@@ -72,6 +71,6 @@ def biases_of(rest: Rest, height: float, air_density: float) -> Biases:
     n = 1.0 * rest.samples
     return Biases(
         (rest.rates[0] / n, rest.rates[1] / n, rest.rates[2] / n),
-        (rest.force[0] / n, rest.force[1] / n, rest.force[2] / n - GRAVITY),
-        rest.pressure / rest.pressures + air_density * GRAVITY * height,
+        (rest.force[0] / n, rest.force[1] / n, rest.force[2] / n - STANDARD_GRAVITY),
+        rest.pressure / rest.pressures + air_density * STANDARD_GRAVITY * height,
     )

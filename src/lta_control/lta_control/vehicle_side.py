@@ -22,6 +22,12 @@ def rotors_of(vehicle: Vehicle) -> Rotors:
     )
 
 
+def surge_drag_of(vehicle: Vehicle) -> tuple[float, float]:
+    """Return linear [N s/m] and quadratic [N s2/m2] drag along body x."""
+    aero = vehicle.file.aero
+    return aero.linear_drag.force.vector[0], aero.quadratic_drag.force.vector[0]
+
+
 def body_of(vehicle: Vehicle) -> Body:
     """Return the hull, motors and sensor places for the estimator."""
     aero = vehicle.file.aero
@@ -36,6 +42,7 @@ def body_of(vehicle: Vehicle) -> Body:
             linear=(aero.linear_drag.force.vector[0], aero.linear_drag.force.vector[1]),
             quadratic=(aero.quadratic_drag.force.vector[0], aero.quadratic_drag.force.vector[1]),
         ),
+        standing_height=vehicle.standing_height,
         imu_position=(imu_x, imu_y, imu_z),
         range_position=(x, y, z),
         allocation=vehicle.allocation,

@@ -12,6 +12,7 @@ from functools import cached_property
 import math
 from typing import final
 
+from lta_config.constants import AIR_DENSITY, STANDARD_GRAVITY
 from lta_config.errors import BadInput
 from lta_config.quantity import Quantity
 from lta_config.vehicle_file import load_vehicle_file, Part, VehicleFile
@@ -27,8 +28,7 @@ from lta_sim.state import ACTUATORS
 import numpy as np
 from numpy.typing import NDArray
 
-GRAVITY = 9.80665  # m/s2, standard
-HELIUM_TO_AIR = 0.1664 / 1.2041  # density ratio at one temperature and pressure (20 C, 1 atm)
+HELIUM_TO_AIR = 0.1664 / AIR_DENSITY  # density ratio at one temperature and pressure (20 C, 1 atm)
 
 Vector = tuple[float, ...]
 Array = NDArray[np.float64]
@@ -74,7 +74,7 @@ class Vehicle:
 
     """
 
-    def __init__(self, file: VehicleFile, air_density: float = 1.2041) -> None:
+    def __init__(self, file: VehicleFile, air_density: float = AIR_DENSITY) -> None:
         self.file = file
         self.air_density = air_density
         if len(file.rotors) != ACTUATORS:
@@ -215,13 +215,19 @@ class Vehicle:
         """Return the parameters of every effect that is on, in SI."""
         aero = self.file.aero
         a, b = self.thrust_curve
-        thrust = {f'{name}_{i}': x for name, x in (('a', a), ('b', b)) for i in range(1, 5)}
+        thrust = {
+            f'{name}_{i}': x for name, x in (('a', a), ('b', b)) for i in range(1, ACTUATORS + 1)
+        }
         for i, column in enumerate(self.allocation, start=1):
             thrust |= {f'{axis}_{i}': x for axis, x in zip(AXES, column, strict=True)}
         cg = dict(zip(('cg_x', 'cg_y', 'cg_z'), self.cg.tolist(), strict=True))
-        buoyancy = self.volume * self.air_density * GRAVITY
+        buoyancy = self.volume * self.air_density * STANDARD_GRAVITY
         derived = {
-            'weight_and_buoyancy': {'buoyancy': buoyancy, 'weight': self.mass * GRAVITY, **cg},
+            'weight_and_buoyancy': {
+                'buoyancy': buoyancy,
+                'weight': self.mass * STANDARD_GRAVITY,
+                **cg,
+            },
             'added_mass': _by_axis(self.added_mass),
             'linear_drag': _by_axis(
                 aero.linear_drag.force.vector + aero.linear_drag.moment.vector
@@ -249,7 +255,7 @@ class Vehicle:
         foot = self.effects().get('floor_contact')
         if foot is None:
             return 0.5 * self.file.hull.height.si
-        sink = self.file.trim.heaviness.si * GRAVITY / foot['stiffness']
+        sink = self.file.trim.heaviness.si * STANDARD_GRAVITY / foot['stiffness']
         return -foot['z'] - max(sink, 0.0)
 
     @property
@@ -259,12 +265,12 @@ class Vehicle:
         up = [column[2] for column in self.allocation if column[2] > 0.5]
         if not up:
             raise BadInput(f'{self.file.name} has no rotor that lifts; it cannot hover.')
-        thrust = self.file.trim.heaviness.si * GRAVITY / sum(up)
+        thrust = self.file.trim.heaviness.si * STANDARD_GRAVITY / sum(up)
         if thrust > self.full_thrust:
             raise BadInput(
                 f'{self.file.name} needs {thrust:.3f} N of each lifting rotor to hover, but they '
                 f'give {self.full_thrust:.3f} N; take off '
-                f'{1e3 * (thrust - self.full_thrust) * sum(up) / GRAVITY:.1f} g.'
+                f'{1e3 * (thrust - self.full_thrust) * sum(up) / STANDARD_GRAVITY:.1f} g.'
             )
         return 2.0 * thrust / (b + math.sqrt(b * b + 4.0 * a * thrust)) if thrust > 0 else 0.0
 
@@ -285,6 +291,6 @@ def _checked(name: str, given: Mapping[str, Quantity]) -> dict[str, float]:
     return {key: quantity.si for key, quantity in given.items()}
 
 
-def load_vehicle(name: str, air_density: float = 1.2041) -> Vehicle:
+def load_vehicle(name: str, air_density: float = AIR_DENSITY) -> Vehicle:
     """Return a vehicle by shipped name or path; anything wrong is a `BadInput` sentence."""
     return Vehicle(load_vehicle_file(name), air_density)

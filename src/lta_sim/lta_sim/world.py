@@ -13,6 +13,7 @@ from enum import StrEnum
 import math
 from typing import final
 
+from lta_config.constants import STANDARD_GRAVITY
 from lta_config.topics import TopicTable
 from lta_energy import battery, loads, panel
 from lta_sim import kernel
@@ -23,7 +24,7 @@ from lta_sim.scenario import Scenario
 from lta_sim.sensors import imu, power, pressure, range
 from lta_sim.sensors.light_block import AmplifierState, synthesise
 from lta_sim.state import ACTUATORS, MEMORY, pack, POSITION, QUATERNION, RATES, VELOCITY
-from lta_sim.vehicle import GRAVITY, Vehicle
+from lta_sim.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
 
@@ -117,6 +118,7 @@ class World:
         self._electrics = (battery.open_circuit_voltage(self.charge), 0.0)
         self._harvested = 0.0
         self.steps = 0
+        self.outcome = Outcome.FLYING  # how the flight stands; once decided, it stays
         self._ranges: list[tuple[int, float]] = []
         self._amplifier: AmplifierState | None = None
         self._poses = [self._pose()]
@@ -126,10 +128,10 @@ class World:
         """Draw what stays the same during the flight."""
         air = self.scenario.air
         self._imu = imu.draw(imu.ImuSettings(), self._chance['imu'])
-        self._range_settings = range.RangeSettings()
-        self._range = range.draw(self._range_settings, self._chance['range'])
-        self._pressure_settings = pressure.PressureSettings(floor=air.pressure.si)
-        self._pressure = pressure.draw(self._pressure_settings, self._chance['pressure'])
+        self.range_settings = range.RangeSettings()
+        self._range = range.draw(self.range_settings, self._chance['range'])
+        self.pressure_settings = pressure.PressureSettings(floor=air.pressure.si)
+        self._pressure = pressure.draw(self.pressure_settings, self._chance['pressure'])
         self._meter = power.PowerMeterSettings()
         self._meters = {
             name: power.draw(self._meter, self._chance[name]) for name in ('battery', 'panel')
@@ -160,9 +162,8 @@ class World:
         x, y, _ = self.scenario.lamp.position.vector
         return math.hypot(x - self.state[0], y - self.state[1])
 
-    @property
-    def outcome(self) -> Outcome:
-        """How the flight stands, by the scenario's goal."""
+    def _judge(self) -> Outcome:
+        """Return how the present state stands to the scenario's goal."""
         length, width, height = self.scenario.room.size.vector
         x, y, z = self.state[POSITION]
         if self.distance <= self.scenario.goal.radius.si:
@@ -197,7 +198,7 @@ class World:
         readings.ranges, self._ranges = self._ranges, []
         if self._due('pressure'):
             readings.pressure = pressure.measure(
-                self._pressure_settings,
+                self.pressure_settings,
                 self._pressure,
                 float(self.state[2]) + self.vehicle.file.sensors.imu_position.vector[2],
                 self.elapsed,
@@ -226,7 +227,7 @@ class World:
             (bx, by, bz),
             (up[0], up[1], up[2]),
             (position[0], position[1], position[2]),
-            GRAVITY,
+            STANDARD_GRAVITY,
         )
         readings.force, readings.rates = imu.measure(
             self._imu, force, (wx, wy, wz), self._chance['imu']
@@ -237,7 +238,7 @@ class World:
         place = turn @ np.array(self.vehicle.file.sensors.range_position.vector)
         height = float(self.state[2] + place[2])
         reading = range.measure(
-            self._range_settings, self._range, height, float(turn[2, 2]), self._chance['range']
+            self.range_settings, self._range, height, float(turn[2, 2]), self._chance['range']
         )
         self._ranges.append((stamp_ns, reading))
 
@@ -314,6 +315,8 @@ class World:
                 self._sense_range(now)
         self._drain(self._table.control_ns * 1e-9)
         self.steps += 1
+        if self.outcome is Outcome.FLYING:
+            self.outcome = self._judge()
         self._poses.append(self._pose())
 
     def _integrate(self, span_ns: int) -> None:

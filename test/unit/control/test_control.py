@@ -2,13 +2,15 @@
 
 import math
 
-from lta_control.cascade import CascadeGains, Measured, Setpoint
-from lta_control.control import control_step, ControlMemory
+from lta_control.cascade import Measured, Setpoint
+from lta_control.control import control_step, ControlMemory, elapsed, landed
 from lta_control.pid import PidGains
 from lta_control.vehicle_side import rotors_of
 from lta_sim.vehicle import load_vehicle
 import numpy as np
 import pytest
+
+from .round_gains import GAINS
 
 ROTORS = rotors_of(load_vehicle('gtmab'))
 AT_REST = Measured(altitude=0.5, climb=0.0, heading=0.0, yaw_rate=0.0, speed=0.0, sway=0.0)
@@ -17,7 +19,7 @@ HOLD = Setpoint(0.5, 0.0, 0.0)
 
 def control(measured=AT_REST, setpoint=HOLD, memory=None, gains=None):
     return control_step(
-        gains or CascadeGains(),
+        gains or GAINS,
         ROTORS,
         (0.0, 0.092),
         memory or ControlMemory(),
@@ -65,11 +67,11 @@ def test_the_shortfall_acts_at_the_next_step():
 
 def test_every_axis_is_told_its_own_shortfall():
     """Beyond the rotors in all three: what was given less what was asked, axis by axis."""
-    gains = CascadeGains().model_copy(
+    gains = GAINS.model_copy(
         update={
-            'climb': PidGains(kp=50.0, limit=50.0),
-            'yaw_rate': PidGains(kp=1.0, limit=1.0),
-            'speed': PidGains(kp=10.0, limit=10.0),
+            'climb': PidGains(kp=50.0, ki=0.0, kd=0.0, limit=50.0),
+            'yaw_rate': PidGains(kp=1.0, ki=0.0, kd=0.0, limit=1.0),
+            'speed': PidGains(kp=10.0, ki=0.0, kd=0.0, limit=10.0),
         }
     )
     slow = AT_REST._replace(altitude=0.3, speed=-0.1)
@@ -80,3 +82,26 @@ def test_every_axis_is_told_its_own_shortfall():
         (given[0] - surge, given[2] - heave, given[5] - yaw), rel=1e-9
     )
     assert max(memory.shortfall) < -0.1
+
+
+@pytest.mark.parametrize(
+    ('altitude', 'climb', 'asked', 'down'),
+    [
+        (0.42, 0.0, 0.30, True),
+        (0.44, 0.04, 0.42, True),
+        (0.46, 0.0, 0.30, False),  # still above the floor
+        (0.42, -0.06, 0.30, False),  # still coming down
+        (0.42, 0.0, 0.50, False),  # asked to take off
+    ],
+)
+def test_landed_is_standing_and_asked_to_be_no_higher(altitude, climb, asked, down):
+    measured = Measured(altitude, climb, 0.0, 0.0, 0.0, 0.0)
+    assert landed(measured, Setpoint(asked, 1.0, 0.0), 0.42) is down
+
+
+def test_time_between_stamps():
+    period = 10_000_000
+    assert elapsed(None, 5, period) == 0.01
+    assert elapsed(1_000_000_000, 1_030_000_000, period) == pytest.approx(0.03)  # two were lost
+    assert elapsed(1_000_000_000, 9_000_000_000, period) == pytest.approx(0.1)
+    assert elapsed(2_000_000_000, 1_000_000_000, period) == 0.0  # a clock that jumped back

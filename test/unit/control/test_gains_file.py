@@ -49,7 +49,7 @@ def test_an_unknown_gain_is_refused(tmp_path, shipped):
     assert refused(path) == (
         f"{path}: the key 'altitude_ki' is not known; remove it or correct its spelling."
     )
-    path = written(tmp_path / 'g.yaml', shipped | {'climb': {'kq': 0.1}})
+    path = written(tmp_path / 'g.yaml', shipped | {'climb': shipped['climb'] | {'kq': 0.1}})
     assert refused(path) == (
         f"{path}: the key 'climb.kq' is not known; remove it or correct its spelling."
     )

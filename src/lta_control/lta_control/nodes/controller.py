@@ -11,15 +11,18 @@ import math
 from geometry_msgs.msg import PoseStamped, TwistStamped
 from lta_config.settings import setting, Settings
 from lta_control.cascade import CascadeGains, Measured, Setpoint
-from lta_control.control import control_step, ControlMemory
+from lta_control.control import control_step, ControlMemory, elapsed, landed
+from lta_control.gains_file import load_gains
 from lta_control.messages import from_duties, is_level, to_measured, to_setpoint
-from lta_control.vehicle_side import rotors_of
+from lta_control.vehicle_side import rotors_of, surge_drag_of
 from lta_graph.health import Level
 from lta_graph.inbox import Step
 from lta_graph.ros.node import from_stamp, GraphNode, run
 from lta_graph.ros.parameters import Parameters
 from lta_sim.vehicle import load_vehicle
 from std_srvs.srv import SetBool, Trigger
+
+DESCENT = 0.2  # m below itself, for a drone that comes down on its own: an unhurried climb rate
 
 
 class ControllerSettings(Settings):
@@ -28,7 +31,11 @@ class ControllerSettings(Settings):
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
     armed: bool = setting(False, 'Whether the motors may run from the start.', fixed=True)
     hold_after: float = setting(
-        0.5, 'Age of a setpoint from which the drone holds.', unit='s', low=0.05, high=60.0
+        0.5,
+        'Age of a setpoint, by its stamp, from which the drone holds.',
+        unit='s',
+        low=0.05,
+        high=60.0,
     )
     land_after: float = setting(
         3.0, 'Age of a setpoint from which the drone comes down.', unit='s', low=0.05, high=600.0
@@ -36,7 +43,7 @@ class ControllerSettings(Settings):
     tilt_limit: float = setting(
         1.0, 'Tilt beyond which the motors stop.', unit='rad', low=0.1, high=3.2
     )
-    gains: CascadeGains = setting(CascadeGains(), 'The cascade.')
+    gains: CascadeGains = setting(load_gains('gtmab'), 'The cascade; by default GT-MAB.')
 
 
 class Controller(GraphNode):
@@ -46,13 +53,14 @@ class Controller(GraphNode):
         super().__init__('controller')
         self._settings = Parameters(self, ControllerSettings)
         vehicle = load_vehicle(self._settings.value.vehicle)
-        drag = vehicle.file.aero
-        self._drag = drag.linear_drag.force.vector[0], drag.quadratic_drag.force.vector[0]
+        self._drag = surge_drag_of(vehicle)
         self._rotors = rotors_of(vehicle)
         self._names = vehicle.rotor_names
+        self._standing = vehicle.standing_height
         self._memory = ControlMemory()
-        self._asked: tuple[PoseStamped | None, TwistStamped | None] = None, None
-        self._setpoint: tuple[int, Setpoint] | None = None
+        self._pose: PoseStamped | None = None
+        self._velocity: TwistStamped | None = None
+        self._last_ns: int | None = None
         self._armed = self._settings.value.armed
         self._stopped = ''
         self._motors = self.output('motors')
@@ -81,30 +89,25 @@ class Controller(GraphNode):
 
     def _on_step(self, step: Step) -> None:
         odom = step.last('odom')
-        pose, velocity = step.last('setpoint/pose'), step.last('setpoint/velocity')
-        if pose is not None or velocity is not None:
-            # In real time an estimate may come between the two.
-            self._asked = pose or self._asked[0], velocity or self._asked[1]
-            if None not in self._asked:
-                self._setpoint = from_stamp(odom.header.stamp), to_setpoint(*self._asked)
+        self._pose = step.last('setpoint/pose') or self._pose
+        self._velocity = step.last('setpoint/velocity') or self._velocity
         measured = to_measured(odom)
         known = measured is not None and all(map(math.isfinite, measured))
-        if known and not is_level(odom, self._settings.value.tilt_limit):
+        if self._armed and known and not is_level(odom, self._settings.value.tilt_limit):
             self._stop('turned over: the motors are off until the controller restarts')
-        self._motors.publish(
-            from_duties(odom.header.stamp, self._names, self._duties(step.stamp_ns, measured))
-        )
+        duties = self._duties(step.stamp_ns, measured)
+        self._last_ns = step.stamp_ns
+        self._motors.publish(from_duties(odom.header.stamp, self._names, duties))
 
     def _duties(self, now_ns: int, measured: Measured | None) -> tuple[float, ...]:
-        off = (0.0,) * len(self._names)
-        if not self._armed or measured is None or self._setpoint is None:
-            if not self._stopped:
-                self.health.report('motors', Level.OK, 'off')
-            return off
-        setpoint = self._fresh(now_ns, measured)
+        if not self._armed or measured is None or self._pose is None or self._velocity is None:
+            return self._off('' if self._stopped else 'off')
+        setpoint = self._fresh(now_ns, measured, self._pose, self._velocity)
         if not all(map(math.isfinite, (*measured, *setpoint))):
             self._stop(f'not a number in {measured} or {setpoint}: the motors are off')
-            return off
+            return self._off()
+        if landed(measured, setpoint, self._standing):
+            return self._off('on the ground')
         duties, self._memory = control_step(
             self._settings.value.gains,
             self._rotors,
@@ -112,23 +115,31 @@ class Controller(GraphNode):
             self._memory,
             measured,
             setpoint,
-            self.table.control_ns * 1e-9,
+            elapsed(self._last_ns, now_ns, self.table.control_ns),
         )
         return duties
 
-    def _fresh(self, now_ns: int, measured: Measured) -> Setpoint:
+    def _off(self, text: str = '') -> tuple[float, ...]:
+        """Return no duty at all, and forget what the loops had wound up."""
+        self._memory = ControlMemory()
+        if text:
+            self.health.report('motors', Level.OK, text)
+        return (0.0,) * len(self._names)
+
+    def _fresh(
+        self, now_ns: int, measured: Measured, pose: PoseStamped, velocity: TwistStamped
+    ) -> Setpoint:
         """Return the setpoint, or what replaces one that is too old: hold, then come down."""
-        assert self._setpoint is not None
-        taken_ns, setpoint = self._setpoint
-        settings = self._settings.value
-        age = (now_ns - taken_ns) * 1e-9
+        setpoint, settings = to_setpoint(pose, velocity), self._settings.value
+        oldest = min(from_stamp(half.header.stamp) for half in (pose, velocity))
+        age = (now_ns - oldest) * 1e-9
         if age <= settings.hold_after:
             self.health.report('motors', Level.OK, 'flying by the setpoint')
             return setpoint
         landing = age > settings.land_after
         text = f'no setpoint for {settings.land_after if landing else settings.hold_after} s: '
         self.health.report('motors', Level.WARN, text + ('landing' if landing else 'holding'))
-        altitude = measured.altitude - 0.2 if landing else setpoint.altitude
+        altitude = measured.altitude - DESCENT if landing else setpoint.altitude
         return Setpoint(altitude, setpoint.heading, 0.0)
 
 

@@ -1,6 +1,9 @@
 """The estimator node: from the drone's own sensors and commands to its motion."""
 
+import math
+
 from lta_config.settings import setting
+from lta_control.control import elapsed
 from lta_control.estimator import Estimate, estimator_step, EstimatorSettings
 from lta_control.messages import from_estimate, to_duties, to_inputs
 from lta_control.vehicle_side import body_of
@@ -26,9 +29,10 @@ class Estimator(GraphNode):
         vehicle = load_vehicle(self._settings.value.vehicle)
         self._names = vehicle.rotor_names
         self._body = body_of(vehicle)
-        self._dt = self.table.control_ns * 1e-9
         self._estimate = Estimate()
         self._commanded = self._estimate.duties
+        self._last_ns: int | None = None
+        self._refused = 0
         self._odom = self.output('odom')
         self.listen(self.table.read_by('estimator'), trigger='imu', on_step=self._on_step)
 
@@ -36,8 +40,15 @@ class Estimator(GraphNode):
         learning = not self._estimate.ready
         self._commanded = to_duties(step.last('motors'), self._names, self._commanded)
         inputs = to_inputs(step, self._commanded)
-        settings = self._settings.value
-        self._estimate = estimator_step(settings, self._body, self._estimate, inputs, self._dt)
+        if all(map(math.isfinite, (*inputs.rates, *inputs.force))):
+            dt = elapsed(self._last_ns, step.stamp_ns, self.table.control_ns)
+            self._last_ns = step.stamp_ns
+            settings = self._settings.value
+            self._estimate = estimator_step(settings, self._body, self._estimate, inputs, dt)
+        else:
+            self._refused += 1
+            text = 'an IMU sample was not a number and is left out'
+            self.health.report('imu', Level.ERROR, text, refused=self._refused)
         self._odom.publish(from_estimate(step.last('imu').header.stamp, self._estimate))
         if learning:
             ready = self._estimate.ready

@@ -36,7 +36,7 @@ class Navigator(GraphNode):
         self._settings = Parameters(self, NavigatorParameters)
         self._strategy = strategy(self._settings.value.strategy)
         self._mission = Mission()
-        self._reserve = False
+        self._reserve: bool | None = None  # unknown: stay down
         light = self.table['photodiodes']
         self._block_ns = light.period_ns
         self._history: deque[Odometry] = deque(maxlen=3 * self._block_ns // self.table.control_ns)
@@ -58,8 +58,8 @@ class Navigator(GraphNode):
             self._strategy,
             self._mission,
             self._sight(step),
-            None if measured is None else measured.altitude,
-            self._reserve,
+            None if measured is None or self._reserve is None else measured.altitude,
+            bool(self._reserve),
         )
         pose, velocity = from_setpoint(estimate.header.stamp, setpoint)
         self._pose.publish(pose)

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 import math
 from typing import final
 
+from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
 from numpy.random import Generator
 
 Vector = tuple[float, float, float]
-STANDARD_GRAVITY = 9.80665  # m/s^2; what a data sheet means by 1 g
 DEGREE = math.pi / 180.0
 
 

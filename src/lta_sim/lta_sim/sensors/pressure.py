@@ -9,13 +9,14 @@ not checked against the original; the resolution is that of eightfold oversampli
 from dataclasses import dataclass
 from typing import final
 
+from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
 from numpy.random import Generator
 
 # ICAO standard atmosphere (Doc 7488) below 11 km.
 LAPSE = 0.0065  # K/m
 SEA_TEMPERATURE = 288.15  # K
-EXPONENT = 9.80665 * 0.0289644 / (8.31446 * LAPSE)
+EXPONENT = STANDARD_GRAVITY * 0.0289644 / (8.31446 * LAPSE)
 
 
 @final
