@@ -4,6 +4,7 @@ import array
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Vector3Stamped
+from lta_config.topics import topic_table
 from lta_sim.sensors.range import RangeSettings
 from lta_sim.state import POSITION, QUATERNION, RATES, VELOCITY
 from nav_msgs.msg import Odometry
@@ -12,15 +13,13 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import BatteryState, FluidPressure, Illuminance, Image, Imu, Range
 from std_msgs.msg import Header
 
-BASE = 'base_link'
 NAN = float('nan')
 
 
 def imu(stamp: Time, force: tuple[float, ...], rates: tuple[float, ...]) -> Imu:
     """Return specific force and angular rate; there is no orientation (REP-145)."""
     message = Imu()
-    message.header.stamp = stamp
-    message.header.frame_id = BASE
+    message.header = _header(stamp, 'imu')
     message.orientation_covariance[0] = -1.0
     a, w = message.linear_acceleration, message.angular_velocity
     a.x, a.y, a.z = force
@@ -31,7 +30,7 @@ def imu(stamp: Time, force: tuple[float, ...], rates: tuple[float, ...]) -> Imu:
 def range_(stamp: Time, distance: float, settings: RangeSettings) -> Range:
     """Return a downward distance; +Inf is no return (REP-117)."""
     return Range(
-        header=_header(stamp),
+        header=_header(stamp, 'range'),
         radiation_type=Range.INFRARED,
         field_of_view=np.deg2rad(settings.field_of_view),
         min_range=settings.minimum,
@@ -43,7 +42,7 @@ def range_(stamp: Time, distance: float, settings: RangeSettings) -> Range:
 def pressure(stamp: Time, value: float, deviation: float) -> FluidPressure:
     """Return the air pressure with its variance."""
     return FluidPressure(
-        header=_header(stamp), fluid_pressure=value, variance=deviation * deviation
+        header=_header(stamp, 'pressure'), fluid_pressure=value, variance=deviation * deviation
     )
 
 
@@ -51,7 +50,7 @@ def light_block(stamp: Time, block: NDArray[np.uint16]) -> Image:
     """Return an ADC block: one row a sample, one column a diode."""
     rows, columns = block.shape
     image = Image()
-    image.header = _header(stamp)
+    image.header = _header(stamp, 'photodiodes')
     image.height, image.width = rows, columns
     image.encoding = '16UC1'
     image.step = 2 * columns
@@ -62,13 +61,13 @@ def light_block(stamp: Time, block: NDArray[np.uint16]) -> Image:
 
 def illuminance(stamp: Time, lux: float) -> Illuminance:
     """Return the light at the panel."""
-    return Illuminance(header=_header(stamp), illuminance=lux)
+    return Illuminance(header=_header(stamp, 'illuminance'), illuminance=lux)
 
 
 def branch(stamp: Time, voltage: float, current: float, location: str) -> BatteryState:
     """Return a voltage and a current; what a meter cannot know is NaN."""
     return BatteryState(
-        header=_header(stamp),
+        header=_header(stamp, location),
         voltage=voltage,
         current=current,
         temperature=NAN,
@@ -84,9 +83,8 @@ def branch(stamp: Time, voltage: float, current: float, location: str) -> Batter
 def truth(stamp: Time, state: NDArray[np.float64]) -> Odometry:
     """Return the true pose in `map` and twist in the body frame."""
     message = Odometry()
-    message.header.stamp = stamp
-    message.header.frame_id = 'map'
-    message.child_frame_id = BASE
+    message.header = _header(stamp, 'ground_truth/odom')
+    message.child_frame_id = 'base_link'
     pose, twist = message.pose.pose, message.twist.twist
     p, q, v, w = pose.position, pose.orientation, twist.linear, twist.angular
     p.x, p.y, p.z = state[POSITION].tolist()
@@ -98,10 +96,11 @@ def truth(stamp: Time, state: NDArray[np.float64]) -> Odometry:
 
 def wind(stamp: Time, velocity: tuple[float, ...]) -> Vector3Stamped:
     """Return the velocity of the air in `map`."""
-    message = Vector3Stamped(header=_header(stamp, 'map'))
+    message = Vector3Stamped(header=_header(stamp, 'wind'))
     message.vector.x, message.vector.y, message.vector.z = velocity
     return message
 
 
-def _header(stamp: Time, frame: str = BASE) -> Header:
-    return Header(stamp=stamp, frame_id=frame)
+def _header(stamp: Time, topic: str) -> Header:
+    """Return a header in the frame that the topic table names."""
+    return Header(stamp=stamp, frame_id=topic_table()[topic].frame)
