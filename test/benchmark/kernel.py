@@ -12,7 +12,9 @@ import sys
 import tempfile
 import time
 
+from lta_sim.batch import advance_many
 from lta_sim.effects import initial_memory
+from lta_sim.fleet import Fleet
 from lta_sim.kernel import advance
 from lta_sim.model import Model
 from lta_sim.state import pack
@@ -74,6 +76,20 @@ def best(steps: int, calls: int) -> float:
     return min(times)
 
 
+def batched(count: int, steps: int) -> float:
+    """Return the shortest of five times of a call on all cores. [s]"""
+    models, *arrays = scattered(1000)
+    rows, few = np.arange(count) % len(models), Fleet.of(models)
+    states, duties, winds = (array[rows] for array in arrays)
+    fleet = Fleet(few.parameters[rows], few.body[rows], few.inverse[rows])
+    times = []
+    for _ in range(5):
+        begin = time.perf_counter()
+        advance_many(states, fleet, duties, winds, STEP, steps)
+        times.append(time.perf_counter() - begin)
+    return min(times)
+
+
 def first_step(cache: Path) -> float:
     """Return the time of a new process from import to its first step. [s]"""
     script = (
@@ -95,6 +111,7 @@ def main() -> None:
         cold, warm = first_step(Path(folder)), first_step(Path(folder))
     rows = (
         ('kernel.single', 1.0 / (best(1_000_000, 1) / 1_000_000), 'steps/s'),
+        ('kernel.batched', 1e7 / batched(10_000, 1000), 'vehicle-steps/s'),
         ('kernel.control_step', 1e6 * best(5, 20_000), 'us per call of 5 steps'),
         ('kernel.cold', cold, 's'),
         ('kernel.warm', warm, 's'),
