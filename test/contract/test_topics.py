@@ -229,6 +229,16 @@ def test_the_launch_file_gives_only_parameters_that_are_declared(name):
     assert 'time' in given
 
 
+@pytest.mark.usefixtures('installed')
+def test_the_recorder_is_told_the_gains_that_the_controller_gets(tmp_path):
+    gains = tmp_path / 'gains.yaml'
+    gains.write_bytes((ROOT / 'config/control/gtmab.yaml').read_bytes())
+    words = {p.name: p.arguments for p in load(LAUNCH, {'gains': str(gains)}).processes}
+    assert str(gains) in words['controller']
+    given = [word.partition(':=')[2] for word in words['recorder'] if word.startswith('gains:=')]
+    assert [yaml.safe_load(value) for value in given] == [str(gains)]
+
+
 def test_launch_arguments_are_documented_and_default_to_what_is_shipped():
     given = {item.name: item for item in arguments(LAUNCH)}
     assert all(item.description.endswith('.') for item in given.values())

@@ -37,13 +37,13 @@ def config_hash(folder: Path) -> str:
     return digest.hexdigest()
 
 
-def provenance(vehicle: str, scenario: str, **choices: str) -> dict[str, str]:
+def provenance(vehicle: str, scenario: str, gains: str, **choices: str) -> dict[str, str]:
     """
     Return what a bag says of its origin.
 
     Parameters
     ----------
-    vehicle, scenario : str
+    vehicle, scenario, gains : str
         Names or paths; the files go into the bag whole.
     choices : str
         Whatever else was chosen: seed, strategy, time.
@@ -52,6 +52,7 @@ def provenance(vehicle: str, scenario: str, **choices: str) -> dict[str, str]:
     return {
         'vehicle': vehicle,
         'scenario': scenario,
+        'gains': gains,
         **choices,
         'lta': version('lta_bridge'),
         'commit': commit(),
@@ -61,4 +62,5 @@ def provenance(vehicle: str, scenario: str, **choices: str) -> dict[str, str]:
         'libraries': ' '.join(f'{name} {version(name)}' for name in LIBRARIES),
         'vehicle_file': find('vehicle', vehicle).read_text(encoding='utf-8'),
         'scenario_file': find('scenario', scenario).read_text(encoding='utf-8'),
+        'gains_file': find('gains', gains).read_text(encoding='utf-8'),
     }

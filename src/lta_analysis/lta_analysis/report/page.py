@@ -19,7 +19,7 @@ from lta_analysis.report.view import View
 from lta_config.errors import BadInput
 from plotly.offline import get_plotlyjs
 
-FILES: Final = ('vehicle_file', 'scenario_file')
+FILES: Final = ('vehicle_file', 'scenario_file', 'gains_file')
 SIMULATED: Final = (
     'A simulated flight. "Truth" is the state of the simulator, which no part of the drone ever '
     'sees; "estimate" is what the drone made of its simulated sensors.'

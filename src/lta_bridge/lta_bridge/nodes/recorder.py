@@ -39,6 +39,7 @@ class RecorderSettings(Settings):
     bag: str = setting('bag', 'Folder of the bag; it must not exist yet or be empty.', fixed=True)
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
     scenario: str = setting('lamp_room', 'Scenario name or file.', fixed=True)
+    gains: str = setting('gtmab', "Name or file of the controller's gains.", fixed=True)
     strategy: str = setting('bag', 'Navigation strategy.', fixed=True)
     seed: int = setting(1, 'Seed of all chance.', low=0, high=2**31 - 1, fixed=True)
 
@@ -52,6 +53,7 @@ class Recorder(GraphNode):
         origin = provenance(
             settings.vehicle,
             settings.scenario,
+            settings.gains,
             strategy=settings.strategy,
             seed=str(settings.seed),
             time='lockstep' if self.lockstep else 'realtime',
