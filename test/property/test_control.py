@@ -73,7 +73,7 @@ def test_pid_stays_within_its_limits(signals, limit, dt):
 def test_course_never_asks_for_more_than_the_setpoint(nose, wanted, surge, sway, speed):
     gains = load_gains('gtmab')
     measured = Measured(0.5, 0.0, nose, 0.0, surge, sway)
-    heading, asked, along = course(gains, measured, Setpoint(0.5, wanted, speed))
+    heading, asked, along, _ = course(gains, measured, Setpoint(0.5, wanted, speed))
     assert 0.0 <= asked <= speed
     assert abs(wrap(heading - wanted)) <= gains.drift_limit + 1e-12
     assert abs(along) <= math.hypot(surge, sway) + 1e-12
@@ -86,7 +86,7 @@ def test_course_is_the_same_mirrored(nose, wanted, surge, sway, speed):
     right = course(
         gains, Measured(0.5, 0.0, -nose, 0.0, surge, -sway), Setpoint(0.5, -wanted, speed)
     )
-    assert right == pytest.approx((-left[0], left[1], left[2]), abs=1e-12)
+    assert right == pytest.approx((-left[0], left[1], left[2], left[3]), abs=1e-12)
 
 
 @given(

@@ -112,28 +112,32 @@ def pid_gains(gains: PidGains) -> tuple[float, float, float, float, float]:
 
 def course(
     gains: CascadeGains, measured: Measured, setpoint: Setpoint
-) -> tuple[float, float, float]:
+) -> tuple[float, float, float, float]:
     """
-    Return heading and speed to ask for, and the speed along the wanted course.
+    Return heading and speed to ask for, and how the drone stands to its course.
 
     A round hull has no keel: turning the nose does not turn the motion. So the drone turns first
-    and flies then, and leans its nose against the drift that is left across the course.
+    and flies then, and leans its nose against the drift that is left across the course. The rotors
+    push along the nose only: of what lacks along the course, just their share is theirs. A drone
+    that is to go nowhere has no course but its nose.
 
     Returns
     -------
     tuple of float
-        Heading [rad], forward speed [m/s], present airspeed along the course [m/s].
+        Heading [rad], forward speed [m/s], present airspeed along the course [m/s], and the share
+        of a push along the nose that goes along the course.
 
     """
-    off = wrap(measured.heading - setpoint.heading)
+    moving = 1.0 if setpoint.speed > 0.0 else 0.0
+    off = moving * wrap(measured.heading - setpoint.heading)
     cos, sin = math.cos(off), math.sin(off)
     along = cos * measured.speed - sin * measured.sway
     across = sin * measured.speed + cos * measured.sway
     lean = min(max(gains.drift_gain * across, -gains.drift_limit), gains.drift_limit)
-    moving = 1.0 if setpoint.speed > 0.0 else 0.0
     heading = setpoint.heading - moving * lean
     error = abs(wrap(heading - measured.heading))
-    return heading, setpoint.speed * max(0.0, 1.0 - error / gains.turn_first), along
+    speed = setpoint.speed * max(0.0, 1.0 - error / gains.turn_first)
+    return heading, speed, along, cos
 
 
 def cascade_step(
@@ -179,7 +183,7 @@ def cascade_step(
         shortfall.heave,
         dt,
     )
-    heading, speed, along = course(gains, measured, setpoint)
+    heading, speed, along, share = course(gains, measured, setpoint)
     rate = _within(gains.heading_kp * wrap(heading - measured.heading), gains.yaw_rate_limit)
     turning = slope_step(memory.turning, measured.yaw_rate, dt)
     yaw, rate_memory = pid_step(
@@ -190,11 +194,14 @@ def cascade_step(
         shortfall.yaw,
         dt,
     )
-    # The rotors push along the nose: of what lacks along the course, only that part is theirs.
-    lack = math.cos(measured.heading - setpoint.heading) * (speed - along)
     speeding = slope_step(memory.speeding, measured.speed, dt)
     surge, speed_memory = pid_step(
-        pid_gains(gains.speed), memory.speed, lack, speeding.rate, shortfall.surge, dt
+        pid_gains(gains.speed),
+        memory.speed,
+        share * (speed - along),
+        speeding.rate,
+        shortfall.surge,
+        dt,
     )
     surge += drag_force(surge_drag[0], surge_drag[1], speed)
     return Demand(surge, heave, yaw), CascadeMemory(

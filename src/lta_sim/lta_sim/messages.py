@@ -16,11 +16,31 @@ from std_msgs.msg import Header
 NAN = float('nan')
 
 
-def imu(stamp: Time, force: tuple[float, ...], rates: tuple[float, ...]) -> Imu:
-    """Return specific force and angular rate; there is no orientation (REP-145)."""
+def imu(
+    stamp: Time,
+    force: tuple[float, ...],
+    rates: tuple[float, ...],
+    noise: tuple[float, ...],
+) -> Imu:
+    """
+    Return specific force and angular rate; there is no orientation (REP-145).
+
+    Parameters
+    ----------
+    stamp : Time
+        Of the sample.
+    force, rates : tuple of float
+        Measured, body axes. [m/s2, rad/s]
+    noise : tuple of float
+        Standard deviations of a sample: three of force, three of rate; biases are not in it.
+
+    """
     message = Imu()
     message.header = _header(stamp, 'imu')
     message.orientation_covariance[0] = -1.0
+    for axis in range(3):
+        message.linear_acceleration_covariance[4 * axis] = noise[axis] ** 2
+        message.angular_velocity_covariance[4 * axis] = noise[3 + axis] ** 2
     a, w = message.linear_acceleration, message.angular_velocity
     a.x, a.y, a.z = force
     w.x, w.y, w.z = rates

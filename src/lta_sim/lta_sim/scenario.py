@@ -94,9 +94,11 @@ class Scenario(Record):
         x, y, z = self.lamp.position.vector
         if abs(x) > length / 2 or abs(y) > width / 2 or not 0 <= z <= height:
             raise ValueError(f'has its lamp at {x, y, z} m, outside the room')
-        x, y = self.start.position.vector
-        if abs(x) > length / 2 or abs(y) > width / 2:
-            raise ValueError(f'has its start at {x, y} m, outside the room')
+        start_x, start_y = self.start.position.vector
+        if abs(start_x) > length / 2 or abs(start_y) > width / 2:
+            raise ValueError(f'has its start at {start_x, start_y} m, outside the room')
+        if math.hypot(x - start_x, y - start_y) <= self.goal.radius.si:
+            raise ValueError('starts within its goal; move the start or make the radius smaller')
         return self
 
     @property

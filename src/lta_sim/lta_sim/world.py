@@ -127,7 +127,7 @@ class World:
     def _draw_errors(self) -> None:
         """Draw what stays the same during the flight."""
         air = self.scenario.air
-        self._imu = imu.draw(imu.ImuSettings(), self._chance['imu'])
+        self.imu_errors = imu.draw(imu.ImuSettings(), self._chance['imu'])
         self.range_settings = range.RangeSettings()
         self._range = range.draw(self.range_settings, self._chance['range'])
         self.pressure_settings = pressure.PressureSettings(floor=air.pressure.si)
@@ -230,7 +230,7 @@ class World:
             STANDARD_GRAVITY,
         )
         readings.force, readings.rates = imu.measure(
-            self._imu, force, (wx, wy, wz), self._chance['imu']
+            self.imu_errors, force, (wx, wy, wz), self._chance['imu']
         )
 
     def _sense_range(self, stamp_ns: int) -> None:

@@ -130,18 +130,23 @@ def test_what_the_rotors_could_not_give_unwinds_the_integrals():
 
 
 def test_on_course_without_drift_the_course_is_the_setpoint():
-    assert course(GAINS, AT_REST._replace(speed=0.5), HOLD._replace(speed=0.5)) == (0.0, 0.5, 0.5)
+    assert course(GAINS, AT_REST._replace(speed=0.5), HOLD._replace(speed=0.5)) == (
+        0.0,
+        0.5,
+        0.5,
+        1.0,
+    )
 
 
 @pytest.mark.parametrize('sway', [0.1, -0.1])
 def test_the_nose_leans_against_drift(sway):
-    heading, _, along = course(GAINS, AT_REST._replace(sway=sway), HOLD._replace(speed=0.5))
+    heading, _, along, _ = course(GAINS, AT_REST._replace(sway=sway), HOLD._replace(speed=0.5))
     assert heading == pytest.approx(-1.5 * sway)  # drifting left, nose right
     assert along == 0.0
 
 
 def test_the_lean_is_limited():
-    heading, _, _ = course(GAINS, AT_REST._replace(sway=2.0), HOLD._replace(speed=0.5))
+    heading, *_ = course(GAINS, AT_REST._replace(sway=2.0), HOLD._replace(speed=0.5))
     assert heading == -GAINS.drift_limit
 
 
@@ -153,7 +158,7 @@ def test_hovering_does_not_lean():
     ('error', 'share'), [(0.0, 1.0), (0.15, 0.75), (-0.3, 0.5), (0.6, 0.0), (2.0, 0.0)]
 )
 def test_it_turns_first(error, share):
-    _, speed, _ = course(GAINS, AT_REST, Setpoint(0.5, error, 0.5))
+    _, speed, *_ = course(GAINS, AT_REST, Setpoint(0.5, error, 0.5))
     assert speed == pytest.approx(0.5 * share, abs=1e-15)
 
 
@@ -164,7 +169,7 @@ def test_the_speed_along_the_course_is_the_projection():
         turn = np.array([[math.cos(nose), -math.sin(nose)], [math.sin(nose), math.cos(nose)]])
         velocity = turn @ (surge, sway)
         measured = AT_REST._replace(heading=nose, speed=surge, sway=sway)
-        heading, _, along = course(GAINS, measured, Setpoint(0.5, wanted, 0.5))
+        heading, _, along, _ = course(GAINS, measured, Setpoint(0.5, wanted, 0.5))
         assert along == pytest.approx(velocity @ (math.cos(wanted), math.sin(wanted)), abs=1e-12)
         across = velocity @ (-math.sin(wanted), math.cos(wanted))
         lean = np.clip(1.5 * across, -0.7, 0.7)
@@ -212,3 +217,10 @@ def test_the_derivative_of_each_loop_brakes(loop, field, axis):
     held, _ = ask(rising, memory=memory, gains=gains)
     rate = 0.02 / DT * DT / (0.1 + DT)
     assert getattr(held, axis) - getattr(plain, axis) == pytest.approx(-0.01 * rate, rel=1e-9)
+
+
+def test_going_nowhere_it_brakes_only_what_moves_it_backwards():
+    """Turning on the spot, drift to the side is no lack of speed: pushing would feed it."""
+    turned = HOLD._replace(heading=0.5)
+    assert ask(AT_REST._replace(sway=-0.2), turned)[0].surge == pytest.approx(0.0, abs=1e-12)
+    assert ask(AT_REST._replace(speed=-0.1), turned)[0].surge == pytest.approx(0.15 * 0.1)

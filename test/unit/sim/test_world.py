@@ -274,16 +274,18 @@ def test_the_panel_gives_more_of_the_sun_than_of_leds():
 
 
 def test_the_panel_looks_up():
-    """Lambertian lamp, half of the time on: 0.5 flux / pi / distance^2 below it, 0 above it."""
+    """Lambertian lamp, half of the time on, 0.2 m aside: 0.5 flux / pi cos^2 / distance^2."""
     scene = {
         'lamp/position': {'value': [-3.5, 0, 2.5], 'unit': 'm'},
         'lamp/facing': {'value': [0, 0, -1], 'unit': '1'},
         'ambient/steady': '0 lx',
         'ambient/mains_amplitude': '0 lx',
         'room/albedo': 0.0,
+        'goal/radius': '0.1 m',
+        'start/position': {'value': [-3.5, 0.2], 'unit': 'm'},
     }
     below = 2.5 - (0.41902 + 0.302)
-    expected = 0.5 * 10000.0 / math.pi / below**2
+    expected = 0.5 * 10000.0 / math.pi * below**2 / (below**2 + 0.2**2) ** 2
     assert build(scene=scene).sense().illuminance == pytest.approx(expected, rel=1e-4)
     scene |= {
         'lamp/position': {'value': [-3.5, 0, 0.1], 'unit': 'm'},

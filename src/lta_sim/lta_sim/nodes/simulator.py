@@ -145,7 +145,8 @@ class Simulator(GraphNode):
         if now - self._clocked >= CLOCK_PERIOD:
             self._clocked = now
             self._outputs['/clock'].publish(ClockMessage(clock=stamp))
-        self._outputs['imu'].publish(messages.imu(stamp, readings.force, readings.rates))
+        noise = self._world.imu_errors.noise
+        self._outputs['imu'].publish(messages.imu(stamp, readings.force, readings.rates, noise))
 
     def _publish_slow(self, readings: Readings) -> None:
         """Publish what is not due at every control step, before the step's IMU sample."""
