@@ -6,6 +6,8 @@ if [ -n "${ROS_DISTRO:-}" ]; then
 fi
 AMENT_PREFIX_PATH=$root/.venv${AMENT_PREFIX_PATH:+:$AMENT_PREFIX_PATH}
 export AMENT_PREFIX_PATH
+# A "ros2" on the PATH belongs to another ROS, whose paths are gone: `lta launch` starts the graph itself.
+export LTA_UNDERLAY=wheels
 . "$root/install/local_setup.sh"
 PATH=$root/.venv/bin:$PATH
 

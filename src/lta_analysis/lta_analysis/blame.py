@@ -1,8 +1,13 @@
 """Who holds the graph up, told only once it is sure."""
 
+from collections.abc import Callable, Mapping
 import time
 from typing import final
 
+from lta_graph.health import Fact
+from lta_graph.suspicion import culprits
+
+FLIGHT = 'simulator: flight'  # the fact on how a simulated flight stands
 SETTLE = 0.5  # wall seconds; nodes look at their inputs at different moments
 DISCOVERY = 4.0  # wall seconds; while some nodes have not been found yet, the others mislead
 
@@ -49,3 +54,50 @@ class Blame:
         self.standing = now - self._well
         settled = now - self._changed > (SETTLE if all_heard else DISCOVERY)
         return silent or (suspects if settled else [])
+
+
+@final
+class Lookout:
+    """
+    Name who holds a running graph up, each time that somebody else does.
+
+    Parameters
+    ----------
+    say : callable
+        Gets the sentence.
+
+    """
+
+    def __init__(self, say: Callable[[str], None]) -> None:
+        self._say = say
+        self._blame = Blame()
+        self._named: list[str] = []
+
+    @property
+    def standing(self) -> float:
+        """For how long somebody has held the graph up. [wall s]"""
+        return self._blame.standing
+
+    def look(self, facts: Mapping[str, Fact], silent: list[str], all_heard: bool) -> None:
+        """
+        Look at what the nodes say, and name the culprits when they are others than before.
+
+        Parameters
+        ----------
+        facts : mapping of str to Fact
+            The newest facts by 'NODE: TASK'.
+        silent, all_heard
+            As for `Blame.look`.
+
+        """
+        blamed = self._blame.look(culprits(facts.values()), silent, all_heard)
+        # Once the flight is over the simulator leaves, and all others wait for it in vain.
+        if blamed and blamed != self._named and flying(facts):
+            self._say(f'Nothing comes from {", ".join(blamed)}.')
+        self._named = blamed
+
+
+def flying(facts: Mapping[str, Fact]) -> bool:
+    """Tell whether the simulator, if there is one, has not said yet how the flight ended."""
+    fact = facts.get(FLIGHT)
+    return fact is None or fact.values['outcome'] == 'flying'

@@ -11,7 +11,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import final, Literal, Protocol
 
-from lta_analysis.blame import Blame
+from lta_analysis.blame import FLIGHT, Lookout
 from lta_analysis.session import Session
 from lta_bridge.bag.writer import empty_folder
 from lta_config.errors import BadInput
@@ -22,12 +22,10 @@ from lta_graph.health import Fact, Level
 from lta_graph.launch_file import load
 from lta_graph.launcher import Launcher
 from lta_graph.ros.listener import DiagnosticsListener
-from lta_graph.suspicion import culprits
 from lta_sim.scenario import load_scenario
 from lta_sim.vehicle import load_vehicle
 
 ROBOT = 'lta1'
-FLIGHT = 'simulator: flight'  # the fact on how the flight stands
 PATIENCE = 10.0  # wall seconds that the graph may stand still before the flight is given up
 LOOK = 0.05  # wall seconds between looks at the processes and the diagnostics
 
@@ -101,7 +99,7 @@ def fly_once(order: Order, watcher: Watcher) -> Flown:
     folder = order.out or Path('runs') / f'{stamp}-{scenario.name}-{order.seed}'
     folder = folder.absolute()
     plan = load(find('launch file', 'fly', '.launch.yaml'), choices(order, folder / 'bag'))
-    with Session(ROBOT), DiagnosticsListener() as listener:
+    with Session(ROBOT), DiagnosticsListener(ROBOT) as listener:
         empty_folder(folder)
         with Launcher(plan, on_line=lambda _name, _line: None) as launcher:
             watch(launcher, listener, watcher)
@@ -124,31 +122,19 @@ def choices(order: Order, bag: Path) -> dict[str, str]:
 
 def watch(launcher: Launcher, listener: DiagnosticsListener, watcher: Watcher) -> None:
     """Follow a flight until a process ends it, or the graph has stood still for too long."""
-    blame, named = Blame(), list[str]()
+    lookout = Lookout(watcher.say)
     while launcher.outcome is None:
         facts = listener.poll(LOOK)
         launcher.poll()
         show(facts, watcher)
         running = launcher.running
-        blamed = blame.look(
-            culprits(facts.values()), listener.silent(running), listener.hears(running)
-        )
-        # Once the flight is over the simulator leaves, and all others wait for it in vain.
-        if blamed and blamed != named and flying(facts):
-            watcher.say(f'Nothing comes from {", ".join(blamed)}.')
-        named = blamed
-        if blame.standing > PATIENCE:
+        lookout.look(facts, listener.silent(running), listener.hears(running))
+        if lookout.standing > PATIENCE:
             watcher.say(f'The graph has stood still for {PATIENCE:.0f} s and is stopped.')
             return
     end = launcher.outcome
     if not end.success and not refused(end):
         watcher.say(f'{end.sentence}.')
-
-
-def flying(facts: Mapping[str, Fact]) -> bool:
-    """Tell whether the simulator has not said yet how the flight ended."""
-    fact = facts.get(FLIGHT)
-    return fact is None or fact.values['outcome'] == 'flying'
 
 
 def show(facts: Mapping[str, Fact], watcher: Watcher) -> None:

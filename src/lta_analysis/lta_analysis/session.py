@@ -1,4 +1,4 @@
-"""One flight of one robot on one ROS domain at a time: two would hear each other's commands."""
+"""One simulated flight on one ROS domain at a time: two would mix their /clock."""
 
 import fcntl
 import os
@@ -10,12 +10,13 @@ from typing import final, Self
 from lta_config.errors import BadInput
 
 HIGHEST_DOMAIN = 232  # whose ports still fit into 16 bits
+LONGEST = 255  # bytes of a robot's name
 
 
 @final
 class Session:
     """
-    Hold a robot's name on the present ROS domain; the kernel lets go even after SIGKILL.
+    Hold the present ROS domain for a robot's flight; the kernel lets go even after SIGKILL.
 
     Parameters
     ----------
@@ -25,18 +26,19 @@ class Session:
     Raises
     ------
     BadInput
-        On entering, if another flight of this user holds it, or there is no such domain.
+        On entering, if another flight of this user holds it, of whatever robot, or there is no
+        such domain.
 
     """
 
     def __init__(self, robot: str) -> None:
         self._domain = os.environ.get('ROS_DOMAIN_ID', '0') or '0'
         folder = Path(os.environ.get('XDG_RUNTIME_DIR') or tempfile.gettempdir())
-        self._path = folder / f'lta-{os.getuid()}-{self._domain}-{robot}.lock'
+        self._path = folder / f'lta-{os.getuid()}-{self._domain}.lock'
         self._robot = robot
 
     def __enter__(self) -> Self:
-        """Take the name."""
+        """Take the domain."""
         if not (self._domain.isdecimal() and int(self._domain) <= HIGHEST_DOMAIN):
             raise BadInput(
                 f"ROS_DOMAIN_ID is '{self._domain}', but must be a number from 0 to "
@@ -51,11 +53,15 @@ class Session:
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
+            holder = os.pread(self._file, LONGEST, 0).decode(errors='replace')
             os.close(self._file)
             raise BadInput(
-                f'{self._robot} is flying on ROS domain {self._domain} already; wait for it, or '
-                'choose another domain: ROS_DOMAIN_ID=1 lta fly.'
+                f'{holder or "A robot"} is flying on ROS domain {self._domain} already, and its '
+                '/clock is for all; wait for it, or choose another domain: '
+                f'export ROS_DOMAIN_ID={(int(self._domain) + 1) % (HIGHEST_DOMAIN + 1)}.'
             ) from None
+        os.ftruncate(self._file, 0)
+        os.pwrite(self._file, self._robot.encode(), 0)
         return self
 
     def __exit__(
@@ -64,6 +70,6 @@ class Session:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Give the name back."""
+        """Give the domain back."""
         # The file stays: whoever opened it before a removal would lock what nobody else sees.
         os.close(self._file)

@@ -6,15 +6,16 @@ import shutil
 import sys
 from typing import Annotated
 
+from lta_analysis.graph import run_graph
 from lta_config.errors import BadInput
 from lta_config.files import find
 from lta_graph.launch_file import arguments, load
-from lta_graph.launcher import Launcher
 from rich.console import Console
 from rich.table import Table
 import typer
 
 SUFFIX = '.launch.yaml'
+WHEELS = 'wheels'  # what tools/workspace.sh calls an underlay that has no ros2 of its own
 
 
 def launch(
@@ -29,8 +30,9 @@ def launch(
     """
     Start a graph from a ROS 2 YAML launch file and watch it.
 
-    Where ROS 2 is installed, the genuine "ros2 launch" does it. The end of a node is named; if it
-    was not the planned end of the run, all others are stopped and the exit status is 1.
+    The end of a node is named, and so is one that hangs; if an end was not the planned one, all
+    others are stopped and the exit status is 1. Called over an installed ROS 2 (ros2 run
+    lta_analysis lta launch ...), it hands over to the genuine "ros2 launch"; ./lta never does.
 
     Example: lta launch fly seed:=2 time:=lockstep bag:=/tmp/flight
     """
@@ -40,15 +42,16 @@ def launch(
         return
     pairs = parse(given or [])
     plan = load(path, pairs)
-    if shutil.which('ros2'):
+    if os.environ.get('LTA_UNDERLAY') != WHEELS and shutil.which('ros2'):
         os.execvp('ros2', ['ros2', 'launch', str(path), *(given or [])])
-    with Launcher(plan, say) as launcher:
-        while launcher.outcome is None:
-            for end in launcher.wait(0.2):
-                sys.stderr.write(f'{end.sentence}.\n')
-    outcome = launcher.outcome
-    if outcome is not None and not outcome.success:
+    outcome = run_graph(plan, say, tell)
+    if not outcome.success:
         raise typer.Exit(2 if outcome.status == 2 else 1)
+
+
+def tell(sentence: str) -> None:
+    """Print what happened to the graph."""
+    sys.stderr.write(f'{sentence}\n')
 
 
 def say(node: str, line: str) -> None:

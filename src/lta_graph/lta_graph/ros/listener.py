@@ -20,9 +20,23 @@ SILENCE = 0.85  # wall seconds after which a node is missed: two of its reports,
 
 @final
 class DiagnosticsListener:
-    """Collect the newest fact of every task: `with DiagnosticsListener() as listener: ...`."""
+    """
+    Collect the newest fact of every task: `with DiagnosticsListener('lta1') as listener: ...`.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    robot : str
+        Namespace of the nodes to hear; /diagnostics is of all robots on the domain.
+
+    Attributes
+    ----------
+    facts : dict of str to Fact
+        By 'NODE: TASK'.
+
+    """
+
+    def __init__(self, robot: str = 'lta1') -> None:
+        self._robot = robot
         self.facts: dict[str, Fact] = {}
         self._heard: dict[str, float] = {}
         self._begun: float | None = None
@@ -31,7 +45,7 @@ class DiagnosticsListener:
     def __enter__(self) -> Self:
         """Join the graph."""
         options = SignalHandlerOptions.NO
-        rclpy.init(context=self._context, signal_handler_options=options)
+        rclpy.init(args=[], context=self._context, signal_handler_options=options)
         self._node = Node(
             'lta_listener',
             context=self._context,
@@ -57,8 +71,10 @@ class DiagnosticsListener:
         self._context.try_shutdown()
 
     def _hear(self, message: DiagnosticArray) -> None:
-        self._begun = self._begun or time.monotonic()
-        for status in message.status:
+        ours = [status for status in message.status if status.hardware_id == self._robot]
+        if ours:
+            self._begun = self._begun or time.monotonic()
+        for status in ours:
             values = {item.key: item.value for item in status.values}
             level = Level(int.from_bytes(status.level, 'little'))
             self.facts[status.name] = Fact(status.name, level, status.message, values)

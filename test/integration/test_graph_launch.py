@@ -1,0 +1,104 @@
+"""`lta launch`: who starts the graph, one simulated flight a domain, and naming who hangs."""
+
+import os
+import signal
+import time
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from lta_analysis import session
+from lta_analysis.session import Session
+from lta_config.errors import BadInput
+from lta_graph.ros.listener import DiagnosticsListener
+import pytest
+import rclpy
+from rclpy.context import Context
+
+
+@pytest.fixture
+def other_ros(tmp_path, monkeypatch):
+    """Put a `ros2` of another ROS on the PATH; return the file that it would leave."""
+    program, trace = tmp_path / 'other' / 'ros2', tmp_path / 'called'
+    program.parent.mkdir()
+    program.write_text(f'#!/bin/sh\ntouch {trace}\n')
+    program.chmod(0o755)
+    monkeypatch.setenv('PATH', f'{program.parent}:{os.environ["PATH"]}')
+    monkeypatch.delenv('LTA_UNDERLAY', raising=False)
+    return trace
+
+
+def test_the_command_of_the_wheels_never_asks_another_ros(lta, other_ros, tmp_path):
+    words = ['vehicle:=/nowhere/v.yaml', f'bag:={tmp_path / "bag"}']
+    result = lta.run('launch', 'fly', *words)
+    assert not other_ros.exists()
+    assert result.returncode == 2
+    assert 'no vehicle file /nowhere/v.yaml' in result.stdout
+
+
+def test_a_second_graph_on_the_domain_is_refused_whoever_comes_first(lta, flying, tmp_path):
+    first = lta.start('launch', 'fly', f'bag:={tmp_path / "bag"}')
+    flying(0.1)
+    for words in (
+        ('fly', '--out', tmp_path / 'second'),
+        ('launch', 'fly', 'robot:=lta2', f'bag:={tmp_path / "second"}'),
+    ):
+        result = lta.run(*words)
+        assert result.returncode == 2
+        assert 'lta1 is flying on ROS domain' in result.stderr
+        assert 'export ROS_DOMAIN_ID=' in result.stderr
+        assert result.stderr.count('\n') == 1
+    assert not (tmp_path / 'second').exists()
+    first.interrupt()
+    assert first.end() == 130
+
+
+def test_a_node_that_hangs_is_named(lta, flying, tmp_path):
+    command = lta.start('launch', 'fly', f'bag:={tmp_path / "bag"}')
+    flying(2.5)  # until DDS has found everyone
+    estimator = command.node('estimator')
+    hung = time.monotonic()
+    os.kill(estimator, signal.SIGSTOP)
+    try:
+        assert command.said('Nothing comes from estimator.') - hung < 2.0
+    finally:
+        os.kill(estimator, signal.SIGCONT)
+        command.interrupt()
+    assert command.end() == 130
+    # The launch arguments look like remap rules, and are none.
+    assert 'remap rule' not in command.text
+
+
+def test_a_listener_hears_its_own_robot_alone(domain_id):
+    context = Context()
+    rclpy.init(context=context, domain_id=domain_id)
+    node = rclpy.create_node('teller', context=context)
+    publisher = node.create_publisher(DiagnosticArray, '/diagnostics', 10)
+    told = [
+        DiagnosticStatus(name='simulator: flight', hardware_id=robot, message=robot)
+        for robot in ('lta1', 'lta2')
+    ]
+    deadline = time.monotonic() + 20.0
+    with DiagnosticsListener('lta2') as second, DiagnosticsListener() as first:
+        while not (first.facts and second.facts):
+            assert time.monotonic() < deadline
+            publisher.publish(DiagnosticArray(status=told[::-1]))
+            publisher.publish(DiagnosticArray(status=told))
+            first.poll(0.02)
+            second.poll(0.02)
+        assert first.facts['simulator: flight'].message == 'lta1'
+        assert second.facts['simulator: flight'].message == 'lta2'
+    node.destroy_node()
+    context.try_shutdown()
+
+
+def test_the_lock_is_of_the_domain_and_says_who_holds_it(domain_id, monkeypatch, tmp_path):
+    monkeypatch.setenv('XDG_RUNTIME_DIR', str(tmp_path))
+    monkeypatch.setenv('ROS_DOMAIN_ID', str(session.HIGHEST_DOMAIN))
+    with Session('blimp'):
+        with pytest.raises(BadInput, match=r'^blimp is flying on .*export ROS_DOMAIN_ID=0\.$'):
+            Session('lta2').__enter__()
+        monkeypatch.setenv('ROS_DOMAIN_ID', '7')
+        with Session('lta2'):
+            pass
+    monkeypatch.setenv('ROS_DOMAIN_ID', str(session.HIGHEST_DOMAIN))
+    with Session('lta2'):
+        pass

@@ -1,0 +1,71 @@
+"""To whom `lta launch` hands a launch file, and what names whom."""
+
+from lta_analysis import blame
+from lta_analysis.blame import FLIGHT, Lookout
+from lta_analysis.verbs import launch
+from lta_graph.health import Fact, Level
+import pytest
+
+
+class Handed(Exception):
+    """Stands in for the program that takes the process over."""
+
+
+@pytest.fixture
+def handed(monkeypatch, tmp_path):
+    """Return what would be executed, with a ros2 on the path and a plan that loads."""
+
+    def execute(program, words):
+        raise Handed(program, *words)
+
+    def run(plan, on_line, say):
+        raise Handed('ourselves')
+
+    monkeypatch.setattr(launch.os, 'execvp', execute)
+    monkeypatch.setattr(launch.shutil, 'which', lambda name: f'/opt/ros/bin/{name}')
+    monkeypatch.setattr(launch, 'run_graph', run)
+    path = tmp_path / 'none.launch.yaml'
+    path.write_text('launch: []\n')
+    return path
+
+
+def test_over_an_installed_ros_the_genuine_launch_does_it(handed, monkeypatch):
+    monkeypatch.delenv('LTA_UNDERLAY', raising=False)
+    with pytest.raises(Handed) as taken:
+        launch.launch(str(handed), [])
+    assert taken.value.args == ('ros2', 'ros2', 'launch', str(handed))
+
+
+def test_over_the_wheels_we_do(handed, monkeypatch):
+    monkeypatch.setenv('LTA_UNDERLAY', 'wheels')
+    with pytest.raises(Handed) as taken:
+        launch.launch(str(handed), [])
+    assert taken.value.args == ('ourselves',)
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """Return a list whose only item is the time [s]."""
+    now = [100.0]
+    monkeypatch.setattr(blame.time, 'monotonic', lambda: now[0])
+    return now
+
+
+@pytest.mark.usefixtures('clock')
+def test_whoever_falls_silent_is_named_once():
+    said = []
+    lookout = Lookout(said.append)
+    for silent in ([], ['estimator'], ['estimator'], [], ['navigator']):
+        lookout.look({}, silent, all_heard=True)
+    assert said == ['Nothing comes from estimator.', 'Nothing comes from navigator.']
+
+
+def test_after_the_flight_nobody_is_named_though_the_graph_stands(clock):
+    said = []
+    lookout = Lookout(said.append)
+    over = Fact(FLIGHT, Level.OK, 'reached', {'outcome': 'reached'})
+    lookout.look({FLIGHT: over}, [], all_heard=True)
+    clock[0] += 3.0
+    lookout.look({FLIGHT: over}, ['simulator'], all_heard=True)
+    assert said == []
+    assert lookout.standing == 3.0
