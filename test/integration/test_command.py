@@ -27,6 +27,15 @@ COMMANDS = {
     'launch choice': (['launch', 'fly', 'time:=slow'], "The launch argument 'time' is 'slow'"),
     'package': (['run', 'lta_nothing', 'x'], "Package 'lta_nothing' is not installed"),
     'executable': (['run', 'lta_vlc', 'x'], "Unknown executable of lta_vlc 'x'"),
+    'node word': (['run', 'lta_vlc', 'demodulator', '--loud'], "does not know '--loud'"),
+    'node parameter': (
+        ['run', 'lta_vlc', 'demodulator', '--ros-args', '-p', 'freq:=175.0'],
+        "demodulator has no parameter 'freq'; known: frequency, ",
+    ),
+    'parameter file': (
+        ['run', 'lta_vlc', 'demodulator', '--ros-args', '--params-file', '/no/such'],
+        "ROS cannot start: Failed to parse ROS arguments: Couldn't parse params file",
+    ),
     'bag path': (['bag', 'info', '/no/such/bag'], '/no/such/bag'),
     'no bag': (['bag', 'info', str(ROOT / 'config')], 'config'),
     'no bag file': (['bag', 'info', str(ROOT / 'Makefile')], 'Makefile'),
@@ -59,7 +68,16 @@ def some(table, kept):
     return [pytest.param(*row, id=name, marks=marks[name]) for name, row in table.items()]
 
 
-KEPT = ('vehicle', 'strategy', 'seed', 'verb', 'launch argument', 'executable', 'no bag')
+KEPT = (
+    'vehicle',
+    'strategy',
+    'seed',
+    'verb',
+    'launch argument',
+    'executable',
+    'node parameter',
+    'no bag',
+)
 
 
 @pytest.mark.parametrize(('arguments', 'words'), some(COMMANDS, KEPT))

@@ -17,6 +17,8 @@ FIREWALL = (
     " that the interface 'lo' is up."
 )
 
+FAULT = 'A process could not join the graph at all; its own sentence says what to mend.'
+
 
 def domain_ports(domain: int) -> list[int]:
     """
@@ -63,8 +65,10 @@ def conversation() -> Check:
             process.kill()
             process.communicate()
     if asking.returncode != 0 or not output:
-        last = errors.decode(errors='replace').strip().splitlines()[-1:]
-        found = last[0] if last else f'no answer from another process within {DEADLINE - 2.0:g} s'
+        lines = errors.decode(errors='replace').strip().splitlines()
+        if lines:
+            return Check('dds', 'fail', lines[-1], FAULT)
+        found = f'no answer from another process within {DEADLINE - 2.0:g} s'
         return Check('dds', 'fail', found, FIREWALL)
     times = json.loads(output)
     found = (

@@ -1,10 +1,13 @@
 """lta run: one executable, as `ros2 run` would."""
 
 import os
+import signal
 from typing import Annotated
 
 from lta_graph.ament import find_executable
 import typer
+
+OURS = 'lta_'
 
 
 def run(
@@ -20,4 +23,7 @@ def run(
     Example: lta run lta_vlc demodulator --ros-args -r __ns:=/lta1 -p frequency:=175.0
     """
     path = find_executable(package, name)
+    if package.startswith(OURS):
+        # Until our entry points listen for it, Ctrl-C would be a traceback out of the imports.
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     os.execv(path, [str(path), *(arguments or [])])

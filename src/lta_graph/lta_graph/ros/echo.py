@@ -11,6 +11,8 @@ import statistics
 import sys
 import time
 
+from lta_config.errors import BadInput
+from lta_graph.ros.command_line import join
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -72,7 +74,10 @@ def main() -> None:
     parser.add_argument('--seconds', type=float, default=8.0, help='give up after [s]')
     options = parser.parse_args()
     deadline = time.monotonic() + options.seconds
-    rclpy.init(args=[])
+    try:
+        join([])
+    except BadInput as error:
+        sys.exit(str(error))
     node = Node(f'lta_doctor_{options.role}')
     executor = SingleThreadedExecutor()
     executor.add_node(node)

@@ -7,11 +7,10 @@ from typing import final, Self
 
 from diagnostic_msgs.msg import DiagnosticArray
 from lta_graph.health import Fact, Level
-import rclpy
+from lta_graph.ros.command_line import join
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
 
 DEPTH = 100  # messages of all nodes together that may wait until the next look
 DISCOVERY = 10.0  # wall seconds after the first node in which DDS finds all, on a busy machine
@@ -44,8 +43,7 @@ class DiagnosticsListener:
 
     def __enter__(self) -> Self:
         """Join the graph."""
-        options = SignalHandlerOptions.NO
-        rclpy.init(args=[], context=self._context, signal_handler_options=options)
+        join([], self._context)
         self._node = Node(
             'lta_listener',
             context=self._context,

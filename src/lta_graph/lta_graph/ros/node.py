@@ -21,6 +21,7 @@ from lta_config.settings import setting, Settings
 from lta_config.topics import Topic, topic_table
 from lta_graph.health import Health, Level
 from lta_graph.inbox import Inbox, Step
+from lta_graph.ros.command_line import join, refuse_unknown
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.qos import profile
 from lta_graph.ros.spin import spin
@@ -29,13 +30,13 @@ from rclpy.clock import Clock, ClockType
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
 
 WATCH_PERIOD = 0.1  # wall seconds between looks at what is missing
 REPORT_PERIOD = 0.3  # wall seconds between two /diagnostics without news
 FAREWELL = 0.2  # wall seconds for the last messages to be acknowledged
 PATIENCE = 0.5  # wall seconds of waiting after which the missing input is named
+LONELY = 5.0  # wall seconds without any input after which a person at the terminal is told
 
 
 class GraphSettings(Settings):
@@ -88,6 +89,7 @@ class GraphNode(Node):
         self._waiting_since: float | None = None
         self._heard: dict[str, float] = {}
         self._reported = 0.0
+        self._lonely_from: float | None = time.monotonic() + LONELY
         self._diagnostics = self.output('/diagnostics')
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(WATCH_PERIOD, self._watch, clock=steady)
@@ -178,8 +180,21 @@ class GraphNode(Node):
         lost = {name: gap for name, gap in gaps.items() if gap}
         if lost:
             self.health.report('losses', Level.ERROR, 'messages were lost on the way', **lost)
+        self._tell_lonely(now)
         if self.health.changed or now - self._reported >= REPORT_PERIOD:
             self.publish_health()
+
+    def _tell_lonely(self, now: float) -> None:
+        """Log once which inputs have never come, for whoever started this node alone."""
+        if self._lonely_from is None or now < self._lonely_from:
+            return
+        self._lonely_from = None
+        absent = [name for name in self._inputs if name not in self._heard]
+        if absent:
+            sources = sorted({self.table[name].source for name in absent})
+            self.get_logger().warning(
+                f'waiting for {", ".join(sorted(absent))} from {", ".join(sources)}'
+            )
 
     def publish_health(self) -> None:
         """Publish all facts now."""
@@ -216,15 +231,17 @@ def run(node_class: type[GraphNode], args: list[str] | None = None) -> None:
     """
     Run one node as a process: the `main` of every executable.
 
-    Exit status 0 after a shut-down, 2 with one sentence on bad input; anything else is a crash
-    with its traceback.
+    Exit status 0 after a shut-down, 2 with one sentence on bad input, 130 after Ctrl-C before the
+    node was made; anything else is a crash with its traceback.
     """
-    # Our own handlers: rclpy's would tear the context down before the last messages are out.
-    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+    words = sys.argv if args is None else args
     try:
-        live(node_class)
+        # `lta run` holds Ctrl-C back while Python starts; one that came meanwhile comes now.
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+        join(words)
+        live(node_class, words)
     except KeyboardInterrupt:  # before the handlers were there
-        pass
+        sys.exit(128 + signal.SIGINT)
     except BadInput as error:
         sys.stderr.write(f'{error}\n')
         sys.exit(2)
@@ -232,10 +249,11 @@ def run(node_class: type[GraphNode], args: list[str] | None = None) -> None:
         rclpy.try_shutdown()
 
 
-def live(node_class: type[GraphNode]) -> None:
+def live(node_class: type[GraphNode], words: list[str]) -> None:
     """Make a node, let it work until it should stop, and close it whatever happens."""
     node = node_class()  # type: ignore[call-arg]
     try:
+        refuse_unknown(node, words)
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: setattr(node, 'running', False))
         node.work()
