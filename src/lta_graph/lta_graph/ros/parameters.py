@@ -79,6 +79,10 @@ class Parameters(Generic[Model]):
         Pydantic model with a default for every field; nested models become dotted names.
     changed : callable
         Called with the new model after an accepted change.
+    check : callable
+        Called with a model that is valid in itself before it is accepted, at the start as well;
+        raises ValueError (`BadInput`) with the sentence of the refusal where the node cannot work
+        with it.
 
     Raises
     ------
@@ -88,9 +92,14 @@ class Parameters(Generic[Model]):
     """
 
     def __init__(
-        self, node: Node, model: type[Model], changed: Callable[[Model], None] | None = None
+        self,
+        node: Node,
+        model: type[Model],
+        changed: Callable[[Model], None] | None = None,
+        check: Callable[[Model], object] | None = None,
     ) -> None:
         self._model = model
+        self._usable = check
         self._changed = changed
         self._node = node
         self._names = []
@@ -105,13 +114,18 @@ class Parameters(Generic[Model]):
             self.value = self._build({})
         except ValidationError as error:
             raise BadInput(f'{node.get_name()}: parameter {sentence(error)}') from None
+        except ValueError as error:
+            raise BadInput(f'{node.get_name()}: {error}') from None
         node.add_on_set_parameters_callback(self._check)
         node.add_post_set_parameters_callback(self._apply)
 
     def _build(self, changes: Mapping[str, Any]) -> Model:
         current = {name: self._node.get_parameter(name).value for name in self._names}
         # Lax, because ROS hands an array where the model has a tuple.
-        return self._model.model_validate(nested({**current, **changes}), strict=False)
+        built = self._model.model_validate(nested({**current, **changes}), strict=False)
+        if self._usable is not None:
+            self._usable(built)
+        return built
 
     def _ours(self, parameters: list[Parameter]) -> dict[str, Any]:
         return {item.name: item.value for item in parameters if item.name in self._names}
@@ -121,6 +135,8 @@ class Parameters(Generic[Model]):
             self._build(self._ours(parameters))
         except ValidationError as error:
             return SetParametersResult(successful=False, reason=sentence(error))
+        except ValueError as error:
+            return SetParametersResult(successful=False, reason=str(error))
         return SetParametersResult(successful=True)
 
     def _apply(self, parameters: list[Parameter]) -> None:

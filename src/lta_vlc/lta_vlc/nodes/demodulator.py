@@ -6,7 +6,7 @@ from lta_graph.inbox import Step
 from lta_graph.ros.node import GraphNode, run
 from lta_graph.ros.parameters import Parameters
 from lta_vlc.array import bearing, even_ring
-from lta_vlc.demodulation import demodulate, Demodulation, plan_bins
+from lta_vlc.demodulation import Bins, demodulate, Demodulation, plan_bins
 from lta_vlc.lamp import lamp_estimate, LampPrior
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks, to_block
 from sensor_msgs.msg import Image
@@ -23,7 +23,9 @@ class Demodulator(GraphNode):
 
     def __init__(self) -> None:
         super().__init__('demodulator')
-        self._settings = Parameters(self, DemodulatorParameters, changed=self._plan)
+        self._settings = Parameters(
+            self, DemodulatorParameters, changed=self._plan, check=self._bins_of
+        )
         self._plan(self._settings.value)
         self._peaks = self.output('light/peaks')
         self._bearing = self.output('light/bearing')
@@ -31,9 +33,12 @@ class Demodulator(GraphNode):
         self._refused = 0
         self.listen(['photodiodes'], trigger='photodiodes', on_step=self._on_step)
 
-    def _plan(self, settings: DemodulatorParameters) -> None:
+    def _bins_of(self, settings: DemodulatorParameters) -> Bins:
         light = self.table.light
-        self._bins = plan_bins(settings, light.sample_rate.si, light.samples)
+        return plan_bins(settings, light.sample_rate.si, light.samples)
+
+    def _plan(self, settings: DemodulatorParameters) -> None:
+        self._bins = self._bins_of(settings)
 
     def _on_step(self, step: Step) -> None:
         message: Image = step.last('photodiodes')
