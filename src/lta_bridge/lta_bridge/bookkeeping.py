@@ -4,17 +4,24 @@ What a recorder knows of the raw messages it takes: their time, and which have b
 Only the first bytes of a message are read: a stamped message begins with its header's stamp.
 """
 
+from collections.abc import Callable
 import struct
+import time
 from typing import final
 
 from lta_config.topics import TopicTable
 
 _STAMP = {0: struct.Struct('>iI'), 1: struct.Struct('<iI')}  # by the CDR's endianness
 _ENCAPSULATION = 4  # bytes before the message
+_SHORTEST = _ENCAPSULATION + 8  # bytes of a message that has a stamp
+JUMP_NS = 5_000_000_000  # by which a believable stamp can lie ahead of all others
+AGREED = 1.0  # wall seconds of such stamps, with no nearer one: time itself has moved on
 
 
-def stamp_of(data: bytes) -> int:
-    """Return the header stamp of a serialised message. [ns]."""
+def stamp_of(data: bytes) -> int | None:
+    """Return the header stamp of a serialised message, None if it is cut short. [ns]"""
+    if len(data) < _SHORTEST:
+        return None
     seconds, nanoseconds = _STAMP[data[1] & 1].unpack_from(data, _ENCAPSULATION)
     return int(seconds) * 1_000_000_000 + int(nanoseconds)
 
@@ -25,25 +32,43 @@ class Bookkeeping:
     Tell each message's log time and count the gaps.
 
     The log time is graph time: the newest time of publication (stamp plus latency) heard so far,
-    which never runs backwards and is the same whatever the pace of the flight.
+    which never runs backwards and is the same whatever the pace of the flight. A stamp far ahead
+    of all others is not believed: one wild message would date all that follow.
 
     Parameters
     ----------
     table : TopicTable
         Says which topics are stamped and how often they come.
+    lockstep : bool
+        Whether the first message of every topic is known: in real time a recorder may join late.
+    clock : callable
+        Returns wall time. [s]
+
+    Attributes
+    ----------
+    counts, lost, wild, torn : dict of str to int
+        By topic: messages heard, missed on the way, with a stamp that cannot be, and too short.
 
     """
 
-    def __init__(self, table: TopicTable) -> None:
+    def __init__(
+        self, table: TopicTable, lockstep: bool, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._clock = clock
         self._table = table
+        self._lockstep = lockstep
         self._now = table.start_ns
+        self._dated = lockstep  # whether the present is known
+        self._ahead_since: float | None = None
         self._last: dict[str, int] = {}
         self.counts: dict[str, int] = {}
         self.lost: dict[str, int] = {}
+        self.wild: dict[str, int] = {}
+        self.torn: dict[str, int] = {}
 
     def log_time(self, name: str, data: bytes) -> int:
         """
-        Return when a message was heard, and remember it.
+        Return when a message was heard, and remember it. [ns]
 
         Parameters
         ----------
@@ -55,12 +80,35 @@ class Bookkeeping:
         """
         topic = self._table[name]
         self.counts[name] = self.counts.get(name, 0) + 1
-        if topic.stamped and topic.period_ns:
-            stamp = stamp_of(data)
-            self._now = max(self._now, stamp + topic.latency_ns)
-            before = self._last.get(name, stamp - topic.period_ns)
-            missing = (stamp - before) // topic.period_ns - 1
-            if missing > 0:
-                self.lost[name] = self.lost.get(name, 0) + missing
-            self._last[name] = stamp
+        if not (topic.stamped and topic.period_ns):
+            return self._now
+        stamp = stamp_of(data)
+        if stamp is None:
+            self.torn[name] = self.torn.get(name, 0) + 1
+        elif self._believes(stamp + topic.latency_ns):
+            self._count_gap(name, stamp)
+        else:
+            self.wild[name] = self.wild.get(name, 0) + 1
         return self._now
+
+    def _believes(self, published: int) -> bool:
+        """Move the present on to a time of publication, unless that is too far ahead. [ns]"""
+        if self._dated and published > self._now + JUMP_NS:
+            wall = self._clock()
+            self._ahead_since = wall if self._ahead_since is None else self._ahead_since
+            if wall - self._ahead_since < AGREED:
+                return False
+        self._dated = True
+        self._ahead_since = None
+        self._now = max(self._now, published)
+        return True
+
+    def _count_gap(self, name: str, stamp: int) -> None:
+        """Count what should have come between a topic's last stamp and this one."""
+        period = self._table[name].period_ns
+        first = self._table.start_ns if self._lockstep else stamp
+        before = self._last.get(name, first - period)
+        missing = (stamp - before) // period - 1
+        if missing > 0:
+            self.lost[name] = self.lost.get(name, 0) + missing
+        self._last[name] = max(before, stamp)

@@ -3,7 +3,8 @@ When a node may answer: only after every input that the topic table makes due ha
 
 DDS keeps the order within a topic but not between topics. In lockstep each message of a periodic
 topic has a known turn, so a node can tell what is missing, wait for it, and give the same answers
-in every run. In real time nobody waits: a node takes what has come.
+in every run. In real time nobody waits: a node takes what has come, and of what it never takes only
+the newest is kept.
 """
 
 from collections import deque
@@ -12,6 +13,9 @@ from dataclasses import dataclass
 from typing import Any, final
 
 from lta_config.topics import TopicTable
+
+BACKLOG_NS = 2_000_000_000  # of graph time: what is kept for a trigger that has stopped
+BACKLOG = 100  # messages of a topic without a rhythm
 
 
 @final
@@ -67,11 +71,19 @@ class Inbox:
             name: table[name].subscribers.get(role, 0) for name in topics if name != trigger
         }
         self._rhythmic = {name for name in topics if table[name].period_ns}
-        self._queues: dict[str, deque[Any]] = {name: deque() for name in topics}
+        self._queues: dict[str, deque[Any]] = {
+            name: deque(maxlen=None if lockstep or name == trigger else self._backlog(name))
+            for name in topics
+        }
         self._taken = dict.fromkeys(topics, 0)
         self.gaps = dict.fromkeys(topics, 0)
         self._turn = dict.fromkeys(topics, 0)
         self._trigger_stamps: deque[int] = deque()
+
+    def _backlog(self, name: str) -> int:
+        """Return how many messages of a topic are kept in real time until they are taken."""
+        period = self._table[name].period_ns
+        return max(1, BACKLOG_NS // period) if period else BACKLOG
 
     def put(self, topic: str, stamp_ns: int, message: Any) -> None:  # noqa: ANN401
         """

@@ -172,6 +172,31 @@ def test_in_real_time_nobody_waits_and_nothing_is_lost(drawn):
     assert {item: seen[item] + since[item] for item in seen} == everything
 
 
+def test_in_real_time_only_the_newest_waits_for_a_trigger_that_has_stopped():
+    inbox = Reader('estimator', ('imu', 'range', 'pressure', 'motors'), 'imu').inbox(False)
+    for turn in range(5000):
+        inbox.put('range', nth('range', turn), turn)
+    inbox.put('imu', START, 'i0')
+    # 2 s of 25 ms.
+    assert inbox.pop().messages['range'] == list(range(4920, 5000))
+    clock = Inbox(TABLE, 'users', ['wind', '/clock'], 'wind', lockstep=False)
+    for turn in range(5000):
+        clock.put('/clock', 0, turn)
+    clock.put('wind', START, 'w0')
+    assert clock.pop().messages['/clock'] == list(range(4900, 5000))
+
+
+def test_in_lockstep_nothing_is_dropped_however_long_the_trigger_takes():
+    inbox = Reader('estimator', ('imu', 'range'), 'imu').inbox()
+    for turn in range(500):
+        inbox.put('range', nth('range', turn), turn)
+    taken = []
+    for turn in range(1250):
+        inbox.put('imu', nth('imu', turn), turn)
+        taken += inbox.pop().messages['range']
+    assert taken == list(range(500))
+
+
 def test_a_step_by_hand():
     inbox = Reader('estimator', ('imu', 'range', 'pressure', 'motors'), 'imu').inbox()
     inbox.put('imu', START, 'i0')

@@ -58,7 +58,7 @@ class Recorder(GraphNode):
             seed=str(settings.seed),
             time='lockstep' if self.lockstep else 'realtime',
         )
-        self._books = Bookkeeping(self.table)
+        self._books = Bookkeeping(self.table, self.lockstep)
         self._fault = ''
         self._latest = time.monotonic()
         self._writer = BagWriter(Path(settings.bag), origin)
@@ -108,13 +108,26 @@ class Recorder(GraphNode):
                 f"The disk is nearly full, so the bag '{self._writer.path}' ends here, whole; "
                 'make room before the next flight.'
             )
-        lost = sum(self._books.lost.values())
+        self._report()
+
+    def _report(self) -> None:
+        """Tell how many messages came, and what is wrong with which topics."""
+        books = self._books
+        wrong = {'lost': books.lost, 'with a wild stamp': books.wild, 'cut short': books.torn}
+        words = [
+            f'{sum(found.values())} messages {what}' for what, found in wrong.items() if found
+        ]
+        by_topic = {
+            f'{name} {what}': count
+            for what, found in wrong.items()
+            for name, count in found.items()
+        }
         self.health.report(
             'recording',
-            Level.WARN if lost else Level.OK,
-            f'{lost} messages lost' if lost else 'recording',
-            messages=sum(self._books.counts.values()),
-            **{f'lost {name}': count for name, count in self._books.lost.items()},
+            Level.WARN if words else Level.OK,
+            ', '.join(words) or 'recording',
+            messages=sum(books.counts.values()),
+            **by_topic,
         )
 
     def _give_up(self, reason: str) -> None:
