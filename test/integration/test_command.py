@@ -25,7 +25,7 @@ COMMANDS = {
     'launch argument': (['launch', 'fly', 'sed:=2'], "Unknown launch argument 'sed'"),
     'launch pair': (['launch', 'fly', 'seed=2'], "'seed=2' is no launch argument"),
     'launch choice': (['launch', 'fly', 'time:=slow'], "The launch argument 'time' is 'slow'"),
-    'package': (['run', 'lta_nothing', 'x'], "Package 'lta_nothing' is not installed"),
+    'package': (['run', 'lta_nothing', 'x'], "Unknown package 'lta_nothing'; known: lta_analysis, "),
     'executable': (['run', 'lta_vlc', 'x'], "Unknown executable of lta_vlc 'x'"),
     'node word': (['run', 'lta_vlc', 'demodulator', '--loud'], "does not know '--loud'"),
     'node parameter': (

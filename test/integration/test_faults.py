@@ -111,6 +111,19 @@ def test_ctrl_c_at_any_moment_leaves_no_process_and_no_torn_bag(lta, tmp_path, s
         assert read_bag(out / 'bag').complete
 
 
+@pytest.mark.parametrize(
+    ('number', 'status'),
+    [(signal.SIGTERM, 143), pytest.param(signal.SIGHUP, 129, marks=pytest.mark.long)],
+)
+def test_who_ends_or_hangs_up_a_flight_stops_it_in_order(lta, flying, tmp_path, number, status):
+    out = tmp_path / 'out'
+    flight = lta.start('fly', '--no-page', '--time', 'realtime', '--out', out)
+    flying(0.1)
+    os.kill(flight.popen.pid, number)
+    assert (flight.end(), flight.text) == (status, 'Stopped.')
+    assert read_bag(out / 'bag').complete
+
+
 def test_a_second_ctrl_c_changes_nothing(lta, flying, tmp_path):
     out = tmp_path / 'out'
     flight = lta.start('fly', '--no-page', '--out', out)

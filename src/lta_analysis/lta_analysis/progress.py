@@ -28,6 +28,7 @@ class FlightProgress:
             TextColumn('{task.fields[detail]}'),
             console=console,
             transient=True,
+            disable=not console.is_terminal,
         )
         self._task = self._bar.add_task('starting the graph', total=None, detail='')
         self._begin: float | None = None

@@ -11,7 +11,10 @@ from pathlib import Path
 
 from lta_config.errors import BadInput, unknown
 
-MARKERS = Path('share/ament_index/resource_index/packages')
+INDEX = Path('share/ament_index/resource_index')
+MARKERS = INDEX / 'packages'
+MIDDLEWARES = INDEX / 'rmw_typesupport'
+OURS = 'lta_'
 
 
 def prefixes() -> list[Path]:
@@ -32,11 +35,24 @@ def package_prefix(package: str) -> Path:
     for prefix in prefixes():
         if (prefix / MARKERS / package).is_file():
             return prefix
-    where = os.environ.get('AMENT_PREFIX_PATH') or 'which is empty'
+    ours = marked(MARKERS, OURS)
+    if ours:
+        raise unknown('package', package, ours)
     raise BadInput(
-        f"Package '{package}' is not installed under AMENT_PREFIX_PATH ({where}); "
+        f"Package '{package}' is not in AMENT_PREFIX_PATH, nor is any other of LTA; "
         'build the workspace (make build) and source its setup file.'
     )
+
+
+def marked(folder: Path, prefix: str) -> list[str]:
+    """Return the names in one folder of the index that begin with a prefix, in all prefixes."""
+    found = {path.name for item in prefixes() for path in (item / folder).glob(f'{prefix}*')}
+    return sorted(found)
+
+
+def middlewares() -> list[str]:
+    """Return the ROS middlewares that are installed."""
+    return [name for name in marked(MIDDLEWARES, 'rmw_') if name != 'rmw_implementation']
 
 
 def package_share(package: str) -> Path:

@@ -25,6 +25,7 @@ GRACE = 8.0  # seconds from SIGINT to SIGTERM: the recorder must close its bag
 TERM_GRACE = 2.0  # seconds from SIGTERM to SIGKILL
 GROUP_PATIENCE = 1.0  # seconds; a container may have nobody who takes orphans' statuses
 PERIOD = 0.02  # seconds between looks while stopping
+STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 @final
@@ -198,20 +199,23 @@ class Launcher:
 
 @contextmanager
 def _interrupts() -> Iterator[list[int]]:
-    """Count Ctrl-C instead of being interrupted, and raise KeyboardInterrupt afterwards."""
+    """Count Ctrl-C and its like instead of being interrupted, and let the first act afterwards."""
     presses: list[int] = []
 
     def press(number: int, _: FrameType | None) -> None:
         presses.append(number)
 
-    before = signal.getsignal(signal.SIGINT)
-    if threading.current_thread() is not threading.main_thread() or not callable(before):
-        yield presses
-        return
-    signal.signal(signal.SIGINT, press)
+    before = {number: signal.getsignal(number) for number in STOPS}
+    # What is ignored or left to the kernel stays so.
+    heard = {number: handler for number, handler in before.items() if callable(handler)}
+    if threading.current_thread() is not threading.main_thread():
+        heard = {}
+    for number in heard:
+        signal.signal(number, press)
     try:
         yield presses
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in heard.items():
+            signal.signal(number, handler)
     if presses:
-        raise KeyboardInterrupt
+        heard[signal.Signals(presses[0])](presses[0], None)

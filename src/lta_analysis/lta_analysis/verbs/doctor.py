@@ -1,5 +1,6 @@
 """lta doctor: look at this machine."""
 
+from contextlib import nullcontext
 from dataclasses import asdict
 import json as json_text
 import sys
@@ -19,7 +20,8 @@ def doctor(
     Exit status 1 if something keeps LTA from flying; warnings do not.
     """
     console = Console()
-    with console.status('looking at this machine ...'):
+    waiting = console.status('looking at this machine ...')
+    with waiting if console.is_terminal else nullcontext():
         results = list(checks())
     if json:
         sys.stdout.write(json_text.dumps([asdict(item) for item in results], indent=1) + '\n')
