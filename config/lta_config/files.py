@@ -7,6 +7,7 @@ file is checked whole against its pydantic model before anything starts.
 
 from collections.abc import Hashable, Iterable
 from functools import cache
+import io
 import os
 from pathlib import Path
 from typing import Any, TypeVar
@@ -17,6 +18,8 @@ import yaml
 
 SIZE_LIMIT = 1_000_000  # bytes; no file that people write by hand comes near it
 DEPTH_LIMIT = 50  # levels of nesting; thousands of them overflow the C stack of the YAML reader
+# What the YAML reader raises beside its own errors: no such date, a tag that does not fit.
+MISFITS = (ValueError, ArithmeticError, LookupError, TypeError, AttributeError)
 
 
 # Where the files of each kind are shipped.
@@ -99,7 +102,7 @@ def find(kind: str, name: str, suffix: str = '.yaml') -> Path:
 
 def load_yaml(path: Path) -> Any:  # noqa: ANN401 - YAML holds anything
     """
-    Return what a YAML file holds; strict about repeated keys, size and syntax.
+    Return what a YAML file holds; errors as `parse_yaml`, or if it cannot be read at all.
 
     Raises
     ------
@@ -108,28 +111,73 @@ def load_yaml(path: Path) -> Any:  # noqa: ANN401 - YAML holds anything
 
     """
     try:
-        if path.stat().st_size > SIZE_LIMIT:
-            raise BadInput(f'{path} is larger than {SIZE_LIMIT} bytes; that is no file of ours.')
-        with path.open(encoding='utf-8') as stream:
-            _check_depth(path, yaml.parse(stream, Loader=_UniqueKeys))
-            stream.seek(0)
-            return yaml.load(stream, Loader=_UniqueKeys)
-    except BadInput:
-        raise
+        with path.open('rb') as stream:
+            # One byte more tells a larger file, and no more of it is read.
+            data = stream.read(SIZE_LIMIT + 1)
+        return parse_yaml(data.decode('utf-8') if len(data) <= SIZE_LIMIT else data, str(path))
     except (OSError, UnicodeDecodeError) as error:
         raise BadInput(f'{path} cannot be read: {error}.') from None
-    except (yaml.YAMLError, ValueError) as error:  # ValueError: no such date or number
-        where = ' '.join(str(error).split())
-        raise BadInput(f'{path} is not valid YAML: {where}.') from None
 
 
-def _check_depth(path: Path, events: Iterable[yaml.Event]) -> None:
-    depth = 0
+def parse_yaml(text: str | bytes, where: str) -> Any:  # noqa: ANN401 - YAML holds anything
+    """
+    Return what a YAML text holds; strict about repeated keys, size, nesting, aliases and syntax.
+
+    Parameters
+    ----------
+    text : str or bytes
+        Whoever wrote it.
+    where : str
+        What the text is, as the subject of the sentence.
+
+    Raises
+    ------
+    BadInput
+        If it cannot be read as YAML, or would take more memory than its size.
+
+    """
+    if len(text) > SIZE_LIMIT:
+        raise BadInput(f'{where} is larger than {SIZE_LIMIT} bytes; that is no file of ours.')
+    try:
+        _check_shape(where, yaml.parse(_named(text, where), Loader=_UniqueKeys))
+        return yaml.load(_named(text, where), Loader=_UniqueKeys)
+    except BadInput:
+        raise
+    except (yaml.YAMLError, *MISFITS) as error:
+        reason = ' '.join(str(error).split())
+        raise BadInput(f'{where} is not valid YAML: {reason}.') from None
+
+
+def _named(text: str | bytes, where: str) -> io.StringIO | io.BytesIO:
+    """Return a text as a stream whose name the reader puts into its complaints."""
+    stream = io.StringIO(text) if isinstance(text, str) else io.BytesIO(text)
+    stream.name = where
+    return stream
+
+
+def _check_shape(where: str, events: Iterable[yaml.Event]) -> None:
+    """Refuse what is nested too deeply, or grows too large where aliases are written out."""
+    open_: list[tuple[str | None, int]] = []  # anchor, and how much there was before it
+    sizes: dict[str, int] = {}
+    total = 0
     for event in events:
-        depth += isinstance(event, yaml.CollectionStartEvent)
-        depth -= isinstance(event, yaml.CollectionEndEvent)
-        if depth > DEPTH_LIMIT:
-            raise BadInput(f'{path} is nested more than {DEPTH_LIMIT} deep; flatten it.')
+        if isinstance(event, yaml.CollectionEndEvent):
+            anchor, before = open_.pop()
+            if anchor is not None:
+                sizes[anchor] = total - before
+            continue
+        alias = event.anchor if isinstance(event, yaml.AliasEvent) else None
+        if alias is not None and any(anchor == alias for anchor, _ in open_):
+            raise BadInput(f"{where} has the alias '{alias}' in itself; write it out.")
+        total += 1 if alias is None else sizes.get(alias, 1)
+        if isinstance(event, yaml.CollectionStartEvent):
+            open_.append((event.anchor, total))
+        elif isinstance(event, yaml.ScalarEvent) and event.anchor is not None:
+            sizes[event.anchor] = 1
+        if len(open_) > DEPTH_LIMIT:
+            raise BadInput(f'{where} is nested more than {DEPTH_LIMIT} deep; flatten it.')
+        if total > SIZE_LIMIT:
+            raise BadInput(f'{where} holds more than {SIZE_LIMIT} values; use fewer aliases.')
 
 
 def load(model: type[Model], path: Path) -> Model:

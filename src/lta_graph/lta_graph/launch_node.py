@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import final
 
 from lta_config.errors import BadInput
+from lta_config.files import parse_yaml
 from lta_config.topics import is_name
 from lta_graph.launch_actions import Node, Param, PARAMETER_TYPES, Scalar
 from lta_graph.launch_text import command_line, Context, has_substitution, substitute
-import yaml
 
 
 @final
@@ -162,8 +162,8 @@ def _as_yaml(text: str, kind: str | None) -> object:
         except ValueError:
             return text
     try:
-        return yaml.safe_load(text)
-    except yaml.YAMLError:
+        return parse_yaml(text, 'The value')
+    except BadInput:
         return text
 
 

@@ -13,6 +13,11 @@ from lta_config.settings import setting, Settings
 from pydantic import ValidationError
 import pytest
 
+# 10^9 values from nine lines: each alias stands for ten of the line above.
+BOMB = 'a0: &a0 [x]\n' + ''.join(
+    f'a{k}: &a{k} [{", ".join(10 * [f"*a{k - 1}"])}]\n' for k in range(1, 10)
+)
+
 
 class Gains(Settings):
     kp: float = setting(0.5, 'Proportional gain.', unit='1/s', low=0.0, high=2.0)
@@ -65,7 +70,13 @@ def test_a_good_file(write):
         (100 * '[', 'is nested more than 50 deep; flatten it.'),
         (900_000 * '[', 'is nested more than 50 deep; flatten it.'),  # once a crash of libyaml
         (1_000_001 * ' ', 'is larger than 1000000 bytes'),
-        ('name: &a [*a]', 'name: Input should be a valid string.'),
+        ('name: &a [*a]', "has the alias 'a' in itself; write it out."),
+        ('name: *a', 'is not valid YAML: found undefined alias'),
+        (BOMB, 'holds more than 1000000 values; use fewer aliases.'),
+        ('name: !!int ""', 'is not valid YAML: '),
+        ('name: !!bool perhaps', 'is not valid YAML: '),
+        ('name: !!timestamp noon', 'is not valid YAML: '),
+        ('name: &a [1]\ngains: &a [*a]', "has the alias 'a' in itself; write it out."),
         (b'name: \xff', 'cannot be read: '),
         (b'name: \x00', 'is not valid YAML: unacceptable character'),
     ],

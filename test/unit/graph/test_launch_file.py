@@ -359,3 +359,14 @@ def test_substitutions_nest_and_quote(monkeypatch, tmp_path):
     assert made("it's 5 $ and (x)") == "it's 5 $ and (x)"
     assert command_line('a  \'b c\'d $(var s) ""', context) == ['a', 'b cd', 'two words', '']
     assert command_line('', context) == []
+
+
+@pytest.mark.parametrize('value', ['2024-13-45', '[' * 200_000, '!!int ""', 'a: [', '*x', ''])
+def test_what_a_launch_argument_makes_no_value_of_stays_a_text(write, value):
+    given = {'given': value}
+    if not value:
+        with pytest.raises(BadInput, match='must be a number, true, false or text'):
+            node_arguments(write, 'param: [{name: x, value: $(var given)}]', **given)
+        return
+    words = node_arguments(write, 'param: [{name: x, value: $(var given)}]', **given)
+    assert words == ('-p', f'x:={ros_yaml(value)}')

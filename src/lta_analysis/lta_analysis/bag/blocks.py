@@ -106,8 +106,24 @@ def cloud_fields(cloud: PointCloud) -> dict[str, NDArray[np.float64]]:
     dict of str to ndarray, shape (points,)
         Fields of one value a point, row after row.
 
+    Raises
+    ------
+    BadInput
+        If a field is of an unknown type, or layout and data do not fit.
+
     """
     single = [field for field in cloud.fields if field.count == 1]
+    for field in single:
+        if field.datatype not in POINT_TYPES:
+            raise unknown('point field type', str(field.datatype), list(map(str, POINT_TYPES)))
+    if not fits(cloud, single):
+        raise BadInput(
+            f'A point cloud of {cloud.height} x {cloud.width} points of {cloud.point_step} bytes '
+            f'holds {len(cloud.data)} bytes with {cloud.row_step} a row and '
+            f'{len(cloud.fields)} fields, which do not fit; record it again.'
+        )
+    if not single:
+        return {}
     order = '>' if cloud.is_bigendian else '<'
     kind = np.dtype(
         {
@@ -121,6 +137,17 @@ def cloud_fields(cloud: PointCloud) -> dict[str, NDArray[np.float64]]:
     used = np.ascontiguousarray(rows[:, : cloud.width * cloud.point_step])
     points = used.reshape(-1).view(kind)
     return {field.name: points[field.name].astype(np.float64) for field in single}
+
+
+def fits(cloud: PointCloud, fields: Sequence[PointField]) -> bool:
+    """Tell whether fields lie in their points, points in their rows, and rows in the data."""
+    ends = [field.offset + np.dtype(POINT_TYPES[field.datatype]).itemsize for field in fields]
+    return (
+        max(ends, default=0) <= cloud.point_step
+        and cloud.width * cloud.point_step <= cloud.row_step
+        and cloud.height * cloud.row_step <= len(cloud.data)
+        and len({field.name for field in fields}) == len(fields)
+    )
 
 
 def stacked_clouds(clouds: Sequence[PointCloud]) -> dict[str, NDArray[np.float64]]:

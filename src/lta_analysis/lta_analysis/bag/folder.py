@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from lta_config.errors import BadInput
-import yaml
+from lta_config.files import load_yaml
 
 ADVICE = 'give a rosbag2 folder or an .mcap file'
 
@@ -44,12 +44,12 @@ def natural(path: Path) -> tuple[int, str]:
 
 
 def description(folder: Path) -> dict[str, object]:
-    """Return `rosbag2_bagfile_information` of metadata.yaml; empty where there is none."""
+    """Return `rosbag2_bagfile_information` of metadata.yaml; empty where there is none to use."""
     try:
-        content = yaml.safe_load((folder / 'metadata.yaml').read_text(encoding='utf-8'))
-        found = content['rosbag2_bagfile_information']
-    except (OSError, UnicodeDecodeError, yaml.YAMLError, TypeError, KeyError):
+        content = load_yaml(folder / 'metadata.yaml')
+    except BadInput:  # the recording itself tells the same
         return {}
+    found = content.get('rosbag2_bagfile_information') if isinstance(content, dict) else None
     return found if isinstance(found, dict) else {}
 
 

@@ -4,11 +4,10 @@ from collections.abc import Mapping
 from typing import final, NamedTuple, TypeVar
 
 from lta_config.errors import BadInput
-from lta_config.files import sentence
+from lta_config.files import parse_yaml, sentence
 from lta_config.vehicle_file import VehicleFile
 from lta_sim.scenario import Scenario
 from pydantic import BaseModel, ValidationError
-import yaml
 
 Model = TypeVar('Model', bound=BaseModel)
 
@@ -42,11 +41,7 @@ def parsed(model: type[Model], provenance: Mapping[str, str], key: str) -> Model
     if key not in provenance:
         return None
     try:
-        return model.model_validate(yaml.load(provenance[key], yaml.CSafeLoader))
-    except yaml.YAMLError as error:
-        raise BadInput(
-            f"The bag's {key} is no YAML ({' '.join(str(error).split())}); record it again."
-        ) from error
+        return model.model_validate(parse_yaml(provenance[key], f"The bag's {key}"))
     except ValidationError as error:
         raise BadInput(
             f"The bag's {key} is not one that this version reads: {sentence(error)}"
