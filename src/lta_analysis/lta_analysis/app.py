@@ -6,6 +6,7 @@ from lta_analysis.verbs.bag import bag
 from lta_analysis.verbs.doctor import doctor
 from lta_analysis.verbs.fly import fly
 from lta_analysis.verbs.launch import launch
+from lta_analysis.verbs.report import report
 from lta_analysis.verbs.run import run
 from lta_config.errors import BadInput
 import typer
@@ -27,6 +28,7 @@ app.command(context_settings={'ignore_unknown_options': True, 'allow_intersperse
     run
 )
 app.add_typer(bag, name='bag')
+app.command()(report)
 app.command()(doctor)
 
 

@@ -54,7 +54,7 @@ def test_busy_place_is_refused_and_untouched(tmp_path, kind):
     before = sorted(tmp_path.rglob('*'))
     with pytest.raises(
         BadInput,
-        match=r'is (not empty|no folder); choose another (folder|name) or remove it\.$',
+        match=r'(not empty; choose another folder|made \(File exists\); choose another place)',
     ):
         BagWriter(place, {})
     assert sorted(tmp_path.rglob('*')) == before

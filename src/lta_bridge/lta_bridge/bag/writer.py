@@ -29,14 +29,12 @@ def empty_folder(path: Path) -> Path:
     Raises
     ------
     BadInput
-        If it holds something, is no folder, or cannot be made.
+        If it holds something or cannot be made.
 
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
         busy = any(path.iterdir())
-    except FileExistsError:
-        raise BadInput(f"'{path}' is no folder; choose another name or remove it.") from None
     except OSError as error:
         raise BadInput(
             f"Folder '{path}' cannot be made ({error.strerror}); choose another place."

@@ -1,0 +1,37 @@
+"""lta report: the page of a recorded flight, once more."""
+
+from pathlib import Path
+from typing import Annotated
+
+from lta_analysis.bag.folder import bag_files
+from lta_analysis.report.page import write_page
+from lta_analysis.report.pictures import write_pictures
+from lta_bridge.bag.writer import empty_folder
+from rich.console import Console
+import typer
+
+
+def report(
+    bag: Annotated[Path, typer.Argument(help='A rosbag2 folder or an .mcap file.')],
+    out: Annotated[
+        Path | None, typer.Option(help='HTML file of the page; report.html beside the bag.')
+    ] = None,
+    pictures: Annotated[
+        Path | None, typer.Option(help='Folder for each picture as PNG; needs a Chromium.')
+    ] = None,
+) -> None:
+    """
+    Write the page of a recorded flight, and its pictures if a folder for them is given.
+
+    Example: lta report runs/20261120-lamp_room-1/bag --pictures thesis/figures
+    """
+    bag_files(bag)  # nothing is made where there is no bag
+    page = (out or bag.absolute().parent / 'report.html').absolute()
+    if pictures is not None:
+        empty_folder(pictures)
+    write_page(bag, page)
+    console = Console()
+    console.print(f'Page {page}', highlight=False, soft_wrap=True)
+    if pictures is not None:
+        for picture in write_pictures(page, pictures):
+            console.print(f'Picture {picture}', highlight=False, soft_wrap=True)

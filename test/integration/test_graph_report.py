@@ -1,0 +1,48 @@
+"""`lta report`: the page from a bag, and its pictures."""
+
+from lta_analysis.browser import find_chromium
+from lta_analysis.report.panels.registry import PANELS
+from lta_config.errors import BadInput
+import pytest
+
+from ..unit.analysis.report_flight import write_flight  # noqa: TID252 - `test` is Python's own
+
+
+def test_the_page_comes_again_from_the_bag(lta, tmp_path):
+    bag = write_flight(tmp_path / 'run' / 'bag')
+    result = lta.run('report', bag)
+    assert (result.returncode, result.stderr) == (0, '')
+    page = tmp_path / 'run' / 'report.html'
+    assert result.stdout == f'Page {page}\n'
+    assert 'reached it in 12.0 s' in page.read_text()
+    assert lta.run('report', bag / 'bag_0.mcap', '--out', tmp_path / 'x.html').returncode == 0
+    assert (tmp_path / 'x.html').stat().st_size > 1_000_000
+
+
+def test_what_cannot_be_is_one_sentence_and_makes_nothing(lta, tmp_path):
+    bag = write_flight(tmp_path / 'bag', until=1.0)
+    (tmp_path / 'mine').mkdir()
+    (tmp_path / 'mine' / 'thesis.tex').write_text('mine')
+    for words, sentence in (
+        ((tmp_path / 'none', '--pictures', tmp_path / 'new'), 'does not exist'),
+        ((bag, '--pictures', tmp_path / 'mine'), 'is not empty'),
+        ((bag, '--out', tmp_path / 'no' / 'x.html'), 'cannot be written'),
+    ):
+        result = lta.run('report', *words)
+        assert result.returncode == 2
+        assert sentence in result.stderr
+        assert result.stderr.count('\n') == 1
+    assert sorted(path.name for path in tmp_path.iterdir()) == ['bag', 'mine']
+
+
+def test_every_panel_becomes_a_picture(lta, tmp_path):
+    try:
+        find_chromium()
+    except BadInput as reason:
+        pytest.skip(str(reason))
+    bag = write_flight(tmp_path / 'bag')
+    result = lta.run('report', bag, '--pictures', tmp_path / 'figures')
+    assert result.returncode == 0
+    names = {'top', *(panel.name for panel in PANELS)}
+    found = {path.stem: path.read_bytes()[:8] for path in (tmp_path / 'figures').glob('*.png')}
+    assert found == dict.fromkeys(names, b'\x89PNG\r\n\x1a\n')
