@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from lta_config.errors import BadInput, unknown
+from lta_config.sentence import sentence
 from pydantic import BaseModel, ConfigDict, ValidationError
 import yaml
 
@@ -91,7 +92,9 @@ def find(kind: str, name: str, suffix: str = '.yaml') -> Path:
     if '/' in name or name.endswith(('.yaml', '.yml')):
         path = Path(os.path.expanduser(name))  # noqa: PTH111 - Path's own fails for ~nobody
         if not path.is_file():
-            raise BadInput(f'There is no {kind} file {path}; check the path.')
+            raise BadInput(
+                f'There is no {kind.removesuffix(" file")} file {path}; check the path.'
+            )
         return path
     folder = FOLDERS[kind]
     names = known(folder, suffix)
@@ -197,18 +200,3 @@ def load(model: type[Model], path: Path) -> Model:
         return model.model_validate(content)
     except ValidationError as error:
         raise BadInput(f'{path}: {sentence(error)}') from None
-
-
-def sentence(error: ValidationError) -> str:
-    """Return the first problem of a pydantic error as one sentence."""
-    first = error.errors()[0]
-    where = '.'.join(str(part) for part in first['loc']) or 'the file'
-    if first['type'] == 'extra_forbidden':
-        return f"the key '{where}' is not known; remove it or correct its spelling."
-    if first['type'] == 'missing':
-        return f"the key '{where}' is missing; add it."
-    text = first['msg'].removeprefix('Value error, ')
-    given = first.get('input')
-    if first['type'] == 'value_error' or isinstance(given, dict | list):
-        return f'{where} {text}.' if first['type'] == 'value_error' else f'{where}: {text}.'
-    return f'{where} is {given!r}: {text[:1].lower()}{text[1:]}.'

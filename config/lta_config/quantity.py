@@ -9,7 +9,13 @@ import math
 import re
 from typing import Any, final
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    model_validator,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+)
 
 UNITS: dict[str, tuple[str, float]] = {
     # unit as written: (SI unit, factor)
@@ -97,7 +103,7 @@ class Quantity(BaseModel):
     @classmethod
     def _from_text(cls, given: Any) -> Any:  # noqa: ANN401 - whatever the file held
         if isinstance(given, bool | int | float):
-            raise ValueError(f'{given} has no unit; write for example "{given} m"')
+            raise ValueError(f'{given} has no unit; write it behind the number, as in "7 m"')
         if isinstance(given, str):
             match = _TEXT.match(given)
             if match is None or match.group(2) is None:
@@ -147,7 +153,7 @@ def si(
     above: float | None = None,
     length: int = 1,
     sourced: bool = False,
-) -> AfterValidator:
+) -> WrapValidator:
     """
     Return the check of a field that holds a quantity: `Annotated[Quantity, si('kg', above=0)]`.
 
@@ -166,19 +172,50 @@ def si(
 
     """
 
-    def check(quantity: Quantity) -> Quantity:
-        given = f'{quantity.value} {quantity.unit}'
+    def check(given: Any, read: ValidatorFunctionWrapHandler) -> Quantity:  # noqa: ANN401
+        if isinstance(given, int | float) and not isinstance(given, bool):
+            raise ValueError(f'{given} has no unit; write for example "{given} {dimension}"')
+        quantity: Quantity = read(given)
         if quantity.dimension != dimension:
             raise ValueError(f'is in {quantity.unit}, but must be in {dimension} or its like')
         if len(quantity.vector) != length:
             raise ValueError(f'has {len(quantity.vector)} numbers, but needs {length}')
-        for number in quantity.vector:
-            if above is not None and not number > above:
-                raise ValueError(f'is {given}, but must be above {above:g} {dimension}')
-            if not low <= number <= high:
-                raise ValueError(f'is {given}, but must lie in [{low:g}, {high:g}] {dimension}')
+        floor = -math.inf if above is None else above
+        if not all(low <= number <= high and number > floor for number in quantity.vector):
+            allowed = bounds(low if above is None else None, above, high, quantity.unit)
+            raise ValueError(f'is {written(quantity)}, but must be {allowed}')
         if sourced and not quantity.source:
             raise ValueError('has no source; add "source: ..." (measured, datasheet, assumed...)')
         return quantity
 
-    return AfterValidator(check)
+    return WrapValidator(check)
+
+
+def written(quantity: Quantity) -> str:
+    """Return a quantity as people write it: `[0, 0, -8] cm`."""
+    numbers = quantity.value if isinstance(quantity.value, tuple) else [quantity.value]
+    texts = [f'{number:.12g}' for number in numbers]
+    text = f'[{", ".join(texts)}]' if isinstance(quantity.value, tuple) else texts[0]
+    return with_unit(text, quantity.unit)
+
+
+def with_unit(text: str, unit: str) -> str:
+    """Return a number with its unit; a bare number has none."""
+    return text if unit == '1' else f'{text} {unit}'
+
+
+def bounds(low: float | None, above: float | None, high: float, unit: str) -> str:
+    """Return the bounds of a quantity in words and in a unit; the bounds themselves are in SI."""
+    factor = UNITS[unit][1]
+    least, floor, most = (
+        None if number is None or math.isinf(number) else f'{number / factor:.6g}'
+        for number in (low, above, high)
+    )
+    if least is not None and most is not None:
+        return with_unit(f'from {least} to {most}', unit)
+    words = [
+        word + number
+        for word, number in (('at least ', least), ('above ', floor), ('at most ', most))
+        if number is not None
+    ]
+    return with_unit(' and '.join(words), unit)

@@ -25,7 +25,10 @@ COMMANDS = {
     'launch argument': (['launch', 'fly', 'sed:=2'], "Unknown launch argument 'sed'"),
     'launch pair': (['launch', 'fly', 'seed=2'], "'seed=2' is no launch argument"),
     'launch choice': (['launch', 'fly', 'time:=slow'], "The launch argument 'time' is 'slow'"),
-    'package': (['run', 'lta_nothing', 'x'], "Unknown package 'lta_nothing'; known: lta_analysis, "),
+    'package': (
+        ['run', 'lta_nothing', 'x'],
+        "Unknown package 'lta_nothing'; known: lta_analysis, ",
+    ),
     'executable': (['run', 'lta_vlc', 'x'], "Unknown executable of lta_vlc 'x'"),
     'node word': (['run', 'lta_vlc', 'demodulator', '--loud'], "does not know '--loud'"),
     'node parameter': (
@@ -44,7 +47,7 @@ VEHICLES = {
     'unknown key': ('about:', 'abuot: x\nabout:', "the key 'abuot' is not known"),
     'missing unit': ('{value: 116.8, unit: g,', '{value: 116.8,', 'has no unit'),
     'no unit at all': ('{value: 2, unit: g, source', '{value: 2, unit: parsec, source', 'parsec'),
-    'negative mass': ('value: 116.8', 'value: -116.8', 'must be above 0 kg'),
+    'negative mass': ('value: 116.8', 'value: -116.8', 'must be above 0 and at most'),
     'not a number': ('value: 116.8', 'value: .nan', 'not a finite number'),
     'no number': ('value: 116.8', 'value: heavy', 'heavy'),
     'not yaml': ('schema: 1', 'schema: [1', 'is not valid YAML'),

@@ -1,7 +1,8 @@
 """The gains of a vehicle, from the ROS parameter file that its controller gets."""
 
 from lta_config.errors import BadInput
-from lta_config.files import find, load_yaml, sentence
+from lta_config.files import find, load_yaml
+from lta_config.sentence import sentence
 from lta_control.cascade import CascadeGains
 from pydantic import ValidationError
 

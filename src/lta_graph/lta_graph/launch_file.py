@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import Any, final
 
 from lta_config.errors import BadInput, unknown
-from lta_config.files import load_yaml, sentence
+from lta_config.files import load_yaml
+from lta_config.sentence import sentence
 from lta_graph.launch_actions import (
     Action,
     ACTIONS,

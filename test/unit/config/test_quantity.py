@@ -5,8 +5,9 @@ from typing import Annotated
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_config.files import Record, sentence
+from lta_config.files import Record
 from lta_config.quantity import Quantity, si, UNITS
+from lta_config.sentence import sentence
 from pydantic import ValidationError
 import pytest
 
@@ -77,8 +78,8 @@ class Part(Record):
 @pytest.mark.parametrize(
     ('given', 'message'),
     [
-        ({'mass': 1}, 'mass 1 has no unit; write for example "1 m".'),
-        ({'mass': True}, 'mass True has no unit; write for example "True m".'),
+        ({'mass': 1}, 'mass 1 has no unit; write for example "1 kg".'),
+        ({'mass': True}, 'mass True has no unit; write it behind the number, as in "7 m".'),
         ({'mass': 'kg'}, 'mass "kg" is not a number and a unit, such as "7 m".'),
         ({'mass': '7'}, 'mass "7" is not a number and a unit, such as "7 m".'),
         ({'mass': 'nan kg'}, 'mass "nan kg" is not a number and a unit, such as "7 m".'),
@@ -94,13 +95,16 @@ class Part(Record):
         ({'mass': {'value': 1, 'unit': 'kg', 'sorce': 'x'}}, "the key 'mass.sorce' is not known;"),
         ({'mass': '1 lb'}, 'mass has the unknown unit "lb"; known: 1, %, m, cm'),
         ({'mass': '1 m'}, 'mass is in m, but must be in kg or its like.'),
-        ({'mass': '0 g'}, 'mass is 0.0 g, but must be above 0 kg.'),
-        ({'mass': '-3 g'}, 'mass is -3.0 g, but must be above 0 kg.'),
-        ({'mass': '5001 g'}, 'mass is 5001.0 g, but must lie in [-inf, 5] kg.'),
+        ({'mass': '0 g'}, 'mass is 0 g, but must be above 0 and at most 5000 g.'),
+        ({'mass': '-3 g'}, 'mass is -3 g, but must be above 0 and at most 5000 g.'),
+        ({'mass': '5001 g'}, 'mass is 5001 g, but must be above 0 and at most 5000 g.'),
         ({'mass': '1 g'}, 'mass has no source; add "source: ..." (measured, datasheet, assumed'),
         ({'place': '1 m'}, 'place has 1 numbers, but needs 3.'),
         ({'place': {'value': [], 'unit': 'm'}}, 'place has 0 numbers, but needs 3.'),
-        ({'place': {'value': [0, 0, 1.1], 'unit': 'm'}}, 'must lie in [-1, 1] m.'),
+        (
+            {'place': {'value': [0, 0, 1.1], 'unit': 'm'}},
+            'is [0, 0, 1.1] m, but must be from -1 to 1 m.',
+        ),
     ],
 )
 def test_what_is_wrong_is_said_in_one_sentence(given, message):

@@ -96,8 +96,8 @@ ROW = '{type: std_msgs/msg/Bool, unit: "", frame: "", qos: default, from: a, to:
     ('text', 'message'),
     [
         (HEAD, "the key 'topics' is missing"),
-        (HEAD.replace('schema: 1', 'schema: 2'), 'schema is 2: input should be 1'),
-        (HEAD.replace('10 ms', '0 ms'), 'control_period is 0.0 ms, but must be above 0 s'),
+        (HEAD.replace('schema: 1', 'schema: 2'), 'schema is 2, but must be 1'),
+        (HEAD.replace('10 ms', '0 ms'), 'control_period is 0 ms, but must be above 0'),
         (HEAD + f'topics: {{x: {ROW.replace("default", "best")}}}', "topics.x.qos is 'best'"),
         (HEAD + f'topics: {{x: {ROW.replace("/msg", "")}}}', 'topics.x.type is'),
         (HEAD + f'topics: {{x: {ROW.replace("to: {}", "to: {b: 0.5}")}}}', 'topics.x.to.b is 0.5'),

@@ -58,14 +58,14 @@ def test_an_unknown_gain_is_refused(tmp_path, shipped):
 @pytest.mark.parametrize(
     ('key', 'value', 'message'),
     [
-        ('altitude_kp', -1.0, 'altitude_kp is -1.0: input should be greater than or equal to 0.'),
-        ('climb_limit', 9.0, 'climb_limit is 9.0: input should be less than or equal to 2.'),
-        ('drift_limit', 'wide', "drift_limit is 'wide': input should be a valid number"),
-        ('altitude_kp', '0.6', "altitude_kp is '0.6': input should be a valid number."),
-        ('altitude_kp', True, 'altitude_kp is True: input should be a valid number.'),
-        ('turn_first', float('nan'), 'turn_first is nan: input should be'),
-        ('altitude_kp', float('inf'), 'altitude_kp is inf: input should be less than'),
-        ('turn_first', float('inf'), 'turn_first is inf: input should be'),
+        ('altitude_kp', -1.0, 'altitude_kp is -1.0, but must be at least 0.'),
+        ('climb_limit', 9.0, 'climb_limit is 9.0, but must be at most 2.'),
+        ('drift_limit', 'wide', "drift_limit is 'wide', but must be a number"),
+        ('altitude_kp', '0.6', "altitude_kp is '0.6', but must be a number."),
+        ('altitude_kp', True, 'altitude_kp is True, but must be a number.'),
+        ('turn_first', float('nan'), 'turn_first is nan, but must be'),
+        ('altitude_kp', float('inf'), 'altitude_kp is inf, but must be at most'),
+        ('turn_first', float('inf'), 'turn_first is inf, but must be'),
     ],
 )
 def test_a_wrong_gain_is_refused(tmp_path, shipped, key, value, message):

@@ -293,7 +293,9 @@ def test_the_sentence_names_the_file(tmp_path):
     path.write_text(yaml.safe_dump(changed(('parts.battery.mass', given(-1, 'g')))))
     with pytest.raises(BadInput) as caught:
         load_vehicle(str(path))
-    assert str(caught.value) == (f'{path}: parts.battery.mass is -1.0 g, but must be above 0 kg.')
+    assert str(caught.value) == (
+        f'{path}: parts.battery.mass is -1 g, but must be above 0 and at most 100000 g.'
+    )
 
 
 def test_a_derived_effect_cannot_be_overridden_in_silence():

@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from typing import final, NamedTuple, TypeVar
 
 from lta_config.errors import BadInput
-from lta_config.files import parse_yaml, sentence
+from lta_config.files import parse_yaml
+from lta_config.sentence import sentence
 from lta_config.vehicle_file import VehicleFile
 from lta_sim.scenario import Scenario
 from pydantic import BaseModel, ValidationError
