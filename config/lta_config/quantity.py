@@ -74,6 +74,7 @@ UNITS: dict[str, tuple[str, float]] = {
     'lm/W': ('lm/W', 1.0),
 }
 
+UNSOURCED = 'has no source; add "source: ..." (measured, datasheet, assumed...)'
 _TEXT = re.compile(r'(?a)^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*$')
 
 
@@ -176,19 +177,33 @@ def si(
         if isinstance(given, int | float) and not isinstance(given, bool):
             raise ValueError(f'{given} has no unit; write for example "{given} {dimension}"')
         quantity: Quantity = read(given)
-        if quantity.dimension != dimension:
-            raise ValueError(f'is in {quantity.unit}, but must be in {dimension} or its like')
-        if len(quantity.vector) != length:
-            raise ValueError(f'has {len(quantity.vector)} numbers, but needs {length}')
-        floor = -math.inf if above is None else above
-        if not all(low <= number <= high and number > floor for number in quantity.vector):
-            allowed = bounds(low if above is None else None, above, high, quantity.unit)
-            raise ValueError(f'is {written(quantity)}, but must be {allowed}')
+        if complaint := misfit(quantity, dimension, low, high, above, length):
+            raise ValueError(complaint)
         if sourced and not quantity.source:
-            raise ValueError('has no source; add "source: ..." (measured, datasheet, assumed...)')
+            raise ValueError(UNSOURCED)
         return quantity
 
     return WrapValidator(check)
+
+
+def misfit(
+    quantity: Quantity,
+    dimension: str,
+    low: float = -math.inf,
+    high: float = math.inf,
+    above: float | None = None,
+    length: int = 1,
+) -> str | None:
+    """Return what is wrong with a quantity, to be put behind its name; parameters as `si`."""
+    if quantity.dimension != dimension:
+        return f'is in {quantity.unit}, but must be in {dimension} or its like'
+    if len(quantity.vector) != length:
+        return f'has {len(quantity.vector)} numbers, but needs {length}'
+    floor = -math.inf if above is None else above
+    if all(low <= number <= high and number > floor for number in quantity.vector):
+        return None
+    allowed = bounds(low if above is None else None, above, high, quantity.unit)
+    return f'is {written(quantity)}, but must be {allowed}'
 
 
 def written(quantity: Quantity) -> str:

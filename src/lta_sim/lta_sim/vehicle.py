@@ -14,7 +14,8 @@ from typing import final
 
 from lta_config.constants import AIR_DENSITY, STANDARD_GRAVITY
 from lta_config.errors import BadInput
-from lta_config.quantity import Quantity
+from lta_config.files import find
+from lta_config.quantity import misfit, Quantity, UNSOURCED
 from lta_config.vehicle_file import load_vehicle_file, Part, VehicleFile
 from lta_energy.battery import Battery
 from lta_energy.loads import Loads
@@ -281,16 +282,21 @@ def _by_axis(values: Vector) -> dict[str, float]:
 
 def _checked(name: str, given: Mapping[str, Quantity]) -> dict[str, float]:
     """Return an effect's parameters in SI, each in the unit that the effect declares."""
-    declared = {parameter.name: parameter.unit for parameter in effects.get(name).parameters}
+    declared = {parameter.name: parameter for parameter in effects.get(name).parameters}
     for key, quantity in given.items():
-        unit = declared.get(key, quantity.dimension)
-        if quantity.dimension != unit:
-            raise BadInput(f'effects.{name}.{key} is in {quantity.unit}, but must be in {unit}.')
-        if not quantity.source:
-            raise BadInput(f'effects.{name}.{key} has no source; add "source: ...".')
+        wrong = None if quantity.source else UNSOURCED
+        if (known := declared.get(key)) is not None:  # else the model refuses it
+            ends = () if quantity.vector == (known.null,) else (known.low, known.high)
+            wrong = misfit(quantity, known.unit, *ends) or wrong
+        if wrong:
+            raise BadInput(f'effects.{name}.{key} {wrong}.')
     return {key: quantity.si for key, quantity in given.items()}
 
 
 def load_vehicle(name: str, air_density: float = AIR_DENSITY) -> Vehicle:
     """Return a vehicle by shipped name or path; anything wrong is a `BadInput` sentence."""
-    return Vehicle(load_vehicle_file(name), air_density)
+    file = load_vehicle_file(name)
+    try:
+        return Vehicle(file, air_density)
+    except BadInput as error:
+        raise BadInput(f'{find("vehicle", name)}: {error}') from None

@@ -243,20 +243,35 @@ def test_unknown_parameter():
 
 def test_parameter_in_the_wrong_unit():
     assert refused(('effects.motor_lag.up', given(72, 'cm'))) == (
-        'effects.motor_lag.up is in cm, but must be in s.'
+        'effects.motor_lag.up is in cm, but must be in s or its like.'
     )
 
 
 def test_parameter_without_a_source():
     assert refused(('effects.motor_lag.up', '72 ms')) == (
-        'effects.motor_lag.up has no source; add "source: ...".'
+        'effects.motor_lag.up has no source; add "source: ..." (measured, datasheet, assumed...).'
     )
 
 
 def test_parameter_out_of_bounds():
     assert refused(('effects.motor_lag.up', given(72, 's'))) == (
-        'motor_lag.up is 72 s; give a value from 0.001 to 10.'
+        'effects.motor_lag.up is 72 s, but must be from 0.001 to 10 s.'
     )
+    assert refused(('effects.motor_lag.up', given(0.1, 'us'))) == (
+        'effects.motor_lag.up is 0.1 us, but must be from 1000 to 1e+07 us.'
+    )
+    assert refused(('effects.motor_lag.up', given(0, 'm'))) == (
+        'effects.motor_lag.up is in m, but must be in s or its like.'
+    )
+
+
+def test_what_the_whole_vehicle_lacks_names_its_file(tmp_path):
+    path = tmp_path / 'mine.yaml'
+    path.write_text(find('vehicle', 'gtmab').read_text().replace('value: 116.8', 'value: 1168', 1))
+    with pytest.raises(BadInput) as caught:
+        load_vehicle(str(path))
+    assert str(caught.value).startswith(f'{path}: gtmab is ')
+    assert 'too heavy' in str(caught.value)
 
 
 def test_parameters_that_contradict_each_other():
