@@ -3,8 +3,8 @@ When a node may answer: only after every input that the topic table makes due ha
 
 DDS keeps the order within a topic but not between topics. In lockstep each message of a periodic
 topic has a known turn, so a node can tell what is missing, wait for it, and give the same answers
-in every run. In real time nobody waits: a node takes what has come, and of what it never takes only
-the newest is kept.
+in every run. In real time nobody waits: a node takes what has come, and of what it does not take
+only the newest is kept.
 """
 
 from collections import deque
