@@ -38,7 +38,7 @@ class Outcome(StrEnum):
     """How a flight stands."""
 
     FLYING = 'flying'
-    REACHED = 'reached the lamp'
+    REACHED = 'reached its goal'
     TIMEOUT = 'ran out of time'
     ESCAPED = 'left the room'
 

@@ -7,9 +7,11 @@ import re
 from lta_analysis.bag import open_flight
 from lta_analysis.report import page as page_module
 from lta_analysis.report import write_page
+from lta_analysis.report.page import commands_html
 from lta_analysis.report.panels.registry import PANELS
 from lta_analysis.report.track import track_of
 from lta_analysis.report.view import View
+from lta_analysis.typed import near
 from lta_config.errors import BadInput
 import numpy as np
 from plotly.graph_objects import Figure
@@ -93,6 +95,18 @@ def test_page_says_the_outcome_and_where_the_truth_comes_from(reading):
     assert '8.4 s is 0.87 m/s, not 0.5 m/s' in reading.text
     command = 'lta fly --vehicle gtmab --scenario lamp_room --strategy bag --seed 7'
     assert f'{command} --time lockstep' in reading.text
+
+
+def test_page_shows_commands_that_can_be_copied(tmp_path, monkeypatch):
+    view = View(open_flight(write_flight(tmp_path / 'my runs' / 'bag', until=6.0)))
+    monkeypatch.setenv('LTA_CALLED', './lta')
+    monkeypatch.chdir(tmp_path)
+    lines = commands_html(view, near(tmp_path / 'my runs' / 'bag'))
+    assert '>./lta bag info &#x27;my runs/bag&#x27;<' in lines
+    assert re.search(r'>plotjuggler -d &#x27;my runs/bag/\w+\.mcap&#x27;<', lines)
+    played = lines.split('ros2 bag play ')[1].split('<')[0]
+    assert ('--clock' in played) is ('/clock' not in view.flight.bag.topics)
+    assert '>./lta fly --vehicle gtmab ' in lines
 
 
 def test_page_is_small_enough_to_send(written):

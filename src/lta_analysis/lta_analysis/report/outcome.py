@@ -76,7 +76,7 @@ def tiles(results: Results) -> list[Tile]:
         Tile('Signal to noise', f'{number(r.snr_start, 0)} → {number(r.snr_end, 0)}', '',
              'best diode, first and last half second'),
         Tile('Power', number(r.cruise_power), 'W',
-             f'{amount(r.energy, "J", 1)} from the cell for the flight'),
+             f'{amount(r.energy, "J", 1)} from the cell, from leaving the ground to the goal'),
         Tile('Heading drift', number(r.heading_drift, 1, DEGREES), '°',
              'of the estimate, at the end'),
     ]  # fmt: skip
@@ -102,7 +102,7 @@ def table(results: Results) -> list[Row]:
         Row('nose off the lamp, RMS, cruise', amount(r.heading_error, '°', 1, DEGREES)),
         Row('bearing error, RMS', amount(r.bearing_error, '°', 1, DEGREES)),
         Row('power, cruise', amount(r.cruise_power, 'W'), '1.52 to 1.54 W'),
-        Row('energy of the flight', amount(r.energy, 'J', 1)),
+        Row('energy from leaving the ground to the goal', amount(r.energy, 'J', 1)),
         Row('estimated altitude, RMS error', amount(r.altitude_estimate_error, 'cm', 1, 100.0)),
         Row('estimated airspeed, RMS error', amount(r.airspeed_estimate_error, 'm/s')),
         Row('estimated heading, RMS error', amount(r.heading_estimate_error, '°', 1, DEGREES)),

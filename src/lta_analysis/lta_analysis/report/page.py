@@ -4,18 +4,20 @@ from collections.abc import Mapping
 from html import escape
 from importlib.resources import files
 import json
-import os
 from pathlib import Path
+import shlex
 from string import Template
 from typing import Final
 
 from lta_analysis.bag.flight import Flight, open_flight
+from lta_analysis.bag.folder import bag_files
 from lta_analysis.report.outcome import sentence, table, tiles
 from lta_analysis.report.palette import DARK
 from lta_analysis.report.panels.registry import Panel, PANELS
 from lta_analysis.report.results import Results, results_of
 from lta_analysis.report.track import track_of
 from lta_analysis.report.view import View
+from lta_analysis.typed import near, typed
 from lta_config.errors import BadInput
 from plotly.offline import get_plotlyjs
 
@@ -51,7 +53,7 @@ def write_page(bag: Path, out: Path) -> Results:
     flight = open_flight(bag)
     view = View(flight)
     results = results_of(view)
-    text = page(view, results, os.path.relpath(bag, out.parent))
+    text = page(view, results, bag)
     try:
         out.write_text(text, encoding='utf-8')
     except OSError as error:
@@ -61,8 +63,8 @@ def write_page(bag: Path, out: Path) -> Results:
     return results
 
 
-def page(view: View, results: Results, bag: str) -> str:
-    """Return the whole page; `bag` is how the reader finds the recording from it."""
+def page(view: View, results: Results, bag: Path) -> str:
+    """Return the whole page of a flight in a bag."""
     assets = files('lta_analysis.report') / 'assets'
     text = {name: (assets / name).read_text(encoding='utf-8') for name in ASSETS}
     sections = {panel.name: section(panel, view) for panel in PANELS}
@@ -75,7 +77,7 @@ def page(view: View, results: Results, bag: str) -> str:
         hero=sections.pop('path'),
         panels='\n'.join(sections.values()),
         facts=facts_html(view.flight),
-        commands=commands_html(view.provenance, bag),
+        commands=commands_html(view, near(bag)),
         files='\n'.join(
             file_html(key, view.provenance[key]) for key in FILES if key in view.provenance
         ),
@@ -158,17 +160,21 @@ def facts_html(flight: Flight) -> str:
     )
 
 
-def commands_html(provenance: Mapping[str, str], bag: str) -> str:
+def commands_html(view: View, bag: Path) -> str:
     """Return how to look further, and how to fly it again."""
+    provenance = view.provenance
     options = [
-        f'--{key} {provenance[key]}' for key in ('vehicle', 'scenario', 'strategy', 'seed', 'time')
-        if key in provenance
+        word for key in ('vehicle', 'scenario', 'strategy', 'seed', 'time')
+        if key in provenance for word in (f'--{key}', provenance[key])
     ]  # fmt: skip
+    # A bag with a /clock brings the time itself; a second one would contradict it.
+    clock = [] if '/clock' in view.flight.bag.topics else ['--clock']
     lines = [
-        ('List what was recorded', f'lta bag info {bag}'),
-        ('Plot any topic', f'plotjuggler -d {bag}'),
-        ('Replay in ROS 2', f'ros2 bag play {bag} --clock'),
-        ('Fly it again', ' '.join(['lta fly', *options])),
+        ('List what was recorded', typed('bag', 'info', bag)),
+        # PlotJuggler opens files, not folders.
+        ('Plot any topic', shlex.join(['plotjuggler', '-d', str(bag_files(bag)[0])])),
+        ('Replay in ROS 2', shlex.join(['ros2', 'bag', 'play', str(bag), *clock])),
+        ('Fly it again', typed('fly', *options)),
     ]
     return '\n'.join(
         f'<div><dt>{escape(what)}</dt><dd><code>{escape(line)}</code></dd></div>'

@@ -2,12 +2,19 @@
 
 import json as json_text
 from pathlib import Path
+import shlex
 import sys
 from typing import Annotated, Literal
 
-from lta_analysis.flight import fly_once, Order
+from lta_analysis.bag.flight import open_flight
+from lta_analysis.flight import Flown, fly_once, Order
 from lta_analysis.progress import FlightProgress
+from lta_analysis.report.outcome import sentence
 from lta_analysis.report.page import write_page
+from lta_analysis.report.results import Results, results_of
+from lta_analysis.report.view import View
+from lta_analysis.typed import near, typed
+from lta_config.errors import BadInput
 from rich.console import Console
 import typer
 
@@ -30,8 +37,10 @@ def fly(
     """
     Fly: the whole graph, one process a node, recorded to MCAP and reported as a page.
 
-    In lockstep a seed gives the same flight every time, byte for byte. Exit status 0 if the drone
-    reached its goal, 1 if it did not or a node died, 2 on bad input.
+    In lockstep a seed gives the same flight every time, byte for byte.
+
+    Exit status 0: the drone reached its goal. 1: it did not, or a node died. 2: bad input.
+    130: Ctrl-C (143: SIGTERM, 129: SIGHUP).
 
     Example: lta fly --seed 3 --time realtime
     """
@@ -39,26 +48,54 @@ def fly(
     order = Order(vehicle, scenario, strategy, seed, time, out)
     with FlightProgress(console) as progress:
         flight = fly_once(order, progress)
-    results: dict[str, object] = {
+    target = flight.folder / 'report.html' if page else None
+    figures = reported(flight, target)
+    if json:
+        sys.stdout.write(json_text.dumps(printed(flight, figures, target), indent=1) + '\n')
+    console.print(told(flight, figures), highlight=False, soft_wrap=True)
+    if figures is not None:
+        show_files(flight.bag, target, console)
+    if flight.outcome != 'reached':
+        raise typer.Exit(1)
+
+
+def reported(flight: Flown, page: Path | None) -> Results | None:
+    """Return the results, and write the page; None for a broken flight without a recording."""
+    try:
+        if page is not None:
+            return write_page(flight.bag, page)
+        return results_of(View(open_flight(flight.bag)))
+    except BadInput:
+        if flight.outcome == 'failed':
+            return None
+        raise
+
+
+def printed(flight: Flown, figures: Results | None, page: Path | None) -> dict[str, object]:
+    """Return what --json prints."""
+    pages = {} if page is None or figures is None else {'page': str(page)}
+    return {
         'outcome': flight.outcome,
         'pace': flight.pace,
         'bag': str(flight.bag),
-        'units': {'pace': '1'},
+        **({} if figures is None else figures.to_dict()),
+        **pages,
+        'units': {'pace': '1', **({} if figures is None else figures.units())},
     }
-    if page:
-        target = flight.folder / 'report.html'
-        figures = write_page(flight.bag, target)
-        results |= figures.to_dict() | {'page': str(target)}
-        results['units'] = {'pace': '1', **figures.units()}
-    if json:
-        sys.stdout.write(json_text.dumps(results, indent=1) + '\n')
-    console.print(f'The drone {flight.sentence}.', highlight=False)
-    if page:
-        console.print(
-            f'Bag  {flight.bag}  (drop it into Foxglove, or: lta bag info {flight.bag})\n'
-            f'Page {target}  (open it in a browser: xdg-open {target})',
-            highlight=False,
-            soft_wrap=True,
-        )
-    if flight.outcome != 'reached':
-        raise typer.Exit(1)
+
+
+def told(flight: Flown, figures: Results | None) -> str:
+    """Return the outcome in one sentence: the page's own, and what else the simulator knows."""
+    if figures is None or flight.outcome == 'failed':
+        return f'The drone {flight.sentence}.'
+    if flight.outcome == 'reached':
+        return f'{sentence(figures)}.'
+    return f'{sentence(figures)}; it {flight.sentence}.'
+
+
+def show_files(bag: Path, page: Path | None, console: Console) -> None:
+    """Print where the results are and how to look at them."""
+    lines = [f'Bag  {bag}  (drop it into Foxglove, or: {typed("bag", "info", near(bag))})']
+    if page is not None:
+        lines.append(f'Page {page}  (open it in a browser: xdg-open {shlex.quote(str(page))})')
+    console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

@@ -26,5 +26,7 @@ def picture(view: View) -> Figure:
     figure.update_yaxes(title_text='power [W]', row=1)
     figure.update_yaxes(title_text='energy [J]', row=2)
     label_ends(figure, labels, extent(*shown))
-    label_ends(figure, [Label(f'{energy[-1]:.1f} J', energy[-1], ESTIMATE)], extent(energy), 2)
+    label_ends(
+        figure, [Label(f'{energy[-1]:.1f} J in all', energy[-1], ESTIMATE)], extent(energy), 2
+    )
     return figure

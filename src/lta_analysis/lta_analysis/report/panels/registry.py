@@ -103,7 +103,7 @@ PANELS: Final = (
         'power',
         'Power and energy',
         'Electrical power out of the cell and from the solar panel, and the energy taken from the '
-        'cell since the recording started.',
+        'cell since the recording started, standing on the ground included.',
         ('battery',),
         power.picture,
     ),
