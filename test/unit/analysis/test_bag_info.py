@@ -4,7 +4,8 @@ from io import StringIO
 import json
 
 from lta_analysis.bag import bag_info
-from lta_analysis.bag.info import show
+from lta_analysis.bag.folder import bag_in
+from lta_analysis.bag.info import BagInfo, show
 from rich.console import Console
 
 
@@ -45,6 +46,27 @@ def test_table_shows_topics_provenance_and_losses(flight_bag):
     assert row.split() == ['/lta1/odom', 'nav_msgs/msg/Odometry', '40', '100.0']
     assert 'seed: 11' in lines
     assert any(line.startswith('The recording was not finished') for line in lines)
+
+
+def test_a_whole_file_is_only_counted():
+    info = BagInfo(
+        'b', 1, None, 0.0, 0, [], {'seed': '3', 'vehicle_file': 'a: 1\nb: 2\n'}, True, []
+    )
+    text = StringIO()
+    show(info, Console(file=text, width=200))
+    assert text.getvalue().splitlines()[-2:] == [
+        'seed: 3',
+        'vehicle_file: 2 lines, in full with --json',
+    ]
+
+
+def test_a_results_folder_holds_its_bag(tmp_path, flight_bag):
+    results = tmp_path / 'results'
+    results.mkdir()
+    assert bag_in(results) == results
+    (results / 'bag').mkdir()
+    assert bag_in(results) == results / 'bag'
+    assert bag_in(flight_bag) == flight_bag
 
 
 def test_bag_without_messages(record):

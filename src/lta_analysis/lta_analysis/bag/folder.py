@@ -38,6 +38,12 @@ def bag_files(path: Path) -> list[Path]:
     raise BadInput(f"'{path}' holds no recording; {ADVICE}.")
 
 
+def bag_in(folder: Path) -> Path:
+    """Return the bag of a flight's results folder; any other path stands for itself."""
+    inside = folder / 'bag'
+    return inside if inside.is_dir() and not (folder / 'metadata.yaml').exists() else folder
+
+
 def natural(path: Path) -> tuple[int, str]:
     """Return a key that sorts flight_2 before flight_10."""
     return len(path.name), path.name

@@ -109,7 +109,7 @@ def duration(bag: Bag) -> float:
 
 
 def show(info: BagInfo, console: Console) -> None:
-    """Print what a bag holds."""
+    """Print what a bag holds; whole files that it carries are only counted."""
     console.print(info.path, style='bold', highlight=False, markup=False)
     console.print(
         f'{info.messages} messages in {info.duration:.2f} s, {info.size / 1e6:.1f} MB',
@@ -125,6 +125,8 @@ def show(info: BagInfo, console: Console) -> None:
         table.add_row(topic.name, topic.type, str(topic.count), rate)
     console.print(table)
     for key, value in info.provenance.items():
-        console.print(f'{key}: {value}', style='dim', highlight=False, markup=False)
+        lines = len(value.splitlines())
+        text = value if lines < 2 else f'{lines} lines, in full with --json'
+        console.print(f'{key}: {text}', style='dim', highlight=False, markup=False)
     for loss in info.losses:
         console.print(loss, style='yellow', highlight=False, markup=False)

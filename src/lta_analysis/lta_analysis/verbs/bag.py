@@ -4,6 +4,7 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
+from lta_analysis.bag.folder import bag_in
 from lta_analysis.bag.info import bag_info, show
 from rich.console import Console
 import typer
@@ -18,16 +19,16 @@ def group() -> None:
 
 @bag.command()
 def info(
-    path: Annotated[Path, typer.Argument(help='A rosbag2 folder or an .mcap file.')],
+    path: Annotated[Path, typer.Argument(help='Bag folder, results folder or .mcap file.')],
     json: Annotated[bool, typer.Option('--json', help='Print JSON instead of a table.')] = False,
 ) -> None:
     """
     Show what a bag holds: topics, counts, rates, length, and where it comes from.
 
     A bag that was cut short (a killed recorder, a full disk) is read as far as it goes, and what
-    is missing is said.
+    is missing is said. The whole vehicle and scenario file that it carries come with --json.
     """
-    found = bag_info(path)
+    found = bag_info(bag_in(path))
     if json:
         sys.stdout.write(found.to_json() + '\n')
     else:

@@ -19,6 +19,13 @@ from rich.console import Console
 import typer
 
 
+def folder(text: str) -> Path:
+    """Return a folder; the empty text of a variable that is not set would be the present one."""
+    if not text.strip():
+        raise typer.BadParameter('it is empty; give a folder')
+    return Path(text)
+
+
 def fly(
     vehicle: Annotated[str, typer.Option(help='Vehicle name or file.')] = 'gtmab',
     scenario: Annotated[str, typer.Option(help='Scenario name or file.')] = 'lamp_room',
@@ -29,7 +36,12 @@ def fly(
         typer.Option(help='As fast as the graph answers, or at the pace of the wall clock.'),
     ] = 'lockstep',
     out: Annotated[
-        Path | None, typer.Option(help='Folder of the results; runs/<time>-<name> by default.')
+        Path | None,
+        typer.Option(
+            help='Folder of the results; runs/<time>-<name> by default.',
+            parser=folder,
+            metavar='FOLDER',
+        ),
     ] = None,
     page: Annotated[bool, typer.Option(help='Write the page of the flight.')] = True,
     json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
-from lta_analysis.bag.folder import bag_files
+from lta_analysis.bag.folder import bag_files, bag_in
 from lta_analysis.report.page import write_page
 from lta_analysis.report.pictures import write_pictures
 from lta_bridge.bag.writer import empty_folder
@@ -12,7 +12,7 @@ import typer
 
 
 def report(
-    bag: Annotated[Path, typer.Argument(help='A rosbag2 folder or an .mcap file.')],
+    bag: Annotated[Path, typer.Argument(help='Bag folder, results folder or .mcap file.')],
     out: Annotated[
         Path | None, typer.Option(help='HTML file of the page; report.html beside the bag.')
     ] = None,
@@ -25,6 +25,7 @@ def report(
 
     Example: lta report runs/20261120-lamp_room-1/bag --pictures thesis/figures
     """
+    bag = bag_in(bag)
     bag_files(bag)  # nothing is made where there is no bag
     page = (out or bag.absolute().parent / 'report.html').absolute()
     if pictures is not None:

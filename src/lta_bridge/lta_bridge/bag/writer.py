@@ -40,7 +40,7 @@ def empty_folder(path: Path) -> Path:
             f"Folder '{path}' cannot be made ({error.strerror}); choose another place."
         ) from error
     if busy:
-        raise BadInput(f"'{path}' is not empty; choose another folder or remove it.")
+        raise BadInput(f"'{path}' is not empty; choose another folder.")
     return path
 
 
