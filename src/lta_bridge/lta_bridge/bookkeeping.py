@@ -31,9 +31,10 @@ class Bookkeeping:
     """
     Tell each message's log time and count the gaps.
 
-    The log time is graph time: the newest time of publication (stamp plus latency) heard so far,
-    which never runs backwards and is the same whatever the pace of the flight. A stamp far ahead
-    of all others is not believed: one wild message would date all that follow.
+    The log time is graph time: that of the message's own publication, stamp plus latency, so that
+    players show together what belongs together, however late it was taken, and a repeated flight
+    gives the same times. What has no stamp is dated by its turn, or by the newest publication
+    heard. A stamp far ahead of all others is not believed: it would stretch the whole bag.
 
     Parameters
     ----------
@@ -68,7 +69,7 @@ class Bookkeeping:
 
     def log_time(self, name: str, data: bytes) -> int:
         """
-        Return when a message was heard, and remember it. [ns]
+        Return when a message was published, in graph time, and remember it. [ns]
 
         Parameters
         ----------
@@ -80,19 +81,30 @@ class Bookkeeping:
         """
         topic = self._table[name]
         self.counts[name] = self.counts.get(name, 0) + 1
-        if not (topic.stamped and topic.period_ns):
+        if not topic.period_ns:
             return self._now
+        if not topic.stamped:
+            return self._turn(name) if self._lockstep else self._now
         stamp = stamp_of(data)
         if stamp is None:
             self.torn[name] = self.torn.get(name, 0) + 1
         elif self._believes(stamp + topic.latency_ns):
             self._count_gap(name, stamp)
+            return stamp + topic.latency_ns
         else:
             self.wild[name] = self.wild.get(name, 0) + 1
         return self._now
 
+    def _turn(self, name: str) -> int:
+        """Return when the newest message of a topic without stamps was due. [ns]"""
+        topic = self._table[name]
+        turn = self.counts[name] - 1
+        return self._table.start_ns + turn * topic.period_ns + topic.latency_ns
+
     def _believes(self, published: int) -> bool:
-        """Move the present on to a time of publication, unless that is too far ahead. [ns]"""
+        """Move the present on to a time of publication, unless that cannot be. [ns]"""
+        if published < self._table.start_ns:
+            return False  # before time began: nobody has set this stamp
         if self._dated and published > self._now + JUMP_NS:
             wall = self._clock()
             self._ahead_since = wall if self._ahead_since is None else self._ahead_since
