@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from pydantic import ValidationError
-from pydantic_core import ErrorDetails
 
 # By pydantic's type of error; the braces are filled from its context.
 PLAIN = {
@@ -58,12 +57,12 @@ def sentence(error: ValidationError) -> str:
     return f'{where} is {given!r}, but {complaint(first)}.'
 
 
-def place(problem: ErrorDetails) -> str:
+def place(problem: Mapping[str, Any]) -> str:
     """Return where a problem is, as a dotted name."""
     return '.'.join(str(part) for part in problem['loc'])
 
 
-def complaint(problem: ErrorDetails) -> str:
+def complaint(problem: Mapping[str, Any]) -> str:
     """Return what is wrong, to be put behind the name of what it is wrong with."""
     plain = PLAIN.get(problem['type'])
     if plain is None:

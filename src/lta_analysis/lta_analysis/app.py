@@ -1,6 +1,9 @@
 """The verbs of the `lta` command, put together; one file a verb in `verbs/`."""
 
+from importlib.metadata import version
+import inspect
 import sys
+from typing import Annotated
 
 from lta_analysis.verbs.bag import bag
 from lta_analysis.verbs.doctor import doctor
@@ -15,8 +18,8 @@ STOPPED = 130  # the shell's own status after Ctrl-C, and Typer's
 
 app = typer.Typer(
     name='lta',
-    help='Simulate, fly, record and understand lighter-than-air micro-drones.',
-    epilog='Results go to runs/<time>-<name>/. "lta VERB --help" tells all of a verb.',
+    epilog='Results go to runs/<time>-<name>/. "lta VERB --help" tells all of a verb.\n\n'
+    'Exit status 0: done. 1: the run failed. 2: bad input, one sentence on stderr.',
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode='rich',
@@ -30,6 +33,27 @@ app.command(context_settings={'ignore_unknown_options': True, 'allow_intersperse
 app.add_typer(bag, name='bag')
 app.command()(report)
 app.command()(doctor)
+for command in (*app.registered_commands, *bag.registered_commands):
+    # Typer keeps the line breaks of a docstring, which are ragged on any other width.
+    paragraphs = (inspect.getdoc(command.callback) or '').split('\n\n')
+    command.help = '\n\n'.join(' '.join(text.split()) for text in paragraphs)
+
+
+def tell_version(wanted: bool) -> None:
+    """Print the version and leave, if that is wanted."""
+    if wanted:
+        sys.stdout.write(f'lta {version("lta-analysis")}\n')
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool,
+        typer.Option('--version', callback=tell_version, is_eager=True, help='Tell the version.'),
+    ] = False,
+) -> None:
+    """Simulate, fly, record and understand lighter-than-air micro-drones."""
 
 
 def status() -> int:
@@ -49,5 +73,7 @@ def status() -> int:
         if complaint is None:
             raise
         text = ' '.join(complaint().split()).rstrip('.')
-        sys.stderr.write(f'{text}; see --help.\n' if text else '')
+        if not text:  # called without a verb: the help has been shown
+            return 0
+        sys.stderr.write(f'{text}; see --help.\n')
         return 2

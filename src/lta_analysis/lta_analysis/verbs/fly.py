@@ -51,8 +51,8 @@ def fly(
 
     In lockstep a seed gives the same flight every time, byte for byte.
 
-    Exit status 0: the drone reached its goal. 1: it did not, or a node died. 2: bad input.
-    130: Ctrl-C (143: SIGTERM, 129: SIGHUP).
+    Exit status 0: the drone reached its goal. 1: it did not, or a node died. 2: bad input,
+    nothing was started. 130: Ctrl-C (143: SIGTERM, 129: SIGHUP).
 
     Example: lta fly --seed 3 --time realtime
     """
