@@ -31,7 +31,8 @@ def test_the_command_of_the_wheels_never_asks_another_ros(lta, other_ros, tmp_pa
     result = lta.run('launch', 'fly', *words)
     assert not other_ros.exists()
     assert result.returncode == 2
-    assert 'no vehicle file /nowhere/v.yaml' in result.stdout
+    assert result.stdout == ''
+    assert result.stderr == 'There is no vehicle file /nowhere/v.yaml; check the path.\n'
 
 
 def test_a_second_graph_on_the_domain_is_refused_whoever_comes_first(lta, flying, tmp_path):

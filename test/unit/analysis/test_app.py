@@ -1,6 +1,5 @@
 """The command line around the verbs."""
 
-from importlib.metadata import version
 import sys
 
 import pytest
@@ -25,9 +24,10 @@ def test_without_a_verb_it_helps(call, words):
     assert 'COMMAND [ARGS]...' in said.out
 
 
-def test_it_tells_its_version(call):
+def test_it_tells_its_version(call, monkeypatch):
+    monkeypatch.setattr(app_module, 'version', {'lta-analysis': '1.2.3'}.get)
     status, said = call('--version')
-    assert (status, said.out) == (0, f'lta {version("lta-analysis")}\n')
+    assert (status, said.out) == (0, 'lta 1.2.3\n')
 
 
 def test_help_flows_at_any_width(call):

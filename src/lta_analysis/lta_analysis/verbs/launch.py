@@ -6,7 +6,9 @@ import shutil
 import sys
 from typing import Annotated
 
+from lta_analysis.flight import refused
 from lta_analysis.graph import run_graph
+from lta_analysis.preflight import check
 from lta_config.errors import BadInput
 from lta_config.files import find
 from lta_graph.launch_file import arguments, load
@@ -31,8 +33,9 @@ def launch(
     Start a graph from a ROS 2 YAML launch file and watch it.
 
     The end of a node is named, and so is one that hangs; if an end was not the planned one, all
-    others are stopped and the exit status is 1. Called over an installed ROS 2 (ros2 run
-    lta_analysis lta launch ...), it hands over to the genuine "ros2 launch"; ./lta never does.
+    others are stopped and the exit status is 1, or 2 if the node refused its input. Called over
+    an installed ROS 2 (ros2 run lta_analysis lta launch ...), it hands over to the genuine
+    "ros2 launch"; ./lta never does.
 
     Example: lta launch fly seed:=2 time:=lockstep bag:=/tmp/flight
     """
@@ -44,9 +47,12 @@ def launch(
     plan = load(path, pairs)
     if os.environ.get('LTA_UNDERLAY') != WHEELS and shutil.which('ros2'):
         os.execvp('ros2', ['ros2', 'launch', str(path), *(given or [])])
+    check(plan)
     outcome = run_graph(plan, say, tell)
+    if refused(outcome):
+        raise BadInput(outcome.lines[-1])
     if not outcome.success:
-        raise typer.Exit(2 if outcome.status == 2 else 1)
+        raise typer.Exit(1)
 
 
 def tell(sentence: str) -> None:

@@ -1,0 +1,54 @@
+"""What can be wrong with the nodes of a launch plan, found before any of them starts."""
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+
+from lta_config.constants import AIR_DENSITY
+from lta_config.errors import BadInput
+from lta_config.files import parse_yaml
+from lta_control.strategies import strategy
+from lta_graph.launch_file import LaunchPlan
+from lta_sim.scenario import load_scenario
+from lta_sim.vehicle import load_vehicle
+
+OURS = 'lta_'
+SEEDS = range(2**31)
+
+
+def check(plan: LaunchPlan) -> None:
+    """
+    Refuse a vehicle, scenario, strategy or seed that LTA's own nodes would refuse.
+
+    Raises
+    ------
+    BadInput
+        The sentence that the node would have ended with.
+
+    """
+    for process in plan.processes:
+        if process.package.startswith(OURS):
+            check_parameters(parameters(process.arguments))
+
+
+def check_parameters(given: Mapping[str, object]) -> None:
+    """Refuse what one node would refuse; `given` are its parameters by name."""
+    density = AIR_DENSITY
+    if isinstance(name := given.get('scenario'), str):
+        scenario = load_scenario(name)
+        _ = scenario.light_field
+        density = scenario.air.density
+    if isinstance(name := given.get('vehicle'), str):
+        vehicle = load_vehicle(name, density)
+        _ = vehicle.hover_duty
+    if isinstance(name := given.get('strategy'), str):
+        strategy(name)
+    if 'seed' in given and not (type(given['seed']) is int and given['seed'] in SEEDS):
+        raise BadInput(
+            f'The seed is {given["seed"]}, but must be a whole number from 0 to {SEEDS[-1]}.'
+        )
+
+
+def parameters(arguments: Sequence[str]) -> dict[str, object]:
+    """Return the parameters that a node's command line gives one by one."""
+    rules = (rule.partition(':=') for word, rule in pairwise(arguments) if word == '-p')
+    return {name: parse_yaml(value, name) for name, _, value in rules}
