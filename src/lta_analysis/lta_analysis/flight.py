@@ -5,9 +5,11 @@ Everything that can be wrong with the order is found before a process starts. Wh
 holds the graph up is named within a second; whatever ends the flight, no process stays.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import datetime
+import json
 from pathlib import Path
 from typing import final, Literal, Protocol
 
@@ -103,8 +105,7 @@ def fly_once(order: Order, watcher: Watcher) -> Flown:
         empty_folder(folder)
         with Launcher(plan, on_line=lambda _name, _line: None) as launcher:
             watch(launcher, listener, watcher)
-        flight = listener.poll(0.0).get(FLIGHT)
-    return judged(folder, launcher, flight, watcher)
+    return judged(folder, launcher, watcher)
 
 
 def choices(order: Order, bag: Path) -> dict[str, str]:
@@ -150,7 +151,17 @@ def refused(end: Ended) -> bool:
     return end.status == 2 and bool(end.lines)
 
 
-def judged(folder: Path, launcher: Launcher, flight: Fact | None, watcher: Watcher) -> Flown:
+def verdict(ended: Iterable[Ended]) -> dict[str, str] | None:
+    """Return the simulator's last word on the flight, None where it died without one."""
+    for item in ended:
+        if item.name == 'simulator' and item.stdout:
+            with suppress(ValueError):
+                said = json.loads(item.stdout[-1])
+                return said if isinstance(said, dict) else None
+    return None
+
+
+def judged(folder: Path, launcher: Launcher, watcher: Watcher) -> Flown:
     """
     Return how the flight went, from how its processes ended.
 
@@ -171,9 +182,7 @@ def judged(folder: Path, launcher: Launcher, flight: Fact | None, watcher: Watch
             watcher.say(f'{item.sentence}.')
         if item.lines:
             watcher.say('\n'.join((f'The last lines of {item.name}:', *item.lines)))
-    if flight is None and not broken:
-        watcher.say('Nothing was heard of the simulator on /diagnostics.')
+    flight = verdict(launcher.ended)
     if broken or faulty or flight is None:
         return Flown(folder, bag, 'failed', 'did not finish: the graph broke', 0.0)
-    values = flight.values
-    return Flown(folder, bag, values['outcome'], flight.message, float(values['pace']))
+    return Flown(folder, bag, flight['outcome'], flight['sentence'], float(flight['pace']))

@@ -6,7 +6,9 @@ it paces on the wall clock. It also referees: the process ends with status 0 whe
 reached its goal, run out of time or left the room, and says which.
 """
 
+import json
 import operator
+import sys
 import time
 
 from lta_config.errors import BadInput
@@ -168,26 +170,32 @@ class Simulator(GraphNode):
         out['panel'].publish(messages.branch(stamp, *readings.panel, 'panel'))
         out['battery'].publish(messages.branch(stamp, *readings.battery, 'battery'))
 
-    def _watch(self) -> None:
-        """Tell how the flight stands at every look, for progress bars."""
+    def _standing(self) -> dict[str, str]:
+        """Return how the flight stands, in figures."""
         world = self._world
         wall = time.monotonic() - self._began if self._began else 0.0
         pace = world.elapsed / wall if wall else 0.0
-        self.health.report(
-            'flight',
-            Level.OK,
-            f'{world.outcome} at {world.elapsed:.1f} s, {world.distance:.2f} m from the lamp',
-            outcome=world.outcome.name.lower(),
-            time_s=f'{world.elapsed:.2f}',
-            distance_m=f'{world.distance:.3f}',
-            pace=f'{pace:.2f}',
-        )
+        return {
+            'outcome': world.outcome.name.lower(),
+            'sentence': str(world.outcome),
+            'time_s': f'{world.elapsed:.2f}',
+            'distance_m': f'{world.distance:.3f}',
+            'pace': f'{pace:.2f}',
+        }
+
+    def _watch(self) -> None:
+        """Tell how the flight stands at every look, for progress bars."""
+        standing = self._standing()
+        text = f'{standing["sentence"]}, {standing["distance_m"]} m from the lamp'
+        self.health.report('flight', Level.OK, text, **standing)
         self.health.changed = True
         super()._watch()
 
     def close(self) -> None:
-        """Say how the flight ended, and let the last messages out."""
+        """Say how the flight ended, also to whoever started it, and let the last messages out."""
         self._watch()
+        sys.stdout.write(json.dumps(self._standing()) + '\n')
+        sys.stdout.flush()
         super().close()
 
 
