@@ -1,5 +1,6 @@
 """The checks of `lta doctor`: each finds what it looks for, and the conversation is a real one."""
 
+import fcntl
 import io
 import socket
 from types import SimpleNamespace
@@ -65,6 +66,18 @@ def test_room(monkeypatch, tmp_path, free, memory, disk):
     monkeypatch.setattr(machine.shutil, 'disk_usage', lambda _: SimpleNamespace(free=free))
     assert machine.shared_memory(tmp_path).state == memory
     assert machine.disk(tmp_path / 'not' / 'yet' / 'there').state == disk
+
+
+def test_what_killed_nodes_left_in_shared_memory_is_named(tmp_path):
+    for name in ('fastrtps_1', 'fastrtps_1_el', 'fastrtps_2', 'fastrtps_2_el', 'other_el'):
+        (tmp_path / name).write_bytes(500_000 * b'x')
+    with (tmp_path / 'fastrtps_2_el').open() as living:
+        fcntl.flock(living, fcntl.LOCK_EX)
+        left = machine.left_behind(tmp_path)
+        assert [file.name for file in left] == ['fastrtps_1', 'fastrtps_1_el']
+        check = machine.shared_memory(tmp_path)
+    assert check.state == 'warn'
+    assert 'left 2 files (1 MB)' in check.found
 
 
 def test_memory_is_read_in_kibibytes(tmp_path):

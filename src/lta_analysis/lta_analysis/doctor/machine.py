@@ -3,6 +3,7 @@
 import os
 from pathlib import Path
 import platform as host
+import re
 import shutil
 import sys
 
@@ -41,7 +42,25 @@ def shared_memory(folder: Path = Path('/dev/shm')) -> Check:
     free = shutil.disk_usage(folder).free / MEGABYTE
     found = f'{free:.0f} MB free in {folder}'
     remedy = f'Remove fastrtps_* from {folder} when no node runs, or enlarge it (--shm-size=256m).'
-    return graded('shared memory', free, 50.0, 10.0, found, remedy)
+    check = graded('shared memory', free, 50.0, 10.0, found, remedy)
+    left = left_behind(folder)
+    if not left or check.state == 'fail':
+        return check
+    size = sum(file.stat().st_size for file in left) / MEGABYTE
+    return Check(
+        'shared memory',
+        'warn',
+        f'{found}; killed nodes left {len(left)} files ({size:.0f} MB) there',
+        f'They cause RTPS_TRANSPORT_SHM errors: when no node runs, rm {folder}/*fastrtps_*.',
+    )
+
+
+def left_behind(folder: Path, locks: Path = Path('/proc/locks')) -> list[Path]:
+    """Return the files of Fast DDS whose owner is gone: a living one holds the lock beside it."""
+    held = set(re.findall(r'\w+:\w+:(\d+) ', locks.read_text()))
+    stale = [file for file in folder.glob('fastrtps_*_el') if str(file.stat().st_ino) not in held]
+    owned = [file.with_name(file.name.removesuffix('_el')) for file in stale]
+    return sorted([*stale, *(file for file in owned if file.exists())])
 
 
 def disk(runs: Path = Path('runs')) -> Check:
