@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+import time
 
 import pytest
 import yaml
@@ -128,6 +129,30 @@ def test_two_flights_on_one_domain_are_refused_and_the_first_flies_on(lta, flyin
     assert first.popen.poll() is None
     first.interrupt()
     assert first.end() == 130
+
+
+@pytest.mark.parametrize('seconds', [pytest.param(0.5, marks=pytest.mark.long), 0.8, 1.1])
+def test_ctrl_c_while_a_node_loads_is_no_traceback(lta, seconds):
+    command = lta.start('run', 'lta_vlc', 'demodulator')
+    time.sleep(seconds)  # the moments themselves are the test
+    command.interrupt()
+    assert command.end() in (0, 130)
+    assert command.text in ('', 'Stopped.')
+
+
+@pytest.mark.long
+def test_a_lonely_node_says_what_it_waits_for_and_writes_no_log_file(lta, tmp_path, monkeypatch):
+    monkeypatch.setenv('HOME', str(tmp_path))
+    command = lta.start('run', 'lta_vlc', 'demodulator')
+    command.said('waiting for photodiodes from vehicle')
+    command.interrupt()
+    assert command.end() == 0
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_another_middleware_is_refused_before_it_ends_the_process(lta, monkeypatch):
+    monkeypatch.setenv('RMW_IMPLEMENTATION', 'rmw_none')
+    assert "RMW_IMPLEMENTATION is 'rmw_none', which is not" in refused(lta, 'doctor')
 
 
 VERBS = {
