@@ -117,10 +117,11 @@ def estimate(peer, step, **position):
     return list(peer.motors[-1].effort)
 
 
-def setpoint(peer, altitude):
-    """Ask for an altitude, straight on and at rest."""
+def setpoint(peer, altitude, step):
+    """Ask for an altitude, straight on and at rest, as seen at a control step."""
     for name in ('setpoint/velocity', 'setpoint/pose'):
         message = message_type(TABLE[name])()
+        message.header.stamp = to_stamp(TABLE.start_ns + step * STEP)
         if name == 'setpoint/pose':
             message.pose.position.z = altitude
             message.pose.orientation.w = 1.0
@@ -131,7 +132,7 @@ def flying_controller(peer):
     """Bring a controller to answer with thrust: setpoints have no order with the estimates."""
     step = 0
     while not any(estimate(peer, step)):
-        setpoint(peer, 1.0)
+        setpoint(peer, 1.0, step)
         step += 1
         assert step < 500
     return step
@@ -147,12 +148,24 @@ def test_one_half_of_a_setpoint_waits_for_the_other(controller):
     step = flying_controller(controller)
     velocity = message_type(TABLE['setpoint/velocity'])()
     velocity.twist.linear.x = 0.5
-    for turn in range(300):
+    for turn in range(30):  # the pose that came before is good for half a second
+        velocity.header.stamp = to_stamp(TABLE.start_ns + (step + turn) * STEP)
         controller.publisher('setpoint/velocity').publish(velocity)
         forward = estimate(controller, step + turn)[2:]
         if min(forward) > 0.0:
             return
     raise AssertionError('the new speed was not flown without a new pose')
+
+
+def test_one_half_alone_keeps_no_setpoint_alive(controller, hear):
+    """Its age is that of the older half: a speed that goes on coming does not renew a heading."""
+    step = flying_controller(controller)
+    velocity = message_type(TABLE['setpoint/velocity'])()
+    velocity.twist.linear.x = 0.5
+    velocity.header.stamp = to_stamp(TABLE.start_ns + (step + 80) * STEP)
+    controller.publisher('setpoint/velocity').publish(velocity)
+    estimate(controller, step + 80)
+    hear(lambda facts: 'holding' in motors(facts))
 
 
 def test_a_stale_setpoint_is_held_and_then_the_drone_comes_down(controller, hear):
@@ -163,7 +176,7 @@ def test_a_stale_setpoint_is_held_and_then_the_drone_comes_down(controller, hear
     # Landing asks for 0.2 m below where the drone is: no lift, whatever was asked before.
     up = [estimate(controller, step + 400 + i)[:2] for i in range(200)][-1]
     assert up == pytest.approx([0.0, 0.0], abs=1e-9)
-    setpoint(controller, 1.0)
+    setpoint(controller, 1.0, step + 600)
     hear(lambda facts: max(estimate(controller, step + 601)) > 0.0)
 
 

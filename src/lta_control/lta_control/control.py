@@ -96,8 +96,9 @@ def elapsed(last_ns: int | None, now_ns: int, period_ns: int) -> float:
     """
     Return the time for one step: between the stamps, up to ten periods. [s]
 
-    Best-effort messages may be lost, and a first one has none before it.
+    Best-effort messages may be lost, and a first one has none before it. One that is no newer than
+    the last counts as a tenth of a period: time must go on, but hardly.
     """
     if last_ns is None:
         return period_ns * 1e-9
-    return min(max(now_ns - last_ns, 0), 10 * period_ns) * 1e-9
+    return min(max(now_ns - last_ns, period_ns // 10), 10 * period_ns) * 1e-9

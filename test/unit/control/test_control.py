@@ -1,6 +1,5 @@
 """One step of control: cascade, allocation and duty in a chain, and the shortfall back."""
 
-
 from lta_control.cascade import Measured, Setpoint
 from lta_control.control import control_step, ControlMemory, elapsed, landed
 from lta_control.pid import PidGains
@@ -103,4 +102,6 @@ def test_time_between_stamps():
     assert elapsed(None, 5, period) == 0.01
     assert elapsed(1_000_000_000, 1_030_000_000, period) == pytest.approx(0.03)  # two were lost
     assert elapsed(1_000_000_000, 9_000_000_000, period) == pytest.approx(0.1)
-    assert elapsed(2_000_000_000, 1_000_000_000, period) == 0.0  # a clock that jumped back
+    # The same stamp twice, or a clock that jumped back: time goes on, but hardly.
+    assert elapsed(2_000_000_000, 2_000_000_000, period) == pytest.approx(0.001)
+    assert elapsed(2_000_000_000, 1_000_000_000, period) == pytest.approx(0.001)
