@@ -191,6 +191,12 @@ class World:
 
     def sense(self) -> Readings:
         """Return what the sensors say at the present control step; call it once a step."""
+        readings = self.sense_motion()
+        self.sense_rest(readings)
+        return readings
+
+    def sense_motion(self) -> Readings:
+        """Return what the estimator waits for: IMU, range and pressure."""
         readings = Readings(self.stamp_ns)
         self._sense_motion(readings)
         if self.steps == 0:
@@ -204,12 +210,15 @@ class World:
                 self.elapsed,
                 self._chance['pressure'],
             )
+        return readings
+
+    def sense_rest(self, readings: Readings) -> None:
+        """Add light, energy and truth, which nobody answers within the step."""
         if self._due('photodiodes'):
             readings.block = self._light_block()
         if self._due('battery'):
             self._sense_energy(readings)
         readings.truth = self._due('ground_truth/odom')
-        return readings
 
     def _sense_motion(self, readings: Readings) -> None:
         rate = kernel.derivative(self.state, self._model, self.duties, self._wind)

@@ -138,20 +138,18 @@ class Simulator(GraphNode):
         return since % self.table['photodiodes'].period_ns == 0
 
     def _publish(self) -> None:
-        readings = self._world.sense()
-        stamp = to_stamp(readings.stamp_ns)
-        self._publish_slow(readings)
-        if readings.truth:
-            self._outputs['ground_truth/odom'].publish(messages.truth(stamp, self._world.state))
+        """Publish a control step; what the next command waits for goes first."""
+        readings = self._world.sense_motion()
+        self._publish_motion(readings)
+        self._world.sense_rest(readings)
+        self._publish_rest(readings)
         now = time.monotonic()
         if now - self._clocked >= CLOCK_PERIOD:
             self._clocked = now
-            self._outputs['/clock'].publish(ClockMessage(clock=stamp))
-        noise = self._world.imu_errors.noise
-        self._outputs['imu'].publish(messages.imu(stamp, readings.force, readings.rates, noise))
+            self._outputs['/clock'].publish(ClockMessage(clock=to_stamp(readings.stamp_ns)))
 
-    def _publish_slow(self, readings: Readings) -> None:
-        """Publish what is not due at every control step, before the step's IMU sample."""
+    def _publish_motion(self, readings: Readings) -> None:
+        """Publish range, pressure and IMU, the last of which the estimator answers."""
         stamp = to_stamp(readings.stamp_ns)
         out = self._outputs
         for taken_ns, distance in readings.ranges:
@@ -160,6 +158,15 @@ class Simulator(GraphNode):
         if readings.pressure is not None:
             noise = self._world.pressure_settings.noise
             out['pressure'].publish(messages.pressure(stamp, readings.pressure, noise))
+        noises = self._world.imu_errors.noise
+        out['imu'].publish(messages.imu(stamp, readings.force, readings.rates, noises))
+
+    def _publish_rest(self, readings: Readings) -> None:
+        """Publish light, energy and truth."""
+        stamp = to_stamp(readings.stamp_ns)
+        out = self._outputs
+        if readings.truth:
+            out['ground_truth/odom'].publish(messages.truth(stamp, self._world.state))
         if readings.block is not None:
             begun_ns, block = readings.block
             out['photodiodes'].publish(messages.light_block(to_stamp(begun_ns), block))
