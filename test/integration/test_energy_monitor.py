@@ -88,7 +88,7 @@ class Vehicle:
     def send(self, name: str, turn: int, **fields) -> None:
         message = message_type(TABLE[name])(**fields)
         message.header.frame_id = 'base_link'
-        message.header.stamp = to_stamp(TABLE.stamp(name, turn))
+        message.header.stamp = to_stamp(TABLE.start_ns + turn * TABLE[name].period_ns)
         self._publishers[name].publish(message)
 
     def turn(self, turn: int, current: float, order=('panel', 'illuminance', 'battery')) -> None:
