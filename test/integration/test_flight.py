@@ -9,9 +9,10 @@ from lta_analysis.loop import Loop, Policy
 from lta_config.topics import topic_table
 from lta_control.gains_file import load_gains
 from lta_control.strategies import strategy
+from lta_sim.readings import Outcome
 from lta_sim.scenario import load_scenario
 from lta_sim.vehicle import load_vehicle
-from lta_sim.world import Outcome, World
+from lta_sim.world import World
 import pytest
 from rosbags.highlevel import AnyReader
 

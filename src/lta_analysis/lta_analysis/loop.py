@@ -17,7 +17,8 @@ from lta_control.estimator import Estimate, estimator_step, EstimatorSettings, I
 from lta_control.mission import Mission, mission_step, MissionSettings
 from lta_control.strategies.protocol import Sight, Strategy
 from lta_control.vehicle_side import body_of, rotors_of, surge_drag_of
-from lta_sim.world import Outcome, Readings, World
+from lta_sim.readings import Outcome, Readings
+from lta_sim.world import World
 from lta_vlc.array import bearing, even_ring
 from lta_vlc.demodulation import demodulate, Demodulation, plan_bins
 import numpy as np

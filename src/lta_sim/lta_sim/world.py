@@ -8,8 +8,6 @@ others' noise as it was.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from enum import StrEnum
 import math
 from typing import final
 
@@ -19,6 +17,7 @@ from lta_energy import battery, loads, panel
 from lta_sim import kernel
 from lta_sim.effects import initial_memory
 from lta_sim.light_field import illuminance, mean_illuminance, mean_irradiance
+from lta_sim.readings import Outcome, Readings
 from lta_sim.rigid_body import rotation
 from lta_sim.scenario import Scenario
 from lta_sim.sensors import imu, power, pressure, range
@@ -29,57 +28,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-Vector = tuple[float, float, float]
 STEP_NS = 2_500_000  # integration step; the shortest time constant of a shipped vehicle is 72 ms
 STREAMS = ('start', 'imu', 'range', 'pressure', 'photodiodes', 'battery', 'panel')
-
-
-class Outcome(StrEnum):
-    """How a flight stands."""
-
-    FLYING = 'flying'
-    REACHED = 'reached its goal'
-    TIMEOUT = 'ran out of time'
-    ESCAPED = 'left the room'
-
-
-@final
-@dataclass(slots=True)
-class Readings:
-    """
-    What the vehicle publishes at one control step; None where nothing is due.
-
-    Attributes
-    ----------
-    stamp_ns : int
-        Stamp of the control step. [ns]
-    force, rates : tuple of float
-        Measured specific force [m/s2] and angular rates [rad/s], body frame.
-    ranges : list of (int, float)
-        Stamps [ns] and distances [m] since the last control step.
-    pressure : float or None
-        [Pa]
-    block : (int, ndarray of uint16) or None
-        Stamp of the first sample [ns] and the ADC block, shape (samples, diodes).
-    illuminance : float or None
-        At the panel. [lx]
-    battery, panel : (float, float) or None
-        Voltage [V] and current [A]; negative discharges.
-    truth : bool
-        Whether the true state is due.
-
-    """
-
-    stamp_ns: int
-    force: Vector = (0.0, 0.0, 0.0)
-    rates: Vector = (0.0, 0.0, 0.0)
-    ranges: list[tuple[int, float]] = field(default_factory=list)
-    pressure: float | None = None
-    block: tuple[int, NDArray[np.uint16]] | None = None
-    illuminance: float | None = None
-    battery: tuple[float, float] | None = None
-    panel: tuple[float, float] | None = None
-    truth: bool = False
 
 
 @final

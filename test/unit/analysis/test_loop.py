@@ -12,9 +12,10 @@ from lta_control.gains_file import load_gains
 from lta_control.mission import MissionSettings, Phase
 from lta_control.strategies import strategy
 from lta_control.strategies.bearing_angle import STRATEGY
+from lta_sim.readings import Outcome
 from lta_sim.scenario import load_scenario
 from lta_sim.vehicle import load_vehicle
-from lta_sim.world import Outcome, World
+from lta_sim.world import World
 import numpy as np
 import pytest
 

@@ -9,10 +9,11 @@ from lta_config.topics import TopicTable
 from lta_config.vehicle_file import VehicleFile
 from lta_energy.battery import open_circuit_voltage
 from lta_sim import kernel
+from lta_sim.readings import Outcome
 from lta_sim.scenario import Scenario
 from lta_sim.sensors.light_block import synthesise
 from lta_sim.vehicle import Vehicle
-from lta_sim.world import Outcome, World
+from lta_sim.world import World
 import numpy as np
 import pytest
 

@@ -18,13 +18,15 @@ from lta_graph.inbox import Step
 from lta_graph.ros.node import from_stamp, GraphNode, run, to_stamp
 from lta_graph.ros.parameters import Parameters
 from lta_sim import messages
+from lta_sim.readings import Outcome, Readings
 from lta_sim.scenario import load_scenario
 from lta_sim.vehicle import load_vehicle
-from lta_sim.world import Outcome, Readings, World
+from lta_sim.world import World
 from rclpy.clock import Clock, ClockType
 from rosgraph_msgs.msg import Clock as ClockMessage
 
 STALE_NS = 300_000_000  # commands older than this stop the motors, as on the real vehicle
+SLIP = 50  # control periods of delay that are made up for at once
 CLOCK_PERIOD = 0.02  # wall seconds between two /clock
 PATIENCE = 20.0  # wall seconds for the graph to come up
 
@@ -54,7 +56,8 @@ class Simulator(GraphNode):
         self._lowest = [-1.0 if reversible else 0.0 for reversible in vehicle.reversible]
         self._refused = False
         self._commanded_ns = 0
-        self._began = self._clocked = 0.0
+        self._began = self._anchor = self._clocked = 0.0
+        self._finished: float | None = None
         if not self.lockstep:
             steady = Clock(clock_type=ClockType.STEADY_TIME)
             self._pacer = self.create_timer(self.table.control_ns * 1e-9, self._tick, clock=steady)
@@ -63,7 +66,7 @@ class Simulator(GraphNode):
     def work(self) -> None:
         """Wait for the graph, then fly."""
         self._wait_for_graph()
-        self._began = time.monotonic()
+        self._began = self._anchor = time.monotonic()
         self.begun = True
         self._publish()
         if not self.lockstep:
@@ -119,12 +122,21 @@ class Simulator(GraphNode):
         )
 
     def _tick(self) -> None:
-        if self._world.stamp_ns - self._commanded_ns > STALE_NS:
-            self._duties = [0.0] * len(self._duties)
-        self._step()
+        """Follow the wall clock: a late tick is made up for, a long delay is let go and said."""
+        period = self.table.control_ns * 1e-9
+        due = round((time.monotonic() - self._anchor) / period)
+        if due - self._world.steps > SLIP:
+            self._anchor += (due - self._world.steps - 1) * period
+            self.health.report('pace', Level.WARN, 'cannot keep pace with the wall clock')
+            due = self._world.steps + 1
+        while self._world.steps < due and self.running:
+            if self._world.stamp_ns - self._commanded_ns > STALE_NS:
+                self._duties = [0.0] * len(self._duties)
+            self._step()
 
     def _step(self) -> None:
         if self._ended():
+            self._finished = time.monotonic()
             self.running = False
             return
         self._world.advance(self._duties)
@@ -180,7 +192,8 @@ class Simulator(GraphNode):
     def _standing(self) -> dict[str, str]:
         """Return how the flight stands, in figures."""
         world = self._world
-        wall = time.monotonic() - self._began if self._began else 0.0
+        now = self._finished or time.monotonic()
+        wall = now - self._began if self._began else 0.0
         pace = world.elapsed / wall if wall else 0.0
         return {
             'outcome': world.outcome.name.lower(),
