@@ -3,8 +3,8 @@ A lean spin for one node.
 
 rclpy's single-threaded executor rebuilds generators and tasks for every message, and wakes up for
 each, whether or not the node can answer yet. Here messages are taken straight from their
-subscriptions, and only those that can complete an answer wake the node up: that halves the time of
-a step through the graph (`make bench`). Services and timers go through rclpy's executor.
+subscriptions, and only those that can complete an answer wake the node up. `make bench` compares a
+round trip with rclpy's own: 1.3 to 2.5 times. Services and timers go through rclpy's executor.
 """
 
 from collections.abc import Callable, Iterable
