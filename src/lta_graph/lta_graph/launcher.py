@@ -7,17 +7,16 @@ only the launcher, which then stops the others in order. If the launcher itself 
 kernel interrupts its processes, and a guard kills those that do not heed that.
 """
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from queue import Empty
 import signal
 import threading
 import time
-from types import FrameType, TracebackType
+from types import TracebackType
 from typing import final, Self
 
 from lta_graph.child import Child, command, Ended, environment, spawn
 from lta_graph.guard import Guard
+from lta_graph.interrupts import held_interrupts
 from lta_graph.launch_file import LaunchPlan
 from lta_graph.watch import OnLine, Watch
 
@@ -25,7 +24,6 @@ GRACE = 8.0  # seconds from SIGINT to SIGTERM: the recorder must close its bag
 TERM_GRACE = 2.0  # seconds from SIGTERM to SIGKILL
 GROUP_PATIENCE = 1.0  # seconds; a container may have nobody who takes orphans' statuses
 PERIOD = 0.02  # seconds between looks while stopping
-STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 @final
@@ -105,7 +103,7 @@ class Launcher:
         commands = [command(process) for process in self._plan.processes]
         variables = environment()
         try:
-            with _interrupts() as presses:
+            with held_interrupts() as presses:
                 self._guard = Guard(self._grace + TERM_GRACE)
                 for process, words in zip(self._plan.processes, commands, strict=True):
                     if presses:
@@ -157,7 +155,7 @@ class Launcher:
         Returns when all are gone. Ctrl-C meanwhile does not interrupt it but goes on to the next
         signal at once, and is raised as KeyboardInterrupt when all are gone.
         """
-        with _interrupts() as presses:
+        with held_interrupts() as presses:
             self._stopping.set()
             stages = (
                 (signal.SIGINT, self._grace),
@@ -195,27 +193,3 @@ class Launcher:
             self._guard.dismiss()
             self._guard = None
         self.poll()
-
-
-@contextmanager
-def _interrupts() -> Iterator[list[int]]:
-    """Count Ctrl-C and its like instead of being interrupted, and let the first act afterwards."""
-    presses: list[int] = []
-
-    def press(number: int, _: FrameType | None) -> None:
-        presses.append(number)
-
-    before = {number: signal.getsignal(number) for number in STOPS}
-    # What is ignored or left to the kernel stays so.
-    heard = {number: handler for number, handler in before.items() if callable(handler)}
-    if threading.current_thread() is not threading.main_thread():
-        heard = {}
-    for number in heard:
-        signal.signal(number, press)
-    try:
-        yield presses
-    finally:
-        for number, handler in heard.items():
-            signal.signal(number, handler)
-    if presses:
-        heard[signal.Signals(presses[0])](presses[0], None)

@@ -6,6 +6,7 @@ while its index still fits and the process ends with a sentence and status 2.
 """
 
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 import time
 
@@ -18,6 +19,7 @@ from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
 from lta_config.topics import robot_topic
 from lta_graph.health import Level
+from lta_graph.interrupts import held_interrupts
 from lta_graph.ros.node import GraphNode, message_type, run
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.qos import profile
@@ -61,13 +63,17 @@ class Recorder(GraphNode):
         self._books = Bookkeeping(self.table, self.lockstep)
         self._fault = ''
         self._latest = time.monotonic()
-        self._writer = BagWriter(Path(settings.bag), origin)
-        for name, topic in self.table.topics.items():
-            if topic.recorded:
-                self._record(name)
-        self._writer.flush()
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self.create_timer(FLUSH_PERIOD, self._flush, clock=steady)
+        with ExitStack() as unfinished:
+            with held_interrupts():  # a bag is begun whole ...
+                self._writer = BagWriter(Path(settings.bag), origin)
+                unfinished.callback(self._writer.close)  # ... and closed, whoever ends it here
+            for name, topic in self.table.topics.items():
+                if topic.recorded:
+                    self._record(name)
+            self._writer.flush()
+            steady = Clock(clock_type=ClockType.STEADY_TIME)
+            self.create_timer(FLUSH_PERIOD, self._flush, clock=steady)
+            unfinished.pop_all()
 
     def _record(self, name: str) -> None:
         topic = self.table[name]

@@ -7,6 +7,7 @@ from typing import final, Self
 
 from diagnostic_msgs.msg import DiagnosticArray
 from lta_graph.health import Fact, Level
+from lta_graph.interrupts import held_interrupts
 from lta_graph.ros.command_line import join
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
@@ -80,12 +81,13 @@ class DiagnosticsListener:
 
     def poll(self, timeout: float) -> dict[str, Fact]:
         """Listen for a while and return the newest fact of each 'NODE: TASK'."""
-        self._executor.spin_once(timeout_sec=timeout)
-        # The executor hands out one message at a time, and more may have come than it was asked.
-        while (
-            taken := self._subscription.handle.take_message(DiagnosticArray, False)
-        ) is not None:
-            self._hear(taken[0])
+        with held_interrupts():
+            self._executor.spin_once(timeout_sec=timeout)
+            # The executor hands out one message at a time, and more may have come.
+            while (
+                taken := self._subscription.handle.take_message(DiagnosticArray, False)
+            ) is not None:
+                self._hear(taken[0])
         return self.facts
 
     def silent(self, nodes: Iterable[str]) -> list[str]:
