@@ -47,6 +47,9 @@ def test_a_node_that_hangs_and_then_dies_is_named_twice(lta, flying, hear, tmp_p
     assert read_bag(out / 'bag').complete == (name != 'recorder')
 
 
+SECOND = 1_000_000_000
+
+
 def test_what_is_a_second_old_survives_the_recorder(lta, flying, tmp_path, diagnostics):
     """Every message whose flight time the simulator told a wall second before is in the bag."""
     out = tmp_path / 'out'
@@ -63,8 +66,10 @@ def test_what_is_a_second_old_survives_the_recorder(lta, flying, tmp_path, diagn
         if topic.source == 'every node' or not topic.period_ns:
             continue
         full = f'/lta1/{name}'
-        times = [when for _, when, _ in bag.messages([full])]
-        expected = (old - TABLE.start_ns - topic.latency_ns) // topic.period_ns
+        times = sorted(when for _, when, _ in bag.messages([full]))
+        # In real time DDS may take a moment to bring a node and the recorder together.
+        assert times[0] <= TABLE.start_ns + topic.latency_ns + SECOND, name
+        expected = (old - times[0]) // topic.period_ns
         assert sum(when <= old for when in times) >= expected, name
     shown = lta.run('bag', 'info', out / 'bag')
     assert shown.returncode == 0
