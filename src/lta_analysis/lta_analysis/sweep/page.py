@@ -87,8 +87,8 @@ def title(plan: Plan, rows: Sequence[Row]) -> str:
     reached = sum(row.outcome == REACHED for row in rows)
     ends = f'{100 * share.low:.1f} to {100 * share.high:.1f} %'
     return (
-        f'{reached} of {flown} flights{begun} reached their goal: {100 * share.value:.1f} %, '
-        f'with 95 % confidence {ends}.'
+        f'{reached} of {flown} flights{begun} reached their goal; with 95 % confidence it is '
+        f'{ends} of all such flights.'
     )
 
 
