@@ -13,19 +13,19 @@ from lta_sim.effects.protocol import ActuatorEffect, Parameter, Values
 
 _SOURCE = 'Eschmann 2024: 72 ms for a 7 mm motor; prior: the scatter of published motors'
 
-PARAMETERS = (
+SHARED = (
     Parameter('up', 's', 0.0, 1e-3, 10.0, 0.03, _SOURCE),
     Parameter('down', 's', 0.0, 1e-3, 10.0, 0.03, _SOURCE),
 )
 
 
-def output(p: Values, memory: Values, duty: float) -> float:
+def output(p: Values, memory: Values, duty: float, surroundings: Values) -> float:
     """Return the duty at which the rotor turns."""
     up, down = p
     return duty if up + down == 0.0 else memory[0]
 
 
-def rate(p: Values, memory: Values, duty: float) -> Values:
+def rate(p: Values, memory: Values, duty: float, surroundings: Values) -> Values:
     """Return d/dt of the lagged duty."""
     up, down = p
     tau = up if abs(duty) > abs(memory[0]) else down
@@ -39,4 +39,4 @@ def check(values: Mapping[str, float]) -> str:
     return ''
 
 
-EFFECT = ActuatorEffect('motor_lag', PARAMETERS, (('duty', 0.0),), output, rate, check)
+EFFECT = ActuatorEffect('motor_lag', SHARED, (), output, (('duty', 0.0),), rate, check)
