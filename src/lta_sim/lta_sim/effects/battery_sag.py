@@ -10,8 +10,8 @@ knows it, and then nothing changes, as with a nominal `voltage` of 0.
 
 The sensitivity is d ln u' / d ln V at the nominal voltage, for identification: Crazyflie flights
 gave a force per duty that goes with V^0.7, and with a thrust curve of T ~ u^1.45 near hover that
-is a sensitivity of 0.5. A straight line and not a power: within 20 % of the nominal voltage the
-two differ by 1 % at most, and it costs no call of pow for every rotor.
+is a sensitivity of 0.5. A straight line and not a power: within 20 % of the nominal voltage
+and for sensitivities up to 1 the two differ by 0.7 % at most, and no rotor costs a call of pow.
 
 Goes before the lag: a rotor takes as long to follow the voltage as to follow the duty.
 """

@@ -19,7 +19,7 @@ thrust; what points farther off has another axis, which belongs in the vehicle f
 import math
 
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
-from lta_sim.state import ACTUATORS, ROTOR_PLACE
+from lta_sim.state import ACTUATORS, ROTOR, ROTOR_PLACE
 
 _SOURCE = 'prior assumed: half a degree of toe on a printed or glued frame'
 _NAMES = tuple(f'{turn}_{i}' for turn in ('first', 'second') for i in range(1, ACTUATORS + 1))
@@ -27,9 +27,11 @@ _NAMES = tuple(f'{turn}_{i}' for turn in ('first', 'second') for i in range(1, A
 PARAMETERS = tuple(Parameter(name, 'rad', 0.0, -0.2, 0.2, 0.009, _SOURCE) for name in _NAMES)
 
 
-def turned(first: float, second: float, thrust: float, rotor: Values) -> Wrench:
-    """Return what the tilt of one rotor adds; rotor is its place and its axis."""
-    x, y, z, a, b, c = rotor
+def turned(first: float, second: float, thrust: float, body: Values, o: int) -> Wrench:
+    """Return what the tilt of one rotor adds, the numbers of which begin at o of the body."""
+    # Single numbers: a slice of the body would be copied, which takes as long as the rest.
+    x, y, z = body[o], body[o + 1], body[o + 2]
+    a, b, c = body[o + 3], body[o + 4], body[o + 5]
     # h x a, not yet of length one: z x a, or y x a near the vertical.
     upright = c * c > 0.5
     e = c if upright else -b
@@ -55,25 +57,25 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
         first_1, first_2, first_3, first_4, first_5, first_6, first_7, first_8,
         second_1, second_2, second_3, second_4, second_5, second_6, second_7, second_8,
     ) = p  # fmt: skip
-    rotors = motion.body[ROTOR_PLACE:]
+    body = motion.body
     front = plus(
         plus(
-            turned(first_1, second_1, thrust[0], rotors[0:6]),
-            turned(first_2, second_2, thrust[1], rotors[6:12]),
+            turned(first_1, second_1, thrust[0], body, ROTOR_PLACE),
+            turned(first_2, second_2, thrust[1], body, ROTOR_PLACE + ROTOR),
         ),
         plus(
-            turned(first_3, second_3, thrust[2], rotors[12:18]),
-            turned(first_4, second_4, thrust[3], rotors[18:24]),
+            turned(first_3, second_3, thrust[2], body, ROTOR_PLACE + 2 * ROTOR),
+            turned(first_4, second_4, thrust[3], body, ROTOR_PLACE + 3 * ROTOR),
         ),
     )
     back = plus(
         plus(
-            turned(first_5, second_5, thrust[4], rotors[24:30]),
-            turned(first_6, second_6, thrust[5], rotors[30:36]),
+            turned(first_5, second_5, thrust[4], body, ROTOR_PLACE + 4 * ROTOR),
+            turned(first_6, second_6, thrust[5], body, ROTOR_PLACE + 5 * ROTOR),
         ),
         plus(
-            turned(first_7, second_7, thrust[6], rotors[36:42]),
-            turned(first_8, second_8, thrust[7], rotors[42:48]),
+            turned(first_7, second_7, thrust[6], body, ROTOR_PLACE + 6 * ROTOR),
+            turned(first_8, second_8, thrust[7], body, ROTOR_PLACE + 7 * ROTOR),
         ),
     )
     return plus(front, back)

@@ -3,8 +3,9 @@ All rotors stronger or weaker than their curve says.
 
     T' = factor T
 
-What separates one motor batch or one air density from the bench: thrust goes with the density of
-the air, 7 % less at 600 m above the sea (standard atmosphere, 0.943) or 20 K warmer (293/313).
+What separates one batch of motors or one air from the bench: at a given speed of the rotor, thrust
+goes with the density of the air, 6 % less at 600 m above the sea (standard atmosphere) or in air
+20 K warmer (293 K / 313 K).
 """
 
 from lta_sim.effects.protocol import ActuatorEffect, Parameter, Values
