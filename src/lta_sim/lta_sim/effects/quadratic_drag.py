@@ -12,9 +12,7 @@ from lta_sim.effects.protocol import AXES, Motion, Parameter, Values, Wrench, Wr
 
 _SOURCE = 'Fossen 2011 sec. 6.4; prior: 20 % of a 1 m oblate hull'
 
-PARAMETERS = tuple(
-    Parameter(axis, 'N s2/m2', 0.0, 0.0, 100.0, 0.03, _SOURCE) for axis in AXES[:3]
-)
+PARAMETERS = tuple(Parameter(axis, 'N s2/m2', 0.0, 0.0, 100.0, 0.03, _SOURCE) for axis in AXES[:3])
 
 
 def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:

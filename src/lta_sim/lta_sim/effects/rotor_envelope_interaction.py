@@ -11,10 +11,11 @@ rotor below a balloon that blows up into it loses three quarters of its thrust.
 
 `together` is the wrench, per newton of the weakest rotor, that is there only while several jets
 run at once: colliding jets build a pressure that no single one has. Rotors with a `share_i` take
-part, 1 with forward and -1 with reversed thrust. A linear B cannot hold it: four on lift, one on
-does not. The minimum is the plainest function that is 1 with all on and 0 with one off; what two
-of four jets do was not computed. Scales with thrust at a fixed pattern, as jets driven by momentum
-do (computed at full thrust only).
+part, 1 with forward and -1 with reversed thrust; a share between counts a newton of that rotor
+for less. A linear B cannot hold it: four on lift, one on does not. The minimum is the plainest
+function that is 1 with all on and 0 with one off; what two of four jets do was not computed. It
+scales with thrust at a fixed pattern, as jets driven by momentum do; only full thrust was
+computed.
 
 Source of both: simulated actuator disks below a mylar balloon of 1 m (OpenFOAM 1912, steady
 k-omega SST, 62 to 72 thousand cells; thrust within 1 %, suction within 13 % of a finer mesh). Left
@@ -28,7 +29,7 @@ from lta_sim.state import ACTUATORS
 
 _FORCE = 'prior: 3 % of the thrust, the suction of a jet in CFD; bound: the sum of a few rotors'
 _LEVER = 'prior: 1 cm on the place where the jet meets the hull; bound: two levers of 5 m'
-_SHARE = 'a choice and no measurement: 1, 0 or -1'
+_SHARE = 'a choice and no measurement: 1 takes part, 0 does not, -1 does in reverse'
 _NONE = 1e9  # more than any rotor pushes [N]
 
 _ROTORS = range(1, ACTUATORS + 1)
@@ -94,13 +95,11 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
 
 def check(values: Mapping[str, float]) -> str:
     """Return why the rotors taking part cannot be meant so, or ''."""
-    shares = [values[f'share_{i}'] for i in _ROTORS]
-    if any(share not in (-1.0, 0.0, 1.0) for share in shares):
-        return 'every share must be 1 (takes part), 0 (does not) or -1 (takes part in reverse)'
-    taking, gains = sum(map(abs, shares)), any(values[name] != 0.0 for name in _TOGETHER)
-    if gains and taking < 2.0:
+    taking = sum(values[f'share_{i}'] != 0.0 for i in _ROTORS)
+    gains = any(values[name] != 0.0 for name in _TOGETHER)
+    if gains and taking < 2:
         return 'at least two rotors need a share for jets to work together'
-    if taking > 0.0 and not gains:
+    if taking > 0 and not gains:
         return 'rotors have a share but no together_ gain says what they do'
     return ''
 

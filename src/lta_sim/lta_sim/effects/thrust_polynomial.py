@@ -42,8 +42,8 @@ SHARED = (
     Parameter('linear_to', 'V', 0.0, 0.0, 10.0, 0.1, _START),
     Parameter('c_0', 'N', 0.0, -10.0, 10.0, 0.01, _CUBIC),
     Parameter('c_1', 'N/V', 0.0, -10.0, 10.0, 0.02, _CUBIC),
-    Parameter('c_2', 'N/V^2', 0.0, -10.0, 10.0, 0.01, _CUBIC),
-    Parameter('c_3', 'N/V^3', 0.0, -10.0, 10.0, 0.003, _CUBIC),
+    Parameter('c_2', 'N/V2', 0.0, -10.0, 10.0, 0.01, _CUBIC),
+    Parameter('c_3', 'N/V3', 0.0, -10.0, 10.0, 0.003, _CUBIC),
 )
 
 
