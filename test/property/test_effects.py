@@ -311,6 +311,18 @@ GIVEN = {
     'motor_lag': {'up': 0.07, 'down': 0.1},
     'thrust_curve': {'a_1': 0.09, 'b_1': 0.07, 'b_3': 0.1},
     'rotor_thrust': {'heave_1': 0.96, 'surge_3': 0.98},
+    'battery_sag': {'voltage': 4.2, 'sensitivity': 0.8},
+    'motor_deadband': {'threshold': 0.45},
+    'thrust_polynomial': {'voltage': 4.2, 'linear_to': 0.8, 'c_1': 0.05, 'c_3': 0.002},
+    'thrust_scale': {'factor': 1.1},
+    'rotor_fault': {'lost_1': 0.2},
+    'rotor_misalignment': {'first_1': 0.05, 'second_3': -0.03},
+    'rotor_envelope_interaction': {
+        'heave_2': -0.7,
+        'together_yaw': 0.3,
+        'share_1': 1.0,
+        'share_3': 1.0,
+    },
     'floor_contact': {'stiffness': 100.0, 'relaxation': 0.05, 'friction': 0.5, 'z': -0.36},
 }
 ROTORS = [((0.0, 0.2, -0.3), (0.0, 0.0, 1.0)), ((0.1, 0.0, -0.3), (1.0, 0.0, 0.0))] * 2

@@ -60,7 +60,8 @@ def motors(given, memory, duty):
     p = given.get('motor_lag', {})
     if not p:
         return duty, np.zeros_like(duty)
-    tau = np.where(abs(duty) > abs(memory), p['up'], p['down'])
+    faster = (abs(duty) > abs(memory)) & (duty * memory >= 0.0)
+    tau = np.where(faster, p['up'], p['down'])
     return memory, (duty - memory) / tau
 
 

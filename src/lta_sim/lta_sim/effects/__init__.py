@@ -11,13 +11,21 @@ from lta_config.errors import BadInput, unknown
 from lta_sim.effects import (
     added_inertia,
     added_mass,
+    battery_sag,
+    command_delay,
     floor_contact,
     linear_drag,
+    motor_deadband,
     motor_lag,
     quadratic_drag,
     rotational_drag,
+    rotor_envelope_interaction,
+    rotor_fault,
+    rotor_misalignment,
     rotor_thrust,
     thrust_curve,
+    thrust_polynomial,
+    thrust_scale,
     weight_and_buoyancy,
 )
 from lta_sim.effects.protocol import ActuatorEffect, Effect, KernelEffect
@@ -66,10 +74,18 @@ EFFECTS: dict[str, Effect] = merged(
         'linear_drag': linear_drag.EFFECT,
         'quadratic_drag': quadratic_drag.EFFECT,
         'rotational_drag': rotational_drag.EFFECT,
+        'battery_sag': battery_sag.EFFECT,
+        'motor_deadband': motor_deadband.EFFECT,
         'motor_lag': motor_lag.EFFECT,
+        'thrust_polynomial': thrust_polynomial.EFFECT,
         'thrust_curve': thrust_curve.EFFECT,
+        'thrust_scale': thrust_scale.EFFECT,
+        'rotor_fault': rotor_fault.EFFECT,
         'rotor_thrust': rotor_thrust.EFFECT,
+        'rotor_misalignment': rotor_misalignment.EFFECT,
+        'rotor_envelope_interaction': rotor_envelope_interaction.EFFECT,
         'floor_contact': floor_contact.EFFECT,
+        'command_delay': command_delay.EFFECT,
     }
 )
 

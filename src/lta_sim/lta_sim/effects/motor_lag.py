@@ -1,10 +1,11 @@
 """
 First-order lag of each motor, slower or faster up than down.
 
-    d/dt m = (u - m) / tau,   tau = `up` while |u| > |m|, else `down`;   the rotor turns at m
+    d/dt m = (u - m) / tau,   tau = `up` while |u| > |m| and u m >= 0, else `down`
 
-u is the commanded duty, m the memory. Both time constants zero: the rotor turns at u. 72 ms fits a
-7 mm motor with a 45 mm propeller (Eschmann, Albani and Loianno 2024, arXiv:2404.07837).
+u is the commanded duty, m the memory, at which the rotor turns; one that is to reverse brakes
+first. Both time constants zero: the rotor turns at u. 72 ms fits a 7 mm motor with a 45 mm
+propeller (Eschmann, Albani and Loianno 2024, arXiv:2404.07837).
 """
 
 from collections.abc import Mapping
@@ -28,7 +29,7 @@ def output(p: Values, memory: Values, duty: float, surroundings: Values) -> floa
 def rate(p: Values, memory: Values, duty: float, surroundings: Values) -> Values:
     """Return d/dt of the lagged duty."""
     up, down = p
-    tau = up if abs(duty) > abs(memory[0]) else down
+    tau = up if abs(duty) > abs(memory[0]) and duty * memory[0] >= 0.0 else down
     return ((duty - memory[0]) / tau if tau > 0.0 else 0.0,)
 
 
