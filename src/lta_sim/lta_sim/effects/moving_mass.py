@@ -46,8 +46,7 @@ PARAMETERS = (
 
 def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     """Return the moment of the weight away from where it was weighed."""
-    mass, x, y, z, lag, speed = p
-    del speed
+    mass, x, y, z, lag, speed = p  # noqa: RUF059 (the kernel knows parameters by their order)
     c = motion.command
     d_x = memory[0] if lag > 0.0 else c[MASS_PLACE] - x
     d_y = memory[1] if lag > 0.0 else c[MASS_PLACE + 1] - y
@@ -65,8 +64,7 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
 
 def rate(p: Values, memory: Values, motion: Motion) -> Values:
     """Return the velocity of the mass in the vehicle."""
-    mass, x, y, z, lag, speed = p
-    del mass
+    mass, x, y, z, lag, speed = p  # noqa: RUF059 (the kernel knows parameters by their order)
     c = motion.command
     if lag <= 0.0:
         return (0.0, 0.0, 0.0)

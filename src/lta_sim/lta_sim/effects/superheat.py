@@ -56,8 +56,7 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
 
 def rate(p: Values, memory: Values, motion: Motion) -> Values:
     """Return d/dt of the temperature of the gas above that of the air."""
-    warming, lag, slack = p
-    del slack
+    warming, lag, slack = p  # noqa: RUF059 (the kernel knows parameters by their order)
     steady = warming * motion.surroundings[IRRADIANCE]
     return ((steady - memory[0]) / lag if lag > 0.0 else 0.0,)
 
