@@ -216,6 +216,7 @@ def test_a_frame_is_one_strip_and_a_panel_two():
     assert [parameter.name for parameter in strip_damping.PARAMETERS] == list(found)
     assert found['half_y_1'] == 0.16
     assert found['surge_1'] == pytest.approx(0.6 * 0.5 * 0.32 * 0.06, rel=1e-14)
+    assert found['sway_1'] == pytest.approx(0.6 * 0.5 * 0.1 * 0.06, rel=1e-14)
     assert found['heave_1'] == pytest.approx(0.6 * 0.5 * 0.32 * 0.1, rel=1e-14)
     assert found['y_2'] == -found['y_3'] == pytest.approx(-0.156 / math.sqrt(12.0), rel=1e-14)
     both = found['heave_2'] + found['heave_3']

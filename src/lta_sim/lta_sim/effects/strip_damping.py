@@ -13,11 +13,15 @@ along the strip, 3.3 % high where the strip turns about its own middle. `strips`
 `strip_geometry` takes the numbers from the boxes of a vehicle.
 
 Translation is in the drag of the whole vehicle already, which is measured or simulated with its
-frame on. So a strip sees the hull's turning only, `translation` k = 0. Steady rotation is where
-that drag is wrong: the air turns along with the hull, and CFD in a rotating frame leaves the
-damping of small fast swings out. k = 1 is for parts which the vehicle's drag does not know. Force
-and moment share the factor, so that the power is sum f.u <= 0 for every k. Left out at k = 0 is
-the force that turning makes: at 0.5 rad/s, 0.1 mN of a box of 10 x 6 cm 33 cm below the centre.
+frame on. So a strip sees the hull's turning only, `translation` k = 0. k = 1 is for parts which
+the vehicle's drag does not know. Force and moment share the factor, so that the power is
+sum f.u <= 0 for every k. Left out at k = 0 is the force that turning makes: at 0.5 rad/s, 0.1 mN
+of a box of 10 x 6 cm 33 cm below the centre.
+
+Turning is in `rotational_drag` too where that was measured on the whole vehicle, but hardly where
+it comes from CFD in a rotating frame: there the air turns along with the hull, and the damping of
+small fast swings by what stands out from it is missing. A frame of 10 x 32 x 6 cm 34.5 cm below
+the hull centre adds 5.5e-4 N m s^2 in pitch, a quarter of the 2.1e-3 of such CFD, and in yaw 2 %.
 
 Left out: shade of one part on another and of the hull's own wake; air that is still moving from
 the swing before (C_D at small amplitudes is larger); the flow along a strip. Source: strip theory
