@@ -30,7 +30,6 @@ with the cross-flow principle (Fossen 2011, section 6.4, there for hulls); D, C_
 """
 
 from lta_sim.effects.protocol import Motion, Parameter, Values, Vector, Wrench, WrenchEffect
-from lta_sim.rigid_body import cross
 
 STRIPS = 4
 
@@ -65,6 +64,11 @@ PARAMETERS = (
 GAUSS = 0.7745966692414834  # sqrt(3 / 5), of the outer two points; weights 5/18, 8/18, 5/18
 
 
+def _cross(a: Vector, b: Vector) -> Vector:
+    """Return a x b."""
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
 def _drag(drag: Vector, u: Vector, share: float) -> Vector:
     """Return the drag of a share of a strip at the velocity u."""
     return (
@@ -96,13 +100,13 @@ def strip(u: Vector, w: Vector, centre: Vector, half: Vector, drag: Vector) -> W
 
     """
     g = (GAUSS * half[0], GAUSS * half[1], GAUSS * half[2])
-    c, d = cross(w, centre), cross(w, g)
+    c, d = _cross(w, centre), _cross(w, g)
     m = (u[0] + c[0], u[1] + c[1], u[2] + c[2])
     f = _drag(drag, m, 8.0 / 18.0)
     a = _drag(drag, (m[0] + d[0], m[1] + d[1], m[2] + d[2]), 5.0 / 18.0)
     b = _drag(drag, (m[0] - d[0], m[1] - d[1], m[2] - d[2]), 5.0 / 18.0)
     total = (f[0] + a[0] + b[0], f[1] + a[1] + b[1], f[2] + a[2] + b[2])
-    n, t = cross(centre, total), cross(g, (a[0] - b[0], a[1] - b[1], a[2] - b[2]))
+    n, t = _cross(centre, total), _cross(g, (a[0] - b[0], a[1] - b[1], a[2] - b[2]))
     return (*total, n[0] + t[0], n[1] + t[1], n[2] + t[2])
 
 
