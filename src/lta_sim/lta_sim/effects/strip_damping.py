@@ -21,7 +21,7 @@ of a box of 10 x 6 cm 33 cm below the centre.
 Turning is in `rotational_drag` too where that was measured on the whole vehicle, but hardly where
 it comes from CFD in a rotating frame: there the air turns along with the hull, and the damping of
 small fast swings by what stands out from it is missing. A frame of 10 x 32 x 6 cm 34.5 cm below
-the hull centre adds 5.5e-4 N m s^2 in pitch, a quarter of the 2.1e-3 of such CFD, and in yaw 2 %.
+the hull centre adds 5.5e-4 N m s2 in pitch, a quarter of the 2.1e-3 of such CFD, and in yaw 2 %.
 
 Left out: shade of one part on another and of the hull's own wake; air that is still moving from
 the swing before (C_D at small amplitudes is larger); the flow along a strip. Source: strip theory
@@ -47,7 +47,7 @@ def _strip(i: int) -> tuple[Parameter, ...]:
         *(Parameter(f'{a}_{i}', 'm', 0.0, -5.0, 5.0, 0.01, _CENTRE) for a in 'xyz'),
         *(Parameter(f'half_{a}_{i}', 'm', 0.0, -5.0, 5.0, 0.01, _REACH) for a in 'xyz'),
         *(
-            Parameter(f'{a}_{i}', 'N s^2/m^2', 0.0, 0.0, 100.0, 0.006, _DRAG)
+            Parameter(f'{a}_{i}', 'N s2/m2', 0.0, 0.0, 100.0, 0.006, _DRAG)
             for a in ('surge', 'sway', 'heave')
         ),
     )
@@ -91,7 +91,7 @@ def strip(u: Vector, w: Vector, centre: Vector, half: Vector, drag: Vector) -> W
     centre, half : 3-tuple
         Its middle, and from there to its end. [m]
     drag : 3-tuple
-        Force per squared speed along each axis. [N s^2/m^2]
+        Force per squared speed along each axis. [N s2/m2]
 
     Returns
     -------

@@ -29,7 +29,7 @@ from lta_sim.state import DISPLACED, IRRADIANCE
 
 PARAMETERS = (
     Parameter(
-        'warming', 'K m^2/W', 0.0, 0.0, 1.0, 0.01,
+        'warming', 'K m2/W', 0.0, 0.0, 1.0, 0.01,
         'prior: heat balance above; bound: black film with little convection, ten times over',
     ),
     Parameter(
