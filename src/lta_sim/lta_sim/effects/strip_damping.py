@@ -25,7 +25,7 @@ the hull centre adds 5.5e-4 N m s2 in pitch, a quarter of the 2.1e-3 of such CFD
 
 Left out: shade of one part on another and of the hull's own wake; air that is still moving from
 the swing before (C_D at small amplitudes is larger); the flow along a strip. Source: strip theory
-with the cross-flow principle (Fossen 2011, section 6.4, there for hulls); D, C_D as in
+with the cross-flow principle (Fossen 2011, section 6.4, there for hulls; from memory); C_D as in
 `strip_geometry`.
 """
 
