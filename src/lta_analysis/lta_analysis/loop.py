@@ -3,6 +3,7 @@ The closed loop in one process, without ROS: the same cores in the same order as
 
 Used for tuning and for tests that need many flights. As in lockstep, the estimator sees the duties
 of the step before, and the controller a setpoint one control period after its light block ended.
+Numbers that a message would round are rounded alike (`lta_control.wire`).
 """
 
 from dataclasses import dataclass, field
@@ -10,17 +11,18 @@ import math
 from typing import final
 
 from lta_config.topics import TopicTable
-from lta_control.attitude import heading
+from lta_control.autopilot import Autopilot, drone_of
 from lta_control.cascade import CascadeGains, Measured, Setpoint
-from lta_control.control import control_step, ControlMemory, landed
-from lta_control.estimator import Estimate, estimator_step, EstimatorSettings, Inputs
+from lta_control.control import TILT_LIMIT
+from lta_control.estimator import Estimate, EstimatorSettings
 from lta_control.mission import Mission, mission_step, MissionSettings
 from lta_control.strategies.protocol import Sight, Strategy
-from lta_control.vehicle_side import body_of, rotors_of, surge_drag_of
+from lta_control.wire import as_setpoint, single
 from lta_sim.readings import Outcome, Readings
 from lta_sim.world import World
 from lta_vlc.array import bearing, even_ring
 from lta_vlc.demodulation import demodulate, Demodulation, plan_bins
+from lta_vlc.lamp import bearing_through, LampPrior
 import numpy as np
 from numpy.typing import NDArray
 
@@ -35,6 +37,8 @@ class Policy:
     estimator: EstimatorSettings = field(default_factory=EstimatorSettings)
     mission: MissionSettings = field(default_factory=MissionSettings)
     demodulation: Demodulation = field(default_factory=Demodulation)
+    prior: LampPrior = field(default_factory=LampPrior)
+    tilt_limit: float = TILT_LIMIT  # [rad]
 
 
 @final
@@ -56,71 +60,62 @@ class Loop:
     def __init__(self, world: World, table: TopicTable, policy: Policy) -> None:
         self.world = world
         self._policy = policy
-        self._dt = table.control_ns * 1e-9
         self._block = table['photodiodes'].period_ns * 1e-9
         self._half_block = table['photodiodes'].period_ns // table.control_ns // 2
         vehicle = world.vehicle
-        self._drag = surge_drag_of(vehicle)
-        self._body = body_of(vehicle)
-        self._rotors = rotors_of(vehicle)
+        dt = table.control_ns * 1e-9
+        self._autopilot = Autopilot(
+            drone_of(vehicle, policy.estimator, policy.gains, dt, policy.tilt_limit)
+        )
         self._ring = even_ring(vehicle.diodes.count)
         self._bins = plan_bins(
             policy.demodulation, table.light.sample_rate.si, table.light.samples
         )
-        self.estimate = Estimate()
-        self.duties = self.estimate.duties
+        self.duties = self._autopilot.duties
         self.setpoint: Setpoint | None = None
         self.mission = Mission()
-        self._memory = ControlMemory()
         self._headings: list[float] = []
         self._pending: Setpoint | None = None
+
+    @property
+    def estimate(self) -> Estimate:
+        """All that the estimator remembers."""
+        return self._autopilot.estimate
+
+    def measured(self) -> Measured | None:
+        """Return what the controller acts on; None while the estimator is learning."""
+        return self._autopilot.measured
 
     def step(self) -> Outcome:
         """Sense, decide and fly one control period; return how the flight stands."""
         readings = self.world.sense()
-        self._estimate(readings)
-        self.setpoint = self._pending or self.setpoint
+        if self._pending is not None:
+            self.setpoint, self._pending = self._pending, None
+            self._autopilot.guide(self.setpoint)
+        self._decide(readings)
         if readings.block is not None:
             self._pending = self._navigate(readings.block[1])
-        self._control()
         self.world.advance(self.duties)
         return self.world.outcome
 
-    def _estimate(self, readings: Readings) -> None:
-        inputs = Inputs(
-            rates=readings.rates,
-            force=readings.force,
-            range=readings.ranges[-1][1] if readings.ranges else math.nan,
-            pressure=math.nan if readings.pressure is None else readings.pressure,
-            duties=self.duties,
+    def _decide(self, readings: Readings) -> None:
+        self.duties = self._autopilot.step(
+            readings.rates,
+            readings.force,
+            single(readings.ranges[-1][1]) if readings.ranges else math.nan,
+            math.nan if readings.pressure is None else readings.pressure,
         )
-        self.estimate = estimator_step(
-            self._policy.estimator, self._body, self.estimate, inputs, self._dt
-        )
-        self._headings.append(heading(self.estimate.attitude))
-
-    def measured(self) -> Measured | None:
-        """Return what the controller acts on; None while the estimator is learning."""
-        estimate = self.estimate
-        if not estimate.ready:
-            return None
-        return Measured(
-            altitude=estimate.altitude.height,
-            climb=estimate.altitude.climb,
-            heading=self._headings[-1],
-            yaw_rate=estimate.rates[2],
-            speed=estimate.airspeed.surge,
-            sway=estimate.airspeed.sway,
-        )
+        self._headings.append(self._autopilot.heading)
 
     def _navigate(self, block: NDArray[np.uint16]) -> Setpoint:
+        """Return what the light of a block asks for, as the controller gets it."""
         peaks = demodulate(block, self._bins)
         found = bearing(peaks, self._ring, self._policy.demodulation.threshold)
         sight = Sight(
             seen=found is not None,
-            bearing=0.0 if found is None else found.angle,
+            bearing=0.0 if found is None else bearing_through(found.angle, self._policy.prior),
             heading=self._headings[-1 - self._half_block],
-            amplitudes=tuple(peaks.amplitude.tolist()),
+            amplitudes=tuple(peaks.amplitude.astype(np.float32).tolist()),
             interval=self._block,
         )
         measured = self.measured()
@@ -132,21 +127,4 @@ class Loop:
             None if measured is None else measured.altitude,
             False,
         )
-        return setpoint
-
-    def _control(self) -> None:
-        measured = self.measured()
-        if measured is None or self.setpoint is None:
-            return
-        if landed(measured, self.setpoint, self._body.standing_height):
-            self.duties, self._memory = (0.0, 0.0, 0.0, 0.0), ControlMemory()
-            return
-        self.duties, self._memory = control_step(
-            self._policy.gains,
-            self._rotors,
-            self._drag,
-            self._memory,
-            measured,
-            self.setpoint,
-            self._dt,
-        )
+        return as_setpoint(setpoint)
