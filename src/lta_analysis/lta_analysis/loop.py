@@ -64,14 +64,14 @@ class Loop:
         self._half_block = table['photodiodes'].period_ns // table.control_ns // 2
         vehicle = world.vehicle
         dt = table.control_ns * 1e-9
-        self._autopilot = Autopilot(
+        self.autopilot = Autopilot(
             drone_of(vehicle, policy.estimator, policy.gains, dt, policy.tilt_limit)
         )
         self._ring = even_ring(vehicle.diodes.count)
         self._bins = plan_bins(
             policy.demodulation, table.light.sample_rate.si, table.light.samples
         )
-        self.duties = self._autopilot.duties
+        self.duties = self.autopilot.duties
         self.setpoint: Setpoint | None = None
         self.mission = Mission()
         self._headings: list[float] = []
@@ -80,18 +80,18 @@ class Loop:
     @property
     def estimate(self) -> Estimate:
         """All that the estimator remembers."""
-        return self._autopilot.estimate
+        return self.autopilot.estimate
 
     def measured(self) -> Measured | None:
         """Return what the controller acts on; None while the estimator is learning."""
-        return self._autopilot.measured
+        return self.autopilot.measured
 
     def step(self) -> Outcome:
         """Sense, decide and fly one control period; return how the flight stands."""
         readings = self.world.sense()
         if self._pending is not None:
             self.setpoint, self._pending = self._pending, None
-            self._autopilot.guide(self.setpoint)
+            self.autopilot.guide(self.setpoint)
         self._decide(readings)
         if readings.block is not None:
             self._pending = self._navigate(readings.block[1])
@@ -99,13 +99,13 @@ class Loop:
         return self.world.outcome
 
     def _decide(self, readings: Readings) -> None:
-        self.duties = self._autopilot.step(
+        self.duties = self.autopilot.step(
             readings.rates,
             readings.force,
             single(readings.ranges[-1][1]) if readings.ranges else math.nan,
             math.nan if readings.pressure is None else readings.pressure,
         )
-        self._headings.append(self._autopilot.heading)
+        self._headings.append(self.autopilot.heading)
 
     def _navigate(self, block: NDArray[np.uint16]) -> Setpoint:
         """Return what the light of a block asks for, as the controller gets it."""

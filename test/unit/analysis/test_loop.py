@@ -6,12 +6,16 @@ import math
 
 from lta_analysis.loop import Loop, Policy
 from lta_config.topics import topic_table
+from lta_control.allocation import new_scratch
 from lta_control.attitude import heading
-from lta_control.control import control_step
+from lta_control.autopilot import drone_of, MEMORY
+from lta_control.estimator import EstimatorSettings
 from lta_control.gains_file import load_gains
 from lta_control.mission import MissionSettings, Phase
+from lta_control.onboard import Heard, Onboard, onboard_step
 from lta_control.strategies import strategy
 from lta_control.strategies.bearing_angle import STRATEGY
+from lta_control.wire import single
 from lta_sim.readings import Outcome
 from lta_sim.scenario import load_scenario
 from lta_sim.vehicle import load_vehicle
@@ -171,36 +175,38 @@ def test_a_bearing_is_added_to_the_heading_at_the_middle_of_its_block():
         assert believed == headings[step - 5]
 
 
-def test_the_estimator_sees_the_duties_of_the_step_before(monkeypatch):
-    loop, given, told = start(2), [], []
-    body = 'lta_analysis.loop.estimator_step'
-
-    def spy(settings, body, state, inputs, dt):
-        told.append(inputs.duties)
-        return estimator_step(settings, body, state, inputs, dt)
-
-    from lta_control.estimator import estimator_step
-
-    monkeypatch.setattr(body, spy)
-    for _ in range(400):
+def test_it_decides_as_plain_python_does():
+    """A whole climb and search: the compiled step and the same functions in Python, to the bit."""
+    loop, scratch = start(2), new_scratch()
+    drone = drone_of(loop.world.vehicle, EstimatorSettings(), load_gains('gtmab'), 0.01)
+    memory, taken = Onboard(), []
+    sense = loop.world.sense
+    loop.world.sense = lambda: taken.append(sense()) or taken[-1]
+    for _ in range(900):
         loop.step()
-        given.append(loop.duties)
-    assert told[0] == (0.0,) * 4
-    assert told[1:] == given[:-1]
-    assert any(map(any, given))
+        readings = taken.pop()
+        heard = Heard(
+            readings.rates,
+            readings.force,
+            single(readings.ranges[-1][1]) if readings.ranges else math.nan,
+            math.nan if readings.pressure is None else readings.pressure,
+        )
+        if loop.setpoint is not None:
+            memory = memory._replace(setpoint=loop.setpoint, guided=True)
+        memory = onboard_step(drone, memory, heard, scratch)
+        np.testing.assert_array_equal(MEMORY.write(loop.autopilot.memory), MEMORY.write(memory))
+        assert loop.duties == memory.duties[:4]
+    assert loop.mission.phase is Phase.SEEK
+    assert any(loop.duties)
 
 
-def test_the_controller_never_sees_the_truth(monkeypatch):
+def test_the_controller_never_sees_the_truth():
     """What the cascade acts on is the estimate, which differs from the truth."""
     loop, pairs = start(2), []
-
-    def spy(gains, rotors, drag, memory, measured, setpoint, dt):
-        pairs.append((measured.altitude, loop.world.state[2]))
-        return control_step(gains, rotors, drag, memory, measured, setpoint, dt)
-
-    monkeypatch.setattr('lta_analysis.loop.control_step', spy)
     for _ in range(600):
         loop.step()
+        if (measured := loop.measured()) is not None:
+            pairs.append((measured.altitude, loop.world.state[2]))
     assert len(pairs) > 300
     assert all(believed != true for believed, true in pairs)
 
