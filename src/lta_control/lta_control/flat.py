@@ -8,6 +8,7 @@ they use, and its hash is what it is kept under: an edit never runs stale.
 """
 
 from collections.abc import Callable, Iterator
+from functools import cache
 from typing import Any, cast, final, Generic, TypeVar
 
 from lta_config.settings import plain
@@ -56,6 +57,15 @@ class Layout(Generic[Nested]):
         self._example = bare(example)
         self.paths = tuple(_paths(self._example))
         self.size = len(self.paths)
+        self._form = f'{self.expression("_")} {self.kinds()}'
+
+    def __eq__(self, other: object) -> bool:
+        """Return whether another stands for the same names and kinds of numbers."""
+        return isinstance(other, Layout) and self._form == other._form
+
+    def __hash__(self) -> int:
+        """Return what goes with equality."""
+        return hash(self._form)
 
     def write(self, value: Nested) -> Array:
         """Return the numbers of a value as an array."""
@@ -170,11 +180,10 @@ def source(
     return '\n\n\n'.join((HEAD, '\n'.join(missing), text, '\n'.join(entry))) + '\n'
 
 
+@cache
 def compiled(
     core: Callable[..., Any], constants: Layout[Any], memory: Layout[Any], heard: Layout[Any]
 ) -> Callable[[Array, Array, Array, Array], None]:
     """Return the entry of `source`, compiled on its first call or found in the cache."""
-    return cast(
-        'Callable[[Array, Array, Array, Array], None]',
-        load(source(core, constants, memory, heard)).step,
-    )
+    module = load(source(core, constants, memory, heard))
+    return cast('Callable[[Array, Array, Array, Array], None]', module.step)
