@@ -1,15 +1,13 @@
 """
-Measure the closed loop in one process: `python test/benchmark/loop.py` prints name, value, unit.
+Measure the closed loop in one process: how many seconds it flies in one, and where its time goes.
 
-One flight to the lamp, flown several times on one core; the fastest counts, by the time that the
-process had, since other processes share the machine. `loop.realtime` is simulated seconds a
-second; the rest says where the time of a control step goes: in a flight whose parts are timed,
-less what the timing costs. `loop.warm` is a whole process from its first import to its first step,
-with a filled cache.
+One flight to the lamp on one core, sensors, ADC blocks, FFT and control included. The time is what
+the process had, as others share the machine. `loop.warm` is a whole process from its first import
+to its first step, without the start of the interpreter and with a filled cache.
 """
 
-from collections import defaultdict
 from collections.abc import Callable
+from functools import partial
 import os
 from pathlib import Path
 import subprocess
@@ -17,6 +15,7 @@ import sys
 import time
 from typing import Any
 
+from bench import Figure
 from lta_analysis.loop import Loop, Policy
 from lta_config.topics import topic_table
 from lta_control.gains_file import load_gains
@@ -26,15 +25,21 @@ from lta_sim.scenario import load_scenario
 from lta_sim.vehicle import load_vehicle
 from lta_sim.world import World
 
-SEED, ROUNDS = 1, 5
+SEED = 1
+# Who does each part of a step; the first three are the world's, the others the drone's.
 PARTS = {
-    'sense_motion': ('world', 'sense_motion'),
-    'sense_rest': ('world', 'sense_rest'),
-    'light_block': ('world', '_light_block'),
-    'decide': ('', '_decide'),
-    'navigate': ('', '_navigate'),
-    'advance': ('world', 'advance'),
+    'sense_motion': lambda loop: loop.world,
+    'sense_rest': lambda loop: loop.world,
+    'advance': lambda loop: loop.world,
+    '_decide': lambda loop: loop,
+    '_navigate': lambda loop: loop,
 }
+FIRST = """
+import sys, time; begin = time.process_time()
+import loop
+loop.start().step()
+sys.stdout.write(str(time.process_time() - begin))
+"""
 
 
 def start() -> Loop:
@@ -50,76 +55,50 @@ def fly(loop: Loop) -> tuple[float, int]:
     begin, steps = time.process_time(), 1
     while loop.step() is Outcome.FLYING:
         steps += 1
+    if loop.world.outcome is not Outcome.REACHED:
+        raise AssertionError(f'the flight ended with {loop.world.outcome}; it must reach the lamp')
     return time.process_time() - begin, steps
 
 
-def realtime() -> tuple[float, float]:
-    """Return simulated seconds a second, and the time of a step. [us]"""
-    flights = [fly(start()) for _ in range(ROUNDS)]
-    spent, steps = min(flights)
-    return steps * topic_table().control_ns * 1e-9 / spent, 1e6 * spent / steps
+def realtime() -> float:
+    """Return simulated seconds a second."""
+    spent, steps = fly(start())
+    return steps * topic_table().control_ns * 1e-9 / spent
 
 
-def timed(function: Callable[..., Any], spent: list[float]) -> Callable[..., Any]:
-    """Return a function that adds up its own time."""
-    clock = time.perf_counter
+def part(name: str) -> float:
+    """Return the time of one part of a control step, on average. [us]"""
+    loop, spent, clock = start(), [], time.process_time
+    owner = PARTS[name](loop)
+    function: Callable[..., Any] = getattr(owner, name)
 
-    def run(*arguments: object) -> object:
+    def timed(*arguments: object) -> object:
         begin = clock()
         result = function(*arguments)
-        spent[0] += clock() - begin
+        spent.append(clock() - begin)
         return result
 
-    return run
-
-
-def split() -> dict[str, float]:
-    """Return the time of each part of a step, the least of some flights. [us a step]"""
-    empty, times = [0.0], defaultdict(list)
-    nothing = timed(lambda: None, empty)
-    for _ in range(100_000):
-        nothing()
-    cost = empty[0] / 100_000
-    for _ in range(ROUNDS):
-        loop, spent = start(), {name: [0.0] for name in PARTS}
-        for name, (owner, method) in PARTS.items():
-            holder = getattr(loop, owner) if owner else loop
-            setattr(holder, method, timed(getattr(holder, method), spent[name]))
-        _, steps = fly(loop)
-        for name, (total,) in spent.items():
-            calls = steps // 10 if name in ('light_block', 'navigate') else steps
-            times[name].append(1e6 * (total - calls * cost) / steps)
-    return {name: min(rows) for name, rows in times.items()}
+    setattr(owner, name, timed)
+    _, steps = fly(loop)
+    return 1e6 * sum(spent) / steps
 
 
 def warm() -> float:
     """Return the time of a new process from import to its first step. [s]"""
-    script = (
-        'import sys, time; begin = time.process_time()\n'
-        'import loop\n'
-        'loop.start().step()\n'
-        'sys.stdout.write(str(time.process_time() - begin))\n'
-    )
     path = os.pathsep.join([str(Path(__file__).parent), *filter(None, sys.path)])
-    command = [sys.executable, '-c', script]
     environment = os.environ | {'PYTHONPATH': path}
-    times = [subprocess.check_output(command, env=environment, text=True) for _ in range(3)]
-    return min(map(float, times))
+    command = [sys.executable, '-c', FIRST]
+    return float(subprocess.check_output(command, env=environment, text=True))
 
 
-def main() -> None:
-    """Print the table."""
-    pace, step = realtime()
-    parts = split()
-    rows = [
-        ('loop.realtime', pace, 'simulated s/s on one core'),
-        ('loop.step', step, 'us per control step'),
-        *((f'loop.{name}', value, 'us per control step') for name, value in parts.items()),
-        ('loop.warm', warm(), 's of processor time'),
+def figures() -> list[Figure]:
+    """Return what is measured here."""
+    parts = [
+        Figure(f'loop.{name.lstrip("_")}', 'us of a control step', partial(part, name), choose=min)
+        for name in PARTS
     ]
-    for name, value, unit in rows:
-        sys.stdout.write(f'{name:<22} {value:>14,.3f} {unit}\n')
-
-
-if __name__ == '__main__':
-    main()
+    return [
+        Figure('loop.realtime', 's/s', realtime),
+        *parts,
+        Figure('loop.warm', 's', warm, rounds=4, choose=min),
+    ]
