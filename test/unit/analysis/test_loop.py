@@ -5,6 +5,7 @@ from functools import cache
 import math
 
 from lta_analysis.loop import Loop, Policy
+from lta_config.files import find, load_yaml
 from lta_config.topics import topic_table
 from lta_control.allocation import new_scratch
 from lta_control.attitude import heading
@@ -22,14 +23,15 @@ from lta_sim.vehicle import load_vehicle
 from lta_sim.world import World
 import numpy as np
 import pytest
+import yaml
 
 SEEDS = (1, 2, 3, 4, 5)
 SPEED = 0.5
 
 
-def start(seed, **policy):
+def start(seed, vehicle='gtmab', **policy):
     scenario = load_scenario('lamp_room')
-    vehicle = load_vehicle('gtmab', scenario.air.density)
+    vehicle = load_vehicle(str(vehicle), scenario.air.density)
     table = topic_table()
     policy = {'strategy': strategy('bag'), 'gains': load_gains('gtmab'), **policy}
     world = World(vehicle, scenario, table, seed)
@@ -220,3 +222,48 @@ def test_it_hovers_at_the_altitude_it_is_told():
     # The range's own offset, up to 20 mm, is what it cannot know.
     assert np.mean(heights[-1000:]) == pytest.approx(0.8, abs=0.021)
     assert np.ptp(heights[-1000:]) < 0.02
+
+
+def with_rotors(path, change):
+    """Write GT-MAB with other rotors: name to position [cm], force and moment per newton."""
+    content = load_yaml(find('vehicle', 'gtmab'))
+    rotors, columns = content['rotors'], content['aero']['thrust_allocation']
+    for name, values in change.items():
+        rotors.pop(name, None)
+        columns.pop(name, None)
+        if values:
+            place, force, moment = (
+                {'value': list(value), 'unit': unit, 'source': 'assumed'}
+                for value, unit in zip(values, ('cm', 'N/N', 'm'), strict=True)
+            )
+            rotors[name] = {'reversible': False, 'position': place}
+            columns[name] = {'force': force, 'moment': moment}
+    path.write_text(yaml.safe_dump(content, sort_keys=False), encoding='utf-8')
+    return path
+
+
+FLEETS = {
+    3: {'up_left': None, 'up_right': None, 'up': ((0, 0, -34), (0, 0, 0.96), (0, 0, 0))},
+    6: {
+        'up_front': ((19, 0, -34), (0, 0, 0.96), (0, -0.188, 0)),
+        'up_back': ((-19, 0, -34), (0, 0, 0.96), (0, 0.188, 0)),
+    },
+    8: {
+        'up_front': ((19, 0, -34), (0, 0, 0.96), (0, -0.188, 0)),
+        'up_back': ((-19, 0, -34), (0, 0, 0.96), (0, 0.188, 0)),
+        'turn_left': ((30, 0, -34), (0, 0.96, 0), (0, 0, 0.3)),
+        'turn_right': ((30, 0, -34), (0, -0.96, 0), (0, 0, -0.3)),
+    },
+}
+
+
+@pytest.mark.parametrize('number', FLEETS)
+def test_any_number_of_rotors_reaches_the_lamp(number, tmp_path):
+    loop = start(1, with_rotors(tmp_path / 'rotors.yaml', FLEETS[number]))
+    assert len(loop.duties) == number
+    used = np.zeros(number)
+    while (outcome := loop.step()) is Outcome.FLYING:
+        used = np.maximum(used, loop.duties)
+    assert outcome is Outcome.REACHED
+    assert loop.world.elapsed < 40.0
+    assert (used > 0.05).all()

@@ -2,8 +2,9 @@
 
 from lta_config.errors import BadInput
 from lta_control.allocation import allocate, duties, duty, new_scratch, Rotors
-from lta_control.per_rotor import NONE, slots
+from lta_control.per_rotor import NONE, SLOTS, slots
 from lta_control.vehicle_side import rotors_of
+from lta_sim.state import ACTUATORS
 from lta_sim.vehicle import load_vehicle, Vehicle
 import numpy as np
 import pytest
@@ -151,6 +152,10 @@ def test_eight_rotors_share_what_they_are_asked():
     # A yaw of 0.008 N m is 0.01 N more on each of the two on the right, and less on the left.
     assert thrusts[4:] == pytest.approx((0.04, 0.06, 0.06, 0.04), rel=1e-6)
     assert given == pytest.approx((0.2, 0.0, 0.4, 0.0, 0.0, 0.008), rel=1e-6, abs=1e-9)
+
+
+def test_there_are_as_many_slots_as_the_kernel_has():
+    assert SLOTS == ACTUATORS
 
 
 def test_more_than_eight_rotors_are_refused():
