@@ -31,7 +31,7 @@ PARTS = {
     'sense_motion': lambda loop: loop.world,
     'sense_rest': lambda loop: loop.world,
     'advance': lambda loop: loop.world,
-    '_decide': lambda loop: loop,
+    '_fly': lambda loop: loop,
     '_navigate': lambda loop: loop,
 }
 FIRST = """

@@ -1,28 +1,32 @@
 """
 The closed loop in one process, without ROS: the same cores in the same order as the graph.
 
-Used for tuning and for tests that need many flights. As in lockstep, the estimator sees the duties
-of the step before, and the controller a setpoint one control period after its light block ended.
-Numbers that a message would round are rounded alike (`lta_control.wire`).
+As in lockstep, the estimator sees the duties of the step before, the controller a setpoint one
+control period after its light block ended, and the navigator the energy of the turn before. What
+the graph sends as a message goes through what the message makes of it (`lta_control.carried`), so
+that both fly the same flight to the last bit.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 import math
 from typing import final
 
 from lta_config.topics import TopicTable
+from lta_control import carried
 from lta_control.autopilot import Autopilot, drone_of
 from lta_control.cascade import CascadeGains, Measured, Setpoint
 from lta_control.control import TILT_LIMIT
 from lta_control.estimator import Estimate, EstimatorSettings
 from lta_control.mission import Mission, mission_step, MissionSettings
 from lta_control.strategies.protocol import Sight, Strategy
-from lta_control.wire import as_setpoint, single
+from lta_energy import monitor
 from lta_sim.readings import Outcome, Readings
+from lta_sim.vehicle import Vehicle
 from lta_sim.world import World
-from lta_vlc.array import bearing, even_ring
-from lta_vlc.demodulation import demodulate, Demodulation, plan_bins
-from lta_vlc.lamp import bearing_through, LampPrior
+from lta_vlc.array import Bearing, bearing, even_ring
+from lta_vlc.demodulation import demodulate, Demodulation, Peaks, plan_bins
+from lta_vlc.lamp import bearing_through, lamp_estimate, LampEstimate, LampPrior
 import numpy as np
 from numpy.typing import NDArray
 
@@ -38,7 +42,32 @@ class Policy:
     mission: MissionSettings = field(default_factory=MissionSettings)
     demodulation: Demodulation = field(default_factory=Demodulation)
     prior: LampPrior = field(default_factory=LampPrior)
-    tilt_limit: float = TILT_LIMIT  # [rad]
+    energy: monitor.MonitorSettings = field(default_factory=monitor.MonitorSettings)
+    tilt_limit: float = TILT_LIMIT  # beyond it the motors stop [rad]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Light:
+    """What one light block says; its bearing and lamp are None where no lamp is heard."""
+
+    peaks: Peaks
+    bearing: Bearing | None
+    prior: LampPrior
+
+    @property
+    def lamp(self) -> LampEstimate | None:
+        """The lamp in the body frame; it is worked out when somebody asks."""
+        return None if self.bearing is None else lamp_estimate(self.bearing, self.prior)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Energy:
+    """What the meters have said, and what is known since."""
+
+    reading: monitor.Reading
+    estimate: monitor.Estimate
 
 
 @final
@@ -54,77 +83,143 @@ class Loop:
         Periods and block shape.
     policy : Policy
         What the drone decides by.
+    known : Vehicle or None
+        The vehicle as the drone knows it; by default the true one in standard air, as the nodes
+        read it from its file.
+
+    Attributes
+    ----------
+    readings, estimate, duties : Readings, Estimate, tuple of float
+        What was sensed, believed and done at the newest step.
+    light, asked : Light, Setpoint
+        What the newest light block said, and what the navigator made of it; None before it.
+    setpoint : Setpoint or None
+        What the controller acts on.
+    energy : Energy or None
+        The newest turn of the meters.
 
     """
 
-    def __init__(self, world: World, table: TopicTable, policy: Policy) -> None:
+    def __init__(
+        self, world: World, table: TopicTable, policy: Policy, known: Vehicle | None = None
+    ) -> None:
         self.world = world
-        self._policy = policy
+        self.policy = policy
+        self._table = table
         self._block = table['photodiodes'].period_ns * 1e-9
         self._half_block = table['photodiodes'].period_ns // table.control_ns // 2
-        vehicle = world.vehicle
+        vehicle = known or Vehicle(world.vehicle.file)
         dt = table.control_ns * 1e-9
         self.autopilot = Autopilot(
             drone_of(vehicle, policy.estimator, policy.gains, dt, policy.tilt_limit)
         )
+        self._cell = vehicle.battery
         self._ring = even_ring(vehicle.diodes.count)
         self._bins = plan_bins(
             policy.demodulation, table.light.sample_rate.si, table.light.samples
         )
+        ranger = world.range_settings
+        self._reach = carried.single(ranger.minimum), carried.single(ranger.maximum)
+        self.readings = Readings(world.stamp_ns)
         self.duties = self.autopilot.duties
+        self.light: Light | None = None
+        self.asked: Setpoint | None = None
         self.setpoint: Setpoint | None = None
+        self.energy: Energy | None = None
         self.mission = Mission()
         self._headings: list[float] = []
-        self._pending: Setpoint | None = None
 
     @property
     def estimate(self) -> Estimate:
-        """All that the estimator remembers."""
+        """What the drone believes at the newest step."""
         return self.autopilot.estimate
+
+    def step(self) -> Outcome:
+        """Sense, decide and fly one control period; return how the flight stands."""
+        self.decide()
+        self.world.advance(self.duties)
+        return self.world.outcome
+
+    def flight(self) -> Iterator[Outcome]:
+        """Fly to where the graph would end; each step is yielded decided, before it is flown."""
+        while True:
+            self.decide()
+            yield self.world.outcome
+            over = self.world.outcome is not Outcome.FLYING
+            if over and self._table.settled(self.world.stamp_ns):
+                return
+            self.world.advance(self.duties)
+
+    def decide(self) -> None:
+        """Sense and decide, without flying on."""
+        readings = self.readings = self.world.sense()
+        if self.asked is not self.setpoint and self.asked is not None:
+            self.setpoint = asked = self.asked
+            level = carried.level(asked.heading)
+            self.autopilot.guide(carried.setpoint(asked.altitude, level, asked.speed))
+        self._fly(readings)
+        if readings.block is not None:
+            self._navigate(readings.block[1])
+        if readings.battery is not None:
+            self._count(readings)
+
+    def _fly(self, readings: Readings) -> None:
+        """Estimate and control."""
+        self.duties = self.autopilot.step(
+            readings.rates,
+            readings.force,
+            self._distance(readings),
+            math.nan if readings.pressure is None else readings.pressure,
+        )
+        self._headings.append(self.autopilot.heading)
+
+    def _distance(self, readings: Readings) -> float:
+        """Return the newest range as its message carries it, NaN where there is none. [m]"""
+        if not readings.ranges:
+            return math.nan
+        return carried.reach(carried.single(readings.ranges[-1][1]), *self._reach)
 
     def measured(self) -> Measured | None:
         """Return what the controller acts on; None while the estimator is learning."""
         return self.autopilot.measured
 
-    def step(self) -> Outcome:
-        """Sense, decide and fly one control period; return how the flight stands."""
-        readings = self.world.sense()
-        if self._pending is not None:
-            self.setpoint, self._pending = self._pending, None
-            self.autopilot.guide(self.setpoint)
-        self._decide(readings)
-        if readings.block is not None:
-            self._pending = self._navigate(readings.block[1])
-        self.world.advance(self.duties)
-        return self.world.outcome
-
-    def _decide(self, readings: Readings) -> None:
-        self.duties = self.autopilot.step(
-            readings.rates,
-            readings.force,
-            single(readings.ranges[-1][1]) if readings.ranges else math.nan,
-            math.nan if readings.pressure is None else readings.pressure,
-        )
-        self._headings.append(self.autopilot.heading)
-
-    def _navigate(self, block: NDArray[np.uint16]) -> Setpoint:
-        """Return what the light of a block asks for, as the controller gets it."""
+    def _navigate(self, block: NDArray[np.uint16]) -> None:
         peaks = demodulate(block, self._bins)
-        found = bearing(peaks, self._ring, self._policy.demodulation.threshold)
+        found = bearing(peaks, self._ring, self.policy.demodulation.threshold)
+        prior = self.policy.prior
+        self.light = Light(peaks, found, prior)
         sight = Sight(
             seen=found is not None,
-            bearing=0.0 if found is None else bearing_through(found.angle, self._policy.prior),
+            bearing=0.0 if found is None else bearing_through(found.angle, prior),
             heading=self._headings[-1 - self._half_block],
             amplitudes=tuple(peaks.amplitude.astype(np.float32).tolist()),
             interval=self._block,
         )
         measured = self.measured()
-        setpoint, self.mission = mission_step(
-            self._policy.mission,
-            self._policy.strategy,
+        energy = self.energy
+        self.asked, self.mission = mission_step(
+            self.policy.mission,
+            self.policy.strategy,
             self.mission,
             sight,
-            None if measured is None else measured.altitude,
-            False,
+            None if measured is None or energy is None else measured.altitude,
+            energy is not None and energy.estimate.reserve,
         )
-        return as_setpoint(setpoint)
+
+    def _count(self, readings: Readings) -> None:
+        """Keep the energy books of one turn of the meters."""
+        nothing = math.nan, math.nan
+        voltage, current = map(carried.single, readings.battery or nothing)
+        panel_voltage, panel_current = map(carried.single, readings.panel or nothing)
+        lux = readings.illuminance
+        reading = monitor.Reading(
+            stamp_ns=readings.stamp_ns,
+            voltage=voltage,
+            current=current,
+            harvest=panel_voltage * panel_current,
+            illuminance=math.nan if lux is None else lux,
+        )
+        before = monitor.Estimate() if self.energy is None else self.energy.estimate
+        self.energy = Energy(
+            reading, monitor.update(self.policy.energy, self._cell, before, reading)
+        )

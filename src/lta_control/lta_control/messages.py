@@ -4,11 +4,11 @@ import math
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped, TwistStamped
-from lta_control.attitude import heading, Quaternion, up_in_body
+from lta_control import carried
+from lta_control.attitude import Quaternion, up_in_body
 from lta_control.cascade import Measured, Setpoint
 from lta_control.estimator import Estimate, Inputs
 from lta_control.per_rotor import PerRotor, slots
-from lta_control.wire import climb, half_turn, heave
 from lta_graph.inbox import Step
 from nav_msgs.msg import Odometry
 import numpy as np
@@ -37,8 +37,7 @@ def to_inputs(step: Step, commanded: PerRotor) -> Inputs:
 
 def to_distance(message: Range) -> float:
     """Return a distance, NaN where it is outside the sensor's reach (REP-117)."""
-    inside = message.min_range <= message.range <= message.max_range
-    return float(message.range) if inside else math.nan
+    return carried.reach(float(message.range), message.min_range, message.max_range)
 
 
 def to_duties(motors: JointState | None, names: list[str], before: PerRotor) -> PerRotor:
@@ -60,8 +59,7 @@ def from_estimate(stamp: Time, estimate: Estimate) -> Odometry:
     p.z = estimate.altitude.height
     q.x, q.y, q.z, q.w = estimate.attitude
     v, w = twist.linear, twist.angular
-    v.x, v.y = estimate.airspeed.surge, estimate.airspeed.sway
-    v.z = heave(estimate.attitude, estimate.airspeed, estimate.altitude.climb)
+    v.x, v.y, v.z = carried.velocity(estimate)
     w.x, w.y, w.z = estimate.rates
     pose_covariance = np.zeros(36)
     twist_covariance = np.zeros(36)
@@ -90,16 +88,12 @@ def to_measured(message: Odometry) -> Measured | None:
     """Return what the cascade acts on, or None while the estimate is unknown."""
     if message.pose.covariance[0] == UNKNOWN:
         return None
-    twist = message.twist.twist
-    attitude = attitude_of(message)
-    v = twist.linear
-    return Measured(
-        altitude=message.pose.pose.position.z,
-        climb=climb(attitude, v.x, v.y, v.z),
-        heading=heading(attitude),
-        yaw_rate=twist.angular.z,
-        speed=v.x,
-        sway=v.y,
+    linear, angular = message.twist.twist.linear, message.twist.twist.angular
+    return carried.measured(
+        attitude_of(message),
+        message.pose.pose.position.z,
+        (linear.x, linear.y, linear.z),
+        angular.z,
     )
 
 
@@ -111,11 +105,7 @@ def is_level(message: Odometry, limit: float) -> bool:
 def to_setpoint(pose: PoseStamped, velocity: TwistStamped) -> Setpoint:
     """Return what the navigator asks for."""
     q = pose.pose.orientation
-    return Setpoint(
-        altitude=pose.pose.position.z,
-        heading=heading((q.x, q.y, q.z, q.w)),
-        speed=velocity.twist.linear.x,
-    )
+    return carried.setpoint(pose.pose.position.z, (q.x, q.y, q.z, q.w), velocity.twist.linear.x)
 
 
 def from_setpoint(stamp: Time, setpoint: Setpoint) -> tuple[PoseStamped, TwistStamped]:
@@ -124,7 +114,8 @@ def from_setpoint(stamp: Time, setpoint: Setpoint) -> tuple[PoseStamped, TwistSt
     pose.header.stamp = stamp
     pose.header.frame_id = 'odom'
     pose.pose.position.z = setpoint.altitude
-    pose.pose.orientation.z, pose.pose.orientation.w = half_turn(setpoint.heading)
+    q = pose.pose.orientation
+    q.x, q.y, q.z, q.w = carried.level(setpoint.heading)
     velocity = TwistStamped()
     velocity.header.stamp = stamp
     velocity.header.frame_id = 'base_link'

@@ -11,11 +11,12 @@ from typing import NamedTuple
 
 from lta_control.allocation import Rotors, Scratch
 from lta_control.attitude import up_in_body, Vector
+from lta_control.carried import measured as measured_of
+from lta_control.carried import velocity
 from lta_control.cascade import CascadeGains, Measured, Setpoint
 from lta_control.control import control_step, ControlMemory, landed
 from lta_control.estimator import Body, Estimate, estimator_step, EstimatorSettings, Inputs
 from lta_control.per_rotor import NONE, PerRotor
-from lta_control.wire import as_measured
 
 
 class Drone(NamedTuple):
@@ -71,7 +72,7 @@ class Onboard(NamedTuple):
     setpoint: Setpoint = Setpoint(0.0, 0.0, 0.0)
     control: ControlMemory = ControlMemory()
     duties: PerRotor = NONE
-    stopped: bool = False  # the drone has turned over
+    stopped: bool = False  # for good: turned over, or something is no number
 
 
 def onboard_step(drone: Drone, memory: Onboard, heard: Heard, scratch: Scratch) -> Onboard:
@@ -90,11 +91,13 @@ def onboard_step(drone: Drone, memory: Onboard, heard: Heard, scratch: Scratch) 
         Numbers that the allocation may write on.
 
     """
-    inputs = Inputs(heard.rates, heard.force, heard.range, heard.pressure, memory.duties)
-    estimate = estimator_step(drone.estimator, drone.body, memory.estimate, inputs, drone.dt)
-    measured = as_measured(estimate)
-    upright = up_in_body(estimate.attitude)[2] >= drone.uprightness
-    stopped = memory.stopped or (estimate.ready and not upright)
+    estimate = memory.estimate
+    if _finite(heard.rates) and _finite(heard.force):
+        inputs = Inputs(heard.rates, heard.force, heard.range, heard.pressure, memory.duties)
+        estimate = estimator_step(drone.estimator, drone.body, estimate, inputs, drone.dt)
+    height, speed = estimate.altitude.height, velocity(estimate)
+    measured = measured_of(estimate.attitude, height, speed, estimate.rates[2])
+    stopped = memory.stopped or _must_stop(drone, memory, estimate, measured)
     control, duties = drone.fresh, NONE
     standing = landed(measured, memory.setpoint, drone.body.standing_height)
     if estimate.ready and memory.guided and not stopped and not standing:
@@ -109,3 +112,22 @@ def onboard_step(drone: Drone, memory: Onboard, heard: Heard, scratch: Scratch) 
             scratch,
         )
     return Onboard(estimate, measured, memory.guided, memory.setpoint, control, duties, stopped)
+
+
+def _must_stop(drone: Drone, memory: Onboard, estimate: Estimate, measured: Measured) -> bool:
+    """Tell whether the drone has turned over or what it flies by is no number."""
+    if not estimate.ready:
+        return False
+    known = _finite((measured.altitude, measured.climb, measured.heading)) and _finite(
+        (measured.yaw_rate, measured.speed, measured.sway)
+    )
+    if known:
+        upright = up_in_body(estimate.attitude)[2] >= drone.uprightness
+        return not upright or (memory.guided and not _finite(memory.setpoint))
+    return memory.guided
+
+
+def _finite(numbers: Vector) -> bool:
+    """Tell whether three numbers are all finite."""
+    a, b, c = numbers
+    return math.isfinite(a) and math.isfinite(b) and math.isfinite(c)

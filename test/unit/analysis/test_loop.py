@@ -7,6 +7,7 @@ import math
 from lta_analysis.loop import Loop, Policy
 from lta_config.files import find, load_yaml
 from lta_config.topics import topic_table
+from lta_control import carried
 from lta_control.allocation import new_scratch
 from lta_control.attitude import heading
 from lta_control.autopilot import drone_of, MEMORY
@@ -16,7 +17,6 @@ from lta_control.mission import MissionSettings, Phase
 from lta_control.onboard import Heard, Onboard, onboard_step
 from lta_control.strategies import strategy
 from lta_control.strategies.bearing_angle import STRATEGY
-from lta_control.wire import single
 from lta_sim.readings import Outcome
 from lta_sim.scenario import load_scenario
 from lta_sim.vehicle import load_vehicle
@@ -180,7 +180,8 @@ def test_a_bearing_is_added_to_the_heading_at_the_middle_of_its_block():
 def test_it_decides_as_plain_python_does():
     """A whole climb and search: the compiled step and the same functions in Python, to the bit."""
     loop, scratch = start(2), new_scratch()
-    drone = drone_of(loop.world.vehicle, EstimatorSettings(), load_gains('gtmab'), 0.01)
+    vehicle = load_vehicle('gtmab')
+    drone = drone_of(vehicle, EstimatorSettings(), load_gains('gtmab'), 0.01)
     memory, taken = Onboard(), []
     sense = loop.world.sense
     loop.world.sense = lambda: taken.append(sense()) or taken[-1]
@@ -190,11 +191,13 @@ def test_it_decides_as_plain_python_does():
         heard = Heard(
             readings.rates,
             readings.force,
-            single(readings.ranges[-1][1]) if readings.ranges else math.nan,
+            carried.single(readings.ranges[-1][1]) if readings.ranges else math.nan,
             math.nan if readings.pressure is None else readings.pressure,
         )
         if loop.setpoint is not None:
-            memory = memory._replace(setpoint=loop.setpoint, guided=True)
+            height, yaw, speed = loop.setpoint
+            asked = carried.setpoint(height, carried.level(yaw), speed)
+            memory = memory._replace(setpoint=asked, guided=True)
         memory = onboard_step(drone, memory, heard, scratch)
         np.testing.assert_array_equal(MEMORY.write(loop.autopilot.memory), MEMORY.write(memory))
         assert loop.duties == memory.duties[:4]

@@ -4,6 +4,7 @@ import math
 
 from lta_control.airspeed import Airspeed
 from lta_control.altitude import Altitude
+from lta_control.carried import velocity
 from lta_control.cascade import Setpoint
 from lta_control.estimator import Estimate
 from lta_control.messages import (
@@ -17,8 +18,6 @@ from lta_control.messages import (
     UNKNOWN,
 )
 from lta_control.per_rotor import NONE, slots
-from lta_control.wire import as_measured, as_setpoint, heave, single
-import numpy as np
 import pytest
 from sensor_msgs.msg import JointState, Range
 
@@ -40,7 +39,7 @@ def odometry(estimate):
 def test_the_twist_is_in_the_body_frame():
     """Nose down by 0.3: 0.4 m/s ahead sinks, so a climb of 0.1 m/s needs that much more heave."""
     by_hand = (0.1 + 0.4 * math.sin(PITCH)) / math.cos(PITCH)
-    assert heave(FLYING.attitude, FLYING.airspeed, 0.1) == pytest.approx(by_hand)
+    assert velocity(FLYING)[2] == pytest.approx(by_hand)
     assert odometry(FLYING).twist.twist.linear.z == pytest.approx(by_hand)
 
 
@@ -98,20 +97,3 @@ def test_duties_survive_the_way_there_and_back(count):
     assert list(message.name) == names
     assert list(message.effort) == list(duties[:count])
     assert to_duties(message, names, NONE) == duties
-
-
-def test_a_loop_without_messages_rounds_as_they_do():
-    """To the last bit: attitude and speeds, heading and float32 through message and without."""
-    generator = np.random.default_rng(4)
-    for _ in range(500):
-        attitude = generator.normal(size=4)
-        estimate = FLYING._replace(
-            attitude=tuple((attitude / np.linalg.norm(attitude)).tolist()),
-            altitude=Altitude(*generator.normal(size=2).tolist()),
-            airspeed=Airspeed(*generator.normal(size=4).tolist()),
-        )
-        assert as_measured(estimate) == to_measured(odometry(estimate))
-        setpoint = Setpoint(0.7, float(generator.uniform(-7.0, 7.0)), 0.3)
-        assert as_setpoint(setpoint) == to_setpoint(*from_setpoint(Range().header.stamp, setpoint))
-    assert single(0.43) == float(np.float32(0.43)) != 0.43
-    assert single(math.inf) == math.inf
