@@ -14,7 +14,7 @@ from lta_control.attitude import Vector
 from lta_control.cascade import CascadeGains, Measured, Setpoint
 from lta_control.control import TILT_LIMIT
 from lta_control.estimator import Estimate, EstimatorSettings
-from lta_control.flat import compiled, Layout
+from lta_control.flat import Array, compiled, Layout
 from lta_control.onboard import Drone, Heard, Onboard, onboard_step
 from lta_control.vehicle_side import body_of, rotors_of, surge_drag_of
 from lta_sim.vehicle import Vehicle
@@ -131,6 +131,10 @@ class Autopilot:
     def estimate(self) -> Estimate:
         """All that the estimator remembers."""
         return ESTIMATE.read(self._memory[ESTIMATED])
+
+    def believed(self) -> Array:
+        """Return the numbers of the estimate, in the order of `ESTIMATE`; the caller's own."""
+        return self._memory[ESTIMATED].copy()
 
     @property
     def memory(self) -> Onboard:
