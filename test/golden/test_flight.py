@@ -16,13 +16,16 @@ from lta_analysis.loop import Loop, Policy
 from lta_config.topics import topic_table
 from lta_control.gains_file import load_gains
 from lta_control.strategies import strategy
+from lta_sim.kernel import LAYOUT
 from lta_sim.scenario import load_scenario
+from lta_sim.state import RIGID
 from lta_sim.vehicle import load_vehicle
 from lta_sim.world import World
 import numpy as np
 
 STORED = Path(__file__).with_name('flight.csv')
 SEED = 2
+LAG = LAYOUT.remembers['motor_lag']
 STEPS, EVERY = 1200, 50  # 12 s, every 0.5 s
 COLUMNS = ['t', 'x', 'y', 'z', 'qx', 'qy', 'qz', 'qw', 'vx', 'vy', 'vz', 'wx', 'wy', 'wz']
 COLUMNS += ['u1', 'u2', 'u3', 'u4']
@@ -41,7 +44,8 @@ def flown(gains=None, nudge=0.0):
     for step in range(1, STEPS + 1):
         loop.step()
         if step % EVERY == 0:
-            rows.append([world.elapsed, *world.state])
+            reached = world.state[LAG : LAG + len(vehicle.rotor_names)]
+            rows.append([world.elapsed, *world.state[:RIGID], *reached])
     return np.array(rows)
 
 

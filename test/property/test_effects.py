@@ -8,18 +8,28 @@ import textwrap
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_sim.compose import kernel_source
+from lta_config.quantity import UNITS
+from lta_sim.compose import kernel_source, layout_of
 from lta_sim.effects import EFFECTS, initial_memory
 from lta_sim.effects.basis import basis
-from lta_sim.effects.protocol import ActuatorEffect, InertiaEffect, Motion, WrenchEffect
-from lta_sim.kernel import advance
+from lta_sim.effects.protocol import (
+    ActuatorEffect,
+    AirEffect,
+    BodyEffect,
+    CHANNELS,
+    InertiaEffect,
+    MeasurementEffect,
+    Motion,
+    Place,
+    Rigid,
+    WrenchEffect,
+)
+from lta_sim.kernel import advance, LAYOUT
 from lta_sim.model import Model
-from lta_sim.state import ACTUATORS, pack, RIGID
+from lta_sim.state import ACTUATORS, BODY, COMMAND, pack, RIGID
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-
-UNITS = {'1', 'm', 's', 'kg', 'kg m^2', 'N', 'N/m', 'N s/m', 'N m s', 'N s^2/m^2', 'N m s^2'}
 
 
 def kind(*kinds):
@@ -33,38 +43,88 @@ def of(effect):
 def functions(effect):
     match effect:
         case WrenchEffect():
-            return [effect.wrench]
+            return [effect.wrench, *([effect.rate] if effect.memory else [])]
+        case AirEffect():
+            return [effect.air, *([effect.rate] if effect.memory else [])]
         case ActuatorEffect():
-            return [effect.output, effect.rate]
+            return [effect.output, *([effect.rate] if effect.memory else [])]
         case InertiaEffect():
             return [effect.diagonal]
+        case BodyEffect():
+            return [effect.change]
+        case MeasurementEffect():
+            return [effect.reading]
 
 
 def nulls(effect):
-    return tuple(parameter.null for parameter in effect.parameters)
+    """Return the null values as the effect's functions see them."""
+    return tuple(parameter.null for parameter in seen(effect))
+
+
+def seen(effect):
+    """Return the parameters that one call of the effect's functions sees."""
+    return (
+        (*effect.shared, *effect.each) if isinstance(effect, ActuatorEffect) else effect.parameters
+    )
 
 
 def reach(parameter):
     """Return values of a parameter that a small vehicle may have."""
     low, high = max(parameter.low, -10.0), min(parameter.high, 10.0)
-    return st.floats(low, high, allow_subnormal=False)
+    return st.floats(min(low, high), max(low, high), allow_subnormal=False)
 
 
 def parameters(effect):
-    return st.tuples(*(reach(parameter) for parameter in effect.parameters))
+    """Return values that the effect's own check allows."""
+    names = [parameter.name for parameter in seen(effect)]
+    return st.tuples(*(reach(parameter) for parameter in seen(effect))).filter(
+        lambda values: not effect.check(dict(zip(names, values, strict=True)))
+    )
 
 
 laws = settings(deadline=None, max_examples=50)
 number = st.floats(-5.0, 5.0, allow_subnormal=False)
+share = st.floats(0.0, 1.0, allow_subnormal=False)
 vectors = st.tuples(number, number, number)
-duties = st.tuples(*[st.floats(-1.0, 1.0, allow_subnormal=False)] * ACTUATORS)
+thrusts = st.tuples(*[st.floats(-1.0, 1.0, allow_subnormal=False)] * ACTUATORS)
+
+
+def some(count, values=number):
+    return st.tuples(*[values] * count)
+
+
+surroundings = st.tuples(
+    *[number] * 6, st.floats(0.0, 1000.0, allow_subnormal=False), st.floats(0.0, 4.2)
+)
 
 
 @st.composite
 def motions(draw):
     turn = Rotation.from_euler('ZYX', draw(vectors))
     rotation = tuple(turn.as_matrix().ravel().tolist())
-    return Motion(draw(vectors), rotation, draw(vectors), draw(vectors), draw(vectors))
+    rotors = []
+    for _ in range(ACTUATORS):
+        axis = Rotation.from_euler('ZYX', draw(vectors)).as_matrix()[0]
+        rotors += [*draw(vectors), *axis.tolist()]
+    body = (draw(share) + 0.1, *draw(some(9)), *draw(some(6, share)), draw(share), *rotors)
+    assert len(body) == BODY
+    return Motion(
+        draw(vectors),
+        rotation,
+        draw(vectors),
+        draw(vectors),
+        draw(vectors),
+        body,
+        draw(some(COMMAND, st.floats(-1.0, 1.0, allow_subnormal=False))),
+        draw(surroundings),
+    )
+
+
+places = st.builds(Place, vectors, vectors, vectors, surroundings)
+
+
+def memories(effect):
+    return some(len(effect.memory))
 
 
 @pytest.mark.parametrize('effect', EFFECTS.values(), ids=of)
@@ -72,11 +132,12 @@ def test_parameters_are_declared_in_full(effect):
     names = [parameter.name for parameter in effect.parameters]
     assert len(set(names)) == len(names) > 0
     for parameter in effect.parameters:
-        assert parameter.unit in UNITS
+        assert UNITS[parameter.unit] == (parameter.unit, 1.0), 'an SI unit of the one table'
         assert math.isfinite(parameter.null)
         assert -math.inf < parameter.low < parameter.high < math.inf
         assert 0.0 < parameter.spread <= parameter.high - parameter.low
         assert len(parameter.source) > 10
+    assert effect.check({parameter.name: parameter.null for parameter in effect.parameters}) == ''
 
 
 @pytest.mark.parametrize('effect', EFFECTS.values(), ids=of)
@@ -95,25 +156,45 @@ def test_functions_unpack_the_parameters_in_their_order(effect):
         assert isinstance(unpack.value, ast.Name)
         assert unpack.value.id == 'p'
         names = [item.id for item in unpack.targets[0].elts]
-        assert names == [parameter.name for parameter in effect.parameters]
+        assert names == [parameter.name for parameter in seen(effect)]
 
 
 @pytest.mark.parametrize('effect', kind(WrenchEffect), ids=of)
 @laws
 @given(data=st.data())
 def test_null_gives_no_wrench(effect, data):
-    wrench = effect.wrench(nulls(effect), data.draw(motions()), data.draw(duties))
+    memory = tuple(initial for _, initial in effect.memory)
+    motion = data.draw(motions())
+    wrench = effect.wrench(nulls(effect), memory, motion, data.draw(thrusts))
     assert wrench == (0.0,) * 6
+    assert effect.rate(nulls(effect), memory, motion) == (0.0,) * len(memory)
+
+
+@pytest.mark.parametrize('effect', kind(AirEffect), ids=of)
+@laws
+@given(data=st.data())
+def test_null_leaves_the_air_alone(effect, data):
+    memory = tuple(initial for _, initial in effect.memory)
+    assert effect.air(nulls(effect), memory, data.draw(places)) == (0.0,) * 6
 
 
 @pytest.mark.parametrize('effect', kind(ActuatorEffect), ids=of)
 @laws
 @given(data=st.data())
 def test_null_passes_the_duty_on(effect, data):
-    memory = data.draw(st.tuples(*[number] * len(effect.memory)))
-    for duty in data.draw(duties):
-        assert effect.output(nulls(effect), memory, duty) == duty
-        assert all(math.isfinite(rate) for rate in effect.rate(nulls(effect), memory, duty))
+    memory, around = data.draw(memories(effect)), data.draw(surroundings)
+    for duty in data.draw(thrusts):
+        assert effect.output(nulls(effect), memory, duty, around) == duty
+        assert all(map(math.isfinite, effect.rate(nulls(effect), memory, duty, around)))
+
+
+@pytest.mark.parametrize('effect', kind(ActuatorEffect), ids=of)
+@laws
+@given(data=st.data())
+def test_no_duty_gives_no_thrust(effect, data):
+    memory = tuple(initial for _, initial in effect.memory)
+    values = data.draw(parameters(effect))
+    assert effect.output(values, memory, 0.0, data.draw(surroundings)) == 0.0
 
 
 @pytest.mark.parametrize('effect', kind(InertiaEffect), ids=of)
@@ -124,39 +205,62 @@ def test_inertia_is_never_negative_and_null_is_none(effect, data):
     assert min(effect.diagonal(data.draw(parameters(effect)))) >= 0.0
 
 
+@pytest.mark.parametrize('effect', kind(BodyEffect), ids=of)
+@laws
+@given(data=st.data())
+def test_null_leaves_the_body_alone(effect, data):
+    rigid = Rigid(data.draw(share) + 0.1, data.draw(vectors), data.draw(some(6)), data.draw(share))
+    assert effect.change(nulls(effect), rigid) == rigid
+
+
+@pytest.mark.parametrize('effect', kind(MeasurementEffect), ids=of)
+@laws
+@given(data=st.data(), time=st.floats(0.0, 1e4))
+def test_null_leaves_the_reading_alone(effect, data, time):
+    reading = data.draw(some(CHANNELS[effect.channel]))
+    assert effect.reading(nulls(effect), reading, time) == reading
+
+
 @pytest.mark.parametrize('effect', kind(WrenchEffect), ids=of)
 @laws
 @given(data=st.data())
 def test_linear_parameters_are_linear(effect, data):
     values, motion = data.draw(parameters(effect)), data.draw(motions())
-    duty = data.draw(duties)
+    thrust, memory = data.draw(thrusts), data.draw(memories(effect))
     named = {known.name: value for known, value in zip(effect.parameters, values, strict=True)}
     assert set(effect.linear_in) <= set(named)
-    columns = basis(effect, named, motion, duty)
+    columns = basis(effect, named, motion, thrust, memory)
     linear = np.array([named[name] for name in effect.linear_in])
-    wrench = effect.wrench(values, motion, duty)
+    wrench = effect.wrench(values, memory, motion, thrust)
     scale = abs(columns) @ abs(linear) + 1.0
     assert np.all(abs(columns @ linear - wrench) <= 1e-12 * scale)
 
 
-@pytest.mark.parametrize('effect', kind(WrenchEffect), ids=of)
+FREE = [effect for effect in kind(WrenchEffect) if not effect.placed]
+
+
+@pytest.mark.parametrize('effect', FREE, ids=of)
 @laws
 @given(data=st.data(), heading=st.floats(-3.0, 3.0))
 def test_the_room_has_no_preferred_heading(effect, data, heading):
     values, motion = data.draw(parameters(effect)), data.draw(motions())
-    duty = data.draw(duties)
+    thrust, memory = data.draw(thrusts), data.draw(memories(effect))
     turn = Rotation.from_euler('z', heading)
     rotation = turn.as_matrix() @ np.reshape(motion.rotation, (3, 3))
     turned = motion._replace(
         position=tuple(turn.apply(motion.position).tolist()),
         rotation=tuple(rotation.ravel().tolist()),
     )
-    one = np.array(effect.wrench(values, motion, duty))
-    two = np.array(effect.wrench(values, turned, duty))
+    one = np.array(effect.wrench(values, memory, motion, thrust))
+    two = np.array(effect.wrench(values, memory, turned, thrust))
     np.testing.assert_allclose(two, one, atol=1e-9 * (1.0 + np.max(abs(one))))
 
 
-DRAG = [effect for effect in kind(WrenchEffect) if effect.name.endswith('_drag')]
+DRAG = [
+    effect
+    for effect in kind(WrenchEffect)
+    if effect.name.endswith(('_drag', '_damping', 'cross_flow'))
+]
 
 
 @pytest.mark.parametrize('effect', DRAG, ids=of)
@@ -164,23 +268,28 @@ DRAG = [effect for effect in kind(WrenchEffect) if effect.name.endswith('_drag')
 @given(data=st.data())
 def test_drag_dissipates(effect, data):
     motion = data.draw(motions())
-    wrench = effect.wrench(data.draw(parameters(effect)), motion, data.draw(duties))
-    assert np.dot(wrench, (*motion.airspeed, *motion.rates)) <= 0.0
+    values = data.draw(parameters(effect))
+    wrench = np.array(effect.wrench(values, (), motion, data.draw(thrusts)))
+    power = wrench * (*motion.airspeed, *motion.rates)
+    assert power.sum() <= 1e-12 * abs(power).sum()
 
 
-@pytest.mark.parametrize('effect', kind(ActuatorEffect), ids=of)
+@pytest.mark.parametrize('effect', [e for e in kind(ActuatorEffect) if e.memory], ids=of)
 @laws
 @given(duty=st.floats(-1.0, 1.0), data=st.data())
 def test_memory_settles(effect, duty, data):
     values = data.draw(parameters(effect))
-    memory = tuple(initial for _, initial in effect.memory)
+    memory, around = tuple(initial for _, initial in effect.memory), data.draw(surroundings)
     step = 0.2 * min([value for value in values if value > 0.0], default=1.0)
+    first = effect.rate(values, memory, duty, around)
     for _ in range(2000):
-        rates = effect.rate(values, memory, duty)
+        rates = effect.rate(values, memory, duty, around)
         memory = tuple(m + step * rate for m, rate in zip(memory, rates, strict=True))
-    settled = effect.output(values, memory, duty)
-    assert math.isfinite(settled)
-    assert effect.output(values, memory, duty) == pytest.approx(settled)
+    assert math.isfinite(effect.output(values, memory, duty, around))
+    assert all(
+        abs(late) <= abs(early)
+        for late, early in zip(effect.rate(values, memory, duty, around), first, strict=True)
+    )
 
 
 def as_python(effects):
@@ -191,36 +300,65 @@ def as_python(effects):
     return space['advance']
 
 
+# Values at which each effect of the kernel, and of what surrounds it, changes a flight.
 GIVEN = {
-    'weight_and_buoyancy': {'buoyancy': 3.4, 'weight': 3.5, 'cg_x': 0.01, 'cg_z': -0.08},
-    'added_mass': {'surge': 0.14, 'sway': 0.15, 'heave': 0.37, 'roll': 4e-3, 'pitch': 5e-3},
-    'linear_drag': {'surge': 0.01, 'roll': 7e-4, 'pitch': 6e-4, 'yaw': 3e-4},
-    'quadratic_drag': {'surge': 0.09, 'sway': 0.09, 'heave': 0.36, 'roll': 2e-3, 'yaw': 6e-4},
+    'weight_and_buoyancy': {'gravity': 9.8},
+    'added_mass': {'surge': 0.14, 'sway': 0.15, 'heave': 0.37},
+    'added_inertia': {'roll': 4e-3, 'pitch': 5e-3},
+    'linear_drag': {'surge': 0.01},
+    'quadratic_drag': {'surge': 0.09, 'sway': 0.09, 'heave': 0.36},
+    'rotational_drag': {'roll': 7e-4, 'pitch': 6e-4, 'yaw': 3e-4, 'roll_2': 2e-3, 'yaw_2': 6e-4},
     'motor_lag': {'up': 0.07, 'down': 0.1},
-    'rotor_thrust': {'a_1': 0.09, 'b_1': 0.07, 'b_3': 0.1, 'heave_1': 0.96, 'surge_3': 0.98},
+    'thrust_curve': {'a_1': 0.09, 'b_1': 0.07, 'b_3': 0.1},
+    'rotor_thrust': {'heave_1': 0.96, 'surge_3': 0.98},
+    'battery_sag': {'voltage': 4.2, 'sensitivity': 0.8},
+    'motor_deadband': {'threshold': 0.45},
+    'thrust_polynomial': {'voltage': 4.2, 'linear_to': 0.8, 'c_1': 0.05, 'c_3': 0.002},
+    'thrust_scale': {'factor': 1.1},
+    'rotor_fault': {'lost_1': 0.2},
+    'rotor_misalignment': {'first_1': 0.05, 'second_3': -0.03},
+    'rotor_envelope_interaction': {
+        'heave_2': -0.7,
+        'together_yaw': 0.3,
+        'share_1': 1.0,
+        'share_3': 1.0,
+    },
     'floor_contact': {'stiffness': 100.0, 'relaxation': 0.05, 'friction': 0.5, 'z': -0.36},
 }
+ROTORS = [((0.0, 0.2, -0.3), (0.0, 0.0, 1.0)), ((0.1, 0.0, -0.3), (1.0, 0.0, 0.0))] * 2
+COMMANDED = [0.4, -0.2, 0.6, 0.1, 0.0, 0.0, 0.0, 0.0, 0.02, 0.01, -0.3]
+AROUND = [0.2, 0.1, 0.0, 3.0, -2.0, 1.0, 400.0, 3.6]
+REMEMBERED = 0.3
 
 
 def flight(effects, kernel, given):
-    """Return the rigid part of a state a few steps on, with the memory that these effects have."""
+    """Return the state a few steps on, with the memory that these effects have."""
     model = Model.build(
-        given, mass=0.36, cg=(0.01, 0.0, -0.08), inertia=np.diag([0.02, 0.02, 0.03])
+        given,
+        mass=0.36,
+        cg=(0.01, 0.0, -0.08),
+        inertia=np.diag([0.02, 0.02, 0.03]),
+        displaced=0.35,
+        rotors=ROTORS,
     )
-    numbers, first = [], 0
-    for name, effect in EFFECTS.items():
-        last = first + len(effect.parameters)
-        numbers += model.parameters[first:last].tolist() if name in effects else []
-        first = last
-    memory = [
-        0.3 for effect in effects.values() if isinstance(effect, ActuatorEffect)
-        for _ in range(ACTUATORS * len(effect.memory))
-    ]  # fmt: skip
-    start = pack((1.0, 2.0, 0.33), 0.3, (0.3, -0.2, -0.1), (0.4, 0.5, -0.6), memory).tolist()
+    layout = layout_of(effects)
+    places, _ = LAYOUT.places(layout.effects)
+    numbers = model.parameters[places].tolist()
+    on = [int(model.on[LAYOUT.flag(name)]) for name in layout.effects]
+    start = begin([REMEMBERED] * (layout.size - RIGID)).tolist()
     out = [0.0] * len(start)
     body, inverse = model.body.tolist(), model.inverse.tolist()
-    kernel(start, numbers, body, inverse, [0.4, -0.2, 0.6, 0.1], [0.2, 0.1, 0.0], 2e-3, 10, out)
+    kernel(start, numbers, on, body, inverse, COMMANDED, AROUND, 2e-3, 10, out)
     return model, start, out
+
+
+def begin(memory):
+    return pack((1.0, 2.0, 0.33), 0.3, (0.3, -0.2, -0.1), (0.4, 0.5, -0.6), memory)
+
+
+def test_every_effect_of_the_kernel_is_flown():
+    outside = {e.name for e in kind(BodyEffect, MeasurementEffect)}
+    assert set(GIVEN) == set(EFFECTS) - outside
 
 
 @pytest.mark.parametrize('absent', EFFECTS)
@@ -229,22 +367,21 @@ def test_null_changes_nothing_to_the_bit(absent):
     others = {name: effect for name, effect in EFFECTS.items() if name != absent}
     given = {name: values for name, values in GIVEN.items() if name != absent}
     model, _, without = flight(others, as_python(others), given)
-    start = pack((1.0, 2.0, 0.33), 0.3, (0.3, -0.2, -0.1), (0.4, 0.5, -0.6), initial_memory())
-    start[RIGID:] = 0.3
-    at_null = advance(start, model, (0.4, -0.2, 0.6, 0.1), (0.2, 0.1, 0.0), 2e-3, 10)
+    start = begin([REMEMBERED] * len(initial_memory()))
+    at_null = advance(start, model, COMMANDED, AROUND, 2e-3, 10)
     np.testing.assert_array_equal(at_null[:RIGID], without[:RIGID])
 
 
 def test_the_compiled_kernel_equals_its_text_to_the_bit():
     model, start, python = flight(EFFECTS, as_python(EFFECTS), GIVEN)
-    compiled = advance(np.array(start), model, (0.4, -0.2, 0.6, 0.1), (0.2, 0.1, 0.0), 2e-3, 10)
+    compiled = advance(np.array(start), model, COMMANDED, AROUND, 2e-3, 10)
     np.testing.assert_array_equal(compiled, python)
 
 
 def test_each_effect_of_that_flight_matters():
-    model, start, everything = flight(EFFECTS, as_python(EFFECTS), GIVEN)
-    del model, start
+    kernel = as_python(EFFECTS)
+    _, _, everything = flight(EFFECTS, kernel, GIVEN)
     for absent in GIVEN:
         given = {name: values for name, values in GIVEN.items() if name != absent}
-        _, _, without = flight(EFFECTS, as_python(EFFECTS), given)
-        assert np.max(abs(np.subtract(everything, without)[:RIGID])) > 1e-7
+        _, _, without = flight(EFFECTS, kernel, given)
+        assert np.max(abs(np.subtract(everything, without)[:RIGID])) > 1e-9, absent

@@ -14,20 +14,19 @@ from typing import final
 
 from lta_config.topics import TopicTable
 from lta_control import carried
-from lta_control.attitude import heading, up_in_body
+from lta_control.autopilot import Autopilot, drone_of
 from lta_control.cascade import CascadeGains, Measured, Setpoint
-from lta_control.control import control_step, ControlMemory, landed
-from lta_control.estimator import Estimate, estimator_step, EstimatorSettings, Inputs
+from lta_control.control import TILT_LIMIT
+from lta_control.estimator import Estimate, EstimatorSettings
 from lta_control.mission import Mission, mission_step, MissionSettings
 from lta_control.strategies.protocol import Sight, Strategy
-from lta_control.vehicle_side import body_of, rotors_of, surge_drag_of
 from lta_energy import monitor
 from lta_sim.readings import Outcome, Readings
 from lta_sim.vehicle import Vehicle
 from lta_sim.world import World
 from lta_vlc.array import Bearing, bearing, even_ring
 from lta_vlc.demodulation import demodulate, Demodulation, Peaks, plan_bins
-from lta_vlc.lamp import lamp_estimate, LampEstimate, LampPrior
+from lta_vlc.lamp import bearing_through, lamp_estimate, LampEstimate, LampPrior
 import numpy as np
 from numpy.typing import NDArray
 
@@ -44,17 +43,22 @@ class Policy:
     demodulation: Demodulation = field(default_factory=Demodulation)
     prior: LampPrior = field(default_factory=LampPrior)
     energy: monitor.MonitorSettings = field(default_factory=monitor.MonitorSettings)
-    tilt_limit: float = 1.0  # beyond it the motors stop [rad]
+    tilt_limit: float = TILT_LIMIT  # beyond it the motors stop [rad]
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Light:
-    """What one light block says; None where no lamp is heard."""
+    """What one light block says; its bearing and lamp are None where no lamp is heard."""
 
     peaks: Peaks
     bearing: Bearing | None
-    lamp: LampEstimate | None
+    prior: LampPrior
+
+    @property
+    def lamp(self) -> LampEstimate | None:
+        """The lamp in the body frame; it is worked out when somebody asks."""
+        return None if self.bearing is None else lamp_estimate(self.bearing, self.prior)
 
 
 @final
@@ -102,13 +106,13 @@ class Loop:
         self.world = world
         self.policy = policy
         self._table = table
-        self._dt = table.control_ns * 1e-9
         self._block = table['photodiodes'].period_ns * 1e-9
         self._half_block = table['photodiodes'].period_ns // table.control_ns // 2
         vehicle = known or Vehicle(world.vehicle.file)
-        self._drag = surge_drag_of(vehicle)
-        self._body = body_of(vehicle)
-        self._rotors = rotors_of(vehicle)
+        dt = table.control_ns * 1e-9
+        self.autopilot = Autopilot(
+            drone_of(vehicle, policy.estimator, policy.gains, dt, policy.tilt_limit)
+        )
         self._cell = vehicle.battery
         self._ring = even_ring(vehicle.diodes.count)
         self._bins = plan_bins(
@@ -117,16 +121,18 @@ class Loop:
         ranger = world.range_settings
         self._reach = carried.single(ranger.minimum), carried.single(ranger.maximum)
         self.readings = Readings(world.stamp_ns)
-        self.estimate = Estimate()
-        self.duties = self.estimate.duties
+        self.duties = self.autopilot.duties
         self.light: Light | None = None
         self.asked: Setpoint | None = None
         self.setpoint: Setpoint | None = None
         self.energy: Energy | None = None
         self.mission = Mission()
-        self._memory = ControlMemory()
-        self._stopped = False
         self._headings: list[float] = []
+
+    @property
+    def estimate(self) -> Estimate:
+        """What the drone believes at the newest step."""
+        return self.autopilot.estimate
 
     def step(self) -> Outcome:
         """Sense, decide and fly one control period; return how the flight stands."""
@@ -147,27 +153,25 @@ class Loop:
     def decide(self) -> None:
         """Sense and decide, without flying on."""
         readings = self.readings = self.world.sense()
-        self._estimate(readings)
-        self.setpoint = self.asked or self.setpoint
+        if self.asked is not self.setpoint and self.asked is not None:
+            self.setpoint = asked = self.asked
+            level = carried.level(asked.heading)
+            self.autopilot.guide(carried.setpoint(asked.altitude, level, asked.speed))
+        self._fly(readings)
         if readings.block is not None:
             self._navigate(readings.block[1])
         if readings.battery is not None:
             self._count(readings)
-        self._control()
 
-    def _estimate(self, readings: Readings) -> None:
-        inputs = Inputs(
-            rates=readings.rates,
-            force=readings.force,
-            range=self._distance(readings),
-            pressure=math.nan if readings.pressure is None else readings.pressure,
-            duties=self.duties,
+    def _fly(self, readings: Readings) -> None:
+        """Estimate and control."""
+        self.duties = self.autopilot.step(
+            readings.rates,
+            readings.force,
+            self._distance(readings),
+            math.nan if readings.pressure is None else readings.pressure,
         )
-        if all(map(math.isfinite, (*inputs.rates, *inputs.force))):
-            self.estimate = estimator_step(
-                self.policy.estimator, self._body, self.estimate, inputs, self._dt
-            )
-        self._headings.append(heading(self.estimate.attitude))
+        self._headings.append(self.autopilot.heading)
 
     def _distance(self, readings: Readings) -> float:
         """Return the newest range as its message carries it, NaN where there is none. [m]"""
@@ -177,24 +181,16 @@ class Loop:
 
     def measured(self) -> Measured | None:
         """Return what the controller acts on; None while the estimator is learning."""
-        estimate = self.estimate
-        if not estimate.ready:
-            return None
-        return carried.measured(
-            estimate.attitude,
-            estimate.altitude.height,
-            carried.velocity(estimate),
-            estimate.rates[2],
-        )
+        return self.autopilot.measured
 
     def _navigate(self, block: NDArray[np.uint16]) -> None:
         peaks = demodulate(block, self._bins)
         found = bearing(peaks, self._ring, self.policy.demodulation.threshold)
-        lamp = None if found is None else lamp_estimate(found, self.policy.prior)
-        self.light = Light(peaks, found, lamp)
+        prior = self.policy.prior
+        self.light = Light(peaks, found, prior)
         sight = Sight(
-            seen=lamp is not None,
-            bearing=0.0 if lamp is None else math.atan2(lamp.position[1], lamp.position[0]),
+            seen=found is not None,
+            bearing=0.0 if found is None else bearing_through(found.angle, prior),
             heading=self._headings[-1 - self._half_block],
             amplitudes=tuple(peaks.amplitude.astype(np.float32).tolist()),
             interval=self._block,
@@ -227,34 +223,3 @@ class Loop:
         self.energy = Energy(
             reading, monitor.update(self.policy.energy, self._cell, before, reading)
         )
-
-    def _control(self) -> None:
-        measured = self.measured()
-        asked = self.setpoint
-        if measured is None or self._turned_over(measured) or asked is None:
-            self._off()
-            return
-        setpoint = carried.setpoint(asked.altitude, carried.level(asked.heading), asked.speed)
-        self._stopped = not all(map(math.isfinite, (*measured, *setpoint)))
-        if self._stopped or landed(measured, setpoint, self._body.standing_height):
-            self._off()
-            return
-        self.duties, self._memory = control_step(
-            self.policy.gains,
-            self._rotors,
-            self._drag,
-            self._memory,
-            measured,
-            setpoint,
-            self._dt,
-        )
-
-    def _turned_over(self, measured: Measured) -> bool:
-        """Tell whether the drone has turned over, for good."""
-        upright = up_in_body(self.estimate.attitude)[2] >= math.cos(self.policy.tilt_limit)
-        self._stopped = self._stopped or (not upright and all(map(math.isfinite, measured)))
-        return self._stopped
-
-    def _off(self) -> None:
-        """Stop the motors, and forget what the loops had wound up."""
-        self.duties, self._memory = (0.0, 0.0, 0.0, 0.0), ControlMemory()

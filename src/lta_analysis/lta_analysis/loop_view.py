@@ -18,8 +18,9 @@ from lta_analysis.report.view import (
     through_air,
     Track,
 )
-from lta_control.carried import velocity
-from lta_sim.state import POSITION, QUATERNION, VELOCITY
+from lta_control.autopilot import ESTIMATE
+from lta_control.flat import Array
+from lta_sim.state import POSITION, QUATERNION, RIGID, VELOCITY
 import numpy as np
 
 KEPT = {'ground_truth/odom', 'odom', 'battery'}
@@ -45,8 +46,9 @@ class LoopView:
         self.scene = Scene(world.scenario, world.vehicle.file)
         x, y, _ = world.scenario.lamp.position.vector
         self.lamp: Spot | None = Spot(x, y)
-        self._states: list[Any] = []
-        self._estimates: list[tuple[float, ...]] = []
+        self._times: list[float] = []
+        self._states: list[Array] = []
+        self._estimates: list[Array] = []
         self._light: list[tuple[Any, ...]] = []
         self._power: list[tuple[float, float, float]] = []
 
@@ -54,11 +56,9 @@ class LoopView:
         """Keep the newest step; call it before the world goes on."""
         loop, readings = self._loop, self._loop.readings
         time = (readings.stamp_ns - self._start) * 1e-9
-        self._states.append((time, *loop.world.state[:13].tolist()))
-        estimate = loop.estimate
-        place = (*estimate.position, estimate.altitude.height)
-        surge, _, _ = velocity(estimate)
-        self._estimates.append((time, *place, *estimate.attitude, surge))
+        self._times.append(time)
+        self._states.append(loop.world.state[:RIGID].copy())
+        self._estimates.append(loop.autopilot.believed())
         if readings.block is not None and loop.light is not None and loop.asked is not None:
             began = (readings.block[0] - self._start) * 1e-9
             found = loop.light.bearing
@@ -77,24 +77,26 @@ class LoopView:
     @property
     def span(self) -> tuple[float, float]:
         """First and last instant. [s]"""
-        return self._states[0][0], self._states[-1][0]
+        return self._times[0], self._times[-1]
 
     @cached_property
     def truth(self) -> Motion:
         """The true motion; the wind is taken off the speed."""
-        table = np.array(self._states)
-        state = table[:, 1:]
-        motion = moved(
-            table[:, 0], state[:, POSITION], state[:, QUATERNION], state[:, VELOCITY][:, 0]
-        )
+        time, state = np.array(self._times), np.array(self._states)
+        motion = moved(time, state[:, POSITION], state[:, QUATERNION], state[:, VELOCITY][:, 0])
         wind = self._loop.world.scenario.air.wind.vector
         return through_air(motion, np.array([0.0]), np.array([wind]))
 
     @cached_property
     def estimate(self) -> Motion:
         """The drone's own idea of its motion, laid on the truth at the start."""
-        table = np.array(self._estimates)
-        return laid(moved(table[:, 0], table[:, 1:4], table[:, 4:8], table[:, 8]), self.truth)
+        table, time = np.array(self._estimates), np.array(self._times)
+        position, attitude, height, surge = (
+            table[:, ESTIMATE.place(part)]
+            for part in ('position', 'attitude', 'altitude.height', 'airspeed.surge')
+        )
+        place = np.hstack([position, height])
+        return laid(moved(time, place, attitude, surge[:, 0]), self.truth)
 
     def _track(self, column: int) -> Track:
         rows = [(row[0], row[column]) for row in self._light]

@@ -7,7 +7,8 @@ from geometry_msgs.msg import PoseStamped, TwistStamped
 from lta_control import carried
 from lta_control.attitude import Quaternion, up_in_body
 from lta_control.cascade import Measured, Setpoint
-from lta_control.estimator import Duties, Estimate, Inputs
+from lta_control.estimator import Estimate, Inputs
+from lta_control.per_rotor import PerRotor, slots
 from lta_graph.inbox import Step
 from nav_msgs.msg import Odometry
 import numpy as np
@@ -20,7 +21,7 @@ YAW_DRIFT = 1e-3  # of heading after the rest at the start [rad/s]: an assumptio
 SPEED_SIGMA = 0.1  # of the airspeed [m/s]: an assumption, checked by the report
 
 
-def to_inputs(step: Step, commanded: Duties) -> Inputs:
+def to_inputs(step: Step, commanded: PerRotor) -> Inputs:
     """Return what the estimator takes from one step's messages; the newest of each counts."""
     imu: Imu = step.last('imu')
     distance, air = step.last('range'), step.last('pressure')
@@ -39,12 +40,11 @@ def to_distance(message: Range) -> float:
     return carried.reach(float(message.range), message.min_range, message.max_range)
 
 
-def to_duties(motors: JointState | None, names: list[str], before: Duties) -> Duties:
-    """Return the commanded duties; those before where nothing that fits the names has come."""
+def to_duties(motors: JointState | None, names: list[str], before: PerRotor) -> PerRotor:
+    """Return the commanded duties by slot; those before where nothing fitting has come."""
     if motors is None or list(motors.name) != names or len(motors.effort) != len(names):
         return before
-    first, second, third, fourth = motors.effort
-    return first, second, third, fourth
+    return slots(motors.effort)
 
 
 def from_estimate(stamp: Time, estimate: Estimate) -> Odometry:
@@ -124,12 +124,12 @@ def from_setpoint(stamp: Time, setpoint: Setpoint) -> tuple[PoseStamped, TwistSt
 
 
 def from_duties(stamp: Time, names: list[str], duties: tuple[float, ...]) -> JointState:
-    """Return duties by actuator name."""
+    """Return duties by actuator name; slots without an actuator are left out."""
     message = JointState()
     message.header.stamp = stamp
     message.header.frame_id = 'base_link'
     message.name = names
-    message.effort = list(duties)
+    message.effort = list(duties[: len(names)])
     return message
 
 

@@ -11,7 +11,8 @@ import os
 from string import Template
 from types import ModuleType
 
-from lta_sim.compose import COLUMNS, Form, kernel_source
+from lta_sim.columns import Columns
+from lta_sim.compose import Form, kernel_source
 from lta_sim.effects import EFFECTS
 from lta_sim.fleet import columns, Fleet
 from lta_sim.kernel_cache import load
@@ -19,50 +20,55 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 ENTRIES = '''
-# All numbers of a block, 1.8 kB a vehicle, stay in the first-level cache.
+# The numbers of a block that are touched stay in the first-level cache.
 WIDTH = 16
 
 
 $INLINE
-def slopes(fixed, trial, rate):
-    """Write d/dt of a block of states."""
-    for i in range(WIDTH):
-        parameters, body, inverse, duty, wind = fixed_of(fixed, WIDTH, i)
-        state = state_of(trial, WIDTH, i)
-        put(rate, WIDTH, i, rates(state, parameters, body, inverse, duty, wind))
+def state_of(block, i):
+    """Return the state of vehicle i, or what else has its length."""
+    return $state
 
 
 $INLINE
+def put(block, i, state):
+    """Store the state of vehicle i."""
+$put
+
+
+@njit(error_model='numpy', fastmath=False)
+def slopes(fixed, on, trial, rate, scratch):
+    """Write d/dt of a block of states; what no vehicle has on is left out."""
+$loops
+
+
+@njit(error_model='numpy', fastmath=False)
 def advance_trial(state, rate, dt, trial):
     """Write a block of states after dt at constant rates."""
     for i in range(WIDTH):
-        put(trial, WIDTH, i, ahead(state_of(state, WIDTH, i), state_of(rate, WIDTH, i), dt))
+        put(trial, i, ahead(state_of(state, i), state_of(rate, i), dt))
 
 
-$INLINE
+@njit(error_model='numpy', fastmath=False)
 def advance_state(state, a, b, c, d, dt):
     """End a step of a block of states."""
     for i in range(WIDTH):
-        slope = mean(
-            state_of(a, WIDTH, i),
-            state_of(b, WIDTH, i),
-            state_of(c, WIDTH, i),
-            state_of(d, WIDTH, i),
-        )
-        put(state, WIDTH, i, normalised(ahead(state_of(state, WIDTH, i), slope, dt)))
+        slope = mean(state_of(a, i), state_of(b, i), state_of(c, i), state_of(d, i))
+        put(state, i, normalised(ahead(state_of(state, i), slope, dt)))
 
 
 $ENTRY
-def advance_blocks(fixed, states, dt, steps):
-    """Advance blocks of WIDTH vehicles; a row of `fixed` and of `states` is a block."""
-    trial = np.empty($size * WIDTH)
+def advance_blocks(fixed, on, states, dt, steps):
+    """Advance blocks of WIDTH vehicles; a row of `fixed`, `on` and `states` is a block."""
+    trial, scratch = np.empty($size * WIDTH), np.empty($scratch * WIDTH)
     stages = np.empty((4, $size * WIDTH))
     for block in range(states.shape[0]):
         state = states[block]
+        stages[:] = 0.0  # memory of effects that are off stays as it is
         for _ in range(steps):
             trial[:] = state
             for stage in range(4):
-                slopes(fixed[block], trial, stages[stage])
+                slopes(fixed[block], on[block], trial, stages[stage], scratch)
                 h = dt if stage == 2 else 0.5 * dt
                 advance_trial(state, stages[stage], h, trial)
             advance_state(state, stages[0], stages[1], stages[2], stages[3], dt)
@@ -72,7 +78,8 @@ FORM = Form(
     'from numba import njit\nimport numpy as np\n',
     "@njit(error_model='numpy', fastmath=False, forceinline=True)",
     "@njit(error_model='numpy', fastmath=False, nogil=True, cache=True)",
-    Template(COLUMNS.template + '\n' + ENTRIES),
+    Columns('WIDTH', 'trial'),
+    Template(ENTRIES),
 )
 
 
@@ -92,8 +99,8 @@ def _blocks(rows: NDArray[np.float64], width: int) -> NDArray[np.float64]:
 def advance_many(
     states: ArrayLike,
     fleet: Fleet,
-    duties: ArrayLike,
-    winds: ArrayLike,
+    commands: ArrayLike,
+    surroundings: ArrayLike,
     dt: float,
     steps: int,
 ) -> NDArray[np.float64]:
@@ -106,10 +113,10 @@ def advance_many(
         Layout of `lta_sim.state`, SI.
     fleet : Fleet
         The vehicles.
-    duties : array_like, shape (V, 4)
-        Commanded duty of each rotor, -1 to 1.
-    winds : array_like, shape (V, 3)
-        Steady uniform velocity of the air in `map`. [m/s]
+    commands : array_like, shape (V, up to COMMAND)
+        Duties and the place of the moving mass.
+    surroundings : array_like, shape (V, up to SURROUNDINGS)
+        Wind, noise, irradiance, voltage.
     dt : float
         Length of a step; below about 2.7 times the shortest time constant. [s]
     steps : int
@@ -127,16 +134,18 @@ def advance_many(
 
     """
     kernel = _kernel()
-    fixed, state = columns(states, fleet, duties, winds)
+    fixed, state = columns(states, fleet, commands, surroundings)
     size, count = state.shape
     kept, moving = _blocks(fixed, kernel.WIDTH), _blocks(state, kernel.WIDTH)
+    starts = np.arange(0, count, kernel.WIDTH)
+    on = np.maximum.reduceat(fleet.on, starts, axis=0)
     cores = len(os.sched_getaffinity(0))
     # More pieces than cores: one that another process holds up leaves the rest to the others.
     pieces = min(len(moving), 4 * cores)
     with ThreadPoolExecutor(cores) as pool:
         done = pool.map(
             lambda part: kernel.advance_blocks(*part, float(dt), int(steps)),
-            zip(np.array_split(kept, pieces), np.array_split(moving, pieces), strict=True),
+            zip(*(np.array_split(part, pieces) for part in (kept, on, moving)), strict=True),
         )
         list(done)
     columns_now = moving.reshape(-1, size, kernel.WIDTH).swapaxes(0, 1).reshape(size, -1)

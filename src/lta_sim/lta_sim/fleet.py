@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from typing import final, Self
 
 from lta_config.errors import BadInput
-from lta_sim.compose import FIXED
-from lta_sim.effects import EFFECTS, initial_memory
+from lta_sim.kernel import LAYOUT
 from lta_sim.model import Model
-from lta_sim.state import ACTUATORS, RIGID
+from lta_sim.stages import FIXED
+from lta_sim.state import COMMAND, SURROUNDINGS
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -19,20 +19,23 @@ Numbers = NDArray[np.float64]
 @dataclass(frozen=True, slots=True, eq=False)
 class Fleet:
     """
-    The models of V vehicles, a row each.
+    The models of V vehicles, a row each, as in `Model`.
 
     Parameters
     ----------
     parameters : ndarray, shape (V, P)
-        Parameters of all effects in registry order.
-    body : ndarray, shape (V, 16)
-        As in `Model`.
+        Parameters of the effects of the kernel in registry order.
+    on : ndarray of uint8, shape (V, K)
+        Which of these effects are on.
+    body : ndarray, shape (V, BODY)
+        What each vehicle is.
     inverse : ndarray, shape (V, 36)
-        As in `Model`.
+        Inverse of its mass matrix.
 
     """
 
     parameters: Numbers
+    on: NDArray[np.uint8]
     body: Numbers
     inverse: Numbers
 
@@ -51,6 +54,7 @@ class Fleet:
             raise BadInput('A fleet of 0 vehicles was asked for; give at least one.')
         return cls(
             np.stack([model.parameters for model in models]),
+            np.stack([model.on for model in models]),
             np.stack([model.body for model in models]),
             np.stack([model.inverse for model in models]),
         )
@@ -59,18 +63,23 @@ class Fleet:
         """Return the number of vehicles."""
         return len(self.parameters)
 
+    def rows(self, which: NDArray[np.int64]) -> 'Fleet':
+        """Return some of the vehicles, by number; one may be taken more than once."""
+        return Fleet(self.parameters[which], self.on[which], self.body[which], self.inverse[which])
 
-def _rows(what: str, values: ArrayLike, vehicles: int, count: int) -> Numbers:
-    """Return a float64 array of that many rows and columns."""
+
+def _rows(what: str, values: ArrayLike, vehicles: int, count: int, *, fill: bool) -> Numbers:
+    """Return a float64 array of that many rows and columns, filled with zeros where allowed."""
     array = np.asarray(values, dtype=np.float64)
-    if array.shape != (vehicles, count):
+    fits = array.ndim == 2 and array.shape[0] == vehicles
+    if not (fits and (array.shape[1] == count or (fill and array.shape[1] < count))):
         # Compiled code does not look: it would read what lies behind the array.
         raise ValueError(f'The {what} have shape {array.shape}; it must be ({vehicles}, {count}).')
-    return array
+    return np.pad(array, ((0, 0), (0, count - array.shape[1])))
 
 
 def columns(
-    states: ArrayLike, fleet: Fleet, duties: ArrayLike, winds: ArrayLike
+    states: ArrayLike, fleet: Fleet, commands: ArrayLike, surroundings: ArrayLike
 ) -> tuple[Numbers, Numbers]:
     """
     Return what a kernel takes, a column a vehicle, so that neighbours lie side by side.
@@ -81,15 +90,15 @@ def columns(
         Layout of `lta_sim.state`, SI.
     fleet : Fleet
         The vehicles.
-    duties : array_like, shape (V, 4)
-        Commanded duty of each rotor, -1 to 1.
-    winds : array_like, shape (V, 3)
-        Steady uniform velocity of the air in `map`. [m/s]
+    commands : array_like, shape (V, up to COMMAND)
+        Duties and the place of the moving mass.
+    surroundings : array_like, shape (V, up to SURROUNDINGS)
+        Wind, noise, irradiance, voltage.
 
     Returns
     -------
-    fixed : ndarray, shape (P + 59, V)
-        What each vehicle keeps, in the order of `compose.FIXED`.
+    fixed : ndarray, shape (`columns.rows(LAYOUT)`, V)
+        What each vehicle keeps: parameters, then in the order of `stages.FIXED`.
     state : ndarray, shape (N, V)
         Its state.
 
@@ -100,13 +109,12 @@ def columns(
 
     """
     count = len(fleet)
-    known = sum(len(effect.parameters) for effect in EFFECTS.values())
     fixed = (
-        _rows('parameters', fleet.parameters, count, known),
-        _rows('bodies', fleet.body, count, FIXED['body']),
-        _rows('inverses', fleet.inverse, count, FIXED['inverse']),
-        _rows('duties', duties, count, ACTUATORS),
-        _rows('winds', winds, count, 3),
+        _rows('parameters', fleet.parameters, count, LAYOUT.parameters, fill=False),
+        _rows('bodies', fleet.body, count, FIXED['body'], fill=False),
+        _rows('inverses', fleet.inverse, count, FIXED['inverse'], fill=False),
+        _rows('commands', commands, count, COMMAND, fill=True),
+        _rows('surroundings', surroundings, count, SURROUNDINGS, fill=True),
     )
-    state = _rows('states', states, count, RIGID + len(initial_memory()))
+    state = _rows('states', states, count, LAYOUT.size, fill=False)
     return np.concatenate([part.T for part in fixed]), np.ascontiguousarray(state.T)

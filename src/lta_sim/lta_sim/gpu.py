@@ -11,9 +11,11 @@ from string import Template
 from types import ModuleType
 
 from lta_config.errors import BadInput
-from lta_sim.compose import COLUMNS, Form, kernel_source
+from lta_sim.columns import Columns
+from lta_sim.compose import Form, kernel_source
 from lta_sim.effects import EFFECTS
 from lta_sim.fleet import columns, Fleet
+from lta_sim.kernel import LAYOUT
 from lta_sim.kernel_cache import load
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,27 +24,34 @@ from numpy.typing import ArrayLike, NDArray
 THREADS = 64
 
 ENTRIES = '''
+$INLINE
+def rates(state, fixed, width, i):
+    """Return d/dt of the state of vehicle i."""
+$bare
+    return $rate
+
+
 $ENTRY
-def advance_many(fixed, states, count, dt, steps):
+def advance_many(fixed, block, width, dt, steps):
     """Advance vehicle i, a column of the blocks, in thread i."""
     i = cuda.grid(1)
-    if i < count:
-        parameters, body, inverse, duty, wind = fixed_of(fixed, count, i)
-        state = state_of(states, count, i)
+    if i < width:
+        state = $state
         for _ in range(steps):
-            a = rates(state, parameters, body, inverse, duty, wind)
-            b = rates(ahead(state, a, 0.5 * dt), parameters, body, inverse, duty, wind)
-            c = rates(ahead(state, b, 0.5 * dt), parameters, body, inverse, duty, wind)
-            d = rates(ahead(state, c, dt), parameters, body, inverse, duty, wind)
+            a = rates(state, fixed, width, i)
+            b = rates(ahead(state, a, 0.5 * dt), fixed, width, i)
+            c = rates(ahead(state, b, 0.5 * dt), fixed, width, i)
+            d = rates(ahead(state, c, dt), fixed, width, i)
             state = normalised(ahead(state, mean(a, b, c, d), dt))
-        put(states, count, i, state)
+$stores
 '''
 
 FORM = Form(
     'from numba import cuda\n',
     '@cuda.jit(device=True)',
     '@cuda.jit',
-    Template(COLUMNS.template + '\n' + ENTRIES),
+    Columns('width'),
+    Template(ENTRIES),
 )
 
 
@@ -74,16 +83,16 @@ def _cuda() -> ModuleType:
 
 
 @cache
-def _kernel() -> ModuleType:
-    """Return the kernel of all effects."""
-    return load(kernel_source(EFFECTS, FORM))
+def _kernel(names: tuple[str, ...]) -> ModuleType:
+    """Return the kernel of some effects; registers are scarce, so the others are left out."""
+    return load(kernel_source({name: EFFECTS[name] for name in names}, FORM))
 
 
 def advance_many(
     states: ArrayLike,
     fleet: Fleet,
-    duties: ArrayLike,
-    winds: ArrayLike,
+    commands: ArrayLike,
+    surroundings: ArrayLike,
     dt: float,
     steps: int,
 ) -> NDArray[np.float64]:
@@ -96,10 +105,10 @@ def advance_many(
         Layout of `lta_sim.state`, SI.
     fleet : Fleet
         The vehicles.
-    duties : array_like, shape (V, 4)
-        Commanded duty of each rotor, -1 to 1.
-    winds : array_like, shape (V, 3)
-        Steady uniform velocity of the air in `map`. [m/s]
+    commands : array_like, shape (V, up to COMMAND)
+        Duties and the place of the moving mass.
+    surroundings : array_like, shape (V, up to SURROUNDINGS)
+        Wind, noise, irradiance, voltage.
     dt : float
         Length of a step. [s]
     steps : int
@@ -119,11 +128,15 @@ def advance_many(
 
     """
     cuda = _cuda()
-    fixed, state = columns(states, fleet, duties, winds)
+    fixed, state = columns(states, fleet, commands, surroundings)
     count = len(fleet)
-    there = cuda.to_device(state.ravel())
+    names = tuple(name for name in LAYOUT.effects if fleet.on[:, LAYOUT.flag(name)].any())
+    parameters, moving = LAYOUT.places(names)
+    kept = np.concatenate([fixed[parameters], fixed[LAYOUT.parameters :]])
+    there = cuda.to_device(state[moving].ravel())
     blocks = -(-count // THREADS)
-    _kernel().advance_many[blocks, THREADS](
-        cuda.to_device(fixed.ravel()), there, count, float(dt), int(steps)
+    _kernel(names).advance_many[blocks, THREADS](
+        cuda.to_device(kept.ravel()), there, count, float(dt), int(steps)
     )
-    return np.ascontiguousarray(there.copy_to_host().reshape(state.shape).T)
+    state[moving] = there.copy_to_host().reshape(len(moving), count)
+    return np.ascontiguousarray(state.T)

@@ -1,27 +1,52 @@
 """
-The motion of a vehicle: its rate, its future, and the wrench of each effect.
+The motion of a vehicle: its rate, its future, and what each effect does to it.
 
-Compiled once per content of the effects and kept on disk (`kernel_cache`). States are float64
-arrays in the layout of `lta_sim.state`; `duty` has four numbers from -1 to 1; `wind` is the steady
-velocity of the air in `map`, m/s. The functions trust their input: a `Model` is checked when it is
-built.
+Compiled once per content of the effects and kept on disk (`kernel_cache`). States, commands and
+surroundings are float64 arrays in the layouts of `lta_sim.state`; a shorter command or shorter
+surroundings go on with zeros, so that four duties or a wind will do. The functions trust their
+input: a `Model` is checked when it is built.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cache
 from types import ModuleType
+from typing import final
 
-from lta_sim.compose import kernel_source
-from lta_sim.effects import EFFECTS, initial_memory
-from lta_sim.effects.protocol import WrenchEffect
+from lta_sim.compose import kernel_source, layout_of
+from lta_sim.effects import EFFECTS
 from lta_sim.kernel_cache import load
 from lta_sim.model import Model
-from lta_sim.state import ACTUATORS, RIGID
+from lta_sim.state import ACTUATORS, COMMAND, SURROUNDINGS
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 State = NDArray[np.float64]
 CALM = (0.0, 0.0, 0.0)
+
+LAYOUT = layout_of(EFFECTS)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Look:
+    """
+    What acts on a vehicle at one instant.
+
+    Attributes
+    ----------
+    wrenches : mapping of str to ndarray, shape (6,)
+        Force and moment about the hull centre, body frame, by wrench effect. [N, N m]
+    thrusts : ndarray, shape (ACTUATORS,)
+        Of each rotor. [N]
+    wind : ndarray, shape (3,)
+        Velocity of the air at the hull, `map`. [m/s]
+
+    """
+
+    wrenches: Mapping[str, State]
+    thrusts: State
+    wind: State
 
 
 @cache
@@ -30,39 +55,44 @@ def _kernel() -> ModuleType:
     return load(kernel_source(EFFECTS))
 
 
-@cache
-def _wrench_effects() -> tuple[str, ...]:
-    """Return the names of the effects that `wrenches` reports."""
-    return tuple(name for name, effect in EFFECTS.items() if isinstance(effect, WrenchEffect))
+def filled(what: str, values: ArrayLike, count: int) -> State:
+    """
+    Return a contiguous float64 array of that many numbers, zeros behind those given.
 
+    Raises
+    ------
+    ValueError
+        If there are more numbers, or not one row of them.
 
-@cache
-def _size() -> int:
-    """Return the length of a state."""
-    return RIGID + len(initial_memory())
-
-
-def _floats(what: str, values: ArrayLike, count: int) -> State:
-    """Return a contiguous float64 array of that many numbers, itself if it is one."""
+    """
     array = np.ascontiguousarray(values, dtype=np.float64)
-    if array.shape != (count,):
+    if array.shape == (count,):
+        return array
+    if array.ndim != 1 or len(array) > count:
         # Compiled code does not look: it would read what lies behind the array.
-        raise ValueError(f'The {what} has shape {array.shape}; it must be ({count},).')
-    return array
+        raise ValueError(f'The {what} has shape {array.shape}; it must be at most ({count},).')
+    full = np.zeros(count)
+    full[: len(array)] = array
+    return full
 
 
 def _input(
-    state: ArrayLike, duty: ArrayLike, wind: ArrayLike
-) -> tuple[State, NDArray[np.float64], NDArray[np.float64]]:
+    state: ArrayLike, command: ArrayLike, surroundings: ArrayLike
+) -> tuple[State, State, State]:
     """Return what all functions take, as the kernel takes it."""
+    start = np.ascontiguousarray(state, dtype=np.float64)
+    if start.shape != (LAYOUT.size,):
+        raise ValueError(f'The state has shape {start.shape}; it must be ({LAYOUT.size},).')
     return (
-        _floats('state', state, _size()),
-        _floats('duty', duty, ACTUATORS),
-        _floats('wind', wind, 3),
+        start,
+        filled('command', command, COMMAND),
+        filled('surroundings', surroundings, SURROUNDINGS),
     )
 
 
-def derivative(state: ArrayLike, model: Model, duty: ArrayLike, wind: ArrayLike = CALM) -> State:
+def derivative(
+    state: ArrayLike, model: Model, command: ArrayLike, surroundings: ArrayLike = CALM
+) -> State:
     """
     Return d/dt of a state.
 
@@ -72,10 +102,10 @@ def derivative(state: ArrayLike, model: Model, duty: ArrayLike, wind: ArrayLike 
         Layout of `lta_sim.state`, SI.
     model : Model
         The vehicle.
-    duty : array_like, shape (4,)
-        Commanded duty of each rotor, -1 to 1.
-    wind : array_like, shape (3,)
-        Steady uniform velocity of the air in `map`. [m/s]
+    command : array_like, shape (up to COMMAND,)
+        Commanded duty of each rotor, -1 to 1, and the place of the moving mass.
+    surroundings : array_like, shape (up to SURROUNDINGS,)
+        Wind, noise, irradiance, voltage.
 
     Returns
     -------
@@ -88,21 +118,28 @@ def derivative(state: ArrayLike, model: Model, duty: ArrayLike, wind: ArrayLike 
         If an array has the wrong shape.
 
     """
-    start, command, air = _input(state, duty, wind)
+    start, orders, air = _input(state, command, surroundings)
     out = np.empty_like(start)
-    _kernel().derivative(start, model.parameters, model.body, model.inverse, command, air, out)
+    _kernel().derivative(
+        start, model.parameters, model.on, model.body, model.inverse, orders, air, out
+    )
     return out
 
 
 def advance(
-    state: ArrayLike, model: Model, duty: ArrayLike, wind: ArrayLike, dt: float, steps: int
+    state: ArrayLike,
+    model: Model,
+    command: ArrayLike,
+    surroundings: ArrayLike,
+    dt: float,
+    steps: int,
 ) -> State:
     """
     Return the state after `steps` classical Runge-Kutta steps under a constant command.
 
     Parameters
     ----------
-    state, model, duty, wind
+    state, model, command, surroundings
         As for `derivative`.
     dt : float
         Length of a step; below about 2.7 times the shortest time constant. [s]
@@ -115,14 +152,15 @@ def advance(
         The later state, its quaternion normalised after each step.
 
     """
-    start, command, air = _input(state, duty, wind)
+    start, orders, air = _input(state, command, surroundings)
     out = np.empty_like(start)
     _kernel().advance(
         start,
         model.parameters,
+        model.on,
         model.body,
         model.inverse,
-        command,
+        orders,
         air,
         float(dt),
         int(steps),
@@ -131,25 +169,27 @@ def advance(
     return out
 
 
-def wrenches(
-    state: ArrayLike, model: Model, duty: ArrayLike, wind: ArrayLike = CALM
-) -> Mapping[str, NDArray[np.float64]]:
+def look(
+    state: ArrayLike, model: Model, command: ArrayLike, surroundings: ArrayLike = CALM
+) -> Look:
     """
-    Return the wrench of each wrench effect.
+    Return what acts on a vehicle.
 
     Parameters
     ----------
-    state, model, duty, wind
+    state, model, command, surroundings
         As for `derivative`.
 
-    Returns
-    -------
-    mapping of str to ndarray, shape (6,)
-        Force and moment about the hull centre, body frame, by effect. [N, N m]
-
     """
-    start, command, air = _input(state, duty, wind)
-    names = _wrench_effects()
-    out = np.empty((len(names), 6))
-    _kernel().wrenches(start, model.parameters, command, air, out)
-    return dict(zip(names, out, strict=True))
+    start, orders, air = _input(state, command, surroundings)
+    names = LAYOUT.wrenches
+    out, thrusts, wind = np.empty((len(names), 6)), np.empty(ACTUATORS), np.empty(3)
+    _kernel().look(start, model.parameters, model.on, model.body, orders, air, out, thrusts, wind)
+    return Look(dict(zip(names, out, strict=True)), thrusts, wind)
+
+
+def wrenches(
+    state: ArrayLike, model: Model, command: ArrayLike, surroundings: ArrayLike = CALM
+) -> Mapping[str, State]:
+    """Return the wrench of each wrench effect: `look(...).wrenches`."""
+    return look(state, model, command, surroundings).wrenches

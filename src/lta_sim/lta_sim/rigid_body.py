@@ -13,12 +13,19 @@ In a steady uniform wind d/dt v_r = d/dt v + w x (R' wind), hence with M = M_rb 
 
     M d/dt (v, w) = (F - w x p - A_1 (w x R' wind),  N - w x h - v x p_rb - v_r x p_a).
 
-The term v_r x p_a is the Munk moment. `body` holds m, m r (3), I_o (xx yy zz xy xz yz), A (6).
+Air that accelerates by DU/Dt pushes the hull as it would push the air in its place, and its added
+mass with it (Auton, Hunt and Prud'homme 1988, J. Fluid Mech. 197, 241): the force (m_d + A_1) R'
+DU/Dt at the hull centre, m_d the displaced mass. The vorticity of the air, which would turn the
+hull, is left out.
+
+The term v_r x p_a is the Munk moment. `body` is laid out as `lta_sim.state` says.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
-from lta_sim.effects.protocol import Matrix3, Motion, Quaternion, Vector, Wrench
+from lta_sim.effects.protocol import Matrix3, Motion, Place, Quaternion, Values, Vector, Wrench
+from lta_sim.state import ADDED, DISPLACED, INERTIA, MASS, MASS_MOMENT
 
 
 def cross(a: Vector, b: Vector) -> Vector:
@@ -65,36 +72,57 @@ def quaternion_rate(q: Quaternion, w: Vector) -> Quaternion:
     )
 
 
-def motion(
-    position: Vector, q: Quaternion, velocity: Vector, rates: Vector, wind: Vector
-) -> Motion:
-    """Return what the effects see: attitude as a matrix and the air-relative velocity."""
-    r = rotation(q)
+def airspeed(r: Matrix3, velocity: Vector, wind: Vector) -> Vector:
+    """Return the velocity relative to the air, in body axes, for a wind in map axes."""
     air = to_body(r, wind)
-    airspeed = (velocity[0] - air[0], velocity[1] - air[1], velocity[2] - air[2])
-    return Motion(position, r, velocity, rates, airspeed)
+    return (velocity[0] - air[0], velocity[1] - air[1], velocity[2] - air[2])
 
 
-def momentum_rate(wrench: Wrench, m: Motion, air: Vector, body: Sequence[float]) -> Wrench:
+def motion(
+    position: Vector,
+    r: Matrix3,
+    velocity: Vector,
+    rates: Vector,
+    airspeed: Vector,
+    body: Values,
+    command: Values,
+    surroundings: Values,
+) -> Motion:
+    """Return what the wrench effects see."""
+    return Motion(position, r, velocity, rates, airspeed, body, command, surroundings)
+
+
+def place(position: Vector, velocity: Vector, wind: Vector, surroundings: Values) -> Place:
+    """Return what the air effects see."""
+    return Place(position, velocity, wind, surroundings)
+
+
+def momentum_rate(wrench: Wrench, m: Motion, flow: Vector) -> Wrench:
     """Return M d/dt (v, w): the wrench less what the turning and moving frame takes."""
-    v, w, v_r = m.velocity, m.rates, m.airspeed
-    moment = (body[1], body[2], body[3])
+    v, w, v_r, body = m.velocity, m.rates, m.airspeed, m.body
+    air = (v[0] - v_r[0], v[1] - v_r[1], v[2] - v_r[2])
+    mass, surge, sway, heave = body[MASS], body[ADDED], body[ADDED + 1], body[ADDED + 2]
+    moment = (body[MASS_MOMENT], body[MASS_MOMENT + 1], body[MASS_MOMENT + 2])
+    xx, yy, zz = body[INERTIA], body[INERTIA + 1], body[INERTIA + 2]
+    xy, xz, yz = body[INERTIA + 3], body[INERTIA + 4], body[INERTIA + 5]
     lift = cross(w, moment)
     swing = cross(moment, v)
-    p_rb = (body[0] * v[0] + lift[0], body[0] * v[1] + lift[1], body[0] * v[2] + lift[2])
-    p_a = (body[10] * v_r[0], body[11] * v_r[1], body[12] * v_r[2])
+    p_rb = (mass * v[0] + lift[0], mass * v[1] + lift[1], mass * v[2] + lift[2])
+    p_a = (surge * v_r[0], sway * v_r[1], heave * v_r[2])
     h = (
-        (body[4] + body[13]) * w[0] + body[7] * w[1] + body[8] * w[2] + swing[0],
-        body[7] * w[0] + (body[5] + body[14]) * w[1] + body[9] * w[2] + swing[1],
-        body[8] * w[0] + body[9] * w[1] + (body[6] + body[15]) * w[2] + swing[2],
+        (xx + body[ADDED + 3]) * w[0] + xy * w[1] + xz * w[2] + swing[0],
+        xy * w[0] + (yy + body[ADDED + 4]) * w[1] + yz * w[2] + swing[1],
+        xz * w[0] + yz * w[1] + (zz + body[ADDED + 5]) * w[2] + swing[2],
     )
     turn = cross(w, (p_rb[0] + p_a[0], p_rb[1] + p_a[1], p_rb[2] + p_a[2]))
     wind = cross(w, air)
     spin, carry, munk = cross(w, h), cross(v, p_rb), cross(v_r, p_a)
+    push = to_body(m.rotation, flow)
+    displaced = body[DISPLACED]
     return (
-        wrench[0] - turn[0] - body[10] * wind[0],
-        wrench[1] - turn[1] - body[11] * wind[1],
-        wrench[2] - turn[2] - body[12] * wind[2],
+        wrench[0] - turn[0] - surge * wind[0] + (displaced + surge) * push[0],
+        wrench[1] - turn[1] - sway * wind[1] + (displaced + sway) * push[1],
+        wrench[2] - turn[2] - heave * wind[2] + (displaced + heave) * push[2],
         wrench[3] - spin[0] - carry[0] - munk[0],
         wrench[4] - spin[1] - carry[1] - munk[1],
         wrench[5] - spin[2] - carry[2] - munk[2],
@@ -110,9 +138,7 @@ def row(inverse: Sequence[float], i: int, rate: Wrench) -> float:
     )  # fmt: skip
 
 
-def acceleration(
-    wrench: Wrench, m: Motion, air: Vector, body: Sequence[float], inverse: Sequence[float]
-) -> Wrench:
+def acceleration(wrench: Wrench, m: Motion, flow: Vector, inverse: Sequence[float]) -> Wrench:
     """
     Return d/dt of the body velocity and of the body rates.
 
@@ -122,10 +148,8 @@ def acceleration(
         Sum of all effects about the hull centre, body frame. [N, N m]
     m : Motion
         What the effects saw.
-    air : 3-tuple
-        Velocity of the air in the body frame. [m/s]
-    body : 16 floats
-        m, m r, I_o, A as in the module's docstring.
+    flow : 3-tuple
+        Acceleration of the air, following the air, in `map`. [m/s^2]
     inverse : 36 floats
         Inverse of the mass matrix, row by row.
 
@@ -135,8 +159,20 @@ def acceleration(
         Acceleration of the body components. [m/s^2, rad/s^2]
 
     """
-    rate = momentum_rate(wrench, m, air, body)
+    rate = momentum_rate(wrench, m, flow)
     return (
         row(inverse, 0, rate), row(inverse, 1, rate), row(inverse, 2, rate),
         row(inverse, 3, rate), row(inverse, 4, rate), row(inverse, 5, rate),
     )  # fmt: skip
+
+
+# What the kernel is made of beside the effects.
+TAKEN: tuple[Callable[..., Any], ...] = (
+    rotation,
+    to_map,
+    airspeed,
+    motion,
+    place,
+    quaternion_rate,
+    acceleration,
+)

@@ -1,9 +1,22 @@
 """
-The layout of a vehicle's state, in one place.
+The layout of the numbers that the kernel takes, in one place.
 
 A state is a float64 array: position of the hull centre in `map` (x y z, m), quaternion from body
 to map (x y z w), velocity of the hull centre in the body frame (m/s), body rates (rad/s), then the
-memory of the effects that have one, in registry order and within an effect rotor by rotor.
+memory of the effects that have one, in registry order and within an actuator effect rotor by
+rotor.
+
+A command is what the vehicle is told: the duty of each rotor (-1 to 1, or newtons where the
+vehicle's thrust curve is at its null values), then where the moving mass should be (x y z, m, body
+frame). Rotors that a vehicle does not have are at 0.
+
+Surroundings are what the air and the light do and the vehicle cannot know, constant during a call:
+wind from outside the effects (x y z in `map`, m/s), white noise for turbulence (three, of unit
+intensity, s^-1/2), irradiance on the hull (W/m2) and voltage of the battery (V).
+
+A body is what the vehicle is: mass (kg), mass times CG (x y z, kg m), inertia about the hull
+centre (xx yy zz xy xz yz, kg m2), added mass and inertia (6, kg and kg m2), mass of the displaced
+air (kg), then of each rotor its place (x y z, m) and the direction of its thrust (unit vector).
 """
 
 import math
@@ -11,7 +24,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-ACTUATORS = 4
+ACTUATORS = 8
 
 POSITION = slice(0, 3)
 QUATERNION = slice(3, 7)
@@ -19,6 +32,25 @@ VELOCITY = slice(7, 10)
 RATES = slice(10, 13)
 RIGID = 13
 MEMORY = slice(RIGID, None)
+
+MASS_PLACE = ACTUATORS  # first of three
+COMMAND = ACTUATORS + 3
+
+WIND = 0  # first of three
+NOISE = 3  # first of three
+IRRADIANCE = 6
+VOLTAGE = 7
+SURROUNDINGS = 8
+
+MASS = 0
+MASS_MOMENT = 1  # first of three
+INERTIA = 4  # first of six
+ADDED = 10  # first of six
+DISPLACED = 16
+ROTOR_PLACE = 17  # of the first rotor
+ROTOR_AXIS = 20  # of the first rotor
+ROTOR = 6  # numbers of each rotor
+BODY = ROTOR_PLACE + ROTOR * ACTUATORS
 
 
 def pack(

@@ -21,6 +21,7 @@ from lta_energy.battery import Battery
 from lta_energy.loads import Loads
 from lta_energy.panel import Panel
 from lta_sim import effects
+from lta_sim.effects import rotational_drag
 from lta_sim.effects.protocol import AXES
 from lta_sim.mass import spheroid_added_mass
 from lta_sim.model import Model
@@ -29,6 +30,7 @@ from lta_sim.state import ACTUATORS
 import numpy as np
 from numpy.typing import NDArray
 
+ROTATION = tuple(known.name for known in rotational_drag.PARAMETERS)
 HELIUM_TO_AIR = 0.1664 / AIR_DENSITY  # density ratio at one temperature and pressure (20 C, 1 atm)
 
 Vector = tuple[float, ...]
@@ -78,9 +80,9 @@ class Vehicle:
     def __init__(self, file: VehicleFile, air_density: float = AIR_DENSITY) -> None:
         self.file = file
         self.air_density = air_density
-        if len(file.rotors) != ACTUATORS:
+        if len(file.rotors) > ACTUATORS:
             raise BadInput(
-                f'{file.name} has {len(file.rotors)} rotors; the model has {ACTUATORS}.'
+                f'{file.name} has {len(file.rotors)} rotors; the model has room for {ACTUATORS}.'
             )
         if self.ballast < 0.0:
             raise BadInput(
@@ -215,28 +217,26 @@ class Vehicle:
     def effects(self) -> dict[str, dict[str, float]]:
         """Return the parameters of every effect that is on, in SI."""
         aero = self.file.aero
+        linear, quadratic = aero.linear_drag, aero.quadratic_drag
         a, b = self.thrust_curve
-        thrust = {
-            f'{name}_{i}': x for name, x in (('a', a), ('b', b)) for i in range(1, ACTUATORS + 1)
-        }
-        for i, column in enumerate(self.allocation, start=1):
-            thrust |= {f'{axis}_{i}': x for axis, x in zip(AXES, column, strict=True)}
-        cg = dict(zip(('cg_x', 'cg_y', 'cg_z'), self.cg.tolist(), strict=True))
-        buoyancy = self.volume * self.air_density * STANDARD_GRAVITY
+        numbers = range(1, len(self.file.rotors) + 1)
+        columns = zip(numbers, self.allocation, strict=True)
+        added = self.added_mass
         derived = {
-            'weight_and_buoyancy': {
-                'buoyancy': buoyancy,
-                'weight': self.mass * STANDARD_GRAVITY,
-                **cg,
+            'weight_and_buoyancy': {'gravity': STANDARD_GRAVITY},
+            'added_mass': dict(zip(AXES[:3], added[:3], strict=True)),
+            'added_inertia': dict(zip(AXES[3:], added[3:], strict=True)),
+            'linear_drag': dict(zip(AXES[:3], linear.force.vector, strict=True)),
+            'quadratic_drag': dict(zip(AXES[:3], quadratic.force.vector, strict=True)),
+            'rotational_drag': dict(
+                zip(ROTATION, linear.moment.vector + quadratic.moment.vector, strict=True)
+            ),
+            'thrust_curve': {f'{n}_{i}': x for n, x in (('a', a), ('b', b)) for i in numbers},
+            'rotor_thrust': {
+                f'{axis}_{i}': x
+                for i, column in columns
+                for axis, x in zip(AXES, column, strict=True)
             },
-            'added_mass': _by_axis(self.added_mass),
-            'linear_drag': _by_axis(
-                aero.linear_drag.force.vector + aero.linear_drag.moment.vector
-            ),
-            'quadratic_drag': _by_axis(
-                aero.quadratic_drag.force.vector + aero.quadratic_drag.moment.vector
-            ),
-            'rotor_thrust': thrust,
         }
         for name in self.file.effects:
             if name in derived:
@@ -246,9 +246,23 @@ class Vehicle:
                 )
         return derived | {name: _checked(name, given) for name, given in self.file.effects.items()}
 
+    @property
+    def _axes(self) -> list[Array]:
+        """Direction in which each rotor pushes."""
+        forces = [np.array(column[:3]) for column in self.allocation]
+        return [force / np.linalg.norm(force) for force in forces]
+
     def model(self) -> Model:
         """Return the numbers that the kernel takes."""
-        return Model.build(self.effects(), mass=self.mass, cg=self.cg, inertia=self.inertia)
+        places = (rotor.position.vector for rotor in self.file.rotors.values())
+        return Model.build(
+            self.effects(),
+            mass=self.mass,
+            cg=self.cg,
+            inertia=self.inertia,
+            displaced=self.volume * self.air_density,
+            rotors=list(zip(places, self._axes, strict=True)),
+        )
 
     @property
     def standing_height(self) -> float:
@@ -274,10 +288,6 @@ class Vehicle:
                 f'{1e3 * (thrust - self.full_thrust) * sum(up) / STANDARD_GRAVITY:.1f} g.'
             )
         return 2.0 * thrust / (b + math.sqrt(b * b + 4.0 * a * thrust)) if thrust > 0 else 0.0
-
-
-def _by_axis(values: Vector) -> dict[str, float]:
-    return dict(zip(AXES, values, strict=True))
 
 
 def _checked(name: str, given: Mapping[str, Quantity]) -> dict[str, float]:

@@ -22,7 +22,7 @@ from lta_sim.rigid_body import rotation
 from lta_sim.scenario import Scenario
 from lta_sim.sensors import imu, power, pressure, range
 from lta_sim.sensors.light_block import AmplifierState, synthesise
-from lta_sim.state import ACTUATORS, MEMORY, pack, POSITION, QUATERNION, RATES, VELOCITY
+from lta_sim.state import pack, POSITION, QUATERNION, RATES, VELOCITY
 from lta_sim.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
@@ -63,7 +63,7 @@ class World:
         self._light = scenario.light_field
         self._wind = scenario.air.wind.vector
         self.state = self._at_start()
-        self.duties: Array = np.zeros(ACTUATORS)
+        self.duties: Array = np.zeros(len(vehicle.rotor_names))
         self.charge = scenario.start.charge.si
         self._electrics = (battery.open_circuit_voltage(self.charge), 0.0)
         self._harvested = 0.0
@@ -259,8 +259,8 @@ class World:
 
         """
         asked = np.asarray(duties, dtype=np.float64)
-        if asked.shape != (ACTUATORS,) or not np.isfinite(asked).all():
-            raise ValueError(f'The duties are {asked}; give {ACTUATORS} finite numbers.')
+        if asked.shape != self.duties.shape or not np.isfinite(asked).all():
+            raise ValueError(f'The duties are {asked}; give {len(self.duties)} finite numbers.')
         low = np.where(self.vehicle.reversible, -1.0, 0.0)
         self.duties = np.clip(asked, low, 1.0)
         now, end = self.stamp_ns, self.stamp_ns + self._table.control_ns
@@ -285,8 +285,8 @@ class World:
 
     def _drain(self, dt: float) -> None:
         """Let the cell feed the drone for a while, less what the panel brings."""
-        a, b = self.vehicle.thrust_curve
-        thrusts = [(a * abs(u) + b) * u for u in self.state[MEMORY][:ACTUATORS].tolist()]
+        look = kernel.look(self.state, self._model, self.duties, self._wind)
+        thrusts = look.thrusts[: len(self.duties)].tolist()
         asked = loads.demand(self.vehicle.loads, thrusts, transmitting=True)
         if self._due('illuminance'):
             self._harvested = self._harvest()

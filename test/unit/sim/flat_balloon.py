@@ -1,6 +1,7 @@
 """A flat foil balloon of 1 m with four rotors, to test the model on: numbers, not a claim."""
 
 from lta_sim.effects import initial_memory
+from lta_sim.kernel import LAYOUT
 from lta_sim.model import Model
 from lta_sim.state import pack
 import numpy as np
@@ -24,41 +25,43 @@ B = np.array(
 )
 AXES = ('surge', 'sway', 'heave', 'roll', 'pitch', 'yaw')
 
-WEIGHT = {
-    'buoyancy': (MASS - 0.002) * G,
-    'weight': MASS * G,
-    'cg_x': CG[0],
-    'cg_y': CG[1],
-    'cg_z': CG[2],
+DISPLACED = MASS - 0.002
+WEIGHT = {'gravity': G}
+NEUTRAL = {'weight_and_buoyancy': WEIGHT}  # with `displaced=MASS`
+ADDED = {
+    'added_mass': {'surge': 0.146, 'sway': 0.146, 'heave': 0.374},
+    'added_inertia': {'roll': 4.7e-3, 'pitch': 4.7e-3},
 }
-NEUTRAL = WEIGHT | {'buoyancy': MASS * G}
-ADDED = {'surge': 0.146, 'sway': 0.146, 'heave': 0.374, 'roll': 4.7e-3, 'pitch': 4.7e-3}
+CURVE = {f'{letter}_{i}': x for letter, x in (('a', 0.0915), ('b', 0.0677)) for i in range(1, 5)}
 ROTORS = {
-    **{f'a_{i}': 0.0915 for i in range(1, 5)},
-    **{f'b_{i}': 0.0677 for i in range(1, 5)},
     **{f'{axis}_{i + 1}': B[k, i] for k, axis in enumerate(AXES) for i in range(4)},
 }
 EVERYTHING = {
     'weight_and_buoyancy': WEIGHT,
-    'added_mass': ADDED,
-    'linear_drag': {'roll': 7e-4, 'pitch': 6.2e-4, 'yaw': 3.2e-4},
-    'quadratic_drag': {
-        'surge': 0.092,
-        'sway': 0.092,
-        'heave': 0.359,
-        'roll': 2.14e-3,
-        'pitch': 2.14e-3,
-        'yaw': 6.4e-4,
+    **ADDED,
+    'linear_drag': {'surge': 1e-3, 'sway': 1e-3, 'heave': 1e-3},
+    'quadratic_drag': {'surge': 0.092, 'sway': 0.092, 'heave': 0.359},
+    'rotational_drag': {
+        'roll': 7e-4,
+        'pitch': 6.2e-4,
+        'yaw': 3.2e-4,
+        'roll_2': 2.14e-3,
+        'pitch_2': 2.14e-3,
+        'yaw_2': 6.4e-4,
     },
     'motor_lag': {'up': 0.072, 'down': 0.1},
+    'thrust_curve': CURVE,
     'rotor_thrust': ROTORS,
     'floor_contact': {'stiffness': 100.0, 'relaxation': 0.05, 'friction': 0.5, 'z': -HEIGHT},
 }
 
 
-def model(given, cg=CG, inertia=INERTIA):
+LAG = slice(LAYOUT.remembers['motor_lag'], LAYOUT.remembers['motor_lag'] + 4)
+
+
+def model(given, cg=CG, inertia=INERTIA, displaced=DISPLACED):
     """Return the balloon with the effects of `given`."""
-    return Model.build(given, mass=MASS, cg=cg, inertia=inertia)
+    return Model.build(given, mass=MASS, cg=cg, inertia=inertia, displaced=displaced)
 
 
 def at(position=(0.0, 0.0, 2.0), **motion):

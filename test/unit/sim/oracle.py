@@ -15,25 +15,28 @@ def six(given, effect):
     return np.array([given.get(effect, {}).get(axis, 0.0) for axis in AXES])
 
 
-def gravity(given, rotation):
+def gravity(given, rotation, mass, cg, displaced):
     p = given.get('weight_and_buoyancy', {})
-    down = rotation.T @ np.array([0.0, 0.0, -1.0])
-    weight = p.get('weight', 0.0) * down
-    cg = np.array([p.get('cg_x', 0.0), p.get('cg_y', 0.0), p.get('cg_z', 0.0)])
-    return np.concatenate([weight - p.get('buoyancy', 0.0) * down, np.cross(cg, weight)])
+    down = rotation.T @ np.array([0.0, 0.0, -p.get('gravity', 0.0)])
+    weight = mass * down
+    return np.concatenate([weight - displaced * down, np.cross(cg, weight)])
 
 
 def drag(given, airspeed, rates):
+    p = given.get('rotational_drag', {})
+    linear, quadratic = six(given, 'linear_drag'), six(given, 'quadratic_drag')
+    linear[3:] = [p.get(axis, 0.0) for axis in AXES[3:]]
+    quadratic[3:] = [p.get(f'{axis}_2', 0.0) for axis in AXES[3:]]
     speed = np.concatenate([airspeed, rates])
-    return -six(given, 'linear_drag') * speed - six(given, 'quadratic_drag') * speed * abs(speed)
+    return -linear * speed - quadratic * speed * abs(speed)
 
 
 def thrust(given, duty):
-    p = given.get('rotor_thrust', {})
+    p, curve = given.get('rotor_thrust', {}), given.get('thrust_curve', {})
     total = np.zeros(6)
     for i in range(4):
-        newtons = p.get(f'a_{i + 1}', 0.0) * duty[i] ** 2 * np.sign(duty[i])
-        newtons += p.get(f'b_{i + 1}', 0.0) * duty[i]
+        newtons = curve.get(f'a_{i + 1}', 0.0) * duty[i] ** 2 * np.sign(duty[i])
+        newtons += curve.get(f'b_{i + 1}', 1.0) * duty[i]
         total += newtons * np.array([p.get(f'{axis}_{i + 1}', 0.0) for axis in AXES])
     return total
 
@@ -56,8 +59,9 @@ def floor(given, position, rotation, velocity, rates):
 def motors(given, memory, duty):
     p = given.get('motor_lag', {})
     if not p:
-        return duty, np.zeros(4)
-    tau = np.where(abs(duty) > abs(memory), p['up'], p['down'])
+        return duty, np.zeros_like(duty)
+    faster = (abs(duty) > abs(memory)) & (duty * memory >= 0.0)
+    tau = np.where(faster, p['up'], p['down'])
     return memory, (duty - memory) / tau
 
 
@@ -82,15 +86,17 @@ def balance(acceleration, forces, body, motion, wind_body):
     )
 
 
-def derivative(state, given, mass, cg, inertia, duty, wind):
-    """Return d/dt of a state of 17 numbers, for parameters by effect and name."""
+def derivative(state, given, mass, cg, inertia, displaced, duty, wind):
+    """Return d/dt of a rigid state and four lagged duties, for parameters by effect and name."""
     position, q, v, w, memory = np.split(state, [3, 7, 10, 13])
     rotation = Rotation.from_quat(q).as_matrix()
     wind_body = rotation.T @ np.asarray(wind)
     turning, memory_rate = motors(given, memory, np.asarray(duty))
-    forces = gravity(given, rotation) + drag(given, v - wind_body, w) + thrust(given, turning)
+    forces = gravity(given, rotation, mass, np.asarray(cg), displaced)
+    forces = forces + drag(given, v - wind_body, w) + thrust(given, turning)
     forces = forces + floor(given, position, rotation, v, w)
-    body = (mass, np.asarray(cg), np.asarray(inertia), six(given, 'added_mass'))
+    added = six(given, 'added_mass') + six(given, 'added_inertia')
+    body = (mass, np.asarray(cg), np.asarray(inertia), added)
     rest = balance(np.zeros(6), forces, body, (v, w), wind_body)
     columns = [balance(unit, forces, body, (v, w), wind_body) - rest for unit in np.eye(6)]
     acceleration = np.linalg.solve(np.transpose(columns), -rest)

@@ -10,6 +10,7 @@ import pytest
 from . import flat_balloon as balloon
 
 STEP = 2e-3
+SIZE = kernel.LAYOUT.size
 
 
 def scaled(given, generator):
@@ -57,7 +58,7 @@ def test_the_flights_meet_every_branch():
         for state, model in zip(later, models, strict=True)
     ]
     assert 5 < sum(touched) < 95
-    slower = abs(duties) < abs(states[:, 13:])
+    slower = abs(duties) < abs(states[:, balloon.LAG])
     assert 50 < np.count_nonzero(slower) < 350
 
 
@@ -90,10 +91,10 @@ def test_nothing_is_written_into_what_was_given():
 @pytest.mark.parametrize(
     ('part', 'shape', 'words'),
     [
-        (0, (3, 13), r'states have shape \(3, 13\); it must be \(3, 17\)'),
-        (0, (2, 17), r'states have shape \(2, 17\)'),
-        (1, (3, 3), r'duties have shape \(3, 3\)'),
-        (2, (1, 3), r'winds have shape \(1, 3\)'),
+        (0, (3, 13), rf'states have shape \(3, 13\); it must be \(3, {SIZE}\)'),
+        (0, (2, SIZE), rf'states have shape \(2, {SIZE}\)'),
+        (1, (3, 12), r'commands have shape \(3, 12\)'),
+        (2, (1, 3), r'surroundings have shape \(1, 3\)'),
     ],
 )
 def test_wrong_shapes_are_refused(part, shape, words):

@@ -2,9 +2,16 @@
 
 from lta_config.errors import BadInput
 from lta_sim import effects
-from lta_sim.effects import floor_contact, motor_lag, rotor_thrust, weight_and_buoyancy
+from lta_sim.effects import (
+    floor_contact,
+    motor_lag,
+    rotor_thrust,
+    thrust_curve,
+    weight_and_buoyancy,
+)
 from lta_sim.effects.basis import basis
-from lta_sim.effects.protocol import Motion
+from lta_sim.effects.protocol import Motion, WrenchEffect
+from lta_sim.state import BODY, COMMAND, DISPLACED, MASS, MASS_MOMENT, SURROUNDINGS
 import numpy as np
 import pytest
 
@@ -15,38 +22,47 @@ NOSE_DOWN = (0.0, 0.0, 1.0, 0.0, 1.0, 0.0, -1.0, 0.0, 0.0)
 
 
 def still(position=NO, rotation=LEVEL, velocity=NO, rates=NO):
-    return Motion(position, rotation, velocity, rates, velocity)
+    body = [0.0] * BODY
+    body[MASS], body[MASS_MOMENT + 2], body[DISPLACED] = 0.4, -0.04, 0.3
+    command, surroundings = (0.0,) * COMMAND, (0.0,) * SURROUNDINGS
+    return Motion(
+        position, rotation, velocity, rates, velocity, tuple(body), command, surroundings
+    )
 
 
 def foot(p, motion):
-    return floor_contact.wrench(p, motion, (0.0, 0.0, 0.0, 0.0))
+    return floor_contact.wrench(p, (), motion, (0.0,) * 8)
 
 
 def test_cg_below_the_hull_centre_rights():
-    p = (3.0, 4.0, 0.0, 0.0, -0.1)
-    level = weight_and_buoyancy.wrench(p, still(), (0.0, 0.0, 0.0, 0.0))
-    assert level == (0.0, 0.0, -1.0, 0.0, 0.0, 0.0)
-    down = weight_and_buoyancy.wrench(p, still(rotation=NOSE_DOWN), (0.0, 0.0, 0.0, 0.0))
+    level = weight_and_buoyancy.wrench((10.0,), (), still(), (0.0,) * 8)
+    np.testing.assert_allclose(level, (0.0, 0.0, -1.0, 0.0, 0.0, 0.0), atol=1e-15)
+    down = weight_and_buoyancy.wrench((10.0,), (), still(rotation=NOSE_DOWN), (0.0,) * 8)
     # Weight 4 N along body x, 0.1 m below: -0.4 N m about y lifts the nose.
     np.testing.assert_allclose(down, (1.0, 0.0, 0.0, 0.0, -0.4, 0.0), atol=1e-15)
 
 
 def test_thrust_curve():
-    p = [0.0] * 32
-    p[0], p[4], p[2], p[6] = 0.0915, 0.0677, 0.02, 0.03
-    p[8 + 8], p[8 + 10], p[8 + 18] = 1.0, 0.5, -0.4
-    wrench = rotor_thrust.wrench(tuple(p), still(), (0.5, 1.0, -1.0, 1.0))
-    first, third = 0.0915 * 0.25 + 0.0677 * 0.5, -0.05
+    first = thrust_curve.output((0.0915, 0.0677), (), 0.5, ())
+    third = thrust_curve.output((0.02, 0.03), (), -1.0, ())
+    assert (first, third) == pytest.approx((0.0915 * 0.25 + 0.0677 * 0.5, -0.05), rel=1e-15)
+
+
+def test_rotor_columns():
+    first, third = 0.0567, -0.05
+    p = [0.0] * 48
+    p[16], p[18], p[34] = 1.0, 0.5, -0.4  # heave of the first and third, pitch of the third
+    wrench = rotor_thrust.wrench(tuple(p), (), still(), (first, 1.0, third, 1.0, *[0.0] * 4))
     expected = (0.0, 0.0, first + 0.5 * third, 0.0, -0.4 * third, 0.0)
     np.testing.assert_allclose(wrench, expected, rtol=1e-15)
 
 
 def test_lag_up_and_down():
     p = (0.1, 0.2)
-    assert motor_lag.rate(p, (0.5,), 1.0) == (5.0,)
-    assert motor_lag.rate(p, (0.5,), 0.0) == (-2.5,)
-    assert motor_lag.rate(p, (-0.5,), -1.0) == (-5.0,)
-    assert motor_lag.output(p, (0.5,), 1.0) == 0.5
+    assert motor_lag.rate(p, (0.5,), 1.0, ()) == (5.0,)
+    assert motor_lag.rate(p, (0.5,), 0.0, ()) == (-2.5,)
+    assert motor_lag.rate(p, (-0.5,), -1.0, ()) == (-5.0,)
+    assert motor_lag.output(p, (0.5,), 1.0, ()) == 0.5
 
 
 P = (100.0, 0.05, 0.5, 0.0, 0.0, -0.3)
@@ -76,7 +92,7 @@ def test_friction_opposes_slip_at_the_foot():
 def test_basis_holds_the_other_parameters():
     effect = effects.EFFECTS['floor_contact']
     given = {'relaxation': 0.05, 'friction': 0.5, 'z': -0.3, 'stiffness': 7.0}
-    column = basis(effect, given, still((0.0, 0.0, 0.29), velocity=(1.0, 0.0, -0.1)), (0.0,) * 4)
+    column = basis(effect, given, still((0.0, 0.0, 0.29), velocity=(1.0, 0.0, -0.1)), (0.0,) * 8)
     assert column.shape == (6, 1)
     assert column[2, 0] == pytest.approx(0.015, rel=1e-12)
 
@@ -96,7 +112,7 @@ class Point:
     [
         (effects.EFFECTS['linear_drag'], 'linear_drag of somewhere:EFFECT exists already'),
         ('wind', 'no effect'),
-        (effects.WrenchEffect('side-wind', (), weight_and_buoyancy.wrench), 'underscores'),
+        (WrenchEffect('side-wind', (), weight_and_buoyancy.wrench), 'underscores'),
     ],
 )
 def test_installed_effects_are_checked(monkeypatch, effect, words):

@@ -7,7 +7,7 @@ import os
 from lta_config.errors import BadInput
 from lta_sim.compose import kernel_source
 from lta_sim.effects import EFFECTS, linear_drag, quadratic_drag
-from lta_sim.effects.protocol import Motion
+from lta_sim.effects.protocol import KernelEffect, Motion
 from lta_sim.extract import Extract
 import pytest
 
@@ -28,7 +28,8 @@ def shadow(HALF: float) -> float:
 
 
 def of_motion(z: float) -> Motion:
-    return Motion((0.0, 0.0, z), (0.0,) * 9, (0.0,) * 3, (0.0,) * 3, (0.0,) * 3)
+    three = (0.0,) * 3
+    return Motion((0.0, 0.0, z), (0.0,) * 9, three, three, three, three, three, three)
 
 
 def bad(x: float) -> str:
@@ -90,5 +91,5 @@ def test_the_kernel_needs_numba_only():
         'import math',
         'from numba import njit',
     ]
-    for effect in EFFECTS:
-        assert effect == 'added_mass' or f'def {effect}_' in source
+    for name, effect in EFFECTS.items():
+        assert isinstance(effect, KernelEffect) == (f'def {name}_' in source)

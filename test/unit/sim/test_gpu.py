@@ -32,7 +32,7 @@ SIMULATED = """
     import numpy as np
 
     folder, gpu.THREADS = Path(sys.argv[1]), 2
-    states, duties, winds, *fleet = (np.load(folder / f'{k}.npy') for k in range(6))
+    states, duties, winds, *fleet = (np.load(folder / f'{k}.npy') for k in range(7))
     later = gpu.advance_many(states, Fleet(*fleet), duties, winds, 2e-3, 5)
     np.save(folder / 'later.npy', later)
 """
@@ -65,7 +65,7 @@ def flights():
 def test_each_thread_flies_its_vehicle_as_the_cpu_does(flights, tmp_path):
     models, states, duties, winds = flights
     fleet = Fleet.of(models)
-    arrays = (states, duties, winds, fleet.parameters, fleet.body, fleet.inverse)
+    arrays = (states, duties, winds, fleet.parameters, fleet.on, fleet.body, fleet.inverse)
     for k, array in enumerate(arrays):
         np.save(tmp_path / f'{k}.npy', array)
     done = in_process(SIMULATED, tmp_path, NUMBA_ENABLE_CUDASIM='1')

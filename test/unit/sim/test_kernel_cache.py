@@ -17,7 +17,7 @@ EFFECT = '''
     from lta_sim.effects.protocol import Parameter, WrenchEffect
 
 
-    def wrench(p, motion, duty):
+    def wrench(p, memory, motion, thrust):
         """Return the push."""
         (push,) = p
         return ({expression}, 0.0, 0.0, 0.0, 0.0, 0.0)

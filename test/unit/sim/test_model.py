@@ -2,6 +2,8 @@
 
 from lta_config.errors import BadInput
 from lta_sim.effects import EFFECTS, get
+from lta_sim.effects.protocol import KernelEffect
+from lta_sim.kernel import LAYOUT
 from lta_sim.model import Model
 import numpy as np
 import pytest
@@ -70,12 +72,17 @@ def test_numbers_of_the_kernel():
         *(0.358, 0.0, 0.0, -0.358 * 0.08),
         *(steiner, steiner, 0.018, 0.0, 0.0, 0.0),
         *(0.146, 0.146, 0.374, 4.7e-3, 4.7e-3, 0.0),
+        balloon.DISPLACED,
     ]
-    np.testing.assert_allclose(model.body, expected, rtol=1e-14, atol=1e-18)
+    np.testing.assert_allclose(model.body[:17], expected, rtol=1e-14, atol=1e-18)
     heave = np.reshape(model.inverse, (6, 6))[2, 2]
     assert heave == pytest.approx(1.0 / (0.358 + 0.374), rel=1e-14)
-    assert len(model.parameters) == sum(len(effect.parameters) for effect in EFFECTS.values())
+    kernel = [effect for effect in EFFECTS.values() if isinstance(effect, KernelEffect)]
+    assert len(model.parameters) == sum(len(effect.parameters) for effect in kernel)
+    on = dict(zip(LAYOUT.effects, model.on.tolist(), strict=True))
+    assert {name for name, is_on in on.items() if is_on} == set(balloon.EVERYTHING) & set(on)
+    assert set(model.given) == set(balloon.EVERYTHING)
 
 
 def vectors(model):
-    return model.parameters, model.body, model.inverse
+    return model.parameters, model.on, model.body, model.inverse

@@ -8,8 +8,8 @@ from lta_config.files import find, load_yaml
 from lta_config.quantity import Quantity
 from lta_config.vehicle_file import load_vehicle_file, VehicleFile
 from lta_sim import kernel
-from lta_sim.effects import initial_memory
-from lta_sim.state import pack
+from lta_sim.effects import EFFECTS, initial_memory
+from lta_sim.state import DISPLACED, MASS, MASS_MOMENT, pack
 from lta_sim.vehicle import load_vehicle, Vehicle
 import numpy as np
 import pytest
@@ -194,12 +194,15 @@ def test_what_the_controllers_get(gtmab):
 def test_drag_and_thrust_reach_the_effects(gtmab):
     effects = gtmab.effects()
     assert effects['quadratic_drag']['heave'] == 0.359
-    assert effects['linear_drag']['pitch'] == 6.2e-4
-    assert effects['weight_and_buoyancy']['buoyancy'] == pytest.approx(VOLUME * RHO * G)
-    assert effects['weight_and_buoyancy']['weight'] == pytest.approx(gtmab.mass * G)
-    assert effects['weight_and_buoyancy']['cg_z'] == gtmab.cg[2]
-    assert effects['rotor_thrust']['a_4'] == 0.0915
-    assert effects['rotor_thrust']['b_1'] == 0.0677
+    assert effects['rotational_drag']['pitch'] == 6.2e-4
+    assert effects['rotational_drag']['yaw_2'] == 6.4e-4
+    assert effects['weight_and_buoyancy'] == {'gravity': G}
+    model = gtmab.model()
+    assert model.body[MASS] == gtmab.mass
+    assert model.body[DISPLACED] == pytest.approx(VOLUME * RHO)
+    assert model.body[MASS_MOMENT + 2] == gtmab.mass * gtmab.cg[2]
+    assert effects['thrust_curve']['a_4'] == 0.0915
+    assert effects['thrust_curve']['b_1'] == 0.0677
     assert effects['rotor_thrust']['yaw_3'] == -0.1
     assert effects['rotor_thrust']['roll_2'] == -0.188
     assert effects['added_mass']['heave'] == gtmab.added_mass[2]
@@ -223,15 +226,19 @@ def test_centre_of_gravity_above_the_hull_centre():
     assert text.endswith(' cm above the hull centre and would flip; move mass down.')
 
 
-def test_rotors_that_are_not_four():
-    three = [('rotors.up_left', None), ('aero.thrust_allocation.up_left', None)]
-    assert refused(*three) == 'gtmab has 3 rotors; the model has 4.'
+def test_more_rotors_than_there_is_room_for():
+    rotor, column = GTMAB['rotors']['up_left'], GTMAB['aero']['thrust_allocation']['up_left']
+    more = [
+        (f'{place}.more_{k}', value)
+        for k in range(5)
+        for place, value in (('rotors', rotor), ('aero.thrust_allocation', column))
+    ]
+    assert refused(*more) == 'gtmab has 9 rotors; the model has room for 8.'
 
 
 def test_unknown_effect():
     assert refused(('effects.magnus', {'spin': given(1, '1')})) == (
-        "Unknown effect 'magnus'; known: added_mass, floor_contact, linear_drag, motor_lag, "
-        'quadratic_drag, rotor_thrust, weight_and_buoyancy.'
+        f"Unknown effect 'magnus'; known: {', '.join(sorted(EFFECTS))}."
     )
 
 

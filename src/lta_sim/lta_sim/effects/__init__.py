@@ -9,15 +9,26 @@ from importlib.metadata import entry_points
 
 from lta_config.errors import BadInput, unknown
 from lta_sim.effects import (
+    added_inertia,
     added_mass,
+    battery_sag,
+    command_delay,
     floor_contact,
     linear_drag,
+    motor_deadband,
     motor_lag,
     quadratic_drag,
+    rotational_drag,
+    rotor_envelope_interaction,
+    rotor_fault,
+    rotor_misalignment,
     rotor_thrust,
+    thrust_curve,
+    thrust_polynomial,
+    thrust_scale,
     weight_and_buoyancy,
 )
-from lta_sim.effects.protocol import ActuatorEffect, Effect, InertiaEffect, WrenchEffect
+from lta_sim.effects.protocol import ActuatorEffect, Effect, KernelEffect
 from lta_sim.state import ACTUATORS
 
 GROUP = 'lta.effects'
@@ -36,10 +47,10 @@ def merged(known: dict[str, Effect]) -> dict[str, Effect]:
     effects = dict(known)
     for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
         effect = point.load()
-        if not isinstance(effect, WrenchEffect | ActuatorEffect | InertiaEffect):
+        if not isinstance(effect, Effect):
             raise BadInput(
                 f'The entry point {point.name} of {GROUP} is {point.value}, which is no effect; '
-                'let it name a WrenchEffect, ActuatorEffect or InertiaEffect.'
+                'let it name a WrenchEffect or another kind of lta_sim.effects.protocol.'
             )
         if not effect.name.isidentifier():
             raise BadInput(
@@ -59,11 +70,22 @@ EFFECTS: dict[str, Effect] = merged(
     {
         'weight_and_buoyancy': weight_and_buoyancy.EFFECT,
         'added_mass': added_mass.EFFECT,
+        'added_inertia': added_inertia.EFFECT,
         'linear_drag': linear_drag.EFFECT,
         'quadratic_drag': quadratic_drag.EFFECT,
+        'rotational_drag': rotational_drag.EFFECT,
+        'battery_sag': battery_sag.EFFECT,
+        'motor_deadband': motor_deadband.EFFECT,
         'motor_lag': motor_lag.EFFECT,
+        'thrust_polynomial': thrust_polynomial.EFFECT,
+        'thrust_curve': thrust_curve.EFFECT,
+        'thrust_scale': thrust_scale.EFFECT,
+        'rotor_fault': rotor_fault.EFFECT,
         'rotor_thrust': rotor_thrust.EFFECT,
+        'rotor_misalignment': rotor_misalignment.EFFECT,
+        'rotor_envelope_interaction': rotor_envelope_interaction.EFFECT,
         'floor_contact': floor_contact.EFFECT,
+        'command_delay': command_delay.EFFECT,
     }
 )
 
@@ -88,7 +110,7 @@ def initial_memory() -> tuple[float, ...]:
     return tuple(
         value
         for effect in EFFECTS.values()
-        if isinstance(effect, ActuatorEffect)
-        for _ in range(ACTUATORS)
+        if isinstance(effect, KernelEffect)
+        for _ in range(ACTUATORS if isinstance(effect, ActuatorEffect) else 1)
         for _, value in effect.memory
     )

@@ -6,13 +6,18 @@ A wrench linear in some parameters t is W = Phi t; column j of Phi is the wrench
 
 from collections.abc import Mapping
 
-from lta_sim.effects.protocol import Duty, Motion, WrenchEffect
+from lta_sim.effects.protocol import Motion, WrenchEffect
+from lta_sim.effects.protocol import Values as Numbers
 import numpy as np
 from numpy.typing import NDArray
 
 
 def basis(
-    effect: WrenchEffect, values: Mapping[str, float], motion: Motion, duty: Duty
+    effect: WrenchEffect,
+    values: Mapping[str, float],
+    motion: Motion,
+    thrust: Numbers,
+    memory: Numbers = (),
 ) -> NDArray[np.float64]:
     """
     Return the wrench per unit of each linear parameter.
@@ -25,8 +30,10 @@ def basis(
         The parameters in which it is not linear; those left out are at their null value.
     motion : Motion
         State of the vehicle.
-    duty : 4-tuple
-        Duty at which the rotors turn.
+    thrust : tuple of float
+        Thrust of each rotor. [N]
+    memory : tuple of float
+        Memory of the effect.
 
     Returns
     -------
@@ -42,5 +49,5 @@ def basis(
         unit = list(held)
         for other in places:
             unit[other] = float(other == place)
-        columns[:, column] = effect.wrench(tuple(unit), motion, duty)
+        columns[:, column] = effect.wrench(tuple(unit), memory, motion, thrust)
     return columns

@@ -14,7 +14,7 @@ normal never pulls. Left out: rolling and spinning friction, edges, anything but
 
 import math
 
-from lta_sim.effects.protocol import Duty, Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
 
 _SOURCE = 'prior: a foam foot that gives millimetres under grams; not measured'
 _PLACE = 'prior: 5 mm on the place of the foot, within a hull of 5 m'
@@ -31,7 +31,7 @@ PARAMETERS = (
 SLIP_SPEED = 0.05
 
 
-def wrench(p: Values, motion: Motion, duty: Duty) -> Wrench:
+def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     """Return what the floor does at the landing point."""
     stiffness, relaxation, friction, x, y, z = p
     r, v, w = motion.rotation, motion.velocity, motion.rates

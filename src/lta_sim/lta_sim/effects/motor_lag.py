@@ -1,10 +1,11 @@
 """
 First-order lag of each motor, slower or faster up than down.
 
-    d/dt m = (u - m) / tau,   tau = `up` while |u| > |m|, else `down`;   the rotor turns at m
+    d/dt m = (u - m) / tau,   tau = `up` while |u| > |m| and u m >= 0, else `down`
 
-u is the commanded duty, m the memory. Both time constants zero: the rotor turns at u. 72 ms fits a
-7 mm motor with a 45 mm propeller (Eschmann, Albani and Loianno 2024, arXiv:2404.07837).
+u is the commanded duty, m the memory, at which the rotor turns; one that is to reverse brakes
+first. Both time constants zero: the rotor turns at u. 72 ms fits a 7 mm motor with a 45 mm
+propeller (Eschmann, Albani and Loianno 2024, arXiv:2404.07837).
 """
 
 from collections.abc import Mapping
@@ -13,22 +14,22 @@ from lta_sim.effects.protocol import ActuatorEffect, Parameter, Values
 
 _SOURCE = 'Eschmann 2024: 72 ms for a 7 mm motor; prior: the scatter of published motors'
 
-PARAMETERS = (
+SHARED = (
     Parameter('up', 's', 0.0, 1e-3, 10.0, 0.03, _SOURCE),
     Parameter('down', 's', 0.0, 1e-3, 10.0, 0.03, _SOURCE),
 )
 
 
-def output(p: Values, memory: Values, duty: float) -> float:
+def output(p: Values, memory: Values, duty: float, surroundings: Values) -> float:
     """Return the duty at which the rotor turns."""
     up, down = p
     return duty if up + down == 0.0 else memory[0]
 
 
-def rate(p: Values, memory: Values, duty: float) -> Values:
+def rate(p: Values, memory: Values, duty: float, surroundings: Values) -> Values:
     """Return d/dt of the lagged duty."""
     up, down = p
-    tau = up if abs(duty) > abs(memory[0]) else down
+    tau = up if abs(duty) > abs(memory[0]) and duty * memory[0] >= 0.0 else down
     return ((duty - memory[0]) / tau if tau > 0.0 else 0.0,)
 
 
@@ -39,4 +40,4 @@ def check(values: Mapping[str, float]) -> str:
     return ''
 
 
-EFFECT = ActuatorEffect('motor_lag', PARAMETERS, (('duty', 0.0),), output, rate, check)
+EFFECT = ActuatorEffect('motor_lag', SHARED, (), output, (('duty', 0.0),), rate, check)

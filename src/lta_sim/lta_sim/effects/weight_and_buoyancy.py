@@ -1,43 +1,50 @@
 """
 Weight at the centre of gravity, buoyancy at the hull centre.
 
-With e_z the map's vertical seen from the body and r the centre of gravity:
+With e_z the map's vertical seen from the body, m the mass of the solid parts and of the gas, r its
+centre, m_d the mass of the displaced air and g the acceleration of gravity:
 
-    F = (buoyancy - weight) e_z,    N = r x (-weight e_z)
+    F = (m_d - m) g e_z,    N = m r x (-g e_z)
 
-A CG below the hull centre rights the vehicle. The weight is that of the solid parts and of the
-gas, the buoyancy that of the displaced air (Archimedes); both act through the air's own weight
-only, so the wind does not enter. Left out: the change of either with height, temperature and
-leakage.
+A CG below the hull centre rights the vehicle. Archimedes acts through the air's own weight only,
+so a steady wind does not enter; what accelerating air adds is in `rigid_body`. Mass, balance and
+displaced air are the body's (`lta_sim.state`), so that whatever changes them changes this.
 """
 
-from lta_sim.effects.protocol import Duty, Motion, Parameter, Values, Wrench, WrenchEffect
-
-_SPREAD = 'prior: 2 g on a weighed and trimmed balloon'
-_LEVER = 'prior: 5 mm on a balanced CG, within a hull of 3 m'
+from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_sim.state import DISPLACED, MASS, MASS_MOMENT
 
 PARAMETERS = (
-    Parameter('buoyancy', 'N', 0.0, 0.0, 500.0, 0.02, _SPREAD),
-    Parameter('weight', 'N', 0.0, 0.0, 500.0, 0.02, _SPREAD),
-    Parameter('cg_x', 'm', 0.0, -3.0, 3.0, 0.005, _LEVER),
-    Parameter('cg_y', 'm', 0.0, -3.0, 3.0, 0.005, _LEVER),
-    Parameter('cg_z', 'm', 0.0, -3.0, 3.0, 0.005, _LEVER),
+    Parameter(
+        'gravity',
+        'm/s2',
+        0.0,
+        0.0,
+        30.0,
+        0.005,
+        'normal gravity; prior: between latitudes, 0.5 %',
+    ),
 )
 
 
-def wrench(p: Values, motion: Motion, duty: Duty) -> Wrench:
+def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     """Return net lift and righting moment."""
-    buoyancy, weight, cg_x, cg_y, cg_z = p
-    up = motion.rotation
-    net = buoyancy - weight
+    (gravity,) = p
+    up, body = motion.rotation, motion.body
+    net = (body[DISPLACED] - body[MASS]) * gravity
+    x, y, z = (
+        body[MASS_MOMENT] * gravity,
+        body[MASS_MOMENT + 1] * gravity,
+        body[MASS_MOMENT + 2] * gravity,
+    )
     return (
         net * up[6],
         net * up[7],
         net * up[8],
-        -weight * (cg_y * up[8] - cg_z * up[7]),
-        -weight * (cg_z * up[6] - cg_x * up[8]),
-        -weight * (cg_x * up[7] - cg_y * up[6]),
+        z * up[7] - y * up[8],
+        x * up[8] - z * up[6],
+        y * up[6] - x * up[7],
     )
 
 
-EFFECT = WrenchEffect('weight_and_buoyancy', PARAMETERS, wrench, ('buoyancy', 'weight'))
+EFFECT = WrenchEffect('weight_and_buoyancy', PARAMETERS, wrench, ('gravity',))

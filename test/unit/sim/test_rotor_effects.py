@@ -1,0 +1,224 @@
+"""What becomes of a duty on its way to newtons, by hand and against published benches."""
+
+from lta_sim.effects import (
+    battery_sag,
+    command_delay,
+    motor_deadband,
+    rotor_fault,
+    thrust_curve,
+    thrust_polynomial,
+    thrust_scale,
+)
+from lta_sim.effects.protocol import CHANNELS
+from lta_sim.state import SURROUNDINGS, VOLTAGE
+import numpy as np
+import pytest
+
+# crazyflie-firmware docs/functional-areas/pwm-to-thrust.md, 2015: duty [%], voltage under load
+# [V], thrust of all four motors [g].
+BENCH = np.array([
+    (0.0, 4.01, 0.0), (6.25, 3.98, 1.6), (12.5, 3.95, 4.8), (18.75, 3.92, 7.9),
+    (25.0, 3.88, 10.9), (31.25, 3.84, 13.9), (37.5, 3.80, 17.3), (43.25, 3.76, 21.0),
+    (50.0, 3.71, 24.4), (56.25, 3.67, 28.6), (62.5, 3.65, 32.8), (68.75, 3.62, 37.3),
+    (75.0, 3.56, 41.7), (81.25, 3.48, 46.0), (87.5, 3.40, 51.9), (93.75, 3.30, 57.9),
+])  # fmt: skip
+DUTY, VOLTS = BENCH[:, 0] / 100.0, BENCH[:, 1]
+NEWTONS = BENCH[:, 2] * 9.80665e-3 / 4.0
+
+# crazyflie-firmware 2a18fc29, platform_defaults_cf2.h: c_0 to c_3, least and greatest thrust [N].
+CUBIC = {
+    '2.1+': (-0.024765, 0.065238, -0.026793, 0.0067768),
+    'legacy': (-0.014831, 0.047245, -0.018474, 0.0059609),
+    'upgrade kit': (0.0067281, 0.0101156, 0.0102632, 0.0028359),
+}
+LEAST = {'2.1+': 0.012817578, 'legacy': 0.012817578, 'upgrade kit': 0.019226368}
+MOST = {'2.1+': 0.12, 'legacy': 0.12, 'upgrade kit': 0.18}
+LINEAR_TO = {'2.1+': 0.774, 'legacy': 0.753, 'upgrade kit': 0.679}
+
+# The older firmware's parabola, a and b [N].
+PARABOLA = (0.091492681, 0.067673604)
+
+
+def around(voltage=0.0):
+    surroundings = [0.0] * SURROUNDINGS
+    surroundings[VOLTAGE] = voltage
+    return tuple(surroundings)
+
+
+def through(effect, p, value, voltage=0.0):
+    return effect.output(p, (), value, around(voltage))
+
+
+def cubic(which, duty, nominal=4.2):
+    return through(thrust_polynomial, (nominal, LINEAR_TO[which], *CUBIC[which]), duty)
+
+
+def rms(error):
+    return float(np.sqrt(np.mean(np.square(error))))
+
+
+@pytest.mark.parametrize(
+    ('duty', 'turns'),
+    [(0.0, 0.0), (0.0799, 0.0), (-0.0799, 0.0), (0.08, 0.08), (-0.08, -0.08), (1.0, 1.0)],
+)
+def test_a_small_duty_does_not_turn_a_motor(duty, turns):
+    """Above the threshold the whole duty works: no shift."""
+    assert through(motor_deadband, (0.08,), duty) == turns
+
+
+def test_thrust_follows_the_voltage():
+    # A duty of 0.6 at 3.15 V is the mean voltage of 0.45 at 4.2 V.
+    assert through(battery_sag, (4.2, 1.0), 0.6, 3.15) == pytest.approx(0.45, rel=1e-15)
+    assert through(battery_sag, (4.2, 1.0), -0.6, 3.15) == pytest.approx(-0.45, rel=1e-15)
+    full = through(thrust_curve, PARABOLA, 0.6, 4.2)
+    sagged = through(thrust_curve, PARABOLA, through(battery_sag, (4.2, 1.0), 0.6, 3.15), 3.15)
+    assert full == pytest.approx(0.0735415, rel=1e-5)
+    assert sagged == pytest.approx(0.0489804, rel=1e-5)
+
+
+def test_an_unknown_voltage_changes_nothing():
+    assert through(battery_sag, (4.2, 1.0), 0.6, 0.0) == 0.6
+    assert through(battery_sag, (0.0, 1.0), 0.6, 3.15) == 0.6
+
+
+def test_sensitivity_gives_the_exponent_seen_in_flights():
+    """A force per duty of V^0.7 is a sensitivity of 0.7 over the curve's d ln T / d ln u."""
+    a, b = PARABOLA
+    u, nominal = 0.6, 3.8
+    steep = (2.0 * a * u + b) / (a * u + b)
+    assert steep == pytest.approx(1.448, abs=1e-3)
+    for ratio, most in ((0.99, 1e-4), (0.85, 0.006)):
+        duty = through(battery_sag, (nominal, 0.7 / steep), u, ratio * nominal)
+        force = through(thrust_curve, PARABOLA, duty) / through(thrust_curve, PARABOLA, u)
+        assert force == pytest.approx(ratio**0.7, rel=most)
+
+
+def test_no_sensitivity_reverses_a_rotor():
+    assert through(battery_sag, (4.2, 2.0), 0.6, 0.5) == 0.0
+
+
+@pytest.mark.parametrize(
+    ('which', 'volts', 'newtons'),
+    [
+        # c_0 + c_1 v + c_2 v^2 + c_3 v^3, sums written out.
+        ('2.1+', 2.0, -0.024765 + 0.130476 - 0.107172 + 0.0542144),
+        ('2.1+', 3.0, -0.024765 + 0.195714 - 0.241137 + 0.1829736),
+        ('legacy', 2.0, -0.014831 + 0.09449 - 0.073896 + 0.0476872),
+        ('legacy', 3.0, -0.014831 + 0.141735 - 0.166266 + 0.1609443),
+        ('upgrade kit', 2.0, 0.0067281 + 0.0202312 + 0.0410528 + 0.0226872),
+        ('upgrade kit', 3.0, 0.0067281 + 0.0303468 + 0.0923688 + 0.0765693),
+    ],
+)
+def test_firmware_cubics_by_hand(which, volts, newtons):
+    assert cubic(which, volts / 4.2) == pytest.approx(newtons, rel=1e-12)
+    assert cubic(which, -volts / 4.2) == pytest.approx(-newtons, rel=1e-12)
+
+
+@pytest.mark.parametrize('which', CUBIC)
+def test_cubics_are_the_firmware_s_from_least_to_greatest_thrust(which):
+    """`linear_to` is where the firmware starts; its greatest thrust needs no full cell."""
+    at_start = cubic(which, LINEAR_TO[which] / 4.2)
+    assert at_start == pytest.approx(LEAST[which], rel=2e-3)
+    assert cubic(which, 2.7 / 4.2) < MOST[which] < cubic(which, 3.2 / 4.2)
+    assert cubic(which, 0.0) == 0.0
+    assert cubic(which, 0.5 * LINEAR_TO[which] / 4.2) == pytest.approx(0.5 * at_start, rel=1e-12)
+    rising = [cubic(which, float(duty)) for duty in np.linspace(-1.0, 1.0, 401)]
+    assert np.all(np.diff(rising) > 0.0)
+
+
+def test_a_cubic_without_a_straight_start_is_clipped():
+    p = (4.2, 0.0, *CUBIC['2.1+'])
+    assert through(thrust_polynomial, p, 0.0) == 0.0
+    assert through(thrust_polynomial, p, 0.4 / 4.2) == 0.0
+    assert through(thrust_polynomial, p, 2.0 / 4.2) == pytest.approx(cubic('2.1+', 2.0 / 4.2))
+
+
+def test_sag_before_the_cubic_is_the_cubic_at_the_present_voltage():
+    p = (4.2, 0.774, *CUBIC['2.1+'])
+    for volts in (3.0, 3.5, 4.1):
+        sagged = through(battery_sag, (4.2, 1.0), 0.7, volts)
+        at_once = through(thrust_polynomial, (volts, *p[1:]), 0.7)
+        assert through(thrust_polynomial, p, sagged) == pytest.approx(at_once, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ('changes', 'words'),
+    [
+        ({}, ''),
+        ({'voltage': 4.2, 'c_0': -0.02, 'c_1': 0.06}, ''),
+        ({'voltage': 4.2, 'c_0': 0.0067, 'linear_to': 0.68}, ''),
+        ({'c_1': 0.06}, 'voltage must be'),
+        ({'voltage': 4.2, 'c_0': 0.0067}, 'linear_to must be positive'),
+    ],
+)
+def test_a_cubic_must_be_that_of_a_motor(changes, words):
+    values = {parameter.name: parameter.null for parameter in thrust_polynomial.SHARED}
+    objection = thrust_polynomial.EFFECT.check({**values, **changes})
+    assert objection.startswith(words) if not words else words in objection
+
+
+def test_curves_against_the_bench():
+    """Only the parabola is near this bench; the cubics belong to other motors and propellers."""
+    parabola = [through(thrust_curve, PARABOLA, float(duty)) for duty in DUTY]
+    assert 1e3 * rms(parabola - NEWTONS) == pytest.approx(2.90, abs=0.005)
+    assert 1e3 * np.max(abs(parabola - NEWTONS)) == pytest.approx(5.10, abs=0.005)
+    off = {}
+    for which in CUBIC:
+        thrusts = [
+            through(thrust_polynomial, (float(volts), LINEAR_TO[which], *CUBIC[which]), float(u))
+            for u, volts in zip(DUTY, VOLTS, strict=True)
+        ]
+        off[which] = 1e3 * rms(thrusts - NEWTONS)
+    assert off == pytest.approx({'2.1+': 12.15, 'legacy': 9.38, 'upgrade kit': 39.38}, abs=0.01)
+
+
+def test_the_bench_s_own_parabola_and_its_voltage():
+    """By duty the bench is a parabola to 1 mN; taking its voltage into account makes it worse."""
+    by_duty = np.column_stack([DUTY**2, DUTY])
+    a, b = np.linalg.lstsq(by_duty, NEWTONS)[0]
+    assert (a, b) == pytest.approx((0.0660, 0.0877), abs=5e-5)
+    assert 1e3 * rms(by_duty @ (a, b) - NEWTONS) == pytest.approx(0.92, abs=0.01)
+    mean = np.array([
+        through(battery_sag, (3.7, 1.0), float(duty), float(volts))
+        for duty, volts in zip(DUTY, VOLTS, strict=True)
+    ])  # fmt: skip
+    np.testing.assert_allclose(mean, DUTY * VOLTS / 3.7, rtol=1e-12)
+    by_voltage = np.column_stack([mean**2, mean])
+    best = np.linalg.lstsq(by_voltage, NEWTONS)[0]
+    assert 1e3 * rms(by_voltage @ best - NEWTONS) == pytest.approx(2.84, abs=0.01)
+
+
+def test_scale_and_fault():
+    assert through(thrust_scale, (0.943,), 0.12) == pytest.approx(0.11316, rel=1e-12)
+    assert through(rotor_fault, (0.25,), 0.12) == pytest.approx(0.09, rel=1e-15)
+    assert through(rotor_fault, (1.0,), -0.12) == 0.0
+
+
+def test_a_fault_is_of_one_rotor():
+    names = [parameter.name for parameter in rotor_fault.EFFECT.parameters]
+    assert names == [f'lost_{i}' for i in range(1, 9)]
+
+
+@pytest.mark.parametrize(
+    ('effect', 'null'),
+    [
+        (motor_deadband, (0.0,)),
+        (battery_sag, (0.0, 1.0)),
+        (thrust_polynomial, (0.0,) * 6),
+        (thrust_scale, (1.0,)),
+        (rotor_fault, (0.0,)),
+    ],
+)
+def test_null_passes_everything_on(effect, null):
+    declared = (*effect.EFFECT.shared, *effect.EFFECT.each)
+    assert tuple(parameter.null for parameter in declared) == null
+    for value in (-1.0, -1e-300, -0.0, 0.0, 5e-324, 0.1, 0.7, 1.0):
+        for voltage in (0.0, 3.1):
+            passed = through(effect, null, value, voltage)
+            assert (passed, np.signbit(passed)) == (value, np.signbit(value))
+
+
+def test_commands_are_late():
+    assert CHANNELS[command_delay.EFFECT.channel] == 1
+    assert command_delay.EFFECT.reading((0.03,), (12.5,), 12.5) == (12.47,)
+    assert command_delay.EFFECT.reading((0.0,), (12.5,), 12.5) == (12.5,)

@@ -1,0 +1,233 @@
+"""What rotors do to the hull beyond B: tilted axes, reversed jets and jets that collide."""
+
+from lta_sim.effects import rotor_envelope_interaction, rotor_misalignment, rotor_thrust
+from lta_sim.effects.basis import basis
+from lta_sim.effects.protocol import AXES, Motion
+from lta_sim.state import ACTUATORS, BODY, COMMAND, ROTOR, ROTOR_PLACE, SURROUNDINGS
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+LEVEL = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+NO = (0.0, 0.0, 0.0)
+
+# Thrust of a Crazyflie motor at full duty [N].
+FULL = 0.1592
+
+# Wrench per newton of thrust about the hull centre, from simulated actuator disks (OpenFOAM 1912):
+# GT-MAB's left upward rotor, and BEAVIS's first rotor, tangential or radial, four of each by turns
+# of 90 degrees about the vertical.
+UP_LEFT = (0.0, 0.013, 0.961, 0.188, 0.0, 0.0)
+TANGENTIAL = (0.026, 0.977, -0.075, 0.349, 0.006, 0.190)
+RADIAL = (0.980, 0.001, -0.039, -0.001, -0.401, 0.0)
+
+
+def seen(rotors=()):
+    body = np.zeros(BODY)
+    for i, (place, axis) in enumerate(rotors):
+        first = ROTOR_PLACE + ROTOR * i
+        body[first : first + ROTOR] = (*place, *axis)
+    given = (NO, LEVEL, NO, NO, NO, tuple(body.tolist()), (0.0,) * COMMAND)
+    return Motion(*given, (0.0,) * SURROUNDINGS)
+
+
+def numbers(effect, given):
+    names = [parameter.name for parameter in effect.parameters]
+    assert set(given) <= set(names)
+    return tuple(given.get(p.name, p.null) for p in effect.parameters)
+
+
+def eight(*thrusts):
+    return (*thrusts, *[0.0] * (ACTUATORS - len(thrusts)))
+
+
+def four(column):
+    """Return the columns of a rotor and of its three turns by 90 degrees, by parameter name."""
+    named = {}
+    for i in range(4):
+        turn = Rotation.from_euler('z', 90.0 * i, degrees=True)
+        turned = (*turn.apply(column[:3]), *turn.apply(column[3:]))
+        named |= {f'{axis}_{i + 1}': float(v) for axis, v in zip(AXES, turned, strict=True)}
+    return named
+
+
+def total(columns, interaction, *thrusts):
+    linear = rotor_thrust.EFFECT.wrench(
+        numbers(rotor_thrust.EFFECT, columns), (), seen(), eight(*thrusts)
+    )
+    p = numbers(rotor_envelope_interaction.EFFECT, interaction)
+    return np.add(linear, rotor_envelope_interaction.wrench(p, (), seen(), eight(*thrusts)))
+
+
+def test_a_reversed_rotor_below_a_balloon_loses_three_quarters():
+    # 1 N down gives 0.23 N sideways, -0.252 N and -0.072 N m: per newton of signed thrust the
+    # opposite, and of that the difference to the forward column.
+    reverse = {'sway_1': -0.23 - 0.013, 'heave_1': 0.252 - 0.961, 'roll_1': 0.072 - 0.188}
+    columns = {f'{axis}_1': v for axis, v in zip(AXES, UP_LEFT, strict=True)}
+    np.testing.assert_allclose(total(columns, reverse, 1.0), UP_LEFT, atol=1e-15)
+    backward = total(columns, reverse, -1.0)
+    np.testing.assert_allclose(backward, (0.0, 0.23, -0.252, -0.072, 0.0, 0.0), atol=1e-15)
+    np.testing.assert_allclose(total(columns, reverse, -0.5), 0.5 * backward, atol=1e-15)
+
+
+# Radial rotors with the jets inward: four together +0.911 where the singles sum to -0.156, and
+# with the jets outward -0.112, of which each rotor is given a quarter.
+BEAVIS = {
+    **{f'heave_{i}': 0.112 / 4.0 + 0.039 for i in (1, 2, 3, 4)},
+    **{f'share_{i}': 1.0 for i in (1, 2, 3, 4)},
+    'together_heave': 0.911 + 4.0 * 0.039,
+}
+
+
+@pytest.mark.parametrize('rotor', range(4))
+def test_single_radial_rotors_are_their_columns(rotor):
+    thrusts = [0.0] * 4
+    thrusts[rotor] = 1.0
+    column = [four(RADIAL)[f'{axis}_{rotor + 1}'] for axis in AXES]
+    np.testing.assert_allclose(total(four(RADIAL), BEAVIS, *thrusts), column, atol=1e-15)
+    assert column[2] == -0.039
+
+
+def test_four_radial_rotors_lift():
+    together = total(four(RADIAL), BEAVIS, 1.0, 1.0, 1.0, 1.0)
+    np.testing.assert_allclose(together, (0.0, 0.0, 0.911, 0.0, 0.0, 0.0), atol=1e-12)
+    assert total(four(RADIAL), BEAVIS, *[FULL] * 4)[2] == pytest.approx(0.145, abs=5e-4)
+    linear = total(four(RADIAL), {}, 1.0, 1.0, 1.0, 1.0)
+    assert linear[2] == pytest.approx(-0.156, abs=1e-12)
+    assert total(four(RADIAL), BEAVIS, 1.0, 1.0, 1.0, 0.0)[2] == pytest.approx(-0.117, abs=1e-12)
+
+
+def test_four_radial_rotors_reversed_do_not():
+    together = total(four(RADIAL), BEAVIS, -1.0, -1.0, -1.0, -1.0)
+    np.testing.assert_allclose(together, (0.0, 0.0, -0.112, 0.0, 0.0, 0.0), atol=1e-12)
+
+
+def test_four_tangential_rotors_turn_and_sink():
+    singles = total(four(TANGENTIAL), {}, 1.0, 1.0, 1.0, 1.0)
+    # The published sum of the heaves is -0.299, of columns that are rounded to a thousandth.
+    assert singles[2] == pytest.approx(-0.299, abs=4 * 5e-4)
+    assert singles[5] == pytest.approx(0.759, abs=4 * 5e-4)
+    gain = {'together_heave': -0.371 + 0.300, **{f'share_{i}': 1.0 for i in (1, 2, 3, 4)}}
+    together = total(four(TANGENTIAL), gain, *[FULL] * 4)
+    assert together[2] == pytest.approx(-0.059, abs=5e-4)
+    assert together[5] == pytest.approx(0.759 * FULL, abs=4 * 5e-4 * FULL)
+
+
+def test_the_weakest_of_those_that_take_part_decides():
+    p = numbers(
+        rotor_envelope_interaction.EFFECT, {'together_yaw': 2.0, 'share_2': 1.0, 'share_8': -1.0}
+    )
+    for second, eighth, weakest in ((0.3, -0.1, 0.1), (0.05, -0.1, 0.05), (0.3, 0.1, 0.0)):
+        thrust = (9.0, second, -9.0, 0.0, 0.0, 0.0, 0.0, eighth)
+        wrench = rotor_envelope_interaction.wrench(p, (), seen(), thrust)
+        assert wrench == (0.0, 0.0, 0.0, 0.0, 0.0, 2.0 * weakest)
+
+
+@pytest.mark.parametrize(
+    ('given', 'words'),
+    [
+        (BEAVIS, ''),
+        ({'heave_3': 0.2}, ''),
+        ({**BEAVIS, 'share_1': 0.5}, ''),
+        ({'together_heave': 1.0, 'share_1': 1.0}, 'at least two'),
+        ({'share_1': 1.0, 'share_2': 1.0}, 'no together_'),
+    ],
+)
+def test_shares_must_mean_something(given, words):
+    effect = rotor_envelope_interaction.EFFECT
+    names = [parameter.name for parameter in effect.parameters]
+    objection = effect.check(dict(zip(names, numbers(effect, given), strict=True)))
+    assert (words in objection) if words else objection == ''
+
+
+AXIS = np.array([0.48, -0.6, 0.64])
+ROTORS = (
+    ((0.1, 0.2, -0.3), (0.0, 0.0, 1.0)),
+    ((0.3, -0.1, -0.4), (1.0, 0.0, 0.0)),
+    ((-0.2, 0.1, 0.3), tuple(AXIS)),
+    ((0.0, 0.5, 0.1), (0.6, -0.8, 0.0)),
+)
+
+
+@pytest.mark.parametrize(
+    ('rotor', 'turn', 'force'),
+    [
+        # Up: about x the thrust goes to -y, about y to x. Forward: about y it goes down, about z
+        # to the left.
+        (1, 'first', (0.0, -1.0, 0.0)),
+        (1, 'second', (1.0, 0.0, 0.0)),
+        (2, 'first', (0.0, 0.0, -1.0)),
+        (2, 'second', (0.0, 1.0, 0.0)),
+    ],
+)
+def test_tilt_of_upright_and_forward_rotors(rotor, turn, force):
+    p = numbers(rotor_misalignment.EFFECT, {f'{turn}_{rotor}': 0.01})
+    thrust = [0.0] * ACTUATORS
+    thrust[rotor - 1] = 0.5
+    wrench = rotor_misalignment.wrench(p, (), seen(ROTORS), tuple(thrust))
+    np.testing.assert_allclose(wrench[:3], 0.005 * np.array(force), atol=1e-17)
+    moment = np.cross(ROTORS[rotor - 1][0], wrench[:3])
+    np.testing.assert_allclose(wrench[3:], moment, atol=1e-17)
+
+
+def perpendicular(axis):
+    """Return the two axes about which a rotor tilts."""
+    axis = np.asarray(axis)
+    first = np.cross((0.0, 1.0, 0.0) if axis[2] ** 2 > 0.5 else (0.0, 0.0, 1.0), axis)
+    first /= np.linalg.norm(first)
+    return first, np.cross(axis, first)
+
+
+@pytest.mark.parametrize('thrust', [0.4, -0.4])
+@pytest.mark.parametrize('angle', [0.009, 0.1, 0.2])
+def test_tilt_against_the_exact_rotation(angle, thrust):
+    """Off by theta^2 / 2 along the axis and theta^3 / 6 across it, of the thrust."""
+    for i, (place, axis) in enumerate(ROTORS):
+        first, second = perpendicular(axis)
+        tilt = angle * np.array([0.6, -0.8])
+        turn = Rotation.from_rotvec(tilt[0] * first + tilt[1] * second)
+        exact = thrust * (turn.apply(axis) - np.array(axis))
+        given = {f'first_{i + 1}': tilt[0], f'second_{i + 1}': tilt[1]}
+        thrusts = [0.0] * ACTUATORS
+        thrusts[i] = thrust
+        p = numbers(rotor_misalignment.EFFECT, given)
+        wrench = rotor_misalignment.wrench(p, (), seen(ROTORS), tuple(thrusts))
+        off = exact - wrench[:3]
+        along = np.dot(off, axis)
+        assert along == pytest.approx(-thrust * angle**2 / 2.0, rel=angle**2)
+        across = np.linalg.norm(off - along * np.array(axis))
+        assert across == pytest.approx(abs(thrust) * angle**3 / 6.0, rel=angle**2, abs=1e-15)
+        np.testing.assert_allclose(wrench[3:], np.cross(place, wrench[:3]), atol=1e-16)
+
+
+def test_tilts_of_all_rotors_add():
+    effect = rotor_misalignment.EFFECT
+    rotors = [((0.1 * i, -0.2, 0.3), tuple(np.roll(AXIS, i))) for i in range(ACTUATORS)]
+    values = np.linspace(-0.1, 0.12, 2 * ACTUATORS)
+    thrusts = tuple(np.linspace(0.1, -0.3, ACTUATORS).tolist())
+    expected = np.zeros(6)
+    for i, (place, axis) in enumerate(rotors):
+        first, second = perpendicular(axis)
+        tilt = values[i] * first + values[ACTUATORS + i] * second
+        force = thrusts[i] * np.cross(tilt, axis)
+        expected += (*force, *np.cross(place, force))
+    wrench = effect.wrench(tuple(values.tolist()), (), seen(rotors), thrusts)
+    np.testing.assert_allclose(wrench, expected, atol=1e-15)
+
+
+def test_rotors_that_do_not_exist_have_no_tilt():
+    p = (0.1,) * (2 * ACTUATORS)
+    assert rotor_misalignment.wrench(p, (), seen(), (0.5,) * ACTUATORS) == (0.0,) * 6
+
+
+@pytest.mark.parametrize('effect', [rotor_misalignment.EFFECT, rotor_envelope_interaction.EFFECT])
+def test_linear_where_they_say_so(effect):
+    rng = np.random.default_rng(7)
+    values = {name: float(rng.uniform(-1.0, 1.0)) for name in effect.linear_in}
+    shares = {f'share_{i}': 1.0 for i in (1, 2)} if 'share_1' in str(effect.parameters) else {}
+    thrust = (0.4, 0.3, -0.2, 0.1, -0.4, 0.0, 0.2, -0.1)
+    given = {**values, **shares}
+    columns = basis(effect, given, seen(ROTORS), thrust)
+    wrench = effect.wrench(numbers(effect, given), (), seen(ROTORS), thrust)
+    np.testing.assert_allclose(columns @ list(values.values()), wrench, atol=1e-14)
+    assert np.max(np.abs(wrench)) > 0.01
