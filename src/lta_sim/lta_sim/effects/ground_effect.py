@@ -3,11 +3,13 @@ A rotor that blows onto the floor thrusts more.
 
     f = gain x / (1 - x) |n_z| T,   x = (radius / 4 z)^2,   z >= radius / 2
 
-along the rotor's axis; T is its thrust, z its height above the floor z = 0 of the map, n_z the upward part of
-its axis; f acts only where the thrust lifts (n_z T > 0), since another jet misses the floor.
-`gain` 1 is Cheeseman and Bennett 1955 (ARC R&M 3021), a source in the disk and its image below the
-floor at equal power; below z = radius / 2 the force stays what it is there, a third of T. Several
-rotors close together gain more (Sanchez-Cuevas et al. 2017, doi 10.1155/2017/1823056). Left out: the fountain between rotors, the cushion under the hull, loss by forward flight.
+along the rotor's axis; T is its thrust, z its height above the floor z = 0 of the map, n_z the
+upward part of its axis. f acts only where the thrust lifts (n_z T > 0), since another jet misses
+the floor. `gain` 1 is Cheeseman and Bennett 1955 (ARC R&M 3021), a source in the disk and its
+image below the floor at equal power; below z = radius / 2 the force stays what it is there, a
+third of T. Several rotors close together gain more (Sanchez-Cuevas et al. 2017, doi
+10.1155/2017/1823056). Left out: the fountain between rotors, the cushion under the hull, loss by
+forward flight.
 """
 
 from collections.abc import Mapping

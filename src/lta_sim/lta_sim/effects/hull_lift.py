@@ -15,9 +15,9 @@ numbers as parameters:
 
 moments over a length of 1 m, damping by the body rates p, q, r, as published. Wind axes have no
 meaning at rest or in pure side-slip, and the published law jumps there and in backward flight, to
-which nobody fitted it. Here sines and cosines fade below SLOW = 1 mm/s, damping goes over into
-body axes, and alpha is measured from the end of the hull that goes first: the wrench is finite and
-continuous, and within (SLOW / V)^2 of the published one in forward flight.
+which nobody fitted it. Here angles, sines and cosines fade below SLOW = 1 mm/s, damping goes over
+into body axes, and alpha is measured from the end of the hull that goes first: the wrench is
+smooth everywhere, and within a few (SLOW / V)^2 of the published one in forward flight.
 """
 
 import math
@@ -90,7 +90,7 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     square = level + y * y
     flat, scale = math.sqrt(level + SLOW * SLOW), 1.0 / math.sqrt(square + SLOW * SLOW)
     ca, sa, cb, sb = x / flat, z / flat, flat * scale, y * scale
-    alpha, beta = math.atan2(z, abs(x)), math.atan2(y, flat)
+    alpha, beta = math.atan2(z, math.sqrt(x * x + SLOW * SLOW)), math.atan2(y, flat)
     a2, b2 = alpha * alpha, beta * beta
     q = 0.5 * density * area * square
     force = (
