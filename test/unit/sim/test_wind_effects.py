@@ -5,7 +5,7 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.errors import BadInput
-from lta_sim.effects import gusts, steady_wind, wind_gradient, wind_profile
+from lta_sim.effects import gusts, steady_wind, turbulence, wind_gradient, wind_profile
 from lta_sim.effects.protocol import Place
 from lta_sim.military_turbulence import low_altitude
 import numpy as np
@@ -168,6 +168,10 @@ def test_military_turbulence_by_hand():
     assert found['along'] == found['across'] == pytest.approx(1.543 / 0.2593**0.4, rel=1e-12)
     assert found['along_length'] == pytest.approx(30.48 / 0.2593**1.2, rel=1e-12)
     assert found['up_length'] == 30.48
+    assert list(found) == [parameter.name for parameter in turbulence.PARAMETERS]
+    # What the seed paper's wind would be at 6.1 m, and at half a metre if it reached there.
+    speed = wind_profile.air((*OUTDOORS, 0.0), (), at(z=6.096))[0]
+    assert round(0.1 * speed / (0.177 + 0.000823 * 0.5 / 0.3048) ** 0.4, 1) == 1.4
     # At 1000 ft it is isotropic: 0.177 + 0.823 = 1.
     top = low_altitude(304.8, 10.0)
     assert top['along'] == pytest.approx(top['up'], rel=1e-12)

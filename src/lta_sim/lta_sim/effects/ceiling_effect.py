@@ -16,6 +16,7 @@ import math
 
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
 from lta_sim.rotor_sum import added, rotor_height, rotor_upright
+from lta_sim.state import ROTOR_PLACE
 
 _GAIN = '1 is Hsiao and Chirarattananon 2019; prior: 0.5, assumed'
 _RADIUS = 'of the propeller, 23.5 mm for 47 mm ones; prior: 1 mm'
@@ -29,30 +30,33 @@ PARAMETERS = (
 
 
 def extra(
-    gain: float, radius: float, ceiling: float, motion: Motion, thrust: float, i: int
+    gain: float, radius: float, ceiling: float, motion: Motion, rotor: Values, thrust: float
 ) -> float:
-    """Return what rotor i thrusts more. [N]"""
-    up = rotor_upright(motion, i)
-    if thrust * up <= 0.0 or radius <= 0.0:
+    """Return what a rotor thrusts more. [N]"""
+    if thrust == 0.0 or radius <= 0.0:
         return 0.0
-    share = radius / max(ceiling - rotor_height(motion, i), 0.25 * radius)
+    up = rotor_upright(motion, rotor)
+    if thrust * up <= 0.0:
+        return 0.0
+    share = radius / max(ceiling - rotor_height(motion, rotor), 0.25 * radius)
     return 0.5 * gain * (math.sqrt(1.0 + 0.125 * share * share) - 1.0) * abs(up) * thrust
 
 
 def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     """Return what the ceiling adds to the thrust of all rotors."""
     gain, radius, height = p
+    rotors = motion.body[ROTOR_PLACE:]
     forces = (
-        extra(gain, radius, height, motion, thrust[0], 0),
-        extra(gain, radius, height, motion, thrust[1], 1),
-        extra(gain, radius, height, motion, thrust[2], 2),
-        extra(gain, radius, height, motion, thrust[3], 3),
-        extra(gain, radius, height, motion, thrust[4], 4),
-        extra(gain, radius, height, motion, thrust[5], 5),
-        extra(gain, radius, height, motion, thrust[6], 6),
-        extra(gain, radius, height, motion, thrust[7], 7),
+        extra(gain, radius, height, motion, rotors[0:6], thrust[0]),
+        extra(gain, radius, height, motion, rotors[6:12], thrust[1]),
+        extra(gain, radius, height, motion, rotors[12:18], thrust[2]),
+        extra(gain, radius, height, motion, rotors[18:24], thrust[3]),
+        extra(gain, radius, height, motion, rotors[24:30], thrust[4]),
+        extra(gain, radius, height, motion, rotors[30:36], thrust[5]),
+        extra(gain, radius, height, motion, rotors[36:42], thrust[6]),
+        extra(gain, radius, height, motion, rotors[42:48], thrust[7]),
     )
-    return added(motion.body, forces)
+    return added(rotors, forces)
 
 
 def check(values: Mapping[str, float]) -> str:

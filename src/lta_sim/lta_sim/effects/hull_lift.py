@@ -18,6 +18,10 @@ meaning at rest or in pure side-slip, and the published law jumps there and in b
 which nobody fitted it. Here angles, sines and cosines fade below SLOW = 1 mm/s, damping goes over
 into body axes, and alpha is measured from the end of the hull that goes first: the wrench is
 smooth everywhere, and within a few (SLOW / V)^2 of the published one in forward flight.
+
+It has all of the hull's drag, so the drags axis by axis stay at null for the translations. Moments
+that were measured contain the Munk moment: a vehicle that also has an added mass takes that of the
+rigid body away again with `cross_flow`, `munk_share` 1.
 """
 
 import math
