@@ -35,6 +35,7 @@ UNITS: dict[str, tuple[str, float]] = {
     'min': ('s', 60.0),
     'Hz': ('Hz', 1.0),
     'kHz': ('Hz', 1e3),
+    '1/s': ('1/s', 1.0),
     'm/s': ('m/s', 1.0),
     'm/s2': ('m/s2', 1.0),
     'rad': ('rad', 1.0),

@@ -1,10 +1,10 @@
-"""Cross flow and the lift of a hull with wings, by hand and against the published formulas."""
+"""Cross flow, Munk moment and the lift of a hull, by hand and by the published formulas."""
 
 import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_sim.effects import cross_flow, hull_lift
+from lta_sim.effects import cross_flow, hull_lift, munk_moment
 from lta_sim.effects.protocol import Motion
 from lta_sim.rigid_body import cross
 from lta_sim.state import ADDED, BODY
@@ -30,6 +30,10 @@ def missing(p, airspeed):
     return np.array(cross_flow.wrench(p, (), flown(airspeed), REST))
 
 
+def too_much(lost, airspeed):
+    return np.array(munk_moment.wrench((lost,), (), flown(airspeed), REST))
+
+
 def axis_by_axis(drag, airspeed):
     return np.array([-d * abs(v) * v for d, v in zip(drag, airspeed, strict=True)])
 
@@ -37,14 +41,14 @@ def axis_by_axis(drag, airspeed):
 @pytest.mark.parametrize('angle', [0.0, 0.3, math.pi / 4, 2.0, -1.2])
 def test_a_round_hull_has_the_same_drag_all_round(angle):
     drag, v = (0.09, 0.09, 0.36), (2.0 * math.cos(angle), 2.0 * math.sin(angle), 0.0)
-    force = axis_by_axis(drag, v) + missing((1.0, 0.0, 0.0, *drag), v)[:3]
+    force = axis_by_axis(drag, v) + missing((1.0, 0.0, *drag), v)[:3]
     np.testing.assert_allclose(force, -0.09 * 2.0 * np.array(v), atol=1e-15)
 
 
 def test_without_it_a_round_hull_has_0_71_of_its_drag_at_45_degrees():
     drag, v = (0.09, 0.09, 0.36), (math.sqrt(2.0), math.sqrt(2.0), 0.0)
     assert np.linalg.norm(axis_by_axis(drag, v)) == pytest.approx(0.36 * math.sqrt(0.5))
-    part = missing((1.0, 0.0, 0.0, *drag), v)
+    part = missing((1.0, 0.0, *drag), v)
     # Of 0.36 N along the flight: sqrt(1/2) there already, the rest from this effect.
     assert np.linalg.norm(part) == pytest.approx(0.36 * (1.0 - math.sqrt(0.5)), rel=1e-12)
 
@@ -52,21 +56,21 @@ def test_without_it_a_round_hull_has_0_71_of_its_drag_at_45_degrees():
 @given(v=vectors)
 def test_both_shares_make_the_drag_go_with_the_speed(v):
     drag = (0.09, 0.07, 0.36)
-    force = axis_by_axis(drag, v) + missing((1.0, 1.0, 0.0, *drag), v)[:3]
+    force = axis_by_axis(drag, v) + missing((1.0, 1.0, *drag), v)[:3]
     expected = -np.linalg.norm(v) * np.array(drag) * v
     np.testing.assert_allclose(force, expected, atol=1e-14)
 
 
 @given(v=vectors, horizontal=share, total=share, drag=st.tuples(share, share, share))
 def test_cross_flow_only_slows(v, horizontal, total, drag):
-    assert np.dot(missing((horizontal, total, 0.0, *drag), v)[:3], v) <= 0.0
+    assert np.dot(missing((horizontal, total, *drag), v)[:3], v) <= 0.0
 
 
 @given(v=vectors)
-def test_a_munk_share_of_one_takes_the_munk_moment_away(v):
+def test_a_lost_share_of_one_takes_the_munk_moment_away(v):
     momentum = tuple(a * x for a, x in zip(ADDED_MASS, v, strict=True))
     munk = np.array([-x for x in cross(v, momentum)])
-    wrench = missing((0.0, 0.0, 1.0, 0.0, 0.0, 0.0), v)
+    wrench = too_much(1.0, v)
     np.testing.assert_allclose(wrench, [0.0, 0.0, 0.0, *-munk], atol=1e-15)
     assert np.linalg.norm(munk) <= 0.5 * (0.2 - 0.05) * np.dot(v, v) * (1.0 + 1e-12)
 
@@ -76,7 +80,7 @@ def test_munk_turns_the_broad_side_and_its_share_holds_against_it():
     v = (1.0, 0.0, -1.0)
     munk = -np.array(cross(v, tuple(a * x for a, x in zip(ADDED_MASS, v, strict=True))))
     assert munk[1] == pytest.approx(-0.15)
-    assert missing((0.0, 0.0, 0.3, 0.0, 0.0, 0.0), v)[4] == pytest.approx(0.045)
+    assert too_much(0.3, v)[4] == pytest.approx(0.045)
 
 
 # RGBlimp as its authors publish it (zhu-yj/ABNODE@138a1de).

@@ -1,61 +1,51 @@
 """
 What the drag axis by axis leaves out: that the flow comes from one side only.
 
-    F_i = -D_i (s_i - |v_i|) v_i,    N = munk_share (v x A v)
+    F_i = -D_i (s_i - |v_i|) v_i
     s_x = |v_x| + horizontal (|v_h| - |v_x|) + total (|v| - |v_h|),   s_y alike
     s_z = |v_z| + total (|v| - |v_z|)
 
 about the hull centre; v is the air-relative velocity, v_h its part along surge and sway, D the
-coefficients of `quadratic_drag`, A the added mass. A round hull that flies at 45 degrees to its
-axes has the drag of its axes times |v|, but -D |v_i| v_i gives it only 0.71 of that. `horizontal`
-= 1 mends it for a hull that is round seen from above; `total` = 1 also for one that goes up or
-down askew, F = -D |v| v with `horizontal` = 1. A slender hull has neither: there the flow
-across it is as if there were none along it (Allen and Perkins 1951, NACA Report 1048). F slows
-the vehicle for any share that is not negative, since s_i >= |v_i|.
-
-The rigid body has the whole Munk moment -v x A v, that of a flow which closes behind the hull
-(Munk 1924, NACA Report 184). It separates, and a `munk_share` of it does not happen; the moment
-is bounded by the difference of added masses times |v|^2 / 2.
+coefficients of `quadratic_drag`. A round hull that flies at 45 degrees to its axes has the drag of
+its axes times |v|, but -D |v_i| v_i gives it only 0.71 of that. `horizontal` = 1 mends it for a
+hull that is round seen from above; `total` = 1 also for one that goes up or down askew: with both,
+F = -D |v| v. A slender hull has neither: there the flow across it is as if there were none along
+it (Allen and Perkins 1951, NACA Report 1048). F slows the vehicle for any share that is not
+negative, since s_i >= |v_i|.
 """
 
 import math
 
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
-from lta_sim.state import ADDED
 
 _SHARE = 'by the shape: 0 slender, 1 round; prior: 0.2, assumed'
-_MUNK = 'Hoerner 1965: wind tunnels show less than Munk (unverified, from memory); prior: 0.2'
 _DRAG = 'those of quadratic_drag; Fossen 2011 sec. 6.4; prior: 20 % of a 1 m oblate hull'
 
 PARAMETERS = (
     Parameter('horizontal', '1', 0.0, 0.0, 1.0, 0.2, _SHARE),
     Parameter('total', '1', 0.0, 0.0, 1.0, 0.2, _SHARE),
-    Parameter('munk_share', '1', 0.0, -0.5, 1.0, 0.2, _MUNK),
     *(
-        Parameter(axis, 'N s^2/m^2', 0.0, 0.0, 100.0, 0.03, _DRAG)
+        Parameter(axis, 'N s2/m2', 0.0, 0.0, 100.0, 0.03, _DRAG)
         for axis in ('surge', 'sway', 'heave')
     ),
 )
 
 
 def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
-    """Return what is missing of the drag, and what is too much of the Munk moment."""
-    horizontal, total, munk_share, surge, sway, heave = p
+    """Return what is missing of the drag."""
+    horizontal, total, surge, sway, heave = p
     x, y, z = motion.airspeed
     square = x * x + y * y
     flat, speed = math.sqrt(square), math.sqrt(square + z * z)
     rest = total * (speed - flat)
-    a, b, c = motion.body[ADDED], motion.body[ADDED + 1], motion.body[ADDED + 2]
     return (
         -surge * (horizontal * (flat - abs(x)) + rest) * x,
         -sway * (horizontal * (flat - abs(y)) + rest) * y,
         -heave * total * (speed - abs(z)) * z,
-        munk_share * (c - b) * y * z,
-        munk_share * (a - c) * z * x,
-        munk_share * (b - a) * x * y,
+        0.0,
+        0.0,
+        0.0,
     )
 
 
-EFFECT = WrenchEffect(
-    'cross_flow', PARAMETERS, wrench, linear_in=('horizontal', 'total', 'munk_share')
-)
+EFFECT = WrenchEffect('cross_flow', PARAMETERS, wrench, linear_in=('horizontal', 'total'))

@@ -21,7 +21,7 @@ smooth everywhere, and within a few (SLOW / V)^2 of the published one in forward
 
 It has all of the hull's drag, so the drags axis by axis stay at null for the translations. Moments
 that were measured contain the Munk moment: a vehicle that also has an added mass takes that of the
-rigid body away again with `cross_flow`, `munk_share` 1.
+rigid body away again with `munk_moment`, `lost` 1.
 """
 
 import math
@@ -46,8 +46,8 @@ def _base(name: str) -> Parameter:
 
 
 PARAMETERS = (
-    Parameter('density', 'kg/m^3', 0.0, 0.0, 2.0, 0.02, _AIR),
-    Parameter('area', 'm^2', 0.0, 0.0, 100.0, 0.02, _AREA),
+    Parameter('density', 'kg/m3', 0.0, 0.0, 2.0, 0.02, _AIR),
+    Parameter('area', 'm2', 0.0, 0.0, 100.0, 0.02, _AREA),
     Parameter('drag', '1', 0.0, 0.0, 10.0, 0.03, _BASE),
     Parameter('drag_alpha2', '1', 0.0, 0.0, 100.0, 0.5, _SLOPE),
     Parameter('drag_beta2', '1', 0.0, 0.0, 100.0, 0.5, _SLOPE),

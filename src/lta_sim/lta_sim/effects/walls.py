@@ -22,18 +22,18 @@ import math
 
 from lta_sim.effects.protocol import Motion, Parameter, Values, Vector, Wrench, WrenchEffect
 
-_ROOM = 'of the room, measured; prior: 5 cm; bound: a large hall'
-_HULL = 'of the hull, from its shape; prior: 1 cm'
+_ROOM = 'of the room, which holds the origin of the map; prior: 5 cm; bound: a large hall'
+_HULL = 'of the hull, from its shape; prior: 1 cm; bound: twice the 2.7 m of Skye (Burri 2013)'
 _SOURCE = 'prior: a foil envelope that gives centimetres under newtons; not measured'
 
 PARAMETERS = (
-    Parameter('x_low', 'm', 0.0, -1e3, 1e3, 0.05, _ROOM),
-    Parameter('x_high', 'm', 0.0, -1e3, 1e3, 0.05, _ROOM),
-    Parameter('y_low', 'm', 0.0, -1e3, 1e3, 0.05, _ROOM),
-    Parameter('y_high', 'm', 0.0, -1e3, 1e3, 0.05, _ROOM),
+    Parameter('x_low', 'm', 0.0, -1e3, 0.0, 0.05, _ROOM),
+    Parameter('x_high', 'm', 0.0, 0.0, 1e3, 0.05, _ROOM),
+    Parameter('y_low', 'm', 0.0, -1e3, 0.0, 0.05, _ROOM),
+    Parameter('y_high', 'm', 0.0, 0.0, 1e3, 0.05, _ROOM),
     Parameter('ceiling', 'm', 0.0, 0.1, 1e3, 0.05, _ROOM),
-    Parameter('radius', 'm', 0.0, 0.01, 10.0, 0.01, _HULL),
-    Parameter('half_height', 'm', 0.0, 0.01, 10.0, 0.01, _HULL),
+    Parameter('radius', 'm', 0.0, 0.01, 2.7, 0.01, _HULL),
+    Parameter('half_height', 'm', 0.0, 0.01, 2.7, 0.01, _HULL),
     Parameter('stiffness', 'N/m', 0.0, 0.0, 1e4, 50.0, _SOURCE),
     Parameter('relaxation', 's', 0.0, 0.0, 10.0, 0.05, _SOURCE),
     Parameter('friction', '1', 0.0, 0.0, 3.0, 0.2, _SOURCE),
