@@ -78,13 +78,13 @@ def grams(value, **more):
         (
             f'{BATTERY}.mess',
             1,
-            "the key f'{BATTERY}.mess' is not known; remove it or",
+            f"the key '{BATTERY}.mess' is not known; remove it or",
         ),
         ('hull', None, "the key 'hull' is missing; add it."),
         (
             f'{BATTERY}.mass',
             None,
-            "the key f'{BATTERY}.mass' is missing; add it.",
+            f"the key '{BATTERY}.mass' is missing; add it.",
         ),
         ('layers', {}, 'layers must have at least 1 of its kind.'),
         ('schema', 3, 'schema is 3, but must be 2.'),
@@ -336,7 +336,9 @@ def test_a_broken_version_1_is_one_sentence(tmp_path):
     old = version_1()
     del old['aero']['thrust_allocation']['up_left']
     path.write_text(yaml.safe_dump(old))
-    with pytest.raises(BadInput, match='has no column of aero.thrust_allocation for up_left; add'):
+    with pytest.raises(
+        BadInput, match=r'has no column of aero\.thrust_allocation for up_left; add'
+    ):
         load_vehicle_file(str(path))
 
 
