@@ -109,13 +109,9 @@ def parts_drag(file: VehicleFile, air_density: float) -> Vector:
 
 
 def _moving(moving: MovingMass) -> dict[str, float]:
-    """Return what the effect `moving_mass` takes."""
-    given = {'mass': moving.mass.si, 'lag': moving.time_constant.si}
-    for axis, low, at, high in zip(
-        'xyz', moving.low.vector, moving.position.vector, moving.high.vector, strict=True
-    ):
-        given |= {f'{axis}': at, f'{axis}_low': low, f'{axis}_high': high}
-    return given
+    """Return what the effect `moving_mass` takes; how far it may go is for who commands it."""
+    given = dict(zip('xyz', moving.position.vector, strict=True))
+    return given | {'mass': moving.mass.si, 'lag': moving.time_constant.si}
 
 
 def _named(names: Sequence[str], values: Vector) -> dict[str, float]:
