@@ -105,7 +105,11 @@ Layer = Mapping[str, Part]
 
 
 class Measured(Record):
-    """The vehicle as weighed and swung, gas included, where its parts are not published."""
+    """
+    The vehicle as weighed and swung, gas included, where its parts are not published.
+
+    Parts in layers then have no weight of their own, and a moving mass comes on top.
+    """
 
     mass: Mass
     position: Place  # centre of gravity

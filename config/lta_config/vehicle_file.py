@@ -169,7 +169,7 @@ class VehicleFile(Record):
     hull: Hull
     trim: Trim
     measured: Measured | None = None
-    layers: Annotated[Mapping[str, Layer], Field(min_length=1)]
+    layers: Mapping[str, Layer] = Field(default_factory=dict)
     moving_mass: MovingMass | None = None
     rotors: Annotated[Mapping[str, Rotor], Field(max_length=ROTORS)]
     thrust_curve: ThrustCurve | None = None
@@ -224,6 +224,8 @@ class VehicleFile(Record):
         trim = self.trim
         if trim.ballast == 'none' and trim.ballast_position:
             raise ValueError('has trim.ballast none and a trim.ballast_position; remove one')
+        if not self.measured and not self.parts:
+            raise ValueError('has no parts in layers and was not measured as a whole; add either')
         if self.measured:
             if trim.ballast_position:
                 raise ValueError(

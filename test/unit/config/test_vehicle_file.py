@@ -86,7 +86,7 @@ def grams(value, **more):
             None,
             f"the key '{BATTERY}.mass' is missing; add it.",
         ),
-        ('layers', {}, 'layers must have at least 1 of its kind.'),
+        ('layers', {}, 'the file has no parts in layers and was not measured as a whole; add either.'),
         ('schema', 3, 'schema is 3, but must be 2.'),
         ('name', 'GT MAB', "name is 'GT MAB', but must match ^[a-z][a-z0-9_]*$."),
         (
