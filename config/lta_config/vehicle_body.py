@@ -85,10 +85,14 @@ class Trim(Record):
 
 
 class PartDrag(Record):
-    """Drag of a part by its faces: 0.5 rho Cd A along each axis."""
+    """
+    Drag of a part by its faces, 0.5 rho Cd A along each axis, and its damping of turns.
+
+    With `in_aero` the drag of the aero block has the part in it already, and only turns see it.
+    """
 
     coefficient: Annotated[Quantity, si('1', low=0.0, high=3.0, sourced=True)]
-    in_aero: bool = False  # whether the drag of the aero block has this part in it already
+    in_aero: bool = False
 
 
 class Part(Record):

@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parents[2]
 GTMAB = (ROOT / 'config/vehicles/gtmab.yaml').read_text()
 
 COMMANDS = {
-    'vehicle': (['fly', '--vehicle', 'zeppelin'], "Unknown vehicle 'zeppelin'; known: gtmab."),
+    'vehicle': (['fly', '--vehicle', 'zeppelin'], "Unknown vehicle 'zeppelin'; known: beavis, "),
     'scenario': (['fly', '--scenario', 'moon'], "Unknown scenario 'moon'; known: lamp_room."),
     'strategy': (['fly', '--strategy', 'luck'], "Unknown strategy 'luck'; known: bag."),
     'vehicle path': (['fly', '--vehicle', 'no/such.yaml'], 'There is no vehicle file'),

@@ -6,10 +6,11 @@ import math
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
 from lta_config.quantity import misfit, Quantity, UNSOURCED
-from lta_config.vehicle_body import MovingMass
+from lta_config.vehicle_body import MovingMass, Part
 from lta_config.vehicle_file import VehicleFile
 from lta_sim import effects, propulsion
 from lta_sim.effects.protocol import AXES
+from lta_sim.strip_geometry import Box, strips
 
 Effects = dict[str, dict[str, float]]
 Vector = tuple[float, ...]
@@ -91,13 +92,19 @@ def _derived(
         }
     if jets := propulsion.interaction(rotors, file.aero.coupling):
         derived['rotor_envelope_interaction'] = jets
+    if turning := [part for part in file.parts.values() if part.drag]:
+        derived['strip_damping'] = strips([_box(part) for part in turning], air_density)
     if file.moving_mass:
         derived['moving_mass'] = _moving(file.moving_mass)
     return derived
 
 
 def parts_drag(file: VehicleFile, air_density: float) -> Vector:
-    """Return D = rho Cd A / 2 along x, y, z of the parts that are not in the aero block."""
+    """
+    Return D = rho Cd A / 2 along x, y, z of the parts that are not in the aero block.
+
+    It acts at the hull centre, as the rest of the drag does. [N s2/m2].
+    """
     total = [0.0, 0.0, 0.0]
     for part in file.parts.values():
         if part.drag and not part.drag.in_aero:
@@ -106,6 +113,13 @@ def parts_drag(file: VehicleFile, air_density: float) -> Vector:
             for axis, face in enumerate((y * z, x * z, x * y)):
                 total[axis] += 0.5 * air_density * part.drag.coefficient.si * round_ * face
     return tuple(total)
+
+
+def _box(part: Part) -> Box:
+    """Return a part as what damps turning; the wind tunnel's steady turns leave it out."""
+    x, y, z = part.position.vector
+    a, b, c = part.size.vector
+    return Box((x, y, z), (a, b, c), part.drag.coefficient.si if part.drag else 0.0)
 
 
 def _moving(moving: MovingMass) -> dict[str, float]:

@@ -15,7 +15,7 @@ def plan(*words, package='lta_sim'):
 @pytest.mark.parametrize(
     ('word', 'sentence'),
     [
-        ('vehicle:="nope"', "Unknown vehicle 'nope'; known: gtmab."),
+        ('vehicle:="nope"', "Unknown vehicle 'nope'; known: beavis, "),
         ('scenario:="moon"', "Unknown scenario 'moon'; known: lamp_room."),
         ('strategy:="luck"', "Unknown strategy 'luck'; known: bag."),
         ('seed:=-1', 'The seed is -1, but must be a whole number from 0 to 2147483647.'),

@@ -4,7 +4,7 @@ import copy
 import math
 
 from lta_config.errors import BadInput
-from lta_config.files import find, load_yaml
+from lta_config.files import find, known, load_yaml
 from lta_config.vehicle_file import load_vehicle_file
 import pytest
 import yaml
@@ -44,13 +44,19 @@ def numbers(content, place=''):
     elif isinstance(content, dict):
         for key, value in content.items():
             yield from numbers(value, f'{place}.{key}'.lstrip('.'))
+    elif isinstance(content, list):
+        for index, value in enumerate(content):
+            yield from numbers(value, f'{place}.{index}')
     elif not isinstance(content, str | bool):
         yield place, content
 
 
-def test_every_number_of_gtmab_has_unit_and_source():
-    found = dict(numbers(GTMAB))
-    assert len(found) > 80
+@pytest.mark.parametrize('name', known('vehicles'))
+def test_every_number_of_a_platform_has_unit_and_source(name):
+    content = load_yaml(find('vehicle', name))
+    assert content['name'] == name
+    found = dict(numbers(content))
+    assert len(found) > 40
     # A count and the version of the format are no measurements.
     bare = {place for place, given in found.items() if not isinstance(given, dict)}
     assert bare == {'schema', 'sensors.diodes.count'}
@@ -86,7 +92,11 @@ def grams(value, **more):
             None,
             f"the key '{BATTERY}.mass' is missing; add it.",
         ),
-        ('layers', {}, 'the file has no parts in layers and was not measured as a whole; add either.'),
+        (
+            'layers',
+            {},
+            'the file has no parts in layers and was not measured as a whole; add either.',
+        ),
         ('schema', 3, 'schema is 3, but must be 2.'),
         ('name', 'GT MAB', "name is 'GT MAB', but must match ^[a-z][a-z0-9_]*$."),
         (
@@ -345,4 +355,7 @@ def test_a_broken_version_1_is_one_sentence(tmp_path):
 def test_an_unknown_vehicle_lists_the_known_ones():
     with pytest.raises(BadInput) as caught:
         load_vehicle_file('gtmap')
-    assert str(caught.value) == "Unknown vehicle 'gtmap'; known: gtmab."
+    assert str(caught.value) == (
+        "Unknown vehicle 'gtmap'; known: beavis, blimp2b, gtmab, multirotor, rgblimp, sblimp, "
+        'skye.'
+    )

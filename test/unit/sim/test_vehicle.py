@@ -1,56 +1,20 @@
 """GT-MAB's mass, balance, inertia and hover by hand, and what a vehicle cannot be."""
 
-import copy
 import math
 
 from lta_config.errors import BadInput
-from lta_config.files import find, load_yaml
+from lta_config.files import find
 from lta_config.quantity import Quantity
-from lta_config.vehicle_file import load_vehicle_file, VehicleFile
+from lta_config.vehicle_file import load_vehicle_file
 from lta_sim import kernel
 from lta_sim.effects import EFFECTS, initial_memory
-from lta_sim.state import DISPLACED, MASS, MASS_MOMENT, pack
+from lta_sim.state import DISPLACED, MASS, MASS_MOMENT, pack, RIGID
 from lta_sim.vehicle import load_vehicle, Vehicle
 import numpy as np
 import pytest
 import yaml
 
-G = 9.80665
-RHO = 1.2041
-GTMAB = load_yaml(find('vehicle', 'gtmab'))
-PARTS = {name: part for layer in GTMAB['layers'].values() for name, part in layer.items()}
-VOLUME = 2.7458 * 0.5**3  # 0.3432 m3
-
-
-def changed(*changes):
-    """Return GT-MAB's file with dotted places set, or removed with None."""
-    content = copy.deepcopy(GTMAB)
-    for place, value in changes:
-        *way, last = place.split('.')
-        part = content
-        for key in way:
-            part = part[key]
-        if value is None:
-            del part[last]
-        else:
-            part[last] = value
-    return content
-
-
-def build(*changes, density=RHO):
-    return Vehicle(VehicleFile.model_validate(changed(*changes)), density)
-
-
-def refused(*changes):
-    with pytest.raises(BadInput) as caught:
-        build(*changes)
-    text = str(caught.value)
-    assert '\n' not in text
-    return text
-
-
-def given(value, unit):
-    return {'value': value, 'unit': unit, 'source': 'test'}
+from .changed_vehicle import build, changed, G, given, GTMAB, PARTS, refused, RHO, VOLUME
 
 
 @pytest.fixture(scope='module')
@@ -165,7 +129,8 @@ def test_in_the_air_the_hover_duty_hovers(gtmab):
     """The kernel's own acceleration with motors at the hover duty."""
     u = gtmab.hover_duty
     memory = np.array(initial_memory())
-    memory[:2] = u
+    first = kernel.LAYOUT.remembers['motor_lag'] - RIGID
+    memory[first : first + 2] = u
     state = pack((0.0, 0.0, 1.0), memory=memory)
     rate = kernel.derivative(state, gtmab.model(), (u, u, 0.0, 0.0))
     np.testing.assert_allclose(rate[7:10], 0.0, atol=1e-12)
@@ -317,7 +282,8 @@ def test_the_sentence_names_the_file(tmp_path):
     with pytest.raises(BadInput) as caught:
         load_vehicle(str(path))
     assert str(caught.value) == (
-        f'{path}: layers.propulsion_and_control.battery.mass is -1 g, but must be above 0 and at most 100000 g.'
+        f'{path}: layers.propulsion_and_control.battery.mass is -1 g, but must be above 0 and at '
+        'most 100000 g.'
     )
 
 
