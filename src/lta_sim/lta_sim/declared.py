@@ -21,6 +21,7 @@ TIME_CONSTANTS = (
     ('motors', 'motor_lag', 'down'),
     ('a moving mass', 'moving_mass', 'lag'),
 )
+RK4_LIMIT = 2.7  # longest stable step of RK4 by a time constant: 2.785, less a margin
 # What turns duties into newtons in place of the thrust curve.
 OTHER_CURVES = ('thrust_polynomial',)
 
@@ -59,6 +60,17 @@ def effects_of(
                 'change it there.'
             )
     return derived | {name: _checked(name, given) for name, given in file.effects.items()}
+
+
+def check_step(name: str, given: Effects, step: float) -> None:
+    """Refuse a step [s] longer than 2.7 time constants of a vehicle's motors or moving mass."""
+    for what, effect, key in TIME_CONSTANTS:
+        lag = given.get(effect, {}).get(key, 0.0)
+        if lag > 0.0 and step > RK4_LIMIT * lag:
+            raise BadInput(
+                f'{name} has {what} with a lag of {1e3 * lag:g} ms, and a time step of '
+                f'{1e3 * step:g} ms cannot follow it; take {1e3 * RK4_LIMIT * lag:.3g} ms or less.'
+            )
 
 
 def _derived(

@@ -7,6 +7,7 @@ shape (`hull`), the wrench of the rotors from wind tunnel or geometry (`propulsi
 about the hull centre, body frame.
 """
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import final
 
@@ -21,10 +22,10 @@ from lta_sim import declared, hover, hull, propulsion
 from lta_sim.balance import Array, Balance, gas_lump, Lump, part_lump
 from lta_sim.model import Model
 from lta_sim.sensors.photodiode import PhotodiodeArray
+from lta_sim.state import COMMAND, MASS_PLACE
 import numpy as np
 
 HELIUM_TO_AIR = 0.1664 / AIR_DENSITY  # density ratio at one temperature and pressure (20 C, 1 atm)
-RK4_LIMIT = 2.7  # longest stable step of RK4 by a time constant: 2.785, less a margin
 
 Vector = tuple[float, ...]
 
@@ -227,6 +228,27 @@ class Vehicle:
             rotors=[(rotor.place, rotor.axis) for rotor in self.rotors],
         )
 
+    def command(self, duties: Sequence[float]) -> Array:
+        """
+        Return a command as the kernel takes it, with a moving mass where it rests.
+
+        Parameters
+        ----------
+        duties : sequence of float
+            Of each rotor. [1]
+
+        Returns
+        -------
+        ndarray, shape (COMMAND,)
+            Duties, then the place of the moving mass; zeros for what the vehicle does not have.
+
+        """
+        command = np.zeros(COMMAND)
+        command[: len(duties)] = duties
+        if self.file.moving_mass:
+            command[MASS_PLACE:] = self.file.moving_mass.position.vector
+        return command
+
     def check_step(self, step: float) -> None:
         """
         Refuse a time step at which the slowest reaction that the model has would blow up.
@@ -242,14 +264,7 @@ class Vehicle:
             If the step is longer than 2.7 times a time constant of motors or moving mass.
 
         """
-        for what, name, key in declared.TIME_CONSTANTS:
-            lag = self.effects().get(name, {}).get(key, 0.0)
-            if lag > 0.0 and step > RK4_LIMIT * lag:
-                raise BadInput(
-                    f'{self.file.name} has {what} with a lag of {1e3 * lag:g} ms, and a time step '
-                    f'of {1e3 * step:g} ms cannot follow it; take {1e3 * RK4_LIMIT * lag:.3g} ms '
-                    'or less.'
-                )
+        declared.check_step(self.file.name, self.effects(), step)
 
     @property
     def standing_height(self) -> float:

@@ -8,7 +8,7 @@ from lta_sim import kernel
 from lta_sim.effects import initial_memory
 from lta_sim.hull import added_mass
 from lta_sim.limits import level_force, level_speed, tumble_speed
-from lta_sim.state import COMMAND, MASS_PLACE, pack
+from lta_sim.state import pack
 from lta_sim.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -24,20 +24,12 @@ def vehicles():
     return {name: load_vehicle(name, RHO) for name in known('vehicles')}
 
 
-def commanded(vehicle, duty):
-    command = np.zeros(COMMAND)
-    command[: len(duty)] = duty
-    if vehicle.file.moving_mass:
-        command[MASS_PLACE:] = vehicle.file.moving_mass.position.vector
-    return command
-
-
 def flown(vehicle, duty, seconds, step=0.002):
     """Return the state after so long at constant duties, from rest high above the floor."""
     vehicle.check_step(step)
     state = pack((0.0, 0.0, 100.0), memory=initial_memory())
     count = round(seconds / step)
-    command = commanded(vehicle, duty)
+    command = vehicle.command(duty)
     return kernel.advance(state, vehicle.model(), command, np.zeros(3), step, count)
 
 
@@ -45,7 +37,7 @@ def spun_up(vehicle, duty):
     """Return the wrench on a resting vehicle of which the motors have reached their duties."""
     calm = flown(vehicle, duty, 2.0)
     calm[:13] = pack((0.0, 0.0, 100.0))[:13]
-    look = kernel.wrenches(calm, vehicle.model(), commanded(vehicle, duty), np.zeros(3))
+    look = kernel.wrenches(calm, vehicle.model(), vehicle.command(duty), np.zeros(3))
     jets = look['rotor_thrust']
     return jets + look.get('rotor_envelope_interaction', 0.0)
 
@@ -321,7 +313,7 @@ class TestRgblimp:
         state = pack((0, 0, 100.0), memory=initial_memory())
         state[3:7] = pose.as_quat()
         state[7:10], state[10:13] = self.TURN * v, self.TURN * w
-        rate = kernel.derivative(state, vehicle.model(), commanded(vehicle, duty))[7:13]
+        rate = kernel.derivative(state, vehicle.model(), vehicle.command(duty))[7:13]
         # 1e-5: below 1 mm/s the effect fades the wind axes out, (1 mm/s / 0.6 m/s)^2 here.
         scale = np.abs(expected).max()
         np.testing.assert_allclose(rate * np.tile(self.TURN, 2), expected, atol=1e-5 * scale)

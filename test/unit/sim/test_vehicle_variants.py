@@ -6,6 +6,7 @@ from lta_config.errors import BadInput
 from lta_config.vehicle_file import VehicleFile
 from lta_sim import kernel
 from lta_sim.effects import initial_memory
+from lta_sim.limits import level_force
 from lta_sim.state import pack
 from lta_sim.vehicle import load_vehicle, Vehicle
 import numpy as np
@@ -66,13 +67,9 @@ def test_the_air_turns_a_rotor_back_and_the_motor_the_body(spin, sign):
 
 def test_reversed_thrust_has_its_own_column_and_size():
     """The wind tunnel's V1 reversed: -0.252 N of 1; half as strong backwards here."""
-    column = GTMAB['aero']['thrust_allocation']['up_left'] | {
-        'reverse': {'force': given([0, -0.23, 0.252], '1'), 'moment': given([0.072, 0, 0], 'm')}
-    }
     vehicle = build(
         ('rotors.up_left.reversible', True),
         ('rotors.up_left.thrust_curve', GTMAB['thrust_curve'] | {'reverse': given(0.0796, 'N')}),
-        ('aero.thrust_allocation.up_left', column),
         ('effects.motor_lag', None),
     )
     assert vehicle.reversible == (True, False, False, False)
@@ -182,3 +179,15 @@ def test_rotors_with_curves_of_their_own_have_no_common_one(gtmab):
     assert vehicle.hover_duty == pytest.approx(max(each / 0.1, gtmab.hover_duty))
     with pytest.raises(BadInput, match=r'^gtmab has rotors with 2 thrust curves, where one for'):
         _ = vehicle.thrust_curve
+
+
+def test_what_the_rotors_cannot_carry_cannot_fly_level():
+    """40 g are 0.392 N, and two rotors of 0.153 N lift 0.306 N."""
+    with pytest.raises(BadInput) as caught:
+        level_force(build(('trim.heaviness', given(40, 'g'))))
+    assert str(caught.value) == (
+        'gtmab cannot carry its 40.0 g by its rotors and hold its heading; trim it nearer to the '
+        'air, or give it rotors that can.'
+    )
+    # With 30 g, 0.294 N, it can; the forward rotors pull down as well, and get what is left.
+    assert 0.0 < level_force(build(('trim.heaviness', given(30, 'g')))) < 0.3
