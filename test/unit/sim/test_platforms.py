@@ -48,6 +48,17 @@ def test_all_platforms_of_the_comparison_are_there(vehicles):
     }  # fmt: skip
 
 
+@pytest.mark.parametrize('name', known('vehicles'))
+def test_each_stands_on_its_feet(vehicles, name):
+    vehicle = vehicles[name]
+    state = pack((0.0, 0.0, vehicle.standing_height), memory=initial_memory())
+    command = vehicle.command([0.0] * len(vehicle.rotors))
+    state = kernel.advance(state, vehicle.model(), command, np.zeros(3), 0.002, 5000)
+    assert state[2] == pytest.approx(vehicle.standing_height, abs=2e-3)
+    tilt = Rotation.from_quat(state[3:7]).apply((0.0, 0.0, 1.0))[2]
+    assert math.degrees(math.acos(min(tilt, 1.0))) < 3.0
+
+
 class TestBlimp2b:
     """Zufferey 2006: T = D v^2 and N = D r, from the published coefficients."""
 

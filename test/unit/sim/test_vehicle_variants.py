@@ -32,6 +32,16 @@ def test_version_1_of_the_file_is_the_same_vehicle(gtmab):
     np.testing.assert_array_equal(one.inverse, two.inverse)
 
 
+def test_a_layer_is_swapped_by_one_edit(gtmab):
+    """A board of 20 g for the two of 72.7 g at the same height: ballast, lower, takes over."""
+    box = GTMAB['layers']['sensors']['light_board']
+    vehicle = build(('layers.sensors', {'small_board': box | {'mass': given(20, 'g')}}))
+    assert vehicle.mass == pytest.approx(gtmab.mass, rel=1e-12)
+    assert vehicle.ballast == pytest.approx(gtmab.ballast + 0.0527)
+    lower = 0.0527 * (0.395 - 0.33) / gtmab.mass
+    assert vehicle.cg[2] == pytest.approx(gtmab.cg[2] - lower, rel=1e-12)
+
+
 def test_the_drag_of_parts_comes_on_top_of_the_wind_tunnel(gtmab):
     drag = {'coefficient': given(1.17, '1')}
     frame = 'layers.propulsion_and_control.frame.drag'  # 10 x 32 x 6 cm
