@@ -35,6 +35,7 @@ UNITS: dict[str, tuple[str, float]] = {
     'min': ('s', 60.0),
     'Hz': ('Hz', 1.0),
     'kHz': ('Hz', 1e3),
+    '1/s': ('1/s', 1.0),
     'm/s': ('m/s', 1.0),
     'm/s2': ('m/s2', 1.0),
     'rad': ('rad', 1.0),
@@ -55,9 +56,13 @@ UNITS: dict[str, tuple[str, float]] = {
     'N/N': ('1', 1.0),
     'kg m2': ('kg m2', 1.0),
     'kg/m3': ('kg/m3', 1.0),
+    'K': ('K', 1.0),
+    'K m2/W': ('K m2/W', 1.0),
+    'N/s': ('N/s', 1.0),
     'degC': ('degC', 1.0),
     'Pa': ('Pa', 1.0),
     'hPa': ('Pa', 100.0),
+    'Pa/s': ('Pa/s', 1.0),
     'V': ('V', 1.0),
     'mV': ('V', 1e-3),
     'uV': ('V', 1e-6),
@@ -75,6 +80,7 @@ UNITS: dict[str, tuple[str, float]] = {
     'lx': ('lx', 1.0),
     'lm': ('lm', 1.0),
     'lm/W': ('lm/W', 1.0),
+    'ppm': ('1', 1e-6),
 }
 
 UNSOURCED = 'has no source; add "source: ..." (measured, datasheet, assumed...)'
