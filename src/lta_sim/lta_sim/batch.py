@@ -36,10 +36,13 @@ def put(block, i, state):
 $put
 
 
+$loops
+
+
 @njit(error_model='numpy', fastmath=False)
 def slopes(fixed, on, trial, rate, scratch):
     """Write d/dt of a block of states; what no vehicle has on is left out."""
-$loops
+$calls
 
 
 @njit(error_model='numpy', fastmath=False)

@@ -6,10 +6,14 @@ which the compiler turns into vector instructions; an effect that no vehicle of 
 skipped whole. On a GPU the block is as wide as the fleet and a thread is a column.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import final
 
 from lta_sim.stages import FIXED, indented, Layout, Stage, tuple_of, VARIABLES
+
+# Of the functions of the stages.
+LOOP = "@njit(error_model='numpy', fastmath=False)"
 
 
 def _offset(name: str, layout: Layout) -> int:
@@ -60,24 +64,32 @@ class Columns:
             'state': _column('block', 0, layout.size, self.width),
             'put': indented(put),
             'stores': indented(put, 3),
-            'loops': indented([line for stage in parts for line in self._loop(stage, layout)]),
+            'loops': '\n\n\n'.join(self._loops(parts)),
+            'calls': indented(self._calls(parts, layout)),
             'scratch': str(sum(VARIABLES.values())),
         }
 
-    def _loop(self, stage: Stage, layout: Layout) -> list[str]:
-        """Return a stage as a loop over the columns of a block."""
-        if not (stage.writes or stage.memory):
-            return []
-        lines = [f'{name} = {self._scratch(name)}' for name in stage.reads]
-        lines += [*stage.prelude, *stage.lines]
-        for name in stage.writes:
-            lines += self._stored(name)
-        lines += [f'rate[{k} * {self.width} + i] = {value}' for k, value in stage.memory]
-        loop = [f'for i in range({self.width}):', *(f'    {line}' for line in lines)]
-        if not stage.effect:
-            return loop
-        guard = f'if on[{layout.flag(stage.effect)}]:'
-        return [guard, *(f'    {line}' for line in loop)]
+    def _done(self, parts: list[Stage]) -> dict[str, Stage]:
+        """Return the stages that do something, by the names of their functions."""
+        done = [stage for stage in parts if stage.writes or stage.memory]
+        return {f'stage_{k}_{stage.effect}': stage for k, stage in enumerate(done)}
+
+    def _loops(self, parts: list[Stage]) -> Iterator[str]:
+        """Write each stage as a function, so that each is compiled into vectors by itself."""
+        for name, stage in self._done(parts).items():
+            lines = [f'{known} = {self._scratch(known)}' for known in stage.reads]
+            lines += [*stage.prelude, *stage.lines]
+            for known in stage.writes:
+                lines += self._stored(known)
+            lines += [f'rate[{k} * {self.width} + i] = {value}' for k, value in stage.memory]
+            loop = [f'    for i in range({self.width}):', indented(lines, 2)]
+            yield '\n'.join([LOOP, f'def {name}(fixed, trial, rate, scratch):', *loop])
+
+    def _calls(self, parts: list[Stage], layout: Layout) -> Iterator[str]:
+        """Write the calls of the stages, behind the flags of their effects."""
+        for name, stage in self._done(parts).items():
+            guard = f'if on[{layout.flag(stage.effect)}]: ' if stage.effect else ''
+            yield f'{guard}{name}(fixed, trial, rate, scratch)'
 
     def _scratch(self, name: str) -> str:
         """Return the source of a variable of vehicle i."""

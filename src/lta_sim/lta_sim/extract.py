@@ -125,6 +125,12 @@ class Extract:
             raise BadInput(f'Two different things are called {own} in the kernel; rename one.')
         return own
 
+    def mentions(self, prefix: str, text: str) -> bool:
+        """Tell whether a text stands in the pieces of one prefix."""
+        return any(
+            text in piece for own, piece in self._pieces.items() if own.startswith(f'{prefix}_')
+        )
+
     def text(self, decorator: str) -> str:
         """Return all pieces, the functions under `decorator`."""
         return '\n\n\n'.join(

@@ -184,10 +184,13 @@ class _Writer:
         items = (self._access.item(name, first + k, self._layout) for k in range(count))
         return tuple_of(items)
 
-    def motion(self) -> str:
-        """Return the source of what wrench effects see."""
+    def motion(self, user: str = '') -> str:
+        """Return the source of what wrench effects see, or of what one of them looks at."""
         body, command, around = (
-            self._access.whole(name, self._layout) for name in ('body', 'command', 'surroundings')
+            self._access.whole(name, self._layout)
+            if not user or self._extract.mentions(user, f'.{name}')
+            else '()'
+            for name in ('body', 'command', 'surroundings')
         )
         position, v, w = (
             self.some('state', 0, 3),
@@ -219,6 +222,7 @@ class _Writer:
     def accelerate(self) -> Stage:
         """Return what comes last: the rate of the rigid body."""
         q, w = self.some('state', 3, 4), self.some('state', 10, 3)
+        motion = self.motion('rigid_body')
         inverse = self._access.whole('inverse', self._layout)
         lines = (
             'f = ground',
@@ -228,7 +232,7 @@ class _Writer:
         names = [*(f'f[{i}]' for i in range(3)), *(f'g[{i}]' for i in range(4))]
         places = enumerate([*names, *(f'a[{i}]' for i in range(6))])
         reads = ('r', 'ground', 'flow', 'airspeed', 'total')
-        return Stage(lines, reads, (), memory=tuple(places), prelude=(self.motion(),))
+        return Stage(lines, reads, (), memory=tuple(places), prelude=(motion,))
 
     def _begin(self, name: str, effect: AirEffect | WrenchEffect) -> list[str]:
         """Return the lines that take up an effect's parameters and memory."""
@@ -316,7 +320,7 @@ class _Writer:
             name,
             tuple(off),
             self._remembered(name, count),
-            prelude=(self.motion(),),
+            prelude=(self.motion(name),),
         )
 
 

@@ -1,0 +1,58 @@
+"""
+Intensity and length of turbulence near the ground by MIL-F-8785C, for those who write scenarios.
+
+    sigma_w = 0.1 U_20,    sigma_u = sigma_v = sigma_w / (0.177 + 0.000823 h)^0.4
+    L_w = h,               L_u = L_v = h / (0.177 + 0.000823 h)^1.2
+
+with h in feet, from 10 ft to 1000 ft (MIL-F-8785C, section 3.7.3.4), U_20 the mean wind at 20 ft:
+15, 30 and 45 knots there for light, moderate and severe. Continued to the height at which a small
+blimp flies, 0.5 m, it would say that the wind there has 1.4 m/s rms when 8 m/s blow at 10 m, more
+than the wind itself: below 10 ft it is refused.
+"""
+
+from lta_config.errors import BadInput
+
+FOOT = 0.3048
+LOWEST, HIGHEST = 10.0 * FOOT, 1000.0 * FOOT
+
+
+def low_altitude(height: float, wind: float) -> dict[str, float]:
+    """
+    Return the parameters of the effect `turbulence`.
+
+    Parameters
+    ----------
+    height : float
+        Above the ground, 3.05 to 305 m. [m]
+    wind : float
+        Mean wind at 20 ft (6.1 m). [m/s]
+
+    Returns
+    -------
+    dict of str to float
+        Intensities `along`, `across` and `up` [m/s] and their lengths [m].
+
+    Raises
+    ------
+    BadInput
+        If the specification does not reach to this height, or if the wind is negative.
+
+    """
+    if not LOWEST <= height <= HIGHEST:
+        raise BadInput(
+            f'MIL-F-8785C has no low-altitude turbulence at {height:g} m, only from {LOWEST:.2f} '
+            f'to {HIGHEST:.0f} m; give intensity and length yourself.'
+        )
+    if not wind >= 0.0:
+        raise BadInput(f'The mean wind at 20 ft is {wind:g} m/s; give its speed, 0 or more.')
+    factor = 0.177 + 0.000823 * height / FOOT
+    up, level = 0.1 * wind, 0.1 * wind / factor**0.4
+    length = height / factor**1.2
+    return {
+        'along': level,
+        'across': level,
+        'up': up,
+        'along_length': length,
+        'across_length': length,
+        'up_length': height,
+    }

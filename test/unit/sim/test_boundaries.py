@@ -1,0 +1,195 @@
+"""Walls, ceiling and floor as the hull and its rotors feel them, by hand."""
+
+import math
+
+from hypothesis import given
+from hypothesis import strategies as st
+from lta_sim.effects import ceiling_effect, ground_effect, walls
+from lta_sim.effects.protocol import Motion
+from lta_sim.state import BODY, ROTOR, ROTOR_PLACE
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+LEVEL = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+NO = (0.0, 0.0, 0.0)
+REST = (0.0,) * 8
+number = st.floats(-2.0, 2.0, allow_subnormal=False)
+vectors = st.tuples(number, number, number)
+
+
+def standing(position, rotation=LEVEL, velocity=NO, rates=NO, rotors=()):
+    body = [0.0] * BODY
+    for i, (place, axis) in enumerate(rotors):
+        body[ROTOR_PLACE + ROTOR * i : ROTOR_PLACE + ROTOR * (i + 1)] = (*place, *axis)
+    return Motion(position, rotation, velocity, rates, velocity, tuple(body), (0.0,) * 11, REST)
+
+
+# A room of 6 x 4 x 3 m about x = 1; a hull of 0.5 m radius and 0.3 m half height.
+ROOM = (-2.0, 4.0, -2.0, 2.0, 3.0, 0.5, 0.3, 200.0, 0.1, 0.4)
+
+
+def touch(position, rotation=LEVEL, velocity=NO, rates=NO, p=ROOM):
+    return np.array(walls.wrench(p, (), standing(position, rotation, velocity, rates), REST))
+
+
+def test_in_the_room_nothing_touches():
+    assert not touch((1.0, 0.0, 1.5)).any()
+    assert not touch((3.49, 1.49, 2.69)).any()
+    assert not touch((1.0, 0.0, -5.0)).any()  # the floor is another effect's
+
+
+@pytest.mark.parametrize(
+    ('position', 'axis', 'force'),
+    [
+        ((3.51, 0.0, 1.5), 0, -2.0),
+        ((-1.52, 0.0, 1.5), 0, 4.0),
+        ((1.0, 1.51, 1.5), 1, -2.0),
+        ((1.0, -1.51, 1.5), 1, 2.0),
+        ((1.0, 0.0, 2.71), 2, -2.0),
+    ],
+)
+def test_each_face_holds_by_its_depth(position, axis, force):
+    expected = np.zeros(6)
+    expected[axis] = force
+    np.testing.assert_allclose(touch(position), expected, atol=1e-12)
+
+
+def test_a_wall_dampens_on_the_way_in_and_never_pulls():
+    assert touch((3.51, 0.0, 1.5), velocity=(0.1, 0.0, 0.0))[0] == pytest.approx(-4.0)
+    assert touch((-1.51, 0.0, 1.5), velocity=(-0.1, 0.0, 0.0))[0] == pytest.approx(4.0)
+    assert not touch((3.51, 0.0, 1.5), velocity=(-0.2, 0.0, 0.0)).any()
+
+
+def test_a_wall_rubs():
+    wrench = touch((3.51, 0.0, 1.5), velocity=(0.0, 5.0, 0.0))
+    # 0.4 of 2 N, at the touching point 0.5 m ahead.
+    np.testing.assert_allclose(wrench[[0, 1, 5]], (-2.0, -0.8, -0.4), rtol=1e-4)
+    # Rolling along the wall: the touching point stands still.
+    rolling = touch((3.51, 0.0, 1.5), velocity=(0.0, 0.5, 0.0), rates=(0.0, 0.0, -1.0))
+    assert rolling[1] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_tilted_hull_reaches_as_far_as_its_spheroid():
+    angle = 0.6
+    turn = Rotation.from_euler('y', angle)
+    rotation = tuple(turn.as_matrix().ravel().tolist())
+    # Independently: the farthest of many points of the turned spheroid.
+    u = np.linspace(0.0, 2.0 * math.pi, 20001)
+    points = np.column_stack([0.5 * np.cos(u), np.zeros_like(u), 0.3 * np.sin(u)])
+    inside = turn.apply(points)
+    reach = inside[:, 0].max()
+    assert not touch((4.0 - reach - 1e-6, 0.0, 1.5), rotation).any()
+    wrench = touch((4.0 - reach + 0.01, 0.0, 1.5), rotation)
+    force, moment = turn.apply(wrench[:3]), turn.apply(wrench[3:])
+    np.testing.assert_allclose(force, (-2.0, 0.0, 0.0), atol=1e-4)
+    lever = inside[inside[:, 0].argmax()]
+    np.testing.assert_allclose(moment, np.cross(lever, force), atol=1e-3)
+
+
+@given(
+    position=st.tuples(st.floats(-2.2, 4.2), st.floats(-2.2, 2.2), st.floats(1.0, 3.2)),
+    turn=vectors, velocity=vectors, rates=vectors,
+)  # fmt: skip
+def test_walls_give_back_no_more_than_they_took(position, turn, velocity, rates):
+    """Power into the vehicle and into the springs together is never positive."""
+    frictionless = (*ROOM[:9], 0.0)
+    rotation = Rotation.from_euler('ZYX', turn)
+    step = 1e-6
+
+    def spring(position, rotation):
+        matrix = rotation.as_matrix()
+        reach = np.linalg.norm(matrix * (0.5, 0.5, 0.3), axis=1)
+        low, high = np.array([-2.0, -2.0, -1e6]), np.array([4.0, 2.0, 3.0])
+        depth = np.maximum(0.0, reach - np.minimum(position - low, high - position))
+        return 0.5 * 200.0 * np.sum(depth**2)
+
+    def moved(sign):
+        place = np.array(position) + sign * step * rotation.apply(velocity)
+        return spring(place, rotation * Rotation.from_rotvec(sign * step * np.array(rates)))
+
+    flat = tuple(rotation.as_matrix().ravel().tolist())
+    stored = (moved(1.0) - moved(-1.0)) / (2.0 * step)
+    for p in (frictionless, ROOM):
+        power = np.dot(touch(position, flat, velocity, rates, p), (*velocity, *rates))
+        assert power + stored <= 1e-4
+
+
+def test_a_room_too_small_is_refused():
+    named = {
+        parameter.name: value for parameter, value in zip(walls.PARAMETERS, ROOM, strict=True)
+    }
+    assert walls.check(named) == ''
+    assert 'radius' in walls.check({**named, 'radius': 0.0})
+    assert 'y_low' in walls.check({**named, 'y_high': -1.1})
+    assert 'ceiling' in walls.check({**named, 'ceiling': 0.9})
+    assert walls.check({**named, 'stiffness': 0.0, 'radius': 0.0}) == ''
+
+
+UP = ((0.1, 0.2, -0.05), (0.0, 0.0, 1.0))
+AHEAD = ((0.0, -0.2, -0.05), (1.0, 0.0, 0.0))
+RADIUS = 0.0235
+
+
+def near_floor(z, thrust, gain=1.0, rotation=LEVEL):
+    motion = standing((0.0, 0.0, z), rotation, rotors=(UP, AHEAD))
+    return np.array(ground_effect.wrench((gain, RADIUS), (), motion, (*thrust, *(0.0,) * 6)))
+
+
+def test_cheeseman_and_bennett_by_hand():
+    # One radius above the floor: 1 / (1 - 1 / 16) = 1.0667; half a radius 1.3333, and no more.
+    for above, gained in ((1.0, 1.0 / 15.0), (0.5, 1.0 / 3.0), (0.1, 1.0 / 3.0), (-3.0, 1 / 3)):
+        wrench = near_floor(above * RADIUS + 0.05, (0.12, 0.0))
+        np.testing.assert_allclose(
+            wrench, 0.12 * gained * np.array([0, 0, 1, 0.2, -0.1, 0]), rtol=1e-12, atol=1e-17
+        )
+    assert near_floor(1.0, (0.12, 0.0))[2] == pytest.approx(0.12 * 3.8e-5, rel=0.01)
+    assert near_floor(RADIUS + 0.05, (0.12, 0.0), 0.5)[2] == pytest.approx(0.004)
+
+
+def test_only_what_blows_at_the_floor_gains():
+    assert not near_floor(0.08, (0.0, 0.12)).any()
+    assert not near_floor(0.08, (-0.12, 0.0)).any()
+    # Upside down a reversed rotor blows down, and lifts: along its axis it is a pull.
+    over = (1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0)
+    assert near_floor(RADIUS - 0.05, (-0.12, 0.0), rotation=over)[2] == pytest.approx(-0.008)
+
+
+def test_a_tilted_rotor_gains_by_its_upward_part():
+    c, s = 0.8, 0.6
+    tilted = (c, 0.0, s, 0.0, 1.0, 0.0, -s, 0.0, c)
+    place = -s * 0.1 + c * -0.05
+    both = near_floor(RADIUS - place, (0.12, 0.0), rotation=tilted)
+    assert both[2] == pytest.approx(0.8 * 0.12 / 15.0, rel=1e-12)
+
+
+def near_ceiling(distance, thrust, gain=1.0):
+    motion = standing((0.0, 0.0, 3.0 - distance + 0.05), rotors=(UP, AHEAD))
+    p = (gain, RADIUS, 3.0)
+    return np.array(ceiling_effect.wrench(p, (), motion, (*thrust, *(0.0,) * 6)))
+
+
+def test_ceiling_by_hand():
+    # One radius below: (sqrt(1 + 1/8) - 1) / 2 = 0.0303; a quarter (sqrt 3 - 1) / 2, no more.
+    for below, gained in ((1.0, 0.030330), (0.25, 0.366025), (0.1, 0.366025), (-2.0, 0.366025)):
+        wrench = near_ceiling(below * RADIUS, (0.12, 0.0))
+        np.testing.assert_allclose(
+            wrench, 0.12 * gained * np.array([0, 0, 1, 0.2, -0.1, 0]), rtol=2e-5, atol=1e-17
+        )
+    assert not near_ceiling(RADIUS, (-0.12, 0.12)).any()
+    assert near_ceiling(1.0, (0.12, 0.0))[2] < 5e-6
+
+
+@pytest.mark.parametrize('effect', [ground_effect, ceiling_effect])
+def test_rotors_without_a_size_are_refused_and_gain_nothing(effect):
+    values = {parameter.name: parameter.null for parameter in effect.PARAMETERS}
+    assert effect.check(values) == ''
+    assert 'radius' in effect.check({**values, 'gain': 1.0})
+    p = (1.0, *(0.0,) * (len(values) - 1))
+    assert not any(effect.wrench(p, (), standing((0, 0, 0.05), rotors=(UP,)), (1.0,) * 8))
+
+
+def test_a_ceiling_effect_needs_its_ceiling():
+    values = {'gain': 1.0, 'radius': RADIUS, 'height': 0.0}
+    assert 'height' in ceiling_effect.check(values)
+    assert ceiling_effect.check({**values, 'height': 3.0}) == ''

@@ -1,0 +1,177 @@
+"""Cross flow, Munk moment and the lift of a hull, by hand and by the published formulas."""
+
+import math
+
+from hypothesis import given
+from hypothesis import strategies as st
+from lta_sim.effects import cross_flow, hull_lift, munk_moment
+from lta_sim.effects.protocol import Motion
+from lta_sim.rigid_body import cross
+from lta_sim.state import ADDED, BODY
+import numpy as np
+import pytest
+
+LEVEL = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+NO = (0.0, 0.0, 0.0)
+REST = (0.0,) * 8
+ADDED_MASS = (0.05, 0.13, 0.2)
+number = st.floats(-3.0, 3.0, allow_subnormal=False)
+vectors = st.tuples(number, number, number)
+share = st.floats(0.0, 1.0)
+
+
+def flown(airspeed, rates=NO):
+    body = [0.0] * BODY
+    body[ADDED : ADDED + 3] = ADDED_MASS
+    return Motion(NO, LEVEL, airspeed, rates, airspeed, tuple(body), (0.0,) * 11, REST)
+
+
+def missing(p, airspeed):
+    return np.array(cross_flow.wrench(p, (), flown(airspeed), REST))
+
+
+def too_much(lost, airspeed):
+    return np.array(munk_moment.wrench((lost,), (), flown(airspeed), REST))
+
+
+def axis_by_axis(drag, airspeed):
+    return np.array([-d * abs(v) * v for d, v in zip(drag, airspeed, strict=True)])
+
+
+@pytest.mark.parametrize('angle', [0.0, 0.3, math.pi / 4, 2.0, -1.2])
+def test_a_round_hull_has_the_same_drag_all_round(angle):
+    drag, v = (0.09, 0.09, 0.36), (2.0 * math.cos(angle), 2.0 * math.sin(angle), 0.0)
+    force = axis_by_axis(drag, v) + missing((1.0, 0.0, *drag), v)[:3]
+    np.testing.assert_allclose(force, -0.09 * 2.0 * np.array(v), atol=1e-15)
+
+
+def test_without_it_a_round_hull_has_0_71_of_its_drag_at_45_degrees():
+    drag, v = (0.09, 0.09, 0.36), (math.sqrt(2.0), math.sqrt(2.0), 0.0)
+    assert np.linalg.norm(axis_by_axis(drag, v)) == pytest.approx(0.36 * math.sqrt(0.5))
+    part = missing((1.0, 0.0, *drag), v)
+    # Of 0.36 N along the flight: sqrt(1/2) there already, the rest from this effect.
+    assert np.linalg.norm(part) == pytest.approx(0.36 * (1.0 - math.sqrt(0.5)), rel=1e-12)
+
+
+@given(v=vectors)
+def test_both_shares_make_the_drag_go_with_the_speed(v):
+    drag = (0.09, 0.07, 0.36)
+    force = axis_by_axis(drag, v) + missing((1.0, 1.0, *drag), v)[:3]
+    expected = -np.linalg.norm(v) * np.array(drag) * v
+    np.testing.assert_allclose(force, expected, atol=1e-14)
+
+
+@given(v=vectors, horizontal=share, total=share, drag=st.tuples(share, share, share))
+def test_cross_flow_only_slows(v, horizontal, total, drag):
+    assert np.dot(missing((horizontal, total, *drag), v)[:3], v) <= 0.0
+
+
+@given(v=vectors)
+def test_a_lost_share_of_one_takes_the_munk_moment_away(v):
+    momentum = tuple(a * x for a, x in zip(ADDED_MASS, v, strict=True))
+    munk = np.array([-x for x in cross(v, momentum)])
+    wrench = too_much(1.0, v)
+    np.testing.assert_allclose(wrench, [0.0, 0.0, 0.0, *-munk], atol=1e-15)
+    assert np.linalg.norm(munk) <= 0.5 * (0.2 - 0.05) * np.dot(v, v) * (1.0 + 1e-12)
+
+
+def test_munk_turns_the_broad_side_and_its_share_holds_against_it():
+    # Nose up at 45 degrees (the air comes from below): Munk pitches further up, about -y.
+    v = (1.0, 0.0, -1.0)
+    munk = -np.array(cross(v, tuple(a * x for a, x in zip(ADDED_MASS, v, strict=True))))
+    assert munk[1] == pytest.approx(-0.15)
+    assert too_much(0.3, v)[4] == pytest.approx(0.045)
+
+
+# RGBlimp as its authors publish it (zhu-yj/ABNODE@138a1de).
+RGBLIMP = {
+    'density': 1.2187, 'area': 0.25,
+    'drag': 0.2425, 'drag_alpha2': 4.4195, 'drag_beta2': 7.508,
+    'side': 0.0083, 'side_alpha2': -0.0744, 'side_beta': -2.114,
+    'lift': 0.1594, 'lift_alpha': 2.9375, 'lift_beta2': 4.5537,
+    'roll': 0.0131, 'roll_alpha': -0.0301, 'roll_beta': -0.5256,
+    'pitch': 0.0568, 'pitch_alpha': 0.0933, 'pitch_beta4': 5.2357,
+    'yaw': 0.0006, 'yaw_alpha': -0.0012, 'yaw_beta': -0.0936,
+    'roll_rate': 0.0503, 'pitch_rate': 0.0264, 'yaw_rate': 0.0137,
+}  # fmt: skip
+P = tuple(RGBLIMP[parameter.name] for parameter in hull_lift.PARAMETERS)
+
+
+def published(v, w):
+    """Return force and moment in axes forward, right, down, as the authors write it."""
+    speed = np.linalg.norm(v)
+    alpha, beta = np.arctan2(v[2], v[0]), np.arcsin(v[1] / speed)
+    q = 0.5 * 1.2187 * speed**2 * 0.25
+    drag = q * (0.2425 + 4.4195 * alpha**2 + 7.508 * beta**2)
+    side = q * (0.0083 - 0.0744 * alpha**2 - 2.114 * beta)
+    lift = q * (0.1594 + 2.9375 * alpha + 4.5537 * beta**2)
+    moment = (
+        q * (0.0131 - 0.0301 * alpha - 0.5256 * beta) - 0.0503 * w[0],
+        q * (0.0568 + 0.0933 * alpha + 5.2357 * beta**4) - 0.0264 * w[1],
+        q * (0.0006 - 0.0012 * alpha - 0.0936 * beta) - 0.0137 * w[2],
+    )
+    ca, sa, cb, sb = np.cos(alpha), np.sin(alpha), np.cos(beta), np.sin(beta)
+    to_body = np.array([[ca * cb, -ca * sb, -sa], [sb, cb, 0.0], [sa * cb, -sa * sb, ca]])
+    return to_body @ (-drag, side, -lift), to_body @ moment
+
+
+FLIP = np.array([1.0, -1.0, -1.0])  # left and up to right and down, vectors and rates alike
+
+
+def lifted(v, w=NO):
+    return np.array(hull_lift.wrench(P, (), flown(tuple(v), tuple(w)), REST))
+
+
+@pytest.mark.parametrize('seed', range(12))
+def test_hull_lift_is_the_published_law_in_its_own_axes(seed):
+    generator = np.random.default_rng(seed)
+    speed = generator.uniform(0.3, 1.5)
+    alpha, beta = generator.uniform(-0.6, 0.6), generator.uniform(-0.5, 0.5)
+    v = speed * np.array(
+        [np.cos(alpha) * np.cos(beta), np.sin(beta), np.sin(alpha) * np.cos(beta)]
+    )
+    w = generator.uniform(-1.0, 1.0, 3)
+    force, moment = published(v, w)
+    wrench = lifted((FLIP * v).tolist(), (FLIP * w).tolist())
+    # The angles differ by (1 mm/s / v_x)^2 / 2, and v_x is at least 0.72 of the speed.
+    bound = 2e-6 / speed**2
+    assert np.linalg.norm(FLIP * wrench[:3] - force) <= bound * np.linalg.norm(force)
+    assert np.linalg.norm(FLIP * wrench[3:] - moment) <= bound * (
+        np.linalg.norm(moment) + 0.05 * np.linalg.norm(w)
+    )
+
+
+def test_lift_by_hand():
+    # Straight ahead at 1 m/s: q = 0.15234 N; drag, side to the right and lift up.
+    q = 0.5 * 1.2187 * 0.25
+    force = lifted((1.0, 0.0, 0.0))
+    np.testing.assert_allclose(
+        force, [-0.2425 * q, -0.0083 * q, 0.1594 * q, 0.0131 * q, -0.0568 * q, -0.0006 * q],
+        rtol=2e-6,
+    )  # fmt: skip
+    # Nose up against the air (it comes from below) lifts more; from the left pushes to the right.
+    assert lifted((1.0, 0.0, -0.2))[2] > 3.0 * force[2]
+    assert lifted((1.0, 0.2, 0.0))[1] < -0.05
+
+
+def test_hull_lift_is_finite_at_rest_and_its_damping_slows():
+    np.testing.assert_array_equal(lifted(NO), np.zeros(6))
+    spin = lifted(NO, (0.5, -0.4, 0.3))
+    np.testing.assert_allclose(spin[3:], (-0.0503 * 0.5, 0.0264 * 0.4, -0.0137 * 0.3), rtol=1e-15)
+
+
+@given(v=vectors, w=vectors, way=vectors)
+def test_hull_lift_has_no_step(v, w, way):
+    """Anywhere, backwards and in pure side-slip as well, within a thousandth of SLOW."""
+    step = 1e-6
+    near = np.array(v) + step * np.array(way)
+    change = lifted(near.tolist(), w) - lifted(v, w)
+    # Forces to 200 N at 5 m/s turn round within SLOW, twice.
+    assert np.all(abs(change) <= np.linalg.norm(way) * step / hull_lift.SLOW * 400.0)
+
+
+def test_hull_lift_alpha_is_even_where_it_flies_backwards():
+    ahead, back = lifted((1e-9, 0.0, -1.0)), lifted((-1e-9, 0.0, -1.0))
+    np.testing.assert_allclose(ahead, back, atol=1e-6)
+    over, under = lifted((-1.0, 0.0, 1e-9)), lifted((-1.0, 0.0, -1e-9))
+    np.testing.assert_allclose(over, under, atol=1e-6)
