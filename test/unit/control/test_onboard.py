@@ -4,7 +4,7 @@ import math
 
 from lta_control import onboard
 from lta_control.allocation import new_scratch
-from lta_control.autopilot import Autopilot, drone_of
+from lta_control.autopilot import Autopilot, drone_of, ESTIMATE
 from lta_control.cascade import Setpoint
 from lta_control.estimator import EstimatorSettings
 from lta_control.gains_file import load_gains
@@ -127,3 +127,36 @@ def test_any_number_of_rotors_flies_the_same_code(number):
         assert repr(pilot.memory) == repr(memory)
     assert len(duties) == number
     assert any(duties)
+
+
+NAN = (math.nan, 0.0, 0.0)
+
+
+@pytest.mark.parametrize('lost', [STILL._replace(rates=NAN), STILL._replace(force=NAN)])
+def test_a_sample_that_is_no_number_is_left_out(lost):
+    flying = run(guided(), 20)
+    assert run(flying, 1, lost).estimate == flying.estimate
+    assert not run(flying, 1, lost).stopped
+
+
+def test_a_setpoint_that_is_no_number_stops_the_motors_for_good():
+    flying = run(guided(), 20)
+    stopped = run(guided(flying, UP._replace(heading=math.nan)), 1)
+    assert stopped.stopped
+    assert stopped.duties == NONE
+    assert run(guided(stopped), 3).duties == NONE
+
+
+def test_an_estimate_that_is_no_number_stops_the_motors_for_good():
+    flying = run(guided(), 20)
+    lost = flying.estimate._replace(altitude=flying.estimate.altitude._replace(height=math.nan))
+    assert run(flying._replace(estimate=lost), 1).stopped
+
+
+def test_the_numbers_of_the_estimate_are_the_callers_own():
+    pilot = Autopilot(DRONE)
+    pilot.step(*STILL)
+    numbers = pilot.believed()
+    assert ESTIMATE.read(numbers) == pilot.estimate
+    pilot.step(*STILL)
+    assert ESTIMATE.read(numbers) != pilot.estimate
