@@ -1,5 +1,5 @@
 """
-Measure the batched kernel on a GPU: `python test/benchmark/gpu.py` prints name, value and unit.
+Measure the batched kernel on a GPU.
 
 Needs requirements-gpu.txt. Every vehicle has its own numbers and every effect on. `gpu.batched` is
 the rate in the kernel and `gpu.million_flights` a whole call of 60 s flights with all its copying.
@@ -7,11 +7,11 @@ the rate in the kernel and `gpu.million_flights` a whole call of 60 s flights wi
 the air; `gpu.difference_floor` that of flights that may bounce, which makes small ones grow.
 """
 
-import sys
+from collections.abc import Callable
 import time
 
+from bench import Figure
 from kernel import scattered, STEP
-from lta_config.errors import BadInput
 from lta_sim import gpu
 from lta_sim.fleet import Fleet
 from lta_sim.kernel import advance
@@ -19,6 +19,7 @@ import numpy as np
 
 STEPS = round(60.0 / STEP)
 COMPARED = 1000
+MANY = 1_000_000
 
 
 def many(count: int) -> tuple[np.ndarray, Fleet, np.ndarray, np.ndarray]:
@@ -31,14 +32,18 @@ def many(count: int) -> tuple[np.ndarray, Fleet, np.ndarray, np.ndarray]:
 
 
 def seconds(count: int, steps: int) -> float:
-    """Return the shortest of three times of a call. [s]"""
+    """Return the time of a call. [s]"""
     flights = many(count)
-    times = []
-    for _ in range(3):
-        begin = time.perf_counter()
-        gpu.advance_many(*flights, STEP, steps)
-        times.append(time.perf_counter() - begin)
-    return min(times)
+    begin = time.perf_counter()
+    gpu.advance_many(*flights, STEP, steps)
+    return time.perf_counter() - begin
+
+
+def batched(count: int) -> float:
+    """Return the rate in the kernel: what 60 s of flight take beyond the copying. [1/s]"""
+    whole = min(seconds(count, STEPS) for _ in range(3))
+    empty = min(seconds(count, 0) for _ in range(3))
+    return count * STEPS / (whole - empty)
 
 
 def difference(height: float) -> float:
@@ -53,27 +58,25 @@ def difference(height: float) -> float:
     return float(np.max(abs(there - np.array(here))))
 
 
-def main() -> None:
-    """Print the table."""
-    begin = time.perf_counter()
-    try:
-        gpu.advance_many(*many(1), STEP, 1)
-    except BadInput as refusal:
-        sys.stderr.write(f'{refusal}\n')
-        return
-    first = time.perf_counter() - begin
-    count = 1_000_000
-    whole, empty = seconds(count, STEPS), seconds(count, 0)
-    rows = (
-        ('gpu.first_call', f'{first:.2f}', 's'),
-        ('gpu.batched', f'{count * STEPS / (whole - empty):.4g}', 'vehicle-steps/s'),
-        ('gpu.million_flights', f'{whole:.2f}', 's'),
-        ('gpu.difference', f'{difference(100.0):.3g}', 'SI'),
-        ('gpu.difference_floor', f'{difference(0.0):.3g}', 'SI'),
-    )
-    for name, value, unit in rows:
-        sys.stdout.write(f'{name:<22} {value:>12} {unit}\n')
+def figures() -> list[Figure]:
+    """
+    Return what is measured here.
 
+    Raises
+    ------
+    BadInput
+        If there is no GPU that numba-cuda can use.
 
-if __name__ == '__main__':
-    main()
+    """
+    first = seconds(1, 1)
+
+    def once(name: str, unit: str, measure: Callable[[], float]) -> Figure:
+        return Figure(f'gpu.{name}', unit, measure, rounds=1)
+
+    return [
+        once('first_call', 's', lambda: first),
+        once('batched', 'vehicle-steps/s', lambda: batched(MANY)),
+        Figure('gpu.million_flights', 's', lambda: seconds(MANY, STEPS), 3, min),
+        once('difference', 'SI', lambda: difference(100.0)),
+        once('difference_floor', 'SI', lambda: difference(0.0)),
+    ]

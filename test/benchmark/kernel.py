@@ -1,5 +1,5 @@
 """
-Measure the kernel: `python test/benchmark/kernel.py` prints name, value and unit.
+Measure the kernel: one vehicle on one core, many on all, and a program that starts.
 
 Every effect is on; `kernel.cold` and `kernel.warm` are whole processes from their first import to
 their first step, without the start of the interpreter and with an empty and a filled cache.
@@ -12,6 +12,7 @@ import sys
 import tempfile
 import time
 
+from bench import Figure
 from lta_sim.batch import advance_many
 from lta_sim.effects import initial_memory
 from lta_sim.fleet import Fleet
@@ -63,31 +64,34 @@ def scattered(count: int) -> tuple[list[Model], np.ndarray, np.ndarray, np.ndarr
     return models, states, duties, winds
 
 
-def best(steps: int, calls: int) -> float:
-    """Return the shortest of five times of a call. [s]"""
+def single() -> float:
+    """Return the pace of one vehicle, called in a loop inside. [1/s]"""
+    return 1.0 / call(500_000)
+
+
+def control_step() -> float:
+    """Return the time of a call of 5 steps, 10 ms of flight. [us]"""
+    return 1e6 * call(5, 20_000)
+
+
+def call(steps: int, calls: int = 1) -> float:
+    """Return the time of a step where there is one call, else that of a call. [s]"""
     model, start = vehicle(), pack((0.0, 0.0, 1.0), memory=initial_memory())
-    advance(start, model, DUTY, CALM, STEP, 1)
-    times = []
-    for _ in range(5):
-        begin = time.perf_counter()
-        for _ in range(calls):
-            advance(start, model, DUTY, CALM, STEP, steps)
-        times.append((time.perf_counter() - begin) / calls)
-    return min(times)
+    begin = time.perf_counter()
+    for _ in range(calls):
+        advance(start, model, DUTY, CALM, STEP, steps)
+    return (time.perf_counter() - begin) / (steps if calls == 1 else calls)
 
 
-def batched(count: int, steps: int) -> float:
-    """Return the shortest of five times of a call on all cores. [s]"""
+def batched(count: int = 10_000, steps: int = 1000) -> float:
+    """Return the pace of many vehicles together, on all cores. [1/s]"""
     models, *arrays = scattered(1000)
     rows, few = np.arange(count) % len(models), Fleet.of(models)
     states, duties, winds = (array[rows] for array in arrays)
     fleet = Fleet(few.parameters[rows], few.body[rows], few.inverse[rows])
-    times = []
-    for _ in range(5):
-        begin = time.perf_counter()
-        advance_many(states, fleet, duties, winds, STEP, steps)
-        times.append(time.perf_counter() - begin)
-    return min(times)
+    begin = time.perf_counter()
+    advance_many(states, fleet, duties, winds, STEP, steps)
+    return count * steps / (time.perf_counter() - begin)
 
 
 def first_step(cache: Path) -> float:
@@ -105,20 +109,25 @@ def first_step(cache: Path) -> float:
     return float(subprocess.check_output(command, env=environment, text=True))
 
 
-def main() -> None:
-    """Print the table."""
+def cold() -> float:
+    """Return the time of the first step of all. [s]"""
     with tempfile.TemporaryDirectory() as folder:
-        cold, warm = first_step(Path(folder)), first_step(Path(folder))
-    rows = (
-        ('kernel.single', 1.0 / (best(1_000_000, 1) / 1_000_000), 'steps/s'),
-        ('kernel.batched', 1e7 / batched(10_000, 1000), 'vehicle-steps/s'),
-        ('kernel.control_step', 1e6 * best(5, 20_000), 'us per call of 5 steps'),
-        ('kernel.cold', cold, 's'),
-        ('kernel.warm', warm, 's'),
-    )
-    for name, value, unit in rows:
-        sys.stdout.write(f'{name:<22} {value:>14,.3f} {unit}\n')
+        return first_step(Path(folder))
 
 
-if __name__ == '__main__':
-    main()
+def warm() -> float:
+    """Return the time of the first step where the kernel is in the cache. [s]"""
+    with tempfile.TemporaryDirectory() as folder:
+        first_step(Path(folder))
+        return min(first_step(Path(folder)) for _ in range(3))
+
+
+def figures() -> list[Figure]:
+    """Return what is measured here."""
+    return [
+        Figure('kernel.single', 'steps/s', single),
+        Figure('kernel.batched', 'vehicle-steps/s', batched),
+        Figure('kernel.control_step', 'us per 5 steps', control_step, choose=min),
+        Figure('kernel.cold', 's', cold, rounds=1, choose=min),
+        Figure('kernel.warm', 's', warm, rounds=1, choose=min),
+    ]
