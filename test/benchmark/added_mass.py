@@ -17,7 +17,8 @@ import numpy as np
 MASS = 0.358  # parts and gas of GT-MAB [kg]
 RADIUS, HALF_HEIGHT = 0.5, 0.2995  # of its hull as a spheroid [m]
 AIR_DENSITY = 1.2  # [kg/m^3]
-FORCE = 0.02  # the 2 g that it is heavy, upwards [N]
+FORCE = 0.02  # as much as the 2 g that GT-MAB is heavy, upwards [N]
+GRAVITY = 9.81  # [m/s^2]
 ADDED = spheroid_added_mass(RADIUS, HALF_HEIGHT, AIR_DENSITY)
 
 
@@ -28,13 +29,18 @@ def lamb() -> float:
 
 def kernel() -> float:
     """Return the acceleration by LTA's kernel. [m/s^2]"""
-    axes = ('surge', 'sway', 'heave', 'roll', 'pitch', 'yaw')
+    axes = ('surge', 'sway', 'heave')
     effects = {
-        'weight_and_buoyancy': {'buoyancy': 9.81 * MASS + FORCE, 'weight': 9.81 * MASS},
-        'added_mass': dict(zip(axes, ADDED, strict=True)),
+        'weight_and_buoyancy': {'gravity': GRAVITY},
+        'added_mass': dict(zip(axes, ADDED[:3], strict=True)),
     }
-    inertia = np.diag([0.015, 0.015, 0.018])
-    model = Model.build(effects, mass=MASS, cg=np.zeros(3), inertia=inertia)
+    model = Model.build(
+        effects,
+        mass=MASS,
+        cg=np.zeros(3),
+        inertia=np.diag([0.015, 0.015, 0.018]),
+        displaced=MASS + FORCE / GRAVITY,
+    )
     rate = derivative(pack(memory=initial_memory()), model, np.zeros(4))
     return float(rate[VELOCITY][2])
 

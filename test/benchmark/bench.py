@@ -2,9 +2,9 @@
 The measurements: `make bench` prints a table and writes `runs/bench.json`.
 
 A benchmark is a file here, or in `peers/`, with a function `figures`; what it cannot measure on
-this machine it refuses with `BadInput`, and is listed as skipped. A figure and its peers are
-sampled turn about and the best sample counts, so that other work on the machine spoils neither
-them nor their ratio. `make bench ARGS='kernel mujoco'` takes only these files.
+this machine it refuses with `BadInput`, and is listed as skipped. All figures are sampled turn
+about over the whole run and the best sample of each counts, so that other work on the machine
+spoils neither them nor their ratio. `make bench ARGS='kernel mujoco'` takes only these files.
 
 The file is a list of {name, value, unit, peer, ratio}. `ratio` is always LTA's figure over the
 peer's: in LTA's own row over its best peer's, in a peer's row over this peer's.
@@ -25,7 +25,8 @@ from rich.table import Table
 
 HERE = Path(__file__).resolve().parent
 RESULTS = HERE.parents[1] / 'runs' / 'bench.json'
-NO_BENCHMARKS = ('bench', 'flights')  # `make flights` takes minutes and has a table of its own
+# `make flights` takes minutes and has a table of its own.
+NO_BENCHMARKS = ('bench', 'flights', 'gtmab')
 Choice = Callable[[Iterable[float]], float]
 
 
@@ -57,7 +58,7 @@ class Figure:
     name: str
     unit: str
     measure: Callable[[], float]
-    rounds: int = 5
+    rounds: int = 8
     choose: Choice = max
     of: str = ''
     peer: str = ''
@@ -98,6 +99,8 @@ def gather(modules: Iterable[tuple[str, str]]) -> tuple[list[Figure], list[Absen
     """Return what can be measured here, and what cannot."""
     figures: list[Figure] = []
     absent: list[Absent] = []
+    # crazyflow wants it before scipy is imported; programs started later must not have it.
+    os.environ['SCIPY_ARRAY_API'] = '1'
     for name, module in modules:
         try:
             figures += import_module(module).figures()
@@ -111,6 +114,7 @@ def gather(modules: Iterable[tuple[str, str]]) -> tuple[list[Figure], list[Absen
             absent.append(Absent(name, f'{lacking} is not installed; {remedy}', failed=own))
         except Exception as error:
             absent.append(Absent(name, f'{type(error).__name__}: {error}', failed=True))
+    os.environ.pop('SCIPY_ARRAY_API')
     return figures, absent
 
 
@@ -122,14 +126,15 @@ def groups(figures: Sequence[Figure]) -> list[list[Figure]]:
     return [sorted(group, key=lambda figure: figure.of) for group in found.values()]
 
 
-def sample(group: Sequence[Figure]) -> tuple[dict[Figure, float], list[Absent]]:
-    """Return the value of each figure of a group, measured turn about."""
-    samples: dict[Figure, list[float]] = {figure: [] for figure in group}
+def sample(
+    figures: Sequence[Figure], tell: Callable[[str], None] = lambda name: None
+) -> tuple[dict[Figure, float], list[Absent]]:
+    """Return the value of each figure, all measured turn about."""
+    samples: dict[Figure, list[float]] = {figure: [] for figure in figures}
     absent: list[Absent] = []
-    for turn in range(max(figure.rounds for figure in group)):
-        for figure in list(samples):
-            if turn >= figure.rounds:
-                continue
+    for turn in range(max((figure.rounds for figure in figures), default=0)):
+        for figure in [figure for figure in samples if turn < figure.rounds]:
+            tell(f'{figure.name}, {turn + 1} of {figure.rounds}')
             try:
                 samples[figure].append(figure.measure())
             except Exception as error:
@@ -192,13 +197,15 @@ def main(chosen: Sequence[str] = ()) -> int:
     # All imports first: rclpy's starts the interpreter anew.
     modules = [(name, module) for name, module in known.items() if not chosen or name in chosen]
     figures, absent = gather(modules)
-    rows: list[Row] = []
+    ordered = groups(figures)
     with Console(stderr=True).status('') as status:
-        for group in groups(figures):
-            status.update(f'measuring {", ".join(figure.name for figure in group)} ...')
-            values, broken = sample(group)
-            rows += rows_of(values)
-            absent += broken
+        values, broken = sample([figure for group in ordered for figure in group], status.update)
+    rows = [
+        row
+        for group in ordered
+        for row in rows_of({figure: values[figure] for figure in group if figure in values})
+    ]
+    absent += broken
     show(Console(width=None if sys.stdout.isatty() else 120), rows, absent)
     write(rows, RESULTS)
     sys.stdout.write(f'{RESULTS}\n')

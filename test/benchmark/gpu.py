@@ -1,8 +1,8 @@
 """
 Measure the batched kernel on a GPU.
 
-Needs requirements-gpu.txt. Every vehicle has its own numbers and every effect on. `gpu.batched` is
-the rate in the kernel and `gpu.million_flights` a whole call of 60 s flights with all its copying.
+Needs requirements-gpu.txt. Every vehicle is a GT-MAB with its own numbers. `gpu.batched` is the
+rate in the kernel and `gpu.million_flights` a whole call of 60 s flights with all its copying.
 `gpu.difference` is the largest deviation of any number of 1000 states from the CPU's after 60 s in
 the air; `gpu.difference_floor` that of flights that may bounce, which makes small ones grow.
 """
@@ -11,10 +11,10 @@ from collections.abc import Callable
 import time
 
 from bench import Figure
-from kernel import scattered, STEP
+from gtmab import scattered, STEP
 from lta_sim import gpu
+from lta_sim.batch import advance_many
 from lta_sim.fleet import Fleet
-from lta_sim.kernel import advance
 import numpy as np
 
 STEPS = round(60.0 / STEP)
@@ -24,11 +24,9 @@ MANY = 1_000_000
 
 def many(count: int) -> tuple[np.ndarray, Fleet, np.ndarray, np.ndarray]:
     """Return that many flights, as copies of the first thousand."""
-    models, states, duties, winds = scattered(COMPARED)
+    states, fleet, duties, surroundings = scattered(COMPARED)
     rows = np.arange(count) % COMPARED
-    few = Fleet.of(models)
-    fleet = Fleet(few.parameters[rows], few.body[rows], few.inverse[rows])
-    return states[rows], fleet, duties[rows], winds[rows]
+    return states[rows], fleet.rows(rows), duties[rows], surroundings[rows]
 
 
 def seconds(count: int, steps: int) -> float:
@@ -48,14 +46,11 @@ def batched(count: int) -> float:
 
 def difference(height: float) -> float:
     """Return the largest deviation from the CPU after a flight that begins at a height."""
-    models, states, duties, winds = scattered(COMPARED)
-    states[:, 2] += height
-    there = gpu.advance_many(states, Fleet.of(models), duties, winds, STEP, STEPS)
-    here = [
-        advance(state, model, duty, wind, STEP, STEPS)
-        for state, model, duty, wind in zip(states, models, duties, winds, strict=True)
-    ]
-    return float(np.max(abs(there - np.array(here))))
+    states, *others = scattered(COMPARED)
+    risen = states.copy()
+    risen[:, 2] += height
+    there = gpu.advance_many(risen, *others, STEP, STEPS)
+    return float(np.max(abs(there - advance_many(risen, *others, STEP, STEPS))))
 
 
 def figures() -> list[Figure]:

@@ -72,6 +72,6 @@ def figures() -> list[Figure]:
     unit, of = 'vehicle-steps/s', 'kernel.batched'
     euler, rk4 = pace(Integrator.euler), pace(Integrator.rk4)
     return [
-        Figure('crazyflow.batched', unit, euler, 8, of=of, peer=f'{program}, Euler, fp32'),
-        Figure('crazyflow.batched_rk4', unit, rk4, 8, of=of, peer=f'{program}, RK4, fp32'),
+        Figure('crazyflow.batched', unit, euler, of=of, peer=f'{program}, Euler, fp32'),
+        Figure('crazyflow.batched_rk4', unit, rk4, of=of, peer=f'{program}, RK4, fp32'),
     ]
