@@ -37,8 +37,9 @@ def nearby(effect: Effect) -> dict[str, float]:
 @cache
 def numbers(every: bool) -> dict[str, dict[str, float]]:
     """Return the parameters of the effects that are on."""
-    own = load_vehicle('gtmab').effects()
-    others = {name: nearby(effect) for name, effect in EFFECTS.items() if name not in own}
+    vehicle = load_vehicle('gtmab')
+    own, on = vehicle.effects(), vehicle.model().given
+    others = {name: nearby(effect) for name, effect in EFFECTS.items() if name not in on}
     return own | others if every else own
 
 
