@@ -58,7 +58,7 @@ class Figure:
     name: str
     unit: str
     measure: Callable[[], float]
-    rounds: int = 8
+    rounds: int = 10
     choose: Choice = max
     of: str = ''
     peer: str = ''
