@@ -99,8 +99,6 @@ def gather(modules: Iterable[tuple[str, str]]) -> tuple[list[Figure], list[Absen
     """Return what can be measured here, and what cannot."""
     figures: list[Figure] = []
     absent: list[Absent] = []
-    # crazyflow wants it before scipy is imported; programs started later must not have it.
-    os.environ['SCIPY_ARRAY_API'] = '1'
     for name, module in modules:
         try:
             figures += import_module(module).figures()
@@ -114,7 +112,6 @@ def gather(modules: Iterable[tuple[str, str]]) -> tuple[list[Figure], list[Absen
             absent.append(Absent(name, f'{lacking} is not installed; {remedy}', failed=own))
         except Exception as error:
             absent.append(Absent(name, f'{type(error).__name__}: {error}', failed=True))
-    os.environ.pop('SCIPY_ARRAY_API')
     return figures, absent
 
 
