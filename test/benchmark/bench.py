@@ -107,7 +107,7 @@ def gather(modules: Iterable[tuple[str, str]]) -> tuple[list[Figure], list[Absen
         except ModuleNotFoundError as error:
             lacking = str(error.name)
             file = 'requirements-bench.txt' if module.startswith('peers.') else 'requirements.txt'
-            remedy = f'pip install -r {file}'
+            remedy = f'.venv/bin/pip install -c constraints.txt -r {file}'
             own = lacking.startswith('lta_')
             absent.append(Absent(name, f'{lacking} is not installed; {remedy}', failed=own))
         except Exception as error:

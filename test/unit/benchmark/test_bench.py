@@ -106,7 +106,8 @@ def test_all_is_written_though_one_breaks(bench, monkeypatch, tmp_path, capsys):
         (BadInput('There is no GPU; find one.'), 'made skipped: There is no GPU; find one.', 0),
         (
             ModuleNotFoundError("No module named 'rclpy'", name='rclpy'),
-            'made skipped: rclpy is not installed; pip install -r requirements.txt',
+            'made skipped: rclpy is not installed; '
+            '.venv/bin/pip install -c constraints.txt -r requirements.txt',
             0,
         ),
         (ModuleNotFoundError('', name='lta_sim.gone'), 'made failed: lta_sim.gone is not', 1),
@@ -137,3 +138,10 @@ def test_every_file_is_a_benchmark(bench):
     for name in bench.benchmarks().values():
         path = FOLDER / (name.replace('.', '/') + '.py')
         assert '\ndef figures() -> list[Figure]:\n' in path.read_text(), name
+
+
+def test_each_peer_is_pinned_to_one_version():
+    file = FOLDER.parents[1] / 'requirements-bench.txt'
+    lines = [line for line in file.read_text().splitlines() if not line.startswith('#')]
+    pins = dict(line.split('==') for line in lines)
+    assert pins.keys() == {path.stem for path in FOLDER.glob('peers/[!_]*.py')}
