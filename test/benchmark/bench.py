@@ -169,7 +169,9 @@ def show(console: Console, rows: Sequence[Row], absent: Sequence[Absent]) -> Non
         table.add_row(row.name, number(row.value), row.unit, row.peer or '', ratio)
     console.print(table)
     for each in absent:
-        console.print(f'{each.name} {"failed" if each.failed else "skipped"}: {each.why}')
+        # Brackets in a sentence are no style.
+        state = 'failed' if each.failed else 'skipped'
+        console.print(f'{each.name} {state}: {each.why}', markup=False, highlight=False)
 
 
 def number(value: float) -> str:
