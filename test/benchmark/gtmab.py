@@ -16,13 +16,22 @@ from lta_sim.vehicle import load_vehicle
 import numpy as np
 
 STEP = 2e-3
-DUTY = np.array([0.1, 0.1, 0.2, 0.2])
+DUTY = np.array([0.145, 0.145, 0.2, 0.2])  # forward, and slowly up
 # Wind, noise, sunlight and a cell that is not full: for whatever effect looks at them.
 SURROUNDED = np.array([0.1, 0.05, 0.0, 0.3, -0.2, 0.1, 300.0, 3.8])
 SHARE = 0.1
 
-# What a small step from null cannot say, by effect and parameter.
-GIVEN: dict[str, dict[str, float]] = {}
+# What a small step from null cannot say: a room that the vehicle fits into, air that knows it.
+HULL = {'radius': 0.5, 'half_height': 0.3}
+ROOM = {'x_low': -500.0, 'x_high': 500.0, 'y_low': -500.0, 'y_high': 500.0, 'ceiling': 500.0}
+LENGTHS = {f'{axis}_length': 5.0 for axis in ('along', 'across', 'up')}
+GIVEN: dict[str, dict[str, float]] = {
+    'walls': ROOM | HULL | {'stiffness': 20.0, 'relaxation': 0.2, 'friction': 0.5},
+    'ceiling_effect': {'radius': 0.025, 'height': 100.0},
+    'ground_effect': {'radius': 0.025},
+    'turbulence': LENGTHS,
+    'wind_profile': {'half_height': HULL['half_height']},
+}
 
 
 def nearby(effect: Effect) -> dict[str, float]:
@@ -60,7 +69,7 @@ def vehicle(every: bool = False) -> Model:
 
 
 def start() -> np.ndarray:
-    """Return the vehicle at rest, high enough not to come down while it is measured."""
+    """Return the vehicle at rest in the air."""
     return pack((0.0, 0.0, 1.0), memory=initial_memory())
 
 
