@@ -56,15 +56,13 @@ def numbers(every: bool) -> dict[str, dict[str, float]]:
 def vehicle(every: bool = False) -> Model:
     """Return GT-MAB, with its own effects or with every one."""
     loaded = load_vehicle('gtmab')
-    forces = (np.array(column[:3]) for column in loaded.allocation)
-    places = (rotor.position.vector for rotor in loaded.file.rotors.values())
     return Model.build(
         numbers(every),
         mass=loaded.mass,
         cg=loaded.cg,
         inertia=loaded.inertia,
-        displaced=loaded.volume * loaded.air_density,
-        rotors=[(place, f / np.linalg.norm(f)) for place, f in zip(places, forces, strict=True)],
+        displaced=loaded.displaced,
+        rotors=[(rotor.place, rotor.axis) for rotor in loaded.rotors],
     )
 
 
