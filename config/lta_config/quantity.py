@@ -62,6 +62,7 @@ UNITS: dict[str, tuple[str, float]] = {
     'degC': ('degC', 1.0),
     'Pa': ('Pa', 1.0),
     'hPa': ('Pa', 100.0),
+    'Pa/s': ('Pa/s', 1.0),
     'V': ('V', 1.0),
     'mV': ('V', 1e-3),
     'uV': ('V', 1e-6),
@@ -79,6 +80,7 @@ UNITS: dict[str, tuple[str, float]] = {
     'lx': ('lx', 1.0),
     'lm': ('lm', 1.0),
     'lm/W': ('lm/W', 1.0),
+    'ppm': ('1', 1e-6),
 }
 
 UNSOURCED = 'has no source; add "source: ..." (measured, datasheet, assumed...)'

@@ -1,60 +1,76 @@
 """
-The vehicle file: parts, rotors, an aero block and effects, every number with unit and source.
+The vehicle file: parts in layers, rotors, an aero block and effects; each number with its source.
 
-The models below are the schema; `lta_sim.vehicle` derives from it what the cores need.
+The models here and in `vehicle_body` are the schema; `lta_sim.vehicle` derives from it what the
+cores need.
 """
 
 from collections.abc import Mapping
-from typing import Annotated, Literal
+import math
+from typing import Annotated, Any, Literal
 
 from lta_config.files import find, load, Record
 from lta_config.quantity import Quantity, si
+from lta_config.vehicle_body import (
+    Fraction,
+    Hull,
+    Layer,
+    Length,
+    Measured,
+    MovingMass,
+    Part,
+    Place,
+    Trim,
+)
+from lta_config.vehicle_version import upgraded
 from pydantic import AliasChoices, Field, model_validator
 
-Length = Annotated[Quantity, si('m', above=0.0, sourced=True)]
-Place = Annotated[Quantity, si('m', low=-20.0, high=20.0, length=3, sourced=True)]
-Mass = Annotated[Quantity, si('kg', above=0.0, high=100.0, sourced=True)]
-Fraction = Annotated[Quantity, si('1', low=0.0, high=1.0, sourced=True)]
 Power = Annotated[Quantity, si('W', low=0.0, sourced=True)]
+Force = Annotated[Quantity, si('1', low=-1.5, high=1.5, length=3, sourced=True)]
+Moment = Annotated[Quantity, si('m', low=-5.0, high=5.0, length=3, sourced=True)]
+ROTORS = 8  # places for rotors in the model
 
 
-class Hull(Record):
-    """The envelope: a balloon of revolution about body z, filled with helium of some purity."""
+class Control(Record):
+    """The control law that flies the vehicle, and its file of gains in `config/control`."""
 
-    diameter: Length
-    height: Length
-    volume_factor: Annotated[Quantity, si('1', above=0.0, sourced=True)]
-    purity: Fraction
-
-
-class Trim(Record):
-    """How much heavier than air the vehicle is flown, and where the ballast for it goes."""
-
-    heaviness: Annotated[Quantity, si('kg', low=-0.1, high=1.0, sourced=True)]
-    ballast_position: Place
-
-
-class Part(Record):
-    """A body with mass, centre and outer size; `shell` is a thin ellipsoid, `box` a solid box."""
-
-    shape: Literal['shell', 'box']
-    mass: Mass
-    position: Place
-    size: Annotated[Quantity, si('m', above=0.0, length=3, sourced=True)]
-
-
-class Rotor(Record):
-    """One rotor; only a reversible one accepts negative duty."""
-
-    reversible: bool
-    position: Place
+    law: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
+    gains: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')] | None = None
+    source: str
 
 
 class ThrustCurve(Record):
-    """T = a u^2 + b u."""
+    """T = a u^2 + b u; `reverse` is the thrust at full reverse duty where it is not the same."""
 
     a: Annotated[Quantity, si('N', low=0.0, sourced=True)]
     b: Annotated[Quantity, si('N', above=0.0, sourced=True)]
+    reverse: Annotated[Quantity, si('N', low=0.0, sourced=True)] | None = None
+
+
+class Torque(Record):
+    """Torque of the air per thrust, and how the rotor spins, its thrust towards the eye."""
+
+    per_thrust: Annotated[Quantity, si('m', low=0.0, high=1.0, sourced=True)]
+    spin: Literal['clockwise', 'anticlockwise']
+
+
+class Rotor(Record):
+    """One rotor; its thrust points along `axis`, and only a reversible one accepts duty < 0."""
+
+    reversible: bool
+    position: Place
+    axis: Annotated[Quantity, si('1', low=-1.0, high=1.0, length=3, sourced=True)]
+    thrust_curve: ThrustCurve | None = None
+    torque: Torque | None = None
+
+    @model_validator(mode='after')
+    def _points_somewhere(self) -> 'Rotor':
+        length = math.hypot(*self.axis.vector)
+        if not 0.99 <= length <= 1.01:
+            raise ValueError(f'has an axis of length {length:.3g}; divide it by that')
+        if self.thrust_curve and self.thrust_curve.reverse and not self.reversible:
+            raise ValueError('has a thrust in reverse but is not reversible; remove one')
+        return self
 
 
 class Drag(Record):
@@ -78,19 +94,37 @@ class QuadraticDrag(Drag):
     moment: Annotated[Quantity, si('N m s2', low=0.0, length=3, sourced=True)]
 
 
-class RotorColumn(Record):
-    """One column of B: wrench about the hull centre per newton of the rotor's thrust."""
+class Wrench(Record):
+    """Force and moment about the hull centre per newton of thrust."""
 
-    force: Annotated[Quantity, si('1', low=-1.5, high=1.5, length=3, sourced=True)]
-    moment: Annotated[Quantity, si('m', low=-5.0, high=5.0, length=3, sourced=True)]
+    force: Force
+    moment: Moment
+
+
+class RotorColumn(Wrench):
+    """One column of B; `reverse` is the column of reversed thrust where it is another."""
+
+    reverse: Wrench | None = None
+
+
+class Coupling(Wrench):
+    """What the jets of some rotors make together, per newton of the weakest of them."""
+
+    rotors: Annotated[list[str], Field(min_length=2)]
+    reversed: bool = False  # whether it is their reversed jets that meet
 
 
 class Aero(Record):
-    """What a wind tunnel says, about the hull centre."""
+    """
+    What a wind tunnel says, about the hull centre.
+
+    A rotor without a column in `thrust_allocation` gets it from its place, axis and torque.
+    """
 
     linear_drag: LinearDrag
     quadratic_drag: QuadraticDrag
-    thrust_allocation: Mapping[str, RotorColumn]
+    thrust_allocation: Mapping[str, RotorColumn] = Field(default_factory=dict)
+    coupling: Coupling | None = None
 
 
 class Diodes(Record):
@@ -128,25 +162,85 @@ class Energy(Record):
 class VehicleFile(Record):
     """A whole vehicle file."""
 
-    schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
+    schema_version: Annotated[Literal[2], Field(validation_alias=AliasChoices('schema'))]
     name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
     about: str
+    control: Control | None = None
     hull: Hull
     trim: Trim
-    parts: Annotated[Mapping[str, Part], Field(min_length=1)]
-    rotors: Mapping[str, Rotor]
-    thrust_curve: ThrustCurve
+    measured: Measured | None = None
+    layers: Mapping[str, Layer] = Field(default_factory=dict)
+    moving_mass: MovingMass | None = None
+    rotors: Annotated[Mapping[str, Rotor], Field(max_length=ROTORS)]
+    thrust_curve: ThrustCurve | None = None
     aero: Aero
     effects: Mapping[str, Mapping[str, Quantity]]
     sensors: Sensors
     energy: Energy
 
+    @property
+    def parts(self) -> dict[str, Part]:
+        """All parts by name, layer by layer."""
+        return {name: part for layer in self.layers.values() for name, part in layer.items()}
+
+    @model_validator(mode='before')
+    @classmethod
+    def _from_version_1(cls, content: Any) -> Any:  # noqa: ANN401 - whatever the file held
+        return upgraded(content)
+
     @model_validator(mode='after')
-    def _columns_match_rotors(self) -> 'VehicleFile':
-        if list(self.aero.thrust_allocation) != list(self.rotors):
+    def _parts_stand_once(self) -> 'VehicleFile':
+        seen: dict[str, str] = {}
+        for layer, parts in self.layers.items():
+            for name in parts:
+                if name in seen:
+                    raise ValueError(
+                        f'names the part {name} in the layers {seen[name]} and {layer}; '
+                        'give one another name'
+                    )
+                seen[name] = layer
+        return self
+
+    @model_validator(mode='after')
+    def _columns_are_of_rotors(self) -> 'VehicleFile':
+        coupled = self.aero.coupling.rotors if self.aero.coupling else []
+        for place, names in (
+            ('thrust_allocation', self.aero.thrust_allocation),
+            ('coupling', coupled),
+        ):
+            if strangers := [name for name in names if name not in self.rotors]:
+                raise ValueError(
+                    f'has no rotor {", ".join(strangers)}, which aero.{place} names; '
+                    f'rotors: {", ".join(self.rotors)}'
+                )
+        if bare := [
+            n for n, r in self.rotors.items() if not (r.thrust_curve or self.thrust_curve)
+        ]:
+            raise ValueError(f'has no thrust_curve for {", ".join(bare)}; add one for all or each')
+        return self
+
+    @model_validator(mode='after')
+    def _trim_is_clear(self) -> 'VehicleFile':
+        trim = self.trim
+        if trim.ballast == 'none' and trim.ballast_position:
+            raise ValueError('has trim.ballast none and a trim.ballast_position; remove one')
+        if not self.measured and not self.parts:
+            raise ValueError('has no parts in layers and was not measured as a whole; add either')
+        if self.measured:
+            if trim.ballast_position:
+                raise ValueError(
+                    'is weighed as a whole (measured) and has a trim.ballast_position; '
+                    'ballast is in what was weighed, so remove the position'
+                )
+        elif trim.ballast != 'none' and not (trim.heaviness and trim.ballast_position):
             raise ValueError(
-                f'names the rotors {", ".join(self.rotors)} but the columns of thrust_allocation '
-                f'{", ".join(self.aero.thrust_allocation)}; use the same names in the same order'
+                'has a trim without heaviness and ballast_position; add both, or '
+                '"ballast: none" to fly it as heavy as its parts are'
+            )
+        elif trim.ballast == 'none' and trim.heaviness:
+            raise ValueError(
+                'has trim.ballast none and a trim.heaviness, which only ballast could bring '
+                'about; remove one'
             )
         return self
 

@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parents[2]
 GTMAB = (ROOT / 'config/vehicles/gtmab.yaml').read_text()
 
 COMMANDS = {
-    'vehicle': (['fly', '--vehicle', 'zeppelin'], "Unknown vehicle 'zeppelin'; known: gtmab."),
+    'vehicle': (['fly', '--vehicle', 'zeppelin'], "Unknown vehicle 'zeppelin'; known: beavis, "),
     'scenario': (['fly', '--scenario', 'moon'], "Unknown scenario 'moon'; known: lamp_room."),
     'strategy': (['fly', '--strategy', 'luck'], "Unknown strategy 'luck'; known: bag."),
     'vehicle path': (['fly', '--vehicle', 'no/such.yaml'], 'There is no vehicle file'),
@@ -51,8 +51,8 @@ VEHICLES = {
     'negative mass': ('value: 116.8', 'value: -116.8', 'must be above 0 and at most'),
     'not a number': ('value: 116.8', 'value: .nan', 'not a finite number'),
     'no number': ('value: 116.8', 'value: heavy', 'heavy'),
-    'not yaml': ('schema: 1', 'schema: [1', 'is not valid YAML'),
-    'newer schema': ('schema: 1', 'schema: 99', '99'),
+    'not yaml': ('schema: 2', 'schema: [2', 'is not valid YAML'),
+    'newer schema': ('schema: 2', 'schema: 99', '99'),
 }
 
 

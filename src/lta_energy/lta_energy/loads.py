@@ -90,5 +90,7 @@ def demand(loads: Loads, thrusts: Sequence[float], transmitting: bool) -> float:
         Power. [W]
 
     """
-    rotors = sum(rotor_power(thrust, loads.rotor_offset, loads.rotor_slope) for thrust in thrusts)
+    rotors, offset, slope = 0.0, loads.rotor_offset, loads.rotor_slope
+    for thrust in thrusts:
+        rotors += rotor_power(thrust, offset, slope)
     return loads.idle + (loads.transmitting if transmitting else 0.0) + rotors

@@ -188,6 +188,23 @@ def look(
     return Look(dict(zip(names, out, strict=True)), thrusts, wind)
 
 
+def thrusts(
+    state: ArrayLike, model: Model, command: ArrayLike, surroundings: ArrayLike = CALM
+) -> State:
+    """Return the thrust of each rotor: `look(...).thrusts`, without the rest. [N]"""
+    start, orders, air = _input(state, command, surroundings)
+    out, wind = np.empty(ACTUATORS), np.empty(3)
+    rows = _rows()  # written, not read
+    _kernel().look(start, model.parameters, model.on, model.body, orders, air, rows, out, wind)
+    return out
+
+
+@cache
+def _rows() -> State:
+    """Return room for the wrench of each wrench effect."""
+    return np.empty((len(LAYOUT.wrenches), 6))
+
+
 def wrenches(
     state: ArrayLike, model: Model, command: ArrayLike, surroundings: ArrayLike = CALM
 ) -> Mapping[str, State]:

@@ -1,6 +1,7 @@
 """What the vehicle publishes, as ROS messages."""
 
 import array
+from collections.abc import Sequence
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Vector3Stamped
@@ -100,17 +101,17 @@ def branch(stamp: Time, voltage: float, current: float, location: str) -> Batter
     )
 
 
-def truth(stamp: Time, state: NDArray[np.float64]) -> Odometry:
-    """Return the true pose in `map` and twist in the body frame."""
+def truth(stamp: Time, motion: Sequence[float]) -> Odometry:
+    """Return the pose in `map` and twist in the body frame of the first 13 numbers of a state."""
     message = Odometry()
     message.header = _header(stamp, 'ground_truth/odom')
     message.child_frame_id = 'base_link'
     pose, twist = message.pose.pose, message.twist.twist
     p, q, v, w = pose.position, pose.orientation, twist.linear, twist.angular
-    p.x, p.y, p.z = state[POSITION].tolist()
-    q.x, q.y, q.z, q.w = state[QUATERNION].tolist()
-    v.x, v.y, v.z = state[VELOCITY].tolist()
-    w.x, w.y, w.z = state[RATES].tolist()
+    p.x, p.y, p.z = motion[POSITION]
+    q.x, q.y, q.z, q.w = motion[QUATERNION]
+    v.x, v.y, v.z = motion[VELOCITY]
+    w.x, w.y, w.z = motion[RATES]
     return message
 
 

@@ -41,8 +41,9 @@ class Readings:
         At the panel. [lx]
     battery, panel : (float, float) or None
         Voltage [V] and current [A]; negative discharges.
-    truth : bool
-        Whether the true state is due.
+    truth : tuple of 13 floats or None
+        What a tracker tells: position [m] and quaternion x y z w, velocity [m/s] and rates [rad/s]
+        in the body frame; the truth itself unless an effect of the vehicle's is on.
 
     """
 
@@ -55,4 +56,4 @@ class Readings:
     illuminance: float | None = None
     battery: tuple[float, float] | None = None
     panel: tuple[float, float] | None = None
-    truth: bool = False
+    truth: tuple[float, ...] | None = None

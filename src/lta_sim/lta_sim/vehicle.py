@@ -2,58 +2,32 @@
 A vehicle as the cores need it, derived from its file.
 
 Mass, centre of gravity and inertia follow from the parts, the gas and the ballast that trims the
-vehicle to its declared heaviness; added mass from the hull's shape (Lamb); everything about the
-hull centre, body frame.
+vehicle to its declared heaviness (`balance`), or from its weighing; added mass from the hull's
+shape (`hull`), the wrench of the rotors from wind tunnel or geometry (`propulsion`). Everything
+about the hull centre, body frame.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Sequence
 from functools import cached_property
-import math
 from typing import final
 
 from lta_config.constants import AIR_DENSITY, STANDARD_GRAVITY
 from lta_config.errors import BadInput
 from lta_config.files import find
-from lta_config.quantity import misfit, Quantity, UNSOURCED
-from lta_config.vehicle_file import load_vehicle_file, Part, VehicleFile
+from lta_config.vehicle_file import load_vehicle_file, VehicleFile
 from lta_energy.battery import Battery
 from lta_energy.loads import Loads
 from lta_energy.panel import Panel
-from lta_sim import effects
-from lta_sim.effects import rotational_drag
-from lta_sim.effects.protocol import AXES
-from lta_sim.mass import spheroid_added_mass
+from lta_sim import declared, hover, hull, propulsion
+from lta_sim.balance import Array, Balance, gas_lump, Lump, part_lump
 from lta_sim.model import Model
 from lta_sim.sensors.photodiode import PhotodiodeArray
-from lta_sim.state import ACTUATORS
+from lta_sim.state import COMMAND, MASS_PLACE
 import numpy as np
-from numpy.typing import NDArray
 
-ROTATION = tuple(known.name for known in rotational_drag.PARAMETERS)
 HELIUM_TO_AIR = 0.1664 / AIR_DENSITY  # density ratio at one temperature and pressure (20 C, 1 atm)
 
 Vector = tuple[float, ...]
-Array = NDArray[np.float64]
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Lump:
-    """A mass with its centre and its inertia about that centre."""
-
-    mass: float  # [kg]
-    position: Array  # [m]
-    inertia: Array  # diagonal about its own centre [kg m2]
-
-
-def _lump(part: Part) -> Lump:
-    """Return a part's mass properties: a box is solid, a shell thin and similar to itself."""
-    mass = part.mass.si
-    squares = np.square(part.size.vector)
-    others = np.array([squares[1] + squares[2], squares[0] + squares[2], squares[0] + squares[1]])
-    # Solid box 1/12 of full sizes; thin homothetic ellipsoid 1/3 of half axes.
-    return Lump(mass, np.array(part.position.vector), mass * others / 12.0)
 
 
 @final
@@ -71,96 +45,116 @@ class Vehicle:
     Raises
     ------
     BadInput
-        If the parts are too heavy for the lift, the centre of gravity is above the hull centre,
-        the rotors are not the number that the model has, or an effect is not known, has a
-        parameter that it does not know, or one in the wrong unit or out of bounds.
+        If the parts are too heavy for the lift, the centre of gravity is above the hull centre
+        (and the file does not allow it), or an effect is not known, has a parameter that it does
+        not know, or one in the wrong unit or out of bounds.
 
     """
 
     def __init__(self, file: VehicleFile, air_density: float = AIR_DENSITY) -> None:
         self.file = file
         self.air_density = air_density
-        if len(file.rotors) > ACTUATORS:
-            raise BadInput(
-                f'{file.name} has {len(file.rotors)} rotors; the model has room for {ACTUATORS}.'
-            )
         if self.ballast < 0.0:
             raise BadInput(
                 f'{file.name} is {-1e3 * self.ballast:.1f} g too heavy for its lift of '
                 f'{1e3 * self.lift:.1f} g; make parts lighter or the hull larger.'
             )
-        if self.cg[2] >= 0.0:
+        if self.displaced < 0.0:
+            raise BadInput(
+                f'{file.name} was weighed at {1e3 * self.mass:.1f} g and cannot be heavier than '
+                'that; lower trim.heaviness.'
+            )
+        if self.cg[2] >= 0.0 and file.hull.shape != 'none' and file.trim.unstable == 'refused':
             raise BadInput(
                 f'{file.name} has its centre of gravity {100 * self.cg[2]:.1f} cm above the hull '
-                'centre and would flip; move mass down.'
+                'centre and would flip; move mass down, or allow it with "unstable: allowed" in '
+                'trim.'
             )
         self.model()  # refuses effects and parameters that do not exist or are out of bounds
 
     @property
     def volume(self) -> float:
         """Volume of the hull. [m3]."""
-        hull = self.file.hull
-        return hull.volume_factor.si * (0.5 * hull.diameter.si) ** 3
+        return hull.volume(self.file.hull)
 
     @property
     def gas(self) -> float:
         """Mass of the gas, helium with the rest of the purity being air. [kg]."""
-        purity = self.file.hull.purity.si
+        purity = self.file.hull.purity.si if self.file.hull.purity else 0.0
         return self.volume * self.air_density * (1.0 - purity * (1.0 - HELIUM_TO_AIR))
 
     @property
     def lift(self) -> float:
-        """Gross lift: displaced air less gas. [kg]."""
+        """Gross lift of the hull: displaced air less gas. [kg]."""
         return self.volume * self.air_density - self.gas
+
+    @property
+    def heaviness(self) -> float:
+        """Mass less displaced air: what the rotors carry. [kg]."""
+        given = self.file.trim.heaviness
+        return given.si if given else self.mass - self.volume * self.air_density
+
+    @property
+    def displaced(self) -> float:
+        """Mass of the displaced air; a weighed vehicle is filled until it is right. [kg]."""
+        if self.file.measured and self.file.trim.heaviness:
+            return self.mass - self.file.trim.heaviness.si
+        return self.volume * self.air_density
 
     @property
     def ballast(self) -> float:
         """Mass that trims the parts to the declared heaviness. [kg]."""
+        if self.file.measured or self.file.trim.heaviness is None:
+            return 0.0
+        moving = self.file.moving_mass
         parts = sum(part.mass.si for part in self.file.parts.values())
-        return self.lift + self.file.trim.heaviness.si - parts
+        carried = self.lift + self.file.trim.heaviness.si - parts
+        return carried - moving.mass.si if moving else carried
 
     @cached_property
     def lumps(self) -> list[Lump]:
-        """Everything that has mass: parts, ballast and gas."""
-        hull = self.file.hull
-        half = np.array([hull.diameter.si, hull.diameter.si, hull.height.si]) / 2.0
-        squares = half**2
-        gas = self.gas * np.array(
-            [squares[1] + squares[2], squares[0] + squares[2], squares[0] + squares[1]]
-        )
-        ballast = np.array(self.file.trim.ballast_position.vector)
-        return [
-            *(_lump(part) for part in self.file.parts.values()),
-            Lump(self.ballast, ballast, np.zeros(3)),
-            Lump(self.gas, np.zeros(3), gas / 5.0),
-        ]
+        """What a vehicle that was not weighed consists of: parts, ballast and gas."""
+        lumps = [part_lump(part) for part in self.file.parts.values()]
+        if place := self.file.trim.ballast_position:
+            lumps.append(Lump(self.ballast, np.array(place.vector), np.zeros(3)))
+        if self.file.hull.shape != 'none':
+            lumps.append(gas_lump(self.gas, hull.half_axes(self.file.hull)))
+        return lumps
+
+    @cached_property
+    def balance(self) -> Balance:
+        """Mass, centre of gravity and inertia; a moving mass at rest included."""
+        weighed = self.file.measured
+        balance = Balance.measured(weighed) if weighed else Balance.of(self.lumps)
+        if moving := self.file.moving_mass:
+            place = np.array(moving.position.vector)
+            balance = balance.with_lump(Lump(moving.mass.si, place, np.zeros(3)))
+        return balance
 
     @property
     def mass(self) -> float:
         """Mass of everything, gas included. [kg]."""
-        return sum(lump.mass for lump in self.lumps)
+        return self.balance.mass
 
-    @cached_property
+    @property
     def cg(self) -> Array:
         """Centre of gravity, gas included, from the hull centre, shape (3,). [m]."""
-        moment = np.sum([lump.mass * lump.position for lump in self.lumps], axis=0)
-        return np.asarray(moment / self.mass)
+        return self.balance.cg
 
     @property
     def inertia(self) -> Array:
         """Inertia about the centre of gravity, shape (3, 3). [kg m2]."""
-        total = np.zeros((3, 3))
-        for lump in self.lumps:
-            r = lump.position - self.cg
-            total += np.diag(lump.inertia)
-            total += lump.mass * (float(r @ r) * np.eye(3) - np.outer(r, r))
-        return total
+        return self.balance.inertia
 
     @property
     def added_mass(self) -> Vector:
-        """Added mass and inertia of the hull as a spheroid (Lamb). [kg, kg m2]."""
-        hull = self.file.hull
-        return spheroid_added_mass(0.5 * hull.diameter.si, 0.5 * hull.height.si, self.air_density)
+        """Added mass and inertia: as published, or of the hull as a spheroid. [kg, kg m2]."""
+        return hull.added_mass(self.file.hull, self.air_density)
+
+    @cached_property
+    def rotors(self) -> tuple[propulsion.Unit, ...]:
+        """The rotors in the order of `motors`."""
+        return propulsion.units(self.file)
 
     @property
     def rotor_names(self) -> list[str]:
@@ -170,12 +164,18 @@ class Vehicle:
     @cached_property
     def reversible(self) -> tuple[bool, ...]:
         """Whether each rotor accepts negative duty."""
-        return tuple(rotor.reversible for rotor in self.file.rotors.values())
+        return tuple(rotor.reversible for rotor in self.rotors)
 
     @cached_property
     def thrust_curve(self) -> tuple[float, float]:
-        """Coefficients a and b of T = a u^2 + b u. [N]."""
-        return self.file.thrust_curve.a.si, self.file.thrust_curve.b.si
+        """Coefficients a and b of T = a u^2 + b u, the same for all rotors. [N]."""
+        curves = {(rotor.a, rotor.b) for rotor in self.rotors}
+        if len(curves) != 1:
+            raise BadInput(
+                f'{self.file.name} has rotors with {len(curves)} thrust curves, where one for all '
+                'is needed; take another control law.'
+            )
+        return curves.pop()
 
     @property
     def full_thrust(self) -> float:
@@ -185,8 +185,7 @@ class Vehicle:
     @cached_property
     def allocation(self) -> tuple[Vector, ...]:
         """B as columns, one a rotor: wrench about the hull centre per newton. [1, m]."""
-        columns = self.file.aero.thrust_allocation.values()
-        return tuple((*column.force.vector, *column.moment.vector) for column in columns)
+        return tuple(rotor.column for rotor in self.rotors)
 
     @cached_property
     def diodes(self) -> PhotodiodeArray:
@@ -216,91 +215,76 @@ class Vehicle:
 
     def effects(self) -> dict[str, dict[str, float]]:
         """Return the parameters of every effect that is on, in SI."""
-        aero = self.file.aero
-        linear, quadratic = aero.linear_drag, aero.quadratic_drag
-        a, b = self.thrust_curve
-        numbers = range(1, len(self.file.rotors) + 1)
-        columns = zip(numbers, self.allocation, strict=True)
-        added = self.added_mass
-        derived = {
-            'weight_and_buoyancy': {'gravity': STANDARD_GRAVITY},
-            'added_mass': dict(zip(AXES[:3], added[:3], strict=True)),
-            'added_inertia': dict(zip(AXES[3:], added[3:], strict=True)),
-            'linear_drag': dict(zip(AXES[:3], linear.force.vector, strict=True)),
-            'quadratic_drag': dict(zip(AXES[:3], quadratic.force.vector, strict=True)),
-            'rotational_drag': dict(
-                zip(ROTATION, linear.moment.vector + quadratic.moment.vector, strict=True)
-            ),
-            'thrust_curve': {f'{n}_{i}': x for n, x in (('a', a), ('b', b)) for i in numbers},
-            'rotor_thrust': {
-                f'{axis}_{i}': x
-                for i, column in columns
-                for axis, x in zip(AXES, column, strict=True)
-            },
-        }
-        for name in self.file.effects:
-            if name in derived:
-                raise BadInput(
-                    f'The effect {name} of {self.file.name} follows from hull, parts, rotors or '
-                    'aero; change it there.'
-                )
-        return derived | {name: _checked(name, given) for name, given in self.file.effects.items()}
-
-    @property
-    def _axes(self) -> list[Array]:
-        """Direction in which each rotor pushes."""
-        forces = [np.array(column[:3]) for column in self.allocation]
-        return [force / np.linalg.norm(force) for force in forces]
+        return declared.effects_of(self.file, self.rotors, self.added_mass, self.air_density)
 
     def model(self) -> Model:
         """Return the numbers that the kernel takes."""
-        places = (rotor.position.vector for rotor in self.file.rotors.values())
         return Model.build(
             self.effects(),
             mass=self.mass,
             cg=self.cg,
             inertia=self.inertia,
-            displaced=self.volume * self.air_density,
-            rotors=list(zip(places, self._axes, strict=True)),
+            displaced=self.displaced,
+            rotors=[(rotor.place, rotor.axis) for rotor in self.rotors],
         )
+
+    def command(self, duties: Sequence[float]) -> Array:
+        """
+        Return a command as the kernel takes it, with a moving mass where it rests.
+
+        Parameters
+        ----------
+        duties : sequence of float
+            Of each rotor. [1]
+
+        Returns
+        -------
+        ndarray, shape (COMMAND,)
+            Duties, then the place of the moving mass; zeros for what the vehicle does not have.
+
+        """
+        command = np.zeros(COMMAND)
+        command[: len(duties)] = duties
+        if self.file.moving_mass:
+            command[MASS_PLACE:] = self.file.moving_mass.position.vector
+        return command
+
+    def check_step(self, step: float) -> None:
+        """
+        Refuse a time step at which the slowest reaction that the model has would blow up.
+
+        Parameters
+        ----------
+        step : float
+            Step of the integrator (RK4). [s]
+
+        Raises
+        ------
+        BadInput
+            If the step is longer than 2.7 times a time constant of motors or moving mass.
+
+        """
+        declared.check_step(self.file.name, self.effects(), step)
 
     @property
     def standing_height(self) -> float:
         """Height of the hull centre when the vehicle stands on the floor. [m]."""
         foot = self.effects().get('floor_contact')
         if foot is None:
-            return 0.5 * self.file.hull.height.si
-        sink = self.file.trim.heaviness.si * STANDARD_GRAVITY / foot['stiffness']
+            return hull.half_axes(self.file.hull)[2]
+        sink = self.heaviness * STANDARD_GRAVITY / foot['stiffness']
         return -foot['z'] - max(sink, 0.0)
 
     @property
     def hover_duty(self) -> float:
         """Duty of each vertical rotor that carries the heaviness. [1]."""
-        a, b = self.thrust_curve
-        up = [column[2] for column in self.allocation if column[2] > 0.5]
-        if not up:
-            raise BadInput(f'{self.file.name} has no rotor that lifts; it cannot hover.')
-        thrust = self.file.trim.heaviness.si * STANDARD_GRAVITY / sum(up)
-        if thrust > self.full_thrust:
-            raise BadInput(
-                f'{self.file.name} needs {thrust:.3f} N of each lifting rotor to hover, but they '
-                f'give {self.full_thrust:.3f} N; take off '
-                f'{1e3 * (thrust - self.full_thrust) * sum(up) / STANDARD_GRAVITY:.1f} g.'
-            )
-        return 2.0 * thrust / (b + math.sqrt(b * b + 4.0 * a * thrust)) if thrust > 0 else 0.0
-
-
-def _checked(name: str, given: Mapping[str, Quantity]) -> dict[str, float]:
-    """Return an effect's parameters in SI, each in the unit that the effect declares."""
-    declared = {parameter.name: parameter for parameter in effects.get(name).parameters}
-    for key, quantity in given.items():
-        wrong = None if quantity.source else UNSOURCED
-        if (known := declared.get(key)) is not None:  # else the model refuses it
-            ends = () if quantity.vector == (known.null,) else (known.low, known.high)
-            wrong = misfit(quantity, known.unit, *ends) or wrong
-        if wrong:
-            raise BadInput(f'effects.{name}.{key} {wrong}.')
-    return {key: quantity.si for key, quantity in given.items()}
+        return hover.hover_duty(
+            self.file.name,
+            self.rotors,
+            self.file.aero.coupling,
+            self.heaviness * STANDARD_GRAVITY,
+            STANDARD_GRAVITY,
+        )
 
 
 def load_vehicle(name: str, air_density: float = AIR_DENSITY) -> Vehicle:

@@ -1,35 +1,39 @@
 """
 The world around the drone, one control period at a time, without ROS.
 
-A `World` knows the truth, hands out what the sensors make of it, and takes duties. The simulator
+A `World` knows the truth, hands out what the sensors make of it, and takes commands. The simulator
 node and every loop in one process run this same class. Time is integer nanoseconds on the grid of
 the topic table; each sensor has its own stream of chance, so that one more sensor leaves the
 others' noise as it was.
 """
 
-from collections.abc import Sequence
-import math
+from collections.abc import Mapping, Sequence
 from typing import final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.topics import TopicTable
-from lta_energy import battery, loads, panel
 from lta_sim import kernel
-from lta_sim.effects import initial_memory
-from lta_sim.light_field import illuminance, mean_illuminance, mean_irradiance
-from lta_sim.readings import Outcome, Readings
-from lta_sim.rigid_body import rotation
+from lta_sim.around import Around
+from lta_sim.command_link import CommandLink
+from lta_sim.effects import EFFECTS, initial_memory
+from lta_sim.light_view import LightView, Pose
+from lta_sim.measurement import Chain, chains, read
+from lta_sim.readings import Outcome, Readings, Vector
+from lta_sim.referee import Referee
 from lta_sim.scenario import Scenario
-from lta_sim.sensors import imu, power, pressure, range
-from lta_sim.sensors.light_block import AmplifierState, synthesise
-from lta_sim.state import pack, POSITION, QUATERNION, RATES, VELOCITY
+from lta_sim.sensors import imu, pressure, range
+from lta_sim.state import pack, RIGID
+from lta_sim.supply import Supply
+from lta_sim.tracker import Tracker
 from lta_sim.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 STEP_NS = 2_500_000  # integration step; the shortest time constant of a shipped vehicle is 72 ms
-STREAMS = ('start', 'imu', 'range', 'pressure', 'photodiodes', 'battery', 'panel')
+# New ones go to the end: the place in this list is part of the seed.
+STREAMS = ('start', 'imu', 'range', 'pressure', 'photodiodes', 'battery', 'panel', 'turbulence')
+SENSED = ('pressure', 'photodiodes', 'battery', 'ground_truth/odom', 'illuminance')
 
 
 @final
@@ -53,26 +57,50 @@ class World:
     def __init__(self, vehicle: Vehicle, scenario: Scenario, table: TopicTable, seed: int) -> None:
         self.vehicle = vehicle
         self.scenario = scenario
-        self._table = table
         self._chance = {
             name: np.random.default_rng(np.random.SeedSequence([seed, index]))
             for index, name in enumerate(STREAMS)
         }
-        self._draw_errors()
         self._model = vehicle.model()
-        self._light = scenario.light_field
-        self._wind = scenario.air.wind.vector
+        self._keep_what_stays(table)
+        self._draw_errors()
         self.state = self._at_start()
-        self.duties: Array = np.zeros(len(vehicle.rotor_names))
-        self.charge = scenario.start.charge.si
-        self._electrics = (battery.open_circuit_voltage(self.charge), 0.0)
-        self._harvested = 0.0
+        acting = self._act_on_measurement()
+        self._link = CommandLink(vehicle.reversible, self._model.given, acting['command_time'])
+        self.command: Array = self._link.idle
+        self.supply = Supply(vehicle, scenario.start.charge.si, self._chance)
         self.steps = 0
         self.outcome = Outcome.FLYING  # how the flight stands; once decided, it stays
         self._ranges: list[tuple[int, float]] = []
-        self._amplifier: AmplifierState | None = None
-        self._poses = [self._pose()]
+        self._around = Around(
+            self._model.given, scenario, self._light, self._chance['turbulence'], self._period
+        )
+        pose = self._pose()
+        self._light.pass_by(pose)
+        self._around.refresh(pose, self.supply.electrics[0])
         self.wrenches()  # loads the compiled kernel now, not in the middle of the first step
+
+    def _keep_what_stays(self, table: TopicTable) -> None:
+        """Take numbers out of files once, not at every step."""
+        sensors, scenario = self.vehicle.file.sensors, self.scenario
+        self._start_ns, self._control_ns = table.start_ns, table.control_ns
+        self._period = table.control_ns * 1e-9
+        self._range_ns = table['range'].period_ns
+        self._rhythm = {name: (table[name].latency_ns, table[name].period_ns) for name in SENSED}
+        self._shape = (table.light.sample_rate.si, table.light.samples)
+        self._light = LightView(scenario.light_field, self.vehicle)
+        self._imu_place = _three(sensors.imu_position.vector)
+        self._range_place = _three(sensors.range_position.vector)
+        self._referee = Referee(scenario)
+        self._rotors = len(self.vehicle.reversible)
+
+    def _act_on_measurement(self) -> Mapping[str, Chain]:
+        """Set up what stands between the truth and what is told; return it."""
+        acting = chains(self._model.given, EFFECTS)
+        self._on_force, self._on_rates = acting['force'], acting['rates']
+        self._on_range, self._on_pressure = acting['range'], acting['pressure']
+        self._tracker = Tracker(acting)
+        return acting
 
     def _draw_errors(self) -> None:
         """Draw what stays the same during the flight."""
@@ -82,10 +110,6 @@ class World:
         self._range = range.draw(self.range_settings, self._chance['range'])
         self.pressure_settings = pressure.PressureSettings(floor=air.pressure.si)
         self._pressure = pressure.draw(self.pressure_settings, self._chance['pressure'])
-        self._meter = power.PowerMeterSettings()
-        self._meters = {
-            name: power.draw(self._meter, self._chance[name]) for name in ('battery', 'panel')
-        }
 
     def _at_start(self) -> Array:
         """Return the state on the floor, with the heading that the seed draws."""
@@ -97,47 +121,50 @@ class World:
         return pack((x, y, height), heading, memory=initial_memory())
 
     @property
+    def charge(self) -> float:
+        """State of charge of the cell, 0 to 1. [1]."""
+        return self.supply.charge
+
+    @property
+    def duties(self) -> Array:
+        """What each rotor is told at this moment, after any delay. [1]."""
+        return self.command[: self._rotors]
+
+    @property
     def stamp_ns(self) -> int:
         """Stamp of the present control step. [ns]."""
-        return self._table.start_ns + self.steps * self._table.control_ns
+        return self._start_ns + self.steps * self._control_ns
 
     @property
     def elapsed(self) -> float:
         """Time since the start. [s]."""
-        return self.steps * self._table.control_ns * 1e-9
+        return self.steps * self._control_ns * 1e-9
 
     @property
     def distance(self) -> float:
         """Horizontal distance from the hull centre to the lamp. [m]."""
-        x, y, _ = self.scenario.lamp.position.vector
-        return math.hypot(x - self.state[0], y - self.state[1])
+        return self._referee.distance(float(self.state[0]), float(self.state[1]))
 
-    def _judge(self) -> Outcome:
-        """Return how the present state stands to the scenario's goal."""
-        length, width, height = self.scenario.room.size.vector
-        x, y, z = self.state[POSITION]
-        if self.distance <= self.scenario.goal.radius.si:
-            return Outcome.REACHED
-        if not (abs(x) <= length / 2 and abs(y) <= width / 2 and z <= height):
-            return Outcome.ESCAPED
-        if self.elapsed >= self.scenario.goal.time_limit.si:
-            return Outcome.TIMEOUT
-        return Outcome.FLYING
+    @property
+    def wind(self) -> Vector:
+        """Velocity of the air at the hull, all effects included. [m/s, map]."""
+        look = kernel.look(self.state, self._model, self.command, self._around.numbers)
+        return _three(look.wind.tolist())
 
     def wrenches(self) -> dict[str, Array]:
         """Return the present wrench of each effect, body frame. [N, N m]."""
-        return dict(kernel.wrenches(self.state, self._model, self.duties, self._wind))
+        state, model = self.state, self._model
+        return dict(kernel.wrenches(state, model, self.command, self._around.numbers))
 
-    def _pose(self) -> tuple[Array, Array]:
-        x, y, z, w = self.state[QUATERNION]
-        matrix = np.array(rotation((x, y, z, w))).reshape(3, 3)
-        return self.state[POSITION].copy(), matrix
+    def _pose(self) -> Pose:
+        """Return position [m] and quaternion."""
+        return tuple(self.state[:7].tolist())
 
     def _due(self, name: str) -> bool:
         """Tell whether a topic on the control grid has a message at this step."""
-        topic = self._table[name]
-        since = self.stamp_ns - self._table.start_ns - topic.latency_ns
-        return since >= 0 and since % topic.period_ns == 0
+        latency, period = self._rhythm[name]
+        since = self.steps * self._control_ns - latency
+        return since >= 0 and since % period == 0
 
     def sense(self) -> Readings:
         """Return what the sensors say at the present control step; call it once a step."""
@@ -148,102 +175,67 @@ class World:
     def sense_motion(self) -> Readings:
         """Return what the estimator waits for: IMU, range and pressure."""
         readings = Readings(self.stamp_ns)
-        self._sense_motion(readings)
+        state = self.state.tolist()
+        self._sense_inertia(readings, state)
         if self.steps == 0:
-            self._sense_range(self.stamp_ns)
+            self._sense_range(self.stamp_ns, state)
         readings.ranges, self._ranges = self._ranges, []
         if self._due('pressure'):
             readings.pressure = pressure.measure(
                 self.pressure_settings,
                 self._pressure,
-                float(self.state[2]) + self.vehicle.file.sensors.imu_position.vector[2],
+                state[2] + self._imu_place[2],
                 self.elapsed,
                 self._chance['pressure'],
+                self._on_pressure,
             )
         return readings
 
     def sense_rest(self, readings: Readings) -> None:
         """Add light, energy and truth, which nobody answers within the step."""
         if self._due('photodiodes'):
-            readings.block = self._light_block()
+            begun = self.stamp_ns - self._rhythm['photodiodes'][0]
+            readings.block = (
+                begun,
+                self._light.block(begun, *self._shape, self._chance['photodiodes']),
+            )
         if self._due('battery'):
-            self._sense_energy(readings)
-        readings.truth = self._due('ground_truth/odom')
+            readings.illuminance, irradiance = self._light.on_panel(self._pose())
+            readings.battery = self.supply.meter_battery()
+            readings.panel = self.supply.meter_panel(irradiance)
+        self._tracker.watch(self.steps * self._control_ns, tuple(self.state[:RIGID].tolist()))
+        if self._due('ground_truth/odom'):
+            readings.truth = self._tracker.says(self._integrated)
 
-    def _sense_motion(self, readings: Readings) -> None:
-        rate = kernel.derivative(self.state, self._model, self.duties, self._wind)
-        x, y, z, w = self.state[QUATERNION].tolist()
-        up = rotation((x, y, z, w))[6:]
-        position = self.vehicle.file.sensors.imu_position.vector
-        vx, vy, vz = self.state[VELOCITY].tolist()
-        wx, wy, wz = self.state[RATES].tolist()
-        ax, ay, az = rate[VELOCITY].tolist()
-        bx, by, bz = rate[RATES].tolist()
-        force = imu.specific_force(
-            (vx, vy, vz),
-            (wx, wy, wz),
-            (ax, ay, az),
-            (bx, by, bz),
-            (up[0], up[1], up[2]),
-            (position[0], position[1], position[2]),
-            STANDARD_GRAVITY,
-        )
+    def _sense_inertia(self, readings: Readings, state: list[float]) -> None:
+        """Add what the inertial sensor says."""
+        rate = kernel.derivative(self.state, self._model, self.command, self._around.numbers)
+        force = imu.felt(state, rate.tolist(), self._imu_place, STANDARD_GRAVITY)
+        rates = _three(state[10:13])
+        if self._on_force:
+            force = _three(read(self._on_force, force, self.elapsed))
+        if self._on_rates:
+            rates = _three(read(self._on_rates, rates, self.elapsed))
         readings.force, readings.rates = imu.measure(
-            self.imu_errors, force, (wx, wy, wz), self._chance['imu']
+            self.imu_errors, force, rates, self._chance['imu']
         )
 
-    def _sense_range(self, stamp_ns: int) -> None:
-        _, turn = self._pose()
-        place = turn @ np.array(self.vehicle.file.sensors.range_position.vector)
-        height = float(self.state[2] + place[2])
+    def _sense_range(self, stamp_ns: int, state: list[float]) -> None:
+        """Take a range reading."""
+        height, up = range.outlook(state, self._range_place)
+        elapsed = (stamp_ns - self._start_ns) * 1e-9
         reading = range.measure(
-            self.range_settings, self._range, height, float(turn[2, 2]), self._chance['range']
+            self.range_settings,
+            self._range,
+            height,
+            up,
+            self._chance['range'],
+            self._on_range,
+            elapsed,
         )
         self._ranges.append((stamp_ns, reading))
 
-    def _light_block(self) -> tuple[int, NDArray[np.uint16]]:
-        """Return the block that ends now, from the poses at its control steps."""
-        light = self._table.light
-        start = self.stamp_ns - self._table['photodiodes'].latency_ns
-        positions, turns = (np.array(part) for part in zip(*self._poses, strict=True))
-        points, axes = self.vehicle.diodes.place(positions, turns)
-        block, self._amplifier = synthesise(
-            self.vehicle.diodes,
-            self._light,
-            illuminance(self._light, points, axes),
-            start,
-            light.sample_rate.si,
-            light.samples,
-            self._chance['photodiodes'],
-            self._amplifier,
-        )
-        self._poses = [self._poses[-1]]
-        return start, block
-
-    def _panel_plane(self) -> tuple[Array, Array]:
-        """Return the panel's place and normal, each of shape (1, 3). [m, map]"""
-        position, turn = self._pose()
-        place = position + turn @ np.array(self.vehicle.file.sensors.panel_position.vector)
-        return place[None, :], turn[:, 2][None, :]
-
-    def _sense_energy(self, readings: Readings) -> None:
-        readings.illuminance = float(mean_illuminance(self._light, *self._panel_plane())[0])
-        readings.battery = power.measure(
-            self._meter, self._meters['battery'], *self._electrics, self._chance['battery']
-        )
-        voltage = self.vehicle.panel.voltage
-        current = self._harvest() / voltage
-        readings.panel = power.measure(
-            self._meter, self._meters['panel'], voltage, current, self._chance['panel']
-        )
-
-    def _harvest(self) -> float:
-        """Return what the panel gives now. [W]"""
-        cells = self.vehicle.panel
-        irradiance = float(mean_irradiance(self._light, *self._panel_plane())[0])
-        return panel.power(irradiance, cells.area, cells.efficiency)
-
-    def advance(self, duties: Sequence[float]) -> None:
+    def advance(self, duties: Sequence[float], mass_place: Vector | None = None) -> None:
         """
         Fly one control period.
 
@@ -251,6 +243,8 @@ class World:
         ----------
         duties : sequence of float
             Duty by rotor, clipped to what each rotor can do.
+        mass_place : tuple of 3 floats, optional
+            Where the moving mass should be; where it was told before if left out. [m, body]
 
         Raises
         ------
@@ -258,40 +252,43 @@ class World:
             If there is not one finite duty for each rotor; the state stays as it was.
 
         """
-        asked = np.asarray(duties, dtype=np.float64)
-        if asked.shape != self.duties.shape or not np.isfinite(asked).all():
-            raise ValueError(f'The duties are {asked}; give {len(self.duties)} finite numbers.')
-        low = np.where(self.vehicle.reversible, -1.0, 0.0)
-        self.duties = np.clip(asked, low, 1.0)
-        now, end = self.stamp_ns, self.stamp_ns + self._table.control_ns
-        period = self._table['range'].period_ns
-        while now < end:
-            turn = (now - self._table.start_ns) // period + 1
-            until = min(end, self._table.start_ns + turn * period)
-            self._integrate(until - now)
+        command = self._link.compose(duties, mass_place)
+        now, end = self.stamp_ns, self.stamp_ns + self._control_ns
+        for until, obeyed in self._link.spans(now, end, self.elapsed, command):
+            self.command = obeyed
+            self._fly(now, until)
             now = until
-            if (now - self._table.start_ns) % period == 0:
-                self._sense_range(now)
-        self._drain(self._table.control_ns * 1e-9)
+        state = self.state.tolist()
+        pose = tuple(state[:7])
+        if self._due('illuminance'):
+            self.supply.shine(self._light.on_panel(pose)[1])
+        thrusts = kernel.thrusts(self.state, self._model, self.command, self._around.numbers)
+        self.supply.drain(thrusts[: self._rotors].tolist(), self._period)
         self.steps += 1
         if self.outcome is Outcome.FLYING:
-            self.outcome = self._judge()
-        self._poses.append(self._pose())
+            self.outcome = self._referee.judge(state[0], state[1], state[2], self.elapsed)
+        self._light.pass_by(pose)
+        self._around.refresh(pose, self.supply.electrics[0])
 
-    def _integrate(self, span_ns: int) -> None:
+    def _fly(self, now: int, end: int) -> None:
+        """Integrate from one time to another, with the range readings on the way. [ns]"""
+        period = self._range_ns
+        while now < end:
+            turn = (now - self._start_ns) // period + 1
+            until = min(end, self._start_ns + turn * period)
+            self.state = self._integrated(until - now)
+            now = until
+            if (now - self._start_ns) % period == 0:
+                self._sense_range(now, self.state.tolist())
+
+    def _integrated(self, span_ns: int) -> Array:
+        """Return the state after so many nanoseconds of the present command."""
         steps = -(-span_ns // STEP_NS)
         dt = span_ns * 1e-9 / steps
-        self.state = kernel.advance(self.state, self._model, self.duties, self._wind, dt, steps)
+        around = self._around.numbers
+        return kernel.advance(self.state, self._model, self.command, around, dt, steps)
 
-    def _drain(self, dt: float) -> None:
-        """Let the cell feed the drone for a while, less what the panel brings."""
-        look = kernel.look(self.state, self._model, self.duties, self._wind)
-        thrusts = look.thrusts[: len(self.duties)].tolist()
-        asked = loads.demand(self.vehicle.loads, thrusts, transmitting=True)
-        if self._due('illuminance'):
-            self._harvested = self._harvest()
-        cell = self.vehicle.battery
-        self.charge, voltage, current = battery.advance(
-            self.charge, self._harvested - asked, cell.capacity, cell.resistance, dt
-        )
-        self._electrics = (voltage, current)
+
+def _three(numbers: Sequence[float]) -> Vector:
+    x, y, z = numbers
+    return x, y, z

@@ -2,6 +2,7 @@
 
 from lta_analysis.preflight import check
 from lta_config.errors import BadInput
+from lta_config.files import known
 from lta_graph.launch_file import LaunchPlan
 from lta_graph.launch_node import Process
 import pytest
@@ -15,7 +16,10 @@ def plan(*words, package='lta_sim'):
 @pytest.mark.parametrize(
     ('word', 'sentence'),
     [
-        ('vehicle:="nope"', "Unknown vehicle 'nope'; known: gtmab."),
+        (
+            'vehicle:="nope"',
+            f"Unknown vehicle 'nope'; known: {', '.join(known('vehicles'))}.",
+        ),
         ('scenario:="moon"', "Unknown scenario 'moon'; known: lamp_room."),
         ('strategy:="luck"', "Unknown strategy 'luck'; known: bag."),
         ('seed:=-1', 'The seed is -1, but must be a whole number from 0 to 2147483647.'),

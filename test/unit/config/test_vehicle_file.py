@@ -4,12 +4,13 @@ import copy
 import math
 
 from lta_config.errors import BadInput
-from lta_config.files import find, load_yaml
+from lta_config.files import find, known, load_yaml
 from lta_config.vehicle_file import load_vehicle_file
 import pytest
 import yaml
 
 GTMAB = load_yaml(find('vehicle', 'gtmab'))
+BATTERY = 'layers.propulsion_and_control.battery'
 
 
 def put(content, place, value):
@@ -43,13 +44,19 @@ def numbers(content, place=''):
     elif isinstance(content, dict):
         for key, value in content.items():
             yield from numbers(value, f'{place}.{key}'.lstrip('.'))
+    elif isinstance(content, list):
+        for index, value in enumerate(content):
+            yield from numbers(value, f'{place}.{index}')
     elif not isinstance(content, str | bool):
         yield place, content
 
 
-def test_every_number_of_gtmab_has_unit_and_source():
-    found = dict(numbers(GTMAB))
-    assert len(found) > 80
+@pytest.mark.parametrize('name', known('vehicles'))
+def test_every_number_of_a_platform_has_unit_and_source(name):
+    content = load_yaml(find('vehicle', name))
+    assert content['name'] == name
+    found = dict(numbers(content))
+    assert len(found) > 40
     # A count and the version of the format are no measurements.
     bare = {place for place, given in found.items() if not isinstance(given, dict)}
     assert bare == {'schema', 'sensors.diodes.count'}
@@ -74,74 +81,93 @@ def grams(value, **more):
     [
         ('colour', 'red', "the key 'colour' is not known; remove it or correct its spelling."),
         ('hull.weight', 'x', "the key 'hull.weight' is not known; remove it or correct its"),
-        ('parts.battery.mess', 1, "the key 'parts.battery.mess' is not known; remove it or"),
+        (
+            f'{BATTERY}.mess',
+            1,
+            f"the key '{BATTERY}.mess' is not known; remove it or",
+        ),
         ('hull', None, "the key 'hull' is missing; add it."),
-        ('parts.battery.mass', None, "the key 'parts.battery.mass' is missing; add it."),
-        ('parts', {}, 'parts must have at least 1 of its kind.'),
-        ('schema', 2, 'schema is 2, but must be 1.'),
+        (
+            f'{BATTERY}.mass',
+            None,
+            f"the key '{BATTERY}.mass' is missing; add it.",
+        ),
+        (
+            'layers',
+            {},
+            'the file has no parts in layers and was not measured as a whole; add either.',
+        ),
+        ('schema', 3, 'schema is 3, but must be 2.'),
         ('name', 'GT MAB', "name is 'GT MAB', but must match ^[a-z][a-z0-9_]*$."),
         (
-            'parts.battery.mass',
+            f'{BATTERY}.mass',
             {'value': 7, 'source': 'x'},
-            'parts.battery.mass has no unit; add "unit: ...".',
+            f'{BATTERY}.mass has no unit; add "unit: ...".',
         ),
-        ('parts.battery.mass', 7, 'parts.battery.mass 7 has no unit; write for example "7 kg".'),
         (
-            'parts.battery.mass',
+            f'{BATTERY}.mass',
+            7,
+            f'{BATTERY}.mass 7 has no unit; write for example "7 kg".',
+        ),
+        (
+            f'{BATTERY}.mass',
             '7 g',
-            'parts.battery.mass has no source; add "source: ..." (measured, datasheet, '
-            'assumed...).',
+            f'{BATTERY}.mass has no source; add "source: ..." (measured, datasheet, assumed...).',
         ),
-        ('parts.battery.mass', grams(7, source=''), 'parts.battery.mass has no source; add'),
         (
-            'parts.battery.mass',
+            f'{BATTERY}.mass',
+            grams(7, source=''),
+            f'{BATTERY}.mass has no source; add',
+        ),
+        (
+            f'{BATTERY}.mass',
             grams(-7),
-            'parts.battery.mass is -7 g, but must be above 0 and at most 100000 g.',
+            f'{BATTERY}.mass is -7 g, but must be above 0 and at most 100000 g.',
         ),
         (
-            'parts.battery.mass',
+            f'{BATTERY}.mass',
             grams(0),
-            'parts.battery.mass is 0 g, but must be above 0 and at most 100000 g.',
+            f'{BATTERY}.mass is 0 g, but must be above 0 and at most 100000 g.',
         ),
         (
-            'parts.battery.mass',
+            f'{BATTERY}.mass',
             grams(1e9),
-            'parts.battery.mass is 1000000000 g, but must be above 0 and at most 100000 g.',
+            f'{BATTERY}.mass is 1000000000 g, but must be above 0 and at most 100000 g.',
         ),
         (
-            'parts.battery.mass',
+            f'{BATTERY}.mass',
             grams(math.nan),
-            'parts.battery.mass is nan, which is not a finite number.',
+            f'{BATTERY}.mass is nan, which is not a finite number.',
         ),
         (
-            'parts.battery.mass',
+            f'{BATTERY}.mass',
             grams(math.inf),
-            'parts.battery.mass is inf, which is not a finite number.',
+            f'{BATTERY}.mass is inf, which is not a finite number.',
         ),
         (
-            'parts.battery.mass',
+            f'{BATTERY}.mass',
             grams(7, unit='cm'),
-            'parts.battery.mass is in cm, but must be in kg or its like.',
+            f'{BATTERY}.mass is in cm, but must be in kg or its like.',
         ),
         (
-            'parts.battery.mass',
+            f'{BATTERY}.mass',
             grams([7, 8]),
-            'parts.battery.mass has 2 numbers, but needs 1.',
+            f'{BATTERY}.mass has 2 numbers, but needs 1.',
         ),
         (
-            'parts.battery.position',
+            f'{BATTERY}.position',
             grams([0, 1], unit='cm'),
-            'parts.battery.position has 2 numbers, but needs 3.',
+            f'{BATTERY}.position has 2 numbers, but needs 3.',
         ),
         (
-            'parts.battery.position',
+            f'{BATTERY}.position',
             grams([0, 0, 21], unit='m'),
-            'parts.battery.position is [0, 0, 21] m, but must be from -20 to 20 m.',
+            f'{BATTERY}.position is [0, 0, 21] m, but must be from -20 to 20 m.',
         ),
         (
-            'parts.battery.shape',
+            f'{BATTERY}.shape',
             'sphere',
-            "parts.battery.shape is 'sphere', but must be 'shell' or 'box'.",
+            f"{BATTERY}.shape is 'sphere', but must be 'shell' or 'box'.",
         ),
         (
             'hull.purity',
@@ -185,28 +211,151 @@ def test_a_mistake_is_one_sentence(tmp_path, place, value, sentence):
     assert text.endswith('.')
 
 
-def test_rotors_and_columns_must_have_the_same_names(tmp_path):
+def test_a_column_must_be_of_a_rotor(tmp_path):
     columns = {
         ('tail' if name == 'forward_right' else name): column
         for name, column in GTMAB['aero']['thrust_allocation'].items()
     }
     assert refused(tmp_path, ('aero.thrust_allocation', columns)) == (
-        'the file names the rotors up_left, up_right, forward_left, forward_right but the columns '
-        'of thrust_allocation up_left, up_right, forward_left, tail; use the same names in the '
-        'same order.'
+        'the file has no rotor tail, which aero.thrust_allocation names; rotors: up_left, '
+        'up_right, forward_left, forward_right.'
     )
 
 
-def test_rotors_and_columns_must_have_the_same_order(tmp_path):
-    columns = dict(reversed(GTMAB['aero']['thrust_allocation'].items()))
-    assert 'same order' in refused(tmp_path, ('aero.thrust_allocation', columns))
+def test_jets_that_meet_must_be_of_rotors(tmp_path):
+    jets = {
+        'rotors': ['up_left', 'up_middle'],
+        'force': given([0, 0, 1], 'N/N'),
+        'moment': given([0, 0, 0], 'm'),
+    }
+    assert refused(tmp_path, ('aero.coupling', jets)).startswith(
+        'the file has no rotor up_middle, which aero.coupling names; rotors: up_left, '
+    )
 
 
-def test_a_missing_column_is_found(tmp_path):
-    assert 'same names' in refused(tmp_path, ('aero.thrust_allocation.up_left', None))
+def given(value, unit):
+    return {'value': value, 'unit': unit, 'source': 'test'}
+
+
+def without(content, *keys):
+    return {key: value for key, value in content.items() if key not in keys}
+
+
+TRIM = GTMAB['trim']
+
+
+@pytest.mark.parametrize(
+    ('changes', 'sentence'),
+    [
+        (
+            {'hull': {'shape': 'sphere', 'diameter': given(1, 'm')}},
+            'hull has the shape sphere, which needs purity; add it.',
+        ),
+        (
+            {'hull.length': given(1, 'm')},
+            'hull has the shape balloon, which has no length; remove it.',
+        ),
+        ({'hull.shape': 'cube'}, "hull.shape is 'cube', but must be 'balloon', 'spheroid', "),
+        (
+            {'layers.ballast': {'battery': GTMAB['layers']['hull']['envelope']}},
+            'the file names the part battery in the layers propulsion_and_control and ballast; '
+            'give one another name.',
+        ),
+        (
+            {'rotors.up_left.axis': given([0, 0, 0.5], '1')},
+            'rotors.up_left has an axis of length 0.5; divide it by that.',
+        ),
+        (
+            {'rotors.up_left.thrust_curve': GTMAB['thrust_curve'] | {'reverse': given(1, 'N')}},
+            'rotors.up_left has a thrust in reverse but is not reversible; remove one.',
+        ),
+        ({'thrust_curve': None}, 'the file has no thrust_curve for up_left, up_right, forward_l'),
+        (
+            {'rotors': {f'r{i}': GTMAB['rotors']['up_left'] for i in range(9)}},
+            'rotors must have at most 8 of its kind.',
+        ),
+        (
+            {'trim': without(TRIM, 'ballast_position')},
+            'the file has a trim without heaviness and ballast_position; add both, or',
+        ),
+        (
+            {'trim': {'ballast': 'none', 'heaviness': TRIM['heaviness']}},
+            'the file has trim.ballast none and a trim.heaviness, which only ballast could',
+        ),
+        (
+            {'trim.ballast': 'none'},
+            'the file has trim.ballast none and a trim.ballast_position; remove one.',
+        ),
+        (
+            {
+                'measured': {
+                    'mass': given(1, 'kg'),
+                    'position': given([0, 0, -1], 'cm'),
+                    'inertia': given([1, 1, 1], 'kg m2'),
+                }
+            },
+            'the file is weighed as a whole (measured) and has a trim.ballast_position; ballast',
+        ),
+        (
+            {
+                'moving_mass': {
+                    'mass': given(1, 'g'),
+                    'position': given([5, 0, 0], 'cm'),
+                    'low': given([-1, 0, 0], 'cm'),
+                    'high': given([1, 0, 0], 'cm'),
+                    'time_constant': given(1, 's'),
+                }
+            },
+            'moving_mass starts outside its travel; put position between low and high.',
+        ),
+    ],
+)
+def test_what_does_not_go_together_is_one_sentence(tmp_path, changes, sentence):
+    assert refused(tmp_path, *changes.items()).startswith(sentence)
+
+
+def version_1():
+    """Return GT-MAB as version 1 of the format had it."""
+    old = copy.deepcopy(GTMAB) | {'schema': 1}
+    old['parts'] = {n: part for layer in old.pop('layers').values() for n, part in layer.items()}
+    del old['hull']['shape'], old['control']
+    for rotor in old['rotors'].values():
+        del rotor['axis']
+    return old
+
+
+def test_version_1_is_read(tmp_path):
+    path = tmp_path / 'old.yaml'
+    path.write_text(yaml.safe_dump(version_1(), sort_keys=False))
+    old, new = load_vehicle_file(str(path)), load_vehicle_file('gtmab')
+    assert old.parts == new.parts
+    assert list(old.parts) == list(new.parts)
+    for name, rotor in new.rotors.items():
+        assert old.rotors[name].axis.vector == rotor.axis.vector
+        assert old.rotors[name].position == rotor.position
+    for key in ('trim', 'hull', 'thrust_curve', 'aero', 'effects', 'sensors', 'energy'):
+        assert getattr(old, key) == getattr(new, key)
+
+
+def test_a_broken_version_1_is_one_sentence(tmp_path):
+    path = tmp_path / 'old.yaml'
+    for key, words in (('hull', "'hull' is missing"), ('aero', "'aero' is missing")):
+        path.write_text(yaml.safe_dump(without(version_1(), key)))
+        with pytest.raises(BadInput, match=words):
+            load_vehicle_file(str(path))
+    old = version_1()
+    del old['aero']['thrust_allocation']['up_left']
+    path.write_text(yaml.safe_dump(old))
+    with pytest.raises(
+        BadInput, match=r'has no column of aero\.thrust_allocation for up_left; add'
+    ):
+        load_vehicle_file(str(path))
 
 
 def test_an_unknown_vehicle_lists_the_known_ones():
     with pytest.raises(BadInput) as caught:
         load_vehicle_file('gtmap')
-    assert str(caught.value) == "Unknown vehicle 'gtmap'; known: gtmab."
+    assert str(caught.value) == (
+        "Unknown vehicle 'gtmap'; known: beavis, blimp2b, gtmab, multirotor, rgblimp, sblimp, "
+        'skye.'
+    )

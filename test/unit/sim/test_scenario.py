@@ -85,7 +85,7 @@ def test_density_by_hand(tmp_path):
         ('ambient.efficacy', '0 lm/W', 'ambient.efficacy is 0 lm/W, but must be above 0'),
         ('room.albedo', 1.0, 'room.albedo is 1.0, but must be below 1.'),
         ('room.albedo', math.nan, 'room.albedo is nan, but must be'),
-        ('air.temperature', '20 K', 'air.temperature has the unknown unit "K"; known: 1, %,'),
+        ('air.temperature', '20 F', 'air.temperature has the unknown unit "F"; known: 1, %,'),
         ('air.pressure', '1 hPa', 'air.pressure is 1 hPa, but must be from 500 to 1200 hPa.'),
         ('start.charge', '101 %', 'start.charge is 101 %, but must be from 0 to 100 %.'),
         ('start.heading', '90 degree', 'start.heading has the unknown unit "degree"; known:'),

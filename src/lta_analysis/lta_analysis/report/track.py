@@ -2,6 +2,7 @@
 
 from lta_analysis.report.results import direction, distance, phases_of
 from lta_analysis.report.view import Array, sampled, View
+from lta_sim.hull import half_axes
 import numpy as np
 
 RATE = 20.0  # instants a second; a screen shows no more of a blimp
@@ -43,7 +44,7 @@ def track_of(view: View) -> dict[str, list[float | None]]:
     columns |= {
         'time': time,
         'start': np.array([begin + 0.75 * (phases.end - begin)]),
-        'radius': np.array([0.5 if vehicle is None else vehicle.hull.diameter.si / 2.0]),
+        'radius': np.array([0.5 if vehicle is None else half_axes(vehicle.hull)[0]]),
     }
     return {name: plain(values) for name, values in columns.items()}
 

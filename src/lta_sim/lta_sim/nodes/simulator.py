@@ -175,14 +175,14 @@ class Simulator(GraphNode):
         """Publish light, energy and truth."""
         stamp = to_stamp(readings.stamp_ns)
         out = self._outputs
-        if readings.truth:
-            out['ground_truth/odom'].publish(messages.truth(stamp, self._world.state))
+        if readings.truth is not None:
+            out['ground_truth/odom'].publish(messages.truth(stamp, readings.truth))
         if readings.block is not None:
             begun_ns, block = readings.block
             out['photodiodes'].publish(messages.light_block(to_stamp(begun_ns), block))
         if readings.illuminance is None or readings.battery is None or readings.panel is None:
             return
-        out['wind'].publish(messages.wind(stamp, self._world.scenario.air.wind.vector))
+        out['wind'].publish(messages.wind(stamp, self._world.wind))
         out['illuminance'].publish(messages.illuminance(stamp, readings.illuminance))
         out['panel'].publish(messages.branch(stamp, *readings.panel, 'panel'))
         out['battery'].publish(messages.branch(stamp, *readings.battery, 'battery'))

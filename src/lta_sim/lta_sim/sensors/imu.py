@@ -6,12 +6,14 @@ sqrt(bandwidth), with the bandwidths of the 100 Hz output settings taken as idea
 leave the signal itself as it is: an airship moves far below them.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 import math
 from typing import final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
+from lta_sim.rigid_body import rotation
 from numpy.random import Generator
 
 Vector = tuple[float, float, float]
@@ -148,6 +150,29 @@ def specific_force(
     )
 
 
+def felt(
+    state: Sequence[float], rate: Sequence[float], position: Vector, gravity: float
+) -> Vector:
+    """
+    Return what an accelerometer feels, from a state of `lta_sim.state` and its derivative.
+
+    Parameters
+    ----------
+    state, rate : sequence of float
+        The state and its derivative. [SI]
+    position : tuple of float
+        Place of the sensor in the body frame. [m]
+    gravity : float
+        Acceleration of free fall. [m/s^2]
+
+    """
+    x, y, z, w, a, b, c, i, j, k = state[3:13]
+    ax, ay, az, bx, by, bz = rate[7:13]
+    turn = rotation((x, y, z, w))
+    up = (turn[6], turn[7], turn[8])
+    return specific_force((a, b, c), (i, j, k), (ax, ay, az), (bx, by, bz), up, position, gravity)
+
+
 def measure(
     errors: ImuErrors, force: Vector, rates: Vector, rng: Generator
 ) -> tuple[Vector, Vector]:
@@ -169,17 +194,20 @@ def measure(
         Specific force [m/s^2] and angular rate [rad/s], rounded to counts, clipped at full scale.
 
     """
-    read = [
-        max(-end, min(end, round((gain * truth + offset + noise * x) / step) * step))
-        for truth, x, gain, offset, noise, step, end in zip(
-            (*force, *rates),
-            rng.standard_normal(6).tolist(),
-            errors.gain,
-            errors.offset,
-            errors.noise,
-            errors.step,
-            errors.full_scale,
-            strict=True,
-        )
-    ]
-    return (read[0], read[1], read[2]), (read[3], read[4], read[5])
+    # Written out: this is called at every control step.
+    draws = rng.standard_normal(6).tolist()
+    told = []
+    for truth, gain, offset, noise, draw_, step, end in zip(
+        (*force, *rates),
+        errors.gain,
+        errors.offset,
+        errors.noise,
+        draws,
+        errors.step,
+        errors.full_scale,
+        strict=True,
+    ):
+        value = round((gain * truth + offset + noise * draw_) / step) * step
+        told.append(end if value > end else -end if value < -end else value)
+    x, y, z, a, b, c = told
+    return (x, y, z), (a, b, c)

@@ -14,6 +14,7 @@ cosine, which the illuminance of the diode's plane already holds; the package's 
 left out, and so are unequal gains and the amplifier's own limits of swing.
 """
 
+from functools import cached_property
 import math
 from typing import Annotated, final
 
@@ -79,6 +80,14 @@ class PhotodiodeArray(Record):
     adc_bits: Annotated[int, Field(ge=1, le=16)] = 12
     adc_range: Positive = 3.3
 
+    @cached_property
+    def planes(self) -> Array:
+        """Places [m] and unit axes of the diodes in the body frame, shape (count, 6)."""
+        angles = np.array(azimuths(self.count))
+        axes = np.stack([np.cos(angles), np.sin(angles), np.zeros(self.count)], axis=-1)
+        points = self.radius * axes - np.array([0.0, 0.0, self.depth])
+        return np.concatenate([points, axes], axis=1)
+
     def place(self, position: Array, rotation: Array) -> tuple[Array, Array]:
         """
         Return where the diodes are and where they look.
@@ -96,9 +105,7 @@ class PhotodiodeArray(Record):
             Positions [m, map] and unit axes [map].
 
         """
-        angles = np.array(azimuths(self.count))
-        axes = np.stack([np.cos(angles), np.sin(angles), np.zeros(self.count)], axis=-1)
-        points = self.radius * axes - np.array([0.0, 0.0, self.depth])
+        points, axes = self.planes[:, :3], self.planes[:, 3:]
         turn = np.swapaxes(rotation, -1, -2)
         return position[..., None, :] + points @ turn, axes @ turn
 
@@ -125,7 +132,12 @@ def noise_volts(array: PhotodiodeArray, volts: Array | float) -> Array:
         Amplifier's and shot noise together. [V]
 
     """
+    amplifier, shot = noise_terms(array)
+    return np.sqrt(amplifier + shot * np.asarray(volts))
+
+
+def noise_terms(array: PhotodiodeArray) -> tuple[float, float]:
+    """Return the variance of the amplifier's noise [V2] and that of the shot noise by volt [V]."""
     amplifier = array.noise**2 * array.feedback_resistance / NOISE_RESISTANCE
     noise_bandwidth = math.pi / 2.0 * array.bandwidth
-    shot = 2.0 * ELEMENTARY_CHARGE * noise_bandwidth * array.feedback_resistance
-    return np.sqrt(amplifier + shot * np.asarray(volts))
+    return amplifier, 2.0 * ELEMENTARY_CHARGE * noise_bandwidth * array.feedback_resistance

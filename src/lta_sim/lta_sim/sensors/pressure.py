@@ -11,6 +11,7 @@ from typing import final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
+from lta_sim.measurement import Chain, read
 from numpy.random import Generator
 
 # ICAO standard atmosphere (Doc 7488) below 11 km.
@@ -77,6 +78,7 @@ def measure(
     height: float,
     elapsed: float,
     rng: Generator,
+    chain: Chain = (),
 ) -> float:
     """
     Return one reading. [Pa]
@@ -93,9 +95,13 @@ def measure(
         Time since the start of the flight. [s]
     rng : Generator
         Source of chance.
+    chain : Chain
+        Measurement effects of the vehicle.
 
     """
     truth = air_pressure(settings.floor, height)
+    if chain:
+        truth = read(chain, (truth,), elapsed)[0]
     noise = settings.noise * float(rng.standard_normal())
-    read = truth + errors.offset + errors.drift * elapsed + noise
-    return round(read / settings.resolution) * settings.resolution
+    told = truth + errors.offset + errors.drift * elapsed + noise
+    return round(told / settings.resolution) * settings.resolution

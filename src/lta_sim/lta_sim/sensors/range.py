@@ -6,13 +6,17 @@ a = 2.5 mm and c = ln(0.2 / 0.0025) / 1.5 m; limits and accuracy from ST's manua
 for the 27 degree cone, so that a tilted sensor reads height / cos(tilt).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 import math
 from typing import final
 
 from lta_config.settings import setting, Settings
+from lta_sim.measurement import Chain, read
+from lta_sim.rigid_body import rotation
 from numpy.random import Generator
 
+Vector = tuple[float, float, float]
 RESOLUTION = 1e-3  # m; the sensor counts millimetres
 KNEE = 2.5  # m; where the noise has doubled
 GROWTH = math.log(0.2 / 0.0025) / 1.5  # 1/m; 0.2 m more of noise at 4 m
@@ -69,8 +73,31 @@ def deviation(noise: float, distance: float) -> float:
     return noise * (1.0 + math.exp(GROWTH * (distance - KNEE)))
 
 
+def outlook(state: Sequence[float], position: Vector) -> tuple[float, float]:
+    """
+    Return the height of the sensor and the cosine of its tilt.
+
+    Parameters
+    ----------
+    state : sequence of float
+        Layout of `lta_sim.state`.
+    position : tuple of float
+        Place of the sensor in the body frame. [m]
+
+    """
+    x, y, z, w = state[3:7]
+    a, b, c = rotation((x, y, z, w))[6:]
+    return state[2] + (a * position[0] + b * position[1] + c * position[2]), c
+
+
 def measure(
-    settings: RangeSettings, errors: RangeErrors, height: float, up: float, rng: Generator
+    settings: RangeSettings,
+    errors: RangeErrors,
+    height: float,
+    up: float,
+    rng: Generator,
+    chain: Chain = (),
+    elapsed: float = 0.0,
 ) -> float:
     """
     Return one reading.
@@ -87,6 +114,11 @@ def measure(
         Cosine of the tilt: z of the body's z axis in the map.
     rng : Generator
         Source of chance; one number is drawn whatever the reading, to keep seeds comparable.
+    chain : Chain
+        Measurement effects of the vehicle; they change what is told, not whether there is a
+        return.
+    elapsed : float
+        Time since the start of the flight, for them. [s]
 
     Returns
     -------
@@ -98,9 +130,12 @@ def measure(
     if up <= 0.0 or height > settings.maximum * up:
         return math.inf
     distance = max(height, 0.0) / up
-    read = distance + errors.offset + deviation(settings.noise, distance) * chance
-    if read > settings.maximum:
+    noise = deviation(settings.noise, distance) * chance
+    if chain:
+        distance = read(chain, (distance,), elapsed)[0]
+    told = distance + errors.offset + noise
+    if told > settings.maximum:
         return math.inf
-    if read < settings.minimum:
+    if told < settings.minimum:
         return -math.inf
-    return round(read / RESOLUTION) * RESOLUTION
+    return round(told / RESOLUTION) * RESOLUTION

@@ -1,0 +1,120 @@
+"""
+The way of a command to the rotors, with the delay that the vehicle's effects say.
+
+A command counts from the instant it arrives: one that is on its way for 13 ms takes over 3 ms into
+the control period after its own. Until the first has come the rotors stand still.
+"""
+
+from collections import deque
+from collections.abc import Mapping, Sequence
+import math
+from typing import final
+
+from lta_sim.measurement import Chain, read
+from lta_sim.state import COMMAND, MASS_PLACE
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Vector = tuple[float, float, float]
+NANOSECONDS = 1e9
+
+
+@final
+class CommandLink:
+    """
+    Commands on their way.
+
+    Parameters
+    ----------
+    reversible : sequence of bool
+        Whether each rotor accepts negative duty.
+    given : mapping
+        The effects that are on, `Model.given`: a moving mass starts where it was weighed.
+    chain : Chain
+        What acts on the channel `command_time`.
+
+    Attributes
+    ----------
+    idle : ndarray of float64, shape (COMMAND,)
+        What is obeyed before the first command, in the layout of `lta_sim.state`.
+
+    """
+
+    def __init__(
+        self,
+        reversible: Sequence[bool],
+        given: Mapping[str, Mapping[str, float]],
+        chain: Chain,
+    ) -> None:
+        self._lowest = [-1.0 if reverses else 0.0 for reverses in reversible]
+        self._chain = chain
+        self.idle: Array = np.zeros(COMMAND)
+        place = given.get('moving_mass', {})
+        self.idle[MASS_PLACE:] = [place.get(axis, 0.0) for axis in 'xyz']
+        self._latest = self._obeyed = self.idle
+        self._coming: deque[tuple[int, Array]] = deque()
+
+    def compose(self, duties: Sequence[float], mass_place: Vector | None = None) -> Array:
+        """
+        Return a command as the kernel takes it, within what the rotors can do.
+
+        Parameters
+        ----------
+        duties : sequence of float
+            Duty by rotor.
+        mass_place : tuple of 3 floats, optional
+            Where the moving mass should be; where it was told before if left out. [m, body]
+
+        Raises
+        ------
+        ValueError
+            If there is not one finite duty for each rotor, or a place is not finite.
+
+        """
+        asked = list(map(float, duties))
+        if len(asked) != len(self._lowest) or not all(map(math.isfinite, asked)):
+            raise ValueError(f'The duties are {asked}; give {len(self._lowest)} finite numbers.')
+        command = self._latest.copy()
+        command[: len(asked)] = [
+            low if duty < low else 1.0 if duty > 1.0 else duty
+            for low, duty in zip(self._lowest, asked, strict=True)
+        ]
+        if mass_place is not None:
+            if len(mass_place) != 3 or not all(map(math.isfinite, mass_place)):
+                raise ValueError(
+                    f'The moving mass is sent to {mass_place}; give 3 finite numbers.'
+                )
+            command[MASS_PLACE:] = mass_place
+        self._latest = command
+        return command
+
+    def spans(
+        self, now_ns: int, end_ns: int, elapsed: float, command: Array
+    ) -> list[tuple[int, Array]]:
+        """
+        Send a command; return what is obeyed until when, in time order up to the end.
+
+        Parameters
+        ----------
+        now_ns, end_ns : int
+            The control period that the command is given at the beginning of. [ns]
+        elapsed : float
+            Time of its beginning since the start of the flight. [s]
+        command : ndarray of float64
+            The command; it is kept, not copied.
+
+        """
+        if not self._chain:
+            return [(end_ns, command)]
+        # The delay of the period's beginning holds for all of it.
+        delay = elapsed - read(self._chain, (elapsed,), elapsed)[0]
+        age_ns = max(0, round(delay * NANOSECONDS))
+        self._coming.append((now_ns, command))
+        out: list[tuple[int, Array]] = []
+        while self._coming and self._coming[0][0] + age_ns < end_ns:
+            given_ns, later = self._coming.popleft()
+            if given_ns + age_ns > now_ns:
+                out.append((given_ns + age_ns, self._obeyed))
+            self._obeyed = later
+        return [*out, (end_ns, self._obeyed)]

@@ -1,0 +1,50 @@
+"""Who says how a flight stands: at its goal, out of the room, out of time, or still flying."""
+
+import math
+from typing import final
+
+from lta_sim.readings import Outcome
+from lta_sim.scenario import Scenario
+
+
+@final
+class Referee:
+    """
+    The end of a flight, by the numbers of its scenario.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Room, lamp and goal.
+
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        length, width, self._height = scenario.room.size.vector
+        self._sides = (length / 2, width / 2)
+        self._x, self._y, _ = scenario.lamp.position.vector
+        self._radius, self._limit = scenario.goal.radius.si, scenario.goal.time_limit.si
+
+    def distance(self, x: float, y: float) -> float:
+        """Return the horizontal distance from a place to the lamp. [m]"""
+        return math.hypot(self._x - x, self._y - y)
+
+    def judge(self, x: float, y: float, z: float, elapsed: float) -> Outcome:
+        """
+        Return how a flight stands.
+
+        Parameters
+        ----------
+        x, y, z : float
+            Hull centre. [m, map]
+        elapsed : float
+            Time since the start. [s]
+
+        """
+        if self.distance(x, y) <= self._radius:
+            return Outcome.REACHED
+        if not (abs(x) <= self._sides[0] and abs(y) <= self._sides[1] and z <= self._height):
+            return Outcome.ESCAPED
+        if elapsed >= self._limit:
+            return Outcome.TIMEOUT
+        return Outcome.FLYING

@@ -1,0 +1,107 @@
+"""
+What an outside tracker says of the vehicle, in its own frame and by its own clock.
+
+A pose that is stamped t is the truth of another time: the tracker's clock is not the vehicle's
+(`clock_offset`, `clock_skew`), and the pose is old when it is stamped (`tracker_delay`). The
+vehicle's clock is the graph's, since the stamps of its messages are the keys of the lockstep; only
+the difference of the two clocks can be seen, so all of it is on the tracker's side, and its stamps
+stay on the grid: the pose stamped t is that of the vehicle's time clock(t) less the delay.
+
+Between control steps position, velocity and rates are interpolated linearly and the quaternion
+linearly and normalised: within a h^2 / 8 of the truth, 13 um at 1 m/s2 and 10 ms. What has not
+happened yet, where the tracker's clock is ahead, is flown ahead under the present command.
+"""
+
+from collections import deque
+from collections.abc import Callable, Mapping
+import math
+from typing import final
+
+from lta_sim.measurement import Chain, read
+from lta_sim.state import RIGID
+import numpy as np
+from numpy.typing import NDArray
+
+Numbers = tuple[float, ...]  # position, quaternion, velocity, rates: the first 13 of a state
+CHANNELS = ('clock', 'pose_time', 'pose')
+NANOSECONDS = 1e9
+
+
+def between(before: Numbers, after: Numbers, part: float) -> Numbers:
+    """Return a motion a part of the way, 0 to 1, from one to another."""
+    sign = math.copysign(1.0, sum(before[i] * after[i] for i in range(3, 7)))
+    mixed = [
+        x + part * ((sign * y if 3 <= i < 7 else y) - x)
+        for i, (x, y) in enumerate(zip(before, after, strict=True))
+    ]
+    length = math.hypot(*mixed[3:7])
+    return (*mixed[:3], *(x / length for x in mixed[3:7]), *mixed[7:])
+
+
+@final
+class Tracker:
+    """
+    A tracker that watches one flight.
+
+    Parameters
+    ----------
+    chains : mapping of str to Chain
+        What acts on each channel.
+
+    """
+
+    def __init__(self, chains: Mapping[str, Chain]) -> None:
+        self._clock, self._time, self._pose = (chains[name] for name in CHANNELS)
+        self._late = bool(self._clock or self._time)
+        self._now_ns = 0
+        self._motion: Numbers = ()
+        self._past: deque[tuple[int, Numbers]] = deque()
+
+    def watch(self, now_ns: int, motion: Numbers) -> None:
+        """
+        Take note of the truth at a control step.
+
+        Parameters
+        ----------
+        now_ns : int
+            Time since the start of the flight. [ns]
+        motion : tuple of 13 floats
+            Position, quaternion, velocity, rates. [m, m/s, rad/s]
+
+        """
+        self._now_ns, self._motion = now_ns, motion
+        if self._late:
+            self._past.append((now_ns, motion))
+
+    def says(self, ahead: Callable[[int], NDArray[np.float64]]) -> Numbers:
+        """
+        Return the motion that it stamps with the control step seen last.
+
+        Without effects that is the truth, bit for bit.
+
+        Parameters
+        ----------
+        ahead : callable
+            Returns the state that so many nanoseconds will bring.
+
+        """
+        now, motion = self._now_ns * 1e-9, self._motion
+        if self._late:
+            clock = read(self._clock, (now,), now)
+            when_ns = round(read(self._time, clock, now)[0] * NANOSECONDS)
+            span_ns = when_ns - self._now_ns
+            motion = tuple(ahead(span_ns)[:RIGID].tolist()) if span_ns > 0 else self._at(when_ns)
+        if self._pose:
+            motion = (*read(self._pose, motion[:7], now), *motion[7:])
+        return motion
+
+    def _at(self, when_ns: int) -> Numbers:
+        """Return the motion of a time that has been, the first before the first."""
+        past = self._past
+        while len(past) > 1 and past[1][0] <= when_ns:
+            past.popleft()
+        begin_ns, before = past[0]
+        if when_ns <= begin_ns or len(past) == 1:
+            return before
+        end_ns, after = past[1]
+        return between(before, after, (when_ns - begin_ns) / (end_ns - begin_ns))

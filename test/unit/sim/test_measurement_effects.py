@@ -1,0 +1,143 @@
+"""The measurement effects by hand, and the core that applies them."""
+
+import math
+
+from lta_sim.effects import (
+    clock_offset,
+    clock_skew,
+    gyro_bias,
+    gyro_scale,
+    imu_bias,
+    pressure_drift,
+    range_offset,
+    tracker_delay,
+    tracker_misalignment,
+)
+from lta_sim.effects.protocol import CHANNELS, MeasurementEffect
+from lta_sim.measurement import chains, read
+import numpy as np
+import pytest
+
+MODULES = (
+    imu_bias,
+    gyro_scale,
+    gyro_bias,
+    pressure_drift,
+    range_offset,
+    tracker_misalignment,
+    tracker_delay,
+    clock_offset,
+    clock_skew,
+)
+EFFECTS = {module.EFFECT.name: module.EFFECT for module in MODULES}
+NUMBERS = (0.1, -2.3, 7.7, 0.5, -0.5, 0.5, 0.5)
+DEGREE = math.pi / 180.0
+LEVEL = (0.0, 0.0, 0.0, 1.0)
+
+
+def told(given, channel, values, time=0.0):
+    return read(chains(given, EFFECTS)[channel], values, time)
+
+
+def rotated(quaternion):
+    """Return the rotation matrix of a quaternion x y z w, by the textbook's other formula."""
+    v, w = np.array(quaternion[:3]), quaternion[3]
+    skew = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
+    return (w * w - v @ v) * np.eye(3) + 2 * np.outer(v, v) + 2 * w * skew
+
+
+@pytest.mark.parametrize('effect', EFFECTS.values(), ids=lambda effect: effect.name)
+def test_at_null_the_truth_is_left_alone(effect):
+    assert isinstance(effect, MeasurementEffect)
+    values = NUMBERS[: CHANNELS[effect.channel]]
+    null = tuple(parameter.null for parameter in effect.parameters)
+    assert effect.reading(null, values, 12.3) == values
+    given = {effect.name: {parameter.name: parameter.null for parameter in effect.parameters}}
+    assert all(chain == () for chain in chains(given, EFFECTS).values())
+
+
+@pytest.mark.parametrize('effect', EFFECTS.values(), ids=lambda effect: effect.name)
+def test_declared_as_the_protocol_wants(effect):
+    assert effect.channel in CHANNELS
+    for parameter in effect.parameters:
+        assert parameter.low <= parameter.null <= parameter.high
+        assert parameter.low < parameter.high
+        # A prior of three deviations lies within the bounds.
+        assert 0.0 < 3.0 * parameter.spread <= parameter.high - parameter.null
+        assert parameter.source
+
+
+@pytest.mark.parametrize('effect', EFFECTS.values(), ids=lambda effect: effect.name)
+def test_every_parameter_shows_in_a_reading_of_the_right_length(effect):
+    values = NUMBERS[: CHANNELS[effect.channel]]
+    for one in effect.parameters:
+        changed = told({effect.name: {one.name: one.null + one.spread}}, effect.channel, values, 9)
+        assert len(changed) == len(values)
+        assert changed != values
+
+
+def test_each_channel_is_left_to_its_own_effects():
+    found = chains({'range_offset': {'offset': 0.1}}, EFFECTS)
+    assert set(found) == set(CHANNELS)
+    assert [name for name, chain in found.items() if chain] == ['range']
+
+
+def test_biases_and_drift_by_hand():
+    given = {'imu_bias': {'x': 0.1, 'z': -0.2}, 'gyro_bias': {'y': 0.01}}
+    assert told(given, 'force', (0.0, 0.5, 9.8)) == pytest.approx((0.1, 0.5, 9.6))
+    assert told(given, 'rates', (0.3, 0.0, 0.0)) == (0.3, 0.01, 0.0)
+    drift = {'pressure_drift': {'rate': 0.03}}
+    assert told(drift, 'pressure', (101325.0,), 600.0) == pytest.approx((101343.0,), abs=1e-9)
+    assert told({'range_offset': {'offset': -0.02}}, 'range', (1.5,)) == pytest.approx((1.48,))
+
+
+def test_the_gyroscope_is_scaled_before_its_bias():
+    """At rest it says its bias, whatever its scale."""
+    given = {'gyro_bias': {'z': 0.02}, 'gyro_scale': {'z': 1.1}}
+    assert told(given, 'rates', (0.0, 0.0, 0.0)) == (0.0, 0.0, 0.02)
+    assert told(given, 'rates', (0.0, 0.0, 1.0)) == pytest.approx((0.0, 0.0, 1.12))
+
+
+def test_a_tracker_laid_askew_sees_the_map_turned_the_other_way():
+    """Its x axis lies 90 degrees left of the map's: a point ahead is on its right."""
+    given = {'tracker_misalignment': {'yaw': math.pi / 2}}
+    seen = told(given, 'pose', (2.0, 0.0, 1.0, *LEVEL))
+    assert seen[:3] == pytest.approx((0.0, -2.0, 1.0), abs=1e-15)
+    half = math.sqrt(0.5)
+    assert seen[3:] == pytest.approx((0.0, 0.0, -half, half), abs=1e-15)
+
+
+def test_a_tilted_tracker_sees_a_level_flight_climb():
+    """Nose of its frame down by 1 degree (positive about y): 3 m ahead seem sin(1 deg) higher."""
+    seen = told({'tracker_misalignment': {'pitch': DEGREE}}, 'pose', (3.0, 0.0, 0.0, *LEVEL))
+    assert seen[2] == pytest.approx(3.0 * math.sin(DEGREE))
+    seen = told({'tracker_misalignment': {'roll': DEGREE}}, 'pose', (0.0, 3.0, 0.0, *LEVEL))
+    assert seen[2] == pytest.approx(-3.0 * math.sin(DEGREE))
+
+
+def test_misalignment_against_matrices():
+    """R = Rz Ry Rx takes the tracker's axes to the map; both point and attitude turn back."""
+    yaw, pitch, roll = 0.7, -0.2, 0.3
+    c, s = math.cos, math.sin
+    z = np.array([[c(yaw), -s(yaw), 0], [s(yaw), c(yaw), 0], [0, 0, 1]])
+    y = np.array([[c(pitch), 0, s(pitch)], [0, 1, 0], [-s(pitch), 0, c(pitch)]])
+    x = np.array([[1, 0, 0], [0, c(roll), -s(roll)], [0, s(roll), c(roll)]])
+    attitude = np.array([0.1, -0.4, 0.2, 0.8])
+    attitude /= np.linalg.norm(attitude)
+    point = np.array([1.0, -2.0, 3.0])
+    given = {'tracker_misalignment': {'yaw': yaw, 'pitch': pitch, 'roll': roll}}
+    seen = told(given, 'pose', (*point, *attitude))
+    back = (z @ y @ x).T
+    np.testing.assert_allclose(seen[:3], back @ point, atol=1e-14)
+    np.testing.assert_allclose(rotated(seen[3:]), back @ rotated(attitude), atol=1e-14)
+
+
+def test_clocks_by_hand():
+    given = {
+        'clock_offset': {'offset': 0.2},
+        'clock_skew': {'skew': 5e-5},
+        'tracker_delay': {'delay': 0.03},
+    }
+    # After ten minutes 50 ppm are 30 ms.
+    assert told(given, 'clock', (600.0,), 600.0) == pytest.approx((600.23,), abs=1e-12)
+    assert told(given, 'pose_time', (600.0,), 600.0) == pytest.approx((599.97,), abs=1e-12)

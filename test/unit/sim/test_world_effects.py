@@ -1,0 +1,246 @@
+"""Measurement effects in the world: what is told and obeyed, against the undisturbed flight."""
+
+import math
+
+from lta_sim import kernel
+from lta_sim.around import Around
+from lta_sim.command_link import CommandLink
+from lta_sim.effects import EFFECTS
+from lta_sim.light_view import LightView
+from lta_sim.readings import Readings
+from lta_sim.state import IRRADIANCE, NOISE, VOLTAGE, WIND
+import numpy as np
+import pytest
+
+from .lamp_room import build, fly, HOVER
+from .test_measurement_effects import EFFECTS as MEASURING
+
+FLYING = (0.5, 0.4, 0.3, 0.2)
+
+
+@pytest.fixture(autouse=True)
+def registered(monkeypatch):
+    """Know the measurement effects, whether they are in the registry or not."""
+    for name, effect in MEASURING.items():
+        monkeypatch.setitem(EFFECTS, name, effect)
+
+
+def given(effect, **parameters):
+    """Return a change of the vehicle file that sets parameters of an effect."""
+    units = {known.name: known.unit for known in EFFECTS[effect].parameters}
+    block = {
+        name: {'value': value, 'unit': units[name], 'source': 'test'}
+        for name, value in parameters.items()
+    }
+    return {f'effects/{effect}': block}
+
+
+def flown(steps=12, seed=3, **vehicle):
+    """Return a world, all its readings and its state before each."""
+    world, states, readings = build(seed=seed, **vehicle), [], []
+    for _ in range(steps):
+        states.append(tuple(world.state[:13].tolist()))
+        readings += fly(world, 1, FLYING)
+    return world, readings, states
+
+
+def plain(reading: Readings):
+    """Return a reading as something that compares."""
+    block = None if reading.block is None else reading.block[1].tobytes()
+    return [getattr(reading, name) for name in Readings.__slots__ if name != 'block'] + [block]
+
+
+def test_at_null_every_reading_stays_bit_for_bit():
+    null = {}
+    for name in (*MEASURING, 'command_delay'):
+        null |= given(name, **{known.name: known.null for known in EFFECTS[name].parameters})
+    _, readings, states = flown()
+    _, same, states_too = flown(vehicle=null)
+    assert states == states_too
+    assert [plain(r) for r in readings] == [plain(r) for r in same]
+    assert [r.truth for r in same] == states
+
+
+def test_biases_reach_the_readings_and_nothing_else():
+    change = given('imu_bias', x=0.5) | given('gyro_bias', z=-0.05)
+    change |= given('pressure_drift', rate=0.5) | given('range_offset', offset=0.1)
+    _, readings, states = flown(201)
+    world, moved, states_too = flown(201, vehicle=change)
+    assert states == states_too
+    gain = world.imu_errors.gain
+    for a, b in zip(readings, moved, strict=True):
+        turned = np.subtract(b.rates, a.rates)
+        pushed = np.subtract(b.force, a.force)
+        # Counts are 1.8 mm/s2 and 0.27 mrad/s: two roundings.
+        np.testing.assert_allclose(pushed, (0.5 * gain[0], 0, 0), atol=1.8e-3)
+        np.testing.assert_allclose(turned, (0, 0, -0.05 * gain[5]), atol=2.7e-4)
+        assert b.illuminance == a.illuminance
+        assert b.battery == a.battery
+    assert moved[200].pressure - readings[200].pressure == pytest.approx(0.5 * 2.0, abs=0.34)
+    (_, near), (_, far) = readings[200].ranges[-1], moved[200].ranges[-1]
+    assert far - near == pytest.approx(0.1, abs=1.1e-3)
+
+
+def test_a_late_tracker_tells_what_was():
+    _, readings, states = flown(vehicle=given('tracker_delay', delay=0.03))
+    assert [r.truth for r in readings[3:]] == states[:-3]
+    assert all(r.truth == states[0] for r in readings[:3])
+
+
+def test_between_steps_a_late_tracker_interpolates():
+    """25 ms lies midway between the steps 20 and 30 ms ago."""
+    _, readings, states = flown(60, vehicle=given('tracker_delay', delay=0.025))
+    middle = np.add(states[56], states[57]) / 2.0
+    np.testing.assert_allclose(readings[59].truth, middle, rtol=0.0, atol=1e-7)
+    # The flight itself between them, integrated.
+    world, _, _ = flown(56)
+    model, command = world.vehicle.model(), world.command
+    truth = kernel.advance(world.state, model, command, world._around.numbers, 0.0025, 2)
+    np.testing.assert_allclose(readings[59].truth, truth[:13], rtol=0.0, atol=3e-4 / 8)
+    assert math.hypot(*readings[59].truth[3:7]) == pytest.approx(1.0, abs=1e-15)
+
+
+def test_a_slow_clock_of_the_vehicle_is_a_late_tracker():
+    _, readings, states = flown(vehicle=given('clock_offset', offset=-0.02))
+    for reading, state in zip(readings[2:], states[:-2], strict=True):
+        assert reading.truth == pytest.approx(state, abs=1e-12)
+
+
+def test_a_fast_clock_of_the_vehicle_is_a_tracker_ahead():
+    """Under a constant command what is flown ahead is what comes."""
+    _, readings, states = flown(vehicle=given('clock_offset', offset=0.02))
+    for reading, state in zip(readings[1:-2], states[3:], strict=True):
+        assert reading.truth == pytest.approx(state, abs=1e-9)
+
+
+def test_skew_grows_with_the_flight():
+    """10 s at -1000 ppm are one control step."""
+    _, readings, states = flown(1002, vehicle=given('clock_skew', skew=-1e-3))
+    assert readings[1].truth == pytest.approx(states[1], abs=1e-4)
+    # At 10.01 s it is 10.01 ms late.
+    assert readings[1001].truth == pytest.approx(states[1000], abs=1e-4)
+    assert abs(readings[1001].truth[0] - states[1001][0]) > 5e-4
+
+
+def test_the_stamps_stay_on_the_grid():
+    _, readings, _ = flown(vehicle=given('clock_offset', offset=0.3))
+    assert [r.stamp_ns for r in readings] == [10**9 + k * 10**7 for k in range(12)]
+
+
+def test_a_tilted_tracker_turns_the_pose_and_not_the_body():
+    _, readings, states = flown(vehicle=given('tracker_misalignment', yaw=math.pi / 2))
+    x, y, z = states[5][:3]
+    assert readings[5].truth[:3] == pytest.approx((y, -x, z), abs=1e-12)
+    assert readings[5].truth[7:] == states[5][7:]
+
+
+def test_a_late_command_takes_over_when_it_arrives():
+    """13 ms: the rotors stand still for one period and 3 ms, then obey."""
+    world, _, _ = flown(2, vehicle=given('command_delay', delay=0.013))
+    still = build(seed=3)
+    model, around = still.vehicle.model(), still._around.numbers
+    off, on = np.zeros(11), np.zeros(11)
+    on[:4] = FLYING
+    state = kernel.advance(still.state, model, off, around, 0.0025, 4)
+    state = kernel.advance(state, model, off, around, 0.0015, 2)
+    state = kernel.advance(state, model, on, around, 0.007 / 3, 3)
+    np.testing.assert_array_equal(world.state, state)
+    np.testing.assert_array_equal(world.duties, FLYING)
+
+
+def test_a_delay_of_whole_periods_only_shifts():
+    late, _, _ = flown(9, vehicle=given('command_delay', delay=0.03))
+    prompt = build(seed=3)
+    fly(prompt, 3)
+    fly(prompt, 6, FLYING)
+    np.testing.assert_array_equal(late.state, prompt.state)
+
+
+def test_commands_overtake_each_other_only_forwards():
+    """As the delay shrinks, the latest command that has arrived is obeyed."""
+    times = {0.0: -0.025, 0.01: -0.015, 0.02: 0.018, 0.03: 0.028}
+
+    def slow(p, values, time):
+        return (times[round(time, 3)],)
+
+    link = CommandLink((True,), {}, ((slow, ()),))
+    seen = []
+    for k in range(4):
+        command = link.compose((0.1 * (k + 1),))
+        spans = link.spans(k * 10**7, (k + 1) * 10**7, k * 0.01, command)
+        seen.append([(until, round(float(told[0]), 3)) for until, told in spans])
+    assert seen == [
+        [(10_000_000, 0.0)],
+        [(20_000_000, 0.0)],
+        [(22_000_000, 0.2), (30_000_000, 0.3)],
+        [(32_000_000, 0.3), (40_000_000, 0.4)],
+    ]
+
+
+def test_a_moving_mass_rests_where_it_was_weighed_until_told():
+    link = CommandLink((False, True), {'moving_mass': {'x': 0.07, 'z': 0.2}}, ())
+    assert link.idle[8:].tolist() == [0.07, 0.0, 0.2]
+    assert link.compose((-0.5, -2.0)).tolist() == [0.0, -1.0, *[0.0] * 6, 0.07, 0.0, 0.2]
+    assert link.compose((0.5, 0.5), (0.1, 0.0, 0.2))[8:].tolist() == [0.1, 0.0, 0.2]
+    assert link.compose((0.5, 0.5))[8:].tolist() == [0.1, 0.0, 0.2]
+    with pytest.raises(ValueError, match='give 3 finite numbers'):
+        link.compose((0.0, 0.0), (math.nan, 0.0, 0.0))
+
+
+def test_a_sagging_battery_weakens_the_rotors():
+    """T = 0.0915 u'^2 + 0.0677 u' at u' = u V / 4.2, V under load."""
+    world, _, _ = flown(200, vehicle=given('battery_sag', voltage=4.2))
+    volts = world._around.numbers[VOLTAGE]
+    assert 3.9 < volts < 4.15
+    around, model = world._around.numbers, world.vehicle.model()
+    thrusts = kernel.thrusts(world.state, model, world.command, around)
+    for thrust, duty in zip(thrusts, FLYING, strict=False):
+        turning = duty * volts / 4.2
+        assert thrust == pytest.approx(0.0915 * turning**2 + 0.0677 * turning, rel=1e-4)
+    np.testing.assert_array_equal(thrusts[4:], 0.0)
+
+
+def surrounded(effects, seed=1):
+    world = build(scene={'air/wind': {'value': [0.4, -0.2, 0.1], 'unit': 'm/s'}})
+    light = LightView(world.scenario.light_field, world.vehicle)
+    chance = np.random.default_rng(seed)
+    return Around({name: {} for name in effects}, world.scenario, light, chance, 0.01), world
+
+
+def test_surroundings_hold_wind_and_voltage_and_no_noise_unless_asked():
+    around, world = surrounded(())
+    around.refresh(world._pose(), 3.9)
+    assert around.numbers.tolist() == [0.4, -0.2, 0.1, 0.0, 0.0, 0.0, 0.0, 3.9]
+    assert world._around.numbers[VOLTAGE] == world.supply.electrics[0]
+    assert world._around.numbers[WIND] == 0.4
+
+
+def test_turbulence_has_white_noise_of_unit_intensity():
+    around, world = surrounded(('turbulence',))
+    drawn = []
+    for _ in range(4000):
+        around.refresh(world._pose(), 3.9)
+        drawn.append(around.numbers[NOISE : NOISE + 3].copy())
+    # Variance 1 / 10 ms; its estimate from 12000 draws is good to 1.3 %.
+    assert np.var(drawn) == pytest.approx(100.0, rel=0.04)
+    assert np.mean(drawn) == pytest.approx(0.0, abs=0.3)
+
+
+def test_superheat_sees_the_lamp_whichever_way_the_hull_is_turned():
+    around, world = surrounded(('superheat',))
+    around.refresh(world._pose(), 3.9)
+    lamp, ambient, room = (
+        world.scenario.light_field.__getattribute__(n) for n in ('lamp', 'ambient', 'room')
+    )
+    ray = np.subtract(world.state[:3], lamp.position)
+    squared = float(ray @ ray)
+    leaving = float(ray @ lamp.axis) / math.sqrt(squared) / math.hypot(*lamp.axis)
+    lux = 10000.0 / math.pi * leaving / (squared + 0.015**2) + room.diffuse(10000.0)
+    expected = 0.5 * lux / lamp.efficacy + ambient.steady / ambient.efficacy
+    assert around.numbers[IRRADIANCE] == pytest.approx(expected, rel=1e-12)
+
+
+def test_the_wind_at_the_hull_is_told():
+    world = build(scene={'air/wind': {'value': [0.4, -0.2, 0.1], 'unit': 'm/s'}})
+    fly(world, 3, HOVER)
+    assert world.wind == pytest.approx((0.4, -0.2, 0.1))
