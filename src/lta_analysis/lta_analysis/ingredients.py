@@ -149,9 +149,9 @@ def gains_in(content: Any, name: str) -> Any:  # noqa: ANN401 - what YAML holds
         ) from None
 
 
-def loop_of(made_of: Ingredients, seed: int) -> Loop:
+def parts_of(made_of: Ingredients) -> tuple[Vehicle, Scenario, Policy]:
     """
-    Return a flight that is about to begin.
+    Return vehicle, scene and what the drone decides by.
 
     Raises
     ------
@@ -175,6 +175,12 @@ def loop_of(made_of: Ingredients, seed: int) -> Loop:
     )
     vehicle = Vehicle(vehicle_file, scenario.air.density)
     _ = vehicle.hover_duty, scenario.light_field
+    return vehicle, scenario, policy
+
+
+def loop_of(made_of: Ingredients, seed: int) -> Loop:
+    """Return a flight that is about to begin; `BadInput` if something of it cannot be."""
+    vehicle, scenario, policy = parts_of(made_of)
     table = topic_table()
     return Loop(World(vehicle, scenario, table, seed), table, policy)
 

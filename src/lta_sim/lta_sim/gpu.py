@@ -55,7 +55,7 @@ FORM = Form(
 )
 
 
-def _cuda() -> ModuleType:
+def cuda_here() -> ModuleType:
     """
     Return numba's CUDA target with a GPU that it can use.
 
@@ -127,7 +127,7 @@ def advance_many(
         If an array has the wrong shape.
 
     """
-    cuda = _cuda()
+    cuda = cuda_here()
     fixed, state = columns(states, fleet, commands, surroundings)
     count = len(fleet)
     names = tuple(name for name in LAYOUT.effects if fleet.on[:, LAYOUT.flag(name)].any())

@@ -83,15 +83,25 @@ def draw(settings: ImuSettings, rng: Generator) -> ImuErrors:
         Source of chance.
 
     """
+    bounds = bounds_of(settings)
+    return ImuErrors(
+        gain=tuple(1.0 + bound * x for bound, x in zip(bounds.gain, _unit(rng), strict=True)),
+        offset=tuple(bound * x for bound, x in zip(bounds.offset, _unit(rng), strict=True)),
+        noise=bounds.noise,
+        step=bounds.step,
+        full_scale=bounds.full_scale,
+    )
+
+
+def bounds_of(settings: ImuSettings) -> ImuErrors:
+    """Return the largest errors: `gain` is the largest deviation of the factor from 1."""
     g, deg = STANDARD_GRAVITY, DEGREE
-    scale = (settings.acceleration_scale,) * 3 + (settings.rate_scale,) * 3
-    offset = (settings.acceleration_offset * g,) * 3 + (settings.rate_offset * deg,) * 3
     density = (*(n * g for n in settings.acceleration_noise), *(settings.rate_noise * deg,) * 3)
     width = (settings.acceleration_bandwidth,) * 3 + (settings.rate_bandwidth,) * 3
     full_scale = (settings.acceleration_range * g,) * 3 + (settings.rate_range * deg,) * 3
     return ImuErrors(
-        gain=tuple(1.0 + bound * x for bound, x in zip(scale, _unit(rng), strict=True)),
-        offset=tuple(bound * x for bound, x in zip(offset, _unit(rng), strict=True)),
+        gain=(settings.acceleration_scale,) * 3 + (settings.rate_scale,) * 3,
+        offset=(settings.acceleration_offset * g,) * 3 + (settings.rate_offset * deg,) * 3,
         noise=tuple(n * math.sqrt(b) for n, b in zip(density, width, strict=True)),
         step=tuple(end / 2**15 for end in full_scale),  # 16 bit, signed
         full_scale=full_scale,

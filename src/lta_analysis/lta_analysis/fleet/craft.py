@@ -1,0 +1,213 @@
+"""One flight of a batch as numbers: what the kernel keeps of it, and the constants of its loop."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+import math
+from typing import Any, final
+
+from lta_analysis.fleet.flight import Craft, Goal, Power
+from lta_analysis.fleet.text import Rhythm, STEP
+from lta_analysis.loop import Policy
+from lta_config.errors import BadInput
+from lta_config.topics import TopicTable
+from lta_control.autopilot import drone_of
+from lta_control.flat import bare
+from lta_control.per_rotor import slots
+from lta_control.strategies import bearing_angle
+from lta_sim.counted_sensors import Axes, Sensors
+from lta_sim.effects import EFFECTS
+from lta_sim.effects.protocol import MeasurementEffect
+from lta_sim.heard_lamp import listening_of
+from lta_sim.model import Model
+from lta_sim.scenario import Scenario
+from lta_sim.sensors.imu import bounds_of, ImuSettings
+from lta_sim.sensors.pressure import PressureSettings
+from lta_sim.sensors.range import RangeSettings
+from lta_sim.vehicle import Vehicle
+
+UNHEARD = ('pose', 'pose_time', 'clock')  # channels that decide nothing of a flight
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Made:
+    """
+    One flight of a batch.
+
+    Attributes
+    ----------
+    model : Model
+        The vehicle.
+    numbers : list of float
+        Of its `Craft`, in the order of its layout.
+    form : str
+        What kind of number each is; flights of one form share a text.
+    craft : Craft
+        The constants.
+
+    """
+
+    model: Model
+    numbers: list[float]
+    form: str
+    craft: Craft
+
+
+def rhythm_of(table: TopicTable) -> Rhythm:
+    """Return when what is due; `BadInput` if a period is no whole number of steps."""
+    step_ns = round(STEP * 1e9)
+    control = table.control_ns
+    due = {name: table[name].period_ns for name in ('range', 'pressure', 'photodiodes')}
+    if control % step_ns or due['range'] % step_ns or due['photodiodes'] % (2 * control):
+        raise BadInput(
+            f'A batch flies in steps of {1e3 * STEP:g} ms, and the periods {control} ns of '
+            f'control and {due} ns of sensors do not fit it; change topics.yaml.'
+        )
+    return Rhythm(
+        control // step_ns,
+        due['range'] // step_ns,
+        due['pressure'] // control,
+        due['photodiodes'] // control,
+    )
+
+
+def check(vehicle: Vehicle, policy: Policy) -> Model:
+    """
+    Return the model of a vehicle that a batch can fly.
+
+    Raises
+    ------
+    BadInput
+        If it needs what a batch does not have.
+
+    """
+    if policy.strategy is not bearing_angle.STRATEGY:
+        raise BadInput(
+            f'A batch knows the strategy bag only, not {policy.strategy.name}; leave --device out.'
+        )
+    model = vehicle.model()
+    for name in model.given:
+        effect = EFFECTS[name]
+        if isinstance(effect, MeasurementEffect) and effect.channel not in UNHEARD:
+            raise BadInput(
+                f'A batch has no effect {name} of measurement or command; leave --device out.'
+            )
+    vehicle.check_step(STEP)
+    return model
+
+
+def made_of(
+    vehicle: Vehicle,
+    scenario: Scenario,
+    policy: Policy,
+    table: TopicTable,
+    duties: Sequence[float] = (),
+) -> Made:
+    """
+    Return a flight of a batch.
+
+    Parameters
+    ----------
+    vehicle, scenario, policy : Vehicle, Scenario, Policy
+        What is flown where and how.
+    table : TopicTable
+        Periods and block shape.
+    duties : sequence of float
+        Of each rotor, where the drone does not decide.
+
+    """
+    model = check(vehicle, policy)
+    start, air = scenario.start, scenario.air
+    x, y = start.position.vector
+    known = Vehicle(vehicle.file)
+    place = model.given.get('moving_mass', {})
+    listening = listening_of(
+        scenario.light_field,
+        vehicle.diodes,
+        policy.demodulation,
+        table.light.sample_rate.si,
+        table.light.samples,
+    )
+    craft = Craft(
+        drone=drone_of(
+            known, policy.estimator, policy.gains, table.control_ns * 1e-9, policy.tilt_limit
+        ),
+        mission=policy.mission,
+        sensors=sensors_of(vehicle, air.pressure.si),
+        listening=listening,
+        goal=goal_of(scenario),
+        power=power_of(vehicle, scenario, policy),
+        place=(x, y, vehicle.standing_height),
+        heading=start.heading.si,
+        spread=start.heading_spread.si,
+        wind=three(air.wind.vector),
+        lowest=slots(-1.0 if reverses else 0.0 for reverses in vehicle.reversible),
+        mass_place=(place.get('x', 0.0), place.get('y', 0.0), place.get('z', 0.0)),
+        duties=slots(duties),
+    )
+    numbers: list[float] = []
+    form: list[str] = []
+    take(bare(craft), numbers, form)
+    return Made(model, numbers, ''.join(form), craft)
+
+
+def take(value: Any, numbers: list[float], form: list[str]) -> None:  # noqa: ANN401 - any nest
+    """Collect the numbers of a nest of tuples, and what each is."""
+    if isinstance(value, tuple):
+        form.append('(')
+        for item in value:
+            take(item, numbers, form)
+        form.append(')')
+        return
+    numbers.append(float(value))
+    form.append('b' if isinstance(value, bool) else 'i' if isinstance(value, int) else 'f')
+
+
+def sensors_of(vehicle: Vehicle, floor: float) -> Sensors:
+    """Return the sensors of a vehicle over a floor of some pressure. [Pa]"""
+    bounds, ranger, barometer = bounds_of(ImuSettings()), RangeSettings(), PressureSettings()
+    sensors = vehicle.file.sensors
+    kinds = (bounds.gain, bounds.offset, bounds.noise, bounds.step, bounds.full_scale)
+    return Sensors(
+        imu=Axes(*kinds),  # type: ignore[arg-type] - six axes
+        imu_place=three(sensors.imu_position.vector),
+        range_place=three(sensors.range_position.vector),
+        nearest=ranger.minimum,
+        farthest=ranger.maximum,
+        range_noise=ranger.noise,
+        range_offset=ranger.offset,
+        floor=floor,
+        pressure_noise=barometer.noise,
+        pressure_offset=barometer.offset,
+        drift=barometer.drift,
+        resolution=barometer.resolution,
+    )
+
+
+def goal_of(scenario: Scenario) -> Goal:
+    """Return how a flight in a scene ends."""
+    length, width, height = scenario.room.size.vector
+    x, y, _ = scenario.lamp.position.vector
+    goal = scenario.goal
+    return Goal(x, y, goal.radius.si, goal.time_limit.si, length / 2, width / 2, height)
+
+
+def power_of(vehicle: Vehicle, scenario: Scenario, policy: Policy) -> Power:
+    """Return the electricity of a vehicle in a scene."""
+    lamp, ambient = scenario.light_field.lamp, scenario.light_field.ambient
+    return Power(
+        vehicle.battery,
+        vehicle.loads,
+        vehicle.panel,
+        three(vehicle.file.sensors.panel_position.vector),
+        lamp.wave.duty / lamp.efficacy,
+        ambient.steady / ambient.efficacy,
+        policy.energy.reserve,
+        scenario.start.charge.si,
+    )
+
+
+def three(vector: Sequence[float]) -> tuple[float, float, float]:
+    """Return three numbers."""
+    x, y, z = map(float, vector)
+    return x, y, z

@@ -1,0 +1,320 @@
+"""
+What surrounds the cores in a flight of a batch, as plain functions of numbers and tuples.
+
+The order of things is that of `lta_analysis.loop`; what is different is said here. Chance is
+counted; the lamp is heard as `lta_sim.heard_lamp` says, not through an ADC block; the energy
+reserve is that of the true charge; and values pass no message, so that they keep all their bits.
+"""
+
+import math
+from typing import NamedTuple
+
+from lta_control.attitude import heading
+from lta_control.cascade import Setpoint, wrap
+from lta_control.mission import MissionSettings
+from lta_control.onboard import Drone, Heard, Onboard
+from lta_control.per_rotor import PerRotor
+from lta_control.strategies.bearing_angle import start, steer
+from lta_control.strategies.protocol import Memory, Sight
+from lta_energy.battery import advance, Battery, open_circuit_voltage
+from lta_energy.loads import demand, Loads
+from lta_energy.panel import Panel
+from lta_energy.panel import power as panel_power
+from lta_sim.counted_chance import uniforms
+from lta_sim.counted_sensors import (
+    Errors,
+    force_at,
+    imu_reading,
+    pressure_reading,
+    Sensors,
+    START,
+)
+from lta_sim.heard_lamp import Listening
+from lta_sim.lambertian import lit, place
+
+Vector = tuple[float, float, float]
+State = tuple[float, ...]
+UP = (0.0, 0.0, 1.0)
+LIFTED = 0.01  # m above where it stood: the drone has left the ground, as in the results
+
+FLYING, REACHED, TIMEOUT, ESCAPED = 0, 1, 2, 3
+REST, CLIMB, SEEK, LAND = 0, 1, 2, 3  # as `mission.Phase`
+
+
+class Goal(NamedTuple):
+    """How a flight ends; as `lta_sim.referee`."""
+
+    x: float
+    y: float
+    radius: float
+    limit: float
+    half_length: float
+    half_width: float
+    height: float
+
+
+class Power(NamedTuple):
+    """The electricity: cell, loads and panel of `lta_energy`, and where the panel is."""
+
+    cell: Battery
+    loads: Loads
+    cells: Panel
+    panel_place: Vector
+    lamp_share: float  # W/m2 a lux of the lamp while it is on
+    ambient: float  # W/m2
+    reserve: float
+    charge: float
+
+
+class Craft(NamedTuple):
+    """
+    Everything that decides a flight but its seed and the kernel's own numbers.
+
+    Attributes
+    ----------
+    drone : Drone
+        What the drone knows.
+    mission : MissionSettings
+        Altitudes and speeds.
+    sensors, listening, goal, power : Sensors, Listening, Goal, Power
+        The world.
+    place : tuple of float
+        Of the hull centre at the start. [m, map]
+    heading, spread : float
+        Middle and half width of the headings at the start. [rad]
+    wind : tuple of float
+        [m/s, map]
+    lowest : PerRotor
+        Least duty of each rotor.
+    mass_place : tuple of float
+        Of the moving mass. [m, body]
+    duties : PerRotor
+        In an open loop.
+
+    """
+
+    drone: Drone
+    mission: MissionSettings
+    sensors: Sensors
+    listening: Listening
+    goal: Goal
+    power: Power
+    place: Vector
+    heading: float
+    spread: float
+    wind: Vector
+    lowest: PerRotor
+    mass_place: Vector
+    duties: PerRotor
+
+
+class Charge(NamedTuple):
+    """The cell: its charge, voltage and current, and what the panel brings. [1, V, A, W]"""
+
+    charge: float
+    voltage: float
+    current: float
+    harvested: float
+
+
+class Tally(NamedTuple):
+    """What a flight has come to; NaN is what has not happened. SI."""
+
+    outcome: int
+    lift_off: float
+    search_start: float
+    path_length: float
+    closest: float
+    energy: float
+    blocks: float  # since the search began
+    bearings: float  # of these, with a bearing
+    squares: float  # of their errors, summed [rad2]
+
+
+def full(charge: float) -> Charge:
+    """Return a cell at rest in the dark at a state of charge."""
+    return Charge(charge, open_circuit_voltage(charge), 0.0, 0.0)
+
+
+def pose_at_start(craft: Craft, seed: int) -> State:
+    """Return the rigid part of the state: at rest, with the heading that the seed draws."""
+    share, _ = uniforms(seed, START, 0, 0)
+    half = 0.5 * (craft.heading + craft.spread * (2.0 * share - 1.0))
+    x, y, z = craft.place
+    return (
+        x, y, z, 0.0, 0.0, math.sin(half), math.cos(half), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+    )  # fmt: skip
+
+
+def clipped(duty: float, low: float) -> float:
+    """Return a duty within what a rotor can do."""
+    return min(max(duty, low), 1.0)
+
+
+def command_of(craft: Craft, u: PerRotor) -> tuple[float, ...]:
+    """Return a command as the kernel takes it."""
+    low, (x, y, z) = craft.lowest, craft.mass_place
+    return (
+        clipped(u[0], low[0]), clipped(u[1], low[1]), clipped(u[2], low[2]), clipped(u[3], low[3]),
+        clipped(u[4], low[4]), clipped(u[5], low[5]), clipped(u[6], low[6]), clipped(u[7], low[7]),
+        x, y, z,
+    )  # fmt: skip
+
+
+def sense(
+    craft: Craft,
+    errors: Errors,
+    seed: int,
+    step: int,
+    elapsed: float,
+    force: Vector,
+    rates: Vector,
+    height: float,
+    distance: float,
+    pressure_due: bool,
+) -> Heard:
+    """Return what the estimator hears; force and rates are those at the sensor."""
+    felt, turned = imu_reading(errors, seed, step, force, rates)
+    pressure = math.nan
+    if pressure_due:
+        pressure = pressure_reading(craft.sensors, errors, seed, step, height, elapsed)
+    return Heard(turned, felt, distance, pressure)
+
+
+def true_force(craft: Craft, state: State, rate: State) -> Vector:
+    """Return the specific force at the sensor. [m/s2]"""
+    return force_at(craft.sensors, state, rate)
+
+
+def guided(memory: Onboard, setpoint: Setpoint) -> Onboard:
+    """Return what the drone remembers, with a setpoint."""
+    return Onboard(
+        memory.estimate, memory.measured, True, setpoint, memory.control, memory.duties,
+        memory.stopped,
+    )  # fmt: skip
+
+
+def guide(
+    settings: MissionSettings,
+    phase: int,
+    memory: Memory,
+    sight: Sight,
+    ready: bool,
+    altitude: float,
+    reserve: bool,
+) -> tuple[Setpoint, int, Memory]:
+    """Return what to hold, and the mission: `mission.mission_step` with a number for a phase."""
+    if not ready:
+        return Setpoint(0.0, sight.heading, 0.0), phase, memory
+    if phase == REST:
+        phase, memory = CLIMB, start(sight.heading)
+    if phase == CLIMB and altitude > settings.altitude - settings.reached:
+        phase = SEEK
+    if reserve:
+        phase = LAND
+    if phase == SEEK:
+        course, memory = steer(settings, memory, sight)
+        return Setpoint(settings.altitude, course.heading, course.speed), phase, memory
+    height = settings.landing if phase == LAND else settings.altitude
+    return Setpoint(height, memory[0], 0.0), phase, memory
+
+
+def shone(craft: Craft, cell: Charge, state: State) -> Charge:
+    """Return the cell with the light that the panel now has."""
+    position, q = (state[0], state[1], state[2]), (state[3], state[4], state[5], state[6])
+    power = craft.power
+    point, normal = place(position, q, power.panel_place, UP)
+    irradiance = power.lamp_share * lit(craft.listening.lamp, point, normal) + power.ambient
+    harvested = panel_power(irradiance, power.cells.area, power.cells.efficiency)
+    return Charge(cell.charge, cell.voltage, cell.current, harvested)
+
+
+def drained(craft: Craft, cell: Charge, thrusts: PerRotor, dt: float) -> Charge:
+    """Return the cell after a control period with such thrusts. [N, s]"""
+    power = craft.power
+    asked = demand(power.loads, thrusts, True)
+    charge, voltage, current = advance(
+        cell.charge, cell.harvested - asked, power.cell.capacity, power.cell.resistance, dt
+    )
+    return Charge(charge, voltage, current, cell.harvested)
+
+
+def irradiance_on_hull(craft: Craft, state: State) -> float:
+    """Return the irradiance at the hull centre on a plane that faces the lamp. [W/m2]"""
+    lamp = craft.listening.lamp
+    a, b, c = lamp.x - state[0], lamp.y - state[1], lamp.z - state[2]
+    length = max(math.sqrt(a * a + b * b + c * c), 1e-12)
+    light = lit(lamp, (state[0], state[1], state[2]), (a / length, b / length, c / length))
+    return craft.power.lamp_share * light + craft.power.ambient
+
+
+def begun(craft: Craft) -> Tally:
+    """Return the tally before the first step."""
+    x, y, _ = craft.place
+    away = math.hypot(craft.goal.x - x, craft.goal.y - y)
+    return Tally(FLYING, math.nan, math.nan, 0.0, away, 0.0, 0.0, 0.0, 0.0)
+
+
+def sighted(found: bool, angle: float, facing: float, interval: float) -> Sight:
+    """Return what a light block says; the amplitudes themselves are left out."""
+    return Sight(found, angle, facing, (0.0,), interval)
+
+
+def judge(goal: Goal, x: float, y: float, z: float, elapsed: float) -> int:
+    """Return how a flight stands, as `lta_sim.referee`."""
+    if math.hypot(goal.x - x, goal.y - y) <= goal.radius:
+        return REACHED
+    if not (abs(x) <= goal.half_length and abs(y) <= goal.half_width and z <= goal.height):
+        return ESCAPED
+    return TIMEOUT if elapsed >= goal.limit else FLYING
+
+
+def flown(
+    craft: Craft,
+    tally: Tally,
+    before: tuple[float, float],
+    state: State,
+    cell: Charge,
+    elapsed: float,
+    dt: float,
+) -> Tally:
+    """Return the tally after one more control period; `before` is where it began. [m]"""
+    x, y, z = state[0], state[1], state[2]
+    goal = craft.goal
+    lift_off, energy = tally.lift_off, tally.energy
+    if math.isfinite(lift_off):
+        energy -= cell.voltage * cell.current * dt
+    elif z > craft.place[2] + LIFTED:
+        lift_off = elapsed
+    return Tally(
+        judge(goal, x, y, z, elapsed),
+        lift_off,
+        tally.search_start,
+        tally.path_length + math.hypot(x - before[0], y - before[1]),
+        min(tally.closest, math.hypot(goal.x - x, goal.y - y)),
+        energy,
+        tally.blocks,
+        tally.bearings,
+        tally.squares,
+    )
+
+
+def lit_tally(
+    craft: Craft, tally: Tally, middle: State, found: bool, angle: float, speed: float, began: float
+) -> Tally:
+    """Return the tally after a light block that began at a time [s], seen from its middle."""
+    search_start = tally.search_start
+    if not math.isfinite(search_start) and speed > 0.0:
+        search_start = began
+    blocks, bearings, squares = tally.blocks, tally.bearings, tally.squares
+    if math.isfinite(search_start):
+        blocks += 1.0
+        if found:
+            q = (middle[3], middle[4], middle[5], middle[6])
+            true = math.atan2(craft.goal.y - middle[1], craft.goal.x - middle[0]) - heading(q)
+            bearings += 1.0
+            squares += wrap(angle - true) ** 2
+    return Tally(
+        tally.outcome, tally.lift_off, search_start, tally.path_length, tally.closest,
+        tally.energy, blocks, bearings, squares,
+    )  # fmt: skip

@@ -1,0 +1,329 @@
+"""
+Write the text of a whole flight: kernel, sensors, estimator, control, allocation, mission, cell.
+
+One text for the processor and for a GPU; they differ in decorators and in how a thread finds its
+vehicle. The kernel holds only the effects that some vehicle of the batch has on.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from string import Template
+from typing import Any, final
+
+from lta_analysis.fleet import flight
+from lta_control.allocation import SCRATCH
+from lta_control.flat import Layout, PREFIX
+from lta_control.onboard import Onboard, onboard_step
+from lta_sim import counted_sensors, heard_lamp
+from lta_sim.compose import ENTRY, Form, INLINE, kernel_source
+from lta_sim.effects import EFFECTS, initial_memory
+from lta_sim.extract import Extract
+from lta_sim.kernel import LAYOUT
+from lta_sim.stages import FIXED, indented, Stage, tuple_of
+from lta_sim.stages import Layout as Places
+from lta_sim.state import ACTUATORS, RIGID
+from lta_vlc.array import weighted_mean
+
+# What the kernel keeps of a vehicle during a flight, in this order.
+KEPT = ('parameters', 'body', 'inverse')
+BEGIN = Layout(Onboard())
+STEP = 2.5e-3  # s, of integration, as in `lta_sim.world`
+CORES: tuple[Callable[..., Any], ...] = (
+    onboard_step,
+    weighted_mean,
+    heard_lamp.magnitude,
+    counted_sensors.draw_errors,
+    counted_sensors.range_reading,
+    counted_sensors.white_noise,
+    flight.pose_at_start,
+    flight.command_of,
+    flight.sense,
+    flight.true_force,
+    flight.guided,
+    flight.guide,
+    flight.begun,
+    flight.sighted,
+    flight.full,
+    flight.shone,
+    flight.drained,
+    flight.irradiance_on_hull,
+    flight.flown,
+    flight.lit_tally,
+    flight.heading,
+)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Rhythm:
+    """Integration steps in a control period and between ranges; control steps between others."""
+
+    control: int
+    range: int
+    pressure: int
+    light: int
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Target:
+    """What a text is compiled for: imports, decorators, and the function that is called."""
+
+    imports: str
+    inline: str
+    entry: str
+
+
+CPU = Target(
+    'from numba import njit\nimport numpy as np\n',
+    INLINE,
+    f'''
+{ENTRY.replace('cache=True', 'nogil=True, cache=True')}
+def fly_some(fixed, constants, seeds, out):
+    """Fly some vehicles, a row each."""
+    scratch = np.empty({SCRATCH})
+    for i in range(seeds.shape[0]):
+        fly(fixed[i], constants[i], seeds[i], scratch, out[i])
+''',
+)
+GPU = Target(
+    'from numba import cuda, float64\n',
+    '@cuda.jit(device=True)',
+    f'''
+@cuda.jit
+def fly_some(fixed, constants, seeds, out):
+    """Fly vehicle i in thread i."""
+    i = cuda.grid(1)
+    if i < seeds.shape[0]:
+        scratch = cuda.local.array({SCRATCH}, float64)
+        fly(fixed[i], constants[i], seeds[i], scratch, out[i])
+''',
+)
+
+
+@final
+class Row:
+    """One vehicle: what it keeps is a row `fixed`, the rest under its own name."""
+
+    def item(self, name: str, place: int, layout: Places) -> str:
+        """Return the source of one number."""
+        return f'fixed[{self._first(name, layout) + place}]' if name in KEPT else f'{name}[{place}]'
+
+    def whole(self, name: str, layout: Places) -> str:
+        """Return the source of all numbers of a name."""
+        if name not in KEPT:
+            return name
+        return tuple_of(self.item(name, k, layout) for k in range(FIXED[name]))
+
+    def texts(self, parts: list[Stage], layout: Places) -> dict[str, str]:
+        """Return the stages that end in thrusts."""
+        del layout
+        lines = [line for part in parts if part.writes == ('u',) for line in part.lines]
+        return {'actuation': indented(lines), 'actuators': str(ACTUATORS)}
+
+    def _first(self, name: str, layout: Places) -> int:
+        counts = {'parameters': layout.parameters, **FIXED}
+        return sum(counts[known] for known in KEPT[: KEPT.index(name)])
+
+
+MODEL = Template('''
+$INLINE
+def rates(state, fixed, command, surroundings):
+    """Return d/dt of the state."""
+$bare
+    return $rate
+
+
+$INLINE
+def thrusts_of(state, fixed, command, surroundings):
+    """Return the thrust of each rotor."""
+    u = command[0:$actuators]
+$actuation
+    return u
+''')
+
+SENSE = """
+        force = core_true_force(craft, state, rates(state, fixed, command, surroundings))
+        rates_now = (state[10], state[11], state[12])
+        heard = core_sense(
+            craft, errors, seed, step, step * $period, force, rates_now, state[2], distance,
+            step % $pressure == 0,
+        )
+        distance = math.nan
+        if told:
+            onboard = core_guided(onboard, asked)
+        onboard = core_onboard_step(craft.drone, onboard, heard, scratch)
+        duties = onboard.duties
+        if step % $light == $middle:
+            middle, facing = state[0:7], onboard.measured.heading
+        if step > 0 and step % $light == 0:
+            position, q = middle[0:3], middle[3:7]
+$heard
+            ring = craft.listening
+            found, _, _, angle, _ = core_weighted_mean(
+                $amplitudes, $snrs, ring.cosines, ring.sines, ring.threshold
+            )
+            sight = core_sighted(found, angle, facing, $light * $period)
+            asked, phase, memory = core_guide(
+                craft.mission, phase, memory, sight, onboard.estimate.ready,
+                onboard.measured.altitude, cell.charge <= craft.power.reserve,
+            )
+            told = True
+            began = (step - $light) * $period
+            tally = core_lit_tally(craft, tally, middle, found, angle, asked.speed, began)
+"""
+
+FLY = Template('''
+$INLINE
+def fly(fixed, c, seed, scratch, out):
+    """Fly one vehicle to the end of its flight."""
+    nan = math.nan
+    craft = $craft
+    errors = core_draw_errors(craft.sensors, seed)
+    state = core_pose_at_start(craft, seed)$memory
+    cell = core_full(craft.power.charge)
+    tally = core_begun(craft)
+    begin = $begin
+    onboard = $onboard
+    asked, told, phase, memory = onboard.setpoint, False, 0, (0.0,)
+    middle, facing = state[0:7], 0.0
+    distance = core_range_reading(craft.sensors, errors, seed, 0, state)
+    duties = $still
+    command = core_command_of(craft, duties)
+    duties = craft.duties
+    noise, warmth, step, ticks = (0.0, 0.0, 0.0), 0.0, 0, 0
+    while tally.outcome == 0:
+$before
+        surroundings = craft.wind + noise + (warmth, cell.voltage)
+$decide
+        command = core_command_of(craft, duties)
+        x, y = state[0], state[1]
+        for _ in range($substeps):
+            a = rates(state, fixed, command, surroundings)
+            s = ahead(state, a, 0.5 * $dt)
+            b = rates(s, fixed, command, surroundings)
+            s = ahead(state, b, 0.5 * $dt)
+            d = rates(s, fixed, command, surroundings)
+            s = ahead(state, d, $dt)
+            e = rates(s, fixed, command, surroundings)
+            state = normalised(ahead(state, mean(a, b, d, e), $dt))
+            ticks += 1
+            if ticks % $ranges == 0:
+                distance = core_range_reading(
+                    craft.sensors, errors, seed, ticks // $ranges, state
+                )
+        if step % $light == 0:
+            cell = core_shone(craft, cell, state)
+        thrusts = thrusts_of(state, fixed, command, surroundings)
+        cell = core_drained(craft, cell, thrusts, $period)
+        step += 1
+        tally = core_flown(craft, tally, (x, y), state, cell, step * $period, $period)
+    results = $results
+    for k in range(len(results)):
+        out[k] = results[k]
+''')
+
+FIGURES = (
+    'outcome', 'end', 'lift_off', 'search_start', 'path_length', 'closest', 'energy', 'blocks',
+    'bearings', 'squares', 'charge', 'x', 'y', 'z', 'stopped',
+)  # fmt: skip
+RESULTS = (
+    '1.0 * tally.outcome', 'step * $period',
+    *(f'tally.{name}' for name in FIGURES[2:10]),
+    'cell.charge', 'state[0]', 'state[1]', 'state[2]', '1.0 * onboard.stopped',
+)  # fmt: skip
+
+
+def _surrounded(names: Sequence[str]) -> str:
+    """Return the lines that keep up what some effect looks at."""
+    lines = ['pass']
+    if 'turbulence' in names:
+        lines.append('noise = core_white_noise(seed, step, $period)')
+    if 'superheat' in names:
+        lines.append('warmth = core_irradiance_on_hull(craft, state)')
+    return indented(lines, 2)
+
+
+def _remembered(names: Sequence[str]) -> str:
+    """Return the source of what the effects remember at the start, as more of the state."""
+    whole = (0.0,) * RIGID + initial_memory()
+    values = [repr(float(whole[k])) for k in LAYOUT.places(names)[1][RIGID:]]
+    return f' + {tuple_of(values)}' if values else ''
+
+
+def _heard(diodes: int) -> dict[str, str]:
+    """Return the source of what each diode hears."""
+    lines = [
+        f'a_{k}, s_{k} = core_magnitude(craft.listening, {k}, position, q, seed, step)'
+        for k in range(diodes)
+    ]
+    return {
+        'heard': indented(lines, 3),
+        'amplitudes': tuple_of(f'a_{k}' for k in range(diodes)),
+        'snrs': tuple_of(f's_{k}' for k in range(diodes)),
+    }
+
+
+def source(
+    names: Sequence[str],
+    craft: Layout[Any],
+    diodes: int,
+    rhythm: Rhythm,
+    target: Target,
+    *,
+    closed: bool,
+) -> str:
+    """
+    Return the text of a flight.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Effects of the kernel, in registry order.
+    craft : Layout
+        Of `flight.Craft`.
+    diodes : int
+        In the ring.
+    rhythm : Rhythm
+        When what is due.
+    target : Target
+        `CPU` or `GPU`.
+    closed : bool
+        Whether the drone decides; otherwise it keeps `Craft.duties`.
+
+    """
+    form = Form(target.imports, target.inline, '', Row(), MODEL)
+    model = kernel_source({name: EFFECTS[name] for name in names}, form)
+    extract = Extract()
+    for core in CORES:
+        extract.add(core, PREFIX)
+    cores = extract.text(target.inline)
+    kinds = {**craft.kinds(), **BEGIN.kinds()}
+    missing = [
+        f'{PREFIX}_{kind} = namedtuple({kind!r}, {fields!r})'
+        for kind, fields in kinds.items()
+        if f'{PREFIX}_{kind} = ' not in cores
+    ]
+    texts = {
+        'INLINE': target.inline,
+        'craft': craft.expression('c'),
+        'memory': _remembered(names),
+        'onboard': BEGIN.expression('begin'),
+        'begin': tuple_of(map(repr, BEGIN.write(Onboard()).tolist())),
+        'still': tuple_of(['0.0'] * ACTUATORS),
+        'before': _surrounded(names),
+        'decide': SENSE if closed else '        pass',
+        'results': tuple_of(RESULTS),
+        'dt': repr(STEP),
+        'substeps': str(rhythm.control),
+        'ranges': str(rhythm.range),
+    }
+    numbers = {
+        **_heard(diodes),
+        'period': repr(STEP * rhythm.control),
+        'pressure': str(rhythm.pressure),
+        'light': str(rhythm.light),
+        'middle': str(rhythm.light // 2),
+    }
+    glue = Template(FLY.safe_substitute(texts)).substitute(numbers)
+    return '\n\n\n'.join((model, '\n'.join(missing), cores, glue, target.entry))
