@@ -6,10 +6,10 @@ the noise. Both follow from the geometry at the middle of the block:
 
     A = |g (clip(r + c E) - clip(r)) + s sqrt(2 / N) (n1 + i n2)|,   m = s sqrt(pi / N) + l c E
 
-E is the light of the lamp on the diode [lx], c counts a lux, r the counts of the dark and of steady
-light, g the magnitude of a unit wave behind amplifier, transform and search, l what a unit wave
-leaves in the quiet bins, s2 the variance of a sample (amplifier, shot noise, and 1/12 for rounding)
-and n1, n2 normal. SNR = A / m. g and l are taken from the demodulator itself (`listening_of`).
+E is the light of the lamp on the diode [lx], c counts a lux, r the counts of the dark and of
+steady light, g the magnitude of a unit wave behind amplifier, transform and search, l what a unit
+wave leaves in the quiet bins, s2 the variance of a sample (amplifier, shot noise, and 1/12 for
+rounding) and n1, n2 normal. SNR = A / m. g and l are the demodulator's own (`listening_of`).
 
 Left out: the turning of the drone within a block, the flicker of the mains where it is clipped or
 falls between bins, and the scatter of m itself (some 3 % with 400 quiet bins).

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-import math
 from typing import Any, final
 
 from lta_analysis.fleet.flight import Craft, Goal, Power
@@ -14,7 +13,7 @@ from lta_control.autopilot import drone_of
 from lta_control.flat import bare
 from lta_control.per_rotor import slots
 from lta_control.strategies import bearing_angle
-from lta_sim.counted_sensors import Axes, Sensors
+from lta_sim.counted_sensors import Axes, Sensors, Six
 from lta_sim.effects import EFFECTS
 from lta_sim.effects.protocol import MeasurementEffect
 from lta_sim.heard_lamp import listening_of
@@ -167,9 +166,15 @@ def sensors_of(vehicle: Vehicle, floor: float) -> Sensors:
     """Return the sensors of a vehicle over a floor of some pressure. [Pa]"""
     bounds, ranger, barometer = bounds_of(ImuSettings()), RangeSettings(), PressureSettings()
     sensors = vehicle.file.sensors
-    kinds = (bounds.gain, bounds.offset, bounds.noise, bounds.step, bounds.full_scale)
+    axes = Axes(
+        gain=six(bounds.gain),
+        offset=six(bounds.offset),
+        noise=six(bounds.noise),
+        step=six(bounds.step),
+        full_scale=six(bounds.full_scale),
+    )
     return Sensors(
-        imu=Axes(*kinds),  # type: ignore[arg-type] - six axes
+        imu=axes,
         imu_place=three(sensors.imu_position.vector),
         range_place=three(sensors.range_position.vector),
         nearest=ranger.minimum,
@@ -205,6 +210,12 @@ def power_of(vehicle: Vehicle, scenario: Scenario, policy: Policy) -> Power:
         policy.energy.reserve,
         scenario.start.charge.si,
     )
+
+
+def six(values: Sequence[float]) -> Six:
+    """Return six numbers."""
+    a, b, c, d, e, f = map(float, values)
+    return a, b, c, d, e, f
 
 
 def three(vector: Sequence[float]) -> tuple[float, float, float]:

@@ -300,7 +300,13 @@ def flown(
 
 
 def lit_tally(
-    craft: Craft, tally: Tally, middle: State, found: bool, angle: float, speed: float, began: float
+    craft: Craft,
+    tally: Tally,
+    middle: State,
+    found: bool,
+    angle: float,
+    speed: float,
+    began: float,
 ) -> Tally:
     """Return the tally after a light block that began at a time [s], seen from its middle."""
     search_start = tally.search_start

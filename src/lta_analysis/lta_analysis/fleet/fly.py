@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Seeds = NDArray[np.int64]
 Device = Literal['cpu-batch', 'gpu']
 PIECE = 8  # flights of one turn of a thread; they differ in length
 
@@ -82,16 +83,16 @@ def fly_many(
         kernel = _kernel(
             names, Layout(first.craft), len(first.craft.listening.planes), device, closed
         )
-        models = [flights[k].model for k in alike]
+        models = [flights[k].model for k in alike.tolist()]
         fixed = np.array([[*m.parameters[parameters], *m.body, *m.inverse] for m in models])
-        constants = np.array([flights[k].numbers for k in alike])
+        constants = np.array([flights[k].numbers for k in alike.tolist()])
         run = _on_gpu if device == 'gpu' else _on_cores
         out[inside] = run(kernel, fixed, constants, rows, named[inside])
     return out
 
 
 def _on_cores(
-    kernel: ModuleType, fixed: Array, constants: Array, rows: NDArray[np.intp], seeds: Any
+    kernel: ModuleType, fixed: Array, constants: Array, rows: NDArray[np.intp], seeds: Seeds
 ) -> Array:
     """Fly on all cores; a thread takes a few flights at a time."""
     out = np.empty((len(seeds), len(FIGURES)))
@@ -107,7 +108,7 @@ def _on_cores(
 
 
 def _on_gpu(
-    kernel: ModuleType, fixed: Array, constants: Array, rows: NDArray[np.intp], seeds: Any
+    kernel: ModuleType, fixed: Array, constants: Array, rows: NDArray[np.intp], seeds: Seeds
 ) -> Array:
     """Fly on a GPU, a thread a vehicle; neighbours' numbers lie side by side."""
     cuda = cuda_here()

@@ -12,6 +12,7 @@ from typing import Any, final
 
 from lta_analysis.fleet import flight
 from lta_control.allocation import SCRATCH
+from lta_control.attitude import heading
 from lta_control.flat import Layout, PREFIX
 from lta_control.onboard import Onboard, onboard_step
 from lta_sim import counted_sensors, heard_lamp
@@ -49,7 +50,7 @@ CORES: tuple[Callable[..., Any], ...] = (
     flight.irradiance_on_hull,
     flight.flown,
     flight.lit_tally,
-    flight.heading,
+    heading,
 )
 
 
@@ -107,7 +108,9 @@ class Row:
 
     def item(self, name: str, place: int, layout: Places) -> str:
         """Return the source of one number."""
-        return f'fixed[{self._first(name, layout) + place}]' if name in KEPT else f'{name}[{place}]'
+        return (
+            f'fixed[{self._first(name, layout) + place}]' if name in KEPT else f'{name}[{place}]'
+        )
 
     def whole(self, name: str, layout: Places) -> str:
         """Return the source of all numbers of a name."""

@@ -15,6 +15,7 @@ from lta_analysis.report.outcome import number, Tile
 from lta_analysis.report.page import embedded, embedded_text, tile_html
 from lta_analysis.report.palette import DARK
 from lta_analysis.sweep.flown import FAILED, Row
+from lta_analysis.sweep.heat import heat, two_lists
 from lta_analysis.sweep.pictures import by_parameter, MEASURES, outcomes, spread
 from lta_analysis.sweep.plan import Plan
 from lta_analysis.sweep.statistics import figures, REACHED, reached_share, told
@@ -40,6 +41,7 @@ class Told:
     folder: Path
     typed_file: str
     origin: Mapping[str, str]
+    options: tuple[str, ...] = ()
 
 
 def write_page(told_of: Told) -> Path:
@@ -67,7 +69,7 @@ def page(told_of: Told) -> str:
         spreads='\n'.join(spreads(rows)),
         panels='\n'.join(panels(plan, rows, told_of.units)),
         lost_title='Flights that did not reach their goal',
-        lost=lost_html(plan, rows),
+        lost=lost_html(plan, rows, batch=bool(told_of.options)),
         facts=terms(facts(told_of)),
         commands=terms(commands(told_of), code=True),
         file=escape(yaml.safe_dump(file.model_dump(exclude_none=True), sort_keys=False)),
@@ -143,6 +145,10 @@ def panels(plan: Plan, rows: Sequence[Row], units: Mapping[str, str]) -> list[st
         'that did. Failed flights do not count.'
     )
     found = []
+    if rows and (both := two_lists(plan)):
+        words = f'{both[1]} against {both[0]}'
+        about = 'Share of the flights that reached their goal, and the median time of those.'
+        found.append(section('heat', words, about, heat(rows, both, units)))
     for k, (path, unit) in enumerate(units.items() if rows else ()):
         how = plan.file.vary[path]
         even_in_log = isinstance(how, Distribution) and how.loguniform is not None
@@ -163,7 +169,7 @@ def section(name: str, heading: str, caption: str, picture: Figure) -> str:
     )
 
 
-def lost_html(plan: Plan, rows: Sequence[Row]) -> str:
+def lost_html(plan: Plan, rows: Sequence[Row], *, batch: bool = False) -> str:
     """Return the flights that did not reach their goal, the failed first."""
     lost = [row for row in rows if row.outcome != REACHED]
     if not lost:
@@ -177,6 +183,7 @@ def lost_html(plan: Plan, rows: Sequence[Row]) -> str:
         ]
         for row in lost[:LISTED]
     ]  # fmt: skip
+    like = 'one like the first, with other chance' if batch else 'one'
     more = f' The first {LISTED} of {len(lost)}.' if len(lost) > LISTED else ''
     head = ''.join(f'<th scope="col">{escape(cell)}</th>' for cell in heads)
     body = ''.join(
@@ -184,7 +191,7 @@ def lost_html(plan: Plan, rows: Sequence[Row]) -> str:
     )
     return (
         f'<table class="flights"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>'
-        f'<p class="note">Values in SI.{more} To see one:</p>'
+        f'<p class="note">Values in SI.{more} To see {like}:</p>'
         f'<p><code>{escape(repeat(plan, lost[0].index))}</code></p>'
     )
 
@@ -216,7 +223,7 @@ def commands(told_of: Told) -> dict[str, str]:
     table = near(told_of.folder / 'flights.parquet')
     return {
         'Go on, or fly it again': typed(
-            'sweep', told_of.typed_file, '--out', near(told_of.folder)
+            'sweep', told_of.typed_file, *told_of.options, '--out', near(told_of.folder)
         ),
         'Read the table': f'python -c "import pandas; print(pandas.read_parquet(\'{table}\'))"',
     }

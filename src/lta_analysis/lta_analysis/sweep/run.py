@@ -1,14 +1,17 @@
 """A sweep from its file to its table and page: checked first, flown, kept whatever happens."""
 
 from dataclasses import dataclass
+import hashlib
 import os
 from pathlib import Path
 import time
 from typing import final
 
+from lta_analysis.fleet.fly import Device
 from lta_analysis.sweep import page, table
 from lta_analysis.sweep.cluster import ClusterCrew
 from lta_analysis.sweep.crew import Crew, LocalCrew
+from lta_analysis.sweep.fleet_crew import FleetCrew
 from lta_analysis.sweep.flown import Row
 from lta_analysis.sweep.log import Log
 from lta_analysis.sweep.plan import Plan
@@ -30,6 +33,20 @@ class Order:
     scheduler: str | None = None
     retry: bool = False
     page: bool = True
+    device: Device | None = None
+    duties: tuple[float, ...] = ()
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """What decides the flights beside the file, as it is typed."""
+        device = ('--device', self.device) if self.device else ()
+        return device + (('--duties', ','.join(map(str, self.duties))) if self.duties else ())
+
+    def identity(self, plan: Plan) -> str:
+        """Return the hash of all that decides the flights."""
+        if not self.options:
+            return plan.identity
+        return hashlib.sha256(' '.join((plan.identity, *self.options)).encode()).hexdigest()
 
 
 @final
@@ -86,10 +103,12 @@ def sweep_once(order: Order, console: Console) -> Swept:
     file = load_sweep(order.file)
     plan = Plan(file)
     plan.check()
-    folder = (order.out or Path('runs') / f'sweep-{file.name}-{plan.identity[:8]}').absolute()
-    with Log(folder, plan.identity, order.retry) as log:
+    identity = order.identity(plan)
+    folder = (order.out or Path('runs') / f'sweep-{file.name}-{identity[:8]}').absolute()
+    fleet = FleetCrew(plan.base, order.device, order.duties) if order.device else None
+    with Log(folder, identity, order.retry) as log:
         before = len(log.rows)
-        crew: Crew = (
+        crew: Crew = fleet or (
             LocalCrew(plan.base, min(order.workers or cores(), max(1, plan.count - before)))
             if order.scheduler is None
             else ClusterCrew(plan.base, order.scheduler)
@@ -123,10 +142,11 @@ def write(plan: Plan, rows: list[Row], folder: Path, order: Order) -> tuple[Path
         'strategy': plan.file.strategy,
         'gains': plan.file.gains,
         'commit': commit(),
+        **({'flown as': ' '.join(order.options)} if order.options else {}),
     }
-    about = {**origin, 'identity': plan.identity, 'file': plan.file.model_dump_json()}
+    about = {**origin, 'identity': order.identity(plan), 'file': plan.file.model_dump_json()}
     table.write_table(rows, plan.units, about, path)
     if not order.page:
         return path, None
-    told = page.Told(plan, rows, plan.units, folder, order.file, origin)
+    told = page.Told(plan, rows, plan.units, folder, order.file, origin, order.options)
     return path, page.write_page(told)

@@ -2,16 +2,19 @@
 
 from collections import Counter
 import json as json_text
+import math
 from pathlib import Path
 import shlex
 import sys
 from typing import Annotated
 
+from lta_analysis.fleet.fly import Device
 from lta_analysis.sweep.flown import FAILED
 from lta_analysis.sweep.page import title
 from lta_analysis.sweep.run import Order, sweep_once, Swept
 from lta_analysis.sweep.statistics import reached_share
 from lta_analysis.verbs.fly import folder
+from lta_config.errors import BadInput
 from rich.console import Console
 import typer
 
@@ -33,6 +36,16 @@ def sweep(
         str | None,
         typer.Option(metavar='ADDRESS', help='Fly on the Dask cluster of this scheduler instead.'),
     ] = None,
+    device: Annotated[
+        Device | None,
+        typer.Option(help='Fly as one batch: on all cores (cpu-batch) or on a GPU (gpu).'),
+    ] = None,
+    duties: Annotated[
+        str | None,
+        typer.Option(
+            metavar='A,B,...', help='With --device: an open loop with this duty of each rotor.'
+        ),
+    ] = None,
     retry: Annotated[
         bool, typer.Option('--retry-failed', help='Fly again what could not be flown.')
     ] = False,
@@ -52,14 +65,21 @@ def sweep(
     the same command is given again. A flight that cannot be flown is kept with its seed and the
     reason. flights.parquet has a row a flight, SI units and meanings with the columns.
 
+    --device flies thousands of loops side by side, strategy bag only: the lamp is heard from
+    geometry and noise instead of ADC blocks, so that flights agree with the others in
+    distribution, not seed by seed. A batch tells no cruise and no errors of the estimator.
+
     Exit status 0: all flights were flown. 1: some could not be. 2: bad input, nothing was flown.
     130: Ctrl-C.
 
     Example: lta sweep heaviness --workers 2
     """
     console = Console(stderr=json)
+    asked = duties_in(duties)
+    refuse_both(device, asked, workers, scheduler)
+    order = Order(file, out, workers, scheduler, retry, page, device, asked)
     try:
-        done = sweep_once(Order(file, out, workers, scheduler, retry, page), console)
+        done = sweep_once(order, console)
     except KeyboardInterrupt:
         console.print('What was flown is kept; the same command goes on from there.')
         raise
@@ -68,6 +88,27 @@ def sweep(
     tell(done, console)
     if any(row.outcome == FAILED for row in done.rows):
         raise typer.Exit(1)
+
+
+def duties_in(text: str | None) -> tuple[float, ...]:
+    """Return the duties in a text; `BadInput` where they are none."""
+    try:
+        found = tuple(float(word) for word in text.split(',')) if text else ()
+    except ValueError:
+        found = (math.nan,)
+    if not all(-1.0 <= duty <= 1.0 for duty in found):
+        raise BadInput(f"The duties are '{text}'; give numbers from -1 to 1 with commas between.")
+    return found
+
+
+def refuse_both(
+    device: Device | None, duties: tuple[float, ...], workers: int | None, scheduler: str | None
+) -> None:
+    """Refuse options that exclude each other."""
+    if duties and device is None:
+        raise BadInput('An open loop (--duties) is flown as a batch; add --device.')
+    if device is not None and (workers is not None or scheduler is not None):
+        raise BadInput('A batch (--device) needs no --workers and no --scheduler; leave them out.')
 
 
 def printed(done: Swept) -> dict[str, object]:
