@@ -4,12 +4,13 @@ The lamp as the ring of photodiodes hears it, without the samples of an ADC bloc
 What one block of N samples tells of the lamp is a magnitude a diode, and how far that stands above
 the noise. Both follow from the geometry at the middle of the block:
 
-    A = |g (clip(r + c E) - clip(r)) + s sqrt(2 / N) (n1 + i n2)|,   m = s sqrt(pi / N) + l c E
+    A = |g (clip(r + c E) - clip(r)) + s sqrt(2 / N) (n1 + i n2)|,   m = s sqrt(pi / N) + l c E + h
 
 E is the light of the lamp on the diode [lx], c counts a lux, r the counts of the dark and of
 steady light, g the magnitude of a unit wave behind amplifier, transform and search, l what a unit
 wave leaves in the quiet bins, s2 the variance of a sample (amplifier, shot noise, and 1/12 for
-rounding) and n1, n2 normal. SNR = A / m. g and l are the demodulator's own (`listening_of`).
+rounding), h what the flicker of the mains leaves in the quiet bins, and n1, n2 normal. SNR = A / m.
+g, l and h are the demodulator's own (`listening_of`).
 
 Left out: the turning of the drone within a block, the flicker of the mains where it is clipped or
 falls between bins, and the scatter of m itself (some 3 % with 400 quiet bins).
@@ -24,7 +25,7 @@ from lta_sim.lambertian import Beam, beam, lit, place
 from lta_sim.light_field import LightField
 from lta_sim.sensors.photodiode import noise_terms, PhotodiodeArray, sensitivity
 from lta_vlc.demodulation import Demodulation, find_peaks, plan_bins
-from lta_vlc.modulation import NANOSECONDS
+from lta_vlc.modulation import cycles, NANOSECONDS
 from lta_vlc.spectrum import amplitude_spectrum
 import numpy as np
 
@@ -50,6 +51,8 @@ class Listening(NamedTuple):
         Counts a lux of the lamp, those without the lamp, and the largest.
     gain, leak : float
         Magnitude of a unit wave at its peak, and its mean over the quiet bins.
+    hum : float
+        Mean magnitude of the mains' flicker over the quiet bins. [counts]
     duty : float
         Part of the time that the lamp is on.
     variance, shot : float
@@ -69,6 +72,7 @@ class Listening(NamedTuple):
     top: float
     gain: float
     leak: float
+    hum: float
     duty: float
     variance: float
     shot: float
@@ -104,7 +108,10 @@ def listening_of(
     scale = 2**array.adc_bits / array.adc_range
     volts = sensitivity(array)
     amplifier, shot = noise_terms(array)
-    steady = ambient.steady * volts / ambient.efficacy * scale
+    lux = volts / ambient.efficacy * scale
+    steady = ambient.steady * lux
+    mains = np.sin(2.0 * math.pi * cycles(times, ambient.mains_frequency, ambient.mains_phase))
+    hum = ambient.mains * lux * float(amplitude_spectrum(mains[:, None])[bins.quiet, 0].mean())
     axes = array.planes[:, 3:]
     return Listening(
         lamp=beam(field),
@@ -117,6 +124,7 @@ def listening_of(
         top=2.0**array.adc_bits - 1.0,
         gain=gain,
         leak=float(spectrum[bins.quiet, 0].mean()),
+        hum=hum,
         duty=lamp.wave.duty,
         variance=amplifier * scale * scale + shot * scale * steady + 1.0 / 12.0,
         shot=shot * scale,
@@ -152,4 +160,5 @@ def magnitude(
     noise = math.sqrt(2.0 * variance / listening.samples)
     read = math.hypot(swing + noise * a, noise * b)
     quiet = math.sqrt(math.pi * variance / listening.samples) + listening.leak * light
+    quiet += listening.hum
     return read, read / quiet

@@ -1,0 +1,170 @@
+"""A batch flies what the loop flies: the same parts, and the same on a GPU."""
+
+from importlib.util import find_spec
+import math
+import os
+import subprocess
+import sys
+import textwrap
+
+from lta_analysis.fleet import flight
+from lta_analysis.fleet.craft import made_of
+from lta_analysis.fleet.fly import fly_many
+from lta_analysis.fleet.text import FIGURES
+from lta_analysis.ingredients import gather, loop_of, parts_of
+from lta_analysis.loop_view import LoopView
+from lta_analysis.report.results import results_of
+from lta_config.errors import BadInput
+from lta_config.override import assignment
+from lta_config.topics import topic_table
+from lta_control.mission import Mission, mission_step, MissionSettings, Phase
+from lta_control.strategies.bearing_angle import STRATEGY
+from lta_control.strategies.protocol import Sight
+from lta_sim.readings import Outcome
+from lta_sim.referee import Referee
+from lta_sim.scenario import load_scenario
+import numpy as np
+import pytest
+
+TABLE = topic_table()
+PHASES = tuple(Phase)
+DUTIES = (0.16, 0.14, 0.3, 0.25)
+needs_cuda = pytest.mark.skipif(
+    find_spec('numba.cuda') is None, reason='this numba needs numba-cuda (requirements-gpu.txt)'
+)
+
+
+def ingredients(*changes):
+    return gather('gtmab', 'lamp_room', 'bag', 'gtmab').with_values(dict(map(assignment, changes)))
+
+
+def made(*changes, duties=()):
+    return made_of(*parts_of(ingredients(*changes)), TABLE, duties)
+
+
+def figures(row):
+    return dict(zip(FIGURES, row.tolist(), strict=True))
+
+
+def test_the_mission_is_the_mission():
+    settings, chance = MissionSettings(), np.random.default_rng(1)
+    mission, phase, memory = Mission(), 0, (0.0,)
+    for k in range(3000):
+        if k % 150 == 0:
+            mission, phase, memory = Mission(), 0, (0.0,)
+        heading, bearing, altitude = chance.uniform(-3.0, 3.0, 3).tolist()
+        sight = Sight(bool(chance.random() < 0.5), bearing, heading, (0.0,), 0.1)
+        ready, reserve = bool(chance.random() < 0.7), bool(chance.random() < 0.02)
+        expected, mission = mission_step(
+            settings, STRATEGY, mission, sight, altitude / 3 if ready else None, reserve
+        )
+        told, phase, memory = flight.guide(
+            settings, phase, memory, sight, ready, altitude / 3, reserve
+        )
+        assert told == expected
+        assert PHASES[phase] is mission.phase
+        assert not mission.memory or memory == mission.memory
+
+
+def test_the_referee_is_the_referee():
+    referee, goal = Referee(load_scenario('lamp_room')), made().craft.goal
+    places = np.random.default_rng(2).uniform((-6, -5, 0, 0), (6, 5, 4, 70), (2000, 4)).tolist()
+    for place in places:
+        assert tuple(Outcome)[flight.judge(goal, *place)] is referee.judge(*place)
+
+
+def test_an_open_loop_is_the_worlds_to_rounding():
+    changes = ('scenario.start.heading_spread=0 deg', 'scenario.goal.time_limit=20 s')
+    loop = loop_of(ingredients(*changes), 1)
+    world, path = loop.world, [loop.world.state[:2]]
+    while world.outcome is Outcome.FLYING:
+        world.advance(DUTIES)
+        path.append(world.state[:2])
+    (row,) = fly_many([made(*changes, duties=DUTIES)], [1], closed=False)
+    told = figures(row)
+    assert tuple(Outcome)[int(told['outcome'])] is world.outcome
+    length = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
+    expected = [*world.state[:3], world.charge, length, world.elapsed]
+    names = ('x', 'y', 'z', 'charge', 'path_length', 'end')
+    np.testing.assert_allclose([told[name] for name in names], expected, rtol=1e-9, atol=1e-9)
+
+
+def test_each_flight_of_a_batch_is_what_it_is_alone():
+    flights = [made(), made('vehicle.trim.heaviness=4 g'), made('mission.speed=0.3')]
+    which, seeds = np.array([2, 0, 1, 0, 2]), [1, 1, 2, 3, 1]
+    together = fly_many(flights, seeds, which=which)
+    alone = [fly_many([flights[w]], [s])[0] for w, s in zip(which, seeds, strict=True)]
+    np.testing.assert_array_equal(together, alone)
+    np.testing.assert_array_equal(together[0], together[4])
+    assert len(np.unique(together[:, 1])) == 4
+
+
+def test_its_flights_are_those_of_the_loop_in_distribution():
+    flown = []
+    for seed in range(1001, 1013):
+        loop = loop_of(ingredients(), seed)
+        view = LoopView(loop)
+        for _ in loop.flight():
+            view.take()
+        flown.append(results_of(view))
+    batch = [figures(row) for row in fly_many([made()], range(300), which=np.zeros(300, int))]
+    assert all(told['outcome'] == flight.REACHED for told in batch)
+    for name in ('path_length', 'end', 'energy', 'lift_off', 'search_start'):
+        own, few = (np.array([told[name] for told in batch]),
+                    np.array([getattr(results, name) for results in flown]))  # fmt: skip
+        error = own.std() * math.sqrt(1 / len(few) + 1 / len(own))
+        assert abs(few.mean() - own.mean()) < 3.5 * error, name
+
+
+def test_what_a_batch_does_not_know_it_refuses():
+    with pytest.raises(BadInput, match=r'A batch has no effect gyro_scale'):
+        made('vehicle.effects.gyro_scale.z={value: 1.1, unit: "1", source: assumed}')
+
+
+SIMULATED = """
+    import sys
+    from lta_analysis.fleet import fly
+    from lta_analysis.fleet.craft import made_of
+    from lta_analysis.ingredients import gather, parts_of
+    from lta_config.override import assignment
+    from lta_config.topics import topic_table
+    import numpy as np
+
+    fly.THREADS = 2
+    out, device, *changes = sys.argv[1:]
+    base = gather('gtmab', 'lamp_room', 'bag', 'gtmab').with_values(
+        dict(map(assignment, changes))
+    )
+    flights = [
+        made_of(*parts_of(base.with_values({'mission.speed': speed})), topic_table())
+        for speed in (0.3, 0.5)
+    ]
+    told = fly.fly_many(flights, [1, 2, 3], device, which=np.array([0, 1, 1]))
+    np.save(out, told)
+"""
+BRIEF = (
+    'scenario.goal.time_limit=0.5 s',
+    'estimator.rest_time=0.15',
+    'scenario.start.charge=60 %',
+)
+
+
+@needs_cuda
+def test_a_thread_of_a_gpu_flies_the_same_closed_loop(tmp_path):
+    told = {}
+    for device, simulated in (('cpu-batch', '0'), ('gpu', '1')):
+        out = tmp_path / f'{device}.npy'
+        script = [sys.executable, '-c', textwrap.dedent(SIMULATED), str(out), device, *BRIEF]
+        path = os.pathsep.join(filter(None, sys.path))
+        done = subprocess.run(
+            script,
+            env=os.environ | {'PYTHONPATH': path, 'NUMBA_ENABLE_CUDASIM': simulated},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        told[device] = np.load(out)
+    assert set(told['gpu'][:, FIGURES.index('outcome')]) == {flight.TIMEOUT}
+    assert told['gpu'][:, FIGURES.index('path_length')].min() > 0.0
+    np.testing.assert_allclose(told['gpu'], told['cpu-batch'], rtol=1e-12, atol=1e-12)

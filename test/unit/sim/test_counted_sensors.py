@@ -1,0 +1,112 @@
+"""With the same deviates the counted sensors read what the sensors read, and hear what they do."""
+
+import math
+from types import SimpleNamespace
+
+from lta_analysis.fleet.craft import sensors_of
+from lta_config.topics import topic_table
+from lta_sim import counted_sensors as counted
+from lta_sim.counted_chance import normals
+from lta_sim.heard_lamp import listening_of, magnitude
+from lta_sim.light_view import LightView
+from lta_sim.scenario import load_scenario
+from lta_sim.sensors import imu, pressure, range
+from lta_sim.vehicle import load_vehicle
+from lta_vlc.array import bearing, even_ring
+from lta_vlc.demodulation import demodulate, Demodulation, Peaks, plan_bins
+import numpy as np
+import pytest
+
+SEED, STEP = 11, 7
+BLOCKS = 400
+VEHICLE = load_vehicle('gtmab')
+SENSORS = sensors_of(VEHICLE, 101325.0)
+ERRORS = counted.draw_errors(SENSORS, SEED)
+
+
+def giving(*deviates):
+    """Return a generator that gives these."""
+    return SimpleNamespace(
+        standard_normal=lambda count=None: deviates[0] if count is None else np.array(deviates)
+    )
+
+
+def test_the_inertial_sensor_is_the_same():
+    own = imu.ImuErrors(*ERRORS.imu)
+    force, rates = (0.31, -0.2, 9.9), (0.01, 0.5, -12.0)  # the last beyond full scale
+    deviates = [x for lane in (0, 1, 2) for x in normals(SEED, counted.IMU, STEP, lane)]
+    expected = imu.measure(own, force, rates, giving(*deviates))
+    assert counted.imu_reading(ERRORS, SEED, STEP, force, rates) == expected
+
+
+def test_its_errors_are_drawn_within_the_bounds_of_the_data_sheet():
+    bounds = imu.bounds_of(imu.ImuSettings())
+    drawn = [counted.draw_errors(SENSORS, seed) for seed in np.arange(500).tolist()]
+    gains = np.array([errors.imu.gain for errors in drawn]) - 1.0
+    offsets = np.array([errors.imu.offset for errors in drawn])
+    for values, bound in ((gains, bounds.gain), (offsets, bounds.offset)):
+        shares = values / np.array(bound)
+        assert abs(shares).max() <= 1.0
+        np.testing.assert_allclose(shares.std(axis=0), math.sqrt(1 / 3), rtol=0.12)
+        assert abs(np.corrcoef(shares.T) - np.eye(6)).max() < 4 / math.sqrt(500)
+
+
+@pytest.mark.parametrize('height', [0.36, 0.5, 2.0, 3.9, 4.5])
+def test_the_range_finder_is_the_same(height):
+    state = (0.0, 0.0, height, 0.02, -0.03, 0.1, 0.9943, 0, 0, 0, 0, 0, 0)
+    settings = range.RangeSettings()
+    own = range.RangeErrors(ERRORS.range_offset)
+    outlook = range.outlook(state, SENSORS.range_place)
+    deviate = normals(SEED, counted.RANGE, STEP, 0)[0]
+    told = range.measure(settings, own, *outlook, giving(deviate))
+    expected = told if math.isfinite(told) else math.nan
+    np.testing.assert_equal(counted.range_reading(SENSORS, ERRORS, SEED, STEP, state), expected)
+
+
+def test_the_barometer_is_the_same():
+    own = pressure.PressureErrors(ERRORS.pressure_offset, ERRORS.drift)
+    deviate = normals(SEED, counted.PRESSURE, STEP, 0)[0]
+    height = 0.7 + SENSORS.imu_place[2]
+    expected = pressure.measure(
+        pressure.PressureSettings(floor=101325.0), own, height, 3.0, giving(deviate)
+    )
+    assert counted.pressure_reading(SENSORS, ERRORS, SEED, STEP, 0.7, 3.0) == expected
+
+
+@pytest.mark.parametrize('distance', [1.0, 2.0, 4.0, 7.0])
+def test_the_lamp_is_heard_as_through_blocks(distance):
+    """Magnitude, SNR and bearing of many blocks against the chain of ADC and transform."""
+    scene, light = load_scenario('lamp_room'), topic_table().light
+    rate, settings = light.sample_rate.si, Demodulation()
+    ring = even_ring(VEHICLE.diodes.count)
+    bins = plan_bins(settings, rate, light.samples)
+    lamp = scene.light_field.lamp.position
+    half = 0.5 * 0.3  # the lamp is between two diodes
+    pose = (lamp[0] - distance, 0.0, 0.5, 0.0, 0.0, math.sin(half), math.cos(half))
+    view, chance = LightView(scene.light_field, VEHICLE), np.random.default_rng(3)
+    view.pass_by(pose)
+    chain = []
+    for k in np.arange(BLOCKS).tolist():
+        view.pass_by(pose)
+        chain.append(demodulate(view.block(k * 10**8, rate, light.samples, chance), bins))
+    listening = listening_of(scene.light_field, VEHICLE.diodes, settings, rate, light.samples)
+    own = []
+    for k in np.arange(BLOCKS).tolist():
+        pairs = [
+            magnitude(listening, diode, pose[:3], pose[3:], SEED, k)
+            for diode in np.arange(VEHICLE.diodes.count).tolist()
+        ]
+        amplitude, snr = np.array(pairs).T
+        own.append(Peaks(amplitude, snr, np.zeros_like(snr)))
+    heard, expected = (np.array([[p.amplitude, p.snr] for p in peaks]) for peaks in (own, chain))
+    angles, truth = (
+        np.array([bearing(p, ring, settings.threshold).angle for p in peaks])
+        for peaks in (own, chain)
+    )
+    error = truth.std() / math.sqrt(BLOCKS)
+    lit = expected[:, 1].mean(axis=0) > settings.threshold
+    means, wanted = heard.mean(axis=0), expected.mean(axis=0)
+    np.testing.assert_allclose(means[0, lit], wanted[0, lit], rtol=0.01)
+    np.testing.assert_allclose(means[1, lit], wanted[1, lit], rtol=0.05)
+    assert abs(angles.mean() - truth.mean()) < max(5 * error, 1e-3)
+    np.testing.assert_allclose(angles.std(), truth.std(), rtol=0.2)
