@@ -5,12 +5,15 @@ Needs requirements-gpu.txt. Every vehicle is a GT-MAB with its own numbers. `gpu
 rate in the kernel and `gpu.million_flights` a whole call of 60 s flights with all its copying.
 `gpu.difference` is the largest deviation of any number of 1000 states from the CPU's after 60 s in
 the air; `gpu.difference_floor` that of flights that may bounce, which makes small ones grow.
+`gpu.closed` is the rate of closed loops, a million flights to the lamp, copying included; its
+first sample also compiles.
 """
 
 from collections.abc import Callable
 import time
 
 from bench import Figure
+from fleet import realtime
 from gtmab import scattered, STEP
 from lta_sim import gpu
 from lta_sim.batch import advance_many
@@ -72,6 +75,7 @@ def figures() -> list[Figure]:
         once('first_call', 's', lambda: first),
         once('batched', 'vehicle-steps/s', lambda: batched(MANY)),
         Figure('gpu.million_flights', 's', lambda: seconds(MANY, STEPS), 3, min),
+        Figure('gpu.closed', 'vehicle s/s', lambda: realtime('gpu', MANY), 2),
         once('difference', 'SI', lambda: difference(100.0)),
         once('difference_floor', 'SI', lambda: difference(0.0)),
     ]

@@ -8,9 +8,9 @@ the noise. Both follow from the geometry at the middle of the block:
 
 E is the light of the lamp on the diode [lx], c counts a lux, r the counts of the dark and of
 steady light, g the magnitude of a unit wave behind amplifier, transform and search, l what a unit
-wave leaves in the quiet bins, s2 the variance of a sample (amplifier, shot noise, and 1/12 for
-rounding), h what the flicker of the mains leaves in the quiet bins, and n1, n2 normal. SNR = A / m.
-g, l and h are the demodulator's own (`listening_of`).
+wave leaves in the quiet bins, h what the flicker of the mains leaves there, s2 the variance of a
+sample (amplifier, shot noise, and 1/12 for rounding) and n1, n2 normal. SNR = A / m. g, l and h
+are the demodulator's own (`listening_of`).
 
 Left out: the turning of the drone within a block, the flicker of the mains where it is clipped or
 falls between bins, and the scatter of m itself (some 3 % with 400 quiet bins).

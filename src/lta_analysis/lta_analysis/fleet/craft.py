@@ -4,14 +4,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, final
 
-from lta_analysis.fleet.flight import Craft, Goal, Power
-from lta_analysis.fleet.text import Rhythm, STEP
+from lta_analysis.fleet.numbers import Craft, Goal, Power
+from lta_analysis.fleet.targets import Rhythm, STEP
 from lta_analysis.loop import Policy
 from lta_config.errors import BadInput
 from lta_config.topics import TopicTable
 from lta_control.autopilot import drone_of
 from lta_control.flat import bare
-from lta_control.per_rotor import slots
+from lta_control.per_rotor import NONE, slots
 from lta_control.strategies import bearing_angle
 from lta_sim.counted_sensors import Axes, Sensors, Six
 from lta_sim.effects import EFFECTS
@@ -116,31 +116,9 @@ def made_of(
 
     """
     model = check(vehicle, policy)
-    start, air = scenario.start, scenario.air
-    x, y = start.position.vector
-    known = Vehicle(vehicle.file)
+    craft = craft_of(vehicle, scenario, policy, table)
     place = model.given.get('moving_mass', {})
-    listening = listening_of(
-        scenario.light_field,
-        vehicle.diodes,
-        policy.demodulation,
-        table.light.sample_rate.si,
-        table.light.samples,
-    )
-    craft = Craft(
-        drone=drone_of(
-            known, policy.estimator, policy.gains, table.control_ns * 1e-9, policy.tilt_limit
-        ),
-        mission=policy.mission,
-        sensors=sensors_of(vehicle, air.pressure.si),
-        listening=listening,
-        goal=goal_of(scenario),
-        power=power_of(vehicle, scenario, policy),
-        place=(x, y, vehicle.standing_height),
-        heading=start.heading.si,
-        spread=start.heading_spread.si,
-        wind=three(air.wind.vector),
-        lowest=slots(-1.0 if reverses else 0.0 for reverses in vehicle.reversible),
+    craft = craft._replace(
         mass_place=(place.get('x', 0.0), place.get('y', 0.0), place.get('z', 0.0)),
         duties=slots(duties),
     )
@@ -148,6 +126,37 @@ def made_of(
     form: list[str] = []
     take(bare(craft), numbers, form)
     return Made(model, numbers, ''.join(form), craft)
+
+
+def craft_of(vehicle: Vehicle, scenario: Scenario, policy: Policy, table: TopicTable) -> Craft:
+    """Return the constants of a flight; the drone knows its file in standard air, as a node."""
+    start, light = scenario.start, table.light
+    x, y = start.position.vector
+    drone = drone_of(
+        Vehicle(vehicle.file),
+        policy.estimator,
+        policy.gains,
+        table.control_ns * 1e-9,
+        policy.tilt_limit,
+    )
+    rate, samples = light.sample_rate.si, light.samples
+    return Craft(
+        drone=drone,
+        mission=policy.mission,
+        sensors=sensors_of(vehicle, scenario.air.pressure.si),
+        listening=listening_of(
+            scenario.light_field, vehicle.diodes, policy.demodulation, rate, samples
+        ),
+        goal=goal_of(scenario),
+        power=power_of(vehicle, scenario, policy),
+        place=(x, y, vehicle.standing_height),
+        heading=start.heading.si,
+        spread=start.heading_spread.si,
+        wind=three(scenario.air.wind.vector),
+        lowest=slots(-1.0 if reverses else 0.0 for reverses in vehicle.reversible),
+        mass_place=(0.0, 0.0, 0.0),
+        duties=NONE,
+    )
 
 
 def take(value: Any, numbers: list[float], form: list[str]) -> None:  # noqa: ANN401 - any nest

@@ -7,18 +7,17 @@ reserve is that of the true charge; and values pass no message, so that they kee
 """
 
 import math
-from typing import NamedTuple
 
+from lta_analysis.fleet.numbers import Charge, Craft, Goal, Tally, Vector
 from lta_control.attitude import heading
 from lta_control.cascade import Setpoint, wrap
 from lta_control.mission import MissionSettings
-from lta_control.onboard import Drone, Heard, Onboard
+from lta_control.onboard import Heard, Onboard
 from lta_control.per_rotor import PerRotor
 from lta_control.strategies.bearing_angle import start, steer
 from lta_control.strategies.protocol import Memory, Sight
-from lta_energy.battery import advance, Battery, open_circuit_voltage
-from lta_energy.loads import demand, Loads
-from lta_energy.panel import Panel
+from lta_energy.battery import advance, open_circuit_voltage
+from lta_energy.loads import demand
 from lta_energy.panel import power as panel_power
 from lta_sim.counted_chance import uniforms
 from lta_sim.counted_sensors import (
@@ -26,109 +25,16 @@ from lta_sim.counted_sensors import (
     force_at,
     imu_reading,
     pressure_reading,
-    Sensors,
     START,
 )
-from lta_sim.heard_lamp import Listening
 from lta_sim.lambertian import lit, place
 
-Vector = tuple[float, float, float]
 State = tuple[float, ...]
 UP = (0.0, 0.0, 1.0)
 LIFTED = 0.01  # m above where it stood: the drone has left the ground, as in the results
 
 FLYING, REACHED, TIMEOUT, ESCAPED = 0, 1, 2, 3
 REST, CLIMB, SEEK, LAND = 0, 1, 2, 3  # as `mission.Phase`
-
-
-class Goal(NamedTuple):
-    """How a flight ends; as `lta_sim.referee`."""
-
-    x: float
-    y: float
-    radius: float
-    limit: float
-    half_length: float
-    half_width: float
-    height: float
-
-
-class Power(NamedTuple):
-    """The electricity: cell, loads and panel of `lta_energy`, and where the panel is."""
-
-    cell: Battery
-    loads: Loads
-    cells: Panel
-    panel_place: Vector
-    lamp_share: float  # W/m2 a lux of the lamp while it is on
-    ambient: float  # W/m2
-    reserve: float
-    charge: float
-
-
-class Craft(NamedTuple):
-    """
-    Everything that decides a flight but its seed and the kernel's own numbers.
-
-    Attributes
-    ----------
-    drone : Drone
-        What the drone knows.
-    mission : MissionSettings
-        Altitudes and speeds.
-    sensors, listening, goal, power : Sensors, Listening, Goal, Power
-        The world.
-    place : tuple of float
-        Of the hull centre at the start. [m, map]
-    heading, spread : float
-        Middle and half width of the headings at the start. [rad]
-    wind : tuple of float
-        [m/s, map]
-    lowest : PerRotor
-        Least duty of each rotor.
-    mass_place : tuple of float
-        Of the moving mass. [m, body]
-    duties : PerRotor
-        In an open loop.
-
-    """
-
-    drone: Drone
-    mission: MissionSettings
-    sensors: Sensors
-    listening: Listening
-    goal: Goal
-    power: Power
-    place: Vector
-    heading: float
-    spread: float
-    wind: Vector
-    lowest: PerRotor
-    mass_place: Vector
-    duties: PerRotor
-
-
-class Charge(NamedTuple):
-    """The cell: its charge, voltage and current, and what the panel brings. [1, V, A, W]"""
-
-    charge: float
-    voltage: float
-    current: float
-    harvested: float
-
-
-class Tally(NamedTuple):
-    """What a flight has come to; NaN is what has not happened. SI."""
-
-    outcome: int
-    lift_off: float
-    search_start: float
-    path_length: float
-    closest: float
-    energy: float
-    blocks: float  # since the search began
-    bearings: float  # of these, with a bearing
-    squares: float  # of their errors, summed [rad2]
 
 
 def full(charge: float) -> Charge:

@@ -8,7 +8,8 @@ from types import ModuleType
 from typing import Any, Literal
 
 from lta_analysis.fleet.craft import Made, rhythm_of
-from lta_analysis.fleet.text import CPU, FIGURES, GPU, source
+from lta_analysis.fleet.targets import CPU, GPU
+from lta_analysis.fleet.text import FIGURES, source
 from lta_config.topics import topic_table
 from lta_control.flat import Layout
 from lta_sim.gpu import cuda_here, THREADS

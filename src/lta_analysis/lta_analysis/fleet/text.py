@@ -6,17 +6,16 @@ vehicle. The kernel holds only the effects that some vehicle of the batch has on
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from string import Template
 from typing import Any, final
 
 from lta_analysis.fleet import flight
-from lta_control.allocation import SCRATCH
+from lta_analysis.fleet.targets import Rhythm, STEP, Target
 from lta_control.attitude import heading
 from lta_control.flat import Layout, PREFIX
 from lta_control.onboard import Onboard, onboard_step
 from lta_sim import counted_sensors, heard_lamp
-from lta_sim.compose import ENTRY, Form, INLINE, kernel_source
+from lta_sim.compose import Form, kernel_source
 from lta_sim.effects import EFFECTS, initial_memory
 from lta_sim.extract import Extract
 from lta_sim.kernel import LAYOUT
@@ -28,7 +27,6 @@ from lta_vlc.array import weighted_mean
 # What the kernel keeps of a vehicle during a flight, in this order.
 KEPT = ('parameters', 'body', 'inverse')
 BEGIN = Layout(Onboard())
-STEP = 2.5e-3  # s, of integration, as in `lta_sim.world`
 CORES: tuple[Callable[..., Any], ...] = (
     onboard_step,
     weighted_mean,
@@ -51,54 +49,6 @@ CORES: tuple[Callable[..., Any], ...] = (
     flight.flown,
     flight.lit_tally,
     heading,
-)
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Rhythm:
-    """Integration steps in a control period and between ranges; control steps between others."""
-
-    control: int
-    range: int
-    pressure: int
-    light: int
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Target:
-    """What a text is compiled for: imports, decorators, and the function that is called."""
-
-    imports: str
-    inline: str
-    entry: str
-
-
-CPU = Target(
-    'from numba import njit\nimport numpy as np\n',
-    INLINE,
-    f'''
-{ENTRY.replace('cache=True', 'nogil=True, cache=True')}
-def fly_some(fixed, constants, seeds, out):
-    """Fly some vehicles, a row each."""
-    scratch = np.empty({SCRATCH})
-    for i in range(seeds.shape[0]):
-        fly(fixed[i], constants[i], seeds[i], scratch, out[i])
-''',
-)
-GPU = Target(
-    'from numba import cuda, float64\n',
-    '@cuda.jit(device=True)',
-    f'''
-@cuda.jit
-def fly_some(fixed, constants, seeds, out):
-    """Fly vehicle i in thread i."""
-    i = cuda.grid(1)
-    if i < seeds.shape[0]:
-        scratch = cuda.local.array({SCRATCH}, float64)
-        fly(fixed[i], constants[i], seeds[i], scratch, out[i])
-''',
 )
 
 
@@ -254,6 +204,31 @@ def _remembered(names: Sequence[str]) -> str:
     return f' + {tuple_of(values)}' if values else ''
 
 
+def _beginning(names: Sequence[str]) -> dict[str, str]:
+    """Return the source of what is there before the first step, and of what comes out."""
+    return {
+        'memory': _remembered(names),
+        'begin': tuple_of(map(repr, BEGIN.write(Onboard()).tolist())),
+        'onboard': BEGIN.expression('begin'),
+        'still': tuple_of(['0.0'] * ACTUATORS),
+        'before': _surrounded(names),
+        'results': tuple_of(RESULTS),
+    }
+
+
+def _counts(rhythm: Rhythm) -> dict[str, str]:
+    """Return the source of when what is due."""
+    return {
+        'dt': repr(STEP),
+        'period': repr(STEP * rhythm.control),
+        'substeps': str(rhythm.control),
+        'ranges': str(rhythm.range),
+        'pressure': str(rhythm.pressure),
+        'light': str(rhythm.light),
+        'middle': str(rhythm.light // 2),
+    }
+
+
 def _heard(diodes: int) -> dict[str, str]:
     """Return the source of what each diode hears."""
     lines = [
@@ -307,26 +282,14 @@ def source(
         for kind, fields in kinds.items()
         if f'{PREFIX}_{kind} = ' not in cores
     ]
-    texts = {
+    parts = {
         'INLINE': target.inline,
         'craft': craft.expression('c'),
-        'memory': _remembered(names),
-        'onboard': BEGIN.expression('begin'),
-        'begin': tuple_of(map(repr, BEGIN.write(Onboard()).tolist())),
-        'still': tuple_of(['0.0'] * ACTUATORS),
-        'before': _surrounded(names),
         'decide': SENSE if closed else '        pass',
-        'results': tuple_of(RESULTS),
-        'dt': repr(STEP),
-        'substeps': str(rhythm.control),
-        'ranges': str(rhythm.range),
-    }
-    numbers = {
+        **_beginning(names),
+        **_counts(rhythm),
         **_heard(diodes),
-        'period': repr(STEP * rhythm.control),
-        'pressure': str(rhythm.pressure),
-        'light': str(rhythm.light),
-        'middle': str(rhythm.light // 2),
     }
-    glue = Template(FLY.safe_substitute(texts)).substitute(numbers)
+    # Twice: what decides has names of its own.
+    glue = Template(FLY.safe_substitute(parts)).substitute(parts)
     return '\n\n\n'.join((model, '\n'.join(missing), cores, glue, target.entry))

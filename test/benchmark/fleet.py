@@ -1,0 +1,51 @@
+"""
+Measure a batch of closed loops on all cores of the processor.
+
+Every flight is the paper's to the lamp, with a seed of its own: kernel, sensors, estimator,
+control, allocation, mission and cell. `fleet.closed` is how many seconds of flight are flown in
+one; `fleet.open` is the same at constant duties; `fleet.build` is the time to make one flight of
+its files, once for all flights that differ by their seed alone.
+"""
+
+import time
+
+from bench import Figure
+from lta_analysis.fleet.craft import Made, made_of
+from lta_analysis.fleet.fly import Device, fly_many
+from lta_analysis.fleet.text import FIGURES
+from lta_analysis.ingredients import gather, parts_of
+from lta_config.topics import topic_table
+import numpy as np
+
+FLIGHTS = 200
+HOVER = (0.0, 0.0, 0.13, 0.13)  # of GT-MAB's vertical pair, about
+
+
+def flight(duties: tuple[float, ...] = ()) -> Made:
+    """Return the paper's flight."""
+    return made_of(*parts_of(gather('gtmab', 'lamp_room', 'bag', 'gtmab')), topic_table(), duties)
+
+
+def realtime(device: Device, flights: int, duties: tuple[float, ...] = ()) -> float:
+    """Return seconds of flight flown in a second, of a whole call."""
+    made, which = flight(duties), np.zeros(flights, dtype=np.intp)
+    begin = time.perf_counter()
+    told = fly_many([made], range(flights), device, closed=not duties, which=which)
+    spent = time.perf_counter() - begin
+    return float(told[:, FIGURES.index('end')].sum()) / spent
+
+
+def build() -> float:
+    """Return the time of making a flight. [ms]"""
+    begin = time.perf_counter()
+    flight()
+    return 1e3 * (time.perf_counter() - begin)
+
+
+def figures() -> list[Figure]:
+    """Return what is measured here."""
+    return [
+        Figure('fleet.closed', 'vehicle s/s', lambda: realtime('cpu-batch', FLIGHTS), 4),
+        Figure('fleet.open', 'vehicle s/s', lambda: realtime('cpu-batch', FLIGHTS, HOVER), 4),
+        Figure('fleet.build', 'ms', build, choose=min),
+    ]
