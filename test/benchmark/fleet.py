@@ -18,7 +18,7 @@ from lta_config.topics import topic_table
 import numpy as np
 
 FLIGHTS = 200
-HOVER = (0.0, 0.0, 0.13, 0.13)  # of GT-MAB's vertical pair, about
+HOVER = (0.13, 0.13, 0.0, 0.0)  # of GT-MAB's vertical pair, about
 
 
 def flight(duties: tuple[float, ...] = ()) -> Made:

@@ -60,7 +60,7 @@ def add_map(
     line: int,
 ) -> None:
     """Add one map with its scale beside it."""
-    bar = {'title': {'text': words}, 'len': 0.46, 'y': 0.77 if line == 1 else 0.23}
+    bar = {'title': {'text': words}, 'len': 0.5, 'y': 0.77 if line == 1 else 0.23}
     figure.add_trace(
         Heatmap(
             x=xs, y=ys, z=grid, colorscale='Cividis', colorbar=bar,
@@ -72,5 +72,7 @@ def add_map(
 
 
 def named(path: str, units: Mapping[str, str]) -> str:
-    """Return a parameter with its unit."""
-    return f'{path} [{units[path]}]' if units.get(path) else path
+    """Return the end of a parameter's path with its unit: two of them stand one over the other."""
+    *_, before, last = path.split('.')
+    short = f'{before}.{last}' if last.isdecimal() else last
+    return f'{short} [{units[path]}]' if units.get(path) else short
