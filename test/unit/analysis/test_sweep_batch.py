@@ -3,9 +3,13 @@
 from collections import Counter
 import io
 
+from lta_analysis.fleet.craft import made_of
+from lta_analysis.sweep import fleet_crew
+from lta_analysis.sweep.flown import Row
 from lta_analysis.sweep.heat import heat, two_lists
 from lta_analysis.sweep.plan import Plan
 from lta_analysis.sweep.run import Order, sweep_once
+from lta_analysis.sweep.statistics import groups, reached_share
 from lta_analysis.verbs.sweep import duties_in, refuse_both
 from lta_config.errors import BadInput
 from lta_config.sweep_file import load_sweep
@@ -72,12 +76,20 @@ def test_an_open_loop_asks_nothing_of_the_drone(sweep, tmp_path):
     assert all(0.0 < told['lift_off'] < 2.0 for told in figures)
 
 
-def test_what_cannot_be_built_is_kept_as_failed(sweep, tmp_path):
-    lags = {'vehicle.effects.motor_lag.up': ['72 ms', '0.5 ms'], HEAVY: ['1 g', '2 g']}
-    done = run(sweep(vary=lags), tmp_path / 'out', page=False)
-    assert Counter(row.outcome for row in done.rows) == {'timeout': 4, 'failed': 4}
-    (sentence,) = {row.sentence for row in done.rows if row.outcome == 'failed'}
-    assert 'a time step of 2.5 ms cannot follow it' in sentence
+def test_what_cannot_be_built_is_kept_as_failed(sweep, tmp_path, monkeypatch):
+    def picky(vehicle, *others):
+        if vehicle.heaviness > 2.5e-3:
+            raise BadInput('It is too heavy; take less.')
+        return made_of(vehicle, *others)
+
+    monkeypatch.setattr(fleet_crew, 'made_of', picky)
+    short = {'scenario.goal.time_limit': '0.2 s'}
+    file = sweep(vary={HEAVY: ['1 g', '3 g']}, set=short)
+    done = run(file, tmp_path / 'out', page=False)
+    assert Counter(row.outcome for row in done.rows) == {'timeout': 2, 'failed': 2}
+    assert {row.sentence for row in done.rows if row.outcome == 'failed'} == {
+        'It is too heavy; take less.'
+    }
 
 
 def test_a_map_shows_shares_and_medians(sweep, tmp_path):
@@ -107,3 +119,15 @@ def test_options_that_exclude_each_other_are_refused():
     with pytest.raises(BadInput, match=r"The duties are '1,x'; give numbers from -1 to 1"):
         duties_in('1,x')
     assert duties_in('0.1,-0.5') == (0.1, -0.5)
+
+
+def test_values_of_a_grid_are_not_cut_in_two():
+    """Ten values against another parameter that decides: all must look alike."""
+    rows = [
+        Row(k, 1, {'a': float(k // 100), 'b': float(k % 100)}, outcome, '')
+        for k in range(1000)
+        for outcome in (['timeout', 'reached'][k % 100 < 50],)
+    ]
+    found = groups(rows, 'a')
+    assert [group.place for group in found] == list(range(10))
+    assert {reached_share(group.rows).value for group in found} == {0.5}

@@ -9,6 +9,8 @@ import numpy as np
 
 NORMAL_95: Final = 1.959963984540054  # two-sided 95 % quantile of the normal distribution
 GROUPS: Final = 8  # of a drawn parameter, with as many flights each
+GRID: Final = 40  # values at most that stand for themselves,
+EACH: Final = 5  # if there are so many flights of each on average
 REACHED: Final = 'reached'
 
 
@@ -67,7 +69,10 @@ def groups(rows: Sequence[Row], path: str) -> list[Group]:
     """Return the flights by the value of one parameter: each value, or stretches of many."""
     values = [row.values[path] for row in rows]
     distinct = list(dict.fromkeys(map(told, values)))
-    if len(distinct) <= GROUPS or not all(map(is_number, values)):
+    # A grid's value is never cut in two: its flights are in the order of the other parameters.
+    grid = len(distinct) <= GRID and EACH * len(distinct) <= len(rows)
+    few = grid or len(distinct) <= GROUPS
+    if few or not all(map(is_number, values)):
         found = [Group(name, name, []) for name in distinct]
         by_name = {group.name: group for group in found}
         for row, value in zip(rows, values, strict=True):
