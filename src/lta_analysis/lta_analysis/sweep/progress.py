@@ -1,6 +1,7 @@
 """The progress bar of a sweep: how many flights, how fast, how long still, and what was lost."""
 
 from collections import Counter
+import time
 from types import TracebackType
 from typing import final, Self
 
@@ -15,6 +16,7 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
+LOOK = 0.1  # wall s between two movements of the bar
 RECENT = 60.0  # s over which the rate is told
 
 
@@ -47,6 +49,7 @@ class SweepProgress:
         )
         self._task = self._bar.add_task('', total=total, completed=done, rate='', detail='')
         self._counts: Counter[str] = Counter()
+        self._pending, self._shown = 0, -LOOK
 
     def __enter__(self) -> Self:
         """Show the bar."""
@@ -60,15 +63,24 @@ class SweepProgress:
         trace: TracebackType | None,
     ) -> None:
         """Take the bar away."""
+        self._show(0)
         self._bar.stop()
 
     def flown(self, row: Row, deaths: int) -> None:
         """Count one more flight; `deaths` is how many workers have been lost so far."""
         self._counts[row.outcome] += 1
+        self._pending += 1
+        if time.monotonic() - self._shown >= LOOK:
+            self._show(deaths)
+
+    def _show(self, deaths: int) -> None:
+        """Move the bar by what has been flown since; a batch ends by the thousand."""
+        self._shown = time.monotonic()
         words = [f'{count} {outcome}' for outcome, count in sorted(self._counts.items())]
         if deaths:
             words.append(f'{deaths} workers lost')
-        self._bar.update(self._task, advance=1, detail=', '.join(words))
+        self._bar.update(self._task, advance=self._pending, detail=', '.join(words))
+        self._pending = 0
         speed = self._bar.tasks[0].speed
         if speed:
             self._bar.update(self._task, rate=f'{speed:.1f} flights/s')
