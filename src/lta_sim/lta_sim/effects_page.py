@@ -25,10 +25,10 @@ HEAD = """# Effects
 
 Generated from `lta_sim.effects` by `./lta effects --markdown > docs/effects.md`.
 
-A vehicle is the sum of these. Each is one file in `src/lta_sim/lta_sim/effects/` with its equations,
-what it leaves out and its sources. A vehicle file switches it on under `effects:` by giving a
-parameter a value other than its null; at its null values it changes nothing, to the last bit.
-`./lta effects NAME` tells the source of every bound. `name_1..` stands for one a rotor.
+A vehicle is the sum of these. Each is one file in `src/lta_sim/lta_sim/effects/` with its
+equations, what it leaves out and its sources. A vehicle file switches it on under `effects:` by
+giving a parameter a value other than its null; at its null values it changes nothing, to the last
+bit. `./lta effects NAME` tells the source of every bound. `name_1..` stands for one a rotor.
 """
 
 # What each kind does, in the order of a command's way through the vehicle.
