@@ -76,8 +76,9 @@ def _walk(value: object, place: str) -> Iterator[Entry]:
     elif isinstance(value, Sequence) and not isinstance(value, str):
         yield Entry(place, ', '.join(str(item) for item in value))
     else:
-        yield Entry(place, {True: 'yes', False: 'no'}[value] if isinstance(value, bool)
-                    else str(value))  # fmt: skip
+        yield Entry(
+            place, {True: 'yes', False: 'no'}[value] if isinstance(value, bool) else str(value)
+        )
 
 
 def _below(place: str, name: str) -> str:

@@ -5,7 +5,7 @@ import math
 
 from lta_analysis.vehicle.climb import steady, time_to_climb
 from lta_analysis.vehicle.figure import Figure
-from lta_analysis.vehicle.reach import reach, Reach
+from lta_analysis.vehicle.reach import Reach, reach
 from lta_analysis.vehicle.weighing import DEGREES, GRAMS
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
@@ -17,11 +17,15 @@ ROTORS, SPEED = 'Rotors', 'Speed'
 THRUST = ('rotors', 'thrust_curve', 'aero.thrust_allocation', 'aero.coupling')
 CARRIED = (*THRUST, 'trim')
 DRAG = ('aero.linear_drag', 'aero.quadratic_drag')
-RULE = 'most of a linear programme over the thrusts, the other axes held'
+RULE = 'largest push, the other axes held (linear programme)'
 AXES = {
-    'up': 'up, beyond what it carries', 'down': 'down, beyond its weight', 'forward': 'forward',
-    'backward': 'backward', 'left': 'to the left', 'right': 'to the right',
-}  # fmt: skip
+    'up': 'up, beyond what it carries',
+    'down': 'down, beyond its weight',
+    'forward': 'forward',
+    'backward': 'backward',
+    'left': 'to the left',
+    'right': 'to the right',
+}
 CLIMB = 1.0  # m
 
 
@@ -44,29 +48,71 @@ def hover_thrust(vehicle: Vehicle) -> tuple[float, int]:
 def rotor_figures(vehicle: Vehicle) -> Iterator[Figure]:
     """Yield hover and the margins on every axis."""
     duty, why = or_why(lambda: vehicle.hover_duty)
-    yield Figure('hover_duty', ROTORS, 'hover duty', None if duty is None else 100.0 * duty, '%',
-                 'thrust curve and columns of the rotors that lift', CARRIED, note=why)  # fmt: skip
+    yield Figure(
+        'hover_duty',
+        ROTORS,
+        'hover duty',
+        None if duty is None else 100.0 * duty,
+        '%',
+        'thrust curve and columns of the rotors that lift',
+        CARRIED,
+        note=why,
+    )
     if duty is not None:
         yield from _hovering(vehicle)
     for direction, words in AXES.items():
         most, note = _margin(vehicle, direction)
-        yield Figure(f'push_{direction}', ROTORS, f'push {words}',
-                     None if most is None else 1e3 * most, 'mN', RULE, CARRIED, 0, note)  # fmt: skip
+        yield Figure(
+            f'push_{direction}',
+            ROTORS,
+            f'push {words}',
+            None if most is None else 1e3 * most,
+            'mN',
+            RULE,
+            CARRIED,
+            0,
+            note,
+        )
     for direction in ('turn_left', 'turn_right'):
         most, note = _turning(vehicle, direction)
-        yield Figure(f'push_{direction}', ROTORS, direction.replace('_', ' '),
-                     None if most is None else 1e3 * most, 'mN m', RULE, CARRIED, 1, note)  # fmt: skip
+        yield Figure(
+            f'push_{direction}',
+            ROTORS,
+            direction.replace('_', ' '),
+            None if most is None else 1e3 * most,
+            'mN m',
+            RULE,
+            CARRIED,
+            1,
+            note,
+        )
 
 
 def _hovering(vehicle: Vehicle) -> Iterator[Figure]:
     thrust, count = hover_thrust(vehicle)
     power = demand(vehicle.loads, [thrust] * count, transmitting=False)
     cell = ('energy', *CARRIED)
-    yield Figure('hover_power', ROTORS, 'power in hover', power, 'W',
-                 'idle and rotors, affine in thrust', cell, 2)  # fmt: skip
+    yield Figure(
+        'hover_power',
+        ROTORS,
+        'power in hover',
+        power,
+        'W',
+        'idle and rotors, affine in thrust',
+        cell,
+        2,
+    )
     energy = vehicle.file.energy.capacity.si * NOMINAL
-    yield Figure('hover_time', ROTORS, 'hovers on a full cell for', energy / power / 60.0, 'min',
-                 f'capacity at {NOMINAL} V (assumed), without sun', cell, 0)  # fmt: skip
+    yield Figure(
+        'hover_time',
+        ROTORS,
+        'hovers on a full cell for',
+        energy / power / 60.0,
+        'min',
+        f'capacity at {NOMINAL} V (assumed), without sun',
+        cell,
+        0,
+    )
 
 
 NOMINAL = 3.7  # V, one lithium cell
@@ -119,8 +165,17 @@ def speed_figures(vehicle: Vehicle) -> Iterator[Figure]:
     level, why = or_why(lambda: limits.level_speed(vehicle))
     if level == 0.0:
         why = 'its rotors push nowhere while it is level: it tilts to fly'
-    yield Figure('level_speed', SPEED, 'top speed, level', level, 'm/s',
-                 'forward push against drag', (*CARRIED, *DRAG), 2, why)  # fmt: skip
+    yield Figure(
+        'level_speed',
+        SPEED,
+        'top speed, level',
+        level,
+        'm/s',
+        'forward push against drag',
+        (*CARRIED, *DRAG),
+        2,
+        why,
+    )
     effects = vehicle.effects()
     yield from _rising(
         vehicle, effects['linear_drag']['heave'], effects['quadratic_drag']['heave']
@@ -128,9 +183,17 @@ def speed_figures(vehicle: Vehicle) -> Iterator[Figure]:
     most, note = turn(vehicle, 'turn_left')
     rotational = effects['rotational_drag']
     rate = steady(most.most, rotational['yaw'], rotational['yaw_2']) if most else None
-    yield Figure('yaw_rate', SPEED, 'turns at most', None if rate is None else DEGREES * rate, '°/s',
-                 'yaw moment against damping', (*THRUST, *DRAG), 0,
-                 'no damping in yaw is given' if rate is None else note)  # fmt: skip
+    yield Figure(
+        'yaw_rate',
+        SPEED,
+        'turns at most',
+        None if rate is None else DEGREES * rate,
+        '°/s',
+        'yaw moment against damping',
+        (*THRUST, *DRAG),
+        0,
+        'no damping in yaw is given' if rate is None else note,
+    )
 
 
 def _rising(vehicle: Vehicle, linear: float, quadratic: float) -> Iterator[Figure]:
@@ -139,13 +202,35 @@ def _rising(vehicle: Vehicle, linear: float, quadratic: float) -> Iterator[Figur
     spare = up.most - weight if up else 0.0
     if vehicle.file.hull.shape != 'none':  # else the drag is that of rotors near hover
         lost = 'no drag along z is given in the aero block' if linear + quadratic <= 0.0 else ''
-        yield Figure('climb_speed', SPEED, 'climbs at most', steady(spare, linear, quadratic), 'm/s',
-                     'push up against drag', (*CARRIED, *DRAG), 2, lost)  # fmt: skip
-        yield Figure('sink_speed', SPEED, 'sinks with still rotors at',
-                     steady(weight, linear, quadratic), 'm/s', 'weight less buoyancy against drag',
-                     ('trim', *DRAG), 2, lost)  # fmt: skip
-    yield Figure('climb_time', SPEED, f'climbs {CLIMB:g} m from rest in',
-                 time_to_climb(CLIMB, spare, vehicle.mass + vehicle.added_mass[2], linear, quadratic),
-                 's', 'push up, drag, mass and the air that moves with it',
-                 (*CARRIED, *DRAG, 'layers'),
-                 note='' if spare > 0.0 else 'it cannot climb')  # fmt: skip
+        yield Figure(
+            'climb_speed',
+            SPEED,
+            'climbs at most',
+            steady(spare, linear, quadratic),
+            'm/s',
+            'push up against drag',
+            (*CARRIED, *DRAG),
+            2,
+            lost,
+        )
+        yield Figure(
+            'sink_speed',
+            SPEED,
+            'sinks with still rotors at',
+            steady(weight, linear, quadratic),
+            'm/s',
+            'weight less buoyancy against drag',
+            ('trim', *DRAG),
+            2,
+            lost,
+        )
+    yield Figure(
+        'climb_time',
+        SPEED,
+        f'climbs {CLIMB:g} m from rest in',
+        time_to_climb(CLIMB, spare, vehicle.mass + vehicle.added_mass[2], linear, quadratic),
+        's',
+        'push up, drag, mass and moving air',
+        (*CARRIED, *DRAG, 'layers'),
+        note='' if spare > 0.0 else 'it cannot climb',
+    )

@@ -22,9 +22,15 @@ from scipy.optimize import linprog
 Array = NDArray[np.float64]
 HELD = (0, 1, 2, 5)  # surge, sway, heave and yaw
 DIRECTIONS = {
-    'up': (2, 1.0), 'down': (2, -1.0), 'forward': (0, 1.0), 'backward': (0, -1.0),
-    'left': (1, 1.0), 'right': (1, -1.0), 'turn_left': (5, 1.0), 'turn_right': (5, -1.0),
-}  # fmt: skip
+    'up': (2, 1.0),
+    'down': (2, -1.0),
+    'forward': (0, 1.0),
+    'backward': (0, -1.0),
+    'left': (1, 1.0),
+    'right': (1, -1.0),
+    'turn_left': (5, 1.0),
+    'turn_right': (5, -1.0),
+}
 
 
 @final
@@ -81,9 +87,9 @@ def reach(vehicle: Vehicle, direction: str, hold: bool = True, stay: bool = True
         b_eq=[weight if k == 2 else 0.0 for k in rows] if rows else None,
         bounds=[*((0.0, top) for top in tops), (0.0, None if len(below) else 0.0)],
     )
-    if found.status != 0 or found.x is None:
+    if found.status != 0 or found.fun is None:
         return None
-    return Reach(float(-found.fun), tuple(float(number) for number in wrench @ found.x))
+    return Reach(-float(found.fun), tuple(float(number) for number in wrench @ found.x))
 
 
 def _columns(vehicle: Vehicle) -> tuple[Array, list[float]]:

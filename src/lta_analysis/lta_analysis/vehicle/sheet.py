@@ -58,9 +58,13 @@ class Sheet:
     def rests_on(self, figure: Figure) -> tuple[int, int]:
         """Return how many numbers a figure rests on, and how many of them are assumed."""
         used = [
-            entry for entry in self.numbers
-            if any(entry.place == place or entry.place.startswith(f'{place}.') for place in figure.rests)
-        ]  # fmt: skip
+            entry
+            for entry in self.numbers
+            if any(
+                entry.place == place or entry.place.startswith(f'{place}.')
+                for place in figure.rests
+            )
+        ]
         return len(used), sum(entry.assumed for entry in used)
 
 
@@ -77,7 +81,11 @@ def sheet_of(vehicle: Vehicle, held: float | None = None) -> Sheet:
 
     """
     figures = [
-        *weight_figures(vehicle), *balance_figures(vehicle), *rotor_figures(vehicle),
-        *speed_figures(vehicle), *steadiness_figures(vehicle), *helium_figures(vehicle, held),
-    ]  # fmt: skip
+        *weight_figures(vehicle),
+        *balance_figures(vehicle),
+        *rotor_figures(vehicle),
+        *speed_figures(vehicle),
+        *steadiness_figures(vehicle),
+        *helium_figures(vehicle, held),
+    ]
     return Sheet(vehicle, figures, budget(vehicle), numbers(vehicle.file))

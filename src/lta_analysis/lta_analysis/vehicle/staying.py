@@ -44,13 +44,29 @@ def helium_figures(vehicle: Vehicle, held: float | None = None) -> Iterator[Figu
         yield Figure(key, HELIUM, words, GRAMS * rate, 'g/day', SOURCE, HULL, 2)
     spare = spare_lift(vehicle)
     note = 'it cannot hover now' if spare is None else days(spare, low, high)
-    yield Figure('hover_loss', HELIUM, 'cannot hover after a loss of',
-                 None if spare is None else GRAMS * spare, 'g',
-                 'push up less what it carries', CARRIED, 1, note)  # fmt: skip
+    yield Figure(
+        'hover_loss',
+        HELIUM,
+        'cannot hover after a loss of',
+        None if spare is None else GRAMS * spare,
+        'g',
+        'push up less what it carries',
+        CARRIED,
+        1,
+        note,
+    )
     if held is not None:
-        yield Figure('gains_loss', HELIUM, 'gains hold up to a loss of', GRAMS * held, 'g',
-                     'flown in the loop, heavier and heavier', (), 1,
-                     days(held, low, high))  # fmt: skip
+        yield Figure(
+            'gains_loss',
+            HELIUM,
+            'gains hold up to a loss of',
+            GRAMS * held,
+            'g',
+            'flown in the loop, heavier and heavier',
+            (),
+            1,
+            days(held, low, high),
+        )
 
 
 def days(loss: float, low: float, high: float) -> str:

@@ -20,21 +20,44 @@ def steadiness_figures(vehicle: Vehicle) -> Iterator[Figure]:
     pitch = swing(vehicle, 'pitch')
     per_degree = 1e3 * pitch.stiffness / DEGREES
     rights = pitch.stiffness > 0.0
-    yield Figure('righting', STABILITY, 'righting moment, a degree', per_degree, 'mN m',
-                 'm g d', ALL, 2, '' if rights else 'nothing rights it: a controller must')  # fmt: skip
+    yield Figure(
+        'righting',
+        STABILITY,
+        'righting moment, a degree',
+        per_degree,
+        'mN m',
+        'm g d',
+        ALL,
+        2,
+        '' if rights else 'nothing rights it: a controller must',
+    )
     if not rights:
         return
     for about in SWINGS:
         found = swing(vehicle, about)
-        yield Figure(f'swing_{about}', STABILITY, f'swings in {about} with a period of',
-                     found.period, 's', 'm g d, inertia and added mass, free in the air',
-                     ALL, 2)  # fmt: skip
+        yield Figure(
+            f'swing_{about}',
+            STABILITY,
+            f'swings in {about} with a period of',
+            found.period,
+            's',
+            'm g d, inertia and added mass, free in the air',
+            ALL,
+            2,
+        )
         damping, half = found.ratio, found.half
         note = '' if half is None else f'a swing of 5° loses half in about {half:.0f} s'
-        yield Figure(f'damping_{about}', STABILITY, f'damping in {about}, of critical',
-                     None if damping is None else 100.0 * damping, '%',
-                     'rotational drag, linearised at 5°', (*ALL, 'aero'), 1,
-                     note or 'no drag is given')  # fmt: skip
+        yield Figure(
+            f'damping_{about}',
+            STABILITY,
+            f'damping in {about}, of critical',
+            None if damping is None else 100.0 * damping,
+            '%',
+            'rotational drag, linearised at 5°',
+            (*ALL, 'aero'),
+            1,
+            note or 'no drag is given',
+        )
     yield from _leaning(vehicle, pitch.stiffness)
     yield from _tumbling(vehicle)
 
@@ -45,10 +68,18 @@ def _leaning(vehicle: Vehicle, stiffness: float) -> Iterator[Figure]:
         return
     share = abs(push.wrench[4]) / stiffness
     lean = DEGREES * math.asin(share) if share < 1.0 else None
-    yield Figure('push_lean', STABILITY, 'leans at full push forward', lean, '°',
-                 'pitching moment of the rotors against righting', (*ALL, *CARRIED),
-                 note='' if lean is not None else
-                 f'it would go over: the moment is {share:.1f} times what can be righted')  # fmt: skip
+    yield Figure(
+        'push_lean',
+        STABILITY,
+        'leans at full push forward',
+        lean,
+        '°',
+        'pitching moment of the rotors against righting',
+        (*ALL, *CARRIED),
+        note=''
+        if lean is not None
+        else f'it would go over: the moment is {share:.1f} times what can be righted',
+    )
 
 
 def _tumbling(vehicle: Vehicle) -> Iterator[Figure]:
@@ -62,5 +93,14 @@ def _tumbling(vehicle: Vehicle) -> Iterator[Figure]:
         note = f'the hull turns across its way above this (Munk); it flies {level:.2f} m/s at most'
     else:
         note = f'below its top speed of {level:.2f} m/s: hold it back'
-    yield Figure('tumble_speed', STABILITY, 'tumbles above', tumble, 'm/s',
-                 'Munk moment against righting, drag left out', ALL, 2, note)  # fmt: skip
+    yield Figure(
+        'tumble_speed',
+        STABILITY,
+        'tumbles above',
+        tumble,
+        'm/s',
+        'Munk moment against righting, drag left out',
+        ALL,
+        2,
+        note,
+    )
