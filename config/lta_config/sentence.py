@@ -40,7 +40,7 @@ def sentence(error: ValidationError) -> str:
 
 
 def sentences(error: ValidationError) -> list[str]:
-    """Return every problem of a pydantic error as a sentence; a misspelt key makes one, not two."""
+    """Return every problem of a pydantic error as a sentence; a misspelt key makes just one."""
     problems = error.errors()
     missing = [problem for problem in problems if problem['type'] == 'missing']
     found = []

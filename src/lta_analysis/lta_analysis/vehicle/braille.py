@@ -80,6 +80,11 @@ def side_view(sheet: Sheet, width: int) -> Text:
                 most = max(abs(p), abs(q))
                 p, q = p / most, q / most
             canvas.dot(x + a * p, y + b * q)
+    for arm in shown.arms:
+        (x1, y1), (x2, y2) = map(at, arm)
+        count = max(2, round(math.hypot(x2 - x1, y2 - y1)))
+        for k in range(0, count + 1, 2):
+            canvas.dot(x1 + (x2 - x1) * k / count, y1 + (y2 - y1) * k / count)
     for mark in shown.marks:
         if (letter := mark.letters[1:2].upper()) in STYLES:
             canvas.letter(*at(mark.at), letter, STYLES[letter])

@@ -16,6 +16,8 @@ from lta_sim.vehicle import Vehicle
 
 ROOT = 'vehicle.'  # may stand before a path, as lta simulate --set has it
 SAME = 1e-12  # relative: two ways to write one number in other units
+# What is one thing of many numbers: how many words its place has.
+WHOLE = {'layers': 3, 'rotors': 2, 'aero.thrust_allocation': 3}
 WORDS = ('name', 'about')  # of these nothing follows
 
 
@@ -139,12 +141,32 @@ def changes(before: VehicleFile, after: VehicleFile) -> list[Change]:
     """Return the numbers and choices that differ, in the order of the later file."""
     a = {entry.place: entry for entry in entries(before)}
     b = {entry.place: entry for entry in entries(after)}
+    for own, other in ((a, b), (b, a)):
+        _fold(own, other)
     places = [*b, *(place for place in a if place not in b)]
     return [
         Change(place, a.get(place), b.get(place))
         for place in places
         if place not in WORDS and not same(a.get(place), b.get(place))
     ]
+
+
+def _fold(own: dict[str, Entry], other: Mapping[str, Entry]) -> None:
+    """Put one entry in place of all those of a part, rotor or column that the other lacks."""
+    groups: dict[str, list[Entry]] = {}
+    for entry in own.values():
+        keys = entry.place.split('.')
+        for head, depth in WHOLE.items():
+            if entry.place.startswith(f'{head}.') and len(keys) > depth:
+                groups.setdefault('.'.join(keys[:depth]), []).append(entry)
+    for group, parts in groups.items():
+        if any(place.startswith(f'{group}.') for place in other):
+            continue
+        first = next((part for part in parts if part.place.endswith('.mass')), parts[0])
+        value = first.value if first.numbers and first.place.endswith('.mass') else 'as a whole'
+        for part in parts:
+            del own[part.place]
+        own[group] = Entry(group, value, first.source)
 
 
 def same(a: Entry | None, b: Entry | None) -> bool:
@@ -164,7 +186,7 @@ def same(a: Entry | None, b: Entry | None) -> bool:
 
 
 def consequences(a: Sheet, b: Sheet) -> list[Consequence]:
-    """Return the derived figures whose values differ as they are shown, or further down."""
+    """Return the derived figures that differ as they are shown."""
     before, after = a.by_key, b.by_key
     keys = [*after, *(key for key in before if key not in after)]
     return [
@@ -175,7 +197,7 @@ def consequences(a: Sheet, b: Sheet) -> list[Consequence]:
 
 
 def _value(figure: Figure | None) -> object:
-    """Return what is compared: the value, rounded a little finer than it is shown."""
+    """Return what is compared: the value, rounded as it is shown."""
     if figure is None or figure.value is None:
         return None
-    return round(figure.value, figure.digits + 1) + 0.0
+    return round(figure.value, figure.digits) + 0.0

@@ -65,6 +65,9 @@ def _view(shown: Drawn, left: float, top: float, scale: float) -> Iterator[str]:
         yield _outline(shown.hull, at, scale, 'hull')
     for part in shown.parts:
         yield _outline(part, at, scale, 'part')
+    for arm in shown.arms:
+        (x1, y1), (x2, y2) = map(at, arm)
+        yield f'<path class="arm" d="M{x1:.1f} {y1:.1f}L{x2:.1f} {y2:.1f}"/>'
     for rotor in shown.rotors:
         yield from _rotor(rotor, *at(rotor.at))
     for mark in shown.marks:
@@ -141,8 +144,8 @@ def symbol(kind: str, x: float, y: float) -> Iterator[str]:
     """Yield the sign of a centre: quartered for gravity, ring for buoyancy, diamond else."""
     if kind == 'gravity':
         yield f'<circle class="ring" cx="{x:.1f}" cy="{y:.1f}" r="7"/>'
-        yield f'<path class="full" d="M{x:.1f} {y:.1f}V{y - 7:.1f}A7 7 0 0 1 {x + 7:.1f} {y:.1f}Z"/>'
-        yield f'<path class="full" d="M{x:.1f} {y:.1f}V{y + 7:.1f}A7 7 0 0 1 {x - 7:.1f} {y:.1f}Z"/>'
+        for r in (7, -7):  # two of its quarters
+            yield f'<path class="full" d="M{x:.1f} {y:.1f}v{-r}a7 7 0 0 1 {r} {r}Z"/>'
     elif kind == 'buoyancy':
         yield f'<circle class="ring" cx="{x:.1f}" cy="{y:.1f}" r="6"/>'
         yield f'<circle class="full" cx="{x:.1f}" cy="{y:.1f}" r="1.8"/>'

@@ -183,12 +183,12 @@ def _hull(sheet: Sheet) -> Iterator[str]:
 def _push(sheet: Sheet) -> Iterator[str]:
     f = sheet.by_key
     level, tumble = f['level_speed'], f.get('tumble_speed')
-    if tumble is not None and tumble.value is not None and level.value is not None:
-        if not math.isinf(tumble.value) and level.value > tumble.value:
-            yield (
-                f'It can fly {level.shown}, but its hull may tumble above {tumble.shown}; limit '
-                'its speed.'
-            )
+    limit = math.inf if tumble is None or tumble.value is None else tumble.value
+    if tumble is not None and level.value is not None and level.value > limit:
+        yield (
+            f'It can fly {level.shown}, but its hull may tumble above {tumble.shown}; limit '
+            'its speed.'
+        )
     turns = [f[f'push_turn_{side}'].value for side in ('left', 'right')]
     if not all(turns):
         yield 'Its rotors cannot turn it to both sides.'

@@ -21,8 +21,10 @@ from lta_config.errors import BadInput
 
 COLOURS: Final = {'cg': ESTIMATE, 'lift': TRUTH, 'push': GOOD, 'film': FILL}
 TILES: Final = (
-    ('heaviness', 'Heavier than air'), ('ballast', 'Ballast to add'), ('hover_duty', 'Hover duty'),
-    ('push_up', 'Push to spare'), ('level_speed', 'Top speed, level'), ('climb_time', 'Climb of 1 m'),
+    ('heaviness', 'Heavier than air'), ('ballast', 'Ballast to add'),
+    ('hover_duty', 'Hover duty'),
+    ('push_up', 'Push to spare'), ('level_speed', 'Top speed, level'),
+    ('climb_time', 'Climb of 1 m'),
     ('swing_pitch', 'Swings in'), ('hover_loss', 'Helium to lose'),
 )  # fmt: skip
 NOTES: Final = {
@@ -163,7 +165,7 @@ def figure_row(figure: Figure, sheet: Sheet) -> str:
     return (
         f'<tr><th scope="row">{escape(figure.words)}{note}</th>'
         f'<td class="value">{escape(figure.shown)}</td>'
-        f'<td class="why">{escape(figure.source)}{basis}</td></tr>'
+        f'<td class="why">{source_html(figure.source)}{basis}</td></tr>'
     )
 
 

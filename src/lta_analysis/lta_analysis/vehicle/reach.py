@@ -87,7 +87,7 @@ def reach(vehicle: Vehicle, direction: str, hold: bool = True, stay: bool = True
         b_eq=[weight if k == 2 else 0.0 for k in rows] if rows else None,
         bounds=[*((0.0, top) for top in tops), (0.0, None if len(below) else 0.0)],
     )
-    if found.status != 0 or found.fun is None:
+    if found.status != 0 or found.fun is None or found.x is None:
         return None
     return Reach(-float(found.fun), tuple(float(number) for number in wrench @ found.x))
 

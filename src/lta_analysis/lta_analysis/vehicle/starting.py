@@ -12,8 +12,9 @@ LINE = re.compile(r'(?m)^name:[ \t]*\S.*$')
 HEAD = """\
 # {name}: begun as a copy of {model}.
 #
-# Put in your own numbers, one by one. Weigh each part, measure its place from the hull centre, and write where the number comes from: "measured, kitchen scale",
-# "data sheet", or "assumed" where it is a guess. Then:
+# Put in your own numbers, one by one. Weigh each part, measure its place from the hull centre,
+# and write where the number comes from: "measured, kitchen scale", "data sheet", or "assumed"
+# where it is a guess. Then:
 #   lta vehicle check {file}      what is wrong with it
 #   lta vehicle show {file}       what it is and can do
 #   lta vehicle diff {model} {file}      what that changed
@@ -41,8 +42,8 @@ def starting_text(name: str, model: str) -> str:
     """
     if not NAME.fullmatch(name):
         raise BadInput(
-            f"'{name}' cannot name a vehicle; take small letters, digits and underscores, a letter "
-            'first.'
+            f"'{name}' cannot name a vehicle; take small letters, digits and underscores, with a "
+            'letter first.'
         )
     copied = load_vehicle(model).file.name  # a file that is broken is no start
     text = find('vehicle', model).read_text(encoding='utf-8')

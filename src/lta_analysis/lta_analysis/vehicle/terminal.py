@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from lta_analysis.vehicle.braille import side_view
 from lta_analysis.vehicle.difference import Consequence, Difference
-from lta_analysis.vehicle.entries import Entry
+from lta_analysis.vehicle.entries import Entry, GUESSED
 from lta_analysis.vehicle.figure import Figure, MISSING
 from lta_analysis.vehicle.sheet import Sheet
 from lta_analysis.vehicle.words import headline, sentences
@@ -16,6 +16,7 @@ QUIET = 'dim'
 GUESS = 'yellow'
 HEAD = 'bold'
 PICTURE = 46  # characters
+WIDE = 100
 
 
 def show_sheet(sheet: Sheet, warnings: Sequence[str], console: Console, everything: bool) -> None:
@@ -37,9 +38,11 @@ def show_sheet(sheet: Sheet, warnings: Sequence[str], console: Console, everythi
     console.print()
     console.print(budget_table(sheet))
     for name, figures in sheet.groups.items():
-        console.print(figures_table(name, figures, sheet))
+        console.print()
+        console.print(figures_table(name, figures, sheet, console.width))
     if everything:
         console.print(numbers_table(sheet.numbers))
+    console.print()
     show_warnings(warnings, console)
 
 
@@ -65,12 +68,13 @@ def budget_table(sheet: Sheet) -> Table:
     return table
 
 
-def figures_table(name: str, figures: Sequence[Figure], sheet: Sheet) -> Table:
-    """Return one group of derived figures."""
+def figures_table(name: str, figures: Sequence[Figure], sheet: Sheet, console_width: int) -> Table:
+    """Return one group of derived figures, all groups alike in width where there is room."""
     table = _table(name)
-    table.add_column('figure', min_width=26)
-    table.add_column('value', justify='right', no_wrap=True, style=HEAD)
-    table.add_column('follows from')
+    wide = console_width >= WIDE
+    table.add_column('figure', width=40 if wide else None)
+    table.add_column('value', justify='right', no_wrap=True, style=HEAD, width=11)
+    table.add_column('follows from', width=console_width - 72 if wide else None)
     table.add_column('assumed', justify='right', no_wrap=True)
     for figure in figures:
         used, guessed = sheet.rests_on(figure)
@@ -78,7 +82,11 @@ def figures_table(name: str, figures: Sequence[Figure], sheet: Sheet) -> Table:
         if figure.note:
             words.append(f'\n{figure.note}', QUIET)
         share = Text(f'{guessed} of {used}' if used else '', GUESS if guessed else QUIET)
-        table.add_row(words, figure.shown, Text(figure.source, QUIET), share)
+        guess = any(word in figure.source for word in GUESSED)
+        if guess:
+            share = Text('the rule', GUESS)
+        source = Text(figure.source, GUESS if guess else QUIET)
+        table.add_row(words, figure.shown, source, share)
     return table
 
 
@@ -99,7 +107,7 @@ def show_difference(found: Difference, names: tuple[str, str], console: Console)
         console.print(f'{names[0]} and {names[1]} say the same.', highlight=False)
         return
     changed = _table(f'What differs: {names[0]} → {names[1]}')
-    changed.add_column('place')
+    changed.add_column('place', overflow='fold')
     changed.add_column('before', justify='right')
     changed.add_column('after', justify='right', style=HEAD)
     changed.add_column('source of the newer')

@@ -30,7 +30,7 @@ from scipy.stats import t as student
 Array = NDArray[np.float64]
 STRETCH: Final = 2.0  # s
 CALM_CLIMB: Final = 0.05  # m/s, mean over a stretch
-CALM_SPEED: Final = 0.2  # m/s over the ground
+CALM_SPEED: Final = 0.4  # m/s over the ground; drag is counted, but not known well
 FEWEST: Final = 3  # stretches
 SMOOTH: Final = 0.3  # s; window of the fit that gives velocities
 CONFIDENCE: Final = 0.95
@@ -286,8 +286,8 @@ def recorded(flight: Flight, vehicle: Vehicle) -> tuple[Path, Commands, str]:
     ]
     if missing := [name for name in vehicle.rotor_names if name not in names]:
         raise BadInput(
-            f"'{flight.bag.path}' has no duty of {', '.join(missing)} of {vehicle.file.name}; name "
-            'the vehicle that flew with --vehicle.'
+            f"'{flight.bag.path}' has no duty of {', '.join(missing)} of {vehicle.file.name}; "
+            'name the vehicle that flew with --vehicle.'
         )
     order = [names.index(name) for name in vehicle.rotor_names]
     duties = np.stack([motors[f'effort[{i}]'] for i in order], axis=1).astype(np.float64)

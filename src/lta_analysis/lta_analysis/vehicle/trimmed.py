@@ -25,14 +25,15 @@ def told(found: Weighing, name: str, simulated: bool) -> str:
     grams, error = GRAMS * found.heaviness, GRAMS * found.error
     heavy = 'heavier' if grams >= 0.0 else 'lighter'
     lines = [
-        f'{name} was {abs(grams):.2f} g {heavy} than air, \N{PLUS-MINUS SIGN} {error:.2f} g (95 %), '
-        f'by {found.duration:.0f} s of hanging still at a duty of {100.0 * found.duty:.1f} %.',
+        f'{name} was {abs(grams):.2f} g {heavy} than air, '
+        f'\N{PLUS-MINUS SIGN} {error:.2f} g (95 %), by {found.duration:.0f} s of hanging still '
+        f'at a duty of {100.0 * found.duty:.1f} %.',
         _remedy(GRAMS * found.add, GRAMS * found.declared, error),
     ]
     if not simulated:
         lines.append(
-            f'An error of the thrust curve comes on top: {GRAMS * found.curve_error:.1f} g if it is '
-            'as good as that of a Crazyflie motor against its bench table (2.9 mN rms a rotor).'
+            f'An error of the thrust curve comes on top: {GRAMS * found.curve_error:.1f} g if it '
+            'is as good as that of a Crazyflie motor against its bench table (2.9 mN rms a rotor).'
         )
     return '\n'.join(lines)
 

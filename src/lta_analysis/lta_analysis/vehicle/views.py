@@ -15,6 +15,7 @@ from lta_sim.vehicle import Vehicle
 
 Three = tuple[float, float, float]
 Two = tuple[float, float]
+FLATTEST = 0.4  # height by width
 
 
 @final
@@ -86,6 +87,7 @@ class Drawn:
     parts: Sequence[Outline]
     rotors: Sequence[Arrow]
     marks: Sequence[Mark]
+    arms: Sequence[tuple[Two, Two]] = ()
 
     @property
     def bounds(self) -> tuple[Two, Two]:
@@ -95,14 +97,16 @@ class Drawn:
             (s.middle[i] - s.half[i], s.middle[i] + s.half[i]) for i in (0, 1) for s in shapes
         ]
         count = len(shapes)
-        points = [item.at for item in (*self.rotors, *self.marks)]
+        points = [rotor.at for rotor in self.rotors] + [mark.at for mark in self.marks]
         ends = []
         for i in (0, 1):
             own = across[i * count : (i + 1) * count]
             values = [*(v for pair in own for v in pair), *(point[i] for point in points)]
             ends.append((min(values), max(values)))
         (left, right), (low, high) = ends
-        return (left, low), (right, high)
+        # What is flat, such as a quadrotor from the side, still needs room to be drawn in.
+        pad = max(0.0, FLATTEST * (right - left) - (high - low)) / 2.0
+        return (left, low - pad), (right, high + pad)
 
 
 def drawn(vehicle: Vehicle, view: View, pressure: float) -> Drawn:
@@ -130,7 +134,15 @@ def drawn(vehicle: Vehicle, view: View, pressure: float) -> Drawn:
         Arrow(view.flat(r.place), view.flat(r.axis), view.depth(r.axis), r.reversible, r.name)
         for r in vehicle.rotors
     ]
-    return Drawn(view, _hull(vehicle, view), parts, rotors, list(_marks(vehicle, view, pressure)))
+    arms = [(view.flat(vehicle.cg), rotor.at) for rotor in rotors]
+    return Drawn(
+        view,
+        _hull(vehicle, view),
+        parts,
+        rotors,
+        _marks(vehicle, view, pressure),
+        () if parts else arms,  # nothing else says what holds the rotors
+    )
 
 
 def _hull(vehicle: Vehicle, view: View) -> Outline | None:

@@ -31,7 +31,7 @@ def headline(sheet: Sheet) -> str:
 
 
 def sentences(sheet: Sheet) -> list[str]:
-    """Return what people ask first: weight, push, speed, steadiness, helium, and what is assumed."""
+    """Return what people ask first, and how much of it is assumed."""
     return [
         *_weight(sheet),
         *_push(sheet),

@@ -203,9 +203,12 @@ def trim(
     path = bag_in(bag)
     flight = open_flight(path, robot)
     own = parsed(VehicleFile, flight.bag.provenance, 'vehicle_file')
-    if flown is None and own is None:
+    if flown is not None:
+        known = load_vehicle(flown)
+    elif own is not None:
+        known = Vehicle(own)
+    else:
         raise BadInput(f"'{path}' does not say what flew; name it with --vehicle.")
-    known = load_vehicle(flown) if flown is not None or own is None else Vehicle(own)
     where, commands, topic = recorded(flight, known)
     found = weigh(known, where, commands)
     simulated = 'scenario_file' in flight.bag.provenance
@@ -213,7 +216,7 @@ def trim(
         _print({'vehicle': known.file.name, 'poses': topic, 'simulated': simulated,
                 **plain_weighing(found)})  # fmt: skip
         return
-    Console().print(told(found, known.file.name, simulated), highlight=False)
+    Console().print(told(found, known.file.name, simulated), highlight=False, soft_wrap=True)
 
 
 def _print(content: object) -> None:
