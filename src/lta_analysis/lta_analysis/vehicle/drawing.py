@@ -11,7 +11,8 @@ from lta_sim.vehicle import Vehicle
 WIDTH: Final = 640.0  # px of the two views beside each other
 GAP, TITLE, MARGIN = 64.0, 26.0, 34.0  # px
 ARROW, DISC, HEAD = 34.0, 11.0, 7.0  # px: thrust at full length, half a rotor, its arrow head
-NICE = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  # m
+CLOSE: Final = 16.0  # px; letters of marks nearer than this would touch
+NICE: Final = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  # m
 
 
 def drawing(vehicle: Vehicle, pressure: float) -> str:
@@ -70,8 +71,12 @@ def _view(shown: Drawn, left: float, top: float, scale: float) -> Iterator[str]:
         yield f'<path class="arm" d="M{x1:.1f} {y1:.1f}L{x2:.1f} {y2:.1f}"/>'
     for rotor in shown.rotors:
         yield from _rotor(rotor, *at(rotor.at))
+    taken: list[tuple[float, float]] = []
     for mark in shown.marks:
-        yield from _mark(mark, *at(mark.at))
+        x, y = at(mark.at)
+        near = any(abs(x - p) < CLOSE and abs(y - q) < CLOSE for p, q in taken)
+        yield from _mark(mark, x, y, before=near)
+        taken.append((x, y))
     yield '</g>'
 
 
@@ -130,14 +135,15 @@ def _arrow(x: float, y: float, p: float, q: float) -> str:
     )
 
 
-def _mark(mark: Mark, x: float, y: float) -> Iterator[str]:
-    """Yield a centre with its letters beside it."""
+def _mark(mark: Mark, x: float, y: float, before: bool) -> Iterator[str]:
+    """Yield a centre with its letters behind it, or before it where others stand behind."""
     kind = {'CG': 'gravity', 'CP': 'pressure'}.get(mark.letters, 'buoyancy')
     if mark.letters == 'moving mass':
         kind = 'moving'
     yield f'<g class="mark {kind}"><title>{escape(mark.about)}</title>'
     yield from symbol(kind, x, y)
-    yield f'<text x="{x + 11:.1f}" y="{y + 4:.1f}">{escape(mark.letters)}</text></g>'
+    place = f'x="{x - 11:.1f}" text-anchor="end"' if before else f'x="{x + 11:.1f}"'
+    yield f'<text {place} y="{y + 4:.1f}">{escape(mark.letters)}</text></g>'
 
 
 def symbol(kind: str, x: float, y: float) -> Iterator[str]:

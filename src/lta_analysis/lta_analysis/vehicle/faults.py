@@ -24,6 +24,7 @@ from pydantic import ValidationError
 SHALLOW: Final = 2.0  # cm that the CG hangs below the CB
 LEANING: Final = 3.0  # degrees off the vertical
 STEEP: Final = 30.0  # degrees at full push
+ASIDE: Final = 30.0  # degrees between a rotor's axis and its push
 BUSY: Final = 70.0  # % of duty in hover
 SOON: Final = 7.0  # days at the highest leak
 LIGHT: Final = 1.0  # g of ballast left to take off
@@ -61,7 +62,7 @@ def verdict_on(path: Path) -> Verdict:
     if faults:
         return Verdict(faults, [], None)
     sheet = sheet_of(Vehicle(file))
-    return Verdict([], warnings(sheet), sheet)
+    return Verdict([], [*warnings(sheet), *_sources(sheet)], sheet)
 
 
 def capital(text: str) -> str:
@@ -105,7 +106,7 @@ def _effect_fault(file: VehicleFile, flies: bool, name: str) -> str:
 
 def warnings(sheet: Sheet) -> list[str]:
     """Return what should be looked at, in sentences."""
-    return [*_balance(sheet), *_lift(sheet), *_hull(sheet), *_push(sheet), *_sources(sheet)]
+    return [*_balance(sheet), *_lift(sheet), *_hull(sheet), *_push(sheet)]
 
 
 def _balance(sheet: Sheet) -> Iterator[str]:
@@ -189,14 +190,29 @@ def _push(sheet: Sheet) -> Iterator[str]:
             f'It can fly {level.shown}, but its hull may tumble above {tumble.shown}; limit '
             'its speed.'
         )
+    yield from _columns(sheet.vehicle)
     turns = [f[f'push_turn_{side}'].value for side in ('left', 'right')]
     if not all(turns):
         yield 'Its rotors cannot turn it to both sides.'
+
+
+def _columns(vehicle: Vehicle) -> Iterator[str]:
+    """Yield which rotors push elsewhere than they point: one of the two is out of date."""
+    for rotor in vehicle.rotors:
+        force = rotor.column[:3]
+        length = math.hypot(*force)
+        along = sum(a * b for a, b in zip(force, rotor.axis, strict=True))
+        if length > 0.0 and along < length * math.cos(math.radians(ASIDE)):
+            angle = math.degrees(math.acos(max(-1.0, along / length)))
+            yield (
+                f'The rotor {rotor.name} points {angle:.0f} degrees away from where its column of '
+                'aero.thrust_allocation pushes, which is what flies; measure the column again.'
+            )
 
 
 def _sources(sheet: Sheet) -> Iterator[str]:
     if sheet.assumed:
         yield (
             f'{sheet.assumed} of {len(sheet.numbers)} numbers are assumed; measure those that '
-            'matter: lta vehicle show tells which.'
+            'matter; lta vehicle show --sources lists them.'
         )

@@ -105,8 +105,8 @@ def tiles(figures: Mapping[str, Figure]) -> list[Tile]:
             continue
         value, _, unit = figure.shown.partition(' ')
         note = NOTES.get(key) or figure.note
-        if figure.value is None:
-            note = figure.note
+        if not figure.value:
+            note = figure.note or note
         found.append(Tile(words, value, unit, note))
     return found
 

@@ -41,7 +41,8 @@ def show_sheet(sheet: Sheet, warnings: Sequence[str], console: Console, everythi
         console.print()
         console.print(figures_table(name, figures, sheet, console.width))
     if everything:
-        console.print(numbers_table(sheet.numbers))
+        console.print()
+        console.print(numbers_table(sheet.numbers, console.width >= WIDE))
     console.print()
     show_warnings(warnings, console)
 
@@ -90,10 +91,10 @@ def figures_table(name: str, figures: Sequence[Figure], sheet: Sheet, console_wi
     return table
 
 
-def numbers_table(numbers: Sequence[Entry]) -> Table:
+def numbers_table(numbers: Sequence[Entry], wide: bool) -> Table:
     """Return every number of the file with its source."""
     table = _table('Every number of its file')
-    table.add_column('place')
+    table.add_column('place', overflow='fold', no_wrap=wide)
     table.add_column('value', justify='right', style=HEAD)
     table.add_column('source')
     for entry in numbers:

@@ -134,7 +134,8 @@ def drawn(vehicle: Vehicle, view: View, pressure: float) -> Drawn:
         Arrow(view.flat(r.place), view.flat(r.axis), view.depth(r.axis), r.reversible, r.name)
         for r in vehicle.rotors
     ]
-    arms = [(view.flat(vehicle.cg), rotor.at) for rotor in rotors]
+    middle = view.flat([float(number) for number in vehicle.cg])
+    arms = [(middle, rotor.at) for rotor in rotors]
     return Drawn(
         view,
         _hull(vehicle, view),

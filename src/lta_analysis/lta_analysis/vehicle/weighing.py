@@ -68,7 +68,7 @@ def weight_figures(vehicle: Vehicle) -> Iterator[Figure]:
     yield Figure(
         'mass',
         WEIGHT,
-        'mass, gas included',
+        'mass, gas included' if file.hull.shape != 'none' else 'mass',
         GRAMS * vehicle.mass,
         'g',
         'weighed' if weighed else 'parts, ballast and gas, summed',

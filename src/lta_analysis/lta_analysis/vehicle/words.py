@@ -15,7 +15,7 @@ def headline(sheet: Sheet) -> str:
     heavy = f['heaviness']
     weight = f['mass'].shown
     if sheet.vehicle.file.hull.shape == 'none':
-        first = f'{name} weighs {weight} and nothing carries it'
+        first = f'{name} weighs {weight}, all of which its rotors carry'
     elif heavy.value == 0.0:
         first = f'{name} weighs {weight}, gas included, and floats'
     else:
@@ -85,7 +85,7 @@ def _steadiness(sheet: Sheet) -> Iterator[str]:
     if tumble.value is not None and not math.isinf(tumble.value):
         yield f'The hull can tumble above {tumble.shown} ({tumble.note}).'
     lean = f.get('push_lean')
-    if lean is not None and lean.value is not None and level.value:
+    if lean is not None and (lean.value or 0.0) >= 0.5 and level.value:
         yield f'At full push forward it leans {lean.shown}.'
 
 
