@@ -12,6 +12,7 @@ WIDTH: Final = 640.0  # px of the two views beside each other
 GAP, TITLE, MARGIN = 64.0, 26.0, 34.0  # px
 ARROW, DISC, HEAD = 34.0, 11.0, 7.0  # px: thrust at full length, half a rotor, its arrow head
 CLOSE: Final = 16.0  # px; letters of marks nearer than this would touch
+LEGEND, KEYS = 190.0, 210.0  # px of height, and of width
 NICE: Final = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  # m
 
 
@@ -33,8 +34,8 @@ def drawing(vehicle: Vehicle, pressure: float) -> str:
     scale = (WIDTH - 4.0 * MARGIN) / (wide + deep)
     x2 = wide * scale + 2.0 * MARGIN + GAP
     y2 = TITLE + high * scale + 2.0 * MARGIN + GAP / 2
-    height = y2 + TITLE + tall * scale + 2.0 * MARGIN
-    width = x2 + deep * scale + 2.0 * MARGIN
+    height = y2 + TITLE + max(tall * scale + 2.0 * MARGIN, LEGEND)
+    width = x2 + max(deep * scale + 2.0 * MARGIN, MARGIN + KEYS)
     body = [
         *_view(side, MARGIN, TITLE + MARGIN, scale),
         *_view(front, x2 + MARGIN, TITLE + MARGIN, scale),
@@ -70,7 +71,7 @@ def _view(shown: Drawn, left: float, top: float, scale: float) -> Iterator[str]:
         (x1, y1), (x2, y2) = map(at, arm)
         yield f'<path class="arm" d="M{x1:.1f} {y1:.1f}L{x2:.1f} {y2:.1f}"/>'
     for rotor in shown.rotors:
-        yield from _rotor(rotor, *at(rotor.at))
+        yield from rotor_svg(rotor, *at(rotor.at))
     taken: list[tuple[float, float]] = []
     for mark in shown.marks:
         x, y = at(mark.at)
@@ -95,7 +96,7 @@ def _outline(shape: Outline, at: object, scale: float, kind: str) -> str:
     )
 
 
-def _rotor(rotor: Arrow, x: float, y: float) -> Iterator[str]:
+def rotor_svg(rotor: Arrow, x: float, y: float) -> Iterator[str]:
     """Yield a rotor: its disc edge-on and an arrow of thrust, or a ring where it faces the eye."""
     p, q = rotor.along[0], -rotor.along[1]
     seen = math.hypot(p, q)
@@ -163,7 +164,7 @@ def _legend(x: float, y: float, scale: float, hull: bool) -> Iterator[str]:
     """Yield what the signs mean, and a bar of a round length."""
     rows = [('gravity', 'centre of gravity')]
     if hull:
-        rows.append(('buoyancy', 'centre of buoyancy: the hull centre'))
+        rows.append(('buoyancy', 'centre of buoyancy'))
     for k, (kind, words) in enumerate(rows):
         yield f'<g class="mark {kind}">{"".join(symbol(kind, x + 8, y + 24.0 * k))}</g>'
         yield f'<text class="key" x="{x + 26:.1f}" y="{y + 4 + 24.0 * k:.1f}">{words}</text>'

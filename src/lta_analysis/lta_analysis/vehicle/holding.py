@@ -54,7 +54,7 @@ def held_loss(name: str, tell: Callable[[float, bool], None] | None = None) -> f
     made_of = gather(name, SCENARIO, STRATEGY, control.gains)
 
     def holds(loss: float) -> bool:
-        kept = all(_flown(made_of, loss, seed) for seed in SEEDS)
+        kept = all(flown_well(made_of, loss, seed) for seed in SEEDS)
         if tell is not None:
             tell(loss, kept)
         return kept
@@ -81,7 +81,7 @@ def bracketed(holds: Callable[[float], bool], most: float) -> float:
     return low
 
 
-def _flown(made_of: Ingredients, loss: float, seed: int) -> bool:
+def flown_well(made_of: Ingredients, loss: float, seed: int) -> bool:
     """Return whether a flight with that much lift lost [kg] is a good one."""
     known = loop_of(made_of, seed)
     lighter = made_of.with_values({'vehicle.effects.net_lift.force': _force(loss)})

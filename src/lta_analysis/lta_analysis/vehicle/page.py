@@ -9,8 +9,9 @@ from typing import Final
 
 from lta_analysis.report.outcome import Tile
 from lta_analysis.report.page import tile_html
-from lta_analysis.report.palette import DARK, ESTIMATE, FILL, GOOD, TRUTH
+from lta_analysis.report.palette import DARK, ESTIMATE, FILL, GOOD, TIME, TRUTH
 from lta_analysis.typed import typed
+from lta_analysis.vehicle.detail import detail
 from lta_analysis.vehicle.drawing import drawing
 from lta_analysis.vehicle.entries import Entry, GUESSED
 from lta_analysis.vehicle.figure import Figure
@@ -64,13 +65,14 @@ def page(sheet: Sheet, warnings: Sequence[str], name: str) -> str:
         for key in ('vehicle.html', 'page.css', 'page.js')
     }
     file = sheet.vehicle.file
-    colours = COLOURS | {f'{key}_dark': DARK[colour] for key, colour in COLOURS.items()}
+    colours = COLOURS | {f'layer{k}': colour for k, colour in enumerate(TIME)}
+    colours |= {f'{key}_dark': DARK[colour] for key, colour in colours.items()}
     return Template(text['vehicle.html']).substitute(
         title=escape(headline(sheet)),
         kicker=escape(f'vehicle · {file.name}{law_of(sheet)}'),
         about=escape(file.about),
         tiles='\n'.join(tile_html(*tile) for tile in tiles(sheet.by_key)),
-        drawing=drawing(sheet.vehicle, pressure_of(sheet)),
+        drawing=drawing(sheet.vehicle, pressure_of(sheet)) + detail(sheet.vehicle),
         words=listed(sentences(sheet)),
         warnings=warned(warnings),
         budget='\n'.join(budget_rows(sheet.budget)),
