@@ -3,7 +3,8 @@
 import math
 
 from lta_analysis.bag.flight import open_flight
-from lta_analysis.vehicle.trim import Commands, Path, recorded, weigh
+from lta_analysis.vehicle.recorded import Commands, Path, recorded
+from lta_analysis.vehicle.trim import weigh
 from lta_analysis.vehicle.trimmed import plain_weighing, told
 from lta_config.errors import BadInput
 from lta_sim.vehicle import load_vehicle

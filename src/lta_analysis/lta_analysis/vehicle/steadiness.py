@@ -46,7 +46,11 @@ def steadiness_figures(vehicle: Vehicle) -> Iterator[Figure]:
             2,
         )
         damping, half = found.ratio, found.half
-        note = '' if half is None else f'a swing of 5° loses half in about {half:.0f} s'
+        note = (
+            ''
+            if half is None
+            else f'by steady drag alone a swing of 5° loses half in about {half:.0f} s'
+        )
         yield Figure(
             f'damping_{about}',
             STABILITY,

@@ -147,7 +147,10 @@ def changed_by(item: Consequence) -> str:
     if shift is None or item.before is None:
         return ''
     figure = item.figure
-    text = f'{shift:+.{figure.digits}f} {figure.unit}'.replace('-', '\N{MINUS SIGN}')
+    unit = 'points' if figure.unit == '%' else figure.unit
+    text = f'{shift:+.{figure.digits}f} {unit}'.replace('-', '\N{MINUS SIGN}')
+    if figure.unit == '%':
+        return text  # a share of a share tells nobody anything
     if not item.before.value or abs(shift / item.before.value) > 10.0:
         return text
     share = f'{100.0 * shift / abs(item.before.value):+.1f}'.replace('-', '\N{MINUS SIGN}')

@@ -17,17 +17,16 @@ What cannot be told from this: an error of the thrust curve, which is in m_h in 
 from collections.abc import Sequence
 from dataclasses import dataclass
 import math
-from typing import Final, final, NamedTuple
+from typing import Final, final
 
-from lta_analysis.bag.flight import Flight
+from lta_analysis.vehicle.recorded import Array, Commands, Path
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
+from lta_sim.declared import Effects, OTHER_CURVES
 from lta_sim.vehicle import Vehicle
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import t as student
 
-Array = NDArray[np.float64]
 STRETCH: Final = 2.0  # s
 CALM_CLIMB: Final = 0.05  # m/s, mean over a stretch
 CALM_SPEED: Final = 0.4  # m/s over the ground; drag is counted, but not known well
@@ -36,28 +35,6 @@ SMOOTH: Final = 0.3  # s; window of the fit that gives velocities
 CONFIDENCE: Final = 0.95
 # The Crazyflie constants a, b that the shipped files use, against Bitcraze's bench table.
 CURVE_ERROR: Final = 0.0029  # N rms a rotor
-POSES: Final = ('ground_truth/odom', 'odom')
-
-
-@final
-class Path(NamedTuple):
-    """
-    Where the vehicle was: time [s], hull centre in map [m] and attitude (x y z w).
-
-    Velocities are fitted to it, so that a tracker which knows poses only will do.
-    """
-
-    time: Array
-    place: Array
-    attitude: Array
-
-
-@final
-class Commands(NamedTuple):
-    """Duties of the rotors over time, shape (n, rotors), in the order of the vehicle. [s, 1]"""
-
-    time: Array
-    duties: Array
 
 
 @final
@@ -216,13 +193,16 @@ def _duties_at(commands: Commands, grid: Array) -> Array:
 def _force_up(vehicle: Vehicle, commands: Commands, grid: Array, rotation: Array) -> Array:
     """Return what the rotors push upwards in the map. [N]."""
     duties = _duties_at(commands, grid)
-    lag = vehicle.effects().get('motor_lag', {})
+    effects = vehicle.effects()
+    _refuse_other_curves(vehicle, effects)
+    scale = effects.get('thrust_scale', {}).get('factor', 1.0)
+    lag = effects.get('motor_lag', {})
     up, down = lag.get('up', 0.0), lag.get('down', 0.0)
     body = np.zeros((len(grid), 3))
     given = []
     for rotor, duty in zip(vehicle.rotors, duties.T, strict=True):
         turning = _lagged(duty, grid, up, down)
-        thrust = np.sign(turning) * (rotor.a * turning**2 + rotor.b * abs(turning))
+        thrust = scale * np.sign(turning) * (rotor.a * turning**2 + rotor.b * abs(turning))
         given.append(thrust)
         forward, reverse = np.array(rotor.column[:3]), np.array(rotor.reverse[:3])
         body += np.where(
@@ -235,6 +215,15 @@ def _force_up(vehicle: Vehicle, commands: Commands, grid: Array, rotation: Array
         shares = [np.maximum(sign * given[names.index(name)], 0.0) for name in coupling.rotors]
         body += np.min(shares, axis=0)[:, None] * np.array(coupling.force.vector)
     return np.asarray(np.einsum('nj,nj->n', rotation[:, 2], body))
+
+
+def _refuse_other_curves(vehicle: Vehicle, effects: Effects) -> None:
+    """Refuse thrust that follows from more than the duty."""
+    if other := [name for name in OTHER_CURVES if name in effects]:
+        raise BadInput(
+            f'{vehicle.file.name} has its thrust from {other[0]}, which depends on what a bag does '
+            'not tell; give it a thrust_curve.'
+        )
 
 
 def _lagged(target: Array, grid: Array, up: float, down: float) -> Array:
@@ -259,39 +248,3 @@ def _drag_up(vehicle: Vehicle, velocity: Array, rotation: Array) -> Array:
     body = np.einsum('nij,ni->nj', rotation, velocity)
     force = (linear + quadratic * abs(body)) * body
     return np.asarray(np.einsum('nj,nj->n', rotation[:, 2], force))
-
-
-def recorded(flight: Flight, vehicle: Vehicle) -> tuple[Path, Commands, str]:
-    """
-    Return path and commands of a recorded flight, and the topic of its poses.
-
-    Raises
-    ------
-    BadInput
-        If the bag has no duties or poses, or duties of other rotors.
-
-    """
-    topic = next((name for name in POSES if name in flight.topics), None)
-    if topic is None or 'motors' not in flight.topics:
-        raise BadInput(
-            f"'{flight.bag.path}' has no {'motors' if topic else 'odom'} to weigh by; record it."
-        )
-    poses, motors = flight.series(topic), flight.series('motors')
-    if not len(poses) or not len(motors):
-        raise BadInput(f"'{flight.bag.path}' has no message on motors or {topic}; record both.")
-    names = [
-        str(motors.texts[f'name[{i}]'][-1])
-        for i in range(len(vehicle.rotors))
-        if f'name[{i}]' in motors.texts
-    ]
-    if missing := [name for name in vehicle.rotor_names if name not in names]:
-        raise BadInput(
-            f"'{flight.bag.path}' has no duty of {', '.join(missing)} of {vehicle.file.name}; "
-            'name the vehicle that flew with --vehicle.'
-        )
-    order = [names.index(name) for name in vehicle.rotor_names]
-    duties = np.stack([motors[f'effort[{i}]'] for i in order], axis=1).astype(np.float64)
-    path = Path(
-        poses.time, poses.vector('pose.pose.position'), poses.vector('pose.pose.orientation')
-    )
-    return path, Commands(motors.time, np.nan_to_num(duties)), topic

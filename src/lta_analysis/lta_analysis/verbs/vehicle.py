@@ -14,10 +14,11 @@ from lta_analysis.vehicle.difference import difference, vehicle_with
 from lta_analysis.vehicle.faults import verdict_on, warnings
 from lta_analysis.vehicle.holding import held_loss
 from lta_analysis.vehicle.page import write_page
+from lta_analysis.vehicle.recorded import recorded
 from lta_analysis.vehicle.scripts import plain, plain_difference
 from lta_analysis.vehicle.sheet import sheet_of
 from lta_analysis.vehicle.starting import write_start
-from lta_analysis.vehicle.trim import recorded, weigh
+from lta_analysis.vehicle.trim import weigh
 from lta_analysis.vehicle.trimmed import plain_weighing, told
 from lta_config.errors import BadInput
 from lta_config.files import find
