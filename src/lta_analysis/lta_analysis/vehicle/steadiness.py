@@ -34,36 +34,22 @@ def steadiness_figures(vehicle: Vehicle) -> Iterator[Figure]:
     if not rights:
         return
     for about in SWINGS:
-        found = swing(vehicle, about)
-        yield Figure(
-            f'swing_{about}',
-            STABILITY,
-            f'swings in {about} with a period of',
-            found.period,
-            's',
-            'm g d, inertia and added mass, free in the air',
-            ALL,
-            2,
-        )
-        damping, half = found.ratio, found.half
-        note = (
-            ''
-            if half is None
-            else f'by steady drag alone a swing of 5° loses half in about {half:.0f} s'
-        )
-        yield Figure(
-            f'damping_{about}',
-            STABILITY,
-            f'damping in {about}, of critical',
-            None if damping is None else 100.0 * damping,
-            '%',
-            'rotational drag, linearised at 5°',
-            (*ALL, 'aero'),
-            1,
-            note or 'no drag is given',
-        )
+        yield from _swinging(vehicle, about)
     yield from _leaning(vehicle, pitch.stiffness)
     yield from _tumbling(vehicle)
+
+
+def _swinging(vehicle: Vehicle, about: Literal['pitch', 'roll']) -> Iterator[Figure]:
+    found = swing(vehicle, about)
+    rule = 'm g d, inertia and added mass, free in the air'
+    words = f'swings in {about} with a period of'
+    yield Figure(f'swing_{about}', STABILITY, words, found.period, 's', rule, ALL, 2)
+    damping, note = found.ratio, 'no drag is given'
+    if found.half is not None:
+        note = f'by steady drag alone a swing of 5° loses half in about {found.half:.0f} s'
+    share = None if damping is None else 100.0 * damping
+    rule, words = 'rotational drag, linearised at 5°', f'damping in {about}, of critical'
+    yield Figure(f'damping_{about}', STABILITY, words, share, '%', rule, (*ALL, 'aero'), 1, note)
 
 
 def _leaning(vehicle: Vehicle, stiffness: float) -> Iterator[Figure]:

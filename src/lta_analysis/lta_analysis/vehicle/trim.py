@@ -221,8 +221,8 @@ def _refuse_other_curves(vehicle: Vehicle, effects: Effects) -> None:
     """Refuse thrust that follows from more than the duty."""
     if other := [name for name in OTHER_CURVES if name in effects]:
         raise BadInput(
-            f'{vehicle.file.name} has its thrust from {other[0]}, which depends on what a bag does '
-            'not tell; give it a thrust_curve.'
+            f'{vehicle.file.name} has its thrust from {other[0]}, which depends on what a bag '
+            'does not tell; give it a thrust_curve.'
         )
 
 

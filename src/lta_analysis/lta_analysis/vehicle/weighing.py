@@ -63,132 +63,61 @@ def budget(vehicle: Vehicle) -> list[Share]:
 
 def weight_figures(vehicle: Vehicle) -> Iterator[Figure]:
     """Yield what it weighs and what carries it."""
-    file = vehicle.file
-    weighed = file.measured is not None
-    yield Figure(
-        'mass',
-        WEIGHT,
-        'mass, gas included' if file.hull.shape != 'none' else 'mass',
-        GRAMS * vehicle.mass,
-        'g',
-        'weighed' if weighed else 'parts, ballast and gas, summed',
-        ALL,
-    )
-    if file.hull.shape != 'none':
-        yield Figure(
-            'displaced',
-            WEIGHT,
-            'air displaced',
-            GRAMS * vehicle.displaced,
-            'g',
-            'mass less heaviness: filled until it is right'
-            if weighed
-            else f'volume times {vehicle.air_density:.4g} kg/m3 of air',
-            ALL if weighed else HULL,
-            note=f'hull of {1e3 * vehicle.volume:.0f} l',
-        )
-    if file.hull.shape != 'none' and not weighed:
-        yield Figure(
-            'lift',
-            WEIGHT,
-            'gross lift of the gas',
-            GRAMS * vehicle.lift,
-            'g',
-            'volume, purity and the densities of air and helium',
-            HULL,
-        )
-    yield Figure(
-        'heaviness',
-        WEIGHT,
-        'heavier than air by',
-        GRAMS * vehicle.heaviness,
-        'g',
-        'trim.heaviness' if file.trim.heaviness else 'mass less displaced air',
-        ('trim',),
-        digits=2,
-        note='what the rotors carry',
-    )
+    file, weighed = vehicle.file, vehicle.file.measured is not None
+    hull = file.hull.shape != 'none'
+    rule = 'weighed' if weighed else 'parts, ballast and gas, summed'
+    words = 'mass, gas included' if hull else 'mass'
+    yield Figure('mass', WEIGHT, words, GRAMS * vehicle.mass, 'g', rule, ALL)
+    if hull:
+        yield _displaced(vehicle)
+    if hull and not weighed:
+        rule, lift = 'volume, purity and the densities of air and helium', GRAMS * vehicle.lift
+        yield Figure('lift', WEIGHT, 'gross lift of the gas', lift, 'g', rule, HULL)
+    rule, heavy = 'mass less displaced air', GRAMS * vehicle.heaviness
+    if file.trim.heaviness:
+        rule = 'trim.heaviness'
+    note = 'what the rotors carry'
+    yield Figure('heaviness', WEIGHT, 'heavier than air by', heavy, 'g', rule, ('trim',), 2, note)
     if file.trim.ballast_position:
-        yield Figure(
-            'ballast',
-            WEIGHT,
-            'ballast to add',
-            GRAMS * vehicle.ballast,
-            'g',
-            'lift and heaviness less parts',
-            ALL,
-            note='weigh the finished vehicle: see lta vehicle trim',
-        )
+        rule, ballast = 'lift and heaviness less parts', GRAMS * vehicle.ballast
+        note = 'weigh the finished vehicle: see lta vehicle trim'
+        yield Figure('ballast', WEIGHT, 'ballast to add', ballast, 'g', rule, ALL, note=note)
+
+
+def _displaced(vehicle: Vehicle) -> Figure:
+    """Return the air whose place it takes."""
+    rule, rests = f'volume times {vehicle.air_density:.4g} kg/m3 of air', HULL
+    if vehicle.file.measured:
+        rule, rests = 'mass less heaviness: filled until it is right', ALL
+    note, mass = f'hull of {1e3 * vehicle.volume:.0f} l', GRAMS * vehicle.displaced
+    return Figure('displaced', WEIGHT, 'air displaced', mass, 'g', rule, rests, note=note)
 
 
 def balance_figures(vehicle: Vehicle) -> Iterator[Figure]:
     """Yield where the weight hangs, and what it takes to turn and to push it."""
-    x, y, z = (float(number) for number in vehicle.cg)
+    x, y, z = (CENTIMETRES * float(number) for number in vehicle.cg)
     rule = 'swung as a whole' if vehicle.file.measured else 'parts, ballast and gas, summed'
-    hull = vehicle.file.hull.shape != 'none'
-    if hull:
-        yield Figure(
-            'cg_depth',
-            BALANCE,
-            'CG below CB',
-            -CENTIMETRES * z,
-            'cm',
-            rule,
-            ALL,
-            2,
-            'CB is the hull centre',
-        )
-    else:
-        yield Figure(
-            'cg_depth',
-            BALANCE,
-            'CG below the origin',
-            -CENTIMETRES * z,
-            'cm',
-            rule,
-            ALL,
-            2,
-            'no hull, so nothing rights it',
-        )
-    yield Figure('cg_x', BALANCE, 'CG ahead of the centre', CENTIMETRES * x, 'cm', rule, ALL, 2)
-    yield Figure('cg_y', BALANCE, 'CG left of the centre', CENTIMETRES * y, 'cm', rule, ALL, 2)
-    if hull and z < 0.0:
-        lean = math.atan2(math.hypot(x, y), -z) * DEGREES
-        yield Figure(
-            'lean',
-            BALANCE,
-            'hangs off the vertical by',
-            lean,
-            '°',
-            'CG and CB above each other',
-            ALL,
-        )
-    if hull:
+    words, note = 'CG below CB', 'CB is the hull centre'
+    if vehicle.file.hull.shape == 'none':
+        words, note = 'CG below the origin', 'no hull, so nothing rights it'
+    yield Figure('cg_depth', BALANCE, words, -z, 'cm', rule, ALL, 2, note)
+    yield Figure('cg_x', BALANCE, 'CG ahead of the centre', x, 'cm', rule, ALL, 2)
+    yield Figure('cg_y', BALANCE, 'CG left of the centre', y, 'cm', rule, ALL, 2)
+    if vehicle.file.hull.shape != 'none':
+        if z < 0.0:
+            lean = math.atan2(math.hypot(x, y), -z) * DEGREES
+            rule_of = 'CG and CB above each other'
+            yield Figure('lean', BALANCE, 'hangs off the vertical by', lean, '°', rule_of, ALL)
         yield pressure(vehicle)
-    inertia = vehicle.inertia
     for i, axis in enumerate(('roll', 'pitch', 'yaw')):
-        yield Figure(
-            f'inertia_{axis}',
-            BALANCE,
-            f'inertia in {axis}, about the CG',
-            1e3 * float(inertia[i, i]),
-            'g m²',
-            rule,
-            ALL,
-            3,
-        )
+        own = 1e3 * float(vehicle.inertia[i, i])
+        words = f'inertia in {axis}, about the CG'
+        yield Figure(f'inertia_{axis}', BALANCE, words, own, 'g m²', rule, ALL, 3)
     if any(vehicle.added_mass):
         rule = 'as published' if vehicle.file.hull.added_mass else 'Lamb 1932, spheroid'
         for i, axis in enumerate('xyz'):
-            yield Figure(
-                f'added_mass_{axis}',
-                BALANCE,
-                f'air that moves with it along {axis}',
-                GRAMS * vehicle.added_mass[i],
-                'g',
-                rule,
-                HULL,
-            )
+            air, words = GRAMS * vehicle.added_mass[i], f'air that moves with it along {axis}'
+            yield Figure(f'added_mass_{axis}', BALANCE, words, air, 'g', rule, HULL)
 
 
 def pressure(vehicle: Vehicle) -> Figure:
