@@ -86,9 +86,11 @@ def weight_figures(vehicle: Vehicle) -> Iterator[Figure]:
 
 def _displaced(vehicle: Vehicle) -> Figure:
     """Return the air whose place it takes."""
-    rule, rests = f'volume times {vehicle.air_density:.4g} kg/m3 of air', HULL
-    if vehicle.file.measured:
-        rule, rests = 'mass less heaviness: filled until it is right', ALL
+    weighed = vehicle.file.measured is not None
+    rests = ALL if weighed else HULL
+    rule = f'volume times {vehicle.air_density:.4g} kg/m3 of air'
+    if weighed:
+        rule = 'mass less heaviness: filled until it is right'
     note, mass = f'hull of {1e3 * vehicle.volume:.0f} l', GRAMS * vehicle.displaced
     return Figure('displaced', WEIGHT, 'air displaced', mass, 'g', rule, rests, note=note)
 
