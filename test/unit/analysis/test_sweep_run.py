@@ -180,19 +180,30 @@ def children(pid):
     return [int(word) for word in Path(f'/proc/{pid}/task/{pid}/children').read_text().split()]
 
 
+def heeds_no_interrupt(pid):
+    """Tell whether a process blocks or ignores SIGINT: bits 1 of what the kernel says of it."""
+    lines = dict(
+        line.split(':\t', 1) for line in Path(f'/proc/{pid}/status').read_text().splitlines()
+    )
+    return bool((int(lines['SigBlk'], 16) | int(lines['SigIgn'], 16)) & 1 << (signal.SIGINT - 1))
+
+
 @pytest.mark.parametrize('number', [signal.SIGKILL, signal.SIGINT])
 def test_a_sweep_that_is_stopped_goes_on_where_it_was(sweep, tmp_path, number):
     """Killed, or by Ctrl-C to all its processes; no worker outlives it, no flight is lost."""
     file, folder, script = sweep(40), tmp_path / 'out', tmp_path / 'script.py'
     script.write_text(SCRIPT)
     command = [sys.executable, str(script), file, str(folder), *sys.path]
-    sweeping = subprocess.Popen(command, start_new_session=True)
+    said = (tmp_path / 'said').open('w+')
+    sweeping = subprocess.Popen(command, start_new_session=True, stderr=said)
     try:
         log, deadline = folder / NAME, time.monotonic() + 60.0
         while not log.exists() or log.read_bytes().count(b'\n') < 6:
             assert time.monotonic() < deadline
             time.sleep(0.02)
         workers = children(sweeping.pid)
+        assert workers
+        assert all(map(heeds_no_interrupt, workers))
         if number is signal.SIGINT:
             os.killpg(sweeping.pid, number)
         else:
@@ -205,6 +216,9 @@ def test_a_sweep_that_is_stopped_goes_on_where_it_was(sweep, tmp_path, number):
     while any(Path(f'/proc/{pid}/cmdline').exists() for pid in workers):
         assert time.monotonic() < deadline, 'a worker outlived its sweep'
         time.sleep(0.02)
+    with said:
+        said.seek(0)
+        assert 'Traceback' not in said.read()
     if number is signal.SIGINT:
         assert 5 <= len(parquet.read_table(folder / 'flights.parquet')) < 80
     before = log.read_bytes().count(b'\n') - 1
