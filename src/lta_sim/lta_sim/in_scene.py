@@ -17,7 +17,7 @@ from lta_sim.vehicle import Vehicle
 from lta_sim.wind_record import WindRecord
 import numpy as np
 
-# Of a wall as `effects.walls` has it, assumed: a foil envelope that gives centimetres under newtons.
+# Of a wall as `effects.walls` has it, assumed: foil that gives centimetres under newtons.
 STIFFNESS = 100.0  # N/m
 RELAXATION = 0.05  # s
 FRICTION = 0.3
@@ -25,7 +25,7 @@ FRICTION = 0.3
 
 def reach(vehicle: Vehicle) -> tuple[float, float]:
     """
-    Return how far a vehicle reaches from its hull centre, level and up: its hull, or its frame. [m]
+    Return how far a vehicle, hull or frame, reaches from its hull centre: level and up. [m]
 
     A hull that is not round about the vertical counts as the round one about it.
     """

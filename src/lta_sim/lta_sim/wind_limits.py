@@ -151,17 +151,17 @@ def _balanced(vehicle: Vehicle, model: Model, speed: float, pitch: float) -> boo
     air = air_wrench(model, speed, 0.0, pitch)
     balance = -air
     balance[2] += vehicle.heaviness * STANDARD_GRAVITY
-    # A righting weight, or a mass that is moved, sees to roll and pitch; a little bank to sideways.
+    # A righting weight, or a mass that is moved, sees to roll and pitch; a little bank to sway.
     axes = [1, 2, 3, 4, 5] if vehicle.file.hull.shape == 'none' else [2, 5]
     wrench = np.array(columns).T
     found = linprog(
         -wrench[0], A_eq=wrench[axes], b_eq=balance[axes], bounds=[(0.0, top) for top in tops]
     )
-    return bool(found.status == 0 and -found.fun >= balance[0])
+    return found.status == 0 and found.fun is not None and bool(-found.fun >= balance[0])
 
 
 def static_limit(vehicle: Vehicle) -> float:
-    """Return the largest uniform wind that thrust and balance allow; errors as thrust_speed. [m/s]"""
+    """Return the largest uniform wind that thrust and balance allow, as `thrust_speed`. [m/s]"""
     speed = thrust_speed(vehicle)
     if vehicle.file.hull.shape == 'none':
         return speed  # its rotors keep it upright, at any speed

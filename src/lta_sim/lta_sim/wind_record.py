@@ -1,9 +1,9 @@
 """
 Wind as somebody recorded it: a series of velocities over time, read strictly.
 
-A CSV file with the header `t,u,v,w`: time in s, velocity of the air along map x, y, z in m/s, where
-it goes to; lines that begin with `#` are comments. The flight begins at the first row. Between rows
-the wind is interpolated linearly, and blows everywhere alike, so that its change
+A CSV file with the header `t,u,v,w`: time in s, velocity of the air along map x, y, z in m/s,
+where it goes to; lines that begin with `#` are comments. The flight begins at the first row.
+Between rows the wind is interpolated linearly, and blows everywhere alike, so that its change
 
     DU/Dt = (U_{i+1} - U_i) / (t_{i+1} - t_i)
 

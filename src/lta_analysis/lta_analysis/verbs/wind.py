@@ -87,7 +87,7 @@ def wind(
     page = keep(target, content, found, asked, rows)
     if json:
         sys.stdout.write(json_text.dumps({**content, 'page': str(page)}, indent=1) + '\n')
-    show(rows, found, console)
+    show(rows, found, asked, console)
     console.print(f'Page {near(page)}', highlight=False, markup=False, soft_wrap=True)
 
 
@@ -127,7 +127,7 @@ def table(found: Sequence[Limits], asked: Asked) -> list[list[str]]:
     """Return the table as text, its first row the head; winds in m/s."""
     head = ['', 'thrust', 'tumbles', 'uniform', 'flown']
     for z in asked.roughness:
-        head += [f'over {z:g} m', 'flown']
+        head += [f'z0 {z:g}', 'flown']
     rows = [head]
     for each in found:
         row = [each.name, speed(each.thrust), speed(each.tumble), speed(each.static)]
@@ -144,14 +144,14 @@ def speed(value: float) -> str:
 
 
 def flight(flown: Flyable | None) -> str:
-    """Return a flown limit with the airspeed that was asked for."""
-    return '-' if flown is None else f'{flown.wind:.2f} (at {flown.airspeed:g})'
+    """Return a flown limit; a dash where nothing was flown."""
+    return '-' if flown is None else f'{flown.wind:.2f}'
 
 
-def show(rows: list[list[str]], found: Sequence[Limits], console: Console) -> None:
+def show(rows: list[list[str]], found: Sequence[Limits], asked: Asked, console: Console) -> None:
     """Print the table and what is missing in it."""
     printed = Table(
-        title='Flyable wind [m/s]: by the numbers, and flown (at an airspeed asked for)',
+        title='Flyable wind in m/s: by the numbers, and flown',
         title_justify='left', box=None, pad_edge=False,
     )  # fmt: skip
     for column in rows[0]:
@@ -159,6 +159,17 @@ def show(rows: list[list[str]], found: Sequence[Limits], console: Console) -> No
     for row in rows[1:]:
         printed.add_row(*row)
     console.print(printed)
+    console.print(
+        f'z0: wind at {asked.reference:g} m over a roughness of so many metres, the hull at '
+        f'{asked.height:g} m.',
+        highlight=False,
+    )
     for each in found:
+        if each.flown is not None:
+            console.print(
+                f'{each.name}: in uniform wind it flew best when told {each.flown.airspeed:g} '
+                'm/s of airspeed.',
+                highlight=False,
+            )
         if each.note:
             console.print(f'{each.name}: {each.note}', highlight=False, soft_wrap=True)

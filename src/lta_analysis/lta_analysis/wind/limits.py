@@ -108,7 +108,9 @@ def measured(asked: Asked, name: str, tick: Callable[[], None]) -> Limits:
     try:
         thrust, static = wind_limits.thrust_speed(vehicle), wind_limits.static_limit(vehicle)
     except BadInput as error:
-        nothing = tuple(Over(z, _share(vehicle, height, asked, z), 0.0, None) for z in asked.roughness)
+        nothing = tuple(
+            Over(z, _share(vehicle, height, asked, z), 0.0, None) for z in asked.roughness
+        )
         return Limits(name, height, 0.0, 0.0, 0.0, None, nothing, str(error))
     tumble = math.inf if vehicle.file.hull.shape == 'none' else limits.tumble_speed(vehicle)
     note = '' if math.isfinite(thrust) else 'its known drag sets no limit below 60 m/s.'

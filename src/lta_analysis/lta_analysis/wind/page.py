@@ -7,14 +7,25 @@ import math
 from pathlib import Path
 from string import Template
 
-from lta_analysis.report.drawing import blank, label_ends, Label
+from lta_analysis.report.drawing import blank, Label, label_ends
 from lta_analysis.report.page import embedded, embedded_text
-from lta_analysis.report.palette import DARK, ESTIMATE, GOOD, LAMP, SETPOINT, SOFT, TIME, TRUTH, WALL
+from lta_analysis.report.palette import (
+    DARK,
+    ESTIMATE,
+    GOOD,
+    LAMP,
+    SETPOINT,
+    SOFT,
+    TIME,
+    TRUTH,
+    WALL,
+)
 from lta_analysis.wind.limits import Asked, Limits
 from lta_config.errors import BadInput
 from lta_sim import wind_limits
 from lta_sim.vehicle import load_vehicle
 import numpy as np
+from numpy.typing import NDArray
 from plotly.graph_objects import Figure, Scatter
 from plotly.offline import get_plotlyjs
 
@@ -31,12 +42,16 @@ CAPTION = (
 def write_page(found: Sequence[Limits], asked: Asked, rows: list[list[str]], out: Path) -> Path:
     """Write the page and return where it is; `BadInput` where it cannot be written."""
     assets = files('lta_analysis.report') / 'assets'
-    text = {n: (assets / n).read_text(encoding='utf-8') for n in ('wind.html', 'page.css', 'page.js')}
+    text = {
+        n: (assets / n).read_text(encoding='utf-8') for n in ('wind.html', 'page.css', 'page.js')
+    }
     page = Template(text['wind.html']).substitute(
         title='The wind that each platform can fly in',
         kicker=escape(f'wind · {asked.scenario} · hull at {asked.height:g} m'),
         table=table_html(rows),
-        notes=''.join(f'<p class="note">{escape(f"{v.name}: {v.note}")}</p>' for v in found if v.note),
+        notes=''.join(
+            f'<p class="note">{escape(f"{v.name}: {v.note}")}</p>' for v in found if v.note
+        ),
         figure=embedded_text('figure-wind', picture(found, asked).to_json()),
         caption=escape(CAPTION),
         css=text['page.css'],
@@ -83,14 +98,14 @@ def picture(found: Sequence[Limits], asked: Asked) -> Figure:
                     hovertemplate='%{y:.1f} m/s flown',
                 )
             )  # fmt: skip
-    for wind, text in PAPER_WINDS:
+    for speed, text in PAPER_WINDS:
         figure.add_shape(
-            type='line', x0=0.0, x1=1.0, xref='paper', y0=wind, y1=wind, layer='below',
+            type='line', x0=0.0, x1=1.0, xref='paper', y0=speed, y1=speed, layer='below',
             line={'color': WALL, 'width': 1, 'dash': '2px,3px'},
         )  # fmt: skip
         figure.add_annotation(
-            x=0.0, xref='paper', y=wind, yanchor='bottom', xanchor='left',
-            text=f'{wind:g} m/s, {text}', font={'size': 10, 'color': SOFT},
+            x=0.0, xref='paper', y=speed, yanchor='bottom', xanchor='left',
+            text=f'{speed:g} m/s, {text}', font={'size': 10, 'color': SOFT},
         )  # fmt: skip
     figure.update_xaxes(type='log', title_text='roughness of the ground [m]')
     figure.update_yaxes(title_text=f'wind at {asked.reference:g} m [m/s]')
@@ -98,7 +113,7 @@ def picture(found: Sequence[Limits], asked: Asked) -> Figure:
     return figure
 
 
-def curve(limit: Limits, asked: Asked) -> np.ndarray:
+def curve(limit: Limits, asked: Asked) -> NDArray[np.float64]:
     """Return the reference wind that a platform can stand against over each roughness. [m/s]"""
     vehicle = load_vehicle(limit.name)
     shares = [
