@@ -10,7 +10,6 @@ export PYTHON
 enter := root='$(CURDIR)' && . tools/workspace.sh
 pytest := $(enter) && .venv/bin/python -m pytest -q
 sources := config src test
-benchmarks := $(filter-out test/benchmark/flights.py,$(sort $(wildcard test/benchmark/*.py)))
 
 .PHONY: help demo build test test-long bench flights check format clean
 
@@ -30,8 +29,8 @@ test: check  ## style, types and the whole suite but the long tests
 test-long: check  ## the long tests as well
 	@$(pytest) -m 'not benchmark' $(ARGS)
 
-bench: test-environment  ## the measurements: name, value, unit
-	@$(enter) && for script in $(benchmarks); do .venv/bin/python $$script || exit; done
+bench: test-environment  ## the measurements, beside those of others (ARGS='kernel mujoco': some)
+	@$(enter) && .venv/bin/python test/benchmark/bench.py $(ARGS)
 
 flights: test-environment  ## fly many seeds (ARGS=SEEDS, 20 by default: minutes)
 	@$(enter) && .venv/bin/python test/benchmark/flights.py $(ARGS)

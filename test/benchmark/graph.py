@@ -1,18 +1,22 @@
 """
-Measure the graph: `python test/benchmark/graph.py` prints name, value and unit.
+Measure the graph: a whole flight, and the way of one message.
 
 `graph.realtime` is a whole lockstep flight of seven processes, flight seconds a wall second.
 `spin.*` sends a message there and back between two processes, with our spin and with rclpy's own
-executor, turn about: the ratio is what the lean spin brings.
+executor.
 """
 
+from functools import partial
+from importlib.metadata import version
 import os
 from pathlib import Path
+import statistics
 import subprocess
 import sys
 import tempfile
 import time
 
+from bench import Figure
 from lta_analysis.flight import fly_once, Order
 from lta_graph.ros.spin import spin
 import rclpy
@@ -69,7 +73,7 @@ def echo(kind: str) -> None:
     turn(kind, node, done)
 
 
-def round_trip(kind: str) -> float:
+def asked(kind: str) -> float:
     """Return the mean time there and back. [us]"""
     command = [sys.executable, __file__, kind]
     with subprocess.Popen(command, env=os.environ) as other:
@@ -101,25 +105,25 @@ def round_trip(kind: str) -> float:
     return done[0]
 
 
-def main() -> None:
-    """Print the table."""
-    paces = [flight() for _ in range(3)]
+def round_trip(kind: str) -> float:
+    """Return the mean time there and back, in a context of its own. [us]"""
     rclpy.init()
-    pairs = [(round_trip('lean'), round_trip('rclpy')) for _ in range(3)]
-    rclpy.shutdown()
-    lean, plain = (sorted(column)[1] for column in zip(*pairs, strict=True))
-    rows = (
-        ('graph.realtime', sorted(paces)[1], 's/s'),
-        ('spin.lean', lean, 'us'),
-        ('spin.rclpy', plain, 'us'),
-        ('spin.ratio', plain / lean, '1'),
-    )
-    for name, value, unit in rows:
-        sys.stdout.write(f'{name:<20} {value:12.4g} {unit}\n')
+    try:
+        return asked(kind)
+    finally:
+        rclpy.shutdown()
+
+
+def figures() -> list[Figure]:
+    """Return what is measured here."""
+    median, unit = statistics.median, 'us'
+    lean, plain = partial(round_trip, 'lean'), partial(round_trip, 'rclpy')
+    return [
+        Figure('graph.realtime', 's/s', flight, 3, median),
+        Figure('spin.lean', unit, lean, 3, median),
+        Figure('spin.rclpy', unit, plain, 3, median, 'spin.lean', f'rclpy {version("rclpy")}'),
+    ]
 
 
 if __name__ == '__main__':
-    if len(sys.argv) > 1:
-        echo(sys.argv[1])
-    else:
-        main()
+    echo(sys.argv[1])

@@ -1,10 +1,12 @@
 """
-Measure the kernel: `python test/benchmark/kernel.py` prints name, value and unit.
+Measure the kernel: one vehicle on one core, many on all, and a program that starts.
 
-Every effect is on; `kernel.cold` and `kernel.warm` are whole processes from their first import to
-their first step, without the start of the interpreter and with an empty and a filled cache.
+With GT-MAB's realistic set on and every other effect one number away, and with every effect on
+(`_all`). `kernel.cold` and `kernel.warm` are whole processes from their first import to their
+first step, without the start of the interpreter and with an empty and a filled cache.
 """
 
+from functools import partial
 import os
 from pathlib import Path
 import subprocess
@@ -12,113 +14,89 @@ import sys
 import tempfile
 import time
 
+from bench import Figure
+from gtmab import DUTY, scattered, start, STEP, SURROUNDED, vehicle
 from lta_sim.batch import advance_many
+from lta_sim.kernel import advance
+import numpy as np
+
+FIRST = """
+import time; begin = time.perf_counter()
+import numpy as np
 from lta_sim.effects import initial_memory
-from lta_sim.fleet import Fleet
 from lta_sim.kernel import advance
 from lta_sim.model import Model
 from lta_sim.state import pack
-import numpy as np
-
-CALM = np.zeros(3)
-DUTY = np.array([0.1, 0.1, 0.2, 0.2])
-STEP = 2e-3
-
-
-def vehicle(generator: np.random.Generator | None = None) -> Model:
-    """Return a flat balloon of 1 m with every effect on; a generator scatters its numbers."""
-
-    def about(value: float) -> float:
-        return value * generator.uniform(0.95, 1.05) if generator else value
-
-    thrust = {f'{letter}_{i}': 0.08 for letter in 'ab' for i in range(1, 5)}
-    places = {'heave_1': 1.0, 'heave_2': 1.0, 'roll_1': 0.2, 'roll_2': -0.2, 'surge_3': 1.0}
-    axes = ('surge', 'sway', 'heave', 'roll', 'pitch', 'yaw')
-    given = {
-        'weight_and_buoyancy': {'buoyancy': 3.49, 'weight': 3.51, 'cg_z': -0.08},
-        'added_mass': dict(zip(axes, (0.146, 0.146, 0.374, 5e-3, 5e-3, 0.0), strict=True)),
-        'linear_drag': dict(zip(axes, (0.01, 0.01, 0.01, 7e-4, 6e-4, 3e-4), strict=True)),
-        'quadratic_drag': dict(zip(axes, (0.09, 0.09, 0.36, 2e-3, 2e-3, 6e-4), strict=True)),
-        'motor_lag': {'up': 0.072, 'down': 0.1},
-        'rotor_thrust': thrust | places | {'surge_4': 1.0, 'yaw_3': -0.1, 'yaw_4': 0.1},
-        'floor_contact': {'stiffness': 100.0, 'relaxation': 0.05, 'friction': 0.5, 'z': -0.36},
-    }
-    return Model.build(
-        {effect: {name: about(v) for name, v in of.items()} for effect, of in given.items()},
-        mass=about(0.358),
-        cg=(0.0, 0.0, about(-0.08)),
-        inertia=np.diag([about(0.015), about(0.015), about(0.018)]),
-    )
+weight = {'weight_and_buoyancy': {'gravity': 9.81}}
+model = Model.build(weight, mass=0.358, cg=np.zeros(3), inertia=np.eye(3))
+advance(pack(memory=initial_memory()), model, (0.1,), (0.1,), 2e-3, 1)
+import sys; sys.stdout.write(str(time.perf_counter() - begin))
+"""
 
 
-def scattered(count: int) -> tuple[list[Model], np.ndarray, np.ndarray, np.ndarray]:
-    """Return different vehicles, their states, duties and winds."""
-    generator = np.random.default_rng(1)
-    models = [vehicle(generator) for _ in range(count)]
-    states = np.array([pack((0.0, 0.0, 1.0), memory=initial_memory())] * count)
-    states[:, :3] += generator.uniform(-0.5, 0.5, (count, 3))
-    states[:, 7:13] = generator.uniform(-0.3, 0.3, (count, 6))
-    duties, winds = generator.uniform(0.0, 0.4, (count, 4)), np.zeros((count, 3))
-    winds[:, :2] = generator.uniform(-0.3, 0.3, (count, 2))
-    return models, states, duties, winds
+def call(every: bool, steps: int, calls: int = 1) -> float:
+    """Return the time of a call. [s]"""
+    model, state = vehicle(every), start()
+    begin = time.perf_counter()
+    for _ in range(calls):
+        last = advance(state, model, DUTY, SURROUNDED, STEP, steps)
+    taken = (time.perf_counter() - begin) / calls
+    if not np.isfinite(last).all():
+        raise FloatingPointError('the vehicle left the numbers: what is measured is no flight')
+    return taken
 
 
-def best(steps: int, calls: int) -> float:
-    """Return the shortest of five times of a call. [s]"""
-    model, start = vehicle(), pack((0.0, 0.0, 1.0), memory=initial_memory())
-    advance(start, model, DUTY, CALM, STEP, 1)
-    times = []
-    for _ in range(5):
-        begin = time.perf_counter()
-        for _ in range(calls):
-            advance(start, model, DUTY, CALM, STEP, steps)
-        times.append((time.perf_counter() - begin) / calls)
-    return min(times)
+def single(every: bool, steps: int = 300_000) -> float:
+    """Return the pace of one vehicle, called in a loop inside. [1/s]"""
+    return steps / call(every, steps)
 
 
-def batched(count: int, steps: int) -> float:
-    """Return the shortest of five times of a call on all cores. [s]"""
-    models, *arrays = scattered(1000)
-    rows, few = np.arange(count) % len(models), Fleet.of(models)
-    states, duties, winds = (array[rows] for array in arrays)
-    fleet = Fleet(few.parameters[rows], few.body[rows], few.inverse[rows])
-    times = []
-    for _ in range(5):
-        begin = time.perf_counter()
-        advance_many(states, fleet, duties, winds, STEP, steps)
-        times.append(time.perf_counter() - begin)
-    return min(times)
+def control_step() -> float:
+    """Return the time of a call of 5 steps, 10 ms of flight. [us]"""
+    return 1e6 * call(False, 5, 10_000)
+
+
+def batched(every: bool, count: int = 10_000, steps: int = 500) -> float:
+    """Return the pace of many vehicles together, on all cores. [1/s]"""
+    states, fleet, duties, surroundings = scattered(count, every)
+    begin = time.perf_counter()
+    last = advance_many(states, fleet, duties, surroundings, STEP, steps)
+    taken = time.perf_counter() - begin
+    if not np.isfinite(last).all():
+        raise FloatingPointError('vehicles left the numbers: what is measured is no flight')
+    return count * steps / taken
 
 
 def first_step(cache: Path) -> float:
     """Return the time of a new process from import to its first step. [s]"""
-    script = (
-        'import time; begin = time.perf_counter()\n'
-        'import kernel\n'
-        'start = kernel.pack(memory=kernel.initial_memory())\n'
-        'kernel.advance(start, kernel.vehicle(), kernel.DUTY, kernel.CALM, kernel.STEP, 1)\n'
-        'import sys; sys.stdout.write(str(time.perf_counter() - begin))\n'
-    )
-    path = os.pathsep.join([str(Path(__file__).parent), *filter(None, sys.path)])
+    path = os.pathsep.join(filter(None, sys.path))
     environment = os.environ | {'PYTHONPATH': path, 'XDG_CACHE_HOME': str(cache)}
-    command = [sys.executable, '-c', script]
+    command = [sys.executable, '-c', FIRST]
     return float(subprocess.check_output(command, env=environment, text=True))
 
 
-def main() -> None:
-    """Print the table."""
+def cold() -> float:
+    """Return the time of the first step of all. [s]"""
     with tempfile.TemporaryDirectory() as folder:
-        cold, warm = first_step(Path(folder)), first_step(Path(folder))
-    rows = (
-        ('kernel.single', 1.0 / (best(1_000_000, 1) / 1_000_000), 'steps/s'),
-        ('kernel.batched', 1e7 / batched(10_000, 1000), 'vehicle-steps/s'),
-        ('kernel.control_step', 1e6 * best(5, 20_000), 'us per call of 5 steps'),
-        ('kernel.cold', cold, 's'),
-        ('kernel.warm', warm, 's'),
-    )
-    for name, value, unit in rows:
-        sys.stdout.write(f'{name:<22} {value:>14,.3f} {unit}\n')
+        return first_step(Path(folder))
 
 
-if __name__ == '__main__':
-    main()
+def warm() -> float:
+    """Return the time of the first step where the kernel is in the cache. [s]"""
+    with tempfile.TemporaryDirectory() as folder:
+        first_step(Path(folder))
+        return min(first_step(Path(folder)) for _ in range(3))
+
+
+def figures() -> list[Figure]:
+    """Return what is measured here."""
+    one, many = 'steps/s', 'vehicle-steps/s'
+    return [
+        Figure('kernel.single', one, partial(single, False)),
+        Figure('kernel.single_all', one, partial(single, True)),
+        Figure('kernel.batched', many, partial(batched, False)),
+        Figure('kernel.batched_all', many, partial(batched, True)),
+        Figure('kernel.control_step', 'us per 5 steps', control_step, choose=min),
+        Figure('kernel.cold', 's', cold, rounds=1, choose=min),
+        Figure('kernel.warm', 's', warm, rounds=1, choose=min),
+    ]

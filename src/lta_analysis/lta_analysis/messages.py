@@ -70,8 +70,8 @@ class LoopRecorder:
         self._write_motion(readings)
         self._write('odom', from_estimate(stamp, loop.estimate))
         self._write('motors', from_duties(stamp, self._rotors, loop.duties))
-        if readings.truth:
-            self._write('ground_truth/odom', sensed.truth(stamp, loop.world.state))
+        if readings.truth is not None:
+            self._write('ground_truth/odom', sensed.truth(stamp, readings.truth))
         if readings.block is not None and loop.light is not None and loop.asked is not None:
             self._write_light(readings.block, loop.light, loop.asked)
         if loop.energy is not None:
@@ -112,7 +112,7 @@ class LoopRecorder:
             return
         loop, stamp = self._loop, to_stamp(readings.stamp_ns)
         measured: BatteryState = sensed.branch(stamp, *readings.battery, 'battery')
-        self._write('wind', sensed.wind(stamp, loop.world.scenario.air.wind.vector))
+        self._write('wind', sensed.wind(stamp, loop.world.wind))
         self._write('illuminance', sensed.illuminance(stamp, readings.illuminance))
         self._write('panel', sensed.branch(stamp, *readings.panel, 'panel'))
         self._write('battery', measured)

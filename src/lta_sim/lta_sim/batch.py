@@ -16,6 +16,7 @@ from lta_sim.compose import Form, kernel_source
 from lta_sim.effects import EFFECTS
 from lta_sim.fleet import columns, Fleet
 from lta_sim.kernel_cache import load
+from lta_sim.stages import OWN
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -39,20 +40,20 @@ $put
 $loops
 
 
-@njit(error_model='numpy', fastmath=False)
+$LOOP
 def slopes(fixed, on, trial, rate, scratch):
     """Write d/dt of a block of states; what no vehicle has on is left out."""
 $calls
 
 
-@njit(error_model='numpy', fastmath=False)
+$LOOP
 def advance_trial(state, rate, dt, trial):
     """Write a block of states after dt at constant rates."""
     for i in range(WIDTH):
         put(trial, i, ahead(state_of(state, i), state_of(rate, i), dt))
 
 
-@njit(error_model='numpy', fastmath=False)
+$LOOP
 def advance_state(state, a, b, c, d, dt):
     """End a step of a block of states."""
     for i in range(WIDTH):
@@ -79,7 +80,7 @@ def advance_blocks(fixed, on, states, dt, steps):
 
 FORM = Form(
     'from numba import njit\nimport numpy as np\n',
-    "@njit(error_model='numpy', fastmath=False, forceinline=True)",
+    f'@njit({OWN}, forceinline=True)',
     "@njit(error_model='numpy', fastmath=False, nogil=True, cache=True)",
     Columns('WIDTH', 'trial'),
     Template(ENTRIES),

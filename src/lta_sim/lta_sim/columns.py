@@ -10,10 +10,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import final
 
-from lta_sim.stages import FIXED, indented, Layout, Stage, tuple_of, VARIABLES
+from lta_sim.stages import FIXED, indented, Layout, OWN, Stage, tuple_of, VARIABLES
 
 # Of the functions of the stages.
-LOOP = "@njit(error_model='numpy', fastmath=False)"
+LOOP = f'@njit({OWN})'
 
 
 def _offset(name: str, layout: Layout) -> int:
@@ -66,6 +66,7 @@ class Columns:
             'stores': indented(put, 3),
             'loops': '\n\n\n'.join(self._loops(parts)),
             'calls': indented(self._calls(parts, layout)),
+            'LOOP': LOOP,
             'scratch': str(sum(VARIABLES.values())),
         }
 

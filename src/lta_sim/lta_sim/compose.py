@@ -15,7 +15,7 @@ from typing import final
 from lta_sim import rigid_body
 from lta_sim.effects.protocol import Effect, KernelEffect
 from lta_sim.extract import Extract
-from lta_sim.stages import Access, indented, Layout, LOCAL, Stage, stages, tuple_of
+from lta_sim.stages import Access, indented, Layout, LOCAL, OWN, Stage, stages, tuple_of
 from lta_sim.state import COMMAND, SURROUNDINGS
 
 HEAD = '''"""
@@ -30,7 +30,7 @@ import math
 '''
 
 # Nothing is reordered and a division by zero gives inf: all forms of the model agree to the bit.
-INLINE = "@njit(error_model='numpy', fastmath=False)"
+INLINE = f'@njit({OWN})'
 ENTRY = "@njit(error_model='numpy', fastmath=False, cache=True)"
 
 

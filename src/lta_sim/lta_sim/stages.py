@@ -21,6 +21,10 @@ from lta_sim.effects.protocol import (
 from lta_sim.extract import Extract
 from lta_sim.state import ACTUATORS, BODY, COMMAND, RIGID, SURROUNDINGS, WIND, WIND_RATE
 
+# What only the kernel itself calls needs no way in from Python, which takes long to compile.
+# Nothing is reordered and a division by zero gives inf: all forms of the model agree to the bit.
+OWN = "error_model='numpy', fastmath=False, no_cpython_wrapper=True, no_cfunc_wrapper=True"
+
 # What stages hand on to each other: how many numbers of each.
 VARIABLES = {'r': 9, 'ground': 3, 'wind': 3, 'flow': 3, 'airspeed': 3, 'u': ACTUATORS, 'total': 6}
 

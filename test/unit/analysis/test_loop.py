@@ -239,7 +239,8 @@ def with_rotors(path, change):
                 {'value': list(value), 'unit': unit, 'source': 'assumed'}
                 for value, unit in zip(values, ('cm', 'N/N', 'm'), strict=True)
             )
-            rotors[name] = {'reversible': False, 'position': place}
+            axis = {'value': [round(x) for x in values[1]], 'unit': '1', 'source': 'assumed'}
+            rotors[name] = {'reversible': False, 'position': place, 'axis': axis}
             columns[name] = {'force': force, 'moment': moment}
     path.write_text(yaml.safe_dump(content, sort_keys=False), encoding='utf-8')
     return path

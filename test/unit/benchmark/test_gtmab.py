@@ -1,0 +1,60 @@
+"""What the kernel is measured with: a flight, with as many effects on as the row says."""
+
+from pathlib import Path
+import sys
+
+from lta_sim.batch import advance_many
+from lta_sim.effects import EFFECTS
+from lta_sim.effects.protocol import KernelEffect
+from lta_sim.kernel import advance
+from lta_sim.vehicle import load_vehicle
+import numpy as np
+import pytest
+
+FOLDER = Path(__file__).resolve().parents[2] / 'benchmark'
+
+
+@pytest.fixture
+def gtmab(monkeypatch):
+    monkeypatch.syspath_prepend(str(FOLDER))
+    import gtmab
+
+    yield gtmab
+    sys.modules.pop('gtmab')
+
+
+def test_the_realistic_one_is_the_vehicle_of_the_file(gtmab):
+    model, shipped = gtmab.vehicle(), load_vehicle('gtmab').model()
+    assert dict(model.given) == dict(shipped.given)
+    for field in ('parameters', 'on', 'body', 'inverse'):
+        np.testing.assert_array_equal(getattr(model, field), getattr(shipped, field))
+
+
+def test_the_other_has_every_effect_of_the_kernel_on(gtmab):
+    model = gtmab.vehicle(every=True)
+    known = [name for name, effect in EFFECTS.items() if isinstance(effect, KernelEffect)]
+    off = [name for name, on in zip(known, model.on, strict=True) if not on]
+    assert off == []
+
+
+@pytest.mark.parametrize('every', [False, True])
+def test_what_is_measured_is_a_flight(gtmab, every):
+    # 60 s in the air, at speeds of a blimp: nonsense would measure denormals and NaNs.
+    last = advance(
+        gtmab.start(), gtmab.vehicle(every), gtmab.DUTY, gtmab.SURROUNDED, gtmab.STEP, 30_000
+    )
+    assert np.isfinite(last).all()
+    assert every or 1.0 < last[2] < 20.0
+    assert np.linalg.norm(last[7:10]) < 3.0
+    assert np.linalg.norm(last[10:13]) < 3.0
+
+
+def test_scattered_vehicles_differ_and_their_mass_matrices_hold(gtmab):
+    states, fleet, duties, surroundings = gtmab.scattered(5)
+    assert len(np.unique(fleet.body[:, 0])) == 5
+    ratio = fleet.body[:, 0] / gtmab.vehicle().body[0]
+    np.testing.assert_allclose(
+        fleet.inverse * ratio[:, None], np.tile(gtmab.vehicle().inverse, (5, 1)), atol=1e-15
+    )
+    last = advance_many(states, fleet, duties, surroundings, gtmab.STEP, 1000)
+    assert np.isfinite(last).all()
