@@ -101,7 +101,7 @@ def _level(vehicle: Vehicle, model: Model, heading: float) -> float:
 
     def holds(speed: float) -> bool:
         x, y, *_ = air_wrench(model, speed, heading)
-        return force + x * math.cos(heading) + y * math.sin(heading) >= 0.0
+        return bool(force + x * math.cos(heading) + y * math.sin(heading) >= 0.0)
 
     return 0.0 if force <= 0.0 else _largest(holds, 0.0, FASTEST)
 
