@@ -37,6 +37,7 @@ def reach(vehicle: Vehicle) -> tuple[float, float]:
         for part in vehicle.file.parts.values()
     ]
     ends += [np.abs(rotor.place).tolist() for rotor in vehicle.rotors]
+    ends.append((0.0, 0.0, vehicle.standing_height))
     return max(math.hypot(x, y) for x, y, _ in ends), max(z for _, _, z in ends)
 
 

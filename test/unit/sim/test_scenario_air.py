@@ -4,6 +4,7 @@ import math
 
 from lta_config.errors import BadInput
 from lta_config.files import known, load_yaml, share
+from lta_config.quantity import Quantity
 from lta_sim.in_scene import effects_in, reach
 from lta_sim.military_turbulence import low_altitude
 from lta_sim.scenario import load_scenario, Scenario
@@ -157,7 +158,11 @@ def test_what_cannot_be_is_one_sentence(tmp_path, place, value, sentence):
 
 def test_what_vehicle_and_scene_both_say_is_refused():
     vehicle = load_vehicle('gtmab')
-    effect = {'wind_profile': {'x': {'value': 1, 'unit': 'm/s', 'source': 'test'}}}
+    quantities = {
+        'x': Quantity(value=1.0, unit='m/s', source='test'),
+        'roughness': Quantity(value=0.1, unit='m', source='test'),
+    }
+    effect = {'wind_profile': quantities}
     both = type(vehicle)(vehicle.file.model_copy(update={'effects': effect}))
     with pytest.raises(BadInput, match='set by the wind of the scenario lamp_room and by the veh'):
         effects_in(both, scene(**{'air/profile': FIELD}))

@@ -15,7 +15,7 @@ from lta_sim.vehicle import load_vehicle, Vehicle
 
 STRATEGY = 'bag'
 FASTEST = 3.0  # m/s; the most that a mission may ask for
-CLEARANCE = 0.1  # m, that a large vehicle flies above where it stands
+CLEARANCE = 0.05  # m, that a large vehicle flies above where it stands
 
 
 @final
