@@ -1,4 +1,4 @@
-"""The flyable wind: bisection over flights that are made up, the wind as it is set, the command."""
+"""The flyable wind: bisection over made-up flights, the wind as it is set, the command."""
 
 import json
 import math
@@ -101,7 +101,7 @@ def test_limits_of_a_platform_with_and_without_a_control_law(monkeypatch):
 def test_ground_that_leaves_no_wind_is_refused():
     with pytest.raises(BadInput, match='not below the reference height of 10 m'):
         measured(asked(roughness=(20.0,), fly=False), 'gtmab', lambda: None)
-    with pytest.raises(BadInput, match='has no wind at 0.5 m, where gtmab flies'):
+    with pytest.raises(BadInput, match=r'has no wind at 0\.5 m, where gtmab flies'):
         measured(asked(roughness=(1.0,), fly=False), 'gtmab', lambda: None)
 
 

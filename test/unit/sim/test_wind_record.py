@@ -115,9 +115,7 @@ def test_a_record_adds_to_the_steady_wind_and_moves_the_hull(tmp_path):
 def test_an_inviscid_neutral_balloon_goes_with_the_recorded_air_exactly(tmp_path):
     """Displaced and added mass alike are pushed by the pressure gradient of dU/dt."""
     record = WindRecord.read(series(tmp_path, ROWS), 4.0)
-    model = balloon.model(
-        balloon.NEUTRAL | balloon.ADDED, (0.0, 0.0, 0.0), displaced=balloon.MASS
-    )
+    model = balloon.model(balloon.NEUTRAL | balloon.ADDED, (0.0, 0.0, 0.0), displaced=balloon.MASS)
     state, around = balloon.at(), np.zeros(SURROUNDINGS)
     for k in range(400):
         wind, rate = record.at(k * 0.01, (k + 1) * 0.01)

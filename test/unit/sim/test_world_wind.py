@@ -74,7 +74,7 @@ def test_a_flight_begins_in_turbulence_that_has_long_been():
 
 
 def test_the_start_is_stationary_and_stays_so():
-    """Covariance of the filters: A S + S A' + B B' = 0 with A = b (-1 0; 1 -1), B = (sqrt b, 0)."""
+    """Covariance of the filters: A S + S A' + B B' = 0, A = b (-1 0; 1 -1), B = (sqrt b, 0)."""
     generator = np.random.default_rng(1)
     drawn = np.array([turbulence.stationary(tuple(z)) for z in generator.normal(size=(40000, 5))])
     s = np.cov(drawn[:, 1:3].T)
@@ -91,9 +91,7 @@ def test_without_turbulence_nothing_is_drawn():
 
 
 def test_turbulence_in_the_world_is_there_at_once_and_by_the_seed():
-    one, two, other = (
-        build(seed=seed, scene={'air/turbulence': ROUGH}) for seed in (1, 1, 2)
-    )
+    one, two, other = (build(seed=seed, scene={'air/turbulence': ROUGH}) for seed in (1, 1, 2))
     assert one.wind == two.wind != other.wind
     assert math.hypot(*one.wind) > 0.01
     fly(one, 100, HOVER)

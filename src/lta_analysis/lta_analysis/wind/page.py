@@ -82,7 +82,7 @@ def picture(found: Sequence[Limits], asked: Asked) -> Figure:
         if not 0.0 < limit.static < math.inf:
             continue
         wind = curve(limit, asked)
-        labels.append(Label(limit.name, float(wind[-1]), colour))
+        labels.append(Label(limit.name, float(np.nan_to_num(wind[-1], nan=20.0)), colour))
         figure.add_trace(
             Scatter(
                 x=ROUGHNESS, y=wind, mode='lines', name=limit.name,
@@ -120,4 +120,5 @@ def curve(limit: Limits, asked: Asked) -> NDArray[np.float64]:
         wind_limits.share_at_hull(vehicle, limit.height, asked.reference, float(z))
         for z in ROUGHNESS
     ]
-    return limit.static / np.array(shares)
+    # Where the roughness reaches over the hull, the log law leaves no wind to speak of.
+    return np.array([limit.static / share if share > 0.0 else math.nan for share in shares])
