@@ -125,7 +125,7 @@ def keep(
 
 def table(found: Sequence[Limits], asked: Asked) -> list[list[str]]:
     """Return the table as text, its first row the head; winds in m/s."""
-    head = ['', 'thrust', 'tumbles', 'uniform', 'flown']
+    head = ['', 'thrust', 'tumbles', 'even', 'flown']
     for z in asked.roughness:
         head += [f'z0 {z:g}', 'flown']
     rows = [head]
@@ -155,12 +155,15 @@ def show(rows: list[list[str]], found: Sequence[Limits], asked: Asked, console: 
         title_justify='left', box=None, pad_edge=False,
     )  # fmt: skip
     for column in rows[0]:
-        printed.add_column(column, justify='left' if not column else 'right')
+        # Headings of two words may break; names and figures are read whole.
+        printed.add_column(
+            column, justify='right' if column else 'left', no_wrap=' ' not in column
+        )
     for row in rows[1:]:
         printed.add_row(*row)
     console.print(printed)
     console.print(
-        f'z0: wind at {asked.reference:g} m over a roughness of so many metres, the hull at '
+        f'even: uniform wind. z0: wind at {asked.reference:g} m over a roughness of so many metres, the hull at '
         f'{asked.height:g} m.',
         highlight=False,
     )
