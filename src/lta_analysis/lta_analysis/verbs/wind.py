@@ -163,8 +163,8 @@ def show(rows: list[list[str]], found: Sequence[Limits], asked: Asked, console: 
         printed.add_row(*row)
     console.print(printed)
     console.print(
-        f'even: uniform wind. z0: wind at {asked.reference:g} m over a roughness of so many metres, the hull at '
-        f'{asked.height:g} m.',
+        f'even: uniform wind. z0: wind at {asked.reference:g} m over a roughness of so many '
+        f'metres, the hull at {asked.height:g} m.',
         highlight=False,
     )
     for each in found:
