@@ -12,7 +12,10 @@ GTMAB = (ROOT / 'config/vehicles/gtmab.yaml').read_text()
 
 COMMANDS = {
     'vehicle': (['fly', '--vehicle', 'zeppelin'], "Unknown vehicle 'zeppelin'; known: beavis, "),
-    'scenario': (['fly', '--scenario', 'moon'], "Unknown scenario 'moon'; known: lamp_room."),
+    'scenario': (
+        ['fly', '--scenario', 'moon'],
+        "Unknown scenario 'moon'; known: breeze, gusty_hall, lamp_room, windy_field.",
+    ),
     'strategy': (['fly', '--strategy', 'luck'], "Unknown strategy 'luck'; known: bag."),
     'vehicle path': (['fly', '--vehicle', 'no/such.yaml'], 'There is no vehicle file'),
     'seed': (['fly', '--seed', '-1'], "Invalid value for '--seed'"),

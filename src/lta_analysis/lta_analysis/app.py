@@ -15,6 +15,7 @@ from lta_analysis.verbs.run import run
 from lta_analysis.verbs.simulate import simulate
 from lta_analysis.verbs.sweep import sweep
 from lta_analysis.verbs.vehicle import vehicle
+from lta_analysis.verbs.wind import wind
 from lta_config.errors import BadInput
 import typer
 
@@ -32,6 +33,7 @@ app = typer.Typer(
 app.command()(fly)
 app.command()(simulate)
 app.command()(sweep)
+app.command()(wind)
 app.command(context_settings={'allow_interspersed_args': True})(launch)
 app.command(context_settings={'ignore_unknown_options': True, 'allow_interspersed_args': False})(
     run

@@ -24,6 +24,7 @@ from lta_graph.health import Fact, Level
 from lta_graph.launch_file import load
 from lta_graph.launcher import Launcher
 from lta_graph.ros.listener import DiagnosticsListener
+from lta_sim import in_scene
 from lta_sim.scenario import load_scenario
 from lta_sim.vehicle import load_vehicle
 
@@ -96,7 +97,8 @@ def fly_once(order: Order, watcher: Watcher) -> Flown:
     scenario = load_scenario(order.scenario)
     vehicle = load_vehicle(order.vehicle, scenario.air.density)
     strategy(order.strategy)
-    _ = vehicle.model(), vehicle.hover_duty, scenario.light_field
+    _ = vehicle.hover_duty
+    in_scene.check(vehicle, scenario)
     stamp = datetime.now().astimezone().strftime('%Y%m%d-%H%M%S')
     folder = order.out or Path('runs') / f'{stamp}-{scenario.name}-{order.seed}'
     folder = folder.absolute()

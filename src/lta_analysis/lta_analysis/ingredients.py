@@ -24,7 +24,8 @@ from lta_control.estimator import EstimatorSettings
 from lta_control.mission import MissionSettings
 from lta_control.strategies import strategy
 from lta_energy.monitor import MonitorSettings
-from lta_sim.scenario import Scenario
+from lta_sim import in_scene
+from lta_sim.scenario import beside, Scenario
 from lta_sim.vehicle import Vehicle
 from lta_sim.world import World
 from lta_vlc.demodulation import Demodulation
@@ -132,6 +133,7 @@ def gather(vehicle: str, scenario: str, strategy_name: str, gains: str) -> Ingre
     strategy(strategy_name)
     names = {'vehicle': vehicle, 'scenario': scenario, 'gains': gains}
     contents = {root: load_yaml(find(root, name)) for root, name in names.items()}
+    contents['scenario'] = beside(contents['scenario'], find('scenario', scenario).parent)
     contents['gains'] = gains_in(contents['gains'], names['gains'])
     for root, model in SETTINGS.items():
         contents.setdefault(root, model().model_dump() if root != 'gains' else None)
@@ -174,7 +176,8 @@ def loop_of(made_of: Ingredients, seed: int) -> Loop:
         energy=energy,
     )
     vehicle = Vehicle(vehicle_file, scenario.air.density)
-    _ = vehicle.hover_duty, scenario.light_field
+    _ = vehicle.hover_duty
+    in_scene.check(vehicle, scenario)
     table = topic_table()
     return Loop(World(vehicle, scenario, table, seed), table, policy)
 

@@ -8,6 +8,7 @@ from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
 from lta_control.strategies import strategy
 from lta_graph.launch_file import LaunchPlan
+from lta_sim import in_scene
 from lta_sim.scenario import load_scenario
 from lta_sim.vehicle import load_vehicle
 
@@ -32,7 +33,7 @@ def check(plan: LaunchPlan) -> None:
 
 def check_parameters(given: Mapping[str, object]) -> None:
     """Refuse what one node would refuse; `given` are its parameters by name."""
-    density = AIR_DENSITY
+    density, scenario = AIR_DENSITY, None
     if isinstance(name := given.get('scenario'), str):
         scenario = load_scenario(name)
         _ = scenario.light_field
@@ -40,6 +41,8 @@ def check_parameters(given: Mapping[str, object]) -> None:
     if isinstance(name := given.get('vehicle'), str):
         vehicle = load_vehicle(name, density)
         _ = vehicle.hover_duty
+        if scenario is not None:
+            in_scene.check(vehicle, scenario)
     if isinstance(name := given.get('strategy'), str):
         strategy(name)
     if 'seed' in given and not (type(given['seed']) is int and given['seed'] in SEEDS):

@@ -105,7 +105,7 @@ def derivative(
     command : array_like, shape (up to COMMAND,)
         Commanded duty of each rotor, -1 to 1, and the place of the moving mass.
     surroundings : array_like, shape (up to SURROUNDINGS,)
-        Wind, noise, irradiance, voltage.
+        Wind, noise, irradiance, voltage, rate of the wind.
 
     Returns
     -------

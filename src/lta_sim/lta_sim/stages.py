@@ -19,7 +19,7 @@ from lta_sim.effects.protocol import (
     WrenchEffect,
 )
 from lta_sim.extract import Extract
-from lta_sim.state import ACTUATORS, BODY, COMMAND, RIGID, SURROUNDINGS, WIND
+from lta_sim.state import ACTUATORS, BODY, COMMAND, RIGID, SURROUNDINGS, WIND, WIND_RATE
 
 # What only the kernel itself calls needs no way in from Python, which takes long to compile.
 # Nothing is reordered and a division by zero gives inf: all forms of the model agree to the bit.
@@ -210,7 +210,7 @@ class _Writer:
             f'r = rigid_body_rotation({self.some("state", 3, 4)})',
             f'ground = rigid_body_to_map(r, {self.some("state", 7, 3)})',
             f'wind = {self.some("surroundings", WIND, 3)}',
-            'flow = (0.0, 0.0, 0.0)',
+            f'flow = {self.some("surroundings", WIND_RATE, 3)}',
             f'u = {self.some("command", 0, ACTUATORS)}',
             'total = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)',
         )

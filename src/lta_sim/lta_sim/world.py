@@ -13,9 +13,10 @@ from typing import final
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.topics import TopicTable
 from lta_sim import kernel
-from lta_sim.around import Around
+from lta_sim.around import Around, memory_at_start
 from lta_sim.command_link import CommandLink
-from lta_sim.effects import EFFECTS, initial_memory
+from lta_sim.effects import EFFECTS
+from lta_sim.in_scene import model_in
 from lta_sim.light_view import LightView, Pose
 from lta_sim.measurement import Chain, chains, read
 from lta_sim.readings import Outcome, Readings, Vector
@@ -61,7 +62,7 @@ class World:
             name: np.random.default_rng(np.random.SeedSequence([seed, index]))
             for index, name in enumerate(STREAMS)
         }
-        self._model = vehicle.model()
+        self._model = model_in(vehicle, scenario)
         self._keep_what_stays(table)
         self._draw_errors()
         self.state = self._at_start()
@@ -77,7 +78,7 @@ class World:
         )
         pose = self._pose()
         self._light.pass_by(pose)
-        self._around.refresh(pose, self.supply.electrics[0])
+        self._around.refresh(pose, self.supply.electrics[0], self.elapsed)
         self.wrenches()  # loads the compiled kernel now, not in the middle of the first step
 
     def _keep_what_stays(self, table: TopicTable) -> None:
@@ -118,7 +119,8 @@ class World:
         spread = start.heading_spread.si
         heading = start.heading.si + float(self._chance['start'].uniform(-spread, spread))
         height = self.vehicle.standing_height
-        return pack((x, y, height), heading, memory=initial_memory())
+        memory = memory_at_start(self._model.given, self._chance['turbulence'])
+        return pack((x, y, height), heading, memory=memory)
 
     @property
     def charge(self) -> float:
@@ -268,7 +270,7 @@ class World:
         if self.outcome is Outcome.FLYING:
             self.outcome = self._referee.judge(state[0], state[1], state[2], self.elapsed)
         self._light.pass_by(pose)
-        self._around.refresh(pose, self.supply.electrics[0])
+        self._around.refresh(pose, self.supply.electrics[0], self.elapsed)
 
     def _fly(self, now: int, end: int) -> None:
         """Integrate from one time to another, with the range readings on the way. [ns]"""
