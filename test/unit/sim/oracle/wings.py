@@ -25,10 +25,13 @@ def hull_lift(p, memory, scene, thrusts):
     pitch = p('pitch') + p('pitch_alpha') * alpha + p('pitch_beta4') * beta**4
     yaw = p('yaw') + p('yaw_alpha') * alpha + p('yaw_beta') * beta
     damping = -p.vector('roll_rate', 'pitch_rate', 'yaw_rate') * w
-    wind = (level @ level) / flat**2
-    force = turn @ (q * np.array([-drag, side, -lift]))
-    moment = turn @ (q * np.array([roll, pitch, yaw]))
-    moment = moment + wind * (turn @ damping) + (1.0 - wind) * damping
+    steep = np.clip(2.0 * turn[0, 0] * abs(turn[0, 0]), -1.0, 1.0)
+    ends = 1.5 * steep - 0.5 * steep**3
+    wind = abs(ends) * (level @ level) / flat**2
+    mirror = np.array([np.sign(ends), 1.0, np.sign(ends)])
+    force = turn @ (q * np.array([-drag, side, -ends * lift]))
+    moment = turn @ (q * np.array([ends * roll, ends * pitch, yaw]))
+    moment = moment + wind * (turn @ (mirror * damping)) + (1.0 - wind) * damping
     return np.concatenate([FRD @ force, FRD @ moment]), NONE
 
 
