@@ -42,6 +42,14 @@ FIXED = {
     'floor_contact': {'stiffness': 60.0, 'relaxation': 0.05, 'friction': 0.5}
     | {'x': 0.04, 'y': -0.03, 'z': -0.36},
 }
+# Parameters that mean another law at zero, and are so in some of the vehicles.
+ABSENT = {
+    'wind_profile': [('half_height',)],
+    'superheat': [('lag',)],
+    'moving_mass': [('speed',), ('lag', 'speed')],
+    'thrust_polynomial': [('linear_to',)],
+    'gusts': [('hold',)],
+}
 SHARES = (1.0, 1.0, -1.0, 0.5, 0.0, 0.0, 0.0, 0.0)
 
 
@@ -56,6 +64,9 @@ def parameters(effect, generator):
         elif not known.low <= value <= known.high:
             value = known.null + known.spread * generator.uniform(0.5, 1.5)
         given[known.name] = float(np.clip(value, known.low, known.high))
+    for group in ABSENT.get(effect.name, ()):
+        if generator.random() < 0.2:
+            given |= dict.fromkeys(group, 0.0)
     if effect.name == 'rotor_envelope_interaction':
         given |= {f'share_{i + 1}': share for i, share in enumerate(SHARES)}
     return given
@@ -102,6 +113,8 @@ def anywhere(generator):
     state[3:7] /= np.linalg.norm(state[3:7])
     state[7:13] = generator.normal(size=6)
     state[13:] = generator.uniform(-1.0, 1.0, state.size - 13)
+    # The clock of the gust is in it, and more often than not within the gust.
+    state[LAYOUT.remembers['gusts']] += 0.6
     command = np.r_[generator.uniform(-1.0, 1.0, 8), generator.normal(0.0, 0.05, 3)]
     voltage = generator.uniform(3.3, 4.2) * (generator.random() > 0.1)
     around = np.r_[generator.normal(0.0, 0.5, 3), generator.normal(0.0, 10.0, 3), 400.0, voltage]

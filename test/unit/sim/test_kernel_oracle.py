@@ -85,9 +85,10 @@ def test_flight(seed):
 
 @pytest.mark.parametrize('name', oracle.KNOWN)
 def test_alone(name):
-    """With weight and one effect only, where nothing larger can hide its error."""
-    for seed in range(5):
-        model, twin, (state, command, around) = drawn(seed, ('weight_and_buoyancy', name))
+    """With weight, added mass, a rotor's push and one effect: nothing larger hides its error."""
+    beside = ('weight_and_buoyancy', 'added_mass', 'rotor_thrust')
+    for seed in range(12):
+        model, twin, (state, command, around) = drawn(seed, (*beside, name))
         expected = oracle.derivative(state, twin, PLACES, command, around)
         actual = kernel.derivative(state, model, command, around)
         for block in BLOCKS.values():
