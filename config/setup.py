@@ -14,7 +14,7 @@ setup(
         ('share/lta_config', ['package.xml', 'topics.yaml']),
         *(
             (f'share/lta_config/{folder}', sorted(map(str, Path(folder).glob('*.yaml'))))
-            for folder in ('control', 'launch', 'scenarios', 'vehicles')
+            for folder in ('control', 'launch', 'scenarios', 'sweeps', 'vehicles')
         ),
     ],
     install_requires=['setuptools'],

@@ -29,6 +29,7 @@ FOLDERS = {
     'scenario': 'scenarios',
     'gains': 'control',
     'launch file': 'launch',
+    'sweep': 'sweeps',
 }
 
 
@@ -193,10 +194,26 @@ def load(model: type[Model], path: Path) -> Model:
         One sentence on the first thing that is wrong: where, what, and how to write it.
 
     """
-    content = load_yaml(path)
+    return checked(model, load_yaml(path), str(path))
+
+
+def checked(model: type[Model], content: Any, where: str) -> Model:  # noqa: ANN401 - YAML holds anything
+    """
+    Return what a file held, checked against its model; errors as `load`.
+
+    Parameters
+    ----------
+    model : type
+        The file's schema.
+    content : Any
+        What the file held.
+    where : str
+        The file, as the subject of a sentence.
+
+    """
     if not isinstance(content, dict):
-        raise BadInput(f'{path} holds no mapping of keys; compare it with a shipped file.')
+        raise BadInput(f'{where} holds no mapping of keys; compare it with a shipped file.')
     try:
         return model.model_validate(content)
     except ValidationError as error:
-        raise BadInput(f'{path}: {sentence(error)}') from None
+        raise BadInput(f'{where}: {sentence(error)}') from None

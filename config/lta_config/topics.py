@@ -113,6 +113,11 @@ class TopicTable(Record):
         newest = now_ns - topic.latency_ns - lag * self.control_ns - self.start_ns
         return max(0, newest // topic.period_ns + 1)
 
+    def settled(self, now_ns: int) -> bool:
+        """Tell whether a control step is the one after a light block: all is answered then."""
+        since = now_ns - self.start_ns - self.control_ns
+        return since % self['photodiodes'].period_ns == 0
+
 
 def robot_topic(robot: str, name: str) -> str:
     """Return the absolute name of a topic of one robot: `/lta1/odom`, but `/clock`."""

@@ -34,9 +34,10 @@ ROS = re.compile(
 )
 FENCED = re.compile(r'(rclpy|builtin_interfaces|rcl_interfaces|\w+_msgs|std_srvs)(\.|$)')
 BEYOND = re.compile(r'lta_graph\.ros(\.|$)|lta_\w+\.(nodes|messages)(\.|$)')
-CONDUCTORS = {  # start a graph and listen to it
+CONDUCTORS = {  # start a graph and listen to it, or record a flight as one
     'src/lta_analysis/lta_analysis/flight.py',
     'src/lta_analysis/lta_analysis/graph.py',
+    'src/lta_analysis/lta_analysis/simulate.py',
 }
 
 CODE = re.compile(r'(from [\w.]+ )?import [\w., ]+\n')  # a line of code that is written to a file

@@ -4,10 +4,11 @@ import math
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_control.allocation import allocate, duty, WEIGHTS
+from lta_control.allocation import allocate, duty, new_scratch, RIDGE, Rotors, SCRATCH, WEIGHTS
 from lta_control.cascade import course, Measured, Setpoint, wrap
 from lta_control.control import control_step, ControlMemory
 from lta_control.gains_file import load_gains
+from lta_control.per_rotor import NONE, slots
 from lta_control.pid import pid_step
 from lta_control.vehicle_side import rotors_of
 from lta_sim.vehicle import load_vehicle
@@ -17,7 +18,6 @@ from scipy.optimize import lsq_linear
 
 ROTORS = rotors_of(load_vehicle('gtmab'))
 REVERSIBLE = ROTORS._replace(low=tuple(-x for x in ROTORS.high))
-B = np.array(ROTORS.allocation).T
 ROOT = np.sqrt(np.array(WEIGHTS))[:, None]
 FULL = ROTORS.high[0]
 
@@ -28,30 +28,69 @@ number = st.floats(-10.0, 10.0)
 angle = st.floats(-4.0, 4.0)
 
 
-def objective(thrusts, wrench):
-    return float(np.sum((ROOT[:, 0] * (B @ thrusts - wrench)) ** 2))
+def any_rotors(number):
+    """Return rotors that point anywhere, each with its own limits; every second one reverses."""
+    generator = np.random.default_rng(number)
+    axes = generator.normal(size=(number, 3))
+    axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+    columns = np.hstack([axes, np.cross(generator.uniform(-0.4, 0.4, (number, 3)), axes)])
+    a, b = generator.uniform(0.01, 0.2, (2, number)).tolist()
+    high = [p + q for p, q in zip(a, b, strict=True)]
+    low = [-full if index % 2 else 0.0 for index, full in enumerate(high)]
+    empty = ((0.0,) * 6,) * (8 - number)
+    return Rotors(
+        number,
+        (*map(tuple, columns.tolist()), *empty),
+        slots(low),
+        slots(high),
+        0.0,
+        slots(a),
+        slots(b),
+    )
 
 
-@pytest.mark.parametrize('rotors', [ROTORS, REVERSIBLE], ids=['forward only', 'reversible'])
-@settings(max_examples=150)
+FELT = np.count_nonzero(WEIGHTS)  # axes; more rotors have a choice, and stay where they are
+FLEET = {'forward only': ROTORS, 'reversible': REVERSIBLE}
+FLEET |= {f'{number} anywhere': any_rotors(number) for number in range(1, 9)}
+
+
+@pytest.mark.parametrize('rotors', FLEET.values(), ids=FLEET.keys())
+@settings(max_examples=60)
 @given(
     st.tuples(force, force, force, moment, moment, moment),
-    st.tuples(thrust, thrust, thrust, thrust),
+    st.tuples(*(thrust,) * 8),
 )
 def test_allocation_is_the_bounded_least_squares_solution(rotors, wrench, start):
-    wanted = np.array(wrench)
-    best = lsq_linear(
-        ROOT * B, ROOT[:, 0] * wanted, (rotors.low, np.array(rotors.high)), 'bvls', tol=1e-15
-    )
-    least = objective(best.x, wanted)
-    asked = objective(np.zeros(4), wanted)  # what is at stake
-    for begin in (0.0,) * 4, start, tuple(best.x):
-        thrusts, delivered = allocate(rotors, wrench, begin)
-        assert objective(thrusts, wanted) - least <= 1e-9 * asked + 1e-15
+    wanted, used = np.array(wrench), slice(rotors.number)
+    matrix = np.array(rotors.allocation[used]).T
+
+    def objective(thrusts):
+        return float(np.sum((ROOT[:, 0] * (matrix @ thrusts - wanted)) ** 2))
+
+    ridge = RIDGE * float(np.mean(np.sum((ROOT * matrix) ** 2, axis=0)))
+    limits = (np.array(rotors.low[used]), np.array(rotors.high[used]))
+    best = lsq_linear(ROOT * matrix, ROOT[:, 0] * wanted, limits, 'bvls', tol=1e-15)
+    least = objective(best.x)
+    asked = objective(np.zeros(rotors.number))  # what is at stake
+    for begin in NONE, start, slots(best.x.tolist()):
+        thrusts, delivered = allocate(rotors, wrench, begin, new_scratch())
+        # With the ridge it is the least of objective + ridge |t - begin|^2.
+        away = best.x - np.clip(begin[used], *limits)
+        kept = ridge * float(away @ away) if rotors.number > FELT else 0.0
+        assert objective(thrusts[used]) - least <= kept + 1e-9 * asked + 1e-15
         assert all(
             low <= t <= high for low, t, high in zip(rotors.low, thrusts, rotors.high, strict=True)
         )
-        np.testing.assert_allclose(delivered, B @ thrusts, atol=1e-12)
+        np.testing.assert_allclose(delivered, matrix @ thrusts[used], atol=1e-12)
+
+
+def test_the_scratch_numbers_do_not_matter():
+    wrench, start = (0.3, 0.0, 0.2, 0.0, 0.0, 0.01), slots((0.1, 0.0, 0.05))
+    spoiled = [math.nan] * SCRATCH
+    for rotors in FLEET.values():
+        once = allocate(rotors, wrench, start, new_scratch())
+        assert allocate(rotors, wrench, start, spoiled) == once
+        assert allocate(rotors, wrench, start, spoiled) == once
 
 
 @given(st.floats(-5.0, 5.0), st.floats(0.0, 1.0), st.floats(0.01, 1.0))
@@ -98,7 +137,14 @@ def test_duties_are_what_the_rotors_accept(measured, setpoint):
     memory = ControlMemory()
     for _ in range(3):
         duties, memory = control_step(
-            gains, ROTORS, (0.0, 0.092), memory, Measured(*measured), Setpoint(*setpoint), 0.01
+            gains,
+            ROTORS,
+            (0.0, 0.092),
+            memory,
+            Measured(*measured),
+            Setpoint(*setpoint),
+            0.01,
+            new_scratch(),
         )
         assert all(0.0 <= u <= 1.0 + 1e-12 for u in duties)
         assert all(map(math.isfinite, (*memory.cascade[:3], *memory.thrusts, *memory.shortfall)))

@@ -11,6 +11,8 @@ from lta_analysis.verbs.fly import fly
 from lta_analysis.verbs.launch import launch
 from lta_analysis.verbs.report import report
 from lta_analysis.verbs.run import run
+from lta_analysis.verbs.simulate import simulate
+from lta_analysis.verbs.sweep import sweep
 from lta_config.errors import BadInput
 import typer
 
@@ -26,6 +28,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.command()(fly)
+app.command()(simulate)
+app.command()(sweep)
 app.command(context_settings={'allow_interspersed_args': True})(launch)
 app.command(context_settings={'ignore_unknown_options': True, 'allow_interspersed_args': False})(
     run

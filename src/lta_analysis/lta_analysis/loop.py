@@ -1,26 +1,32 @@
 """
 The closed loop in one process, without ROS: the same cores in the same order as the graph.
 
-Used for tuning and for tests that need many flights. As in lockstep, the estimator sees the duties
-of the step before, and the controller a setpoint one control period after its light block ended.
+As in lockstep, the estimator sees the duties of the step before, the controller a setpoint one
+control period after its light block ended, and the navigator the energy of the turn before. What
+the graph sends as a message goes through what the message makes of it (`lta_control.carried`), so
+that both fly the same flight to the last bit.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 import math
 from typing import final
 
 from lta_config.topics import TopicTable
-from lta_control.attitude import heading
+from lta_control import carried
+from lta_control.autopilot import Autopilot, drone_of
 from lta_control.cascade import CascadeGains, Measured, Setpoint
-from lta_control.control import control_step, ControlMemory, landed
-from lta_control.estimator import Estimate, estimator_step, EstimatorSettings, Inputs
+from lta_control.control import TILT_LIMIT
+from lta_control.estimator import Estimate, EstimatorSettings
 from lta_control.mission import Mission, mission_step, MissionSettings
 from lta_control.strategies.protocol import Sight, Strategy
-from lta_control.vehicle_side import body_of, rotors_of, surge_drag_of
+from lta_energy import monitor
 from lta_sim.readings import Outcome, Readings
+from lta_sim.vehicle import Vehicle
 from lta_sim.world import World
-from lta_vlc.array import bearing, even_ring
-from lta_vlc.demodulation import demodulate, Demodulation, plan_bins
+from lta_vlc.array import Bearing, bearing, even_ring
+from lta_vlc.demodulation import demodulate, Demodulation, Peaks, plan_bins
+from lta_vlc.lamp import bearing_through, lamp_estimate, LampEstimate, LampPrior
 import numpy as np
 from numpy.typing import NDArray
 
@@ -35,6 +41,33 @@ class Policy:
     estimator: EstimatorSettings = field(default_factory=EstimatorSettings)
     mission: MissionSettings = field(default_factory=MissionSettings)
     demodulation: Demodulation = field(default_factory=Demodulation)
+    prior: LampPrior = field(default_factory=LampPrior)
+    energy: monitor.MonitorSettings = field(default_factory=monitor.MonitorSettings)
+    tilt_limit: float = TILT_LIMIT  # beyond it the motors stop [rad]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Light:
+    """What one light block says; its bearing and lamp are None where no lamp is heard."""
+
+    peaks: Peaks
+    bearing: Bearing | None
+    prior: LampPrior
+
+    @property
+    def lamp(self) -> LampEstimate | None:
+        """The lamp in the body frame; it is worked out when somebody asks."""
+        return None if self.bearing is None else lamp_estimate(self.bearing, self.prior)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Energy:
+    """What the meters have said, and what is known since."""
+
+    reading: monitor.Reading
+    estimate: monitor.Estimate
 
 
 @final
@@ -50,103 +83,143 @@ class Loop:
         Periods and block shape.
     policy : Policy
         What the drone decides by.
+    known : Vehicle or None
+        The vehicle as the drone knows it; by default the true one in standard air, as the nodes
+        read it from its file.
+
+    Attributes
+    ----------
+    readings, estimate, duties : Readings, Estimate, tuple of float
+        What was sensed, believed and done at the newest step.
+    light, asked : Light, Setpoint
+        What the newest light block said, and what the navigator made of it; None before it.
+    setpoint : Setpoint or None
+        What the controller acts on.
+    energy : Energy or None
+        The newest turn of the meters.
 
     """
 
-    def __init__(self, world: World, table: TopicTable, policy: Policy) -> None:
+    def __init__(
+        self, world: World, table: TopicTable, policy: Policy, known: Vehicle | None = None
+    ) -> None:
         self.world = world
-        self._policy = policy
-        self._dt = table.control_ns * 1e-9
+        self.policy = policy
+        self._table = table
         self._block = table['photodiodes'].period_ns * 1e-9
         self._half_block = table['photodiodes'].period_ns // table.control_ns // 2
-        vehicle = world.vehicle
-        self._drag = surge_drag_of(vehicle)
-        self._body = body_of(vehicle)
-        self._rotors = rotors_of(vehicle)
+        vehicle = known or Vehicle(world.vehicle.file)
+        dt = table.control_ns * 1e-9
+        self.autopilot = Autopilot(
+            drone_of(vehicle, policy.estimator, policy.gains, dt, policy.tilt_limit)
+        )
+        self._cell = vehicle.battery
         self._ring = even_ring(vehicle.diodes.count)
         self._bins = plan_bins(
             policy.demodulation, table.light.sample_rate.si, table.light.samples
         )
-        self.estimate = Estimate()
-        self.duties = self.estimate.duties
+        ranger = world.range_settings
+        self._reach = carried.single(ranger.minimum), carried.single(ranger.maximum)
+        self.readings = Readings(world.stamp_ns)
+        self.duties = self.autopilot.duties
+        self.light: Light | None = None
+        self.asked: Setpoint | None = None
         self.setpoint: Setpoint | None = None
+        self.energy: Energy | None = None
         self.mission = Mission()
-        self._memory = ControlMemory()
         self._headings: list[float] = []
-        self._pending: Setpoint | None = None
+
+    @property
+    def estimate(self) -> Estimate:
+        """What the drone believes at the newest step."""
+        return self.autopilot.estimate
 
     def step(self) -> Outcome:
         """Sense, decide and fly one control period; return how the flight stands."""
-        readings = self.world.sense()
-        self._estimate(readings)
-        self.setpoint = self._pending or self.setpoint
-        if readings.block is not None:
-            self._pending = self._navigate(readings.block[1])
-        self._control()
+        self.decide()
         self.world.advance(self.duties)
         return self.world.outcome
 
-    def _estimate(self, readings: Readings) -> None:
-        inputs = Inputs(
-            rates=readings.rates,
-            force=readings.force,
-            range=readings.ranges[-1][1] if readings.ranges else math.nan,
-            pressure=math.nan if readings.pressure is None else readings.pressure,
-            duties=self.duties,
+    def flight(self) -> Iterator[Outcome]:
+        """Fly to where the graph would end; each step is yielded decided, before it is flown."""
+        while True:
+            self.decide()
+            yield self.world.outcome
+            over = self.world.outcome is not Outcome.FLYING
+            if over and self._table.settled(self.world.stamp_ns):
+                return
+            self.world.advance(self.duties)
+
+    def decide(self) -> None:
+        """Sense and decide, without flying on."""
+        readings = self.readings = self.world.sense()
+        if self.asked is not self.setpoint and self.asked is not None:
+            self.setpoint = asked = self.asked
+            level = carried.level(asked.heading)
+            self.autopilot.guide(carried.setpoint(asked.altitude, level, asked.speed))
+        self._fly(readings)
+        if readings.block is not None:
+            self._navigate(readings.block[1])
+        if readings.battery is not None:
+            self._count(readings)
+
+    def _fly(self, readings: Readings) -> None:
+        """Estimate and control."""
+        self.duties = self.autopilot.step(
+            readings.rates,
+            readings.force,
+            self._distance(readings),
+            math.nan if readings.pressure is None else readings.pressure,
         )
-        self.estimate = estimator_step(
-            self._policy.estimator, self._body, self.estimate, inputs, self._dt
-        )
-        self._headings.append(heading(self.estimate.attitude))
+        self._headings.append(self.autopilot.heading)
+
+    def _distance(self, readings: Readings) -> float:
+        """Return the newest range as its message carries it, NaN where there is none. [m]"""
+        if not readings.ranges:
+            return math.nan
+        return carried.reach(carried.single(readings.ranges[-1][1]), *self._reach)
 
     def measured(self) -> Measured | None:
         """Return what the controller acts on; None while the estimator is learning."""
-        estimate = self.estimate
-        if not estimate.ready:
-            return None
-        return Measured(
-            altitude=estimate.altitude.height,
-            climb=estimate.altitude.climb,
-            heading=self._headings[-1],
-            yaw_rate=estimate.rates[2],
-            speed=estimate.airspeed.surge,
-            sway=estimate.airspeed.sway,
-        )
+        return self.autopilot.measured
 
-    def _navigate(self, block: NDArray[np.uint16]) -> Setpoint:
+    def _navigate(self, block: NDArray[np.uint16]) -> None:
         peaks = demodulate(block, self._bins)
-        found = bearing(peaks, self._ring, self._policy.demodulation.threshold)
+        found = bearing(peaks, self._ring, self.policy.demodulation.threshold)
+        prior = self.policy.prior
+        self.light = Light(peaks, found, prior)
         sight = Sight(
             seen=found is not None,
-            bearing=0.0 if found is None else found.angle,
+            bearing=0.0 if found is None else bearing_through(found.angle, prior),
             heading=self._headings[-1 - self._half_block],
-            amplitudes=tuple(peaks.amplitude.tolist()),
+            amplitudes=tuple(peaks.amplitude.astype(np.float32).tolist()),
             interval=self._block,
         )
         measured = self.measured()
-        setpoint, self.mission = mission_step(
-            self._policy.mission,
-            self._policy.strategy,
+        energy = self.energy
+        self.asked, self.mission = mission_step(
+            self.policy.mission,
+            self.policy.strategy,
             self.mission,
             sight,
-            None if measured is None else measured.altitude,
-            False,
+            None if measured is None or energy is None else measured.altitude,
+            energy is not None and energy.estimate.reserve,
         )
-        return setpoint
 
-    def _control(self) -> None:
-        measured = self.measured()
-        if measured is None or self.setpoint is None:
-            return
-        if landed(measured, self.setpoint, self._body.standing_height):
-            self.duties, self._memory = (0.0, 0.0, 0.0, 0.0), ControlMemory()
-            return
-        self.duties, self._memory = control_step(
-            self._policy.gains,
-            self._rotors,
-            self._drag,
-            self._memory,
-            measured,
-            self.setpoint,
-            self._dt,
+    def _count(self, readings: Readings) -> None:
+        """Keep the energy books of one turn of the meters."""
+        nothing = math.nan, math.nan
+        voltage, current = map(carried.single, readings.battery or nothing)
+        panel_voltage, panel_current = map(carried.single, readings.panel or nothing)
+        lux = readings.illuminance
+        reading = monitor.Reading(
+            stamp_ns=readings.stamp_ns,
+            voltage=voltage,
+            current=current,
+            harvest=panel_voltage * panel_current,
+            illuminance=math.nan if lux is None else lux,
+        )
+        before = monitor.Estimate() if self.energy is None else self.energy.estimate
+        self.energy = Energy(
+            reading, monitor.update(self.policy.energy, self._cell, before, reading)
         )

@@ -16,10 +16,12 @@ class FlightProgress:
     ----------
     console : Console
         Where to; nothing moves where it is no terminal.
+    begin : str
+        What happens before the flight.
 
     """
 
-    def __init__(self, console: Console) -> None:
+    def __init__(self, console: Console, begin: str = 'starting the graph') -> None:
         self._console = console
         self._bar = Progress(
             SpinnerColumn(),
@@ -30,7 +32,7 @@ class FlightProgress:
             transient=True,
             disable=not console.is_terminal,
         )
-        self._task = self._bar.add_task('starting the graph', total=None, detail='')
+        self._task = self._bar.add_task(begin, total=None, detail='')
         self._begin: float | None = None
 
     def __enter__(self) -> Self:

@@ -1,15 +1,21 @@
 """
 From a wanted force and moment to rotor thrusts, and from thrusts to duties.
 
-The thrusts t minimise sum_i w_i (B t - wrench)_i^2 with 0 <= t <= t_max (or -t_max where a rotor
-reverses): when the rotors cannot do everything, the weights say what gives way first. Solved
-exactly by an active set (Nocedal and Wright 2006, Numerical Optimization, section 16.5) from the
-last solution: rotors at a limit are held there while the others take the best step. For four
-rotors this needs no library and compiles.
+The thrusts t minimise sum_i w_i (B t - wrench)_i^2 with low <= t <= high: when the rotors cannot
+do everything, the weights say what gives way first. Solved exactly by an active set (Nocedal and
+Wright 2006, Numerical Optimization, section 16.5) from the last solution: rotors at a limit are
+held there while the others take the best step. For up to eight rotors this needs no library and
+compiles, for a graphics card as well: what changes on the way stands in numbers that the caller
+lends, row after row.
 """
 
+from collections.abc import MutableSequence
 import math
 from typing import NamedTuple
+
+from lta_control.per_rotor import PerRotor, SLOTS
+import numpy as np
+from numpy.typing import NDArray
 
 AXES = 6
 
@@ -17,33 +23,50 @@ ROUNDS = 60  # at most; four rotors from anywhere need fewer than a dozen
 RIDGE = 1e-9  # of the mean stiffness: what no weighted axis feels stays as it is
 INWARD = 1e-12  # pull away from a limit that counts as one [N]
 
-Thrusts = tuple[float, float, float, float]
+# Where each part stands in the scratch numbers; the first two are matrices of SLOTS by SLOTS.
+STIFFNESS = 0
+ROWS = 64
+TARGET = 128
+PULL = 136
+RIGHT = 144
+STEP = 152
+THRUSTS = 160
+FREE = 168  # 1 where a rotor is away from its limits, else 0
+GIVEN = 176
+SCRATCH = 182
+
 Wrench = tuple[float, float, float, float, float, float]
+Column = tuple[float, float, float, float, float, float]
+Columns = tuple[Column, Column, Column, Column, Column, Column, Column, Column]
+Scratch = MutableSequence[float] | NDArray[np.float64]
 
 
 class Rotors(NamedTuple):
     """
-    The thrust side of a vehicle, as the allocation needs it.
+    The thrust side of a vehicle, as the allocation needs it; rotors first, then empty slots.
 
     Attributes
     ----------
+    number : int
+        Rotors, 1 to 8.
     allocation : tuple of tuple of float
-        B: one column a rotor, wrench (fx, fy, fz, mx, my, mz) per newton of thrust. [N/N, m]
+        B: one column a slot, wrench (fx, fy, fz, mx, my, mz) per newton of thrust. [N/N, m]
     low, high : tuple of float
-        Thrust limits of each rotor. [N]
+        Thrust limits by slot. [N]
     lowest_heave : float
         Strongest push downwards by the rotors that point up. [N]
-    a, b : float
-        Thrust curve T = a u^2 + b u, u = duty (paper section on thrust). [N]
+    a, b : tuple of float
+        Thrust curve T = a u^2 + b u by slot, u = duty (paper section on thrust). [N]
 
     """
 
-    allocation: tuple[tuple[float, ...], ...]
-    low: tuple[float, ...]
-    high: tuple[float, ...]
+    number: int
+    allocation: Columns
+    low: PerRotor
+    high: PerRotor
     lowest_heave: float
-    a: float
-    b: float
+    a: PerRotor
+    b: PerRotor
 
 
 # Altitude before heading before speed; roll only so that the two vertical rotors share the load.
@@ -51,7 +74,14 @@ class Rotors(NamedTuple):
 WEIGHTS = (1.0, 0.0, 100.0, 10.0, 0.0, 1000.0)
 
 
-def allocate(rotors: Rotors, wrench: Wrench, start: Thrusts) -> tuple[Thrusts, Wrench]:
+def new_scratch() -> list[float]:
+    """Return numbers that the allocation may write on; it expects nothing of what they hold."""
+    return [0.0] * SCRATCH
+
+
+def allocate(
+    rotors: Rotors, wrench: Wrench, start: PerRotor, scratch: Scratch
+) -> tuple[PerRotor, Wrench]:
     """
     Return rotor thrusts and the wrench they give.
 
@@ -62,104 +92,122 @@ def allocate(rotors: Rotors, wrench: Wrench, start: Thrusts) -> tuple[Thrusts, W
     wrench : tuple
         Wanted force and moment about the hull centre, body frame. [N, N m]
     start : tuple
-        Thrusts of the last step, where the search begins. [N]
+        Thrusts of the last step by slot, where the search begins. [N]
+    scratch : sequence of float
+        At least `SCRATCH` numbers to write on.
 
     """
-    columns = rotors.allocation
-    low, high = rotors.low, rotors.high
-    count = len(columns)
-    stiffness = [[_weighted(p, q) for q in columns] for p in columns]
-    ridge = 0.0
-    for j in range(count):
-        ridge += RIDGE * stiffness[j][j] / count
-    thrusts = [min(max(start[j], low[j]), high[j]) for j in range(count)]
-    target = [_weighted(columns[j], wrench) + ridge * thrusts[j] for j in range(count)]
-    for j in range(count):
-        stiffness[j][j] += ridge
-    free = [low[j] < thrusts[j] < high[j] for j in range(count)]
+    s, count, low, high = scratch, rotors.number, rotors.low, rotors.high
+    _begin(rotors, wrench, start, s)
     for _ in range(ROUNDS):
-        step = _solved(stiffness, _pull(stiffness, target, thrusts), free)
-        share, stop = _reach(rotors, thrusts, step)
+        _pull(count, s)
+        _solve(count, s)
+        share, stop = _reach(rotors, s)
         for j in range(count):
-            thrusts[j] = min(max(thrusts[j] + share * step[j], low[j]), high[j])
+            moved = s[THRUSTS + j] + share * s[STEP + j]
+            s[THRUSTS + j] = min(max(moved, low[j]), high[j])
         if stop >= 0:
-            thrusts[stop] = high[stop] if step[stop] > 0.0 else low[stop]
-            free[stop] = False
+            s[THRUSTS + stop] = high[stop] if s[STEP + stop] > 0.0 else low[stop]
+            s[FREE + stop] = 0.0
             continue
-        stop = _held_back(rotors, stiffness, _pull(stiffness, target, thrusts), thrusts, free)
+        _pull(count, s)
+        stop = _held_back(rotors, s)
         if stop < 0:
             break
-        free[stop] = True
-    given = [0.0] * AXES
+        s[FREE + stop] = 1.0
+    return _answer(rotors, s)
+
+
+def _begin(rotors: Rotors, wrench: Wrench, start: PerRotor, s: Scratch) -> None:
+    """Write the problem: stiffness, target, thrusts within their limits, and which are free."""
+    count, columns, low, high = rotors.number, rotors.allocation, rotors.low, rotors.high
+    ridge = 0.0
     for j in range(count):
-        for axis in range(AXES):
-            given[axis] += columns[j][axis] * thrusts[j]
-    # Tuples of fixed length, so that this compiles.
-    return (thrusts[0], thrusts[1], thrusts[2], thrusts[3]), (
-        given[0], given[1], given[2], given[3], given[4], given[5],
-    )  # fmt: skip
-
-
-def _pull(stiffness: list[list[float]], target: list[float], thrusts: list[float]) -> list[float]:
-    """Return minus the gradient: where each thrust would go."""
-    pull = list(target)
-    for j in range(len(target)):
-        for i in range(len(target)):
-            pull[j] -= stiffness[j][i] * thrusts[i]
-    return pull
-
-
-def _solved(stiffness: list[list[float]], pull: list[float], free: list[bool]) -> list[float]:
-    """Return the step to the minimum over the free thrusts; 0 for the others (elimination)."""
-    count = len(pull)
-    rows = [list(row) for row in stiffness]
-    right = list(pull)
-    step = [0.0] * count
+        for k in range(count):
+            s[STIFFNESS + SLOTS * j + k] = _weighted(columns[j], columns[k])
+        ridge += RIDGE * s[STIFFNESS + SLOTS * j + j] / count
     for j in range(count):
+        thrust = min(max(start[j], low[j]), high[j])
+        s[THRUSTS + j] = thrust
+        s[TARGET + j] = _weighted(columns[j], wrench) + ridge * thrust
+        s[STIFFNESS + SLOTS * j + j] += ridge
+        s[FREE + j] = 1.0 if low[j] < thrust < high[j] else 0.0
+
+
+def _pull(count: int, s: Scratch) -> None:
+    """Write minus the gradient: where each thrust would go."""
+    for j in range(count):
+        pull = s[TARGET + j]
+        for i in range(count):
+            pull -= s[STIFFNESS + SLOTS * j + i] * s[THRUSTS + i]
+        s[PULL + j] = pull
+
+
+def _solve(count: int, s: Scratch) -> None:
+    """Write the step to the minimum over the free thrusts; 0 for the others (elimination)."""
+    for j in range(count):
+        s[RIGHT + j] = s[PULL + j]
+        s[STEP + j] = 0.0
+        for i in range(count):
+            s[ROWS + SLOTS * j + i] = s[STIFFNESS + SLOTS * j + i]
+    for j in range(count):
+        pivot = s[ROWS + SLOTS * j + j]
         for k in range(j + 1, count):
-            if free[j] and free[k] and rows[j][j] > 0.0:
-                factor = rows[k][j] / rows[j][j]
-                right[k] -= factor * right[j]
+            if s[FREE + j] > 0.0 and s[FREE + k] > 0.0 and pivot > 0.0:
+                factor = s[ROWS + SLOTS * k + j] / pivot
+                s[RIGHT + k] -= factor * s[RIGHT + j]
                 for i in range(j, count):
-                    rows[k][i] -= factor * rows[j][i]
+                    s[ROWS + SLOTS * k + i] -= factor * s[ROWS + SLOTS * j + i]
     for j in range(count - 1, -1, -1):
-        if free[j] and rows[j][j] > 0.0:
-            rest = right[j]
+        pivot = s[ROWS + SLOTS * j + j]
+        if s[FREE + j] > 0.0 and pivot > 0.0:
+            rest = s[RIGHT + j]
             for i in range(j + 1, count):
-                rest -= rows[j][i] * step[i]
-            step[j] = rest / rows[j][j]
-    return step
+                rest -= s[ROWS + SLOTS * j + i] * s[STEP + i]
+            s[STEP + j] = rest / pivot
 
 
-def _reach(rotors: Rotors, thrusts: list[float], step: list[float]) -> tuple[float, int]:
+def _reach(rotors: Rotors, s: Scratch) -> tuple[float, int]:
     """Return the share of a step that no limit forbids, and the rotor at whose it ends or -1."""
     share, stop = 1.0, -1
-    for j in range(len(step)):
-        limit = rotors.high[j] if step[j] > 0.0 else rotors.low[j]
-        if share * abs(step[j]) > abs(limit - thrusts[j]):
-            share, stop = abs(limit - thrusts[j]) / abs(step[j]), j
+    for j in range(rotors.number):
+        step = s[STEP + j]
+        limit = rotors.high[j] if step > 0.0 else rotors.low[j]
+        if share * abs(step) > abs(limit - s[THRUSTS + j]):
+            share, stop = abs(limit - s[THRUSTS + j]) / abs(step), j
     return share, stop
 
 
-def _held_back(
-    rotors: Rotors,
-    stiffness: list[list[float]],
-    pull: list[float],
-    thrusts: list[float],
-    free: list[bool],
-) -> int:
+def _held_back(rotors: Rotors, s: Scratch) -> int:
     """Return the rotor that most wants to leave its limit, or -1."""
     most, found = INWARD, -1
-    for j in range(len(pull)):
-        if free[j] or stiffness[j][j] <= 0.0:
+    for j in range(rotors.number):
+        stiffness = s[STIFFNESS + SLOTS * j + j]
+        if s[FREE + j] > 0.0 or stiffness <= 0.0:
             continue
-        inward = pull[j] if thrusts[j] <= rotors.low[j] else -pull[j]
-        if inward / stiffness[j][j] > most:
-            most, found = inward / stiffness[j][j], j
+        inward = s[PULL + j] if s[THRUSTS + j] <= rotors.low[j] else -s[PULL + j]
+        if inward / stiffness > most:
+            most, found = inward / stiffness, j
     return found
 
 
-def _weighted(p: tuple[float, ...], q: tuple[float, ...]) -> float:
+def _answer(rotors: Rotors, s: Scratch) -> tuple[PerRotor, Wrench]:
+    """Return the thrusts, 0 in empty slots, and B times them."""
+    for axis in range(AXES):
+        s[GIVEN + axis] = 0.0
+    for j in range(rotors.number):
+        for axis in range(AXES):
+            s[GIVEN + axis] += rotors.allocation[j][axis] * s[THRUSTS + j]
+    for j in range(rotors.number, SLOTS):
+        s[THRUSTS + j] = 0.0
+    t, g = THRUSTS, GIVEN
+    # Tuples of fixed length, so that this compiles.
+    return (s[t], s[t + 1], s[t + 2], s[t + 3], s[t + 4], s[t + 5], s[t + 6], s[t + 7]), (
+        s[g], s[g + 1], s[g + 2], s[g + 3], s[g + 4], s[g + 5],
+    )  # fmt: skip
+
+
+def _weighted(p: Column, q: Column) -> float:
     total = 0.0
     for axis in range(AXES):
         total += WEIGHTS[axis] * p[axis] * q[axis]
@@ -182,3 +230,18 @@ def duty(thrust: float, a: float, b: float) -> float:
     root = math.sqrt(b * b + 4.0 * a * size)
     # The rationalised form: no cancellation at small thrusts, and a = 0 is allowed.
     return math.copysign(2.0 * size / (b + root), thrust) if size > 0.0 else 0.0
+
+
+def duties(rotors: Rotors, thrusts: PerRotor) -> PerRotor:
+    """Return the duty of each slot that gives its thrust. [N] to [1]."""
+    a, b = rotors.a, rotors.b
+    return (
+        duty(thrusts[0], a[0], b[0]),
+        duty(thrusts[1], a[1], b[1]),
+        duty(thrusts[2], a[2], b[2]),
+        duty(thrusts[3], a[3], b[3]),
+        duty(thrusts[4], a[4], b[4]),
+        duty(thrusts[5], a[5], b[5]),
+        duty(thrusts[6], a[6], b[6]),
+        duty(thrusts[7], a[7], b[7]),
+    )

@@ -7,7 +7,7 @@ cascade, so that no integral winds up against a rotor at its limit.
 
 from typing import NamedTuple
 
-from lta_control.allocation import allocate, duty, Rotors, Thrusts
+from lta_control.allocation import allocate, duties, Rotors, Scratch
 from lta_control.cascade import (
     cascade_step,
     CascadeGains,
@@ -16,16 +16,18 @@ from lta_control.cascade import (
     Measured,
     Setpoint,
 )
+from lta_control.per_rotor import NONE, PerRotor
 
 FOOT = 0.03  # m above its standing height that still count as standing
 STILL = 0.05  # m/s
+TILT_LIMIT = 1.0  # rad; beyond it the drone has turned over and the motors stop
 
 
 class ControlMemory(NamedTuple):
     """What control remembers from step to step."""
 
     cascade: CascadeMemory = CascadeMemory()
-    thrusts: Thrusts = (0.0, 0.0, 0.0, 0.0)
+    thrusts: PerRotor = NONE
     shortfall: Demand = Demand(0.0, 0.0, 0.0)
 
 
@@ -37,9 +39,10 @@ def control_step(
     measured: Measured,
     setpoint: Setpoint,
     dt: float,
-) -> tuple[Thrusts, ControlMemory]:
+    scratch: Scratch,
+) -> tuple[PerRotor, ControlMemory]:
     """
-    Return the duties of the rotors and the new memory.
+    Return the duty of each slot and the new memory.
 
     Parameters
     ----------
@@ -55,6 +58,8 @@ def control_step(
         Where the drone is and where it should be.
     dt : float
         Time since the last step. [s]
+    scratch : sequence of float
+        Numbers that the allocation may write on.
 
     """
     demand, cascade = cascade_step(
@@ -68,12 +73,9 @@ def control_step(
         dt,
     )
     wrench = (demand.surge, 0.0, demand.heave, 0.0, 0.0, demand.yaw)
-    thrusts, given = allocate(rotors, wrench, memory.thrusts)
+    thrusts, given = allocate(rotors, wrench, memory.thrusts, scratch)
     shortfall = Demand(given[0] - demand.surge, given[2] - demand.heave, given[5] - demand.yaw)
-    a, b = rotors.a, rotors.b
-    first, second, third, fourth = thrusts
-    duties = (duty(first, a, b), duty(second, a, b), duty(third, a, b), duty(fourth, a, b))
-    return duties, ControlMemory(cascade, thrusts, shortfall)
+    return duties(rotors, thrusts), ControlMemory(cascade, thrusts, shortfall)
 
 
 def landed(measured: Measured, setpoint: Setpoint, standing: float) -> bool:

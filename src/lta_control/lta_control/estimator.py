@@ -12,11 +12,11 @@ from typing import NamedTuple
 from lta_config.constants import AIR_DENSITY, STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
 from lta_control.airspeed import Airspeed, airspeed_step, Hull
+from lta_control.allocation import Columns
 from lta_control.altitude import Altitude, AltitudeSettings, correct, predict
 from lta_control.attitude import attitude_step, heading, Quaternion, up_in_body, Vector
+from lta_control.per_rotor import NONE, PerRotor
 from lta_control.rest import Biases, biases_of, Rest, rest_step
-
-Duties = tuple[float, float, float, float]
 
 
 class EstimatorSettings(Settings):
@@ -57,10 +57,12 @@ class Body(NamedTuple):
         Of the hull centre above the floor while the vehicle stands on it. [m]
     imu_position, range_position : tuple
         Where the sensors sit, body frame. [m]
+    number : int
+        Rotors, 1 to 8.
     allocation : tuple of tuple of float
-        B: one column a rotor. [N/N, m]
-    a, b : float
-        Thrust curve T = a u^2 + b u. [N]
+        B: one column a slot. [N/N, m]
+    a, b : tuple of float
+        Thrust curve T = a u^2 + b u by slot. [N]
     lag_up, lag_down : float
         Time constants of the motors. [s]
 
@@ -70,9 +72,10 @@ class Body(NamedTuple):
     standing_height: float
     imu_position: Vector
     range_position: Vector
-    allocation: tuple[tuple[float, ...], ...]
-    a: float
-    b: float
+    number: int
+    allocation: Columns
+    a: PerRotor
+    b: PerRotor
     lag_up: float
     lag_down: float
 
@@ -88,7 +91,7 @@ class Estimate(NamedTuple):
     altitude: Altitude = Altitude()
     airspeed: Airspeed = Airspeed()
     position: tuple[float, float] = (0.0, 0.0)
-    duties: Duties = (0.0, 0.0, 0.0, 0.0)  # that the motors have reached
+    duties: PerRotor = NONE  # that the motors have reached
     flown: float = 0.0  # time since the rest ended [s]
 
 
@@ -99,7 +102,7 @@ class Inputs(NamedTuple):
     force: Vector  # specific force [m/s2]
     range: float  # [m]; infinite where nothing is in reach
     pressure: float  # [Pa]
-    duties: Duties  # the newest command
+    duties: PerRotor  # the newest command
 
 
 def estimator_step(
@@ -217,27 +220,36 @@ def _altitude(
     return altitude
 
 
-def _lagged(body: Body, before: Duties, commanded: Duties, dt: float) -> Duties:
+def _lagged(body: Body, before: PerRotor, commanded: PerRotor, dt: float) -> PerRotor:
     """Return the duties that the motors have reached, by the nominal lag."""
+    up, down = _share(body.lag_up, dt), _share(body.lag_down, dt)
     return (
-        _followed(body, before[0], commanded[0], dt),
-        _followed(body, before[1], commanded[1], dt),
-        _followed(body, before[2], commanded[2], dt),
-        _followed(body, before[3], commanded[3], dt),
+        _followed(before[0], commanded[0], up, down),
+        _followed(before[1], commanded[1], up, down),
+        _followed(before[2], commanded[2], up, down),
+        _followed(before[3], commanded[3], up, down),
+        _followed(before[4], commanded[4], up, down),
+        _followed(before[5], commanded[5], up, down),
+        _followed(before[6], commanded[6], up, down),
+        _followed(before[7], commanded[7], up, down),
     )
 
 
-def _followed(body: Body, before: float, commanded: float, dt: float) -> float:
-    lag = body.lag_up if abs(commanded) > abs(before) else body.lag_down
-    share = 1.0 - math.exp(-dt / lag) if lag > 0.0 else 1.0
+def _share(lag: float, dt: float) -> float:
+    """Return the share of a step that a motor takes in a time."""
+    return 1.0 - math.exp(-dt / lag) if lag > 0.0 else 1.0
+
+
+def _followed(before: float, commanded: float, up: float, down: float) -> float:
+    share = up if abs(commanded) > abs(before) else down
     return before + share * (commanded - before)
 
 
-def _rotor_force(body: Body, duties: Duties) -> tuple[float, float]:
+def _rotor_force(body: Body, duties: PerRotor) -> tuple[float, float]:
     """Return the rotors' force along body x and y. [N]."""
     fx = fy = 0.0
-    for j in range(len(duties)):
-        thrust = (body.a * abs(duties[j]) + body.b) * duties[j]
+    for j in range(body.number):
+        thrust = (body.a[j] * abs(duties[j]) + body.b[j]) * duties[j]
         fx += body.allocation[j][0] * thrust
         fy += body.allocation[j][1] * thrust
     return fx, fy

@@ -4,9 +4,11 @@ import math
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped, TwistStamped
-from lta_control.attitude import heading, Quaternion, up_in_body
+from lta_control import carried
+from lta_control.attitude import Quaternion, up_in_body
 from lta_control.cascade import Measured, Setpoint
-from lta_control.estimator import Duties, Estimate, Inputs
+from lta_control.estimator import Estimate, Inputs
+from lta_control.per_rotor import PerRotor, slots
 from lta_graph.inbox import Step
 from nav_msgs.msg import Odometry
 import numpy as np
@@ -16,11 +18,10 @@ UNKNOWN = -1.0  # in the first element of a covariance: the field is not known (
 DRIFT = 0.1  # of dead-reckoned position [m/s]: an assumption
 START_SIGMA = 0.01  # of the origin that the position counts from [m]: an assumption
 YAW_DRIFT = 1e-3  # of heading after the rest at the start [rad/s]: an assumption
-LEVEL = 0.1  # cosine of the tilt below which climb and heave are not told apart
 SPEED_SIGMA = 0.1  # of the airspeed [m/s]: an assumption, checked by the report
 
 
-def to_inputs(step: Step, commanded: Duties) -> Inputs:
+def to_inputs(step: Step, commanded: PerRotor) -> Inputs:
     """Return what the estimator takes from one step's messages; the newest of each counts."""
     imu: Imu = step.last('imu')
     distance, air = step.last('range'), step.last('pressure')
@@ -36,16 +37,14 @@ def to_inputs(step: Step, commanded: Duties) -> Inputs:
 
 def to_distance(message: Range) -> float:
     """Return a distance, NaN where it is outside the sensor's reach (REP-117)."""
-    inside = message.min_range <= message.range <= message.max_range
-    return float(message.range) if inside else math.nan
+    return carried.reach(float(message.range), message.min_range, message.max_range)
 
 
-def to_duties(motors: JointState | None, names: list[str], before: Duties) -> Duties:
-    """Return the commanded duties; those before where nothing that fits the names has come."""
+def to_duties(motors: JointState | None, names: list[str], before: PerRotor) -> PerRotor:
+    """Return the commanded duties by slot; those before where nothing fitting has come."""
     if motors is None or list(motors.name) != names or len(motors.effort) != len(names):
         return before
-    first, second, third, fourth = motors.effort
-    return first, second, third, fourth
+    return slots(motors.effort)
 
 
 def from_estimate(stamp: Time, estimate: Estimate) -> Odometry:
@@ -60,8 +59,7 @@ def from_estimate(stamp: Time, estimate: Estimate) -> Odometry:
     p.z = estimate.altitude.height
     q.x, q.y, q.z, q.w = estimate.attitude
     v, w = twist.linear, twist.angular
-    v.x, v.y = estimate.airspeed.surge, estimate.airspeed.sway
-    v.z = heave(estimate)
+    v.x, v.y, v.z = carried.velocity(estimate)
     w.x, w.y, w.z = estimate.rates
     pose_covariance = np.zeros(36)
     twist_covariance = np.zeros(36)
@@ -80,13 +78,6 @@ def from_estimate(stamp: Time, estimate: Estimate) -> Odometry:
     return message
 
 
-def heave(estimate: Estimate) -> float:
-    """Return the velocity along body z that goes with the climb rate. [m/s]"""
-    ux, uy, uz = up_in_body(estimate.attitude)
-    sideways = ux * estimate.airspeed.surge + uy * estimate.airspeed.sway
-    return (estimate.altitude.climb - sideways) / uz if uz > LEVEL else estimate.altitude.climb
-
-
 def attitude_of(message: Odometry) -> Quaternion:
     """Return the orientation as x, y, z, w."""
     q = message.pose.pose.orientation
@@ -97,16 +88,12 @@ def to_measured(message: Odometry) -> Measured | None:
     """Return what the cascade acts on, or None while the estimate is unknown."""
     if message.pose.covariance[0] == UNKNOWN:
         return None
-    twist = message.twist.twist
-    attitude = attitude_of(message)
-    ux, uy, uz = up_in_body(attitude)
-    return Measured(
-        altitude=message.pose.pose.position.z,
-        climb=ux * twist.linear.x + uy * twist.linear.y + uz * twist.linear.z,
-        heading=heading(attitude),
-        yaw_rate=twist.angular.z,
-        speed=twist.linear.x,
-        sway=twist.linear.y,
+    linear, angular = message.twist.twist.linear, message.twist.twist.angular
+    return carried.measured(
+        attitude_of(message),
+        message.pose.pose.position.z,
+        (linear.x, linear.y, linear.z),
+        angular.z,
     )
 
 
@@ -118,11 +105,7 @@ def is_level(message: Odometry, limit: float) -> bool:
 def to_setpoint(pose: PoseStamped, velocity: TwistStamped) -> Setpoint:
     """Return what the navigator asks for."""
     q = pose.pose.orientation
-    return Setpoint(
-        altitude=pose.pose.position.z,
-        heading=heading((q.x, q.y, q.z, q.w)),
-        speed=velocity.twist.linear.x,
-    )
+    return carried.setpoint(pose.pose.position.z, (q.x, q.y, q.z, q.w), velocity.twist.linear.x)
 
 
 def from_setpoint(stamp: Time, setpoint: Setpoint) -> tuple[PoseStamped, TwistStamped]:
@@ -131,8 +114,8 @@ def from_setpoint(stamp: Time, setpoint: Setpoint) -> tuple[PoseStamped, TwistSt
     pose.header.stamp = stamp
     pose.header.frame_id = 'odom'
     pose.pose.position.z = setpoint.altitude
-    pose.pose.orientation.z = math.sin(0.5 * setpoint.heading)
-    pose.pose.orientation.w = math.cos(0.5 * setpoint.heading)
+    q = pose.pose.orientation
+    q.x, q.y, q.z, q.w = carried.level(setpoint.heading)
     velocity = TwistStamped()
     velocity.header.stamp = stamp
     velocity.header.frame_id = 'base_link'
@@ -141,12 +124,12 @@ def from_setpoint(stamp: Time, setpoint: Setpoint) -> tuple[PoseStamped, TwistSt
 
 
 def from_duties(stamp: Time, names: list[str], duties: tuple[float, ...]) -> JointState:
-    """Return duties by actuator name."""
+    """Return duties by actuator name; slots without an actuator are left out."""
     message = JointState()
     message.header.stamp = stamp
     message.header.frame_id = 'base_link'
     message.name = names
-    message.effort = list(duties)
+    message.effort = list(duties[: len(names)])
     return message
 
 

@@ -8,6 +8,8 @@ function nor of anything that it calls, in whichever file, can leave old physics
 import ast
 import builtins
 from collections.abc import Callable
+import copy
+from functools import cache
 import inspect
 import math
 from pathlib import Path
@@ -17,13 +19,20 @@ from typing import Any
 from lta_config.errors import BadInput
 
 
+@cache
+def _definitions(path: Path, changed_ns: int, size: int) -> dict[str, ast.FunctionDef]:
+    """Return the functions at the top of a file as it stood at that time."""
+    tree = ast.parse(path.read_text(encoding='utf-8'))
+    return {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+
+
 def _definition(function: FunctionType) -> ast.FunctionDef:
     """Return the syntax tree of a function at the top of its module."""
     path = Path(inspect.getsourcefile(function) or '')
-    tree = ast.parse(path.read_text(encoding='utf-8'))
-    for node in tree.body:
-        if isinstance(node, ast.FunctionDef) and node.name == function.__qualname__:
-            return node
+    file = path.stat()
+    node = _definitions(path, file.st_mtime_ns, file.st_size).get(function.__qualname__)
+    if node is not None:
+        return copy.deepcopy(node)
     raise BadInput(
         f'No function {function.__name__} stands at the top of {path}; define it there.'
     )

@@ -56,6 +56,22 @@ class LampEstimate:
     covariance: NDArray[np.float64]
 
 
+def ray_of(angle: float) -> tuple[float, float]:
+    """Return the unit vector of a bearing. [rad]"""
+    return math.cos(angle), math.sin(angle)
+
+
+def bearing_through(angle: float, prior: LampPrior) -> float:
+    """
+    Return the bearing of the lamp that the message of `lamp_estimate` gives back. [rad]
+
+    The message carries a point: the last bit of the angle is not kept. A loop that sends no
+    messages takes it through the same arithmetic.
+    """
+    x, y = ray_of(angle)
+    return math.atan2(prior.distance * y, prior.distance * x)
+
+
 def lamp_estimate(bearing: Bearing, prior: LampPrior) -> LampEstimate:
     """
     Return the lamp as a point on the ray of its bearing, uncertain mostly along that ray.
@@ -79,7 +95,7 @@ def lamp_estimate(bearing: Bearing, prior: LampPrior) -> LampEstimate:
     sector: for an angle known worse than half a radian the true region is bent.
 
     """
-    ray = np.array([math.cos(bearing.angle), math.sin(bearing.angle), 0.0])
+    ray = np.array([*ray_of(bearing.angle), 0.0])
     left = np.array([-ray[1], ray[0], 0.0])
     up = np.array([0.0, 0.0, 1.0])
     along = prior.distance_deviation**2

@@ -47,9 +47,8 @@ def amplitude_spectrum(block: ArrayLike) -> NDArray[np.float64]:
     """
     samples = np.array(np.asarray(block).T, dtype=np.float64, order='C')
     count = samples.shape[1]
-    samples -= samples.mean(axis=1, keepdims=True)
-    transform = np.fft.rfft(samples, axis=1)
-    magnitude = np.sqrt(transform.real**2 + transform.imag**2)
+    samples -= np.add.reduce(samples, axis=1, keepdims=True) / count  # the mean, in less time
+    magnitude = np.abs(np.fft.rfft(samples, axis=1))
     magnitude *= 2.0 / count
     if count % 2 == 0:
         # The highest bin of an even block has no mirror image to share its energy with.

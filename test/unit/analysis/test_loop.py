@@ -5,11 +5,16 @@ from functools import cache
 import math
 
 from lta_analysis.loop import Loop, Policy
+from lta_config.files import find, load_yaml
 from lta_config.topics import topic_table
+from lta_control import carried
+from lta_control.allocation import new_scratch
 from lta_control.attitude import heading
-from lta_control.control import control_step
+from lta_control.autopilot import drone_of, MEMORY
+from lta_control.estimator import EstimatorSettings
 from lta_control.gains_file import load_gains
 from lta_control.mission import MissionSettings, Phase
+from lta_control.onboard import Heard, Onboard, onboard_step
 from lta_control.strategies import strategy
 from lta_control.strategies.bearing_angle import STRATEGY
 from lta_sim.readings import Outcome
@@ -18,14 +23,15 @@ from lta_sim.vehicle import load_vehicle
 from lta_sim.world import World
 import numpy as np
 import pytest
+import yaml
 
 SEEDS = (1, 2, 3, 4, 5)
 SPEED = 0.5
 
 
-def start(seed, **policy):
+def start(seed, vehicle='gtmab', **policy):
     scenario = load_scenario('lamp_room')
-    vehicle = load_vehicle('gtmab', scenario.air.density)
+    vehicle = load_vehicle(str(vehicle), scenario.air.density)
     table = topic_table()
     policy = {'strategy': strategy('bag'), 'gains': load_gains('gtmab'), **policy}
     world = World(vehicle, scenario, table, seed)
@@ -171,36 +177,41 @@ def test_a_bearing_is_added_to_the_heading_at_the_middle_of_its_block():
         assert believed == headings[step - 5]
 
 
-def test_the_estimator_sees_the_duties_of_the_step_before(monkeypatch):
-    loop, given, told = start(2), [], []
-    body = 'lta_analysis.loop.estimator_step'
-
-    def spy(settings, body, state, inputs, dt):
-        told.append(inputs.duties)
-        return estimator_step(settings, body, state, inputs, dt)
-
-    from lta_control.estimator import estimator_step
-
-    monkeypatch.setattr(body, spy)
-    for _ in range(400):
+def test_it_decides_as_plain_python_does():
+    """A whole climb and search: the compiled step and the same functions in Python, to the bit."""
+    loop, scratch = start(2), new_scratch()
+    vehicle = load_vehicle('gtmab')
+    drone = drone_of(vehicle, EstimatorSettings(), load_gains('gtmab'), 0.01)
+    memory, taken = Onboard(), []
+    sense = loop.world.sense
+    loop.world.sense = lambda: taken.append(sense()) or taken[-1]
+    for _ in range(900):
         loop.step()
-        given.append(loop.duties)
-    assert told[0] == (0.0,) * 4
-    assert told[1:] == given[:-1]
-    assert any(map(any, given))
+        readings = taken.pop()
+        heard = Heard(
+            readings.rates,
+            readings.force,
+            carried.single(readings.ranges[-1][1]) if readings.ranges else math.nan,
+            math.nan if readings.pressure is None else readings.pressure,
+        )
+        if loop.setpoint is not None:
+            height, yaw, speed = loop.setpoint
+            asked = carried.setpoint(height, carried.level(yaw), speed)
+            memory = memory._replace(setpoint=asked, guided=True)
+        memory = onboard_step(drone, memory, heard, scratch)
+        np.testing.assert_array_equal(MEMORY.write(loop.autopilot.memory), MEMORY.write(memory))
+        assert loop.duties == memory.duties[:4]
+    assert loop.mission.phase is Phase.SEEK
+    assert any(loop.duties)
 
 
-def test_the_controller_never_sees_the_truth(monkeypatch):
+def test_the_controller_never_sees_the_truth():
     """What the cascade acts on is the estimate, which differs from the truth."""
     loop, pairs = start(2), []
-
-    def spy(gains, rotors, drag, memory, measured, setpoint, dt):
-        pairs.append((measured.altitude, loop.world.state[2]))
-        return control_step(gains, rotors, drag, memory, measured, setpoint, dt)
-
-    monkeypatch.setattr('lta_analysis.loop.control_step', spy)
     for _ in range(600):
         loop.step()
+        if (measured := loop.measured()) is not None:
+            pairs.append((measured.altitude, loop.world.state[2]))
     assert len(pairs) > 300
     assert all(believed != true for believed, true in pairs)
 
@@ -214,3 +225,49 @@ def test_it_hovers_at_the_altitude_it_is_told():
     # The range's own offset, up to 20 mm, is what it cannot know.
     assert np.mean(heights[-1000:]) == pytest.approx(0.8, abs=0.021)
     assert np.ptp(heights[-1000:]) < 0.02
+
+
+def with_rotors(path, change):
+    """Write GT-MAB with other rotors: name to position [cm], force and moment per newton."""
+    content = load_yaml(find('vehicle', 'gtmab'))
+    rotors, columns = content['rotors'], content['aero']['thrust_allocation']
+    for name, values in change.items():
+        rotors.pop(name, None)
+        columns.pop(name, None)
+        if values:
+            place, force, moment = (
+                {'value': list(value), 'unit': unit, 'source': 'assumed'}
+                for value, unit in zip(values, ('cm', 'N/N', 'm'), strict=True)
+            )
+            axis = {'value': [round(x) for x in values[1]], 'unit': '1', 'source': 'assumed'}
+            rotors[name] = {'reversible': False, 'position': place, 'axis': axis}
+            columns[name] = {'force': force, 'moment': moment}
+    path.write_text(yaml.safe_dump(content, sort_keys=False), encoding='utf-8')
+    return path
+
+
+FLEETS = {
+    3: {'up_left': None, 'up_right': None, 'up': ((0, 0, -34), (0, 0, 0.96), (0, 0, 0))},
+    6: {
+        'up_front': ((19, 0, -34), (0, 0, 0.96), (0, -0.188, 0)),
+        'up_back': ((-19, 0, -34), (0, 0, 0.96), (0, 0.188, 0)),
+    },
+    8: {
+        'up_front': ((19, 0, -34), (0, 0, 0.96), (0, -0.188, 0)),
+        'up_back': ((-19, 0, -34), (0, 0, 0.96), (0, 0.188, 0)),
+        'turn_left': ((30, 0, -34), (0, 0.96, 0), (0, 0, 0.3)),
+        'turn_right': ((30, 0, -34), (0, -0.96, 0), (0, 0, -0.3)),
+    },
+}
+
+
+@pytest.mark.parametrize('number', FLEETS)
+def test_any_number_of_rotors_reaches_the_lamp(number, tmp_path):
+    loop = start(1, with_rotors(tmp_path / 'rotors.yaml', FLEETS[number]))
+    assert len(loop.duties) == number
+    used = np.zeros(number)
+    while (outcome := loop.step()) is Outcome.FLYING:
+        used = np.maximum(used, loop.duties)
+    assert outcome is Outcome.REACHED
+    assert loop.world.elapsed < 40.0
+    assert (used > 0.05).all()

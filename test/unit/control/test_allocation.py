@@ -1,25 +1,30 @@
 """Allocation on GT-MAB: exact where it can be, and what gives way first where it cannot."""
 
-from lta_control.allocation import allocate, duty
+from lta_config.errors import BadInput
+from lta_control.allocation import allocate, duties, duty, new_scratch, Rotors
+from lta_control.per_rotor import NONE, SLOTS, slots
 from lta_control.vehicle_side import rotors_of
+from lta_sim.state import ACTUATORS
 from lta_sim.vehicle import load_vehicle, Vehicle
 import numpy as np
 import pytest
 
 ROTORS = rotors_of(load_vehicle('gtmab'))
 FULL = 0.0915 + 0.0677
-REST = (0.0, 0.0, 0.0, 0.0)
+REST = NONE
 
 
 def give(surge=0.0, heave=0.0, yaw=0.0, rotors=ROTORS, start=REST):
-    return allocate(rotors, (surge, 0.0, heave, 0.0, 0.0, yaw), start)
+    return allocate(rotors, (surge, 0.0, heave, 0.0, 0.0, yaw), start, new_scratch())
 
 
 def test_the_rotors_of_the_file():
-    assert ROTORS.low == (0.0, 0.0, 0.0, 0.0)
-    assert ROTORS.high == pytest.approx((FULL,) * 4, rel=1e-12)
-    assert (ROTORS.a, ROTORS.b) == (0.0915, 0.0677)
+    assert ROTORS.number == 4
+    assert ROTORS.low == NONE
+    assert ROTORS.high == pytest.approx(slots((FULL,) * 4), rel=1e-12)
+    assert (ROTORS.a, ROTORS.b) == (slots((0.0915,) * 4), slots((0.0677,) * 4))
     assert ROTORS.allocation[0] == (0.0, 0.013, 0.961, 0.188, 0.0, 0.0)
+    assert ROTORS.allocation[4:] == ((0.0,) * 6,) * 4
     assert ROTORS.allocation[3] == (0.981, -0.011, -0.061, 0.002, -0.403, 0.1)
 
 
@@ -28,7 +33,7 @@ def test_what_can_be_given_is_given():
     thrusts, given = give(surge=0.04, heave=0.05, yaw=0.001)
     forward = 0.04 / 1.962
     up = (0.05 + 0.122 * forward) / 1.922
-    assert thrusts[2:] == pytest.approx((forward - 0.005, forward + 0.005), rel=1e-7)
+    assert thrusts[2:4] == pytest.approx((forward - 0.005, forward + 0.005), rel=1e-7)
     assert sum(thrusts[:2]) == pytest.approx(2 * up, rel=1e-7)
     assert given[0] == pytest.approx(0.04, rel=1e-7)
     assert given[2] == pytest.approx(0.05, rel=1e-7)
@@ -81,7 +86,7 @@ def test_braking_without_reverse_gives_nothing():
 
 
 def test_a_reversible_rotor_brakes_and_pushes_down():
-    both = ROTORS._replace(low=(-FULL,) * 4)
+    both = ROTORS._replace(low=slots((-FULL,) * 4))
     _, given = give(surge=-0.1, heave=-0.1, rotors=both)
     assert given[0] == pytest.approx(-0.1, rel=1e-7)
     assert given[2] == pytest.approx(-0.1, rel=1e-7)
@@ -99,9 +104,9 @@ def test_the_strongest_push_downwards():
 
 
 def test_a_rotor_that_nothing_feels_stays_as_it_is():
-    columns = (*ROTORS.allocation[:3], (0.0, 1.0, 0.0, 0.0, 1.0, 0.0))
+    columns = (*ROTORS.allocation[:3], (0.0, 1.0, 0.0, 0.0, 1.0, 0.0), *ROTORS.allocation[4:])
     dumb = ROTORS._replace(allocation=columns)
-    assert give(heave=0.1, rotors=dumb, start=(0.0, 0.0, 0.0, 0.07))[0][3] == 0.07
+    assert give(heave=0.1, rotors=dumb, start=slots((0.0, 0.0, 0.0, 0.07)))[0][3] == 0.07
 
 
 @pytest.mark.parametrize('u', [-1.0, -0.4, -1e-9, 0.0, 1e-12, 0.02, 0.5, 1.0])
@@ -113,3 +118,46 @@ def test_duty_is_the_inverse_of_the_thrust_curve(u):
 def test_duty_of_a_straight_curve():
     assert duty(0.03, 0.0, 0.06) == 0.5
     assert duty(-0.03, 0.0, 0.06) == -0.5
+
+
+def test_each_rotor_has_its_own_curve():
+    rotors = ROTORS._replace(a=slots((0.1, 0.0, 0.1)), b=slots((0.1, 0.06, 0.1)))
+    # 0.1 u^2 + 0.1 u = 0.075 at u = 0.5; 0.06 u = 0.03 at 0.5; and odd.
+    assert duties(rotors, slots((0.075, 0.03, -0.075))) == pytest.approx(slots((0.5, 0.5, -0.5)))
+
+
+def test_one_rotor_alone():
+    """By hand: 100 (0.9 t - 0.1)^2 is least at t = 1 / 9; a limit of 0.05 holds it back."""
+    alone = Rotors(
+        1,
+        ((0.0, 0.0, 0.9, 0.0, 0.0, 0.0), *((0.0,) * 6,) * 7),
+        NONE,
+        slots((0.2,)),
+        0.0,
+        NONE,
+        NONE,
+    )
+    assert give(heave=0.1, rotors=alone)[0] == pytest.approx(slots((1.0 / 9.0,)), rel=1e-7)
+    assert give(heave=0.1, rotors=alone._replace(high=slots((0.05,))))[0] == slots((0.05,))
+
+
+def test_eight_rotors_share_what_they_are_asked():
+    """Four that point up at the corners and four forward: heave, surge and yaw by symmetry."""
+    corners = ((0.2, 0.2), (0.2, -0.2), (-0.2, -0.2), (-0.2, 0.2))
+    up = tuple((0.0, 0.0, 1.0, y, -x, 0.0) for x, y in corners)
+    ahead = tuple((1.0, 0.0, 0.0, 0.0, 0.0, -y) for _, y in corners)
+    eight = Rotors(8, up + ahead, NONE, (0.2,) * 8, 0.0, (0.1,) * 8, (0.1,) * 8)
+    thrusts, given = give(surge=0.2, heave=0.4, yaw=0.008, rotors=eight)
+    assert thrusts[:4] == pytest.approx((0.1,) * 4, rel=1e-7)
+    # A yaw of 0.008 N m is 0.01 N more on each of the two on the right, and less on the left.
+    assert thrusts[4:] == pytest.approx((0.04, 0.06, 0.06, 0.04), rel=1e-6)
+    assert given == pytest.approx((0.2, 0.0, 0.4, 0.0, 0.0, 0.008), rel=1e-6, abs=1e-9)
+
+
+def test_there_are_as_many_slots_as_the_kernel_has():
+    assert SLOTS == ACTUATORS
+
+
+def test_more_than_eight_rotors_are_refused():
+    with pytest.raises(BadInput, match='There are 9 rotors, but'):
+        slots((0.1,) * 9)

@@ -9,11 +9,13 @@ import math
 
 from lta_config.settings import plain
 from lta_control.airspeed import Airspeed
+from lta_control.allocation import new_scratch, SCRATCH
 from lta_control.altitude import Altitude
 from lta_control.attitude import attitude_step
 from lta_control.cascade import CascadeGains, CascadeMemory, Demand, Measured, Setpoint, Slope
 from lta_control.control import control_step, ControlMemory
 from lta_control.estimator import Estimate, estimator_step, EstimatorSettings, Inputs
+from lta_control.per_rotor import slots
 from lta_control.rest import Biases, Rest
 from lta_control.strategies import STRATEGIES
 from lta_control.strategies.protocol import Course, CruiseSettings, Sight
@@ -68,14 +70,15 @@ def test_control_compiles():
     fast, generator = compiled(control_step), np.random.default_rng(1)
     rotors, drag = rotors_of(VEHICLE), (0.001, 0.092)
     slow_memory = fast_memory = ControlMemory()
+    scratch = np.full(SCRATCH, math.nan)
     for _ in range(300):
         measured = Measured(*generator.normal(0.3, 0.5, 6).tolist())
         setpoint = Setpoint(*generator.normal(0.4, 0.4, 3).tolist())
         slow, slow_memory = control_step(
-            GAINS, rotors, drag, slow_memory, measured, setpoint, 0.01
+            GAINS, rotors, drag, slow_memory, measured, setpoint, 0.01, new_scratch()
         )
         quick, fast_memory = fast(
-            plain(GAINS), rotors, drag, fast_memory, measured, setpoint, 0.01
+            plain(GAINS), rotors, drag, fast_memory, measured, setpoint, 0.01, scratch
         )
         assert numbers((quick, fast_memory)) == numbers((slow, slow_memory))
     assert isinstance(slow_memory.shortfall, Demand)
@@ -92,7 +95,7 @@ def test_the_estimator_compiles():
             (float(force[0]), float(force[1]), 9.8 + float(force[2])),
             float(generator.normal(0.1, 0.01)) if k % 3 else math.inf,
             float(generator.normal(1e5, 2.0)) if k % 2 else math.nan,
-            tuple(generator.uniform(0.0, 1.0, 4).tolist()),
+            slots(generator.uniform(0.0, 1.0, 4).tolist()),
         )
         slow = estimator_step(settings, body, slow, inputs, 0.01)
         quick = fast(plain(settings), body, quick, inputs, 0.01)

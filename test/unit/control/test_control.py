@@ -1,7 +1,9 @@
 """One step of control: cascade, allocation and duty in a chain, and the shortfall back."""
 
+from lta_control.allocation import new_scratch
 from lta_control.cascade import Measured, Setpoint
 from lta_control.control import control_step, ControlMemory, elapsed, landed
+from lta_control.per_rotor import NONE
 from lta_control.pid import PidGains
 from lta_control.vehicle_side import rotors_of
 from lta_sim.vehicle import load_vehicle
@@ -24,6 +26,7 @@ def control(measured=AT_REST, setpoint=HOLD, memory=None, gains=None):
         measured,
         setpoint,
         0.01,
+        new_scratch(),
     )
 
 
@@ -36,7 +39,7 @@ def test_climb_turns_only_the_upward_rotors():
     # 0.5 * 0.6 * 0.1 = 0.03 N by two rotors of 0.961 N/N.
     assert thrust(duties[0]) == pytest.approx(0.03 / 1.922, rel=1e-7)
     assert duties[1] == pytest.approx(duties[0], rel=1e-7)
-    assert duties[2:] == (0.0, 0.0)
+    assert duties[2:] == (0.0,) * 6
     assert memory.thrusts[:2] == pytest.approx((0.03 / 1.922,) * 2, rel=1e-7)
 
 
@@ -60,7 +63,7 @@ def test_the_shortfall_acts_at_the_next_step():
     _, later = control(AT_REST._replace(speed=0.3), memory=memory)
     # ki e and ki / kp times the shortfall cancel: nothing winds up.
     assert later.cascade.speed == pytest.approx(memory.cascade.speed, abs=1e-6)
-    assert once == (0.0, 0.0, 0.0, 0.0)
+    assert once == NONE
 
 
 def test_every_axis_is_told_its_own_shortfall():

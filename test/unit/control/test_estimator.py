@@ -15,6 +15,7 @@ from lta_control.estimator import (
     Inputs,
     Rest,
 )
+from lta_control.per_rotor import NONE, slots
 from lta_control.vehicle_side import body_of
 from lta_sim.vehicle import load_vehicle
 import numpy as np
@@ -29,18 +30,18 @@ BODY = Body(
     standing_height=0.42,
     imu_position=(0.0, 0.0, 0.0),
     range_position=(0.0, 0.0, -0.37),
+    number=2,
     allocation=(
         (0.0, 0.0, 1.0, 0.0, 0.0, 0.0),
         (1.0, 0.2, 0.0, 0.0, 0.0, 0.0),
-        (0.0,) * 6,
-        (0.0,) * 6,
+        *((0.0,) * 6,) * 6,
     ),
-    a=0.09,
-    b=0.07,
+    a=slots((0.05, 0.09)),
+    b=slots((0.04, 0.07)),
     lag_up=0.05,
     lag_down=0.1,
 )
-OFF = (0.0, 0.0, 0.0, 0.0)
+OFF = NONE
 STILL = Inputs((0.01, -0.02, 0.03), (0.1, -0.2, G + 0.3), math.nan, math.nan, OFF)
 
 
@@ -150,30 +151,43 @@ def test_a_tilted_vehicle_climbs_by_the_vertical_part():
 
 
 def test_motors_reach_a_commanded_duty_with_their_lag():
-    state = run(rested(), STILL._replace(duties=(0.5, 1.0, 0.0, 0.0)), 5)
+    state = run(rested(), STILL._replace(duties=slots((0.5, 1.0))), 5)
     assert state.duties[:2] == pytest.approx((0.5 * (1 - math.exp(-1)), 1 - math.exp(-1)))
     state = run(state, STILL._replace(duties=OFF), 10)
     assert state.duties[0] == pytest.approx(0.5 * (1 - math.exp(-1)) * math.exp(-1))
 
 
 def test_a_reversing_motor_speeds_up_with_the_lag_up():
-    state = run(rested(), STILL._replace(duties=(-0.5, 0.0, 0.0, 0.0)), 5)
+    state = run(rested(), STILL._replace(duties=slots((-0.5,))), 5)
     assert state.duties[0] == pytest.approx(-0.5 * (1 - math.exp(-1)))
 
 
 def test_without_lag_motors_follow_at_once():
     swift = BODY._replace(lag_up=0.0, lag_down=0.0)
-    state = run(rested(), STILL._replace(duties=(0.3, 0.1, 0.0, 1.0)), 1, body=swift)
-    assert state.duties == (0.3, 0.1, 0.0, 1.0)
+    state = run(rested(), STILL._replace(duties=slots((0.3, 0.1, 0.0, 1.0))), 1, body=swift)
+    assert state.duties == slots((0.3, 0.1, 0.0, 1.0))
 
 
 def test_the_drag_model_is_driven_by_the_rotors():
     """u = 0.5: T = 0.09 * 0.25 + 0.07 * 0.5; column (1, 0.2): surge sqrt(T / 0.1)."""
-    state = run(rested(), STILL._replace(duties=(0.9, 0.5, 0.0, 0.0)), 8000)
+    state = run(rested(), STILL._replace(duties=slots((0.9, 0.5))), 8000)
     thrust = 0.0575
     assert state.airspeed.model_surge == pytest.approx(math.sqrt(thrust / 0.1), rel=1e-4)
     assert state.airspeed.surge == pytest.approx(math.sqrt(thrust / 0.1), rel=1e-4)
     assert state.airspeed.sway == pytest.approx(math.sqrt(0.2 * thrust / 0.1), rel=1e-4)
+
+
+def test_every_rotor_has_its_own_curve():
+    """Two rotors along x and y, u = 0.5: (0.05 * 0.25 + 0.04 * 0.5, 0.09 * 0.25 + 0.07 * 0.5)."""
+    columns = ((1.0, *(0.0,) * 5), (0.0, 1.0, *(0.0,) * 4), *BODY.allocation[2:])
+    state = run(
+        rested(),
+        STILL._replace(duties=slots((0.5, 0.5))),
+        8000,
+        body=BODY._replace(allocation=columns),
+    )
+    assert state.airspeed.model_surge == pytest.approx(math.sqrt(0.0325 / 0.1), rel=1e-4)
+    assert state.airspeed.model_sway == pytest.approx(math.sqrt(0.0575 / 0.1), rel=1e-4)
 
 
 def test_position_is_dead_reckoned_along_the_heading():
@@ -203,7 +217,8 @@ def test_the_body_of_gtmab():
     body = body_of(load_vehicle('gtmab', 1.2))
     assert body.imu_position == pytest.approx((0.0, 0.0, -0.36))
     assert body.range_position == (0.0, 0.0, -0.37)
-    assert (body.a, body.b) == (0.0915, 0.0677)
+    assert body.number == 4
+    assert (body.a, body.b) == (slots((0.0915,) * 4), slots((0.0677,) * 4))
     assert (body.lag_up, body.lag_down) == pytest.approx((0.072, 0.072))
     assert body.hull.quadratic == (0.092, 0.092)
     assert body.hull.linear == (0.0, 0.0)

@@ -4,18 +4,20 @@ import math
 
 from lta_control.airspeed import Airspeed
 from lta_control.altitude import Altitude
+from lta_control.carried import velocity
 from lta_control.cascade import Setpoint
 from lta_control.estimator import Estimate
 from lta_control.messages import (
+    from_duties,
     from_estimate,
     from_setpoint,
-    heave,
     to_distance,
     to_duties,
     to_measured,
     to_setpoint,
     UNKNOWN,
 )
+from lta_control.per_rotor import NONE, slots
 import pytest
 from sensor_msgs.msg import JointState, Range
 
@@ -37,7 +39,7 @@ def odometry(estimate):
 def test_the_twist_is_in_the_body_frame():
     """Nose down by 0.3: 0.4 m/s ahead sinks, so a climb of 0.1 m/s needs that much more heave."""
     by_hand = (0.1 + 0.4 * math.sin(PITCH)) / math.cos(PITCH)
-    assert heave(FLYING) == pytest.approx(by_hand)
+    assert velocity(FLYING)[2] == pytest.approx(by_hand)
     assert odometry(FLYING).twist.twist.linear.z == pytest.approx(by_hand)
 
 
@@ -76,7 +78,7 @@ def test_a_setpoint_survives_the_way_there_and_back():
     ('names', 'effort'), [(['a', 'b'], [0.1, 0.2]), (['a', 'b', 'c', 'd'], [0.1] * 3)]
 )
 def test_duties_that_do_not_fit_leave_those_before(names, effort):
-    before = (0.1, 0.2, 0.3, 0.4)
+    before = slots((0.1, 0.2, 0.3, 0.4))
     motors = JointState(name=names, effort=effort)
     assert to_duties(motors, ['a', 'b', 'c', 'd'], before) == before
     assert to_duties(None, ['a', 'b', 'c', 'd'], before) == before
@@ -84,4 +86,14 @@ def test_duties_that_do_not_fit_leave_those_before(names, effort):
 
 def test_duties_that_fit_are_taken():
     motors = JointState(name=['a', 'b', 'c', 'd'], effort=[0.4, 0.3, 0.2, 0.1])
-    assert to_duties(motors, ['a', 'b', 'c', 'd'], (0.0,) * 4) == (0.4, 0.3, 0.2, 0.1)
+    assert to_duties(motors, ['a', 'b', 'c', 'd'], NONE) == slots((0.4, 0.3, 0.2, 0.1))
+
+
+@pytest.mark.parametrize('count', [1, 2, 4, 6, 8])
+def test_duties_survive_the_way_there_and_back(count):
+    names = [f'rotor{index}' for index in range(count)]
+    duties = slots(0.1 * index + 0.1 for index in range(count))
+    message = from_duties(Range().header.stamp, names, duties)
+    assert list(message.name) == names
+    assert list(message.effort) == list(duties[:count])
+    assert to_duties(message, names, NONE) == duties

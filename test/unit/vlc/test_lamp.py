@@ -3,7 +3,7 @@
 import math
 
 from lta_vlc.array import Bearing
-from lta_vlc.lamp import lamp_estimate, LampPrior
+from lta_vlc.lamp import bearing_through, lamp_estimate, LampPrior
 import numpy as np
 import pytest
 
@@ -44,3 +44,11 @@ def test_covariance_is_that_of_drawn_lamps():
     assert drawn == pytest.approx(stated, abs=0.1)
     across = np.array([-math.sin(0.7), math.cos(0.7)])
     assert across @ drawn @ across == pytest.approx(0.0625, rel=0.02)
+
+
+def test_a_loop_without_messages_rounds_a_bearing_as_the_message_does():
+    """To the last bit: the angle of the point that the message carries."""
+    prior = LampPrior()
+    for angle in np.random.default_rng(5).uniform(-math.pi, math.pi, 300).tolist():
+        x, y, _ = lamp_estimate(Bearing(0.0, 0.0, angle, 0.1), prior).position.tolist()
+        assert bearing_through(angle, prior) == math.atan2(y, x)

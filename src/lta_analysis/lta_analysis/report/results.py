@@ -10,7 +10,8 @@ tracker.
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any, final, NamedTuple
 
-from lta_analysis.report.view import Array, held, Motion, sampled, Spot, View
+from lta_analysis.report.evidence import Evidence
+from lta_analysis.report.view import Array, held, Motion, sampled, Spot
 import numpy as np
 from numpy.typing import NDArray
 
@@ -76,7 +77,7 @@ class Phases(NamedTuple):
     end: float
 
 
-def results_of(view: View) -> Results:
+def results_of(view: Evidence) -> Results:
     """Return the results of a flight."""
     phases = phases_of(view)
     found: dict[str, float | bool] = {
@@ -97,7 +98,7 @@ def results_of(view: View) -> Results:
     return Results(**known)
 
 
-def phases_of(view: View) -> Phases:
+def phases_of(view: Evidence) -> Phases:
     """Return when the parts of the flight start and end."""
     lift_off = search = np.nan
     end = view.span[1]
@@ -112,7 +113,7 @@ def phases_of(view: View) -> Phases:
     return Phases(lift_off, search, cruise_start(view, search), end)
 
 
-def cruise_start(view: View, search: float) -> float:
+def cruise_start(view: Evidence, search: float) -> float:
     """Return when the true forward speed is first near the one asked for. [s]"""
     if not view.has('ground_truth/odom') or not np.isfinite(search):
         return np.nan
@@ -141,7 +142,7 @@ def direction(motion: Motion, lamp: Spot | None) -> Array:
     return wrapped(np.arctan2(lamp.y - motion.y, lamp.x - motion.x) - motion.yaw)
 
 
-def goal_radius(view: View) -> float:
+def goal_radius(view: Evidence) -> float:
     """Return how near counts as reached; NaN where it is not known. [m]"""
     return np.nan if view.scene.scenario is None else view.scene.scenario.goal.radius.si
 
@@ -167,7 +168,7 @@ def mean(values: Array) -> float:
     return float(np.mean(values)) if len(values) else np.nan
 
 
-def reached(view: View, phases: Phases) -> dict[str, float | bool]:
+def reached(view: Evidence, phases: Phases) -> dict[str, float | bool]:
     """Return whether, when and over which path the lamp was reached."""
     if not view.has('ground_truth/odom') or view.lamp is None:
         return {}
@@ -187,7 +188,7 @@ def reached(view: View, phases: Phases) -> dict[str, float | bool]:
     }
 
 
-def cruise(view: View, phases: Phases) -> dict[str, float]:
+def cruise(view: Evidence, phases: Phases) -> dict[str, float]:
     """Return how well speed, altitude and heading were held."""
     if not view.has('ground_truth/odom'):
         return {}
@@ -205,7 +206,7 @@ def cruise(view: View, phases: Phases) -> dict[str, float]:
     return found
 
 
-def light(view: View, phases: Phases) -> dict[str, float]:
+def light(view: Evidence, phases: Phases) -> dict[str, float]:
     """Return what the photodiodes were worth during the search."""
     found = {}
     if view.has('light/bearing'):
@@ -226,7 +227,7 @@ def light(view: View, phases: Phases) -> dict[str, float]:
     return found
 
 
-def estimates(view: View, phases: Phases) -> dict[str, float]:
+def estimates(view: Evidence, phases: Phases) -> dict[str, float]:
     """Return how far the estimator was from the truth in flight."""
     if not view.has('ground_truth/odom', 'odom'):
         return {}
@@ -244,7 +245,7 @@ def estimates(view: View, phases: Phases) -> dict[str, float]:
     }
 
 
-def electricity(view: View, phases: Phases) -> dict[str, float]:
+def electricity(view: Evidence, phases: Phases) -> dict[str, float]:
     """Return what the flight cost."""
     if not view.has('battery'):
         return {}

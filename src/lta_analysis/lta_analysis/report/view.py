@@ -79,6 +79,43 @@ def held(time: Array, track: Track) -> Array:
     return np.asarray(values[np.where(index < 0, len(track.value), index)])
 
 
+def moved(time: Array, place: Array, attitude: Array, speed: Array) -> Motion:
+    """Return a motion from places, shape (n, 3), quaternions, shape (n, 4), and speeds."""
+    x, y, z = place.T
+    return Motion(time, x, y, z, np.unwrap(angles(attitude).yaw), speed)
+
+
+def through_air(motion: Motion, time: Array, wind: Array) -> Motion:
+    """Return a motion with the wind, shape (n, 3) in map, taken off its speed. [m/s]"""
+    along = sampled(motion.time, time, wind[:, 0]) * np.cos(motion.yaw)
+    along += sampled(motion.time, time, wind[:, 1]) * np.sin(motion.yaw)
+    return motion._replace(speed=motion.speed - along)
+
+
+def laid(motion: Motion, truth: Motion) -> Motion:
+    """Return a motion turned and shifted so that it begins where the truth begins."""
+    turn = float(truth.yaw[0] - motion.yaw[0])
+    x, y = motion.x - motion.x[0], motion.y - motion.y[0]
+    return motion._replace(
+        x=truth.x[0] + np.cos(turn) * x - np.sin(turn) * y,
+        y=truth.y[0] + np.sin(turn) * x + np.cos(turn) * y,
+        yaw=motion.yaw + turn,
+    )
+
+
+def pointed(vectors: Array) -> Array:
+    """Return the directions of bearing vectors, NaN of the zero vector. [rad]"""
+    angle = np.arctan2(vectors[:, 1], vectors[:, 0])
+    angle[np.hypot(vectors[:, 0], vectors[:, 1]) == 0.0] = np.nan
+    return angle
+
+
+def half_block() -> float:
+    """Return the time from the first sample of a light block to its middle. [s]"""
+    light = topic_table().light
+    return light.samples / light.sample_rate.si / 2.0
+
+
 @final
 class View:
     """
@@ -140,25 +177,13 @@ class View:
         if not self.has('wind'):
             return motion
         wind = self.series('wind')
-        blow = wind.vector('vector')
-        along = sampled(motion.time, wind.time, blow[:, 0]) * np.cos(motion.yaw)
-        along += sampled(motion.time, wind.time, blow[:, 1]) * np.sin(motion.yaw)
-        return motion._replace(speed=motion.speed - along)
+        return through_air(motion, wind.time, wind.vector('vector'))
 
     @cached_property
     def estimate(self) -> Motion:
         """The drone's own idea of its motion, laid on the truth at the start."""
         motion = self._motion('odom')
-        if not self.has('ground_truth/odom'):
-            return motion
-        truth = self.truth
-        turn = float(truth.yaw[0] - motion.yaw[0])
-        x, y = motion.x - motion.x[0], motion.y - motion.y[0]
-        return motion._replace(
-            x=truth.x[0] + np.cos(turn) * x - np.sin(turn) * y,
-            y=truth.y[0] + np.sin(turn) * x + np.cos(turn) * y,
-            yaw=motion.yaw + turn,
-        )
+        return laid(motion, self.truth) if self.has('ground_truth/odom') else motion
 
     @cached_property
     def turn(self) -> float:
@@ -214,8 +239,7 @@ class View:
     @cached_property
     def half_block(self) -> float:
         """From a light message's stamp, its block's first sample, to the block's middle. [s]"""
-        light = topic_table().light
-        return light.samples / light.sample_rate.si / 2.0
+        return half_block()
 
     @cached_property
     def peaks(self) -> Points:
@@ -227,10 +251,7 @@ class View:
     def bearing(self) -> Arrow:
         """Measured direction to the lamp in the body frame, at the middle of its block."""
         series = self.series('light/bearing')
-        vector = series.vector('vector')
-        angle = np.arctan2(vector[:, 1], vector[:, 0])
-        angle[np.hypot(vector[:, 0], vector[:, 1]) == 0.0] = np.nan
-        return Arrow(series.time + self.half_block, angle)
+        return Arrow(series.time + self.half_block, pointed(series.vector('vector')))
 
     @cached_property
     def battery(self) -> Electricity:
@@ -249,6 +270,8 @@ class View:
     def _motion(self, topic: str) -> Motion:
         """Return a topic of nav_msgs/Odometry as it is written."""
         series = self.series(topic)
-        x, y, z = series.vector('pose.pose.position').T
-        yaw = np.unwrap(angles(series.vector('pose.pose.orientation')).yaw)
-        return Motion(series.time, x, y, z, yaw, series['twist.twist.linear.x'])
+        place, attitude = (
+            series.vector('pose.pose.position'),
+            series.vector('pose.pose.orientation'),
+        )
+        return moved(series.time, place, attitude, series['twist.twist.linear.x'])

@@ -1,5 +1,9 @@
 """
-The recorder node: everything that the topic table marks as recorded, raw, into a bag.
+The recorder node: everything that the topic table marks as recorded, as it comes, into a bag.
+
+The middleware fills the gaps that CDR leaves between numbers with whatever its memory held before.
+That repeats itself where every message of a topic has the same layout. Where texts change their
+length it does not, so the gaps of such a repeatable topic are written as zeros.
 
 What is older than `FLUSH_PERIOD` survives even SIGKILL. When the disk fills, the bag is closed
 while its index still fits and the process ends with a sentence and status 2.
@@ -14,6 +18,7 @@ from lta_bridge.bag.qos import offered_qos
 from lta_bridge.bag.storage import free_space, StorageFault
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.bookkeeping import Bookkeeping
+from lta_bridge.cdr import serialise
 from lta_bridge.provenance import provenance
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
@@ -26,11 +31,13 @@ from lta_graph.ros.qos import profile
 from lta_graph.ros.spin import spin
 from rclpy.clock import Clock, ClockType
 from rclpy.qos import QoSProfile
+from rclpy.serialization import deserialize_message
 
 FLUSH_PERIOD = 0.4  # wall seconds; a killed recorder loses at most this
 QUIET = 0.3  # wall seconds without a message after which nothing more is on the way
 LINGER = 3.0  # wall seconds to wait for that quiet at most
 MARGIN = 4_000_000  # bytes left free on the disk beyond what closing needs
+VARYING = {'diagnostic_msgs/msg/DiagnosticArray'}  # types whose texts change their length
 DEPTH = 1000  # messages that may wait while the disk is slow
 NAP_NS = 5_000_000  # between looks: waking up for every message would cost half a core
 
@@ -91,11 +98,17 @@ class Recorder(GraphNode):
         self.create_subscription(message_type(topic), name, callback, asked, raw=True)
 
     def _writes(self, name: str, absolute: str) -> Callable[[bytes], None]:
+        topic = self.table[name]
+        varying = topic.repeatable and topic.type in VARYING
+        kind = message_type(topic)
+
         def write(data: bytes) -> None:
             self._latest = time.monotonic()
             if not self._fault:
                 try:
-                    self._writer.write(absolute, data, self._books.log_time(name, data))
+                    when = self._books.log_time(name, data)
+                    kept = serialise(deserialize_message(data, kind)) if varying else data
+                    self._writer.write(absolute, kept, when)
                 except StorageFault as fault:
                     self._give_up(str(fault))
 

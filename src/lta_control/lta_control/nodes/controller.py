@@ -10,8 +10,9 @@ import math
 
 from geometry_msgs.msg import PoseStamped, TwistStamped
 from lta_config.settings import setting, Settings
+from lta_control.allocation import new_scratch
 from lta_control.cascade import CascadeGains, Measured, Setpoint
-from lta_control.control import control_step, ControlMemory, elapsed, landed
+from lta_control.control import control_step, ControlMemory, elapsed, landed, TILT_LIMIT
 from lta_control.gains_file import load_gains
 from lta_control.messages import from_duties, is_level, to_measured, to_setpoint
 from lta_control.vehicle_side import rotors_of, surge_drag_of
@@ -41,7 +42,7 @@ class ControllerSettings(Settings):
         3.0, 'Age of a setpoint from which the drone comes down.', unit='s', low=0.05, high=600.0
     )
     tilt_limit: float = setting(
-        1.0, 'Tilt beyond which the motors stop.', unit='rad', low=0.1, high=3.2
+        TILT_LIMIT, 'Tilt beyond which the motors stop.', unit='rad', low=0.1, high=3.2
     )
     gains: CascadeGains = setting(load_gains('gtmab'), 'The cascade; by default GT-MAB.')
 
@@ -58,6 +59,7 @@ class Controller(GraphNode):
         self._names = vehicle.rotor_names
         self._standing = vehicle.standing_height
         self._memory = ControlMemory()
+        self._scratch = new_scratch()
         self._pose: PoseStamped | None = None
         self._velocity: TwistStamped | None = None
         self._last_ns: int | None = None
@@ -116,6 +118,7 @@ class Controller(GraphNode):
             measured,
             setpoint,
             elapsed(self._last_ns, now_ns, self.table.control_ns),
+            self._scratch,
         )
         return duties
 

@@ -144,10 +144,8 @@ class Simulator(GraphNode):
 
     def _ended(self) -> bool:
         """Tell whether to stop: one control step after a light block, when all have answered."""
-        if self._world.outcome is Outcome.FLYING:
-            return False
-        since = self._world.stamp_ns - self.table.start_ns - self.table.control_ns
-        return since % self.table['photodiodes'].period_ns == 0
+        over = self._world.outcome is not Outcome.FLYING
+        return over and self.table.settled(self._world.stamp_ns)
 
     def _publish(self) -> None:
         """Publish a control step; what the next command waits for goes first."""

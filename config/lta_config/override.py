@@ -1,0 +1,198 @@
+"""
+Replace single parameters of files by dotted path: `vehicle.trim.heaviness`, `scenario.air.wind.0`.
+
+Works on what a file holds before it is checked against its model, so that the model's own rules
+apply to whatever comes out. The new value is written as in a file: `4 g`, `[1, 0, 0] m/s`, `0.5`.
+"""
+
+from collections.abc import Mapping
+import re
+from typing import Any
+
+from lta_config.errors import BadInput, unknown
+from lta_config.quantity import Quantity, UNITS
+from pydantic import ValidationError
+import yaml
+
+OPEN = 'effects'  # below it a file may name what it had left out: effects and their parameters
+SOURCE = 'set for this flight'
+_VECTOR = re.compile(r'^\s*(\[[^\]]*\])\s*(\S.*?)\s*$')
+
+
+def assignment(text: str) -> tuple[str, Any]:
+    """
+    Return path and value of `PATH=VALUE`.
+
+    Raises
+    ------
+    BadInput
+        If the text is none, or its value cannot be read.
+
+    """
+    path, mark, value = text.partition('=')
+    if not mark or not path.strip() or not value.strip():
+        raise BadInput(
+            f"'{text}' sets nothing; write PATH=VALUE, as in 'vehicle.trim.heaviness=4 g'."
+        )
+    return path.strip(), value_of(value, path.strip())
+
+
+def value_of(given: Any, where: str) -> Any:  # noqa: ANN401 - what YAML holds
+    """
+    Return a value as a file would hold it: a quantity as a mapping, anything else as it is.
+
+    Parameters
+    ----------
+    given : Any
+        Text such as '4 g', '[1, 0, 0] m/s' or 'true', a number, or a mapping with a unit.
+    where : str
+        What the value is for, as the subject of a sentence.
+
+    Raises
+    ------
+    BadInput
+        If the text cannot be read.
+
+    """
+    if isinstance(given, Mapping):
+        return dict(given)
+    if not isinstance(given, str):
+        return given
+    try:
+        vector = _VECTOR.match(given)
+        if vector is not None:
+            return {'value': yaml.safe_load(vector.group(1)), 'unit': vector.group(2)}
+        found = quantity_in(given)
+        return yaml.safe_load(given) if found is None else found
+    except (yaml.YAMLError, ValueError):
+        raise BadInput(f"{where} cannot be set to '{given}'; write it as in a file.") from None
+
+
+def quantity_in(held: Any) -> dict[str, Any] | None:  # noqa: ANN401 - what YAML holds
+    """Return what a file holds as the mapping of a quantity, None where it is no quantity."""
+    if isinstance(held, Mapping) and 'value' in held and 'unit' in held:
+        return dict(held)
+    if not isinstance(held, str):
+        return None
+    try:
+        read = Quantity.model_validate(held)
+    except ValidationError:
+        return None
+    return {'value': read.value, 'unit': read.unit}
+
+
+def override(content: Any, path: str, value: Any, root: str) -> Any:  # noqa: ANN401 - what YAML holds
+    """
+    Return what a file holds with one parameter replaced.
+
+    Parameters
+    ----------
+    content : Any
+        The whole file, as YAML holds it; not changed.
+    path : str
+        Where, within the file: 'trim.heaviness'; a number at the end is one of a list, from 0.
+    value : Any
+        From `value_of`.
+    root : str
+        What the file is called in a path: 'vehicle'.
+
+    Raises
+    ------
+    BadInput
+        If there is no such parameter, or the value is of another kind or unit.
+
+    """
+    return _replaced(content, path.split('.'), value, root)
+
+
+def held(content: Any, path: str, root: str) -> Any:  # noqa: ANN401 - what YAML holds
+    """Return what stands at a path; errors as `override`."""
+    for key in path.split('.'):
+        content = _below(content, key, root)
+        root = f'{root}.{key}'
+    return content
+
+
+def _below(content: Any, key: str, where: str) -> Any:  # noqa: ANN401 - what YAML holds
+    """Return what stands under one key, None where a file may have left it out."""
+    found = quantity_in(content)
+    if found is not None:
+        return _element(found, key, where)
+    if not isinstance(content, Mapping):
+        raise BadInput(f"{where} is a single value; leave '.{key}' out.")
+    if key not in content and OPEN not in where.split('.'):
+        raise unknown(f'key of {where}', key, [str(name) for name in content])
+    return content.get(key)
+
+
+def _element(found: Mapping[str, Any], key: str, where: str) -> dict[str, Any]:
+    """Return one number of a quantity that has several, as a quantity."""
+    numbers = found['value']
+    if not isinstance(numbers, list | tuple):
+        raise BadInput(f"{where} is a single value; leave '.{key}' out.")
+    if not (key.isdecimal() and int(key) < len(numbers)):
+        raise unknown(f'number of {where}', key, [str(index) for index in range(len(numbers))])
+    return {'value': numbers[int(key)], 'unit': found['unit']}
+
+
+def _replaced(content: Any, keys: list[str], value: Any, where: str) -> Any:  # noqa: ANN401
+    if not keys:
+        return _fitting(content, value, where)
+    key, *rest = keys
+    below = _below(content, key, where)
+    if below is None and not rest:  # an effect's parameter that the file left out
+        return {**content, key: _sourced(value)}
+    new = _replaced({} if below is None else below, rest, value, f'{where}.{key}')
+    found = quantity_in(content)
+    return {**content, key: new} if found is None else _with_element(found, int(key), new)
+
+
+def _with_element(found: dict[str, Any], index: int, new: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a quantity with one of its numbers replaced, in its own unit."""
+    factor = UNITS[new['unit']][1] / UNITS[found['unit']][1]
+    numbers = list(found['value'])
+    numbers[index] = new['value'] if new['unit'] == found['unit'] else new['value'] * factor
+    return {'value': numbers, 'unit': found['unit'], 'source': SOURCE}
+
+
+def _fitting(old: Any, value: Any, where: str) -> Any:  # noqa: ANN401 - what YAML holds
+    """Return the new value if it is of the kind of the old one."""
+    before, now = quantity_in(old), quantity_in(value)
+    if before is not None:
+        return _sourced(_same_unit(before, now, value, where))
+    if isinstance(old, Mapping):
+        names = ', '.join(map(str, old))
+        raise BadInput(f'{where} is a group; set one of its keys: {names}.')
+    if now is not None:
+        raise BadInput(f'{where} takes a plain value such as {old}, not {shown(value)}.')
+    number = isinstance(old, int | float) and not isinstance(old, bool)
+    if number and (isinstance(value, bool) or not isinstance(value, int | float)):
+        raise BadInput(f'{where} is {shown(value)}, but must be a number, such as {old}.')
+    return float(value) if isinstance(old, float) else value
+
+
+def _same_unit(
+    before: Mapping[str, Any],
+    now: dict[str, Any] | None,
+    value: Any,  # noqa: ANN401 - what YAML holds
+    where: str,
+) -> dict[str, Any]:
+    unit = before['unit']
+    if now is None:
+        raise BadInput(f'{where} is {shown(value)}; give a number and a unit, as in "1 {unit}".')
+    if now['unit'] not in UNITS:
+        raise BadInput(f'{where} has the unknown unit "{now["unit"]}"; known: {", ".join(UNITS)}.')
+    if UNITS[now['unit']][0] != UNITS.get(unit, (unit,))[0]:
+        raise BadInput(f'{where} is in {now["unit"]}, but must be in {unit} or its like.')
+    return now
+
+
+def _sourced(value: Any) -> Any:  # noqa: ANN401 - what YAML holds
+    found = quantity_in(value)
+    return value if found is None else {**found, 'source': SOURCE}
+
+
+def shown(value: Any) -> str:  # noqa: ANN401 - what YAML holds
+    """Return a value as people write it."""
+    found = quantity_in(value)
+    return str(value) if found is None else f'{found["value"]} {found["unit"]}'

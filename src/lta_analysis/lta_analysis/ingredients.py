@@ -1,0 +1,217 @@
+"""
+What a flight is made of: its files as they are read, with single parameters replaced.
+
+The first word of a parameter's path says which file or settings it belongs to: `vehicle`,
+`scenario` and `gains` are files, the rest are what each node's own parameters are called.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, final
+
+from lta_analysis.loop import Loop, Policy
+from lta_config.errors import BadInput, unknown
+from lta_config.files import checked, find, load_yaml
+from lta_config.override import held as held_at
+from lta_config.override import override, quantity_in
+from lta_config.quantity import UNITS
+from lta_config.settings import Settings
+from lta_config.topics import topic_table
+from lta_config.vehicle_file import VehicleFile
+from lta_control.cascade import CascadeGains
+from lta_control.estimator import EstimatorSettings
+from lta_control.mission import MissionSettings
+from lta_control.strategies import strategy
+from lta_energy.monitor import MonitorSettings
+from lta_sim.scenario import Scenario
+from lta_sim.vehicle import Vehicle
+from lta_sim.world import World
+from lta_vlc.demodulation import Demodulation
+from lta_vlc.lamp import LampPrior
+from pydantic import BaseModel
+import yaml
+
+FILES = ('vehicle', 'scenario', 'gains')
+SETTINGS: dict[str, type[Settings]] = {
+    'gains': CascadeGains,
+    'mission': MissionSettings,
+    'estimator': EstimatorSettings,
+    'demodulator': Demodulation,
+    'prior': LampPrior,
+    'energy_monitor': MonitorSettings,
+}
+ROOTS = (*FILES, *(name for name in SETTINGS if name not in FILES))
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Ingredients:
+    """
+    Everything that decides a flight but its seed.
+
+    Attributes
+    ----------
+    names : mapping
+        The files as they were named, by root.
+    strategy : str
+        Navigation strategy.
+    contents : mapping
+        What each file or node's settings hold, by root, as YAML has it.
+    changed : tuple of str
+        Paths that have been replaced.
+
+    """
+
+    names: Mapping[str, str]
+    strategy: str
+    contents: Mapping[str, Any]
+    changed: tuple[str, ...] = ()
+
+    def with_values(self, values: Mapping[str, Any]) -> 'Ingredients':
+        """Return these with parameters replaced, by path; `BadInput` where that cannot be."""
+        contents = dict(self.contents)
+        for path, value in values.items():
+            root, below = split(path)
+            contents[root] = override(contents[root], below, value, root)
+        paths = dict.fromkeys((*self.changed, *values))
+        return replace(self, contents=contents, changed=tuple(paths))
+
+    def held(self, path: str) -> Any:  # noqa: ANN401 - what YAML holds
+        """Return what stands at a path; None for an effect's parameter that no file names."""
+        root, below = split(path)
+        return held_at(self.contents[root], below, root)
+
+    def unit(self, path: str) -> str:
+        """Return the SI unit of a parameter; '' where it has none."""
+        found = quantity_in(self.held(path))
+        if found is not None:
+            return UNITS.get(found['unit'], (found['unit'],))[0]
+        root, below = split(path)
+        return declared_unit(SETTINGS[root], below.split('.')) if root in SETTINGS else ''
+
+
+def split(path: str) -> tuple[str, str]:
+    """Return the root of a path and the rest."""
+    root, _, below = path.partition('.')
+    if root not in ROOTS or not below:
+        raise unknown('parameter', path, [f'{name}. ...' for name in ROOTS])
+    return root, below
+
+
+def declared_unit(model: type[BaseModel], keys: list[str]) -> str:
+    """Return the unit that a setting is declared with."""
+    found = model.model_fields.get(keys[0])
+    if found is None:
+        return ''
+    if len(keys) > 1:
+        inner = found.annotation
+        is_model = isinstance(inner, type) and issubclass(inner, BaseModel)
+        return declared_unit(inner, keys[1:]) if is_model else ''  # type: ignore[arg-type]
+    extra = found.json_schema_extra
+    return str(extra.get('unit', '')) if isinstance(extra, dict) else ''
+
+
+def gather(vehicle: str, scenario: str, strategy_name: str, gains: str) -> Ingredients:
+    """
+    Read what a flight is made of.
+
+    Parameters
+    ----------
+    vehicle, scenario, gains : str
+        Shipped names or paths.
+    strategy_name : str
+        Navigation strategy.
+
+    Raises
+    ------
+    BadInput
+        If a file cannot be read or a name is not known.
+
+    """
+    strategy(strategy_name)
+    names = {'vehicle': vehicle, 'scenario': scenario, 'gains': gains}
+    contents = {root: load_yaml(find(root, name)) for root, name in names.items()}
+    contents['gains'] = gains_in(contents['gains'], names['gains'])
+    for root, model in SETTINGS.items():
+        contents.setdefault(root, model().model_dump() if root != 'gains' else None)
+    return Ingredients(names, strategy_name, contents)
+
+
+def gains_in(content: Any, name: str) -> Any:  # noqa: ANN401 - what YAML holds
+    """Return the gains in a ROS parameter file."""
+    try:
+        return content['/**/controller']['ros__parameters']['gains']
+    except (KeyError, TypeError):
+        raise BadInput(
+            f'{find("gains", name)} has no gains under /**/controller, ros__parameters; compare '
+            'it with a shipped file.'
+        ) from None
+
+
+def loop_of(made_of: Ingredients, seed: int) -> Loop:
+    """
+    Return a flight that is about to begin.
+
+    Raises
+    ------
+    BadInput
+        If something of it cannot be: one sentence.
+
+    """
+    scenario = _checked(Scenario, made_of, 'scenario')
+    vehicle_file = _checked(VehicleFile, made_of, 'vehicle')
+    gains, mission, estimator, demodulation, prior, energy = (
+        _checked(model, made_of, root) for root, model in SETTINGS.items()
+    )
+    policy = Policy(
+        strategy=strategy(made_of.strategy),
+        gains=gains,
+        mission=mission,
+        estimator=estimator,
+        demodulation=demodulation,
+        prior=prior,
+        energy=energy,
+    )
+    vehicle = Vehicle(vehicle_file, scenario.air.density)
+    _ = vehicle.hover_duty, scenario.light_field
+    table = topic_table()
+    return Loop(World(vehicle, scenario, table, seed), table, policy)
+
+
+def _checked(model: type[Any], made_of: Ingredients, root: str) -> Any:  # noqa: ANN401 - a model
+    """Return one part, checked; the sentence names the file, and what was replaced in it."""
+    where = str(find(root, made_of.names[root])) if root in FILES else f'the settings of {root}'
+    replaced = [path for path in made_of.changed if path.startswith(f'{root}.')]
+    if replaced:
+        where += f' with {", ".join(replaced)} set'
+    return checked(model, made_of.contents[root], where)
+
+
+def write_files(made_of: Ingredients, folder: Path) -> dict[str, str]:
+    """Write the files in which something was replaced; return all files' names by root."""
+    names = dict(made_of.names)
+    for root in FILES:
+        if any(path.startswith(f'{root}.') for path in made_of.changed):
+            content = made_of.contents[root]
+            if root == 'gains':
+                content = {'/**/controller': {'ros__parameters': {'gains': content}}}
+            path = folder / f'{root}.yaml'
+            path.write_text(yaml.safe_dump(content, sort_keys=False), encoding='utf-8')
+            names[root] = str(path)
+    return names
+
+
+def spoken(values: Mapping[str, Any]) -> Iterable[str]:
+    """Return replaced parameters as `lta simulate --set` takes them."""
+    for path, value in values.items():
+        found = quantity_in(value)
+        yield f'{path}={value}' if found is None else f'{path}={text_of(found)}'
+
+
+def text_of(found: Mapping[str, Any]) -> str:
+    """Return a quantity as text that is read back to the last bit."""
+    number = found['value']
+    if isinstance(number, list | tuple):
+        return f'{list(number)} {found["unit"]}'
+    return f'{number!r} {found["unit"]}'

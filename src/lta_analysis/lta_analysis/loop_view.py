@@ -1,0 +1,132 @@
+"""What a flight in this process came through, as the results look at it: no bag in between."""
+
+from functools import cached_property
+from typing import Any, final
+
+from lta_analysis.bag.flight import Points
+from lta_analysis.loop import Loop
+from lta_analysis.report.scene import Scene
+from lta_analysis.report.view import (
+    Arrow,
+    Electricity,
+    half_block,
+    laid,
+    Motion,
+    moved,
+    pointed,
+    Spot,
+    through_air,
+    Track,
+)
+from lta_control.autopilot import ESTIMATE
+from lta_control.flat import Array
+from lta_sim.state import POSITION, QUATERNION, RIGID, VELOCITY
+import numpy as np
+
+KEPT = {'ground_truth/odom', 'odom', 'battery'}
+LIT = {'light/bearing', 'light/peaks', 'setpoint/pose', 'setpoint/velocity'}
+
+
+@final
+class LoopView:
+    """
+    Keep of each step what the results need; see `lta_analysis.report.evidence.Evidence`.
+
+    Parameters
+    ----------
+    loop : Loop
+        The flight; `take` looks at its newest step.
+
+    """
+
+    def __init__(self, loop: Loop) -> None:
+        self._loop = loop
+        world = loop.world
+        self._start = world.stamp_ns
+        self.scene = Scene(world.scenario, world.vehicle.file)
+        x, y, _ = world.scenario.lamp.position.vector
+        self.lamp: Spot | None = Spot(x, y)
+        self._times: list[float] = []
+        self._states: list[Array] = []
+        self._estimates: list[Array] = []
+        self._light: list[tuple[Any, ...]] = []
+        self._power: list[tuple[float, float, float]] = []
+
+    def take(self) -> None:
+        """Keep the newest step; call it before the world goes on."""
+        loop, readings = self._loop, self._loop.readings
+        time = (readings.stamp_ns - self._start) * 1e-9
+        self._times.append(time)
+        self._states.append(loop.world.state[:RIGID].copy())
+        self._estimates.append(loop.autopilot.believed())
+        if readings.block is not None and loop.light is not None and loop.asked is not None:
+            began = (readings.block[0] - self._start) * 1e-9
+            found = loop.light.bearing
+            vector = (0.0, 0.0) if found is None else (found.x, found.y)
+            asked = loop.asked
+            snr = loop.light.peaks.snr.astype(np.float32).astype(np.float64)
+            self._light.append((began, vector, snr, asked.altitude, asked.speed))
+        if loop.energy is not None and readings.battery is not None:
+            reading = loop.energy.reading
+            self._power.append((time, reading.voltage, reading.current))
+
+    def has(self, *topics: str) -> bool:
+        """Tell whether there is something of all these topics."""
+        return set(topics) <= (KEPT | LIT if self._light else KEPT)
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last instant. [s]"""
+        return self._times[0], self._times[-1]
+
+    @cached_property
+    def truth(self) -> Motion:
+        """The true motion; the wind is taken off the speed."""
+        time, state = np.array(self._times), np.array(self._states)
+        motion = moved(time, state[:, POSITION], state[:, QUATERNION], state[:, VELOCITY][:, 0])
+        wind = self._loop.world.scenario.air.wind.vector
+        return through_air(motion, np.array([0.0]), np.array([wind]))
+
+    @cached_property
+    def estimate(self) -> Motion:
+        """The drone's own idea of its motion, laid on the truth at the start."""
+        table, time = np.array(self._estimates), np.array(self._times)
+        position, attitude, height, surge = (
+            table[:, ESTIMATE.place(part)]
+            for part in ('position', 'attitude', 'altitude.height', 'airspeed.surge')
+        )
+        place = np.hstack([position, height])
+        return laid(moved(time, place, attitude, surge[:, 0]), self.truth)
+
+    def _track(self, column: int) -> Track:
+        rows = [(row[0], row[column]) for row in self._light]
+        time, value = np.array(rows, dtype=np.float64).reshape(-1, 2).T
+        return Track(time, value)
+
+    @property
+    def altitude_setpoint(self) -> Track:
+        """Altitude to hold. [m]"""
+        return self._track(3)
+
+    @property
+    def speed_setpoint(self) -> Track:
+        """Forward airspeed to hold. [m/s]"""
+        return self._track(4)
+
+    @cached_property
+    def peaks(self) -> Points:
+        """SNR of each diode, at the middle of its block."""
+        time = np.array([row[0] for row in self._light]) + half_block()
+        return Points(time, {'snr': np.array([row[2] for row in self._light])})
+
+    @cached_property
+    def bearing(self) -> Arrow:
+        """Measured direction to the lamp, at the middle of its block."""
+        time = np.array([row[0] for row in self._light]) + half_block()
+        return Arrow(time, pointed(np.array([row[1] for row in self._light])))
+
+    @cached_property
+    def battery(self) -> Electricity:
+        """The cell as measured."""
+        time, voltage, current = np.array(self._power).T
+        return Electricity(time, voltage, current)

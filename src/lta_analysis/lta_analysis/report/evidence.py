@@ -1,0 +1,65 @@
+"""What the results of a flight are drawn from: a recording, or a flight in this process."""
+
+from typing import Protocol
+
+from lta_analysis.bag.flight import Points
+from lta_analysis.report.scene import Scene
+from lta_analysis.report.view import Arrow, Electricity, Motion, Spot, Track
+
+
+class Evidence(Protocol):
+    """A flight as `View` tells it; `has` says which of it there is."""
+
+    def has(self, *topics: str) -> bool:
+        """Tell whether there is something of all these topics."""
+        ...
+
+    @property
+    def scene(self) -> Scene:
+        """The world of the flight."""
+        ...
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last instant of the motion. [s]"""
+        ...
+
+    @property
+    def lamp(self) -> Spot | None:
+        """Where the lamp is."""
+        ...
+
+    @property
+    def truth(self) -> Motion:
+        """The true motion."""
+        ...
+
+    @property
+    def estimate(self) -> Motion:
+        """The drone's own idea of its motion."""
+        ...
+
+    @property
+    def altitude_setpoint(self) -> Track:
+        """Altitude to hold. [m]"""
+        ...
+
+    @property
+    def speed_setpoint(self) -> Track:
+        """Forward airspeed to hold. [m/s]"""
+        ...
+
+    @property
+    def peaks(self) -> Points:
+        """Amplitude and SNR of each diode, at the middle of its block."""
+        ...
+
+    @property
+    def bearing(self) -> Arrow:
+        """Measured direction to the lamp, at the middle of its block."""
+        ...
+
+    @property
+    def battery(self) -> Electricity:
+        """The cell as measured."""
+        ...

@@ -1,0 +1,1 @@
+"""Many flights of one design: planned, flown by many processes, kept, tabled and drawn."""

@@ -1,0 +1,86 @@
+"""One flight of a sweep, from its job to its row; whatever goes wrong is in the row."""
+
+from dataclasses import asdict, dataclass, field
+import math
+import time
+from typing import Any, final
+
+from lta_analysis.ingredients import Ingredients, loop_of
+from lta_analysis.loop_view import LoopView
+from lta_analysis.report.results import results_of
+from lta_analysis.sweep.plan import Job, si_of
+from lta_config.errors import BadInput
+
+FAILED = 'failed'
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Row:
+    """
+    What is kept of a flight.
+
+    Attributes
+    ----------
+    index, seed : int
+        Its place in the sweep, and its seed.
+    values : dict
+        What was varied, by path, in SI.
+    outcome : str
+        'reached', 'timeout', 'escaped', or 'failed' where it could not be flown.
+    sentence : str
+        The same in words, or why not.
+    wall : float
+        Time that it took. [s]
+    figures : dict
+        `Results` by name; None is what the flight does not tell.
+
+    """
+
+    index: int
+    seed: int
+    values: dict[str, Any]
+    outcome: str
+    sentence: str
+    wall: float = 0.0
+    figures: dict[str, Any] = field(default_factory=dict)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the row ready for JSON."""
+        return asdict(self)
+
+
+def failed(job: Job, sentence: str, wall: float = 0.0) -> Row:
+    """Return the row of a flight that could not be flown."""
+    values = {path: si_of(value) for path, value in job.values.items()}
+    return Row(job.index, job.seed, values, FAILED, sentence, wall)
+
+
+def fly_job(base: Ingredients, job: Job) -> Row:
+    """Fly one flight to its end; an error of any kind is a failed flight, not the sweep's end."""
+    begun = time.monotonic()
+    try:
+        loop = loop_of(base.with_values(job.values), job.seed)
+        view = LoopView(loop)
+        for _ in loop.flight():
+            view.take()
+        figures = results_of(view).to_dict()
+    except BadInput as error:
+        return failed(job, str(error), time.monotonic() - begun)
+    except Exception as error:  # one flight must not end the others
+        reason = f'The flight broke: {type(error).__name__}: {error}'
+        return failed(job, reason, time.monotonic() - begun)
+    outcome = loop.world.outcome
+    return Row(
+        job.index,
+        job.seed,
+        {path: si_of(value) for path, value in job.values.items()},
+        outcome.name.lower(),
+        str(outcome),
+        time.monotonic() - begun,
+        {name: _finite(value) for name, value in figures.items()},
+    )
+
+
+def _finite(value: Any) -> Any:  # noqa: ANN401 - a number, a flag or nothing
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,229 @@
+"""A sweep as one self-contained HTML file, in the look of a flight's page."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from statistics import median, quantiles
+from string import Template
+from typing import final
+
+from lta_analysis.ingredients import spoken
+from lta_analysis.report.outcome import number, Tile
+from lta_analysis.report.page import embedded, embedded_text, tile_html
+from lta_analysis.report.palette import DARK
+from lta_analysis.sweep.flown import FAILED, Row
+from lta_analysis.sweep.pictures import by_parameter, MEASURES, outcomes, spread
+from lta_analysis.sweep.plan import Plan
+from lta_analysis.sweep.statistics import figures, REACHED, reached_share, told
+from lta_analysis.typed import near, typed
+from lta_config.errors import BadInput
+from plotly.graph_objects import Figure
+from plotly.offline import get_plotlyjs
+import yaml
+
+NAME = 'report.html'
+LISTED = 25  # flights that did not reach their goal, by name
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Told:
+    """What the page is made of: the plan, its rows, where they are kept, and their origin."""
+
+    plan: Plan
+    rows: Sequence[Row]
+    units: Mapping[str, str]
+    folder: Path
+    typed_file: str
+    origin: Mapping[str, str]
+
+
+def write_page(told_of: Told) -> Path:
+    """Write the page of a sweep and return where it is; `BadInput` where it cannot be written."""
+    out = told_of.folder / NAME
+    try:
+        out.write_text(page(told_of), encoding='utf-8')
+    except OSError as error:
+        raise BadInput(f"The page '{out}' cannot be written ({error.strerror}).") from error
+    return out
+
+
+def page(told_of: Told) -> str:
+    """Return the whole page."""
+    assets = files('lta_analysis.report') / 'assets'
+    names = ('sweep.html', 'page.css', 'page.js')
+    text = {name: (assets / name).read_text(encoding='utf-8') for name in names}
+    plan, rows = told_of.plan, told_of.rows
+    file = plan.file
+    return Template(text['sweep.html']).substitute(
+        title=escape(title(plan, rows)),
+        kicker=escape(f'sweep {file.name} · {file.vehicle} · {file.scenario} · {file.strategy}'),
+        about=escape(file.about),
+        tiles='\n'.join(tile_html(*each) for each in tiles(rows)),
+        spreads='\n'.join(spreads(rows)),
+        panels='\n'.join(panels(rows, told_of.units)),
+        lost_title='Flights that did not reach their goal',
+        lost=lost_html(plan, rows),
+        facts=terms(facts(told_of)),
+        commands=terms(commands(told_of), code=True),
+        file=escape(yaml.safe_dump(file.model_dump(exclude_none=True), sort_keys=False)),
+        css=text['page.css'],
+        dark=embedded('dark', DARK),
+        plotly=get_plotlyjs(),
+        js=text['page.js'],
+    )
+
+
+def title(plan: Plan, rows: Sequence[Row]) -> str:
+    """Return what came out, in a sentence."""
+    share = reached_share(rows)
+    flown = sum(row.outcome != FAILED for row in rows)
+    begun = '' if len(rows) == plan.count else f' (of {plan.count} planned)'
+    if not flown:
+        return f'{len(rows)} flights{begun}: none could be flown.'
+    reached = sum(row.outcome == REACHED for row in rows)
+    ends = f'{100 * share.low:.1f} to {100 * share.high:.1f} %'
+    return (
+        f'{reached} of {flown} flights{begun} reached their goal: {100 * share.value:.1f} %, '
+        f'with 95 % confidence {ends}.'
+    )
+
+
+def tiles(rows: Sequence[Row]) -> list[Tile]:
+    """Return the figures that matter most."""
+    share = reached_share(rows)
+    ends = f'{100 * share.low:.1f} to {100 * share.high:.1f} % (Wilson, 95 %)'
+    broken = sum(row.outcome == FAILED for row in rows)
+    wall = sum(row.wall for row in rows)
+    flown = len(rows) - broken
+    return [
+        Tile('Reached', number(100 * share.value if flown else None, 1), '%', ends),
+        *(summary(rows, *words) for words in (
+            ('search_time', 'Time to the lamp', 's', 1), ('path_length', 'Path', 'm', 2),
+            ('airspeed', 'Airspeed', 'm/s', 2), ('energy', 'Energy', 'J', 1))),
+        Tile('Flights', str(len(rows)), '', f'{broken} could not be flown; {wall:.0f} s of work'),
+    ]  # fmt: skip
+
+
+def summary(rows: Sequence[Row], name: str, words: str, unit: str, digits: int) -> Tile:
+    """Return the median of a figure with the middle half of the flights that reached."""
+    values = figures(rows, name)
+    if len(values) < 2:
+        return Tile(
+            words, number(values[0] if values else None, digits), unit, 'one flight or none'
+        )
+    low, _, high = quantiles(values, n=4)
+    note = f'median; half between {number(low, digits)} and {number(high, digits)}'
+    return Tile(words, number(median(values), digits), unit, note)
+
+
+def spreads(rows: Sequence[Row]) -> list[str]:
+    """Return the pictures over all flights."""
+    counts = Counter(row.outcome for row in rows)
+    ordered = dict(sorted(counts.items(), key=lambda item: item[1]))
+    first = section('outcomes', 'How the flights ended', '', outcomes(ordered))
+    words = {'search_time': 'Time from the first forward command', 'path_length': 'Path'}
+    return [first] + [
+        section(
+            f'spread-{measure.name}', words[measure.name], 'Of those that reached their goal.',
+            spread(rows, measure),
+        )
+        for measure in MEASURES
+    ]  # fmt: skip
+
+
+def panels(rows: Sequence[Row], units: Mapping[str, str]) -> list[str]:
+    """Return a picture for each parameter."""
+    caption = (
+        'Share that reached the goal with its 95 % Wilson interval, and time and path of those '
+        'that did. Failed flights do not count.'
+    )
+    return [
+        section(f'by-{k}', path, caption, by_parameter(rows, path, unit))
+        for k, (path, unit) in enumerate(units.items())
+        if rows
+    ]
+
+
+def section(name: str, heading: str, caption: str, picture: Figure) -> str:
+    """Return one picture with heading and caption."""
+    words = escape(heading)
+    return (
+        f'<figure class="panel" id="panel-{name}" aria-labelledby="title-{name}">'
+        f'<h2 id="title-{name}">{words}</h2><div class="plot" data-panel="{name}" '
+        f'data-timed="false" role="img" aria-label="{words}. {escape(caption)}"></div>'
+        f'<figcaption>{escape(caption)}</figcaption>'
+        f'{embedded_text(f"figure-{name}", picture.to_json())}</figure>'
+    )
+
+
+def lost_html(plan: Plan, rows: Sequence[Row]) -> str:
+    """Return the flights that did not reach their goal, the failed first."""
+    lost = [row for row in rows if row.outcome != REACHED]
+    if not lost:
+        return '<p class="note">There is none.</p>'
+    lost.sort(key=lambda row: (row.outcome != FAILED, row.index))
+    heads = ['flight', 'seed', *plan.file.vary, 'outcome', 'why']
+    lines = [
+        [
+            str(row.index), str(row.seed), *(told(row.values[path]) for path in plan.file.vary),
+            row.outcome, row.sentence,
+        ]
+        for row in lost[:LISTED]
+    ]  # fmt: skip
+    more = f' The first {LISTED} of {len(lost)}.' if len(lost) > LISTED else ''
+    head = ''.join(f'<th scope="col">{escape(cell)}</th>' for cell in heads)
+    body = ''.join(
+        f'<tr>{"".join(f"<td>{escape(cell)}</td>" for cell in line)}</tr>' for line in lines
+    )
+    return (
+        f'<table class="flights"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>'
+        f'<p class="note">Values in SI.{more} To see one:</p>'
+        f'<p><code>{escape(repeat(plan, lost[0].index))}</code></p>'
+    )
+
+
+def repeat(plan: Plan, index: int) -> str:
+    """Return the command that flies one flight of a sweep again, with a bag."""
+    job, file = plan.job(index), plan.file
+    values = {path: plan.base.held(path) for path in plan.base.changed} | dict(job.values)
+    changes = [word for text in spoken(values) for word in ('--set', text)]
+    return typed(
+        'simulate', '--vehicle', file.vehicle, '--scenario', file.scenario, '--strategy',
+        file.strategy, '--gains', file.gains, '--seed', str(job.seed), *changes,
+    )  # fmt: skip
+
+
+def facts(told_of: Told) -> dict[str, str]:
+    """Return where the flights come from."""
+    plan = told_of.plan
+    return {
+        **told_of.origin,
+        'varied': ', '.join(plan.file.vary) or 'the seed alone',
+        'flights': f'{len(told_of.rows)} of {plan.count}',
+        'identity': plan.identity[:16],
+    }
+
+
+def commands(told_of: Told) -> dict[str, str]:
+    """Return how to go on."""
+    table = near(told_of.folder / 'flights.parquet')
+    return {
+        'Go on, or fly it again': typed(
+            'sweep', told_of.typed_file, '--out', near(told_of.folder)
+        ),
+        'Read the table': f'python -c "import pandas; print(pandas.read_parquet(\'{table}\'))"',
+    }
+
+
+def terms(content: Mapping[str, str], code: bool = False) -> str:
+    """Return a list of terms."""
+    mark = ('<code>', '</code>') if code else ('', '')
+    return '\n'.join(
+        f'<div><dt>{escape(name.replace("_", " "))}</dt>'
+        f'<dd>{mark[0]}{escape(text)}{mark[1]}</dd></div>'
+        for name, text in content.items()
+    )

@@ -1,0 +1,74 @@
+"""The progress bar of a sweep: how many flights, how fast, how long still, and what was lost."""
+
+from collections import Counter
+from types import TracebackType
+from typing import final, Self
+
+from lta_analysis.sweep.flown import Row
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    SpinnerColumn,
+    TextColumn,
+    TimeRemainingColumn,
+)
+
+RECENT = 60.0  # s over which the rate is told
+
+
+@final
+class SweepProgress:
+    """
+    Show a sweep while it lasts.
+
+    Parameters
+    ----------
+    console : Console
+        Where to; nothing moves where it is no terminal.
+    total, done : int
+        Flights of the sweep, and of them those flown before.
+
+    """
+
+    def __init__(self, console: Console, total: int, done: int) -> None:
+        self._bar = Progress(
+            SpinnerColumn(),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn('{task.fields[rate]}'),
+            TimeRemainingColumn(),
+            TextColumn('{task.fields[detail]}'),
+            console=console,
+            transient=True,
+            disable=not console.is_terminal,
+            speed_estimate_period=RECENT,
+        )
+        self._task = self._bar.add_task('', total=total, completed=done, rate='', detail='')
+        self._counts: Counter[str] = Counter()
+
+    def __enter__(self) -> Self:
+        """Show the bar."""
+        self._bar.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Take the bar away."""
+        self._bar.stop()
+
+    def flown(self, row: Row, deaths: int) -> None:
+        """Count one more flight; `deaths` is how many workers have been lost so far."""
+        self._counts[row.outcome] += 1
+        words = [f'{count} {outcome}' for outcome, count in sorted(self._counts.items())]
+        if deaths:
+            words.append(f'{deaths} workers lost')
+        self._bar.update(self._task, advance=1, detail=', '.join(words))
+        speed = self._bar.tasks[0].speed
+        if speed:
+            self._bar.update(self._task, rate=f'{speed:.1f} flights/s')

@@ -1,0 +1,142 @@
+"""
+Estimator and controller of one drone, compiled, for loops in one process.
+
+What the drone remembers stands in one array, which each step overwrites; parts of it are read out
+when somebody asks.
+"""
+
+import math
+import struct
+from typing import final
+
+from lta_control.allocation import SCRATCH
+from lta_control.attitude import Vector
+from lta_control.cascade import CascadeGains, Measured, Setpoint
+from lta_control.control import TILT_LIMIT
+from lta_control.estimator import Estimate, EstimatorSettings
+from lta_control.flat import Array, compiled, Layout
+from lta_control.onboard import Drone, Heard, Onboard, onboard_step
+from lta_control.vehicle_side import body_of, rotors_of, surge_drag_of
+from lta_sim.vehicle import Vehicle
+import numpy as np
+
+MEMORY = Layout(Onboard())
+HEARD = Layout(Heard((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
+ESTIMATE = Layout(Estimate())
+
+ESTIMATED, DUTIES = MEMORY.place('estimate'), MEMORY.place('duties')
+MEASURED, SETPOINT = MEMORY.place('measured'), MEMORY.place('setpoint')
+HEADING, READY = MEMORY.place('measured.heading').start, MEMORY.place('estimate.ready').start
+GUIDED = MEMORY.place('guided').start
+
+
+def drone_of(
+    vehicle: Vehicle,
+    estimator: EstimatorSettings,
+    gains: CascadeGains,
+    dt: float,
+    tilt_limit: float = TILT_LIMIT,
+) -> Drone:
+    """
+    Return what stays the same during a flight.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The drone.
+    estimator : EstimatorSettings
+        Of the filters.
+    gains : CascadeGains
+        Of all loops.
+    dt : float
+        Control period. [s]
+    tilt_limit : float
+        Tilt beyond which the motors stop. [rad]
+
+    """
+    return Drone(
+        estimator,
+        body_of(vehicle),
+        gains,
+        rotors_of(vehicle),
+        surge_drag_of(vehicle),
+        math.cos(tilt_limit),
+        dt,
+    )
+
+
+@final
+class Autopilot:
+    """
+    Estimate and control, step by step.
+
+    Parameters
+    ----------
+    drone : Drone
+        What stays the same.
+
+    """
+
+    def __init__(self, drone: Drone) -> None:
+        layout = Layout(drone)
+        self._constants = layout.write(drone)
+        self._memory = MEMORY.write(Onboard())
+        self._heard = np.empty(HEARD.size)
+        self._scratch = np.zeros(SCRATCH)
+        self._count = drone.rotors.number
+        self._step = compiled(onboard_step, layout, MEMORY, HEARD)
+        self._pack = struct.Struct(f'{HEARD.size}d').pack_into
+
+    def step(
+        self, rates: Vector, force: Vector, distance: float = math.nan, pressure: float = math.nan
+    ) -> tuple[float, ...]:
+        """
+        Return the duties after one more period, by rotor.
+
+        Parameters
+        ----------
+        rates, force : tuple
+            Measured angular rates [rad/s] and specific force [m/s2], body frame.
+        distance, pressure : float
+            Measured range [m] and pressure [Pa]; NaN where none has come.
+
+        """
+        self._pack(self._heard.data, 0, *rates, *force, distance, pressure)
+        self._step(self._constants, self._memory, self._heard, self._scratch)
+        return self.duties
+
+    def guide(self, setpoint: Setpoint) -> None:
+        """Take a setpoint, which the next step follows."""
+        self._memory[SETPOINT] = setpoint
+        self._memory[GUIDED] = 1.0
+
+    @property
+    def duties(self) -> tuple[float, ...]:
+        """Duties by rotor."""
+        return tuple(self._memory[DUTIES].tolist()[: self._count])
+
+    @property
+    def heading(self) -> float:
+        """Estimated yaw. [rad]."""
+        return self._memory.item(HEADING)
+
+    @property
+    def measured(self) -> Measured | None:
+        """What the controller acts on; None while the estimator is learning."""
+        if not self._memory[READY]:
+            return None
+        return Measured(*self._memory[MEASURED].tolist())
+
+    @property
+    def estimate(self) -> Estimate:
+        """All that the estimator remembers."""
+        return ESTIMATE.read(self._memory[ESTIMATED])
+
+    def believed(self) -> Array:
+        """Return the numbers of the estimate, in the order of `ESTIMATE`; the caller's own."""
+        return self._memory[ESTIMATED].copy()
+
+    @property
+    def memory(self) -> Onboard:
+        """All that is remembered."""
+        return MEMORY.read(self._memory)

@@ -1,0 +1,71 @@
+"""
+What values become on their way through a message, for nodes and for the loop in one process.
+
+A heading travels as a quaternion, a climb rate as a velocity along body z, a range in 32 bits.
+Back from the message such a value differs in its last bits, which a contact with the floor makes
+grow to millimetres. A loop that is to fly as the graph does passes its values through these.
+"""
+
+import math
+
+from lta_control.attitude import heading, Quaternion, up_in_body, Vector
+from lta_control.cascade import Measured, Setpoint
+from lta_control.estimator import Estimate
+import numpy as np
+
+LEVEL = 0.1  # cosine of the tilt below which climb and heave are not told apart
+
+
+def single(value: float) -> float:
+    """Return a number as a float32 field carries it."""
+    return float(np.float32(value))
+
+
+def reach(distance: float, nearest: float, farthest: float) -> float:
+    """Return a distance, NaN where it is outside the sensor's reach (REP-117). [m]"""
+    return distance if nearest <= distance <= farthest else math.nan
+
+
+def level(yaw: float) -> Quaternion:
+    """Return the attitude of a level vehicle with a heading. [rad]"""
+    return 0.0, 0.0, math.sin(0.5 * yaw), math.cos(0.5 * yaw)
+
+
+def velocity(estimate: Estimate) -> Vector:
+    """Return the air-relative velocity in the body frame that goes with the climb rate. [m/s]"""
+    ux, uy, uz = up_in_body(estimate.attitude)
+    surge, sway = estimate.airspeed.surge, estimate.airspeed.sway
+    climb = estimate.altitude.climb
+    return surge, sway, (climb - (ux * surge + uy * sway)) / uz if uz > LEVEL else climb
+
+
+def measured(attitude: Quaternion, altitude: float, speed: Vector, yaw_rate: float) -> Measured:
+    """
+    Return what the cascade acts on.
+
+    Parameters
+    ----------
+    attitude : tuple
+        Body to odom, x y z w.
+    altitude : float
+        Of the hull centre above the floor. [m]
+    speed : tuple
+        Air-relative velocity, body frame. [m/s]
+    yaw_rate : float
+        About body z. [rad/s]
+
+    """
+    ux, uy, uz = up_in_body(attitude)
+    return Measured(
+        altitude=altitude,
+        climb=ux * speed[0] + uy * speed[1] + uz * speed[2],
+        heading=heading(attitude),
+        yaw_rate=yaw_rate,
+        speed=speed[0],
+        sway=speed[1],
+    )
+
+
+def setpoint(altitude: float, attitude: Quaternion, speed: float) -> Setpoint:
+    """Return what the navigator asks for: altitude [m], level attitude, forward speed [m/s]."""
+    return Setpoint(altitude=altitude, heading=heading(attitude), speed=speed)

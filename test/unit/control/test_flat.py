@@ -1,0 +1,96 @@
+"""Nests of tuples as flat arrays: there and back, and in compiled code."""
+
+import math
+from typing import NamedTuple
+
+from lta_config.settings import plain, setting, Settings
+from lta_control.flat import compiled, Layout, source
+import numpy as np
+import pytest
+
+
+class Inner(NamedTuple):
+    count: int = 3
+    on: bool = True
+
+
+class Outer(NamedTuple):
+    pair: tuple[float, float] = (0.1, math.nan)
+    inner: Inner = Inner()
+    last: float = -0.5
+
+
+class Weights(Settings):
+    heavy: float = setting(2.0, 'A weight.', low=0.0)
+
+
+class Constants(NamedTuple):
+    weights: Weights
+    half: float
+
+
+class Given(NamedTuple):
+    value: float
+
+
+def core(constants, memory, given, scratch):
+    scratch[0] += 1.0
+    inner = memory.inner
+    if given.value > 0.0:
+        inner = Inner(inner.count + 1, not inner.on)
+    first = constants.weights.heavy * given.value
+    return Outer((first, memory.pair[0]), inner, constants.half)
+
+
+def test_the_layout_is_in_order():
+    layout = Layout(Outer())
+    assert layout.paths == ('pair[0]', 'pair[1]', 'inner.count', 'inner.on', 'last')
+    assert layout.place('inner') == slice(2, 4)
+    assert layout.place('pair') == slice(0, 2)
+    assert layout.place('last') == slice(4, 5)
+    with pytest.raises(KeyError):
+        layout.place('inne')
+
+
+def test_there_and_back():
+    layout = Layout(Outer())
+    array = layout.write(Outer((0.3, math.inf), Inner(-7, False), 1.0))
+    assert array.tolist() == [0.3, math.inf, -7.0, 0.0, 1.0]
+    back = layout.read(array)
+    assert back == Outer((0.3, math.inf), Inner(-7, False), 1.0)
+    assert type(back.inner.count) is int
+    assert back.inner.on is False
+
+
+def test_settings_are_numbers_too():
+    layout = Layout(Constants(Weights(heavy=4.0), 0.5))
+    assert layout.paths == ('weights.heavy', 'half')
+    assert layout.write(Constants(Weights(heavy=3.0), 0.25)).tolist() == [3.0, 0.25]
+    assert layout.read(np.array([1.0, 2.0])) == Constants(plain(Weights(heavy=1.0)), 2.0)
+
+
+def test_compiled_it_is_the_same_function(monkeypatch, tmp_path):
+    monkeypatch.setenv('XDG_CACHE_HOME', str(tmp_path))
+    constants, memory = Constants(Weights(), 0.5), Outer()
+    layouts = Layout(constants), Layout(memory), Layout(Given(0.0))
+    step = compiled(core, *layouts)
+    scratch, array = np.zeros(1), layouts[1].write(memory)
+    for value in (0.7, -0.2, 1.5):
+        memory = core(constants, memory, Given(value), [0.0])
+        step(layouts[0].write(constants), array, np.array([value]), scratch)
+        assert layouts[1].read(array) == memory
+    assert scratch[0] == 3.0
+    assert list(tmp_path.rglob('*.nbi'))  # kept
+
+
+def test_the_text_has_all_and_only_its_own():
+    layouts = (Layout(Constants(Weights(), 0.5)), Layout(Outer()), Layout(Given(0.0)))
+    text = source(core, *layouts)
+    for kind in ('Constants', 'Weights', 'Outer', 'Inner', 'Given'):
+        assert text.count(f'core_{kind} = namedtuple(') == 1
+    imports = [line for line in text.splitlines() if line.startswith(('import', 'from'))]
+    assert imports == [
+        'from collections import namedtuple',
+        'import math',
+        'from numba import njit',
+    ]

@@ -1,0 +1,162 @@
+"""Estimate and control in one step, and what keeps the motors off."""
+
+import math
+
+from lta_control import onboard
+from lta_control.allocation import new_scratch
+from lta_control.autopilot import Autopilot, drone_of, ESTIMATE
+from lta_control.cascade import Setpoint
+from lta_control.estimator import EstimatorSettings
+from lta_control.gains_file import load_gains
+from lta_control.onboard import Heard, Onboard, onboard_step
+from lta_control.per_rotor import NONE
+from lta_sim.vehicle import load_vehicle
+import numpy as np
+import pytest
+
+DRONE = drone_of(
+    load_vehicle('gtmab'), EstimatorSettings(rest_time=0.1), load_gains('gtmab'), 0.01
+)
+STILL = Heard((0.0, 0.0, 0.0), (0.0, 0.0, 9.80665), 0.05, 101_000.0)
+UP = Setpoint(0.6, 0.5, 0.2)
+
+
+def run(memory, steps, heard=STILL, drone=DRONE):
+    for _ in range(steps):
+        memory = onboard_step(drone, memory, heard, new_scratch())
+    return memory
+
+
+def guided(memory=Onboard(), setpoint=UP):  # noqa: B008 - never changed
+    return memory._replace(setpoint=setpoint, guided=True)
+
+
+def test_the_motors_wait_for_estimate_and_setpoint():
+    assert run(guided(), 9).duties == NONE  # the tenth step ends the rest
+    assert run(Onboard(), 30).duties == NONE
+    flying = run(guided(), 12)
+    assert all(0.0 < u <= 1.0 for u in flying.duties[:2])
+    assert flying.duties[4:] == (0.0,) * 4
+
+
+def test_standing_they_are_off_and_forget():
+    flying = run(guided(), 20)
+    assert flying.control != DRONE.fresh
+    standing = run(guided(flying, Setpoint(0.3, 0.0, 0.0)), 1)
+    assert standing.duties == NONE
+    np.testing.assert_array_equal(standing.control.thrusts, NONE)
+    assert standing.control.cascade[:3] == (0.0, 0.0, 0.0)
+
+
+def test_turned_over_they_stay_off():
+    flying = run(guided(), 20)
+    tilted = math.sin(0.51), 0.0, 0.0, math.cos(0.51)  # 1.02 rad
+    over = flying._replace(estimate=flying.estimate._replace(attitude=tilted))
+    stopped = run(over, 1)
+    assert stopped.stopped
+    assert stopped.duties == NONE
+    upright = stopped._replace(estimate=flying.estimate)
+    assert run(upright, 5).duties == NONE
+    leaning = math.sin(0.49), 0.0, 0.0, math.cos(0.49)
+    almost = flying._replace(estimate=flying.estimate._replace(attitude=leaning))
+    assert not run(almost, 1).stopped
+
+
+def test_the_estimator_sees_the_duties_of_the_step_before(monkeypatch):
+    told, step = [], onboard.estimator_step
+
+    def spy(settings, body, state, inputs, dt):
+        told.append(inputs.duties)
+        return step(settings, body, state, inputs, dt)
+
+    monkeypatch.setattr(onboard, 'estimator_step', spy)
+    memory, given = guided(), []
+    for _ in range(40):
+        memory = run(memory, 1)
+        given.append(memory.duties)
+    assert told == [NONE, *given[:-1]]
+    assert any(map(any, given))
+
+
+def test_the_autopilot_is_the_same_step_compiled():
+    """Any readings, lost sensors among them: every number it remembers, to the bit."""
+    generator, pilot, memory = np.random.default_rng(6), Autopilot(DRONE), Onboard()
+    np.testing.assert_array_equal(pilot.memory.duties, NONE)
+    for k in range(600):
+        if k % 20 == 7:
+            setpoint = Setpoint(*generator.normal(0.5, 0.5, 3).tolist())
+            pilot.guide(setpoint)
+            memory = guided(memory, setpoint)
+        rates, force = generator.normal(0.0, 0.3, 3), generator.normal((0.0, 0.0, 9.8), 0.5)
+        distance = float(generator.normal(0.2, 0.05)) if k % 3 else (math.nan, math.inf)[k % 2]
+        pressure = float(generator.normal(101_000.0, 2.0)) if k % 2 else math.nan
+        heard = Heard(tuple(rates.tolist()), tuple(force.tolist()), distance, pressure)
+        duties = pilot.step(*heard)
+        memory = run(memory, 1, heard)
+        assert repr(pilot.memory) == repr(memory)  # every bit, and NaN where there is one
+        assert duties == memory.duties[:4]
+        assert pilot.estimate == memory.estimate
+        assert pilot.heading == memory.measured.heading
+        assert pilot.measured == (memory.measured if memory.estimate.ready else None)
+    assert memory.estimate.flown > 5.0
+    assert not memory.stopped
+
+
+@pytest.mark.parametrize('number', [1, 2, 6, 8])
+def test_any_number_of_rotors_flies_the_same_code(number):
+    """The first rotors of a ring of eight: compiled once for all, and equal to plain Python."""
+    columns = tuple(
+        (math.cos(k), math.sin(k), 1.0, 0.01 * k, 0.0, 0.1 * math.cos(k)) for k in range(number)
+    )
+    empty = 8 - number
+    slots = DRONE.rotors._replace(
+        number=number,
+        allocation=columns + ((0.0,) * 6,) * empty,
+        low=NONE,
+        high=(0.15,) * number + (0.0,) * empty,
+        a=(0.08,) * number + (0.0,) * empty,
+        b=(0.07,) * number + (0.0,) * empty,
+    )
+    body = DRONE.body._replace(number=number, allocation=slots.allocation, a=slots.a, b=slots.b)
+    drone = DRONE._replace(rotors=slots, body=body)
+    pilot, memory = Autopilot(drone), guided()
+    pilot.guide(UP)
+    for _ in range(60):
+        duties = pilot.step(*STILL)
+        memory = run(memory, 1, drone=drone)
+        assert repr(pilot.memory) == repr(memory)
+    assert len(duties) == number
+    assert any(duties)
+
+
+NAN = (math.nan, 0.0, 0.0)
+
+
+@pytest.mark.parametrize('lost', [STILL._replace(rates=NAN), STILL._replace(force=NAN)])
+def test_a_sample_that_is_no_number_is_left_out(lost):
+    flying = run(guided(), 20)
+    assert run(flying, 1, lost).estimate == flying.estimate
+    assert not run(flying, 1, lost).stopped
+
+
+def test_a_setpoint_that_is_no_number_stops_the_motors_for_good():
+    flying = run(guided(), 20)
+    stopped = run(guided(flying, UP._replace(heading=math.nan)), 1)
+    assert stopped.stopped
+    assert stopped.duties == NONE
+    assert run(guided(stopped), 3).duties == NONE
+
+
+def test_an_estimate_that_is_no_number_stops_the_motors_for_good():
+    flying = run(guided(), 20)
+    lost = flying.estimate._replace(altitude=flying.estimate.altitude._replace(height=math.nan))
+    assert run(flying._replace(estimate=lost), 1).stopped
+
+
+def test_the_numbers_of_the_estimate_are_the_callers_own():
+    pilot = Autopilot(DRONE)
+    pilot.step(*STILL)
+    numbers = pilot.believed()
+    assert ESTIMATE.read(numbers) == pilot.estimate
+    pilot.step(*STILL)
+    assert ESTIMATE.read(numbers) != pilot.estimate
