@@ -101,13 +101,16 @@ def check_reading(lta, bag):
     assert start[:2].tolist() == [-3.5, OFFSET]
 
 
-def test_who_holds_both_up_is_named_with_its_robot_and_nobody_else(lta, flying, tmp_path):
-    flight = lta.start('launch', 'pair', 'time:=lockstep', f'bag:={tmp_path / "bag"}')
+def test_who_holds_both_up_is_named_with_its_robot_and_nobody_else(
+    lta, flying, scenario, tmp_path
+):
+    path = scenario(radius='0.01 m', time_limit='600 s')  # as long as the test takes
+    words = (f'scenario:={path}', 'time:=lockstep', f'bag:={tmp_path / "bag"}')
+    flight = lta.start('launch', 'pair', *words)
     flying(8.0)  # DDS has found everyone
-    for words in (('fly', '--out', tmp_path / 'x'), ('launch', 'fly', f'bag:={tmp_path / "x"}')):
-        refused = lta.run(*words)
-        assert refused.returncode == 2
-        assert refused.stderr.startswith('lta1 and lta2 are flying on ROS domain ')
+    refused = lta.run('launch', 'fly', f'bag:={tmp_path / "second"}')
+    assert refused.returncode == 2
+    assert refused.stderr.startswith('lta1 and lta2 are flying on ROS domain ')
     before = len(flight.lines)
     pid = flight.node('estimator', 'lta2')
     os.kill(pid, signal.SIGSTOP)

@@ -45,7 +45,8 @@ def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> 
             # Of a node that is not ours nothing is ever heard: that is no fault of it.
             running = launcher.running
             heard = [name for name in running if listener.hears([name])]
-            lookout.look(facts, listener.silent(heard), len(heard) == len(running))
+            silent = listener.silent(heard) if listener.settled(running) else []
+            lookout.look(facts, silent, len(heard) == len(running))
             for end in launcher.poll():
                 say(f'{end.sentence}.')
         return outcome

@@ -41,6 +41,7 @@ class DiagnosticsListener:
         self.facts: dict[str, Fact] = {}
         self._heard: dict[str, float] = {}
         self._begun: float | None = None
+        self._complete: float | None = None
         self._context = Context()
 
     def __enter__(self) -> Self:
@@ -105,3 +106,16 @@ class DiagnosticsListener:
     def hears(self, nodes: Iterable[str]) -> bool:
         """Tell whether all of some nodes have been heard: DDS may take seconds to find them."""
         return self._heard.keys() >= set(nodes)
+
+    def settled(self, nodes: Iterable[str]) -> bool:
+        """
+        Tell whether silence means something.
+
+        While others still load, a node that runs may get no turn for a second. So all of some
+        nodes must have been heard, and have had the time to report again.
+        """
+        now = time.monotonic()
+        patient = self._begun is not None and now - self._begun > DISCOVERY
+        if self._complete is None and (patient or self.hears(nodes)):
+            self._complete = now
+        return self._complete is not None and now - self._complete > SILENCE
