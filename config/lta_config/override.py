@@ -6,6 +6,7 @@ apply to whatever comes out. The new value is written as in a file: `4 g`, `[1, 
 """
 
 from collections.abc import Mapping
+from contextlib import suppress
 import re
 from typing import Any
 
@@ -61,11 +62,21 @@ def value_of(given: Any, where: str) -> Any:  # noqa: ANN401 - what YAML holds
     try:
         vector = _VECTOR.match(given)
         if vector is not None:
-            return {'value': yaml.safe_load(vector.group(1)), 'unit': vector.group(2)}
+            numbers = [_number(item) for item in vector.group(1).strip('[]').split(',')]
+            return {'value': numbers, 'unit': vector.group(2)}
         found = quantity_in(given)
-        return yaml.safe_load(given) if found is None else found
+        return _number(given) if found is None else found
     except (yaml.YAMLError, ValueError):
         raise BadInput(f"{where} cannot be set to '{given}'; write it as in a file.") from None
+
+
+def _number(text: str) -> Any:  # noqa: ANN401 - what YAML holds
+    """Return what a word means in YAML, and numbers such as 1e-05, which YAML takes for text."""
+    read = yaml.safe_load(text)
+    if isinstance(read, str):
+        with suppress(ValueError):
+            return float(read)
+    return read
 
 
 def quantity_in(held: Any) -> dict[str, Any] | None:  # noqa: ANN401 - what YAML holds

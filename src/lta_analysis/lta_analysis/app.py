@@ -7,6 +7,7 @@ from typing import Annotated
 
 from lta_analysis.verbs.bag import bag
 from lta_analysis.verbs.doctor import doctor
+from lta_analysis.verbs.effects import effects
 from lta_analysis.verbs.fly import fly
 from lta_analysis.verbs.launch import launch
 from lta_analysis.verbs.report import report
@@ -36,6 +37,7 @@ app.command(context_settings={'ignore_unknown_options': True, 'allow_intersperse
 )
 app.add_typer(bag, name='bag')
 app.command()(report)
+app.command()(effects)
 app.command()(doctor)
 for command in (*app.registered_commands, *bag.registered_commands):
     # Typer keeps the line breaks of a docstring, which are ragged on any other width.

@@ -20,7 +20,7 @@ from lta_analysis.report.view import (
 )
 from lta_control.autopilot import ESTIMATE
 from lta_control.flat import Array
-from lta_sim.state import POSITION, QUATERNION, RIGID, VELOCITY
+from lta_sim.state import POSITION, QUATERNION, VELOCITY
 import numpy as np
 
 KEPT = {'ground_truth/odom', 'odom', 'battery'}
@@ -47,7 +47,8 @@ class LoopView:
         x, y, _ = world.scenario.lamp.position.vector
         self.lamp: Spot | None = Spot(x, y)
         self._times: list[float] = []
-        self._states: list[Array] = []
+        self._truth: list[tuple[float, ...]] = []
+        self._winds: list[tuple[float, ...]] = []
         self._estimates: list[Array] = []
         self._light: list[tuple[Any, ...]] = []
         self._power: list[tuple[float, float, float]] = []
@@ -57,7 +58,8 @@ class LoopView:
         loop, readings = self._loop, self._loop.readings
         time = (readings.stamp_ns - self._start) * 1e-9
         self._times.append(time)
-        self._states.append(loop.world.state[:RIGID].copy())
+        if readings.truth is not None:
+            self._truth.append((time, *readings.truth))
         self._estimates.append(loop.autopilot.believed())
         if readings.block is not None and loop.light is not None and loop.asked is not None:
             began = (readings.block[0] - self._start) * 1e-9
@@ -69,6 +71,7 @@ class LoopView:
         if loop.energy is not None and readings.battery is not None:
             reading = loop.energy.reading
             self._power.append((time, reading.voltage, reading.current))
+            self._winds.append((time, *loop.world.wind))
 
     def has(self, *topics: str) -> bool:
         """Tell whether there is something of all these topics."""
@@ -82,10 +85,10 @@ class LoopView:
     @cached_property
     def truth(self) -> Motion:
         """The true motion; the wind is taken off the speed."""
-        time, state = np.array(self._times), np.array(self._states)
+        table, wind = np.array(self._truth), np.array(self._winds)
+        time, state = table[:, 0], table[:, 1:]
         motion = moved(time, state[:, POSITION], state[:, QUATERNION], state[:, VELOCITY][:, 0])
-        wind = self._loop.world.scenario.air.wind.vector
-        return through_air(motion, np.array([0.0]), np.array([wind]))
+        return through_air(motion, wind[:, 0], wind[:, 1:])
 
     @cached_property
     def estimate(self) -> Motion:

@@ -50,10 +50,11 @@ class ClusterCrew:
             ) from None
         try:
             self._client: Any = self._dask.Client(address, timeout=PATIENCE, set_as_default=False)
+            self._client.wait_for_workers(1, timeout=PATIENCE)
         except (OSError, ValueError) as error:
             raise BadInput(
-                f"No Dask scheduler answers at '{address}' ({' '.join(str(error).split())}); "
-                'start one with "dask scheduler".'
+                f"No Dask scheduler with workers answers at '{address}' "
+                f'({" ".join(str(error).split())}); start "dask scheduler" and "dask worker".'
             ) from None
         self._base = base
         self.deaths = 0  # Dask replaces workers by itself and does not tell
@@ -77,7 +78,7 @@ class ClusterCrew:
         """Yield the rows of all jobs as they come; what a lost worker had is flown again."""
         given: dict[Any, Job] = {}
         threads = sum(self._client.nthreads().values()) or 1
-        flying = self._dask.as_completed([])
+        flying = self._dask.as_completed([], loop=self._client.loop)
         for _ in range(AHEAD * threads):
             self._give(jobs, given, flying)
         for future in flying:

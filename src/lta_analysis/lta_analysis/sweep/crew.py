@@ -8,7 +8,7 @@ worker takes its place. Workers end by themselves when whoever gave them work is
 from collections import deque
 from collections.abc import Iterator
 from contextlib import suppress
-from multiprocessing import get_context
+from multiprocessing import get_context, resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 import os
@@ -63,7 +63,9 @@ class Worker:
         context = get_context('spawn')
         self.connection, theirs = context.Pipe()
         self.process: SpawnProcess = context.Process(target=work, args=(theirs, base), daemon=True)
-        # The child keeps this mask: a Ctrl-C is for whoever gives the work to answer.
+        # The child keeps this mask: a Ctrl-C is for whoever gives the work to answer. Python's
+        # tracker of resources takes it off where it starts, with the first child at the latest.
+        resource_tracker.ensure_running()
         before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         try:
             self.process.start()

@@ -20,6 +20,7 @@ from lta_analysis.sweep.plan import Plan
 from lta_analysis.sweep.statistics import figures, REACHED, reached_share, told
 from lta_analysis.typed import near, typed
 from lta_config.errors import BadInput
+from lta_config.sweep_file import Distribution
 from plotly.graph_objects import Figure
 from plotly.offline import get_plotlyjs
 import yaml
@@ -64,7 +65,7 @@ def page(told_of: Told) -> str:
         about=escape(file.about),
         tiles='\n'.join(tile_html(*each) for each in tiles(rows)),
         spreads='\n'.join(spreads(rows)),
-        panels='\n'.join(panels(rows, told_of.units)),
+        panels='\n'.join(panels(plan, rows, told_of.units)),
         lost_title='Flights that did not reach their goal',
         lost=lost_html(plan, rows),
         facts=terms(facts(told_of)),
@@ -87,8 +88,8 @@ def title(plan: Plan, rows: Sequence[Row]) -> str:
     reached = sum(row.outcome == REACHED for row in rows)
     ends = f'{100 * share.low:.1f} to {100 * share.high:.1f} %'
     return (
-        f'{reached} of {flown} flights{begun} reached their goal: {100 * share.value:.1f} %, '
-        f'with 95 % confidence {ends}.'
+        f'{reached} of {flown} flights{begun} reached their goal; with 95 % confidence it is '
+        f'{ends} of all such flights.'
     )
 
 
@@ -135,17 +136,19 @@ def spreads(rows: Sequence[Row]) -> list[str]:
     ]  # fmt: skip
 
 
-def panels(rows: Sequence[Row], units: Mapping[str, str]) -> list[str]:
+def panels(plan: Plan, rows: Sequence[Row], units: Mapping[str, str]) -> list[str]:
     """Return a picture for each parameter."""
     caption = (
         'Share that reached the goal with its 95 % Wilson interval, and time and path of those '
         'that did. Failed flights do not count.'
     )
-    return [
-        section(f'by-{k}', path, caption, by_parameter(rows, path, unit))
-        for k, (path, unit) in enumerate(units.items())
-        if rows
-    ]
+    found = []
+    for k, (path, unit) in enumerate(units.items() if rows else ()):
+        how = plan.file.vary[path]
+        even_in_log = isinstance(how, Distribution) and how.loguniform is not None
+        picture = by_parameter(rows, path, unit, even_in_log)
+        found.append(section(f'by-{k}', path, caption, picture))
+    return found
 
 
 def section(name: str, heading: str, caption: str, picture: Figure) -> str:

@@ -42,8 +42,8 @@ def spread(rows: Sequence[Row], measure: Measure) -> Figure:
     return figure.update_yaxes(title_text='flights', rangemode='tozero')
 
 
-def by_parameter(rows: Sequence[Row], path: str, unit: str) -> Figure:
-    """Return the reached share, time and path along one parameter."""
+def by_parameter(rows: Sequence[Row], path: str, unit: str, even_in_log: bool) -> Figure:
+    """Return the reached share, time and path along one parameter, on a logarithm if told."""
     figure = blank(3, [0.3, 0.35, 0.35])
     found = groups(rows, path)
     words = any(isinstance(group.place, str) for group in found)
@@ -55,7 +55,7 @@ def by_parameter(rows: Sequence[Row], path: str, unit: str) -> Figure:
         add_boxes(figure, found, measure, line, dots=not drawn)
         figure.update_yaxes(title_text=f'{measure.title} [{measure.unit}]', row=line)
     title = f'{path} [{unit}]' if unit else path
-    figure.update_xaxes(type='category' if words else None)
+    figure.update_xaxes(type='category' if words else 'log' if even_in_log else None)
     figure.update_xaxes(title_text=title, row=3)
     figure.update_layout(hovermode='closest', margin={'r': 24, 't': 12})
     return figure

@@ -16,7 +16,7 @@ from typing import Any, final
 from lta_analysis.ingredients import gather, Ingredients, loop_of
 from lta_analysis.sweep.draws import draw
 from lta_config.errors import BadInput
-from lta_config.override import quantity_in, value_of
+from lta_config.override import quantity_in, shown, value_of
 from lta_config.quantity import Quantity, UNITS
 from lta_config.sweep_file import Distribution, SweepFile
 
@@ -114,7 +114,11 @@ class Plan:
         loop_of(self.base, self.file.seeds.first)
         for path in self.file.vary:
             for value in self._to_check(path):
-                loop_of(self.base.with_values({path: value}), self.file.seeds.first)
+                changed = self.base.with_values({path: value})
+                try:
+                    loop_of(changed, self.file.seeds.first)
+                except BadInput as error:
+                    raise BadInput(f'With {path} at {shown(value)}: {error}') from None
 
     def _to_check(self, path: str) -> list[Any]:
         how = self.file.vary[path]

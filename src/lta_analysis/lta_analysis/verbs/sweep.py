@@ -58,7 +58,11 @@ def sweep(
     Example: lta sweep heaviness --workers 2
     """
     console = Console(stderr=json)
-    done = sweep_once(Order(file, out, workers, scheduler, retry, page), console)
+    try:
+        done = sweep_once(Order(file, out, workers, scheduler, retry, page), console)
+    except KeyboardInterrupt:
+        console.print('What was flown is kept; the same command goes on from there.')
+        raise
     if json:
         sys.stdout.write(json_text.dumps(printed(done), indent=1) + '\n')
     tell(done, console)

@@ -1,0 +1,85 @@
+"""Single parameters of files, replaced by path: found, and of the right kind and unit."""
+
+from lta_config.errors import BadInput
+from lta_config.override import assignment, held, override, SOURCE, value_of
+import pytest
+
+FILE = {
+    'trim': {'heaviness': {'value': 2, 'unit': 'g', 'source': 'scale'}},
+    'air': {'wind': {'value': [0, 1, 2], 'unit': 'm/s'}, 'temperature': '20 degC'},
+    'room': {'albedo': 0.5},
+    'diodes': {'count': 8},
+    'rotor': {'reversible': False},
+    'effects': {'motor_lag': {'up': {'value': 72, 'unit': 'ms', 'source': 'paper'}}},
+}
+
+
+def changed(text):
+    path, value = assignment(text)
+    return held(override(FILE, path, value, 'vehicle'), path, 'vehicle')
+
+
+@pytest.mark.parametrize(
+    ('text', 'found'),
+    [
+        ('trim.heaviness=4 g', {'value': 4.0, 'unit': 'g', 'source': SOURCE}),
+        ('trim.heaviness=0.004 kg', {'value': 0.004, 'unit': 'kg', 'source': SOURCE}),
+        ('air.wind=[1, 0, -0.5] m/s', {'value': [1, 0, -0.5], 'unit': 'm/s', 'source': SOURCE}),
+        ('air.temperature = 25 degC', {'value': 25.0, 'unit': 'degC', 'source': SOURCE}),
+        ('room.albedo=0.25', 0.25),
+        ('room.albedo=1', 1.0),
+        ('room.albedo=1e-05', 1e-5),
+        ('air.wind=[1e-05, 0, 0] m/s', {'value': [1e-5, 0, 0], 'unit': 'm/s', 'source': SOURCE}),
+        ('diodes.count=4', 4),
+        ('rotor.reversible=true', True),
+        ('effects.motor_lag.up=0 ms', {'value': 0.0, 'unit': 'ms', 'source': SOURCE}),
+        ('effects.leak.rate=1 g', {'value': 1.0, 'unit': 'g', 'source': SOURCE}),
+    ],
+)
+def test_a_value_is_replaced(text, found):
+    assert changed(text) == found
+
+
+def test_one_of_several_numbers_leaves_the_others():
+    given = override(FILE, 'air.wind.1', value_of('0.5 m/s', ''), 'scenario')
+    assert given['air']['wind']['value'] == [0, 0.5, 2]
+    assert held(given, 'air.wind.1', 'scenario') == {'value': 0.5, 'unit': 'm/s'}
+
+
+def test_a_number_in_another_unit_is_put_into_that_of_its_neighbours():
+    file = {'size': {'value': [1.0, 2.0], 'unit': 'cm'}}
+    given = override(file, 'size.0', value_of('30 mm', ''), 'vehicle')
+    assert given['size']['value'] == pytest.approx([3.0, 2.0], rel=1e-15)
+
+
+def test_what_was_read_stays_as_it_was():
+    before = str(FILE)
+    changed('trim.heaviness=4 g')
+    changed('air.wind.0=4 m/s')
+    assert str(FILE) == before
+
+
+@pytest.mark.parametrize(
+    ('text', 'words'),
+    [
+        ('trim.heavines=4 g', "Unknown key of vehicle.trim 'heavines'; known: heaviness."),
+        ('trin.heaviness=4 g', "Unknown key of vehicle 'trin'; known: air, diodes"),
+        ('trim.heaviness=4 m', 'is in m, but must be in g or its like'),
+        ('trim.heaviness=4', 'give a number and a unit, as in "1 g"'),
+        ('trim.heaviness=4 stone', 'vehicle.trim.heaviness is 4 stone; give a number and a unit'),
+        ('trim.heaviness.0=4 g', 'vehicle.trim.heaviness is a single value'),
+        ('room.albedo.x=4', "vehicle.room.albedo is a single value; leave '.x' out"),
+        ('trim=4 g', 'vehicle.trim is a group; set one of its keys: heaviness'),
+        ('room.albedo=4 m', 'takes a plain value such as 0.5, not 4.0 m'),
+        ('room.albedo=dark', 'is dark, but must be a number'),
+        ('diodes.count=true', 'is True, but must be a number'),
+        ('air.wind.3=4 m/s', "Unknown number of vehicle.air.wind '3'; known: 0, 1, 2."),
+        ('trim.heaviness', 'write PATH=VALUE'),
+        ('trim.heaviness=', 'write PATH=VALUE'),
+        ('air.wind=[1, 2 m/s', 'cannot be set to'),
+    ],
+)
+def test_what_cannot_be_set_is_said(text, words):
+    with pytest.raises(BadInput) as caught:
+        changed(text)
+    assert words in str(caught.value)
