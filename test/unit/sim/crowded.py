@@ -117,8 +117,8 @@ def anywhere(generator):
     state[LAYOUT.remembers['gusts']] += 0.6
     command = np.r_[generator.uniform(-1.0, 1.0, 8), generator.normal(0.0, 0.05, 3)]
     voltage = generator.uniform(3.3, 4.2) * (generator.random() > 0.1)
-    around = np.r_[generator.normal(0.0, 0.5, 3), generator.normal(0.0, 10.0, 3), 400.0, voltage]
-    return state, command, around
+    wind, noise, change = generator.normal(0.0, [[0.5], [10.0], [0.3]], (3, 3))
+    return state, command, np.r_[wind, noise, 400.0, voltage, change]
 
 
 def memory_places():

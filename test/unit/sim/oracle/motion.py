@@ -78,7 +78,7 @@ def look(state, vehicle, places, command, around):
         position, turn, v, w, vehicle.body, command[:8], command[8:11], np.array(wind), noise,
         irradiance, voltage,
     )  # fmt: skip
-    rates, flow = np.zeros(state.size), np.zeros(3)
+    rates, flow = np.zeros(state.size), np.array(around[8:11])
     for name, effect, p in vehicle.on(AIR):
         blow, change, rate = effect(p, state[places[name]], scene)
         scene.wind, flow = scene.wind + blow, flow + change
@@ -106,8 +106,9 @@ def derivative(state, vehicle, places, command, around):
     vehicle : Vehicle
     places : mapping of str to slice
         Where in the state the memory of each effect is.
-    command, around : ndarray, shapes (11,), (8,)
-        Duties and place of the moving mass; wind, noise, irradiance and voltage.
+    command, around : ndarray, shapes (11,), (11,)
+        Duties and place of the moving mass; wind, noise, irradiance, voltage and the rate of that
+        wind.
 
     """
     scene, flow, _, wrenches, rates = look(state, vehicle, places, command, around)
