@@ -58,16 +58,25 @@ class Columns:
 
     def texts(self, parts: list[Stage], layout: Layout) -> dict[str, str]:
         """Return how states go in and out of blocks, and the stages as loops."""
-        size = range(layout.size)
-        put = [f'block[{k} * {self.width} + i] = state[{k}]' for k in size]
+        if not self.state:
+            return self._thread(parts, layout)
         return {
-            'state': _column('block', 0, layout.size, self.width),
-            'put': indented(put),
-            'stores': indented(put, 3),
             'loops': '\n\n\n'.join(self._loops(parts)),
             'calls': indented(self._calls(parts, layout)),
             'LOOP': LOOP,
             'scratch': str(sum(VARIABLES.values())),
+        }
+
+    def _thread(self, parts: list[Stage], layout: Layout) -> dict[str, str]:
+        """Return the stages one after the other and the arithmetic of whole states."""
+        size = range(layout.size)
+        return {
+            'state': _column('block', 0, layout.size, self.width),
+            'stores': indented((f'block[{k} * {self.width} + i] = state[{k}]' for k in size), 3),
+            'ahead': tuple_of(f'state[{k}] + dt * rate[{k}]' for k in size),
+            'mean': tuple_of(f'(a[{k}] + 2.0 * (b[{k}] + c[{k}]) + d[{k}]) / 6.0' for k in size),
+            'bare': indented(line for stage in parts for line in stage.lines),
+            'rate': layout.rate,
         }
 
     def _done(self, parts: list[Stage]) -> dict[str, Stage]:

@@ -130,7 +130,7 @@ class Layout:
 
     @property
     def rate(self) -> str:
-        """Source of d/dt of the whole state."""
+        """Source of d/dt of the whole state, from what the stages leave behind."""
         memory = [f'R_{name}[{k}]' for name in self.effects for k in range(self.remembered(name))]
         return f'f + g + a + {tuple_of(memory)}'
 
@@ -149,29 +149,6 @@ class Access(Protocol):
     def texts(self, parts: list[Stage], layout: Layout) -> dict[str, str]:
         """Return what the templates of this form need beyond the common parts."""
         ...
-
-
-@final
-class Local:
-    """One vehicle: arrays and tuples under their own names."""
-
-    def item(self, name: str, place: int, layout: Layout) -> str:
-        """Return the source of one number."""
-        del layout
-        return f'{name}[{place}]'
-
-    def whole(self, name: str, layout: Layout) -> str:
-        """Return the source of all numbers of a name."""
-        del layout
-        return name
-
-    def texts(self, parts: list[Stage], layout: Layout) -> dict[str, str]:
-        """Return nothing: the common parts will do."""
-        del parts, layout
-        return {}
-
-
-LOCAL = Local()
 
 
 @final

@@ -1,0 +1,142 @@
+"""
+One vehicle as one row of numbers, which the scalar kernel reads and writes in place.
+
+Every number has a fixed place in the row. So the compiler knows that what a stage stores is not
+what the next one loads, a call hands over one array, and whoever flies a vehicle for long keeps
+its row (`lta_sim.craft`).
+"""
+
+from collections.abc import Iterable, Iterator
+from typing import final
+
+from lta_sim.stages import FIXED, indented, Layout, Stage, tuple_of
+from lta_sim.state import ACTUATORS
+
+ENTRIES = '''
+$INLINE
+def rates(row, on, told):
+    """Write d/dt of the state, and what makes it where that is to be told."""
+$head
+$body
+
+
+$ENTRY
+def derivative(row, on):
+    """Write d/dt of the state, the wrench of each wrench effect, thrusts and wind."""
+    for i in range($rate, $end):
+        row[i] = 0.0  # what is off says nothing
+    rates(row, on, True)
+
+
+$ENTRY
+def advance(row, on, dt, steps):
+    """Take `steps` steps of dt."""
+    for i in range($size):
+        row[$rate + i] = 0.0  # memory of effects that are off stays as it is
+    half = 0.5 * dt
+    for _ in range(steps):
+        for i in range($size):
+            row[$begin + i] = row[i]
+        rates(row, on, False)
+        for i in range($size):
+            row[$first + i] = row[$rate + i]
+            row[i] = row[$begin + i] + half * row[$rate + i]
+        rates(row, on, False)
+        for i in range($size):
+            row[$middle + i] = row[$rate + i]
+            row[i] = row[$begin + i] + half * row[$rate + i]
+        rates(row, on, False)
+        for i in range($size):
+            row[$middle + i] = row[$middle + i] + row[$rate + i]
+            row[i] = row[$begin + i] + dt * row[$rate + i]
+        rates(row, on, False)
+        for i in range($size):
+            mean = (row[$first + i] + 2.0 * row[$middle + i] + row[$rate + i]) / 6.0
+            row[i] = row[$begin + i] + dt * mean
+        x, y, z, w = row[3], row[4], row[5], row[6]
+        n = 1.0 / math.sqrt(x * x + y * y + z * z + w * w)
+        row[3], row[4], row[5], row[6] = x * n, y * n, z * n, w * n
+'''
+
+
+def parts(layout: Layout) -> dict[str, int]:
+    """
+    Return the parts of a row in their order, and how many numbers each has.
+
+    The state comes first; `begin`, `first` and `middle` are what a Runge-Kutta step keeps, `rate`
+    and what follows is written by `derivative`.
+    """
+    size = layout.size
+    kept = {'state': size, 'parameters': layout.parameters, **FIXED}
+    scratch = dict.fromkeys(('begin', 'first', 'middle', 'rate'), size)
+    return {
+        **kept,
+        **scratch,
+        'wrenches': 6 * len(layout.wrenches),
+        'thrusts': ACTUATORS,
+        'wind': 3,
+    }
+
+
+def places(layout: Layout) -> dict[str, slice]:
+    """Return where in a row each part is."""
+    out, first = {}, 0
+    for name, count in parts(layout).items():
+        out[name] = slice(first, first + count)
+        first += count
+    return out
+
+
+@final
+class Row:
+    """Reach the numbers of the one vehicle in its row."""
+
+    def item(self, name: str, place: int, layout: Layout) -> str:
+        """Return the source of one number."""
+        return f'row[{places(layout)[name].start + place}]'
+
+    def whole(self, name: str, layout: Layout) -> str:
+        """Return the source of all numbers of a name: a local variable."""
+        del layout
+        return name
+
+    def texts(self, stages: list[Stage], layout: Layout) -> dict[str, str]:
+        """Return the stages one after the other, and where the parts of a row are."""
+        where = places(layout)
+        head = [
+            f'{name} = {tuple_of(f"row[{k}]" for k in range(where[name].start, where[name].stop))}'
+            for name in FIXED
+        ]
+        starts = {name: str(part.start) for name, part in where.items()}
+        return {
+            'head': indented(head),
+            'body': indented(self._body(stages, layout)),
+            'begin': starts['begin'],
+            'first': starts['first'],
+            'middle': starts['middle'],
+            'rate': starts['rate'],
+            'end': str(max(part.stop for part in where.values())),
+        }
+
+    def _body(self, stages: list[Stage], layout: Layout) -> Iterator[str]:
+        """Write each stage behind the flag of its effect, then what is told."""
+        where = places(layout)
+        row = where['wrenches'].start
+        for stage in stages:
+            lines = [*stage.lines, *self._stored(where['rate'].start, stage.memory)]
+            if stage.effect in layout.wrenches:
+                told = ((k, f'W_{stage.effect}[{k}]') for k in range(6))
+                lines += ['if told:', *(f'    {line}' for line in self._stored(row, told))]
+                row += 6
+            if stage.effect:
+                yield f'if on[{layout.flag(stage.effect)}]:'
+            yield from (f'    {line}' for line in lines) if stage.effect else lines
+        yield 'if told:'
+        told = [(k, f'u[{k}]') for k in range(ACTUATORS)]
+        yield from (f'    {line}' for line in self._stored(where['thrusts'].start, told))
+        told = [(k, f'wind[{k}]') for k in range(3)]
+        yield from (f'    {line}' for line in self._stored(where['wind'].start, told))
+
+    def _stored(self, first: int, values: Iterable[tuple[int, str]]) -> list[str]:
+        """Return the lines that store values from a place on."""
+        return [f'row[{first + k}] = {value}' for k, value in values]
