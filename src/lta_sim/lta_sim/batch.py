@@ -16,7 +16,7 @@ from lta_sim.compose import Form, kernel_source
 from lta_sim.effects import EFFECTS
 from lta_sim.fleet import columns, Fleet
 from lta_sim.kernel_cache import load
-from lta_sim.stages import OWN
+from lta_sim.layout import OWN
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

@@ -16,7 +16,8 @@ from lta_sim import rigid_body
 from lta_sim.effects.protocol import Effect, KernelEffect
 from lta_sim.extract import Extract
 from lta_sim.row import ENTRIES, Row
-from lta_sim.stages import Access, Layout, OWN, stages
+from lta_sim.layout import Access, Layout, OWN
+from lta_sim.stages import stages
 
 HEAD = '''"""
 The model of a vehicle, written by lta_sim.compose from the effects; edits here are lost.

@@ -9,7 +9,7 @@ its row (`lta_sim.craft`).
 from collections.abc import Iterable, Iterator
 from typing import final
 
-from lta_sim.stages import FIXED, indented, Layout, Stage, tuple_of
+from lta_sim.layout import FIXED, indented, Layout, Stage, step, tuple_of
 from lta_sim.state import ACTUATORS
 
 ENTRIES = '''
@@ -25,7 +25,7 @@ def derivative(row, on):
     """Write d/dt of the state, the wrench of each wrench effect, thrusts and wind."""
     for i in range($rate, $end):
         row[i] = 0.0  # what is off says nothing
-    rates(row, on, True)
+    rates(row, on, 1)
 
 
 $ENTRY
@@ -37,19 +37,19 @@ def advance(row, on, dt, steps):
     for _ in range(steps):
         for i in range($size):
             row[$begin + i] = row[i]
-        rates(row, on, False)
+        rates(row, on, 0)
         for i in range($size):
             row[$first + i] = row[$rate + i]
             row[i] = row[$begin + i] + half * row[$rate + i]
-        rates(row, on, False)
+        rates(row, on, 0)
         for i in range($size):
             row[$middle + i] = row[$rate + i]
             row[i] = row[$begin + i] + half * row[$rate + i]
-        rates(row, on, False)
+        rates(row, on, 0)
         for i in range($size):
             row[$middle + i] = row[$middle + i] + row[$rate + i]
             row[i] = row[$begin + i] + dt * row[$rate + i]
-        rates(row, on, False)
+        rates(row, on, 0)
         for i in range($size):
             mean = (row[$first + i] + 2.0 * row[$middle + i] + row[$rate + i]) / 6.0
             row[i] = row[$begin + i] + dt * mean
@@ -91,14 +91,18 @@ def places(layout: Layout) -> dict[str, slice]:
 class Row:
     """Reach the numbers of the one vehicle in its row."""
 
-    def item(self, name: str, place: int, layout: Layout) -> str:
-        """Return the source of one number."""
-        return f'row[{places(layout)[name].start + place}]'
+    loops = True
+
+    def item(self, name: str, place: int, layout: Layout, each: int = 0) -> str:
+        """Return the source of one number; what the rotors do is kept with their thrusts."""
+        first = places(layout)['thrusts' if name == 'u' else name].start
+        return f'row[{first + place}{step(each)}]'
 
     def whole(self, name: str, layout: Layout) -> str:
-        """Return the source of all numbers of a name: a local variable."""
-        del layout
-        return name
+        """Return the source of all numbers of a name: a local variable, except for `u`."""
+        if name != 'u':
+            return name
+        return tuple_of(self.item('u', i, layout) for i in range(ACTUATORS))
 
     def texts(self, stages: list[Stage], layout: Layout) -> dict[str, str]:
         """Return the stages one after the other, and where the parts of a row are."""
@@ -128,14 +132,15 @@ class Row:
                 told = ((k, f'W_{stage.effect}[{k}]') for k in range(6))
                 lines += ['if told:', *(f'    {line}' for line in self._stored(row, told))]
                 row += 6
+            depth = 0
             if stage.effect:
                 yield f'if on[{layout.flag(stage.effect)}]:'
-            yield from (f'    {line}' for line in lines) if stage.effect else lines
-        yield 'if told:'
-        told = [(k, f'u[{k}]') for k in range(ACTUATORS)]
-        yield from (f'    {line}' for line in self._stored(where['thrusts'].start, told))
-        told = [(k, f'wind[{k}]') for k in range(3)]
-        yield from (f'    {line}' for line in self._stored(where['wind'].start, told))
+                depth += 1
+            if stage.each:
+                yield '    ' * depth + f'for j in range({ACTUATORS}):'
+                depth += 1
+            yield from ('    ' * depth + line for line in lines)
+        yield from self._stored(where['wind'].start, ((k, f'wind[{k}]') for k in range(3)))
 
     def _stored(self, first: int, values: Iterable[tuple[int, str]]) -> list[str]:
         """Return the lines that store values from a place on."""
