@@ -11,13 +11,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import final
 
-from lta_sim.craft import Craft, LAYOUT
+from lta_sim import craft
+from lta_sim.craft import Craft
 from lta_sim.model import Model
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 State = NDArray[np.float64]
 CALM = (0.0, 0.0, 0.0)
+
+LAYOUT = craft.LAYOUT
 
 
 @final
@@ -63,11 +66,11 @@ def _craft(state: ArrayLike, model: Model, command: ArrayLike, surroundings: Arr
     start = np.asarray(state, dtype=np.float64)
     if start.shape != (LAYOUT.size,):
         raise ValueError(f'The state has shape {start.shape}; it must be ({LAYOUT.size},).')
-    craft = Craft(model)
-    craft.state[:] = start
-    _fill('command', command, craft.command)
-    _fill('surroundings', surroundings, craft.surroundings)
-    return craft
+    flown = Craft(model)
+    flown.state[:] = start
+    _fill('command', command, flown.command)
+    _fill('surroundings', surroundings, flown.surroundings)
+    return flown
 
 
 def derivative(
@@ -98,9 +101,9 @@ def derivative(
         If an array has the wrong shape.
 
     """
-    craft = _craft(state, model, command, surroundings)
-    craft.look()
-    return craft.rate.copy()
+    flown = _craft(state, model, command, surroundings)
+    flown.look()
+    return flown.rate.copy()
 
 
 def advance(
@@ -129,9 +132,9 @@ def advance(
         The later state, its quaternion normalised after each step.
 
     """
-    craft = _craft(state, model, command, surroundings)
-    craft.advance(float(dt), int(steps))
-    return craft.state.copy()
+    flown = _craft(state, model, command, surroundings)
+    flown.advance(float(dt), int(steps))
+    return flown.state.copy()
 
 
 def look(
@@ -146,10 +149,10 @@ def look(
         As for `derivative`.
 
     """
-    craft = _craft(state, model, command, surroundings)
-    craft.look()
-    wrenches = dict(zip(LAYOUT.wrenches, craft.wrenches, strict=True))
-    return Look(wrenches, craft.thrusts, craft.wind)
+    flown = _craft(state, model, command, surroundings)
+    flown.look()
+    wrenches = dict(zip(LAYOUT.wrenches, flown.wrenches, strict=True))
+    return Look(wrenches, flown.thrusts, flown.wind)
 
 
 def thrusts(

@@ -14,8 +14,9 @@ from lta_sim.state import ACTUATORS
 
 ENTRIES = '''
 $INLINE
-def rates(row, on, told):
+def rates(row, on):
     """Write d/dt of the state, and what makes it where that is to be told."""
+    told = row[$told] != 0.0  # an argument that is a constant would be compiled twice
 $head
 $body
 
@@ -25,7 +26,8 @@ def derivative(row, on):
     """Write d/dt of the state, the wrench of each wrench effect, thrusts and wind."""
     for i in range($rate, $end):
         row[i] = 0.0  # what is off says nothing
-    rates(row, on, 1)
+    row[$told] = 1.0
+    rates(row, on)
 
 
 $ENTRY
@@ -33,23 +35,24 @@ def advance(row, on, dt, steps):
     """Take `steps` steps of dt."""
     for i in range($size):
         row[$rate + i] = 0.0  # memory of effects that are off stays as it is
+    row[$told] = 0.0
     half = 0.5 * dt
     for _ in range(steps):
         for i in range($size):
             row[$begin + i] = row[i]
-        rates(row, on, 0)
+        rates(row, on)
         for i in range($size):
             row[$first + i] = row[$rate + i]
             row[i] = row[$begin + i] + half * row[$rate + i]
-        rates(row, on, 0)
+        rates(row, on)
         for i in range($size):
             row[$middle + i] = row[$rate + i]
             row[i] = row[$begin + i] + half * row[$rate + i]
-        rates(row, on, 0)
+        rates(row, on)
         for i in range($size):
             row[$middle + i] = row[$middle + i] + row[$rate + i]
             row[i] = row[$begin + i] + dt * row[$rate + i]
-        rates(row, on, 0)
+        rates(row, on)
         for i in range($size):
             mean = (row[$first + i] + 2.0 * row[$middle + i] + row[$rate + i]) / 6.0
             row[i] = row[$begin + i] + dt * mean
@@ -63,15 +66,17 @@ def parts(layout: Layout) -> dict[str, int]:
     """
     Return the parts of a row in their order, and how many numbers each has.
 
-    The state comes first; `begin`, `first` and `middle` are what a Runge-Kutta step keeps, `rate`
-    and what follows is written by `derivative`.
+    The state comes first; `begin`, `first` and `middle` are what a Runge-Kutta step keeps, `told`
+    says whether what follows `rate` is asked for.
     """
     size = layout.size
     kept = {'state': size, 'parameters': layout.parameters, **FIXED}
-    scratch = dict.fromkeys(('begin', 'first', 'middle', 'rate'), size)
+    scratch = dict.fromkeys(('begin', 'first', 'middle'), size)
     return {
         **kept,
         **scratch,
+        'told': 1,
+        'rate': size,
         'wrenches': 6 * len(layout.wrenches),
         'thrusts': ACTUATORS,
         'wind': 3,
@@ -111,14 +116,13 @@ class Row:
             f'{name} = {tuple_of(f"row[{k}]" for k in range(where[name].start, where[name].stop))}'
             for name in FIXED
         ]
-        starts = {name: str(part.start) for name, part in where.items()}
         return {
             'head': indented(head),
             'body': indented(self._body(stages, layout)),
-            'begin': starts['begin'],
-            'first': starts['first'],
-            'middle': starts['middle'],
-            'rate': starts['rate'],
+            **{
+                name: str(where[name].start)
+                for name in ('begin', 'first', 'middle', 'told', 'rate')
+            },
             'end': str(max(part.stop for part in where.values())),
         }
 
