@@ -15,8 +15,8 @@ from typing import final
 from lta_sim import rigid_body
 from lta_sim.effects.protocol import Effect, KernelEffect
 from lta_sim.extract import Extract
-from lta_sim.row import ENTRIES, Row
 from lta_sim.layout import Access, Layout, OWN
+from lta_sim.row import ENTRIES, Row
 from lta_sim.stages import stages
 
 HEAD = '''"""

@@ -188,7 +188,7 @@ def _rows(errors: ImuErrors) -> Array:
     return np.array(kinds)
 
 
-def _tell(truth: Sequence[float], errors: Array, chance: Array) -> None:
+def _tell(truth: Sequence[float] | Array, errors: Array, chance: Array) -> None:
     """Put readings of the truth into the place of the normal deviates in them."""
     for i in range(6):
         step, end = errors[3, i], errors[4, i]
