@@ -14,6 +14,7 @@ from lta_analysis.verbs.report import report
 from lta_analysis.verbs.run import run
 from lta_analysis.verbs.simulate import simulate
 from lta_analysis.verbs.sweep import sweep
+from lta_analysis.verbs.vehicle import vehicle
 from lta_config.errors import BadInput
 import typer
 
@@ -36,10 +37,15 @@ app.command(context_settings={'ignore_unknown_options': True, 'allow_intersperse
     run
 )
 app.add_typer(bag, name='bag')
+app.add_typer(vehicle, name='vehicle')
 app.command()(report)
 app.command()(effects)
 app.command()(doctor)
-for command in (*app.registered_commands, *bag.registered_commands):
+for command in (
+    *app.registered_commands,
+    *bag.registered_commands,
+    *vehicle.registered_commands,
+):
     # Typer keeps the line breaks of a docstring, which are ragged on any other width.
     paragraphs = (inspect.getdoc(command.callback) or '').split('\n\n')
     command.help = '\n\n'.join(' '.join(text.split()) for text in paragraphs)
