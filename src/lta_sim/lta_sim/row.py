@@ -14,6 +14,13 @@ from lta_sim.state import ACTUATORS
 
 ENTRIES = '''
 $INLINE
+def tell(row, first, wrench):
+    """Write a wrench."""
+    for k in range(6):
+        row[first + k] = wrench[k]
+
+
+$INLINE
 def rates(row, on):
     """Write d/dt of the state, and what makes it where that is to be told."""
     told = row[$told] != 0.0  # an argument that is a constant would be compiled twice
@@ -133,8 +140,7 @@ class Row:
         for stage in stages:
             lines = [*stage.lines, *self._stored(where['rate'].start, stage.memory)]
             if stage.effect in layout.wrenches:
-                told = ((k, f'W_{stage.effect}[{k}]') for k in range(6))
-                lines += ['if told:', *(f'    {line}' for line in self._stored(row, told))]
+                lines.append(f'if told: tell(row, {row}, W_{stage.effect})')
                 row += 6
             depth = 0
             if stage.effect:

@@ -118,11 +118,10 @@ class _Writer:
     def wrench(self, name: str, effect: WrenchEffect) -> Stage:
         """Return the stage of a wrench effect."""
         count = len(effect.memory)
-        total = tuple_of(f'total[{i}] + W_{name}[{i}]' for i in range(6))
         lines = [
             *self._begin(name, effect),
             f'W_{name} = {self._extract.add(effect.wrench, name)}(p, m, motion, u)',
-            f'total = {total}',
+            f'total = rigid_body_plus(total, W_{name})',
         ]
         if effect.rate is not no_rate:
             lines.append(f'R_{name} = {self._extract.add(effect.rate, name)}(p, m, motion)')
