@@ -9,6 +9,7 @@ import textwrap
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_config.quantity import UNITS
+from lta_sim import row
 from lta_sim.compose import kernel_source, layout_of
 from lta_sim.effects import EFFECTS, initial_memory
 from lta_sim.effects.basis import basis
@@ -384,13 +385,21 @@ def flight(effects, kernel, given):
     )
     layout = layout_of(effects)
     places, _ = LAYOUT.places(layout.effects)
-    numbers = model.parameters[places].tolist()
     on = [int(model.on[LAYOUT.flag(name)]) for name in layout.effects]
     start = begin([REMEMBERED] * (layout.size - RIGID)).tolist()
-    out = [0.0] * len(start)
-    body, inverse = model.body.tolist(), model.inverse.tolist()
-    kernel(start, numbers, on, body, inverse, COMMANDED, AROUND, 2e-3, 10, out)
-    return model, start, out
+    where = row.places(layout)
+    numbers = [0.0] * where['wind'].stop
+    for name, values in {
+        'state': start,
+        'parameters': model.parameters[places].tolist(),
+        'body': model.body.tolist(),
+        'inverse': model.inverse.tolist(),
+        'command': COMMANDED,
+        'surroundings': AROUND,
+    }.items():
+        numbers[where[name]] = values
+    kernel(numbers, on, 2e-3, 10)
+    return model, start, numbers[where['state']]
 
 
 def begin(memory):

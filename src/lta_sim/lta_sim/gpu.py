@@ -25,6 +25,26 @@ THREADS = 64
 
 ENTRIES = '''
 $INLINE
+def ahead(state, rate, dt):
+    """Return the state after dt at a constant rate."""
+    return $ahead
+
+
+$INLINE
+def mean(a, b, c, d):
+    """Return the mean rate of the classical Runge-Kutta step."""
+    return $mean
+
+
+$INLINE
+def normalised(state):
+    """Return the state with a quaternion of length one."""
+    x, y, z, w = state[3:7]
+    n = 1.0 / math.sqrt(x * x + y * y + z * z + w * w)
+    return state[0:3] + (x * n, y * n, z * n, w * n) + state[7:]
+
+
+$INLINE
 def rates(state, fixed, width, i):
     """Return d/dt of the state of vehicle i."""
 $bare

@@ -1,6 +1,6 @@
 """One vehicle compiled, many side by side, and the text as plain Python: the same to the bit."""
 
-from lta_sim import kernel
+from lta_sim import kernel, row
 from lta_sim.batch import advance_many
 from lta_sim.compose import kernel_source
 from lta_sim.effects import EFFECTS
@@ -61,11 +61,20 @@ def test_side_by_side_as_alone(seed, kinds):
 
 
 def in_python(advance, model, state, command, around, steps):
-    """Return the later state by the text, from lists of floats."""
-    out = [0.0] * LAYOUT.size
-    arrays = (model.parameters, model.on, model.body, model.inverse, command, around)
-    advance(state.tolist(), *(array.tolist() for array in arrays), STEP, steps, out)
-    return out
+    """Return the later state by the text, from a list of floats."""
+    where = row.places(LAYOUT)
+    numbers = [0.0] * where['wind'].stop
+    for name, values in {
+        'state': state,
+        'parameters': model.parameters,
+        'body': model.body,
+        'inverse': model.inverse,
+        'command': command,
+        'surroundings': around,
+    }.items():
+        numbers[where[name]] = values.tolist()
+    advance(numbers, model.on.tolist(), STEP, steps)
+    return numbers[where['state']]
 
 
 @pytest.mark.parametrize('kinds', [('all',), SETS])
