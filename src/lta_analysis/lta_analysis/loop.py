@@ -146,7 +146,7 @@ class Loop:
     def step(self) -> Outcome:
         """Sense, decide and fly one control period; return how the flight stands."""
         self.decide()
-        self._act()
+        self.act()
         return self.world.outcome
 
     def flight(self) -> Iterator[Outcome]:
@@ -157,9 +157,9 @@ class Loop:
             over = self.world.outcome is not Outcome.FLYING
             if over and self._table.settled(self.world.stamp_ns):
                 return
-            self._act()
+            self.act()
 
-    def _act(self) -> None:
+    def act(self) -> None:
         """Fly one control period by the newest command."""
         pilot = self.autopilot
         place = pilot.command.mass_place if isinstance(pilot, Pilot) else None
