@@ -7,20 +7,21 @@ the vehicle, and its rates from the drone's own gyroscope.
 """
 
 import math
+import struct
 from typing import final, NamedTuple
 
-from lta_control.allocation import Scratch, SCRATCH
+from lta_control.allocation import SCRATCH, Scratch
 from lta_control.attitude import heading, Quaternion, up_in_body, Vector
 from lta_control.autopilot import ESTIMATE
+from lta_control.carried import measured as measured_of
 from lta_control.carried import velocity
 from lta_control.cascade import Measured, Setpoint
-from lta_control.carried import measured as measured_of
 from lta_control.control import landed, TILT_LIMIT
 from lta_control.estimator import Body, Estimate, estimator_step, EstimatorSettings, Inputs
 from lta_control.flat import Array, compiled, Layout
 from lta_control.laws.frames import turned
 from lta_control.laws.protocol import Command, Feedback, Heard, Law, Motion
-from lta_control.per_rotor import NONE, slots
+from lta_control.per_rotor import NONE
 from lta_control.vehicle_side import body_of
 from lta_sim.vehicle import Vehicle
 import numpy as np
@@ -28,6 +29,7 @@ import numpy as np
 INPUTS = Layout(Inputs((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0, NONE))
 HEARD = Layout(Heard())
 COMMAND = Layout(Command())
+READY, RATES = ESTIMATE.place('ready').start, ESTIMATE.place('rates')
 TRUTH = 13  # position, quaternion, velocity, rates
 
 
@@ -39,7 +41,7 @@ class Watch(NamedTuple):
     dt: float
 
 
-def watch_step(known: Watch, memory: Estimate, heard: Inputs, scratch: Scratch) -> Estimate:  # noqa: ARG001 (the form of a core)
+def watch_step(known: Watch, memory: Estimate, heard: Inputs, scratch: Scratch) -> Estimate:
     """Return the estimate one step later; the same where something is no number."""
     p, q, r = heard.rates
     x, y, z = heard.force
@@ -135,6 +137,9 @@ class Pilot:
         self._fresh = self._memory_layout.write(law.start)
         self._memory = self._fresh.copy()
         self._scratch = np.zeros(SCRATCH)
+        self._inputs, self._heard = np.empty(INPUTS.size), np.empty(HEARD.size)
+        self._pack_inputs = struct.Struct(f'{INPUTS.size}d').pack_into
+        self._pack_heard = struct.Struct(f'{HEARD.size}d').pack_into
         self._setpoint: Setpoint | None = None
         self._truth: tuple[float, ...] = ()
         self._start: tuple[float, ...] = ()
@@ -153,9 +158,9 @@ class Pilot:
         self, rates: Vector, force: Vector, distance: float = math.nan, pressure: float = math.nan
     ) -> tuple[float, ...]:
         """Return the duties after one more period, by rotor; arguments as of `Autopilot`."""
-        duties = slots(self.duties)
-        inputs = INPUTS.write(Inputs(rates, force, distance, pressure, duties))
-        self._watch_step(self._watch, self._estimate, inputs, self._scratch)
+        duties = self.command.duties
+        self._pack_inputs(self._inputs.data, 0, *rates, *force, distance, pressure, *duties)
+        self._watch_step(self._watch, self._estimate, self._inputs, self._scratch)
         self.command = self._decided()
         return self.duties
 
@@ -172,19 +177,19 @@ class Pilot:
         if self.stopped or landed(_measured(motion), setpoint, self._standing):
             self._memory = self._fresh.copy()
             return self._rest
-        heard = HEARD.write(Heard(motion, setpoint, self._dt))
-        self._law_step(self._known, self._memory, heard, self._scratch)
+        self._pack_heard(self._heard.data, 0, *numbers, self._dt)
+        self._law_step(self._known, self._memory, self._heard, self._scratch)
         return COMMAND.read(self._memory[self._commanded])
 
     @property
     def motion(self) -> Motion | None:
         """Where the drone is, as its law sees it; None while that is not known."""
-        estimate = self.estimate
-        if not estimate.ready:
+        if not self._estimate[READY]:
             return None
         if self.law.feedback is Feedback.ESTIMATOR:
-            return seen(estimate)
-        return tracked(self._truth, self._start, estimate.rates) if self._truth else None
+            return seen(self.estimate)
+        p, q, r = self._estimate[RATES].tolist()
+        return tracked(self._truth, self._start, (p, q, r)) if self._truth else None
 
     @property
     def duties(self) -> tuple[float, ...]:

@@ -16,9 +16,7 @@ from lta_sim.vehicle import Vehicle
 ROOTS = ('vehicle', 'gains')
 
 
-def entrant(
-    contestant: Contestant, air_density: float, change: Change | None = None
-) -> Entrant:
+def entrant(contestant: Contestant, air_density: float, change: Change | None = None) -> Entrant:
     """
     Return a contestant, with one more change if there is one, ready to fly.
 
@@ -48,7 +46,9 @@ def entrant(
     values = gains.model_dump()
     for step in steps:
         values = _changed(values, step.changes, 'gains')
-    gains = checked(type(gains), values, f'{find("gains", named[1])}, as the comparison changes it')
+    gains = checked(
+        type(gains), values, f'{find("gains", named[1])}, as the comparison changes it'
+    )
     vehicle = Vehicle(file, air_density)
     made = law(named[0])
     made.known(gains, vehicle)  # refuses a vehicle that the law cannot fly

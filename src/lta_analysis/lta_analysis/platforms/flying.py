@@ -135,9 +135,7 @@ def _judged(
     before = course(begin - 1e-6)
     first = Setpoint(before.altitude, wrap(before.heading), before.speed)[column - 1]
     time = flown[part, 0]
-    metrics = judge(
-        time, asked[part, column], flown[part, column], manoeuvre.band.si, first
-    )
+    metrics = judge(time, asked[part, column], flown[part, column], manoeuvre.band.si, first)
     rising = manoeuvre.judge == 'altitude'
     height = metrics if rising else judge(
         time, asked[part, ALTITUDE], flown[part, ALTITUDE], HEIGHT_BAND, before.altitude
