@@ -24,7 +24,9 @@ class Borrow(Record):
 class Change(Record):
     """What an entry does otherwise: parameters by path, law and gains, blocks; and why."""
 
-    changes: Annotated[dict[str, Any], Field(validation_alias=AliasChoices('set'))] = {}
+    changes: Annotated[
+        dict[str, Any], Field(default_factory=dict, validation_alias=AliasChoices('set'))
+    ]
     law: str | None = None
     gains: str | None = None
     borrow: Borrow | None = None
@@ -65,8 +67,8 @@ class Comparison(Record):
     seeds: Annotated[int, Field(ge=1, le=1000)]
     manoeuvres: Annotated[list[str], Field(min_length=1)]
     contestants: Annotated[dict[Name, Contestant], Field(min_length=1)]
-    ablations: dict[Name, Ablation] = {}
-    limits: dict[Name, Limit] = {}
+    ablations: dict[Name, Ablation] = Field(default_factory=dict)
+    limits: dict[Name, Limit] = Field(default_factory=dict)
 
     @model_validator(mode='after')
     def _known(self) -> Self:

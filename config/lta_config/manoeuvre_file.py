@@ -6,6 +6,7 @@ that one manoeuvre fits a micro-drone and a sphere of 2.7 m.
 """
 
 from bisect import bisect_right
+from itertools import pairwise
 from typing import Annotated, final, Literal, NamedTuple, Self
 
 from lta_config.files import find, load, Record
@@ -50,7 +51,7 @@ class Manoeuvre(Record):
     @model_validator(mode='after')
     def _in_order(self) -> Self:
         times = [row.at.si for row in self.course]
-        if any(later <= earlier for earlier, later in zip(times, times[1:], strict=False)):
+        if any(later <= earlier for earlier, later in pairwise(times)):
             raise ValueError(f'has rows at {times} s; give them in rising order of time')
         if self.until.si <= self.judged_from.si:
             raise ValueError(

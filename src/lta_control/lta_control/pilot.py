@@ -6,9 +6,10 @@ tracker gets its pose and velocity from there, in a frame that begins where the 
 the vehicle, and its rates from the drone's own gyroscope.
 """
 
+from collections.abc import Callable
 import math
 import struct
-from typing import final, NamedTuple
+from typing import Any, final, NamedTuple
 
 from lta_control.allocation import SCRATCH, Scratch
 from lta_control.attitude import heading, Quaternion, up_in_body, Vector
@@ -229,7 +230,9 @@ def _rest_place(vehicle: Vehicle) -> Vector:
     return x, y, z
 
 
-def _made(core, known, memory, heard):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _made(
+    core: Callable[..., Any], known: tuple[Any, ...], memory: Layout[Any], heard: Layout[Any]
+) -> tuple[Array, Callable[[Array, Array, Array, Array], None]]:
     """Return what stays the same as numbers, and the compiled core."""
     layout = Layout(known)
     return layout.write(known), compiled(core, layout, memory, heard)

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from lta_analysis.platforms.flying import Entrant
-from lta_config.comparison_file import Change, Comparison, Contestant
+from lta_config.comparison_file import Change, Contestant
 from lta_config.errors import BadInput, unknown
 from lta_config.files import checked, find, load_yaml
 from lta_config.override import override, value_of
@@ -83,17 +83,3 @@ def _changed(content: Any, changes: Mapping[str, Any], root: str) -> Any:  # noq
         if begin == root:
             content = override(content, below, value_of(value, path), root)
     return content
-
-
-def all_entrants(comparison: Comparison, air_density: float) -> dict[str, Entrant]:
-    """Return every contestant, ablation and limit by name."""
-    found = {
-        name: entrant(contestant, air_density)
-        for name, contestant in comparison.contestants.items()
-    }
-    for kind, entries in (('ablation', comparison.ablations), ('limit', comparison.limits)):
-        for name, change in entries.items():
-            found[f'{kind} {name}'] = entrant(
-                comparison.contestants[change.of], air_density, change
-            )
-    return found

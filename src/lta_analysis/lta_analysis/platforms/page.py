@@ -9,7 +9,8 @@ from pathlib import Path
 from string import Template
 from typing import final
 
-from lta_analysis.platforms.entries import all_entrants
+from lta_analysis.platforms.entries import entrant
+from lta_analysis.platforms.flying import Entrant
 from lta_analysis.platforms.pictures import changed, following, limits, UNIT
 from lta_analysis.platforms.run import ABLATION, CONTESTANT, Row
 from lta_analysis.platforms.summary import Cell, cell, fastest, margin, Mean, reversals
@@ -141,16 +142,16 @@ def pictures(comparison: Comparison, rows: Sequence[Row]) -> list[str]:
 
 def result_lines(comparison: Comparison, rows: Sequence[Row]) -> list[list[str]]:
     """Return a line for each platform and manoeuvre, the ablations below."""
-    lines = []
-    for name, contestant in comparison.contestants.items():
-        for each in flown_by(comparison, name):
-            lines.append([contestant.title, *figures(cell(rows, CONTESTANT, name, each), each)])
-    for name, ablation in comparison.ablations.items():
-        for each in ablation.manoeuvres:
-            lines.append(
-                [name.replace('_', ' '), *figures(cell(rows, ABLATION, name, each), each)]
-            )
-    return lines
+    lines = [
+        [contestant.title, *figures(cell(rows, CONTESTANT, name, each), each)]
+        for name, contestant in comparison.contestants.items()
+        for each in flown_by(comparison, name)
+    ]
+    return lines + [
+        [name.replace('_', ' '), *figures(cell(rows, ABLATION, name, each), each)]
+        for name, ablation in comparison.ablations.items()
+        for each in ablation.manoeuvres
+    ]
 
 
 def figures(part: Cell, name: str) -> list[str]:
@@ -189,7 +190,7 @@ def told_mean(value: Mean, unit: str, factor: float, digits: int) -> str:
 def reasons(told: Told) -> list[str]:
     """Return what decides: ablations, and the limits of speed."""
     comparison, rows = told.comparison, told.rows
-    found = reversals(comparison, rows)
+    found = reversals(comparison, rows) + inputs(comparison, rows)
     for name, limit in comparison.limits.items():
         held, reached = fastest(comparison, rows, name)
         title = comparison.contestants[limit.of].title
@@ -201,21 +202,51 @@ def reasons(told: Told) -> list[str]:
     return found
 
 
+def inputs(comparison: Comparison, rows: Sequence[Row]) -> list[str]:
+    """Return what open loops are told to do in the manoeuvre of altitude: their duties."""
+    told = []
+    for name, contestant in comparison.contestants.items():
+        flying = entrant_of(comparison, name)
+        for row in rows:
+            same = (row.job.kind, row.job.name) == (CONTESTANT, name) and row.duties is not None
+            if flying.law.name == 'open_loop' and same and row.job.manoeuvre == 'climb':
+                steps = [
+                    f'from {time:.1f} s {", ".join(f"{each:.3f}" for each in duties)}'
+                    for time, duties in stretches(row)
+                ]
+                order = ', '.join(flying.vehicle.rotor_names)
+                told.append(
+                    f'{contestant.title}: its input in climb, the duties of {order}, is '
+                    f'{"; ".join(steps)}.'
+                )
+    return told
+
+
+def stretches(row: Row) -> list[tuple[float, list[float]]]:
+    """Return from when on which duties were held."""
+    found: list[tuple[float, list[float]]] = []
+    for time, duties in zip(row.flown[:, 0].tolist(), row.duties.tolist(), strict=True):
+        if not found or max(abs(p - q) for p, q in zip(found[-1][1], duties, strict=True)) > 1e-3:
+            found.append((time, duties))
+    return found[:8]
+
+
+def entrant_of(comparison: Comparison, name: str) -> Entrant:
+    """Return a contestant as it flew."""
+    density = load_scenario(comparison.scenario).air.density
+    return entrant(comparison.contestants[name], density)
+
+
 def margins(comparison: Comparison) -> str:
     """Return the table of laws, what they see, and static margins."""
-    density = load_scenario(comparison.scenario).air.density
-    entrants = all_entrants(comparison, density)
     lines = []
     for name, contestant in comparison.contestants.items():
-        entrant = entrants[name]
-        lift, weight = margin(entrant.vehicle)
-        lines.append(
-            [
-                contestant.title, entrant.law.name, str(entrant.law.feedback),
-                f'{1e3 * lift:.1f} mN', f'{1e3 * weight:.1f} mN', f'{1e3 * (lift - weight):.1f} mN',
-                f'{1e3 * (lift - weight) / STANDARD_GRAVITY:.1f} g',
-            ]
-        )  # fmt: skip
+        flying = entrant_of(comparison, name)
+        lift, weight = margin(flying.vehicle)
+        newtons = [f'{1e3 * force:.1f} mN' for force in (lift, weight, lift - weight)]
+        grams = f'{1e3 * (lift - weight) / STANDARD_GRAVITY:.1f} g'
+        seen = str(flying.law.feedback)
+        lines.append([contestant.title, flying.law.name, seen, *newtons, grams])
     heads = ('platform', 'law', 'sees by', 'lift at full thrust', 'to carry', 'margin', 'margin')
     return table(heads, lines) + (
         '<p class="note">Lift of all lifting rotors at full thrust, straight up. A law that sees '

@@ -151,9 +151,13 @@ def processors() -> int:
 def printed(row: Row) -> dict[str, Any]:
     """Return a flight as JSON has it; SI units, headings in rad, what is no number as null."""
     content = {
-        **asdict(row.job), 'held': row.held, 'lost': row.lost, 'tilt': row.tilt,
-        'speed_reached': row.speed, **row.metrics._asdict(),
+        **asdict(row.job),
+        'held': row.held,
+        'lost': row.lost,
+        'tilt': row.tilt,
+        'speed_reached': row.speed,
+        **{f'judged_{name}': value for name, value in row.metrics._asdict().items()},
         **{f'height_{name}': value for name, value in row.height._asdict().items()},
-    }  # fmt: skip
+    }
     del content['file']
     return {name: None if value != value else value for name, value in content.items()}

@@ -75,7 +75,8 @@ def reversals(comparison: Comparison, rows: Sequence[Row]) -> list[str]:
     told = []
     for name, ablation in comparison.ablations.items():
         title = comparison.contestants[ablation.of].title
-        turned, same = [], []
+        turned: list[str] = []
+        same: list[str] = []
         for manoeuvre in ablation.manoeuvres:
             base = cell(rows, CONTESTANT, ablation.of, manoeuvre)
             changed = cell(rows, ABLATION, name, manoeuvre)

@@ -84,11 +84,11 @@ def known(gains: GlideGains, vehicle: Vehicle) -> GlideKnown:
 def step(constants: GlideKnown, memory: GlideState, heard: Heard, scratch: Scratch) -> GlideState:
     """Return the memory one step later, with the new command in it."""
     gains, motion, setpoint, dt = constants.gains, heard.motion, heard.setpoint, heard.dt
-    vx, vy, vz = to_world(motion.attitude, motion.velocity)
+    rising = to_world(motion.attitude, motion.velocity)[2]
     gap = memory.missing
     error = setpoint.altitude - motion.position[2]
     wanted = limited(gains.altitude_kp * error, gains.climb_limit)
-    nose, climb = pid_step(pid_gains(gains.climb), memory.climb, wanted - vz, 0.0, 0.0, dt)
+    nose, climb = pid_step(pid_gains(gains.climb), memory.climb, wanted - rising, 0.0, 0.0, dt)
     pitch = math.asin(limited(up_in_body(motion.attitude)[0], 1.0))
     # The rate about body y is nose down.
     back, tilt = pid_step(

@@ -4,7 +4,7 @@ No feedback at all: the duties that would hold the setpoint if nothing ever lagg
 The seed paper flies Zufferey's model by inputs that it does not print. Here they follow from the
 vehicle's own drag and weight, at rest in the wanted motion:
 
-    surge = (d_x + q_x |v|) v,   heave = weight + (d_z + q_z |c|) c,   yaw moment = (d_r + q_r |r|) r
+    surge = (d_x + q_x |v|) v,   heave = weight + (d_z + q_z |c|) c,   yaw = (d_r + q_r |r|) r
 
 v is the forward speed asked for; altitude and heading are asked for as a climb rate c and a turn
 rate r for as long as they would take. Inertia is left out, and so is all that is measured: it
