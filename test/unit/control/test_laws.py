@@ -1,4 +1,4 @@
-"""Control laws by name: they hold a vehicle at rest by its trim, and refuse what they cannot fly."""
+"""Control laws by name: they hold a vehicle by its trim, and refuse what they cannot fly."""
 
 from dataclasses import replace
 import math
