@@ -18,6 +18,12 @@ def law_named(vehicle: Vehicle) -> str:
     return vehicle.file.control.law if vehicle.file.control else CASCADE
 
 
+def check_aboard(vehicle: Vehicle) -> None:
+    """Refuse a vehicle whose own law cannot fly it by the drone's own sensors; see `Aboard`."""
+    if (name := law_named(vehicle)) != CASCADE:
+        Aboard(name, vehicle)
+
+
 @final
 class Aboard:
     """
