@@ -5,15 +5,18 @@ from functools import cache
 import json
 import math
 
+from lta_analysis.ingredients import gather, loop_of
 from lta_analysis.platforms.entries import entrant
 from lta_analysis.platforms.flying import fly
 from lta_analysis.platforms.metrics import judge
 from lta_analysis.platforms.page import Told, write_page
 from lta_analysis.platforms.run import at_speed, check, Job, jobs, printed, row_of
 from lta_analysis.platforms.summary import margin, mean, reversals
+from lta_analysis.verbs.platforms import platforms
 from lta_config.comparison_file import Change, load_comparison
 from lta_config.errors import BadInput
 from lta_config.manoeuvre_file import load_manoeuvre
+from lta_sim.readings import Outcome
 from lta_sim.scenario import load_scenario
 import numpy as np
 import pytest
@@ -246,3 +249,40 @@ def test_rows_of_other_seeds_keep_no_traces():
     row = row_of(Job('platforms', 'contestant', 'beavis', 'climb', 2), flight)
     assert row.flown is None
     assert row_of(replace(row.job, seed=1), flight).flown is not None
+
+
+def test_a_vehicle_flies_to_the_lamp_by_the_law_that_its_file_names():
+    """BEAVIS by its own sensors, multirotor by the tracker; gains are the files' own."""
+    for vehicle in ('beavis', 'multirotor'):
+        made_of = gather(vehicle, 'lamp_room', 'bag', '')
+        assert made_of.names['gains'] == vehicle
+        loop = loop_of(made_of, 2)
+        while loop.step() is Outcome.FLYING:
+            pass
+        assert loop.world.outcome is Outcome.REACHED
+
+
+def test_a_gain_of_another_law_has_its_unit_and_bounds():
+    made_of = gather('beavis', 'lamp_room', 'bag', '')
+    assert made_of.unit('gains.yaw_rate_limit') == 'rad/s'
+    with pytest.raises(BadInput, match='compensation'):
+        loop_of(made_of.with_values({'gains.compensation': 2.0}), 1)
+
+
+def test_gains_of_another_law_are_refused():
+    with pytest.raises(BadInput, match='gtmab'):
+        loop_of(gather('beavis', 'lamp_room', 'bag', 'gtmab'), 1)
+
+
+def test_the_verb_flies_a_file_and_keeps_every_flight(tmp_path, capsys):
+    text = (
+        'schema: 1\nname: small\nabout: Two.\nscenario: hall\nseeds: 2\nmanoeuvres: [climb]\n'
+        'contestants:\n  gtmab: {vehicle: gtmab, title: GT-MAB}\n'
+    )
+    file = tmp_path / 'small.yaml'
+    file.write_text(text)
+    platforms(str(file), seeds=1, workers=1, out=tmp_path / 'out', json=True)
+    printed_rows = json.loads(capsys.readouterr().out)
+    assert printed_rows == json.loads((tmp_path / 'out' / 'flights.json').read_text())
+    assert [row['held'] for row in printed_rows] == [True]
+    assert 'GT-MAB: every manoeuvre held' in (tmp_path / 'out' / 'report.html').read_text()
