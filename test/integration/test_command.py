@@ -14,7 +14,7 @@ COMMANDS = {
     'vehicle': (['fly', '--vehicle', 'zeppelin'], "Unknown vehicle 'zeppelin'; known: beavis, "),
     'scenario': (
         ['fly', '--scenario', 'moon'],
-        "Unknown scenario 'moon'; known: breeze, gusty_hall, lamp_room, windy_field.",
+        "Unknown scenario 'moon'; known: breeze, gusty_hall, hall, lamp_room, windy_field.",
     ),
     'strategy': (['fly', '--strategy', 'luck'], "Unknown strategy 'luck'; known: bag."),
     'vehicle path': (['fly', '--vehicle', 'no/such.yaml'], 'There is no vehicle file'),

@@ -10,6 +10,7 @@ from lta_analysis.verbs.doctor import doctor
 from lta_analysis.verbs.effects import effects
 from lta_analysis.verbs.fly import fly
 from lta_analysis.verbs.launch import launch
+from lta_analysis.verbs.platforms import platforms
 from lta_analysis.verbs.report import report
 from lta_analysis.verbs.run import run
 from lta_analysis.verbs.simulate import simulate
@@ -34,6 +35,7 @@ app.command()(fly)
 app.command()(simulate)
 app.command()(sweep)
 app.command()(wind)
+app.command()(platforms)
 app.command(context_settings={'allow_interspersed_args': True})(launch)
 app.command(context_settings={'ignore_unknown_options': True, 'allow_interspersed_args': False})(
     run

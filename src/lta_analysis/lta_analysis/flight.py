@@ -18,6 +18,7 @@ from lta_analysis.session import Session
 from lta_bridge.bag.writer import empty_folder
 from lta_config.errors import BadInput
 from lta_config.files import find
+from lta_control.laws.aboard import check_aboard
 from lta_control.strategies import strategy
 from lta_graph.child import Ended
 from lta_graph.health import Fact, Level
@@ -99,6 +100,7 @@ def fly_once(order: Order, watcher: Watcher) -> Flown:
     strategy(order.strategy)
     _ = vehicle.hover_duty
     in_scene.check(vehicle, scenario)
+    check_aboard(vehicle)
     stamp = datetime.now().astimezone().strftime('%Y%m%d-%H%M%S')
     folder = order.out or Path('runs') / f'{stamp}-{scenario.name}-{order.seed}'
     folder = folder.absolute()
@@ -112,8 +114,11 @@ def fly_once(order: Order, watcher: Watcher) -> Flown:
 
 def choices(order: Order, bag: Path) -> dict[str, str]:
     """Return an order as launch arguments."""
+    control = load_vehicle(order.vehicle).file.control
+    named = control.gains if control else None
     return {
         'robot': ROBOT,
+        **({'gains': str(find('gains', named))} if named else {}),
         'vehicle': order.vehicle,
         'scenario': order.scenario,
         'strategy': order.strategy,

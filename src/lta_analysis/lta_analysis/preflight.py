@@ -6,6 +6,7 @@ from itertools import pairwise
 from lta_config.constants import AIR_DENSITY
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
+from lta_control.laws.aboard import check_aboard
 from lta_control.strategies import strategy
 from lta_graph.launch_file import LaunchPlan
 from lta_sim import in_scene
@@ -43,6 +44,7 @@ def check_parameters(given: Mapping[str, object]) -> None:
     if isinstance(name := given.get('vehicle'), str):
         vehicle = load_vehicle(name, density)
         _ = vehicle.hover_duty
+        check_aboard(vehicle)
         if scenario is not None:
             in_scene.check(vehicle, scenario)
     if isinstance(name := given.get('strategy'), str):

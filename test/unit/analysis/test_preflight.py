@@ -22,7 +22,7 @@ def plan(*words, package='lta_sim'):
         ),
         (
             'scenario:="moon"',
-            "Unknown scenario 'moon'; known: breeze, gusty_hall, lamp_room, windy_field.",
+            "Unknown scenario 'moon'; known: breeze, gusty_hall, hall, lamp_room, windy_field.",
         ),
         ('strategy:="luck"', "Unknown strategy 'luck'; known: bag."),
         ('seed:=-1', 'The seed is -1, but must be a whole number from 0 to 2147483647.'),
