@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import math
 from typing import final, Literal, NamedTuple
 
-from lta_analysis.ingredients import gather
 from lta_config.constants import STANDARD_GRAVITY
-from lta_config.files import checked
+from lta_config.files import checked, find, load_yaml
+from lta_config.override import override, quantity_in
 from lta_config.topics import topic_table
 from lta_config.vehicle_file import VehicleFile
 from lta_control import carried
@@ -30,6 +30,7 @@ Array = NDArray[np.float64]
 Channel = Literal['altitude', 'heading', 'speed', 'course']
 
 SCENARIO = 'lamp_room'  # for its air; light and goal play no part
+LIFT = 'effects.net_lift.force'
 EVERY = 5  # control periods from one kept sample to the next
 
 
@@ -80,15 +81,16 @@ class Scene:
     """
 
     vehicle: str
-    gains: str
 
     def true(self, loss: float) -> Vehicle:
         """Return the vehicle with that much lift lost [kg]; less than 0 is lift gained."""
-        force = {'value': -loss * STANDARD_GRAVITY, 'unit': 'N'}
-        made_of = gather(self.vehicle, SCENARIO, 'bag', self.gains)
+        content = load_yaml(find('vehicle', self.vehicle))
         if loss:
-            made_of = made_of.with_values({'vehicle.effects.net_lift.force': force})
-        file = checked(VehicleFile, made_of.contents['vehicle'], f'the vehicle {self.vehicle}')
+            own = content.get('effects', {}).get('net_lift', {}).get('force')
+            before = (quantity_in(own) or {'value': 0.0})['value']
+            force = {'value': before - loss * STANDARD_GRAVITY, 'unit': 'N'}
+            content = override(content, LIFT, force, 'vehicle')
+        file = checked(VehicleFile, content, str(find('vehicle', self.vehicle)))
         return Vehicle(file, self.air.air.density)
 
     @property
