@@ -66,7 +66,9 @@ class Flights:
 
     def of(self, step: int, figure: str) -> Spread:
         """Return how a figure of a mark spreads."""
-        return spread([getattr(report.marks[step], figure) for report in self.reports if report.marks])
+        return spread(
+            [getattr(report.marks[step], figure) for report in self.reports if report.marks]
+        )
 
     def whole(self, figure: str) -> Spread:
         """Return how a figure of the reports spreads."""
@@ -88,7 +90,9 @@ def difference(old: Flights, new: Flights) -> Difference:
     """Return by how much the cost fell over the same draws (normal interval of the mean)."""
     pairs = zip(old.reports, new.reports, strict=True)
     gaps = np.array([b.cost - a.cost for a, b in pairs])
-    half = NORMAL_95 * float(gaps.std(ddof=1)) / math.sqrt(len(gaps)) if len(gaps) > 1 else math.inf
+    half = (
+        NORMAL_95 * float(gaps.std(ddof=1)) / math.sqrt(len(gaps)) if len(gaps) > 1 else math.inf
+    )
     mean = float(gaps.mean())
     return Difference(mean, mean - half, mean + half)
 

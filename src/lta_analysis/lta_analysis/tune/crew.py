@@ -16,7 +16,9 @@ from lta_config.errors import BadInput
 from lta_control.cascade import CascadeGains
 
 WORST = Mark(math.inf, 1.0, 1.0, 1.0)
-BROKEN = Report((WORST,) * len(STEPS), 1.0, 1.0, 0.0, True, LOST)  # of a flight that ended in no numbers
+BROKEN = Report(
+    (WORST,) * len(STEPS), 1.0, 1.0, 0.0, True, LOST
+)  # of a flight that ended in no numbers
 
 
 class Task(NamedTuple):

@@ -129,4 +129,3 @@ def bracket(holds: Callable[[float], bool], most: float) -> tuple[float | None, 
         middle = 0.5 * (low + high)
         low, high = (middle, high) if holds(middle) else (low, middle)
     return low, high
-

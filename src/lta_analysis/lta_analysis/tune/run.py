@@ -141,12 +141,16 @@ def tune_once(order: Order, console: Console) -> Tuned:
     numbers = chosen(old, order.numbers)
     scene, cases = Scene(order.vehicle), cases_of(order)
     about = subject(order, old, numbers)
-    folder = (order.folder or Path('runs') / f'tune-{scene_name(order)}-{identity(about)[:8]}').absolute()
+    folder = (
+        order.folder or Path('runs') / f'tune-{scene_name(order)}-{identity(about)[:8]}'
+    ).absolute()
     book = Book(folder, identity(about))
     with TuneProgress(console, order.budget, len(cases)) as progress, Crew(order.workers) as crew:
 
         def flown(candidates: Sequence[Mapping[str, float]]) -> list[list[float]]:
-            tasks = [Task(scene, changed(old, each), case) for each in candidates for case in cases]
+            tasks = [
+                Task(scene, changed(old, each), case) for each in candidates for case in cases
+            ]
             costs = [report.cost for report in crew.fly(tasks)]
             return [costs[k : k + len(cases)] for k in range(0, len(costs), len(cases))]
 
@@ -204,3 +208,10 @@ def words(order: Order, start: str, found: Found, cases: int) -> list[str]:
         f'Cost {found.first:.3f} before, {found.cost:.3f} after (half the mean and half the worst; '
         'docs: lta tune --help).',
     ]
+
+
+def traced(
+    scene: Scene, gains: CascadeGains, cases: Sequence[Case]
+) -> list[tuple[float, exam.Trace]]:
+    """Return what examinations looked like, each with its loss [kg]."""
+    return [(case.loss, exam.fly(scene, gains, case)) for case in cases]
