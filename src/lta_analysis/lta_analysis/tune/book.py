@@ -1,7 +1,8 @@
 """
 What a search has flown so far, kept line by line, so that a stopped one goes on where it was.
 
-The search draws the same candidates from the same seed, so that costs in their order are all it needs.
+The search draws the same candidates from the same seed, so that costs in their order are all it
+needs.
 """
 
 from contextlib import suppress

@@ -11,9 +11,9 @@ from lta_analysis.tune.exam import Case, Scene, Step, STEPS
 from lta_analysis.tune.marks import Report
 from lta_control.cascade import CascadeGains
 import numpy as np
+from scipy.stats import t as student
 
 FRESH = 1000  # seeds from here on: none that the search has seen
-NORMAL_95 = 1.959963984540054
 
 
 @final
@@ -87,12 +87,14 @@ def spread(values: Sequence[float]) -> Spread:
 
 
 def difference(old: Flights, new: Flights) -> Difference:
-    """Return by how much the cost fell over the same draws (normal interval of the mean)."""
+    """Return by how much the cost fell over the same draws (Student's interval of the mean)."""
     pairs = zip(old.reports, new.reports, strict=True)
     gaps = np.array([b.cost - a.cost for a, b in pairs])
-    half = (
-        NORMAL_95 * float(gaps.std(ddof=1)) / math.sqrt(len(gaps)) if len(gaps) > 1 else math.inf
-    )
+    count = len(gaps)
+    half = math.inf
+    if count > 1:
+        quantile = float(student.ppf(0.975, count - 1))
+        half = quantile * float(gaps.std(ddof=1)) / math.sqrt(count)
     mean = float(gaps.mean())
     return Difference(mean, mean - half, mean + half)
 

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context
 import math
+from multiprocessing import get_context
 import os
 import signal
 from types import TracebackType

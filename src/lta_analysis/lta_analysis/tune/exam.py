@@ -1,9 +1,9 @@
 """
 The flight that gains are judged by: take off, then steps in altitude, heading and forward speed.
 
-Flown in the world with its sensors and their noise, by the drone's own estimator and controller as in
-`lta_analysis.loop`; setpoints are given, so nothing looks at the light. The drone knows the vehicle as
-its file has it; the true one has lost lift (`net_lift`), which is how lost helium acts.
+Flown in the world with its sensors and their noise, by the drone's own estimator and controller as
+in `lta_analysis.loop`; setpoints are given, so nothing looks at the light. The drone knows the
+vehicle as its file has it; the true one has lost lift (`net_lift`), which is how lost helium acts.
 """
 
 from collections.abc import Sequence

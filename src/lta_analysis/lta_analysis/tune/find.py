@@ -1,8 +1,9 @@
 """
 The search itself: gains that fly a spread of losses best, mean and worst alike.
 
-Each candidate flies the same examinations with the same chance. Its cost is half the mean and half the
-worst over them; a candidate outside the bounds is flown at the bound and pays for the distance.
+Each candidate flies the same examinations with the same chance. Its cost is half the mean and half
+the worst over them; a candidate outside the bounds is flown at the bound and pays for the
+distance.
 """
 
 from collections.abc import Callable, Mapping, Sequence

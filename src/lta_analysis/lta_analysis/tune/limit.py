@@ -1,10 +1,10 @@
 """
 Which loss of helium ends it: for the rotors by their thrust, for the gains by flying.
 
-Gains hold as long as a drone that lost that much lift, and does not know it, takes off, climbs by 0.4 m
-and comes down again with its altitude within 0.3 m at the end of each. Losses are tried in even steps
-up to what the rotors can carry, then the bracket is halved. Days follow from what the film lets through
-(`lta_analysis.vehicle.leak`).
+Gains hold as long as a drone that lost that much lift, and does not know it, takes off, climbs by
+0.4 m and comes down again with its altitude within 0.3 m at the end of each. Losses are tried in
+even steps up to what the rotors can carry, then the bracket is halved. Days follow from what the
+film lets through (`lta_analysis.vehicle.leak`).
 """
 
 from collections.abc import Callable, Sequence

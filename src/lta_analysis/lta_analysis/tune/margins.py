@@ -3,10 +3,10 @@ Stability margins of a loop from its frequency response.
 
 L(jw) is the response of the loop cut open at one place, with the sign that makes the closed loop
 1 / (1 + L). Where |L| = 1 the phase is above -180 degrees by the phase margin; where the phase is
--180 degrees (modulo 360) the gain may change by 1 / |L| before the loop oscillates (Astrom and Murray,
-Feedback Systems, 2008, section 9.3). Of several crossings the nearest counts. A loop with integrators
-may have a phase of -180 degrees below its crossover as well: then less gain makes it oscillate,
-which is its lower gain margin. The delay margin is the phase margin over its frequency.
+-180 degrees (modulo 360) the gain may change by 1 / |L| before the loop oscillates (Astrom and
+Murray, Feedback Systems, 2008, section 9.3). Of several crossings the nearest counts. A loop with
+integrators may have a phase of -180 degrees below its crossover as well: then less gain makes it
+oscillate, which is its lower gain margin. The delay margin is the phase margin over its frequency.
 """
 
 from dataclasses import dataclass

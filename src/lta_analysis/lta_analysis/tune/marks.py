@@ -5,16 +5,16 @@ The cost of a step of size h that lasts T is
 
     (1 / (h T)) integral |r - y| dt  +  OVERSHOOT o / h  +  steady error / h
 
-with the setpoint r, the true value y and the overshoot o; to their mean over the steps comes what the
-altitude lost while something else was stepped, the swing of the hull at the end, and the work of the
-rotors. An examination in which the
-altitude is lost costs `LOST` more: no sum of the rest comes near it.
+with the setpoint r, the true value y and the overshoot o; to their mean over the steps comes what
+the altitude lost while something else was stepped, the swing of the hull at the end, and the work
+of the rotors. An examination in which the altitude is lost costs `LOST` more: no sum of the rest
+comes near it.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 import math
-from typing import final, Final
+from typing import Final, final
 
 from lta_analysis.tune.exam import Array, Step, STEPS, Trace
 import numpy as np
@@ -75,7 +75,8 @@ class Report:
     lost : bool
         Whether the altitude was lost or the motors stopped.
     adrift : float
-        How far the altitude is off at the end of each altitude step and of the flight, the most. [m]
+        How far the altitude is off at the end of each altitude step and of the flight, the most.
+        [m]
 
     """
 

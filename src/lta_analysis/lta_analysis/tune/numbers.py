@@ -1,9 +1,9 @@
 """
 The numbers of a settings object that a search may turn: names, bounds, and how to change them.
 
-Works on any `Settings` whose fields say their bounds, nested as they are, so that every control law
-is tuned alike. A number is searched on a logarithm, within a factor of where it starts and within
-the bounds of its own declaration.
+Works on any `Settings` whose fields say their bounds, nested as they are, so that every control
+law is tuned alike. A number is searched on a logarithm, within a factor of where it starts and
+within the bounds of its own declaration.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

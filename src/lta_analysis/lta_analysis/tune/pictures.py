@@ -6,7 +6,7 @@ import math
 from lta_analysis.report.drawing import blank, extent, line
 from lta_analysis.report.palette import ESTIMATE, SETPOINT, SOFT, TRUTH
 from lta_analysis.tune.compare import Flights
-from lta_analysis.tune.exam import Array, Channel, FLYING_ALTITUDE, Step, STEPS, Trace
+from lta_analysis.tune.exam import Array, Channel, Step, STEPS, Trace
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
@@ -91,12 +91,9 @@ def costs(old: Flights, new: Flights) -> Figure:
 def search(history: Sequence[float], cases: int) -> Figure:
     """Return how the least cost fell with the flights."""
     figure = blank()
-    flights = cases * np.arange(1, len(history) + 1)
+    flights = cases * np.arange(1.0, len(history) + 1.0)
     figure.add_trace(line('best', flights, np.array(history), NEW, unit='', steps=True))
     figure.add_hline(y=history[0], line={'color': SOFT, 'width': 1, 'dash': 'dot'})
     figure.update_layout(margin={'r': 24})
     figure.update_xaxes(title_text='flights')
     return figure.update_yaxes(title_text='least cost so far')
-
-
-assert FLYING_ALTITUDE == STEPS[0].before

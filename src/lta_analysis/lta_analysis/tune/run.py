@@ -162,12 +162,12 @@ def tune_once(order: Order, console: Console) -> Tuned:
         progress.stage(f'flying {order.draws} fresh draws with old and new gains')
         fresh = drawn(order.least, order.most, order.draws, order.seed)
         flights = compared(scene, (old, new), fresh, crew)
-        sides = []
-        for gains, own in ((old, flights[0]), (new, flights[1])):
-            progress.stage('margins and limits')
-            sides.append(side(scene, gains, own, order))
+        progress.stage('margins and limits')
+        before, after = (
+            side(scene, gains, own, order) for gains, own in zip((old, new), flights, strict=True)
+        )
     losses = tuple(case.loss for case in cases)
-    return Tuned(order, name, found, tuple(numbers), *sides, losses, file, folder)
+    return Tuned(order, name, found, tuple(numbers), before, after, losses, file, folder)
 
 
 def side(scene: Scene, gains: CascadeGains, flights: Flights, order: Order) -> Side:
@@ -203,8 +203,8 @@ def words(order: Order, start: str, found: Found, cases: int) -> list[str]:
         f'Gains for {scene_name(order)}, found by: {order.command}',
         f'{count} candidates with {cases} examinations each{ended}, from the gains {start}; '
         f'search seed {order.seed}.',
-        f'Lift lost in them: {1e3 * order.least:g} to {1e3 * order.most:g} g against the trim of '
-        f'the vehicle file; seeds {order.seed} to {order.seed + cases - 1}.',
+        f'Lift lost: {1e3 * order.least:g} to {1e3 * order.most:g} g against the trim of its '
+        f'file; seeds {order.seed} to {order.seed + cases - 1}.',
         f'Cost {found.first:.3f} before, {found.cost:.3f} after (half the mean and half the worst; '
         'docs: lta tune --help).',
     ]

@@ -2,9 +2,9 @@
 Covariance matrix adaptation: a search that needs few evaluations and no gradients.
 
 The strategy with the default parameters of Hansen's tutorial (2016, arXiv:1604.00772, table 1 and
-equations 42 to 47, with positive weights only): ask for a generation, tell their costs. It looks at
-the order of costs alone, so that a cost may jump. Numbers are in units of the first step; all chance
-is of one seed, so that the same costs lead along the same way.
+equations 42 to 47, with positive weights only): ask for a generation, tell their costs. It looks
+at the order of costs alone, so that a cost may jump. Numbers are in units of the first step; all
+chance is of one seed, so that the same costs lead along the same way.
 """
 
 from collections.abc import Sequence

@@ -1,24 +1,25 @@
 """
 The margins of each loop of a vehicle, hovering and in cruise, for each loss of lift.
 
-Every loop is cut at its own demand with the others closed: altitude and climb at the vertical force,
-heading and yaw rate at the yaw moment, speed at the surge force. With P(z) the response of the cut
-demands to each other and Q its part without row and column i,
+Every loop is cut at its own demand with the others closed: altitude and climb at the vertical
+force, heading and yaw rate at the yaw moment, speed at the surge force. With P(z) the response of
+the cut demands to each other and Q its part without row and column i,
 
     L_i = -(P_ii + P_iq (1 - P_qq)^-1 P_qi)
 
-on z = exp(j w T). A loop whose rotor is at a limit in the steady flight has no linear answer, as the
-vertical one of a vehicle that is no heavier than air; it is left out, with the reason.
+on z = exp(j w T). A loop whose rotor is at a limit in the steady flight has no linear answer, as
+the vertical one of a vehicle that is no heavier than air; it is left out, with the reason.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 import math
-from typing import final, Final, Literal
+from typing import Final, final, Literal
 
-from lta_analysis.tune.cut import Complex, Cut, Linear, linearised
+from lta_analysis.tune.cut import Cut
 from lta_analysis.tune.exam import Scene
-from lta_analysis.tune.margins import Array, Margins, margins
+from lta_analysis.tune.linear import Linear, linearised
+from lta_analysis.tune.margins import Array, Complex, Margins, margins
 from lta_control.cascade import CascadeGains, Setpoint
 import numpy as np
 

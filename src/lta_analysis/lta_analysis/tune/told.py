@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from html import escape
 import math
+from typing import Final
 
 from lta_analysis.report.outcome import number
 from lta_analysis.sweep.statistics import Share
@@ -13,6 +14,17 @@ from lta_analysis.tune.run import Tuned
 from lta_analysis.tune.steadiness import Steadiness
 
 Row = list[str]
+OF_STEP: Final = (
+    ('settle', 'time to settle [s]', 1.0, 1),
+    ('overshoot', 'overshoot [%]', 100.0, 0),
+    ('steady', 'steady error [%]', 100.0, 0),
+)
+OF_WHOLE: Final = (
+    ('altitude', 'altitude held meanwhile [cm rms]', 100.0, 1),
+    ('swing', 'swing at the end [deg]', 180.0 / math.pi, 2),
+    ('effort', 'change of duty [1/s]', 1.0, 2),
+    ('cost', 'cost', 1.0, 3),
+)
 
 
 def title(tuned: Tuned) -> str:
@@ -20,12 +32,13 @@ def title(tuned: Tuned) -> str:
     old, new = tuned.old.flights, tuned.new.flights
     gap = difference(old, new)
     before = sum(report.cost for report in old.reports) / len(old.reports)
-    interval = f'{gap.low:+.3f} to {gap.high:+.3f}'
+    interval = f'difference {gap.low:+.3f} to {gap.high:+.3f}'
     if gap.high < 0.0:
         less = f'{-100.0 * gap.mean / before:.0f} % less'
         return f'The new gains cost {less} over {len(old.reports)} fresh draws ({interval}).'
     if gap.low > 0.0:
-        return f'The new gains are worse over {len(old.reports)} fresh draws ({interval}): keep the old.'
+        words = f'over {len(old.reports)} fresh draws ({interval})'
+        return f'The new gains are worse {words}: keep the old.'
     return f'No difference that {len(old.reports)} fresh draws could tell ({interval}).'
 
 
@@ -48,19 +61,14 @@ def robust_rows(tuned: Tuned) -> list[Row]:
     sides = (tuned.old.flights, tuned.new.flights)
     rows = [['altitude lost', *(share(side.lost) for side in sides)]]
     for k, name in enumerate(NAMES):
-        rows += [
-            [f'{name}: settled', *(share(side.settled(k)) for side in sides)],
-            [f'{name}: time to settle [s]', *(spread(side.of(k, 'settle'), 1.0, 1) for side in sides)],
-            [f'{name}: overshoot [%]', *(spread(side.of(k, 'overshoot'), 100.0, 0) for side in sides)],
-            [f'{name}: steady error [%]', *(spread(side.of(k, 'steady'), 100.0, 0) for side in sides)],
-        ]  # fmt: skip
-    return [
-        *rows,
-        ['altitude held meanwhile [cm rms]', *(spread(s.whole('altitude'), 100.0, 1) for s in sides)],
-        ['swing at the end [deg]', *(spread(s.whole('swing'), 180.0 / math.pi, 2) for s in sides)],
-        ['change of duty [1/s]', *(spread(s.whole('effort')) for s in sides)],
-        ['cost', *(spread(s.whole('cost'), 1.0, 3) for s in sides)],
-    ]  # fmt: skip
+        rows.append([f'{name}: settled', *(share(side.settled(k)) for side in sides)])
+        for figure, words, factor, digits in OF_STEP:
+            values = (spread(side.of(k, figure), factor, digits) for side in sides)
+            rows.append([f'{name}: {words}', *values])
+    for figure, words, factor, digits in OF_WHOLE:
+        values = (spread(side.whole(figure), factor, digits) for side in sides)
+        rows.append([words, *values])
+    return rows
 
 
 def margin_words(found: Margins | None) -> tuple[str, str, str]:
@@ -76,7 +84,8 @@ def margin_words(found: Margins | None) -> tuple[str, str, str]:
 
 
 MARGIN_HEADS = (
-    'loop', 'speed [m/s]', 'lift lost [g]', 'old: gain [dB]', 'phase [deg] at [rad/s]', 'delay [ms]',
+    'loop', 'speed [m/s]', 'lift lost [g]',
+    'old: gain [dB]', 'phase [deg] at [rad/s]', 'delay [ms]',
     'new: gain [dB]', 'phase [deg] at [rad/s]', 'delay [ms]', '',
 )  # fmt: skip
 
@@ -124,8 +133,13 @@ def limit_rows(old: HeliumLimit, new: HeliumLimit) -> list[Row]:
         ['lost, flown [g lost]', told(old.fails), told(new.fails)],
         ['largest demand carries [g lost]', told(old.demand), told(new.demand)],
         ['rotors carry [g lost]', told(old.rotors), told(new.rotors)],
-        ['days, by 0.2 to 0.9 L/(m2 day)', *(f'{s.days[0]:.0f} to {s.days[1]:.0f}' for s in (old, new))],
-    ]  # fmt: skip
+        ['days, by 0.2 to 0.9 L/(m2 day)', days(old), days(new)],
+    ]
+
+
+def days(limit: HeliumLimit) -> str:
+    """Return how long it takes to leak that much."""
+    return f'{limit.days[0]:.0f} to {limit.days[1]:.0f}'
 
 
 def gain_rows(tuned: Tuned) -> list[Row]:

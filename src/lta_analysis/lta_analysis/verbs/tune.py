@@ -37,11 +37,11 @@ def tune(
         typer.Option(help='Gains to start from, name or file; those of the vehicle by default.'),
     ] = None,
     least: Annotated[
-        Any, typer.Option(help='Least lift lost.', parser=mass, metavar='MASS')
-    ] = '0 g',
+        float, typer.Option(help='Least lift lost.', parser=mass, metavar='MASS')
+    ] = '0 g',  # type: ignore[assignment]
     most: Annotated[
-        Any, typer.Option(help='Most lift lost.', parser=mass, metavar='MASS')
-    ] = '6 g',
+        float, typer.Option(help='Most lift lost.', parser=mass, metavar='MASS')
+    ] = '6 g',  # type: ignore[assignment]
     cases: Annotated[
         int, typer.Option(help='Losses over the spread; flights of each candidate.', min=1)
     ] = 4,
@@ -74,20 +74,20 @@ def tune(
     """
     Find controller gains that hold over a spread of lost helium, and say how firmly they do.
 
-    A candidate flies one examination a loss, in one process with the sensors' noise: take-off, then
-    steps of altitude, heading, forward speed, and a turn at speed. The drone is not told of the loss.
-    Settling, overshoot, steady error, swing and the work of the rotors make its cost; half the mean and
-    half the worst over the losses count. Covariance matrix adaptation searches the logarithms of the
-    gains, within a factor of 6 and the bounds of their declaration. Limits stay as they are unless
-    --number names them.
+    A candidate flies one examination a loss, in one process with the sensors' noise: take-off,
+    then steps of altitude, heading, forward speed, and a turn at speed. The drone is not told of
+    the loss. Settling, overshoot, steady error, swing and the work of the rotors make its cost;
+    half the mean and half the worst over the losses count. Covariance matrix adaptation searches
+    the logarithms of the gains, within a factor of 6 and the bounds of their declaration. Limits
+    stay as they are unless --number names them.
 
-    Old and new gains then fly the same fresh draws, which the search has not seen. Stability margins of
-    altitude, heading and speed come from the linearised loop, hovering and at 0.4 m/s; the loss at which
-    the gains stop holding is flown.
+    Old and new gains then fly the same fresh draws, which the search has not seen. Stability
+    margins of altitude, heading and speed come from the linearised loop, hovering and at 0.4 m/s;
+    the loss at which the gains stop holding is flown.
 
-    Every candidate is kept as it ends: the same command goes on where a killed one was. Ctrl-C ends the
-    search and keeps the best so far. Nothing replaces the vehicle's own gains: copy the file if it is
-    better.
+    Every candidate is kept as it ends: the same command goes on where a killed one was. Ctrl-C
+    ends the search and keeps the best so far. Nothing replaces the vehicle's own gains: copy the
+    file if it is better.
 
     Exit status 0: done. 2: bad input, nothing was flown. 130: Ctrl-C before the first candidate.
 
