@@ -21,6 +21,7 @@ from lta_control.autopilot import Autopilot, drone_of
 from lta_control.cascade import CascadeGains, Setpoint
 from lta_control.estimator import EstimatorSettings
 from lta_sim.scenario import load_scenario, Scenario
+from lta_sim.state import QUATERNION, VELOCITY
 from lta_sim.vehicle import Vehicle
 from lta_sim.world import World
 import numpy as np
@@ -169,23 +170,21 @@ def fly(scene: Scene, gains: CascadeGains, case: Case, steps: Sequence[Step] = S
         work += sum(abs(a - b) for a, b in zip(duties, last, strict=True)) / len(duties)
         last = duties
         if tick % EVERY == 0:
-            x, y, z, w = world.state[3:7].tolist()
-            yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-            surge, sway = world.state[7:9].tolist()
-            height = world.state.item(2)
-            tilt = 2.0 * math.asin(min(1.0, math.hypot(x, y)))
-            kept.append((tick * dt, height, yaw, surge, math.atan2(sway, surge), tilt, work))
+            kept.append((tick * dt, *_seen(world.state), work))
             work = 0.0
         world.advance(duties)
-    time, altitude, yaw_, speed, drift, tilt_, spent = np.array(kept).T
-    heading = np.unwrap(yaw_)
-    return Trace(
-        time,
-        altitude,
-        heading - heading[0],
-        speed,
-        heading - heading[0] + drift,
-        tilt_,
-        spent / (EVERY * dt),
-        autopilot.memory.stopped,
-    )
+    time, altitude, yaw, speed, drift, tilt, spent = np.array(kept).T
+    heading = np.unwrap(yaw)
+    heading -= heading[0]
+    stopped = autopilot.memory.stopped
+    course = heading + drift
+    return Trace(time, altitude, heading, speed, course, tilt, spent / (EVERY * dt), stopped)
+
+
+def _seen(state: Array) -> tuple[float, float, float, float, float]:
+    """Return altitude, yaw, surge, drift angle and tilt of a state. [m, rad, m/s, rad, rad]"""
+    x, y, z, w = state[QUATERNION].tolist()
+    surge, sway, _ = state[VELOCITY].tolist()
+    yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    tilt = 2.0 * math.asin(min(1.0, math.hypot(x, y)))
+    return state.item(2), yaw, surge, math.atan2(sway, surge), tilt

@@ -80,42 +80,58 @@ def find(
         Hears how many candidates were flown, and the least cost.
 
     """
-    paths = [number.path for number in numbers]
-    ends = np.log([number.ends() for number in numbers])
-    start = np.log([number.value for number in numbers])
-    best: tuple[float, dict[str, float]] | None = None
-    history: list[float] = []
-
-    def judged(points: Sequence[Vector]) -> list[float]:
-        nonlocal best
-        inside = [np.clip(point, ends[:, 0], ends[:, 1]) for point in points]
-        values = [dict(zip(paths, np.exp(p).tolist(), strict=True)) for p in inside]
-        costs = []
-        for value, cases in zip(values, _flown(values, fly, book, len(history)), strict=True):
-            cost = robust(cases)
-            costs.append(cost)
-            if best is None or cost < best[0]:
-                best = (cost, value)
-            history.append(best[0])
-            tell(len(history), best[0])
-        beyond = [float(((a - b) ** 2).sum()) for a, b in zip(points, inside, strict=True)]
-        return [cost + OUTSIDE * far for cost, far in zip(costs, beyond, strict=True)]
-
+    judge = _Judge(numbers, fly, book, tell)
     stopped = False
     try:
-        judged([start])
+        start = np.log([number.value for number in numbers])
+        judge.judged([start])
         search = Search(start.tolist(), STEP, seed)
-        while len(history) < budget:
-            points = search.ask()[: budget - len(history)]
-            costs = judged(points)
+        while len(judge.history) < budget:
+            points = search.ask()[: budget - len(judge.history)]
+            costs = judge.judged(points)
             if len(points) == search.size:  # what is left of the budget may be less
                 search.tell(points, costs)
     except KeyboardInterrupt:
         stopped = True
-        if best is None:
+        if judge.best is None:
             raise
-    assert best is not None
-    return Found(best[1], best[0], history[0], tuple(history), stopped)
+    assert judge.best is not None
+    cost, best = judge.best
+    return Found(best, cost, judge.history[0], tuple(judge.history), stopped)
+
+
+@final
+class _Judge:
+    """Who has candidates flown and remembers the best; points are logarithms."""
+
+    def __init__(
+        self,
+        numbers: Sequence[Number],
+        fly: Fly,
+        book: Book,
+        tell: Callable[[int, float], None],
+    ) -> None:
+        self._paths = [number.path for number in numbers]
+        self._ends = np.log([number.ends() for number in numbers])
+        self._fly, self._book, self._tell = fly, book, tell
+        self.best: tuple[float, dict[str, float]] | None = None
+        self.history: list[float] = []
+
+    def judged(self, points: Sequence[Vector]) -> list[float]:
+        """Return the costs of candidates, with what those beyond a bound pay."""
+        inside = [np.clip(point, self._ends[:, 0], self._ends[:, 1]) for point in points]
+        values = [dict(zip(self._paths, np.exp(p).tolist(), strict=True)) for p in inside]
+        costs = []
+        told = _flown(values, self._fly, self._book, len(self.history))
+        for value, cases in zip(values, told, strict=True):
+            cost = robust(cases)
+            costs.append(cost)
+            if self.best is None or cost < self.best[0]:
+                self.best = (cost, value)
+            self.history.append(self.best[0])
+            self._tell(len(self.history), self.best[0])
+        beyond = [float(((a - b) ** 2).sum()) for a, b in zip(points, inside, strict=True)]
+        return [cost + OUTSIDE * far for cost, far in zip(costs, beyond, strict=True)]
 
 
 def _flown(

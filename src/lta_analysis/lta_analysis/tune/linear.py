@@ -4,9 +4,9 @@ A cut loop about a steady flight: one control period as a linear map.
     x' = A x + B u,    y = C x
 
 x is the state of vehicle, estimator and controller, u what the rotors are asked for (surge, heave,
-yaw), y what the cascade would ask for; in flight u = y. Derivatives are central differences. What is
-symmetric but has a kink, as one forward rotor for each sense of turning, is met by them half way:
-exact for the loop it serves.
+yaw), y what the cascade would ask for; in flight u = y. Derivatives are central differences. What
+is symmetric but has a kink, as one forward rotor for each sense of turning, is met by them half
+way: exact for the loop it serves.
 """
 
 from collections.abc import Callable

@@ -66,26 +66,8 @@ def margins(frequency: Array, response: Complex) -> Margins:
         L(jw).
 
     """
-    size, phase = np.log(np.abs(response)), np.unwrap(np.angle(response))
-    log_w = np.log(frequency)
-    up: tuple[float, float] | None = None
-    down: float | None = None
-    for place, turn in _turns(phase):
-        w = math.exp(_between(log_w, place, turn))
-        factor = math.exp(-_between(size, place, turn))
-        if factor > 1.0 and (up is None or factor < up[0]):
-            up = (factor, w)
-        elif factor < 1.0 and (down is None or factor > down):
-            down = factor
-    least: tuple[float, float] | None = None
-    last: float | None = None
-    for place, share in _crossings(size):
-        w = math.exp(_between(log_w, place, share))
-        left = (_between(phase, place, share) + math.pi) % (2.0 * math.pi)
-        left = left if left <= math.pi else 2.0 * math.pi - left
-        if least is None or left < least[0]:
-            least = (left, w)
-        last = w
+    up, down = _gains(frequency, response)
+    least, last = _phases(frequency, response)
     return Margins(
         gain=up and up[0],
         gain_down=down,
@@ -95,6 +77,40 @@ def margins(frequency: Array, response: Complex) -> Margins:
         oscillation=up and up[1],
         peak=float(1.0 / np.abs(1.0 + response).min()),
     )
+
+
+def _gains(frequency: Array, response: Complex) -> tuple[tuple[float, float] | None, float | None]:
+    """Return the least factor above 1 with its frequency, and the largest below 1."""
+    size, phase, log_w = np.log(np.abs(response)), _phase(response), np.log(frequency)
+    up: tuple[float, float] | None = None
+    down: float | None = None
+    for place, share in _turns(phase):
+        factor = math.exp(-_between(size, place, share))
+        if factor > 1.0 and (up is None or factor < up[0]):
+            up = (factor, math.exp(_between(log_w, place, share)))
+        elif factor < 1.0 and (down is None or factor > down):
+            down = factor
+    return up, down
+
+
+def _phases(
+    frequency: Array, response: Complex
+) -> tuple[tuple[float, float] | None, float | None]:
+    """Return the least phase margin with its frequency, and the highest crossover."""
+    size, phase, log_w = np.log(np.abs(response)), _phase(response), np.log(frequency)
+    least: tuple[float, float] | None = None
+    last: float | None = None
+    for place, share in _crossings(size):
+        last = math.exp(_between(log_w, place, share))
+        above = (_between(phase, place, share) + math.pi) % (2.0 * math.pi)
+        left = min(above, 2.0 * math.pi - above)
+        if least is None or left < least[0]:
+            least = (left, last)
+    return least, last
+
+
+def _phase(response: Complex) -> Array:
+    return np.unwrap(np.angle(response))
 
 
 def _turns(phase: Array) -> list[tuple[int, float]]:

@@ -81,8 +81,8 @@ def about(tuned: Tuned) -> str:
 
 ROBUST_HEADS = ('median (middle half), or share with 95 % interval', 'old', 'new')
 MARGINS_NOTE = (
-    '<p class="note">Each loop is cut at its demand, the others closed; from the linearised '
-    'period of control about the steady flight. Gain: how far it may fall and rise before the loop '
+    '<p class="note">Each loop is cut at its demand, the others closed; from one linearised '
+    'control period about the steady flight. Gain: how far it may fall and rise before the loop '
     'oscillates. Phase and delay: what may be lost at the crossover. Where a swing grows, the '
     'drone is not stable whatever the margins of one loop.</p>'
 )

@@ -170,6 +170,19 @@ def tune_once(order: Order, console: Console) -> Tuned:
     return Tuned(order, name, found, tuple(numbers), before, after, losses, file, folder)
 
 
+def examined(
+    scene: Scene,
+    start: CascadeGains,
+    cases: Sequence[Case],
+    crew: Crew,
+    candidates: Sequence[Mapping[str, float]],
+) -> list[list[float]]:
+    """Return the cost of each examination of each candidate."""
+    tasks = [Task(scene, changed(start, each), case) for each in candidates for case in cases]
+    costs = [report.cost for report in crew.fly(tasks)]
+    return [costs[k : k + len(cases)] for k in range(0, len(costs), len(cases))]
+
+
 def side(scene: Scene, gains: CascadeGains, flights: Flights, order: Order) -> Side:
     """Return what is known of a set of gains."""
     middle = 0.5 * (order.least + order.most)
@@ -205,8 +218,8 @@ def words(order: Order, start: str, found: Found, cases: int) -> list[str]:
         f'search seed {order.seed}.',
         f'Lift lost: {1e3 * order.least:g} to {1e3 * order.most:g} g against the trim of its '
         f'file; seeds {order.seed} to {order.seed + cases - 1}.',
-        f'Cost {found.first:.3f} before, {found.cost:.3f} after (half the mean and half the worst; '
-        'docs: lta tune --help).',
+        f'Cost {found.first:.3f} before, {found.cost:.3f} after (half the mean and half the '
+        'worst; see lta tune --help).',
     ]
 
 
