@@ -59,6 +59,11 @@ class Flights:
         """Share whose altitude was lost, with its 95 % interval."""
         return wilson(sum(report.lost for report in self.reports), len(self.reports))
 
+    @property
+    def reached(self) -> Share:
+        """Share whose mission ended at its goal, with its 95 % interval."""
+        return wilson(sum(report.reached for report in self.reports), len(self.reports))
+
     def settled(self, step: int) -> Share:
         """Share in which a step settled, with its 95 % interval."""
         times = [report.marks[step].settle for report in self.reports if report.marks]

@@ -6,9 +6,10 @@ The cost of a step of size h that lasts T is
     (1 / (h T)) integral |r - y| dt  +  OVERSHOOT o / h  +  steady error / h
 
 with the setpoint r, the true value y and the overshoot o; to their mean over the steps comes what
-the altitude lost while something else was stepped, the swing of the hull at the end, and the work
-of the rotors. An examination in which the altitude is lost costs `LOST` more: no sum of the rest
-comes near it.
+the altitude lost while something else was stepped, the swing of the hull at the end, a swing that
+would grow in a longer cruise, the time of a mission with `ASTRAY` for one that misses its goal,
+and the work of the rotors. An examination in which the altitude is lost costs `LOST` more: no sum
+of the rest comes near it.
 """
 
 from collections.abc import Sequence
@@ -22,6 +23,9 @@ import numpy as np
 BAND: Final = 0.1  # of a step: within it, the step has settled
 TAIL: Final = 0.25  # last part of a step, over which the steady error is taken
 OVERSHOOT: Final = 0.5
+GROWTH: Final = 10.0  # s; a swing that grows by 1 % a second costs 0.1
+SEARCH: Final = 0.5
+ASTRAY: Final = 2.0  # cost of a mission that misses its goal
 EFFORT: Final = 0.1  # s; cost of one full duty a second, by rotor
 ALTITUDE_SCALE: Final = 0.4  # m
 SWING_SCALE: Final = 0.2  # rad
@@ -77,6 +81,13 @@ class Report:
     adrift : float
         How far the altitude is off at the end of each altitude step and of the flight, the most.
         [m]
+    growth : float
+        Rate at which the least damped swing grows in cruise, by the linear loop; 0 where that was
+        not asked for. [1/s]
+    reached : bool
+        Whether the mission ended at its goal.
+    search : float
+        How long the mission took, of the time allowed. [1]
 
     """
 
@@ -86,6 +97,9 @@ class Report:
     effort: float
     lost: bool
     adrift: float
+    growth: float = 0.0
+    reached: bool = True
+    search: float = 0.0
 
     @property
     def cost(self) -> float:
@@ -93,6 +107,8 @@ class Report:
         mean = sum(mark.cost for mark in self.marks) / len(self.marks)
         missing = LOST + min(self.adrift, LOST) if self.lost else 0.0
         rest = self.altitude / ALTITUDE_SCALE + self.swing / SWING_SCALE + EFFORT * self.effort
+        rest += GROWTH * max(0.0, self.growth)
+        rest += SEARCH * self.search + (0.0 if self.reached else ASTRAY)
         return mean + rest + missing
 
 

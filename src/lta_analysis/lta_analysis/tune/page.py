@@ -112,10 +112,10 @@ def tiles(tuned: Tuned) -> list[Tile]:
         Tile('Overshoot of a climb', f'{climb[1]:.0f}', '%', f'median; before {climb[0]:.0f}'),
         both('swing', 'Swing at the end', 'deg', 180.0 / math.pi, 2),
         Tile(
-            'Altitude lost',
-            f'{100 * new.flights.lost.value:.0f}',
+            'Missions at the goal',
+            f'{100 * new.flights.reached.value:.0f}',
             '%',
-            f'before {told.share(old.flights.lost)}',
+            f'before {told.share(old.flights.reached)}',
         ),
         Tile(
             'Holds up to',

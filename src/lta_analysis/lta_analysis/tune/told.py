@@ -22,6 +22,8 @@ OF_STEP: Final = (
 OF_WHOLE: Final = (
     ('altitude', 'altitude held meanwhile [cm rms]', 100.0, 1),
     ('swing', 'swing at the end [deg]', 180.0 / math.pi, 2),
+    ('search', 'time of the mission [% of the limit]', 100.0, 0),
+    ('growth', 'growth of a swing in cruise [%/s]', 100.0, 1),
     ('effort', 'change of duty [1/s]', 1.0, 2),
     ('cost', 'cost', 1.0, 3),
 )
@@ -59,7 +61,10 @@ def spread(value: Spread, factor: float = 1.0, digits: int = 2) -> str:
 def robust_rows(tuned: Tuned) -> list[Row]:
     """Return what it bought: figure, old, new."""
     sides = (tuned.old.flights, tuned.new.flights)
-    rows = [['altitude lost', *(share(side.lost) for side in sides)]]
+    rows = [
+        ['mission at its goal', *(share(side.reached) for side in sides)],
+        ['altitude lost', *(share(side.lost) for side in sides)],
+    ]
     for k, name in enumerate(NAMES):
         rows.append([f'{name}: settled', *(share(side.settled(k)) for side in sides)])
         for figure, words, factor, digits in OF_STEP:
