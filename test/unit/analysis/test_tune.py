@@ -4,13 +4,14 @@ import json
 import math
 import sys
 
-from lta_analysis.tune import limit
+from lta_analysis.tune import crew, limit
 from lta_analysis.tune.book import Book
 from lta_analysis.tune.compare import difference, Flights, spread
 from lta_analysis.tune.exam import Case, fly, Scene, Step
 from lta_analysis.tune.find import find, robust
 from lta_analysis.tune.gains_text import gains_text, write_gains
 from lta_analysis.tune.marks import mark_of, Report
+from lta_analysis.tune.mission import seek, Sought
 from lta_analysis.tune.numbers import changed, chosen, Number, numbers_of
 from lta_analysis.tune.search import Search
 from lta_config.constants import STANDARD_GRAVITY
@@ -68,13 +69,10 @@ def test_the_search_finds_the_end_of_a_bent_valley():
     assert search.mean == pytest.approx(np.ones(4), abs=1e-6)
 
 
-NUMBERS = [Number('kd', 0.3, 0.0, 100.0)]
-
-
-def toy_costs(candidates):
+def toy_costs(candidate):
     # Plant 1/s^2 under u = -y - kd y': the integral of the squared step error is (1 + kd^2) /
     # (2 kd), least at kd = 1 (Parseval).
-    return [[0.5 * (1.0 + each['kd'] ** 2) / each['kd']] for each in candidates]
+    return [0.5 * (1.0 + candidate['kd'] ** 2) / candidate['kd']]
 
 
 def tuned(folder, budget=61, fly=toy_costs):
@@ -95,26 +93,26 @@ def test_a_stopped_search_goes_on_where_it_was(tmp_path):
     whole = tuned(tmp_path / 'whole')
     flown = []
 
-    def stop(candidates):
-        if len(flown) > 15:
+    def stop(candidate):
+        if len(flown) == 17:
             raise KeyboardInterrupt
-        flown.extend(candidates)
-        return toy_costs(candidates)
+        flown.append(candidate)
+        return toy_costs(candidate)
 
     part = tuned(tmp_path / 'part', fly=stop)
     assert part.stopped
-    assert len(part.history) == len(flown) == 19
+    assert len(part.history) == 17
     # A kill may tear the last line off: it is flown again.
     path = tmp_path / 'part' / 'search.jsonl'
     path.write_text(path.read_text()[:-4])
     again = []
 
-    def go_on(candidates):
-        again.extend(candidates)
-        return toy_costs(candidates)
+    def go_on(candidate):
+        again.append(candidate)
+        return toy_costs(candidate)
 
     assert tuned(tmp_path / 'part', fly=go_on) == whole
-    assert len(again) == 61 - 18
+    assert len(again) == 61 - 16
 
 
 def test_a_folder_of_another_search_is_refused(tmp_path):
@@ -179,6 +177,15 @@ def test_lost_lift_is_carried_by_the_rotors_and_not_told():
     assert one.altitude[-1] == pytest.approx(1.0, abs=0.1)
 
 
+def test_a_mission_that_is_too_heavy_is_not_reached():
+    # The climb may ask for 0.2 N: 20.4 g, 18.4 g beyond the trim.
+    scene, gains = Scene('gtmab'), load_gains('gtmab')
+    light, heavy = (seek(scene, gains, Case(loss, 1)) for loss in (0.0, 24e-3))
+    assert light.reached
+    assert 0.1 < light.time < 0.5
+    assert heavy == Sought(False, pytest.approx(1.0))
+
+
 def test_what_the_rotors_carry():
     # Two rotors of 0.0915 + 0.0677 N, 0.961 of it upwards, less the 2 g of the trim.
     most = 2 * 0.961 * (0.0915 + 0.0677) / STANDARD_GRAVITY - 2e-3
@@ -218,6 +225,7 @@ def call(monkeypatch, capsys):
 def test_the_verb_tunes(call, tmp_path, monkeypatch):
     monkeypatch.setattr(limit, 'TRIED', 1)
     monkeypatch.setattr(limit, 'HALVINGS', 0)
+    monkeypatch.setattr(crew, 'seek', lambda *_: Sought(True, 0.3))
     out = tmp_path / 'found.yaml'
     words = ('--budget=2', '--draws=2', '--cases=1', '--workers=1', '--number=climb.kp', '--json')
     status, said = call(

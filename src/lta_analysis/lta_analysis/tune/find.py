@@ -6,7 +6,7 @@ the worst over them; a candidate outside the bounds is flown at the bound and pa
 distance.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -19,7 +19,7 @@ STEP = 0.35  # of the logarithm: the first generation turns gains by a factor of
 OUTSIDE = 0.1  # cost of one unit of the logarithm beyond a bound, squared
 
 Numbers = Mapping[str, float]
-Fly = Callable[[Sequence[Numbers]], list[list[float]]]
+Fly = Callable[[Numbers], list[float]]
 
 
 @final
@@ -69,7 +69,7 @@ def find(
     numbers : sequence of Number
         What is searched, from where.
     fly : callable
-        Returns the costs by examination for each of some candidates.
+        Returns the costs of a candidate by examination.
     book : Book
         What was flown before, and will be.
     budget : int
@@ -136,17 +136,13 @@ class _Judge:
 
 def _flown(
     values: Sequence[dict[str, float]], fly: Fly, book: Book, place: int
-) -> list[list[float]]:
-    """Return the costs of candidates, from the book where they are in it."""
-    told = [book.known(place + k, list(each.values())) for k, each in enumerate(values)]
-    missing = [each for each, known in zip(values, told, strict=True) if known is None]
-    fresh = iter(fly(missing) if missing else [])
-    out = []
-    for value, known in zip(values, told, strict=True):
-        if known is None:
-            costs = next(fresh)
-            book.add(list(value.values()), costs)
-            out.append(costs)
-        else:
-            out.append(known)
-    return out
+) -> Iterator[list[float]]:
+    """Yield the costs of candidates, from the book where they are in it."""
+    for k, value in enumerate(values):
+        numbers = list(value.values())
+        costs = book.known(place + k, numbers)
+        if costs is None:
+            # One candidate at a time: each is kept before the next is flown.
+            costs = fly(value)
+            book.add(numbers, costs)
+        yield costs

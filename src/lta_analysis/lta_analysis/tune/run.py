@@ -146,14 +146,7 @@ def tune_once(order: Order, console: Console) -> Tuned:
     ).absolute()
     book = Book(folder, identity(about))
     with TuneProgress(console, order.budget, len(cases)) as progress, Crew(order.workers) as crew:
-
-        def flown(candidates: Sequence[Mapping[str, float]]) -> list[list[float]]:
-            tasks = [
-                Task(scene, changed(old, each), case) for each in candidates for case in cases
-            ]
-            costs = [report.cost for report in crew.fly(tasks)]
-            return [costs[k : k + len(cases)] for k in range(0, len(costs), len(cases))]
-
+        flown = partial(examined, scene, old, cases, crew)
         found = find(numbers, flown, book, order.budget, order.seed, progress.candidate)
         best = {path: rounded(value) for path, value in found.numbers.items()}
         new = changed(old, best)
@@ -175,12 +168,11 @@ def examined(
     start: CascadeGains,
     cases: Sequence[Case],
     crew: Crew,
-    candidates: Sequence[Mapping[str, float]],
-) -> list[list[float]]:
-    """Return the cost of each examination of each candidate."""
-    tasks = [Task(scene, changed(start, each), case) for each in candidates for case in cases]
-    costs = [report.cost for report in crew.fly(tasks)]
-    return [costs[k : k + len(cases)] for k in range(0, len(costs), len(cases))]
+    candidate: Mapping[str, float],
+) -> list[float]:
+    """Return the cost of each examination of a candidate."""
+    gains = changed(start, candidate)
+    return [report.cost for report in crew.fly([Task(scene, gains, case) for case in cases])]
 
 
 def side(scene: Scene, gains: CascadeGains, flights: Flights, order: Order) -> Side:

@@ -20,7 +20,6 @@ from lta_config.override import quantity_in
 from rich.console import Console
 import typer
 
-
 UNITS = {
     'loss': 'kg',
     'helium': 'g',
