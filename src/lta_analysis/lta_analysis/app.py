@@ -15,6 +15,7 @@ from lta_analysis.verbs.report import report
 from lta_analysis.verbs.run import run
 from lta_analysis.verbs.simulate import simulate
 from lta_analysis.verbs.sweep import sweep
+from lta_analysis.verbs.tune import tune
 from lta_analysis.verbs.vehicle import vehicle
 from lta_analysis.verbs.wind import wind
 from lta_config.errors import BadInput
@@ -36,6 +37,7 @@ app.command()(simulate)
 app.command()(sweep)
 app.command()(wind)
 app.command()(platforms)
+app.command()(tune)
 app.command(context_settings={'allow_interspersed_args': True})(launch)
 app.command(context_settings={'ignore_unknown_options': True, 'allow_interspersed_args': False})(
     run
