@@ -15,12 +15,14 @@ Quadratic drag at an amplitude P takes from a swing what a linear one of 8/(3 pi
 (harmonic balance); the surge that goes with the swing is damped as well.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 import math
 from typing import final, Literal
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_sim.effects.protocol import AXES
+from lta_sim.effects import strip_damping
+from lta_sim.effects.protocol import AXES, Motion
 from lta_sim.vehicle import Vehicle
 import numpy as np
 
@@ -72,7 +74,7 @@ class Swing:
 
 
 def swing(vehicle: Vehicle, about: Literal['roll', 'pitch']) -> Swing:
-    """Return how a vehicle swings about body x or y; strips of parts are left out of damping."""
+    """Return how a vehicle swings about body x or y."""
     turn, along = ABOUT[about]
     mass, added, cg = vehicle.mass, vehicle.added_mass, vehicle.cg
     stiffness = -mass * STANDARD_GRAVITY * float(cg[2])
@@ -88,5 +90,15 @@ def swing(vehicle: Vehicle, about: Literal['roll', 'pitch']) -> Swing:
     square = (
         effects['rotational_drag'][f'{axis}_2'] + effects['quadratic_drag'][way] * abs(lever) ** 3
     )
+    square += _strips(effects.get('strip_damping', {}), turn)
     rate = AMPLITUDE * math.sqrt(max(stiffness, 0.0) / inertia)
     return Swing(stiffness, inertia, linear + 8.0 / (3.0 * math.pi) * square * rate)
+
+
+def _strips(given: Mapping[str, float], turn: int) -> float:
+    """Return the moment of frame and panels against a turn by its rate squared. [N m s2]"""
+    values = tuple(given.get(known.name, known.null) for known in strip_damping.PARAMETERS)
+    rates = (float(turn == 0), float(turn == 1), 0.0)
+    still, level = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+    motion = Motion(still, level, still, rates, still, (), (), ())
+    return -strip_damping.wrench(values, (), motion, ())[3 + turn]
