@@ -4,6 +4,8 @@ from pathlib import Path
 
 from setuptools import find_packages, setup
 
+FOLDERS = ('comparisons', 'control', 'launch', 'manoeuvres', 'scenarios', 'sweeps', 'vehicles')
+
 setup(
     name='lta_config',
     version='0.1.0',
@@ -14,7 +16,7 @@ setup(
         ('share/lta_config', ['package.xml', 'topics.yaml']),
         *(
             (f'share/lta_config/{folder}', sorted(map(str, Path(folder).glob('*.yaml'))))
-            for folder in ('control', 'launch', 'scenarios', 'sweeps', 'vehicles')
+            for folder in FOLDERS
         ),
     ],
     install_requires=['setuptools'],

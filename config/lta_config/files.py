@@ -30,6 +30,8 @@ FOLDERS = {
     'gains': 'control',
     'launch file': 'launch',
     'sweep': 'sweeps',
+    'manoeuvre': 'manoeuvres',
+    'comparison': 'comparisons',
 }
 
 

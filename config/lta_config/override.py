@@ -129,6 +129,8 @@ def _below(content: Any, key: str, where: str) -> Any:  # noqa: ANN401 - what YA
     found = quantity_in(content)
     if found is not None:
         return _element(found, key, where)
+    if content is None and OPEN in where.split('.'):  # of an effect that the file leaves out
+        return None
     if not isinstance(content, Mapping):
         raise BadInput(f"{where} is a single value; leave '.{key}' out.")
     if key not in content and OPEN not in where.split('.'):

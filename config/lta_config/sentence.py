@@ -1,6 +1,6 @@
 """From pydantic's errors to one sentence that a person who writes files can act on."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from pydantic import ValidationError
@@ -36,7 +36,25 @@ PLAIN = {
 def sentence(error: ValidationError) -> str:
     """Return the first problem of a pydantic error as one sentence."""
     problems = error.errors()
-    first = problems[0]
+    return _of_one(problems[0], problems)
+
+
+def sentences(error: ValidationError) -> list[str]:
+    """Return every problem of a pydantic error as a sentence; a misspelt key makes just one."""
+    problems = error.errors()
+    missing = [problem for problem in problems if problem['type'] == 'missing']
+    found = []
+    for problem in problems:
+        if problem['type'] == 'extra_forbidden' and any(
+            problem['loc'][:-1] == other['loc'][:-1] for other in missing
+        ):
+            continue
+        found.append(_of_one(problem, problems))
+    return found
+
+
+def _of_one(first: Mapping[str, Any], problems: Sequence[Mapping[str, Any]]) -> str:
+    """Return one problem, in the light of the others, as one sentence."""
     where = place(first) or 'the file'
     if first['type'] == 'extra_forbidden':
         return f"the key '{where}' is not known; remove it or correct its spelling."

@@ -4,6 +4,7 @@ from pathlib import Path
 import re
 
 from lta_graph.ros.node import PATIENCE, REPORT_PERIOD
+from lta_sim.effects_page import page
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -42,3 +43,7 @@ def test_rates_of_health_are_those_of_the_nodes():
     text = ' '.join((ROOT / 'docs/architecture.md').read_text(encoding='utf-8').split())
     assert f'reports in `/diagnostics` every {REPORT_PERIOD} s of wall time' in text
     assert f'one that waits longer than {PATIENCE} s names its missing inputs' in text
+
+
+def test_the_page_of_the_effects_is_that_of_the_registry():
+    assert (ROOT / 'docs/effects.md').read_text(encoding='utf-8') == page()

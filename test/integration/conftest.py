@@ -58,10 +58,11 @@ class Started:
     def text(self) -> str:
         return '\n'.join(line for _, line in self.lines if line)
 
-    def node(self, name: str) -> int:
+    def node(self, name: str, robot: str = 'lta1') -> int:
         """Return the process id of a node."""
         marked = processes(self._mark).items()
-        (pid,) = [pid for pid, line in marked if f'__node:={name} ' in line]
+        words = f'__node:={name} -r __ns:=/{robot} '
+        (pid,) = [pid for pid, line in marked if words in line]
         return pid
 
     def interrupt(self) -> float:

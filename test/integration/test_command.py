@@ -12,7 +12,10 @@ GTMAB = (ROOT / 'config/vehicles/gtmab.yaml').read_text()
 
 COMMANDS = {
     'vehicle': (['fly', '--vehicle', 'zeppelin'], "Unknown vehicle 'zeppelin'; known: beavis, "),
-    'scenario': (['fly', '--scenario', 'moon'], "Unknown scenario 'moon'; known: lamp_room."),
+    'scenario': (
+        ['fly', '--scenario', 'moon'],
+        "Unknown scenario 'moon'; known: breeze, gusty_hall, hall, lamp_room, windy_field.",
+    ),
     'strategy': (['fly', '--strategy', 'luck'], "Unknown strategy 'luck'; known: bag."),
     'vehicle path': (['fly', '--vehicle', 'no/such.yaml'], 'There is no vehicle file'),
     'seed': (['fly', '--seed', '-1'], "Invalid value for '--seed'"),
@@ -21,7 +24,7 @@ COMMANDS = {
     'time': (['fly', '--time', 'slow'], "Invalid value for '--time'"),
     'option': (['fly', '--sped', '2'], 'No such option: --sped'),
     'verb': (['flie'], "No such command 'flie'"),
-    'launch file': (['launch', 'soar'], "Unknown launch file 'soar'; known: fly."),
+    'launch file': (['launch', 'soar'], "Unknown launch file 'soar'; known: fly, pair."),
     'launch path': (['launch', './x.launch.yaml'], 'x.launch.yaml; check the path.'),
     'launch argument': (['launch', 'fly', 'sed:=2'], "Unknown launch argument 'sed'"),
     'launch pair': (['launch', 'fly', 'seed=2'], "'seed=2' is no launch argument"),

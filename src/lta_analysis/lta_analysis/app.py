@@ -7,12 +7,17 @@ from typing import Annotated
 
 from lta_analysis.verbs.bag import bag
 from lta_analysis.verbs.doctor import doctor
+from lta_analysis.verbs.effects import effects
 from lta_analysis.verbs.fly import fly
 from lta_analysis.verbs.launch import launch
+from lta_analysis.verbs.platforms import platforms
 from lta_analysis.verbs.report import report
 from lta_analysis.verbs.run import run
 from lta_analysis.verbs.simulate import simulate
 from lta_analysis.verbs.sweep import sweep
+from lta_analysis.verbs.tune import tune
+from lta_analysis.verbs.vehicle import vehicle
+from lta_analysis.verbs.wind import wind
 from lta_config.errors import BadInput
 import typer
 
@@ -30,14 +35,23 @@ app = typer.Typer(
 app.command()(fly)
 app.command()(simulate)
 app.command()(sweep)
+app.command()(wind)
+app.command()(platforms)
+app.command()(tune)
 app.command(context_settings={'allow_interspersed_args': True})(launch)
 app.command(context_settings={'ignore_unknown_options': True, 'allow_interspersed_args': False})(
     run
 )
 app.add_typer(bag, name='bag')
+app.add_typer(vehicle, name='vehicle')
 app.command()(report)
+app.command()(effects)
 app.command()(doctor)
-for command in (*app.registered_commands, *bag.registered_commands):
+for command in (
+    *app.registered_commands,
+    *bag.registered_commands,
+    *vehicle.registered_commands,
+):
     # Typer keeps the line breaks of a docstring, which are ragged on any other width.
     paragraphs = (inspect.getdoc(command.callback) or '').split('\n\n')
     command.help = '\n\n'.join(' '.join(text.split()) for text in paragraphs)

@@ -85,19 +85,21 @@ class Lookout:
         Parameters
         ----------
         facts : mapping of str to Fact
-            The newest facts by 'NODE: TASK'.
+            The newest facts, as `DiagnosticsListener` has them.
         silent, all_heard
             As for `Blame.look`.
 
         """
         blamed = self._blame.look(culprits(facts.values()), silent, all_heard)
-        # Once the flight is over the simulator leaves, and all others wait for it in vain.
-        if blamed and blamed != self._named and flying(facts):
+        # Once a flight is over its simulator stops, and all its nodes wait for that in vain.
+        blamed = [name for name in blamed if flying(facts, name)]
+        if blamed and blamed != self._named:
             self._say(f'Nothing comes from {", ".join(blamed)}.')
         self._named = blamed
 
 
-def flying(facts: Mapping[str, Fact]) -> bool:
-    """Tell whether the simulator, if there is one, has not said yet how the flight ended."""
-    fact = facts.get(FLIGHT)
+def flying(facts: Mapping[str, Fact], node: str) -> bool:
+    """Tell whether the simulator of a node's robot, if any, has not said how the flight ended."""
+    robot, slash, _ = node.rpartition('/')
+    fact = facts.get(robot + slash + FLIGHT)
     return fact is None or fact.values['outcome'] == 'flying'

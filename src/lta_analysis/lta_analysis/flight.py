@@ -18,12 +18,14 @@ from lta_analysis.session import Session
 from lta_bridge.bag.writer import empty_folder
 from lta_config.errors import BadInput
 from lta_config.files import find
+from lta_control.laws.aboard import check_aboard
 from lta_control.strategies import strategy
 from lta_graph.child import Ended
 from lta_graph.health import Fact, Level
 from lta_graph.launch_file import load
 from lta_graph.launcher import Launcher
 from lta_graph.ros.listener import DiagnosticsListener
+from lta_sim import in_scene
 from lta_sim.scenario import load_scenario
 from lta_sim.vehicle import load_vehicle
 
@@ -96,7 +98,9 @@ def fly_once(order: Order, watcher: Watcher) -> Flown:
     scenario = load_scenario(order.scenario)
     vehicle = load_vehicle(order.vehicle, scenario.air.density)
     strategy(order.strategy)
-    _ = vehicle.model(), vehicle.hover_duty, scenario.light_field
+    _ = vehicle.hover_duty
+    in_scene.check(vehicle, scenario)
+    check_aboard(vehicle)
     stamp = datetime.now().astimezone().strftime('%Y%m%d-%H%M%S')
     folder = order.out or Path('runs') / f'{stamp}-{scenario.name}-{order.seed}'
     folder = folder.absolute()
@@ -110,8 +114,11 @@ def fly_once(order: Order, watcher: Watcher) -> Flown:
 
 def choices(order: Order, bag: Path) -> dict[str, str]:
     """Return an order as launch arguments."""
+    control = load_vehicle(order.vehicle).file.control
+    named = control.gains if control else None
     return {
         'robot': ROBOT,
+        **({'gains': str(find('gains', named))} if named else {}),
         'vehicle': order.vehicle,
         'scenario': order.scenario,
         'strategy': order.strategy,

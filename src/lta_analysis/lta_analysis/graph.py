@@ -24,7 +24,7 @@ def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> 
     plan : LaunchPlan
         What to start.
     on_line : callable
-        Called with a node's name and each line that it writes.
+        Called with what the plan calls a node and each line that it writes.
     say : callable
         Called with a sentence for each process that ends or hangs.
 
@@ -35,29 +35,27 @@ def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> 
 
     """
     with ExitStack() as stack:
-        for process in plan.processes:
-            if (process.package, process.executable) == SIMULATOR:
-                stack.enter_context(Session(process.namespace.strip('/')))
-        watches = [
-            (stack.enter_context(DiagnosticsListener(robot.strip('/'))), Lookout(say), nodes)
-            for robot, nodes in nodes_of(plan).items()
-        ]
+        if robots := simulated(plan):
+            stack.enter_context(Session(*robots))
+        listener = stack.enter_context(DiagnosticsListener(*plan.namespaces))
+        lookout = Lookout(say)
         launcher = stack.enter_context(Launcher(plan, on_line))
         while (outcome := launcher.outcome) is None:
-            for listener, lookout, nodes in watches:
-                facts = listener.poll(LOOK / len(watches))
-                # Of a node that is not ours nothing is ever heard: that is no fault of it.
-                ours = [name for name in launcher.running if name in nodes]
-                heard = [name for name in ours if listener.hears([name])]
-                lookout.look(facts, listener.silent(heard), len(heard) == len(ours))
+            facts = listener.poll(LOOK)
+            # Of a node that is not ours nothing is ever heard: that is no fault of it.
+            running = launcher.running
+            heard = [name for name in running if listener.hears([name])]
+            silent = listener.silent(heard) if listener.settled(running) else []
+            lookout.look(facts, silent, len(heard) == len(running))
             for end in launcher.poll():
                 say(f'{end.sentence}.')
         return outcome
 
 
-def nodes_of(plan: LaunchPlan) -> dict[str, set[str]]:
-    """Return the names of a plan's nodes by namespace."""
-    found: dict[str, set[str]] = {}
-    for process in plan.processes:
-        found.setdefault(process.namespace, set()).add(process.name)
-    return found
+def simulated(plan: LaunchPlan) -> list[str]:
+    """Return the robots that a plan simulates."""
+    return [
+        process.namespace.strip('/')
+        for process in plan.processes
+        if (process.package, process.executable) == SIMULATOR
+    ]

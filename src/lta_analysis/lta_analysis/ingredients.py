@@ -21,10 +21,13 @@ from lta_config.topics import topic_table
 from lta_config.vehicle_file import VehicleFile
 from lta_control.cascade import CascadeGains
 from lta_control.estimator import EstimatorSettings
+from lta_control.laws import law
+from lta_control.laws.aboard import CASCADE
 from lta_control.mission import MissionSettings
 from lta_control.strategies import strategy
 from lta_energy.monitor import MonitorSettings
-from lta_sim.scenario import Scenario
+from lta_sim import in_scene
+from lta_sim.scenario import beside, Scenario
 from lta_sim.vehicle import Vehicle
 from lta_sim.world import World
 from lta_vlc.demodulation import Demodulation
@@ -41,6 +44,7 @@ SETTINGS: dict[str, type[Settings]] = {
     'prior': LampPrior,
     'energy_monitor': MonitorSettings,
 }
+GAINS = 'gtmab'  # of a vehicle that names none
 ROOTS = (*FILES, *(name for name in SETTINGS if name not in FILES))
 
 
@@ -88,7 +92,8 @@ class Ingredients:
         if found is not None:
             return UNITS.get(found['unit'], (found['unit'],))[0]
         root, below = split(path)
-        return declared_unit(SETTINGS[root], below.split('.')) if root in SETTINGS else ''
+        models = settings_of(self.contents['vehicle'])
+        return declared_unit(models[root], below.split('.')) if root in models else ''
 
 
 def split(path: str) -> tuple[str, str]:
@@ -119,7 +124,7 @@ def gather(vehicle: str, scenario: str, strategy_name: str, gains: str) -> Ingre
     Parameters
     ----------
     vehicle, scenario, gains : str
-        Shipped names or paths.
+        Shipped names or paths; without gains, those that the vehicle's file names.
     strategy_name : str
         Navigation strategy.
 
@@ -130,12 +135,26 @@ def gather(vehicle: str, scenario: str, strategy_name: str, gains: str) -> Ingre
 
     """
     strategy(strategy_name)
-    names = {'vehicle': vehicle, 'scenario': scenario, 'gains': gains}
+    own = control_in(load_yaml(find('vehicle', vehicle)))
+    names = {'vehicle': vehicle, 'scenario': scenario, 'gains': gains or own.get('gains', GAINS)}
     contents = {root: load_yaml(find(root, name)) for root, name in names.items()}
+    contents['scenario'] = beside(contents['scenario'], find('scenario', scenario).parent)
     contents['gains'] = gains_in(contents['gains'], names['gains'])
     for root, model in SETTINGS.items():
         contents.setdefault(root, model().model_dump() if root != 'gains' else None)
     return Ingredients(names, strategy_name, contents)
+
+
+def control_in(content: Any) -> dict[str, str]:  # noqa: ANN401 - what YAML holds
+    """Return law and gains as a vehicle's file names them, as far as they are words."""
+    control = content.get('control') if isinstance(content, dict) else None
+    given = control if isinstance(control, dict) else {}
+    return {key: word for key, word in given.items() if isinstance(word, str)}
+
+
+def settings_of(vehicle: Any) -> dict[str, type[Settings]]:  # noqa: ANN401 - what YAML holds
+    """Return the kinds of settings, the gains those of the law that flies the vehicle."""
+    return SETTINGS | {'gains': law(control_in(vehicle).get('law', CASCADE)).gains}
 
 
 def gains_in(content: Any, name: str) -> Any:  # noqa: ANN401 - what YAML holds
@@ -161,8 +180,9 @@ def parts_of(made_of: Ingredients) -> tuple[Vehicle, Scenario, Policy]:
     """
     scenario = _checked(Scenario, made_of, 'scenario')
     vehicle_file = _checked(VehicleFile, made_of, 'vehicle')
+    models = settings_of(made_of.contents['vehicle'])
     gains, mission, estimator, demodulation, prior, energy = (
-        _checked(model, made_of, root) for root, model in SETTINGS.items()
+        _checked(model, made_of, root) for root, model in models.items()
     )
     policy = Policy(
         strategy=strategy(made_of.strategy),
@@ -172,9 +192,11 @@ def parts_of(made_of: Ingredients) -> tuple[Vehicle, Scenario, Policy]:
         demodulation=demodulation,
         prior=prior,
         energy=energy,
+        law=law(vehicle_file.control.law if vehicle_file.control else CASCADE),
     )
     vehicle = Vehicle(vehicle_file, scenario.air.density)
-    _ = vehicle.hover_duty, scenario.light_field
+    _ = vehicle.hover_duty
+    in_scene.check(vehicle, scenario)
     return vehicle, scenario, policy
 
 

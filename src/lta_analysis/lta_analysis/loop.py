@@ -7,18 +7,22 @@ the graph sends as a message goes through what the message makes of it (`lta_con
 that both fly the same flight to the last bit.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 import math
 from typing import final
 
+from lta_config.settings import Settings
 from lta_config.topics import TopicTable
 from lta_control import carried
 from lta_control.autopilot import Autopilot, drone_of
 from lta_control.cascade import CascadeGains, Measured, Setpoint
 from lta_control.control import TILT_LIMIT
 from lta_control.estimator import Estimate, EstimatorSettings
+from lta_control.laws import LAWS
+from lta_control.laws.protocol import Feedback, Law
 from lta_control.mission import Mission, mission_step, MissionSettings
+from lta_control.pilot import Pilot
 from lta_control.strategies.protocol import Sight, Strategy
 from lta_energy import monitor
 from lta_sim.readings import Outcome, Readings
@@ -34,16 +38,23 @@ from numpy.typing import NDArray
 @final
 @dataclass(frozen=True, slots=True)
 class Policy:
-    """Everything that can be chosen about what the drone decides."""
+    """
+    Everything that can be chosen about what the drone decides.
+
+    `law` flies it, by gains of its own kind. `course` gives the setpoint by the time since the
+    start instead of the navigator, who then does not look at the light.
+    """
 
     strategy: Strategy
-    gains: CascadeGains
+    gains: Settings
     estimator: EstimatorSettings = field(default_factory=EstimatorSettings)
     mission: MissionSettings = field(default_factory=MissionSettings)
     demodulation: Demodulation = field(default_factory=Demodulation)
     prior: LampPrior = field(default_factory=LampPrior)
     energy: monitor.MonitorSettings = field(default_factory=monitor.MonitorSettings)
     tilt_limit: float = TILT_LIMIT  # beyond it the motors stop [rad]
+    law: Law = LAWS['cascade']
+    course: Callable[[float], Setpoint] | None = None
 
 
 @final
@@ -110,9 +121,7 @@ class Loop:
         self._half_block = table['photodiodes'].period_ns // table.control_ns // 2
         vehicle = known or Vehicle(world.vehicle.file)
         dt = table.control_ns * 1e-9
-        self.autopilot = Autopilot(
-            drone_of(vehicle, policy.estimator, policy.gains, dt, policy.tilt_limit)
-        )
+        self.autopilot = autopilot_of(policy, vehicle, dt)
         self._cell = vehicle.battery
         self._ring = even_ring(vehicle.diodes.count)
         self._bins = plan_bins(
@@ -137,7 +146,7 @@ class Loop:
     def step(self) -> Outcome:
         """Sense, decide and fly one control period; return how the flight stands."""
         self.decide()
-        self.world.advance(self.duties)
+        self.act()
         return self.world.outcome
 
     def flight(self) -> Iterator[Outcome]:
@@ -148,23 +157,35 @@ class Loop:
             over = self.world.outcome is not Outcome.FLYING
             if over and self._table.settled(self.world.stamp_ns):
                 return
-            self.world.advance(self.duties)
+            self.act()
+
+    def act(self) -> None:
+        """Fly one control period by the newest command."""
+        pilot = self.autopilot
+        place = pilot.command.mass_place if isinstance(pilot, Pilot) else None
+        self.world.advance(self.duties, place)
 
     def decide(self) -> None:
         """Sense and decide, without flying on."""
         readings = self.readings = self.world.sense()
-        if self.asked is not self.setpoint and self.asked is not None:
+        course = self.policy.course
+        if course is not None:
+            self.asked = self.setpoint = asked = course(self.world.elapsed)
+            self.autopilot.guide(asked)
+        elif self.asked is not self.setpoint and self.asked is not None:
             self.setpoint = asked = self.asked
             level = carried.level(asked.heading)
             self.autopilot.guide(carried.setpoint(asked.altitude, level, asked.speed))
         self._fly(readings)
-        if readings.block is not None:
+        if readings.block is not None and course is None:
             self._navigate(readings.block[1])
         if readings.battery is not None:
             self._count(readings)
 
     def _fly(self, readings: Readings) -> None:
         """Estimate and control."""
+        if isinstance(self.autopilot, Pilot) and readings.truth is not None:
+            self.autopilot.see(readings.truth)
         self.duties = self.autopilot.step(
             readings.rates,
             readings.force,
@@ -223,3 +244,23 @@ class Loop:
         self.energy = Energy(
             reading, monitor.update(self.policy.energy, self._cell, before, reading)
         )
+
+
+def autopilot_of(policy: Policy, vehicle: Vehicle, dt: float) -> Autopilot | Pilot:
+    """
+    Return what flies a vehicle: for the cascade one compiled function with the estimator.
+
+    Parameters
+    ----------
+    policy : Policy
+        Law, gains, filters and limits.
+    vehicle : Vehicle
+        As the drone knows it.
+    dt : float
+        Control period. [s]
+
+    """
+    if isinstance(policy.gains, CascadeGains) and policy.law.feedback is Feedback.ESTIMATOR:
+        drone = drone_of(vehicle, policy.estimator, policy.gains, dt, policy.tilt_limit)
+        return Autopilot(drone)
+    return Pilot(policy.law, policy.gains, vehicle, policy.estimator, dt, policy.tilt_limit)

@@ -6,9 +6,12 @@ from itertools import pairwise
 from lta_config.constants import AIR_DENSITY
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
+from lta_control.laws.aboard import check_aboard
 from lta_control.strategies import strategy
 from lta_graph.launch_file import LaunchPlan
+from lta_sim import in_scene
 from lta_sim.scenario import load_scenario
+from lta_sim.start_offset import started
 from lta_sim.vehicle import load_vehicle
 
 OURS = 'lta_'
@@ -27,19 +30,23 @@ def check(plan: LaunchPlan) -> None:
     """
     for process in plan.processes:
         if process.package.startswith(OURS):
-            check_parameters(parameters(process.arguments))
+            for given in by_robot(parameters(process.arguments)):
+                check_parameters(given)
 
 
 def check_parameters(given: Mapping[str, object]) -> None:
     """Refuse what one node would refuse; `given` are its parameters by name."""
-    density = AIR_DENSITY
+    density, scenario = AIR_DENSITY, None
     if isinstance(name := given.get('scenario'), str):
-        scenario = load_scenario(name)
+        scenario = started(load_scenario(name), *offset(given))
         _ = scenario.light_field
         density = scenario.air.density
     if isinstance(name := given.get('vehicle'), str):
         vehicle = load_vehicle(name, density)
         _ = vehicle.hover_duty
+        check_aboard(vehicle)
+        if scenario is not None:
+            in_scene.check(vehicle, scenario)
     if isinstance(name := given.get('strategy'), str):
         strategy(name)
     if 'seed' in given and not (type(given['seed']) is int and given['seed'] in SEEDS):
@@ -52,3 +59,18 @@ def parameters(arguments: Sequence[str]) -> dict[str, object]:
     """Return the parameters that a node's command line gives one by one."""
     rules = (rule.partition(':=') for word, rule in pairwise(arguments) if word == '-p')
     return {name: parse_yaml(value, name) for name, _, value in rules}
+
+
+def by_robot(given: Mapping[str, object]) -> list[dict[str, object]]:
+    """Return parameters of the node itself, and those of each robot in a recorder's care."""
+    found: dict[str, dict[str, object]] = {}
+    for name, value in given.items():
+        robot, _, own = name.rpartition('.')
+        found.setdefault(robot, {})[own] = value
+    return list(found.values())
+
+
+def offset(given: Mapping[str, object]) -> tuple[float, float]:
+    """Return by how much a node's parameters move the start; what is no number moves nothing."""
+    x, y = (given.get(name) for name in ('offset_x', 'offset_y'))
+    return x if isinstance(x, float) else 0.0, y if isinstance(y, float) else 0.0

@@ -1,5 +1,6 @@
-"""One simulated flight on one ROS domain at a time: two would mix their /clock."""
+"""One launch of simulated flights on a ROS domain at a time: two would mix their /clock."""
 
+from collections.abc import Sequence
 import fcntl
 import os
 from pathlib import Path
@@ -10,18 +11,18 @@ from typing import final, Self
 from lta_config.errors import BadInput
 
 HIGHEST_DOMAIN = 232  # whose ports still fit into 16 bits
-LONGEST = 255  # bytes of a robot's name
+LONGEST = 4096  # bytes of the robots' names
 
 
 @final
 class Session:
     """
-    Hold the present ROS domain for a robot's flight; the kernel lets go even after SIGKILL.
+    Hold the present ROS domain for the flight of robots; the kernel lets go even after SIGKILL.
 
     Parameters
     ----------
-    robot : str
-        Namespace of the robot.
+    robots : str
+        Namespaces of the robots; they share one /clock.
 
     Raises
     ------
@@ -31,11 +32,11 @@ class Session:
 
     """
 
-    def __init__(self, robot: str) -> None:
+    def __init__(self, *robots: str) -> None:
         self._domain = os.environ.get('ROS_DOMAIN_ID', '0') or '0'
         folder = Path(os.environ.get('XDG_RUNTIME_DIR') or tempfile.gettempdir())
         self._path = folder / f'lta-{os.getuid()}-{self._domain}.lock'
-        self._robot = robot
+        self._robots = robots
 
     def __enter__(self) -> Self:
         """Take the domain."""
@@ -56,12 +57,12 @@ class Session:
             holder = os.pread(self._file, LONGEST, 0).decode(errors='replace')
             os.close(self._file)
             raise BadInput(
-                f'{holder or "A robot"} is flying on ROS domain {self._domain} already, and its '
+                f'{holder or "A robot is"} flying on ROS domain {self._domain} already, and its '
                 '/clock is for all; wait for it, or choose another domain: '
                 f'export ROS_DOMAIN_ID={(int(self._domain) + 1) % (HIGHEST_DOMAIN + 1)}.'
             ) from None
         os.ftruncate(self._file, 0)
-        os.pwrite(self._file, self._robot.encode(), 0)
+        os.pwrite(self._file, who(self._robots).encode(), 0)
         return self
 
     def __exit__(
@@ -73,3 +74,9 @@ class Session:
         """Give the domain back."""
         # The file stays: whoever opened it before a removal would lock what nobody else sees.
         os.close(self._file)
+
+
+def who(robots: Sequence[str]) -> str:
+    """Return the beginning of a sentence: 'lta1 is', 'lta1 and lta2 are'."""
+    *others, last = robots
+    return f'{", ".join(others)} and {last} are' if others else f'{last} is'

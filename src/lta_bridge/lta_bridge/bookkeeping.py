@@ -67,6 +67,11 @@ class Bookkeeping:
         self.wild: dict[str, int] = {}
         self.torn: dict[str, int] = {}
 
+    @property
+    def now(self) -> int:
+        """The newest publication that has been heard. [ns]"""
+        return self._now
+
     def log_time(self, name: str, data: bytes) -> int:
         """
         Return when a message was published, in graph time, and remember it. [ns]

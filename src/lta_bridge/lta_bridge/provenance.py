@@ -1,5 +1,6 @@
 """Where a bag's data come from: everything needed to make the flight again."""
 
+from collections.abc import Mapping
 from datetime import datetime, UTC
 import hashlib
 from importlib.metadata import version
@@ -64,3 +65,42 @@ def provenance(vehicle: str, scenario: str, gains: str, **choices: str) -> dict[
         'scenario_file': find('scenario', scenario).read_text(encoding='utf-8'),
         'gains_file': find('gains', gains).read_text(encoding='utf-8'),
     }
+
+
+def joined(found: Mapping[str, Mapping[str, str]]) -> dict[str, str]:
+    """
+    Return the origin of a bag of several robots.
+
+    Parameters
+    ----------
+    found : mapping
+        The origin of each robot's part, by its namespace.
+
+    Returns
+    -------
+    dict of str to str
+        What is the same for all under its own key; what is not as 'lta2/seed'. The robots' names
+        under 'robots', with spaces between.
+
+    """
+    first = next(iter(found.values()))
+    every = [{**origin, 'created': first['created']} for origin in found.values()]
+    keys = dict.fromkeys(key for origin in every for key in origin)
+    told = {'robots': ' '.join(found)}
+    for key in keys:
+        values = {origin.get(key) for origin in every}
+        if len(values) == 1:
+            told[key] = first[key]
+            continue
+        told |= {f'{robot}/{key}': origin[key] for robot, origin in found.items() if key in origin}
+    return told
+
+
+def part(told: Mapping[str, str], robot: str) -> dict[str, str]:
+    """Return the origin of one robot's part of a bag, as if it had been alone in it."""
+    if 'robots' not in told:
+        return dict(told)
+    shared = {key: value for key, value in told.items() if '/' not in key and key != 'robots'}
+    mark = f'{robot}/'
+    own = {key.removeprefix(mark): value for key, value in told.items() if key.startswith(mark)}
+    return {**shared, **own}

@@ -41,6 +41,12 @@ Columns = tuple[Column, Column, Column, Column, Column, Column, Column, Column]
 Scratch = MutableSequence[float] | NDArray[np.float64]
 
 
+# Altitude before heading before speed; roll only so that the two vertical rotors share the load.
+# Moments are scaled by a 0.1 m arm so that all weights compare newtons.
+WEIGHTS: Wrench = (1.0, 0.0, 100.0, 10.0, 0.0, 1000.0)
+ALIKE: PerRotor = (1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
+
+
 class Rotors(NamedTuple):
     """
     The thrust side of a vehicle, as the allocation needs it; rotors first, then empty slots.
@@ -57,6 +63,10 @@ class Rotors(NamedTuple):
         Strongest push downwards by the rotors that point up. [N]
     a, b : tuple of float
         Thrust curve T = a u^2 + b u by slot, u = duty (paper section on thrust). [N]
+    reverse : tuple of float
+        Thrust at a reversed duty per thrust at the same duty forward, by slot. [1]
+    weights : tuple of float
+        w, by axis.
 
     """
 
@@ -67,11 +77,8 @@ class Rotors(NamedTuple):
     lowest_heave: float
     a: PerRotor
     b: PerRotor
-
-
-# Altitude before heading before speed; roll only so that the two vertical rotors share the load.
-# Moments are scaled by a 0.1 m arm so that all weights compare newtons.
-WEIGHTS = (1.0, 0.0, 100.0, 10.0, 0.0, 1000.0)
+    reverse: PerRotor = ALIKE
+    weights: Wrench = WEIGHTS
 
 
 def new_scratch() -> list[float]:
@@ -121,15 +128,15 @@ def allocate(
 def _begin(rotors: Rotors, wrench: Wrench, start: PerRotor, s: Scratch) -> None:
     """Write the problem: stiffness, target, thrusts within their limits, and which are free."""
     count, columns, low, high = rotors.number, rotors.allocation, rotors.low, rotors.high
-    ridge = 0.0
+    weights, ridge = rotors.weights, 0.0
     for j in range(count):
         for k in range(count):
-            s[STIFFNESS + SLOTS * j + k] = _weighted(columns[j], columns[k])
+            s[STIFFNESS + SLOTS * j + k] = _weighted(weights, columns[j], columns[k])
         ridge += RIDGE * s[STIFFNESS + SLOTS * j + j] / count
     for j in range(count):
         thrust = min(max(start[j], low[j]), high[j])
         s[THRUSTS + j] = thrust
-        s[TARGET + j] = _weighted(columns[j], wrench) + ridge * thrust
+        s[TARGET + j] = _weighted(weights, columns[j], wrench) + ridge * thrust
         s[STIFFNESS + SLOTS * j + j] += ridge
         s[FREE + j] = 1.0 if low[j] < thrust < high[j] else 0.0
 
@@ -207,10 +214,10 @@ def _answer(rotors: Rotors, s: Scratch) -> tuple[PerRotor, Wrench]:
     )  # fmt: skip
 
 
-def _weighted(p: Column, q: Column) -> float:
+def _weighted(weights: Wrench, p: Column, q: Column) -> float:
     total = 0.0
     for axis in range(AXES):
-        total += WEIGHTS[axis] * p[axis] * q[axis]
+        total += weights[axis] * p[axis] * q[axis]
     return total
 
 
@@ -234,14 +241,18 @@ def duty(thrust: float, a: float, b: float) -> float:
 
 def duties(rotors: Rotors, thrusts: PerRotor) -> PerRotor:
     """Return the duty of each slot that gives its thrust. [N] to [1]."""
-    a, b = rotors.a, rotors.b
     return (
-        duty(thrusts[0], a[0], b[0]),
-        duty(thrusts[1], a[1], b[1]),
-        duty(thrusts[2], a[2], b[2]),
-        duty(thrusts[3], a[3], b[3]),
-        duty(thrusts[4], a[4], b[4]),
-        duty(thrusts[5], a[5], b[5]),
-        duty(thrusts[6], a[6], b[6]),
-        duty(thrusts[7], a[7], b[7]),
+        _duty_of(rotors, thrusts[0], 0),
+        _duty_of(rotors, thrusts[1], 1),
+        _duty_of(rotors, thrusts[2], 2),
+        _duty_of(rotors, thrusts[3], 3),
+        _duty_of(rotors, thrusts[4], 4),
+        _duty_of(rotors, thrusts[5], 5),
+        _duty_of(rotors, thrusts[6], 6),
+        _duty_of(rotors, thrusts[7], 7),
     )
+
+
+def _duty_of(rotors: Rotors, thrust: float, slot: int) -> float:
+    forward = thrust if thrust >= 0.0 else thrust / rotors.reverse[slot]
+    return duty(forward, rotors.a[slot], rotors.b[slot])

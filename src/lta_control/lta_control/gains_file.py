@@ -1,15 +1,32 @@
 """The gains of a vehicle, from the ROS parameter file that its controller gets."""
 
+from typing import TypeVar
+
 from lta_config.errors import BadInput
 from lta_config.files import find, load_yaml
 from lta_config.sentence import sentence
+from lta_config.settings import Settings
 from lta_control.cascade import CascadeGains
 from pydantic import ValidationError
 
+Gains = TypeVar('Gains', bound=Settings)
+
 
 def load_gains(name: str) -> CascadeGains:
+    """Return the gains of the cascade, see `load_gains_of`."""
+    return load_gains_of(CascadeGains, name)
+
+
+def load_gains_of(kind: type[Gains], name: str) -> Gains:
     """
     Return the gains of a shipped vehicle or of a parameter file.
+
+    Parameters
+    ----------
+    kind : type of Settings
+        What the control law calls its gains.
+    name : str
+        A shipped name or a path.
 
     Raises
     ------
@@ -20,7 +37,7 @@ def load_gains(name: str) -> CascadeGains:
     path = find('gains', name)
     content = load_yaml(path)
     try:
-        return CascadeGains.model_validate(content['/**/controller']['ros__parameters']['gains'])
+        return kind.model_validate(content['/**/controller']['ros__parameters']['gains'])
     except ValidationError as error:
         raise BadInput(f'{path}: {sentence(error)}') from None
     except (KeyError, TypeError):

@@ -8,6 +8,7 @@ from lta_control import carried
 from lta_control.attitude import Quaternion, up_in_body
 from lta_control.cascade import Measured, Setpoint
 from lta_control.estimator import Estimate, Inputs
+from lta_control.laws.protocol import Motion
 from lta_control.per_rotor import PerRotor, slots
 from lta_graph.inbox import Step
 from nav_msgs.msg import Odometry
@@ -95,6 +96,13 @@ def to_measured(message: Odometry) -> Measured | None:
         (linear.x, linear.y, linear.z),
         angular.z,
     )
+
+
+def to_motion(message: Odometry) -> Motion:
+    """Return an estimate as control laws see it."""
+    p = message.pose.pose.position
+    v, w = message.twist.twist.linear, message.twist.twist.angular
+    return Motion((p.x, p.y, p.z), attitude_of(message), (v.x, v.y, v.z), (w.x, w.y, w.z))
 
 
 def is_level(message: Odometry, limit: float) -> bool:

@@ -1,20 +1,35 @@
 """What the control cores need to know of a vehicle, taken from its file's nominal numbers."""
 
+import math
 from typing import cast
 
 from lta_control.airspeed import Hull
-from lta_control.allocation import Column, Columns, Rotors
+from lta_control.allocation import ALIKE, Column, Columns, Rotors, WEIGHTS, Wrench
 from lta_control.estimator import Body
 from lta_control.per_rotor import PerRotor, SLOTS, slots
+from lta_sim.propulsion import Unit
 from lta_sim.vehicle import Vehicle
 
 
-def rotors_of(vehicle: Vehicle) -> Rotors:
-    """Return the rotors for the allocation."""
+def rotors_of(vehicle: Vehicle, weights: Wrench = WEIGHTS) -> Rotors:
+    """
+    Return the rotors for the allocation.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The vehicle, each rotor by its own thrust curve.
+    weights : tuple of float
+        What gives way first where the rotors cannot do everything, see `allocate`.
+
+    """
     a, b = curves_of(vehicle)
+    reverse = tuple(_reverse(rotor) for rotor in vehicle.rotors)
     high = tuple(p + q for p, q in zip(a, b, strict=True))
-    reverses = zip(vehicle.reversible, high, strict=False)
-    low = tuple(-full if reversible else 0.0 for reversible, full in reverses)
+    low = tuple(
+        -full * share if rotor.reversible else 0.0
+        for rotor, full, share in zip(vehicle.rotors, high, reverse, strict=False)
+    )
     lows = zip(vehicle.allocation, low, strict=True)
     return Rotors(
         number=len(vehicle.allocation),
@@ -24,7 +39,26 @@ def rotors_of(vehicle: Vehicle) -> Rotors:
         lowest_heave=sum(column[2] * least for column, least in lows if column[2] > 0.5),
         a=a,
         b=b,
+        reverse=cast('PerRotor', reverse + ALIKE[len(reverse) :]),
+        weights=weights,
     )
+
+
+def _reverse(rotor: Unit) -> float:
+    """
+    Return how much a rotor pushes reversed, as a share of forward; 1 where its jet tells.
+
+    A thrust that is not the same in reverse stands in the column: the same direction, less of it.
+    A jet that meets the hull turns the column, which no share can say.
+    """
+    forward, backward = rotor.column, rotor.reverse
+    share = sum(p * q for p, q in zip(forward, backward, strict=True))
+    share /= sum(p * p for p in forward)
+    along = all(
+        math.isclose(q, share * p, rel_tol=1e-9, abs_tol=1e-12)
+        for p, q in zip(forward, backward, strict=True)
+    )
+    return share if along and share > 0.0 else 1.0
 
 
 def columns_of(vehicle: Vehicle) -> Columns:
@@ -36,9 +70,7 @@ def columns_of(vehicle: Vehicle) -> Columns:
 
 def curves_of(vehicle: Vehicle) -> tuple[PerRotor, PerRotor]:
     """Return the thrust curve of each slot: a and b of T = a u^2 + b u. [N]"""
-    a, b = vehicle.thrust_curve
-    count = len(vehicle.allocation)
-    return slots((a,) * count), slots((b,) * count)
+    return slots(rotor.a for rotor in vehicle.rotors), slots(rotor.b for rotor in vehicle.rotors)
 
 
 def surge_drag_of(vehicle: Vehicle) -> tuple[float, float]:

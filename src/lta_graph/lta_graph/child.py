@@ -30,7 +30,7 @@ class Ended:
     Attributes
     ----------
     name : str
-        The node's name.
+        What the plan calls the process.
     status : int
         Exit status; minus the signal's number where a signal ended it.
     stdout, stderr : tuple of str
@@ -79,13 +79,16 @@ class Child:
     ----------
     process : Process
         What runs.
+    name : str
+        What the plan calls it.
     popen : subprocess.Popen
         The process itself, with pipes for stdout and stderr.
 
     """
 
-    def __init__(self, process: Process, popen: 'subprocess.Popen[bytes]') -> None:
+    def __init__(self, process: Process, name: str, popen: 'subprocess.Popen[bytes]') -> None:
         self.process = process
+        self.name = name
         self.pid = popen.pid
         self.popen = popen
         self.kept = {
@@ -127,7 +130,7 @@ class Child:
         """Return how a reaped process ended."""
         status = int(self.popen.returncode)
         return Ended(
-            name=self.process.name,
+            name=self.name,
             status=status,
             stdout=tuple(self.kept['stdout']),
             stderr=tuple(self.kept['stderr']),
@@ -147,7 +150,7 @@ def command(process: Process) -> list[str]:
     return [str(path), *process.arguments]
 
 
-def spawn(process: Process, words: list[str], variables: Mapping[str, str]) -> Child:
+def spawn(process: Process, name: str, words: list[str], variables: Mapping[str, str]) -> Child:
     """
     Start a process.
 
@@ -170,9 +173,9 @@ def spawn(process: Process, words: list[str], variables: Mapping[str, str]) -> C
         )
     except OSError as error:
         raise BadInput(
-            f'{process.name} cannot be started: {words[0]}: {error.strerror}; build it again.'
+            f'{name} cannot be started: {words[0]}: {error.strerror}; build it again.'
         ) from None
-    return Child(process, popen)
+    return Child(process, name, popen)
 
 
 def _bound_to(parent: int) -> Callable[[], None]:

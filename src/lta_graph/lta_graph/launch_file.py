@@ -62,6 +62,16 @@ class LaunchPlan:
 
     processes: tuple[Process, ...]
 
+    @property
+    def namespaces(self) -> list[str]:
+        """The namespaces of the nodes, without leading slash, in order of appearance."""
+        return list(dict.fromkeys(item.namespace.strip('/') for item in self.processes))
+
+    def label(self, process: Process) -> str:
+        """Return what people call a process here: `estimator`, or `lta2/estimator` of several."""
+        several = len(self.namespaces) > 1
+        return f'{process.namespace}/{process.name}'.strip('/') if several else process.name
+
 
 def arguments(path: Path) -> list[Argument]:
     """

@@ -39,7 +39,7 @@ class Launcher:
     plan : LaunchPlan
         What to start.
     on_line : callable
-        Called from another thread with a node's name and each line that it writes.
+        Called from another thread with what the plan calls a node and each line that it writes.
     grace : float
         Time that processes have to end after SIGINT. [s]
 
@@ -76,8 +76,8 @@ class Launcher:
 
     @property
     def running(self) -> list[str]:
-        """The names of the processes that have not ended."""
-        return [child.process.name for child in self._children if not child.dead()]
+        """What the plan calls the processes that have not ended."""
+        return [child.name for child in self._children if not child.dead()]
 
     @property
     def outcome(self) -> Ended | None:
@@ -108,7 +108,7 @@ class Launcher:
                 for process, words in zip(self._plan.processes, commands, strict=True):
                     if presses:
                         break
-                    child = spawn(process, words, variables)
+                    child = spawn(process, self._plan.label(process), words, variables)
                     self._children.append(child)
                     self._guard.watch(child.pid)
                 # Not earlier: a fork beside threads is unsafe.

@@ -20,13 +20,16 @@ def culprits(facts: Iterable[Fact]) -> list[str]:
     Parameters
     ----------
     facts : iterable of Fact
-        The newest facts of all nodes, tasks named 'NODE: TASK' as on /diagnostics.
+        The newest facts of all nodes, tasks named 'NODE: TASK' as on /diagnostics, with the
+        robot's name before it (`lta2/estimator: inputs`) where they are of several.
 
     """
     waiting, suspects = set(), set()
     for fact in facts:
         node, _, task = fact.task.partition(': ')
         if task == INPUTS and fact.level == Level.ERROR:
-            waiting.add(VEHICLE.get(node, node))
-            suspects |= set(fact.values.get('suspects', '').split(',')) - {''}
+            robot, slash, name = node.rpartition('/')
+            waiting.add(robot + slash + VEHICLE.get(name, name))
+            roles = set(fact.values.get('suspects', '').split(',')) - {''}
+            suspects |= {item[1:] if item[0] == '/' else robot + slash + item for item in roles}
     return sorted(suspects - waiting)

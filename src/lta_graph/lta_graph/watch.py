@@ -26,7 +26,7 @@ class Watch(threading.Thread):
     children : list of Child
         The processes; their pipes belong to this thread.
     on_line : callable
-        Called in this thread with a process's name and each line that it writes.
+        Called in this thread with what the plan calls a process and each line that it writes.
     stopping : threading.Event
         Set once the launcher asks its processes to end.
 
@@ -80,7 +80,7 @@ class Watch(threading.Thread):
         child.kept[stream].append(text)
         if self.fault is None:
             try:
-                self._on_line(child.process.name, text)
+                self._on_line(child.name, text)
             except Exception as error:
                 self.fault = error  # raised again where the caller polls
 

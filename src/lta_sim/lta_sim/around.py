@@ -4,12 +4,25 @@ from collections.abc import Mapping
 import math
 from typing import final
 
+from lta_sim.effects import initial_memory, turbulence
+from lta_sim.in_scene import record_of
+from lta_sim.kernel import LAYOUT
 from lta_sim.light_view import LightView, Pose
 from lta_sim.scenario import Scenario
-from lta_sim.state import IRRADIANCE, NOISE, SURROUNDINGS, VOLTAGE, WIND
+from lta_sim.state import IRRADIANCE, NOISE, RIGID, SURROUNDINGS, VOLTAGE, WIND, WIND_RATE
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
+
+
+def memory_at_start(given: Mapping[str, Mapping[str, float]], chance: Generator) -> list[float]:
+    """Return the memory of all effects as a flight begins, in turbulence that has long been."""
+    memory = list(initial_memory())
+    if 'turbulence' in given:
+        first = LAYOUT.remembers['turbulence'] - RIGID
+        drawn = chance.standard_normal(len(turbulence.MEMORY))
+        memory[first : first + len(drawn)] = turbulence.stationary(tuple(drawn.tolist()))
+    return memory
 
 
 @final
@@ -19,7 +32,9 @@ class Around:
 
     The noise of turbulence is drawn for a control period at a time, from a stream of its own and
     only while the effect is on: of variance 1 / period, so that it has unit intensity. Light and
-    voltage are those of the period's beginning.
+    voltage are those of the period's beginning. Recorded wind is that of its middle, with its mean
+    rate of change: a neutral hull without drag ends each period with the speed of the air, and
+    drag sees an airspeed that is wrong by the change in half a period at most.
 
     Parameters
     ----------
@@ -50,14 +65,33 @@ class Around:
         period: float,
     ) -> None:
         self.numbers: NDArray[np.float64] = np.zeros(SURROUNDINGS)
-        self.numbers[WIND : WIND + 3] = scenario.air.wind.vector
+        self._steady = np.array(scenario.air.wind.vector)
+        self.numbers[WIND : WIND + 3] = self._steady
+        self._record = record_of(scenario)
+        self._period = period
         self._turbulent, self._warmed = 'turbulence' in given, 'superheat' in given
         self._light, self._chance = light, chance
         self._deviation = 1.0 / math.sqrt(period)
 
-    def refresh(self, pose: Pose, voltage: float) -> None:
-        """Set what a control period finds that begins at a pose, with so many volts of battery."""
+    def refresh(self, pose: Pose, voltage: float, elapsed: float) -> None:
+        """
+        Set what a control period finds.
+
+        Parameters
+        ----------
+        pose : tuple of 7 floats
+            Of the vehicle at its beginning.
+        voltage : float
+            Of the battery. [V]
+        elapsed : float
+            Flight time at its beginning. [s]
+
+        """
         self.numbers[VOLTAGE] = voltage
+        if self._record is not None:
+            wind, rate = self._record.at(elapsed, elapsed + self._period)
+            self.numbers[WIND : WIND + 3] = self._steady + wind
+            self.numbers[WIND_RATE : WIND_RATE + 3] = rate
         if self._turbulent:
             noise = self._chance.standard_normal(3)
             self.numbers[NOISE : NOISE + 3] = noise * self._deviation

@@ -16,25 +16,13 @@ from lta_sim.compose import Form, kernel_source
 from lta_sim.effects import EFFECTS
 from lta_sim.fleet import columns, Fleet
 from lta_sim.kernel_cache import load
-from lta_sim.stages import OWN
+from lta_sim.layout import OWN
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 ENTRIES = '''
 # The numbers of a block that are touched stay in the first-level cache.
 WIDTH = 16
-
-
-$INLINE
-def state_of(block, i):
-    """Return the state of vehicle i, or what else has its length."""
-    return $state
-
-
-$INLINE
-def put(block, i, state):
-    """Store the state of vehicle i."""
-$put
 
 
 $loops
@@ -47,18 +35,23 @@ $calls
 
 
 $LOOP
-def advance_trial(state, rate, dt, trial):
+def ahead(state, rate, dt, trial):
     """Write a block of states after dt at constant rates."""
-    for i in range(WIDTH):
-        put(trial, i, ahead(state_of(state, i), state_of(rate, i), dt))
+    for k in range($size * WIDTH):
+        trial[k] = state[k] + dt * rate[k]
 
 
 $LOOP
-def advance_state(state, a, b, c, d, dt):
-    """End a step of a block of states."""
+def step(state, a, b, c, d, dt):
+    """End a step of a block of states: the mean rate, then quaternions of length one."""
+    for k in range($size * WIDTH):
+        state[k] = state[k] + dt * ((a[k] + 2.0 * (b[k] + c[k]) + d[k]) / 6.0)
     for i in range(WIDTH):
-        slope = mean(state_of(a, i), state_of(b, i), state_of(c, i), state_of(d, i))
-        put(state, i, normalised(ahead(state_of(state, i), slope, dt)))
+        x, y = state[3 * WIDTH + i], state[4 * WIDTH + i]
+        z, w = state[5 * WIDTH + i], state[6 * WIDTH + i]
+        n = 1.0 / math.sqrt(x * x + y * y + z * z + w * w)
+        state[3 * WIDTH + i], state[4 * WIDTH + i] = x * n, y * n
+        state[5 * WIDTH + i], state[6 * WIDTH + i] = z * n, w * n
 
 
 $ENTRY
@@ -74,8 +67,8 @@ def advance_blocks(fixed, on, states, dt, steps):
             for stage in range(4):
                 slopes(fixed[block], on[block], trial, stages[stage], scratch)
                 h = dt if stage == 2 else 0.5 * dt
-                advance_trial(state, stages[stage], h, trial)
-            advance_state(state, stages[0], stages[1], stages[2], stages[3], dt)
+                ahead(state, stages[stage], h, trial)
+            step(state, stages[0], stages[1], stages[2], stages[3], dt)
 '''
 
 FORM = Form(

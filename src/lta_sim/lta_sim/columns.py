@@ -10,7 +10,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import final
 
-from lta_sim.stages import FIXED, indented, Layout, OWN, Stage, tuple_of, VARIABLES
+from lta_sim.layout import FIXED, indented, Layout, OWN, Stage, step, tuple_of, VARIABLES
+from lta_sim.state import ACTUATORS
 
 # Of the functions of the stages.
 LOOP = f'@njit({OWN})'
@@ -26,6 +27,17 @@ def _offset(name: str, layout: Layout) -> int:
 def _column(block: str, first: int, count: int, width: str) -> str:
     """Return the source of the tuple of some numbers of a vehicle in a block."""
     return tuple_of(f'{block}[{first + k} * {width} + i]' for k in range(count))
+
+
+def thread(parts: list[Stage], layout: Layout) -> dict[str, str]:
+    """Return the stages one after the other and the arithmetic of states that are tuples."""
+    size = range(layout.size)
+    return {
+        'ahead': tuple_of(f'state[{k}] + dt * rate[{k}]' for k in size),
+        'mean': tuple_of(f'(a[{k}] + 2.0 * (b[{k}] + c[{k}]) + d[{k}]) / 6.0' for k in size),
+        'bare': indented(line for stage in parts for line in stage.lines),
+        'rate': layout.rate,
+    }
 
 
 @final
@@ -46,33 +58,53 @@ class Columns:
     width: str
     state: str = ''
 
-    def item(self, name: str, place: int, layout: Layout) -> str:
+    @property
+    def loops(self) -> bool:
+        """Whether rotors are gone through in a loop: not where a vehicle is a local tuple."""
+        return bool(self.state)
+
+    def item(self, name: str, place: int, layout: Layout, each: int = 0) -> str:
         """Return the source of one number."""
-        if name == 'state':
-            return f'{self.state}[{place} * {self.width} + i]' if self.state else f'state[{place}]'
-        return f'fixed[{_offset(name, layout) + place} * {self.width} + i]'
+        if name == 'state' and not self.state:
+            return f'state[{place}]'
+        blocks = {
+            'state': (self.state, 0),
+            'rate': ('rate', 0),
+            'u': ('scratch', self._row('u')),
+        }
+        block, first = blocks.get(name) or ('fixed', _offset(name, layout))
+        index = f'({first + place}{step(each)})' if each else f'{first + place}'
+        return f'{block}[{index} * {self.width} + i]'
 
     def whole(self, name: str, layout: Layout) -> str:
         """Return the source of all numbers of a name."""
+        if name == 'u':
+            return self._scratch('u') if self.state else 'u'
         return _column('fixed', _offset(name, layout), FIXED[name], self.width)
 
     def texts(self, parts: list[Stage], layout: Layout) -> dict[str, str]:
         """Return how states go in and out of blocks, and the stages as loops."""
-        size = range(layout.size)
-        put = [f'block[{k} * {self.width} + i] = state[{k}]' for k in size]
+        if not self.state:
+            return self._thread(parts, layout)
         return {
-            'state': _column('block', 0, layout.size, self.width),
-            'put': indented(put),
-            'stores': indented(put, 3),
             'loops': '\n\n\n'.join(self._loops(parts)),
             'calls': indented(self._calls(parts, layout)),
             'LOOP': LOOP,
             'scratch': str(sum(VARIABLES.values())),
         }
 
+    def _thread(self, parts: list[Stage], layout: Layout) -> dict[str, str]:
+        """Return what one thread does, and how its vehicle goes in and out of the block."""
+        size = range(layout.size)
+        return {
+            **thread(parts, layout),
+            'state': _column('block', 0, layout.size, self.width),
+            'stores': indented((f'block[{k} * {self.width} + i] = state[{k}]' for k in size), 3),
+        }
+
     def _done(self, parts: list[Stage]) -> dict[str, Stage]:
         """Return the stages that do something, by the names of their functions."""
-        done = [stage for stage in parts if stage.writes or stage.memory]
+        done = [stage for stage in parts if stage.writes or stage.memory or stage.each]
         return {f'stage_{k}_{stage.effect}': stage for k, stage in enumerate(done)}
 
     def _loops(self, parts: list[Stage]) -> Iterator[str]:
@@ -83,7 +115,10 @@ class Columns:
             for known in stage.writes:
                 lines += self._stored(known)
             lines += [f'rate[{k} * {self.width} + i] = {value}' for k, value in stage.memory]
-            loop = [f'    for i in range({self.width}):', indented(lines, 2)]
+            rotors = [f'    for j in range({ACTUATORS}):'] if stage.each else []
+            depth = len(rotors) + 1
+            columns = '    ' * depth + f'for i in range({self.width}):'
+            loop = [*rotors, columns, indented(lines, depth + 1)]
             yield '\n'.join([LOOP, f'def {name}(fixed, trial, rate, scratch):', *loop])
 
     def _calls(self, parts: list[Stage], layout: Layout) -> Iterator[str]:

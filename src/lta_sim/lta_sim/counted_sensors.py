@@ -11,7 +11,9 @@ from typing import NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_sim.counted_chance import normals, uniforms
-from lta_sim.sensors.imu import felt
+from lta_sim.effects.turbulence import stationary
+from lta_sim.rigid_body import rotation
+from lta_sim.sensors.imu import specific_force
 from lta_sim.sensors.pressure import air_pressure
 from lta_sim.sensors.range import deviation, outlook, RESOLUTION
 
@@ -19,7 +21,7 @@ Vector = tuple[float, float, float]
 Six = tuple[float, float, float, float, float, float]
 
 # Streams of chance.
-START, ERRORS, IMU, RANGE, PRESSURE, LIGHT, TURBULENCE = range(7)
+START, ERRORS, IMU, RANGE, PRESSURE, LIGHT, TURBULENCE, EDDIES = range(8)
 # Added to a number below 2^51 and taken away again it leaves the nearest whole one, halves even.
 WHOLE = 6755399441055744.0
 
@@ -119,7 +121,16 @@ def axis_reading(imu: Axes, axis: int, truth: float, normal: float) -> float:
 
 def force_at(sensors: Sensors, state: tuple[float, ...], rate: tuple[float, ...]) -> Vector:
     """Return the true specific force at the sensor, from a state and its derivative. [m/s2]"""
-    return felt(state, rate, sensors.imu_place, STANDARD_GRAVITY)
+    turn = rotation((state[3], state[4], state[5], state[6]))
+    return specific_force(
+        (state[7], state[8], state[9]),
+        (state[10], state[11], state[12]),
+        (rate[7], rate[8], rate[9]),
+        (rate[10], rate[11], rate[12]),
+        (turn[6], turn[7], turn[8]),
+        sensors.imu_place,
+        STANDARD_GRAVITY,
+    )
 
 
 def imu_reading(
@@ -184,3 +195,11 @@ def white_noise(seed: int, step: int, period: float) -> Vector:
     c, _ = normals(seed, TURBULENCE, step, 1)
     scale = 1.0 / math.sqrt(period)
     return a * scale, b * scale, c * scale
+
+
+def eddies(seed: int) -> tuple[float, float, float, float, float]:
+    """Return the memory of turbulence at the start, as of one that has blown for long."""
+    a, b = normals(seed, EDDIES, 0, 0)
+    c, d = normals(seed, EDDIES, 0, 1)
+    e, _ = normals(seed, EDDIES, 0, 2)
+    return stationary((a, b, c, d, e))

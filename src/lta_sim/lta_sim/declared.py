@@ -22,6 +22,8 @@ TIME_CONSTANTS = (
     ('a moving mass', 'moving_mass', 'lag'),
 )
 RK4_LIMIT = 2.7  # longest stable step of RK4 by a time constant: 2.785, less a margin
+# Hulls that are round seen from above, or from anywhere: drag axis by axis is not (`cross_flow`).
+ROUND = {'balloon': {'horizontal': 1.0}, 'sphere': {'horizontal': 1.0, 'total': 1.0}}
 # What turns duties into newtons in place of the thrust curve.
 OTHER_CURVES = ('thrust_polynomial',)
 
@@ -96,6 +98,8 @@ def _derived(
             for axis, number in zip(AXES, rotor.column, strict=True)
         },
     }
+    if any(forces) and (round_ := ROUND.get(file.hull.shape)):
+        derived['cross_flow'] = round_ | _named(AXES[:3], forces)
     if not any(name in file.effects for name in OTHER_CURVES):
         derived['thrust_curve'] = {
             f'{letter}_{i}': number

@@ -6,8 +6,8 @@ from typing import final, Self
 
 from lta_config.errors import BadInput
 from lta_sim.kernel import LAYOUT
+from lta_sim.layout import FIXED
 from lta_sim.model import Model
-from lta_sim.stages import FIXED
 from lta_sim.state import COMMAND, SURROUNDINGS
 import numpy as np
 from numpy.typing import ArrayLike, NDArray

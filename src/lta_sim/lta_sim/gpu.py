@@ -23,7 +23,30 @@ from numpy.typing import ArrayLike, NDArray
 # Few threads a block: each holds a whole vehicle, and the registers of a processor are shared.
 THREADS = 64
 
-ENTRIES = '''
+# The arithmetic of states that are tuples.
+STATES = '''
+$INLINE
+def ahead(state, rate, dt):
+    """Return the state after dt at a constant rate."""
+    return $ahead
+
+
+$INLINE
+def mean(a, b, c, d):
+    """Return the mean rate of the classical Runge-Kutta step."""
+    return $mean
+
+
+$INLINE
+def normalised(state):
+    """Return the state with a quaternion of length one."""
+    x, y, z, w = state[3:7]
+    n = 1.0 / math.sqrt(x * x + y * y + z * z + w * w)
+    return state[0:3] + (x * n, y * n, z * n, w * n) + state[7:]
+'''
+
+ENTRIES = f'''{STATES}
+
 $INLINE
 def rates(state, fixed, width, i):
     """Return d/dt of the state of vehicle i."""

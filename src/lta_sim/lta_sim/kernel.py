@@ -9,22 +9,18 @@ input: a `Model` is checked when it is built.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
-from types import ModuleType
 from typing import final
 
-from lta_sim.compose import kernel_source, layout_of
-from lta_sim.effects import EFFECTS
-from lta_sim.kernel_cache import load
+from lta_sim import craft
+from lta_sim.craft import Craft
 from lta_sim.model import Model
-from lta_sim.state import ACTUATORS, COMMAND, SURROUNDINGS
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 State = NDArray[np.float64]
 CALM = (0.0, 0.0, 0.0)
 
-LAYOUT = layout_of(EFFECTS)
+LAYOUT = craft.LAYOUT
 
 
 @final
@@ -49,15 +45,9 @@ class Look:
     wind: State
 
 
-@cache
-def _kernel() -> ModuleType:
-    """Return the kernel of all effects."""
-    return load(kernel_source(EFFECTS))
-
-
-def filled(what: str, values: ArrayLike, count: int) -> State:
+def _fill(what: str, values: ArrayLike, room: State) -> None:
     """
-    Return a contiguous float64 array of that many numbers, zeros behind those given.
+    Write numbers into room that is all zeros; it may be longer.
 
     Raises
     ------
@@ -65,29 +55,22 @@ def filled(what: str, values: ArrayLike, count: int) -> State:
         If there are more numbers, or not one row of them.
 
     """
-    array = np.ascontiguousarray(values, dtype=np.float64)
-    if array.shape == (count,):
-        return array
-    if array.ndim != 1 or len(array) > count:
-        # Compiled code does not look: it would read what lies behind the array.
-        raise ValueError(f'The {what} has shape {array.shape}; it must be at most ({count},).')
-    full = np.zeros(count)
-    full[: len(array)] = array
-    return full
+    array = np.asarray(values, dtype=np.float64)
+    if array.ndim != 1 or len(array) > len(room):
+        raise ValueError(f'The {what} has shape {array.shape}; it must be at most {room.shape}.')
+    room[: len(array)] = array
 
 
-def _input(
-    state: ArrayLike, command: ArrayLike, surroundings: ArrayLike
-) -> tuple[State, State, State]:
-    """Return what all functions take, as the kernel takes it."""
-    start = np.ascontiguousarray(state, dtype=np.float64)
+def _craft(state: ArrayLike, model: Model, command: ArrayLike, surroundings: ArrayLike) -> Craft:
+    """Return the vehicle with what all functions take."""
+    start = np.asarray(state, dtype=np.float64)
     if start.shape != (LAYOUT.size,):
         raise ValueError(f'The state has shape {start.shape}; it must be ({LAYOUT.size},).')
-    return (
-        start,
-        filled('command', command, COMMAND),
-        filled('surroundings', surroundings, SURROUNDINGS),
-    )
+    flown = Craft(model)
+    flown.state[:] = start
+    _fill('command', command, flown.command)
+    _fill('surroundings', surroundings, flown.surroundings)
+    return flown
 
 
 def derivative(
@@ -105,7 +88,7 @@ def derivative(
     command : array_like, shape (up to COMMAND,)
         Commanded duty of each rotor, -1 to 1, and the place of the moving mass.
     surroundings : array_like, shape (up to SURROUNDINGS,)
-        Wind, noise, irradiance, voltage.
+        Wind, noise, irradiance, voltage, rate of the wind.
 
     Returns
     -------
@@ -118,12 +101,9 @@ def derivative(
         If an array has the wrong shape.
 
     """
-    start, orders, air = _input(state, command, surroundings)
-    out = np.empty_like(start)
-    _kernel().derivative(
-        start, model.parameters, model.on, model.body, model.inverse, orders, air, out
-    )
-    return out
+    flown = _craft(state, model, command, surroundings)
+    flown.look()
+    return flown.rate.copy()
 
 
 def advance(
@@ -152,21 +132,9 @@ def advance(
         The later state, its quaternion normalised after each step.
 
     """
-    start, orders, air = _input(state, command, surroundings)
-    out = np.empty_like(start)
-    _kernel().advance(
-        start,
-        model.parameters,
-        model.on,
-        model.body,
-        model.inverse,
-        orders,
-        air,
-        float(dt),
-        int(steps),
-        out,
-    )
-    return out
+    flown = _craft(state, model, command, surroundings)
+    flown.advance(float(dt), int(steps))
+    return flown.state.copy()
 
 
 def look(
@@ -181,28 +149,17 @@ def look(
         As for `derivative`.
 
     """
-    start, orders, air = _input(state, command, surroundings)
-    names = LAYOUT.wrenches
-    out, thrusts, wind = np.empty((len(names), 6)), np.empty(ACTUATORS), np.empty(3)
-    _kernel().look(start, model.parameters, model.on, model.body, orders, air, out, thrusts, wind)
-    return Look(dict(zip(names, out, strict=True)), thrusts, wind)
+    flown = _craft(state, model, command, surroundings)
+    flown.look()
+    wrenches = dict(zip(LAYOUT.wrenches, flown.wrenches, strict=True))
+    return Look(wrenches, flown.thrusts, flown.wind)
 
 
 def thrusts(
     state: ArrayLike, model: Model, command: ArrayLike, surroundings: ArrayLike = CALM
 ) -> State:
-    """Return the thrust of each rotor: `look(...).thrusts`, without the rest. [N]"""
-    start, orders, air = _input(state, command, surroundings)
-    out, wind = np.empty(ACTUATORS), np.empty(3)
-    rows = _rows()  # written, not read
-    _kernel().look(start, model.parameters, model.on, model.body, orders, air, rows, out, wind)
-    return out
-
-
-@cache
-def _rows() -> State:
-    """Return room for the wrench of each wrench effect."""
-    return np.empty((len(LAYOUT.wrenches), 6))
+    """Return the thrust of each rotor: `look(...).thrusts`. [N]"""
+    return look(state, model, command, surroundings).thrusts
 
 
 def wrenches(

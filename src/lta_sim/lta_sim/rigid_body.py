@@ -92,6 +92,18 @@ def motion(
     return Motion(position, r, velocity, rates, airspeed, body, command, surroundings)
 
 
+def plus(total: Wrench, wrench: Wrench) -> Wrench:
+    """Return the sum of two wrenches."""
+    return (
+        total[0] + wrench[0],
+        total[1] + wrench[1],
+        total[2] + wrench[2],
+        total[3] + wrench[3],
+        total[4] + wrench[4],
+        total[5] + wrench[5],
+    )
+
+
 def place(position: Vector, velocity: Vector, wind: Vector, surroundings: Values) -> Place:
     """Return what the air effects see."""
     return Place(position, velocity, wind, surroundings)
@@ -173,6 +185,7 @@ TAKEN: tuple[Callable[..., Any], ...] = (
     airspeed,
     motion,
     place,
+    plus,
     quaternion_rate,
     acceleration,
 )

@@ -5,38 +5,32 @@ Map frame: origin on the floor at the centre of the room, ENU, z up.
 """
 
 import math
-from typing import Annotated, Literal, Self
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
 
-from lta_config.files import find, load, Record
+from lta_config.files import checked, find, load_yaml, Record
 from lta_config.quantity import Quantity, si
 from lta_sim.light_field import Ambient, Lamp, LightField, MOST_EFFICACY, Room
+from lta_sim.scenario_air import Air
 from lta_vlc.modulation import SquareWave
 from pydantic import AliasChoices, Field, model_validator
 
-GAS_CONSTANT_OF_AIR = 287.05  # J/(kg K), dry
 Point = Annotated[Quantity, si('m', low=-1000.0, high=1000.0, length=3)]
 Efficacy = Annotated[Quantity, si('lm/W', above=0.0, high=MOST_EFFICACY)]
 Fraction = Annotated[Quantity, si('1', low=0.0, high=1.0)]
 
 
 class RoomShape(Record):
-    """A closed box around the origin, standing on the floor."""
+    """
+    A box around the origin, standing on the floor.
+
+    Light is reflected by its faces. `solid` walls and ceiling hold a hull back; where they are
+    `open`, a drone that flies through them has escaped.
+    """
 
     size: Annotated[Quantity, si('m', above=0.0, high=1000.0, length=3)]
     albedo: Annotated[float, Field(ge=0.0, lt=1.0)]
-
-
-class Air(Record):
-    """State and motion of the air."""
-
-    temperature: Annotated[Quantity, si('degC', low=-40.0, high=60.0)]
-    pressure: Annotated[Quantity, si('Pa', low=5e4, high=1.2e5)]
-    wind: Annotated[Quantity, si('m/s', low=-50.0, high=50.0, length=3)]
-
-    @property
-    def density(self) -> float:
-        """Density of dry air. [kg/m3]."""
-        return self.pressure.si / (GAS_CONSTANT_OF_AIR * (self.temperature.si + 273.15))
+    walls: Literal['solid', 'open'] = 'open'
 
 
 class LampScene(Record):
@@ -102,6 +96,11 @@ class Scenario(Record):
         return self
 
     @property
+    def wind_file(self) -> Path | None:
+        """The recorded wind; beside the scenario file where that was read by name or path."""
+        return None if self.air.recorded is None else Path(self.air.recorded)
+
+    @property
     def light_field(self) -> LightField:
         """The light of the scene; `BadInput` where the light itself cannot be."""
         lamp, ambient = self.lamp, self.ambient
@@ -130,4 +129,17 @@ def _three(quantity: Quantity) -> tuple[float, float, float]:
 
 def load_scenario(name: str) -> Scenario:
     """Return a scenario by shipped name or path; anything wrong is a `BadInput` sentence."""
-    return load(Scenario, find('scenario', name))
+    path = find('scenario', name)
+    return checked(Scenario, beside(load_yaml(path), path.parent), str(path))
+
+
+def beside(content: Any, folder: Path) -> Any:  # noqa: ANN401 - what YAML holds
+    """Return what a scenario file holds, its wind file found beside it: by its whole path."""
+    try:
+        wind_file = content['air']['recorded']
+    except (KeyError, TypeError):
+        return content
+    if not isinstance(wind_file, str):
+        return content
+    place = str((folder / wind_file).absolute())
+    return {**content, 'air': {**content['air'], 'recorded': place}}

@@ -12,7 +12,8 @@ frame). Rotors that a vehicle does not have are at 0.
 
 Surroundings are what the air and the light do and the vehicle cannot know, constant during a call:
 wind from outside the effects (x y z in `map`, m/s), white noise for turbulence (three, of unit
-intensity, s^-1/2), irradiance on the hull (W/m2) and voltage of the battery (V).
+intensity, s^-1/2), irradiance on the hull (W/m2), voltage of the battery (V), and how fast that
+wind changes, everywhere alike (x y z in `map`, m/s2).
 
 A body is what the vehicle is: mass (kg), mass times CG (x y z, kg m), inertia about the hull
 centre (xx yy zz xy xz yz, kg m2), added mass and inertia (6, kg and kg m2), mass of the displaced
@@ -40,7 +41,8 @@ WIND = 0  # first of three
 NOISE = 3  # first of three
 IRRADIANCE = 6
 VOLTAGE = 7
-SURROUNDINGS = 8
+WIND_RATE = 8  # first of three
+SURROUNDINGS = 11
 
 MASS = 0
 MASS_MOMENT = 1  # first of three

@@ -217,10 +217,10 @@ class Vehicle:
         """Return the parameters of every effect that is on, in SI."""
         return declared.effects_of(self.file, self.rotors, self.added_mass, self.air_density)
 
-    def model(self) -> Model:
-        """Return the numbers that the kernel takes."""
+    def model(self, around: declared.Effects | None = None) -> Model:
+        """Return the numbers that the kernel takes; `around` are effects of where it flies."""
         return Model.build(
-            self.effects(),
+            self.effects() | (around or {}),
             mass=self.mass,
             cg=self.cg,
             inertia=self.inertia,

@@ -12,12 +12,13 @@ from typing import final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.topics import TopicTable
-from lta_sim import kernel
-from lta_sim.around import Around
+from lta_sim.around import Around, memory_at_start
 from lta_sim.command_link import CommandLink
-from lta_sim.effects import EFFECTS, initial_memory
+from lta_sim.craft import Craft, LAYOUT
+from lta_sim.effects import EFFECTS
+from lta_sim.in_scene import model_in
 from lta_sim.light_view import LightView, Pose
-from lta_sim.measurement import Chain, chains, read
+from lta_sim.measurement import Chain, chains
 from lta_sim.readings import Outcome, Readings, Vector
 from lta_sim.referee import Referee
 from lta_sim.scenario import Scenario
@@ -61,13 +62,16 @@ class World:
             name: np.random.default_rng(np.random.SeedSequence([seed, index]))
             for index, name in enumerate(STREAMS)
         }
-        self._model = vehicle.model()
+        self._model = model_in(vehicle, scenario)
         self._keep_what_stays(table)
         self._draw_errors()
-        self.state = self._at_start()
+        self._craft = Craft(self._model)
+        self.state = self._craft.state  # changes in place
+        self.state[:] = self._at_start()
         acting = self._act_on_measurement()
         self._link = CommandLink(vehicle.reversible, self._model.given, acting['command_time'])
-        self.command: Array = self._link.idle
+        self.command = self._craft.command
+        self.command[:] = self._link.idle
         self.supply = Supply(vehicle, scenario.start.charge.si, self._chance)
         self.steps = 0
         self.outcome = Outcome.FLYING  # how the flight stands; once decided, it stays
@@ -76,9 +80,8 @@ class World:
             self._model.given, scenario, self._light, self._chance['turbulence'], self._period
         )
         pose = self._pose()
-        self._light.pass_by(pose)
-        self._around.refresh(pose, self.supply.electrics[0])
-        self.wrenches()  # loads the compiled kernel now, not in the middle of the first step
+        self._begin_period(pose)
+        self._craft.look()  # loads the compiled kernel now, not in the middle of the first step
 
     def _keep_what_stays(self, table: TopicTable) -> None:
         """Take numbers out of files once, not at every step."""
@@ -97,7 +100,14 @@ class World:
     def _act_on_measurement(self) -> Mapping[str, Chain]:
         """Set up what stands between the truth and what is told; return it."""
         acting = chains(self._model.given, EFFECTS)
-        self._on_force, self._on_rates = acting['force'], acting['rates']
+        self._imu = imu.Imu(
+            self.imu_errors,
+            self._imu_place,
+            STANDARD_GRAVITY,
+            self._chance['imu'],
+            acting['force'],
+            acting['rates'],
+        )
         self._on_range, self._on_pressure = acting['range'], acting['pressure']
         self._tracker = Tracker(acting)
         return acting
@@ -118,7 +128,8 @@ class World:
         spread = start.heading_spread.si
         heading = start.heading.si + float(self._chance['start'].uniform(-spread, spread))
         height = self.vehicle.standing_height
-        return pack((x, y, height), heading, memory=initial_memory())
+        memory = memory_at_start(self._model.given, self._chance['turbulence'])
+        return pack((x, y, height), heading, memory=memory)
 
     @property
     def charge(self) -> float:
@@ -148,13 +159,13 @@ class World:
     @property
     def wind(self) -> Vector:
         """Velocity of the air at the hull, all effects included. [m/s, map]."""
-        look = kernel.look(self.state, self._model, self.command, self._around.numbers)
-        return _three(look.wind.tolist())
+        self._craft.look()
+        return _three(self._craft.wind.tolist())
 
     def wrenches(self) -> dict[str, Array]:
         """Return the present wrench of each effect, body frame. [N, N m]."""
-        state, model = self.state, self._model
-        return dict(kernel.wrenches(state, model, self.command, self._around.numbers))
+        self._craft.look()
+        return dict(zip(LAYOUT.wrenches, self._craft.wrenches.copy(), strict=True))
 
     def _pose(self) -> Pose:
         """Return position [m] and quaternion."""
@@ -175,16 +186,16 @@ class World:
     def sense_motion(self) -> Readings:
         """Return what the estimator waits for: IMU, range and pressure."""
         readings = Readings(self.stamp_ns)
-        state = self.state.tolist()
-        self._sense_inertia(readings, state)
+        self._craft.look()
+        readings.force, readings.rates = self._imu.read(self.state, self._craft.rate, self.elapsed)
         if self.steps == 0:
-            self._sense_range(self.stamp_ns, state)
+            self._sense_range(self.stamp_ns)
         readings.ranges, self._ranges = self._ranges, []
         if self._due('pressure'):
             readings.pressure = pressure.measure(
                 self.pressure_settings,
                 self._pressure,
-                state[2] + self._imu_place[2],
+                float(self.state[2]) + self._imu_place[2],
                 self.elapsed,
                 self._chance['pressure'],
                 self._on_pressure,
@@ -205,24 +216,11 @@ class World:
             readings.panel = self.supply.meter_panel(irradiance)
         self._tracker.watch(self.steps * self._control_ns, tuple(self.state[:RIGID].tolist()))
         if self._due('ground_truth/odom'):
-            readings.truth = self._tracker.says(self._integrated)
+            readings.truth = self._tracker.says(self._ahead)
 
-    def _sense_inertia(self, readings: Readings, state: list[float]) -> None:
-        """Add what the inertial sensor says."""
-        rate = kernel.derivative(self.state, self._model, self.command, self._around.numbers)
-        force = imu.felt(state, rate.tolist(), self._imu_place, STANDARD_GRAVITY)
-        rates = _three(state[10:13])
-        if self._on_force:
-            force = _three(read(self._on_force, force, self.elapsed))
-        if self._on_rates:
-            rates = _three(read(self._on_rates, rates, self.elapsed))
-        readings.force, readings.rates = imu.measure(
-            self.imu_errors, force, rates, self._chance['imu']
-        )
-
-    def _sense_range(self, stamp_ns: int, state: list[float]) -> None:
+    def _sense_range(self, stamp_ns: int) -> None:
         """Take a range reading."""
-        height, up = range.outlook(state, self._range_place)
+        height, up = range.outlook(self.state[:RIGID].tolist(), self._range_place)
         elapsed = (stamp_ns - self._start_ns) * 1e-9
         reading = range.measure(
             self.range_settings,
@@ -255,20 +253,24 @@ class World:
         command = self._link.compose(duties, mass_place)
         now, end = self.stamp_ns, self.stamp_ns + self._control_ns
         for until, obeyed in self._link.spans(now, end, self.elapsed, command):
-            self.command = obeyed
+            self.command[:] = obeyed
             self._fly(now, until)
             now = until
-        state = self.state.tolist()
-        pose = tuple(state[:7])
+        pose = self._pose()
         if self._due('illuminance'):
             self.supply.shine(self._light.on_panel(pose)[1])
-        thrusts = kernel.thrusts(self.state, self._model, self.command, self._around.numbers)
-        self.supply.drain(thrusts[: self._rotors].tolist(), self._period)
+        self._craft.look()
+        self.supply.drain(self._craft.thrusts[: self._rotors].tolist(), self._period)
         self.steps += 1
         if self.outcome is Outcome.FLYING:
-            self.outcome = self._referee.judge(state[0], state[1], state[2], self.elapsed)
+            self.outcome = self._referee.judge(pose[0], pose[1], pose[2], self.elapsed)
+        self._begin_period(pose)
+
+    def _begin_period(self, pose: Pose) -> None:
+        """Set what the next control period finds."""
         self._light.pass_by(pose)
-        self._around.refresh(pose, self.supply.electrics[0])
+        self._around.refresh(pose, self.supply.electrics[0], self.elapsed)
+        self._craft.surroundings[:] = self._around.numbers
 
     def _fly(self, now: int, end: int) -> None:
         """Integrate from one time to another, with the range readings on the way. [ns]"""
@@ -276,17 +278,23 @@ class World:
         while now < end:
             turn = (now - self._start_ns) // period + 1
             until = min(end, self._start_ns + turn * period)
-            self.state = self._integrated(until - now)
+            self._integrate(until - now)
             now = until
             if (now - self._start_ns) % period == 0:
-                self._sense_range(now, self.state.tolist())
+                self._sense_range(now)
 
-    def _integrated(self, span_ns: int) -> Array:
-        """Return the state after so many nanoseconds of the present command."""
+    def _integrate(self, span_ns: int) -> None:
+        """Move on so many nanoseconds of the present command."""
         steps = -(-span_ns // STEP_NS)
-        dt = span_ns * 1e-9 / steps
-        around = self._around.numbers
-        return kernel.advance(self.state, self._model, self.command, around, dt, steps)
+        self._craft.advance(span_ns * 1e-9 / steps, steps)
+
+    def _ahead(self, span_ns: int) -> Array:
+        """Return the state after so many nanoseconds of the present command."""
+        now = self.state.copy()
+        self._integrate(span_ns)
+        later = self.state.copy()
+        self.state[:] = now
+        return later
 
 
 def _three(numbers: Sequence[float]) -> Vector:

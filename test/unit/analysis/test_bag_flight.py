@@ -173,11 +173,26 @@ def test_unknown_topic_names_the_known(flight_bag):
 def test_two_robots_are_told_apart(record, types):
     flag = types['std_msgs/msg/Bool'](True)
     bag = record([(f'/{name}/flag', 'std_msgs/msg/Bool', flag, 5) for name in ('lta2', 'lta1')])
-    with pytest.raises(BadInput, match=r'several robots \(lta1, lta2\); name the one'):
+    with pytest.raises(
+        BadInput, match=r'several robots \(lta1, lta2\); name the one.*--robot lta2'
+    ):
         open_flight(bag)
     with pytest.raises(BadInput, match="Unknown robot 'lta3'"):
         open_flight(bag, 'lta3')
     assert open_flight(bag, 'lta2').series('flag')['data'].tolist() == [True]
+
+
+def test_each_of_two_robots_has_its_own_origin(record, types):
+    flag = types['std_msgs/msg/Bool'](True)
+    told = {'robots': 'lta1 lta2', 'scenario': 'room', 'lta1/seed': '1', 'lta2/seed': '2'}
+    names = ('lta1', 'lta2')
+    bag = record(
+        [(f'/{name}/flag', 'std_msgs/msg/Bool', flag, 5) for name in names], provenance=told
+    )
+    assert [open_flight(bag, name).provenance for name in names] == [
+        {'scenario': 'room', 'seed': '1'},
+        {'scenario': 'room', 'seed': '2'},
+    ]
 
 
 def test_bag_without_namespace_or_messages(record, types):

@@ -50,7 +50,7 @@ def test_table_shows_topics_provenance_and_losses(flight_bag):
 
 def test_a_whole_file_is_only_counted():
     info = BagInfo(
-        'b', 1, None, 0.0, 0, [], {'seed': '3', 'vehicle_file': 'a: 1\nb: 2\n'}, True, []
+        'b', 1, None, 0.0, 0, ['lta1'], [], {'seed': '3', 'vehicle_file': 'a: 1\nb: 2\n'}, True, []
     )
     text = StringIO()
     show(info, Console(file=text, width=200))

@@ -76,10 +76,10 @@ def test_the_referee_is_the_referee():
 def test_an_open_loop_is_the_worlds_to_rounding():
     changes = ('scenario.start.heading_spread=0 deg', 'scenario.goal.time_limit=20 s')
     loop = loop_of(ingredients(*changes), 1)
-    world, path = loop.world, [loop.world.state[:2]]
+    world, path = loop.world, [loop.world.state[:2].copy()]
     while world.outcome is Outcome.FLYING:
         world.advance(DUTIES)
-        path.append(world.state[:2])
+        path.append(world.state[:2].copy())
     (row,) = fly_many([made(*changes, duties=DUTIES)], [1], closed=False)
     told = figures(row)
     assert tuple(Outcome)[int(told['outcome'])] is world.outcome

@@ -2,6 +2,7 @@
 
 from lta_analysis import blame
 from lta_analysis.blame import FLIGHT, Lookout
+from lta_analysis.session import who
 from lta_analysis.verbs import launch
 from lta_graph.health import Fact, Level
 import pytest
@@ -69,3 +70,25 @@ def test_after_the_flight_nobody_is_named_though_the_graph_stands(clock):
     lookout.look({FLIGHT: over}, ['simulator'], all_heard=True)
     assert said == []
     assert lookout.standing == 3.0
+
+
+@pytest.mark.usefixtures('clock')
+def test_a_robot_that_is_there_is_not_blamed_for_standing_and_the_other_still_is():
+    said = []
+    lookout = Lookout(said.append)
+    facts = {
+        f'lta1/{FLIGHT}': Fact(f'lta1/{FLIGHT}', Level.OK, '', {'outcome': 'reached'}),
+        f'lta2/{FLIGHT}': Fact(f'lta2/{FLIGHT}', Level.OK, '', {'outcome': 'flying'}),
+    }
+    lookout.look(facts, ['lta1/simulator'], all_heard=True)
+    lookout.look(facts, ['lta1/simulator', 'lta2/estimator'], all_heard=True)
+    lookout.look(facts, ['recorder'], all_heard=True)
+    assert said == ['Nothing comes from lta2/estimator.', 'Nothing comes from recorder.']
+
+
+def test_the_domain_is_held_in_the_name_of_all():
+    assert [who(robots) for robots in (['a'], ['a', 'b'], ['a', 'b', 'c'])] == [
+        'a is',
+        'a and b are',
+        'a, b and c are',
+    ]

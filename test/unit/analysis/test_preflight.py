@@ -20,7 +20,10 @@ def plan(*words, package='lta_sim'):
             'vehicle:="nope"',
             f"Unknown vehicle 'nope'; known: {', '.join(known('vehicles'))}.",
         ),
-        ('scenario:="moon"', "Unknown scenario 'moon'; known: lamp_room."),
+        (
+            'scenario:="moon"',
+            "Unknown scenario 'moon'; known: breeze, gusty_hall, hall, lamp_room, windy_field.",
+        ),
         ('strategy:="luck"', "Unknown strategy 'luck'; known: bag."),
         ('seed:=-1', 'The seed is -1, but must be a whole number from 0 to 2147483647.'),
         ('seed:="1"', 'The seed is 1, but must be a whole number from 0 to 2147483647.'),

@@ -7,7 +7,7 @@ import re
 from lta_analysis.bag import open_flight
 from lta_analysis.report import page as page_module
 from lta_analysis.report import write_page
-from lta_analysis.report.page import commands_html
+from lta_analysis.report.page import again, commands_html
 from lta_analysis.report.panels.registry import PANELS
 from lta_analysis.report.track import track_of
 from lta_analysis.report.view import View
@@ -187,3 +187,10 @@ def test_replay_is_the_flight_at_even_instants(bag):
     assert track['radius'] == [0.5]
     gated = (time > 10.06) & (time < 12.04)
     assert all(track['bearing'][k] is None for k in np.flatnonzero(gated))
+
+
+def test_a_moved_start_is_flown_again_by_the_launch_file():
+    given = {'vehicle': 'gtmab', 'seed': '2', 'time': 'lockstep', 'commit': 'abc'}
+    assert again(given).endswith('fly --vehicle gtmab --seed 2 --time lockstep')
+    moved = again({**given, 'offset_y': '-2.0'})
+    assert moved.endswith('launch fly vehicle:=gtmab seed:=2 time:=lockstep offset_y:=-2.0')

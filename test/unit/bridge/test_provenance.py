@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from lta_bridge import provenance as origin
-from lta_bridge.provenance import provenance
+from lta_bridge.provenance import joined, part, provenance
 from lta_config.errors import BadInput
 from lta_config.files import share
 import pytest
@@ -29,3 +29,22 @@ def test_files_go_into_the_bag_whole_and_under_the_names_given(tmp_path: Path):
 def test_gains_that_are_not_there_are_one_sentence():
     with pytest.raises(BadInput, match=r'no gains file /nowhere/g\.yaml'):
         provenance('gtmab', 'lamp_room', '/nowhere/g.yaml')
+
+
+def test_of_several_robots_each_gets_its_own_origin_back():
+    shared = {'scenario': 'room', 'scenario_file': 'a: 1', 'commit': 'abc'}
+    first = {**shared, 'seed': '1', 'vehicle': 'gtmab', 'created': '10:00'}
+    second = {**shared, 'seed': '2', 'vehicle': 'gtmab', 'created': '10:01', 'offset_y': '-2.0'}
+    told = joined({'lta1': first, 'lta2': second})
+    assert told == {
+        **shared,
+        'robots': 'lta1 lta2',
+        'vehicle': 'gtmab',
+        'created': '10:00',
+        'lta1/seed': '1',
+        'lta2/seed': '2',
+        'lta2/offset_y': '-2.0',
+    }
+    assert part(told, 'lta1') == first
+    assert part(told, 'lta2') == {**second, 'created': '10:00'}
+    assert part(first, 'lta1') == part(first, '') == first

@@ -85,4 +85,5 @@ def test_a_file_of_something_else_is_refused(tmp_path, text):
 
 
 def test_an_unknown_name_is_refused():
-    assert refused('gtmib') == "Unknown gains 'gtmib'; known: gtmab."
+    names = 'beavis, blimp2b, blimp2b_cascade, gtmab, multirotor, rgblimp, sblimp, skye'
+    assert refused('gtmib') == f"Unknown gains 'gtmib'; known: {names}."

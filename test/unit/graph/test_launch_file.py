@@ -211,6 +211,15 @@ launch:
     assert '__ns:=/r1/sub/own' in plan_of(path)[1].arguments
 
 
+def test_of_several_namespaces_a_process_is_called_by_its_own(write):
+    first, second = 'node: {pkg: p, exec: e}', 'node: {pkg: p, exec: f, namespace: r1/sub}'
+    both = load(write(f'launch: [{first}, {second}]'), {})
+    assert both.namespaces == ['', 'r1/sub']
+    assert [both.label(process) for process in both.processes] == ['e', 'r1/sub/f']
+    one = load(write('launch: [node: {pkg: p, exec: f, namespace: r1}]'), {})
+    assert [one.label(process) for process in one.processes] == ['f']
+
+
 @pytest.mark.parametrize('word', ['true', 'True', '1', 'false', 'FALSE', '0'])
 def test_conditions(write, word):
     path = write("""

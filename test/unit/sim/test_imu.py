@@ -4,6 +4,7 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
+from lta_sim.rigid_body import rotation
 from lta_sim.sensors import imu
 import numba
 import numpy as np
@@ -140,3 +141,21 @@ def test_the_same_seed_gives_the_same_flight():
 
     assert flight(7) == flight(7)
     assert flight(7) != flight(8)
+
+
+@pytest.mark.parametrize('bias', [(0.0, 0.0, 0.0), (0.1, -0.2, 0.3)])
+def test_compiled_it_reads_what_plain_python_reads_to_the_bit(bias):
+    rng = np.random.default_rng(6)
+    errors, place = imu.draw(imu.ImuSettings(), rng), (0.1, -0.02, -0.36)
+    chain = (((lambda p, values, _: tuple(map(float, np.add(values, p)))), bias),)
+    chains = (chain, chain) if any(bias) else ()
+    compiled = imu.Imu(errors, place, G, np.random.default_rng(7), *chains)
+    plain = np.random.default_rng(7)
+    for _ in range(200):
+        state, rate = rng.normal(size=13), rng.normal(size=13)
+        up = rotation(tuple(state[3:7].tolist()))[6:]
+        v, w = tuple(state[7:10].tolist()), tuple(state[10:13].tolist())
+        dv, dw = tuple(rate[7:10].tolist()), tuple(rate[10:13].tolist())
+        force = imu.specific_force(v, w, dv, dw, up, place, G)
+        force, rates = (tuple(np.add(truth, bias).tolist()) for truth in (force, w))
+        assert compiled.read(state, rate, 0.0) == imu.measure(errors, force, rates, plain)

@@ -1,67 +1,110 @@
-"""The kernel and the slow, obvious model agree."""
+"""The kernel and the slow, obvious model agree, effect by effect and with everything on."""
 
+from lta_sim import kernel
 from lta_sim.effects import EFFECTS
-from lta_sim.effects.protocol import WrenchEffect
-from lta_sim.kernel import advance, derivative, wrenches
+from lta_sim.effects.protocol import (
+    ActuatorEffect,
+    AirEffect,
+    BodyEffect,
+    InertiaEffect,
+    MeasurementEffect,
+    WrenchEffect,
+)
 import numpy as np
 import pytest
 
-from . import flat_balloon as balloon
-from . import oracle
+from . import crowded
+from .oracle import motion as oracle
+from .oracle.air import AIR
+from .oracle.body import BODY, INERTIA
+from .oracle.rotors import ROTORS
 
-# A CG off every axis and a full inertia: no term of the equations can hide.
-CG = (0.03, -0.02, -0.08)
-INERTIA = np.array([[0.015, 1e-3, -2e-3], [1e-3, 0.016, 5e-4], [-2e-3, 5e-4, 0.018]])
-GIVEN = balloon.EVERYTHING | {
-    'added_mass': {'surge': 0.14, 'sway': 0.15, 'heave': 0.37},
-    'added_inertia': {'roll': 4e-3, 'pitch': 5e-3, 'yaw': 1e-3},
-    'linear_drag': {'surge': 0.01, 'sway': 0.02, 'heave': 0.03},
-    'floor_contact': balloon.EVERYTHING['floor_contact'] | {'x': 0.04, 'y': -0.03},
+PLACES = crowded.memory_places()
+TOLERANCE = 1e-12
+BLOCKS = {'position': slice(0, 3), 'attitude': slice(3, 7), 'motion': slice(7, 13)} | {
+    name: where for name, where in PLACES.items() if where.stop > where.start
 }
-VEHICLE = (GIVEN, balloon.MASS, CG, INERTIA, balloon.DISPLACED)
-# What the oracle knows of a state: the rigid part and four lagged duties.
-KNOWN = np.r_[0:13, balloon.LAG]
 
 
-@pytest.fixture(scope='module')
-def model():
-    return balloon.model(GIVEN, CG, INERTIA)
+def kind(kind_):
+    return [name for name, effect in EFFECTS.items() if isinstance(effect, kind_)]
 
 
-@pytest.mark.parametrize('seed', range(40))
-def test_derivative(model, seed):
-    state, duty, wind = balloon.anywhere(np.random.default_rng(seed))
-    expected = oracle.derivative(state[KNOWN], *VEHICLE, duty, wind)
-    actual = derivative(state, model, duty, wind)[KNOWN]
-    assert np.max(abs(actual - expected)) <= 1e-12 * np.max(abs(expected))
+def error(actual, expected):
+    """Return the largest error by the largest number."""
+    scale = np.max(abs(np.asarray(expected)))
+    return np.max(abs(np.subtract(actual, expected))) / (scale if scale > 0.0 else 1.0)
+
+
+def drawn(seed, names=None):
+    """Return a random vehicle as both models take it, and a random state."""
+    generator = np.random.default_rng(seed)
+    given, body, model = crowded.vehicle(generator, names)
+    return model, oracle.Vehicle(given, **body), crowded.anywhere(generator)
+
+
+def test_every_effect_has_an_oracle_in_its_order():
+    """A new effect is written twice: once for the kernel, once here from its docstring."""
+    assert list(AIR) == kind(AirEffect)
+    assert list(ROTORS) == kind(ActuatorEffect)
+    assert list(BODY) == kind(BodyEffect)
+    assert list(INERTIA) == kind(InertiaEffect)
+    assert set(oracle.WRENCHES) == set(kind(WrenchEffect))
+    assert set(EFFECTS) == set(oracle.KNOWN) | set(kind(MeasurementEffect))
+
+
+@pytest.mark.parametrize('seed', range(60))
+def test_derivative(seed):
+    model, twin, (state, command, around) = drawn(seed)
+    expected = oracle.derivative(state, twin, PLACES, command, around)
+    actual = kernel.derivative(state, model, command, around)
+    for name, block in BLOCKS.items():
+        assert error(actual[block], expected[block]) <= TOLERANCE, name
+
+
+@pytest.mark.parametrize('seed', range(60))
+def test_each_wrench_the_thrusts_and_the_wind(seed):
+    model, twin, (state, command, around) = drawn(seed)
+    scene, _, thrusts, wrenches, _ = oracle.look(state, twin, PLACES, command, around)
+    look = kernel.look(state, model, command, around)
+    assert error(look.thrusts, thrusts) <= TOLERANCE
+    assert error(look.wind, scene.wind) <= TOLERANCE
+    assert set(look.wrenches) == set(wrenches)
+    for name, wrench in wrenches.items():
+        assert error(look.wrenches[name], wrench) <= TOLERANCE, name
 
 
 @pytest.mark.parametrize('seed', range(3))
-def test_flight(model, seed):
-    state, duty, wind = balloon.anywhere(np.random.default_rng(seed), height=(1.0, 2.0))
-    expected = oracle.advance(state[KNOWN], 2e-3, 100, *VEHICLE, duty, wind)
-    actual = advance(state, model, duty, wind, 2e-3, 100)[KNOWN]
-    assert np.max(abs(actual - expected)) <= 1e-12
+def test_flight(seed):
+    model, twin, (state, command, around) = drawn(seed)
+    expected = oracle.advance(state, 2e-3, 100, twin, PLACES, command, around)
+    actual = kernel.advance(state, model, command, around, 2e-3, 100)
+    for name, block in BLOCKS.items():
+        assert error(actual[block], expected[block]) <= TOLERANCE, name
 
 
-def test_each_wrench(model):
-    state, duty, wind = balloon.anywhere(np.random.default_rng(1))
-    alone = {
-        name: wrenches(state, balloon.model({name: GIVEN[name]}, CG, INERTIA), duty, wind)[name]
-        for name in ('weight_and_buoyancy', 'linear_drag', 'quadratic_drag', 'floor_contact')
-    }
-    everything = wrenches(state, model, duty, wind)
-    for name, wrench in alone.items():
-        np.testing.assert_array_equal(everything[name], wrench)
-    expected = oracle.thrust(GIVEN, state[balloon.LAG])
-    np.testing.assert_allclose(everything['rotor_thrust'], expected, rtol=0.0, atol=1e-15)
-    kinds = {name for name, effect in EFFECTS.items() if isinstance(effect, WrenchEffect)}
-    assert set(everything) == kinds
+@pytest.mark.parametrize('name', oracle.KNOWN)
+def test_alone(name):
+    """With weight, added mass, a rotor's push and one effect: nothing larger hides its error."""
+    beside = ('weight_and_buoyancy', 'added_mass', 'rotor_thrust')
+    for seed in range(12):
+        model, twin, (state, command, around) = drawn(seed, (*beside, name))
+        expected = oracle.derivative(state, twin, PLACES, command, around)
+        actual = kernel.derivative(state, model, command, around)
+        for block in BLOCKS.values():
+            assert error(actual[block], expected[block]) <= TOLERANCE
+        rigid = [model.body[0], *model.body[1:4], model.body[16]]
+        body = twin.body
+        twins = [body.mass, *(body.mass * body.cg), body.displaced]
+        assert error(rigid, twins) <= TOLERANCE
 
 
-def test_the_floor_is_met_in_some_of_the_random_states(model):
-    met = 0
-    for seed in range(40):
-        state, duty, wind = balloon.anywhere(np.random.default_rng(seed))
-        met += bool(np.any(wrenches(state, model, duty, wind)['floor_contact']))
-    assert 5 <= met <= 35
+def test_the_random_states_meet_every_effect():
+    """Each wrench is there in some states, and each soft face is left alone in some."""
+    met = dict.fromkeys(kind(WrenchEffect), 0)
+    for seed in range(60):
+        model, _, (state, command, around) = drawn(seed)
+        for name, wrench in kernel.wrenches(state, model, command, around).items():
+            met[name] += bool(np.any(wrench))
+    assert min(met.values()) >= 5, met
+    assert max(met['floor_contact'], met['walls']) <= 57, met

@@ -42,13 +42,14 @@ def test_a_layer_is_swapped_by_one_edit(gtmab):
     assert vehicle.cg[2] == pytest.approx(gtmab.cg[2] - lower, rel=1e-12)
 
 
-def test_the_drag_of_parts_comes_on_top_of_the_wind_tunnel(gtmab):
+def test_the_drag_of_parts_comes_on_top_of_the_wind_tunnel():
     drag = {'coefficient': given(1.17, '1')}
     frame = 'layers.propulsion_and_control.frame.drag'  # 10 x 32 x 6 cm
     draggy, known = build((frame, drag)), build((frame, drag | {'in_aero': True}))
     plate = 0.5 * RHO * 1.17 * np.array([0.32 * 0.06, 0.10 * 0.06, 0.10 * 0.32])
     axes = ('surge', 'sway', 'heave')
-    for vehicle, more in ((draggy, plate), (known, np.zeros(3)), (gtmab, np.zeros(3))):
+    bare = build((frame, None))
+    for vehicle, more in ((draggy, plate), (known, np.zeros(3)), (bare, np.zeros(3))):
         forces = [vehicle.effects()['quadratic_drag'][axis] for axis in axes]
         np.testing.assert_allclose(forces, np.array((0.092, 0.092, 0.359)) + more, rtol=1e-12)
     # Its turning is damped in both cases: one strip, 32 cm along y at its place.
@@ -58,7 +59,18 @@ def test_the_drag_of_parts_comes_on_top_of_the_wind_tunnel(gtmab):
         assert [strip[f'half_{axis}_1'] for axis in 'xyz'] == pytest.approx((0, 0.16, 0))
         assert [strip[f'{axis}_1'] for axis in axes] == pytest.approx(plate)
         assert strip['translation'] == 0.0
-    assert 'strip_damping' not in gtmab.effects()
+    assert 'strip_damping' not in bare.effects()
+
+
+def test_a_round_hull_has_its_whole_drag_at_any_heading(gtmab):
+    """At 45 degrees to its axes the drag along the way is that along an axis, and not 0.71."""
+    model, speed = gtmab.model(), 0.8
+    for heading in np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False):
+        state = pack((0.0, 0.0, 5.0), memory=initial_memory())
+        state[7:9] = speed * np.cos(heading), speed * np.sin(heading)
+        drags = kernel.wrenches(state, model, np.zeros(4))
+        force = drags['quadratic_drag'][:2] + drags['cross_flow'][:2]
+        np.testing.assert_allclose(force, -0.092 * speed * state[7:9], atol=1e-15)
 
 
 def test_a_rotor_without_a_column_has_that_of_its_geometry():

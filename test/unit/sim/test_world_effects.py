@@ -209,8 +209,8 @@ def surrounded(effects, seed=1):
 
 def test_surroundings_hold_wind_and_voltage_and_no_noise_unless_asked():
     around, world = surrounded(())
-    around.refresh(world._pose(), 3.9)
-    assert around.numbers.tolist() == [0.4, -0.2, 0.1, 0.0, 0.0, 0.0, 0.0, 3.9]
+    around.refresh(world._pose(), 3.9, 0.0)
+    assert around.numbers.tolist() == [0.4, -0.2, 0.1, 0.0, 0.0, 0.0, 0.0, 3.9, 0.0, 0.0, 0.0]
     assert world._around.numbers[VOLTAGE] == world.supply.electrics[0]
     assert world._around.numbers[WIND] == 0.4
 
@@ -219,7 +219,7 @@ def test_turbulence_has_white_noise_of_unit_intensity():
     around, world = surrounded(('turbulence',))
     drawn = []
     for _ in range(4000):
-        around.refresh(world._pose(), 3.9)
+        around.refresh(world._pose(), 3.9, 0.0)
         drawn.append(around.numbers[NOISE : NOISE + 3].copy())
     # Variance 1 / 10 ms; its estimate from 12000 draws is good to 1.3 %.
     assert np.var(drawn) == pytest.approx(100.0, rel=0.04)
@@ -228,7 +228,7 @@ def test_turbulence_has_white_noise_of_unit_intensity():
 
 def test_superheat_sees_the_lamp_whichever_way_the_hull_is_turned():
     around, world = surrounded(('superheat',))
-    around.refresh(world._pose(), 3.9)
+    around.refresh(world._pose(), 3.9, 0.0)
     lamp, ambient, room = (
         world.scenario.light_field.__getattribute__(n) for n in ('lamp', 'ambient', 'room')
     )

@@ -14,6 +14,7 @@ from lta_analysis.bag.columns import columns
 from lta_analysis.bag.reader import Bag, read_bag
 from lta_analysis.bag.series import Series
 from lta_analysis.bag.stamps import stamp_of
+from lta_bridge.provenance import part
 from lta_config.errors import BadInput, unknown
 import numpy as np
 from numpy.typing import NDArray
@@ -53,12 +54,15 @@ class Flight:
         The robot's namespace without slash; '' if the bag has none.
     start : int
         Time 0 of all series, as a stamp. [ns]
+    provenance : dict of str to str
+        Where the robot's data come from.
 
     """
 
     def __init__(self, bag: Bag, robot: str) -> None:
         self.bag = bag
         self.robot = robot
+        self.provenance = part(bag.provenance, robot)
         self._origin = origin(bag, [self._absolute(name) for name in self.topics])
         self.start = self._origin.stamp
 
@@ -166,11 +170,17 @@ def open_flight(source: Bag | Path | str, robot: str | None = None) -> Flight:
 
     """
     bag = source if isinstance(source, Bag) else read_bag(source)
+    return Flight(bag, chosen(bag, robot))
+
+
+def chosen(bag: Bag, robot: str | None) -> str:
+    """Return the robot to look at: the one that is named, or the only one; see `open_flight`."""
     found = namespaces(bag)
     if robot is not None and robot not in found:
         raise unknown('robot', robot, found)
     if robot is None and len(found) > 1:
         raise BadInput(
-            f"'{bag.path}' holds several robots ({', '.join(found)}); name the one to look at."
+            f"'{bag.path}' holds several robots ({', '.join(found)}); name the one to look at, as "
+            f'in --robot {found[-1]}.'
         )
-    return Flight(bag, robot or (found[0] if found else ''))
+    return robot or (found[0] if found else '')

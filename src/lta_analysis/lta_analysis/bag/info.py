@@ -5,6 +5,7 @@ import json
 from pathlib import Path
 from typing import final
 
+from lta_analysis.bag.flight import namespaces
 from lta_analysis.bag.reader import Bag, read_bag
 from rich.console import Console
 from rich.table import Table
@@ -43,6 +44,8 @@ class BagInfo:
         From the first to the last log time. [s]
     messages : int
         Number of messages.
+    robots : list of str
+        Namespaces of the robots.
     topics : list of TopicInfo
         The topics by name.
     provenance : dict of str to str
@@ -59,6 +62,7 @@ class BagInfo:
     start: int | None
     duration: float
     messages: int
+    robots: list[str]
     topics: list[TopicInfo]
     provenance: dict[str, str]
     complete: bool
@@ -96,6 +100,7 @@ def bag_info(path: Path | str) -> BagInfo:
         start=bag.start,
         duration=seconds,
         messages=sum(topic.count for topic in topics),
+        robots=namespaces(bag),
         topics=topics,
         provenance=bag.provenance,
         complete=bag.complete,
@@ -111,8 +116,9 @@ def duration(bag: Bag) -> float:
 def show(info: BagInfo, console: Console) -> None:
     """Print what a bag holds; whole files that it carries are only counted."""
     console.print(info.path, style='bold', highlight=False, markup=False)
+    several = f' of {" and ".join(info.robots)}' if len(info.robots) > 1 else ''
     console.print(
-        f'{info.messages} messages in {info.duration:.2f} s, {info.size / 1e6:.1f} MB',
+        f'{info.messages} messages{several} in {info.duration:.2f} s, {info.size / 1e6:.1f} MB',
         highlight=False,
     )
     table = Table(box=None, pad_edge=False)

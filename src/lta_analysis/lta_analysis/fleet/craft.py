@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, final
+from typing import Any, cast, final
 
 from lta_analysis.fleet.numbers import Craft, Goal, Power
 from lta_analysis.fleet.targets import Rhythm, STEP
@@ -10,13 +10,17 @@ from lta_analysis.loop import Policy
 from lta_config.errors import BadInput
 from lta_config.topics import TopicTable
 from lta_control.autopilot import drone_of
+from lta_control.cascade import CascadeGains
 from lta_control.flat import bare
+from lta_control.laws import LAWS
+from lta_control.laws.aboard import CASCADE
 from lta_control.per_rotor import NONE, slots
 from lta_control.strategies import bearing_angle
 from lta_sim.counted_sensors import Axes, Sensors, Six
 from lta_sim.effects import EFFECTS
 from lta_sim.effects.protocol import MeasurementEffect
 from lta_sim.heard_lamp import listening_of
+from lta_sim.in_scene import model_in
 from lta_sim.model import Model
 from lta_sim.scenario import Scenario
 from lta_sim.sensors.imu import bounds_of, ImuSettings
@@ -70,9 +74,9 @@ def rhythm_of(table: TopicTable) -> Rhythm:
     )
 
 
-def check(vehicle: Vehicle, policy: Policy) -> Model:
+def check(vehicle: Vehicle, scenario: Scenario, policy: Policy) -> Model:
     """
-    Return the model of a vehicle that a batch can fly.
+    Return the model of a vehicle in a scene that a batch can fly.
 
     Raises
     ------
@@ -84,7 +88,19 @@ def check(vehicle: Vehicle, policy: Policy) -> Model:
         raise BadInput(
             f'A batch knows the strategy bag only, not {policy.strategy.name}; leave --device out.'
         )
-    model = vehicle.model()
+    if policy.law is not LAWS[CASCADE]:
+        raise BadInput(
+            f'A batch knows the control law {CASCADE} only, not {policy.law.name}, which '
+            f'{vehicle.file.name} names; leave --device out.'
+        )
+    if policy.course is not None:
+        raise BadInput('A batch flies to the lamp, not along a course; leave --device out.')
+    if scenario.wind_file is not None:
+        raise BadInput(
+            f'A batch does not know recorded wind, which the scenario {scenario.name} has; leave '
+            '--device out.'
+        )
+    model = model_in(vehicle, scenario)
     for name in model.given:
         effect = EFFECTS[name]
         if isinstance(effect, MeasurementEffect) and effect.channel not in UNHEARD:
@@ -115,7 +131,7 @@ def made_of(
         Of each rotor, where the drone does not decide.
 
     """
-    model = check(vehicle, policy)
+    model = check(vehicle, scenario, policy)
     craft = craft_of(vehicle, scenario, policy, table)
     place = model.given.get('moving_mass', {})
     craft = craft._replace(
@@ -135,7 +151,7 @@ def craft_of(vehicle: Vehicle, scenario: Scenario, policy: Policy, table: TopicT
     drone = drone_of(
         Vehicle(vehicle.file),
         policy.estimator,
-        policy.gains,
+        cast('CascadeGains', policy.gains),  # of the cascade: `check`
         table.control_ns * 1e-9,
         policy.tilt_limit,
     )

@@ -15,12 +15,14 @@ from lta_control.attitude import heading
 from lta_control.flat import Layout, PREFIX
 from lta_control.onboard import Onboard, onboard_step
 from lta_sim import counted_sensors, heard_lamp
+from lta_sim.columns import thread
 from lta_sim.compose import Form, kernel_source
 from lta_sim.effects import EFFECTS, initial_memory
 from lta_sim.extract import Extract
+from lta_sim.gpu import STATES
 from lta_sim.kernel import LAYOUT
-from lta_sim.stages import FIXED, indented, Stage, tuple_of
-from lta_sim.stages import Layout as Places
+from lta_sim.layout import FIXED, indented, Stage, tuple_of
+from lta_sim.layout import Layout as Places
 from lta_sim.state import ACTUATORS, RIGID
 from lta_vlc.array import weighted_mean
 
@@ -32,6 +34,7 @@ CORES: tuple[Callable[..., Any], ...] = (
     weighted_mean,
     heard_lamp.magnitude,
     counted_sensors.draw_errors,
+    counted_sensors.eddies,
     counted_sensors.range_reading,
     counted_sensors.white_noise,
     flight.pose_at_start,
@@ -56,8 +59,11 @@ CORES: tuple[Callable[..., Any], ...] = (
 class Row:
     """One vehicle: what it keeps is a row `fixed`, the rest under its own name."""
 
-    def item(self, name: str, place: int, layout: Places) -> str:
-        """Return the source of one number."""
+    loops = False
+
+    def item(self, name: str, place: int, layout: Places, each: int = 0) -> str:
+        """Return the source of one number; there are no loops, so `each` says nothing."""
+        del each
         return (
             f'fixed[{self._first(name, layout) + place}]' if name in KEPT else f'{name}[{place}]'
         )
@@ -69,17 +75,18 @@ class Row:
         return tuple_of(self.item(name, k, layout) for k in range(FIXED[name]))
 
     def texts(self, parts: list[Stage], layout: Places) -> dict[str, str]:
-        """Return the stages that end in thrusts."""
-        del layout
+        """Return the model as a thread has it, and the stages that end in thrusts."""
         lines = [line for part in parts if part.writes == ('u',) for line in part.lines]
-        return {'actuation': indented(lines), 'actuators': str(ACTUATORS)}
+        return {**thread(parts, layout), 'actuation': indented(lines)}
 
     def _first(self, name: str, layout: Places) -> int:
         counts = {'parameters': layout.parameters, **FIXED}
         return sum(counts[known] for known in KEPT[: KEPT.index(name)])
 
 
-MODEL = Template('''
+MODEL = Template(
+    f'''{STATES}
+
 $INLINE
 def rates(state, fixed, command, surroundings):
     """Return d/dt of the state."""
@@ -90,10 +97,10 @@ $bare
 $INLINE
 def thrusts_of(state, fixed, command, surroundings):
     """Return the thrust of each rotor."""
-    u = command[0:$actuators]
 $actuation
     return u
-''')
+'''
+)
 
 SENSE = """
         force = core_true_force(craft, state, rates(state, fixed, command, surroundings))
@@ -147,7 +154,7 @@ def fly(fixed, c, seed, scratch, out):
     noise, warmth, step, ticks = (0.0, 0.0, 0.0), 0.0, 0, 0
     while tally.outcome == 0:
 $before
-        surroundings = craft.wind + noise + (warmth, cell.voltage)
+        surroundings = craft.wind + noise + (warmth, cell.voltage, 0.0, 0.0, 0.0)
 $decide
         command = core_command_of(craft, duties)
         x, y = state[0], state[1]
@@ -200,8 +207,15 @@ def _surrounded(names: Sequence[str]) -> str:
 def _remembered(names: Sequence[str]) -> str:
     """Return the source of what the effects remember at the start, as more of the state."""
     whole = (0.0,) * RIGID + initial_memory()
-    values = [repr(float(whole[k])) for k in LAYOUT.places(names)[1][RIGID:]]
-    return f' + {tuple_of(values)}' if values else ''
+    texts = []
+    for name in names:
+        first = LAYOUT.remembers[name]
+        values = whole[first : first + LAYOUT.remembered(name)]
+        if values:
+            texts.append(tuple_of(repr(float(value)) for value in values))
+        if name == 'turbulence':
+            texts[-1] = 'core_eddies(seed)'
+    return ''.join(f' + {text}' for text in texts)
 
 
 def _beginning(names: Sequence[str]) -> dict[str, str]:

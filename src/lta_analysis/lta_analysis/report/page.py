@@ -22,6 +22,8 @@ from lta_config.errors import BadInput
 from plotly.offline import get_plotlyjs
 
 FILES: Final = ('vehicle_file', 'scenario_file', 'gains_file')
+CHOSEN: Final = ('vehicle', 'scenario', 'strategy', 'seed', 'time')
+MOVED: Final = ('offset_x', 'offset_y')
 SIMULATED: Final = (
     'A simulated flight. "Truth" is the state of the simulator, which no part of the drone ever '
     'sees; "estimate" is what the drone made of its simulated sensors.'
@@ -33,24 +35,27 @@ MEASURED: Final = (
 ASSETS: Final = ('page.html', 'page.css', 'page.js')
 
 
-def write_page(bag: Path, out: Path) -> Results:
+def write_page(bag: Path, out: Path, robot: str | None = None) -> Results:
     """
     Write the page of a flight and return its results.
 
     Parameters
     ----------
     bag : Path
-        rosbag2 folder or .mcap file with one robot.
+        rosbag2 folder or .mcap file.
     out : Path
         HTML file to write; replaced if it is there.
+    robot : str, optional
+        Namespace of the robot; needed only where the bag holds several.
 
     Raises
     ------
     BadInput
-        If there is no recording, or the page cannot be written.
+        If there is no recording, the robot is unknown or not the only one, or the page cannot be
+        written.
 
     """
-    flight = open_flight(bag)
+    flight = open_flight(bag, robot)
     view = View(flight)
     results = results_of(view)
     text = page(view, results, bag)
@@ -152,7 +157,7 @@ def row_html(name: str, here: str, paper: str) -> str:
 
 def facts_html(flight: Flight) -> str:
     """Return where the data come from, as a list of terms."""
-    facts = {key: value for key, value in flight.bag.provenance.items() if key not in FILES}
+    facts = {key: value for key, value in flight.provenance.items() if key not in FILES}
     facts['recording'] = 'complete' if flight.bag.complete else ' '.join(flight.bag.losses)
     return '\n'.join(
         f'<div><dt>{escape(key.replace("_", " "))}</dt><dd>{escape(value)}</dd></div>'
@@ -162,11 +167,6 @@ def facts_html(flight: Flight) -> str:
 
 def commands_html(view: View, bag: Path) -> str:
     """Return how to look further, and how to fly it again."""
-    provenance = view.provenance
-    options = [
-        word for key in ('vehicle', 'scenario', 'strategy', 'seed', 'time')
-        if key in provenance for word in (f'--{key}', provenance[key])
-    ]  # fmt: skip
     # A bag with a /clock brings the time itself; a second one would contradict it.
     clock = [] if '/clock' in view.flight.bag.topics else ['--clock']
     lines = [
@@ -174,12 +174,23 @@ def commands_html(view: View, bag: Path) -> str:
         # PlotJuggler opens files, not folders.
         ('Plot any topic', shlex.join(['plotjuggler', '-d', str(bag_files(bag)[0])])),
         ('Replay in ROS 2', shlex.join(['ros2', 'bag', 'play', str(bag), *clock])),
-        ('Fly it again', typed('fly', *options)),
+        ('Fly it again', again(view.provenance)),
     ]
     return '\n'.join(
         f'<div><dt>{escape(what)}</dt><dd><code>{escape(line)}</code></dd></div>'
         for what, line in lines
     )
+
+
+def again(provenance: Mapping[str, str]) -> str:
+    """Return the command that makes a flight again; a moved start is an argument of the launch."""
+    given = {key: provenance[key] for key in CHOSEN if key in provenance}
+    moved = {key: provenance[key] for key in MOVED if key in provenance}
+    if moved:
+        return typed(
+            'launch', 'fly', *(f'{key}:={value}' for key, value in (given | moved).items())
+        )
+    return typed('fly', *(word for key, value in given.items() for word in (f'--{key}', value)))
 
 
 def file_html(key: str, text: str) -> str:

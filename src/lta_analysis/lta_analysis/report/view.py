@@ -135,7 +135,7 @@ class View:
 
     def __init__(self, flight: Flight) -> None:
         self.flight = flight
-        self.provenance = flight.bag.provenance
+        self.provenance = flight.provenance
         self.scene = scene_of(self.provenance)
         self._read: dict[str, Any] = {}
 

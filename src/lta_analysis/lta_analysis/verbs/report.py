@@ -3,7 +3,9 @@
 from pathlib import Path
 from typing import Annotated
 
-from lta_analysis.bag.folder import bag_files, bag_in
+from lta_analysis.bag.flight import chosen
+from lta_analysis.bag.folder import bag_in
+from lta_analysis.bag.reader import read_bag
 from lta_analysis.report.page import write_page
 from lta_analysis.report.pictures import write_pictures
 from lta_bridge.bag.writer import empty_folder
@@ -14,7 +16,13 @@ import typer
 def report(
     bag: Annotated[Path, typer.Argument(help='Bag folder, results folder or .mcap file.')],
     out: Annotated[
-        Path | None, typer.Option(help='HTML file of the page; report.html beside the bag.')
+        Path | None,
+        typer.Option(
+            help='HTML file of the page; report.html, or report-ROBOT.html, beside the bag.'
+        ),
+    ] = None,
+    robot: Annotated[
+        str | None, typer.Option(help='Robot to report on; needed where the bag holds several.')
     ] = None,
     pictures: Annotated[
         Path | None, typer.Option(help='Folder for each picture as PNG; needs a Chromium.')
@@ -24,13 +32,16 @@ def report(
     Write the page of a recorded flight, and its pictures if a folder for them is given.
 
     Example: lta report runs/20261120-lamp_room-1/bag --pictures thesis/figures
+
+    Example: lta report pair/bag --robot lta2
     """
     bag = bag_in(bag)
-    bag_files(bag)  # nothing is made where there is no bag
-    page = (out or bag.absolute().parent / 'report.html').absolute()
+    chosen(read_bag(bag), robot)  # nothing is made where there is nothing to report on
+    name = 'report.html' if robot is None else f'report-{robot}.html'
+    page = (out or bag.absolute().parent / name).absolute()
     if pictures is not None:
         empty_folder(pictures)
-    write_page(bag, page)
+    write_page(bag, page, robot)
     console = Console()
     console.print(f'Page {page}', highlight=False, soft_wrap=True)
     if pictures is not None:

@@ -17,7 +17,9 @@ def simulate(
     vehicle: Annotated[str, typer.Option(help='Vehicle name or file.')] = 'gtmab',
     scenario: Annotated[str, typer.Option(help='Scenario name or file.')] = 'lamp_room',
     strategy: Annotated[str, typer.Option(help='Navigation strategy.')] = 'bag',
-    gains: Annotated[str, typer.Option(help="Controller's gains, name or file.")] = 'gtmab',
+    gains: Annotated[
+        str, typer.Option(help="Controller's gains, name or file; the vehicle's own by default.")
+    ] = '',
     seed: Annotated[int, typer.Option(help='Seed of all chance.', min=0, max=2**31 - 1)] = 1,
     changes: Annotated[
         list[str] | None,

@@ -13,22 +13,24 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 import time
+from typing import Any
 
 from lta_bridge.bag.qos import offered_qos
 from lta_bridge.bag.storage import free_space, StorageFault
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.bookkeeping import Bookkeeping
 from lta_bridge.cdr import serialise
-from lta_bridge.provenance import provenance
+from lta_bridge.provenance import joined, provenance
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
-from lta_config.topics import robot_topic
+from lta_config.topics import is_name, robot_topic
 from lta_graph.health import Level
 from lta_graph.interrupts import held_interrupts
 from lta_graph.ros.node import GraphNode, message_type, run
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.qos import profile
 from lta_graph.ros.spin import spin
+from pydantic import create_model
 from rclpy.clock import Clock, ClockType
 from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
@@ -42,15 +44,45 @@ DEPTH = 1000  # messages that may wait while the disk is slow
 NAP_NS = 5_000_000  # between looks: waking up for every message would cost half a core
 
 
-class RecorderSettings(Settings):
-    """Where to, and what the bag says of its origin."""
+class Origin(Settings):
+    """What the bag says of a robot's origin."""
 
-    bag: str = setting('bag', 'Folder of the bag; it must not exist yet or be empty.', fixed=True)
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
     scenario: str = setting('lamp_room', 'Scenario name or file.', fixed=True)
     gains: str = setting('gtmab', "Name or file of the controller's gains.", fixed=True)
     strategy: str = setting('bag', 'Navigation strategy.', fixed=True)
     seed: int = setting(1, 'Seed of all chance.', low=0, high=2**31 - 1, fixed=True)
+    offset_x: float = setting(
+        0.0, "Start, east of the scenario's.", unit='m', low=-1e3, high=1e3, fixed=True
+    )
+    offset_y: float = setting(
+        0.0, "Start, north of the scenario's.", unit='m', low=-1e3, high=1e3, fixed=True
+    )
+
+
+class RecorderSettings(Origin):
+    """Where to, and what the bag says of its origin."""
+
+    bag: str = setting('bag', 'Folder of the bag; it must not exist yet or be empty.', fixed=True)
+    robots: str = setting(
+        '',
+        'Namespaces of the robots to record, with spaces between; the own one where empty. Of '
+        'several, lta2.seed and so on tell the origin of each.',
+        fixed=True,
+    )
+
+
+def origins(node: GraphNode, robots: list[str]) -> dict[str, Origin]:
+    """Declare and return the origin of each robot, its parameters named `lta2.seed`."""
+    for name in robots:
+        if not is_name(name) or robots.count(name) > 1:
+            raise BadInput(
+                f"The recorder's robots are '{' '.join(robots)}', but '{name}' is no name or "
+                'stands twice; give different namespaces.'
+            )
+    fields: Any = {name: (Origin, setting(Origin(), f'Origin of {name}.')) for name in robots}
+    told = Parameters(node, create_model('Origins', __base__=Settings, **fields)).value
+    return {name: getattr(told, name) for name in robots}
 
 
 class Recorder(GraphNode):
@@ -59,15 +91,12 @@ class Recorder(GraphNode):
     def __init__(self) -> None:
         super().__init__('recorder')
         settings = Parameters(self, RecorderSettings).value
-        origin = provenance(
-            settings.vehicle,
-            settings.scenario,
-            settings.gains,
-            strategy=settings.strategy,
-            seed=str(settings.seed),
-            time='lockstep' if self.lockstep else 'realtime',
-        )
-        self._books = Bookkeeping(self.table, self.lockstep)
+        robots = settings.robots.split()
+        found = {name: self._told(item) for name, item in origins(self, robots).items()}
+        origin = joined(found) if found else self._told(settings)
+        robots = robots or [self.get_namespace().strip('/')]
+        self._books = {name: Bookkeeping(self.table, self.lockstep) for name in robots}
+        self._common = Bookkeeping(self.table, self.lockstep)
         self._fault = ''
         self._latest = time.monotonic()
         with ExitStack() as unfinished:
@@ -75,16 +104,31 @@ class Recorder(GraphNode):
                 self._writer = BagWriter(Path(settings.bag), origin)
                 unfinished.callback(self._writer.close)  # ... and closed, whoever ends it here
             for name, topic in self.table.topics.items():
-                if topic.recorded:
-                    self._record(name)
+                for robot in robots if topic.recorded else []:
+                    self._record(robot, name)
             self._writer.flush()
             steady = Clock(clock_type=ClockType.STEADY_TIME)
             self.create_timer(FLUSH_PERIOD, self._flush, clock=steady)
             unfinished.pop_all()
 
-    def _record(self, name: str) -> None:
+    def _told(self, origin: Origin) -> dict[str, str]:
+        """Return a robot's origin as the bag tells it."""
+        moved = {'offset_x': origin.offset_x, 'offset_y': origin.offset_y}
+        return provenance(
+            origin.vehicle,
+            origin.scenario,
+            origin.gains,
+            strategy=origin.strategy,
+            seed=str(origin.seed),
+            time='lockstep' if self.lockstep else 'realtime',
+            **{name: str(value) for name, value in moved.items() if value},
+        )
+
+    def _record(self, robot: str, name: str) -> None:
+        """Record a topic of a robot; what is of all robots is recorded once."""
         topic = self.table[name]
-        robot = self.get_namespace().strip('/')
+        if name.startswith('/') and robot != next(iter(self._books)):
+            return
         offered = profile(topic, self.lockstep)
         words = offered.reliability.name.lower(), offered.durability.name.lower()
         absolute = robot_topic(robot, name) if robot else f'/{name.lstrip("/")}'
@@ -94,10 +138,17 @@ class Recorder(GraphNode):
             reliability=offered.reliability,
             durability=offered.durability,
         )
-        callback = self._writes(name, absolute)
-        self.create_subscription(message_type(topic), name, callback, asked, raw=True)
+        callback = self._writes(robot, name, absolute)
+        self.create_subscription(message_type(topic), absolute, callback, asked, raw=True)
 
-    def _writes(self, name: str, absolute: str) -> Callable[[bytes], None]:
+    def _log_time(self, robot: str, name: str, data: bytes) -> int:
+        """Return when a message was published; what is of all robots is as new as the newest."""
+        if not name.startswith('/'):
+            return self._books[robot].log_time(name, data)
+        self._common.log_time(name, data)
+        return max(books.now for books in self._books.values())
+
+    def _writes(self, robot: str, name: str, absolute: str) -> Callable[[bytes], None]:
         topic = self.table[name]
         varying = topic.repeatable and topic.type in VARYING
         kind = message_type(topic)
@@ -106,7 +157,7 @@ class Recorder(GraphNode):
             self._latest = time.monotonic()
             if not self._fault:
                 try:
-                    when = self._books.log_time(name, data)
+                    when = self._log_time(robot, name, data)
                     kept = serialise(deserialize_message(data, kind)) if varying else data
                     self._writer.write(absolute, kept, when)
                 except StorageFault as fault:
@@ -131,8 +182,11 @@ class Recorder(GraphNode):
 
     def _report(self) -> None:
         """Tell how many messages came, and what is wrong with which topics."""
-        books = self._books
-        wrong = {'lost': books.lost, 'with a wild stamp': books.wild, 'cut short': books.torn}
+        wrong = {
+            'lost': self._counted('lost'),
+            'with a wild stamp': self._counted('wild'),
+            'cut short': self._counted('torn'),
+        }
         words = [
             f'{sum(found.values())} messages {what}' for what, found in wrong.items() if found
         ]
@@ -145,9 +199,18 @@ class Recorder(GraphNode):
             'recording',
             Level.WARN if words else Level.OK,
             ', '.join(words) or 'recording',
-            messages=sum(books.counts.values()),
+            messages=sum(self._counted('counts').values()),
             **by_topic,
         )
+
+    def _counted(self, what: str) -> dict[str, int]:
+        """Return a count of the books by topic, with the robot's name before it of several."""
+        several = len(self._books) > 1
+        found: dict[str, int] = dict(getattr(self._common, what))
+        for robot, books in self._books.items():
+            for name, count in getattr(books, what).items():
+                found[robot_topic(robot, name) if several else name] = count
+        return found
 
     def _give_up(self, reason: str) -> None:
         """End the recording and the process; the sentence is said once the bag is closed."""

@@ -14,13 +14,15 @@ from lta_control.allocation import new_scratch
 from lta_control.cascade import CascadeGains, Measured, Setpoint
 from lta_control.control import control_step, ControlMemory, elapsed, landed, TILT_LIMIT
 from lta_control.gains_file import load_gains
-from lta_control.messages import from_duties, is_level, to_measured, to_setpoint
+from lta_control.laws.aboard import Aboard, CASCADE, law_named
+from lta_control.messages import from_duties, is_level, to_measured, to_motion, to_setpoint
 from lta_control.vehicle_side import rotors_of, surge_drag_of
 from lta_graph.health import Level
 from lta_graph.inbox import Step
 from lta_graph.ros.node import from_stamp, GraphNode, run
 from lta_graph.ros.parameters import Parameters
 from lta_sim.vehicle import load_vehicle
+from nav_msgs.msg import Odometry
 from std_srvs.srv import SetBool, Trigger
 
 DESCENT = 0.2  # m below itself, for a drone that comes down on its own: an unhurried climb rate
@@ -30,6 +32,7 @@ class ControllerSettings(Settings):
     """The vehicle, the gains and when to give up."""
 
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
+    law: str = setting('', 'Control law; that of the vehicle where empty.', fixed=True)
     armed: bool = setting(False, 'Whether the motors may run from the start.', fixed=True)
     hold_after: float = setting(
         0.5,
@@ -44,7 +47,7 @@ class ControllerSettings(Settings):
     tilt_limit: float = setting(
         TILT_LIMIT, 'Tilt beyond which the motors stop.', unit='rad', low=0.1, high=3.2
     )
-    gains: CascadeGains = setting(load_gains('gtmab'), 'The cascade; by default GT-MAB.')
+    gains: CascadeGains = setting(load_gains('gtmab'), 'The cascade; other laws read their own.')
 
 
 class Controller(GraphNode):
@@ -58,6 +61,8 @@ class Controller(GraphNode):
         self._rotors = rotors_of(vehicle)
         self._names = vehicle.rotor_names
         self._standing = vehicle.standing_height
+        name = self._settings.value.law or law_named(vehicle)
+        self._law = None if name == CASCADE else Aboard(name, vehicle)
         self._memory = ControlMemory()
         self._scratch = new_scratch()
         self._pose: PoseStamped | None = None
@@ -97,11 +102,11 @@ class Controller(GraphNode):
         known = measured is not None and all(map(math.isfinite, measured))
         if self._armed and known and not is_level(odom, self._settings.value.tilt_limit):
             self._stop('turned over: the motors are off until the controller restarts')
-        duties = self._duties(step.stamp_ns, measured)
+        duties = self._duties(step.stamp_ns, odom, measured)
         self._last_ns = step.stamp_ns
         self._motors.publish(from_duties(odom.header.stamp, self._names, duties))
 
-    def _duties(self, now_ns: int, measured: Measured | None) -> tuple[float, ...]:
+    def _duties(self, now_ns: int, odom: Odometry, measured: Measured | None) -> tuple[float, ...]:
         if not self._armed or measured is None or self._pose is None or self._velocity is None:
             return self._off('' if self._stopped else 'off')
         setpoint = self._fresh(now_ns, measured, self._pose, self._velocity)
@@ -110,6 +115,9 @@ class Controller(GraphNode):
             return self._off()
         if landed(measured, setpoint, self._standing):
             return self._off('on the ground')
+        dt = elapsed(self._last_ns, now_ns, self.table.control_ns)
+        if self._law is not None:
+            return self._law.step(to_motion(odom), setpoint, dt).duties
         duties, self._memory = control_step(
             self._settings.value.gains,
             self._rotors,
@@ -117,7 +125,7 @@ class Controller(GraphNode):
             self._memory,
             measured,
             setpoint,
-            elapsed(self._last_ns, now_ns, self.table.control_ns),
+            dt,
             self._scratch,
         )
         return duties
@@ -125,6 +133,8 @@ class Controller(GraphNode):
     def _off(self, text: str = '') -> tuple[float, ...]:
         """Return no duty at all, and forget what the loops had wound up."""
         self._memory = ControlMemory()
+        if self._law is not None:
+            self._law.forget()
         if text:
             self.health.report('motors', Level.OK, text)
         return (0.0,) * len(self._names)

@@ -25,21 +25,23 @@ class DiagnosticsListener:
 
     Parameters
     ----------
-    robot : str
-        Namespace of the nodes to hear; /diagnostics is of all robots on the domain.
+    robots : str
+        Namespaces of the nodes to hear; /diagnostics is of all robots on the domain.
 
     Attributes
     ----------
     facts : dict of str to Fact
-        By 'NODE: TASK'.
+        By 'NODE: TASK', or 'ROBOT/NODE: TASK' where several robots are heard.
 
     """
 
-    def __init__(self, robot: str = 'lta1') -> None:
-        self._robot = robot
+    def __init__(self, *robots: str) -> None:
+        heard = robots or ('lta1',)
+        self._prefix = {name: f'{name}/' if name and len(heard) > 1 else '' for name in heard}
         self.facts: dict[str, Fact] = {}
         self._heard: dict[str, float] = {}
         self._begun: float | None = None
+        self._complete: float | None = None
         self._context = Context()
 
     def __enter__(self) -> Self:
@@ -70,14 +72,15 @@ class DiagnosticsListener:
         self._context.try_shutdown()
 
     def _hear(self, message: DiagnosticArray) -> None:
-        ours = [status for status in message.status if status.hardware_id == self._robot]
+        ours = [status for status in message.status if status.hardware_id in self._prefix]
         if ours:
             self._begun = self._begun or time.monotonic()
         for status in ours:
             values = {item.key: item.value for item in status.values}
             level = Level(int.from_bytes(status.level, 'little'))
-            self.facts[status.name] = Fact(status.name, level, status.message, values)
-            self._heard[status.name.partition(':')[0]] = time.monotonic()
+            task = self._prefix[status.hardware_id] + status.name
+            self.facts[task] = Fact(task, level, status.message, values)
+            self._heard[task.partition(':')[0]] = time.monotonic()
 
     def poll(self, timeout: float) -> dict[str, Fact]:
         """Listen for a while and return the newest fact of each 'NODE: TASK'."""
@@ -103,3 +106,16 @@ class DiagnosticsListener:
     def hears(self, nodes: Iterable[str]) -> bool:
         """Tell whether all of some nodes have been heard: DDS may take seconds to find them."""
         return self._heard.keys() >= set(nodes)
+
+    def settled(self, nodes: Iterable[str]) -> bool:
+        """
+        Tell whether silence means something.
+
+        While others still load, a node that runs may get no turn for a second. So all of some
+        nodes must have been heard, and have had the time to report again.
+        """
+        now = time.monotonic()
+        patient = self._begun is not None and now - self._begun > DISCOVERY
+        if self._complete is None and (patient or self.hears(nodes)):
+            self._complete = now
+        return self._complete is not None and now - self._complete > SILENCE

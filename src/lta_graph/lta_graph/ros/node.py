@@ -157,6 +157,13 @@ class GraphNode(Node):
             if now - heard > PATIENCE + 1e-9 * self.table[name].period_ns
         ]
 
+    def source(self, name: str) -> str:
+        """Return the role that a topic comes from, absolute (`/lta2/vehicle`) like its name."""
+        if name in self.table.topics:
+            return self.table[name].source
+        robot, _, relative = name.strip('/').partition('/')
+        return f'/{robot}/{self.table[relative].source}'
+
     def _watch(self) -> None:
         """Name what is missing once patience is over, and publish health when it is due."""
         now = time.monotonic()
@@ -167,7 +174,7 @@ class GraphNode(Node):
             self._waiting_since = now
         patience = PATIENCE if self.lockstep else 0.0
         if self._waiting_since is not None and now - self._waiting_since >= patience:
-            suspects = sorted({self.table[name].source for name in missing})
+            suspects = sorted({self.source(name) for name in missing})
             self.health.report(
                 'inputs',
                 Level.ERROR,

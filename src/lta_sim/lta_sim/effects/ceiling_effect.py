@@ -39,7 +39,9 @@ def extra(
     if thrust * up <= 0.0:
         return 0.0
     share = radius / max(ceiling - rotor_height(motion, rotor), 0.25 * radius)
-    return 0.5 * gain * (math.sqrt(1.0 + 0.125 * share * share) - 1.0) * abs(up) * thrust
+    # x / (sqrt(1 + x) + 1) is sqrt(1 + x) - 1 without the loss of digits far below.
+    x = 0.125 * share * share
+    return 0.5 * gain * x / (math.sqrt(1.0 + x) + 1.0) * abs(up) * thrust
 
 
 def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:

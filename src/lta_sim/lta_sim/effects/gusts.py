@@ -9,7 +9,8 @@ the time in which the vehicle flies its length; a `hold` longer than the flight 
 does there, none gives the full wave of certification rules. The gust is the same everywhere, so
 all of its change is a pressure gradient, and an inviscid neutral hull goes with it exactly.
 
-The memory is a clock, so that a state says where in its gust it is. [s]
+The memory is a clock, so that a state says where in its gust it is; without a gust it stands, as
+the memory of every effect that is off. [s]
 """
 
 from collections.abc import Mapping
@@ -48,7 +49,7 @@ def air(p: Values, memory: Values, place: Place) -> Wrench:
 def rate(p: Values, memory: Values, place: Place) -> Values:
     """Return how fast time goes."""
     x, y, z, begin, length, hold = p  # noqa: RUF059
-    return (1.0,)
+    return (1.0 if length > 0.0 else 0.0,)
 
 
 def check(values: Mapping[str, float]) -> str:

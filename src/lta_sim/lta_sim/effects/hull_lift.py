@@ -13,11 +13,24 @@ numbers as parameters:
     M3 = q (yaw + yaw_alpha alpha + yaw_beta beta)          - yaw_rate r
     F = R (-D, S, -L),   N = R (M1, M2, M3),   R: wind to body
 
-moments over a length of 1 m, damping by the body rates p, q, r, as published. Wind axes have no
-meaning at rest or in pure side-slip, and the published law jumps there and in backward flight, to
-which nobody fitted it. Here angles, sines and cosines fade below SLOW = 1 mm/s, damping goes over
-into body axes, and alpha is measured from the end of the hull that goes first: the wrench is
-smooth everywhere, and within a few (SLOW / V)^2 of the published one in forward flight.
+moments over a length of 1 m, damping by the body rates p, q, r, as published: for forward flight
+at moderate angles, to which it was fitted (|alpha| is below 24 degrees in 99.9 % of the authors'
+data). Beyond, it jumps, its damping drives, and its lift pulls a hull that sinks backwards down.
+So here, with SLOW = 1 mm/s:
+
+    alpha = atan2(v_z, |v_x, SLOW|),     beta = atan2(v_y, |v_x, v_z, SLOW|)
+    cos a = v_x / |v_x, v_z, SLOW|,      sin a = v_z / |v_x, v_z, SLOW|
+    cos b = |v_x, v_z, SLOW| / |v, SLOW|,    sin b = v_y / |v, SLOW|
+
+in R; alpha is seen from the end of the hull that goes first. Backwards the hull has the law of its
+mirror image, so that L, M1 and M2 are times e, and the damping goes over into body axes between:
+
+    e = t (3 - t^2) / 2,   t = 2 f |f| within -1 and 1,   f = cos a cos b
+    k = |e| (v_x^2 + v_z^2) / |v_x, v_z, SLOW|^2,    d = -(roll_rate p, pitch_rate q, yaw_rate r)
+    N_damping = k R (s d_1, d_2, s d_3) + (1 - k) d,   s the sign of e
+
+e is 1 within 45 degrees of straight ahead. The slope of the wrench has no jump, and there it is
+within a few (SLOW / V)^2 of the published one.
 
 It has all of the hull's drag, so the drags axis by axis stay at null for the translations. Moments
 that were measured contain the Munk moment: a vehicle that also has an added mass takes that of the
@@ -96,15 +109,18 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     ca, sa, cb, sb = x / flat, z / flat, flat * scale, y * scale
     alpha, beta = math.atan2(z, math.sqrt(x * x + SLOW * SLOW)), math.atan2(y, flat)
     a2, b2 = alpha * alpha, beta * beta
+    along = ca * cb
+    t = min(1.0, max(-1.0, 2.0 * along * abs(along)))
+    e = 0.5 * t * (3.0 - t * t)
     q = 0.5 * density * area * square
     force = (
         -q * (drag + drag_alpha2 * a2 + drag_beta2 * b2),
         q * (side + side_alpha2 * a2 + side_beta * beta),
-        -q * (lift + lift_alpha * alpha + lift_beta2 * b2),
+        -q * e * (lift + lift_alpha * alpha + lift_beta2 * b2),
     )
     moment = (
-        q * (roll + roll_alpha * alpha + roll_beta * beta),
-        q * (pitch + pitch_alpha * alpha + pitch_beta4 * b2 * b2),
+        q * e * (roll + roll_alpha * alpha + roll_beta * beta),
+        q * e * (pitch + pitch_alpha * alpha + pitch_beta4 * b2 * b2),
         q * (yaw + yaw_alpha * alpha + yaw_beta * beta),
     )
     damping = (
@@ -112,17 +128,19 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
         pitch_rate * motion.rates[1],
         yaw_rate * motion.rates[2],
     )
+    share = level / (flat * flat)
+    ahead, wind = share * e, share * abs(e)
+    turning = (ahead * damping[0], wind * damping[1], ahead * damping[2])
+    d = from_wind(ca, sa, cb, sb, turning)
     f, n = from_wind(ca, sa, cb, sb, force), from_wind(ca, sa, cb, sb, moment)
-    d = from_wind(ca, sa, cb, sb, damping)
-    wind = level / (flat * flat)
     body = 1.0 - wind
     return (
         f[0],
         -f[1],
         -f[2],
-        n[0] + wind * d[0] + body * damping[0],
-        -(n[1] + wind * d[1] + body * damping[1]),
-        -(n[2] + wind * d[2] + body * damping[2]),
+        n[0] + d[0] + body * damping[0],
+        -(n[1] + d[1] + body * damping[1]),
+        -(n[2] + d[2] + body * damping[2]),
     )
 
 

@@ -12,8 +12,9 @@ turns it left). dF is what comes on top of B T; what the turned jet does to the 
 
 To first order in the angles: linear in them, as identification wants it, and no sines for eight
 rotors in every stage. Against the exact rotation the force is T theta^2 / 2 off along the axis and
-T theta^3 / 6 across it. The bound of 0.2 rad (11 degrees) keeps that within 2 % and 0.14 % of the
-thrust; what points farther off has another axis, which belongs in the vehicle file.
+T |theta|^3 / 6 across it. The bounds of 0.2 rad (11 degrees) keep that within 2 % and 0.14 % of
+the thrust for one angle, 4 % and 0.4 % for both at once; what points farther off has another axis,
+which belongs in the vehicle file.
 """
 
 import math

@@ -13,8 +13,9 @@ shorter than L / V it takes over, and the spectrum stays defined at rest. Across
 along is the horizontal direction of the mean wind, or map x in still air.
 
 The noise is that of the surroundings, held during a control period d. This keeps the variance to
-tanh(d / 2T) 2T / d, 1 - (d / T)^2 / 12, of sigma^2. The memory is in units of sigma; it starts at
-rest and is stationary after a few T.
+tanh(d / 2T) 2T / d, 1 - (d / T)^2 / 12, of sigma^2. The memory is in units of sigma. At its
+initial values the air is at rest and stationary after a few T; `stationary` draws what it is then:
+of variance 1 along, 1/2 and 1/4 across and up, whose two states have the covariance 1/4.
 
     DU/Dt = 0
 
@@ -87,6 +88,14 @@ def rate(p: Values, memory: Values, place: Place) -> Values:
         math.sqrt(c) * noise[NOISE + 2] - c * memory[3],
         c * (memory[3] - memory[4]),
     )
+
+
+def stationary(normals: Values) -> Values:
+    """Return a memory as turbulence has it that has blown for long, from five standard normals."""
+    head, side, sideways, rise, rising = normals
+    side, rise = side * math.sqrt(0.5), rise * math.sqrt(0.5)
+    rest = math.sqrt(0.125)  # deviation of the second state where the first is known
+    return (head, side, 0.5 * side + rest * sideways, rise, 0.5 * rise + rest * rising)
 
 
 def check(values: Mapping[str, float]) -> str:

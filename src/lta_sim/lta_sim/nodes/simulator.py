@@ -4,8 +4,12 @@ The simulator node: plays the vehicle.
 In lockstep it publishes a state, waits for the duties that answer it, and steps on; in real time
 it paces on the wall clock. It also referees: the process ends with status 0 when the flight has
 reached its goal, run out of time or left the room, and says which.
+
+Simulators of one launch keep together in time (see `lta_graph.peers`), and one of them tells
+/clock for all. Whose flight is over stands still and stays until the others have ended too.
 """
 
+from collections.abc import Iterable
 import json
 import operator
 import sys
@@ -15,20 +19,23 @@ from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
 from lta_graph.health import Level
 from lta_graph.inbox import Step
+from lta_graph.ros.company import Company, OVER, PULSE
 from lta_graph.ros.node import from_stamp, GraphNode, run, to_stamp
 from lta_graph.ros.parameters import Parameters
 from lta_sim import messages
 from lta_sim.readings import Outcome, Readings
 from lta_sim.scenario import load_scenario
+from lta_sim.start_offset import FAR, started
 from lta_sim.vehicle import load_vehicle
 from lta_sim.world import World
 from rclpy.clock import Clock, ClockType
+from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock as ClockMessage
 
 STALE_NS = 300_000_000  # commands older than this stop the motors, as on the real vehicle
 SLIP = 50  # control periods of delay that are made up for at once
 CLOCK_PERIOD = 0.02  # wall seconds between two /clock
-PATIENCE = 20.0  # wall seconds for the graph to come up
+PATIENCE = 20.0  # wall seconds for the graph of one drone to come up
 
 
 class SimulatorSettings(Settings):
@@ -37,7 +44,17 @@ class SimulatorSettings(Settings):
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
     scenario: str = setting('lamp_room', 'Scenario name or file.', fixed=True)
     seed: int = setting(1, 'Seed of all chance.', low=0, high=2**31 - 1, fixed=True)
+    offset_x: float = setting(
+        0.0, "Start, east of the scenario's.", unit='m', low=-FAR, high=FAR, fixed=True
+    )
+    offset_y: float = setting(
+        0.0, "Start, north of the scenario's.", unit='m', low=-FAR, high=FAR, fixed=True
+    )
     record: bool = setting(False, 'Whether to wait for a recorder.', fixed=True)
+    clock: bool = setting(True, 'Whether to tell /clock: one simulator does.', fixed=True)
+    peers: str = setting(
+        '', 'Namespaces of drones to keep together with in time, with spaces between.', fixed=True
+    )
 
 
 class Simulator(GraphNode):
@@ -46,12 +63,17 @@ class Simulator(GraphNode):
     def __init__(self) -> None:
         super().__init__('simulator', role='vehicle')
         self._settings = Parameters(self, SimulatorSettings).value
-        scenario = load_scenario(self._settings.scenario)
+        offset = self._settings.offset_x, self._settings.offset_y
+        scenario = started(load_scenario(self._settings.scenario), *offset)
         vehicle = load_vehicle(self._settings.vehicle, scenario.air.density)
         self._world = World(vehicle, scenario, self.table, self._settings.seed)
-        self._outputs = {name: self.output(name) for name in self.table.published_by('vehicle')}
+        names = self.table.published_by('vehicle')
+        if not self._settings.clock:
+            names.remove('/clock')
+        self._outputs = {name: self.output(name) for name in names}
         inputs = self.table.read_by('vehicle')
         self.listen(inputs, trigger='motors', on_step=self._on_motors)
+        self._company = Company(self, self._settings.peers.split(), self._on_news)
         self._duties = [0.0] * len(vehicle.rotor_names)
         self._lowest = [-1.0 if reversible else 0.0 for reversible in vehicle.reversible]
         self._refused = False
@@ -80,16 +102,19 @@ class Simulator(GraphNode):
             readers = set(self.table[name].subscribers)
             if self._settings.record and self.table[name].recorded:
                 readers.add('recorder')
+            if name == PULSE:
+                readers |= {f'{peer}/vehicle' for peer in self._company.names}
             if publisher.get_subscription_count() < len(readers):
                 waiting |= readers
         return sorted(waiting)
 
     def _wait_for_graph(self) -> None:
-        deadline = time.monotonic() + PATIENCE
+        patience = PATIENCE * (1 + len(self._company.names))
+        deadline = time.monotonic() + patience
         while self.running and (missing := self._lonely()):
             if time.monotonic() > deadline:
                 raise BadInput(
-                    f'After {PATIENCE:.0f} s the simulator still waits for {", ".join(missing)}; '
+                    f'After {patience:.0f} s the simulator still waits for {", ".join(missing)}; '
                     'start them, or see "lta doctor" on discovery between processes.'
                 )
             time.sleep(0.02)
@@ -100,6 +125,28 @@ class Simulator(GraphNode):
         self._commanded_ns = from_stamp(step.messages['motors'][-1].header.stamp)
         if self.lockstep:
             self._step()
+
+    def _on_news(self) -> None:
+        """Go on when the others let us, or leave with them."""
+        if self._finished is None:
+            if self.lockstep and self._company.holding:
+                self._step()
+        elif self._company.flying:
+            self._tell_clock(self._company.now(self._world.stamp_ns))
+        else:
+            self.running = False
+
+    def awaited(self) -> Iterable[Subscription]:
+        """Return what to wake up for: the others, where they are what we wait for."""
+        if self._company.holding or self._finished is not None:
+            return self._company.subscriptions
+        return super().awaited()
+
+    def missing(self) -> list[str]:
+        """Return the inputs that this node is waiting for: none once its flight is over."""
+        if self._finished is not None:
+            return []
+        return self._company.missing() if self._company.holding else super().missing()
 
     def _take(self, names: list[str], duties: list[float]) -> None:
         """Accept a command, or stop the motors on one that cannot be meant."""
@@ -132,15 +179,25 @@ class Simulator(GraphNode):
         while self._world.steps < due and self.running:
             if self._world.stamp_ns - self._commanded_ns > STALE_NS:
                 self._duties = [0.0] * len(self._duties)
-            self._step()
+            if not self._step():
+                # What the others take longer is not made up for: all would fly by fits and starts.
+                self._anchor = time.monotonic() - self._world.steps * period
+                return
 
-    def _step(self) -> None:
+    def _step(self) -> bool:
+        """Fly a control step; False where there is none to fly, or not yet."""
+        if self._finished is not None:
+            return False
         if self._ended():
             self._finished = time.monotonic()
-            self.running = False
-            return
+            self._watch()  # the others may be waiting for this
+            self._on_news()
+            return False
+        if not self._company.lets(self._world.stamp_ns + self.table.control_ns):
+            return False
         self._world.advance(self._duties)
         self._publish()
+        return True
 
     def _ended(self) -> bool:
         """Tell whether to stop: one control step after a light block, when all have answered."""
@@ -153,10 +210,14 @@ class Simulator(GraphNode):
         self._publish_motion(readings)
         self._world.sense_rest(readings)
         self._publish_rest(readings)
+        self._tell_clock(readings.stamp_ns)
+
+    def _tell_clock(self, stamp_ns: int) -> None:
+        """Publish graph time, if that is due and ours to do. [ns]"""
         now = time.monotonic()
-        if now - self._clocked >= CLOCK_PERIOD:
+        if self._settings.clock and now - self._clocked >= CLOCK_PERIOD:
             self._clocked = now
-            self._outputs['/clock'].publish(ClockMessage(clock=to_stamp(readings.stamp_ns)))
+            self._outputs['/clock'].publish(ClockMessage(clock=to_stamp(stamp_ns)))
 
     def _publish_motion(self, readings: Readings) -> None:
         """Publish range, pressure and IMU, the last of which the estimator answers."""
@@ -205,7 +266,8 @@ class Simulator(GraphNode):
         """Tell how the flight stands at every look, for progress bars."""
         standing = self._standing()
         text = f'{standing["sentence"]}, {standing["distance_m"]} m from the lamp'
-        self.health.report('flight', Level.OK, text, **standing)
+        over = {OVER: self._finished is not None}
+        self.health.report('flight', Level.OK, text, **standing, **over)
         self.health.changed = True
         super()._watch()
 

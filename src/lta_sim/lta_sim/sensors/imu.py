@@ -13,9 +13,14 @@ from typing import final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
+from lta_sim.compiled import compiled
+from lta_sim.measurement import Chain, read
 from lta_sim.rigid_body import rotation
+import numpy as np
 from numpy.random import Generator
+from numpy.typing import NDArray
 
+Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
 DEGREE = math.pi / 180.0
 
@@ -160,29 +165,6 @@ def specific_force(
     )
 
 
-def felt(
-    state: Sequence[float], rate: Sequence[float], position: Vector, gravity: float
-) -> Vector:
-    """
-    Return what an accelerometer feels, from a state of `lta_sim.state` and its derivative.
-
-    Parameters
-    ----------
-    state, rate : sequence of float
-        The state and its derivative. [SI]
-    position : tuple of float
-        Place of the sensor in the body frame. [m]
-    gravity : float
-        Acceleration of free fall. [m/s^2]
-
-    """
-    x, y, z, w, a, b, c, i, j, k = state[3:13]
-    ax, ay, az, bx, by, bz = rate[7:13]
-    turn = rotation((x, y, z, w))
-    up = (turn[6], turn[7], turn[8])
-    return specific_force((a, b, c), (i, j, k), (ax, ay, az), (bx, by, bz), up, position, gravity)
-
-
 def measure(
     errors: ImuErrors, force: Vector, rates: Vector, rng: Generator
 ) -> tuple[Vector, Vector]:
@@ -204,20 +186,105 @@ def measure(
         Specific force [m/s^2] and angular rate [rad/s], rounded to counts, clipped at full scale.
 
     """
-    # Written out: this is called at every control step.
-    draws = rng.standard_normal(6).tolist()
-    told = []
-    for truth, gain, offset, noise, draw_, step, end in zip(
-        (*force, *rates),
-        errors.gain,
-        errors.offset,
-        errors.noise,
-        draws,
-        errors.step,
-        errors.full_scale,
-        strict=True,
-    ):
-        value = round((gain * truth + offset + noise * draw_) / step) * step
-        told.append(end if value > end else -end if value < -end else value)
-    x, y, z, a, b, c = told
+    chance = rng.standard_normal(6)
+    _tell((*force, *rates), _rows(errors), chance)
+    x, y, z, a, b, c = chance.tolist()
     return (x, y, z), (a, b, c)
+
+
+def _rows(errors: ImuErrors) -> Array:
+    """Return the errors as compiled code takes them, a row for each kind."""
+    kinds = (errors.gain, errors.offset, errors.noise, errors.step, errors.full_scale)
+    return np.array(kinds)
+
+
+def _tell(truth: Sequence[float] | Array, errors: Array, chance: Array) -> None:
+    """Put readings of the truth into the place of the normal deviates in them."""
+    for i in range(6):
+        step, end = errors[3, i], errors[4, i]
+        raw = errors[0, i] * truth[i] + errors[1, i] + errors[2, i] * chance[i]
+        value = round(raw / step) * step
+        chance[i] = end if value > end else -end if value < -end else value
+
+
+def _feel(state: Array, rate: Array, place: Array, truth: Array) -> None:
+    """Write true specific force and rates at the sensor; `place` ends with gravity."""
+    turn = rotation((state[3], state[4], state[5], state[6]))
+    w = (state[10], state[11], state[12])
+    truth[0], truth[1], truth[2] = specific_force(
+        (state[7], state[8], state[9]),
+        w,
+        (rate[7], rate[8], rate[9]),
+        (rate[10], rate[11], rate[12]),
+        (turn[6], turn[7], turn[8]),
+        (place[0], place[1], place[2]),
+        place[3],
+    )
+    truth[3], truth[4], truth[5] = w
+
+
+def _sample(
+    state: Array, rate: Array, place: Array, truth: Array, errors: Array, chance: Array
+) -> None:
+    """Do both, where no effect comes between them."""
+    _feel(state, rate, place, truth)
+    _tell(truth, errors, chance)
+
+
+@final
+class Imu:
+    """
+    The sensor of one flight, compiled: it is read at every control step.
+
+    Parameters
+    ----------
+    errors : ImuErrors
+        Of this flight.
+    position : tuple of 3 floats
+        Place in the body frame. [m]
+    gravity : float
+        Acceleration of free fall. [m/s^2]
+    rng : Generator
+        Source of chance.
+    on_force, on_rates : Chain
+        Measurement effects of the vehicle.
+
+    """
+
+    def __init__(
+        self,
+        errors: ImuErrors,
+        position: Vector,
+        gravity: float,
+        rng: Generator,
+        on_force: Chain = (),
+        on_rates: Chain = (),
+    ) -> None:
+        self._errors, self._rng = _rows(errors), rng
+        self._place, self._truth = np.array([*position, gravity]), np.empty(6)
+        self._on_force, self._on_rates = on_force, on_rates
+        self._feel, self._tell, self._sample = compiled(_feel, _tell, _sample)
+
+    def read(self, state: Array, rate: Array, elapsed: float) -> tuple[Vector, Vector]:
+        """
+        Return specific force [m/s^2] and angular rate [rad/s] as the sensor tells them.
+
+        Parameters
+        ----------
+        state, rate : ndarray of float64
+            A state of `lta_sim.state` and its derivative.
+        elapsed : float
+            Time since the start of the flight. [s]
+
+        """
+        truth, told = self._truth, self._rng.standard_normal(6)
+        if self._on_force or self._on_rates:
+            self._feel(state, rate, self._place, truth)
+            numbers = truth.tolist()
+            truth[:3] = read(self._on_force, tuple(numbers[:3]), elapsed)
+            truth[3:] = read(self._on_rates, tuple(numbers[3:]), elapsed)
+            self._tell(truth, self._errors, told)
+        else:
+            self._sample(state, rate, self._place, truth, self._errors, told)
+        x, y, z, a, b, c = told.tolist()
+        return (x, y, z), (a, b, c)

@@ -1,0 +1,1 @@
+"""Compare platforms: the same manoeuvres, each platform by its own control law."""

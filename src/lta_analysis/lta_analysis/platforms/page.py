@@ -1,0 +1,263 @@
+"""A comparison of platforms as one self-contained HTML file, in the look of a flight's page."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from importlib.resources import files
+import math
+from pathlib import Path
+from string import Template
+from typing import final
+
+from lta_analysis.platforms.entries import entrant
+from lta_analysis.platforms.flying import Entrant
+from lta_analysis.platforms.pictures import changed, following, limits, UNIT
+from lta_analysis.platforms.run import ABLATION, CONTESTANT, Row
+from lta_analysis.platforms.summary import Cell, cell, fastest, margin, Mean, reversals
+from lta_analysis.report.outcome import number, Tile
+from lta_analysis.report.page import embedded, tile_html
+from lta_analysis.report.palette import DARK
+from lta_analysis.sweep.page import section, terms
+from lta_config.comparison_file import Comparison
+from lta_config.constants import STANDARD_GRAVITY
+from lta_config.errors import BadInput
+from lta_config.manoeuvre_file import load_manoeuvre, Manoeuvre
+from lta_sim.scenario import load_scenario
+from plotly.offline import get_plotlyjs
+import yaml
+
+NAME = 'report.html'
+HEADS = ('platform', 'manoeuvre', 'held', 'overshoot', 'settles', 'steady error', 'rms', 'ripple',
+         'height error', 'tilt')  # fmt: skip
+METHOD = (
+    'Held: from the time it settles to the end within the band, height within 0.2 m, not turned '
+    'over. Steady error (asked less flown) and ripple over the last quarter; rms over all that is '
+    'judged. Means over the seeds with their 95 % interval (Student); a figure of one seed, or of '
+    'seeds that agree to all digits shown, has none. Settling time only of those that settle.'
+)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Told:
+    """What the page is made of."""
+
+    comparison: Comparison
+    rows: Sequence[Row]
+    folder: Path
+    origin: Mapping[str, str]
+
+
+def write_page(told: Told) -> Path:
+    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    out = told.folder / NAME
+    try:
+        out.write_text(page(told), encoding='utf-8')
+    except OSError as error:
+        raise BadInput(f"The page '{out}' cannot be written ({error.strerror}).") from error
+    return out
+
+
+def page(told: Told) -> str:
+    """Return the whole page."""
+    assets = files('lta_analysis.report') / 'assets'
+    names = ('platforms.html', 'page.css', 'page.js')
+    text = {name: (assets / name).read_text(encoding='utf-8') for name in names}
+    comparison, rows = told.comparison, told.rows
+    return Template(text['platforms.html']).substitute(
+        title=escape(title(comparison, rows)),
+        kicker=escape(f'comparison {comparison.name} · {comparison.scenario}'),
+        about=escape(comparison.about),
+        tiles='\n'.join(tile_html(*each) for each in tiles(comparison, rows)),
+        pictures='\n'.join(pictures(comparison, rows)),
+        results=table(HEADS, result_lines(comparison, rows)) + f'<p class="note">{METHOD}</p>',
+        why=''.join(['<ul>', *(f'<li>{escape(each)}</li>' for each in reasons(told)), '</ul>']),
+        margins=margins(comparison),
+        facts=terms(told.origin),
+        file=escape(yaml.safe_dump(comparison.model_dump(exclude_none=True), sort_keys=False)),
+        css=text['page.css'],
+        dark=embedded('dark', DARK),
+        plotly=get_plotlyjs(),
+        js=text['page.js'],
+    )
+
+
+def flown_by(comparison: Comparison, name: str) -> list[str]:
+    """Return the manoeuvres of a contestant."""
+    return comparison.contestants[name].manoeuvres or comparison.manoeuvres
+
+
+def title(comparison: Comparison, rows: Sequence[Row]) -> str:
+    """Return what came out, in a sentence."""
+    all_held = []
+    for name, contestant in comparison.contestants.items():
+        found = [row for row in rows if (row.job.kind, row.job.name) == (CONTESTANT, name)]
+        if found and all(row.held for row in found):
+            all_held.append(contestant.title)
+    who = ', '.join(all_held) or 'None'
+    return f'{who}: every manoeuvre held. {len(comparison.contestants)} platforms compared.'
+
+
+def tiles(comparison: Comparison, rows: Sequence[Row]) -> list[Tile]:
+    """Return how many manoeuvres each platform held."""
+    found = []
+    for name, contestant in comparison.contestants.items():
+        own = flown_by(comparison, name)
+        cells = [cell(rows, CONTESTANT, name, each) for each in own]
+        held = sum(all(row.held for row in part.rows) for part in cells)
+        lost = [each for each, part in zip(own, cells, strict=True)
+                if not all(row.held for row in part.rows)]  # fmt: skip
+        note = f'not: {", ".join(lost)}' if lost else 'manoeuvres held'
+        found.append(Tile(contestant.title, f'{held}/{len(own)}', '', note))
+    return found
+
+
+def pictures(comparison: Comparison, rows: Sequence[Row]) -> list[str]:
+    """Return a picture for each manoeuvre, of the ablations, and of the speed limits."""
+    names = dict.fromkeys(
+        each for name in comparison.contestants for each in flown_by(comparison, name)
+    )
+    titles = {name: each.title for name, each in comparison.contestants.items()}
+    found = []
+    for name in names:
+        manoeuvre = load_manoeuvre(name)
+        picture = following(rows, titles, manoeuvre)
+        found.append(section(f'flown-{name}', name.capitalize(), manoeuvre.about, picture))
+    flown = dict.fromkeys(
+        each for ablation in comparison.ablations.values() for each in ablation.manoeuvres
+    )
+    for name in flown:
+        manoeuvre = load_manoeuvre(name)
+        found.append(
+            section(f'changed-{name}', f'{name.capitalize()}, one thing changed',
+                    'Ablations: what each changes stands below.',
+                    changed(rows, comparison, manoeuvre))
+        )  # fmt: skip
+    if comparison.limits:
+        found.append(
+            section('limits', 'How fast', 'Asked for ever more speed.', limits(rows, comparison))
+        )
+    return found
+
+
+def result_lines(comparison: Comparison, rows: Sequence[Row]) -> list[list[str]]:
+    """Return a line for each platform and manoeuvre, the ablations below."""
+    lines = [
+        [contestant.title, *figures(cell(rows, CONTESTANT, name, each), each)]
+        for name, contestant in comparison.contestants.items()
+        for each in flown_by(comparison, name)
+    ]
+    return lines + [
+        [name.replace('_', ' '), *figures(cell(rows, ABLATION, name, each), each)]
+        for name, ablation in comparison.ablations.items()
+        for each in ablation.manoeuvres
+    ]
+
+
+def figures(part: Cell, name: str) -> list[str]:
+    """Return the cells of one line."""
+    manoeuvre = load_manoeuvre(name)
+    held = sum(row.held for row in part.rows)
+    unit, factor = UNIT[manoeuvre.judge], factor_of(manoeuvre)
+    degrees = 180.0 / math.pi
+    return [
+        name,
+        f'{held} of {len(part.rows)}',
+        told_mean(part.mean('overshoot'), '%', 100.0, 1),
+        told_mean(part.mean('settling_time'), 's', 1.0, 1),
+        *(told_mean(part.mean(each), unit, factor, 3 if factor == 1.0 else 1)
+          for each in ('steady_error', 'rms', 'ripple')),
+        told_mean(part.mean('steady_error', 'height'), 'm', 1.0, 3),
+        f'{number(max((row.tilt for row in part.rows), default=0.0), 1, degrees)} deg',
+    ]  # fmt: skip
+
+
+def factor_of(manoeuvre: Manoeuvre) -> float:
+    """Return what turns SI into the unit that is shown."""
+    return 180.0 / math.pi if manoeuvre.judge == 'heading' else 1.0
+
+
+def told_mean(value: Mean, unit: str, factor: float, digits: int) -> str:
+    """Return a mean with half its interval."""
+    if math.isnan(value.value):
+        return '\N{EN DASH}'
+    text = number(value.value, digits, factor)
+    half = 0.0 if math.isnan(value.high) else (value.high - value.value) * factor
+    spread = f' \N{PLUS-MINUS SIGN} {half:.{digits}f}' if round(half, digits) else ''
+    return f'{text}{spread} {unit}'
+
+
+def reasons(told: Told) -> list[str]:
+    """Return what decides: ablations, and the limits of speed."""
+    comparison, rows = told.comparison, told.rows
+    found = reversals(comparison, rows) + inputs(comparison, rows)
+    for name, limit in comparison.limits.items():
+        held, reached = fastest(comparison, rows, name)
+        title = comparison.contestants[limit.of].title
+        why = f' ({limit.why})' if limit.why else ''
+        found.append(
+            f'{title}{why}: holds speed and height up to {held:.2f} m/s of those asked for, and '
+            f'reaches {reached:.2f} m/s at most.'
+        )
+    return found
+
+
+def inputs(comparison: Comparison, rows: Sequence[Row]) -> list[str]:
+    """Return what open loops are told to do in the manoeuvre of altitude: their duties."""
+    told = []
+    for name, contestant in comparison.contestants.items():
+        flying = entrant_of(comparison, name)
+        for row in rows:
+            same = (row.job.kind, row.job.name) == (CONTESTANT, name) and row.duties is not None
+            if flying.law.name == 'open_loop' and same and row.job.manoeuvre == 'climb':
+                steps = [
+                    f'from {time:.1f} s {", ".join(f"{each:.3f}" for each in duties)}'
+                    for time, duties in stretches(row)
+                ]
+                order = ', '.join(flying.vehicle.rotor_names)
+                told.append(
+                    f'{contestant.title}: its input in climb, the duties of {order}, is '
+                    f'{"; ".join(steps)}.'
+                )
+    return told
+
+
+def stretches(row: Row) -> list[tuple[float, list[float]]]:
+    """Return from when on which duties were held."""
+    found: list[tuple[float, list[float]]] = []
+    for time, duties in zip(row.flown[:, 0].tolist(), row.duties.tolist(), strict=True):
+        if not found or max(abs(p - q) for p, q in zip(found[-1][1], duties, strict=True)) > 1e-3:
+            found.append((time, duties))
+    return found[:8]
+
+
+def entrant_of(comparison: Comparison, name: str) -> Entrant:
+    """Return a contestant as it flew."""
+    density = load_scenario(comparison.scenario).air.density
+    return entrant(comparison.contestants[name], density)
+
+
+def margins(comparison: Comparison) -> str:
+    """Return the table of laws, what they see, and static margins."""
+    lines = []
+    for name, contestant in comparison.contestants.items():
+        flying = entrant_of(comparison, name)
+        lift, weight = margin(flying.vehicle)
+        newtons = [f'{1e3 * force:.1f} mN' for force in (lift, weight, lift - weight)]
+        grams = f'{1e3 * (lift - weight) / STANDARD_GRAVITY:.1f} g'
+        seen = str(flying.law.feedback)
+        lines.append([contestant.title, flying.law.name, seen, *newtons, grams])
+    heads = ('platform', 'law', 'sees by', 'lift at full thrust', 'to carry', 'margin', 'margin')
+    return table(heads, lines) + (
+        '<p class="note">Lift of all lifting rotors at full thrust, straight up. A law that sees '
+        'by the tracker is told pose and velocity from outside, as its authors did it.</p>'
+    )
+
+
+def table(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
+    """Return a table."""
+    head = ''.join(f'<th scope="col">{escape(each)}</th>' for each in heads)
+    body = ''.join(
+        f'<tr>{"".join(f"<td>{escape(each)}</td>" for each in cells)}</tr>' for cells in lines
+    )
+    return f'<table class="results"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>'

@@ -1,0 +1,163 @@
+"""
+Fly a whole comparison, one process a processor, into rows and a summary.
+
+Every flight stands by itself and by its seed, so that the order in which they come does not
+matter.
+"""
+
+from collections.abc import Iterator
+from concurrent.futures import as_completed, ProcessPoolExecutor
+from dataclasses import asdict, dataclass
+from functools import cache
+from multiprocessing import get_context
+import os
+from typing import Any, final
+
+from lta_analysis.platforms.entries import entrant
+from lta_analysis.platforms.flying import Flight, fly
+from lta_analysis.platforms.metrics import Metrics
+from lta_config.comparison_file import Comparison, load_comparison
+from lta_config.manoeuvre_file import load_manoeuvre, Manoeuvre
+from lta_sim.scenario import load_scenario
+import numpy as np
+
+CONTESTANT, ABLATION, LIMIT = 'contestant', 'ablation', 'limit'
+SHOWN = 10  # steps between two that a picture shows
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Job:
+    """One flight: file of the comparison, kind and name of the entry, manoeuvre, seed, speed."""
+
+    file: str
+    kind: str
+    name: str
+    manoeuvre: str
+    seed: int
+    speed: float | None = None  # asked for instead of the manoeuvre's [m/s]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Row:
+    """What a flight came to; the traces are kept of the first seed alone."""
+
+    job: Job
+    held: bool
+    metrics: Metrics
+    height: Metrics
+    tilt: float
+    lost: str
+    speed: float  # along the course, mean of the last quarter [m/s]
+    flown: Any = None  # time, altitude, heading, speed; ndarray or None
+    asked: Any = None
+    duties: Any = None
+
+
+def jobs(file: str, comparison: Comparison, seeds: int) -> list[Job]:
+    """Return every flight of a comparison."""
+    found: list[Job] = []
+    for seed in range(1, seeds + 1):
+        for name, contestant in comparison.contestants.items():
+            own = contestant.manoeuvres or comparison.manoeuvres
+            found += [Job(file, CONTESTANT, name, manoeuvre, seed) for manoeuvre in own]
+        for name, ablation in comparison.ablations.items():
+            found += [Job(file, ABLATION, name, each, seed) for each in ablation.manoeuvres]
+        for name, limit in comparison.limits.items():
+            found += [
+                Job(file, LIMIT, name, limit.manoeuvre, seed, speed)
+                for speed in limit.speeds.vector
+            ]
+    return found
+
+
+@cache
+def _read(file: str) -> tuple[Comparison, Any]:
+    comparison = load_comparison(file)
+    return comparison, load_scenario(comparison.scenario)
+
+
+@cache
+def _entrant(file: str, kind: str, name: str) -> Any:  # noqa: ANN401 - an Entrant
+    comparison, scenario = _read(file)
+    density = scenario.air.density
+    if kind == CONTESTANT:
+        return entrant(comparison.contestants[name], density)
+    change = comparison.ablations[name] if kind == ABLATION else comparison.limits[name]
+    return entrant(comparison.contestants[change.of], density, change)
+
+
+def check(file: str, comparison: Comparison) -> None:
+    """Build every entry and read every manoeuvre, before any of them flies; or `BadInput`."""
+    for job in jobs(file, comparison, 1):
+        _entrant(job.file, job.kind, job.name)
+        load_manoeuvre(job.manoeuvre)
+
+
+def at_speed(manoeuvre: Manoeuvre, speed: float | None) -> Manoeuvre:
+    """Return a manoeuvre that asks for another speed wherever it asks for one. [m/s]"""
+    if speed is None:
+        return manoeuvre
+    rows = [
+        row.model_copy(update={'speed': row.speed.model_copy(update={'value': speed})})
+        if row.speed.si > 0.0 else row
+        for row in manoeuvre.course
+    ]  # fmt: skip
+    return manoeuvre.model_copy(update={'course': rows})
+
+
+def fly_job(job: Job) -> Row:
+    """Fly one flight."""
+    _, scenario = _read(job.file)
+    manoeuvre = at_speed(load_manoeuvre(job.manoeuvre), job.speed)
+    flight = fly(_entrant(job.file, job.kind, job.name), scenario, manoeuvre, job.seed)
+    return row_of(job, flight)
+
+
+def row_of(job: Job, flight: Flight) -> Row:
+    """Return what is kept of a flight."""
+    count = len(flight.flown)
+    last = flight.flown[3 * count // 4 :, 3]
+    traces = {}
+    if job.seed == 1:
+        for name in ('flown', 'asked', 'duties'):
+            traces[name] = getattr(flight, name)[::SHOWN].astype(np.float32)
+    return Row(
+        job, flight.held, flight.metrics, flight.height, flight.tilt, flight.lost,
+        float(last.mean()), **traces,
+    )  # fmt: skip
+
+
+def fly_all(todo: list[Job], workers: int) -> Iterator[Row]:
+    """Yield the rows of all flights as they come; in this process where one worker is asked."""
+    if workers == 1:
+        yield from map(fly_job, todo)
+        return
+    with ProcessPoolExecutor(workers, mp_context=get_context('spawn')) as pool:
+        coming = [pool.submit(fly_job, job) for job in todo]
+        try:
+            for done in as_completed(coming):
+                yield done.result()
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
+
+
+def processors() -> int:
+    """Return how many processes this machine has room for."""
+    return len(os.sched_getaffinity(0))
+
+
+def printed(row: Row) -> dict[str, Any]:
+    """Return a flight as JSON has it; SI units, headings in rad, what is no number as null."""
+    content = {
+        **asdict(row.job),
+        'held': row.held,
+        'lost': row.lost,
+        'tilt': row.tilt,
+        'speed_reached': row.speed,
+        **{f'judged_{name}': value for name, value in row.metrics._asdict().items()},
+        **{f'height_{name}': value for name, value in row.height._asdict().items()},
+    }
+    del content['file']
+    return {name: None if value != value else value for name, value in content.items()}

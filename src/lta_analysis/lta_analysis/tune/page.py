@@ -1,0 +1,170 @@
+"""A tuning as one self-contained HTML file, in the look of a flight's page."""
+
+from collections.abc import Sequence
+from html import escape
+from importlib.resources import files
+import math
+from pathlib import Path
+from string import Template
+from typing import Final
+
+from lta_analysis.report.outcome import number, Tile
+from lta_analysis.report.page import embedded, tile_html
+from lta_analysis.report.palette import DARK
+from lta_analysis.sweep.page import section, terms
+from lta_analysis.tune import pictures, told
+from lta_analysis.tune.exam import Channel, Trace
+from lta_analysis.tune.run import scene_name, Tuned
+from lta_analysis.typed import near, typed
+from lta_bridge.provenance import commit
+from lta_config.errors import BadInput
+from plotly.offline import get_plotlyjs
+
+NAME = 'report.html'
+CHANNELS: Final[tuple[tuple[Channel, str, str], ...]] = (
+    ('altitude', 'Climb and sink', 'Only weight pulls it down where no rotor reverses.'),
+    ('heading', 'Turn', 'Standing in the air.'),
+    ('speed', 'Forward speed', 'The turn before has left some.'),
+    ('course', 'Turn at speed', 'Motion through the air; the nose leans against the drift.'),
+)
+Traces = Sequence[tuple[float, Trace]]
+
+
+def write_page(tuned: Tuned, old: Traces, new: Traces) -> Path:
+    """Write the page of a tuning and return where it is; `BadInput` where it cannot be written."""
+    out = tuned.folder / NAME
+    try:
+        out.write_text(page(tuned, old, new), encoding='utf-8')
+    except OSError as error:
+        raise BadInput(f"The page '{out}' cannot be written ({error.strerror}).") from error
+    return out
+
+
+def page(tuned: Tuned, old: Traces, new: Traces) -> str:
+    """Return the whole page."""
+    assets = files('lta_analysis.report') / 'assets'
+    names = ('tune.html', 'page.css', 'page.js')
+    text = {name: (assets / name).read_text(encoding='utf-8') for name in names}
+    order = tuned.order
+    robust = told.table(ROBUST_HEADS, told.robust_rows(tuned))
+    margins = told.table(told.MARGIN_HEADS, told.margin_rows(tuned), text=True)
+    limits = told.table(('', 'old', 'new'), told.limit_rows(tuned.old.limit, tuned.new.limit))
+    return Template(text['tune.html']).substitute(
+        title=escape(told.title(tuned)),
+        kicker=escape(f'tune {scene_name(order)} · from {tuned.gains_name} · seed {order.seed}'),
+        about=escape(about(tuned)),
+        tiles='\n'.join(tile_html(*each) for each in tiles(tuned)),
+        panels='\n'.join(panels(tuned, old, new)),
+        robust=robust,
+        margins=margins + MARGINS_NOTE,
+        gains=told.table(('number', 'old', 'new', 'searched'), told.gain_rows(tuned)),
+        limits=limits + LIMITS_NOTE,
+        facts=terms(facts(tuned)),
+        commands=terms(commands(tuned), code=True),
+        file=escape(tuned.file.read_text(encoding='utf-8')),
+        css=text['page.css'],
+        dark=embedded('dark', DARK),
+        plotly=get_plotlyjs(),
+        js=text['page.js'],
+    )
+
+
+def about(tuned: Tuned) -> str:
+    """Return what was done, in two sentences."""
+    order = tuned.order
+    return (
+        f'{len(tuned.found.history)} candidates flew {len(tuned.losses)} examinations each, with '
+        f'{1e3 * order.least:g} to {1e3 * order.most:g} g of lift lost that the drone was '
+        'not told of. What is compared below was flown with other draws than the search had.'
+    )
+
+
+ROBUST_HEADS = ('median (middle half), or share with 95 % interval', 'old', 'new')
+MARGINS_NOTE = (
+    '<p class="note">Each loop is cut at its demand, the others closed; from one linearised '
+    'control period about the steady flight. Gain: how far it may fall and rise before the loop '
+    'oscillates. Phase and delay: what may be lost at the crossover. Where a swing grows, the '
+    'drone is not stable whatever the margins of one loop.</p>'
+)
+LIMITS_NOTE = (
+    '<p class="note">Against the trim of the vehicle file. Held: take-off, a climb of 0.4 m and '
+    'the way down again, altitude within 0.3 m at the end of each. Days are by the permeation of '
+    'laminates, assumed for this film.</p>'
+)
+
+
+def tiles(tuned: Tuned) -> list[Tile]:
+    """Return the figures that matter most."""
+    old, new = tuned.old, tuned.new
+
+    def both(name: str, words: str, unit: str, factor: float, digits: int) -> Tile:
+        a, b = (side.flights.whole(name).median * factor for side in (old, new))
+        return Tile(words, f'{b:.{digits}f}', unit, f'median; before {a:.{digits}f}')
+
+    def over(step: int) -> tuple[float, float]:
+        a, b = (100 * side.flights.of(step, 'overshoot').median for side in (old, new))
+        return a, b
+
+    climb = over(0)
+    held = new.limit.grams
+    return [
+        both('cost', 'Cost', '', 1.0, 3),
+        Tile('Overshoot of a climb', f'{climb[1]:.0f}', '%', f'median; before {climb[0]:.0f}'),
+        both('swing', 'Swing at the end', 'deg', 180.0 / math.pi, 2),
+        Tile(
+            'Missions at the goal',
+            f'{100 * new.flights.reached.value:.0f}',
+            '%',
+            f'before {told.share(old.flights.reached)}',
+        ),
+        Tile(
+            'Holds up to',
+            number(held, 1),
+            'g lost',
+            f'{new.limit.days[0]:.0f} to {new.limit.days[1]:.0f} days of leaking',
+        ),
+        Tile(
+            'Flights',
+            str(len(tuned.found.history) * len(tuned.losses)),
+            '',
+            f'and {2 * len(old.flights.reports)} to compare',
+        ),
+    ]
+
+
+def panels(tuned: Tuned, old: Traces, new: Traces) -> list[str]:
+    """Return all pictures."""
+    lines = 'Truth, one line a loss; the more lost, the paler.'
+    out = [
+        section(channel, heading, f'{caption} {lines}', pictures.responses(channel, old, new))
+        for channel, heading, caption in CHANNELS
+    ]
+    flights = tuned.old.flights, tuned.new.flights
+    history = pictures.search(tuned.found.history, len(tuned.losses))
+    every = 'Each draw is flown with both.'
+    return [
+        *out,
+        section('costs', 'Cost of each fresh draw', every, pictures.costs(*flights)),
+        section('search', 'The search', 'Half the mean and half the worst of all cases.', history),
+    ]
+
+
+def facts(tuned: Tuned) -> dict[str, str]:
+    """Return where the numbers come from."""
+    order = tuned.order
+    return {
+        'vehicle': order.vehicle,
+        'gains before': tuned.gains_name,
+        'losses of the search': ', '.join(f'{1e3 * loss:.2g} g' for loss in tuned.losses),
+        'seeds': f'{order.seed} to {order.seed + len(tuned.losses) - 1}; fresh draws from 1000',
+        'commit': commit(),
+    }
+
+
+def commands(tuned: Tuned) -> dict[str, str]:
+    """Return how to go on."""
+    file = str(near(tuned.file))
+    return {
+        'Fly with them': typed('simulate', '--vehicle', tuned.order.vehicle, '--gains', file),
+        'Go on from them': typed('tune', tuned.order.vehicle, '--gains', file),
+    }

@@ -1,0 +1,83 @@
+"""lta platforms: the same manoeuvres, each platform by its own control law."""
+
+from datetime import datetime
+import json as json_text
+from pathlib import Path
+import sys
+from typing import Annotated
+
+from lta_analysis.platforms.page import title, Told, write_page
+from lta_analysis.platforms.run import check, fly_all, jobs, printed, processors, Row
+from lta_analysis.platforms.summary import reversals
+from lta_analysis.verbs.fly import folder
+from lta_bridge.provenance import commit
+from lta_config.comparison_file import load_comparison
+from lta_config.errors import BadInput
+from rich.console import Console
+from rich.progress import track
+import typer
+
+
+def platforms(
+    file: Annotated[
+        str, typer.Argument(help='A shipped name (platforms) or a comparison file.')
+    ] = 'platforms',
+    seeds: Annotated[
+        int | None, typer.Option(help='Flights of each; as the file says by default.', min=1)
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(help='Processes; as many as processors by default.', min=1)
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            help='Folder of the results; runs/<time>-<name> by default.',
+            parser=folder,
+            metavar='FOLDER',
+        ),
+    ] = None,
+    json: Annotated[bool, typer.Option('--json', help='Print every flight as JSON.')] = False,
+) -> None:
+    """
+    Compare platforms: climb, turn, follow a heading, cruise; each by its own control law.
+
+    A comparison file names contestants (vehicle, law, gains, what is set otherwise), ablations
+    (one thing of a contestant changed, with the reason), and limits (ever more speed). A
+    manoeuvre is a file of setpoints over time, with the band within which it counts as held.
+    All is checked before the first flight.
+
+    The results are flights.json, SI units, and a page: pictures, figures with their spread over
+    the seeds, what each change turns, and each platform's static margin.
+
+    Exit status 0: all was flown, whoever held. 2: bad input, nothing was flown. 130: Ctrl-C.
+
+    Example: lta platforms --seeds 3
+    """
+    console = Console(stderr=json)
+    comparison = load_comparison(file)
+    check(file, comparison)
+    todo = jobs(file, comparison, seeds or comparison.seeds)
+    stamp = datetime.now().astimezone()
+    target = (out or Path('runs') / f'{stamp:%Y%m%d-%H%M%S}-{comparison.name}').absolute()
+    target.mkdir(parents=True, exist_ok=True)
+    coming = fly_all(todo, workers or processors())
+    rows: list[Row] = list(
+        track(coming, 'flying', len(todo), console=console, disable=not console.is_terminal)
+    )
+    order = {job: index for index, job in enumerate(todo)}
+    rows.sort(key=lambda row: order[row.job])
+    content = json_text.dumps([printed(row) for row in rows], indent=1) + '\n'
+    try:
+        (target / 'flights.json').write_text(content, encoding='utf-8')
+    except OSError as error:
+        raise BadInput(f"'{target}' cannot be written ({error.strerror}).") from error
+    origin = {
+        'comparison': file, 'seeds': str(seeds or comparison.seeds), 'flights': str(len(rows)),
+        'commit': commit(), 'created': stamp.isoformat(timespec='seconds'),
+        'again': f'lta platforms {file} --seeds {seeds or comparison.seeds}',
+    }  # fmt: skip
+    page = write_page(Told(comparison, rows, target, origin))
+    if json:
+        sys.stdout.write(content)
+    lines = [title(comparison, rows), *reversals(comparison, rows), f'Page  {page}']
+    console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

@@ -1,0 +1,124 @@
+"""
+RGBlimp: the moving mass sets the pitch, both propellers the speed, their difference the yaw.
+
+Cheng 2023 (arXiv:2306.04079) shifts a mass to glide and turns by differential thrust, in open loop
+in the published flights; the loops are ours (assumed). Wings carry what the gas does not only
+while it flies, so below
+
+    v^2 = 2 weight / (rho A C_L)
+
+no pitch that the mass can reach holds its altitude; it is no defect of the loops. Velocity comes
+from a tracker, as theirs did.
+"""
+
+import math
+from typing import NamedTuple
+
+from lta_config.errors import BadInput
+from lta_config.settings import setting, Settings
+from lta_control.allocation import duties, Rotors, Scratch
+from lta_control.attitude import heading, up_in_body, Vector
+from lta_control.cascade import pid_gains, wrap
+from lta_control.laws.frames import limited, to_world
+from lta_control.laws.protocol import Command, Feedback, Heard, Law
+from lta_control.pid import pid_step, PidGains
+from lta_control.vehicle_side import rotors_of
+from lta_sim.vehicle import Vehicle
+
+TWO = 2
+
+
+class GlideGains(Settings):
+    """Gains of altitude, pitch, speed and yaw."""
+
+    altitude_kp: float = setting(
+        ..., 'Climb rate asked for each metre below.', unit='1/s', low=0.0, high=10.0
+    )
+    climb_limit: float = setting(..., 'Largest climb rate.', unit='m/s', low=0.01, high=2.0)
+    climb: PidGains = setting(..., 'Climb rate to nose-up pitch, rad per m/s.')
+    pitch: PidGains = setting(..., 'Pitch to place of the mass, m backwards per rad.')
+    speed: PidGains = setting(..., 'Speed to thrust, N per m/s.')
+    heading_kp: float = setting(
+        ..., 'Yaw rate asked for each radian of error.', unit='1/s', low=0.0, high=10.0
+    )
+    yaw_rate_limit: float = setting(..., 'Largest yaw rate.', unit='rad/s', low=0.01, high=6.0)
+    yaw_rate: PidGains = setting(..., 'Yaw rate to yaw moment, N m per rad/s.')
+
+
+class GlideKnown(NamedTuple):
+    """Gains, rotors, lever of the differential thrust [m], and where the mass rests and ends."""
+
+    gains: GlideGains
+    rotors: Rotors
+    lever: float
+    rest: Vector
+    low: float
+    high: float
+
+
+class GlideState(NamedTuple):
+    """The newest command and the integrals."""
+
+    command: Command = Command()
+    climb: float = 0.0  # [rad]
+    pitch: float = 0.0  # [m]
+    speed: float = 0.0  # [N]
+    yaw_rate: float = 0.0  # [N m]
+    missing: Vector = (0.0, 0.0, 0.0)  # place [m], thrust [N], yaw moment [N m]
+
+
+def known(gains: GlideGains, vehicle: Vehicle) -> GlideKnown:
+    """Return what stays the same during a flight; a vehicle of another kind is a `BadInput`."""
+    mass, columns = vehicle.file.moving_mass, vehicle.allocation
+    if mass is None or mass.low is None or mass.high is None or len(columns) != TWO:
+        raise BadInput(
+            f'{vehicle.file.name} has no moving mass with two ends, or not two propellers, which '
+            'the law glide flies by; take another law.'
+        )
+    x, y, z = mass.position.vector
+    lever = 0.5 * (columns[1][5] - columns[0][5])
+    low, high = mass.low.vector[0], mass.high.vector[0]
+    return GlideKnown(gains, rotors_of(vehicle), lever, (x, y, z), low, high)
+
+
+def step(constants: GlideKnown, memory: GlideState, heard: Heard, scratch: Scratch) -> GlideState:
+    """Return the memory one step later, with the new command in it."""
+    gains, motion, setpoint, dt = constants.gains, heard.motion, heard.setpoint, heard.dt
+    rising = to_world(motion.attitude, motion.velocity)[2]
+    gap = memory.missing
+    error = setpoint.altitude - motion.position[2]
+    wanted = limited(gains.altitude_kp * error, gains.climb_limit)
+    nose, climb = pid_step(pid_gains(gains.climb), memory.climb, wanted - rising, 0.0, 0.0, dt)
+    pitch = math.asin(limited(up_in_body(motion.attitude)[0], 1.0))
+    # The rate about body y is nose down.
+    back, tilt = pid_step(
+        pid_gains(gains.pitch), memory.pitch, nose - pitch, -motion.rates[1], gap[0], dt
+    )
+    place = min(max(constants.rest[0] - back, constants.low), constants.high)
+    along = motion.velocity[0]
+    thrust, speed = pid_step(
+        pid_gains(gains.speed), memory.speed, setpoint.speed - along, 0.0, gap[1], dt
+    )
+    off = wrap(setpoint.heading - heading(motion.attitude))
+    rate = limited(gains.heading_kp * off, gains.yaw_rate_limit)
+    turn, yaw_rate = pid_step(
+        pid_gains(gains.yaw_rate), memory.yaw_rate, rate - motion.rates[2], 0.0, gap[2], dt
+    )
+    # The turn comes first: each propeller gives 0 to full.
+    full = constants.rotors.high[0]
+    half = limited(0.5 * turn / constants.lever, 0.5 * full)
+    middle = min(max(0.5 * thrust, abs(half)), full - abs(half))
+    left, right = middle - half, middle + half
+    missing = (
+        constants.rest[0] - place - back,
+        2.0 * middle - thrust,
+        2.0 * half * constants.lever - turn,
+    )
+    thrusts = (left, right, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    command = Command(
+        duties(constants.rotors, thrusts), (place, constants.rest[1], constants.rest[2])
+    )
+    return GlideState(command, climb, tilt, speed, yaw_rate, missing)
+
+
+LAW = Law('glide', GlideGains, Feedback.TRACKER, known, GlideState(), step)

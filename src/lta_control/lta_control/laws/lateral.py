@@ -1,0 +1,168 @@
+"""
+BEAVIS: four rotors round the hull that push outwards, and lift only by how their jets collide.
+
+Its authors (Sharma 2023, arXiv:2308.01385) say that a nonlinear controller regulates the pressure
+below the hull and commands all three translations and yaw; equations and gains we could not read.
+This is ours (assumed): the thrusts are a collective T plus offsets o that sum to nothing,
+
+    t_i = T + o_i,   (fx, fy, mz) = A o,   lift = e T + c min_i t_i
+
+A from the columns of the rotors, e the lift of one newton of each without the collision (it sinks
+the hull), c that of the collision. Each offset takes lift away, because the weakest jet counts, so
+
+    T = (lift - c min(o) * compensation) / (e + c)
+
+gives it back: `compensation` 1 knows the collision, 0 is a mixer that knows only full collective.
+Altitude comes first: the offsets are scaled down until every rotor stays below full thrust.
+It does not turn first: it pushes along its course whatever its heading.
+"""
+
+from typing import cast, NamedTuple
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_config.errors import BadInput
+from lta_config.settings import setting
+from lta_control.allocation import duties, Rotors, Scratch
+from lta_control.attitude import heading
+from lta_control.cascade import pid_gains, wrap
+from lta_control.laws.climbing import ClimbGains, lift_step
+from lta_control.laws.frames import limited, to_world, turned
+from lta_control.laws.protocol import Command, Feedback, Heard, Law, UNMOVED
+from lta_control.per_rotor import PerRotor
+from lta_control.pid import pid_step, PidGains
+from lta_control.vehicle_side import rotors_of
+from lta_sim.vehicle import Vehicle
+import numpy as np
+
+FOUR = 4
+PLANAR = (0, 1, 5)  # surge, sway, yaw
+HEAVE = 2
+
+Four = tuple[float, float, float, float]
+
+
+class LateralGains(ClimbGains):
+    """Gains of the altitude, heading and velocity loops."""
+
+    heading_kp: float = setting(
+        ..., 'Yaw rate asked for each radian of error.', unit='1/s', low=0.0, high=10.0
+    )
+    yaw_rate_limit: float = setting(..., 'Largest yaw rate.', unit='rad/s', low=0.01, high=6.0)
+    yaw_rate: PidGains = setting(..., 'Yaw rate to yaw moment, N m per rad/s.')
+    velocity: PidGains = setting(..., 'Velocity to force along x and y, N per m/s.')
+    compensation: float = setting(
+        ..., 'Share of the lift lost by offsets that the collective gives back.', low=0.0, high=1.0
+    )
+
+
+class LateralKnown(NamedTuple):
+    """Gains, rotors, offsets by surge, sway and yaw, lift alone and by collision, weight [N]."""
+
+    gains: LateralGains
+    rotors: Rotors
+    surge: Four
+    sway: Four
+    yaw: Four
+    alone: float
+    collision: float
+    weight: float
+
+
+class LateralState(NamedTuple):
+    """The newest command, integrals, and what the rotors gave beyond the last demand."""
+
+    command: Command = Command()
+    climb: float = 0.0  # [N]
+    yaw_rate: float = 0.0  # [N m]
+    surge: float = 0.0  # [N]
+    sway: float = 0.0  # [N]
+    missing: Four = (0.0, 0.0, 0.0, 0.0)  # lift, yaw, surge, sway
+
+
+def known(gains: LateralGains, vehicle: Vehicle) -> LateralKnown:
+    """Return what stays the same during a flight; a vehicle of another kind is a `BadInput`."""
+    coupling, columns = vehicle.file.aero.coupling, vehicle.allocation
+    if coupling is None or len(columns) != FOUR or len(coupling.rotors) != FOUR:
+        raise BadInput(
+            f'{vehicle.file.name} has no four rotors whose jets collide, which the law lateral '
+            'flies by; take another law, or give it a coupling of four rotors in aero.'
+        )
+    planar = [[column[axis] for column in columns] for axis in PLANAR]
+    matrix = np.array([*planar, [1.0] * FOUR])
+    if np.linalg.cond(matrix) > 1e6:
+        raise BadInput(
+            f'{vehicle.file.name} cannot push along x, along y and turn with its four rotors '
+            'independently; turn their axes, or take another law.'
+        )
+    surge, sway, yaw = (cast('Four', tuple(part.tolist())) for part in np.linalg.inv(matrix).T[:3])
+    return LateralKnown(
+        gains,
+        rotors_of(vehicle),
+        surge,
+        sway,
+        yaw,
+        alone=sum(column[HEAVE] for column in columns),
+        collision=coupling.force.vector[HEAVE],
+        weight=vehicle.heaviness * STANDARD_GRAVITY,
+    )
+
+
+def step(
+    constants: LateralKnown, memory: LateralState, heard: Heard, scratch: Scratch
+) -> LateralState:
+    """Return the memory one step later, with the new command in it."""
+    gains, motion, setpoint, dt = constants.gains, heard.motion, heard.setpoint, heard.dt
+    climb_rate = to_world(motion.attitude, motion.velocity)[2]
+    yaw = heading(motion.attitude)
+    gap = memory.missing
+    error = setpoint.altitude - motion.position[2]
+    push, climb = lift_step(gains, memory.climb, error, climb_rate, gap[0], dt)
+    off = wrap(setpoint.heading - yaw)
+    rate = limited(gains.heading_kp * off, gains.yaw_rate_limit)
+    turn, yaw_rate = pid_step(
+        pid_gains(gains.yaw_rate), memory.yaw_rate, rate - motion.rates[2], 0.0, gap[1], dt
+    )
+    forward, left = turned(off, setpoint.speed, 0.0)
+    loop = pid_gains(gains.velocity)
+    fx, surge = pid_step(loop, memory.surge, forward - motion.velocity[0], 0.0, gap[2], dt)
+    fy, sway = pid_step(loop, memory.sway, left - motion.velocity[1], 0.0, gap[3], dt)
+    lift = max(constants.weight + push, 0.0)
+    thrusts, share, given = mixed(constants, lift, fx, fy, turn)
+    short = share - 1.0
+    missing = (given - constants.weight - push, short * turn, short * fx, short * fy)
+    command = Command(duties(constants.rotors, thrusts), UNMOVED)
+    return LateralState(command, climb, yaw_rate, surge, sway, missing)
+
+
+def mixed(
+    constants: LateralKnown, lift: float, fx: float, fy: float, turn: float
+) -> tuple[PerRotor, float, float]:
+    """Return the thrusts [N], the share of the offsets that fitted, and the lift meant [N]."""
+    k, p, q = constants.surge, constants.sway, constants.yaw
+    o0 = k[0] * fx + p[0] * fy + q[0] * turn
+    o1 = k[1] * fx + p[1] * fy + q[1] * turn
+    o2 = k[2] * fx + p[2] * fy + q[2] * turn
+    o3 = k[3] * fx + p[3] * fy + q[3] * turn
+    least, most = min(o0, o1, o2, o3), max(o0, o1, o2, o3)
+    together = constants.alone + constants.collision
+    full = constants.rotors.high[0]
+    lift = min(lift, together * full)
+    back = constants.gains.compensation * constants.collision * least / together
+    reach = most - back
+    share = min(1.0, (full - lift / together) / reach) if reach > 0.0 else 1.0
+    collective = lift / together - share * back
+    return (
+        within(collective + share * o0, full),
+        within(collective + share * o1, full),
+        within(collective + share * o2, full),
+        within(collective + share * o3, full),
+        0.0, 0.0, 0.0, 0.0,
+    ), share, lift  # fmt: skip
+
+
+def within(thrust: float, full: float) -> float:
+    """Return a thrust that a rotor can give that does not reverse. [N]"""
+    return min(max(thrust, 0.0), full)
+
+
+LAW = Law('lateral', LateralGains, Feedback.ESTIMATOR, known, LateralState(), step)

@@ -1,0 +1,103 @@
+"""
+Skye: position and attitude in all six degrees of freedom, each by its own PID.
+
+Burri 2013 holds the attitude of a nearly neutral sphere that its four turning thrusters push
+anywhere; its gains and its mixer are not in front of us, so both are ours (assumed): PID on
+position with weight and drag fed forward, PD on attitude, and the weighted least-squares
+allocation over the eight rotors that stand for the units, within their limits. The goal is a point
+that moves with the setpoint's velocity. The pose comes from a tracker (assumed).
+"""
+
+from typing import NamedTuple
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_config.settings import setting, Settings
+from lta_control.allocation import allocate, duties, Rotors, Scratch
+from lta_control.attitude import Vector
+from lta_control.cascade import drag_force
+from lta_control.laws.frames import from_angles, limited, to_body, to_world, turn_to, turned
+from lta_control.laws.protocol import Command, Feedback, Heard, Law, UNMOVED
+from lta_control.per_rotor import NONE, PerRotor
+from lta_control.vehicle_side import rotors_of, surge_drag_of
+from lta_sim.vehicle import Vehicle
+
+ALL_ALIKE = (1.0, 1.0, 1.0, 1.0, 1.0, 1.0)  # its lever is near 1 m: N and N m compare
+
+
+class OmnidirectionalGains(Settings):
+    """Gains of position and attitude."""
+
+    position_kp: float = setting(..., 'Force by position error.', unit='N/m', low=0.0, high=1e3)
+    position_ki: float = setting(..., 'Its integral.', unit='N/(m s)', low=0.0, high=1e3)
+    position_kd: float = setting(..., 'Force by velocity error.', unit='N s/m', low=0.0, high=1e3)
+    reach: float = setting(..., 'Largest position error heeded.', unit='m', low=0.01, high=100.0)
+    integral_limit: float = setting(..., 'Largest integral.', unit='N', low=0.0, high=1e3)
+    attitude_kp: float = setting(..., 'Moment by turn.', unit='N m', low=0.0, high=1e3)
+    attitude_kd: float = setting(..., 'Moment by rate.', unit='N m s', low=0.0, high=1e3)
+
+
+class OmnidirectionalKnown(NamedTuple):
+    """Gains, rotors, drag (linear, quadratic), and weight [N]."""
+
+    gains: OmnidirectionalGains
+    rotors: Rotors
+    drag: tuple[float, float]
+    weight: float
+
+
+class OmnidirectionalState(NamedTuple):
+    """The newest command, the moving goal, and the integrals."""
+
+    command: Command = Command()
+    begun: bool = False
+    goal: tuple[float, float] = (0.0, 0.0)  # [m]
+    integral: Vector = (0.0, 0.0, 0.0)  # world [N]
+    thrusts: PerRotor = NONE
+
+
+def known(gains: OmnidirectionalGains, vehicle: Vehicle) -> OmnidirectionalKnown:
+    """Return what stays the same during a flight."""
+    weight = vehicle.heaviness * STANDARD_GRAVITY
+    return OmnidirectionalKnown(
+        gains, rotors_of(vehicle, ALL_ALIKE), surge_drag_of(vehicle), weight
+    )
+
+
+def step(
+    constants: OmnidirectionalKnown, memory: OmnidirectionalState, heard: Heard, scratch: Scratch
+) -> OmnidirectionalState:
+    """Return the memory one step later, with the new command in it."""
+    gains, motion, setpoint, dt = constants.gains, heard.motion, heard.setpoint, heard.dt
+    px, py, pz = motion.position
+    vx, vy, vz = to_world(motion.attitude, motion.velocity)
+    gx, gy = memory.goal if memory.begun else (px, py)
+    wx, wy = turned(setpoint.heading, setpoint.speed, 0.0)
+    gx, gy = gx + dt * wx, gy + dt * wy
+    ex, ey = limited(gx - px, gains.reach), limited(gy - py, gains.reach)
+    ez = limited(setpoint.altitude - pz, gains.reach)
+    ix = limited(memory.integral[0] + dt * gains.position_ki * ex, gains.integral_limit)
+    iy = limited(memory.integral[1] + dt * gains.position_ki * ey, gains.integral_limit)
+    iz = limited(memory.integral[2] + dt * gains.position_ki * ez, gains.integral_limit)
+    drag = drag_force(constants.drag[0], constants.drag[1], setpoint.speed)
+    dx, dy = turned(setpoint.heading, drag, 0.0)
+    kp, kd = gains.position_kp, gains.position_kd
+    fx, fy, fz = to_body(
+        motion.attitude,
+        (
+            kp * ex + ix + kd * (wx - vx) + dx,
+            kp * ey + iy + kd * (wy - vy) + dy,
+            kp * ez + iz - kd * vz + constants.weight,
+        ),
+    )
+    tx, ty, tz = turn_to(motion.attitude, from_angles(0.0, 0.0, setpoint.heading))
+    kp, kd = gains.attitude_kp, gains.attitude_kd
+    p, q, r = motion.rates
+    wrench = (fx, fy, fz, kp * tx - kd * p, kp * ty - kd * q, kp * tz - kd * r)
+    thrusts, _ = allocate(constants.rotors, wrench, memory.thrusts, scratch)
+    command = Command(duties(constants.rotors, thrusts), UNMOVED)
+    return OmnidirectionalState(command, True, (gx, gy), (ix, iy, iz), thrusts)
+
+
+LAW = Law(
+    'omnidirectional', OmnidirectionalGains, Feedback.TRACKER, known, OmnidirectionalState(), step
+)

@@ -1,0 +1,132 @@
+"""
+The multirotor: velocity to tilt, tilt to rates, rates to moments, moments to the quad mixer.
+
+The structure is that of the Crazyflie firmware's PID controller (velocity, attitude and rate loops
+in cascade, then power distribution); gains and equations are ours (assumed), because ours commands
+newtons and runs once a control period, where the firmware's rate loop runs at 500 Hz in its own
+units. The lag of the motors is met by a derivative of the measured rates. Velocity in the world
+needs a tracker, as a Crazyflie needs one or a flow deck.
+"""
+
+import math
+from typing import NamedTuple
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_config.settings import setting
+from lta_control.allocation import allocate, duties, Rotors, Scratch
+from lta_control.attitude import heading, up_in_body, Vector
+from lta_control.cascade import pid_gains, wrap
+from lta_control.laws.climbing import ClimbGains, lift_step
+from lta_control.laws.frames import from_angles, limited, to_world, turn_to, turned
+from lta_control.laws.protocol import Command, Feedback, Heard, Law, UNMOVED
+from lta_control.per_rotor import NONE, PerRotor
+from lta_control.pid import pid_step, PidGains
+from lta_control.vehicle_side import rotors_of
+from lta_sim.vehicle import Vehicle
+
+# Upright before high before heading: a moment counts by an arm of 1 cm, in yaw of 10 cm.
+MIXER = (0.0, 0.0, 1.0, 1e4, 1e4, 1e2)
+STEEP = 0.5  # least cosine of the tilt by which thrust makes up for it
+
+
+class QuadrotorGains(ClimbGains):
+    """Gains of all loops."""
+
+    velocity: PidGains = setting(..., 'Velocity to level acceleration, m/s2 per m/s.')
+    attitude_kp: float = setting(
+        ..., 'Rate asked for each radian of tilt error.', unit='1/s', low=0.0, high=50.0
+    )
+    heading_kp: float = setting(
+        ..., 'Yaw rate asked for each radian of error.', unit='1/s', low=0.0, high=50.0
+    )
+    rate_limit: float = setting(..., 'Largest rate.', unit='rad/s', low=0.01, high=50.0)
+    rate_kp: float = setting(..., 'Angular acceleration by rate.', unit='1/s', low=0.0, high=500.0)
+    rate_kd: float = setting(
+        ..., 'Angular acceleration by the slope of the rate.', unit='1', low=0.0, high=10.0
+    )
+    yaw_rate_kp: float = setting(
+        ..., 'Angular acceleration by yaw rate.', unit='1/s', low=0.0, high=500.0
+    )
+    slope_time: float = setting(
+        ..., 'Smoothing of the slope of the rates.', unit='s', low=0.0, high=1.0
+    )
+
+
+class QuadrotorKnown(NamedTuple):
+    """Gains, rotors, moments of inertia [kg m2], and weight [N]."""
+
+    gains: QuadrotorGains
+    rotors: Rotors
+    inertia: Vector
+    weight: float
+
+
+class QuadrotorState(NamedTuple):
+    """The newest command, integrals, and the slopes of the rates."""
+
+    command: Command = Command()
+    begun: bool = False
+    climb: float = 0.0  # [N]
+    east: float = 0.0  # [m/s2]
+    north: float = 0.0  # [m/s2]
+    rates: Vector = (0.0, 0.0, 0.0)  # [rad/s]
+    slopes: tuple[float, float] = (0.0, 0.0)  # [rad/s2]
+    missing: float = 0.0  # [N]
+    thrusts: PerRotor = NONE
+
+
+def known(gains: QuadrotorGains, vehicle: Vehicle) -> QuadrotorKnown:
+    """Return what stays the same during a flight."""
+    x, y, z = (float(vehicle.inertia[axis, axis]) for axis in range(3))
+    weight = vehicle.heaviness * STANDARD_GRAVITY
+    return QuadrotorKnown(gains, rotors_of(vehicle, MIXER), (x, y, z), weight)
+
+
+def step(
+    constants: QuadrotorKnown, memory: QuadrotorState, heard: Heard, scratch: Scratch
+) -> QuadrotorState:
+    """Return the memory one step later, with the new command in it."""
+    gains, motion, setpoint, dt = constants.gains, heard.motion, heard.setpoint, heard.dt
+    vx, vy, vz = to_world(motion.attitude, motion.velocity)
+    error = setpoint.altitude - motion.position[2]
+    push, climb = lift_step(gains, memory.climb, error, vz, memory.missing, dt)
+    upright = max(up_in_body(motion.attitude)[2], STEEP)
+    thrust = (constants.weight + push) / upright
+    wx, wy = turned(setpoint.heading, setpoint.speed, 0.0)
+    loop = pid_gains(gains.velocity)
+    ax, east = pid_step(loop, memory.east, wx - vx, 0.0, 0.0, dt)
+    ay, north = pid_step(loop, memory.north, wy - vy, 0.0, 0.0, dt)
+    yaw = heading(motion.attitude)
+    forward, left = turned(-yaw, ax, ay)
+    goal = from_angles(
+        -math.atan(left / STANDARD_GRAVITY), math.atan(forward / STANDARD_GRAVITY), yaw
+    )
+    mx, my, slopes = tilting(constants, memory, turn_to(motion.attitude, goal), heard)
+    wanted = limited(gains.heading_kp * wrap(setpoint.heading - yaw), gains.rate_limit)
+    mz = constants.inertia[2] * gains.yaw_rate_kp * (wanted - motion.rates[2])
+    wrench = (0.0, 0.0, thrust, mx, my, mz)
+    thrusts, given = allocate(constants.rotors, wrench, memory.thrusts, scratch)
+    command = Command(duties(constants.rotors, thrusts), UNMOVED)
+    return QuadrotorState(
+        command, True, climb, east, north, motion.rates, slopes, given[2] - thrust, thrusts
+    )
+
+
+def tilting(
+    constants: QuadrotorKnown, memory: QuadrotorState, turn: Vector, heard: Heard
+) -> tuple[float, float, tuple[float, float]]:
+    """Return the moments that tilt it by a turn [N m], and the slopes of the rates [rad/s2]."""
+    gains, dt = constants.gains, heard.dt
+    p, q, _ = heard.motion.rates
+    before = memory.rates if memory.begun else heard.motion.rates
+    share = dt / (gains.slope_time + dt)
+    roll = memory.slopes[0] + share * ((p - before[0]) / dt - memory.slopes[0])
+    pitch = memory.slopes[1] + share * ((q - before[1]) / dt - memory.slopes[1])
+    wanted_p = limited(gains.attitude_kp * turn[0], gains.rate_limit)
+    wanted_q = limited(gains.attitude_kp * turn[1], gains.rate_limit)
+    mx = constants.inertia[0] * (gains.rate_kp * (wanted_p - p) - gains.rate_kd * roll)
+    my = constants.inertia[1] * (gains.rate_kp * (wanted_q - q) - gains.rate_kd * pitch)
+    return mx, my, (roll, pitch)
+
+
+LAW = Law('quadrotor', QuadrotorGains, Feedback.TRACKER, known, QuadrotorState(), step)

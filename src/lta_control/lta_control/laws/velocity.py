@@ -1,0 +1,99 @@
+"""
+SBlimp: push the way the velocity should change, whatever the heading; the hull swings.
+
+Its authors (Xu 2023) command linear velocity directly, without a loop on attitude, and let the
+balloon right the vehicle; that much their abstract says. Gains and mixer are ours (assumed): a PI
+loop on each axis of the world, the weight fed forward, and the force turned into the body frame
+and allocated over the tilted rotors. Yaw is only damped. Velocity in the world needs a tracker, as
+theirs had.
+
+The rotors push sideways only by the tilt of what they lift: `height_weight` says how much dearer
+vertical force is than lateral when both cannot be had.
+"""
+
+from typing import NamedTuple
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_config.settings import setting
+from lta_control.allocation import allocate, duties, Rotors, Scratch
+from lta_control.attitude import Vector
+from lta_control.cascade import drag_force, pid_gains
+from lta_control.laws.climbing import ClimbGains, lift_step
+from lta_control.laws.frames import to_body, to_world, turned
+from lta_control.laws.protocol import Command, Feedback, Heard, Law, UNMOVED
+from lta_control.per_rotor import NONE, PerRotor
+from lta_control.pid import pid_step, PidGains
+from lta_control.vehicle_side import rotors_of, surge_drag_of
+from lta_sim.vehicle import Vehicle
+
+YAW_WEIGHT = 1000.0  # N m against N, by an arm of 3 cm; only to share thrust evenly
+
+
+class VelocityGains(ClimbGains):
+    """Gains of altitude and velocity."""
+
+    velocity: PidGains = setting(..., 'Velocity to force along world x and y, N per m/s.')
+    yaw_damping: float = setting(
+        ..., 'Moment against a yaw rate.', unit='N m s', low=0.0, high=1.0
+    )
+    height_weight: float = setting(
+        ...,
+        'Weight of vertical force against lateral force in the allocation.',
+        low=0.01,
+        high=1e4,
+    )
+
+
+class VelocityKnown(NamedTuple):
+    """Gains, rotors, lateral drag (linear, quadratic), and weight [N]."""
+
+    gains: VelocityGains
+    rotors: Rotors
+    drag: tuple[float, float]
+    weight: float
+
+
+class VelocityState(NamedTuple):
+    """The newest command, integrals by axis, and what the rotors gave beyond the last demand."""
+
+    command: Command = Command()
+    climb: float = 0.0  # [N]
+    east: float = 0.0  # [N]
+    north: float = 0.0  # [N]
+    missing: Vector = (0.0, 0.0, 0.0)  # world [N]
+    thrusts: PerRotor = NONE
+
+
+def known(gains: VelocityGains, vehicle: Vehicle) -> VelocityKnown:
+    """Return what stays the same during a flight."""
+    weights = (1.0, 1.0, gains.height_weight, 0.0, 0.0, YAW_WEIGHT)
+    weight = vehicle.heaviness * STANDARD_GRAVITY
+    return VelocityKnown(gains, rotors_of(vehicle, weights), surge_drag_of(vehicle), weight)
+
+
+def step(
+    constants: VelocityKnown, memory: VelocityState, heard: Heard, scratch: Scratch
+) -> VelocityState:
+    """Return the memory one step later, with the new command in it."""
+    gains, motion, setpoint, dt = constants.gains, heard.motion, heard.setpoint, heard.dt
+    vx, vy, vz = to_world(motion.attitude, motion.velocity)
+    gap = memory.missing
+    error = setpoint.altitude - motion.position[2]
+    up, climb = lift_step(gains, memory.climb, error, vz, gap[2], dt)
+    wx, wy = turned(setpoint.heading, setpoint.speed, 0.0)
+    loop = pid_gains(gains.velocity)
+    fx, east = pid_step(loop, memory.east, wx - vx, 0.0, gap[0], dt)
+    fy, north = pid_step(loop, memory.north, wy - vy, 0.0, gap[1], dt)
+    drag = drag_force(constants.drag[0], constants.drag[1], setpoint.speed)
+    dx, dy = turned(setpoint.heading, drag, 0.0)
+    force = (fx + dx, fy + dy, up + constants.weight)
+    bx, by, bz = to_body(motion.attitude, force)
+    wrench = (bx, by, bz, 0.0, 0.0, -gains.yaw_damping * motion.rates[2])
+    thrusts, given = allocate(constants.rotors, wrench, memory.thrusts, scratch)
+    gx, gy, gz = to_world(motion.attitude, (given[0], given[1], given[2]))
+    missing = (gx - force[0], gy - force[1], gz - force[2])
+    command = Command(duties(constants.rotors, thrusts), UNMOVED)
+    return VelocityState(command, climb, east, north, missing, thrusts)
+
+
+LAW = Law('velocity', VelocityGains, Feedback.TRACKER, known, VelocityState(), step)

@@ -1,0 +1,110 @@
+"""Hear the other robots of a launch: where in time they are, and when they have ended."""
+
+from collections.abc import Callable, Sequence
+import time
+from typing import Any, final
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from lta_config.errors import BadInput
+from lta_config.topics import is_name, robot_topic
+from lta_graph.peers import Peers
+from lta_graph.ros.node import from_stamp, GraphNode, message_type, PATIENCE
+from lta_graph.ros.qos import profile
+
+PULSE = 'wind'  # small, regular, and of the vehicle alone; its period is how far one may lead
+FLIGHT = ': flight'  # the fact in which a simulator tells how its flight stands
+OVER = 'over'  # and the value in it
+
+
+@final
+class Company:
+    """
+    The other robots, for a node that must keep step with them.
+
+    Parameters
+    ----------
+    node : GraphNode
+        Who listens.
+    names : sequence of str
+        Namespaces of the others; nothing is heard and nobody waited for where there are none.
+    on_news : callable
+        Called at every pulse and every end.
+
+    Raises
+    ------
+    BadInput
+        If a name cannot be a namespace, or is the node's own.
+
+    """
+
+    def __init__(self, node: GraphNode, names: Sequence[str], on_news: Callable[[], None]) -> None:
+        own = node.get_namespace().strip('/')
+        for name in names:
+            if not is_name(name) or name == own:
+                raise BadInput(
+                    f"The peer '{name}' of '{own}' is no other namespace; give those of the other "
+                    'robots, with spaces between.'
+                )
+        table = node.table
+        self.names = list(names)
+        self._peers = Peers(names, table.start_ns, table[PULSE].period_ns)
+        self._on_news = on_news
+        self._held: list[str] = []
+        self._since = 0.0
+        rows = [(robot_topic(name, PULSE), PULSE, self._pulse(name)) for name in names]
+        if names:
+            rows.append(('/diagnostics', '/diagnostics', self._diagnosed))
+        self.subscriptions = [
+            node.create_subscription(
+                message_type(table[row]), topic, callback, profile(table[row], node.lockstep)
+            )
+            for topic, row, callback in rows
+        ]
+
+    @property
+    def flying(self) -> bool:
+        """Whether any of the others has not ended."""
+        return bool(self._peers.flying)
+
+    @property
+    def holding(self) -> bool:
+        """Whether the last step had to wait."""
+        return bool(self._held)
+
+    def lets(self, stamp_ns: int) -> bool:
+        """Tell whether the node may go on to a time, and remember if it has to wait. [ns]"""
+        held = self._peers.behind(stamp_ns)
+        if held and not self._held:
+            self._since = time.monotonic()
+        self._held = held
+        return not held
+
+    def missing(self) -> list[str]:
+        """Return the pulses for which the node has been waiting longer than patience lasts."""
+        if not self._held or time.monotonic() - self._since < PATIENCE:
+            return []
+        # Who has not begun may still load: the launcher and its own silence tell more.
+        return [robot_topic(name, PULSE) for name in self._held if self._peers.begun(name)]
+
+    def now(self, own_ns: int) -> int:
+        """Return the time of the launch once the node's own has stopped. [ns]"""
+        return self._peers.now(own_ns)
+
+    def _pulse(self, name: str) -> Callable[[Any], None]:
+        def hear(message: Any) -> None:  # noqa: ANN401 - whatever the pulse is made of
+            self._peers.hear(name, from_stamp(message.header.stamp))
+            self._on_news()
+
+        return hear
+
+    def _diagnosed(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            if status.hardware_id in self._peers.flying and over(status):
+                self._peers.end(status.hardware_id)
+                self._on_news()
+
+
+def over(status: DiagnosticStatus) -> bool:
+    """Tell whether a simulator says that its flight has ended and all have answered."""
+    facts = {item.key: item.value for item in status.values}
+    return status.name.endswith(FLIGHT) and facts.get(OVER) == str(True)

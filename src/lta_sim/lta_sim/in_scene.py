@@ -1,0 +1,106 @@
+"""
+A vehicle in a scene: what the scenario adds to the vehicle's own effects.
+
+The winds of its air, averaged over this hull, and its walls, which this hull meets.
+"""
+
+import math
+
+from lta_config.errors import BadInput
+from lta_sim import hull
+from lta_sim.declared import Effects
+from lta_sim.effects import EFFECTS
+from lta_sim.effects.protocol import AirEffect
+from lta_sim.model import Model
+from lta_sim.scenario import Scenario
+from lta_sim.vehicle import Vehicle
+from lta_sim.wind_record import WindRecord
+import numpy as np
+
+# Of a wall as `effects.walls` has it, assumed: foil that gives centimetres under newtons.
+STIFFNESS = 100.0  # N/m
+RELAXATION = 0.05  # s
+FRICTION = 0.3
+
+
+def reach(vehicle: Vehicle) -> tuple[float, float]:
+    """
+    Return how far a vehicle, hull or frame, reaches from its hull centre: level and up. [m]
+
+    A hull that is not round about the vertical counts as the round one about it.
+    """
+    if vehicle.file.hull.shape != 'none':
+        a, b, c = hull.half_axes(vehicle.file.hull)
+        return max(a, b), c
+    ends = [
+        (np.abs(part.position.vector) + 0.5 * np.array(part.size.vector)).tolist()
+        for part in vehicle.file.parts.values()
+    ]
+    ends += [np.abs(rotor.place).tolist() for rotor in vehicle.rotors]
+    ends.append((0.0, 0.0, vehicle.standing_height))
+    return max(math.hypot(x, y) for x, y, _ in ends), max(z for _, _, z in ends)
+
+
+def effects_in(vehicle: Vehicle, scenario: Scenario) -> Effects:
+    """
+    Return the parameters of every effect that the scene adds, in SI.
+
+    Raises
+    ------
+    BadInput
+        If the vehicle file sets one of them as well, or the vehicle starts in a wall.
+
+    """
+    radius, half_height = reach(vehicle)
+    # A profile is averaged over a hull; a bare frame meets the wind at its own height.
+    tall = half_height if vehicle.file.hull.shape != 'none' else 0.0
+    given = scenario.air.effects(tall)
+    if scenario.room.walls == 'solid':
+        given['walls'] = _walls(scenario, radius, half_height)
+    for name in given:
+        if name in vehicle.file.effects:
+            kind = 'wind' if isinstance(EFFECTS[name], AirEffect) else 'room'
+            raise BadInput(
+                f'The effect {name} is set by the {kind} of the scenario {scenario.name} and by '
+                f'the vehicle {vehicle.file.name}; leave it to the scenario.'
+            )
+    return given
+
+
+def _walls(scenario: Scenario, radius: float, half_height: float) -> dict[str, float]:
+    """Return the parameters of `walls` for a hull, which counts as round about the vertical."""
+    length, width, height = scenario.room.size.vector
+    at = scenario.start.position.vector
+    if any(abs(x) + radius > side / 2.0 for x, side in zip(at, (length, width), strict=True)):
+        raise BadInput(
+            f'The scenario {scenario.name} starts at {at} m, where a hull with a radius of '
+            f'{radius:.2f} m is in a wall; move the start.'
+        )
+    return {
+        'x_low': -length / 2.0,
+        'x_high': length / 2.0,
+        'y_low': -width / 2.0,
+        'y_high': width / 2.0,
+        'ceiling': height,
+        'radius': radius,
+        'half_height': half_height,
+        'stiffness': STIFFNESS,
+        'relaxation': RELAXATION,
+        'friction': FRICTION,
+    }
+
+
+def model_in(vehicle: Vehicle, scenario: Scenario) -> Model:
+    """Return the numbers that the kernel takes for a vehicle in a scene; errors as effects_in."""
+    return vehicle.model(effects_in(vehicle, scenario))
+
+
+def record_of(scenario: Scenario) -> WindRecord | None:
+    """Return the scenario's recorded wind, if it has one; `BadInput` if that cannot be flown."""
+    path = scenario.wind_file
+    return None if path is None else WindRecord.read(path, scenario.goal.time_limit.si)
+
+
+def check(vehicle: Vehicle, scenario: Scenario) -> None:
+    """Refuse a scene that this vehicle cannot be in, for its light, its wind or its walls."""
+    _ = model_in(vehicle, scenario), record_of(scenario), scenario.light_field

@@ -1,0 +1,191 @@
+"""
+The wind that a vehicle can stand against, from its numbers alone.
+
+It stands where the thrust that is left beside height and heading is the drag at the speed of the
+wind; it takes the heading in which that is most. A vehicle with a hull stays level; one that has
+none, or that moves a mass to pitch, takes the pitch at which it is fastest:
+
+    find the largest v for which some pitch p and some thrusts (a linear programme) give
+    F_x(thrust) + F_x(air, v, p) >= 0,   F_z(thrust) + F_z(air, v, p) = weight less buoyancy
+
+in the map, with no yaw moment, and no moment at all where nothing rights the vehicle. And it must
+not tumble (`limits.tumble_speed`). Control, turbulence and eddies in the lee of things take more
+away: what flies is found by flying.
+"""
+
+from collections.abc import Callable
+import math
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_config.errors import BadInput
+from lta_sim import kernel, limits
+from lta_sim.effects import initial_memory, wind_profile
+from lta_sim.effects.protocol import Place, Wrench
+from lta_sim.in_scene import reach
+from lta_sim.model import Model
+from lta_sim.state import pack, QUATERNION, SURROUNDINGS
+from lta_sim.vehicle import Vehicle
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linprog
+
+CLEAR = 1e3  # m above the floor, so that nothing of a room is felt
+FASTEST = 60.0  # m/s; bound of the winds
+FINE = 1e-4  # m/s
+HEADINGS = tuple(math.radians(15 * k) for k in range(24))
+PITCHES = tuple(math.radians(3 * k) for k in range(-27, 28))
+NOT_AIR = ('weight_and_buoyancy', 'net_lift', 'helium_leak', 'superheat', 'moving_mass')
+
+Array = NDArray[np.float64]
+
+
+def air_wrench(model: Model, speed: float, heading: float = 0.0, pitch: float = 0.0) -> Array:
+    """
+    Return what the air does to a vehicle that flies level, rotors at rest.
+
+    Parameters
+    ----------
+    model : Model
+        The vehicle.
+    speed : float
+        Airspeed, horizontal. [m/s]
+    heading : float
+        Direction of flight from body x, anticlockwise. [rad]
+    pitch : float
+        Nose down. [rad]
+
+    Returns
+    -------
+    ndarray, shape (6,)
+        Force and moment about the hull centre, in the map turned to the vehicle's heading.
+        [N, N m]
+
+    """
+    c, s = math.cos(pitch), math.sin(pitch)
+    x, y = speed * math.cos(heading), speed * math.sin(heading)
+    state = pack((0.0, 0.0, CLEAR), velocity=(x * c, y, x * s), memory=initial_memory())
+    state[QUATERNION] = (0.0, math.sin(0.5 * pitch), 0.0, math.cos(0.5 * pitch))
+    acting = kernel.wrenches(state, model, (0.0,))
+    total = sum((w for name, w in acting.items() if name not in NOT_AIR), start=np.zeros(6))
+    return _turned(total, pitch)
+
+
+def _turned(wrench: Array, pitch: float) -> Array:
+    """Return a wrench in body axes as one in level axes."""
+    c, s = math.cos(pitch), math.sin(pitch)
+    turn = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+    return np.concatenate([turn @ wrench[:3], turn @ wrench[3:]])
+
+
+def thrust_speed(vehicle: Vehicle) -> float:
+    """
+    Return the largest airspeed that the rotors can hold at constant height and heading. [m/s]
+
+    Infinite where the drag that is known would let it fly faster than any wind.
+
+    Raises
+    ------
+    BadInput
+        If no thrusts hold height and heading.
+
+    """
+    model = vehicle.model()
+    if vehicle.file.hull.shape == 'none' or vehicle.file.moving_mass:
+        return _pitched(vehicle, model)
+    return max(_level(vehicle, model, heading) for heading in HEADINGS)
+
+
+def _level(vehicle: Vehicle, model: Model, heading: float) -> float:
+    """Return the largest airspeed in one direction, upright."""
+    force = limits.level_force(vehicle, heading)
+
+    def holds(speed: float) -> bool:
+        x, y, *_ = air_wrench(model, speed, heading)
+        return bool(force + x * math.cos(heading) + y * math.sin(heading) >= 0.0)
+
+    return 0.0 if force <= 0.0 else _largest(holds, 0.0, FASTEST)
+
+
+def _pitched(vehicle: Vehicle, model: Model) -> float:
+    """Return the largest airspeed along body x at any pitch."""
+
+    def holds(speed: float) -> bool:
+        return any(_balanced(vehicle, model, speed, pitch) for pitch in PITCHES)
+
+    grid = [0.0, *np.geomspace(0.1, FASTEST, 60).tolist()]
+    held = [k for k, speed in enumerate(grid) if holds(speed)]
+    if not held:
+        raise BadInput(
+            f'{vehicle.file.name} cannot fly level at any speed or pitch; trim it nearer to the '
+            'air, or give it rotors that can carry it.'
+        )
+    if held[-1] == len(grid) - 1:
+        return math.inf
+    return _largest(holds, grid[held[-1]], grid[held[-1] + 1], 0.01)
+
+
+def _largest(
+    holds: Callable[[float], bool],
+    low: float,
+    high: float,
+    fine: float = FINE,
+) -> float:
+    """Return the speed between two at which something ceases to hold."""
+    if holds(high):
+        return math.inf
+    while high - low > fine:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if holds(middle) else (low, middle)
+    return low
+
+
+def _balanced(vehicle: Vehicle, model: Model, speed: float, pitch: float) -> bool:
+    """Tell whether some thrusts hold a speed at a pitch."""
+    columns, tops = [], []
+    for rotor in vehicle.rotors:
+        columns.append(_turned(np.array(rotor.column), pitch))
+        tops.append(rotor.full)
+        if rotor.reversible:
+            columns.append(-_turned(np.array(rotor.reverse), pitch))
+            tops.append(rotor.full)
+    air = air_wrench(model, speed, 0.0, pitch)
+    balance = -air
+    balance[2] += vehicle.heaviness * STANDARD_GRAVITY
+    # A righting weight, or a mass that is moved, sees to roll and pitch; a little bank to sway.
+    axes = [1, 2, 3, 4, 5] if vehicle.file.hull.shape == 'none' else [2, 5]
+    wrench = np.array(columns).T
+    found = linprog(
+        -wrench[0], A_eq=wrench[axes], b_eq=balance[axes], bounds=[(0.0, top) for top in tops]
+    )
+    return found.status == 0 and found.fun is not None and bool(-found.fun >= balance[0])
+
+
+def static_limit(vehicle: Vehicle) -> float:
+    """Return the largest uniform wind that thrust and balance allow, as `thrust_speed`. [m/s]"""
+    speed = thrust_speed(vehicle)
+    if vehicle.file.hull.shape == 'none':
+        return speed  # its rotors keep it upright, at any speed
+    return min(speed, limits.tumble_speed(vehicle))
+
+
+def share_at_hull(vehicle: Vehicle, height: float, reference: float, roughness: float) -> float:
+    """
+    Return how much of a reference wind there is at the hull, by the log law.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        For the height of its hull, over which the wind is averaged.
+    height : float
+        Of the hull centre. [m]
+    reference : float
+        Height of the reference wind. [m]
+    roughness : float
+        Roughness length of the ground. [m]
+
+    """
+    half = reach(vehicle)[1] if vehicle.file.hull.shape != 'none' else 0.0
+    still = (0.0, 0.0, 0.0)
+    place = Place((0.0, 0.0, height), still, still, (0.0,) * SURROUNDINGS)
+    wind: Wrench = wind_profile.air((1.0, 0.0, reference, roughness, half), (), place)
+    return wind[0]

@@ -1,0 +1,163 @@
+"""
+Wind as somebody recorded it: a series of velocities over time, read strictly.
+
+A CSV file with the header `t,u,v,w`: time in s, velocity of the air along map x, y, z in m/s,
+where it goes to; lines that begin with `#` are comments. The flight begins at the first row.
+Between rows the wind is interpolated linearly, and blows everywhere alike, so that its change
+
+    DU/Dt = (U_{i+1} - U_i) / (t_{i+1} - t_i)
+
+is a pressure gradient, which takes a neutral hull with it.
+"""
+
+from array import array
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final, Self, TextIO
+
+from lta_config.errors import BadInput
+import numpy as np
+from numpy.typing import NDArray
+
+HEADER = ['t', 'u', 'v', 'w']
+MOST_ROWS = 5_000_000  # half a day at 100 Hz
+STRONGEST = 60.0  # m/s; bound of the wind effects
+LONGEST = 3.0  # of the usual interval; a longer one is a gap
+
+Array = NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class WindRecord:
+    """
+    A recorded wind; make it with `WindRecord.read`.
+
+    Parameters
+    ----------
+    time : ndarray, shape (N,)
+        Since the flight's start. [s]
+    wind : ndarray, shape (N, 3)
+        In `map`. [m/s]
+
+    """
+
+    time: Array
+    wind: Array
+
+    @classmethod
+    def read(cls, path: Path, needed: float) -> Self:
+        """
+        Return what a file holds.
+
+        Parameters
+        ----------
+        path : Path
+            The CSV file.
+        needed : float
+            How long the flight may take. [s]
+
+        Raises
+        ------
+        BadInput
+            One sentence, if the file cannot be read, holds something else, is not in order, has a
+            gap of more than 3 usual intervals, or ends too early.
+
+        """
+        try:
+            with path.open(encoding='utf-8') as stream:
+                rows = _rows(path, stream)
+        except (OSError, UnicodeDecodeError) as error:
+            raise BadInput(f'The wind file {path} cannot be read: {error}.') from None
+        if len(rows) < 2:
+            raise BadInput(
+                f'The wind file {path} has {len(rows)} rows below its header; record two or more.'
+            )
+        _in_order(path, rows[:, 0])
+        lasts = float(rows[-1, 0] - rows[0, 0])
+        if lasts < needed:
+            raise BadInput(
+                f'The wind file {path} lasts {lasts:g} s, and the flight may take {needed:g} s; '
+                'record longer or lower goal.time_limit.'
+            )
+        return cls(rows[:, 0] - rows[0, 0], np.ascontiguousarray(rows[:, 1:]))
+
+    def at(self, begin: float, end: float) -> tuple[Array, Array]:
+        """
+        Return the wind of a span of time as the kernel takes it.
+
+        Parameters
+        ----------
+        begin, end : float
+            Flight time. [s]
+
+        Returns
+        -------
+        tuple of two ndarrays, shape (3,)
+            The wind at the middle [m/s], and its mean rate of change [m/s2].
+
+        """
+        middle, first, last = (self._wind(t) for t in (0.5 * (begin + end), begin, end))
+        return middle, (last - first) / (end - begin)
+
+    def _wind(self, time: float) -> Array:
+        return np.array([np.interp(time, self.time, column) for column in self.wind.T])
+
+
+def _rows(path: Path, stream: TextIO) -> Array:
+    """Return the numbers of a file, shape (N, 4)."""
+    numbers = array('d')
+    header: list[str] | None = None
+    for count, line in enumerate(stream, start=1):
+        text = line.strip()
+        if not text or text.startswith('#'):
+            continue
+        cells = [cell.strip() for cell in text.split(',')]
+        if header is None:
+            header = cells
+            if header != HEADER:
+                raise BadInput(
+                    f'The wind file {path} begins with "{text[:40]}"; begin with the header '
+                    f'"{",".join(HEADER)}".'
+                )
+            continue
+        numbers.extend(_numbers(path, count, cells))
+        if len(numbers) > len(HEADER) * MOST_ROWS:
+            raise BadInput(f'The wind file {path} has more than {MOST_ROWS} rows; cut it.')
+    return np.array(numbers).reshape(-1, len(HEADER))
+
+
+def _numbers(path: Path, count: int, cells: list[str]) -> list[float]:
+    """Return the numbers of one line."""
+    try:
+        row = [float(cell) for cell in cells]
+    except ValueError:
+        row = []
+    if len(row) != len(HEADER) or not np.isfinite(row).all():
+        raise BadInput(
+            f'The wind file {path} has "{",".join(cells)[:60]}" in line {count}; write four '
+            'finite numbers, t,u,v,w, or leave the line out and mend the gap.'
+        )
+    if max(map(abs, row[1:])) > STRONGEST:
+        raise BadInput(
+            f'The wind file {path} has a wind of {max(row[1:], key=abs):g} m/s in line {count}; '
+            f'give {STRONGEST:g} m/s at most.'
+        )
+    return row
+
+
+def _in_order(path: Path, time: Array) -> None:
+    """Refuse times that do not grow, or leave something out."""
+    steps = np.diff(time)
+    where = int(np.argmin(steps))
+    if steps[where] <= 0.0:
+        raise BadInput(
+            f'The wind file {path} goes from t = {time[where]:g} s to {time[where + 1]:g} s; sort '
+            'its rows, each time once.'
+        )
+    where, usual = int(np.argmax(steps)), float(np.median(steps))
+    if steps[where] > LONGEST * usual:
+        raise BadInput(
+            f'The wind file {path} has a gap of {steps[where]:g} s after t = {time[where]:g} s, '
+            f'where rows are {usual:g} s apart; fill it or cut the file there.'
+        )

@@ -1,0 +1,102 @@
+"""Two drones from one launch file: each the graph of one, one recorder, one who tells the time."""
+
+from pathlib import Path
+
+from lta_analysis.preflight import check, parameters
+from lta_bridge.nodes.recorder import Origin, RecorderSettings
+from lta_config.errors import BadInput
+from lta_graph.launch_file import arguments, load
+from lta_graph.ros.node import GraphSettings
+from lta_graph.ros.parameters import leaves
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+FLY = ROOT / 'config/launch/fly.launch.yaml'
+PAIR = ROOT / 'config/launch/pair.launch.yaml'
+ROBOTS = ('lta1', 'lta2')
+
+
+@pytest.fixture(autouse=True)
+def installed(monkeypatch, tmp_path):
+    """Stand in for the installed lta_config, whose share the launch file asks for."""
+    marker = tmp_path / 'share/ament_index/resource_index/packages/lta_config'
+    marker.parent.mkdir(parents=True)
+    marker.touch()
+    monkeypatch.setenv('AMENT_PREFIX_PATH', str(tmp_path))
+    (tmp_path / 'share/lta_config').symlink_to(ROOT / 'config')
+
+
+def nodes(path, **given):
+    """Return the parameters of each process by the plan's name for it."""
+    plan = load(path, given)
+    return {plan.label(process): parameters(process.arguments) for process in plan.processes}
+
+
+def test_each_drone_is_the_graph_of_one_but_for_recorder_clock_and_peers():
+    pair = nodes(PAIR, seed2='7', offset_y2='-1.5', time='lockstep')
+    assert len(pair) == 2 * 6 + 1
+    for robot, seed, offset in (('lta1', '1', '0.0'), ('lta2', '7', '-1.5')):
+        alone = nodes(FLY, robot=robot, seed=seed, offset_y=offset, time='lockstep')
+        del alone['recorder']
+        for name, expected in alone.items():
+            found = pair[f'{robot}/{name}']
+            if name == 'simulator':
+                other = ROBOTS[1 - ROBOTS.index(robot)]
+                assert (found.pop('clock'), found.pop('peers')) == (robot == 'lta1', other)
+                assert (expected.pop('clock'), expected.pop('peers')) == (True, '')
+            assert found == expected, (robot, name)
+
+
+def test_the_gains_of_each_go_to_its_controller_and_into_the_bag(tmp_path):
+    gains = tmp_path / 'gains.yaml'
+    gains.write_bytes((ROOT / 'config/control/gtmab.yaml').read_bytes())
+    plan = load(PAIR, {'gains2': str(gains)})
+    words = {plan.label(process): process.arguments for process in plan.processes}
+    assert str(gains) in words['lta2/controller']
+    assert str(gains) not in words['lta1/controller']
+    assert parameters(words['recorder'])['lta2.gains'] == str(gains)
+
+
+def test_the_recorder_is_told_all_of_both_and_knows_every_word():
+    own = {key for key, _, _ in [*leaves(RecorderSettings()), *leaves(GraphSettings())]}
+    each = {key for key, _, _ in leaves(Origin())}
+    given = nodes(PAIR, robot1='a', robot2='b', vehicle2='2026-11-20')['recorder']
+    assert given['robots'] == 'a b'
+    assert given['b.vehicle'] == '2026-11-20'
+    assert {f'{robot}.{key}' for robot in 'ab' for key in each} <= set(given)
+    assert {key.rpartition('.')[2] for key in given} - {'use_sim_time'} <= own
+    for robot in 'ab':
+        told = {key: given[f'{robot}.{key}'] for key in each}
+        assert {key: type(value) for key, value in told.items()} == {
+            key: type(value) for key, _, value in leaves(Origin())
+        }
+
+
+def test_without_a_recording_nobody_waits_for_a_recorder():
+    found = nodes(PAIR, record='false')
+    assert 'recorder' not in found
+    assert all(found[f'{robot}/simulator']['record'] is False for robot in ROBOTS)
+
+
+def test_the_end_of_either_simulator_ends_the_launch_for_each_waits_for_the_other():
+    ending = [item for item in load(PAIR, {}).processes if item.on_exit_shutdown]
+    assert [(item.namespace, item.name) for item in ending] == [
+        ('/lta1', 'simulator'),
+        ('/lta2', 'simulator'),
+    ]
+
+
+def test_the_first_is_the_flight_that_people_know_and_both_are_checked_beforehand():
+    given = {item.name: item for item in arguments(PAIR)}
+    alone = {item.name: item for item in arguments(FLY)}
+    for name in ('vehicle', 'gains', 'strategy', 'seed', 'offset_x', 'offset_y', 'robot'):
+        assert given[f'{name}1'].default == alone[name].default, name
+    assert all(item.description.endswith('.') for item in given.values())
+    check(load(PAIR, {}))
+    for words, sentence in (
+        ({'vehicle2': 'nope'}, "Unknown vehicle 'nope'"),
+        ({'seed2': '-1'}, 'The seed is -1'),
+        ({'offset_y1': '9'}, 'outside the room'),
+    ):
+        with pytest.raises(BadInput, match=sentence):
+            check(load(PAIR, words))

@@ -1,0 +1,134 @@
+"""Two drones in one launch: each as alone, both in one bag, and faults named with their robot."""
+
+from collections import defaultdict
+import json
+import os
+from pathlib import Path
+import signal
+import time
+
+from lta_analysis.bag.flight import open_flight
+from lta_analysis.bag.reader import read_bag
+from lta_config.topics import topic_table
+import pytest
+from rosbags.highlevel import AnyReader
+
+TABLE = topic_table()
+REPEATABLE = [name for name, topic in TABLE.topics.items() if topic.repeatable]
+GOALS = {'radius': '6.5 m', 'time_limit': '30 s'}  # 0.5 m from the one start, 0.8 from the other
+OFFSET = -2.0
+
+
+def contents(bag: Path) -> dict[str, list[tuple[int, bytes]]]:
+    """Return log times and bytes by topic, as the genuine rosbags library reads them."""
+    found = defaultdict(list)
+    with AnyReader([bag]) as reader:
+        for connection, log_time, data in reader.messages():
+            found[connection.topic].append((log_time, bytes(data)))
+    return found
+
+
+def verdicts(text):
+    """Return what each simulator said last, by robot."""
+    lines = [line for line in text.splitlines() if 'simulator] {' in line]
+    return {line[1:].partition('/')[0]: json.loads(line.partition('] ')[2]) for line in lines}
+
+
+@pytest.fixture
+def pair(lta, scenario, tmp_path):
+    """Return the bag of a pair in lockstep, and how each flight went."""
+    words = ('seed1:=8', 'seed2:=7', f'offset_y2:={OFFSET}', 'time:=lockstep')
+    bag = tmp_path / 'pair'
+    result = lta.run('launch', 'pair', f'scenario:={scenario(**GOALS)}', f'bag:={bag}', *words)
+    assert result.returncode == 0, result.stderr
+    assert 'Traceback' not in result.stderr
+    return bag, verdicts(result.stdout)
+
+
+def test_each_flies_as_it_would_alone(lta, scenario, tmp_path, pair):
+    """Byte for byte and log time by log time, though one flies on when the other is there."""
+    bag, told = pair
+    assert {robot: item['outcome'] for robot, item in told.items()} == {
+        'lta1': 'reached',
+        'lta2': 'reached',
+    }
+    assert float(told['lta2']['time_s']) > float(told['lta1']['time_s']) + 0.1
+    both = contents(bag)
+    for robot, seed, offset in (('lta1', 8, 0.0), ('lta2', 7, OFFSET)):
+        alone = tmp_path / f'alone-{robot}'
+        words = (f'seed:={seed}', f'offset_y:={offset}', 'time:=lockstep', f'bag:={alone}')
+        result = lta.run('launch', 'fly', f'scenario:={scenario(**GOALS)}', *words)
+        assert result.returncode == 0, result.stderr
+        single = contents(alone)
+        for name in REPEATABLE:
+            assert single[f'/lta1/{name}'], name
+            assert both[f'/{robot}/{name}'] == single[f'/lta1/{name}'], (robot, name)
+
+    # One /clock, which never goes back and outlasts the first that is there.
+    clock = open_flight(bag, 'lta1').series('/clock')
+    times = clock['clock.sec'] + 1e-9 * clock['clock.nanosec']
+    assert (times[1:] >= times[:-1]).all()
+    start = 1e-9 * TABLE.start_ns
+    assert times[-1] > start + float(told['lta1']['time_s'])
+    assert times[-1] <= start + float(told['lta2']['time_s'])
+    assert read_bag(bag).complete
+    check_reading(lta, bag)
+
+
+def check_reading(lta, bag):
+    """Look at the bag of both by the command: with a robot's name, and without."""
+    result = lta.run('report', bag)
+    assert (result.returncode, result.stdout) == (2, '')
+    assert result.stderr == (
+        f"'{bag}' holds several robots (lta1, lta2); name the one to look at, as in "
+        '--robot lta2.\n'
+    )
+    result = lta.run('report', bag, '--robot', 'lta2')
+    assert result.returncode == 0, result.stderr
+    page = (bag.parent / 'report-lta2.html').read_text()
+    assert 'seed 7' in page
+    assert 'launch fly vehicle:=gtmab' in page
+    assert f'offset_y:={OFFSET}' in page
+    shown = lta.run('bag', 'info', bag).stdout
+    assert 'messages of lta1 and lta2 in' in shown
+    for line in ('/lta1/odom', '/lta2/odom', 'lta1/seed: 8', 'lta2/seed: 7'):
+        assert line in shown
+    facts = json.loads(lta.run('bag', 'info', '--json', bag).stdout)
+    assert facts['robots'] == ['lta1', 'lta2']
+    flight = open_flight(bag, 'lta2')
+    assert flight.provenance['seed'] == '7'
+    start = flight.series('ground_truth/odom').vector('pose.pose.position')[0]
+    assert start[:2].tolist() == [-3.5, OFFSET]
+
+
+def test_who_holds_both_up_is_named_with_its_robot_and_nobody_else(
+    lta, flying, scenario, tmp_path
+):
+    path = scenario(radius='0.01 m', time_limit='600 s')  # as long as the test takes
+    words = (f'scenario:={path}', 'time:=lockstep', f'bag:={tmp_path / "bag"}')
+    flight = lta.start('launch', 'pair', *words)
+    flying(8.0)  # DDS has found everyone
+    refused = lta.run('launch', 'fly', f'bag:={tmp_path / "second"}')
+    assert refused.returncode == 2
+    assert refused.stderr.startswith('lta1 and lta2 are flying on ROS domain ')
+    before = len(flight.lines)
+    pid = flight.node('estimator', 'lta2')
+    os.kill(pid, signal.SIGSTOP)
+    stopped = time.monotonic()
+    assert flight.said('Nothing comes from lta2/estimator.') - stopped < 2.0
+    time.sleep(2.0)  # in which both graphs stand, and the nodes say for whom they wait
+    assert [line for _, line in flight.lines[before:]] == ['Nothing comes from lta2/estimator.']
+    os.kill(pid, signal.SIGKILL)
+    flight.said('lta2/estimator was killed by SIGKILL.')
+    assert flight.end() == 1
+    assert read_bag(tmp_path / 'bag').complete
+
+
+def test_in_real_time_both_keep_the_pace_of_the_wall_and_of_each_other(lta, scenario, tmp_path):
+    bag = tmp_path / 'bag'
+    path = scenario(time_limit='5 s')
+    result = lta.run('launch', 'pair', f'scenario:={path}', f'bag:={bag}')
+    assert result.returncode == 0, result.stderr
+    for told in verdicts(result.stdout).values():
+        assert told['outcome'] == 'timeout'
+        assert float(told['pace']) == pytest.approx(1.0, abs=0.05)

@@ -1,0 +1,77 @@
+"""Laws over every registered control law: duties that rotors can obey, and the same compiled."""
+
+from functools import cache
+import math
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from lta_config.files import known
+from lta_control.allocation import new_scratch, SCRATCH
+from lta_control.cascade import Setpoint
+from lta_control.flat import compiled, Layout
+from lta_control.gains_file import load_gains_of
+from lta_control.laws import law, LAWS
+from lta_control.laws.frames import from_angles
+from lta_control.laws.protocol import Heard, Motion
+from lta_sim.vehicle import load_vehicle
+import numpy as np
+import pytest
+
+BY_LAW = {load_vehicle(name).file.control.law: name for name in known('vehicles')}
+HEARD = Layout(Heard())
+
+anything = st.floats(-1e3, 1e3)
+angle = st.floats(-math.pi, math.pi)
+vectors = st.tuples(anything, anything, anything)
+attitudes = st.builds(from_angles, angle, angle, angle)
+motions = st.builds(Motion, vectors, attitudes, vectors, vectors)
+setpoints = st.builds(Setpoint, anything, anything, anything)
+flights = st.lists(
+    st.builds(Heard, motions, setpoints, st.floats(1e-3, 0.1)), min_size=1, max_size=6
+)
+
+
+@cache
+def made(name):
+    vehicle = load_vehicle(BY_LAW[name])
+    found = law(name)
+    gains = load_gains_of(found.gains, vehicle.file.control.gains)
+    return vehicle, found, found.known(gains, vehicle)
+
+
+def test_every_law_has_a_vehicle():
+    assert set(BY_LAW) == set(LAWS)
+
+
+@pytest.mark.parametrize('name', LAWS)
+@settings(max_examples=60, deadline=None)
+@given(flight=flights)
+def test_whatever_comes_the_duties_are_ones_that_the_rotors_can_obey(name, flight):
+    vehicle, found, constants = made(name)
+    memory, scratch = found.start, new_scratch()
+    count = len(vehicle.rotors)
+    for heard in flight:
+        memory = found.step(constants, memory, heard, scratch)
+        duties = memory.command.duties
+        assert all(map(math.isfinite, (*duties, *memory.command.mass_place)))
+        for rotor, duty in zip(vehicle.rotors, duties, strict=False):
+            assert (-1.0 if rotor.reversible else 0.0) - 1e-9 <= duty <= 1.0 + 1e-9
+        assert duties[count:] == (0.0,) * (len(duties) - count)
+        if vehicle.file.moving_mass:
+            low, high = vehicle.file.moving_mass.low, vehicle.file.moving_mass.high
+            assert low.vector[0] <= memory.command.mass_place[0] <= high.vector[0]
+
+
+@pytest.mark.parametrize('name', LAWS)
+@settings(max_examples=20, deadline=None)
+@given(flight=flights)
+def test_compiled_it_is_the_same_to_the_last_bit(name, flight):
+    _, found, constants = made(name)
+    layout, form = Layout(constants), Layout(found.start)
+    step = compiled(found.step, layout, form, HEARD)
+    numbers, array = layout.write(constants), form.write(found.start)
+    memory, scratch = found.start, new_scratch()
+    for heard in flight:
+        memory = found.step(constants, memory, heard, scratch)
+        step(numbers, array, HEARD.write(heard), np.zeros(SCRATCH))
+        assert form.write(memory).tobytes() == array.tobytes()

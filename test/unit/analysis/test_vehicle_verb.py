@@ -1,0 +1,173 @@
+"""lta vehicle, as it is typed."""
+
+import json
+import re
+import sys
+
+from lta_config.files import find, known
+import pytest
+
+app_module = pytest.importorskip('lta_analysis.app', exc_type=ImportError)
+
+SHIPPED = find('vehicle', 'gtmab').read_text('utf-8')
+
+
+@pytest.fixture
+def call(monkeypatch, capsys, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv('COLUMNS', '120')
+
+    def call(*words):
+        monkeypatch.setattr(sys, 'argv', ['lta', 'vehicle', *words])
+        return app_module.status(), capsys.readouterr()
+
+    return call
+
+
+def test_help_lists_every_verb(monkeypatch, capsys, call):
+    status, said = call('--help')
+    assert status == 0
+    for verb in ('new', 'show', 'check', 'diff', 'trim'):
+        assert f' {verb} ' in said.out
+        assert 'Example: lta vehicle' in call(verb, '--help')[1].out
+    monkeypatch.setattr(sys, 'argv', ['lta', '--help'])
+    app_module.status()
+    assert ' vehicle ' in capsys.readouterr().out
+
+
+def test_a_new_vehicle_is_a_copy_with_comments_that_loads(call, tmp_path):
+    status, said = call('new', 'my_blimp')
+    assert status == 0
+    assert 'my_blimp.yaml' in said.out
+    text = (tmp_path / 'my_blimp.yaml').read_text('utf-8')
+    assert text.startswith('# my_blimp: begun as a copy of gtmab.\n')
+    assert text.endswith(SHIPPED.replace('\nname: gtmab\n', '\nname: my_blimp\n'))
+    assert call('check', 'my_blimp.yaml')[0] == 0
+    assert 'say the same' in call('diff', 'gtmab', 'my_blimp.yaml')[1].out
+
+
+@pytest.mark.parametrize('model', known('vehicles'))
+def test_every_shipped_vehicle_is_a_start(call, tmp_path, model):
+    assert call('new', 'mine', '--from', model)[0] == 0
+    assert '\nname: mine\n' in (tmp_path / 'mine.yaml').read_text('utf-8')
+
+
+def test_nothing_is_overwritten(call, tmp_path):
+    (tmp_path / 'a.yaml').write_text('mine')
+    status, said = call('new', 'a')
+    assert status == 2
+    assert said.err == 'a.yaml is there already; choose another place with --out.\n'
+    assert (tmp_path / 'a.yaml').read_text() == 'mine'
+
+
+@pytest.mark.parametrize(
+    ('words', 'sentence'),
+    [
+        (('new', 'My-Blimp'), "'My-Blimp' cannot name a vehicle"),
+        (('new', 'a', '--from', 'zeppelin'), "Unknown vehicle 'zeppelin'; known: beavis"),
+        (('new', 'a', '--out', 'no/such/a.yaml'), 'cannot be written'),
+        (('show', 'zeppelin'), "Unknown vehicle 'zeppelin'"),
+        (('diff', 'gtmab'), 'There is nothing to compare with'),
+        (('show', 'gtmab', '--out', 'no/such/page.html'), 'cannot be written'),
+        (('show', 'rgblimp', '--gains'), 'names no gains in its control block'),
+        (('trim', 'no_bag'), 'no_bag'),
+    ],
+)
+def test_bad_input_is_one_sentence(call, words, sentence):
+    status, said = call(*words)
+    assert status == 2
+    assert sentence in said.err
+    assert said.err.count('\n') == 1
+
+
+def test_all_that_is_wrong_is_said_at_once(call, tmp_path):
+    text = SHIPPED.replace('height: {value: 59.9', 'heigth: {value: 59.9', 1)
+    text = text.replace(', source: "seed paper, 1S 250 mAh"', '')
+    text = text.replace('capacity: {value: 250, unit: mA h', 'capacity: {value: 250, unit: g')
+    (tmp_path / 'bad.yaml').write_text(text)
+    status, said = call('check', 'bad.yaml')
+    assert status == 2
+    lines = said.err.splitlines()
+    assert len(lines) == 3
+    assert all(line.startswith('bad.yaml: ') for line in lines)
+    assert "'hull.heigth' is not known" in said.err
+    assert 'battery.mass has no source' in said.err
+    assert 'energy.capacity is in g, but must be in C' in said.err
+
+
+def test_what_a_good_file_cannot_be_flown_for_is_said_at_once(call, tmp_path):
+    text = SHIPPED.replace('gains: gtmab', 'gains: gtmap').replace('value: 116.8', 'value: 186.8')
+    text = text.replace('up: {value: 72, unit: ms', 'up: {value: 72, unit: g')
+    text = text.replace('  floor_contact:', '  flor_contact:')
+    (tmp_path / 'bad.yaml').write_text(text)
+    status, said = call('check', 'bad.yaml')
+    assert status == 2
+    assert 'gtmab is 56.6 g too heavy for its lift of 331.2 g' in said.err
+    assert 'effects.motor_lag.up is in g' in said.err
+    assert "Unknown effect 'flor_contact'" in said.err
+    assert "control.gains is 'gtmap', which is not shipped; known: gtmab" in said.err
+
+
+def test_warnings_leave_the_status_at_zero(call):
+    status, said = call('check', 'gtmab', '--json')
+    assert status == 0
+    found = json.loads(said.out)
+    assert found['faults'] == []
+    assert any('may tumble above 1.67 m/s' in line for line in found['warnings'])
+    assert any('29 of 88 numbers are assumed' in line for line in found['warnings'])
+
+
+@pytest.mark.parametrize(
+    ('old', 'new', 'warning'),
+    [
+        ('{value: 2, unit: g', '{value: 20, unit: g', 'which may take only 5 days'),
+        ('size: {value: [100, 100, 59.9]', 'size: {value: [90, 90, 53.9]', 'The shell envelope'),
+        ('purity: {value: 93', 'purity: {value: 89.5', 'Only .* g of ballast is left'),
+        ('[0, 0, -33], unit: cm', '[9, 0, -33], unit: cm', 'hangs .* off the vertical'),
+        (
+            'value: [0, 0, 1], unit: "1"',
+            'value: [0, 1, 0], unit: "1"',
+            'up_left points 89 degrees away',
+        ),
+    ],
+)
+def test_what_should_be_looked_at_is_said(call, tmp_path, old, new, warning):
+    assert old in SHIPPED
+    (tmp_path / 'odd.yaml').write_text(SHIPPED.replace(old, new))
+    status, said = call('check', 'odd.yaml', '--json')
+    assert any(re.search(warning, line) for line in json.loads(said.out)['warnings']), said.out
+    assert status == 0
+
+
+def test_show_prints_words_picture_and_sources(call):
+    status, said = call('show', 'gtmab', '--sources')
+    assert status == 0
+    assert said.out.startswith('gtmab weighs 415.3 g')
+    assert 'layers.propulsion_and_control.battery.mass' in said.out
+    assert 'seed paper, 1S 250 mAh' in said.out
+    assert any('\u2801' <= letter <= '\u28ff' for letter in said.out)
+
+
+def test_show_gives_numbers_to_scripts(call):
+    status, said = call('show', 'gtmab', '--json')
+    found = json.loads(said.out)
+    assert status == 0
+    assert found['figures']['level_speed']['value'] == pytest.approx(1.8425, abs=1e-3)
+    assert found['figures']['level_speed']['unit'] == 'm/s'
+    assert found['assumed'] == sum(entry['assumed'] for entry in found['numbers']) == 29
+
+
+@pytest.mark.parametrize('name', known('vehicles'))
+def test_every_vehicle_is_shown_in_a_narrow_window(call, monkeypatch, name):
+    monkeypatch.setenv('COLUMNS', '60')
+    status, said = call('show', name)
+    assert status == 0
+    assert max(len(line) for line in said.out.splitlines()) <= 60
+
+
+def test_diff_prints_what_follows(call):
+    status, said = call('diff', 'gtmab', '--set', 'trim.heaviness=4 g')
+    assert status == 0
+    assert 'trim.heaviness' in said.out
+    assert '12.8 %' in said.out
+    assert 'ballast to add' in said.out

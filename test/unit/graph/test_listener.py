@@ -1,0 +1,60 @@
+"""Whose voice is whose on /diagnostics, and when silence means something."""
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from lta_graph.ros import listener
+from lta_graph.ros.listener import DiagnosticsListener, DISCOVERY, SILENCE
+import pytest
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """Return a list whose only item is the time [s]."""
+    now = [100.0]
+    monkeypatch.setattr(listener.time, 'monotonic', lambda: now[0])
+    return now
+
+
+def said(*names):
+    """Return what nodes say, written as 'ROBOT/NODE'."""
+    split = [name.rpartition('/') for name in names]
+    return DiagnosticArray(
+        status=[DiagnosticStatus(name=f'{node}: state', hardware_id=it) for it, _, node in split]
+    )
+
+
+@pytest.mark.usefixtures('clock')
+def test_of_several_robots_each_fact_has_its_robot_s_name():
+    both, one = DiagnosticsListener('lta1', 'lta2', ''), DiagnosticsListener('lta2')
+    for ears in (both, one):
+        ears._hear(said('lta1/estimator', 'lta2/estimator', 'recorder', 'lta3/estimator'))
+    assert set(both.facts) == {
+        'lta1/estimator: state',
+        'lta2/estimator: state',
+        'recorder: state',
+    }
+    assert both.hears(['lta1/estimator', 'lta2/estimator', 'recorder'])
+    assert set(one.facts) == {'estimator: state'}
+
+
+def test_silence_means_nothing_before_all_have_spoken_and_could_speak_again(clock):
+    ears = DiagnosticsListener('lta1', 'lta2')
+    nodes = ['lta1/estimator', 'lta2/estimator']
+    assert not ears.settled(nodes)
+    ears._hear(said('lta1/estimator'))
+    clock[0] += 3.0
+    assert ears.silent(['lta1/estimator']) == ['lta1/estimator']
+    assert not ears.settled(nodes)
+    ears._hear(said('lta2/estimator'))
+    assert not ears.settled(nodes)
+    clock[0] += SILENCE + 0.01
+    assert ears.settled(nodes)
+    assert ears.silent(nodes) == nodes
+
+
+def test_one_that_never_speaks_does_not_keep_silence_meaningless_for_ever(clock):
+    ears = DiagnosticsListener('lta1')
+    ears._hear(said('lta1/estimator'))
+    clock[0] += DISCOVERY + 0.01
+    assert not ears.settled(['estimator', 'theirs'])
+    clock[0] += SILENCE + 0.01
+    assert ears.settled(['estimator', 'theirs'])

@@ -1,0 +1,32 @@
+"""Who holds several robots up: the one that somebody waits for and that does not wait itself."""
+
+from lta_graph.health import Fact, Level
+from lta_graph.suspicion import culprits
+
+
+def waiting(node, *suspects):
+    return Fact(f'{node}: inputs', Level.ERROR, '', {'suspects': ','.join(suspects)})
+
+
+def test_one_robot_by_hand():
+    facts = [waiting('controller', 'estimator'), waiting('simulator', 'controller')]
+    facts.append(waiting('energy_monitor', 'vehicle'))
+    assert culprits(facts) == ['estimator']
+    assert culprits([waiting('simulator', '')]) == []
+
+
+def test_a_robot_that_waits_for_another_blames_neither_itself_nor_the_other_s_simulator():
+    """The estimator of lta2 hangs; its simulator waits for duties, and all of lta1 for it."""
+    facts = [
+        waiting('lta2/controller', 'estimator'),
+        waiting('lta2/simulator', 'controller'),
+        waiting('lta1/simulator', '/lta2/vehicle'),
+        waiting('lta1/estimator', 'vehicle'),
+        waiting('lta1/controller', 'estimator'),
+    ]
+    assert culprits(facts) == ['lta2/estimator']
+    # The same name in the other robot is not excused by this one's waiting.
+    assert culprits([waiting('lta1/estimator', 'vehicle'), facts[0]]) == [
+        'lta1/vehicle',
+        'lta2/estimator',
+    ]

@@ -1,0 +1,154 @@
+"""Analytic against finite differences: rates against flights, regressors, power against energy."""
+
+from lta_sim import kernel
+from lta_sim.effects import EFFECTS
+from lta_sim.effects.basis import basis
+from lta_sim.effects.protocol import KernelEffect, Motion, WrenchEffect
+from lta_sim.mass import rigid_mass_matrix
+from lta_sim.state import MEMORY, RIGID
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from . import crowded
+
+LINEAR = [e for e in EFFECTS.values() if isinstance(e, WrenchEffect) and e.linear_in]
+# Loads that jump where they are first touched, and duties that jump by a threshold.
+JUMPING = {'walls', 'floor_contact'}
+BLOCKS = (slice(0, 3), slice(3, 7), slice(7, 10), slice(10, 13), MEMORY)
+CALM = np.zeros(8)
+
+
+def names_without(*absent):
+    return [name for name in EFFECTS if name not in absent]
+
+
+def slope(state, model, command, around, h):
+    """Return d/dt of a flight by central differences of fourth order."""
+
+    def across(step):
+        later = kernel.advance(state, model, command, around, step, 1)
+        earlier = kernel.advance(state, model, command, around, -step, 1)
+        return (later - earlier) / (2.0 * step)
+
+    return (4.0 * across(h) - across(2.0 * h)) / 3.0
+
+
+@pytest.mark.parametrize('seed', range(20))
+def test_the_rate_is_the_slope_of_the_flight(seed):
+    generator = np.random.default_rng(seed)
+    _, _, model = crowded.vehicle(generator, names_without(*JUMPING))
+    flight = crowded.anywhere(generator)
+    rate, expected = (
+        kernel.derivative(flight[0], model, *flight[1:]),
+        slope(flight[0], model, *flight[1:], 2e-5),
+    )
+    for block in BLOCKS:
+        scale = np.max(abs(rate[block]))
+        np.testing.assert_allclose(rate[block], expected[block], rtol=0.0, atol=1e-9 * scale)
+
+
+def seen(generator, model):
+    """Return a random motion of that vehicle as its effects see it, and thrusts."""
+    state, command, around = crowded.anywhere(generator)
+    turn = Rotation.from_quat(state[3:7]).as_matrix()
+    airspeed = state[7:10] - turn.T @ around[:3]
+    arrays = (state[:3], turn.ravel(), state[7:10], state[10:13], airspeed, model.body, command)
+    motion = Motion(*(tuple(array.tolist()) for array in (*arrays, around)))
+    return motion, tuple(generator.uniform(-1.0, 1.0, 8).tolist())
+
+
+@pytest.mark.parametrize('effect', LINEAR, ids=lambda effect: effect.name)
+@pytest.mark.parametrize('seed', range(5))
+def test_the_basis_is_the_slope_in_the_parameters(effect, seed):
+    generator = np.random.default_rng(seed)
+    given, _, model = crowded.vehicle(generator)
+    motion, thrusts = seen(generator, model)
+    values = given[effect.name]
+    memory = tuple(generator.normal(size=len(effect.memory)).tolist())
+    columns = basis(effect, values, motion, thrusts, memory)
+    scale = np.max(abs(columns)) * (1.0 + max(abs(values[name]) for name in effect.linear_in))
+
+    def wrench(name, change):
+        moved = [x + change * (key == name) for key, x in values.items()]
+        return np.array(effect.wrench(tuple(moved), memory, motion, thrusts))
+
+    for name, column in zip(effect.linear_in, columns.T, strict=True):
+        by_hand = wrench(name, 0.5) - wrench(name, -0.5)
+        np.testing.assert_allclose(column, by_hand, rtol=0.0, atol=1e-13 * scale)
+
+
+def energy(state, body, given):
+    """Return kinetic energy, air included, and the potential of weight and buoyancy."""
+    matrix = rigid_mass_matrix(body['mass'], np.asarray(body['cg']), body['inertia'])
+    added = {**given['added_mass'], **given['added_inertia']}
+    matrix = matrix + np.diag([added[axis] for axis in crowded.AXES])
+    nu, g = state[7:13], given['weight_and_buoyancy']['gravity']
+    height = state[2] + Rotation.from_quat(state[3:7]).apply(body['cg'])[2]
+    potential = g * (body['mass'] * height - body['displaced'] * state[2])
+    return 0.5 * nu @ matrix @ nu + potential
+
+
+KERNEL = [name for name, effect in EFFECTS.items() if isinstance(effect, KernelEffect)]
+INSIDE = ['weight_and_buoyancy', 'added_mass', 'added_inertia']
+WINDS = {'steady_wind', 'wind_profile', 'wind_gradient', 'turbulence', 'gusts'}
+
+
+@pytest.mark.parametrize('seed', range(10))
+def test_energy_changes_by_the_power_of_the_wrenches(seed):
+    """Gradient of the energy along the rate, against wrench times velocity, in still air."""
+    generator = np.random.default_rng(seed)
+    names = [name for name in (*KERNEL, *INSIDE) if name not in WINDS]
+    given, body, model = crowded.vehicle(generator, names)
+    state, command, _ = crowded.anywhere(generator)
+    state[:3] = (0.0, 0.0, 1.0)
+    rate = kernel.derivative(state, model, command, CALM)
+    wrenches = kernel.wrenches(state, model, command, CALM)
+    outside = sum(wrench for name, wrench in wrenches.items() if name not in INSIDE)
+    h = 1e-4
+
+    def along(step):
+        moved = state + step * rate
+        return energy(moved, body, given)
+
+    # The energy is quadratic in the velocity and nearly linear in the pose: fourth order will do.
+    change = (8.0 * (along(h) - along(-h)) - along(2.0 * h) + along(-2.0 * h)) / (12.0 * h)
+    power = outside @ state[7:13]
+    scale = sum(abs(wrench) for wrench in wrenches.values()) @ abs(state[7:13])
+    assert change == pytest.approx(power, abs=1e-11 * scale)
+
+
+def jacobian(state, model, h=1e-5):
+    """Return the slope of the rate in the state, by central differences of fourth order."""
+    columns = []
+    for unit in np.eye(RIGID, state.size):
+        near, far = (
+            kernel.derivative(state + s * h * unit, model, np.zeros(4))
+            - kernel.derivative(state - s * h * unit, model, np.zeros(4))
+            for s in (1.0, 2.0)
+        )
+        columns.append((8.0 * near - far)[:RIGID] / (12.0 * h))
+    return np.transpose(columns)
+
+
+def test_about_rest_a_vehicle_without_dissipation_only_swings():
+    """The Jacobian at rest has two swings, of the closed form; nothing grows or decays."""
+    given = crowded.everything(np.random.default_rng(0), INSIDE)
+    mass, depth, inertia = 0.36, 0.08, (0.02, 0.021, 0.025)
+    body = {'mass': mass, 'cg': (0.0, 0.0, -depth), 'inertia': np.diag(inertia)}
+    model = kernel.Model.build(given, displaced=mass, **body)
+    state = np.zeros(kernel.LAYOUT.size)
+    state[6] = 1.0
+    rates = np.linalg.eigvals(jacobian(state, model))
+    g = given['weight_and_buoyancy']['gravity']
+    added, turning = given['added_mass'], given['added_inertia']
+    expected = []
+    for push, turn, own in (('surge', 'pitch', 0.021), ('sway', 'roll', 0.02)):
+        free = own + turning[turn] + mass * depth**2
+        free -= (mass * depth) ** 2 / (mass + added[push])
+        expected.append(np.sqrt(mass * g * depth / free))
+    swings = sorted(rates.imag[rates.imag > 0.1])
+    np.testing.assert_allclose(swings, sorted(expected), rtol=1e-8)
+    # Drifting and turning freely are eigenvalues of zero, several times over: of these rounding
+    # leaves its square root.
+    assert np.max(abs(rates.real)) < 1e-4

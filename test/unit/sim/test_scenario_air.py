@@ -1,0 +1,187 @@
+"""The air and the walls of a scenario: what they come to for a vehicle, and what is refused."""
+
+import math
+
+from lta_config.errors import BadInput
+from lta_config.files import known, load_yaml, share
+from lta_config.quantity import Quantity
+from lta_sim.in_scene import effects_in, reach
+from lta_sim.military_turbulence import low_altitude
+from lta_sim.scenario import load_scenario, Scenario
+from lta_sim.vehicle import load_vehicle
+import pytest
+
+from .lamp_room import edited, ROOM
+from .test_scenario import written
+
+FIELD = {
+    'wind': '8 m/s',
+    'towards': '180 deg',
+    'roughness': '0.3 m',
+}
+ROUGH = {'intensity': '0.3 m/s', 'length': '2 m'}
+GUST = {'wind': {'value': [0, 0.5, 0], 'unit': 'm/s'}, 'begin': '10 s', 'length': '1500 ms'}
+SHEAR = {
+    'origin': {'value': [0, 0, 1], 'unit': 'm'},
+    'x': {'value': [0.1, 0.2, 0.3], 'unit': '1/s'},
+    'y': {'value': [0.4, 0.5, 0.6], 'unit': '1/s'},
+    'z': {'value': [0.7, 0.8], 'unit': '1/s'},
+}
+
+
+def scene(**changes):
+    return Scenario.model_validate(edited(ROOM, changes))
+
+
+def effects(vehicle='gtmab', **changes):
+    return effects_in(load_vehicle(vehicle), scene(**changes))
+
+
+@pytest.mark.parametrize('name', known('scenarios'))
+def test_every_shipped_scenario_can_be_flown_in(name):
+    scenario = load_scenario(name)
+    assert scenario.name == name
+    vehicle = load_vehicle('gtmab', scenario.air.density)
+    vehicle.model(effects_in(vehicle, scenario))
+
+
+def test_a_scenario_of_old_adds_nothing():
+    assert effects() == {}
+    assert scene().room.walls == 'open'
+
+
+def test_wind_over_rough_ground_is_averaged_over_the_hull():
+    given = effects(**{'air/profile': FIELD})['wind_profile']
+    assert given == {
+        'x': -8.0,
+        'y': pytest.approx(0.0, abs=1e-14),
+        'height': 10.0,
+        'roughness': 0.3,
+        'half_height': 0.2995,  # half of the thickness, 1.198 r
+    }
+    lower = effects(**{'air/profile': {**FIELD, 'height': '2 m', 'towards': '90 deg'}})
+    assert lower['wind_profile']['y'] == 8.0
+    assert lower['wind_profile']['height'] == 2.0
+    assert effects('multirotor', **{'air/profile': FIELD})['wind_profile']['half_height'] == 0.0
+
+
+def test_turbulence_by_numbers_and_by_the_standard():
+    one = effects(**{'air/turbulence': ROUGH})['turbulence']
+    assert one == dict.fromkeys(('along', 'across', 'up'), 0.3) | dict.fromkeys(
+        ('along_length', 'across_length', 'up_length'), 2.0
+    )
+    each = {**ROUGH, 'intensity': {'value': [0.3, 0.2, 0.1], 'unit': 'm/s'}}
+    three = effects(**{'air/turbulence': each})['turbulence']
+    assert (three['along'], three['across'], three['up']) == (0.3, 0.2, 0.1)
+    military = {'by': 'MIL-F-8785C', 'wind': '8 m/s', 'height': '10 m'}
+    assert effects(**{'air/turbulence': military})['turbulence'] == low_altitude(10.0, 8.0)
+
+
+def test_gust_and_gradient():
+    given = effects(**{'air/gust': GUST, 'air/gradient': SHEAR})
+    assert given['gusts'] == {
+        'x': 0.0, 'y': 0.5, 'z': 0.0, 'begin': 10.0, 'length': 1.5, 'hold': 0.0,
+    }  # fmt: skip
+    assert given['wind_gradient'] == {
+        'x': 0.0, 'y': 0.0, 'z': 1.0, 'x_x': 0.1, 'x_y': 0.2, 'x_z': 0.3,
+        'y_x': 0.4, 'y_y': 0.5, 'y_z': 0.6, 'z_x': 0.7, 'z_y': 0.8,
+    }  # fmt: skip
+
+
+def test_walls_are_those_of_the_room_and_meet_the_hull():
+    given = effects(**{'room/walls': 'solid'})['walls']
+    assert (given['x_low'], given['x_high']) == (-5.0, 5.0)
+    assert (given['y_low'], given['y_high'], given['ceiling']) == (-4.0, 4.0, 3.0)
+    assert (given['radius'], given['half_height']) == (0.5, 0.2995)
+
+
+def test_how_far_vehicles_reach():
+    assert reach(load_vehicle('skye')) == (1.35, 1.35)
+    # A cigar along x counts as the round hull about it: half its length.
+    hull = load_vehicle('rgblimp').file.hull
+    assert reach(load_vehicle('rgblimp')) == (hull.length.si / 2, hull.diameter.si / 2)
+    radius, height = reach(load_vehicle('multirotor'))
+    assert 0.04 < radius < 0.08  # rotors 46 mm from the centre
+    assert 0.005 < height < 0.05
+
+
+@pytest.mark.parametrize(
+    ('place', 'value', 'sentence'),
+    [
+        ('room.walls', 'brick', "room.walls is 'brick', but must be 'solid' or 'open'."),
+        ('air.profile', {**FIELD, 'wind': '8 m'}, 'air.profile.wind is in m, but must be in m/s'),
+        (
+            'air.profile',
+            {'wind': '8 m/s', 'towards': '0 deg'},
+            "the key 'air.profile.roughness' is missing; add it.",
+        ),
+        (
+            'air.profile',
+            {**FIELD, 'height': '0.2 m'},
+            'air.profile has its height of 0.2 m within the roughness of 0.3 m;',
+        ),
+        (
+            'air.turbulence',
+            {'intensity': '0.3 m/s'},
+            'air.turbulence needs either intensity and length, or "by: MIL-F-8785C" with',
+        ),
+        (
+            'air.turbulence',
+            {'by': 'MIL-F-8785C', 'wind': '8 m/s', 'height': '0.5 m'},
+            'MIL-F-8785C has no low-altitude turbulence at 0.5 m, only from 3.05',
+        ),
+        (
+            'air.turbulence',
+            {**ROUGH, 'intensity': {'value': [0.1, 0.2], 'unit': 'm/s'}},
+            'air.turbulence.intensity has 2 numbers, but needs 3.',
+        ),
+        (
+            'air.turbulence',
+            {**ROUGH, 'length': '0 m'},
+            'air.turbulence.length is 0 m, but must be from 0.1 to 1000 m.',
+        ),
+        ('air.gust', {**GUST, 'length': '0 s'}, 'air.gust.length is 0 s, but must be from 0.01'),
+        ('air.recorded', 'wind.txt', 'air.recorded'),
+    ],
+)
+def test_what_cannot_be_is_one_sentence(tmp_path, place, value, sentence):
+    content = load_yaml(share() / 'scenarios' / 'lamp_room.yaml')
+    part, key = place.split('.')
+    content[part].setdefault(key, None)
+    path = written(tmp_path, place, value)
+    with pytest.raises(BadInput) as caught:
+        load_scenario(str(path))
+    text = str(caught.value)
+    assert sentence in text
+    assert '\n' not in text
+
+
+def test_what_vehicle_and_scene_both_say_is_refused():
+    vehicle = load_vehicle('gtmab')
+    quantities = {
+        'x': Quantity(value=1.0, unit='m/s', source='test'),
+        'roughness': Quantity(value=0.1, unit='m', source='test'),
+    }
+    effect = {'wind_profile': quantities}
+    both = type(vehicle)(vehicle.file.model_copy(update={'effects': effect}))
+    with pytest.raises(BadInput, match='set by the wind of the scenario lamp_room and by the veh'):
+        effects_in(both, scene(**{'air/profile': FIELD}))
+
+
+def test_a_start_in_a_wall_is_refused():
+    near = {'start/position': {'value': [-4.6, 0], 'unit': 'm'}, 'room/walls': 'solid'}
+    with pytest.raises(BadInput, match=r'where a hull with a radius of 0\.50 m is in a wall'):
+        effects(**near)
+    low = {'room/size': {'value': [10, 8, 0.5], 'unit': 'm'}, 'room/walls': 'solid'}
+    low |= {'lamp/position': {'value': [3.5, 0, 0.4], 'unit': 'm'}}
+    with pytest.raises(BadInput, match='the ceiling is not higher than the hull'):
+        load_vehicle('gtmab').model(effects(**low))
+
+
+def test_half_a_metre_over_bushes_the_hull_meets_1_08_of_8_metres_a_second():
+    """The mean of ln(z / z0) from z0 to 0.8 m, by hand: F(0.7995) / (2 h ln(10 / 0.3))."""
+    top, half, rough = 0.5 + 0.2995, 0.2995, 0.3
+    mean = (top * (math.log(top / rough) - 1.0) + rough) / (2.0 * half * math.log(10.0 / rough))
+    assert 8.0 * mean == pytest.approx(1.083, abs=1e-3)
+    # At the point 0.5 m the log law has 1.17, which the paper's sheet rounds to 1.2.
+    assert 8.0 * math.log(0.5 / 0.3) / math.log(10.0 / 0.3) == pytest.approx(1.165, abs=1e-3)
