@@ -197,7 +197,7 @@ def white_noise(seed: int, step: int, period: float) -> Vector:
     return a * scale, b * scale, c * scale
 
 
-def eddies(seed: int) -> tuple[float, float, float, float, float]:
+def eddies(seed: int) -> tuple[float, ...]:
     """Return the memory of turbulence at the start, as of one that has blown for long."""
     a, b = normals(seed, EDDIES, 0, 0)
     c, d = normals(seed, EDDIES, 0, 1)

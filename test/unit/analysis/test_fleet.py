@@ -1,5 +1,6 @@
 """A batch flies what the loop flies: the same parts, and the same on a GPU."""
 
+from dataclasses import replace
 from importlib.util import find_spec
 import math
 import os
@@ -17,9 +18,11 @@ from lta_analysis.report.results import results_of
 from lta_config.errors import BadInput
 from lta_config.override import assignment
 from lta_config.topics import topic_table
+from lta_control.cascade import Setpoint
 from lta_control.mission import Mission, mission_step, MissionSettings, Phase
 from lta_control.strategies.bearing_angle import STRATEGY
 from lta_control.strategies.protocol import Sight
+from lta_sim.in_scene import reach
 from lta_sim.readings import Outcome
 from lta_sim.referee import Referee
 from lta_sim.scenario import load_scenario
@@ -34,12 +37,22 @@ needs_cuda = pytest.mark.skipif(
 )
 
 
-def ingredients(*changes):
-    return gather('gtmab', 'lamp_room', 'bag', 'gtmab').with_values(dict(map(assignment, changes)))
+def ingredients(*changes, scene='lamp_room'):
+    return gather('gtmab', scene, 'bag', 'gtmab').with_values(dict(map(assignment, changes)))
 
 
-def made(*changes, duties=()):
-    return made_of(*parts_of(ingredients(*changes)), TABLE, duties)
+def made(*changes, duties=(), scene='lamp_room'):
+    return made_of(*parts_of(ingredients(*changes, scene=scene)), TABLE, duties)
+
+
+def opened(*changes, seed=1, scene='lamp_room'):
+    """Return the world after an open loop, and its path."""
+    world = loop_of(ingredients(*changes, scene=scene), seed).world
+    path = [world.state[:2].copy()]
+    while world.outcome is Outcome.FLYING:
+        world.advance(DUTIES)
+        path.append(world.state[:2].copy())
+    return world, np.array(path)
 
 
 def figures(row):
@@ -73,20 +86,52 @@ def test_the_referee_is_the_referee():
         assert tuple(Outcome)[flight.judge(goal, *place)] is referee.judge(*place)
 
 
+NAMES = ('x', 'y', 'z', 'charge', 'path_length', 'end')
+
+
+def ending(world, path):
+    """Return what NAMES call of a world's flight."""
+    length = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
+    return [*world.state[:3], world.charge, length, world.elapsed]
+
+
 def test_an_open_loop_is_the_worlds_to_rounding():
     changes = ('scenario.start.heading_spread=0 deg', 'scenario.goal.time_limit=20 s')
-    loop = loop_of(ingredients(*changes), 1)
-    world, path = loop.world, [loop.world.state[:2].copy()]
-    while world.outcome is Outcome.FLYING:
-        world.advance(DUTIES)
-        path.append(world.state[:2].copy())
+    world, path = opened(*changes)
     (row,) = fly_many([made(*changes, duties=DUTIES)], [1], closed=False)
     told = figures(row)
     assert tuple(Outcome)[int(told['outcome'])] is world.outcome
-    length = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
-    expected = [*world.state[:3], world.charge, length, world.elapsed]
-    names = ('x', 'y', 'z', 'charge', 'path_length', 'end')
-    np.testing.assert_allclose([told[name] for name in names], expected, rtol=1e-9, atol=1e-9)
+    found = [told[name] for name in NAMES]
+    np.testing.assert_allclose(found, ending(world, path), rtol=1e-9, atol=1e-9)
+
+
+def test_the_air_and_the_walls_of_a_scene_are_the_worlds():
+    """A gust drives one hull against a wall, to rounding; eddies stir others, by chance."""
+    still = 'scenario.start.heading_spread=0 deg'
+    calm = (
+        still,
+        'scenario.goal.time_limit=17 s',
+        'scenario.air.turbulence.intensity=0 m/s',
+        'scenario.room.size=[9, 3, 3] m',
+    )
+    stirred = (still, 'scenario.goal.time_limit=8 s', 'scenario.air.turbulence.intensity=0.2 m/s')
+    flights = [made(*each, duties=DUTIES, scene='gusty_hall') for each in (calm, stirred)]
+    which = np.array([0] + [1] * 400)
+    rows = fly_many(flights, range(len(which)), closed=False, which=which)
+    world, path = opened(*calm, scene='gusty_hall')
+    limit = 1.5 - reach(world.vehicle)[0]
+    assert path[:, 1].max() > limit
+    found = [figures(rows[0])[name] for name in NAMES]
+    np.testing.assert_allclose(found, ending(world, path), rtol=1e-8, atol=1e-8)
+    few = np.array([ending(*opened(*stirred, seed=k, scene='gusty_hall')) for k in range(40)])
+    own = rows[1:, [FIGURES.index(name) for name in NAMES]]
+    for k in (0, 1, 2, 4):
+        deviation = own[:, k].std()
+        assert deviation > 0.01
+        assert abs(few[:, k].mean() - own[:, k].mean()) < 4 * deviation * math.sqrt(
+            1 / 40 + 1 / 400
+        )
+        assert abs(math.log(few[:, k].std() / deviation)) < 4 * math.sqrt(1 / 80 + 1 / 800)
 
 
 def test_each_flight_of_a_batch_is_what_it_is_alone():
@@ -119,6 +164,16 @@ def test_its_flights_are_those_of_the_loop_in_distribution():
 def test_what_a_batch_does_not_know_it_refuses():
     with pytest.raises(BadInput, match=r'A batch has no effect gyro_scale'):
         made('vehicle.effects.gyro_scale.z={value: 1.1, unit: "1", source: assumed}')
+    sblimp = parts_of(gather('sblimp', 'lamp_room', 'bag', ''))
+    with pytest.raises(BadInput, match=r'knows the control law cascade only, not velocity'):
+        made_of(*sblimp, TABLE)
+    vehicle, scenario, policy = parts_of(ingredients())
+    with pytest.raises(BadInput, match=r'not along a course; leave --device out'):
+        made_of(vehicle, scenario, replace(policy, course=lambda _: Setpoint(1, 0, 0)), TABLE)
+    air = scenario.air.model_copy(update={'recorded': 'wind.csv'})
+    windy = scenario.model_copy(update={'air': air})
+    with pytest.raises(BadInput, match=r'recorded wind, which the scenario lamp_room has; leave'):
+        made_of(vehicle, windy, policy, TABLE)
 
 
 SIMULATED = """

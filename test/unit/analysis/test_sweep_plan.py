@@ -44,6 +44,16 @@ def test_a_grid_is_every_value_with_every_value():
     assert plan.units == {HEAVY: 'kg', WIND: 'm/s'}
 
 
+def test_an_effect_that_no_file_names_can_be_varied():
+    leak = 'vehicle.effects.helium_leak.rate'
+    plan = Plan(file(vary={leak: ['0 N/s', '1e-4 N/s']}))
+    plan.check()
+    assert plan.units == {leak: 'N/s'}
+    worlds = [loop_of(plan.base.with_values(plan.job(k).values), 1).world for k in (0, 1)]
+    rates = [world.vehicle.effects()['helium_leak']['rate'] for world in worlds]
+    assert rates == [0.0, 1e-4]
+
+
 def test_every_point_of_a_grid_has_the_same_draws_and_seeds():
     how = {'uniform': {'low': '-0.1 m/s', 'high': '0.1 m/s'}}
     plan = Plan(file(vary={HEAVY: ['1 g', '2 g'], WIND: how}, samples=3))

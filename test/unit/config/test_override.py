@@ -40,6 +40,11 @@ def test_a_value_is_replaced(text, found):
     assert changed(text) == found
 
 
+@pytest.mark.parametrize('path', ['effects.leak', 'effects.leak.rate', 'effects.motor_lag.down'])
+def test_what_a_file_leaves_out_of_its_effects_is_nothing_yet(path):
+    assert held(FILE, path, 'vehicle') is None
+
+
 def test_one_of_several_numbers_leaves_the_others():
     given = override(FILE, 'air.wind.1', value_of('0.5 m/s', ''), 'scenario')
     assert given['air']['wind']['value'] == [0, 0.5, 2]

@@ -110,3 +110,15 @@ def heard(listening, pose, k):
     pairs = [magnitude(listening, i, pose[:3], pose[3:], SEED, k) for i in DIODES]
     amplitude, snr = np.array(pairs).T
     return Peaks(amplitude, snr, np.zeros_like(snr))
+
+
+def test_eddies_are_stationary_at_the_start():
+    """Variances and the covariance that `effects.turbulence` states, within 4 sigma."""
+    count = 4000
+    drawn = np.array([counted.eddies(seed) for seed in np.arange(count).tolist()])
+    assert abs(drawn.mean(axis=0)).max() < 4 / math.sqrt(count)
+    expected = np.zeros((5, 5))
+    expected[0, 0] = 1.0
+    for k in (1, 3):
+        expected[k : k + 2, k : k + 2] = [[0.5, 0.25], [0.25, 0.25]]
+    assert abs(np.cov(drawn.T) - expected).max() < 4 * math.sqrt(2 / count)
