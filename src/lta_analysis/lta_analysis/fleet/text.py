@@ -7,27 +7,24 @@ vehicle. The kernel holds only the effects that some vehicle of the batch has on
 
 from collections.abc import Callable, Sequence
 from string import Template
-from typing import Any, final
+from typing import Any
 
 from lta_analysis.fleet import flight
+from lta_analysis.fleet.kept import Kept
 from lta_analysis.fleet.targets import Rhythm, STEP, Target
 from lta_control.attitude import heading
 from lta_control.flat import Layout, PREFIX
 from lta_control.onboard import Onboard, onboard_step
 from lta_sim import counted_sensors, heard_lamp
-from lta_sim.columns import thread
 from lta_sim.compose import Form, kernel_source
 from lta_sim.effects import EFFECTS, initial_memory
 from lta_sim.extract import Extract
 from lta_sim.gpu import STATES
 from lta_sim.kernel import LAYOUT
-from lta_sim.layout import FIXED, indented, Stage, tuple_of
-from lta_sim.layout import Layout as Places
+from lta_sim.layout import indented, tuple_of
 from lta_sim.state import ACTUATORS, RIGID
 from lta_vlc.array import weighted_mean
 
-# What the kernel keeps of a vehicle during a flight, in this order.
-KEPT = ('parameters', 'body', 'inverse')
 BEGIN = Layout(Onboard())
 CORES: tuple[Callable[..., Any], ...] = (
     onboard_step,
@@ -53,35 +50,6 @@ CORES: tuple[Callable[..., Any], ...] = (
     flight.lit_tally,
     heading,
 )
-
-
-@final
-class Row:
-    """One vehicle: what it keeps is a row `fixed`, the rest under its own name."""
-
-    loops = False
-
-    def item(self, name: str, place: int, layout: Places, each: int = 0) -> str:
-        """Return the source of one number; there are no loops, so `each` says nothing."""
-        del each
-        return (
-            f'fixed[{self._first(name, layout) + place}]' if name in KEPT else f'{name}[{place}]'
-        )
-
-    def whole(self, name: str, layout: Places) -> str:
-        """Return the source of all numbers of a name."""
-        if name not in KEPT:
-            return name
-        return tuple_of(self.item(name, k, layout) for k in range(FIXED[name]))
-
-    def texts(self, parts: list[Stage], layout: Places) -> dict[str, str]:
-        """Return the model as a thread has it, and the stages that end in thrusts."""
-        lines = [line for part in parts if part.writes == ('u',) for line in part.lines]
-        return {**thread(parts, layout), 'actuation': indented(lines)}
-
-    def _first(self, name: str, layout: Places) -> int:
-        counts = {'parameters': layout.parameters, **FIXED}
-        return sum(counts[known] for known in KEPT[: KEPT.index(name)])
 
 
 MODEL = Template(
@@ -284,7 +252,7 @@ def source(
         Whether the drone decides; otherwise it keeps `Craft.duties`.
 
     """
-    form = Form(target.imports, target.inline, '', Row(), MODEL)
+    form = Form(target.imports, target.inline, '', Kept(), MODEL)
     model = kernel_source({name: EFFECTS[name] for name in names}, form)
     extract = Extract()
     for core in CORES:
