@@ -317,6 +317,14 @@ def test_a_cluster_without_dask_is_one_sentence(monkeypatch):
         ClusterCrew(None, 'tcp://127.0.0.1:1')
 
 
+def test_a_cluster_that_is_not_there_leaves_no_folder(monkeypatch, tmp_path, sweep):
+    monkeypatch.setitem(sys.modules, 'distributed', None)
+    out = tmp_path / 'out'
+    with pytest.raises(BadInput):
+        sweep_once(Order(sweep(2), out, scheduler='tcp://127.0.0.1:1'), Console())
+    assert not out.exists()
+
+
 def test_a_cluster_flies_what_this_machine_flies(sweep):
     """A scheduler with two workers in this process; needs the optional dask.distributed."""
     distributed = pytest.importorskip('distributed')

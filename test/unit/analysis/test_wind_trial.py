@@ -115,6 +115,10 @@ def test_the_command_prints_a_table_json_and_a_page(tmp_path):
     page = (tmp_path / 'report.html').read_text()
     assert 'Flyable wind against the roughness' in page
     assert '$' not in page.split('<main>')[1].split('</main>')[0].split('<script')[0]
+    kept = CliRunner().invoke(app, call)
+    assert isinstance(kept.exception, BadInput)
+    assert 'is not empty' in str(kept.exception)
+    call[-1] = str(tmp_path / 'json')
     printed = CliRunner().invoke(app, [*call, '--json'])
     assert json.loads(printed.stdout)['units']['static'] == 'm/s'
 
@@ -123,6 +127,9 @@ def test_an_unknown_vehicle_is_bad_input(tmp_path):
     told = CliRunner().invoke(app, ['wind', 'zeppelin', '--out', str(tmp_path)])
     assert isinstance(told.exception, BadInput)
     assert 'zeppelin' in str(told.exception)
+    call = ['wind', 'gtmab', 'zeppelin', '--out', str(tmp_path / 'out')]
+    assert 'zeppelin' in str(CliRunner().invoke(app, call).exception)
+    assert not (tmp_path / 'out').exists()
 
 
 def test_the_airspeeds_stay_within_what_a_mission_may_ask(flight):

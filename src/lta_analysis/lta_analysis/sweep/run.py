@@ -87,12 +87,11 @@ def sweep_once(order: Order, console: Console) -> Swept:
     plan = Plan(file)
     plan.check()
     folder = (order.out or Path('runs') / f'sweep-{file.name}-{plan.identity[:8]}').absolute()
+    far = None if order.scheduler is None else ClusterCrew(plan.base, order.scheduler)
     with Log(folder, plan.identity, order.retry) as log:
         before = len(log.rows)
-        crew: Crew = (
-            LocalCrew(plan.base, min(order.workers or cores(), max(1, plan.count - before)))
-            if order.scheduler is None
-            else ClusterCrew(plan.base, order.scheduler)
+        crew: Crew = far or LocalCrew(
+            plan.base, min(order.workers or cores(), max(1, plan.count - before))
         )
         begun = time.monotonic()
         try:

@@ -10,6 +10,7 @@ from lta_analysis.platforms.page import title, Told, write_page
 from lta_analysis.platforms.run import check, fly_all, jobs, printed, processors, Row
 from lta_analysis.platforms.summary import reversals
 from lta_analysis.verbs.fly import folder
+from lta_bridge.bag.writer import empty_folder
 from lta_bridge.provenance import commit
 from lta_config.comparison_file import load_comparison
 from lta_config.errors import BadInput
@@ -59,7 +60,7 @@ def platforms(
     todo = jobs(file, comparison, seeds or comparison.seeds)
     stamp = datetime.now().astimezone()
     target = (out or Path('runs') / f'{stamp:%Y%m%d-%H%M%S}-{comparison.name}').absolute()
-    target.mkdir(parents=True, exist_ok=True)
+    empty_folder(target)
     coming = fly_all(todo, workers or processors())
     rows: list[Row] = list(
         track(coming, 'flying', len(todo), console=console, disable=not console.is_terminal)
@@ -70,7 +71,7 @@ def platforms(
     try:
         (target / 'flights.json').write_text(content, encoding='utf-8')
     except OSError as error:
-        raise BadInput(f"'{target}' cannot be written ({error.strerror}).") from error
+        raise BadInput(f"'{target}' cannot be written ({error.strerror}); make room.") from error
     origin = {
         'comparison': file, 'seeds': str(seeds or comparison.seeds), 'flights': str(len(rows)),
         'commit': commit(), 'created': stamp.isoformat(timespec='seconds'),
