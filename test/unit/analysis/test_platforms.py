@@ -285,4 +285,5 @@ def test_the_verb_flies_a_file_and_keeps_every_flight(tmp_path, capsys):
     printed_rows = json.loads(capsys.readouterr().out)
     assert printed_rows == json.loads((tmp_path / 'out' / 'flights.json').read_text())
     assert [row['held'] for row in printed_rows] == [True]
-    assert 'GT-MAB: every manoeuvre held' in (tmp_path / 'out' / 'report.html').read_text()
+    page = (tmp_path / 'out' / 'report.html').read_text()
+    assert 'The one platform holds every manoeuvre.' in page

@@ -138,7 +138,7 @@ def limit_rows(old: HeliumLimit, new: HeliumLimit) -> list[Row]:
         ['lost, flown [g lost]', told(old.fails), told(new.fails)],
         ['largest demand carries [g lost]', told(old.demand), told(new.demand)],
         ['rotors carry [g lost]', told(old.rotors), told(new.rotors)],
-        ['days, by 0.2 to 0.9 L/(m2 day)', days(old), days(new)],
+        ['days, by 0.2 to 0.9 L/(m² day)', days(old), days(new)],
     ]
 
 

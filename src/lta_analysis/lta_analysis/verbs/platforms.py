@@ -6,9 +6,11 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
-from lta_analysis.platforms.page import title, Told, write_page
+from lta_analysis.platforms.page import Told, write_page
 from lta_analysis.platforms.run import check, fly_all, jobs, printed, processors, Row
 from lta_analysis.platforms.summary import reversals
+from lta_analysis.platforms.verdict import title
+from lta_analysis.typed import typed
 from lta_analysis.verbs.fly import folder
 from lta_bridge.provenance import commit
 from lta_config.comparison_file import load_comparison
@@ -74,7 +76,7 @@ def platforms(
     origin = {
         'comparison': file, 'seeds': str(seeds or comparison.seeds), 'flights': str(len(rows)),
         'commit': commit(), 'created': stamp.isoformat(timespec='seconds'),
-        'again': f'lta platforms {file} --seeds {seeds or comparison.seeds}',
+        'again': typed('platforms', file, '--seeds', str(seeds or comparison.seeds)),
     }  # fmt: skip
     page = write_page(Told(comparison, rows, target, origin))
     if json:

@@ -120,7 +120,9 @@ def tiles(found: Sequence[Limits]) -> list[Tile]:
         cause = 'tumbling' if each.tumble < each.thrust else 'thrust'
         why = f'{cause} allows {numbers}' if math.isfinite(each.static) else 'no known limit'
         if each.flown is None:
-            made.append(Tile(each.name, numbers, 'm/s', f'by numbers; {cause} sets it'))
+            known = math.isfinite(each.static)
+            note = f'by numbers; {cause} sets it' if known else why
+            made.append(Tile(each.name, numbers, 'm/s' if known else '', note))
         else:
             made.append(Tile(each.name, flight(each.flown, False), 'm/s', f'flown; {why}'))
     return made
