@@ -286,4 +286,4 @@ def test_the_verb_flies_a_file_and_keeps_every_flight(tmp_path, capsys):
     assert printed_rows == json.loads((tmp_path / 'out' / 'flights.json').read_text())
     assert [row['held'] for row in printed_rows] == [True]
     page = (tmp_path / 'out' / 'report.html').read_text()
-    assert 'The one platform holds every manoeuvre.' in page
+    assert 'The one contestant holds every manoeuvre.' in page

@@ -70,12 +70,14 @@ def page(told: Told) -> str:
     names = ('platforms.html', 'page.css', 'page.js')
     text = {name: (assets / name).read_text(encoding='utf-8') for name in names}
     comparison, rows = told.comparison, told.rows
+    shown, common = pictures(comparison, rows), len(comparison.manoeuvres)
     return Template(text['platforms.html']).substitute(
         title=escape(title(comparison, rows)),
         kicker=escape(f'comparison {comparison.name} · {comparison.scenario}'),
         about=escape(comparison.about),
         tiles='\n'.join(tile_html(*each) for each in tiles(comparison, rows)),
-        pictures='\n'.join(pictures(comparison, rows)),
+        first='\n'.join(shown[:common]),
+        pictures='\n'.join(shown[common:]),
         results=table(HEADS, result_lines(comparison, rows)) + f'<p class="note">{METHOD}</p>',
         why=decided(comparison, rows)
         + ''.join(['<ul>', *(f'<li>{escape(each)}</li>' for each in reasons(told)), '</ul>']),
@@ -110,9 +112,8 @@ def tiles(comparison: Comparison, rows: Sequence[Row]) -> list[Tile]:
 
 def pictures(comparison: Comparison, rows: Sequence[Row]) -> list[str]:
     """Return a picture for each manoeuvre, of the ablations, and of the speed limits."""
-    names = dict.fromkeys(
-        each for name in comparison.contestants for each in flown_by(comparison, name)
-    )
+    own = [each for name in comparison.contestants for each in flown_by(comparison, name)]
+    names = dict.fromkeys([*comparison.manoeuvres, *own])  # what all fly comes first
     titles = {name: each.title for name, each in comparison.contestants.items()}
     found = []
     for name in names:

@@ -18,11 +18,11 @@ def title(comparison: Comparison, rows: Sequence[Row]) -> str:
             lost.append(contestant.title)
     count = len(comparison.contestants)
     if not lost:
-        who = f'All {count} platforms hold' if count > 1 else 'The one platform holds'
+        who = f'All {count} contestants hold' if count > 1 else 'The one contestant holds'
         return f'{who} every manoeuvre.'
     if len(lost) == count:
-        return 'No platform holds every manoeuvre.'
-    return f'{count - len(lost)} of {count} platforms hold every manoeuvre; {listed(lost)} not.'
+        return 'No contestant holds every manoeuvre.'
+    return f'{count - len(lost)} of {count} contestants hold every manoeuvre; {listed(lost)} not.'
 
 
 def listed(names: Sequence[str]) -> str:
@@ -43,12 +43,15 @@ def decided(comparison: Comparison, rows: Sequence[Row]) -> str:
             pair = cell(rows, CONTESTANT, ablation.of, each), cell(rows, ABLATION, name, each)
             cells.append(f'<td>{before_and_after(*pair)}</td>')
         title = comparison.contestants[ablation.of].title
-        what = (called(comparison, name), f'{title}; {ablation.why}')
+        what = (called(comparison, name), title, ablation.why)
         first = ''.join(f'<td>{escape(text)}</td>' for text in what)
         lines.append(f'<tr>{first}{"".join(cells)}</tr>')
     if not lines:
         return ''
-    heads = ''.join(f'<th scope="col">{each}</th>' for each in ('flown as', 'of; changed', *flown))
+    heads = ''.join(
+        f'<th scope="col">{each}</th>'
+        for each in ('flown as', 'otherwise as', 'what is changed', *flown)
+    )
     return (
         f'<div class="wide"><table class="results changes"><thead><tr>{heads}</tr></thead><tbody>'
         f'{"".join(lines)}</tbody></table></div><p class="note">Flights held, before and after '

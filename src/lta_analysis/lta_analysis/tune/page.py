@@ -51,7 +51,7 @@ def page(tuned: Tuned, old: Traces, new: Traces) -> str:
     margins = told.table(told.MARGIN_HEADS, told.margin_rows(tuned), text=True)
     limits = told.table(('', 'old', 'new'), told.limit_rows(tuned.old.limit, tuned.new.limit))
     return Template(text['tune.html']).substitute(
-        title=escape(told.title(tuned)),
+        title=escape(told.typeset(told.title(tuned))),
         kicker=escape(f'tune {scene_name(order)} · from {tuned.gains_name} · seed {order.seed}'),
         about=escape(about(tuned)),
         tiles='\n'.join(tile_html(*each) for each in tiles(tuned)),

@@ -181,7 +181,9 @@ def facts(asked: Asked) -> dict[str, str]:
         'scenario': f'{asked.scenario}, its wind replaced',
         'hull centre': f'{asked.height:g} m up, or as high as the vehicle stands and a little',
         'reference height': f'{asked.reference:g} m',
-        'seeds': f'1 to {asked.seeds}' if asked.fly else 'none: nothing was flown',
+        'seeds': ('1' if asked.seeds == 1 else f'1 to {asked.seeds}')
+        if asked.fly
+        else 'none: nothing was flown',
         'commit': commit(),
     }
 
