@@ -281,7 +281,7 @@ def test_the_page_shows_every_parameter_and_is_whole(sweep, tmp_path):
     assert '&lt;b&gt;Short &amp; odd' in text
     assert '0 of 12 flights reached their goal' in ''.join(page.texts)
     assert 'src="http' not in text
-    assert f'{HEAVY} [kg]' in text
+    assert f'{HEAVY} [g]' in text  # small masses are drawn in grams
 
 
 def test_wilson_against_printed_figures():

@@ -7,6 +7,7 @@ from lta_analysis.app import app
 from lta_analysis.ingredients import gather
 from lta_analysis.wind import limits, trial
 from lta_analysis.wind.limits import Asked, measured, ticks, to_json
+from lta_analysis.wind.page import page
 from lta_analysis.wind.trial import blowing, Flyable, flyable, Ground, makes_way
 from lta_config.errors import BadInput
 from lta_sim.scenario import Scenario
@@ -90,11 +91,19 @@ def test_limits_of_a_platform_flown_and_not(monkeypatch):
     assert one.flown.wind == pytest.approx(0.4, abs=one.flown.fine)
     assert [over.roughness for over in one.over] == [0.1, 0.3]
     assert one.over[1].static == pytest.approx(one.static / one.over[1].share)
-    other = measured(asked(vehicles=('skye',), fly=False), 'skye', lambda: None)
+    # Every shipped platform has a law by now; one of people's own may have none.
+    monkeypatch.setattr('lta_analysis.wind.limits._gains', lambda vehicle: None)
+    other = measured(asked(vehicles=('skye',)), 'skye', lambda: None)
     assert other.flown is None
     assert other.height == pytest.approx(1.35 + 0.1, abs=0.1)  # a hull of 2.7 m flies higher
     printed = json.dumps(to_json([one, other], asked()), allow_nan=False)
     assert json.loads(printed)['vehicles'][1]['tumble'] is None
+    made = page([one, other], asked())
+    assert f'In uniform wind gtmab makes way up to {one.flown.wind:.2f} m/s.' in made
+    flown = f'{one.flown.wind:.2f} (+{one.flown.fine:.2f})'
+    assert f'<td>{one.static:.2f}</td><td>{flown}</td>' in made
+    assert '<td>1.50</td>' in made  # where the larger hull flies
+    assert 'over 0.3 m of roughness' in made
 
 
 def test_ground_that_leaves_no_wind_is_refused():

@@ -12,7 +12,7 @@ WIDTH: Final = 640.0  # px of the two views beside each other
 GAP, TITLE, MARGIN = 64.0, 26.0, 34.0  # px
 ARROW, DISC, HEAD = 34.0, 11.0, 7.0  # px: thrust at full length, half a rotor, its arrow head
 CLOSE: Final = 16.0  # px; letters of marks nearer than this would touch
-LEGEND, KEYS = 190.0, 210.0  # px of height, and of width
+LEGEND, KEYS = 214.0, 260.0  # px of height, and of width
 NICE: Final = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  # m
 
 
@@ -162,15 +162,17 @@ def symbol(kind: str, x: float, y: float) -> Iterator[str]:
 
 def _legend(x: float, y: float, scale: float, hull: bool) -> Iterator[str]:
     """Yield what the signs mean, and a bar of a round length."""
-    rows = [('gravity', 'centre of gravity')]
+    rows = [('gravity', 'CG: centre of gravity')]
     if hull:
-        rows.append(('buoyancy', 'centre of buoyancy'))
+        rows.append(('buoyancy', 'CB: centre of buoyancy'))
+        rows.append(('pressure', 'CP: centre of pressure'))
     for k, (kind, words) in enumerate(rows):
         yield f'<g class="mark {kind}">{"".join(symbol(kind, x + 8, y + 24.0 * k))}</g>'
         yield f'<text class="key" x="{x + 26:.1f}" y="{y + 4 + 24.0 * k:.1f}">{words}</text>'
     z = y + 24.0 * len(rows)
     yield f'<g class="rotor">{_arrow(x - 2, z, 22, 0)}</g>'
-    yield f'<text class="key" x="{x + 26:.1f}" y="{z + 4:.1f}">thrust of a rotor</text>'
+    yield f'<text class="key" x="{x + 26:.1f}" y="{z + 4:.1f}">'
+    yield 'thrust of a rotor; two heads: it reverses</text>'
     yield f'<g class="rotor"><circle class="disc" cx="{x + 8}" cy="{z + 24}" r="8"/>'
     yield f'<circle class="tip" cx="{x + 8}" cy="{z + 24}" r="2.4"/></g>'
     yield f'<text class="key" x="{x + 26:.1f}" y="{z + 28:.1f}">towards you; crossed: away</text>'
