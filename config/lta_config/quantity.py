@@ -87,11 +87,21 @@ UNSOURCED = 'has no source; add "source: ..." (measured, datasheet, assumed...)'
 _TEXT = re.compile(r'(?a)^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*$')
 
 
+def _is_written(number: object) -> bool:
+    """Tell whether a text is that of a plain number."""
+    found = _TEXT.match(number) if isinstance(number, str) else None
+    return found is not None and found[2] is None
+
+
 def _number_or_numbers(given: Any) -> float | tuple[float, ...]:  # noqa: ANN401 - as the file has it
     numbers = given if isinstance(given, list | tuple) else [given]
     for number in numbers:
         if isinstance(number, bool) or not isinstance(number, int | float):
-            raise ValueError(f'has the value {given!r}, but needs a number or a list of numbers')
+            # YAML 1.1, which ROS reads as well, takes an exponent without a point for text.
+            hint = ' with a decimal point, as 1.0e-3' if _is_written(number) else ''
+            raise ValueError(
+                f'has the value {given!r}, but needs a number or a list of numbers{hint}'
+            )
     try:
         floats = tuple(float(number) for number in numbers)
     except OverflowError:

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
 from lta_config.files import find, load, Record
-from pydantic import AliasChoices, Field, model_validator
+from pydantic import AliasChoices, Discriminator, Field, model_validator, Tag
 
 Value = Any  # '4 g', '[0, 0, 1] m/s', {value: 4, unit: g}, 0.5, true, a name
 Values = Annotated[list[Value], Field(min_length=1, max_length=10_000)]
@@ -49,6 +49,11 @@ class Distribution(Record):
         return self
 
 
+def _kind(how: object) -> str:
+    """Return which of the two ways to vary is meant, so that a mistake is told of that one."""
+    return 'values' if isinstance(how, list) else 'distribution'
+
+
 class Seeds(Record):
     """Seeds of the flights: so many, counted from the first."""
 
@@ -69,7 +74,13 @@ class SweepFile(Record):
     seeds: Seeds = Seeds()
     samples: Annotated[int, Field(ge=1, le=10_000_000)] | None = None
     settings: Annotated[Mapping[str, Value], Field(validation_alias=AliasChoices('set'))] = {}
-    vary: Mapping[str, Values | Distribution]
+    vary: Mapping[
+        str,
+        Annotated[
+            Annotated[Values, Tag('values')] | Annotated[Distribution, Tag('distribution')],
+            Discriminator(_kind),
+        ],
+    ]
 
     @model_validator(mode='after')
     def _samples_where_drawn(self) -> Self:

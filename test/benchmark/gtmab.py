@@ -18,7 +18,7 @@ import numpy as np
 STEP = 2e-3
 DUTY = np.array([0.145, 0.145, 0.2, 0.2])  # forward, and slowly up
 # Wind, noise, sunlight and a cell that is not full: for whatever effect looks at them.
-SURROUNDED = np.array([0.1, 0.05, 0.0, 0.3, -0.2, 0.1, 300.0, 3.8])
+SURROUNDED = np.array([0.1, 0.05, 0.0, 0.3, -0.2, 0.1, 300.0, 3.8, 0.02, 0.01, 0.0])
 SHARE = 0.1
 
 # What a small step from null cannot say: a room that the vehicle fits into, air that knows it.

@@ -137,10 +137,11 @@ def lta(domain_id: int) -> Iterator[Lta]:
 def scenario(tmp_path: Path):
     """Return a function that writes the shipped scene with another goal and returns its path."""
 
-    def write(radius: str = '1.0 m', time_limit: str = '60 s') -> Path:
+    def write(radius: str = '1.0 m', time_limit: str = '60 s', walls: str = 'open') -> Path:
         text = (ROOT / 'config/scenarios/lamp_room.yaml').read_text()
         changed = text.replace('radius: 1.0 m', f'radius: {radius}')
         changed = changed.replace('time_limit: 60 s', f'time_limit: {time_limit}')
+        changed = changed.replace('albedo:', f'walls: {walls}\n  albedo:')
         path = tmp_path / f'{radius}-{time_limit}.yaml'.replace(' ', '')
         path.write_text(changed)
         return path

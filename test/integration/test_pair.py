@@ -104,7 +104,8 @@ def check_reading(lta, bag):
 def test_who_holds_both_up_is_named_with_its_robot_and_nobody_else(
     lta, flying, scenario, tmp_path
 ):
-    path = scenario(radius='0.01 m', time_limit='600 s')  # as long as the test takes
+    # As long as the test takes.
+    path = scenario(radius='0.01 m', time_limit='600 s', walls='solid')
     words = (f'scenario:={path}', 'time:=lockstep', f'bag:={tmp_path / "bag"}')
     flight = lta.start('launch', 'pair', *words)
     flying(8.0)  # DDS has found everyone

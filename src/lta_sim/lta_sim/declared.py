@@ -10,6 +10,7 @@ from lta_config.vehicle_body import MovingMass, Part
 from lta_config.vehicle_file import VehicleFile
 from lta_sim import effects, propulsion
 from lta_sim.effects.protocol import AXES
+from lta_sim.stiffness import RK4_LIMIT
 from lta_sim.strip_geometry import Box, strips
 
 Effects = dict[str, dict[str, float]]
@@ -21,7 +22,6 @@ TIME_CONSTANTS = (
     ('motors', 'motor_lag', 'down'),
     ('a moving mass', 'moving_mass', 'lag'),
 )
-RK4_LIMIT = 2.7  # longest stable step of RK4 by a time constant: 2.785, less a margin
 # Hulls that are round seen from above, or from anywhere: drag axis by axis is not (`cross_flow`).
 ROUND = {'balloon': {'horizontal': 1.0}, 'sphere': {'horizontal': 1.0, 'total': 1.0}}
 # What turns duties into newtons in place of the thrust curve.

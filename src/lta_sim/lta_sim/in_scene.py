@@ -6,13 +6,16 @@ The winds of its air, averaged over this hull, and its walls, which this hull me
 
 import math
 
+from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
 from lta_sim import hull
 from lta_sim.declared import Effects
 from lta_sim.effects import EFFECTS
 from lta_sim.effects.protocol import AirEffect
+from lta_sim.hover import hover_duty
 from lta_sim.model import Model
 from lta_sim.scenario import Scenario
+from lta_sim.state import DISPLACED, MASS, MASS_MOMENT
 from lta_sim.vehicle import Vehicle
 from lta_sim.wind_record import WindRecord
 import numpy as np
@@ -102,5 +105,22 @@ def record_of(scenario: Scenario) -> WindRecord | None:
 
 
 def check(vehicle: Vehicle, scenario: Scenario) -> None:
-    """Refuse a scene that this vehicle cannot be in, for its light, its wind or its walls."""
-    _ = model_in(vehicle, scenario), record_of(scenario), scenario.light_field
+    """
+    Refuse a scene that this vehicle cannot be in, for its light, its wind or its walls.
+
+    And a vehicle whose effects (a payload, a shifted centre of gravity, other gas or air) leave it
+    too heavy for its rotors, or about to flip.
+    """
+    model = model_in(vehicle, scenario)
+    _ = record_of(scenario), scenario.light_field
+    file, body = vehicle.file, model.body
+    lift = max(0.0, model.given.get('net_lift', {}).get('force', 0.0))
+    weight = (body[MASS] - body[DISPLACED]) * STANDARD_GRAVITY - lift
+    hover_duty(file.name, vehicle.rotors, file.aero.coupling, float(weight), STANDARD_GRAVITY)
+    above = body[MASS_MOMENT + 2] / body[MASS]
+    if above >= 0.0 and file.hull.shape != 'none' and file.trim.unstable == 'refused':
+        raise BadInput(
+            f'The effects of {file.name} put its centre of gravity {100 * above:.1f} cm above the '
+            'hull centre, and it would flip; move mass down, or allow it with "unstable: allowed" '
+            'in trim.'
+        )

@@ -18,7 +18,7 @@ from lta_config.vehicle_file import load_vehicle_file, VehicleFile
 from lta_energy.battery import Battery
 from lta_energy.loads import Loads
 from lta_energy.panel import Panel
-from lta_sim import declared, hover, hull, propulsion
+from lta_sim import declared, hover, hull, propulsion, stiffness
 from lta_sim.balance import Array, Balance, gas_lump, Lump, part_lump
 from lta_sim.model import Model
 from lta_sim.sensors.photodiode import PhotodiodeArray
@@ -261,10 +261,11 @@ class Vehicle:
         Raises
         ------
         BadInput
-            If the step is longer than 2.7 times a time constant of motors or moving mass.
+            If the step is longer than 2.7 times a time constant of motors, moving mass or damping.
 
         """
         declared.check_step(self.file.name, self.effects(), step)
+        stiffness.check(self.file.name, self.model(), step)
 
     @property
     def standing_height(self) -> float:

@@ -12,6 +12,7 @@ from typing import final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.topics import TopicTable
+from lta_sim import stiffness
 from lta_sim.around import Around, memory_at_start
 from lta_sim.command_link import CommandLink
 from lta_sim.craft import Craft, LAYOUT
@@ -53,9 +54,15 @@ class World:
     seed : int
         Of all chance.
 
+    Raises
+    ------
+    BadInput
+        If the vehicle cannot be in the scene or reacts too fast for the step.
+
     """
 
     def __init__(self, vehicle: Vehicle, scenario: Scenario, table: TopicTable, seed: int) -> None:
+        vehicle.check_step(STEP_NS * 1e-9)
         self.vehicle = vehicle
         self.scenario = scenario
         self._chance = {
@@ -101,13 +108,9 @@ class World:
         """Set up what stands between the truth and what is told; return it."""
         acting = chains(self._model.given, EFFECTS)
         self._imu = imu.Imu(
-            self.imu_errors,
-            self._imu_place,
-            STANDARD_GRAVITY,
-            self._chance['imu'],
-            acting['force'],
-            acting['rates'],
-        )
+            self.imu_errors, self._imu_place, STANDARD_GRAVITY, self._chance['imu'],
+            acting['force'], acting['rates'],
+        )  # fmt: skip
         self._on_range, self._on_pressure = acting['range'], acting['pressure']
         self._tracker = Tracker(acting)
         return acting
@@ -193,13 +196,10 @@ class World:
         readings.ranges, self._ranges = self._ranges, []
         if self._due('pressure'):
             readings.pressure = pressure.measure(
-                self.pressure_settings,
-                self._pressure,
-                float(self.state[2]) + self._imu_place[2],
-                self.elapsed,
-                self._chance['pressure'],
-                self._on_pressure,
-            )
+                self.pressure_settings, self._pressure,
+                float(self.state[2]) + self._imu_place[2], self.elapsed,
+                self._chance['pressure'], self._on_pressure,
+            )  # fmt: skip
         return readings
 
     def sense_rest(self, readings: Readings) -> None:
@@ -223,14 +223,9 @@ class World:
         height, up = range.outlook(self.state[:RIGID].tolist(), self._range_place)
         elapsed = (stamp_ns - self._start_ns) * 1e-9
         reading = range.measure(
-            self.range_settings,
-            self._range,
-            height,
-            up,
-            self._chance['range'],
-            self._on_range,
-            elapsed,
-        )
+            self.range_settings, self._range, height, up,
+            self._chance['range'], self._on_range, elapsed,
+        )  # fmt: skip
         self._ranges.append((stamp_ns, reading))
 
     def advance(self, duties: Sequence[float], mass_place: Vector | None = None) -> None:
@@ -247,7 +242,8 @@ class World:
         Raises
         ------
         ValueError
-            If there is not one finite duty for each rotor; the state stays as it was.
+            If there is not one finite duty for each rotor; the state stays as it was. As
+            `BadInput`, if the numbers ran away in this period.
 
         """
         command = self._link.compose(duties, mass_place)
@@ -259,6 +255,7 @@ class World:
         pose = self._pose()
         if self._due('illuminance'):
             self.supply.shine(self._light.on_panel(pose)[1])
+        stiffness.watch(self.vehicle.file.name, self.state[7:RIGID].tolist(), self.elapsed)
         self._craft.look()
         self.supply.drain(self._craft.thrusts[: self._rotors].tolist(), self._period)
         self.steps += 1

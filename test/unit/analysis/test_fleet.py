@@ -86,6 +86,19 @@ def test_the_referee_is_the_referee():
         assert tuple(Outcome)[flight.judge(goal, *place)] is referee.judge(*place)
 
 
+def test_numbers_that_run_away_end_a_flight():
+    craft = made().craft
+    cell, tally = flight.full(0.9), flight.begun(craft)
+    for k, value, outcome in (
+        (7, 999.0, flight.FLYING),
+        (9, -1001.0, flight.RAN_AWAY),
+        (12, math.nan, flight.RAN_AWAY),
+    ):
+        state = [*craft.place, 0.0, 0.0, 0.0, 1.0, *[0.0] * 6]
+        state[k] = value
+        assert flight.flown(craft, tally, (0.0, 0.0), state, cell, 0.01, 0.01).outcome == outcome
+
+
 NAMES = ('x', 'y', 'z', 'charge', 'path_length', 'end')
 
 

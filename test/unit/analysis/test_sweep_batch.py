@@ -4,6 +4,9 @@ from collections import Counter
 import io
 
 from lta_analysis.fleet.craft import made_of
+from lta_analysis.fleet.flight import RAN_AWAY
+from lta_analysis.fleet.fly import fly_many
+from lta_analysis.fleet.text import FIGURES
 from lta_analysis.sweep import fleet_crew
 from lta_analysis.sweep.flown import Row
 from lta_analysis.sweep.heat import heat, two_lists
@@ -90,6 +93,19 @@ def test_what_cannot_be_built_is_kept_as_failed(sweep, tmp_path, monkeypatch):
     assert {row.sentence for row in done.rows if row.outcome == 'failed'} == {
         'It is too heavy; take less.'
     }
+
+
+def test_a_flight_whose_numbers_ran_away_has_failed(sweep, tmp_path, monkeypatch):
+    def wild(made, seeds, *others, **options):
+        told = fly_many(made, seeds, *others, **options)
+        told[0, FIGURES.index('outcome')] = RAN_AWAY
+        return told
+
+    monkeypatch.setattr(fleet_crew, 'fly_many', wild)
+    first, *others = run(sweep(), tmp_path / 'out', page=False).rows
+    assert first.outcome == 'failed'
+    assert first.sentence.startswith('The numbers of gtmab ran away 0.20 s after the start')
+    assert {row.outcome for row in others} == {'timeout'}
 
 
 def test_a_map_shows_shares_and_medians(sweep, tmp_path):

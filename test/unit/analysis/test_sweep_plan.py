@@ -8,6 +8,7 @@ from lta_analysis.sweep.draws import draw
 from lta_analysis.sweep.plan import Plan, si_of
 from lta_config.errors import BadInput
 from lta_config.override import assignment
+from lta_config.sentence import sentence
 from lta_config.sweep_file import Distribution, load_sweep, SweepFile
 import numpy as np
 from pydantic import ValidationError
@@ -180,3 +181,9 @@ def test_a_flight_is_told_so_that_it_is_flown_again_to_the_last_bit():
     assert one.policy.gains == two.policy.gains
     assert one.world.scenario == two.world.scenario
     assert one.world.vehicle.file.trim == two.world.vehicle.file.trim
+
+
+def test_a_distribution_that_is_not_known_is_named():
+    with pytest.raises(ValidationError) as caught:
+        file(samples=3, vary={HEAVY: {'cauchy': {'mean': '2 g'}}})
+    assert f"'vary.{HEAVY}.distribution.cauchy' is not known" in sentence(caught.value)

@@ -281,7 +281,7 @@ def test_the_page_shows_every_parameter_and_is_whole(sweep, tmp_path):
     assert '&lt;b&gt;Short &amp; odd' in text
     assert '0 of 12 flights reached their goal' in ''.join(page.texts)
     assert 'src="http' not in text
-    assert f'{HEAVY} [kg]' in text
+    assert f'{HEAVY} [g]' in text  # small masses are drawn in grams
 
 
 def test_wilson_against_printed_figures():
@@ -315,6 +315,14 @@ def test_a_cluster_without_dask_is_one_sentence(monkeypatch):
     monkeypatch.setitem(sys.modules, 'distributed', None)
     with pytest.raises(BadInput, match='-r requirements-dask'):
         ClusterCrew(None, 'tcp://127.0.0.1:1')
+
+
+def test_a_cluster_that_is_not_there_leaves_no_folder(monkeypatch, tmp_path, sweep):
+    monkeypatch.setitem(sys.modules, 'distributed', None)
+    out = tmp_path / 'out'
+    with pytest.raises(BadInput):
+        sweep_once(Order(sweep(2), out, scheduler='tcp://127.0.0.1:1'), Console())
+    assert not out.exists()
 
 
 def test_a_cluster_flies_what_this_machine_flies(sweep):

@@ -9,7 +9,7 @@ from lta_analysis.tune.book import Book
 from lta_analysis.tune.compare import difference, Flights, spread
 from lta_analysis.tune.exam import Case, fly, Scene, Step
 from lta_analysis.tune.find import find, robust
-from lta_analysis.tune.gains_text import gains_text, write_gains
+from lta_analysis.tune.gains_text import check_writable, gains_text, write_gains
 from lta_analysis.tune.marks import mark_of, Report
 from lta_analysis.tune.mission import seek, Sought
 from lta_analysis.tune.numbers import changed, chosen, Number, numbers_of
@@ -258,3 +258,11 @@ def test_bad_orders_are_refused(call, tmp_path, words, complaint):
     assert status == 2
     assert complaint in said.err
     assert not (tmp_path / 't').exists()
+
+
+def test_a_place_that_cannot_be_written_is_refused_before_the_search(tmp_path):
+    (tmp_path / 'file').touch()
+    with pytest.raises(BadInput, match='choose another --out'):
+        check_writable(tmp_path / 'file' / 'gains.yaml')
+    check_writable(tmp_path / 'gains.yaml')
+    assert not (tmp_path / 'gains.yaml').exists()

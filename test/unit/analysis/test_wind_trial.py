@@ -7,6 +7,7 @@ from lta_analysis.app import app
 from lta_analysis.ingredients import gather
 from lta_analysis.wind import limits, trial
 from lta_analysis.wind.limits import Asked, measured, ticks, to_json
+from lta_analysis.wind.page import page
 from lta_analysis.wind.trial import blowing, Flyable, flyable, Ground, makes_way
 from lta_config.errors import BadInput
 from lta_sim.scenario import Scenario
@@ -82,7 +83,7 @@ def test_flights_that_make_way_and_that_do_not(flight):
     assert not makes_way(blowing(flight, 1.5, Ground(None)), 1)
 
 
-def test_limits_of_a_platform_with_and_without_a_control_law(monkeypatch):
+def test_limits_of_a_platform_flown_and_not(monkeypatch):
     made_up(monkeypatch, lambda speed, seed: 0.4)
     count = []
     one = measured(asked(), 'gtmab', lambda: count.append(1))
@@ -90,12 +91,19 @@ def test_limits_of_a_platform_with_and_without_a_control_law(monkeypatch):
     assert one.flown.wind == pytest.approx(0.4, abs=one.flown.fine)
     assert [over.roughness for over in one.over] == [0.1, 0.3]
     assert one.over[1].static == pytest.approx(one.static / one.over[1].share)
+    # Every shipped platform has a law by now; one of people's own may have none.
+    monkeypatch.setattr('lta_analysis.wind.limits._gains', lambda vehicle: None)
     other = measured(asked(vehicles=('skye',)), 'skye', lambda: None)
     assert other.flown is None
-    assert other.note == 'No control law is shipped for it, so it was not flown.'
     assert other.height == pytest.approx(1.35 + 0.1, abs=0.1)  # a hull of 2.7 m flies higher
     printed = json.dumps(to_json([one, other], asked()), allow_nan=False)
     assert json.loads(printed)['vehicles'][1]['tumble'] is None
+    made = page([one, other], asked())
+    assert f'In uniform wind gtmab makes way up to {one.flown.wind:.2f} m/s.' in made
+    flown = f'{one.flown.wind:.2f} (+{one.flown.fine:.2f})'
+    assert f'<td>{one.static:.2f}</td><td>{flown}</td>' in made
+    assert '<td>1.50</td>' in made  # where the larger hull flies
+    assert 'over 0.3 m of roughness' in made
 
 
 def test_ground_that_leaves_no_wind_is_refused():
@@ -116,6 +124,10 @@ def test_the_command_prints_a_table_json_and_a_page(tmp_path):
     page = (tmp_path / 'report.html').read_text()
     assert 'Flyable wind against the roughness' in page
     assert '$' not in page.split('<main>')[1].split('</main>')[0].split('<script')[0]
+    kept = CliRunner().invoke(app, call)
+    assert isinstance(kept.exception, BadInput)
+    assert 'is not empty' in str(kept.exception)
+    call[-1] = str(tmp_path / 'json')
     printed = CliRunner().invoke(app, [*call, '--json'])
     assert json.loads(printed.stdout)['units']['static'] == 'm/s'
 
@@ -124,6 +136,9 @@ def test_an_unknown_vehicle_is_bad_input(tmp_path):
     told = CliRunner().invoke(app, ['wind', 'zeppelin', '--out', str(tmp_path)])
     assert isinstance(told.exception, BadInput)
     assert 'zeppelin' in str(told.exception)
+    call = ['wind', 'gtmab', 'zeppelin', '--out', str(tmp_path / 'out')]
+    assert 'zeppelin' in str(CliRunner().invoke(app, call).exception)
+    assert not (tmp_path / 'out').exists()
 
 
 def test_the_airspeeds_stay_within_what_a_mission_may_ask(flight):

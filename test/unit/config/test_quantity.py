@@ -5,6 +5,7 @@ from typing import Annotated
 
 from hypothesis import given
 from hypothesis import strategies as st
+from lta_config import quantity as quantity_module
 from lta_config.files import Record
 from lta_config.quantity import Quantity, si, UNITS
 from lta_config.sentence import sentence
@@ -120,3 +121,10 @@ def test_a_number_that_is_finite_only_outside_si_is_refused():
 
 def test_bounds_are_closed():
     assert Part.model_validate({'place': {'value': [-1, 100e-2, 1], 'unit': 'm'}}).mass.si == 1.0
+
+
+def test_a_number_that_yaml_takes_for_text():
+    for text, told in (('1e-9', 'numbers with a decimal point, as 1.0e-3'), ('many', 'numbers')):
+        with pytest.raises(ValueError, match=r'needs a number') as caught:
+            quantity_module._number_or_numbers(text)
+        assert str(caught.value).endswith(told)

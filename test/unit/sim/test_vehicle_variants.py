@@ -114,7 +114,7 @@ def test_a_step_too_long_for_the_motors(gtmab):
         'gtmab has motors with a lag of 72 ms, and a time step of 250 ms cannot follow it; take '
         '194 ms or less.'
     )
-    build(('effects.motor_lag', None)).check_step(10.0)
+    build(('effects.motor_lag', None), ('effects.floor_contact', None)).check_step(10.0)
 
 
 def test_the_sentence_about_the_step_is_true():

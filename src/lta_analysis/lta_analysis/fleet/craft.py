@@ -47,6 +47,8 @@ class Made:
         What kind of number each is; flights of one form share a text.
     craft : Craft
         The constants.
+    name : str
+        Of the vehicle.
 
     """
 
@@ -54,6 +56,7 @@ class Made:
     numbers: list[float]
     form: str
     craft: Craft
+    name: str
 
 
 def rhythm_of(table: TopicTable) -> Rhythm:
@@ -141,7 +144,7 @@ def made_of(
     numbers: list[float] = []
     form: list[str] = []
     take(bare(craft), numbers, form)
-    return Made(model, numbers, ''.join(form), craft)
+    return Made(model, numbers, ''.join(form), craft, vehicle.file.name)
 
 
 def craft_of(vehicle: Vehicle, scenario: Scenario, policy: Policy, table: TopicTable) -> Craft:

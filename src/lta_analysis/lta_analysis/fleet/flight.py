@@ -28,12 +28,14 @@ from lta_sim.counted_sensors import (
     START,
 )
 from lta_sim.lambertian import lit, place
+from lta_sim.stiffness import SPEED_LIMIT
 
 State = tuple[float, ...]
 UP = (0.0, 0.0, 1.0)
 LIFTED = 0.01  # m above where it stood: the drone has left the ground, as in the results
 
 FLYING, REACHED, TIMEOUT, ESCAPED = 0, 1, 2, 3
+RAN_AWAY = 4  # beyond the outcomes: the numbers, see `stiffness.watch`
 REST, CLIMB, SEEK, LAND = 0, 1, 2, 3  # as `mission.Phase`
 
 
@@ -175,6 +177,15 @@ def judge(goal: Goal, x: float, y: float, z: float, elapsed: float) -> int:
     return TIMEOUT if elapsed >= goal.limit else FLYING
 
 
+def sane(state: State) -> bool:
+    """Tell whether velocity and rates are what anything that flies here has."""
+    return (
+        abs(state[7]) < SPEED_LIMIT and abs(state[8]) < SPEED_LIMIT
+        and abs(state[9]) < SPEED_LIMIT and abs(state[10]) < SPEED_LIMIT
+        and abs(state[11]) < SPEED_LIMIT and abs(state[12]) < SPEED_LIMIT
+    )  # fmt: skip
+
+
 def flown(
     craft: Craft,
     tally: Tally,
@@ -193,7 +204,7 @@ def flown(
     elif z > craft.place[2] + LIFTED:
         lift_off = elapsed
     return Tally(
-        judge(goal, x, y, z, elapsed),
+        judge(goal, x, y, z, elapsed) if sane(state) else RAN_AWAY,
         lift_off,
         tally.search_start,
         tally.path_length + math.hypot(x - before[0], y - before[1]),

@@ -11,9 +11,10 @@ from typing import final
 
 from lta_analysis.platforms.entries import entrant
 from lta_analysis.platforms.flying import Entrant
-from lta_analysis.platforms.pictures import changed, following, limits, UNIT
+from lta_analysis.platforms.pictures import called, changed, following, limits, UNIT
 from lta_analysis.platforms.run import ABLATION, CONTESTANT, Row
-from lta_analysis.platforms.summary import Cell, cell, fastest, margin, Mean, reversals
+from lta_analysis.platforms.summary import Cell, cell, fastest, margin, Mean
+from lta_analysis.platforms.verdict import decided, title
 from lta_analysis.report.outcome import number, Tile
 from lta_analysis.report.page import embedded, tile_html
 from lta_analysis.report.palette import DARK
@@ -29,6 +30,11 @@ import yaml
 NAME = 'report.html'
 HEADS = ('platform', 'manoeuvre', 'held', 'overshoot', 'settles', 'steady error', 'rms', 'ripple',
          'height error', 'tilt')  # fmt: skip
+DASHED = 'Dashed: what is asked. Flights of seed 1.'
+LIMITED = (
+    'Asked for ever more speed, one flight after the other. Dashed: speed reached as asked. What '
+    'each changes stands below, under "What decides".'
+)
 METHOD = (
     'Held: from the time it settles to the end within the band, height within 0.2 m, not turned '
     'over. Steady error (asked less flown) and ripple over the last quarter; rms over all that is '
@@ -64,14 +70,17 @@ def page(told: Told) -> str:
     names = ('platforms.html', 'page.css', 'page.js')
     text = {name: (assets / name).read_text(encoding='utf-8') for name in names}
     comparison, rows = told.comparison, told.rows
+    shown, common = pictures(comparison, rows), len(comparison.manoeuvres)
     return Template(text['platforms.html']).substitute(
         title=escape(title(comparison, rows)),
         kicker=escape(f'comparison {comparison.name} · {comparison.scenario}'),
         about=escape(comparison.about),
         tiles='\n'.join(tile_html(*each) for each in tiles(comparison, rows)),
-        pictures='\n'.join(pictures(comparison, rows)),
+        first='\n'.join(shown[:common]),
+        pictures='\n'.join(shown[common:]),
         results=table(HEADS, result_lines(comparison, rows)) + f'<p class="note">{METHOD}</p>',
-        why=''.join(['<ul>', *(f'<li>{escape(each)}</li>' for each in reasons(told)), '</ul>']),
+        why=decided(comparison, rows)
+        + ''.join(['<ul>', *(f'<li>{escape(each)}</li>' for each in reasons(told)), '</ul>']),
         margins=margins(comparison),
         facts=terms(told.origin),
         file=escape(yaml.safe_dump(comparison.model_dump(exclude_none=True), sort_keys=False)),
@@ -85,17 +94,6 @@ def page(told: Told) -> str:
 def flown_by(comparison: Comparison, name: str) -> list[str]:
     """Return the manoeuvres of a contestant."""
     return comparison.contestants[name].manoeuvres or comparison.manoeuvres
-
-
-def title(comparison: Comparison, rows: Sequence[Row]) -> str:
-    """Return what came out, in a sentence."""
-    all_held = []
-    for name, contestant in comparison.contestants.items():
-        found = [row for row in rows if (row.job.kind, row.job.name) == (CONTESTANT, name)]
-        if found and all(row.held for row in found):
-            all_held.append(contestant.title)
-    who = ', '.join(all_held) or 'None'
-    return f'{who}: every manoeuvre held. {len(comparison.contestants)} platforms compared.'
 
 
 def tiles(comparison: Comparison, rows: Sequence[Row]) -> list[Tile]:
@@ -114,15 +112,16 @@ def tiles(comparison: Comparison, rows: Sequence[Row]) -> list[Tile]:
 
 def pictures(comparison: Comparison, rows: Sequence[Row]) -> list[str]:
     """Return a picture for each manoeuvre, of the ablations, and of the speed limits."""
-    names = dict.fromkeys(
-        each for name in comparison.contestants for each in flown_by(comparison, name)
-    )
+    own = [each for name in comparison.contestants for each in flown_by(comparison, name)]
+    names = dict.fromkeys([*comparison.manoeuvres, *own])  # what all fly comes first
     titles = {name: each.title for name, each in comparison.contestants.items()}
     found = []
     for name in names:
         manoeuvre = load_manoeuvre(name)
         picture = following(rows, titles, manoeuvre)
-        found.append(section(f'flown-{name}', name.capitalize(), manoeuvre.about, picture))
+        found.append(
+            section(f'flown-{name}', name.capitalize(), f'{manoeuvre.about} {DASHED}', picture)
+        )
     flown = dict.fromkeys(
         each for ablation in comparison.ablations.values() for each in ablation.manoeuvres
     )
@@ -130,13 +129,11 @@ def pictures(comparison: Comparison, rows: Sequence[Row]) -> list[str]:
         manoeuvre = load_manoeuvre(name)
         found.append(
             section(f'changed-{name}', f'{name.capitalize()}, one thing changed',
-                    'Ablations: what each changes stands below.',
+                    f'What each changes stands below, under "What decides". {DASHED}',
                     changed(rows, comparison, manoeuvre))
         )  # fmt: skip
     if comparison.limits:
-        found.append(
-            section('limits', 'How fast', 'Asked for ever more speed.', limits(rows, comparison))
-        )
+        found.append(section('limits', 'How fast', LIMITED, limits(rows, comparison)))
     return found
 
 
@@ -148,7 +145,7 @@ def result_lines(comparison: Comparison, rows: Sequence[Row]) -> list[list[str]]
         for each in flown_by(comparison, name)
     ]
     return lines + [
-        [name.replace('_', ' '), *figures(cell(rows, ABLATION, name, each), each)]
+        [called(comparison, name), *figures(cell(rows, ABLATION, name, each), each)]
         for name, ablation in comparison.ablations.items()
         for each in ablation.manoeuvres
     ]
@@ -168,7 +165,7 @@ def figures(part: Cell, name: str) -> list[str]:
         *(told_mean(part.mean(each), unit, factor, 3 if factor == 1.0 else 1)
           for each in ('steady_error', 'rms', 'ripple')),
         told_mean(part.mean('steady_error', 'height'), 'm', 1.0, 3),
-        f'{number(max((row.tilt for row in part.rows), default=0.0), 1, degrees)} deg',
+        number(max((row.tilt for row in part.rows), default=0.0), 1, degrees) + UNIT['heading'],
     ]  # fmt: skip
 
 
@@ -184,13 +181,13 @@ def told_mean(value: Mean, unit: str, factor: float, digits: int) -> str:
     text = number(value.value, digits, factor)
     half = 0.0 if math.isnan(value.high) else (value.high - value.value) * factor
     spread = f' \N{PLUS-MINUS SIGN} {half:.{digits}f}' if round(half, digits) else ''
-    return f'{text}{spread} {unit}'
+    return f'{text}{spread}{"" if unit == UNIT["heading"] else " "}{unit}'
 
 
 def reasons(told: Told) -> list[str]:
-    """Return what decides: ablations, and the limits of speed."""
+    """Return what open loops are told, and the limits of speed."""
     comparison, rows = told.comparison, told.rows
-    found = reversals(comparison, rows) + inputs(comparison, rows)
+    found = inputs(comparison, rows)
     for name, limit in comparison.limits.items():
         held, reached = fastest(comparison, rows, name)
         title = comparison.contestants[limit.of].title
@@ -243,10 +240,10 @@ def margins(comparison: Comparison) -> str:
     for name, contestant in comparison.contestants.items():
         flying = entrant_of(comparison, name)
         lift, weight = margin(flying.vehicle)
-        newtons = [f'{1e3 * force:.1f} mN' for force in (lift, weight, lift - weight)]
-        grams = f'{1e3 * (lift - weight) / STANDARD_GRAVITY:.1f} g'
+        newtons = [f'{number(force, 1, 1e3)} mN' for force in (lift, weight, lift - weight)]
+        grams = f'{number((lift - weight) / STANDARD_GRAVITY, 1, 1e3)} g'
         seen = str(flying.law.feedback)
-        lines.append([contestant.title, flying.law.name, seen, *newtons, grams])
+        lines.append([contestant.title, flying.law.name.replace('_', ' '), seen, *newtons, grams])
     heads = ('platform', 'law', 'sees by', 'lift at full thrust', 'to carry', 'margin', 'margin')
     return table(heads, lines) + (
         '<p class="note">Lift of all lifting rotors at full thrust, straight up. A law that sees '

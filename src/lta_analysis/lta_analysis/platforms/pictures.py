@@ -8,14 +8,26 @@ from lta_analysis.platforms.flying import COLUMN
 from lta_analysis.platforms.run import ABLATION, CONTESTANT, LIMIT, Row
 from lta_analysis.platforms.summary import cell
 from lta_analysis.report.drawing import blank, extent, Label, label_ends, line
-from lta_analysis.report.palette import ESTIMATE, GOOD, LAMP, RAW, SETPOINT, SOFT, TIME, TRUTH
+from lta_analysis.report.palette import (
+    ESTIMATE,
+    GOOD,
+    LAMP,
+    RAW,
+    SETPOINT,
+    SOFT,
+    STRENGTH,
+    TIME,
+    TRUTH,
+)
 from lta_config.comparison_file import Comparison
 from lta_config.manoeuvre_file import Manoeuvre
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
-COLOURS: Final = (TRUTH, ESTIMATE, GOOD, LAMP, TIME[0], TIME[2], SOFT, RAW)
-UNIT: Final = {'altitude': 'm', 'heading': 'deg', 'speed': 'm/s'}
+COLOURS: Final = (
+    TRUTH, ESTIMATE, GOOD, LAMP, TIME[0], TIME[2], SOFT, STRENGTH[1], STRENGTH[3], TIME[3], RAW,
+)  # fmt: skip
+UNIT: Final = {'altitude': 'm', 'heading': '\N{DEGREE SIGN}', 'speed': 'm/s'}
 WORDS: Final = {'altitude': 'rise', 'heading': 'heading', 'speed': 'speed along the course'}
 
 
@@ -54,14 +66,15 @@ def following(
                 line('asked', row.asked[:, 0], asked, SETPOINT, unit=UNIT[manoeuvre.judge],
                      dash='4px,3px', steps=manoeuvre.between == 'step')
             )  # fmt: skip
-        colour = COLOURS[index % len(COLOURS)]
+        # An entry has its colour in every picture, whoever else flies that manoeuvre.
+        colour = COLOURS[list(titles).index(row.job.name) % len(COLOURS)]
         title = titles[row.job.name]
         figure.add_trace(line(title, row.flown[:, 0], values, colour, unit=UNIT[manoeuvre.judge]))
         labels.append(Label(title, float(values[-1]), colour))
     if not shown:
         return figure
     label_ends(figure, labels, extent(*lines))
-    figure.update_layout(margin={'r': 170})
+    figure.update_layout(margin={'r': 150})
     figure.update_xaxes(title_text='time [s]')
     return figure.update_yaxes(title_text=f'{WORDS[manoeuvre.judge]} [{UNIT[manoeuvre.judge]}]')
 
@@ -74,26 +87,35 @@ def scaled(manoeuvre: Manoeuvre, table: np.ndarray, first: float, column: int) -
     return values * (180.0 / math.pi) if manoeuvre.judge == 'heading' else values
 
 
+def called(comparison: Comparison, name: str) -> str:
+    """Return what to call an entry that changes a contestant: 'beavis_neutral', BEAVIS neutral."""
+    first, _, rest = name.partition('_')
+    contestant = comparison.contestants.get(first)
+    platform = contestant.title.split()[0] if contestant else first
+    return f'{platform} {rest.replace("_", " ")}'.strip()
+
+
 def changed(rows: Sequence[Row], comparison: Comparison, manoeuvre: Manoeuvre) -> Figure:
     """Return what each ablation made of a manoeuvre, seed 1."""
-    titles = {name: name.replace('_', ' ') for name in comparison.ablations}
+    titles = {name: called(comparison, name) for name in comparison.ablations}
     return following(rows, titles, manoeuvre, ABLATION)
 
 
 def limits(rows: Sequence[Row], comparison: Comparison) -> Figure:
     """Return the speed reached and the height lost against the speed asked for."""
     figure = blank(2, [0.6, 0.4])
-    top = 0.0
+    top = most = 0.0
     labels = []
     for index, (name, limit) in enumerate(comparison.limits.items()):
         colour = COLOURS[index % len(COLOURS)]
         asked = list(limit.speeds.vector)
-        top = max(top, asked[-1])
+        most = max(most, asked[-1])
         cells = [cell(rows, LIMIT, name, limit.manoeuvre, speed) for speed in asked]
         reached = [part.speed.value for part in cells]
         lost = [part.mean('steady_error', 'height').value for part in cells]
+        top = max(top, asked[-1], *(value for value in reached if math.isfinite(value)))
         spread = [part.speed.high - part.speed.value for part in cells]
-        title = name.replace('_', ' ')
+        title = called(comparison, name)
         mode = {'mode': 'lines+markers', 'line': {'color': colour, 'width': 1.4}, 'name': title}
         figure.add_trace(
             Scatter(x=asked, y=reached, error_y={'type': 'data', 'array': spread, 'width': 3},
@@ -106,12 +128,12 @@ def limits(rows: Sequence[Row], comparison: Comparison) -> Figure:
         )  # fmt: skip
         labels.append(Label(title, reached[-1], colour))
     figure.add_trace(
-        Scatter(x=[0.4, top], y=[0.4, top], mode='lines', name='asked', hoverinfo='skip',
+        Scatter(x=[0.4, most], y=[0.4, most], mode='lines', name='asked', hoverinfo='skip',
                 line={'color': SETPOINT, 'width': 1.2, 'dash': '4px,3px'}),
         row=1, col=1,
     )  # fmt: skip
-    label_ends(figure, labels, (0.35, max(top, 0.5)))
-    figure.update_layout(margin={'r': 170})
+    label_ends(figure, labels, (0.35, 1.04 * max(top, 0.5)))
+    figure.update_layout(margin={'r': 150})
     figure.update_yaxes(title_text='speed reached [m/s]', row=1)
     figure.update_yaxes(title_text='height gained [m]', row=2)
     return figure.update_xaxes(title_text='speed asked for [m/s]', row=2)

@@ -19,6 +19,7 @@ AXIS = {
     'linecolor': GRID,
     'zeroline': False,
     'ticks': '',
+    'ticklabelstandoff': 3,
     'tickfont': {'color': SOFT, 'size': 11},
     'title': {'font': {'color': SOFT, 'size': 12}, 'standoff': 8},
 }

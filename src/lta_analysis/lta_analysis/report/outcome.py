@@ -30,7 +30,10 @@ def number(value: float | None, digits: int = 2, factor: float = 1.0) -> str:
     """Return a figure as people read it."""
     if value is None:
         return MISSING
-    return f'{value * factor:.{digits}f}'.replace('-', '\N{MINUS SIGN}')
+    text = f'{value * factor:.{digits}f}'
+    if float(text) == 0.0:
+        text = text.removeprefix('-')
+    return text.replace('-', '\N{MINUS SIGN}')
 
 
 def spread(value: float | None, deviation: float | None, unit: str) -> str:

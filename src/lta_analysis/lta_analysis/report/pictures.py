@@ -26,7 +26,7 @@ BOX: Final = """
   const rise = window.scrollY;
   const box = (element) => element.getBoundingClientRect();
   if ('%(panel)s' === 'top') {
-    const end = document.querySelector('.hero');
+    const end = document.querySelector('.hero, .top');
     return { x: 0, y: 0, width: innerWidth, height: box(end).bottom + rise + 16 };
   }
   const panel = document.getElementById('panel-%(panel)s');

@@ -15,6 +15,7 @@ from types import TracebackType
 from typing import Any, final, Self
 
 from lta_analysis.fleet.craft import Made, made_of
+from lta_analysis.fleet.flight import RAN_AWAY
 from lta_analysis.fleet.fly import Device, fly_many
 from lta_analysis.fleet.text import FIGURES
 from lta_analysis.ingredients import Ingredients, parts_of
@@ -24,6 +25,7 @@ from lta_config.errors import BadInput
 from lta_config.topics import topic_table
 from lta_sim.gpu import cuda_here
 from lta_sim.readings import Outcome
+from lta_sim.stiffness import ran_away
 import numpy as np
 
 # Flights kept together as they end: more fill a GPU, fewer are lost with a batch.
@@ -117,7 +119,9 @@ class FleetCrew:
 
 
 def row_of(job: Job, made: Made, told: dict[str, float], wall: float) -> Row:
-    """Return the row of a flight from what it came to."""
+    """Return the row of a flight from what it came to; a failed one if its numbers ran away."""
+    if int(told['outcome']) == RAN_AWAY:
+        return failed(job, str(ran_away(made.name, told['end'])))
     outcome = OUTCOMES[int(told['outcome'])]
     values = {path: si_of(value) for path, value in job.values.items()}
     return Row(

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from html import escape
 from importlib.resources import files
 from pathlib import Path
@@ -27,6 +27,7 @@ from plotly.offline import get_plotlyjs
 import yaml
 
 NAME = 'report.html'
+SMALL = 0.5  # kg; masses below are shown in grams
 LISTED = 25  # flights that did not reach their goal, by name
 
 
@@ -152,9 +153,19 @@ def panels(plan: Plan, rows: Sequence[Row], units: Mapping[str, str]) -> list[st
     for k, (path, unit) in enumerate(units.items() if rows else ()):
         how = plan.file.vary[path]
         even_in_log = isinstance(how, Distribution) and how.loguniform is not None
-        picture = by_parameter(rows, path, unit, even_in_log)
+        picture = by_parameter(*in_grams(rows, path, unit), even_in_log)
         found.append(section(f'by-{k}', path, caption, picture))
     return found
+
+
+def in_grams(rows: Sequence[Row], path: str, unit: str) -> tuple[Sequence[Row], str, str]:
+    """Return rows, path and unit with small masses in grams, as everybody weighs a blimp."""
+    values = [row.values[path] for row in rows]
+    small = all(isinstance(value, int | float) and abs(value) < SMALL for value in values)
+    if unit != 'kg' or not small:
+        return rows, path, unit
+    shown = [replace(row, values={**row.values, path: 1e3 * row.values[path]}) for row in rows]
+    return shown, path, 'g'
 
 
 def section(name: str, heading: str, caption: str, picture: Figure) -> str:

@@ -5,11 +5,14 @@ from statistics import median
 from typing import Final, NamedTuple
 
 from lta_analysis.report.drawing import blank
-from lta_analysis.report.palette import ESTIMATE, FILL, GOOD, GRID, INK, TRUTH
+from lta_analysis.report.palette import ESTIMATE, GOOD, GRID, INK, TRUTH
 from lta_analysis.sweep.flown import Row
 from lta_analysis.sweep.statistics import figures, Group, groups, reached_share
 from plotly.graph_objects import Box, Figure, Histogram, Scatter
 
+FEWEST_BINS, MOST_BINS = 8, 40
+FEW: Final = 20  # flights, of which each is one mark of the axis
+CLEAR: Final = 'rgba(0,0,0,0)'
 DOTS: Final = 1500  # flights shown as dots; more would only blacken the picture
 
 
@@ -31,15 +34,20 @@ MEASURES: Final = (
 def spread(rows: Sequence[Row], measure: Measure) -> Figure:
     """Return the distribution of one figure over all flights that reached their goal."""
     figure = blank()
+    values = figures(rows, measure.name)
+    bins = min(MOST_BINS, max(FEWEST_BINS, len(values) // 4))
     figure.add_trace(
         Histogram(
-            x=figures(rows, measure.name), nbinsx=40, marker={'color': measure.colour},
+            x=values, nbinsx=bins, marker={'color': measure.colour},
             name='flights', hovertemplate='%{y} flights',
         )
     )  # fmt: skip
     figure.update_layout(bargap=0.06, margin={'r': 24})
     figure.update_xaxes(title_text=f'{measure.title} [{measure.unit}]')
-    return figure.update_yaxes(title_text='flights', rangemode='tozero')
+    # Flights are whole: no marks between them.
+    return figure.update_yaxes(
+        title_text='flights', rangemode='tozero', dtick=1 if len(values) <= FEW else None
+    )
 
 
 def by_parameter(rows: Sequence[Row], path: str, unit: str, even_in_log: bool) -> Figure:
@@ -114,7 +122,7 @@ def add_boxes(
                     x=[group.place] * len(values), y=values, name=group.name,
                     boxpoints='all' if len(values) <= 60 else 'outliers', jitter=0.5, pointpos=0,
                     marker={'color': measure.colour, 'size': 3, 'opacity': 0.6},
-                    line={'color': measure.colour, 'width': 1.2}, fillcolor=FILL,
+                    line={'color': measure.colour, 'width': 1.2}, fillcolor=CLEAR,
                     hoverinfo='y',
                 ),
                 row=line, col=1,

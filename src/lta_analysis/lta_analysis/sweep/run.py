@@ -105,13 +105,15 @@ def sweep_once(order: Order, console: Console) -> Swept:
     plan.check()
     identity = order.identity(plan)
     folder = (order.out or Path('runs') / f'sweep-{file.name}-{identity[:8]}').absolute()
-    fleet = FleetCrew(plan.base, order.device, order.duties) if order.device else None
+    far: Crew | None = None
+    if order.device is not None:
+        far = FleetCrew(plan.base, order.device, order.duties)
+    elif order.scheduler is not None:
+        far = ClusterCrew(plan.base, order.scheduler)
     with Log(folder, identity, order.retry) as log:
         before = len(log.rows)
-        crew: Crew = fleet or (
-            LocalCrew(plan.base, min(order.workers or cores(), max(1, plan.count - before)))
-            if order.scheduler is None
-            else ClusterCrew(plan.base, order.scheduler)
+        crew: Crew = far or LocalCrew(
+            plan.base, min(order.workers or cores(), max(1, plan.count - before))
         )
         begun = time.monotonic()
         try:

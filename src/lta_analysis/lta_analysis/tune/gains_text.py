@@ -1,6 +1,7 @@
 """A file of gains as `config/control` has them, with a word on where they come from."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 from lta_config.errors import BadInput
@@ -37,9 +38,25 @@ def gains_text(gains: BaseModel, about: Sequence[str]) -> str:
 
 def write_gains(gains: BaseModel, about: Sequence[str], path: Path) -> None:
     """Write a parameter file; `BadInput` where that cannot be."""
+    with _wanted(path):
+        path.write_text(gains_text(gains, about), encoding='utf-8')
+
+
+def check_writable(path: Path) -> None:
+    """Refuse a place where no file can be written, with `BadInput`; leave it as it was."""
+    with _wanted(path):
+        was = path.exists()
+        path.open('a', encoding='utf-8').close()
+        if not was:
+            path.unlink()
+
+
+@contextmanager
+def _wanted(path: Path) -> Iterator[None]:
+    """Make the folder of a file; what goes wrong there is a sentence."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(gains_text(gains, about), encoding='utf-8')
+        yield
     except OSError as error:
         raise BadInput(
             f"The gains cannot be written to '{path}' ({error.strerror}); choose another --out."

@@ -24,9 +24,10 @@ NAME = 'report.html'
 CHANNELS: Final[tuple[tuple[Channel, str, str], ...]] = (
     ('altitude', 'Climb and sink', 'Only weight pulls it down where no rotor reverses.'),
     ('heading', 'Turn', 'Standing in the air.'),
-    ('speed', 'Forward speed', 'The turn before has left some.'),
+    ('speed', 'Forward speed', 'Some speed is left of the turn before.'),
     ('course', 'Turn at speed', 'Motion through the air; the nose leans against the drift.'),
 )
+SEARCH: Final = 'Half the mean and half the worst of all cases. Dotted: the gains before.'
 Traces = Sequence[tuple[float, Trace]]
 
 
@@ -50,7 +51,7 @@ def page(tuned: Tuned, old: Traces, new: Traces) -> str:
     margins = told.table(told.MARGIN_HEADS, told.margin_rows(tuned), text=True)
     limits = told.table(('', 'old', 'new'), told.limit_rows(tuned.old.limit, tuned.new.limit))
     return Template(text['tune.html']).substitute(
-        title=escape(told.title(tuned)),
+        title=escape(told.typeset(told.title(tuned))),
         kicker=escape(f'tune {scene_name(order)} · from {tuned.gains_name} · seed {order.seed}'),
         about=escape(about(tuned)),
         tiles='\n'.join(tile_html(*each) for each in tiles(tuned)),
@@ -70,12 +71,14 @@ def page(tuned: Tuned, old: Traces, new: Traces) -> str:
 
 
 def about(tuned: Tuned) -> str:
-    """Return what was done, in two sentences."""
+    """Return what was done, and what cost is."""
     order = tuned.order
     return (
         f'{len(tuned.found.history)} candidates flew {len(tuned.losses)} examinations each, with '
         f'{1e3 * order.least:g} to {1e3 * order.most:g} g of lift lost that the drone was '
-        'not told of. What is compared below was flown with other draws than the search had.'
+        'not told of. What is compared below was flown with other draws than the search had. '
+        'Cost weighs settling, overshoot, steady error, swing, work of the rotors and time of the '
+        'mission; less is better.'
     )
 
 
@@ -110,7 +113,7 @@ def tiles(tuned: Tuned) -> list[Tile]:
     return [
         both('cost', 'Cost', '', 1.0, 3),
         Tile('Overshoot of a climb', f'{climb[1]:.0f}', '%', f'median; before {climb[0]:.0f}'),
-        both('swing', 'Swing at the end', 'deg', 180.0 / math.pi, 2),
+        both('swing', 'Swing at the end', '\N{DEGREE SIGN}', 180.0 / math.pi, 2),
         Tile(
             'Missions at the goal',
             f'{100 * new.flights.reached.value:.0f}',
@@ -134,7 +137,7 @@ def tiles(tuned: Tuned) -> list[Tile]:
 
 def panels(tuned: Tuned, old: Traces, new: Traces) -> list[str]:
     """Return all pictures."""
-    lines = 'Truth, one line a loss; the more lost, the paler.'
+    lines = 'Dashed: what is asked. Truth, one line a loss; the more lost, the paler.'
     out = [
         section(channel, heading, f'{caption} {lines}', pictures.responses(channel, old, new))
         for channel, heading, caption in CHANNELS
@@ -145,7 +148,12 @@ def panels(tuned: Tuned, old: Traces, new: Traces) -> list[str]:
     return [
         *out,
         section('costs', 'Cost of each fresh draw', every, pictures.costs(*flights)),
-        section('search', 'The search', 'Half the mean and half the worst of all cases.', history),
+        section(
+            'search',
+            'The search',
+            'Half the mean and half the worst of all cases. Dotted: the gains before.',
+            history,
+        ),
     ]
 
 

@@ -13,9 +13,9 @@ from plotly.graph_objects import Figure, Scatter
 OLD, NEW = ESTIMATE, TRUTH
 TITLES: dict[Channel, str] = {
     'altitude': 'altitude [m]',
-    'heading': 'heading [deg]',
+    'heading': 'heading [\N{DEGREE SIGN}]',
     'speed': 'speed [m/s]',
-    'course': 'course [deg]',
+    'course': 'course [\N{DEGREE SIGN}]',
 }
 MARGIN = 1.0  # s before a step that is shown
 

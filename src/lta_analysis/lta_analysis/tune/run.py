@@ -12,7 +12,7 @@ from lta_analysis.tune.compare import compared, drawn, Flights
 from lta_analysis.tune.crew import Crew, Task
 from lta_analysis.tune.exam import Case, Scene
 from lta_analysis.tune.find import find, Found
-from lta_analysis.tune.gains_text import rounded, write_gains
+from lta_analysis.tune.gains_text import check_writable, rounded, write_gains
 from lta_analysis.tune.limit import helium_limit, HeliumLimit, rotors_carry
 from lta_analysis.tune.numbers import changed, chosen, Number
 from lta_analysis.tune.progress import TuneProgress
@@ -139,6 +139,8 @@ def tune_once(order: Order, console: Console) -> Tuned:
     name = gains_of(order.vehicle, order.gains)
     check(order)
     old = load_gains(name)
+    if order.out:
+        check_writable(order.out)
     numbers = chosen(old, order.numbers)
     scene, cases = Scene(order.vehicle), cases_of(order)
     about = subject(order, old, numbers)

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from html import escape
 import math
+import re
 from typing import Final
 
 from lta_analysis.report.outcome import number
@@ -138,7 +139,7 @@ def limit_rows(old: HeliumLimit, new: HeliumLimit) -> list[Row]:
         ['lost, flown [g lost]', told(old.fails), told(new.fails)],
         ['largest demand carries [g lost]', told(old.demand), told(new.demand)],
         ['rotors carry [g lost]', told(old.rotors), told(new.rotors)],
-        ['days, by 0.2 to 0.9 L/(m2 day)', days(old), days(new)],
+        ['days, by 0.2 to 0.9 L/(m² day)', days(old), days(new)],
     ]
 
 
@@ -159,15 +160,21 @@ def gain_rows(tuned: Tuned) -> list[Row]:
     return out
 
 
+def typeset(text: str) -> str:
+    """Return plain words with true minus signs and degrees."""
+    text = re.sub(r'(?<!\w)-(?=[\d∞])', '\N{MINUS SIGN}', text)
+    return text.replace(' deg', '\N{DEGREE SIGN}').replace('[deg]', '[\N{DEGREE SIGN}]')
+
+
 def table(heads: Sequence[str], rows: Sequence[Row], text: bool = False) -> str:
     """Return rows as a table; with `text`, the last column is words."""
-    head = ''.join(f'<th scope="col">{escape(cell)}</th>' for cell in heads)
+    head = ''.join(f'<th scope="col">{escape(typeset(cell))}</th>' for cell in heads)
     lines = []
     for first, *rest in rows:
-        cells = [f'<td>{escape(cell)}</td>' for cell in rest]
+        cells = [f'<td>{escape(typeset(cell))}</td>' for cell in rest]
         if text:
-            cells[-1] = f'<td class="text">{escape(rest[-1])}</td>'
-        lines.append(f'<tr><th scope="row">{escape(first)}</th>{"".join(cells)}</tr>')
+            cells[-1] = f'<td class="text">{escape(typeset(rest[-1]))}</td>'
+        lines.append(f'<tr><th scope="row">{escape(typeset(first))}</th>{"".join(cells)}</tr>')
     return (
         f'<table class="numbers"><thead><tr>{head}</tr></thead>'
         f'<tbody>{"".join(lines)}</tbody></table>'

@@ -11,7 +11,7 @@ from lta_sim import hull
 from lta_sim.vehicle import Vehicle
 
 FRONT: Final = VIEWS[1]
-WIDTH: Final = 640.0  # px of the paper
+WIDTH: Final = 660.0  # px of the paper
 WIDE, TALL = 400.0, 260.0  # px at most for what is enlarged
 LEFT, TOP, BELOW = 40.0, 64.0, 26.0  # px around it
 HEAD: Final = 28.0  # px for the title
@@ -95,7 +95,9 @@ def _below(vehicle: Vehicle) -> tuple[list[Box], list[Layer]]:
             boxes.append(Box(middle, half, colour, about))
         end = max(middle[0] + 0.5 * size[0] for _, _, middle, size in own)
         depth = sum(part.mass.si * middle[1] for _, part, middle, _ in own) / mass
-        layers.append(Layer(f'{name.replace("_", " ")}  {1e3 * mass:.1f} g', (end, depth), colour))
+        here = '' if len(own) == len(parts) else ' here'  # the rest of the layer is above
+        words = f'{name.replace("_", " ")}  {1e3 * mass:.1f} g{here}'
+        layers.append(Layer(words, (end, depth), colour))
     place = vehicle.file.trim.ballast_position
     if place is not None and place.vector[2] < 0.0 and boxes:
         middle, colour = FRONT.flat(place.vector), len(layers) % COLOURS

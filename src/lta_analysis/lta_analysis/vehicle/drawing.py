@@ -11,8 +11,14 @@ from lta_sim.vehicle import Vehicle
 WIDTH: Final = 640.0  # px of the two views beside each other
 GAP, TITLE, MARGIN = 64.0, 26.0, 34.0  # px
 ARROW, DISC, HEAD = 34.0, 11.0, 7.0  # px: thrust at full length, half a rotor, its arrow head
-CLOSE: Final = 16.0  # px; letters of marks nearer than this would touch
-LEGEND, KEYS = 190.0, 210.0  # px of height, and of width
+CLOSE: Final = (60.0, 15.0)  # px, across and up; letters of marks nearer than this would touch
+LETTERS: Final = (  # px from a mark, by how many stand near it already
+    (-11.0, 4.0, 'end'),
+    (0.0, -11.0, 'middle'),
+    (0.0, 19.0, 'middle'),
+    (0.0, 34.0, 'middle'),
+)
+LEGEND, KEYS = 214.0, 260.0  # px of height, and of width
 NICE: Final = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  # m
 
 
@@ -73,11 +79,15 @@ def _view(shown: Drawn, left: float, top: float, scale: float) -> Iterator[str]:
     for rotor in shown.rotors:
         yield from rotor_svg(rotor, *at(rotor.at))
     taken: list[tuple[float, float]] = []
+    letters: list[str] = []  # over all signs
     for mark in shown.marks:
         x, y = at(mark.at)
-        near = any(abs(x - p) < CLOSE and abs(y - q) < CLOSE for p, q in taken)
-        yield from _mark(mark, x, y, before=near)
+        near = sum(abs(x - p) < CLOSE[0] and abs(y - q) < CLOSE[1] for p, q in taken)
+        sign, words = _mark(mark, x, y, min(near, len(LETTERS) - 1))
+        yield sign
+        letters.append(words)
         taken.append((x, y))
+    yield from letters
     yield '</g>'
 
 
@@ -136,15 +146,18 @@ def _arrow(x: float, y: float, p: float, q: float) -> str:
     )
 
 
-def _mark(mark: Mark, x: float, y: float, before: bool) -> Iterator[str]:
-    """Yield a centre with its letters behind it, or before it where others stand behind."""
+def _mark(mark: Mark, x: float, y: float, near: int) -> tuple[str, str]:
+    """Return the sign of a centre, and its letters: before, above or below it."""
     kind = {'CG': 'gravity', 'CP': 'pressure'}.get(mark.letters, 'buoyancy')
     if mark.letters == 'moving mass':
         kind = 'moving'
-    yield f'<g class="mark {kind}"><title>{escape(mark.about)}</title>'
-    yield from symbol(kind, x, y)
-    place = f'x="{x - 11:.1f}" text-anchor="end"' if before else f'x="{x + 11:.1f}"'
-    yield f'<text {place} y="{y + 4:.1f}">{escape(mark.letters)}</text></g>'
+    right, down, anchor = LETTERS[near]
+    return (
+        f'<g class="mark {kind}"><title>{escape(mark.about)}</title>'
+        f'{"".join(symbol(kind, x, y))}</g>',
+        f'<g class="mark {kind}"><text x="{x + right:.1f}" y="{y + down:.1f}" '
+        f'text-anchor="{anchor}">{escape(mark.letters)}</text></g>',
+    )
 
 
 def symbol(kind: str, x: float, y: float) -> Iterator[str]:
@@ -162,15 +175,17 @@ def symbol(kind: str, x: float, y: float) -> Iterator[str]:
 
 def _legend(x: float, y: float, scale: float, hull: bool) -> Iterator[str]:
     """Yield what the signs mean, and a bar of a round length."""
-    rows = [('gravity', 'centre of gravity')]
+    rows = [('gravity', 'CG: centre of gravity')]
     if hull:
-        rows.append(('buoyancy', 'centre of buoyancy'))
+        rows.append(('buoyancy', 'CB: centre of buoyancy'))
+        rows.append(('pressure', 'CP: centre of pressure'))
     for k, (kind, words) in enumerate(rows):
         yield f'<g class="mark {kind}">{"".join(symbol(kind, x + 8, y + 24.0 * k))}</g>'
         yield f'<text class="key" x="{x + 26:.1f}" y="{y + 4 + 24.0 * k:.1f}">{words}</text>'
     z = y + 24.0 * len(rows)
     yield f'<g class="rotor">{_arrow(x - 2, z, 22, 0)}</g>'
-    yield f'<text class="key" x="{x + 26:.1f}" y="{z + 4:.1f}">thrust of a rotor</text>'
+    yield f'<text class="key" x="{x + 26:.1f}" y="{z + 4:.1f}">'
+    yield 'thrust of a rotor; two heads: it reverses</text>'
     yield f'<g class="rotor"><circle class="disc" cx="{x + 8}" cy="{z + 24}" r="8"/>'
     yield f'<circle class="tip" cx="{x + 8}" cy="{z + 24}" r="2.4"/></g>'
     yield f'<text class="key" x="{x + 26:.1f}" y="{z + 28:.1f}">towards you; crossed: away</text>'

@@ -16,7 +16,7 @@ from lta_sim import hull as hulls
 from lta_sim.gas import HELIUM_TO_AIR
 
 BAND = (0.2e-3, 0.9e-3)  # m3/(m2 day)
-SOURCE = 'assumed for this film: laminates, 0.2 to 0.9 L/(m2 day) (Frontiers Mater. 2022, 992984)'
+SOURCE = 'assumed for this film: laminates, 0.2 to 0.9 L/(m² day) (Frontiers Mater. 2022, 992984)'
 
 
 def surface(hull: Hull) -> float:

@@ -185,10 +185,15 @@ def number_row(entry: Entry) -> str:
     """Return one number of the file."""
     kind = 'assumption' if entry.assumed else 'known'
     return (
-        f'<tr class="{kind}"><th scope="row">{escape(entry.place)}</th>'
+        f'<tr class="{kind}"><th scope="row">{breakable(entry.place)}</th>'
         f'<td class="value">{escape(entry.value)}</td>'
         f'<td class="why">{source_html(entry.source)}</td></tr>'
     )
+
+
+def breakable(place: str) -> str:
+    """Return a place in the file that may break behind its points and underscores."""
+    return escape(place).replace('.', '.<wbr>').replace('_', '_<wbr>')
 
 
 def source_html(source: str) -> str:

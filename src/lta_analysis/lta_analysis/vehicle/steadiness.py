@@ -26,7 +26,7 @@ def steadiness_figures(vehicle: Vehicle) -> Iterator[Figure]:
         'righting moment, a degree',
         per_degree,
         'mN m',
-        'm g d',
+        'weight times CG below CB',
         ALL,
         2,
         '' if rights else 'nothing rights it: a controller must',
@@ -41,7 +41,7 @@ def steadiness_figures(vehicle: Vehicle) -> Iterator[Figure]:
 
 def _swinging(vehicle: Vehicle, about: Literal['pitch', 'roll']) -> Iterator[Figure]:
     found = swing(vehicle, about)
-    rule = 'm g d, inertia and added mass, free in the air'
+    rule = 'righting moment, inertia and added mass, free in the air'
     words = f'swings in {about} with a period of'
     yield Figure(f'swing_{about}', STABILITY, words, found.period, 's', rule, ALL, 2)
     damping, note = found.ratio, 'no drag is given'

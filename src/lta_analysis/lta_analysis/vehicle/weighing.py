@@ -88,7 +88,7 @@ def _displaced(vehicle: Vehicle) -> Figure:
     """Return the air whose place it takes."""
     weighed = vehicle.file.measured is not None
     rests = ALL if weighed else HULL
-    rule = f'volume times {vehicle.air_density:.4g} kg/m3 of air'
+    rule = f'volume times {vehicle.air_density:.4g} kg/m³ of air'
     if weighed:
         rule = 'mass less heaviness: filled until it is right'
     note, mass = f'hull of {1e3 * vehicle.volume:.0f} l', GRAMS * vehicle.displaced

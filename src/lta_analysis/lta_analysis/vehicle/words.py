@@ -3,8 +3,10 @@
 from collections.abc import Iterator
 import math
 
+from lta_analysis.vehicle.figure import Figure
 from lta_analysis.vehicle.sheet import Sheet
 
+MINUS = '\N{MINUS SIGN}'
 MANY = ('no', 'one', 'two', 'three', 'four', 'five', 'six', 'seven', 'eight')
 
 
@@ -53,8 +55,15 @@ def _weight(sheet: Sheet) -> Iterator[str]:
     if 'cg_x' in f and 'lean' in f and (f['lean'].value or 0.0) > 1.0:
         yield (
             f'It hangs {f["lean"].shown} off the vertical, for its centre of gravity is '
-            f'{f["cg_x"].shown} ahead of the hull centre and {f["cg_y"].shown} to its left.'
+            f'{_side(f["cg_x"], "ahead of", "behind")} the hull centre and '
+            f'{_side(f["cg_y"], "to the left", "to the right")} of it.'
         )
+
+
+def _side(figure: Figure, positive: str, negative: str) -> str:
+    """Return a length with the side that its sign means."""
+    words = negative if (figure.value or 0.0) < 0.0 else positive
+    return f'{figure.shown.removeprefix(MINUS)} {words}'
 
 
 def _push(sheet: Sheet) -> Iterator[str]:

@@ -6,10 +6,15 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
-from lta_analysis.platforms.page import title, Told, write_page
+from lta_analysis.browser import find_chromium
+from lta_analysis.platforms.page import Told, write_page
 from lta_analysis.platforms.run import check, fly_all, jobs, printed, processors, Row
 from lta_analysis.platforms.summary import reversals
+from lta_analysis.platforms.verdict import title
+from lta_analysis.report.pictures import write_pictures
+from lta_analysis.typed import typed
 from lta_analysis.verbs.fly import folder
+from lta_bridge.bag.writer import empty_folder
 from lta_bridge.provenance import commit
 from lta_config.comparison_file import load_comparison
 from lta_config.errors import BadInput
@@ -36,6 +41,10 @@ def platforms(
             metavar='FOLDER',
         ),
     ] = None,
+    pictures: Annotated[
+        Path | None,
+        typer.Option(help='Folder for each picture as PNG; needs a Chromium.', metavar='FOLDER'),
+    ] = None,
     json: Annotated[bool, typer.Option('--json', help='Print every flight as JSON.')] = False,
 ) -> None:
     """
@@ -54,12 +63,15 @@ def platforms(
     Example: lta platforms --seeds 3
     """
     console = Console(stderr=json)
+    if pictures is not None:
+        find_chromium()  # says what is missing before anything flies
+        empty_folder(pictures)
     comparison = load_comparison(file)
     check(file, comparison)
     todo = jobs(file, comparison, seeds or comparison.seeds)
     stamp = datetime.now().astimezone()
     target = (out or Path('runs') / f'{stamp:%Y%m%d-%H%M%S}-{comparison.name}').absolute()
-    target.mkdir(parents=True, exist_ok=True)
+    empty_folder(target)
     coming = fly_all(todo, workers or processors())
     rows: list[Row] = list(
         track(coming, 'flying', len(todo), console=console, disable=not console.is_terminal)
@@ -70,13 +82,15 @@ def platforms(
     try:
         (target / 'flights.json').write_text(content, encoding='utf-8')
     except OSError as error:
-        raise BadInput(f"'{target}' cannot be written ({error.strerror}).") from error
+        raise BadInput(f"'{target}' cannot be written ({error.strerror}); make room.") from error
     origin = {
         'comparison': file, 'seeds': str(seeds or comparison.seeds), 'flights': str(len(rows)),
         'commit': commit(), 'created': stamp.isoformat(timespec='seconds'),
-        'again': f'lta platforms {file} --seeds {seeds or comparison.seeds}',
+        'again': typed('platforms', file, '--seeds', str(seeds or comparison.seeds)),
     }  # fmt: skip
     page = write_page(Told(comparison, rows, target, origin))
+    if pictures is not None:
+        write_pictures(page, pictures)
     if json:
         sys.stdout.write(content)
     lines = [title(comparison, rows), *reversals(comparison, rows), f'Page  {page}']

@@ -13,8 +13,11 @@ from lta_analysis.verbs.fly import folder
 from lta_analysis.wind.limits import Asked, Limits, measured, ticks, to_json
 from lta_analysis.wind.page import write_page
 from lta_analysis.wind.trial import Flyable
+from lta_bridge.bag.writer import empty_folder
 from lta_config.errors import BadInput
 from lta_config.files import known
+from lta_sim.scenario import load_scenario
+from lta_sim.vehicle import load_vehicle
 from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeRemainingColumn
 from rich.table import Table
@@ -29,13 +32,15 @@ def wind(
     ] = None,
     roughness: Annotated[
         list[float] | None,
-        typer.Option(help='Roughness length of the ground [m]; repeatable.', min=1e-5, max=5.0),
+        typer.Option(
+            help='Roughness length of the ground in metres; repeatable.', min=1e-5, max=5.0
+        ),
     ] = None,
     height: Annotated[
-        float, typer.Option(help='Height of the hull centre [m].', min=0.1, max=100.0)
+        float, typer.Option(help='Height of the hull centre in metres.', min=0.1, max=100.0)
     ] = 0.5,
     reference: Annotated[
-        float, typer.Option(help='Height of the reference wind [m].', min=0.5, max=300.0)
+        float, typer.Option(help='Height of the reference wind in metres.', min=0.5, max=300.0)
     ] = 10.0,
     scenario: Annotated[
         str, typer.Option(help='Where to fly; its wind is replaced, its turbulence stays.')
@@ -79,12 +84,15 @@ def wind(
         tuple(sorted(set(roughness or ROUGHNESS))),
         height, reference, scenario, 1 if quick else seeds, quick, fly,
     )  # fmt: skip
-    found = find_limits(asked, console)
+    for name in asked.vehicles:
+        load_vehicle(name)
+    load_scenario(asked.scenario)
     stamp = datetime.now().astimezone().strftime('%Y%m%d-%H%M%S')
-    target = (out or Path('runs') / f'{stamp}-wind').absolute()
+    target = empty_folder((out or Path('runs') / f'{stamp}-wind').absolute())
+    found = find_limits(asked, console)
     content = to_json(found, asked)
     rows = table(found, asked)
-    page = keep(target, content, found, asked, rows)
+    page = keep(target, content, found, asked)
     if json:
         sys.stdout.write(json_text.dumps({**content, 'page': str(page)}, indent=1) + '\n')
     show(rows, found, asked, console)
@@ -107,20 +115,13 @@ def find_limits(asked: Asked, console: Console) -> list[Limits]:
     return found
 
 
-def keep(
-    target: Path,
-    content: dict[str, object],
-    found: Sequence[Limits],
-    asked: Asked,
-    rows: list[list[str]],
-) -> Path:
+def keep(target: Path, content: dict[str, object], found: Sequence[Limits], asked: Asked) -> Path:
     """Write results and page; return the page."""
     try:
-        target.mkdir(parents=True, exist_ok=True)
         (target / 'wind.json').write_text(json_text.dumps(content, indent=1), encoding='utf-8')
     except OSError as error:
-        raise BadInput(f"The folder '{target}' cannot be written ({error.strerror}).") from error
-    return write_page(found, asked, rows, target / 'report.html')
+        raise BadInput(f"'{target}' cannot be written ({error.strerror}); make room.") from error
+    return write_page(found, asked, target / 'report.html')
 
 
 def table(found: Sequence[Limits], asked: Asked) -> list[list[str]]:

@@ -1,4 +1,4 @@
-"""The flyable wind as one self-contained page: a table, and the limit against the roughness."""
+"""The flyable wind as one self-contained page, in the look of a flight's page."""
 
 from collections.abc import Sequence
 from html import escape
@@ -6,9 +6,11 @@ from importlib.resources import files
 import math
 from pathlib import Path
 from string import Template
+from typing import Final
 
 from lta_analysis.report.drawing import blank, Label, label_ends
-from lta_analysis.report.page import embedded, embedded_text
+from lta_analysis.report.outcome import Tile
+from lta_analysis.report.page import embedded, tile_html
 from lta_analysis.report.palette import (
     DARK,
     ESTIMATE,
@@ -20,7 +22,11 @@ from lta_analysis.report.palette import (
     TRUTH,
     WALL,
 )
+from lta_analysis.sweep.page import section, terms
+from lta_analysis.typed import typed
 from lta_analysis.wind.limits import Asked, Limits
+from lta_analysis.wind.trial import Flyable
+from lta_bridge.provenance import commit
 from lta_config.errors import BadInput
 from lta_sim import wind_limits
 from lta_sim.vehicle import load_vehicle
@@ -29,56 +35,183 @@ from numpy.typing import NDArray
 from plotly.graph_objects import Figure, Scatter
 from plotly.offline import get_plotlyjs
 
-COLOURS = (TRUTH, ESTIMATE, GOOD, LAMP, SETPOINT, TIME[0], TIME[2], TIME[3])
-PAPER_WINDS = ((8.0, 'paper: BAG converges'), (14.0, 'paper: all fail'))
-ROUGHNESS = np.geomspace(1e-3, 0.45, 60)
-CAPTION = (
+COLOURS: Final = (TRUTH, ESTIMATE, GOOD, LAMP, SETPOINT, TIME[0], TIME[2], TIME[3])
+PAPER_WINDS: Final = ((8.0, 'paper: BAG converges'), (14.0, 'paper: all fail'))
+ROUGHNESS: Final = np.geomspace(1e-3, 0.45, 60)
+TICKS: Final = (1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)  # m
+MISSING: Final = '\N{EN DASH}'
+CAPTION: Final = (
     'Lines: the reference wind that thrust and balance allow at the hull, by the log law, '
     'averaged over the hull. Dots: flown in the closed loop. Between the elements of the '
-    'roughness, towards the right, the log law is a surrogate only.'
+    'roughness, towards the right, the log law is a surrogate only: compare several.'
+)
+METHOD: Final = (
+    'By numbers: the lesser of the airspeed that the rotors hold at constant height and heading, '
+    'and the one above which the hull tumbles. Flown: the most wind, from the lamp to the start, '
+    'in which the drone still makes way to the lamp by its own gains, told the best of several '
+    'airspeeds; in brackets, how much more was too much. None: no way in the least wind that was '
+    'tried. A dash: there is no such limit, or it was not flown.'
 )
 
 
-def write_page(found: Sequence[Limits], asked: Asked, rows: list[list[str]], out: Path) -> Path:
+def write_page(found: Sequence[Limits], asked: Asked, out: Path) -> Path:
     """Write the page and return where it is; `BadInput` where it cannot be written."""
-    assets = files('lta_analysis.report') / 'assets'
-    text = {
-        n: (assets / n).read_text(encoding='utf-8') for n in ('wind.html', 'page.css', 'page.js')
-    }
-    page = Template(text['wind.html']).substitute(
-        title='The wind that each platform can fly in',
-        kicker=escape(f'wind · {asked.scenario} · hull at {asked.height:g} m'),
-        table=table_html(rows),
-        notes=''.join(
-            f'<p class="note">{escape(f"{v.name}: {v.note}")}</p>' for v in found if v.note
-        ),
-        figure=embedded_text('figure-wind', picture(found, asked).to_json()),
-        caption=escape(CAPTION),
-        css=text['page.css'],
-        dark=embedded('dark', DARK),
-        plotly=get_plotlyjs(),
-        js=text['page.js'],
-    )
     try:
-        out.write_text(page, encoding='utf-8')
+        out.write_text(page(found, asked), encoding='utf-8')
     except OSError as error:
         raise BadInput(f"The page '{out}' cannot be written ({error.strerror}).") from error
     return out
 
 
-def table_html(rows: list[list[str]]) -> str:
-    """Return the table, its first row as head."""
-    head, *body = rows
-    cells = ''.join(f'<th scope="col">{escape(cell)}</th>' for cell in head)
-    lines = ''.join(f'<tr>{"".join(f"<td>{escape(c)}</td>" for c in row)}</tr>' for row in body)
-    return f'<table class="flights"><thead><tr>{cells}</tr></thead><tbody>{lines}</tbody></table>'
+def page(found: Sequence[Limits], asked: Asked) -> str:
+    """Return the whole page."""
+    assets = files('lta_analysis.report') / 'assets'
+    text = {
+        n: (assets / n).read_text(encoding='utf-8') for n in ('wind.html', 'page.css', 'page.js')
+    }
+    return Template(text['wind.html']).substitute(
+        title=escape(title(found)),
+        kicker=escape(f'wind · {asked.scenario}'),
+        about=escape(about(asked)),
+        tiles='\n'.join(tile_html(*each) for each in tiles(found)),
+        table=table_html(found, asked),
+        notes=''.join(f'<p class="note">{escape(each)}</p>' for each in (METHOD, *notes(found))),
+        picture=section(
+            'wind', 'Flyable wind against the roughness of the ground', CAPTION,
+            picture(found, asked),
+        ),
+        facts=terms(facts(asked)),
+        commands=terms(commands(asked), code=True),
+        css=text['page.css'],
+        dark=embedded('dark', DARK),
+        plotly=get_plotlyjs(),
+        js=text['page.js'],
+    )  # fmt: skip
+
+
+def title(found: Sequence[Limits]) -> str:
+    """Return what came out, in a sentence."""
+    flown = {each.name: each.flown.wind for each in found if each.flown is not None}
+    how = 'makes way' if flown else 'can stand, by its numbers,'
+    most = flown or {each.name: each.static for each in found if math.isfinite(each.static)}
+    if not most:
+        return 'No limit of the wind was found.'
+    best = max(most, key=lambda name: most[name])
+    among = f', the most of {len(most)} platforms' if len(most) > 1 else ''
+    return f'In uniform wind {best} {how} up to {most[best]:.2f} m/s{among}.'
+
+
+def about(asked: Asked) -> str:
+    """Return what the wind is, in two sentences."""
+    seeds = f'{asked.seeds} seed{"s" if asked.seeds > 1 else ""}'
+    flown = f'Flown with {seeds}{", in coarse steps" if asked.quick else ""}.'
+    return (
+        f'Uniform wind, and wind that a weather service would measure at {asked.reference:g} m '
+        'over rough ground, of which the hull meets the part that the log law leaves at its own '
+        f'height. {flown if asked.fly else "By numbers alone; nothing was flown."}'
+    )
+
+
+def tiles(found: Sequence[Limits]) -> list[Tile]:
+    """Return the uniform wind of each platform."""
+    made = []
+    for each in found:
+        numbers = speed(each.static)
+        cause = 'tumbling' if each.tumble < each.thrust else 'thrust'
+        why = f'{cause} allows {numbers}' if math.isfinite(each.static) else 'no known limit'
+        if each.flown is None:
+            known = math.isfinite(each.static)
+            note = f'by numbers; {cause} sets it' if known else why
+            made.append(Tile(each.name, numbers, 'm/s' if known else '', note))
+        else:
+            made.append(Tile(each.name, flight(each.flown, False), 'm/s', f'flown; {why}'))
+    return made
+
+
+def notes(found: Sequence[Limits]) -> list[str]:
+    """Return what belongs to single platforms."""
+    told = [
+        f'{each.name}: in uniform wind it flew best when told {each.flown.airspeed:g} m/s of '
+        'airspeed.'
+        for each in found
+        if each.flown is not None
+    ]
+    return told + [f'{each.name}: {each.note}' for each in found if each.note]
+
+
+def speed(value: float) -> str:
+    """Return a speed, without its unit; a dash where there is no limit."""
+    return f'{value:.2f}' if math.isfinite(value) else MISSING
+
+
+def flight(flown: Flyable | None, bracket: bool = True) -> str:
+    """Return a flown limit with what was too much; a dash where nothing was flown."""
+    if flown is None:
+        return MISSING
+    if flown.wind <= 0.0:
+        return 'none'
+    return f'{flown.wind:.2f}' + (f' (+{flown.fine:.2f})' if bracket else '')
+
+
+def table_html(found: Sequence[Limits], asked: Asked) -> str:
+    """Return all limits, each ground with its two columns."""
+    grounds = ['uniform wind', *(f'over {z:g} m of roughness' for z in asked.roughness)]
+    top = ''.join(f'<th scope="colgroup" colspan="2">{name}</th>' for name in grounds)
+    heads = ['platform', 'hull at [m]', 'rotors hold [m/s]', 'tumbles above [m/s]']
+    heads += ['by numbers [m/s]', 'flown [m/s]'] * len(grounds)
+    lines = []
+    for each in found:
+        cells = [f'{each.height:.2f}', speed(each.thrust), speed(each.tumble)]
+        cells += [speed(each.static), flight(each.flown)]
+        for over in each.over:
+            cells += [speed(over.static), flight(over.flown)]
+        own = ''.join(f'<td>{escape(cell)}</td>' for cell in cells)
+        lines.append(f'<tr><th scope="row">{escape(each.name)}</th>{own}</tr>')
+    second = ''.join(f'<th scope="col">{head}</th>' for head in heads)
+    return (
+        '<table class="limits"><caption class="hidden">Flyable wind of each platform</caption>'
+        f'<thead><tr class="grounds"><td colspan="4"></td>{top}</tr><tr>{second}</tr></thead>'
+        f'<tbody>{"".join(lines)}</tbody></table>'
+    )
+
+
+def facts(asked: Asked) -> dict[str, str]:
+    """Return where the limits come from."""
+    return {
+        'scenario': f'{asked.scenario}, its wind replaced',
+        'hull centre': f'{asked.height:g} m up, or as high as the vehicle stands and a little',
+        'reference height': f'{asked.reference:g} m',
+        'seeds': ('1' if asked.seeds == 1 else f'1 to {asked.seeds}')
+        if asked.fly
+        else 'none: nothing was flown',
+        'commit': commit(),
+    }
+
+
+def commands(asked: Asked) -> dict[str, str]:
+    """Return how to find it again, and how to go on."""
+    rough = [word for z in asked.roughness for word in ('--roughness', f'{z:g}')]
+    how = ['--quick'] if asked.quick else ['--seeds', str(asked.seeds)]
+    how = how if asked.fly else ['--no-fly']
+    first = asked.vehicles[0]
+    return {
+        'Find it again': typed(
+            'wind', *asked.vehicles, *rough, '--height', f'{asked.height:g}', '--reference',
+            f'{asked.reference:g}', '--scenario', asked.scenario, *how,
+        ),
+        'Fly in such a wind': typed(
+            'simulate', '--vehicle', first, '--scenario', asked.scenario, '--set',
+            'scenario.air.profile.wind=3 m/s',
+        ),
+    }  # fmt: skip
 
 
 def picture(found: Sequence[Limits], asked: Asked) -> Figure:
     """Return the limit as reference wind against the roughness of the ground."""
     figure = blank()
     labels = []
-    for limit, colour in zip(found, COLOURS, strict=False):
+    for k, limit in enumerate(found):
+        colour = COLOURS[k % len(COLOURS)]
         if not 0.0 < limit.static < math.inf:
             continue
         wind = curve(limit, asked)
@@ -107,8 +240,11 @@ def picture(found: Sequence[Limits], asked: Asked) -> Figure:
             x=0.0, xref='paper', y=speed, yanchor='bottom', xanchor='left',
             text=f'{speed:g} m/s, {text}', font={'size': 10, 'color': SOFT},
         )  # fmt: skip
-    figure.update_xaxes(type='log', title_text='roughness of the ground [m]')
-    figure.update_yaxes(title_text=f'wind at {asked.reference:g} m [m/s]')
+    figure.update_xaxes(
+        type='log', title_text='roughness of the ground [m]', tickvals=TICKS,
+        ticktext=[f'{each:g}' for each in TICKS],
+    )  # fmt: skip
+    figure.update_yaxes(title_text=f'wind at {asked.reference:g} m above the ground [m/s]')
     label_ends(figure, labels, (0.0, 20.0))
     return figure
 
