@@ -109,8 +109,8 @@ def check(vehicle: Vehicle, scenario: Scenario) -> None:
     """
     Refuse a scene that this vehicle cannot be in, for its light, its wind or its walls.
 
-    And a vehicle that the time step cannot follow, or whose effects (a payload, a shifted centre of
-    gravity, other gas or air) leave it too heavy for its rotors, or about to flip.
+    And a vehicle that the time step cannot follow, or whose effects (a payload, a shifted centre
+    of gravity, other gas or air) leave it too heavy for its rotors, or about to flip.
     """
     model = model_in(vehicle, scenario)
     _ = record_of(scenario), scenario.light_field
