@@ -16,6 +16,7 @@ from lta_sim.hover import hover_duty
 from lta_sim.model import Model
 from lta_sim.scenario import Scenario
 from lta_sim.state import DISPLACED, MASS, MASS_MOMENT
+from lta_sim.stiffness import STEP_NS
 from lta_sim.vehicle import Vehicle
 from lta_sim.wind_record import WindRecord
 import numpy as np
@@ -108,11 +109,12 @@ def check(vehicle: Vehicle, scenario: Scenario) -> None:
     """
     Refuse a scene that this vehicle cannot be in, for its light, its wind or its walls.
 
-    And a vehicle whose effects (a payload, a shifted centre of gravity, other gas or air) leave it
-    too heavy for its rotors, or about to flip.
+    And a vehicle that the time step cannot follow, or whose effects (a payload, a shifted centre
+    of gravity, other gas or air) leave it too heavy for its rotors, or about to flip.
     """
     model = model_in(vehicle, scenario)
     _ = record_of(scenario), scenario.light_field
+    vehicle.check_step(STEP_NS * 1e-9, model)
     file, body = vehicle.file, model.body
     lift = max(0.0, model.given.get('net_lift', {}).get('force', 0.0))
     weight = (body[MASS] - body[DISPLACED]) * STANDARD_GRAVITY - lift

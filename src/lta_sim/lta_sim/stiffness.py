@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+STEP_NS = 2_500_000  # integration step; the shortest time constant of a shipped vehicle is 72 ms
 RK4_LIMIT = 2.7  # longest stable step of RK4 by a time constant: 2.785, less a margin
 SPEED_LIMIT = 1000.0  # m/s and rad/s; no balloon gets there, numbers that run away do
 

@@ -249,7 +249,7 @@ class Vehicle:
             command[MASS_PLACE:] = self.file.moving_mass.position.vector
         return command
 
-    def check_step(self, step: float) -> None:
+    def check_step(self, step: float, model: Model | None = None) -> None:
         """
         Refuse a time step at which the slowest reaction that the model has would blow up.
 
@@ -257,6 +257,8 @@ class Vehicle:
         ----------
         step : float
             Step of the integrator (RK4). [s]
+        model : Model, optional
+            What flies, with the effects of a scene; by default the vehicle alone.
 
         Raises
         ------
@@ -265,7 +267,7 @@ class Vehicle:
 
         """
         declared.check_step(self.file.name, self.effects(), step)
-        stiffness.check(self.file.name, self.model(), step)
+        stiffness.check(self.file.name, model or self.model(), step)
 
     @property
     def standing_height(self) -> float:

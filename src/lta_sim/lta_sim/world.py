@@ -32,7 +32,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-STEP_NS = 2_500_000  # integration step; the shortest time constant of a shipped vehicle is 72 ms
 # New ones go to the end: the place in this list is part of the seed.
 STREAMS = ('start', 'imu', 'range', 'pressure', 'photodiodes', 'battery', 'panel', 'turbulence')
 SENSED = ('pressure', 'photodiodes', 'battery', 'ground_truth/odom', 'illuminance')
@@ -62,7 +61,6 @@ class World:
     """
 
     def __init__(self, vehicle: Vehicle, scenario: Scenario, table: TopicTable, seed: int) -> None:
-        vehicle.check_step(STEP_NS * 1e-9)
         self.vehicle = vehicle
         self.scenario = scenario
         self._chance = {
@@ -70,6 +68,7 @@ class World:
             for index, name in enumerate(STREAMS)
         }
         self._model = model_in(vehicle, scenario)
+        vehicle.check_step(stiffness.STEP_NS * 1e-9, self._model)
         self._keep_what_stays(table)
         self._draw_errors()
         self._craft = Craft(self._model)
@@ -282,7 +281,7 @@ class World:
 
     def _integrate(self, span_ns: int) -> None:
         """Move on so many nanoseconds of the present command."""
-        steps = -(-span_ns // STEP_NS)
+        steps = -(-span_ns // stiffness.STEP_NS)
         self._craft.advance(span_ns * 1e-9 / steps, steps)
 
     def _ahead(self, span_ns: int) -> Array:

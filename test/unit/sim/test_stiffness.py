@@ -4,8 +4,7 @@ import re
 
 from lta_config.errors import BadInput
 from lta_sim.in_scene import check
-from lta_sim.stiffness import fastest
-from lta_sim.world import STEP_NS
+from lta_sim.stiffness import fastest, STEP_NS
 import numpy as np
 import pytest
 

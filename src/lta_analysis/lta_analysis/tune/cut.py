@@ -30,8 +30,8 @@ from lta_sim.sensors import range
 from lta_sim.sensors.imu import specific_force
 from lta_sim.sensors.pressure import air_pressure, PressureSettings
 from lta_sim.state import pack
+from lta_sim.stiffness import STEP_NS
 from lta_sim.vehicle import Vehicle
-from lta_sim.world import STEP_NS
 import numpy as np
 from numpy.typing import NDArray
 

@@ -17,8 +17,8 @@ from lta_config.files import FOLDERS, known, load_yaml
 from lta_config.sentence import sentences
 from lta_config.vehicle_file import VehicleFile
 from lta_sim import declared, hull, propulsion
+from lta_sim.stiffness import STEP_NS
 from lta_sim.vehicle import Vehicle
-from lta_sim.world import STEP_NS
 from pydantic import ValidationError
 
 SHALLOW: Final = 2.0  # cm that the CG hangs below the CB
