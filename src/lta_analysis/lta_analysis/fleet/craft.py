@@ -110,7 +110,7 @@ def check(vehicle: Vehicle, scenario: Scenario, policy: Policy) -> Model:
             raise BadInput(
                 f'A batch has no effect {name} of measurement or command; leave --device out.'
             )
-    vehicle.check_step(STEP)
+    vehicle.check_step(STEP, model)
     return model
 
 
