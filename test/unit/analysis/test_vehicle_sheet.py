@@ -2,10 +2,8 @@
 
 import math
 
-from lta_analysis.ingredients import gather
 from lta_analysis.vehicle.climb import time_to_climb
 from lta_analysis.vehicle.entries import entries, numbers
-from lta_analysis.vehicle.holding import bracketed, flown_well
 from lta_analysis.vehicle.leak import surface
 from lta_analysis.vehicle.reach import reach
 from lta_analysis.vehicle.sheet import sheet_of
@@ -237,15 +235,3 @@ def test_a_vehicle_that_leans_over_at_full_push_says_so():
     sheet = sheet_of(vehicle)
     assert value(sheet, 'push_lean') is None
     assert 'it would go over' in sheet.by_key['push_lean'].note
-
-
-@pytest.mark.parametrize(('limit', 'found'), [(0.61, 0.609375), (2.0, 1.0), (-1.0, 0.0)])
-def test_the_search_brackets_the_first_failure(limit, found):
-    assert bracketed(lambda at: at <= limit, 1.0) == pytest.approx(found)
-
-
-@pytest.mark.parametrize(('loss', 'good'), [(0.010, True), (0.024, False)])
-def test_gains_hold_when_a_little_lift_is_lost_and_not_when_much_is(loss, good):
-    """24 of the 29 g that the rotors could carry: they lift it, and have nothing left to steer."""
-    made_of = gather('gtmab', 'lamp_room', 'bag', 'gtmab')
-    assert flown_well(made_of, loss, seed=1) is good

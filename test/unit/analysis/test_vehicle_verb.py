@@ -69,7 +69,7 @@ def test_nothing_is_overwritten(call, tmp_path):
         (('show', 'zeppelin'), "Unknown vehicle 'zeppelin'"),
         (('diff', 'gtmab'), 'There is nothing to compare with'),
         (('show', 'gtmab', '--out', 'no/such/page.html'), 'cannot be written'),
-        (('show', 'rgblimp', '--gains'), 'rgblimp cannot hover'),
+        (('show', 'rgblimp', '--gains'), 'rgblimp flies by the control law glide'),
         (('trim', 'no_bag'), 'no_bag'),
     ],
 )

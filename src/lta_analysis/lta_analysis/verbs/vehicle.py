@@ -8,11 +8,12 @@ from typing import Annotated
 from lta_analysis.bag.flight import open_flight
 from lta_analysis.bag.folder import bag_in
 from lta_analysis.report.scene import parsed
+from lta_analysis.tune.limit import helium_limit
+from lta_analysis.tune.run import gains_of
 from lta_analysis.typed import near, typed
 from lta_analysis.vehicle import terminal
 from lta_analysis.vehicle.difference import difference, vehicle_with
 from lta_analysis.vehicle.faults import verdict_on, warnings
-from lta_analysis.vehicle.holding import held_loss
 from lta_analysis.vehicle.page import write_page
 from lta_analysis.vehicle.recorded import recorded
 from lta_analysis.vehicle.scripts import plain, plain_difference
@@ -23,6 +24,7 @@ from lta_analysis.vehicle.trimmed import plain_weighing, told
 from lta_config.errors import BadInput
 from lta_config.files import find
 from lta_config.vehicle_file import VehicleFile
+from lta_control.gains_file import load_gains
 from lta_sim.vehicle import load_vehicle, Vehicle
 from rich.console import Console
 import typer
@@ -86,7 +88,7 @@ def show(
 
     Mass by layer and part; where the weight hangs; hover duty; what the rotors can push along
     each axis; speeds; how it swings, leans and tumbles; when too much helium is lost to hover,
-    and with --gains (20 flights or so) to be flown by its gains. What nobody measured or
+    and with --gains (some ten flights) to be flown by its gains. What nobody measured or
     published is marked as assumed. The page (--out) has all of it with three views, offline.
 
     Example: lta vehicle show gtmab --out gtmab.html
@@ -113,7 +115,8 @@ def _held(name: str, console: Console) -> float:
         word = 'hold' if kept else 'fail'
         console.print(f'{1e3 * loss:6.1f} g of lift lost: the gains {word}', highlight=False)
 
-    return held_loss(name, tell)
+    limit = helium_limit(name, load_gains(gains_of(name, None)), tell=tell)
+    return 0.0 if limit.grams is None else 1e-3 * limit.grams
 
 
 @vehicle.command()
