@@ -3,10 +3,8 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from importlib.resources import files
 import math
 from pathlib import Path
-from string import Template
 from typing import final
 
 from lta_analysis.platforms.entries import entrant
@@ -15,16 +13,14 @@ from lta_analysis.platforms.pictures import called, changed, following, limits, 
 from lta_analysis.platforms.run import ABLATION, CONTESTANT, Row
 from lta_analysis.platforms.summary import Cell, cell, fastest, margin, Mean
 from lta_analysis.platforms.verdict import decided, title
+from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import number, Tile
-from lta_analysis.report.page import embedded, tile_html
-from lta_analysis.report.palette import DARK
+from lta_analysis.report.page import tile_html
 from lta_analysis.sweep.page import section, terms
 from lta_config.comparison_file import Comparison
 from lta_config.constants import STANDARD_GRAVITY
-from lta_config.errors import BadInput
 from lta_config.manoeuvre_file import load_manoeuvre, Manoeuvre
 from lta_sim.scenario import load_scenario
-from plotly.offline import get_plotlyjs
 import yaml
 
 NAME = 'report.html'
@@ -56,22 +52,15 @@ class Told:
 
 def write_page(told: Told) -> Path:
     """Write the page and return where it is; `BadInput` where it cannot be written."""
-    out = told.folder / NAME
-    try:
-        out.write_text(page(told), encoding='utf-8')
-    except OSError as error:
-        raise BadInput(f"The page '{out}' cannot be written ({error.strerror}).") from error
-    return out
+    return written(page(told), told.folder / NAME)
 
 
 def page(told: Told) -> str:
     """Return the whole page."""
-    assets = files('lta_analysis.report') / 'assets'
-    names = ('platforms.html', 'page.css', 'page.js')
-    text = {name: (assets / name).read_text(encoding='utf-8') for name in names}
     comparison, rows = told.comparison, told.rows
     shown, common = pictures(comparison, rows), len(comparison.manoeuvres)
-    return Template(text['platforms.html']).substitute(
+    return framed(
+        'platforms.html',
         title=escape(title(comparison, rows)),
         kicker=escape(f'comparison {comparison.name} · {comparison.scenario}'),
         about=escape(comparison.about),
@@ -84,10 +73,6 @@ def page(told: Told) -> str:
         margins=margins(comparison),
         facts=terms(told.origin),
         file=escape(yaml.safe_dump(comparison.model_dump(exclude_none=True), sort_keys=False)),
-        css=text['page.css'],
-        dark=embedded('dark', DARK),
-        plotly=get_plotlyjs(),
-        js=text['page.js'],
     )
 
 

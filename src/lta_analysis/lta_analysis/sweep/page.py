@@ -4,26 +4,22 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from html import escape
-from importlib.resources import files
 from pathlib import Path
 from statistics import median, quantiles
-from string import Template
 from typing import final
 
 from lta_analysis.ingredients import spoken
+from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import number, Tile
-from lta_analysis.report.page import embedded, embedded_text, tile_html
-from lta_analysis.report.palette import DARK
+from lta_analysis.report.page import embedded_text, tile_html
 from lta_analysis.sweep.flown import FAILED, Row
 from lta_analysis.sweep.heat import heat, two_lists
 from lta_analysis.sweep.pictures import by_parameter, MEASURES, outcomes, spread
 from lta_analysis.sweep.plan import Plan
 from lta_analysis.sweep.statistics import figures, REACHED, reached_share, told
 from lta_analysis.typed import near, typed
-from lta_config.errors import BadInput
 from lta_config.sweep_file import Distribution
 from plotly.graph_objects import Figure
-from plotly.offline import get_plotlyjs
 import yaml
 
 NAME = 'report.html'
@@ -47,22 +43,15 @@ class Told:
 
 def write_page(told_of: Told) -> Path:
     """Write the page of a sweep and return where it is; `BadInput` where it cannot be written."""
-    out = told_of.folder / NAME
-    try:
-        out.write_text(page(told_of), encoding='utf-8')
-    except OSError as error:
-        raise BadInput(f"The page '{out}' cannot be written ({error.strerror}).") from error
-    return out
+    return written(page(told_of), told_of.folder / NAME)
 
 
 def page(told_of: Told) -> str:
     """Return the whole page."""
-    assets = files('lta_analysis.report') / 'assets'
-    names = ('sweep.html', 'page.css', 'page.js')
-    text = {name: (assets / name).read_text(encoding='utf-8') for name in names}
     plan, rows = told_of.plan, told_of.rows
     file = plan.file
-    return Template(text['sweep.html']).substitute(
+    return framed(
+        'sweep.html',
         title=escape(title(plan, rows)),
         kicker=escape(f'sweep {file.name} · {file.vehicle} · {file.scenario} · {file.strategy}'),
         about=escape(file.about),
@@ -74,10 +63,6 @@ def page(told_of: Told) -> str:
         facts=terms(facts(told_of)),
         commands=terms(commands(told_of), code=True),
         file=escape(yaml.safe_dump(file.model_dump(exclude_none=True), sort_keys=False)),
-        css=text['page.css'],
-        dark=embedded('dark', DARK),
-        plotly=get_plotlyjs(),
-        js=text['page.js'],
     )
 
 

@@ -2,23 +2,19 @@
 
 from collections.abc import Sequence
 from html import escape
-from importlib.resources import files
 import math
 from pathlib import Path
-from string import Template
 from typing import Final
 
+from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import number, Tile
-from lta_analysis.report.page import embedded, tile_html
-from lta_analysis.report.palette import DARK
+from lta_analysis.report.page import tile_html
 from lta_analysis.sweep.page import section, terms
 from lta_analysis.tune import pictures, told
 from lta_analysis.tune.exam import Channel, Trace
 from lta_analysis.tune.run import scene_name, Tuned
 from lta_analysis.typed import near, typed
 from lta_bridge.provenance import commit
-from lta_config.errors import BadInput
-from plotly.offline import get_plotlyjs
 
 NAME = 'report.html'
 CHANNELS: Final[tuple[tuple[Channel, str, str], ...]] = (
@@ -33,24 +29,17 @@ Traces = Sequence[tuple[float, Trace]]
 
 def write_page(tuned: Tuned, old: Traces, new: Traces) -> Path:
     """Write the page of a tuning and return where it is; `BadInput` where it cannot be written."""
-    out = tuned.folder / NAME
-    try:
-        out.write_text(page(tuned, old, new), encoding='utf-8')
-    except OSError as error:
-        raise BadInput(f"The page '{out}' cannot be written ({error.strerror}).") from error
-    return out
+    return written(page(tuned, old, new), tuned.folder / NAME)
 
 
 def page(tuned: Tuned, old: Traces, new: Traces) -> str:
     """Return the whole page."""
-    assets = files('lta_analysis.report') / 'assets'
-    names = ('tune.html', 'page.css', 'page.js')
-    text = {name: (assets / name).read_text(encoding='utf-8') for name in names}
     order = tuned.order
     robust = told.table(ROBUST_HEADS, told.robust_rows(tuned))
     margins = told.table(told.MARGIN_HEADS, told.margin_rows(tuned), text=True)
     limits = told.table(('', 'old', 'new'), told.limit_rows(tuned.old.limit, tuned.new.limit))
-    return Template(text['tune.html']).substitute(
+    return framed(
+        'tune.html',
         title=escape(told.typeset(told.title(tuned))),
         kicker=escape(f'tune {scene_name(order)} · from {tuned.gains_name} · seed {order.seed}'),
         about=escape(about(tuned)),
@@ -63,10 +52,6 @@ def page(tuned: Tuned, old: Traces, new: Traces) -> str:
         facts=terms(facts(tuned)),
         commands=terms(commands(tuned), code=True),
         file=escape(tuned.file.read_text(encoding='utf-8')),
-        css=text['page.css'],
-        dark=embedded('dark', DARK),
-        plotly=get_plotlyjs(),
-        js=text['page.js'],
     )
 
 

@@ -2,17 +2,15 @@
 
 from collections.abc import Sequence
 from html import escape
-from importlib.resources import files
 import math
 from pathlib import Path
-from string import Template
 from typing import Final
 
 from lta_analysis.report.drawing import blank, Label, label_ends
+from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import Tile
-from lta_analysis.report.page import embedded, tile_html
+from lta_analysis.report.page import tile_html
 from lta_analysis.report.palette import (
-    DARK,
     ESTIMATE,
     GOOD,
     LAMP,
@@ -27,13 +25,11 @@ from lta_analysis.typed import typed
 from lta_analysis.wind.limits import Asked, Limits
 from lta_analysis.wind.trial import Flyable
 from lta_bridge.provenance import commit
-from lta_config.errors import BadInput
 from lta_sim import wind_limits
 from lta_sim.vehicle import load_vehicle
 import numpy as np
 from numpy.typing import NDArray
 from plotly.graph_objects import Figure, Scatter
-from plotly.offline import get_plotlyjs
 
 COLOURS: Final = (TRUTH, ESTIMATE, GOOD, LAMP, SETPOINT, TIME[0], TIME[2], TIME[3])
 PAPER_WINDS: Final = ((8.0, 'paper: BAG converges'), (14.0, 'paper: all fail'))
@@ -56,20 +52,13 @@ METHOD: Final = (
 
 def write_page(found: Sequence[Limits], asked: Asked, out: Path) -> Path:
     """Write the page and return where it is; `BadInput` where it cannot be written."""
-    try:
-        out.write_text(page(found, asked), encoding='utf-8')
-    except OSError as error:
-        raise BadInput(f"The page '{out}' cannot be written ({error.strerror}).") from error
-    return out
+    return written(page(found, asked), out)
 
 
 def page(found: Sequence[Limits], asked: Asked) -> str:
     """Return the whole page."""
-    assets = files('lta_analysis.report') / 'assets'
-    text = {
-        n: (assets / n).read_text(encoding='utf-8') for n in ('wind.html', 'page.css', 'page.js')
-    }
-    return Template(text['wind.html']).substitute(
+    return framed(
+        'wind.html',
         title=escape(title(found)),
         kicker=escape(f'wind · {asked.scenario}'),
         about=escape(about(asked)),
@@ -82,10 +71,6 @@ def page(found: Sequence[Limits], asked: Asked) -> str:
         ),
         facts=terms(facts(asked)),
         commands=terms(commands(asked), code=True),
-        css=text['page.css'],
-        dark=embedded('dark', DARK),
-        plotly=get_plotlyjs(),
-        js=text['page.js'],
     )  # fmt: skip
 
 
