@@ -70,14 +70,14 @@ def test_only_what_is_assumed_is_left_on_demand(session, pages):
     rows = """[...document.querySelectorAll('table.numbers tbody tr')].filter(
       (row) => row.checkVisibility()).length"""
     show(session, pages / 'gtmab.html', 'light', 1280)
-    assert session.evaluate(rows) == 88
+    assert session.evaluate(rows) == 89
     session.evaluate("document.getElementById('only').focus()")
     for kind in ('keyDown', 'keyUp'):
         session.call(
             'Input.dispatchKeyEvent', type=kind, key=' ', code='Space', text=' ',
             windowsVirtualKeyCode=32,
         )  # fmt: skip
-    session.wait(f'{rows} === 29')
+    session.wait(f'{rows} === 30')
 
 
 def test_warnings_stand_on_the_page(session, pages):

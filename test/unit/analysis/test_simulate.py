@@ -34,7 +34,7 @@ def simulated(folder, *changes, **options):
 
 def test_the_figures_without_a_bag_are_those_of_the_bag(tmp_path):
     """To the last bit but for the clock: a bag's times are differences of large whole numbers."""
-    change = 'scenario.goal.radius=5 m'
+    change = 'scenario.goal.radius=4 m'
     flight, figures = simulated(tmp_path / 'a', change)
     assert flight.outcome == 'reached'
     of_bag = results_of(View(open_flight(flight.bag))).to_dict()

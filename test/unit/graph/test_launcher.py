@@ -396,6 +396,7 @@ def test_a_killed_launcher_takes_also_along_who_ignores_sigint(fleet):
     killed = time.monotonic()
     until(lambda: not fleet.pids(), 5.0)
     assert 0.4 < time.monotonic() - killed < 3.0  # 0.1 s and the 0.5 s after SIGTERM
+    program.rest()
 
 
 def test_nothing_of_the_guard_is_left_after_a_stop(fleet):
