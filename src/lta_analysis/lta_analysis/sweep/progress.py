@@ -49,7 +49,7 @@ class SweepProgress:
         )
         self._task = self._bar.add_task('', total=total, completed=done, rate='', detail='')
         self._counts: Counter[str] = Counter()
-        self._pending, self._shown = 0, -LOOK
+        self._pending, self._deaths, self._shown = 0, 0, -LOOK
 
     def __enter__(self) -> Self:
         """Show the bar."""
@@ -63,22 +63,23 @@ class SweepProgress:
         trace: TracebackType | None,
     ) -> None:
         """Take the bar away."""
-        self._show(0)
+        self._show()
         self._bar.stop()
 
     def flown(self, row: Row, deaths: int) -> None:
         """Count one more flight; `deaths` is how many workers have been lost so far."""
         self._counts[row.outcome] += 1
         self._pending += 1
+        self._deaths = deaths
         if time.monotonic() - self._shown >= LOOK:
-            self._show(deaths)
+            self._show()
 
-    def _show(self, deaths: int) -> None:
+    def _show(self) -> None:
         """Move the bar by what has been flown since; a batch ends by the thousand."""
         self._shown = time.monotonic()
         words = [f'{count} {outcome}' for outcome, count in sorted(self._counts.items())]
-        if deaths:
-            words.append(f'{deaths} workers lost')
+        if self._deaths:
+            words.append(f'{self._deaths} workers lost')
         self._bar.update(self._task, advance=self._pending, detail=', '.join(words))
         self._pending = 0
         speed = self._bar.tasks[0].speed
