@@ -4,6 +4,7 @@ from collections import defaultdict
 import json
 from pathlib import Path
 
+from lta_analysis.bag.flight import open_flight
 from lta_analysis.bag.reader import read_bag
 from lta_config.topics import topic_table
 import pytest
@@ -117,6 +118,10 @@ def test_a_flight_to_the_goal(fly, lta):
 
 
 def test_real_time_is_real_time(fly):
+    """Or it is said that the machine cannot keep pace."""
     flown = fly('real', '--time', 'realtime', time_limit='5 s')
     assert flown['outcome'] == 'timeout'
-    assert flown['pace'] == pytest.approx(1.0, abs=0.02)
+    assert flown['pace'] < 1.02
+    health = open_flight(flown['bag']).series('/diagnostics').texts
+    said = any('cannot keep pace' in text for column in health.values() for text in column)
+    assert flown['pace'] > 0.94 or said

@@ -34,6 +34,7 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 
 STALE_NS = 300_000_000  # commands older than this stop the motors, as on the real vehicle
 SLIP = 50  # control periods of delay that are made up for at once
+SLOW = 0.05  # share of the wall clock that may be lost before it is said
 CLOCK_PERIOD = 0.02  # wall seconds between two /clock
 PATIENCE = 20.0  # wall seconds for the graph of one drone to come up
 
@@ -79,6 +80,7 @@ class Simulator(GraphNode):
         self._refused = False
         self._commanded_ns = 0
         self._began = self._anchor = self._clocked = 0.0
+        self._lost = 0.0  # wall seconds of delay that were let go
         self._finished: float | None = None
         if not self.lockstep:
             steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -173,16 +175,27 @@ class Simulator(GraphNode):
         period = self.table.control_ns * 1e-9
         due = round((time.monotonic() - self._anchor) / period)
         if due - self._world.steps > SLIP:
-            self._anchor += (due - self._world.steps - 1) * period
-            self.health.report('pace', Level.WARN, 'cannot keep pace with the wall clock')
+            self._let_go((due - self._world.steps - 1) * period)
             due = self._world.steps + 1
         while self._world.steps < due and self.running:
             if self._world.stamp_ns - self._commanded_ns > STALE_NS:
                 self._duties = [0.0] * len(self._duties)
             if not self._step():
                 # What the others take longer is not made up for: all would fly by fits and starts.
-                self._anchor = time.monotonic() - self._world.steps * period
+                self._let_go(time.monotonic() - self._world.steps * period - self._anchor)
                 return
+
+    def _let_go(self, delay: float) -> None:
+        """Give up on a delay, and say so once it is more than a person would overlook. [s]"""
+        self._anchor += delay
+        self._lost += delay
+        if self._lost > SLOW * (time.monotonic() - self._began):
+            self.health.report(
+                'pace',
+                Level.WARN,
+                'cannot keep pace with the wall clock',
+                lost_s=f'{self._lost:.2f}',
+            )
 
     def _step(self) -> bool:
         """Fly a control step; False where there is none to fly, or not yet."""
@@ -260,6 +273,7 @@ class Simulator(GraphNode):
             'time_s': f'{world.elapsed:.2f}',
             'distance_m': f'{world.distance:.3f}',
             'pace': f'{pace:.2f}',
+            'lost_s': f'{self._lost:.2f}',
         }
 
     def _watch(self) -> None:
