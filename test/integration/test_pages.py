@@ -60,6 +60,13 @@ def flight(folder, call):
     write_page(write_flight(folder / 'bag'), folder / 'report.html')
 
 
+def plot(folder, call):
+    bag = write_flight(folder / 'bag')
+    call(
+        'bag', 'plot', bag, 'odom', 'motors', 'light/peaks/snr*', '--html', folder / 'report.html'
+    )
+
+
 def vehicle(folder, call):
     call('vehicle', 'show', 'gtmab', '--out', folder / 'report.html')
 
@@ -92,7 +99,7 @@ def tune(folder, call):
     (folder / 'out' / 'report.html').rename(folder / 'report.html')
 
 
-PAGES = {made.__name__: made for made in (flight, vehicle, sweep, wind, platforms, tune)}
+PAGES = {made.__name__: made for made in (flight, plot, vehicle, sweep, wind, platforms, tune)}
 
 
 def typed(*words):

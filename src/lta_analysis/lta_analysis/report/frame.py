@@ -77,10 +77,10 @@ def halves(text: str) -> list[str]:
     return text.removeprefix(BEGIN).split(END, 1)
 
 
-def written(text: str, out: Path) -> Path:
-    """Write a page and return where it is; `BadInput` where it cannot be written."""
+def written(content: str | bytes, out: Path) -> Path:
+    """Write a page or picture and return where it is; `BadInput` where it cannot be written."""
     try:
-        out.write_text(text, encoding='utf-8')
+        out.write_bytes(content.encode() if isinstance(content, str) else content)
     except OSError as error:
         raise BadInput(
             f"The page '{out}' cannot be written ({error.strerror}); make room, or choose "
