@@ -63,7 +63,7 @@ def chunk_like(head: bytes, length: int) -> bool:
 
 
 def field(window: NDArray[np.uint8], count: int, offset: int, kind: str) -> NDArray[Any]:
-    """Return the number that each of `count` records would have at an offset, if it began there."""
+    """Return the number that records from each of `count` places on would have at an offset."""
     return np.ndarray((count,), kind, window, offset, (1,))
 
 

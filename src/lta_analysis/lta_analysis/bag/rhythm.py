@@ -24,8 +24,8 @@ class Rhythm:
     The steps from message to message, in the order of recording; times in ns.
 
     `backwards` counts the messages before their predecessor, `worst` is the longest such step,
-    `worst_of` and
-    `worst_topic` whose it was, by channel or name. `silences` are (start, end) of steps of at least `SILENCE`.
+    `worst_of` and `worst_topic` whose it was, by channel or name. `silences` are (start, end) of
+    steps of at least `SILENCE`.
     """
 
     count: int = 0

@@ -190,7 +190,7 @@ class Scanner:
         return found
 
     def _search(self, start: int, stop: int, only_chunks: bool = False) -> tuple[int, bool] | None:
-        """Return where before `stop` a record holds that is none yet, and if it must be a chunk."""
+        """Return where before `stop` another record holds, and if it must be a chunk."""
         if not self._affordable(A_SEARCH):
             return None
         for at, chunk in candidates(self._read, start, stop, self._size):

@@ -9,9 +9,9 @@ from mcap.opcode import Opcode
 COUNT = struct.Struct('<I')
 ENTRY = 16  # bytes of an entry in a message index: log time, offset
 
-# The parts of each record: a number is so many bytes; 's' is a text, 'b' are bytes, 'm' is a map of
-# texts, each behind its length in 4 bytes; 'e' are the entries of a message index, 'h' those of a
-# map from channel to number, likewise.
+# The parts of each record. A number is so many bytes; all others come behind their length in 4
+# bytes: 's' is a text, 'b' are bytes, 'm' is a map of texts, 'e' are the entries of a message
+# index, 'h' those of a map from channel to number.
 SHAPES: Final[dict[int, tuple[int | str, ...]]] = {
     Opcode.HEADER: ('s', 's'),
     Opcode.FOOTER: (20,),
