@@ -91,6 +91,12 @@ def listed_files(folder: Path, described: dict[str, object]) -> list[Path]:
     return files if good else []
 
 
+def message_compression(described: dict[str, object]) -> str:
+    """Return how each message is compressed by itself; empty where none is."""
+    mode = str(described.get('compression_mode') or '').lower()
+    return str(described.get('compression_format') or '') if mode == 'message' else ''
+
+
 def absent_files(folder: Path, described: dict[str, object]) -> list[str]:
     """Return a sentence for each file that metadata.yaml lists and the folder lacks."""
     names = described.get('relative_file_paths')

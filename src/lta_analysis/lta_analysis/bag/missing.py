@@ -126,7 +126,7 @@ def missing(bag: Bag, kept: Counter[str], beats: dict[str, Pulse]) -> dict[str, 
 
     """
     found: dict[str, Missing] = {}
-    told = {entry.topic: entry.count for entry in told_topics(metadata_of(bag.path))}
+    told = {entry.topic: entry.messages for entry in told_topics(metadata_of(bag.path))}
     indexed = by_index(bag)
     lost = spans(bag)
     for topic, known in bag.topics.items():

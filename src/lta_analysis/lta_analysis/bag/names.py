@@ -17,7 +17,7 @@ class Told(NamedTuple):
 
     topic: str
     type_name: str
-    count: int
+    messages: int
 
 
 def told_topics(described: Mapping[str, object]) -> list[Told]:

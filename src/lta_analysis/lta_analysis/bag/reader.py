@@ -18,14 +18,15 @@ from lta_analysis.bag.folder import (
     ADVICE,
     bag_files,
     description,
+    message_compression,
     provenance_in,
     wrong_format,
 )
 from lta_analysis.bag.names import complete_names, Told, told_topics
-from lta_analysis.bag.packing import Damaged
+from lta_analysis.bag.packing import Damaged, inflated
 from lta_analysis.bag.rhythm import entries, in_order, Rhythm
 from lta_analysis.bag.scan import damage, scan
-from lta_analysis.bag.summary import claims_summary, read_summary, UNUSABLE
+from lta_analysis.bag.summary import read_summary, summary_is_damaged, UNUSABLE
 from lta_bridge.bag.records import MAGIC
 from lta_config.errors import BadInput, unknown
 from mcap.records import Channel, Schema
@@ -82,13 +83,14 @@ class Bag:
 
     """
 
-    def __init__(self, path: Path, parts: list[Part], provenance: dict[str, str]) -> None:
+    def __init__(self, path: Path, parts: list[Part], described: dict[str, object]) -> None:
         self.path = path
+        self._message_kind = message_compression(described)
         self.parts = parts
         self.size = sum(file.stat().st_size for file, *_ in parts)
         self.losses = [loss for _, contents, _ in parts for loss in contents.losses]
         self.remarks = [remark for _, contents, _ in parts for remark in contents.remarks]
-        self.provenance = dict(provenance)
+        self.provenance = provenance_in(described)
         for _, contents, _ in parts:
             self.provenance |= contents.provenance
         self.start = min((c.start for _, c, _ in parts if c.start is not None), default=None)
@@ -154,8 +156,8 @@ class Bag:
                     if at is not None:
                         at(behind + place.offset)
                     if place.channels is None or not channels.isdisjoint(place.channels):
-                        for message in self._in_place(part, stream, place, channels):
-                            yield names[message.channel], message
+                        for found in self._in_place(part, stream, place, channels):
+                            yield names[found.channel], found
             behind += part.file.stat().st_size
 
     def decode(self, topic: str, data: bytes) -> object:
@@ -213,12 +215,17 @@ class Bag:
             data: bytes | memoryview = read_at(stream, place.offset, place.length)
             if place.packed:
                 data = unpacked(memoryview(data)[RECORD.size :])
-            yield from messages(data, channels)
+            found = messages(data, channels)
+            yield from map(self._unpacked, found) if self._message_kind else found
         except Damaged as error:
             told = damage(place.offset, place.length, str(error))
             if told not in self.losses:
                 part.contents.lost.append(lost_chunk(stream, place))
                 self._note(told)
+
+    def _unpacked(self, found: Message) -> Message:
+        """Return a message that was compressed by itself."""
+        return found._replace(data=bytes(inflated(self._message_kind, found.data)))
 
     def _note(self, loss: str) -> None:
         """Remember a loss once, however often it is met."""
@@ -273,7 +280,7 @@ def read_bag(path: Path | str) -> Bag:
         parts = [opened(file, told) for file in bag_files(path, described)]
         if parts[0].refused is not None and all(part.refused for part in parts):
             raise parts[0].refused
-        bag = Bag(path, parts, provenance_in(described))
+        bag = Bag(path, parts, described)
     except OSError as error:
         raise BadInput(f"'{path}' cannot be read ({error.strerror}); {ADVICE}.") from error
     bag.losses += absent_files(path, described)
@@ -299,7 +306,7 @@ def file_contents(file: Path, told: list[Told]) -> Contents:
         if contents is None:
             contents = scan(stream, size)
             complete_names(contents, told)
-            if claims_summary(stream, size):
+            if summary_is_damaged(stream, size):
                 contents.remarks.append(UNUSABLE)
         if not head.startswith(MAGIC):
             contents.indexed = False

@@ -79,11 +79,18 @@ class Recovery:
             told.append(f'Lost are {self.lost_bytes} of {self.size} bytes{chunks}.')
         told += [span_sentence(start, end) for start, end in self.lost_spans[:MOST_NOTED]]
         for topic, lost in sorted(self.missing.items()):
-            about = 'about ' if lost.source == 'rhythm' else ''
-            told.append(f'{topic} lacks {about}{counted(lost.count, "message")} ({lost.source}).')
+            told.append(f'{topic} lacks {self._about(lost)} ({lost.source}).')
         if not self.lost_bytes and not self.missing:
             told.append('No message is known to be lost.')
         return told
+
+    def _about(self, lost: Missing) -> str:
+        """Return how many messages are lost, no surer than that is known."""
+        count = counted(lost.count, 'message')
+        if lost.source == 'rhythm':
+            return f'about {count}'
+        cut = any(end is None for _, end in self.lost_spans)
+        return f'at least {count}' if cut and lost.source == 'index' else count
 
 
 def counted(count: int, what: str) -> str:
@@ -197,7 +204,7 @@ def copied(bag: Bag, out: Path, at: Callable[[int, int], None]) -> Recovery:
 
 def since(bag: Bag, time: int | None) -> float | None:
     """Return a log time since the first message that is left. [s]"""
-    return None if time is None or bag.start is None else (time - bag.start) * 1e-9
+    return None if time is None or bag.start is None else round((time - bag.start) * 1e-9, 9)
 
 
 def given(channel: Channel, schema: Schema | None) -> Definition:

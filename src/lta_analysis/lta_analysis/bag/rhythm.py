@@ -80,13 +80,16 @@ class Rhythm:
             self.silences.append((start, end))
 
     def long_silences(self) -> list[tuple[int, int]]:
-        """Return the silences that are long beside the mean step, the longest first. [ns]"""
+        """Return the silences that are long beside the mean other step, longest first. [ns]"""
         if self.first is None or self.last is None or self.count < 3:
             return []
+        whole, others = self.last - self.first, self.count - 2
         found = sorted(self.silences, key=lambda silence: silence[0] - silence[1])
-        rest = self.last - self.first - sum(end - start for start, end in found)
-        mean = max(0, rest) / max(1, self.count - 1 - len(found))
-        return [(start, end) for start, end in found if end - start > MANY_STEPS * mean]
+        return [
+            (start, end)
+            for start, end in found
+            if (end - start) * others > MANY_STEPS * (whole - (end - start))
+        ]
 
 
 def entries(region: bytes) -> Iterator[tuple[int, NDArray[np.void]]]:

@@ -21,6 +21,7 @@ from lta_bridge.bag.records import MAGIC
 from mcap.opcode import Opcode
 import numpy as np
 
+PRIVATE = 0x80  # Opcodes from here on are anybody's; MCAP defines none beyond DATA_END.
 LONGEST_RUN = 1 << 20  # Bare messages are read in stretches of about this many bytes.
 ENOUGH = 1 << 26  # Bytes looked at in vain in one file, beyond eight times its size.
 A_SEARCH = 20_000  # What a search costs at least, in bytes looked at; likewise
@@ -109,7 +110,7 @@ class Scanner:
         end = at + RECORD.size + length
         if opcode == Opcode.CHUNK or chunk:
             return self._chunk(at, length)
-        if opcode == 0 or end > self._size:
+        if opcode == 0 or Opcode.DATA_END < opcode < PRIVATE or end > self._size:
             return None
         if opcode in SHAPES:
             body = self._read(at + RECORD.size, min(length, LARGEST_NOTE + 1))
@@ -166,7 +167,7 @@ class Scanner:
         if self._size - at < RECORD.size:
             return True
         opcode, length = self._head(at)
-        return plausible(opcode, length) or opcode >= 0x80
+        return plausible(opcode, length) or opcode >= PRIVATE
 
     def _following(self, at: int) -> tuple[int, bool] | None:
         """Return where to go on behind a record that does not hold, and if it must be a chunk."""

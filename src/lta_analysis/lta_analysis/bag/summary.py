@@ -8,6 +8,7 @@ import zlib
 from lta_analysis.bag.chunks import RECORD, records
 from lta_analysis.bag.contents import Contents, LARGEST_NOTE, Place, read_at
 from lta_analysis.bag.packing import Damaged
+from lta_analysis.bag.shape import SHAPES, well_formed
 from lta_bridge.bag.records import MAGIC
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
@@ -40,13 +41,23 @@ def read_summary(stream: BinaryIO, size: int) -> Contents | None:
         return None
 
 
-def claims_summary(stream: BinaryIO, size: int) -> bool:
-    """Tell whether a file ends as a finished one with a summary does."""
+def summary_is_damaged(stream: BinaryIO, size: int) -> bool:
+    """Tell whether a file ends as a finished one with a summary does, but for the summary."""
     if size < TAIL:
         return False
     tail = read_at(stream, size - TAIL, TAIL)
     opcode, _, start, _, _ = FOOTER.unpack_from(tail)
-    return opcode == Opcode.FOOTER and tail.endswith(MAGIC) and start != 0
+    if opcode != Opcode.FOOTER or not tail.endswith(MAGIC) or start == 0:
+        return False
+    try:
+        _, section = summary_section(stream, size)
+        return any(
+            record.opcode in SHAPES
+            and not well_formed(record.opcode, section[record.start : record.end])
+            for record in records(section)
+        )
+    except Damaged:
+        return True
 
 
 def summary_section(stream: BinaryIO, size: int) -> tuple[int, bytes]:
