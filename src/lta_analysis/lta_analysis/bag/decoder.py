@@ -75,7 +75,10 @@ class Decoder:
 
     def _learn(self, type_name: str) -> None:
         """Take a type and all its parts from the bag."""
-        schema = self._schemas[type_name]
+        schema = self._schemas.get(type_name)
+        reason = undecodable(schema, 'cdr')
+        if schema is None or reason is not None:
+            raise BadInput(f'These messages {reason}; leave this topic out.')
         text = schema.data.decode(errors='replace')
         try:
             if schema.encoding == 'ros2idl':

@@ -5,7 +5,7 @@ Opens finished bags by their summary, and unfinished or damaged ones by what is 
 Memory stays within one chunk whatever the size of the bag.
 """
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, final, NamedTuple
@@ -295,8 +295,12 @@ def opened(file: Path, told: list[Told]) -> Part:
         return Part(file, Contents(losses=[str(error)]), error)
 
 
-def file_contents(file: Path, told: list[Told]) -> Contents:
-    """Return the contents of one MCAP file, from its summary if that can be relied on."""
+def file_contents(file: Path, told: Sequence[Told] = ()) -> Contents:
+    """
+    Return the contents of one MCAP file, from its summary if that can be relied on.
+
+    `told` are the topics of metadata.yaml, for channels that have lost their names.
+    """
     size = file.stat().st_size
     with file.open('rb') as stream:
         head = stream.read(32)
