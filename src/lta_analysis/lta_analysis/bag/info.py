@@ -141,3 +141,6 @@ def show(info: BagInfo, console: Console) -> None:
         console.print(f'{key}: {text}', style='dim', highlight=False, markup=False)
     for sentence in (*info.losses, *info.remarks):
         console.print(sentence, style='yellow', highlight=False, markup=False)
+    if info.losses:
+        advice = 'Write what is whole into a new bag with `lta bag recover`.'
+        console.print(advice, highlight=False, markup=False)
