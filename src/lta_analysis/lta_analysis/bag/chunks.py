@@ -117,7 +117,6 @@ def sealed(
     head = read(0, HEAD.size + 16)
     if len(head) < HEAD.size + LENGTH.size:
         raise Damaged
-    _, _, size, crc, _ = HEAD.unpack_from(head)
     reason = Damaged()
     tried = set()
     for packed, told in places(head, length):
@@ -125,22 +124,34 @@ def sealed(
             continue
         tried.add(packed)
         try:
-            if packed.length > LARGEST_CHUNK:
-                raise Damaged(f'claim to hold {packed.length} bytes')
-            part = read(packed.start, packed.length)
-            if told and len(part) < packed.length:
-                raise Damaged
-            kind = kind_of(packed.kind, part)
-            data = inflated(kind, part)
+            return opened(read, packed, told, head, length)
         except Damaged as error:
             reason = error if error.args else reason
-            continue
-        end = packed.start + packed.length
-        if crc and zlib.crc32(data) == crc:
-            return data, end if told else packed.start + frame_length(kind, part)
-        if not crc and told and (end, len(data)) == (length, size):
-            return data, end
     raise reason
+
+
+def opened(
+    read: Callable[[int, int], bytes | memoryview],
+    packed: Packed,
+    told: bool,
+    head: bytes | memoryview,
+    length: int,
+) -> tuple[bytes | memoryview, int]:
+    """Return what lies at one place that a chunk may have its records at; see `sealed`."""
+    if packed.length > LARGEST_CHUNK:
+        raise Damaged(f'claim to hold {packed.length} bytes')
+    part = read(packed.start, packed.length)
+    if told and len(part) < packed.length:
+        raise Damaged
+    kind = kind_of(packed.kind, part)
+    data = inflated(kind, part)
+    _, _, size, crc, _ = HEAD.unpack_from(head)
+    end = packed.start + packed.length
+    if crc and zlib.crc32(data) == crc:
+        return data, end if told else packed.start + frame_length(kind, part)
+    if not crc and told and (end, len(data)) == (length, size):
+        return data, end
+    raise Damaged
 
 
 def places(head: bytes | memoryview, length: int) -> Iterator[tuple[Packed, bool]]:

@@ -1,13 +1,18 @@
 """Topics and types of channels whose own records are lost: metadata.yaml has them as well."""
 
 from collections.abc import Mapping, Sequence
-from typing import final, NamedTuple
+from dataclasses import replace
+import re
+from typing import Final, final, NamedTuple
 
 from lta_analysis.bag.contents import Contents
+from lta_analysis.bag.decoder import READABLE
 from lta_bridge.bag.schemas import definition
 from lta_config.errors import BadInput
 from mcap.records import Channel, Schema
 
+# Of definitions, https://mcap.dev/spec/registry; '' is none.
+ENCODINGS: Final = (*READABLE, 'ros1msg', 'omgidl', 'protobuf', 'flatbuffer', 'jsonschema', '')
 NAMELESS = '/channel_{}'  # No robot has such a topic: those lie in a namespace.
 
 
@@ -47,6 +52,7 @@ def complete_names(contents: Contents, told: Sequence[Told]) -> None:
 
     """
     choose_rivals(contents, told)
+    mend_encodings(contents)
     for channel in contents.channels.values():
         known = contents.schemas.get(channel.schema_id)
         type_name = next((entry.type_name for entry in told if entry.topic == channel.topic), '')
@@ -67,6 +73,39 @@ def choose_rivals(contents: Contents, told: Sequence[Told]) -> None:
     for rival in contents.rivals:
         if rival.topic in names and contents.channels[rival.id].topic not in names:
             contents.channels[rival.id] = rival
+
+
+def mend_encodings(contents: Contents) -> None:
+    """Set right the encodings that nobody uses: those records are not under a CRC."""
+    for id, schema in contents.schemas.items():
+        if schema.encoding not in ENCODINGS and re.fullmatch(r'\w+/msg/\w+', schema.name):
+            contents.remarks.append(
+                f"The definition of '{schema.name}' claims to be in '{schema.encoding}'; it is "
+                'taken for that of a ROS message.'
+            )
+            contents.schemas[id] = replace(schema, encoding='ros2msg')
+        if schema.encoding in READABLE and not is_text(schema.data):
+            contents.remarks.append(
+                f"The definition of '{schema.name}' is damaged; ROS's own stands in."
+            )
+            contents.schemas[id] = written(id, schema.name)
+    for id, channel in contents.channels.items():
+        known = contents.schemas.get(channel.schema_id)
+        if known and known.encoding in READABLE and channel.message_encoding != 'cdr':
+            contents.remarks.append(
+                f"Topic '{channel.topic}' claims to be in '{channel.message_encoding}'; its type "
+                "is ROS's, so it is taken for CDR."
+            )
+            contents.channels[id] = replace(channel, message_encoding='cdr')
+
+
+def is_text(data: bytes) -> bool:
+    """Tell whether bytes are UTF-8."""
+    try:
+        data.decode()
+    except UnicodeDecodeError:
+        return False
+    return True
 
 
 def name_channel(contents: Contents, id: int, odd: set[int], told: Sequence[Told]) -> None:

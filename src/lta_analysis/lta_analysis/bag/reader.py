@@ -6,12 +6,11 @@ Memory stays within one chunk whatever the size of the bag.
 """
 
 from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO, final, NamedTuple
+from typing import BinaryIO, final
 
 from lta_analysis.bag.chunks import Message, messages, RECORD, unpacked
-from lta_analysis.bag.contents import Contents, Loss, Place, read_at
+from lta_analysis.bag.contents import Contents, Place, read_at
 from lta_analysis.bag.decoder import Decoder, undecodable
 from lta_analysis.bag.folder import (
     absent_files,
@@ -24,35 +23,13 @@ from lta_analysis.bag.folder import (
 )
 from lta_analysis.bag.names import complete_names, Told, told_topics
 from lta_analysis.bag.packing import Damaged, inflated
-from lta_analysis.bag.rhythm import entries, in_order, Rhythm
+from lta_analysis.bag.parts import indexed_rhythm, lost_chunk, Part, Topic, type_of
+from lta_analysis.bag.rhythm import Rhythm
 from lta_analysis.bag.scan import damage, scan
 from lta_analysis.bag.summary import read_summary, summary_is_damaged, UNUSABLE
 from lta_bridge.bag.records import MAGIC
 from lta_config.errors import BadInput, unknown
 from mcap.records import Channel, Schema
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Topic:
-    """
-    One recorded topic: absolute name, message type, number of messages.
-
-    `undecodable` says in a half-sentence why its messages are kept but cannot be decoded.
-    """
-
-    name: str
-    type_name: str
-    count: int
-    undecodable: str | None = None
-
-
-class Part(NamedTuple):
-    """One file of a bag."""
-
-    file: Path
-    contents: Contents
-    refused: BadInput | None = None
 
 
 @final
@@ -231,31 +208,6 @@ class Bag:
         """Remember a loss once, however often it is met."""
         if loss not in self.losses:
             self.losses.append(loss)
-
-
-def type_of(contents: Contents, channel: Channel) -> str:
-    """Return the message type of a channel; empty where the file does not say."""
-    schema = contents.schemas.get(channel.schema_id)
-    return '' if schema is None else schema.name
-
-
-def lost_chunk(stream: BinaryIO, place: Place) -> Loss:
-    """Return the loss of a chunk that the summary knows; its message indexes tell what it held."""
-    loss = Loss(place.offset, place.length, 1, start=place.start, end=place.end)
-    stream.seek(place.index[0])
-    for channel, listed in entries(stream.read(place.index[1])):
-        loss.counts[channel] += len(listed)
-    return loss
-
-
-def indexed_rhythm(part: Part) -> Rhythm:
-    """Return when the messages of a finished file were recorded, without reading them."""
-    rhythm = Rhythm()
-    with part.file.open('rb') as stream:
-        for place in part.contents.places:
-            stream.seek(place.index[0])
-            rhythm.feed(*in_order(stream.read(place.index[1])))
-    return rhythm
 
 
 def read_bag(path: Path | str) -> Bag:

@@ -135,19 +135,18 @@ def recover(
     bag = read_bag(source)
     if not any(topic.count for topic in bag.topics.values()):
         raise BadInput(f"'{source}' holds no whole message; there is nothing to recover.")
+    refuse_inside(source, out)
     if is_finished(bag):
         total = sum(1 for _ in bag.records(at=lambda done: at(done, bag.size)))
         if bag.complete:
             raise BadInput(
-                f"'{source}' is whole: all its {total} messages can be read and are indexed; "
-                'there is nothing to mend.'
+                f"'{source}' is whole: all its {total} messages are there; nothing is to be mended."
             )
-    refuse_inside(source, out)
-    made = not out.exists()
+    fresh = not out.exists()
     try:
         return copied(bag, out, at)
     except KeyboardInterrupt:
-        if made:
+        if fresh:
             shutil.rmtree(out, ignore_errors=True)
         raise
 

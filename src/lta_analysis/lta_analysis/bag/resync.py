@@ -38,6 +38,9 @@ def candidates(read: Read, start: int, stop: int, size: int) -> Iterator[tuple[i
     while at < stop:
         count = min(width, stop - at)
         data = read(at, count + MARGIN)
+        if at > start and data.count(0) == len(data):  # room that was set aside and never used
+            at, width = at + count, LARGEST_WINDOW
+            continue
         window = np.frombuffer(data.ljust(count + MARGIN, b'\0'), np.uint8)
         chunks = chunk_heads(window, count, size - at)
         heads = record_heads(window, count, size - at)

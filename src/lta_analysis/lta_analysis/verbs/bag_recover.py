@@ -1,5 +1,7 @@
 """lta bag recover: a damaged recording as a finished one."""
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 import sys
 from typing import Annotated
@@ -10,6 +12,18 @@ from lta_bridge.bag.storage import StorageFault
 from rich.console import Console
 from rich.progress import BarColumn, DownloadColumn, Progress, TextColumn, TimeRemainingColumn
 import typer
+
+
+@contextmanager
+def progress() -> Iterator[Callable[[int, int], None]]:
+    """Show a bar on a terminal; what is yielded is told the bytes behind, and all of them."""
+    console = Console(stderr=True)
+    columns = (TextColumn('recovering'), BarColumn(), DownloadColumn(), TimeRemainingColumn())
+    with Progress(
+        *columns, console=console, transient=True, disable=not console.is_terminal
+    ) as bar:
+        task = bar.add_task('recovering', total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
 def recover(
@@ -37,21 +51,12 @@ def recover(
     place = bag.absolute()
     name = place.name if place.is_dir() else place.stem
     target = out or place.parent / f'{name}-recovered'
-    console = Console(stderr=True)
-    columns = (TextColumn('recovering'), BarColumn(), DownloadColumn(), TimeRemainingColumn())
-    with Progress(
-        *columns, console=console, transient=True, disable=not console.is_terminal
-    ) as progress:
-        task = progress.add_task('recovering', total=None)
-        try:
-            found = mend(
-                bag,
-                target,
-                lambda done, total: progress.update(task, completed=done, total=total),
-            )
-        except StorageFault as fault:
-            sys.stderr.write(f'{fault}\n')
-            raise typer.Exit(1) from None
+    try:
+        with progress() as at:
+            found = mend(bag, target, at)
+    except StorageFault as fault:
+        sys.stderr.write(f'{fault}\n')
+        raise typer.Exit(1) from None
     if json:
         sys.stdout.write(found.to_json() + '\n')
         return
