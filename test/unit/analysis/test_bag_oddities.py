@@ -1,11 +1,14 @@
 """Strange recordings: each oddity is one sentence, and the rest is read."""
 
+import struct
+
 from lta_analysis.bag import bag_info, packing, read_bag
 from lta_analysis.bag.decoder import undecodable
 from lta_bridge.bag import BagWriter
 from lta_bridge.bag.records import encoded, MAGIC
 from lta_bridge.bag.schemas import definition
 from lta_config.errors import BadInput
+from mcap.reader import make_reader
 from mcap.records import Channel, Chunk, Header, Message, Schema
 from mcap.writer import CompressionType, Writer
 import pytest
@@ -207,6 +210,22 @@ def test_hostile_bytes_cost_bounded_effort(tmp_path):
         bag = read_bag(tmp_path / 'a.mcap')
         assert sum(1 for _ in bag.messages()) <= 60_000 // 31
         assert len(bag.losses) < 120
+
+
+def test_summary_that_lies_about_its_indexes(tmp_path):
+    messages = [('/x', i) for i in range(20)]
+    file = write(tmp_path / 'a.mcap', {'/x': BOOL}, messages, enable_crcs=False)
+    data = bytearray(file.read_bytes())
+    with file.open('rb') as stream:
+        [index] = make_reader(stream).get_summary().chunk_indexes
+    told = struct.pack('<HQQ', 1, index.message_index_offsets[1], index.message_index_length)
+    at = data.rindex(told)
+    for offset, length in ((1 << 63, 1 << 62), (8, 1 << 50), (1 << 40, 5)):
+        data[at : at + len(told)] = struct.pack('<HQQ', 1, offset, length)
+        file.write_bytes(data)
+        info = bag_info(file)
+        assert (info.messages, info.remarks) == (20, [])
+        assert [time for _, time, _ in read_bag(file).messages()] == list(range(20))
 
 
 def test_lost_names_come_from_metadata(tmp_path):

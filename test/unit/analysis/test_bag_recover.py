@@ -212,7 +212,7 @@ def test_rhythm_tells_what_no_index_does(tmp_path):
 def test_what_is_whole_or_empty_is_refused(tmp_path, whole):
     source = tmp_path / 'bag'
     with pytest.raises(
-        BadInput, match=r'is whole: all its 96 messages are there; nothing is to be mended'
+        BadInput, match=r'is whole: all its 96 messages are there; nothing is to mend'
     ):
         recover(source, tmp_path / 'new')
     assert not (tmp_path / 'new').exists()

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, final, NamedTuple
 
-from lta_analysis.bag.contents import Contents, Loss, Place
+from lta_analysis.bag.contents import Contents, LARGEST_NOTE, Loss, Place, read_at
+from lta_analysis.bag.packing import Damaged
 from lta_analysis.bag.rhythm import entries, in_order, Rhythm
 from lta_config.errors import BadInput
 from mcap.records import Channel
@@ -39,11 +40,19 @@ def type_of(contents: Contents, channel: Channel) -> str:
     return '' if schema is None else schema.name
 
 
+def index_of(stream: BinaryIO, place: Place) -> bytes:
+    """Return the message indexes of a chunk; empty where the summary is wrong about them."""
+    offset, length = place.index
+    try:
+        return read_at(stream, offset, length) if length <= LARGEST_NOTE else b''
+    except Damaged:
+        return b''
+
+
 def lost_chunk(stream: BinaryIO, place: Place) -> Loss:
     """Return the loss of a chunk that the summary knows; its message indexes tell what it held."""
     loss = Loss(place.offset, place.length, 1, start=place.start, end=place.end)
-    stream.seek(place.index[0])
-    for channel, listed in entries(stream.read(place.index[1])):
+    for channel, listed in entries(index_of(stream, place)):
         loss.counts[channel] += len(listed)
     return loss
 
@@ -53,6 +62,5 @@ def indexed_rhythm(part: Part) -> Rhythm:
     rhythm = Rhythm()
     with part.file.open('rb') as stream:
         for place in part.contents.places:
-            stream.seek(place.index[0])
-            rhythm.feed(*in_order(stream.read(place.index[1])))
+            rhythm.feed(*in_order(index_of(stream, place)))
     return rhythm

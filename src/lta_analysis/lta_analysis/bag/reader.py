@@ -22,7 +22,7 @@ from lta_analysis.bag.folder import (
     wrong_format,
 )
 from lta_analysis.bag.names import complete_names, Told, told_topics
-from lta_analysis.bag.packing import Damaged, inflated
+from lta_analysis.bag.packing import Damaged, inflated, LARGEST_CHUNK
 from lta_analysis.bag.parts import indexed_rhythm, lost_chunk, Part, Topic, type_of
 from lta_analysis.bag.rhythm import Rhythm
 from lta_analysis.bag.scan import damage, scan
@@ -189,6 +189,8 @@ class Bag:
     ) -> Iterator[Message]:
         """Yield messages of one stretch of a file."""
         try:
+            if place.length > 2 * LARGEST_CHUNK:
+                raise Damaged(f'claim to be a chunk of {place.length} bytes')
             data: bytes | memoryview = read_at(stream, place.offset, place.length)
             if place.packed:
                 data = unpacked(memoryview(data)[RECORD.size :])

@@ -140,7 +140,7 @@ def recover(
         total = sum(1 for _ in bag.records(at=lambda done: at(done, bag.size)))
         if bag.complete:
             raise BadInput(
-                f"'{source}' is whole: all its {total} messages are there; nothing is to be mended."
+                f"'{source}' is whole: all its {total} messages are there; nothing is to mend."
             )
     fresh = not out.exists()
     try:

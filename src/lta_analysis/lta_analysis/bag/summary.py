@@ -16,6 +16,7 @@ from mcap.opcode import Opcode
 from mcap.records import MetadataIndex, Statistics
 
 FOOTER = struct.Struct('<BQQQI')  # opcode, length, summary, summary offsets, CRC
+LARGEST_SUMMARY = 1 << 28  # One that claims more is damaged. [bytes]
 TAIL = FOOTER.size + len(MAGIC)
 CHUNK_INDEX = struct.Struct('<QQQQI')  # start, end, offset, length, bytes of the channels
 CHANNEL = struct.Struct('<HQ')  # channel, offset of its message index
@@ -67,6 +68,8 @@ def summary_section(stream: BinaryIO, size: int) -> tuple[int, bytes]:
     tail = read_at(stream, size - TAIL, TAIL)
     opcode, _, start, _, crc = FOOTER.unpack_from(tail)
     if opcode != Opcode.FOOTER or not tail.endswith(MAGIC) or not 0 < start <= size - TAIL:
+        raise Damaged
+    if size - TAIL - start > LARGEST_SUMMARY:
         raise Damaged
     section = read_at(stream, start, size - TAIL - start)
     if crc and crc != zlib.crc32(section + tail[: FOOTER.size - 4]):
