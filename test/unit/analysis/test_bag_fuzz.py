@@ -15,7 +15,7 @@ from rosbags.rosbag2 import Reader
 from .damaged_bags import damaged, DAMAGES, recordings
 
 FEW, MANY = 100, 2500  # cases of each of four kinds of recording
-FEW_MENDED, MANY_MENDED = 8, 1000
+FEW_MENDED, MANY_MENDED = 8, 250
 MEMORY = 200_000  # that the peak may grow in all cases together [kB]
 PATIENCE = 20.0  # CPU seconds for a case that takes milliseconds: none may hang
 
