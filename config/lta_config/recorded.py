@@ -59,7 +59,7 @@ def wanted(words: str, robots: Sequence[str], table: TopicTable) -> dict[str, st
 
     """
     rows = [(robot, *row) for robot in robots for row in table.topics.items()]
-    named = {absolute(robot, name): topic.type for robot, name, topic in rows} | ROS_OWN
+    named = {absolute(robot, name): topic.type for robot, name, topic in rows} | dict(ROS_OWN)
     for word in words.split() if words.split() != [EVERYTHING] else []:
         if word not in named and word not in table.topics:
             raise unknown('topic', word, [*table.topics, *ROS_OWN, EVERYTHING])

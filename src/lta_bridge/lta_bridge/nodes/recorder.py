@@ -50,7 +50,7 @@ DIAGNOSTICS = '/diagnostics'
 LOOK_PERIOD = 0.4  # wall seconds between looks at the graph and at the losses
 QUIET = 0.3  # wall seconds without a message after which nothing more is on the way
 LINGER = 3.0  # wall seconds to wait for that quiet at most
-NAP_NS = 5_000_000  # between looks: waking up for every message would cost half a core
+NAP_NS = 20_000_000  # between looks: waking up for every message would cost half a core
 MB = 1_000_000
 
 
