@@ -157,11 +157,15 @@ class BackgroundWriter:
             self._write_on()
         except Exception as error:
             self.fault = error
-        self._discard()
         try:
             self._sink.close()
         except Exception as error:
             self.fault = self.fault or error
+        while not self._closing:
+            self._discard()
+            self._wake.wait(NAP)
+            self._wake.clear()
+        self._discard()
 
     def _write_on(self) -> None:
         """Empty the queue until told to close."""

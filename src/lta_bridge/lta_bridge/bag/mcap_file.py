@@ -139,12 +139,12 @@ class McapFile:
         self.counts.update(chunk.counts)
         self._summary_size += len(encoded([chunk.index]))
 
-    def close(self) -> None:
-        """Write the summary of what reached the disk, and close the file."""
+    def close(self, *, sync: bool = True) -> None:
+        """Write the summary of what reached the disk, and close the file; see `RecordFile`."""
         try:
             self._file.append(self._summary(self._file.size))
         finally:
-            self._file.close()
+            self._file.close(sync=sync)
 
     def discard(self) -> None:
         """Close the file and remove it."""

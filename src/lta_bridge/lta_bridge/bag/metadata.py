@@ -4,7 +4,6 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-import os
 from pathlib import Path
 from typing import final
 
@@ -124,8 +123,6 @@ def write_metadata(folder: Path, content: Mapping[str, object]) -> None:
     try:
         with fresh.open('w', encoding='utf-8') as stream:
             stream.write(text)
-            stream.flush()
-            os.fsync(stream.fileno())
         fresh.replace(folder / NAME)
     except OSError as error:
         with suppress(OSError):

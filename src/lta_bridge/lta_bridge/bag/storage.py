@@ -64,6 +64,18 @@ def check_room(path: Path, needed: int) -> None:
         raise NearlyFull(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
 
 
+def sync(path: Path) -> None:
+    """Make a file that has been closed safe from a power cut."""
+    try:
+        fd = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+        try:
+            os.fsync(fd)
+        finally:
+            os.close(fd)
+    except OSError as error:
+        raise storage_fault(error, path) from error
+
+
 @final
 class RecordFile:
     """
@@ -120,10 +132,11 @@ class RecordFile:
         with suppress(OSError):  # Where even that fails, the next append overwrites the rest.
             os.ftruncate(self._fd, self.size)
 
-    def close(self) -> None:
-        """Bring the file to the disk and close it."""
+    def close(self, *, sync: bool) -> None:
+        """Close the file; where `sync`, only once it is safe from a power cut."""
         try:
-            os.fsync(self._fd)
+            if sync:
+                os.fsync(self._fd)
         except OSError as error:
             raise storage_fault(error, self.path) from error
         finally:

@@ -1,10 +1,10 @@
 """
 The bag a flight is recorded into.
 
-A rosbag2 folder (metadata.yaml version 9) with one MCAP file, or several where it is split:
-profile ros2, messages as CDR, definitions inside, zstd chunks with CRC, chunk and message indexes.
-Each file can be read alone. Everything up to the last `flush` survives the death of the process; a
-full or broken disk ends the recording, not the bag.
+A rosbag2 folder (metadata.yaml version 9) with one MCAP file, or with several that can each be read
+alone: profile ros2, messages as CDR, definitions inside, zstd chunks with CRC, chunk and message
+indexes. Everything up to the last `flush` survives the death of the process; a full or broken disk
+ends the recording, not the bag.
 """
 
 from collections import Counter
@@ -15,12 +15,12 @@ from typing import final, Self
 
 from lta_bridge.bag.chunk import SealedChunk
 from lta_bridge.bag.mcap_file import McapFile
-from lta_bridge.bag.metadata import bag_metadata, FilePart, TopicRecord, write_metadata
+from lta_bridge.bag.metadata import bag_metadata, FilePart, NAME, TopicRecord, write_metadata
 from lta_bridge.bag.qos import Profile, to_yaml
 from lta_bridge.bag.records import PROVENANCE
 from lta_bridge.bag.schemas import definition
 from lta_bridge.bag.split import Split, WHOLE
-from lta_bridge.bag.storage import check_room, StorageFault
+from lta_bridge.bag.storage import check_room, StorageFault, sync
 from lta_config.errors import BadInput
 
 LIBRARY = 'lta'
@@ -168,11 +168,10 @@ class BagWriter:
             As `write` does.
 
         """
-        self._check()
+        self.flush()
         for record in self._topics.values():
             record.written += sealed.counts.get(record.channel, 0)
         try:
-            self._mcap.flush()
             self._mcap.add_chunk(sealed)
         except StorageFault as fault:
             self._fault = fault
@@ -199,7 +198,6 @@ class BagWriter:
 
     def refresh(self) -> None:
         """Bring metadata.yaml up to date, for whoever finds the bag after a SIGKILL."""
-        self._check()
         self._describe()
 
     def check_room(self) -> None:
@@ -220,7 +218,7 @@ class BagWriter:
             return
         self._open = False
         told = self._fault
-        for step in (self._mcap.flush, self._mcap.close, self._describe):
+        for step in (self._mcap.flush, self._mcap.close, self._describe, self._sync):
             try:
                 step()
             except StorageFault as fault:
@@ -259,11 +257,9 @@ class BagWriter:
 
     def _turn(self, log_time_ns: int) -> None:
         """Go on in the next file before a message, if that is due. [ns]"""
-        if self._first is None:
-            self._first = log_time_ns
-            return
-        begun = bool(self._mcap.counts)  # what every file begins with fills none
-        if self._split.due(self._mcap.size if begun else 0, log_time_ns - self._first):
+        self._first = log_time_ns if self._first is None else self._first
+        size = self._mcap.size if self._mcap.counts else 0  # what all files begin with fills none
+        if self._split.due(size, log_time_ns - self._first):
             self._mcap.flush()
             # The old file is closed once the next one stands, and no message is in a file that
             # metadata.yaml does not list: whenever the process dies, the bag is whole.
@@ -271,12 +267,17 @@ class BagWriter:
             self._parts.append(self._part(full))
             self._mcap = following
             self._first = log_time_ns
-            full.close()
+            full.close(sync=False)  # a slow disk must not keep the next messages waiting
             self._describe()
 
     def _part(self, mcap: McapFile) -> FilePart:
         """Return what metadata.yaml tells of a file as it stands."""
         return FilePart(mcap.path.name, mcap.start, mcap.end, Counter(mcap.counts))
+
+    def _sync(self) -> None:
+        """Make the whole bag safe from a power cut; a slow disk may take long."""
+        for name in (*(part.name for part in self._parts), NAME):
+            sync(self.path / name)
 
     def _describe(self) -> None:
         """Write metadata.yaml as things stand."""
