@@ -1,7 +1,7 @@
 """
 The bag a flight is recorded into.
 
-A rosbag2 folder (metadata.yaml version 9) with one MCAP file, or with several that can each be read
+A rosbag2 folder (metadata.yaml version 9) with one MCAP file, or several that can each be read
 alone: profile ros2, messages as CDR, definitions inside, zstd chunks with CRC, chunk and message
 indexes. Everything up to the last `flush` survives the death of the process; a full or broken disk
 ends the recording, not the bag.
