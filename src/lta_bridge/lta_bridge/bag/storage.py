@@ -132,7 +132,7 @@ class RecordFile:
         with suppress(OSError):  # Where even that fails, the next append overwrites the rest.
             os.ftruncate(self._fd, self.size)
 
-    def close(self, *, sync: bool) -> None:
+    def close(self, *, sync: bool = True) -> None:
         """Close the file; where `sync`, only once it is safe from a power cut."""
         try:
             if sync:

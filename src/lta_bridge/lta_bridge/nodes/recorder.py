@@ -19,6 +19,7 @@ from typing import Any
 from diagnostic_msgs.msg import DiagnosticArray
 from lta_bridge.bag.background import BackgroundWriter
 from lta_bridge.bag.memory import SnapshotMemory
+from lta_bridge.bag.qos import Profile
 from lta_bridge.bag.schemas import is_known
 from lta_bridge.bag.split import Split
 from lta_bridge.bag.storage import StorageFault
@@ -88,10 +89,14 @@ class Recorder(GraphNode):
         self._snapshots: Snapshots | None = None
         self._types: dict[str, str] = {}
         self._announced: set[str] = set()
+        self._offers: dict[str, list[Profile]] = {}
         self._left_out: dict[str, str] = {}
         with ExitStack() as unfinished:
             with held_interrupts():  # a bag is begun whole ...
-                self._writer = self._begin(Path(told.bag), origin)
+                try:
+                    self._writer = self._begin(Path(told.bag), origin)
+                except StorageFault as fault:
+                    raise BadInput(str(fault)) from None
                 unfinished.callback(self._writer.close)  # ... and closed, whoever ends it here
             self._intake = Intake(self.table, self.lockstep, robots, self._writer)
             everything = told.topics.split() == [EVERYTHING]
@@ -149,13 +154,17 @@ class Recorder(GraphNode):
         return receive
 
     def _announce(self, name: str) -> None:
-        """Tell the bag what the publishers of a topic offer."""
-        found = profiles(self._taps[name].offered(), self._expected(name))
-        if name in self._announced:
-            self._writer.offer(name, found)
-        else:
+        """Tell the bag what the publishers of a topic offer, and those offered that have gone."""
+        offered, expected = self._taps[name].offered(), self._expected(name)
+        known = self._offers.setdefault(name, [])
+        fresh = [each for each in profiles(offered, expected) if offered and each not in known]
+        known += fresh
+        if name not in self._announced:
             self._announced.add(name)
-            self._writer.add_topic(name, self._types[name], found)
+            told = list(known) or profiles([], expected)
+            self._writer.add_topic(name, self._types[name], told)
+        elif fresh:
+            self._writer.offer(name, list(known))
 
     def _hear(self, data: bytes) -> None:
         """Look for faults in a diagnostics message."""
@@ -166,7 +175,7 @@ class Recorder(GraphNode):
     def _look(self) -> None:
         """Look at the graph and at the writer, and tell how the recording stands."""
         for name in self._taps.look():
-            if name in self._announced or self._taps[name].publishers:
+            if self._taps[name].publishers:
                 self._announce(name)
         if self._snapshots is not None:
             self._snapshots.tend(time.monotonic())
