@@ -31,10 +31,6 @@ def test_no_publisher_is_incompatible_and_nothing_is_given_up_without_need(asked
     found = fitting(asked, publishers)
     for each in publishers:
         assert qos_check_compatible(each, found)[0] != QoSCompatibility.ERROR
-    lesser = {
-        'reliability': ReliabilityPolicy.BEST_EFFORT,
-        'durability': DurabilityPolicy.VOLATILE,
-    }
     for policy, least in LEAST.items():
         given_up = getattr(found, policy) != getattr(asked, policy)
         assert given_up == (
