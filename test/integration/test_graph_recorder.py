@@ -170,6 +170,7 @@ def test_everything_is_found_as_its_publishers_offer_it(recording):
     recording.start(topics='all')
     weak = recording.publisher('odom', message_type(ROW), BEST_EFFORT)  # the table says reliable
     late = recording.publisher('late', Bool, BEST_EFFORT)
+    recording.publisher('late', Bool, LATCHED)
     other = make(Bool, '/lta2/late', 10)
     for step in range(3):
         weak.publish(odom(START + step * ROW.period_ns))
@@ -191,7 +192,10 @@ def test_everything_is_found_as_its_publishers_offer_it(recording):
         for profiles in [row['offered_qos_profiles']]
     }
     assert offered['/lta1/map'] == ('reliable', 'transient_local')
-    assert offered['/lta1/odom'] == offered['/lta1/late'] == ('best_effort', 'volatile')
+    assert offered['/lta1/odom'] == ('best_effort', 'volatile')
+    late_profiles = told['/lta1/late']['offered_qos_profiles']
+    assert {each['durability'] for each in late_profiles} == {'volatile', 'transient_local'}
+    assert 'is missed on /lta1/late' in facts(recording.bag, 'latched')[-1][0]
     assert offered['/lta1/motors'] == ('reliable', 'volatile')  # nobody is there: the table's
     bag = read_bag(recording.bag)
     (latched,) = [bag.decode(topic, data) for topic, _, data in bag.messages(['/lta1/map'])]
@@ -229,8 +233,10 @@ def test_an_unknown_topic_is_refused_in_a_sentence(recording):
     assert not recording.bag.exists()
 
 
-def test_snapshots_are_written_when_asked_for_and_at_a_fault(recording):
-    recording.start(snapshot=1.0)
+@pytest.mark.parametrize('chosen', [{}, {'topics': 'odom'}], ids=['table', 'odom'])
+def test_snapshots_are_written_when_asked_for_and_at_a_fault(recording, chosen):
+    """Diagnostics are heard whether or not they are recorded."""
+    recording.start(snapshot=1.0, **chosen)
     publisher = recording.publisher('odom', message_type(ROW), QoSProfile(depth=1000))
     diagnostics = recording.publisher('/diagnostics', DiagnosticArray, 10)
     for step in range(100):

@@ -8,7 +8,7 @@ from typing import final, NamedTuple
 from lta_bridge.bag.chunk import ChunkBuilder, SealedChunk
 from lta_bridge.bag.mcap_file import CHUNK_SIZE
 from lta_bridge.bag.metadata import TopicRecord
-from lta_bridge.bag.qos import Profile
+from lta_bridge.bag.qos import is_latched, Profile
 from lta_bridge.bag.schemas import definition
 from lta_bridge.bag.writer import BagWriter, empty_folder
 
@@ -144,8 +144,3 @@ class SnapshotMemory:
         oldest = self._newest - self._span_ns
         while self._chunks and (self._chunks[0].end < oldest or self.size > self._room):
             self.size -= self._chunks.popleft().footprint
-
-
-def is_latched(qos: Sequence[Profile]) -> bool:
-    """Tell whether all publishers of a topic keep messages for late joiners."""
-    return bool(qos) and all(each['durability'] == 'transient_local' for each in qos)

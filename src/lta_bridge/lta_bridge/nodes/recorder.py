@@ -19,7 +19,7 @@ from typing import Any
 from diagnostic_msgs.msg import DiagnosticArray
 from lta_bridge.bag.background import BackgroundWriter
 from lta_bridge.bag.memory import SnapshotMemory
-from lta_bridge.bag.qos import Profile
+from lta_bridge.bag.qos import is_mixed, Profile
 from lta_bridge.bag.schemas import is_known
 from lta_bridge.bag.split import Split
 from lta_bridge.bag.storage import StorageFault
@@ -181,6 +181,13 @@ class Recorder(GraphNode):
             self._snapshots.tend(time.monotonic())
             level, words, figures = self._snapshots.tally()
             self.health.report('snapshots', level, words, **figures)
+        if mixed := [name for name, known in self._offers.items() if is_mixed(known)]:
+            self.health.report(
+                'latched',
+                Level.WARN,
+                f'what was sent before the recorder came is missed on {", ".join(mixed)}: '
+                'not all publishers keep it',
+            )
         if self._left_out:
             self.health.report(
                 'left out',
