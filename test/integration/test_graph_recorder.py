@@ -155,8 +155,14 @@ def test_nonsense_is_recorded_counted_and_dates_nothing(recording):
     publisher.publish(odom(2_000_000_000 * 10**9))
     publisher.publish(serialize_message(odom(first))[:8])
     publisher.publish(odom(second))
+    status = recording.publisher('energy/status', DiagnosticArray, 10)
+    torn = serialize_message(DiagnosticArray(status=[DiagnosticStatus(name='cut short')]))[:20]
+    status.publish(torn)
     recording.until(lambda: arrived(recording.bag, '/lta1/odom', 4))
+    recording.until(lambda: arrived(recording.bag, '/lta1/energy/status', 1))
     assert recording.end() == (0, '')
+    kept = [data for *_, data in read_bag(recording.bag).messages(['/lta1/energy/status'])]
+    assert kept == [torn]
     assert heard(recording.bag, '/lta1/odom') == [first, first, first, second]
     _, figures = facts(recording.bag, 'recording')[-1]
     assert figures['odom with a wild stamp'] == figures['odom cut short'] == '1'
@@ -259,6 +265,7 @@ def test_snapshots_are_written_when_asked_for_and_at_a_fault(recording, chosen):
     assert (recording.bag / 'snapshot_0').is_dir()
 
     status = DiagnosticStatus(name='motors: state', hardware_id='lta1', level=b'\2')
+    diagnostics.publish(serialize_message(DiagnosticArray(status=[status]))[:20])
     diagnostics.publish(DiagnosticArray(status=[status]))
     number = int(folder.name.rpartition('_')[2]) + 1
     fault = recording.bag / f'snapshot_{number}'

@@ -11,7 +11,7 @@ index still fits and the process ends with a sentence and status 2.
 """
 
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 import time
 from typing import Any
@@ -71,7 +71,14 @@ def origins(node: GraphNode, robots: list[str]) -> dict[str, Origin]:
 def cleaner(type_name: str) -> Callable[[bytes], bytes]:
     """Return what writes a message of a type anew, with zeros between its fields."""
     kind = message_class(type_name)
-    return lambda data: serialise(deserialize_message(data, kind))
+
+    def clean(data: bytes) -> bytes:
+        try:
+            return serialise(deserialize_message(data, kind))
+        except RuntimeError:  # it is no such message, and is kept as it came
+            return data
+
+    return clean
 
 
 class Recorder(GraphNode):
@@ -168,7 +175,9 @@ class Recorder(GraphNode):
 
     def _hear(self, data: bytes) -> None:
         """Look for faults in a diagnostics message."""
-        if self._snapshots is not None:
+        if self._snapshots is None:
+            return
+        with suppress(RuntimeError):  # what is no such message tells of no fault
             message = deserialize_message(data, DiagnosticArray)
             self._snapshots.hear(faults(message), time.monotonic())
 
