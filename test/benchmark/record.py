@@ -41,17 +41,24 @@ RECORDER = 'from lta_bridge.nodes.recorder import main; main()'
 PATIENCE = 30.0  # wall seconds
 
 
+def stat(pid: int) -> list[str]:
+    """Return what the kernel tells of a process, from its state on."""
+    return Path(f'/proc/{pid}/stat').read_text().rpartition(')')[2].split()
+
+
 def cpu(pid: int) -> float:
     """Return the time that a process has spent in itself and in the kernel. [s]"""
-    fields = Path(f'/proc/{pid}/stat').read_text().rpartition(')')[2].split()
+    fields = stat(pid)
     return (int(fields[11]) + int(fields[12])) / TICK
 
 
 def named(node: str) -> int | None:
-    """Return the process of a node of this user, None where there is none."""
+    """Return our process that is a node, None where there is none."""
     for folder in Path('/proc').glob('[0-9]*'):
         try:
-            if f'__node:={node}'.encode() in (folder / 'cmdline').read_bytes():
+            line = (folder / 'cmdline').read_bytes()
+            ours = int(stat(int(folder.name))[1]) == os.getpid()
+            if ours and f'__node:={node}'.encode() in line:
                 return int(folder.name)
         except OSError:
             continue
