@@ -159,15 +159,7 @@ class BagWriter:
             raise
 
     def add_chunk(self, sealed: SealedChunk) -> None:
-        """
-        Record messages that were packed before, their channels numbered as the topics here.
-
-        Raises
-        ------
-        StorageFault
-            As `write` does.
-
-        """
+        """Record packed messages, channels numbered as the topics here; raises as `write` does."""
         self.flush()
         for record in self._topics.values():
             record.written += sealed.counts.get(record.channel, 0)
