@@ -5,12 +5,13 @@ Time runs in seconds from the stamp of the first stamped message of the robot. M
 a stamp are placed by their log time, relative to the log time of that first message.
 """
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any, cast, final, NamedTuple
 
 from lta_analysis.bag.blocks import Image, PointCloud, stacked_blocks, stacked_clouds
-from lta_analysis.bag.columns import columns
+from lta_analysis.bag.gather import Gathering, Typed
 from lta_analysis.bag.reader import Bag, read_bag
 from lta_analysis.bag.series import Series
 from lta_analysis.bag.stamps import stamp_of
@@ -87,9 +88,34 @@ class Flight:
             If the topic is not in the bag or cannot be decoded.
 
         """
-        times: list[float] = []
-        numbers, texts = columns(self._timed(topic, times))
-        return Series(np.array(times, dtype=np.float64), numbers, texts)
+        return self.read([topic])[topic]
+
+    def read(self, topics: Collection[str]) -> dict[str, Series]:
+        """Return the fields of several topics from one pass over the bag; errors as `series`."""
+        makers = {self._absolute(topic): self._gathering(topic) for topic in topics}
+        for name, log_time, data in self.bag.messages(list(makers)):
+            makers[name].take(log_time, data)
+        return {topic: self._series(makers[self._absolute(topic)]) for topic in topics}
+
+    def parts(self, topic: str, rows: int) -> Iterator[Series]:
+        """
+        Yield the fields of a topic in stretches, for topics that are larger than the memory.
+
+        Parameters
+        ----------
+        topic : str
+            As for `series`; errors too.
+        rows : int
+            Messages in a stretch. Its columns are those that its messages have.
+
+        """
+        maker = self._gathering(topic)
+        for _, log_time, data in self.bag.messages([self._absolute(topic)]):
+            maker.take(log_time, data)
+            if len(maker) >= rows:
+                yield self._series(maker)
+        if len(maker):
+            yield self._series(maker)
 
     def blocks(self, topic: str) -> Blocks:
         """Return the samples of a topic of sensor_msgs/Image; errors as `series`."""
@@ -123,6 +149,19 @@ class Flight:
         found = self.type_of(topic)
         if found != type_name:
             raise BadInput(f"Topic '{topic}' is of type '{found}', not '{type_name}'.")
+
+    def _gathering(self, topic: str) -> Gathering:
+        """Return what turns the messages of a topic into columns."""
+        kind, name = self.type_of(topic), self._absolute(topic)
+        return Gathering(Typed(kind, self.bag.fields, partial(self.bag.decode, name)))
+
+    def _series(self, maker: Gathering) -> Series:
+        """Return what has been gathered, by time."""
+        found = maker.result()
+        time = (found.stamps - self.start) * 1e-9
+        for index in np.flatnonzero(found.stamps == 0):
+            time[index] = (found.logged[index] - self._origin.log) * 1e-9
+        return Series(time, found.numbers, found.texts)
 
     def _timed(self, topic: str, times: list[float]) -> Iterator[object]:
         """Yield the messages of a topic and add their times to `times`. [s]"""

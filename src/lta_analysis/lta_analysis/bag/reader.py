@@ -8,7 +8,7 @@ Memory stays within one chunk whatever the size of the bag.
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import final
+from typing import Any, final
 
 from lta_analysis.bag.chunks import Damaged, messages, RECORD, unpacked
 from lta_analysis.bag.contents import Contents, read_at
@@ -98,6 +98,10 @@ class Bag:
     def decode(self, topic: str, data: bytes) -> object:
         """Return a message of a topic as an object; `BadInput` if it cannot be read."""
         return self._decoder.decode(self.topics[topic].type_name, data)
+
+    def fields(self, type_name: str) -> list[tuple[str, Any]]:
+        """Return the fields of a type of messages in the bag; see `Decoder.fields`."""
+        return self._decoder.fields(type_name)
 
     def _add_topics(self, contents: Contents) -> None:
         """Take note of the topics of one file."""
