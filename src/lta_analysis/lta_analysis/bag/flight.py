@@ -117,18 +117,29 @@ class Flight:
         if len(maker):
             yield self._series(maker)
 
-    def blocks(self, topic: str) -> Blocks:
-        """Return the samples of a topic of sensor_msgs/Image; errors as `series`."""
+    def blocks(self, topic: str, chosen: Collection[int] | None = None) -> Blocks:
+        """
+        Return the samples of a topic of sensor_msgs/Image; errors as `series`.
+
+        Parameters
+        ----------
+        topic : str
+            As for `series`.
+        chosen : collection of int, optional
+            Which messages, counted from 0; each once, in the order of recording. All by default.
+
+        """
         times: list[float] = []
         self._require(topic, 'sensor_msgs/msg/Image')
-        samples = stacked_blocks(cast('list[Image]', list(self._timed(topic, times))))
+        images = self._timed(topic, times, None if chosen is None else frozenset(chosen))
+        samples = stacked_blocks(cast('Iterator[Image]', images))
         return Blocks(np.array(times, dtype=np.float64), samples)
 
     def points(self, topic: str) -> Points:
         """Return the values of a topic of sensor_msgs/PointCloud2; errors as `series`."""
         times: list[float] = []
         self._require(topic, 'sensor_msgs/msg/PointCloud2')
-        fields = stacked_clouds(cast('list[PointCloud]', list(self._timed(topic, times))))
+        fields = stacked_clouds(cast('Iterator[PointCloud]', self._timed(topic, times)))
         return Points(np.array(times, dtype=np.float64), fields)
 
     def _absolute(self, topic: str) -> str:
@@ -158,17 +169,21 @@ class Flight:
     def _series(self, maker: Gathering) -> Series:
         """Return what has been gathered, by time."""
         found = maker.result()
-        time = (found.stamps - self.start) * 1e-9
+        time = (found.stamps - self.start).astype(np.float64) * 1e-9
         for index in np.flatnonzero(found.stamps == 0):
             time[index] = (found.logged[index] - self._origin.log) * 1e-9
         return Series(time, found.numbers, found.texts)
 
-    def _timed(self, topic: str, times: list[float]) -> Iterator[object]:
-        """Yield the messages of a topic and add their times to `times`. [s]"""
+    def _timed(
+        self, topic: str, times: list[float], chosen: Collection[int] | None = None
+    ) -> Iterator[object]:
+        """Yield messages of a topic and add their times to `times`. [s]"""
         name = self._absolute(topic)
         if name not in self.bag.topics:
             raise unknown('topic', topic, self.topics)
-        for _, log_time, data in self.bag.messages([name]):
+        for index, (_, log_time, data) in enumerate(self.bag.messages([name])):
+            if chosen is not None and index not in chosen:
+                continue
             message = self.bag.decode(name, data)
             stamp = stamp_of(message)
             elapsed = log_time - self._origin.log if stamp is None else stamp - self.start

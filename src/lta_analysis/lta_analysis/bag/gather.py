@@ -212,11 +212,11 @@ def joined(batch: Sequence[bytes], indices: Sequence[int]) -> NDArray[np.uint8]:
 def plain(layout: Layout, table: NDArray[np.uint8], leaf: Leaf) -> NDArray[Any]:
     """Return a leaf of some messages as `columns` would: in memory of its own, native."""
     if leaf.code == TEXT:
-        return text(table[:, leaf.offset : leaf.offset + (leaf.count or 0)])
+        return text(table[:, leaf.offset : leaf.offset + (leaf.length or 0)])
     if leaf.code == '?':
-        return layout.values(table, leaf._replace(code='u1')) != 0
+        return np.not_equal(layout.values(table, leaf._replace(code='u1')), 0)
     values = layout.values(table, leaf)
-    if leaf.count is not None:
+    if leaf.length is not None:
         return values.astype(values.dtype.newbyteorder('='))
     return values.astype(np.uint64 if leaf.code == 'u8' else KINDS[values.dtype.kind])
 
@@ -236,5 +236,6 @@ def stamps_of(layout: Layout, values: Sequence[NDArray[Any]]) -> NDArray[np.int6
     place = stamp_place(by_path)
     if place is None:
         return 0
-    whole = by_path[f'{place}.sec'].astype(np.int64) * SECOND
-    return whole + by_path[f'{place}.nanosec'].astype(np.int64)
+    seconds, rest = (by_path[f'{place}.{part}'].astype(np.int64) for part in ('sec', 'nanosec'))
+    stamps: NDArray[np.int64] = seconds * SECOND + rest
+    return stamps

@@ -47,13 +47,13 @@ class Leaf(NamedTuple):
     One value or array in a message.
 
     `code` is its type as numpy names it, without byte order; `offset` counts from the first byte
-    of the encapsulation; `count` is the length of an array or of a text, None of a single number.
+    of the encapsulation; `length` is that of an array or of a text, None of a single number.
     """
 
     path: str
     code: str
     offset: int
-    count: int | None
+    length: int | None
 
 
 class Misfit(Exception):
@@ -112,19 +112,19 @@ class Layout:
 
         Returns
         -------
-        ndarray, shape (n,) or (n, count)
+        ndarray, shape (n,) or (n, length)
             In the byte order of the message.
 
         """
         kind = np.dtype(self.order + leaf.code)
-        if leaf.count == 0:
+        if leaf.length == 0:
             return np.empty((len(table), 0), kind)
-        shape = (len(table), leaf.count or 1)
+        shape = (len(table), leaf.length or 1)
         strides = (table.strides[0], kind.itemsize)
         found: NDArray[Any] = np.ndarray(
             shape, kind, table.data, offset=leaf.offset, strides=strides
         )
-        return found[:, 0] if leaf.count is None else found
+        return found[:, 0] if leaf.length is None else found
 
 
 def layout_of(type_name: str, data: bytes, fields: Fields) -> Layout:
