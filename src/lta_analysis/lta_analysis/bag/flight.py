@@ -64,13 +64,13 @@ class Flight:
         self.bag = bag
         self.robot = robot
         self.provenance = part(bag.provenance, robot)
-        self._origin = origin(bag, [self._absolute(name) for name in self.topics])
+        self._origin = origin(bag, [self.absolute(name) for name in self.topics])
         self.start = self._origin.stamp
 
     @property
     def topics(self) -> list[str]:
         """The robot's topics, relative to its namespace."""
-        prefix = self._absolute('')
+        prefix = self.absolute('')
         return [name.removeprefix(prefix) for name in self.bag.topics if name.startswith(prefix)]
 
     def series(self, topic: str) -> Series:
@@ -92,10 +92,10 @@ class Flight:
 
     def read(self, topics: Collection[str]) -> dict[str, Series]:
         """Return the fields of several topics from one pass over the bag; errors as `series`."""
-        makers = {self._absolute(topic): self._gathering(topic) for topic in topics}
+        makers = {self.absolute(topic): self._gathering(topic) for topic in topics}
         for name, log_time, data in self.bag.messages(list(makers)):
             makers[name].take(log_time, data)
-        return {topic: self._series(makers[self._absolute(topic)]) for topic in topics}
+        return {topic: self._series(makers[self.absolute(topic)]) for topic in topics}
 
     def parts(self, topic: str, rows: int) -> Iterator[Series]:
         """
@@ -110,7 +110,7 @@ class Flight:
 
         """
         maker = self._gathering(topic)
-        for _, log_time, data in self.bag.messages([self._absolute(topic)]):
+        for _, log_time, data in self.bag.messages([self.absolute(topic)]):
             maker.take(log_time, data)
             if len(maker) >= rows:
                 yield self._series(maker)
@@ -142,7 +142,7 @@ class Flight:
         fields = stacked_clouds(cast('Iterator[PointCloud]', self._timed(topic, times)))
         return Points(np.array(times, dtype=np.float64), fields)
 
-    def _absolute(self, topic: str) -> str:
+    def absolute(self, topic: str) -> str:
         """Return the name of a topic in the bag."""
         if topic.startswith('/'):
             return topic
@@ -150,7 +150,7 @@ class Flight:
 
     def type_of(self, topic: str) -> str:
         """Return a topic's message type; `BadInput` if the topic is not in the bag."""
-        name = self._absolute(topic)
+        name = self.absolute(topic)
         if name not in self.bag.topics:
             raise unknown('topic', topic, self.topics)
         return self.bag.topics[name].type_name
@@ -163,22 +163,23 @@ class Flight:
 
     def _gathering(self, topic: str) -> Gathering:
         """Return what turns the messages of a topic into columns."""
-        kind, name = self.type_of(topic), self._absolute(topic)
+        kind, name = self.type_of(topic), self.absolute(topic)
         return Gathering(Typed(kind, self.bag.fields, partial(self.bag.decode, name)))
 
     def _series(self, maker: Gathering) -> Series:
         """Return what has been gathered, by time."""
         found = maker.result()
-        time = (found.stamps - self.start).astype(np.float64) * 1e-9
-        for index in np.flatnonzero(found.stamps == 0):
-            time[index] = (found.logged[index] - self._origin.log) * 1e-9
-        return Series(time, found.numbers, found.texts)
+        stamps = found.stamps
+        for index in np.flatnonzero(stamps == 0):
+            stamps[index] = self.start + found.logged[index] - self._origin.log
+        time = (stamps - self.start).astype(np.float64) * 1e-9
+        return Series(stamps, time, found.numbers, found.texts)
 
     def _timed(
         self, topic: str, times: list[float], chosen: Collection[int] | None = None
     ) -> Iterator[object]:
         """Yield messages of a topic and add their times to `times`. [s]"""
-        name = self._absolute(topic)
+        name = self.absolute(topic)
         if name not in self.bag.topics:
             raise unknown('topic', topic, self.topics)
         for index, (_, log_time, data) in enumerate(self.bag.messages([name])):

@@ -214,7 +214,8 @@ def plain(layout: Layout, table: NDArray[np.uint8], leaf: Leaf) -> NDArray[Any]:
     if leaf.code == TEXT:
         return text(table[:, leaf.offset : leaf.offset + (leaf.length or 0)])
     if leaf.code == '?':
-        return np.not_equal(layout.values(table, leaf._replace(code='u1')), 0)
+        flags: NDArray[np.bool_] = layout.values(table, leaf._replace(code='u1')) != 0
+        return flags
     values = layout.values(table, leaf)
     if leaf.length is not None:
         return values.astype(values.dtype.newbyteorder('='))
