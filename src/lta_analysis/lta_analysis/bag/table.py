@@ -161,7 +161,9 @@ class Table:
 
     def between(self, begin: float, end: float) -> 'Table':
         """Return the rows of a stretch of time, both ends included. [s]"""
-        return self.rows(np.flatnonzero((self.time >= begin) & (self.time <= end)))
+        elapsed = self.stamp_ns - self.start
+        first, last = np.rint(begin * 1e9), np.rint(end * 1e9)
+        return self.rows(np.flatnonzero((elapsed >= first) & (elapsed <= last)))
 
     def rows(self, chosen: NDArray[np.intp]) -> 'Table':
         """Return some rows; copied only where they do not follow each other."""
