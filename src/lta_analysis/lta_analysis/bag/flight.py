@@ -7,6 +7,7 @@ a stamp are placed by their log time, relative to the log time of that first mes
 
 from collections.abc import Collection, Iterator
 from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any, cast, final, NamedTuple
 
@@ -135,6 +136,18 @@ class Flight:
         samples = stacked_blocks(cast('Iterator[Image]', images))
         return Blocks(np.array(times, dtype=np.float64), samples)
 
+    def block_parts(self, topic: str, rows: int) -> Iterator[Blocks]:
+        """Yield the samples of a topic of sensor_msgs/Image, `rows` messages at a time."""
+        self._require(topic, 'sensor_msgs/msg/Image')
+        for time, images in self._batches(topic, rows):
+            yield Blocks(time, stacked_blocks(cast('list[Image]', images)))
+
+    def point_parts(self, topic: str, rows: int) -> Iterator[Points]:
+        """Yield the values of a topic of sensor_msgs/PointCloud2, `rows` messages at a time."""
+        self._require(topic, 'sensor_msgs/msg/PointCloud2')
+        for time, clouds in self._batches(topic, rows):
+            yield Points(time, stacked_clouds(cast('list[PointCloud]', clouds)))
+
     def points(self, topic: str) -> Points:
         """Return the values of a topic of sensor_msgs/PointCloud2; errors as `series`."""
         times: list[float] = []
@@ -160,6 +173,16 @@ class Flight:
         found = self.type_of(topic)
         if found != type_name:
             raise BadInput(f"Topic '{topic}' is of type '{found}', not '{type_name}'.")
+
+    def _batches(
+        self, topic: str, rows: int
+    ) -> Iterator[tuple[NDArray[np.float64], list[object]]]:
+        """Yield times and messages of a topic, `rows` at a time. [s]"""
+        times: list[float] = []
+        messages = self._timed(topic, times)
+        while batch := list(islice(messages, rows)):
+            yield np.array(times), batch
+            times.clear()
 
     def _gathering(self, topic: str) -> Gathering:
         """Return what turns the messages of a topic into columns."""

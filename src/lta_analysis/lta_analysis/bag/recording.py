@@ -11,7 +11,7 @@ A recording in a notebook.
 A topic is read when it is first asked for, one at a time. See `docs/analysis.md`.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import partial
 from pathlib import Path
 import re
@@ -192,10 +192,26 @@ def table_of(flight: Flight, topic: str) -> Table:
     return table_from(flight, topic, flight.series(topic))
 
 
-def table_from(flight: Flight, topic: str, series: Series) -> Table:
-    """Return the messages of a topic, or some of them, as a table."""
+def table_from(
+    flight: Flight, topic: str, series: Series, joints: Mapping[str, str] | None = None
+) -> Table:
+    """
+    Return the messages of a topic, or some of them, as a table.
+
+    Parameters
+    ----------
+    flight : Flight
+        The recording.
+    topic : str
+        The topic.
+    series : Series
+        Its fields.
+    joints : mapping of str to str, optional
+        Columns by path that get another name; as `joints_of` finds by default.
+
+    """
     kind = flight.type_of(topic)
-    joints = joints_of(series)
+    joints = joints_of(series) if joints is None else joints
     data = {joints.get(path, path): values for path, values in series.numbers.items()}
     units = {joints.get(path, path): unit_of(kind, path, topic) for path in series.numbers}
     data |= series.texts

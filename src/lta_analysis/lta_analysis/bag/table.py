@@ -203,7 +203,7 @@ class Table:
         """Return a `pyarrow.Table`: stamp_ns, time, all columns; units in the fields' metadata."""
         columns = {STAMP: self.stamp_ns, TIME: self.time} | {each: self[each] for each in self}
         units = {STAMP: 'ns', TIME: 's'} | self.units
-        fields = [arrow_field(name, values, units) for name, values in columns.items()]
+        fields = [arrow_field(name, values.dtype, units) for name, values in columns.items()]
         arrays = [arrow.array(values) for values in columns.values()]
         about = {'topic': self.name, 'type': self.kind}
         return arrow.table(arrays, schema=arrow.schema(fields, metadata=about))
@@ -251,10 +251,10 @@ def optional(name: str) -> Any:  # noqa: ANN401 - a module
         ) from None
 
 
-def arrow_field(name: str, values: NDArray[Any], units: Mapping[str, str]) -> Any:  # noqa: ANN401
+def arrow_field(name: str, kind: np.dtype[Any], units: Mapping[str, str]) -> Any:  # noqa: ANN401
     """Return the declaration of a column with its unit."""
-    kind = arrow.string() if values.dtype.kind == 'U' else arrow.from_numpy_dtype(values.dtype)
-    return arrow.field(name, kind, metadata={'unit': units[name]} if name in units else None)
+    stored = arrow.string() if kind.kind == 'U' else arrow.from_numpy_dtype(kind)
+    return arrow.field(name, stored, metadata={'unit': units[name]} if name in units else None)
 
 
 def heading(table: Table) -> str:

@@ -6,6 +6,7 @@ from typing import Annotated
 
 from lta_analysis.bag.folder import bag_in
 from lta_analysis.bag.info import bag_info, show
+from lta_analysis.verbs.bag_export import export
 from lta_analysis.verbs.bag_plot import plot
 from rich.console import Console
 import typer
@@ -36,4 +37,5 @@ def info(
         show(found, Console())
 
 
+bag.command()(export)
 bag.command()(plot)
