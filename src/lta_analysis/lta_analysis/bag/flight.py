@@ -96,7 +96,8 @@ class Flight:
         makers = {self.absolute(topic): self._gathering(topic) for topic in topics}
         for name, log_time, data in self.bag.messages(list(makers)):
             makers[name].take(log_time, data)
-        return {topic: self._series(makers[self.absolute(topic)]) for topic in topics}
+        found = {name: self._series(maker) for name, maker in makers.items()}
+        return {topic: found[self.absolute(topic)] for topic in topics}
 
     def parts(self, topic: str, rows: int) -> Iterator[Series]:
         """
@@ -221,7 +222,10 @@ def origin(bag: Bag, topics: list[str]) -> Origin:
     for topic, log_time, data in bag.messages(topics):
         if topic in stampless:
             continue
-        stamp = stamp_of(bag.decode(topic, data))
+        try:
+            stamp = stamp_of(bag.decode(topic, data))
+        except BadInput:  # of this topic nothing can be read; of the others perhaps
+            stamp = None
         if stamp is not None:
             return Origin(stamp, log_time)
         stampless.add(topic)
