@@ -139,6 +139,12 @@ def test_matlab_holds_structs_matrices_and_units(flight_bag, mixed_bag, tmp_path
     written, _ = files(mixed_bag, 'mat', tmp_path / 'joints', topics=('motors',))
     motors = loadmat(written['motors'].file, squeeze_me=True, struct_as_record=False)['motors']
     np.testing.assert_array_equal(motors.effort.up, 0.1 * np.arange(5))
+    topics = ('motors', 'light/peaks')
+    written, _ = files(mixed_bag, 'mat', tmp_path / 'one', topics=topics, rate=10.0)
+    found = loadmat(written['aligned'].file, squeeze_me=True, struct_as_record=False)
+    np.testing.assert_array_equal(found['aligned'].motors.effort.up, 0.1 * np.arange(5))
+    np.testing.assert_array_equal(found['aligned'].light.peaks.x[:, 0], np.arange(5))
+    assert found['units'].motors.effort.up == '1'
 
 
 @pytest.mark.parametrize(

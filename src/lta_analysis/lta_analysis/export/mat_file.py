@@ -77,7 +77,7 @@ def matrices(columns: Mapping[str, np.ndarray[Any, Any]]) -> dict[str, np.ndarra
 
 def place(struct: Struct, path: str, value: object) -> None:
     """Put a value into a struct of structs."""
-    *outer, last = [legal(part) for part in path.split('.')]
+    *outer, last = [legal(part) for part in re.split('[./]', path)]
     for name in outer:
         inside = struct.setdefault(name, {})
         if not isinstance(inside, dict):  # a name that is a value already

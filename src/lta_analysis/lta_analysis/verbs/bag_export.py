@@ -44,7 +44,7 @@ def export(
     """
     Write a recording as Parquet, CSV or MATLAB files, one a topic, with the unit of each column.
 
-    Each file has stamp_ns and time [s] since the start of the flight, then the fields of the
+    Each file has stamp_ns and time, in s since the start of the flight, then the fields of the
     message by path; a quaternion's yaw, pitch and roll stand behind it. Blocks of the photodiodes
     become one row a sampling instant, point clouds one row a point. With --rate all topics stand
     in one table, with nothing where a topic was silent for three of its periods.
