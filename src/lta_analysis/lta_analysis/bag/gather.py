@@ -79,6 +79,8 @@ class Gathering:
 
     def take(self, log_time: int, data: bytes) -> None:
         """Take a message; `BadInput` if one that is waiting cannot be read."""
+        if not self._logged:
+            self._typed.decode(data)  # refuses what is no CDR, whatever its bytes look like
         self._logged.append(log_time)
         self._waiting.append(data)
         self._bytes += len(data)
