@@ -50,7 +50,7 @@ class McapFile:
     def __init__(self, path: Path, library: str) -> None:
         self._file = RecordFile(path)
         self._builder = ChunkBuilder()
-        self._schemas: dict[str, Schema] = {}
+        self._schemas: dict[Definition, Schema] = {}
         self._channels: list[Channel] = []
         self._chunks: list[ChunkIndex] = []
         self._metadata: list[MetadataIndex] = []
@@ -88,7 +88,7 @@ class McapFile:
     def add_channel(self, topic: str, definition: Definition, qos: str) -> int:
         """Announce a topic and return the number of its channel."""
         records: list[McapRecord] = []
-        schema = self._schemas.get(definition.type_name)
+        schema = self._schemas.get(definition)
         if schema is None:
             schema = Schema(
                 id=len(self._schemas) + 1,
@@ -105,7 +105,7 @@ class McapFile:
         records.append(channel)
         data = encoded(records)
         self._file.append(data)
-        self._schemas[schema.name] = schema
+        self._schemas[definition] = schema
         self._channels.append(channel)
         self._summary_size += len(data)
         return channel.id

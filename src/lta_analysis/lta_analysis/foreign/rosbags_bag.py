@@ -1,0 +1,147 @@
+"""
+rosbag2 recordings in SQLite and bags of ROS 1, by the rosbags library.
+
+Messages of ROS 1 become those of ROS 2: where both have the type and its fields are the same, the
+bytes are rewritten (no sequence number in the header); where ROS 2 has changed the type, field by
+field, new ones at zero; a type that ROS 2 does not have keeps the bag's own definition.
+"""
+
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import closing
+from pathlib import Path
+import sqlite3
+from typing import Any, final
+
+from lta_analysis.foreign.bag_rows import CHILD, Met, of_child, table_of, wanted_tables
+from lta_analysis.foreign.definitions import from_store
+from lta_analysis.foreign.protocol import Passed, Raw, Reached
+from lta_analysis.foreign.table import Table
+from lta_bridge.bag.schemas import jazzy
+from lta_config.errors import BadInput
+from lta_config.import_file import Mapping as MappingFile
+from rosbags.convert.converter import is_same_wireformat, migrate_bytes
+from rosbags.highlevel import AnyReader, AnyReaderError
+from rosbags.interfaces import Connection
+from rosbags.rosbag1 import ReaderError as Reader1Error
+from rosbags.rosbag2 import ReaderError as Reader2Error
+from rosbags.serde import SerdeError
+from rosbags.typesys import get_typestore, Stores
+from rosbags.typesys.store import Typestore
+
+LOOK = 2000  # messages between two movements of the bar
+RENAMED = {'tf/msg/tfMessage': 'tf2_msgs/msg/TFMessage'}  # of ROS 1, in ROS 2
+FAULTS = (AnyReaderError, Reader1Error, Reader2Error, SerdeError, sqlite3.Error, OSError)
+Convert = Callable[[bytes], bytes]
+
+
+def opened(path: Path, mapping: MappingFile | None) -> 'RosbagsLog':
+    """Return a recording that rosbags reads; `BadInput` if it cannot."""
+    return RosbagsLog(path, mapping)
+
+
+@final
+class RosbagsLog:
+    """An opened recording; see `protocol.Log`."""
+
+    timed: Sequence[str] = ()
+
+    def __init__(self, path: Path, mapping: MappingFile | None) -> None:
+        self._path = path
+        self.notes: list[str] = []
+        self.facts: dict[str, str] = {}
+        self._converters: dict[str, Convert] = {}
+        self.raw: dict[str, Raw] = {}
+        self._count = 0
+        with closing(self._messages()) as first:
+            if next(first, None) is None:
+                raise BadInput(f"'{path}' holds no message; nothing to import.")
+        self._tables = self._decoded(wanted_tables(mapping))
+
+    @property
+    def columns(self) -> Mapping[str, Sequence[str]]:
+        """The columns of the tables that the mapping names."""
+        return {name: list(table.columns) for name, table in self._tables.items()}
+
+    def tables(
+        self, wanted: Mapping[str, Collection[str]], reached: Reached
+    ) -> Iterator[Mapping[str, Table]]:
+        """Yield the tables that the mapping names."""
+        yield {name: self._tables[name] for name in wanted}
+
+    def messages(self, reached: Reached) -> Iterator[Passed]:
+        """Yield all messages by log time."""
+        for order, (_, connection, log_time, data) in enumerate(self._messages()):
+            if order % LOOK == 0:
+                reached(order / self._count)
+            convert = self._converters[connection.topic]
+            yield Passed(order, connection.topic, log_time, convert(data))
+
+    def _messages(self) -> Iterator[tuple[AnyReader, Connection, int, bytes]]:
+        """Yield reader, connection, log time in ns and raw message; faults are sentences."""
+        try:
+            with AnyReader([self._path], default_typestore=jazzy()) as reader:
+                self._learn(reader)
+                for connection, log_time, data in reader.messages():
+                    yield reader, connection, log_time, bytes(data)
+        except FAULTS as error:
+            reason = ' '.join(str(error).split()).rstrip('.')
+            raise BadInput(
+                f"'{self._path}' cannot be read ({reason}); mend it with its own tools first."
+            ) from None
+
+    def _learn(self, reader: AnyReader) -> None:
+        """Take note of the topics, once."""
+        if self.raw:
+            return
+        self._count = max(1, reader.message_count)
+        types = reader.typestore if reader.is2 else of_ros2(reader.typestore)
+        for connection in reader.connections:
+            name, kind = connection.topic, connection.msgtype
+            ours = kind if reader.is2 else RENAMED.get(kind, kind)
+            if name in self.raw:
+                if self.raw[name].definition.type_name != ours:
+                    raise BadInput(
+                        f"'{self._path}' has messages of several types on '{name}'; filter it "
+                        'with its own tools first.'
+                    )
+                continue
+            self.raw[name] = Raw(from_store(ours, types, self.notes))
+            self._converters[name] = (
+                bytes if reader.is2 else converter(reader.typestore, types, kind, ours)
+            )
+
+    def _decoded(self, wanted: set[str]) -> dict[str, Table]:
+        """Return the tables that are asked for and there."""
+        topics = {name: name.split(CHILD)[0] for name in wanted}
+        there = {name: topic for name, topic in topics.items() if topic in self.raw}
+        met: dict[str, list[Met]] = {name: [] for name in there}
+        for order, (reader, connection, log_time, data) in enumerate(
+            self._messages() if there else ()
+        ):
+            takers = [name for name, told in there.items() if told == connection.topic]
+            if not takers:
+                continue
+            one = Met(order, log_time, reader.deserialize(data, connection.msgtype))
+            for name in takers:
+                _, sign, child = name.partition(CHILD)
+                met[name] += of_child(one, child) if sign else [one]
+        return {name: table_of(found) for name, found in met.items() if found}
+
+
+def of_ros2(theirs: Typestore) -> Typestore:
+    """Return the types of ROS 2 Jazzy, and what a bag of ROS 1 has beside them."""
+    types = get_typestore(Stores.ROS2_JAZZY)
+    types.register(
+        {name: told for name, told in theirs.fielddefs.items() if name not in types.fielddefs}
+    )
+    return types
+
+
+def converter(theirs: Typestore, types: Typestore, kind: str, ours: str) -> Convert:
+    """Return what turns the bytes of a message of ROS 1 into those of ROS 2."""
+    if is_same_wireformat(theirs, types, kind, ours):
+        return lambda data: bytes(types.ros1_to_cdr(data, ours))
+    cache: dict[str, Any] = {}
+    return lambda data: bytes(
+        migrate_bytes(theirs, types, kind, ours, cache, data, src_is2=False, dst_is2=True)
+    )
