@@ -8,9 +8,8 @@ Numbers are those nearest to their text, as Python reads them; times are read as
 from collections.abc import Collection, Iterator, Mapping
 import csv
 from decimal import Decimal, InvalidOperation
-import io
 from pathlib import Path
-from typing import Any, BinaryIO, cast, final
+from typing import Any, BinaryIO, final
 
 from lta_analysis.foreign.lines import decompressed, text_lines
 from lta_analysis.foreign.protocol import Passed, Raw, Reached
@@ -79,8 +78,6 @@ class CsvLog:
                 reached(min(1.0, stream.tell() / size))
                 if batch.num_rows:
                     yield {'': self._table(batch, needed)}
-        if not self._rows:
-            raise BadInput(f"'{self._path}' has names of columns but no rows; nothing to import.")
 
     def messages(self, reached: Reached) -> Iterator[Passed]:
         """Yield nothing."""
@@ -141,6 +138,8 @@ class CsvLog:
                         f"'{self._path}': '{cell}' in column '{name}', row {row}, is not a "
                         'number; correct it, or leave the cell empty.'
                     )
+        if 'Empty CSV' in error:
+            return BadInput(f"'{self._path}' has names of columns but no rows; nothing to import.")
         reason = ' '.join(error.split())
         return BadInput(f"'{self._path}' cannot be read as text with columns: {reason[:200]}.")
 
@@ -220,7 +219,7 @@ def first_line(source: Any) -> str:  # noqa: ANN401 - a stream of pyarrow or of 
 def header_of(path: Path) -> list[str]:
     """Return the cells of the first line, for whoever looks for a mapping."""
     with path.open('rb') as stream:
-        line = first_line(io.BufferedReader(cast('Any', decompressed(stream))))
+        line = first_line(decompressed(stream))
     delimiter = max(',;\t', key=line.count)
     return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter), [])]
 

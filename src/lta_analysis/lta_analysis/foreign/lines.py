@@ -48,7 +48,7 @@ class Cleaned(io.RawIOBase):
     PIECE = 1 << 20
 
     def __init__(self, source: BinaryIO, text: Text, unread: int) -> None:
-        self._source = io.BufferedReader(source, self.PIECE)  # type: ignore[arg-type]
+        self._source = source
         self._comment = None if text.comment is None else text.comment.encode()
         self._blank = text.delimiter == 'whitespace'
         self._rest = b''

@@ -128,5 +128,7 @@ def _check_unit(what: str, given: Scalar | Vector, fitting: Sequence[str]) -> No
     if UNITS[unit][0] not in fitting:
         wanted = ' or '.join(fitting)
         if unit == '1':
-            raise BadInput(f'{what} has no unit; add "unit: {fitting[0]}", or what is like {wanted}.')
+            raise BadInput(
+                f'{what} has no unit; add "unit: {fitting[0]}", or what is like {wanted}.'
+            )
         raise BadInput(f'{what} is in {unit}, but must be in {wanted} or its like.')
