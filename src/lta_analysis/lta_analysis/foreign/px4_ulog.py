@@ -35,8 +35,9 @@ def opened(path: Path, mapping: MappingFile | None) -> Tables:
     """
     said = io.StringIO()
     try:
-        with contextlib.redirect_stdout(said):  # pyulog prints what it finds damaged
-            log = ULog(str(path), None, True)
+        # pyulog prints what it finds damaged, and leaves open what it opens itself.
+        with contextlib.redirect_stdout(said), path.open('rb') as stream:
+            log = ULog(stream, None, True)
     except (ULogException, struct.error, ValueError, LookupError, TypeError) as error:
         reason = ' '.join(str(error).split()) or type(error).__name__
         raise BadInput(f"'{path}' cannot be read as a ULog ({reason}).") from None

@@ -10,16 +10,22 @@ from scipy.spatial.transform import Rotation
 
 SIZES = {'uint64_t': 'Q', 'float': 'f', 'uint8_t': 'B', 'uint16_t': 'H', 'int32_t': 'i'}
 FORMATS = {
-    'vehicle_local_position': 'uint64_t timestamp;uint64_t timestamp_sample;float x;float y;float z;float vx;float vy;float vz;',
+    'vehicle_local_position': (
+        'uint64_t timestamp;uint64_t timestamp_sample;'
+        'float x;float y;float z;float vx;float vy;float vz;'
+    ),
     'vehicle_attitude': 'uint64_t timestamp;float[4] q;',
     'vehicle_angular_velocity': 'uint64_t timestamp;float[3] xyz;',
     'sensor_combined': 'uint64_t timestamp;float[3] gyro_rad;float[3] accelerometer_m_s2;',
     'actuator_motors': 'uint64_t timestamp;float[8] control;',
     'actuator_outputs': 'uint64_t timestamp;float[4] output;',
     'battery_status': 'uint64_t timestamp;float voltage_v;float current_a;float remaining;',
-    'distance_sensor': 'uint64_t timestamp;float current_distance;float min_distance;float max_distance;uint8_t orientation;',
+    'distance_sensor': (
+        'uint64_t timestamp;float current_distance;float min_distance;float max_distance;'
+        'uint8_t orientation;'
+    ),
     'vehicle_air_data': 'uint64_t timestamp;float baro_pressure_pa;',
-}  # fmt: skip
+}
 
 
 def message(kind, payload):
