@@ -13,6 +13,7 @@ from pydantic import AliasChoices, Field, field_validator, model_validator
 
 Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
 Column = Annotated[str, Field(min_length=1)]
+Format = Literal['csv', 'usd', 'ulog', 'bag']
 Three = Annotated[list[Column], Field(min_length=3, max_length=3)]
 
 # Our x, y, z in terms of theirs: ENU and FLU are ours.
@@ -253,7 +254,7 @@ class Mapping(_WithAxes):
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
     name: Name
     about: str
-    format: Literal['csv', 'usd', 'ulog', 'bag']
+    format: Format
     data: Literal['measured', 'simulated'] = 'measured'
     time: Time | None = None
     text: Text = Field(default_factory=Text)

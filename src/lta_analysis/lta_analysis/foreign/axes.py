@@ -58,7 +58,8 @@ def turned(vectors: Numbers, axes: Sequence[str] | None, *, axial: bool = False)
     mirror = round(np.linalg.det(signed)) if axial else 1
     picked = np.argmax(np.abs(signed), axis=1)
     signs = signed[np.arange(3), picked] * mirror
-    return vectors[:, picked] * signs
+    found: Numbers = vectors[:, picked] * signs
+    return found
 
 
 def attitude_matrix(world: Sequence[str] | None, body: Sequence[str] | None) -> Numbers:

@@ -35,11 +35,6 @@ class Chosen(NamedTuple):
     absent: list[str]
 
 
-def mapping_names() -> list[str]:
-    """Return the names of the mappings that LTA ships."""
-    return known('imports')
-
-
 def mapping_for(path: Path, format_: str, asked: str | None) -> tuple[Mapping | None, str]:
     """
     Return the mapping of a log, and its text; None where a bag is taken as it is.
@@ -68,7 +63,7 @@ def _found(path: Path) -> str:
     """Return the shipped mapping whose columns a text has, all of them."""
     there = set(header_of(path))
     fitting = []
-    for name in mapping_names():
+    for name in known('imports'):
         mapping, _ = load_mapping(name)
         if mapping.format == 'csv' and mapping.text.header is None:
             needed = {column for entry in mapping.topics for column in entry.columns}

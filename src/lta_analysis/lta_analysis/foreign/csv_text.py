@@ -226,9 +226,11 @@ def header_of(path: Path) -> list[str]:
 
 def even(time: Any, rows: Times) -> Times:  # noqa: ANN401 - lta_config.import_file.Time
     """Return the times of rows that come evenly, never a sum. [ns]"""
-    if time.step is not None:
-        return rows * round(time.step.si * SECOND)
-    return np.round(rows * (SECOND / time.rate.si)).astype(np.int64)
+    if time.step is None:
+        found: Times = np.round(rows * (SECOND / time.rate.si)).astype(np.int64)
+    else:
+        found = rows * round(time.step.si * SECOND)
+    return found
 
 
 def exact(texts: list[str | None], unit: str, column: str, first: int) -> Times:

@@ -96,8 +96,8 @@ class Layout:
             elif node == Nodetype.BASE:
                 self._lay_base(str(told[0]), path)
             else:
-                (_, item), length = told
-                self._lay_items(str(item[0]), path, node == Nodetype.ARRAY, int(length))
+                item, length = told[0], int(told[1])
+                self._lay_items(str(item[1][0]), path, node == Nodetype.ARRAY, length)
 
     def _lay_base(self, kind: str, path: str) -> None:
         """Lay out one text or number."""

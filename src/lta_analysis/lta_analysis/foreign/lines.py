@@ -15,7 +15,7 @@ GZIP = b'\x1f\x8b'
 NAMED = {'tab': '\t', 'whitespace': ' '}
 
 
-def decompressed(stream: BinaryIO) -> BinaryIO:
+def decompressed(stream: BinaryIO) -> BinaryIO | gzip.GzipFile:
     """Return a stream of what a file holds, compressed with gzip or not."""
     head = stream.read(2)
     stream.seek(0)
@@ -47,7 +47,7 @@ class Cleaned(io.RawIOBase):
 
     PIECE = 1 << 20
 
-    def __init__(self, source: BinaryIO, text: Text, unread: int) -> None:
+    def __init__(self, source: BinaryIO | gzip.GzipFile, text: Text, unread: int) -> None:
         self._source = source
         self._comment = None if text.comment is None else text.comment.encode()
         self._blank = text.delimiter == 'whitespace'

@@ -78,7 +78,7 @@ class McapLog:
 
 def _raw(bag: Bag, path: Path, notes: list[str]) -> dict[str, Raw]:
     """Return the topics that hold messages of ROS 2, with their definitions."""
-    found = {}
+    found: dict[str, Raw] = {}
     for file in bag_files(path):
         contents = file_contents(file)
         for channel in contents.channels.values():

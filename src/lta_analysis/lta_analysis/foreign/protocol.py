@@ -31,29 +31,32 @@ class Raw:
 
 
 class Log(Protocol):
-    """
-    An opened log.
+    """An opened log."""
 
-    Attributes
-    ----------
-    columns : mapping of str to list of str
-        The columns of each table; a format with one table calls it ''.
-    raw : mapping of str to Raw
-        Topics that can be passed on as they are; empty where a format has none.
-    notes : list of str
-        What is missing or odd, one sentence each; grows while it is read.
-    facts : dict of str to str
-        What the log says of its own origin.
-    timed : list of str
-        Columns that became the times.
+    @property
+    def columns(self) -> Mapping[str, Sequence[str]]:
+        """The columns of each table; a format with one table calls it ''."""
+        ...
 
-    """
+    @property
+    def raw(self) -> Mapping[str, Raw]:
+        """Topics that can be passed on as they are; empty where a format has none."""
+        ...
 
-    columns: Mapping[str, Sequence[str]]
-    raw: Mapping[str, Raw]
-    notes: list[str]
-    facts: dict[str, str]
-    timed: Sequence[str]
+    @property
+    def notes(self) -> list[str]:
+        """What is missing or odd, one sentence each; grows while it is read."""
+        ...
+
+    @property
+    def facts(self) -> dict[str, str]:
+        """What the log says of its own origin."""
+        ...
+
+    @property
+    def timed(self) -> Sequence[str]:
+        """Columns that became the times."""
+        ...
 
     def tables(
         self, wanted: Mapping[str, Collection[str]], reached: Reached

@@ -6,7 +6,7 @@ bytes are rewritten (no sequence number in the header); where ROS 2 has changed 
 field, new ones at zero; a type that ROS 2 does not have keeps the bag's own definition.
 """
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
 import sqlite3
@@ -32,6 +32,7 @@ LOOK = 2000  # messages between two movements of the bar
 RENAMED = {'tf/msg/tfMessage': 'tf2_msgs/msg/TFMessage'}  # of ROS 1, in ROS 2
 FAULTS = (AnyReaderError, Reader1Error, Reader2Error, SerdeError, sqlite3.Error, OSError)
 Convert = Callable[[bytes], bytes]
+Read = tuple[AnyReader, Connection, int, bytes]
 
 
 def opened(path: Path, mapping: MappingFile | None) -> 'RosbagsLog':
@@ -76,7 +77,7 @@ class RosbagsLog:
             convert = self._converters[connection.topic]
             yield Passed(order, connection.topic, log_time, convert(data))
 
-    def _messages(self) -> Iterator[tuple[AnyReader, Connection, int, bytes]]:
+    def _messages(self) -> Generator[Read, None, None]:
         """Yield reader, connection, log time in ns and raw message; faults are sentences."""
         try:
             with AnyReader([self._path], default_typestore=jazzy()) as reader:

@@ -8,6 +8,7 @@ import shutil
 import tempfile
 from typing import final
 
+from lta_analysis.bag.folder import bag_in
 from lta_analysis.foreign.choice import choose, mapping_for
 from lta_analysis.foreign.formats import named, recognised
 from lta_analysis.foreign.origin import origin
@@ -78,7 +79,7 @@ def import_all(order: Order, out: Path, progress: ImportProgress) -> list[Import
         for source, name in zip(order.sources, _names(order.sources), strict=True):
             progress.begin(source.name)
             inside = Path(name) / BAG if len(order.sources) > 1 else Path(BAG)
-            found = _imported(order, source, folder / inside, progress.reached)
+            found = _imported(order, bag_in(source), folder / inside, progress.reached)
             found.bag = str(out / inside)
             done.append(found)
             progress.end()
@@ -127,5 +128,6 @@ def _imported(order: Order, source: Path, bag: Path, reached: Reached) -> Import
         )
         found.topics, found.notes = write(log, chosen, bag, told, reached)
     except (OSError, StorageFault) as fault:
-        raise BadInput(f"'{source}' cannot be imported: {fault}.") from None
+        reason = str(fault).rstrip('.')
+        raise BadInput(f"'{source}' cannot be imported: {reason}.") from None
     return found

@@ -1,7 +1,7 @@
 """A log as a bag: its tables converted, its own messages passed on, all in the log's order."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from heapq import merge
 from operator import itemgetter
 from pathlib import Path
@@ -10,10 +10,9 @@ from lta_analysis.foreign.choice import Chosen
 from lta_analysis.foreign.convert import Converter, OutOfBounds, Written
 from lta_analysis.foreign.protocol import Log, Reached
 from lta_analysis.foreign.remarks import Remarks
-from lta_analysis.foreign.table import joined
+from lta_analysis.foreign.table import joined, Table
 from lta_bridge.bag.qos import offered_qos
 from lta_bridge.bag.writer import BagWriter
-from lta_config.import_file import Entry
 import numpy as np
 
 Message = tuple[int, str, int, bytes]  # place in the log, topic, log time in ns, CDR
@@ -54,14 +53,8 @@ def write(
     counts: Counter[str] = Counter()
     with BagWriter(bag, told | log.facts) as writer:
         names = _announced(writer, log, converters, chosen)
-        passed = (
-            (one.order, names[one.topic], one.log_time, one.data)
-            for one in log.messages(reached)
-            if one.topic in names
-        )
-        beginning = merge(_in_order(first), passed, key=itemgetter(0))
-        for part in [beginning] if log.raw else _chained(first, parts):
-            for _, topic, log_time, data in part:
+        for messages in _all(log, names, first, parts, reached):
+            for _, topic, log_time, data in messages:
                 writer.write(topic, data, log_time)
                 counts[topic] += 1
     topics = {converter.plan.topic for converter in converters} | set(names.values())
@@ -69,8 +62,22 @@ def write(
     return {topic: counts[topic] for topic in sorted(topics)}, notes
 
 
-def _chained(first: list[Written], parts: Iterable[list[Written]]) -> Iterator[Iterator[Message]]:
-    """Yield the messages of part after part."""
+def _all(
+    log: Log,
+    names: dict[str, str],
+    first: list[Written],
+    parts: Iterable[list[Written]],
+    reached: Reached,
+) -> Iterator[Iterator[Message]]:
+    """Yield runs of messages: a bag's in one with what was converted, or part after part."""
+    if log.raw:
+        passed = (
+            (one.order, names[one.topic], one.log_time, one.data)
+            for one in log.messages(reached)
+            if one.topic in names
+        )
+        yield merge(_in_order(first), passed, key=itemgetter(0))
+        return
     yield _in_order(first)
     yield from map(_in_order, parts)
 
@@ -105,39 +112,39 @@ def _parts(
     if not wanted:
         return
     for tables in log.tables(wanted, reached):
-        ages: dict[str, int] = {}
         for name, table in tables.items():
             used = {column: table.columns[column] for column in wanted[name] & {*table.columns}}
             remarks.look(name, table.stamps, used)
         found = []
         for converter in list(converters):
-            entry = converter.plan.entry
-            table, age = joined(
-                tables[entry.table or ''], {name: tables[name] for name in entry.join}
-            )
-            try:
-                found.append(converter.convert(table))
-            except OutOfBounds as wrong:
-                if not entry.optional or entry.table is None:
-                    raise
+            one = _converted(converter, tables, notes)
+            if one is None:
                 converters.remove(converter)
-                notes.append(f'{entry.topic} is left out: {wrong}')
-                continue
-            ages[_joint(entry)] = age
-        notes += [
-            f'{joint}, each as it was logged, at most {age * 1e-9:.3g} s before.'
-            for joint, age in ages.items()
-            if joint
-        ]
+            else:
+                found.append(one)
         yield found
 
 
-def _joint(entry: Entry) -> str:
-    """Return the beginning of the sentence about what was joined."""
-    if not entry.join:
-        return ''
-    others = ' and '.join(entry.join)
-    return f'{entry.topic} has the times of {entry.table} and the newest of {others}'
+def _converted(
+    converter: Converter, tables: Mapping[str, Table], notes: list[str]
+) -> Written | None:
+    """Return the messages of one topic; None where it is optional and its numbers are not its."""
+    entry = converter.plan.entry
+    table, age = joined(tables[entry.table or ''], {name: tables[name] for name in entry.join})
+    try:
+        found = converter.convert(table)
+    except OutOfBounds as wrong:
+        if not entry.optional or entry.table is None:
+            raise
+        notes.append(f'{entry.topic} is left out: {wrong}')
+        return None
+    if entry.join:
+        others = ' and '.join(entry.join)
+        notes.append(
+            f'{entry.topic} has the times of {entry.table} and the newest of {others}, each as it '
+            f'was logged, at most {age * 1e-9:.3g} s before.'
+        )
+    return found
 
 
 def _in_order(written: list[Written]) -> Iterator[Message]:

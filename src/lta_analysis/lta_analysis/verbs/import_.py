@@ -5,18 +5,19 @@ from datetime import datetime
 import json as json_text
 from pathlib import Path
 import sys
-from typing import Annotated
+from typing import Annotated, get_args, TYPE_CHECKING
 
-from lta_analysis.foreign.choice import mapping_names
-from lta_analysis.foreign.formats import FORMATS
-from lta_analysis.foreign.progress import ImportProgress
-from lta_analysis.foreign.run import import_all, Imported, Order
 from lta_analysis.typed import near, typed
 from lta_analysis.verbs.fly import folder
 from lta_config.errors import BadInput
+from lta_config.files import known
+from lta_config.import_file import Format
 from lta_config.topics import is_name
 from rich.console import Console
 import typer
+
+if TYPE_CHECKING:
+    from lta_analysis.foreign.run import Imported
 
 
 def import_(
@@ -26,13 +27,13 @@ def import_(
     mapping: Annotated[
         str | None,
         typer.Option(
-            help=f'What the columns are: a file, or one of {", ".join(mapping_names())}. Found '
+            help=f'What the columns are: a file, or one of {", ".join(known("imports"))}. Found '
             'from the columns where just one shipped mapping fits.'
         ),
     ] = None,
     format: Annotated[
         str | None,
-        typer.Option(help=f'{", ".join(FORMATS)}; found from the content if left out.'),
+        typer.Option(help=f'{", ".join(get_args(Format))}; found from the content if left out.'),
     ] = None,
     out: Annotated[
         Path | None,
@@ -66,6 +67,10 @@ def import_(
 
     Example: lta import log00 log01 --json
     """
+    # The readers of all formats take a while to load, which no other verb should wait for.
+    from lta_analysis.foreign.progress import ImportProgress
+    from lta_analysis.foreign.run import import_all, Order
+
     console = Console(stderr=json)
     if not is_name(robot):
         raise BadInput(f"Robot '{robot}' is no name for topics; use letters and digits.")
@@ -82,7 +87,7 @@ def import_(
         _show(one, console)
 
 
-def _show(one: Imported, console: Console) -> None:
+def _show(one: 'Imported', console: Console) -> None:
     """Print what became of one log."""
     told = f'{one.format}, mapping {one.mapping}' if one.mapping else one.format
     console.print(

@@ -2,11 +2,13 @@
 
 import json
 from pathlib import Path
+from typing import get_args
 
 from lta_analysis import app
 from lta_analysis.bag.reader import read_bag
+from lta_analysis.foreign.formats import FORMATS
 from lta_config.files import known
-from lta_config.import_file import load_mapping, Mapping
+from lta_config.import_file import Format, load_mapping, Mapping
 import pytest
 
 TRACE = '1.5 1 2 3 0 0 0 1\n2.5 1 2 4 0 0 0 1\n'
@@ -112,3 +114,18 @@ def test_shipped_mappings_are_named_as_their_files(name):
     assert isinstance(mapping, Mapping)
     assert mapping.name == name
     assert text.startswith('# ')
+
+
+def test_the_formats_of_mappings_are_those_that_are_read():
+    assert list(FORMATS) == list(get_args(Format))
+    assert {load_mapping(name)[0].format for name in known('imports')} <= set(FORMATS)
+
+
+def test_a_flights_results_folder_is_its_bag(lta, tmp_path):
+    (tmp_path / 'trace.txt').write_text(TRACE)
+    once, again = tmp_path / 'once', tmp_path / 'again'
+    assert lta('import', tmp_path / 'trace.txt', '--mapping', 'tum', '--out', once)[0] == 0
+    assert lta('import', once, '--out', again)[0] == 0
+    bags = [read_bag(folder / 'bag') for folder in (once, again)]
+    assert len(set(map(str, (list(bag.messages()) for bag in bags)))) == 1
+    assert bags[1].provenance['original_source'] == 'trace.txt'
