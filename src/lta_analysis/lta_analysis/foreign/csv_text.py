@@ -71,7 +71,7 @@ class CsvLog:
         needed = [name for name in self._names if name in wanted['']]
         if absent := [name for name in self.timed if name not in self._names]:
             raise missing(self._path, absent, self._names)
-        types = dict.fromkeys(needed, pa.float64()) | dict.fromkeys(self.timed, pa.string())
+        types = dict.fromkeys(needed, pa.float64()) | dict.fromkeys(self.timed, pa.binary())
         size = self._path.stat().st_size
         with self._path.open('rb') as stream:
             for batch in self._batches(stream, types):
@@ -109,7 +109,7 @@ class CsvLog:
         if time is None or time.column is None:
             found = even(time, rows)
         else:
-            texts = batch.column(time.column).to_pylist()
+            texts = list(map(decoded, batch.column(time.column).to_pylist()))
             found = exact(texts, time.unit, time.column, int(rows[0]))
         if self._shift is None:
             self._shift = self._chosen_shift(int(found[0]))
@@ -147,11 +147,11 @@ class CsvLog:
         """Return row and text of the first cell of a column that is not a number."""
         row = 0
         with self._path.open('rb') as stream:
-            for batch in reader(stream, self._mapping.text, self._names, {name: pa.string()}):
-                for cell in batch.column(name).to_pylist():
+            for batch in reader(stream, self._mapping.text, self._names, {name: pa.binary()}):
+                for cell in map(decoded, batch.column(name).to_pylist()):
                     row += 1
                     if cell and not is_number(cell):
-                        return row, cell[:40]
+                        return row, shown(cell)
         return None
 
 
@@ -161,8 +161,8 @@ def reader(
     """Return what yields a text's rows, with the columns of `types` alone."""
     unread = text.skip + (1 if text.header is None else 0)
     source, delimiter = text_lines(stream, text, unread)
-    # A column of texts keeps the number of rows where no column is asked for.
-    wanted = types or {names[0]: pa.string()}
+    # Bytes, since not every text is UTF-8. One column keeps the number of rows.
+    wanted = types or {names[0]: pa.binary()}
     return pacsv.open_csv(
         source,
         read_options=pacsv.ReadOptions(column_names=names, block_size=PART, use_threads=False),
@@ -233,20 +233,30 @@ def even(time: Any, rows: Times) -> Times:  # noqa: ANN401 - lta_config.import_f
     return found
 
 
-def exact(texts: list[str | None], unit: str, column: str, first: int) -> Times:
+def exact(texts: list[str], unit: str, column: str, first: int) -> Times:
     """Return times as integer nanoseconds from their decimals; errors name the row."""
     factor = Decimal(str(UNITS[unit][1])) * SECOND
     found = np.empty(len(texts), dtype=np.int64)
     for index, text in enumerate(texts):
         try:
-            found[index] = int((Decimal(text or '') * factor).to_integral_value())
+            found[index] = int((Decimal(text) * factor).to_integral_value())
         except (InvalidOperation, OverflowError, ValueError):
-            told = f"'{text[:40]}'" if text else 'nothing'
+            told = f"'{shown(text)}'" if text else 'nothing'
             raise BadInput(
                 f"Column '{column}' has {told} in row {first + index + 1}, which is no time; "
                 'correct the row or take it out.'
             ) from None
     return found
+
+
+def decoded(cell: bytes | None) -> str:
+    """Return a cell as text; an empty one is empty."""
+    return '' if cell is None else cell.decode(errors='replace')
+
+
+def shown(cell: str) -> str:
+    """Return a cell as one line for a message."""
+    return ' '.join(cell[:40].split())
 
 
 def is_number(cell: str) -> bool:

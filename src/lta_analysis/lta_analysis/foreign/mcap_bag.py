@@ -20,7 +20,12 @@ LOOK = 2000  # messages between two movements of the bar
 
 def opened(path: Path, mapping: MappingFile | None) -> 'McapLog':
     """Return a recording in MCAP; `BadInput` if there is none."""
-    return McapLog(path, mapping)
+    try:
+        return McapLog(path, mapping)
+    except UnicodeDecodeError:
+        raise BadInput(
+            f"The names in '{path}' are damaged; import what is left of it from a copy."
+        ) from None
 
 
 @final
@@ -69,11 +74,20 @@ class McapLog:
             takers = [name for name, told in there.items() if told == topic]
             if not takers:
                 continue
-            one = Met(order, log_time, self._bag.decode(topic, data))
+            one = Met(order, log_time, self._message(topic, data))
             for name in takers:
                 _, sign, child = name.partition(CHILD)
                 met[name] += of_child(one, child) if sign else [one]
         return {name: table_of(found) for name, found in met.items() if found}
+
+    def _message(self, topic: str, data: bytes) -> object:
+        """Return a decoded message."""
+        try:
+            return self._bag.decode(topic, data)
+        except KeyError as part:
+            raise BadInput(
+                f"The definition of '{topic}' lacks {part}; take it out of the mapping."
+            ) from None
 
 
 def _raw(bag: Bag, path: Path, notes: list[str]) -> dict[str, Raw]:

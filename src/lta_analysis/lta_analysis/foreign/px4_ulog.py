@@ -41,7 +41,8 @@ def opened(path: Path, mapping: MappingFile | None) -> Tables:
     except (ULogException, struct.error, ValueError, LookupError, TypeError) as error:
         reason = ' '.join(str(error).split()) or type(error).__name__
         raise BadInput(f"'{path}' cannot be read as a ULog ({reason}).") from None
-    tables = {_name(data): _table(data.data) for data in log.data_list if len(data.data)}
+    timed = [data for data in log.data_list if 'timestamp' in data.data]
+    tables = {_name(data): _table(data.data) for data in timed}
     if not tables:
         raise BadInput(f"'{path}' is a ULog without a single message; nothing to import.")
     notes = []

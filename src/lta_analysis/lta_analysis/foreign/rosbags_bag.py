@@ -9,7 +9,6 @@ field, new ones at zero; a type that ROS 2 does not have keeps the bag's own def
 from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
-import sqlite3
 from typing import Any, final
 
 from lta_analysis.foreign.bag_rows import CHILD, Met, of_child, table_of, wanted_tables
@@ -20,17 +19,13 @@ from lta_bridge.bag.schemas import jazzy
 from lta_config.errors import BadInput
 from lta_config.import_file import Mapping as MappingFile
 from rosbags.convert.converter import is_same_wireformat, migrate_bytes
-from rosbags.highlevel import AnyReader, AnyReaderError
+from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Connection
-from rosbags.rosbag1 import ReaderError as Reader1Error
-from rosbags.rosbag2 import ReaderError as Reader2Error
-from rosbags.serde import SerdeError
 from rosbags.typesys import get_typestore, Stores
 from rosbags.typesys.store import Typestore
 
 LOOK = 2000  # messages between two movements of the bar
 RENAMED = {'tf/msg/tfMessage': 'tf2_msgs/msg/TFMessage'}  # of ROS 1, in ROS 2
-FAULTS = (AnyReaderError, Reader1Error, Reader2Error, SerdeError, sqlite3.Error, OSError)
 Convert = Callable[[bytes], bytes]
 Read = tuple[AnyReader, Connection, int, bytes]
 
@@ -73,9 +68,12 @@ class RosbagsLog:
         """Yield all messages by log time."""
         for order, (_, connection, log_time, data) in enumerate(self._messages()):
             if order % LOOK == 0:
-                reached(order / self._count)
-            convert = self._converters[connection.topic]
-            yield Passed(order, connection.topic, log_time, convert(data))
+                reached(min(1.0, order / self._count))
+            try:
+                ours = self._converters[connection.topic](data)
+            except Exception as error:
+                raise self._unreadable(error) from None
+            yield Passed(order, connection.topic, log_time, ours)
 
     def _messages(self) -> Generator[Read, None, None]:
         """Yield reader, connection, log time in ns and raw message; faults are sentences."""
@@ -84,11 +82,17 @@ class RosbagsLog:
                 self._learn(reader)
                 for connection, log_time, data in reader.messages():
                     yield reader, connection, log_time, bytes(data)
-        except FAULTS as error:
-            reason = ' '.join(str(error).split()).rstrip('.')
-            raise BadInput(
-                f"'{self._path}' cannot be read ({reason}); mend it with its own tools first."
-            ) from None
+        except BadInput:
+            raise
+        except Exception as error:
+            raise self._unreadable(error) from None
+
+    def _unreadable(self, error: Exception) -> BadInput:
+        """Return the sentence for a damaged bag, on which rosbags and SQLite fail in many ways."""
+        reason = ' '.join(str(error).split()).rstrip('.') or type(error).__name__
+        return BadInput(
+            f"'{self._path}' cannot be read ({reason}); mend it with its own tools first."
+        )
 
     def _learn(self, reader: AnyReader) -> None:
         """Take note of the topics, once."""
@@ -122,7 +126,10 @@ class RosbagsLog:
             takers = [name for name, told in there.items() if told == connection.topic]
             if not takers:
                 continue
-            one = Met(order, log_time, reader.deserialize(data, connection.msgtype))
+            try:
+                one = Met(order, log_time, reader.deserialize(data, connection.msgtype))
+            except Exception as error:
+                raise self._unreadable(error) from None
             for name in takers:
                 _, sign, child = name.partition(CHILD)
                 met[name] += of_child(one, child) if sign else [one]

@@ -4,9 +4,10 @@ import gzip
 import hashlib
 import math
 from pathlib import Path
+import shutil
 import struct
 
-from hypothesis import given
+from hypothesis import given, HealthCheck, settings
 from hypothesis import strategies as st
 from lta_analysis.foreign.csv_text import exact, is_number
 from lta_config.errors import BadInput
@@ -315,3 +316,41 @@ def test_what_is_wrong_in_a_mapping_is_one_sentence(bring, tmp_path, old, new, s
     assert sentence in str(told.value)
     assert '\n' not in str(told.value)
     assert not (Path(tmp_path) / 'out').exists()
+
+
+UNITS = {'m': 1.0, 'cm': 1e-2, 'mm': 1e-3}
+
+
+@given(
+    st.lists(st.tuples(*[st.floats(-1e9, 1e9)] * 3), min_size=1, max_size=5),
+    st.sampled_from(sorted(UNITS)),
+    st.permutations('xyz'),
+    st.tuples(*[st.sampled_from(('', '-'))] * 3),
+)
+@settings(max_examples=10, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_any_numbers_come_out_as_plain_arithmetic_says(bring, tmp_path, rows, unit, order, signs):
+    """To the last bit: number times unit, picked and negated; no other operation."""
+    axes = [sign + axis for sign, axis in zip(signs, order, strict=True)]
+    lines = [f'{k + 5},{x!r},{y!r},{z!r}' for k, (x, y, z) in enumerate(rows)]
+    mapping = POSE.replace('unit: m}', f'unit: {unit}}}') + f'world: [{", ".join(axes)}]\n'
+    shutil.rmtree(tmp_path / 'out', ignore_errors=True)
+    found = bring(text(tmp_path / 'a.csv', 't,x,y,z', *lines), mapping)
+    for row, message in zip(rows, found.messages[ODOM], strict=True):
+        p = message.pose.pose.position
+        numbers = dict(zip('xyz', row, strict=True))
+        factors = [-1.0 if axis[0] == '-' else 1.0 for axis in axes]
+        wanted = [
+            factor * (numbers[axis[-1]] * UNITS[unit])
+            for axis, factor in zip(axes, factors, strict=True)
+        ]
+        assert [p.x, p.y, p.z] == wanted
+
+
+@pytest.mark.parametrize('ending', ['\n', '\r\n'])
+def test_a_mark_of_byte_order_quotes_and_line_endings(bring, tmp_path, ending):
+    rows = ['"t","x","y","z"', '5,1,2,3', '"6","4","5","6"']
+    source = tmp_path / 'a.csv'
+    source.write_bytes(b'\xef\xbb\xbf' + ending.join(rows).encode())
+    found = bring(source, POSE)
+    positions = [message.pose.pose.position for message in found.messages[ODOM]]
+    assert [(p.x, p.y, p.z) for p in positions] == [(1, 2, 3), (4, 5, 6)]

@@ -2,13 +2,16 @@
 
 import json
 from pathlib import Path
+import re
 from typing import get_args
 
 from lta_analysis import app
 from lta_analysis.bag.reader import read_bag
 from lta_analysis.foreign.formats import FORMATS
-from lta_config.files import known
-from lta_config.import_file import Format, load_mapping, Mapping
+from lta_analysis.foreign.plan import plan
+from lta_analysis.foreign.shapes import EXTRA, SHAPES
+from lta_config.files import checked, known, parse_yaml
+from lta_config.import_file import AXES, Format, load_mapping, Mapping
 import pytest
 
 TRACE = '1.5 1 2 3 0 0 0 1\n2.5 1 2 4 0 0 0 1\n'
@@ -129,3 +132,30 @@ def test_a_flights_results_folder_is_its_bag(lta, tmp_path):
     bags = [read_bag(folder / 'bag') for folder in (once, again)]
     assert len(set(map(str, (list(bag.messages()) for bag in bags)))) == 1
     assert bags[1].provenance['original_source'] == 'trace.txt'
+
+
+def test_ctrl_c_leaves_nothing(lta, tmp_path, monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr('lta_analysis.foreign.convert.Converter.convert', interrupted)
+    (tmp_path / 'trace.txt').write_text(TRACE)
+    words = ['import', tmp_path / 'trace.txt', '--mapping', 'tum', '--out', tmp_path / 'out']
+    assert lta(*words)[0] == app.STOPPED
+    assert [path.name for path in tmp_path.iterdir()] == ['trace.txt']
+
+
+PAGE = (Path(__file__).resolve().parents[4] / 'docs' / 'import.md').read_text(encoding='utf-8')
+
+
+@pytest.mark.parametrize('block', re.findall(r'```yaml\n(.*?)```', PAGE, re.DOTALL))
+def test_mappings_on_the_page_for_people_are_mappings(block):
+    mapping = checked(Mapping, parse_yaml(block, 'the page'), 'the page')
+    for entry in mapping.topics:
+        plan(entry, mapping, 'lta1')
+
+
+def test_the_page_for_people_names_all_that_there_is():
+    parts = {name for shape in SHAPES.values() for name in shape}
+    for name in (*known('imports'), *FORMATS, *AXES, *parts, *EXTRA):
+        assert re.search(rf'\b{name}\b', PAGE), name
