@@ -12,6 +12,9 @@ from lta_analysis.foreign.protocol import Log
 from lta_config.errors import BadInput
 from lta_config.files import known
 from lta_config.import_file import Entry, load_mapping, Mapping
+from lta_config.vehicle_file import load_vehicle_file
+
+MASS = 'moving_mass'  # its place is told as three actuators, moving_mass_x and so on
 
 
 @final
@@ -110,6 +113,25 @@ def choose(path: Path, mapping: Mapping | None, log: Log, robot: str) -> Chosen:
             f"'{path}' has nothing that the mapping '{mapping.name}' asks for; it has {there}."
         )
     return found._replace(absent=absent)
+
+
+def strangers(vehicle: str, chosen: Chosen) -> list[str]:
+    """
+    Return a sentence where the actuators of a log are not those of the vehicle that flew.
+
+    Raises
+    ------
+    BadInput
+        If there is no such vehicle, or its file is wrong.
+
+    """
+    file = load_vehicle_file(vehicle)
+    there = {*file.rotors, *(f'{MASS}_{axis}' for axis in 'xyz' if file.moving_mass)}
+    told = [name for made in chosen.plans for name in made.entry.actuators or {}]
+    strange = [name for name in told if name not in there]
+    if not strange:
+        return []
+    return [f"Vehicle '{vehicle}' has no {', '.join(strange)}; it has {', '.join(sorted(there))}."]
 
 
 def _planned(path: Path, mapping: Mapping, log: Log, entry: Entry, robot: str) -> Plan | None:

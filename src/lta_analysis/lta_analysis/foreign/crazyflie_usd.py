@@ -73,10 +73,11 @@ def opened(path: Path, mapping: MappingFile | None) -> Tables:
             f'From byte {stopped} on there is no event that the head names; {end - stopped} bytes '
             'are left out.'
         )
-    tables = {
-        events[number].name: _table(data, events[number], found, version)
-        for number, found in places.items()
-    }
+    tables: dict[str, Table] = {}
+    for number, found in places.items():
+        name = events[number].name
+        name = f'{name} ({number})' if name in tables else name
+        tables[name] = _table(data, events[number], found, version)
     if not tables:
         raise BadInput(f"'{path}' is a Crazyflie's log without a single event; nothing to import.")
     facts = {'usd_version': str(version), 'crc': 'fits' if whole else 'does not fit'}

@@ -9,7 +9,7 @@ import tempfile
 from typing import final
 
 from lta_analysis.bag.folder import bag_in
-from lta_analysis.foreign.choice import choose, mapping_for
+from lta_analysis.foreign.choice import choose, mapping_for, strangers
 from lta_analysis.foreign.formats import named, recognised
 from lta_analysis.foreign.origin import origin
 from lta_analysis.foreign.progress import ImportProgress
@@ -126,7 +126,9 @@ def _imported(order: Order, source: Path, bag: Path, reached: Reached) -> Import
         found = Imported(
             str(source), str(bag), format_, mapping.name if mapping else '', told['data']
         )
+        strange = [] if order.vehicle is None else strangers(order.vehicle, chosen)
         found.topics, found.notes = write(log, chosen, bag, told, reached)
+        found.notes += strange
     except (OSError, StorageFault) as fault:
         reason = str(fault).rstrip('.')
         raise BadInput(f"'{source}' cannot be imported: {reason}.") from None

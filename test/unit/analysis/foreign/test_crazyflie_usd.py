@@ -144,3 +144,12 @@ def test_a_pulse_that_no_motor_has_is_left_out_and_said(bring, tmp_path):
     found = bring(tmp_path / 'log00')
     assert list(found.messages) == ['/lta1/battery']
     assert "motors is left out: Column 'motor.m3' has 70000 in row 1" in found.notes
+
+
+def test_two_kinds_of_event_with_one_name_are_both_there(bring, tmp_path):
+    kinds = [('e', [('pm.vbat', 'f')]), ('e', [('range.zrange', 'H')])]
+    data = head(2, kinds) + struct.pack('<HQf', 0, 5, 3.5) + struct.pack('<HQH', 1, 6, 250)
+    (tmp_path / 'log00').write_bytes(sealed(data))
+    found = bring(tmp_path / 'log00')
+    assert found.messages['/lta1/battery'][0].voltage == 3.5
+    assert found.messages['/lta1/range'][0].range == 0.25

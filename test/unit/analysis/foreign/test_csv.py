@@ -354,3 +354,15 @@ def test_a_mark_of_byte_order_quotes_and_line_endings(bring, tmp_path, ending):
     found = bring(source, POSE)
     positions = [message.pose.pose.position for message in found.messages[ODOM]]
     assert [(p.x, p.y, p.z) for p in positions] == [(1, 2, 3), (4, 5, 6)]
+
+
+def test_actuators_that_the_vehicle_does_not_have_are_named(bring, tmp_path):
+    mapping = POSE + (
+        '  - topic: motors\n'
+        '    actuators:\n'
+        '      left: {effort: {column: x, unit: N}}\n'
+        '      moving_mass_x: {position: {column: y, unit: m}}\n'
+        '      tail: {effort: {column: z}}\n'
+    )
+    found = bring(text(tmp_path / 'a.csv', 't,x,y,z', '5,1,2,3'), mapping, vehicle='rgblimp')
+    assert "Vehicle 'rgblimp' has no tail; it has left, moving_mass_x" in found.notes
