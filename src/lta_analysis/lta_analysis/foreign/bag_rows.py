@@ -10,13 +10,14 @@ from typing import Any, final, NamedTuple
 from lta_analysis.bag.columns import columns
 from lta_analysis.bag.stamps import stamp_of
 from lta_analysis.foreign.shapes import Part, SHAPES
-from lta_analysis.foreign.table import Table
+from lta_analysis.foreign.table import Numbers, Table
 from lta_config.errors import BadInput
 from lta_config.import_file import Entry, Orientation, Scalar, Vector
 from lta_config.import_file import Mapping as MappingFile
 import numpy as np
 
 TRANSFORMS = 'tf2_msgs/msg/TFMessage'
+PIECE = 10_000  # decoded messages kept before they become numbers
 CHILD = '#'  # between a topic of transforms and a child frame
 
 
@@ -65,6 +66,45 @@ def table_of(met: Iterable[Met]) -> Table:
         np.array([one.order for one in listed], dtype=np.int64),
         {path: np.asarray(values, dtype=np.float64) for path, values in numbers.items()},
     )
+
+
+@final
+class Rows:
+    """Collects the messages of a table; decoded ones are kept only until there are some."""
+
+    def __init__(self) -> None:
+        self._met: list[Met] = []
+        self._parts: list[Table] = []
+
+    def add(self, more: Iterable[Met]) -> None:
+        """Take the next messages."""
+        self._met += more
+        if len(self._met) >= PIECE:
+            self._pack()
+
+    def table(self) -> Table | None:
+        """Return all of them as a table; None if there were none."""
+        if self._met:
+            self._pack()
+        if not self._parts:
+            return None
+        names = dict.fromkeys(name for part in self._parts for name in part.columns)
+        return Table(
+            np.concatenate([part.stamps for part in self._parts]),
+            np.concatenate([part.log_times for part in self._parts]),
+            np.concatenate([part.order for part in self._parts]),
+            {name: self._column(name) for name in names},
+        )
+
+    def _pack(self) -> None:
+        self._parts.append(table_of(self._met))
+        self._met = []
+
+    def _column(self, name: str) -> Numbers:
+        """Return a column of all parts; NaN in those that do not have it."""
+        return np.concatenate(
+            [part.columns.get(name, np.full(len(part), np.nan)) for part in self._parts]
+        )
 
 
 def of_child(met: Met, child: str) -> list[Met]:

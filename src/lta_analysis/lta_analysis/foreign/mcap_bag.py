@@ -6,7 +6,7 @@ from typing import cast, final
 
 from lta_analysis.bag.folder import bag_files
 from lta_analysis.bag.reader import Bag, file_contents, read_bag
-from lta_analysis.foreign.bag_rows import CHILD, Met, of_child, table_of, wanted_tables
+from lta_analysis.foreign.bag_rows import CHILD, Met, of_child, Rows, wanted_tables
 from lta_analysis.foreign.definitions import from_bag
 from lta_analysis.foreign.protocol import Passed, Raw, Reached
 from lta_analysis.foreign.table import Table
@@ -67,7 +67,7 @@ class McapLog:
         """Return the tables that are asked for and there."""
         topics = {name: name.split(CHILD)[0] for name in wanted}
         there = {name: topic for name, topic in topics.items() if topic in self.raw}
-        met: dict[str, list[Met]] = {name: [] for name in there}
+        met = {name: Rows() for name in there}
         for order, (topic, log_time, data) in enumerate(
             self._bag.messages(list(self.raw)) if there else ()
         ):
@@ -77,8 +77,9 @@ class McapLog:
             one = Met(order, log_time, self._message(topic, data))
             for name in takers:
                 _, sign, child = name.partition(CHILD)
-                met[name] += of_child(one, child) if sign else [one]
-        return {name: table_of(found) for name, found in met.items() if found}
+                met[name].add(of_child(one, child) if sign else [one])
+        tables = {name: rows.table() for name, rows in met.items()}
+        return {name: table for name, table in tables.items() if table is not None}
 
     def _message(self, topic: str, data: bytes) -> object:
         """Return a decoded message."""

@@ -11,7 +11,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any, final
 
-from lta_analysis.foreign.bag_rows import CHILD, Met, of_child, table_of, wanted_tables
+from lta_analysis.foreign.bag_rows import CHILD, Met, of_child, Rows, wanted_tables
 from lta_analysis.foreign.definitions import from_store
 from lta_analysis.foreign.protocol import Passed, Raw, Reached
 from lta_analysis.foreign.table import Table
@@ -119,7 +119,7 @@ class RosbagsLog:
         """Return the tables that are asked for and there."""
         topics = {name: name.split(CHILD)[0] for name in wanted}
         there = {name: topic for name, topic in topics.items() if topic in self.raw}
-        met: dict[str, list[Met]] = {name: [] for name in there}
+        met = {name: Rows() for name in there}
         for order, (reader, connection, log_time, data) in enumerate(
             self._messages() if there else ()
         ):
@@ -132,8 +132,9 @@ class RosbagsLog:
                 raise self._unreadable(error) from None
             for name in takers:
                 _, sign, child = name.partition(CHILD)
-                met[name] += of_child(one, child) if sign else [one]
-        return {name: table_of(found) for name, found in met.items() if found}
+                met[name].add(of_child(one, child) if sign else [one])
+        tables = {name: rows.table() for name, rows in met.items()}
+        return {name: table for name, table in tables.items() if table is not None}
 
 
 def of_ros2(theirs: Typestore) -> Typestore:
