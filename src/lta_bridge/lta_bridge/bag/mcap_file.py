@@ -92,8 +92,8 @@ class McapFile:
         if schema is None:
             schema = Schema(
                 id=len(self._schemas) + 1,
-                data=definition.text.encode(),
-                encoding='ros2msg',
+                data=definition.text.encode(errors='surrogateescape'),
+                encoding=definition.encoding,
                 name=definition.type_name,
             )
             records.append(schema)
@@ -101,7 +101,9 @@ class McapFile:
             'offered_qos_profiles': qos,
             'topic_type_hash': definition.rihs01,
         }
-        channel = Channel(len(self._channels) + 1, topic, 'cdr', metadata, schema.id)
+        channel = Channel(
+            len(self._channels) + 1, topic, definition.message_encoding, metadata, schema.id
+        )
         records.append(channel)
         data = encoded(records)
         self._file.append(data)
@@ -110,9 +112,16 @@ class McapFile:
         self._summary_size += len(data)
         return channel.id
 
-    def add_message(self, channel: int, sequence: int, log_time: int, data: bytes) -> None:
+    def add_message(
+        self,
+        channel: int,
+        sequence: int,
+        log_time: int,
+        data: bytes,
+        publish_time: int | None = None,
+    ) -> None:
         """Add one message to the chunk in progress, which goes to the disk when it is full."""
-        self._builder.add(channel, sequence, log_time, data)
+        self._builder.add(channel, sequence, log_time, data, publish_time)
         if self._builder.size >= CHUNK_SIZE:
             self.flush()
 

@@ -115,7 +115,9 @@ class BagWriter:
             raise
         self._topics[name] = TopicRecord(name, found, list(qos), channel)
 
-    def write(self, topic: str, data: bytes, log_time_ns: int) -> None:
+    def write(
+        self, topic: str, data: bytes, log_time_ns: int, publish_time_ns: int | None = None
+    ) -> None:
         """
         Record one message.
 
@@ -127,6 +129,8 @@ class BagWriter:
             The message as CDR with its encapsulation header.
         log_time_ns : int
             When it was received, not negative. [ns]
+        publish_time_ns : int, optional
+            When it was published, if that is known to be another time. [ns]
 
         Raises
         ------
@@ -140,7 +144,9 @@ class BagWriter:
         record = self._topics[topic]
         record.written += 1
         try:
-            self._mcap.add_message(record.channel, record.written, log_time_ns, data)
+            self._mcap.add_message(
+                record.channel, record.written, log_time_ns, data, publish_time_ns
+            )
         except StorageFault as fault:
             self._fault = fault
             raise
