@@ -1,41 +1,28 @@
 """The message definitions that a bag brings along, whether or not we know the type."""
 
+from dataclasses import replace
+
+from lta_analysis.bag.recover import given
 from lta_bridge.bag.schemas import Definition, jazzy
-from rosbags.typesys import get_types_from_idl, get_types_from_msg, get_typestore, Stores
+from mcap.records import Channel, Schema
+from rosbags.typesys import get_types_from_msg, get_typestore, Stores
 from rosbags.typesys.base import TypesysError
 from rosbags.typesys.store import Typestore
 
 FAULTS = (TypesysError, SyntaxError, KeyError, ValueError)
 
 
-def from_bag(type_name: str, text: str, encoding: str, notes: list[str]) -> Definition:
-    """
-    Return a type's definition as the bag has it.
-
-    Parameters
-    ----------
-    type_name : str
-        For example 'sensor_msgs/msg/Imu'.
-    text, encoding : str
-        The definition, in 'ros2msg' or 'ros2idl'.
-    notes : list of str
-        Gets a sentence where the definition cannot be read.
-
-    """
+def from_bag(channel: Channel, schema: Schema | None) -> Definition:
+    """Return a topic's definition as an MCAP has it, with its REP-2016 hash where that is told."""
+    found = given(channel, schema)
+    if found.rihs01 or found.encoding != 'ros2msg':
+        return found
     types = get_typestore(Stores.EMPTY)
     try:
-        if encoding == 'ros2idl':
-            types.register(get_types_from_idl(text))
-            text, _ = types.generate_msgdef(type_name, ros_version=2)
-        else:
-            types.register(get_types_from_msg(text, type_name))
-        return Definition(type_name, text, types.hash_rihs01(type_name))
+        types.register(get_types_from_msg(found.text, found.type_name))
+        return replace(found, rihs01=types.hash_rihs01(found.type_name))
     except FAULTS:
-        note = (
-            f"The definition of '{type_name}' cannot be read; its messages are kept as they are."
-        )
-        notes += [note] if note not in notes else []
-        return Definition(type_name, text, '')
+        return found  # nobody can read it, but it is kept
 
 
 def from_store(type_name: str, types: Typestore, notes: list[str]) -> Definition:

@@ -38,7 +38,7 @@ class McapLog:
         self._bag = read_bag(path)
         self.notes: list[str] = []
         self.facts = {f'original_{key}': text for key, text in self._bag.provenance.items()}
-        self.raw: Mapping[str, Raw] = _raw(self._bag, path, self.notes)
+        self.raw: Mapping[str, Raw] = _raw(self._bag, path)
         self._total = max(1, sum(topic.count for topic in self._bag.topics.values()))
         self._tables = self._decoded(wanted_tables(mapping))
         if not any(topic.count for topic in self._bag.topics.values()):
@@ -91,26 +91,15 @@ class McapLog:
             ) from None
 
 
-def _raw(bag: Bag, path: Path, notes: list[str]) -> dict[str, Raw]:
-    """Return the topics that hold messages of ROS 2, with their definitions."""
+def _raw(bag: Bag, path: Path) -> dict[str, Raw]:
+    """Return the topics with their definitions, whatever they are written in."""
     found: dict[str, Raw] = {}
     for file in bag_files(path):
         contents = file_contents(file)
         for channel in contents.channels.values():
-            schema = contents.schemas.get(channel.schema_id)
-            if channel.message_encoding != 'cdr':
-                told = channel.message_encoding or 'no'
-                note = f"Topic '{channel.topic}' is left out: it is in {told} encoding, not CDR."
-                notes += [note] if note not in notes else []
-            elif schema is None:
-                notes.append(
-                    f"Topic '{channel.topic}' is left out: the bag does not say its type."
-                )
-            else:
-                text = schema.data.decode(errors='replace')
-                known = from_bag(schema.name, text, schema.encoding, notes)
-                qos = profiles(channel.metadata.get('offered_qos_profiles', ''))
-                found.setdefault(channel.topic, Raw(known, qos))
+            known = from_bag(channel, contents.schemas.get(channel.schema_id))
+            qos = profiles(channel.metadata.get('offered_qos_profiles', ''))
+            found.setdefault(channel.topic, Raw(known, qos))
     return {name: raw for name, raw in found.items() if name in bag.topics}
 
 

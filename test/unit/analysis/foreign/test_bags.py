@@ -1,9 +1,16 @@
 """Bags of ROS 2 and ROS 1: taken as they are, renamed, or turned into our topics."""
 
+from pathlib import Path
+
 from lta_analysis.bag.reader import read_bag
+from lta_analysis.foreign.progress import ImportProgress
+from lta_analysis.foreign.run import import_all, Order
 from lta_config.errors import BadInput
+from mcap.reader import make_reader
+from mcap.writer import Writer as McapWriter
 import numpy as np
 import pytest
+from rich.console import Console
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Writer2
@@ -230,3 +237,22 @@ def test_a_broken_bag_is_one_sentence(bring, tmp_path, name):
     (tmp_path / name).write_bytes(heads[name] + bytes(range(256)) * 4)
     with pytest.raises(BadInput, match=r"'[^']*broken\.\w+' cannot be read"):
         bring(tmp_path / name)
+
+
+def test_what_is_not_of_ros_is_kept_with_its_encoding_and_definition(tmp_path):
+    source = tmp_path / 'other.mcap'
+    with source.open('wb') as stream:
+        writer = McapWriter(stream)
+        writer.start()
+        schema = writer.register_schema('my.State', 'jsonschema', b'{"type": "object"}')
+        channel = writer.register_channel('/state', 'json', schema)
+        writer.add_message(channel, SECOND, b'{"x": 1}', SECOND)
+        writer.finish()
+    with ImportProgress(Console(quiet=True), 1) as progress:
+        (done,) = import_all(Order([source]), tmp_path / 'out', progress)
+    found = next(Path(done.bag).glob('*.mcap'))
+    with found.open('rb') as stream:
+        ((schema, channel, message),) = make_reader(stream).iter_messages()
+    assert (schema.encoding, schema.data) == ('jsonschema', b'{"type": "object"}')
+    assert (channel.message_encoding, message.data) == ('json', b'{"x": 1}')
+    assert message.log_time == SECOND
