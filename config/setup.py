@@ -4,7 +4,16 @@ from pathlib import Path
 
 from setuptools import find_packages, setup
 
-FOLDERS = ('comparisons', 'control', 'launch', 'manoeuvres', 'scenarios', 'sweeps', 'vehicles')
+FOLDERS = (
+    'comparisons',
+    'control',
+    'imports',
+    'launch',
+    'manoeuvres',
+    'scenarios',
+    'sweeps',
+    'vehicles',
+)
 
 setup(
     name='lta_config',
