@@ -75,7 +75,7 @@ class LiveServer:
         self, name: str, host: str, port: int, channels: Mapping[str, tuple[str, foxglove.Schema]]
     ) -> None:
         self.audience = Audience()
-        context = foxglove.Context()
+        context = self._context = foxglove.Context()  # channels end with it
         self._channels = {
             topic: foxglove.Channel(
                 topic, message_encoding=encoding, schema=schema, context=context
