@@ -51,6 +51,7 @@ class Viewer:
         self.statuses: list[dict[str, object]] = []
         self._topics: dict[int, str] = {}
         self.protocol = self._handshake(port)
+        self._heed_all()
 
     def _handshake(self, port: int) -> str:
         key = base64.b64encode(os.urandom(16)).decode()
@@ -113,7 +114,11 @@ class Viewer:
         except ConnectionResetError:
             return False
         self._rest += chunk
-        return all(self._heed(*frame) for frame in self._frames()) and bool(chunk)
+        return self._heed_all() and bool(chunk)
+
+    def _heed_all(self) -> bool:
+        """Take whole frames; False once the server has said goodbye."""
+        return all(self._heed(*frame) for frame in self._frames())
 
     def _frames(self) -> Iterator[tuple[int, bytes]]:
         """Yield whole frames: opcode and payload; a server does not mask."""

@@ -6,14 +6,19 @@ slow one cannot take is dropped by the SDK, oldest first. The server runs in thr
 """
 
 from collections.abc import Mapping
+import logging
 import threading
 from typing import final
 
-import foxglove
 from foxglove.websocket import Capability, ChannelView, Client, ServerListener
 from lta_bridge.live.address import taken
 
+import foxglove
+
 BACKLOG = 512  # messages that may wait for a slow viewer
+
+# Viewers that leave in a hurry, or ask for what they may not have, are no news to a flight.
+logging.getLogger('foxglove').addHandler(logging.NullHandler())
 
 
 @final
