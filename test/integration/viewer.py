@@ -1,4 +1,4 @@
-"""A viewer that speaks Foxglove's WebSocket protocol, from its published text and RFC 6455 alone."""
+"""A viewer that speaks Foxglove's WebSocket protocol, from its text and RFC 6455 alone."""
 
 import base64
 from collections.abc import Callable, Iterator
