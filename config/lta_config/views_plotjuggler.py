@@ -51,7 +51,8 @@ def _plot(parent: ET.Element, views: Views, panel: Panel) -> None:
 def layout(views: Views) -> str:
     """Return the layout as the text of an XML file."""
     root = ET.Element('root')
-    widget = ET.SubElement(root, 'tabbed_widget', name='Main Window', parent='main_window')
+    named = {'name': 'Main Window', 'parent': 'main_window'}
+    widget = ET.SubElement(root, 'tabbed_widget', named)
     for tab, columns in views.tabs.items():
         page = ET.SubElement(widget, 'Tab', tab_name=tab, containers='1')
         container = ET.SubElement(page, 'Container')

@@ -1,5 +1,6 @@
 """The path so far, in few points however long the flight."""
 
+import math
 from typing import final
 
 from lta_bridge.live.shapes import Entity, Line, Three
@@ -29,7 +30,7 @@ class Track:
 
     def add(self, place: Three) -> None:
         """Go on to a place. [m]"""
-        if self.points and _distance(self.points[-1], place) < self.step:
+        if self.points and math.dist(self.points[-1], place) < self.step:
             return
         self.points.append(place)
         if len(self.points) > MOST:
@@ -41,7 +42,3 @@ class Track:
         if len(self.points) < 2:
             return Entity('path', frame, ())
         return Entity('path', frame, (Line(tuple(self.points), 0.015, COLOUR),))
-
-
-def _distance(a: Three, b: Three) -> float:
-    return sum((p - q) ** 2 for p, q in zip(a, b, strict=True)) ** 0.5
