@@ -8,10 +8,13 @@ import signal
 import socket
 
 from lta_analysis.bag.reader import read_bag
+from lta_bridge.live.server import LiveServer
 from lta_config.topics import topic_table
 from lta_config.views import load_views, place_of
 import pytest
 from rosbags.typesys import get_types_from_msg, get_typestore, Stores
+
+import foxglove
 
 from .viewer import Viewer
 
@@ -152,6 +155,26 @@ def figures_are_told(viewer):
     }
     assert wanted
     assert wanted <= told
+
+
+def test_a_viewer_that_takes_nothing_keeps_no_other_from_seeing(port):
+    schema = foxglove.Schema(name='std_msgs/msg/String', encoding='ros2msg', data=b'string data')
+    server = LiveServer('test', '127.0.0.1', port, {'/block': ('cdr', schema)})
+    with closing(Viewer(port)) as sleeper, closing(Viewer(port)) as viewer:
+        for each in (sleeper, viewer):
+            each.until(lambda each=each: each.channels)
+            each.subscribe()
+        while server.audience.viewers < 2:
+            server.tell_time(1)
+            viewer.until(lambda: viewer.times)
+            viewer.times.clear()
+        assert server.audience.newcomer('/block')
+        assert not server.audience.newcomer('/block')
+        for k in range(2000):  # 32 MB: more than any socket holds
+            server.send('/block', bytes(16_000), k)
+        server.send('/block', b'the end', 2000)
+        viewer.until(lambda: viewer.messages.get('/block', [(0, b'')])[-1] == (2000, b'the end'))
+    server.close()
 
 
 def test_a_view_that_hangs_and_dies_ends_no_flight(lta, scenario, flying, hear, tmp_path, port):
