@@ -29,9 +29,10 @@ def refuse_taken(host: str, port: int) -> None:
 
     """
     try:
-        with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:
+        family, kind, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+        with socket.socket(family, kind) as probe:
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            probe.bind((host, port))
+            probe.bind(address)
     except OSError as error:
         raise taken(port, error.strerror or str(error)) from None
 
