@@ -3,6 +3,7 @@
 from contextlib import closing
 from hashlib import sha256
 import json
+import math
 import os
 from pathlib import Path
 import signal
@@ -12,7 +13,12 @@ from lta_analysis.bag.reader import read_bag
 from lta_bridge.live.server import LiveServer
 from lta_config.topics import topic_table
 from lta_config.views import load_views, place_of
+from lta_graph.ros.node import message_type, to_stamp
+from lta_graph.ros.qos import profile
 import pytest
+import rclpy
+from rclpy.context import Context
+from rclpy.serialization import serialize_message
 from rosbags.typesys import get_types_from_msg, get_typestore, Stores
 
 import foxglove
@@ -176,6 +182,42 @@ def test_a_viewer_that_takes_nothing_keeps_no_other_from_seeing(port):
         server.send('/block', b'the end', 2000)
         viewer.until(lambda: viewer.messages.get('/block', [(0, b'')])[-1] == (2000, b'the end'))
     server.close()
+
+
+def test_nonsense_ends_no_view(domain_id, lta, port, hear):
+    words = ('--ros-args', '-r', '__ns:=/lta1', '-p', f'port:={port}')
+    alone = lta.start('run', 'lta_bridge', 'live', *words)
+    context = Context()
+    rclpy.init(args=[], context=context, domain_id=domain_id)
+    node = rclpy.create_node('peer', namespace='/lta1', context=context)
+    row, clock = TABLE['odom'], TABLE['/clock']
+    odom = node.create_publisher(message_type(row), 'odom', profile(row, lockstep=False))
+    ticks = node.create_publisher(message_type(clock), '/clock', profile(clock, lockstep=False))
+    good, wild, early = (message_type(row)() for _ in range(3))
+    good.header.stamp = to_stamp(TABLE.start_ns)
+    wild.header.stamp = to_stamp(2_000_000_000 * 10**9)
+    early.header.stamp.sec = -5
+    early.pose.pose.position.x = math.nan
+    backwards = message_type(clock)()
+    backwards.clock.sec = -1
+    nonsense = [serialize_message(good)[:8], serialize_message(good)[:60], wild, early]
+    with closing(Viewer(port)) as viewer:
+        viewer.until(lambda: len(viewer.channels) > len(TABLE.topics))
+        viewer.subscribe()
+        hear(lambda facts: 'live: view' in facts)
+        while len(viewer.messages.get('/lta1/odom', [])) < 40:
+            for message in (*nonsense, good):
+                odom.publish(message)
+                ticks.publish(backwards)
+                viewer.pause(0.02)
+        hear(lambda facts: int(facts['live: view'].values['unreadable']) > 0)
+    node.destroy_node()
+    context.try_shutdown()
+    assert {when for when, _ in viewer.messages[SCENE]} == {TABLE.start_ns}
+    assert viewer.times == []
+    alone.interrupt()
+    assert alone.end() == 0
+    assert alone.text == ''
 
 
 def repeatable(path):

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 import hashlib
 import json
 import os
+import select
 import socket
 import struct
 import time
@@ -101,6 +102,13 @@ class Viewer:
             assert time.monotonic() < deadline, f'not seen; statuses: {self.statuses}'
             if not self._take():
                 raise EOFError('the server has gone')
+
+    def pause(self, seconds: float) -> None:
+        """Take what comes within a while."""
+        end = time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0.0:
+            if select.select([self._socket], [], [], left)[0]:
+                assert self._take(), 'the server has gone'
 
     def to_the_end(self) -> None:
         """Take what comes until the server goes."""

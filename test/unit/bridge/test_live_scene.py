@@ -204,6 +204,19 @@ def test_every_vehicle_can_be_drawn(name):
     assert len(drawn['vehicle'][10]) == len(drawn['thrust'][7]) == len(vehicle.rotors)
 
 
+anything = st.tuples(*[st.floats()] * 3)
+
+
+@given(anything, st.tuples(*[st.floats()] * 4), anything, anything, st.floats())
+def test_nonsense_is_drawn_somehow(place, turn, seen, wind, duty):
+    scene = Scene(GTMAB, ROOM)
+    state = State(place, turn, {'up_left': duty, 'nobody': duty}, seen, wind)
+    for _ in range(2):
+        entities = [*scene.moving(state), scene.path()]
+    assert len(message(scene_update(entities, 0))[2]) == 4
+    assert message(frame_transforms(scene.frames(state), 0))
+
+
 def message(data):
     """Return a Protocol Buffers message: values by field number, from its wire format alone."""
     found, at = {}, 0

@@ -47,6 +47,11 @@ class Feed:
         self.sent: dict[str, int] = {}
         self.left_out: dict[str, int] = {}
 
+    @property
+    def now(self) -> int:
+        """The newest publication that has been heard and believed. [ns]"""
+        return self._books.now
+
     def take(self, name: str, data: bytes, *, wanted: bool) -> int | None:
         """
         Return the log time of a message if it is to be handed on. [ns]

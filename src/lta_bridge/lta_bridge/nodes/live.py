@@ -10,7 +10,6 @@ from collections.abc import Callable
 import time
 from typing import Any, Final
 
-import foxglove
 from foxglove.messages import FrameTransforms, SceneUpdate
 from lta_bridge.bag.schemas import definition
 from lta_bridge.bookkeeping import stamp_of
@@ -31,6 +30,8 @@ from lta_sim.scenario import load_scenario
 from lta_sim.vehicle import load_vehicle
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
+
+import foxglove
 
 NAP_NS: Final = 16_000_000  # between looks
 MANY: Final = 100  # messages kept of a topic that has no rhythm: each may be of another node
@@ -59,6 +60,7 @@ class Live(GraphNode):
         self._scene = Scene(load_vehicle(settings.vehicle, scenario.air.density), scenario)
         self._feed = Feed(self.table)
         self._raw: dict[str, bytes] = {}
+        self._torn = 0
         self._draw, self._path = Pace(DRAW_RATE), Pace(PATH_RATE)
         self._scene_topic, self._tf_topic = self._absolute('scene'), self._absolute('tf')
         title = f'LTA {self._robot}'
@@ -98,23 +100,32 @@ class Live(GraphNode):
             self._raw[name] = data
             show(data)
             if name == 'odom':
-                self._draw_scene(data)
+                self._draw_scene()
 
         def tell(data: bytes) -> None:
             show(data)
-            if (now := stamp_of(data)) is not None:
+            now = stamp_of(data)
+            if now is not None and now >= 0:
                 server.tell_time(now)
 
         return draw if name in DRAWN else tell if name == '/clock' else show
 
     def _newest(self, name: str) -> Any:  # noqa: ANN401 - a generated class, or None
+        """Return the newest message of a topic; None if none has come or it cannot be read."""
         data = self._raw.get(name)
-        return data and deserialize_message(data, message_type(self.table[name]))
+        try:
+            return data and deserialize_message(data, message_type(self.table[name]))
+        except RuntimeError:  # as rclpy says that it is cut short
+            self._torn += 1
+            del self._raw[name]
+            return None
 
-    def _state(self) -> State:
+    def _state(self) -> State | None:
         """Return what moves, by the newest messages; placed by the truth where there is one."""
         pose = self._newest('ground_truth/odom') or self._newest('odom')
         motors, seen, wind = map(self._newest, ('motors', 'light/bearing', 'wind'))
+        if pose is None:
+            return None
         place, turn = to_pose(pose)
         told = State(place, turn)
         return told._replace(
@@ -123,13 +134,11 @@ class Live(GraphNode):
             wind=to_vector(wind) if wind else told.wind,
         )
 
-    def _draw_scene(self, data: bytes) -> None:
+    def _draw_scene(self) -> None:
         """Show where everything is, once it is time to draw again."""
-        now = time.monotonic()
-        stamp = stamp_of(data)
-        if stamp is None or not self._draw.due(now):
+        now, stamp, server = time.monotonic(), self._feed.now, self._server
+        if not self._draw.due(now) or (state := self._state()) is None:
             return
-        state, server = self._state(), self._server
         entities = self._scene.moving(state)
         if server.wanted(self._tf_topic):
             frames = frame_transforms(self._scene.frames(state), stamp)
@@ -147,8 +156,9 @@ class Live(GraphNode):
         viewers = self._server.audience.viewers
         self.health.report(
             'view',
-            Level.OK,
+            Level.WARN if self._torn else Level.OK,
             f'{viewers} viewers' if viewers != 1 else '1 viewer',
+            unreadable=self._torn,
             viewers=viewers,
             sent=sum(sent.values()),
             left_out=sum(left_out.values()),
