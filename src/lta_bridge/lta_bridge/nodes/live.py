@@ -16,10 +16,10 @@ from lta_bridge.bookkeeping import stamp_of
 from lta_bridge.live.address import LOCAL, PORT
 from lta_bridge.live.encoding import frame_transforms, scene_update
 from lta_bridge.live.feed import Feed
+from lta_bridge.live.messages import to_duties, to_pose, to_vector
 from lta_bridge.live.pace import Pace
 from lta_bridge.live.scene import Scene, State
 from lta_bridge.live.server import LiveServer
-from lta_bridge.messages import to_duties, to_pose, to_vector
 from lta_config.settings import setting, Settings
 from lta_config.topics import robot_topic
 from lta_graph.health import Level
