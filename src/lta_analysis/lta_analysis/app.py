@@ -6,6 +6,7 @@ import sys
 from typing import Annotated
 
 from lta_analysis.verbs.bag import bag
+from lta_analysis.verbs.compare import compare
 from lta_analysis.verbs.doctor import doctor
 from lta_analysis.verbs.effects import effects
 from lta_analysis.verbs.fly import fly
@@ -45,6 +46,7 @@ app.command(context_settings={'ignore_unknown_options': True, 'allow_intersperse
 app.add_typer(bag, name='bag')
 app.add_typer(vehicle, name='vehicle')
 app.command()(report)
+app.command()(compare)
 app.command()(effects)
 app.command()(doctor)
 for command in (
