@@ -6,7 +6,7 @@ from typing import Final, final, NamedTuple
 from lta_analysis.compare.line import Array, GAP
 import numpy as np
 
-RHYTHM: Final = 3.0  # ratio of the long to the short steps of a topic that still has a rhythm
+RHYTHM: Final = 3.0  # ratio of the quartiles of the steps of a topic that still has a rhythm
 SLOWER: Final = 1.02  # ratio of two periods that count as different
 LISTED: Final = 50  # intervals that are kept; all are counted
 
@@ -93,7 +93,7 @@ def faults(
     instants = np.unique(time)
     rising = np.diff(instants)
     usual = float(np.median(rising)) if len(rising) else None
-    short, long = np.percentile(rising, [10.0, 90.0]) if len(rising) else (1.0, 1.0)
+    short, long = np.percentile(rising, [25.0, 75.0]) if len(rising) else (1.0, 1.0)
     rhythm = bool(long <= RHYTHM * short)
     holes = np.flatnonzero(rising > gap * usual) if usual is not None and rhythm else []
     return Faults(

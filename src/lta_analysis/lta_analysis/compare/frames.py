@@ -95,7 +95,7 @@ def placement(
         if abs(wrapped(np.array(yaw - last))) < 1e-12:
             break
     way = math.sqrt(float(np.sum(np.var(a[:, :2], axis=0))))
-    misfit = math.sqrt(float(np.mean(distances(a, b, yaw, shift) ** 2)))
+    misfit = 1.4826 * float(np.median(distances(a, b, yaw, shift)))
     by_heading = way < max(LEAST, TELLING * misfit)
     if by_heading:
         yaw = heading_turn(heading_a, heading_b)

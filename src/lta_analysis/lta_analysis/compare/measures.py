@@ -6,10 +6,12 @@ from typing import Final, final
 
 from lta_analysis.compare.line import Aligned, Array, wrapped
 import numpy as np
+from scipy.stats import t as student
 
 DRAWS: Final = 400
 TAIL: Final = 2.5  # percent left on either side of an interval
 LONGEST_LAG: Final = 20_000
+NORMAL: Final = 1.959964  # the same tail of a normal distribution
 
 
 @final
@@ -118,7 +120,8 @@ def rms_interval(
     Return the 95 % interval of the RMS of a series whose neighbours resemble each other.
 
     Circular block bootstrap (Politis and Romano 1992): whole blocks of the squares, several times
-    as long as their memory, are drawn with replacement; percentiles of the draws' RMS.
+    as long as their memory, are drawn with replacement; percentiles of the draws' logarithm,
+    widened for what blocks lose at their ends and for how few they are (Student's t).
 
     Parameters
     ----------
@@ -131,14 +134,18 @@ def rms_interval(
 
     """
     squares = difference**2
-    count = len(squares)
-    if count < 2 or np.ptp(squares) == 0.0:
-        rms = math.sqrt(float(squares.mean()))
-        return rms, rms
-    length = int(np.clip(math.ceil(max(5.0 * memory(squares), count ** (1 / 3))), 1, count // 2))
+    count, mean = len(squares), float(np.mean(squares))
+    if count < 2 or np.ptp(squares) == 0.0 or mean == 0.0:
+        return math.sqrt(mean), math.sqrt(mean)
+    alike = memory(squares)
+    length = int(np.clip(math.ceil(max(5.0 * alike, count ** (1 / 3))), 1, count // 2))
     blocks = -(-count // length)
     around = np.concatenate([[0.0], np.cumsum(np.concatenate([squares, squares[:length]]))])
     starts = chance.integers(0, count, size=(draws, blocks))
     means = (around[starts + length] - around[starts]).sum(axis=1) / (blocks * length)
-    low, high = np.percentile(np.maximum(means, 0.0), [TAIL, 100.0 - TAIL])
-    return math.sqrt(low), math.sqrt(high)
+    apart = np.log(np.maximum(means, 1e-300) / mean)
+    # Cut at the ends of blocks, resemblance is lost; and few blocks tell their own scatter badly.
+    lost = math.sqrt(1.0 / (1.0 - min(0.5, alike / length)))
+    few = float(student.ppf(1.0 - TAIL / 100.0, max(blocks - 1, 1)) / NORMAL)
+    low, high = np.percentile(apart, [TAIL, 100.0 - TAIL]) * lost * few
+    return math.sqrt(mean * math.exp(min(low, 0.0))), math.sqrt(mean * math.exp(max(high, 0.0)))

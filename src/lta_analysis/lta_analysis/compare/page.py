@@ -31,18 +31,19 @@ from lta_analysis.report.page import embedded, embedded_text, tile_html
 from lta_analysis.sweep.page import terms
 from lta_analysis.typed import near, typed
 from lta_bridge.provenance import commit
+import numpy as np
 from plotly.graph_objects import Figure
 
 NAME: Final = 'compare.html'
 PICKED: Final = 320  # points of a line that somebody may pick
 MISSING: Final = '\N{EN DASH}'
 LEGEND: Final = (
-    'Blue is A, orange is B, dark their difference; shaded: the band that noise explains, or the '
-    'tolerance. Nothing is drawn across a gap.'
+    '<b class="key-a">A</b> <b class="key-b">B</b> <b class="key-d">B - A</b>. Shaded: the band '
+    'that noise explains, or the tolerance. Nothing is drawn across a gap.'
 )
 ABOVE: Final = "Both paths in A's frame. Ring: start. Dot: end."
 HEADS: Final = (
-    'channel', 'unit', 'parts at', 'bias', 'RMS', '95 % of RMS', 'NRMSE', 'most', 'at', 'lag',
+    'channel', 'parts at', 'bias', 'RMS', '95 % of RMS', 'NRMSE', 'most', 'at', 'lag',
 )  # fmt: skip
 
 
@@ -53,7 +54,7 @@ def write_page(found: Comparison, out: Path) -> Path:
 
 def page(found: Comparison) -> str:
     """Return the whole page."""
-    shown = main_channels(found.channels)
+    shown, time = main_channels(found.channels), whole(found)
     first = next((each for each in found.channels if pickable(each)), None)
     return framed(
         'compare.html',
@@ -65,7 +66,7 @@ def page(found: Comparison) -> str:
         panels='\n'.join(
             figure_html(
                 each.role.name, title(each), f'{each.channel.name}. {summary(each.channel)}',
-                pictures.overlay(each.channel),
+                pictures.overlay(each.channel, time),
             )
             for each in shown
         ),
@@ -77,6 +78,12 @@ def page(found: Comparison) -> str:
         facts=terms(facts(found)),
         commands=terms(commands(found), code=True),
     )  # fmt: skip
+
+
+def whole(found: Comparison) -> tuple[float, float]:
+    """Return the time that either flight covers, on A's clock. [s]"""
+    ends = np.array([*found.a.span, *found.timing.on_a(np.array(found.b.span))])
+    return float(ends.min()), float(ends.max())
 
 
 def short(path: str) -> str:
@@ -187,7 +194,8 @@ def pick(each: Apart) -> str:
     name = escape(each.name)
     if not pickable(each):
         return name
-    return f'<button type="button" class="pick" data-channel="{name}">{name}</button>'
+    shown = name.replace('/', '/<wbr>').replace('.', '.<wbr>')
+    return f'<button type="button" class="pick" data-channel="{name}">{shown}</button>'
 
 
 def picker(found: Comparison, first: Apart) -> str:
@@ -203,7 +211,7 @@ def picker(found: Comparison, first: Apart) -> str:
     return (
         '<p class="choice"><label for="channel">Any channel</label> '
         f'<select id="channel">{options}</select></p><div class="grid">'
-        + figure_html('channel', 'Over time', about, pictures.overlay(first))
+        + figure_html('channel', 'Over time', about, pictures.overlay(first, whole(found)))
         + figure_html('spectrum', 'By frequency', by_frequency, pictures.spectrum(first), False)
         + f'</div>{embedded("channels", content)}'
     )
@@ -223,7 +231,7 @@ def channel_table(found: Comparison) -> str:
     """Return all channels."""
     heads = ''.join(f'<th scope="col">{head}</th>' for head in HEADS)
     rows = ''.join(
-        f'<tr><th scope="row">{pick(each)}</th><td>{escape(each.unit or MISSING)}</td>'
+        f'<tr><th scope="row">{pick(each)}</th>'
         + ''.join(f'<td>{escape(cell)}</td>' for cell in cells(each))
         + '</tr>'
         for each in found.channels

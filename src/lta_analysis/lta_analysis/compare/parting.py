@@ -11,6 +11,7 @@ import numpy as np
 SIGMAS: Final = 4.0  # of both noises together; 6 of 100 000 samples of a normal one lie outside
 FLOOR: Final = 1e-3  # of the spread: what nobody would call a difference
 NORMAL: Final = 1.4826  # standard deviation of a normal distribution by its median deviation
+LEVELS: Final = 6  # different values that tell steps of a measurement from those of a command
 SECOND: Final = math.sqrt(6.0)  # white noise of 1 has second differences of that
 SHORTEST: Final = 1.0  # s that a departure lasts, or 2 % of the span
 SHARE: Final = 0.02
@@ -47,11 +48,11 @@ class Parting:
 
 def noise(values: Array) -> float:
     """
-    Return the standard deviation of the white noise on a signal that is smooth otherwise.
+    Return the standard deviation of the noise on a signal that is smooth otherwise.
 
-    From the median size of second differences, which a straight line does not touch and a few
-    outliers do not move. Of values that stay on steps (an ADC, a held command): the smallest step
-    over sqrt(12). Noise that was filtered away before recording is not seen.
+    White noise as `white` finds it; where there is none, and the values keep to many steps as
+    those of an ADC do, the smallest step over sqrt(12). Few steps are commands, which have none.
+    Noise that was filtered away before recording is not seen.
 
     Parameters
     ----------
@@ -59,16 +60,23 @@ def noise(values: Array) -> float:
         In the order of time; NaN is left out.
 
     """
+    found = white(values)
+    levels = np.unique(values[np.isfinite(values)]) if found == 0.0 else np.empty(0)
+    return float(np.diff(levels).min()) / math.sqrt(12.0) if len(levels) >= LEVELS else found
+
+
+def white(values: Array) -> float:
+    """
+    Return the standard deviation of the white noise on a signal.
+
+    From the median size of second differences, which a straight line does not touch and a few
+    outliers do not move.
+    """
     seconds = np.diff(values, 2)
     seconds = seconds[np.isfinite(seconds)]
     if not len(seconds):
         return 0.0
-    found = NORMAL * float(np.median(np.abs(seconds - np.median(seconds)))) / SECOND
-    if found > 0.0:
-        return found
-    steps = np.abs(np.diff(values))
-    steps = steps[np.isfinite(steps) & (steps > 0.0)]
-    return float(steps.min()) / math.sqrt(12.0) if len(steps) else 0.0
+    return NORMAL * float(np.median(np.abs(seconds - np.median(seconds)))) / SECOND
 
 
 def band_of(pair: Aligned, *, angular: bool = False, doubt: float = 0.0) -> float:

@@ -16,8 +16,8 @@ from plotly.graph_objects import Figure, Scatter
 A, B, DIFFERENCE = TRUTH, ESTIMATE, SETPOINT
 
 
-def overlay(each: Apart) -> Figure:
-    """Return A and B over time above their difference, with band and parting."""
+def overlay(each: Apart, time: tuple[float, float]) -> Figure:
+    """Return A and B over a time above their difference, with band and parting."""
     shown = drawn(each)
     figure = blank(2, [0.66, 0.34])
     for line, name, colour, row in (
@@ -45,7 +45,7 @@ def overlay(each: Apart) -> Figure:
         xanchor='left', font={'size': 10, 'color': SOFT}, visible=at is not None,
     )  # fmt: skip
     unit = f' [{shown.unit}]' if shown.unit not in ('', '1') else ''
-    figure.update_xaxes(hoverformat='.2f', unifiedhovertitle_text='%{x} s')
+    figure.update_xaxes(range=list(time), hoverformat='.2f', unifiedhovertitle_text='%{x} s')
     figure.update_xaxes(title_text="time on A's clock [s]", row=2)
     figure.update_yaxes(title_text=f'A, B{unit}', row=1)
     figure.update_yaxes(title_text=f'B - A{unit}', row=2)

@@ -114,7 +114,8 @@ def resemblance(pair: Aligned, *, angular: bool = False, longest: float = 5.0) -
     """
     Return the greatest cross-correlation and the lag of B behind A there.
 
-    Both without their means; the lag between two steps by the parabola through three.
+    At each lag that of what overlaps, without its means; between two steps by the parabola through
+    three.
 
     Parameters
     ----------
@@ -137,12 +138,34 @@ def resemblance(pair: Aligned, *, angular: bool = False, longest: float = 5.0) -
         return None
     step = float(time[-1] - time[0]) / (count - 1)
     most = max(1, min(int(longest / step), count // 4))
-    a, b = a - a.mean(), b - b.mean()
-    full = signal.correlate(b, a, mode='full', method='fft')
-    near = full[count - 1 - most : count + most] / (np.linalg.norm(a) * np.linalg.norm(b))
+    near = likeness(a - a.mean(), b - b.mean(), most)
+    if not np.isfinite(near).any():
+        return None
+    near = np.nan_to_num(near, nan=-1.0)
     best = int(near.argmax())
     shift, value = parabola(near, best)
     return Peak(float(np.clip(value, -1.0, 1.0)), (best - most + shift) * step)
+
+
+def likeness(a: Array, b: Array, most: int) -> Array:
+    """Return the correlation of what overlaps at each lag of b, from -most to most steps."""
+    count = len(a)
+    lags = np.arange(-most, most + 1)
+    product = signal.correlate(b, a, mode='full', method='fft')[count - 1 + lags]
+    size = count - np.abs(lags)
+    sums = []
+    for part, first in ((a, np.maximum(-lags, 0)), (b, np.maximum(lags, 0))):
+        for power in (1, 2):
+            total = np.concatenate([[0.0], np.cumsum(part**power)])
+            sums.append(total[first + size] - total[first])
+    of_a, of_aa, of_b, of_bb = sums
+    spread = (of_aa - of_a**2 / size) * (of_bb - of_b**2 / size)
+    floor = 1e-12 * (float(np.sum(a**2)) * float(np.sum(b**2)))
+    found = np.full(len(lags), np.nan)
+    usable = spread > floor
+    shared = product - of_a * of_b / size
+    found[usable] = shared[usable] / np.sqrt(spread[usable])
+    return found
 
 
 def parabola(values: Array, best: int) -> tuple[float, float]:

@@ -6,12 +6,13 @@ from typing import Final, NamedTuple
 
 from lta_analysis.compare.clock import Shared, straight
 from lta_analysis.compare.line import Line, period
-from lta_analysis.compare.parting import noise
+from lta_analysis.compare.parting import white
 import numpy as np
 
 QUIET: Final = 0.3  # s of rest that a start must be preceded by
 CLEAR: Final = 8.0  # times the noise
 PART: Final = 0.02  # of the range
+CREEP: Final = 0.5  # of the limit, that a channel at rest may change in the first moment
 COMMANDS: Final = ('motors', 'wrench_command', 'setpoint/velocity', 'setpoint/pose')
 
 
@@ -43,13 +44,14 @@ def start_of(line: Line, angular: bool = False) -> float | None:
     first = time < time[0] + max(QUIET, 4.0 * step)
     level = float(np.median(values[first]))
     low, high = np.percentile(values, [2.0, 98.0])
-    limit = max(CLEAR * noise(values), PART * float(high - low))
+    limit = max(CLEAR * white(values), PART * float(high - low))
     away = np.abs(values - level) > limit
     ends = np.searchsorted(time, time + max(QUIET, 4.0 * step), side='right')
     total = np.concatenate([[0], np.cumsum(away)])
     here = np.arange(len(time))
     lasting = away & ((total[ends] - total[here]) * 4 >= 3 * (ends - here))
-    if not lasting.any() or lasting[first].any():
+    creep = abs(float(values[first][-1] - values[first][0]))
+    if not lasting.any() or creep > CREEP * limit:
         return None
     return float(time[lasting.argmax()])
 

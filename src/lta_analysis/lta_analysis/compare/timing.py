@@ -243,4 +243,4 @@ def spoken(seconds: float) -> str:
     """Return a time as people say it: milliseconds below a second."""
     if not math.isfinite(seconds):
         return 'unknown'
-    return f'{1e3 * seconds:.3g} ms' if abs(seconds) < 1.0 else f'{seconds:.4g} s'
+    return f'{1e3 * seconds:.3g} ms' if 0.0 < abs(seconds) < 1.0 else f'{seconds:.4g} s'

@@ -57,11 +57,19 @@ def verdict(found: Comparison) -> str:
         return beside(found)
     first = earliest(parted)
     text = f'The flights part at {first.parting.at:.2f} s, first in {called(first)}'
+    if begins_apart(first):
+        text = f'The flights are apart from the start, in {called(first)}'
     worst = parted[0]
     if worst.measures is None or worst is first:
         return f'{text}{" and there most" if worst is first and len(parted) > 1 else ""}.'
     rms = amount(worst.measures.rms, worst.unit)
     return f'{text}, and most in {called(worst)}: {rms} RMS.'
+
+
+def begins_apart(channel: Apart) -> bool:
+    """Tell whether a channel is apart as soon as both are known."""
+    time = channel.both.time[channel.both.known]
+    return len(time) > 1 and channel.parting.at is not None and channel.parting.at <= time[1]
 
 
 def beside(found: Comparison) -> str:
