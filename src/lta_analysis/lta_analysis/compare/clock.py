@@ -28,11 +28,13 @@ LIKE: Final = 0.5  # correlation of a channel that is used for the fine step
 MOST: Final = 12  # channels of the fine step
 LEVEL: Final = 10.0  # s over which a channel's level is free
 HUBER: Final = 1.5
+RESTING: Final = 0.1  # of the RMS misfit, that the scale of a channel's misfit is at least
 BLOCKS: Final = 40
 ROUNDS: Final = 30
 EXACT: Final = 1e-3  # of a period, for the interpolation
 TELLING: Final = 30.0  # s of common time without which drift is not asked for
 SURE: Final = 3.0  # standard deviations of a drift that is applied
+QUARTZ: Final = 2e-3  # more is no clock's: another pace of the motion
 AMBIGUOUS: Final = 0.9  # of the best peak, that a peak elsewhere must stay below
 ASIDE: Final = 1.0  # s that another peak lies away at least
 
@@ -60,7 +62,7 @@ class Offset:
         Rate at which it grows; applied only where `drifts`. Zero and infinite where the common
         span is too short to tell. [1]
     drifts : bool
-        Whether the drift is clear of zero.
+        Whether the drift is clear of zero, and such as clocks have.
     middle : float
         The instant of `value` on A's clock. [s]
     correlation : float
@@ -253,7 +255,7 @@ def fine(used: Sequence[Shared], start: Coarse, correlation: float) -> Offset:
     both = settled(channels, np.array([shift, 0.0]), middle, span, step, 2)
     telling = span >= TELLING
     deviation = math.sqrt(both.covariance[1, 1]) if telling else math.inf
-    drifts = telling and abs(float(both.values[1])) > SURE * deviation
+    drifts = telling and SURE * deviation < abs(float(both.values[1])) < QUARTZ
     single = both if drifts else settled(channels, np.array([shift, 0.0]), middle, span, step, 1)
     return Offset(
         value=float(single.values[0]),
@@ -313,7 +315,9 @@ def scored(
     misfit = levelled(each.a[known] - each.b(moved), stretch)
     slope = levelled(each.b(moved, 1), stretch)
     scale = 1.4826 * float(np.median(np.abs(misfit)))
-    scale = max(scale, 1e-9 * float(np.ptp(each.a[known])), 1e-300)
+    # A channel that rests for most of the time has a median of zero, and is not perfect for that.
+    scale = max(scale, RESTING * math.sqrt(float(np.mean(misfit**2))))
+    scale = max(scale, 1e-9 * float(np.ptp(each.a[known])), 1e-150)
     size = np.abs(misfit) / scale
     weight = np.where(size > HUBER, HUBER / np.maximum(size, HUBER), 1.0) / scale**2
     slopes = np.stack([slope, slope * (time - middle)][:free], axis=1)

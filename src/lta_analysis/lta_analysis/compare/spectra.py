@@ -129,7 +129,8 @@ def resemblance(pair: Aligned, *, angular: bool = False, longest: float = 5.0) -
     Returns
     -------
     Peak or None
-        None where one of them stands still, or too few instants follow each other.
+        None where one of them stands still, too few instants follow each other, or the greatest
+        is at the last lag looked at.
 
     """
     time, a, b = evenly(pair, angular=angular)
@@ -143,6 +144,8 @@ def resemblance(pair: Aligned, *, angular: bool = False, longest: float = 5.0) -
         return None
     near = np.nan_to_num(near, nan=-1.0)
     best = int(near.argmax())
+    if not 0 < best < len(near) - 1:  # as of a ramp, which resembles itself at any lag
+        return None
     shift, value = parabola(near, best)
     return Peak(float(np.clip(value, -1.0, 1.0)), (best - most + shift) * step)
 
