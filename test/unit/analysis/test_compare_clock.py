@@ -1,6 +1,7 @@
 """Clocks: offsets, drifts and starts that are known, found within their own uncertainty."""
 
-from lta_analysis.compare.clock import clock_offset, Shared
+from lta_analysis.compare.clock import clock_offset
+from lta_analysis.compare.lag import Shared
 from lta_analysis.compare.line import Line, ordered
 from lta_analysis.compare.starts import common_start, start_of
 import numpy as np

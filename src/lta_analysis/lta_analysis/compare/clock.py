@@ -13,17 +13,13 @@ from dataclasses import dataclass
 import math
 from typing import Final, final, NamedTuple
 
+from lta_analysis.compare.lag import Coarse, coarse, Shared, sides, straight
 from lta_analysis.compare.line import Array, Line, period, sampled
-from lta_analysis.compare.parting import noise
-from lta_analysis.compare.spectra import parabola
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import gaussian_filter1d
 
-STEPS: Final = (0.02, 0.5)  # s; the coarse grid's step is the finest of the channels within these
-SMOOTH: Final = 0.15  # s, or two steps
-LIVELY: Final = 3.0  # times what noise alone would do to a rate
-OVERLAP: Final = 0.3  # of the shorter recording
 LIKE: Final = 0.5  # correlation of a channel that is used for the fine step
 MOST: Final = 12  # channels of the fine step
 LEVEL: Final = 10.0  # s over which a channel's level is free
@@ -36,16 +32,6 @@ TELLING: Final = 30.0  # s of common time without which drift is not asked for
 SURE: Final = 3.0  # standard deviations of a drift that is applied
 QUARTZ: Final = 2e-3  # more is no clock's: another pace of the motion
 AMBIGUOUS: Final = 0.9  # of the best peak, that a peak elsewhere must stay below
-ASIDE: Final = 1.0  # s that another peak lies away at least
-
-
-class Shared(NamedTuple):
-    """One quantity as both flights have it, each on its own clock."""
-
-    name: str
-    a: Line
-    b: Line
-    angular: bool = False
 
 
 @final
@@ -90,14 +76,6 @@ class Offset:
         return self.rival > AMBIGUOUS
 
 
-class Coarse(NamedTuple):
-    """Lag, the height of the second peak over the first, and each channel's correlation there."""
-
-    lag: float
-    rival: float
-    correlations: dict[str, float]
-
-
 def clock_offset(shared: Sequence[Shared]) -> Offset | None:
     """
     Return the offset between two clocks; None where nothing in the data ties them.
@@ -117,105 +95,6 @@ def clock_offset(shared: Sequence[Shared]) -> Offset | None:
     return fine(used, found, float(np.median([like[name] for name in names]))) if used else None
 
 
-def coarse(shared: Sequence[Shared]) -> Coarse | None:
-    """Return the lag at which the rates of change of all channels resemble each other most."""
-    able = [each for each in shared if len(each.a.time) > 8 and len(each.b.time) > 8]
-    if not able:
-        return None
-    slower = [max(period(each.a.time), period(each.b.time)) for each in able]
-    step = float(np.clip(min(slower), *STEPS))
-    begins = [min(float(side(each).time[0]) for each in able) for side in (_a, _b)]
-    counts = [
-        1 + math.ceil((max(float(side(each).time[-1]) for each in able) - begin) / step)
-        for side, begin in zip((_a, _b), begins, strict=True)
-    ]
-    least = OVERLAP * min(counts)
-    size = 1 << (sum(counts) - 1).bit_length()
-    scores: dict[str, Array] = {}
-    share = np.zeros(size)
-    for each in able:
-        rates = [
-            rate(side(each), begin, step, count, each.angular)
-            for side, begin, count in zip((_a, _b), begins, counts, strict=True)
-        ]
-        if rates[0] is not None and rates[1] is not None:
-            likeness, common = correlated(rates[0], rates[1], size, least)
-            scores[each.name] = likeness
-            share = np.maximum(share, common / min(counts))
-    if not scores:
-        return None
-    total = np.mean(list(scores.values()), axis=0) * np.minimum(share, 1.0) ** 0.25
-    best = int(total.argmax())
-    if total[best] <= 0.0:
-        return None
-    lags = np.where(np.arange(size) < counts[1], np.arange(size), np.arange(size) - size)
-    elsewhere = total[np.abs(lags - lags[best]) * step > ASIDE]
-    rival = max(0.0, float(elsewhere.max())) / float(total[best]) if len(elsewhere) else 0.0
-    shift, _ = parabola(np.roll(total, size // 2 - best), size // 2)
-    lag = (float(lags[best]) + shift) * step + begins[1] - begins[0]
-    return Coarse(lag, rival, {name: float(score[best]) for name, score in scores.items()})
-
-
-def _a(each: Shared) -> Line:
-    """Return the quantity as A has it."""
-    return each.a
-
-
-def _b(each: Shared) -> Line:
-    """Return the quantity as B has it."""
-    return each.b
-
-
-def straight(line: Line, angular: bool) -> Line:
-    """Return what is known of a line, angles without jumps."""
-    known = np.isfinite(line.values)
-    values = line.values[known]
-    return Line(line.time[known], np.unwrap(values) if angular else values)
-
-
-def rate(line: Line, begin: float, step: float, count: int, angular: bool) -> Array | None:
-    """Return a line's smoothed rate of change on a grid; None where noise alone would do that."""
-    values = sampled(straight(line, angular), begin + step * np.arange(count))
-    known = np.isfinite(values)
-    if known.sum() < 8:
-        return None
-    instants = np.arange(count)
-    held = np.interp(instants, instants[known], values[known])
-    width = max(SMOOTH, 2.0 * step)
-    found = gaussian_filter1d(held, width / step, order=1) / step
-    found[~known] = np.nan
-    # White noise through the derivative of a Gaussian: variance h / (4 sqrt(pi) w^3).
-    usual = max(period(line.time), step)
-    alone = noise(line.values) * math.sqrt(usual / (4.0 * math.sqrt(math.pi) * width**3))
-    size = math.sqrt(float(np.nanmean(found**2)))
-    return found if size > max(LIVELY * alone, 1e-12) else None
-
-
-def correlated(a: Array, b: Array, size: int, least: float) -> tuple[Array, Array]:
-    """
-    Return the correlation of two rates at each circular lag of b, and how much overlaps there.
-
-    At each lag only what both know counts (Padfield 2012, "Masked object registration in the
-    Fourier domain", without taking off the mean, since a rate is near zero at rest).
-    """
-    parts = []
-    for values in (a, b):
-        known = np.isfinite(values)
-        zeroed = np.where(known, values, 0.0)
-        parts.append([np.fft.rfft(part, size) for part in (zeroed, zeroed**2, known * 1.0)])
-    (va, ea, ma), (vb, eb, mb) = parts
-    product = np.fft.irfft(np.conj(va) * vb, size)
-    energy_a = np.fft.irfft(np.conj(ea) * mb, size)
-    energy_b = np.fft.irfft(np.conj(ma) * eb, size)
-    common = np.fft.irfft(np.conj(ma) * mb, size)
-    floor = 1e-6 * (np.nansum(a**2) * np.nansum(b**2)) ** 0.5
-    power = np.sqrt(np.maximum(energy_a, 0.0) * np.maximum(energy_b, 0.0))
-    usable = (common >= least) & (power > floor)
-    return np.where(usable, product / np.where(usable, power, 1.0), 0.0), np.where(
-        usable, common, 0.0
-    )
-
-
 class Prepared(NamedTuple):
     """One channel for the fine step: A smoothed at even instants, B as a smooth curve."""
 
@@ -227,7 +106,7 @@ class Prepared(NamedTuple):
 
 def prepared(each: Shared) -> Prepared:
     """Return a channel ready to be shifted, both sides smoothed alike."""
-    lines = [straight(side(each), each.angular) for side in (_a, _b)]
+    lines = [straight(line, each.angular) for line in sides(each)]
     periods = [period(line.time) for line in lines]
     step, width = min(periods), 1.5 * max(periods)
     found = []
@@ -311,7 +190,7 @@ def scored(
     time, moved = each.time[known], moved[known]
     if len(time) < 8:
         return np.zeros((free, free)), np.zeros((BLOCKS, free))
-    stretch = ((time - time[0]) // LEVEL).astype(int)
+    stretch = ((time - time[0]) // LEVEL).astype(np.int64)
     misfit = levelled(each.a[known] - each.b(moved), stretch)
     slope = levelled(each.b(moved, 1), stretch)
     scale = 1.4826 * float(np.median(np.abs(misfit)))
@@ -323,11 +202,11 @@ def scored(
     slopes = np.stack([slope, slope * (time - middle)][:free], axis=1)
     pulls = slopes * (weight * misfit)[:, None]
     index = np.searchsorted(edges, time)
-    blocks = np.stack([np.bincount(index, pull, BLOCKS) for pull in pulls.T], axis=1)
-    return slopes.T @ (slopes * weight[:, None]), blocks
+    blocks: Array = np.stack([np.bincount(index, pull, BLOCKS) for pull in pulls.T], axis=1)
+    return slopes.T @ (slopes * weight[:, None]), blocks.astype(np.float64)
 
 
-def levelled(values: Array, stretch: np.ndarray) -> Array:
+def levelled(values: Array, stretch: NDArray[np.int64]) -> Array:
     """Return values less their mean in each stretch."""
     counts = np.maximum(np.bincount(stretch), 1)
     means = np.bincount(stretch, values) / counts

@@ -7,6 +7,7 @@ from typing import Final, final
 from lta_analysis.bag.flight import Flight
 from lta_analysis.compare.apart import Apart, apart, lines_of, tolerances
 from lta_analysis.compare.faults import Faults, faults
+from lta_analysis.compare.line import Array
 from lta_analysis.compare.pairs import Pair, paired, Wanted, wanted_pairs
 from lta_analysis.compare.placing import Frames, Placed, placed
 from lta_analysis.compare.side import Side, side_of
@@ -161,7 +162,7 @@ def compare(
     when = timing(a, b, matched, asked.align, asked.offset)
     pairs, frames = placed(a, b, matched, when, asked.frames)
     pairs = [each._replace(b=replace(each.b, time=when.on_a(each.b.time))) for each in pairs]
-    span = common_span(a, b, when, pairs)
+    span = common_span(pairs)
     tick('aligning')
     channels = compared(pairs, asked, when, tick)
     topics = {each.topic_a: each.topic_b for each in wanted}
@@ -203,14 +204,9 @@ def compared(pairs: Sequence[Pair], asked: Asked, when: Timing, tick: Told) -> t
     return tuple(sorted(found, key=lambda each: (ORDER[each.verdict], -each.score, each.name)))
 
 
-def common_span(a: Side, b: Side, when: Timing, pairs: Sequence[Pair]) -> tuple[float, float]:
+def common_span(pairs: Sequence[Pair]) -> tuple[float, float]:
     """Return the time that both flights cover, on A's clock; `BadInput` where there is none."""
-    ends = []
-    for side in (lambda pair: pair.a.time, lambda pair: pair.b.time):
-        times = [side(pair) for pair in pairs if len(side(pair))]
-        if not times:
-            raise BadInput('One of the flights has no message on what is compared; nothing to do.')
-        ends.append((min(float(t.min()) for t in times), max(float(t.max()) for t in times)))
+    ends = [covered([pair.a.time for pair in pairs]), covered([pair.b.time for pair in pairs])]
     begin, end = max(first for first, _ in ends), min(last for _, last in ends)
     if begin >= end:
         raise BadInput(
@@ -219,6 +215,14 @@ def common_span(a: Side, b: Side, when: Timing, pairs: Sequence[Pair]) -> tuple[
             '--offset, or --align motion.'
         )
     return begin, end
+
+
+def covered(times: Sequence[Array]) -> tuple[float, float]:
+    """Return the first and the last of all instants; `BadInput` where there are none."""
+    known = [time for time in times if len(time)]
+    if not known:
+        raise BadInput('One of the flights has no message on what is compared; nothing to do.')
+    return min(float(time.min()) for time in known), max(float(time.max()) for time in known)
 
 
 def side_faults(side: Side) -> dict[str, Faults]:

@@ -95,7 +95,8 @@ def faults(
     usual = float(np.median(rising)) if len(rising) else None
     short, long = np.percentile(rising, [25.0, 75.0]) if len(rising) else (1.0, 1.0)
     rhythm = bool(long <= RHYTHM * short)
-    holes = np.flatnonzero(rising > gap * usual) if usual is not None and rhythm else []
+    limit = gap * usual if usual is not None and rhythm else np.inf
+    holes = np.flatnonzero(rising > limit)
     return Faults(
         count=len(time),
         period=usual,

@@ -134,7 +134,7 @@ def distances(a: Array, b: Array, yaw: float, shift: Array) -> Array:
     c, s = math.cos(yaw), math.sin(yaw)
     x = c * b[:, 0] - s * b[:, 1] + shift[0]
     y = s * b[:, 0] + c * b[:, 1] + shift[1]
-    return np.hypot(a[:, 0] - x, a[:, 1] - y)
+    return np.asarray(np.hypot(a[:, 0] - x, a[:, 1] - y))
 
 
 def heading_turn(a: Array | None, b: Array | None) -> float:
@@ -143,8 +143,6 @@ def heading_turn(a: Array | None, b: Array | None) -> float:
         return 0.0
     turn = a - b
     turn = turn[np.isfinite(turn)]
-    return (
-        math.atan2(float(np.mean(np.sin(turn))), float(np.mean(np.cos(turn))))
-        if len(turn)
-        else 0.0
-    )
+    if not len(turn):
+        return 0.0
+    return math.atan2(float(np.mean(np.sin(turn))), float(np.mean(np.cos(turn))))

@@ -8,10 +8,9 @@ from typing import Final
 from lta_analysis.compare import pictures
 from lta_analysis.compare.apart import Apart
 from lta_analysis.compare.comparison import Comparison
-from lta_analysis.compare.faults import Faults
 from lta_analysis.compare.roles import headline, main_channels, Shown
 from lta_analysis.compare.spectra import thinned_spectra
-from lta_analysis.compare.terminal import cells
+from lta_analysis.compare.tables import channel_table, fault_table, MISSING, pickable, short_row
 from lta_analysis.compare.timing import spoken
 from lta_analysis.compare.traces import packed, packed_channel
 from lta_analysis.compare.words import (
@@ -20,7 +19,6 @@ from lta_analysis.compare.words import (
     BASIS,
     called,
     earliest,
-    fault_words,
     frame_words,
     offset_words,
     verdict,
@@ -36,15 +34,11 @@ from plotly.graph_objects import Figure
 
 NAME: Final = 'compare.html'
 PICKED: Final = 320  # points of a line that somebody may pick
-MISSING: Final = '\N{EN DASH}'
 LEGEND: Final = (
     '<b class="key-a">A</b> <b class="key-b">B</b> <b class="key-d">B - A</b>. Shaded: the band '
     'that noise explains, or the tolerance. Nothing is drawn across a gap.'
 )
 ABOVE: Final = "Both paths in A's frame. Ring: start. Dot: end."
-HEADS: Final = (
-    'channel', 'parts at', 'bias', 'RMS', '95 % of RMS', 'NRMSE', 'most', 'at', 'lag',
-)  # fmt: skip
 
 
 def write_page(found: Comparison, out: Path) -> Path:
@@ -90,11 +84,6 @@ def short(path: str) -> str:
     """Return what tells a bag from another: its folder's name, or the folder above `bag`."""
     given = Path(path)
     return given.parent.name if given.name == 'bag' and given.parent.name else given.stem
-
-
-def pickable(each: Apart) -> bool:
-    """Tell whether a channel is worth a picture."""
-    return each.measures is not None and not each.still
 
 
 def title(shown: Shown) -> str:
@@ -182,22 +171,6 @@ def hero(found: Comparison) -> str:
     )
 
 
-def short_row(each: Apart) -> str:
-    """Return a line of the short ranking."""
-    parts, _, rms, _, nrmse, *_ = cells(each)
-    own = ''.join(f'<td>{escape(cell)}</td>' for cell in (parts, rms, nrmse))
-    return f'<tr><th scope="row">{pick(each)}</th>{own}</tr>'
-
-
-def pick(each: Apart) -> str:
-    """Return a channel's name as a button that shows it, where it can be shown."""
-    name = escape(each.name)
-    if not pickable(each):
-        return name
-    shown = name.replace('/', '/<wbr>').replace('.', '.<wbr>')
-    return f'<button type="button" class="pick" data-channel="{name}">{shown}</button>'
-
-
 def picker(found: Comparison, first: Apart) -> str:
     """Return the choice of any channel, with its overlay and spectra."""
     known = [each for each in found.channels if pickable(each)]
@@ -225,56 +198,6 @@ def picked(each: Apart) -> dict[str, object]:
         content['frequency'] = packed(found.frequency)
         content['powers'] = [packed(part) for part in (*pictures.powers(found), found.coherence)]
     return content
-
-
-def channel_table(found: Comparison) -> str:
-    """Return all channels."""
-    heads = ''.join(f'<th scope="col">{head}</th>' for head in HEADS)
-    rows = ''.join(
-        f'<tr><th scope="row">{pick(each)}</th>'
-        + ''.join(f'<td>{escape(cell)}</td>' for cell in cells(each))
-        + '</tr>'
-        for each in found.channels
-    )
-    return (
-        '<table><caption class="hidden">All channels</caption>'
-        f'<thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>'
-    )
-
-
-def fault_table(found: Comparison) -> str:
-    """Return what is wrong with the data, and which topics differ in rate."""
-    rows = []
-    for label, faults in (('A', found.faults_a), ('B', found.faults_b)):
-        for topic, each in faults.items():
-            if not each.clean:
-                rows.append((label, topic, rate(each), fault_words(each)))
-    for topic, each in found.faults_a.items():
-        other = found.faults_b.get(topic)
-        if other is not None and differ(each, other):
-            rows.append(('A, B', topic, f'{rate(each)}, {rate(other)}', 'different rates'))
-    if not rows:
-        return '<p class="note">No gap, duplicate, lost value or backward step of time.</p>'
-    heads = ''.join(f'<th scope="col">{head}</th>' for head in ('flight', 'topic', 'rate', 'what'))
-    body = ''.join(
-        f'<tr>{"".join(f"<td>{escape(cell)}</td>" for cell in row)}</tr>' for row in rows
-    )
-    return (
-        '<table class="faults"><caption class="hidden">Faults of the data</caption>'
-        f'<thead><tr>{heads}</tr></thead><tbody>{body}</tbody></table>'
-    )
-
-
-def differ(a: Faults, b: Faults) -> bool:
-    """Tell whether two topics come at different rates."""
-    if a.period is None or b.period is None:
-        return False
-    return max(a.period, b.period) > 1.02 * min(a.period, b.period)
-
-
-def rate(faults: Faults) -> str:
-    """Return the rate of a topic."""
-    return MISSING if not faults.period else f'{1.0 / faults.period:.4g} Hz'
 
 
 def applied(found: Comparison) -> Mapping[str, str]:

@@ -97,10 +97,14 @@ def spectra(pair: Aligned, *, angular: bool = False) -> Spectra | None:
         return None
     length = min(SEGMENT, 2 * count // (SEGMENTS + 1))
     rate = (count - 1) / float(time[-1] - time[0])
-    given = {'fs': rate, 'nperseg': length}
-    frequency, of_a = signal.welch(a, **given)
-    of_b, of_difference = (signal.welch(part, **given)[1] for part in (b, b - a))
-    across = np.abs(signal.csd(a, b, **given)[1]) ** 2
+
+    def power_of(values: Array) -> tuple[Array, Array]:
+        found: tuple[Array, Array] = signal.welch(values, fs=rate, nperseg=length)
+        return found
+
+    frequency, of_a = power_of(a)
+    (_, of_b), (_, of_difference) = power_of(b), power_of(b - a)
+    across = np.abs(signal.csd(a, b, fs=rate, nperseg=length)[1]) ** 2
     power = of_a * of_b
     coherence = np.divide(across, power, out=np.zeros_like(power), where=power > 0.0)
     return Spectra(

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 import math
 from typing import Final, NamedTuple
 
-from lta_analysis.compare.clock import Shared, straight
+from lta_analysis.compare.lag import Shared, straight
 from lta_analysis.compare.line import Line, period
 from lta_analysis.compare.parting import white
 import numpy as np

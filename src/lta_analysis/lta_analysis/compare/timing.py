@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 import math
 from typing import Final, final, Literal
 
-from lta_analysis.compare.clock import clock_offset, Offset, Shared
+from lta_analysis.compare.clock import clock_offset, Offset
+from lta_analysis.compare.lag import Shared
 from lta_analysis.compare.line import Array, Line, ordered, sampled
 from lta_analysis.compare.pairs import Pair
 from lta_analysis.compare.side import Side
@@ -155,9 +156,9 @@ def same_stamps(a: Side, b: Side, pairs: Sequence[Pair]) -> bool:
     shared = total = 0
     times = {(pair.a.topic, pair.b.topic): (pair.a.time, pair.b.time) for pair in pairs}
     for both in times.values():
-        stamps = [np.unique(np.rint(time * 1e9).astype(np.int64)) for time in both]
-        shared += len(np.intersect1d(*stamps, assume_unique=True))
-        total += min(len(each) for each in stamps)
+        one, other = (np.unique(np.rint(time * 1e9).astype(np.int64)) for time in both)
+        shared += len(np.intersect1d(one, other, assume_unique=True))
+        total += min(len(one), len(other))
     return total > 0 and 2 * shared >= total
 
 

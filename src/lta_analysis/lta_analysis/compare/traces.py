@@ -64,8 +64,8 @@ def drawn(each: Apart, points: int = POINTS) -> Drawn:
     else:
         a, b = broken(each.a), broken(each.b)
     lines = [a, b, broken(Line(each.both.time, each.both.difference))]
-    shown = [thin(Line(line.time, factor * line.values), points) for line in lines]
-    return Drawn(unit, *shown, factor * each.parting.band)
+    one, other, apart = (thin(Line(line.time, factor * line.values), points) for line in lines)
+    return Drawn(unit, one, other, apart, factor * each.parting.band)
 
 
 def unwound(each: Apart) -> tuple[Line, Line]:
