@@ -10,14 +10,17 @@ from lta_analysis.bag.channels import Channel
 from lta_analysis.compare.comparison import Asked, compare, compare_flights
 from lta_analysis.compare.pairs import wanted_pairs
 from lta_analysis.compare.side import side_from
-from lta_analysis.compare.words import verdict
+from lta_analysis.compare.words import fault_words, verdict
+from lta_bridge.bag import BagWriter
+from lta_bridge.bag.schemas import jazzy
 from lta_config.errors import BadInput
 import numpy as np
 import pytest
 
-from .compare_flight import UNIX, write_motion
-from .report_flight import write_flight
+from .compare_flight import stamped, UNIX, write_motion
+from .report_flight import make, pose, write_flight
 
+ODOMETRY = 'nav_msgs/msg/Odometry'
 X, Z = 'odom/pose.pose.position.x', 'odom/pose.pose.position.z'
 YAW = 'odom/pose.pose.orientation.yaw'
 
@@ -118,7 +121,7 @@ def test_a_bag_beside_itself_is_identical(two):
     assert found.identical
     assert found.verdict == 'identical'
     assert found.identical_topics == ('odom',)
-    assert verdict(found) == 'Identical: all 1 topics are the same byte for byte.'
+    assert verdict(found) == 'Identical: the one topic is the same byte for byte.'
     assert all(each.measures is None or each.measures.rms == 0.0 for each in found.channels)
 
 
@@ -233,3 +236,54 @@ def test_flights_with_nothing_in_common_say_what_each_has(tmp_path):
     found = compare_flights(open_flight(a), open_flight(b), Asked(pairs=('odom=tracker',)))
     assert found.channels[0].verdict == 'identical'
     assert found.a.start == UNIX
+
+
+def test_doubled_and_backward_messages_are_counted(record):
+    def at(k):
+        covered = make('geometry_msgs/msg/PoseWithCovariance', pose=pose(0.01 * k, 0.0, 1.0, 0.0))
+        time = 1_000_000_000 + 10_000_000 * k
+        message = make(ODOMETRY, header=stamped(time, 'map'), pose=covered)
+        return '/lta1/odom', ODOMETRY, message, time
+
+    order = [*range(50), 49, *range(50, 80), 75, *range(80, 100)]
+    a = open_flight(record([at(k) for k in range(100)], 'a'))
+    b = open_flight(record([at(k) for k in order], 'b'))
+    found = compare_flights(a, b, Asked())
+    wrong = found.faults_b['odom']
+    assert (wrong.count, wrong.same_stamp, wrong.repeated) == (102, 2, 1)
+    assert wrong.backwards_count == 1
+    assert tuple(wrong.backwards[0]) == pytest.approx((0.79, 0.75))
+    assert found.faults_a['odom'].clean
+    assert not found.identical
+    assert found.same
+    told = fault_words(wrong)
+    assert '2 messages at the time of another, 1 of them byte for byte' in told
+    assert 'time runs backwards 1 time, first from 0.790 to 0.750 s' in told
+
+
+def test_robots_of_one_bag_are_named_and_compared(tmp_path, monkeypatch, capsys):
+    bag = tmp_path / 'pair'
+    with BagWriter(bag, {}) as writer:
+        for robot in ('lta1', 'lta2'):
+            writer.add_topic(f'/{robot}/odom', ODOMETRY, [])
+        for k in range(100):
+            for robot, x in (('lta1', 0.0), ('lta2', 0.5)):
+                place = make(
+                    'geometry_msgs/msg/PoseWithCovariance', pose=pose(x, 0.0, 0.01 * k, 0)
+                )
+                time = 1_000_000_000 + 10_000_000 * k
+                message = make(ODOMETRY, header=stamped(time, 'map'), pose=place)
+                writer.write(
+                    f'/{robot}/odom', bytes(jazzy().serialize_cdr(message, ODOMETRY)), time
+                )
+    out = ['--out', tmp_path / 'out', '--no-page', '--json']
+    assert run(monkeypatch, bag, bag, *out) == 2
+    told = capsys.readouterr().err
+    assert told.startswith(f"A: '{bag}' holds several robots (lta1, lta2);")
+    assert told.count('\n') == 1
+    assert run(monkeypatch, bag, bag, '--robot', 'lta1:lta2', *out) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert [content[side]['robot'] for side in 'ab'] == ['lta1', 'lta2']
+    x = next(each for each in content['channels'] if each['name'] == X)
+    assert x['measures']['bias'] == pytest.approx(0.5)
+    assert x['parting']['at'] == 0.0

@@ -6,8 +6,8 @@ from typing import Final, final
 
 from lta_analysis.bag.flight import Flight
 from lta_analysis.compare.apart import Apart, apart, lines_of, tolerances
-from lta_analysis.compare.faults import Faults, faults
-from lta_analysis.compare.line import Array
+from lta_analysis.compare.faults import Faults, faults, SLOWER
+from lta_analysis.compare.line import Array, known_only
 from lta_analysis.compare.pairs import Pair, paired, Wanted, wanted_pairs
 from lta_analysis.compare.placing import Frames, Placed, placed
 from lta_analysis.compare.side import Side, side_of
@@ -55,6 +55,8 @@ class Comparison:
         By topic.
     only_a, only_b : tuple of str
         Topics that the other lacks.
+    topics : dict of str to str
+        What was compared: B's topic by A's.
     identical_topics : tuple of str
         Those whose messages are the same byte for byte.
     remarks : tuple of str
@@ -73,6 +75,7 @@ class Comparison:
     faults_b: Mapping[str, Faults]
     only_a: tuple[str, ...]
     only_b: tuple[str, ...]
+    topics: Mapping[str, str]
     identical_topics: tuple[str, ...]
     remarks: tuple[str, ...]
 
@@ -178,6 +181,7 @@ def compare(
         faults_b=side_faults(b),
         only_a=(),
         only_b=(),
+        topics=topics,
         identical_topics=tuple(
             name
             for name, other in topics.items()
@@ -225,13 +229,25 @@ def covered(times: Sequence[Array]) -> tuple[float, float]:
     return min(float(time.min()) for time in known), max(float(time.max()) for time in known)
 
 
+def differing(found: Comparison) -> list[tuple[str, Faults, Faults]]:
+    """Return the topics that come at different rates in both flights, and their faults."""
+    both = [
+        (name, found.faults_a[name], found.faults_b[other]) for name, other in found.topics.items()
+    ]
+    return [
+        (name, a, b)
+        for name, a, b in both
+        if a.period and b.period and max(a.period, b.period) > SLOWER * min(a.period, b.period)
+    ]
+
+
 def side_faults(side: Side) -> dict[str, Faults]:
     """Return what is wrong with each topic of a flight."""
     found = {}
     for name, topic in side.topics.items():
         own = [each for each in side.channels.values() if each.topic == name]
         shares = {
-            each.name: float(np.mean(~np.isfinite(each.values)))
+            each.name: float(np.mean(np.isnan(known_only(each.values))))
             for each in own
             if len(each.values)
         }

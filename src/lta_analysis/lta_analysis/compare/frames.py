@@ -63,7 +63,7 @@ def placement(
     Least squares of the horizontal distance over turn and shift (Umeyama 1991, "Least-squares
     estimation of transformation parameters between two point patterns", for a turn about z), with
     Tukey's weights, so that a stretch in which the flights part does not bend the rest; the
-    height apart, by the median.
+    height apart, likewise.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def placement(
     if known.sum() < 3:
         return None
     a, b = a[known], b[known]
-    height = float(np.median(a[:, 2] - b[:, 2]))
+    height = centre(a[:, 2] - b[:, 2])
     weight = np.ones(len(a))
     yaw, shift = turned(a, b, weight)
     for _ in range(ROUNDS):
@@ -105,6 +105,20 @@ def placement(
         yaw, float(shift[0]), float(shift[1]), height,
         rms_distance(a, b), rms_distance(a, found.positions(b)), by_heading,
     )  # fmt: skip
+
+
+def centre(values: Array) -> float:
+    """Return the middle of values of which a part may lie elsewhere: Tukey's, from the median."""
+    middle = float(np.median(values))
+    for _ in range(ROUNDS):
+        scale = 1.4826 * float(np.median(np.abs(values - middle)))
+        if scale <= 1e-12:
+            break
+        weight = np.maximum(0.0, 1.0 - ((values - middle) / (TUKEY * scale)) ** 2) ** 2
+        last, middle = middle, float(np.average(values, weights=weight))
+        if abs(middle - last) < 1e-9 * scale:
+            break
+    return middle
 
 
 def rms_distance(a: Array, b: Array) -> float:

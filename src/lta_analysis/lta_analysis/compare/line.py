@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 GAP: Final = 2.5  # periods of a channel without a message: nothing is known of the time between
 TURN: Final = 2.0 * np.pi
+ABSURD: Final = 1e30  # beyond any quantity: what some drivers write for 'unknown'
 Array = NDArray[np.float64]
 
 
@@ -17,6 +18,12 @@ class Line(NamedTuple):
     values: Array
 
 
+def known_only(values: ArrayLike) -> Array:
+    """Return values with NaN for what is infinite, or so large that it stands for 'unknown'."""
+    given = np.asarray(values, dtype=np.float64)
+    return np.where(np.abs(given) < ABSURD, given, np.nan)
+
+
 def ordered(time: ArrayLike, values: ArrayLike) -> Line:
     """
     Return a line in the order of time, the first of several values at one instant.
@@ -24,7 +31,7 @@ def ordered(time: ArrayLike, values: ArrayLike) -> Line:
     Parameters
     ----------
     time, values : array_like, shape (n,)
-        In any order; an instant that is no number is left out, an infinite value becomes NaN.
+        In any order; an instant that is no number is left out, a value that is none becomes NaN.
 
     """
     when = np.asarray(time, dtype=np.float64).ravel()
@@ -32,7 +39,7 @@ def ordered(time: ArrayLike, values: ArrayLike) -> Line:
     usable = np.isfinite(when)
     when, first = np.unique(when[usable], return_index=True)
     what = what[usable][first]
-    return Line(when, np.where(np.isfinite(what), what, np.nan))
+    return Line(when, known_only(what))
 
 
 def period(time: Array) -> float:

@@ -11,6 +11,7 @@ from scipy.stats import t as student
 DRAWS: Final = 400
 TAIL: Final = 2.5  # percent left on either side of an interval
 LONGEST_LAG: Final = 20_000
+FEWEST: Final = 4  # blocks
 NORMAL: Final = 1.959964  # the same tail of a normal distribution
 
 
@@ -138,7 +139,8 @@ def rms_interval(
     if count < 2 or np.ptp(squares) == 0.0 or mean == 0.0:
         return math.sqrt(mean), math.sqrt(mean)
     alike = memory(squares)
-    length = int(np.clip(math.ceil(max(5.0 * alike, count ** (1 / 3))), 1, count // 2))
+    most = max(1, count // FEWEST)
+    length = min(math.ceil(max(5.0 * alike, count ** (1 / 3))), most)
     blocks = -(-count // length)
     around = np.concatenate([[0.0], np.cumsum(np.concatenate([squares, squares[:length]]))])
     starts = chance.integers(0, count, size=(draws, blocks))
@@ -148,4 +150,8 @@ def rms_interval(
     lost = math.sqrt(1.0 / (1.0 - min(0.5, alike / length)))
     few = float(student.ppf(1.0 - TAIL / 100.0, max(blocks - 1, 1)) / NORMAL)
     low, high = np.percentile(apart, [TAIL, 100.0 - TAIL]) * lost * few
-    return math.sqrt(mean * math.exp(min(low, 0.0))), math.sqrt(mean * math.exp(max(high, 0.0)))
+    # No mean lies beyond what was averaged.
+    lowest, highest = math.sqrt(float(squares.min())), math.sqrt(float(squares.max()))
+    ends = (math.sqrt(mean) * math.exp(0.5 * end) for end in (min(low, 0.0), max(high, 0.0)))
+    first, last = ends
+    return max(first, lowest), min(last, highest)

@@ -10,8 +10,7 @@ from lta_analysis.compare.apart import Apart
 from lta_analysis.compare.comparison import Comparison
 from lta_analysis.compare.roles import headline, main_channels, Shown
 from lta_analysis.compare.spectra import thinned_spectra
-from lta_analysis.compare.tables import channel_table, fault_table, MISSING, pickable, short_row
-from lta_analysis.compare.timing import spoken
+from lta_analysis.compare.tables import channel_table, fault_table, pickable, short_row
 from lta_analysis.compare.traces import packed, packed_channel
 from lta_analysis.compare.words import (
     about,
@@ -20,6 +19,8 @@ from lta_analysis.compare.words import (
     called,
     earliest,
     frame_words,
+    MISSING,
+    offset_figures,
     offset_words,
     verdict,
 )
@@ -35,8 +36,9 @@ from plotly.graph_objects import Figure
 NAME: Final = 'compare.html'
 PICKED: Final = 320  # points of a line that somebody may pick
 LEGEND: Final = (
-    '<b class="key-a">A</b> <b class="key-b">B</b> <b class="key-d">B - A</b>. Shaded: the band '
-    'that noise explains, or the tolerance. Nothing is drawn across a gap.'
+    '<b class="key-a">Blue: A</b>, <b class="key-b">orange: B</b>, '
+    '<b class="key-d">grey: B - A</b>. Shaded: the band that '
+    'noise explains, or the tolerance. Nothing is drawn across a gap.'
 )
 ABOVE: Final = "Both paths in A's frame. Ring: start. Dot: end."
 
@@ -115,14 +117,14 @@ def tiles(found: Comparison) -> list[Tile]:
     wrong = sum(
         not each.clean for side in (found.faults_a, found.faults_b) for each in side.values()
     )
-    offset = spoken(timing.offset).split(' ')
-    doubt = f'± {spoken(1.96 * timing.sigma)}; ' if timing.sigma > 0.0 else ''
+    offset, doubt, unit = offset_figures(timing)
+    doubt = f'± {doubt} {unit}; ' if doubt else ''
     how = {
         'clock': 'by what both measured', 'motion': 'by the start of motion',
         'given': 'by hand', 'none': 'stamps as they are',
     }[timing.how]  # fmt: skip
     made = [
-        Tile('Offset of B\'s time', offset[0], offset[1], f'{doubt}{how}'),
+        Tile('Offset of B\'s time', offset, unit, f'{doubt}{how}'),
         Tile('In common', f'{end - begin:.1f}', 's', f'{begin:.1f} to {end:.1f} s of A'),
         Tile(
             'Channels that part', str(len(parted)), f'of {len(found.channels)}',
@@ -176,7 +178,7 @@ def picker(found: Comparison, first: Apart) -> str:
     known = [each for each in found.channels if pickable(each)]
     options = ''.join(f'<option>{escape(each.name)}</option>' for each in known)
     content = {each.name: picked(each) for each in known}
-    about = 'Chosen above; the channels are in the order of the ranking.'
+    about = f'{first.name}. {summary(first)}'
     by_frequency = (
         "Power spectral density by Welch's method, in the channel's unit squared per hertz; "
         "coherence is the share of B's power that answers A's."

@@ -1,9 +1,11 @@
 """Which channel of A is compared with which of B: by name, or as told."""
 
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from typing import Final, NamedTuple
 
 from lta_analysis.bag.channels import Channel
+from lta_analysis.compare.line import known_only
 from lta_config.errors import BadInput
 
 AS: Final = '--pair odom=ground_truth/odom'
@@ -124,12 +126,17 @@ def paired(wanted: Sequence[Wanted], a: Mapping[str, Channel], b: Mapping[str, C
                     f"'{name}' is in {one.unit} in A and in {other.unit} in B; not compared."
                 )
             else:
-                found.pairs.append(Pair(name, one, other))
+                found.pairs.append(Pair(name, numbers(one), numbers(other)))
     if not found.pairs:
         raise BadInput(
             f'The flights have no channel in common; say which topics belong together, as in {AS}.'
         )
     return found
+
+
+def numbers(channel: Channel) -> Channel:
+    """Return a channel with NaN for all that is no number."""
+    return replace(channel, values=known_only(channel.values))
 
 
 def matches(wanted: Wanted, of_a: Sequence[str], of_b: Sequence[str]) -> list[tuple[str, str]]:

@@ -14,19 +14,21 @@ import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
 A, B, DIFFERENCE = TRUTH, ESTIMATE, SETPOINT
+WIDE, NARROW = 3.0, 1.2  # px: A shows behind B where they are the same
 
 
 def overlay(each: Apart, time: tuple[float, float]) -> Figure:
     """Return A and B over a time above their difference, with band and parting."""
     shown = drawn(each)
     figure = blank(2, [0.66, 0.34])
-    for line, name, colour, row in (
-        (shown.a, 'A', A, 1), (shown.b, 'B', B, 1), (shown.difference, 'B - A', DIFFERENCE, 2),
+    for line, name, colour, width, row in (
+        (shown.a, 'A', A, WIDE, 1), (shown.b, 'B', B, NARROW, 1),
+        (shown.difference, 'B - A', DIFFERENCE, NARROW, 2),
     ):  # fmt: skip
         figure.add_trace(
             Scatter(
                 x=line.time.astype(np.float32), y=line.values.astype(np.float32), name=name,
-                mode='lines', line={'color': colour, 'width': 1.5}, connectgaps=False,
+                mode='lines', line={'color': colour, 'width': width}, connectgaps=False,
                 hovertemplate=f'%{{y:.4~g}} {shown.unit}',
             ),
             row=row, col=1,
@@ -61,13 +63,13 @@ def path(channels: Sequence[Apart]) -> Figure | None:
         return None
     figure = blank()
     ends = []
-    for name, colour in (('A', A), ('B', B)):
+    for name, colour, width in (('A', A, WIDE), ('B', B, NARROW)):
         x, y = (getattr(each, name.lower()) for each in both)
         joined = aligned(x, y)
         across, along = way(joined.time, joined.a, joined.b)
         figure.add_trace(
             Scatter(
-                x=across, y=along, name=name, mode='lines', line={'color': colour, 'width': 1.8},
+                x=across, y=along, name=name, mode='lines', line={'color': colour, 'width': width},
                 hovertemplate='%{x:.2f}, %{y:.2f} m',
             )
         )  # fmt: skip

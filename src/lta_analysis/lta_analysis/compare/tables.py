@@ -4,12 +4,10 @@ from html import escape
 from typing import Final
 
 from lta_analysis.compare.apart import Apart
-from lta_analysis.compare.comparison import Comparison
-from lta_analysis.compare.faults import Faults, SLOWER
+from lta_analysis.compare.comparison import Comparison, differing
 from lta_analysis.compare.terminal import cells
-from lta_analysis.compare.words import fault_words
+from lta_analysis.compare.words import fault_words, rate
 
-MISSING: Final = '\N{EN DASH}'
 HEADS: Final = (
     'channel', 'parts at', 'bias', 'RMS', '95 % of RMS', 'NRMSE', 'most', 'at', 'lag',
 )  # fmt: skip
@@ -58,10 +56,8 @@ def fault_table(found: Comparison) -> str:
         for topic, each in faults.items():
             if not each.clean:
                 rows.append((label, topic, rate(each), fault_words(each)))
-    for topic, each in found.faults_a.items():
-        other = found.faults_b.get(topic)
-        if other is not None and differ(each, other):
-            rows.append(('A, B', topic, f'{rate(each)}, {rate(other)}', 'different rates'))
+    for topic, each, other in differing(found):
+        rows.append(('A, B', topic, f'{rate(each)}, {rate(other)}', 'different rates'))
     if not rows:
         return '<p class="note">No gap, duplicate, lost value or backward step of time.</p>'
     heads = ''.join(f'<th scope="col">{head}</th>' for head in ('flight', 'topic', 'rate', 'what'))
@@ -72,15 +68,3 @@ def fault_table(found: Comparison) -> str:
         '<table class="faults"><caption class="hidden">Faults of the data</caption>'
         f'<thead><tr>{heads}</tr></thead><tbody>{body}</tbody></table>'
     )
-
-
-def differ(a: Faults, b: Faults) -> bool:
-    """Tell whether two topics come at different rates."""
-    if a.period is None or b.period is None:
-        return False
-    return max(a.period, b.period) > SLOWER * min(a.period, b.period)
-
-
-def rate(faults: Faults) -> str:
-    """Return the rate of a topic."""
-    return MISSING if not faults.period else f'{1.0 / faults.period:.4g} Hz'

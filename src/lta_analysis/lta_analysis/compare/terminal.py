@@ -3,8 +3,16 @@
 from typing import Final
 
 from lta_analysis.compare.apart import Apart
-from lta_analysis.compare.comparison import Comparison
-from lta_analysis.compare.words import amount, fault_words, frame_words, timing_words, verdict
+from lta_analysis.compare.comparison import Comparison, differing
+from lta_analysis.compare.words import (
+    amount,
+    fault_words,
+    frame_words,
+    rate,
+    signless,
+    timing_words,
+    verdict,
+)
 from rich.console import Console
 from rich.table import Table
 
@@ -25,6 +33,9 @@ def show(found: Comparison, console: Console, rows: int = ROWS) -> None:
         for topic, each in faults.items():
             if not each.clean:
                 lines.append(f'{label}, {topic}: {fault_words(each)}.')
+    rates = [f'{name} ({rate(a)} and {rate(b)})' for name, a, b in differing(found)]
+    if rates:
+        lines.append(f'Different rates in A and B: {", ".join(rates)}.')
     lines += list(found.remarks)
     for line in lines:
         console.print(line, highlight=False, markup=False, soft_wrap=True)
@@ -64,5 +75,5 @@ def cells(each: Apart) -> list[str]:
         DASH if found.nrmse is None else f'{found.nrmse:.2g}',
         amount(found.greatest, each.unit),
         f'{found.greatest_at:.2f} s',
-        DASH if each.peak is None else f'{1e3 * each.peak.lag:.0f} ms',
+        DASH if each.peak is None else f'{signless(1e3 * each.peak.lag, 0)} ms',
     ]

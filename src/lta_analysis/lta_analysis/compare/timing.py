@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-import math
 from typing import Final, final, Literal
 
 from lta_analysis.compare.clock import clock_offset, Offset
@@ -238,10 +237,3 @@ def way(time: Array, x: Array, y: Array) -> Line:
         near = np.stack([sampled(line, inner + lag) for lag in lags])
         rates.append(lags @ near / float(lags @ lags))
     return Line(inner, np.hypot(*rates))
-
-
-def spoken(seconds: float) -> str:
-    """Return a time as people say it: milliseconds below a second."""
-    if not math.isfinite(seconds):
-        return 'unknown'
-    return f'{1e3 * seconds:.3g} ms' if 0.0 < abs(seconds) < 1.0 else f'{seconds:.4g} s'

@@ -1,5 +1,6 @@
 """A comparison in words: how the flights stand, when they part, and what was done about clocks."""
 
+from dataclasses import replace
 import math
 from typing import Final
 
@@ -10,7 +11,7 @@ from lta_analysis.compare.frames import Placement
 from lta_analysis.compare.placing import Placed
 from lta_analysis.compare.roles import headline
 from lta_analysis.compare.side import Side
-from lta_analysis.compare.timing import spoken, Timing
+from lta_analysis.compare.timing import Timing
 
 DEGREES: Final = 180.0 / math.pi
 FIELDS: Final = {  # how a field ends, and what people call it
@@ -26,6 +27,7 @@ FIELDS: Final = {  # how a field ends, and what people call it
     'angular.z': 'yaw rate',
 }
 BASIS: Final = 1e6
+MISSING: Final = '\N{EN DASH}'
 
 
 def called(channel: Apart) -> str:
@@ -60,10 +62,12 @@ def verdict(found: Comparison) -> str:
     if begins_apart(first):
         text = f'The flights are apart from the start, in {called(first)}'
     worst = parted[0]
-    if worst.measures is None or worst is first:
-        return f'{text}{" and there most" if worst is first and len(parted) > 1 else ""}.'
-    rms = amount(worst.measures.rms, worst.unit)
-    return f'{text}, and most in {called(worst)}: {rms} RMS.'
+    if worst is not first:
+        text += f', and most in {called(worst)}'
+    elif len(parted) > 1:
+        text += ' and there most'
+    rms = 0.0 if worst.measures is None else worst.measures.rms
+    return f'{text}: {amount(rms, worst.unit)} RMS.'
 
 
 def begins_apart(channel: Apart) -> bool:
@@ -88,6 +92,8 @@ def bytes_or_values(found: Comparison) -> str:
     """Return what is the same in both flights."""
     topics = len(found.identical_topics)
     if topics and topics == len(found.a.topics):
+        if topics == 1:
+            return 'the one topic is the same byte for byte'
         return f'all {topics} topics are the same byte for byte'
     return f'all {len(found.channels)} channels have the same instants and values'
 
@@ -135,11 +141,28 @@ def base_words(timing: Timing) -> str:
     return 'clock' if timing.on_stamps else 'time since its start'
 
 
+def offset_figures(timing: Timing) -> tuple[str, str, str]:
+    """Return an offset, half its 95 % interval ('' where it has none) and their unit."""
+    factor, unit = (1e3, 'ms') if 0.0 < abs(timing.offset) < 1.0 else (1.0, 's')
+    doubt = 1.96 * timing.sigma * factor
+    if not doubt > 0.0:
+        return f'{factor * timing.offset:.6g}', '', unit
+    decimals = max(0, 1 - math.floor(math.log10(doubt)))
+    return f'{factor * timing.offset:.{decimals}f}', f'{doubt:.{decimals}f}', unit
+
+
 def offset_words(timing: Timing) -> str:
     """Return an offset with its 95 % interval."""
     ahead = 'ahead' if timing.offset >= 0.0 else 'behind'
-    doubt = f' ± {spoken(1.96 * timing.sigma)}' if timing.sigma > 0.0 else ''
-    return f'is {spoken(abs(timing.offset))}{doubt} {ahead}'
+    value, doubt, unit = offset_figures(replace(timing, offset=abs(timing.offset)))
+    when = f' at {timing.middle:.1f} s' if timing.drift else ''
+    return f'is {value}{f" ± {doubt}" if doubt else ""} {unit} {ahead}{when}'
+
+
+def signless(value: float, digits: int) -> str:
+    """Return a number with so many decimals; nothing is no less than nothing."""
+    text = f'{value:.{digits}f}'
+    return text.removeprefix('-') if float(text) == 0.0 else text
 
 
 def frame_words(placed: Placed) -> str:
@@ -153,10 +176,9 @@ def frame_words(placed: Placed) -> str:
 def placement_words(fit: Placement) -> str:
     """Return a turn and shift."""
     how = ', the turn by the headings' if fit.by_heading else ''
-    return (
-        f'turned by {fit.yaw * DEGREES:.2f}° and shifted by ({fit.x:.3f}, {fit.y:.3f}, '
-        f'{fit.z:.3f}) m{how}; the paths are {fit.after:.3f} m apart so, {fit.before:.3f} m before'
-    )
+    shift = ', '.join(signless(part, 3) for part in (fit.x, fit.y, fit.z))
+    moved = f'turned by {signless(fit.yaw * DEGREES, 2)}° and shifted by ({shift}) m{how}'
+    return f'{moved}; the paths are {fit.after:.3f} m apart so, {fit.before:.3f} m before'
 
 
 def fault_words(faults: Faults) -> str:
@@ -191,3 +213,8 @@ def fault_words(faults: Faults) -> str:
 def counted(count: int, word: str) -> str:
     """Return a count and its noun."""
     return f'{count} {word}{"" if count == 1 else "s"}'
+
+
+def rate(faults: Faults) -> str:
+    """Return the rate of a topic."""
+    return MISSING if not faults.period else f'{1.0 / faults.period:.4g} Hz'
