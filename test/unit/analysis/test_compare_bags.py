@@ -287,3 +287,46 @@ def test_robots_of_one_bag_are_named_and_compared(tmp_path, monkeypatch, capsys)
     x = next(each for each in content['channels'] if each['name'] == X)
     assert x['measures']['bias'] == pytest.approx(0.5)
     assert x['parting']['at'] == 0.0
+
+
+def test_topics_that_one_flight_lacks_are_listed(two):
+    found = two(NOISY | {'extra': ('motors',)}, OTHER)
+    assert (found.only_a, found.only_b) == (('motors',), ())
+    assert not found.identical
+    assert {each.name.split('/')[0] for each in found.channels} == {'odom'}
+
+
+def run_of(start, seed, label, clock):
+    """Return a flight that rests until its command, then wanders as its air has it."""
+    t = np.arange(0.0, 30.0, 0.01)
+    since = np.maximum(t - start, 0.0)
+    chance = np.random.default_rng(seed)
+    climb = 0.3 * np.minimum(since, 1.0) + 0.4 * np.sin(since * 2.0 + seed) * (since > 0.0)
+    noise = 0.003 * chance.normal(size=(2, len(t)))
+    speed = since**0.5 * np.cos(seed * t) + noise[1]
+    return side_from(
+        [
+            Channel('motors/effort.left', '1', t, np.where(t >= start, 0.4 + 0.05 * seed, 0.0)),
+            Channel('odom/pose.pose.position.z', 'm', t, climb + noise[0]),
+            Channel(
+                'odom/twist.twist.linear.x', 'm/s', t, noise[1] + since**0.5 * np.cos(seed * t)
+            ),
+        ],
+        label,
+        clock,
+    )
+
+
+def test_separate_runs_are_laid_on_each_other_by_their_commands():
+    a, b = run_of(4.0, 1, 'A', 0), run_of(5.5, 2, 'B', UNIX)
+    wanted = wanted_pairs((), (), list(a.topics), list(b.topics))
+    found = compare(a, b, wanted, Asked())
+    assert (found.timing.how, found.timing.on_stamps) == ('motion', False)
+    assert found.timing.offset == pytest.approx(1.5, abs=0.011)
+    assert 'separate runs' in found.timing.reason
+    assert found.span == pytest.approx((0.0, 28.49), abs=0.02)
+    duty = channel(found, 'motors/effort.left')
+    assert duty.parting.at == pytest.approx(4.0, abs=0.02)
+    assert duty.measures.greatest == pytest.approx(0.05)
+    alone = compare(a, b, wanted, Asked(align='none'))
+    assert (alone.timing.how, alone.timing.offset) == ('none', 0.0)

@@ -8,7 +8,7 @@ from lta_analysis.compare.line import aligned, broken, Line
 from lta_analysis.compare.roles import pose_of
 from lta_analysis.compare.spectra import Spectra, thinned_spectra
 from lta_analysis.compare.traces import drawn, thin
-from lta_analysis.report.drawing import blank
+from lta_analysis.report.drawing import blank, extent
 from lta_analysis.report.palette import ESTIMATE, FILL, GOOD, SETPOINT, SOFT, TRUTH, WALL
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
@@ -85,9 +85,11 @@ def path(channels: Sequence[Apart]) -> Figure | None:
                 hovertemplate=[f'{name} starts', f'{name} ends'],
             )
         )  # fmt: skip
+    seen = [trace for trace in figure.data if trace.mode == 'lines']
+    across, along = (extent(*(np.asarray(line[axis]) for line in seen)) for axis in 'xy')
     figure.update_layout(hovermode='closest', margin={'r': 24, 'l': 66})
-    figure.update_xaxes(title_text="x in A's frame [m]", constrain='domain')
-    return figure.update_yaxes(title_text="y in A's frame [m]", scaleanchor='x')
+    figure.update_xaxes(title_text="x in A's frame [m]", range=across, constrain='domain')
+    return figure.update_yaxes(title_text="y in A's frame [m]", range=along, scaleanchor='x')
 
 
 def way(time: np.ndarray, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
