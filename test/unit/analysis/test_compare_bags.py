@@ -308,9 +308,7 @@ def run_of(start, seed, label, clock):
         [
             Channel('motors/effort.left', '1', t, np.where(t >= start, 0.4 + 0.05 * seed, 0.0)),
             Channel('odom/pose.pose.position.z', 'm', t, climb + noise[0]),
-            Channel(
-                'odom/twist.twist.linear.x', 'm/s', t, noise[1] + since**0.5 * np.cos(seed * t)
-            ),
+            Channel('odom/twist.twist.linear.x', 'm/s', t, speed),
         ],
         label,
         clock,

@@ -86,10 +86,10 @@ def path(channels: Sequence[Apart]) -> Figure | None:
             )
         )  # fmt: skip
     seen = [trace for trace in figure.data if trace.mode == 'lines']
-    across, along = (extent(*(np.asarray(line[axis]) for line in seen)) for axis in 'xy')
+    wide, high = (extent(*(np.asarray(line[axis]) for line in seen)) for axis in 'xy')
     figure.update_layout(hovermode='closest', margin={'r': 24, 'l': 66})
-    figure.update_xaxes(title_text="x in A's frame [m]", range=across, constrain='domain')
-    return figure.update_yaxes(title_text="y in A's frame [m]", range=along, scaleanchor='x')
+    figure.update_xaxes(title_text="x in A's frame [m]", range=wide, constrain='domain')
+    return figure.update_yaxes(title_text="y in A's frame [m]", range=high, scaleanchor='x')
 
 
 def way(time: np.ndarray, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -103,6 +103,8 @@ def compare(
     robots = (robot or '').partition(':')
     one = opened(a, robots[0], 'A')
     other = opened(b, robots[2] or robots[0], 'B')
+    if out is not None and out.exists():
+        empty_folder(out.absolute())  # refused before the work, not after
     with CompareProgress(console, ticks(one, other, asked)) as progress:
         found = compare_flights(one, other, asked, progress.tick)
     stamp = datetime.now().astimezone().strftime('%Y%m%d-%H%M%S')
