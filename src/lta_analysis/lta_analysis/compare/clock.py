@@ -15,17 +15,19 @@ from typing import Final, final, NamedTuple
 
 from lta_analysis.compare.lag import Coarse, coarse, Shared, sides, straight
 from lta_analysis.compare.line import Array, Line, period, sampled
+from lta_analysis.compare.measures import NORMAL
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import Akima1DInterpolator, CubicSpline
 from scipy.ndimage import gaussian_filter1d
+from scipy.stats import t as student
 
 LIKE: Final = 0.5  # correlation of a channel that is used for the fine step
 MOST: Final = 12  # channels of the fine step
 LEVEL: Final = 10.0  # s over which a channel's level is free
 HUBER: Final = 1.5
 RESTING: Final = 0.1  # of the RMS misfit, that the scale of a channel's misfit is at least
-BLOCKS: Final = 40
+BLOCKS: Final = 16
 ROUNDS: Final = 30
 EXACT: Final = 1e-3  # of a period, for the interpolation
 TELLING: Final = 30.0  # s of common time without which drift is not asked for
@@ -96,12 +98,13 @@ def clock_offset(shared: Sequence[Shared]) -> Offset | None:
 
 
 class Prepared(NamedTuple):
-    """One channel for the fine step: A smoothed at even instants, B as a smooth curve."""
+    """One channel for the fine step: A at even instants, B as a curve; how far smoothed. [s]"""
 
     time: Array
     a: Array
     known: Line
     b: CubicSpline
+    width: float
 
 
 def prepared(each: Shared) -> Prepared:
@@ -114,11 +117,13 @@ def prepared(each: Shared) -> Prepared:
         count = 2 + int((line.time[-1] - line.time[0]) / step)
         grid = line.time[0] + step * np.arange(count)
         seen = sampled(line, grid)
-        smooth = gaussian_filter1d(np.interp(grid, line.time, line.values), width / step)
+        # By straight lines, the slower recorder would cut every bend short.
+        curve = Akima1DInterpolator(line.time, line.values)(np.minimum(grid, line.time[-1]))
+        smooth = gaussian_filter1d(curve, width / step)
         found.append((grid, smooth, seen))
     (grid, a, seen), (grid_b, b, seen_b) = found
     inner = np.isfinite(seen)
-    return Prepared(grid[inner], a[inner], Line(grid_b, seen_b), CubicSpline(grid_b, b))
+    return Prepared(grid[inner], a[inner], Line(grid_b, seen_b), CubicSpline(grid_b, b), width)
 
 
 def fine(used: Sequence[Shared], start: Coarse, correlation: float) -> Offset:
@@ -177,8 +182,22 @@ def settled(
     if np.linalg.matrix_rank(normal) == free:
         inverse = np.linalg.inv(normal)
         spread = blocks.T @ blocks * (BLOCKS / (BLOCKS - free))
-        covariance[:free, :free] = inverse @ spread @ inverse
+        covariance[:free, :free] = inverse @ spread @ inverse * widened(channels, span)
     return Settled(at, covariance)
+
+
+def widened(channels: Sequence[Prepared], span: float) -> float:
+    """
+    Return what a variance from the scatter of blocks must be multiplied by.
+
+    Two misfits lag s apart, both smoothed by a Gaussian of w, resemble each other by
+    exp(-s^2 / 4 w^2); of their sum, blocks of length L lose 2 w / (sqrt(pi) L) at their edges.
+    And few blocks tell their own scatter badly: Student's t beside the normal distribution.
+    """
+    width = max(each.width for each in channels)
+    lost = min(0.5, 2.0 * width * BLOCKS / (math.sqrt(math.pi) * span)) if span > 0.0 else 0.5
+    few = float(student.ppf(0.975, BLOCKS - 1)) / NORMAL
+    return few**2 / (1.0 - lost)
 
 
 def scored(
@@ -203,7 +222,9 @@ def scored(
     pulls = slopes * (weight * misfit)[:, None]
     index = np.searchsorted(edges, time)
     blocks: Array = np.stack([np.bincount(index, pull, BLOCKS) for pull in pulls.T], axis=1)
-    return slopes.T @ (slopes * weight[:, None]), blocks.astype(np.float64)
+    # Of Huber's pull only what is not held down grows with the misfit.
+    free_to_pull = (size <= HUBER)[:, None] / scale**2
+    return slopes.T @ (slopes * free_to_pull), blocks.astype(np.float64)
 
 
 def levelled(values: Array, stretch: NDArray[np.int64]) -> Array:
