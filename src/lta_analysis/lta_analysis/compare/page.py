@@ -106,6 +106,8 @@ def summary(each: Apart) -> str:
     rms = f'RMS {amount(found.rms, each.unit)}'
     share = '' if found.nrmse is None else f", {found.nrmse:.2g} of A's standard deviation"
     parts = 'They do not part' if when.at is None else f'They part at {when.at:.2f} s'
+    if when.at is None and each.verdict == 'apart at times':
+        parts = f'They are apart at times, {100.0 * when.outside:.0f} % of the instants'
     return f'{parts}; {rms}{share}.'
 
 
