@@ -10,6 +10,7 @@ from lta_analysis.verbs.compare import compare
 from lta_analysis.verbs.doctor import doctor
 from lta_analysis.verbs.effects import effects
 from lta_analysis.verbs.fly import fly
+from lta_analysis.verbs.import_ import import_
 from lta_analysis.verbs.launch import launch
 from lta_analysis.verbs.platforms import platforms
 from lta_analysis.verbs.report import report
@@ -47,6 +48,7 @@ app.add_typer(bag, name='bag')
 app.add_typer(vehicle, name='vehicle')
 app.command()(report)
 app.command()(compare)
+app.command('import')(import_)
 app.command()(effects)
 app.command()(doctor)
 for command in (

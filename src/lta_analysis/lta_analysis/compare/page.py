@@ -26,12 +26,10 @@ from lta_analysis.compare.words import (
 )
 from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import Tile
-from lta_analysis.report.page import embedded, embedded_text, tile_html
-from lta_analysis.sweep.page import terms
+from lta_analysis.report.pieces import embedded, section, terms, tile_html
 from lta_analysis.typed import near, typed
 from lta_bridge.provenance import commit
 import numpy as np
-from plotly.graph_objects import Figure
 
 NAME: Final = 'compare.html'
 PICKED: Final = 320  # points of a line that somebody may pick
@@ -60,9 +58,10 @@ def page(found: Comparison) -> str:
         tiles='\n'.join(tile_html(*each) for each in tiles(found)),
         hero=hero(found),
         panels='\n'.join(
-            figure_html(
+            section(
                 each.role.name, title(each), f'{each.channel.name}. {summary(each.channel)}',
                 pictures.overlay(each.channel, time),
+                timed=True,
             )
             for each in shown
         ),
@@ -145,22 +144,10 @@ def tiles(found: Comparison) -> list[Tile]:
     return made
 
 
-def figure_html(name: str, heading: str, caption: str, figure: Figure, timed: bool = True) -> str:
-    """Return one picture with heading and caption; those over time are zoomed together."""
-    words = escape(heading)
-    return (
-        f'<figure class="panel" id="panel-{name}" aria-labelledby="title-{name}">'
-        f'<h2 id="title-{name}">{words}</h2><div class="plot" data-panel="{name}" '
-        f'data-timed="{str(timed).lower()}" role="img" aria-label="{words}. {escape(caption)}">'
-        f'</div><figcaption>{escape(caption)}</figcaption>'
-        f'{embedded_text(f"figure-{name}", figure.to_json())}</figure>'
-    )
-
-
 def hero(found: Comparison) -> str:
     """Return the path from above, where there is one, beside the first of the ranking."""
     above = pictures.path(found.channels)
-    drawn = '' if above is None else figure_html('path', 'From above', ABOVE, above, timed=False)
+    drawn = '' if above is None else section('path', 'From above', ABOVE, above)
     heads = ''.join(
         f'<th scope="col">{head}</th>' for head in ('channel', 'parts at', 'RMS', 'NRMSE')
     )
@@ -188,8 +175,8 @@ def picker(found: Comparison, first: Apart) -> str:
     return (
         '<p class="choice"><label for="channel">Any channel</label> '
         f'<select id="channel">{options}</select></p><div class="grid">'
-        + figure_html('channel', 'Over time', about, pictures.overlay(first, whole(found)))
-        + figure_html('spectrum', 'By frequency', by_frequency, pictures.spectrum(first), False)
+        + section('channel', 'Over time', about, pictures.overlay(first, whole(found)), timed=True)
+        + section('spectrum', 'By frequency', by_frequency, pictures.spectrum(first))
         + f'</div>{embedded("channels", content)}'
     )
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import final
 import zlib
 
-from lta_bridge.bag.chunk import ChunkBuilder
+from lta_bridge.bag.chunk import ChunkBuilder, SealedChunk
 from lta_bridge.bag.records import encoded, MAGIC
 from lta_bridge.bag.schemas import Definition
 from lta_bridge.bag.storage import RecordFile
@@ -48,15 +48,25 @@ class McapFile:
     """
 
     def __init__(self, path: Path, library: str) -> None:
+        self.path = path
         self._file = RecordFile(path)
         self._builder = ChunkBuilder()
-        self._schemas: dict[str, Schema] = {}
+        self._schemas: dict[Definition, Schema] = {}
         self._channels: list[Channel] = []
         self._chunks: list[ChunkIndex] = []
         self._metadata: list[MetadataIndex] = []
         self._summary_size = 0
         self.counts: Counter[int] = Counter()
-        self._file.append(MAGIC + encoded([Header('ros2', library)]))
+        try:
+            self._file.append(MAGIC + encoded([Header('ros2', library)]))
+        except BaseException:
+            self._file.discard()
+            raise
+
+    @property
+    def size(self) -> int:
+        """Bytes that have gone to the disk."""
+        return self._file.size
 
     @property
     def start(self) -> int:
@@ -88,12 +98,12 @@ class McapFile:
     def add_channel(self, topic: str, definition: Definition, qos: str) -> int:
         """Announce a topic and return the number of its channel."""
         records: list[McapRecord] = []
-        schema = self._schemas.get(definition.type_name)
+        schema = self._schemas.get(definition)
         if schema is None:
             schema = Schema(
                 id=len(self._schemas) + 1,
-                data=definition.text.encode(),
-                encoding='ros2msg',
+                data=definition.text.encode(errors='surrogateescape'),
+                encoding=definition.encoding,
                 name=definition.type_name,
             )
             records.append(schema)
@@ -101,37 +111,53 @@ class McapFile:
             'offered_qos_profiles': qos,
             'topic_type_hash': definition.rihs01,
         }
-        channel = Channel(len(self._channels) + 1, topic, 'cdr', metadata, schema.id)
+        channel = Channel(
+            len(self._channels) + 1, topic, definition.message_encoding, metadata, schema.id
+        )
         records.append(channel)
         data = encoded(records)
         self._file.append(data)
-        self._schemas[schema.name] = schema
+        self._schemas[definition] = schema
         self._channels.append(channel)
         self._summary_size += len(data)
         return channel.id
 
-    def add_message(self, channel: int, sequence: int, log_time: int, data: bytes) -> None:
+    def add_message(
+        self,
+        channel: int,
+        sequence: int,
+        log_time: int,
+        data: bytes,
+        publish_time: int | None = None,
+    ) -> None:
         """Add one message to the chunk in progress, which goes to the disk when it is full."""
-        self._builder.add(channel, sequence, log_time, data)
+        self._builder.add(channel, sequence, log_time, data, publish_time)
         if self._builder.size >= CHUNK_SIZE:
             self.flush()
 
     def flush(self) -> None:
         """Finish the chunk in progress and hand it to the operating system."""
-        if self._builder.size == 0:
-            return
-        chunk = self._builder.finish(self._file.size)
+        if self._builder.size:
+            self.add_chunk(self._builder.seal())
+
+    def add_chunk(self, sealed: SealedChunk) -> None:
+        """Hand a whole chunk to the operating system; its channels must have been announced."""
+        chunk = sealed.at(self._file.size)
         self._file.append(chunk.data)
         self._chunks.append(chunk.index)
         self.counts.update(chunk.counts)
         self._summary_size += len(encoded([chunk.index]))
 
-    def close(self) -> None:
-        """Write the summary of what reached the disk, and close the file."""
+    def close(self, *, sync: bool = True) -> None:
+        """Write the summary of what reached the disk, and close the file; see `RecordFile`."""
         try:
             self._file.append(self._summary(self._file.size))
         finally:
-            self._file.close()
+            self._file.close(sync=sync)
+
+    def discard(self) -> None:
+        """Close the file and remove it."""
+        self._file.discard()
 
     def _statistics(self) -> Statistics:
         """Count what is in the file."""

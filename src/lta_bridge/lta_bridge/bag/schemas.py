@@ -12,17 +12,29 @@ from rosbags.typesys.store import Typestore
 @final
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """A message type: its whole text (ros2msg, parts joined by 80 '=') and its REP-2016 hash."""
+    """
+    A message type: its whole text (ros2msg, parts joined by 80 '=') and its REP-2016 hash.
+
+    A definition taken from elsewhere may be in another encoding, its bytes as surrogates where
+    they are no UTF-8; so may its messages.
+    """
 
     type_name: str
     text: str
     rihs01: str
+    encoding: str = 'ros2msg'
+    message_encoding: str = 'cdr'
 
 
 @cache
 def jazzy() -> Typestore:
     """Return the message types of ROS 2 Jazzy."""
     return get_typestore(Stores.ROS2_JAZZY)
+
+
+def is_known(type_name: str) -> bool:
+    """Tell whether a message type is one of ROS 2 Jazzy's common interfaces."""
+    return type_name in jazzy().fielddefs
 
 
 @cache
@@ -42,7 +54,7 @@ def definition(type_name: str) -> Definition:
 
     """
     types = jazzy()
-    if type_name not in types.fielddefs:
+    if not is_known(type_name):
         raise BadInput(
             f"Message type '{type_name}' is not part of ROS 2 Jazzy's common interfaces; "
             "record a type such as 'sensor_msgs/msg/Imu'."
