@@ -65,6 +65,7 @@ VERBS: Final[dict[str, Verb | Group]] = {
     'run': Verb('run', 'run', {'ignore_unknown_options': True, 'allow_interspersed_args': False}),
     'import': Verb('import_', 'import_'),
     'bag': BAG,
+    'compare': Verb('compare', 'compare'),
     'vehicle': Verb('vehicle', 'vehicle'),
     'report': Verb('report', 'report'),
     'effects': Verb('effects', 'effects'),

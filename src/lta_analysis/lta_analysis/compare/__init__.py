@@ -1,0 +1,1 @@
+"""Two flights beside each other: their clocks, their frames, and where and when they part."""
