@@ -17,5 +17,10 @@ setup(
     maintainer_email='maintainers@users.noreply.github.com',
     description='What is real: recorder, player and the links to hardware.',
     license='Apache-2.0',
-    entry_points={'console_scripts': ['recorder = lta_bridge.nodes.recorder:main']},
+    entry_points={
+        'console_scripts': [
+            'player = lta_bridge.nodes.player:main',
+            'recorder = lta_bridge.nodes.recorder:main',
+        ]
+    },
 )

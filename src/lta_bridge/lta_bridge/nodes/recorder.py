@@ -95,8 +95,9 @@ class Recorder(GraphNode):
         found = {name: self._told(item) for name, item in origins(self, robots).items()}
         origin = joined(found) if found else self._told(settings)
         robots = robots or [self.get_namespace().strip('/')]
-        self._books = {name: Bookkeeping(self.table, self.lockstep) for name in robots}
-        self._common = Bookkeeping(self.table, self.lockstep)
+        whole = self.lockstep and not self.replayed  # a recording may begin anywhere
+        self._books = {name: Bookkeeping(self.table, whole) for name in robots}
+        self._common = Bookkeeping(self.table, whole)
         self._fault = ''
         self._latest = time.monotonic()
         with ExitStack() as unfinished:
