@@ -11,6 +11,7 @@ from lta_analysis.verbs.effects import effects
 from lta_analysis.verbs.fly import fly
 from lta_analysis.verbs.launch import launch
 from lta_analysis.verbs.platforms import platforms
+from lta_analysis.verbs.replay import replay
 from lta_analysis.verbs.report import report
 from lta_analysis.verbs.run import run
 from lta_analysis.verbs.simulate import simulate
@@ -42,6 +43,7 @@ app.command(context_settings={'allow_interspersed_args': True})(launch)
 app.command(context_settings={'ignore_unknown_options': True, 'allow_interspersed_args': False})(
     run
 )
+app.command()(replay)
 app.add_typer(bag, name='bag')
 app.add_typer(vehicle, name='vehicle')
 app.command()(report)

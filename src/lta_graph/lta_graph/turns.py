@@ -21,7 +21,7 @@ class Turns(Protocol):
         ...
 
     def turn(self, name: str, expected: int, stamp_ns: int) -> int:
-        """Return the number of a message by its stamp; the expected one where that says nothing."""
+        """Return the number of a message by its stamp; the expected one where it has none."""
         ...
 
 

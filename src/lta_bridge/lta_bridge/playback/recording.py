@@ -62,7 +62,7 @@ class Recording:
         self.provenance = part(told, self.robot)
         mine = {name: full for owner, name, full in split(channels, table) if owner == self.robot}
         self.strange = tuple(
-            f"'{full}' is of type '{channels[full]}' and is left out: played are {table[name].type}."
+            f"'{full}' is of type '{channels[full]}', not {table[name].type}, and is left out"
             for name, full in mine.items()
             if channels[full] != table[name].type
         )

@@ -1,0 +1,236 @@
+"""What to replay: which nodes, on which bag, with which of their parameters changed."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, final
+
+from lta_analysis.bag.flight import Flight
+from lta_bridge.playback.cast import Cast, cast_of, roles, supporting
+from lta_bridge.playback.settings import FOREVER
+from lta_config.errors import BadInput, unknown
+from lta_config.files import find, parse_yaml
+from lta_config.sentence import sentence
+from lta_config.settings import Settings
+from lta_config.topics import topic_table
+from lta_control.nodes.controller import ControllerSettings
+from lta_control.nodes.estimator import EstimatorParameters
+from lta_control.nodes.navigator import NavigatorParameters
+from lta_control.strategies import strategy
+from lta_energy.nodes.energy_monitor import EnergyMonitorParameters
+from lta_graph.launch_file import LaunchPlan, load
+from lta_graph.launch_node import Process, ros_yaml
+from lta_graph.ros.parameters import leaves, nested
+from lta_sim.vehicle import load_vehicle
+from lta_vlc.nodes.demodulator import DemodulatorParameters
+from pydantic import ValidationError
+
+NODES: dict[str, type[Settings]] = {
+    'estimator': EstimatorParameters,
+    'controller': ControllerSettings,
+    'demodulator': DemodulatorParameters,
+    'navigator': NavigatorParameters,
+    'energy_monitor': EnergyMonitorParameters,
+}
+ROBOT = 'lta1'  # where the bag has no namespace
+VEHICLE, STRATEGY = 'gtmab', 'bag'  # where the bag does not tell
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Order:
+    """
+    A replay as it was asked for.
+
+    Attributes
+    ----------
+    bag : Path
+        The recording.
+    nodes : tuple of str
+        What is run again.
+    settings : mapping of str to mapping
+        Changed parameters, by node and name.
+    vehicle, gains, strategy : str or None
+        Instead of the recording's own.
+    rate : float or None
+        Bag seconds a wall second; None for lockstep.
+    start, end : float
+        The section. [s]
+
+    """
+
+    bag: Path
+    nodes: tuple[str, ...]
+    settings: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    vehicle: str | None = None
+    gains: str | None = None
+    strategy: str | None = None
+    rate: float | None = None
+    start: float = 0.0
+    end: float = FOREVER
+
+    @property
+    def cast(self) -> Cast:
+        """Who is run, and what is played."""
+        table = topic_table()
+        return cast_of(table, self.nodes, supporting(table, self.nodes))
+
+    @property
+    def changes(self) -> list[str]:
+        """What is not as it was recorded, in words."""
+        files = {'vehicle': self.vehicle, 'gains': self.gains, 'strategy': self.strategy}
+        told = [f'{name} {value}' for name, value in files.items() if value is not None]
+        return told + [
+            f'{node}.{name} = {value}'
+            for node, given in self.settings.items()
+            for name, value in given.items()
+        ]
+
+
+def nodes_of(text: str) -> tuple[str, ...]:
+    """Return the nodes of a list with commas; `BadInput` for one that cannot be run again."""
+    names = tuple(dict.fromkeys(word.strip() for word in text.split(',') if word.strip()))
+    known = roles(topic_table())
+    for name in names:
+        if name not in known:
+            raise unknown('node', name, known)
+    if not names:
+        raise BadInput(f'No node is named; give some of {", ".join(known)}.')
+    return names
+
+
+def settings_of(given: Sequence[str], nodes: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """
+    Return changed parameters by node.
+
+    Parameters
+    ----------
+    given : sequence of str
+        Each NODE.PARAMETER=VALUE.
+    nodes : sequence of str
+        Those that are run again.
+
+    Raises
+    ------
+    BadInput
+        If a node is not run again, has no such parameter, or cannot take the value.
+
+    """
+    found: dict[str, dict[str, Any]] = {}
+    for text in given:
+        path, equals, value = text.partition('=')
+        node, dot, name = path.strip().partition('.')
+        if not (equals and dot and name):
+            raise BadInput(f"'{text}' sets nothing; write NODE.PARAMETER=VALUE.")
+        if node not in nodes:
+            raise unknown('node that is run again', node, list(nodes))
+        found.setdefault(node, {})[name] = typed_value(node, name, value)
+    for node, values in found.items():
+        try:
+            NODES[node].model_validate(nested(values), strict=False)
+        except ValidationError as error:
+            raise BadInput(f'{node}: parameter {sentence(error)}') from None
+    return found
+
+
+def typed_value(node: str, name: str, text: str) -> Any:  # noqa: ANN401 - of the parameter's type
+    """Return a parameter's value from text, of the type that the node declares."""
+    known = {key: value for key, _, value in leaves(NODES[node]())}
+    if name not in known:
+        raise unknown(f'parameter of {node}', name, list(known))
+    if isinstance(known[name], str):
+        return text
+    value = parse_yaml(text, f'{node}.{name}')
+    return float(value) if isinstance(known[name], float) and type(value) is int else value
+
+
+def check(order: Order, flight: Flight) -> None:
+    """Refuse what cannot be replayed from a recording, in one sentence."""
+    if order.strategy is not None:
+        strategy(order.strategy)
+    table = topic_table()
+    answers = order.cast.answers
+    for node in order.nodes:
+        trigger = table.trigger(node)
+        if trigger not in answers and trigger not in flight.topics:
+            raise BadInput(
+                f"'{order.bag}' has no '{trigger}', which {node} answers; run "
+                f'{table[trigger].source} again as well, or leave {node} out.'
+            )
+
+
+def plan_of(order: Order, flight: Flight, folder: Path) -> LaunchPlan:
+    """
+    Return the processes of a replay: the player and the nodes, as `fly.launch.yaml` has them.
+
+    Parameters
+    ----------
+    order : Order
+        What is asked for.
+    flight : Flight
+        The recording.
+    folder : Path
+        Where the results go; files that the recording carries are put there.
+
+    """
+    told = flight.provenance
+    arguments = {
+        'robot': flight.robot or ROBOT,
+        'source': 'replay',
+        'replay': str(order.bag),
+        'time': 'lockstep' if order.rate is None else 'realtime',
+        'rate': repr(float(order.rate or 1.0)),
+        'record': 'false',
+        'strategy': order.strategy or told.get('strategy', STRATEGY),
+        **files_of(order, told, folder),
+    }
+    cast, table = order.cast, topic_table()
+    player: dict[str, str | float] = {
+        'nodes': ' '.join(cast.nodes),
+        'roles': ' '.join(supporting(table, cast.nodes)),
+        'robot': flight.robot,
+        'start': order.start,
+        'end': order.end,
+        'answers': str(folder / 'bag'),
+    }
+    changed: dict[str, Mapping[str, Any]] = {'player': player, **order.settings}
+    plan = load(find('launch file', 'fly', '.launch.yaml'), arguments)
+    wanted = ('player', *cast.nodes)
+    return LaunchPlan(
+        tuple(
+            with_parameters(process, changed.get(process.name, {}))
+            for process in plan.processes
+            if process.name in wanted
+        )
+    )
+
+
+def with_parameters(process: Process, given: Mapping[str, Any]) -> Process:
+    """Return a process with more parameters; the last of a name counts."""
+    words = [
+        word for name, value in given.items() for word in ('-p', f'{name}:={ros_yaml(value)}')
+    ]
+    return replace(process, arguments=(*process.arguments, *words))
+
+
+def files_of(order: Order, told: Mapping[str, str], folder: Path) -> dict[str, str]:
+    """Return vehicle and gains: those that were asked for, else those that the bag carries."""
+    vehicle = order.vehicle or kept(told, 'vehicle', folder) or VEHICLE
+    control = load_vehicle(vehicle).file.control
+    named = control.gains if control else None
+    gains = str(find('gains', order.gains)) if order.gains else None
+    if gains is None and order.vehicle is None:
+        gains = kept(told, 'gains', folder)
+    if gains is None and named:
+        gains = str(find('gains', named))
+    return {'vehicle': vehicle, **({} if gains is None else {'gains': gains})}
+
+
+def kept(told: Mapping[str, str], name: str, folder: Path) -> str | None:
+    """Return the path of a file that the recording carries, written to the folder."""
+    text = told.get(f'{name}_file')
+    if text is None:
+        return None
+    path = folder / f'{name}.yaml'
+    path.write_text(text, encoding='utf-8')
+    return str(path)
