@@ -6,7 +6,6 @@ from typing import Any, final, NamedTuple
 
 from lta_analysis.replay.against import Compared
 from lta_analysis.replay.heard import Heard
-from lta_vlc.messages import UNKNOWN
 import numpy as np
 from numpy.typing import NDArray
 
@@ -85,8 +84,8 @@ def heading(heard: Heard) -> Column:
 
 
 def seen(heard: Heard) -> Column:
-    """Return 1 where a lamp is seen."""
-    found: Column = (heard.numbers['pose.covariance[0]'] != UNKNOWN).astype(np.float64)
+    """Return 1 where a lamp is seen; a variance of -1 says that none is."""
+    found: Column = (heard.numbers['pose.covariance[0]'] >= 0.0).astype(np.float64)
     return found
 
 

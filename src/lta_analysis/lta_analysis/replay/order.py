@@ -1,6 +1,6 @@
 """What to replay: which nodes, on which bag, with which of their parameters changed."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, final
@@ -9,29 +9,13 @@ from lta_analysis.bag.flight import Flight
 from lta_bridge.playback.cast import Cast, cast_of, roles, supporting
 from lta_bridge.playback.settings import FOREVER
 from lta_config.errors import BadInput, unknown
-from lta_config.files import find, parse_yaml
-from lta_config.sentence import sentence
-from lta_config.settings import Settings
+from lta_config.files import find
 from lta_config.topics import topic_table
-from lta_control.nodes.controller import ControllerSettings
-from lta_control.nodes.estimator import EstimatorParameters
-from lta_control.nodes.navigator import NavigatorParameters
 from lta_control.strategies import strategy
-from lta_energy.nodes.energy_monitor import EnergyMonitorParameters
 from lta_graph.launch_file import LaunchPlan, load
 from lta_graph.launch_node import Process, ros_yaml
-from lta_graph.ros.parameters import leaves, nested
 from lta_sim.vehicle import load_vehicle
-from lta_vlc.nodes.demodulator import DemodulatorParameters
-from pydantic import ValidationError
 
-NODES: dict[str, type[Settings]] = {
-    'estimator': EstimatorParameters,
-    'controller': ControllerSettings,
-    'demodulator': DemodulatorParameters,
-    'navigator': NavigatorParameters,
-    'energy_monitor': EnergyMonitorParameters,
-}
 ROBOT = 'lta1'  # where the bag has no namespace
 VEHICLE, STRATEGY = 'gtmab', 'bag'  # where the bag does not tell
 
@@ -97,51 +81,6 @@ def nodes_of(text: str) -> tuple[str, ...]:
     if not names:
         raise BadInput(f'No node is named; give some of {", ".join(known)}.')
     return names
-
-
-def settings_of(given: Sequence[str], nodes: Sequence[str]) -> dict[str, dict[str, Any]]:
-    """
-    Return changed parameters by node.
-
-    Parameters
-    ----------
-    given : sequence of str
-        Each NODE.PARAMETER=VALUE.
-    nodes : sequence of str
-        Those that are run again.
-
-    Raises
-    ------
-    BadInput
-        If a node is not run again, has no such parameter, or cannot take the value.
-
-    """
-    found: dict[str, dict[str, Any]] = {}
-    for text in given:
-        path, equals, value = text.partition('=')
-        node, dot, name = path.strip().partition('.')
-        if not (equals and dot and name):
-            raise BadInput(f"'{text}' sets nothing; write NODE.PARAMETER=VALUE.")
-        if node not in nodes:
-            raise unknown('node that is run again', node, list(nodes))
-        found.setdefault(node, {})[name] = typed_value(node, name, value)
-    for node, values in found.items():
-        try:
-            NODES[node].model_validate(nested(values), strict=False)
-        except ValidationError as error:
-            raise BadInput(f'{node}: parameter {sentence(error)}') from None
-    return found
-
-
-def typed_value(node: str, name: str, text: str) -> Any:  # noqa: ANN401 - of the parameter's type
-    """Return a parameter's value from text, of the type that the node declares."""
-    known = {key: value for key, _, value in leaves(NODES[node]())}
-    if name not in known:
-        raise unknown(f'parameter of {node}', name, list(known))
-    if isinstance(known[name], str):
-        return text
-    value = parse_yaml(text, f'{node}.{name}')
-    return float(value) if isinstance(known[name], float) and type(value) is int else value
 
 
 def check(order: Order, flight: Flight) -> None:

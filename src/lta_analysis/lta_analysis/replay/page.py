@@ -101,13 +101,15 @@ def largest(decision: Decision) -> str:
     """Return the largest change in words."""
     if not decision.changed:
         return 'all as recorded'
-    return f'by up to {figure(decision.largest)} {decision.unit}' if decision.unit else 'otherwise'
+    return (
+        f'by up to {figure(decision.largest, 4)} {decision.unit}' if decision.unit else 'otherwise'
+    )
 
 
-def figure(value: object) -> str:
+def figure(value: object, digits: int = 10) -> str:
     """Return a value short enough to be read, long enough to tell two apart."""
     if isinstance(value, float):
-        return f'{value:.10g}' if math.isfinite(value) else str(value)
+        return f'{value:.{digits}g}' if math.isfinite(value) else str(value)
     text = str(value)
     return text if len(text) <= 30 else f'{text[:29]}…'
 

@@ -8,7 +8,8 @@ from typing import Annotated
 
 from lta_analysis.bag.flight import Flight, open_flight
 from lta_analysis.bag.folder import bag_in
-from lta_analysis.replay.order import nodes_of, Order, settings_of
+from lta_analysis.replay.given import settings_of
+from lta_analysis.replay.order import nodes_of, Order
 from lta_analysis.replay.page import figure, write_page
 from lta_analysis.replay.progress import ReplayProgress
 from lta_analysis.replay.run import replay as run_again
@@ -152,14 +153,18 @@ def show(verdict: Verdict, console: Console) -> None:
             at = verdict.seconds(int(topic.recorded.keys[each.first]))
             printed.add_row(
                 topic.topic, each.path, f'{each.count} of {topic.count}', f'{at:.2f} s',
-                figure(each.recorded), figure(each.again), figure(each.largest),
+                *(figure(value, 7) for value in (each.recorded, each.again, each.largest)),
             )  # fmt: skip
     if printed.row_count:
         console.print(printed)
     for decision in verdict.decisions:
         if decision.first is not None:
             at = verdict.seconds(int(decision.keys[decision.first]))
-            how = f', by up to {figure(decision.largest)} {decision.unit}' if decision.unit else ''
+            how = (
+                f', by up to {figure(decision.largest, 4)} {decision.unit}'
+                if decision.unit
+                else ''
+            )
             console.print(
                 f'{decision.name}: {decision.changed} of {len(decision.keys)} changed, first at '
                 f'{at:.2f} s{how}.',
