@@ -7,23 +7,14 @@ logged when it was published.
 """
 
 from collections.abc import Collection, Iterator, Mapping
-from contextlib import suppress
 from pathlib import Path
-from typing import BinaryIO, final, NamedTuple
+from typing import final, NamedTuple
 
-from lta_bridge.bag.records import PROVENANCE
 from lta_bridge.bookkeeping import stamp_of
+from lta_bridge.playback.files import ADVICE, announced, ordered
 from lta_bridge.provenance import part
 from lta_config.errors import BadInput, unknown
 from lta_config.topics import TopicTable
-from mcap.exceptions import InvalidMagic, McapError
-from mcap.reader import make_reader, McapReader
-from mcap.records import Channel, Message, Metadata, Schema
-from mcap.stream_reader import StreamReader
-from mcap.well_known import MessageEncoding
-
-ADVICE = 'give a rosbag2 folder or an .mcap file'
-Found = tuple[Schema | None, Channel, Message]
 
 
 class Recorded(NamedTuple):
@@ -88,9 +79,8 @@ class Recording:
         wanted = [full for full, name in self._names.items() if name in topics]
         since = None if begin_ns is None else max(0, begin_ns - self._shift)
         for file in self._files if wanted else []:
-            for _, channel, message in ordered(file, wanted, since):
-                name = self._names[channel.topic]
-                yield Recorded(name, message.log_time + self._shift, message.data)
+            for full, log_time, data in ordered(file, wanted, since):
+                yield Recorded(self._names[full], log_time + self._shift, data)
 
     def _found_shift(self, table: TopicTable) -> int:
         """Return what to add to a log time for the time on the bag's clock. [ns]"""
@@ -130,109 +120,6 @@ def open_recording(path: Path, robot: str, table: TopicTable) -> Recording:
     if not files:
         raise BadInput(f"'{path}' holds no recording in MCAP; {ADVICE}.")
     return Recording(path, files, robot, table)
-
-
-def announced(files: list[Path]) -> tuple[dict[str, str], dict[str, str]]:
-    """Return the message type of each topic of a bag, and what the bag tells of its origin."""
-    types: dict[str, str] = {}
-    told: dict[str, str] = {}
-    for file in files:
-        try:
-            with file.open('rb') as stream:
-                found, origin = whole(stream) or torn(stream)
-        except InvalidMagic:
-            raise BadInput(f"'{file}' is not a recording in MCAP; {ADVICE}.") from None
-        except OSError as error:
-            raise BadInput(f"'{file}' cannot be read ({error.strerror}); {ADVICE}.") from error
-        types |= found
-        told |= origin
-    return types, told
-
-
-def whole(stream: BinaryIO) -> tuple[dict[str, str], dict[str, str]] | None:
-    """Return types and origin by a file's summary; None where it has none."""
-    try:
-        reader = make_reader(stream)
-        summary = reader.get_summary()
-        if summary is None:
-            return None
-        types = {
-            channel.topic: summary.schemas[channel.schema_id].name
-            for channel in summary.channels.values()
-            if channel.schema_id in summary.schemas
-            and channel.message_encoding == MessageEncoding.CDR
-        }
-        return types, origin(reader)
-    except InvalidMagic:
-        stream.seek(0)
-        return None
-    except McapError:
-        return None
-
-
-def origin(reader: McapReader) -> dict[str, str]:
-    """Return what a file tells of its origin."""
-    return {
-        key: value
-        for record in reader.iter_metadata()
-        if record.name == PROVENANCE
-        for key, value in record.metadata.items()
-    }
-
-
-def torn(stream: BinaryIO) -> tuple[dict[str, str], dict[str, str]]:
-    """Return types and origin of a file without a summary, as far as it goes."""
-    types, told = {}, {}
-    for record in records(stream):
-        if isinstance(record, tuple):
-            schema, channel, _ = record
-            types[channel.topic] = '' if schema is None else schema.name
-        else:
-            told |= record
-    return types, told
-
-
-def records(stream: BinaryIO) -> Iterator[Found | dict[str, str]]:
-    """Yield messages and origins of an unfinished file in their order, to its first damage."""
-    schemas: dict[int, Schema] = {}
-    channels: dict[int, Channel] = {}
-    stream.seek(0)
-    with suppress(McapError, EOFError):
-        for record in StreamReader(stream).records:
-            if isinstance(record, Schema):
-                schemas[record.id] = record
-            elif isinstance(record, Channel):
-                channels[record.id] = record
-            elif isinstance(record, Metadata) and record.name == PROVENANCE:
-                yield record.metadata
-            elif isinstance(record, Message) and record.channel_id in channels:
-                channel = channels[record.channel_id]
-                if channel.message_encoding == MessageEncoding.CDR:
-                    yield schemas.get(channel.schema_id), channel, record
-
-
-def ordered(file: Path, topics: list[str], since_ns: int | None) -> Iterator[Found]:
-    """Yield a file's messages of some topics by log time; `BadInput` where it is damaged."""
-    with file.open('rb') as stream:
-        reader = None
-        with suppress(McapError):
-            found = make_reader(stream)
-            reader = found if found.get_summary() is not None else None
-        if reader is None:  # cut short: all of it must be at hand to be put in order
-            items = [item for item in records(stream) if isinstance(item, tuple)]
-            chosen_ones = [item for item in items if item[1].topic in topics]
-            early = since_ns or 0
-            yield from sorted(
-                (item for item in chosen_ones if item[2].log_time >= early),
-                key=lambda item: item[2].log_time,
-            )
-            return
-        try:
-            yield from reader.iter_messages(topics, starting_at=since_ns)
-        except McapError as error:
-            raise BadInput(
-                f"'{file}' is damaged ({error}); mend it with `lta bag recover`."
-            ) from error
 
 
 def split(names: Mapping[str, str], table: TopicTable) -> list[tuple[str, str, str]]:
