@@ -38,7 +38,7 @@ AHEAD_NS = 1_000_000_000  # by which a node may be behind in lockstep; queues ho
 CLOCK_PERIOD = 0.02  # wall seconds between two /clock
 TICK = 0.002  # wall seconds between looks at the wall clock
 MOST = 2000  # messages at one tick, so that services are answered
-PATIENCE = 20.0  # wall seconds for the graph to come up, and for an answer
+PATIENCE = 30.0  # wall seconds for the graph to come up, and for an answer
 QUIET = 0.5  # wall seconds behind the last message in which nodes answer, in real time
 
 
