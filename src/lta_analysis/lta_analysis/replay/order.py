@@ -10,6 +10,8 @@ from lta_bridge.playback.cast import Cast, cast_of, roles, supporting
 from lta_bridge.playback.settings import FOREVER
 from lta_config.errors import BadInput, unknown
 from lta_config.files import find
+from lta_config.override import assignment, quantity_in
+from lta_config.quantity import Quantity
 from lta_config.topics import topic_table
 from lta_control.strategies import strategy
 from lta_graph.launch_file import LaunchPlan, load
@@ -17,6 +19,13 @@ from lta_graph.launch_node import Process, ros_yaml
 from lta_sim.vehicle import load_vehicle
 
 ROBOT = 'lta1'  # where the bag has no namespace
+OWNERS = {  # whose parameters they are, that `lta simulate --set` calls by these names
+    'mission': ('navigator', ''),
+    'estimator': ('estimator', ''),
+    'demodulator': ('demodulator', ''),
+    'prior': ('demodulator', 'prior.'),
+    'energy_monitor': ('energy_monitor', ''),
+}
 VEHICLE, STRATEGY = 'gtmab', 'bag'  # where the bag does not tell
 
 
@@ -83,6 +92,20 @@ def nodes_of(text: str) -> tuple[str, ...]:
     return names
 
 
+def recorded_settings(told: Mapping[str, str]) -> dict[str, dict[str, Any]]:
+    """Return the nodes' parameters that were set for a flight in one process, by node."""
+    found: dict[str, dict[str, Any]] = {}
+    for text in filter(None, told.get('set', '').split('; ')):
+        path, value = assignment(text)
+        root, _, below = path.partition('.')
+        if root in OWNERS:
+            node, prefix = OWNERS[root]
+            quantity = quantity_in(value)
+            plain = value if quantity is None else Quantity.model_validate(quantity).si
+            found.setdefault(node, {})[prefix + below] = plain
+    return found
+
+
 def check(order: Order, flight: Flight) -> None:
     """Refuse what cannot be replayed from a recording, in one sentence."""
     if order.strategy is not None:
@@ -132,7 +155,9 @@ def plan_of(order: Order, flight: Flight, folder: Path) -> LaunchPlan:
         'end': order.end,
         'answers': str(folder / 'bag'),
     }
-    changed: dict[str, Mapping[str, Any]] = {'player': player, **order.settings}
+    changed: dict[str, Mapping[str, Any]] = {'player': player}
+    for settings in (recorded_settings(told), order.settings):
+        changed |= {node: {**changed.get(node, {}), **own} for node, own in settings.items()}
     plan = load(find('launch file', 'fly', '.launch.yaml'), arguments)
     wanted = ('player', *cast.nodes)
     return LaunchPlan(

@@ -194,7 +194,13 @@ def facts(verdict: Verdict, told: Mapping[str, str]) -> dict[str, str]:
 
 def commands(order: Order) -> dict[str, str]:
     """Return how to replay it again, and how to go on."""
-    words = ['replay', near(order.bag), '--nodes', ','.join(order.nodes), '--against']
+    words: list[str | Path] = [
+        'replay',
+        near(order.bag),
+        '--nodes',
+        ','.join(order.nodes),
+        '--against',
+    ]
     for node, given in order.settings.items():
         for name, value in given.items():
             words += ['--set', f'{node}.{name}={value}']

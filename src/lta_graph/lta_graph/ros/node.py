@@ -135,7 +135,7 @@ class GraphNode(Node):
         self._trigger = trigger
         if self.replayed:
             then = partial(self._answer, inbox, on_step)
-            self._plan = heed(self, self.table, inbox, then)
+            self._told = heed(self, self.table, inbox, then)
 
     def overhear(self, name: str, callback: Callable[[bytes], None]) -> Subscription:
         """Return a subscription that gets a topic's messages as they come on the wire."""
@@ -166,7 +166,7 @@ class GraphNode(Node):
         if not self.lockstep or self._inbox is None:
             return self.subscriptions
         if self._inbox.turns is None:
-            return [self._plan]
+            return [self._told]
         return [self._inputs[name] for name in self._inbox.waiting_for() or [self._trigger]]
 
     def missing(self) -> list[str]:
