@@ -138,4 +138,4 @@ def test_in_real_time_both_follow_the_wall_clock_together(lta, scenario, tmp_pat
         assert pace < 1.05
         assert flown / pace == pytest.approx(flown + lost, rel=0.1)
         paces.append(pace)
-    assert paces[0] == pytest.approx(paces[1], rel=0.1)
+    assert paces[0] == pytest.approx(paces[1], rel=0.3)  # who begins a moment later lost less

@@ -5,9 +5,8 @@ import json
 import re
 
 from lta_analysis.bag import open_flight
-from lta_analysis.report import page as page_module
-from lta_analysis.report import write_page
-from lta_analysis.report.page import again, commands_html
+from lta_analysis.report import pieces, write_page
+from lta_analysis.report.page import again, commands
 from lta_analysis.report.panels.registry import PANELS
 from lta_analysis.report.track import track_of
 from lta_analysis.report.view import View
@@ -101,12 +100,13 @@ def test_page_shows_commands_that_can_be_copied(tmp_path, monkeypatch):
     view = View(open_flight(write_flight(tmp_path / 'my runs' / 'bag', until=6.0)))
     monkeypatch.setenv('LTA_CALLED', './lta')
     monkeypatch.chdir(tmp_path)
-    lines = commands_html(view, near(tmp_path / 'my runs' / 'bag'))
-    assert '>./lta bag info &#x27;my runs/bag&#x27;<' in lines
-    assert re.search(r'>plotjuggler -d &#x27;my runs/bag/\w+\.mcap&#x27;<', lines)
-    played = lines.split('ros2 bag play ')[1].split('<')[0]
-    assert ('--clock' in played) is ('/clock' not in view.flight.bag.topics)
-    assert '>./lta fly --vehicle gtmab ' in lines
+    lines = commands(view, near(tmp_path / 'my runs' / 'bag'))
+    assert lines['List what was recorded'] == "./lta bag info 'my runs/bag'"
+    assert re.fullmatch(r"plotjuggler -d 'my runs/bag/\w+\.mcap'", lines['Plot any topic'])
+    assert lines['Replay in ROS 2'].startswith("ros2 bag play 'my runs/bag'")
+    clocked = lines['Replay in ROS 2'].endswith(' --clock')
+    assert clocked is ('/clock' not in view.flight.bag.topics)
+    assert lines['Fly it again'].startswith('./lta fly --vehicle gtmab ')
 
 
 def test_page_is_small_enough_to_send(written):
@@ -165,14 +165,17 @@ def test_provenance_cannot_inject_anything(tmp_path):
 
 
 def test_data_for_the_script_cannot_end_their_element():
-    text = page_module.embedded('x', {'a': '</script><!-- b'})
+    text = pieces.embedded('x', {'a': '</script><!-- b'})
     assert text.count('</script') == 1
     assert '<!--' not in text
     assert Reading(text).data == {'x': {'a': '</script><!-- b'}}
 
 
 def test_page_that_cannot_be_written_is_one_sentence(bag, tmp_path):
-    with pytest.raises(BadInput, match=r'cannot be written \(.+\); choose another place\.$'):
+    with pytest.raises(
+        BadInput,
+        match=r'cannot be written \(.+\); make room, or choose another folder with --out\.$',
+    ):
         write_page(bag, tmp_path / 'no' / 'such' / 'page.html')
 
 

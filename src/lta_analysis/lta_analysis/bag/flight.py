@@ -111,12 +111,16 @@ class Flight:
             return topic
         return f'/{self.robot}/{topic}' if self.robot else f'/{topic}'
 
-    def _require(self, topic: str, type_name: str) -> None:
-        """Raise BadInput unless the topic is in the bag and of the type."""
+    def type_of(self, topic: str) -> str:
+        """Return a topic's message type; `BadInput` if the topic is not in the bag."""
         name = self._absolute(topic)
         if name not in self.bag.topics:
             raise unknown('topic', topic, self.topics)
-        found = self.bag.topics[name].type_name
+        return self.bag.topics[name].type_name
+
+    def _require(self, topic: str, type_name: str) -> None:
+        """Raise BadInput unless the topic is in the bag and of the type."""
+        found = self.type_of(topic)
         if found != type_name:
             raise BadInput(f"Topic '{topic}' is of type '{found}', not '{type_name}'.")
 

@@ -15,8 +15,7 @@ from lta_analysis.platforms.summary import Cell, cell, fastest, margin, Mean
 from lta_analysis.platforms.verdict import decided, title
 from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import number, Tile
-from lta_analysis.report.page import tile_html
-from lta_analysis.sweep.page import section, terms
+from lta_analysis.report.pieces import section, terms, tile_html
 from lta_config.comparison_file import Comparison
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.manoeuvre_file import load_manoeuvre, Manoeuvre

@@ -1,5 +1,5 @@
 """
-The frame that all pages about many flights share: head, header, tiles, scripts.
+The frame that every page shares: head, header, tiles, scripts.
 
 A page of its own is a file in `assets`: its style between `<style>` and `</style>`, then what
 stands in `main` below the tiles, both with the names of its parts.
@@ -10,13 +10,16 @@ from pathlib import Path
 from string import Template
 from typing import Final
 
-from lta_analysis.report.page import embedded
 from lta_analysis.report.palette import DARK
+from lta_analysis.report.pieces import embedded
 from lta_config.errors import BadInput
 from plotly.offline import get_plotlyjs
 
 BEGIN: Final = '<style>\n'
 END: Final = '</style>\n'
+NOSCRIPT: Final = (
+    '<noscript><p class="absent">The pictures need JavaScript; the tables do not.</p></noscript>\n'
+)
 
 
 def asset(name: str) -> str:
@@ -24,7 +27,17 @@ def asset(name: str) -> str:
     return (files('lta_analysis.report') / 'assets' / name).read_text(encoding='utf-8')
 
 
-def framed(name: str, *, title: str, kicker: str, about: str, tiles: str, **parts: str) -> str:
+def framed(
+    name: str,
+    *,
+    title: str,
+    kicker: str,
+    about: str,
+    tiles: str,
+    track: object = None,
+    drawn: bool = True,
+    **parts: str,
+) -> str:
     """
     Return a whole page.
 
@@ -34,29 +47,40 @@ def framed(name: str, *, title: str, kicker: str, about: str, tiles: str, **part
         Of its file in `assets`.
     title, kicker, about, tiles : str
         Of the header, as HTML.
+    track : object
+        What the page's one instant moves along; nothing by default.
+    drawn : bool
+        Whether anything is drawn by plotly, which is most of a page's size.
     **parts : str
         What its file names, as HTML.
 
     """
-    style, main = asset(name).removeprefix(BEGIN).split(END, 1)
+    style, main = (Template(text).substitute(parts) for text in halves(asset(name)))
     return Template(asset('frame.html')).substitute(
         title=title,
         kicker=kicker,
         about=about,
         tiles=tiles,
         style=style,
-        main=Template(main).substitute(parts).rstrip(),
+        noscript=NOSCRIPT if drawn else '',
+        main=main.rstrip(),
         css=asset('page.css'),
         dark=embedded('dark', DARK),
-        plotly=get_plotlyjs(),
+        track=embedded('track', track or {}),
+        plotly=f'<script>{get_plotlyjs()}</script>' if drawn else '',
         js=asset('page.js'),
     )
 
 
-def written(text: str, out: Path) -> Path:
-    """Write a page and return where it is; `BadInput` where it cannot be written."""
+def halves(text: str) -> list[str]:
+    """Return style and content of a page's own file."""
+    return text.removeprefix(BEGIN).split(END, 1)
+
+
+def written(content: str | bytes, out: Path) -> Path:
+    """Write a page or picture and return where it is; `BadInput` where it cannot be written."""
     try:
-        out.write_text(text, encoding='utf-8')
+        out.write_bytes(content.encode() if isinstance(content, str) else content)
     except OSError as error:
         raise BadInput(
             f"The page '{out}' cannot be written ({error.strerror}); make room, or choose "

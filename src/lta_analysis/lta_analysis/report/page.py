@@ -2,24 +2,20 @@
 
 from collections.abc import Mapping
 from html import escape
-from importlib.resources import files
-import json
 from pathlib import Path
 import shlex
-from string import Template
 from typing import Final
 
 from lta_analysis.bag.flight import Flight, open_flight
 from lta_analysis.bag.folder import bag_files
+from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import sentence, table, tiles
-from lta_analysis.report.palette import DARK
 from lta_analysis.report.panels.registry import Panel, PANELS
+from lta_analysis.report.pieces import section, terms, tile_html
 from lta_analysis.report.results import Results, results_of
 from lta_analysis.report.track import track_of
 from lta_analysis.report.view import View
 from lta_analysis.typed import near, typed
-from lta_config.errors import BadInput
-from plotly.offline import get_plotlyjs
 
 FILES: Final = ('vehicle_file', 'scenario_file', 'gains_file')
 CHOSEN: Final = ('vehicle', 'scenario', 'strategy', 'seed', 'time')
@@ -32,7 +28,6 @@ MEASURED: Final = (
     'The recording brings no scenario. "Truth" is its ground truth, from wherever that came; '
     '"estimate" is what the drone made of its sensors.'
 )
-ASSETS: Final = ('page.html', 'page.css', 'page.js')
 
 
 def write_page(bag: Path, out: Path, robot: str | None = None) -> Results:
@@ -58,71 +53,38 @@ def write_page(bag: Path, out: Path, robot: str | None = None) -> Results:
     flight = open_flight(bag, robot)
     view = View(flight)
     results = results_of(view)
-    text = page(view, results, bag)
-    try:
-        out.write_text(text, encoding='utf-8')
-    except OSError as error:
-        raise BadInput(
-            f"The page '{out}' cannot be written ({error.strerror}); choose another place."
-        ) from error
+    written(page(view, results, bag), out)
     return results
 
 
 def page(view: View, results: Results, bag: Path) -> str:
     """Return the whole page of a flight in a bag."""
-    assets = files('lta_analysis.report') / 'assets'
-    text = {name: (assets / name).read_text(encoding='utf-8') for name in ASSETS}
-    sections = {panel.name: section(panel, view) for panel in PANELS}
-    return Template(text['page.html']).substitute(
-        title=escape(sentence(results)),
+    sections = {panel.name: picture_of(panel, view) for panel in PANELS}
+    return framed(
+        'flight.html',
+        title=f'{escape(sentence(results))}.',
         kicker=escape(kicker(view.provenance)),
-        origin=escape(origin(view)),
+        about=escape(origin(view)),
         tiles='\n'.join(tile_html(*tile) for tile in tiles(results)),
+        track=track_of(view),
         table='\n'.join(row_html(*row) for row in table(results)),
         hero=sections.pop('path'),
         panels='\n'.join(sections.values()),
-        facts=facts_html(view.flight),
-        commands=commands_html(view, near(bag)),
+        facts=terms(facts(view.flight)),
+        commands=terms(commands(view, near(bag)), code=True),
         files='\n'.join(
             file_html(key, view.provenance[key]) for key in FILES if key in view.provenance
         ),
-        css=text['page.css'],
-        dark=embedded('dark', DARK),
-        track=embedded('track', track_of(view)),
-        plotly=get_plotlyjs(),
-        js=text['page.js'],
     )
 
 
-def section(panel: Panel, view: View) -> str:
+def picture_of(panel: Panel, view: View) -> str:
     """Return one picture with heading and caption, or a sentence on why there is none."""
-    name, title, caption = panel.name, escape(panel.title), escape(panel.caption)
     missing = [topic for topic in panel.needs if not view.has(topic)]
-    if missing:
-        names = ' and '.join(f'<code>{escape(topic)}</code>' for topic in missing)
-        body = f'<p class="absent">The recording has nothing on {names}.</p>'
-    else:
-        body = (
-            f'<div class="plot" data-panel="{name}" data-timed="{str(panel.timed).lower()}" '
-            f'role="img" aria-label="{title}. {caption}"></div>'
-            f'<figcaption>{caption}</figcaption>'
-            f'{embedded_text(f"figure-{name}", panel.picture(view).to_json())}'
-        )
-    return (
-        f'<figure class="panel" id="panel-{name}" aria-labelledby="title-{name}">'
-        f'<h2 id="title-{name}">{title}</h2>{body}</figure>'
-    )
-
-
-def embedded(name: str, content: object) -> str:
-    """Return data for the page's script."""
-    return embedded_text(name, json.dumps(content, separators=(',', ':'), allow_nan=False))
-
-
-def embedded_text(name: str, text: str) -> str:
-    """Return JSON for the page's script; no text in it can end the element."""
-    safe = text.replace('<', '\\u003c')
-    return f'<script type="application/json" id="{name}">{safe}</script>'
+    names = ' and '.join(f'<code>{escape(topic)}</code>' for topic in missing)
+    absent = f'<p class="absent">The recording has nothing on {names}.</p>'
+    picture = absent if missing else panel.picture(view)
+    return section(panel.name, panel.title, panel.caption, picture, timed=panel.timed)
 
 
 def kicker(provenance: Mapping[str, str]) -> str:
@@ -139,14 +101,6 @@ def origin(view: View) -> str:
     return SIMULATED
 
 
-def tile_html(name: str, value: str, unit: str, note: str) -> str:
-    """Return one large figure."""
-    return (
-        f'<div class="tile"><dt>{escape(name)}</dt><dd><b>{escape(value)}</b> '
-        f'<span>{escape(unit)}</span><small>{escape(note)}</small></dd></div>'
-    )
-
-
 def row_html(name: str, here: str, paper: str) -> str:
     """Return one line of the table."""
     return (
@@ -155,31 +109,25 @@ def row_html(name: str, here: str, paper: str) -> str:
     )
 
 
-def facts_html(flight: Flight) -> str:
-    """Return where the data come from, as a list of terms."""
-    facts = {key: value for key, value in flight.provenance.items() if key not in FILES}
-    facts['recording'] = 'complete' if flight.bag.complete else ' '.join(flight.bag.losses)
-    return '\n'.join(
-        f'<div><dt>{escape(key.replace("_", " "))}</dt><dd>{escape(value)}</dd></div>'
-        for key, value in facts.items()
-    )
+def facts(flight: Flight) -> dict[str, str]:
+    """Return where the data come from."""
+    found = {key: value for key, value in flight.provenance.items() if key not in FILES}
+    return found | {
+        'recording': 'complete' if flight.bag.complete else ' '.join(flight.bag.losses)
+    }
 
 
-def commands_html(view: View, bag: Path) -> str:
+def commands(view: View, bag: Path) -> dict[str, str]:
     """Return how to look further, and how to fly it again."""
     # A bag with a /clock brings the time itself; a second one would contradict it.
     clock = [] if '/clock' in view.flight.bag.topics else ['--clock']
-    lines = [
-        ('List what was recorded', typed('bag', 'info', bag)),
+    return {
+        'List what was recorded': typed('bag', 'info', bag),
         # PlotJuggler opens files, not folders.
-        ('Plot any topic', shlex.join(['plotjuggler', '-d', str(bag_files(bag)[0])])),
-        ('Replay in ROS 2', shlex.join(['ros2', 'bag', 'play', str(bag), *clock])),
-        ('Fly it again', again(view.provenance)),
-    ]
-    return '\n'.join(
-        f'<div><dt>{escape(what)}</dt><dd><code>{escape(line)}</code></dd></div>'
-        for what, line in lines
-    )
+        'Plot any topic': shlex.join(['plotjuggler', '-d', str(bag_files(bag)[0])]),
+        'Replay in ROS 2': shlex.join(['ros2', 'bag', 'play', str(bag), *clock]),
+        'Fly it again': again(view.provenance),
+    }
 
 
 def again(provenance: Mapping[str, str]) -> str:

@@ -26,7 +26,7 @@ BOX: Final = """
   const rise = window.scrollY;
   const box = (element) => element.getBoundingClientRect();
   if ('%(panel)s' === 'top') {
-    const end = document.querySelector('.hero, .top');
+    const end = document.querySelector('.tiles ~ :not(noscript)');
     return { x: 0, y: 0, width: innerWidth, height: box(end).bottom + rise + 16 };
   }
   const panel = document.getElementById('panel-%(panel)s');
@@ -156,8 +156,7 @@ def take(browser: Browser, panel: str, out: Path) -> None:
     if box is None:
         known = [found['name'] for found in browser.evaluate(COUNT_PANELS)]
         raise unknown('panel', panel, [TOP, *known])
-    hidden = "document.getElementById('bar').style.visibility = 'hidden'"
-    browser.evaluate(hidden)
+    browser.evaluate("document.getElementById('bar')?.style.setProperty('visibility', 'hidden')")
     shot = browser.call(
         'Page.captureScreenshot',
         format='png',

@@ -11,7 +11,7 @@ from typing import final
 from lta_analysis.ingredients import spoken
 from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import number, Tile
-from lta_analysis.report.page import embedded_text, tile_html
+from lta_analysis.report.pieces import section, terms, tile_html
 from lta_analysis.sweep.flown import FAILED, Row
 from lta_analysis.sweep.heat import heat, two_lists
 from lta_analysis.sweep.pictures import by_parameter, MEASURES, outcomes, spread
@@ -19,7 +19,6 @@ from lta_analysis.sweep.plan import Plan
 from lta_analysis.sweep.statistics import figures, REACHED, reached_share, told
 from lta_analysis.typed import near, typed
 from lta_config.sweep_file import Distribution
-from plotly.graph_objects import Figure
 import yaml
 
 NAME = 'report.html'
@@ -153,18 +152,6 @@ def in_grams(rows: Sequence[Row], path: str, unit: str) -> tuple[Sequence[Row], 
     return shown, path, 'g'
 
 
-def section(name: str, heading: str, caption: str, picture: Figure) -> str:
-    """Return one picture with heading and caption."""
-    words = escape(heading)
-    return (
-        f'<figure class="panel" id="panel-{name}" aria-labelledby="title-{name}">'
-        f'<h2 id="title-{name}">{words}</h2><div class="plot" data-panel="{name}" '
-        f'data-timed="false" role="img" aria-label="{words}. {escape(caption)}"></div>'
-        f'<figcaption>{escape(caption)}</figcaption>'
-        f'{embedded_text(f"figure-{name}", picture.to_json())}</figure>'
-    )
-
-
 def lost_html(plan: Plan, rows: Sequence[Row], *, batch: bool = False) -> str:
     """Return the flights that did not reach their goal, the failed first."""
     lost = [row for row in rows if row.outcome != REACHED]
@@ -223,13 +210,3 @@ def commands(told_of: Told) -> dict[str, str]:
         ),
         'Read the table': f'python -c "import pandas; print(pandas.read_parquet(\'{table}\'))"',
     }
-
-
-def terms(content: Mapping[str, str], code: bool = False) -> str:
-    """Return a list of terms."""
-    mark = ('<code>', '</code>') if code else ('', '')
-    return '\n'.join(
-        f'<div><dt>{escape(name.replace("_", " "))}</dt>'
-        f'<dd>{mark[0]}{escape(text)}{mark[1]}</dd></div>'
-        for name, text in content.items()
-    )

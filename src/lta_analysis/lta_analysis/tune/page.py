@@ -8,8 +8,7 @@ from typing import Final
 
 from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import number, Tile
-from lta_analysis.report.page import tile_html
-from lta_analysis.sweep.page import section, terms
+from lta_analysis.report.pieces import section, terms, tile_html
 from lta_analysis.tune import pictures, told
 from lta_analysis.tune.exam import Channel, Trace
 from lta_analysis.tune.run import scene_name, Tuned

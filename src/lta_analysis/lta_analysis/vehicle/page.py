@@ -2,14 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from html import escape
-from importlib.resources import files
 from pathlib import Path
-from string import Template
 from typing import Final
 
+from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import Tile
-from lta_analysis.report.page import tile_html
 from lta_analysis.report.palette import DARK, ESTIMATE, FILL, GOOD, TIME, TRUTH
+from lta_analysis.report.pieces import terms, tile_html
 from lta_analysis.typed import typed
 from lta_analysis.vehicle.detail import detail
 from lta_analysis.vehicle.drawing import drawing
@@ -18,7 +17,6 @@ from lta_analysis.vehicle.figure import Figure
 from lta_analysis.vehicle.sheet import Sheet
 from lta_analysis.vehicle.weighing import CENTIMETRES, Share
 from lta_analysis.vehicle.words import headline, sentences
-from lta_config.errors import BadInput
 
 COLOURS: Final = {'cg': ESTIMATE, 'lift': TRUTH, 'push': GOOD, 'film': FILL}
 TILES: Final = (
@@ -37,12 +35,7 @@ NOTES: Final = {
 
 def write_page(sheet: Sheet, warnings: Sequence[str], name: str, out: Path) -> None:
     """Write the page of a vehicle; `BadInput` where it cannot be written."""
-    try:
-        out.write_text(page(sheet, warnings, name), encoding='utf-8')
-    except OSError as error:
-        raise BadInput(
-            f"The page '{out}' cannot be written ({error.strerror}); choose another place."
-        ) from error
+    written(page(sheet, warnings, name), out)
 
 
 def page(sheet: Sheet, warnings: Sequence[str], name: str) -> str:
@@ -59,16 +52,12 @@ def page(sheet: Sheet, warnings: Sequence[str], name: str) -> str:
         As the vehicle was named on the command line.
 
     """
-    assets = files('lta_analysis.report') / 'assets'
-    text = {
-        key: (assets / key).read_text(encoding='utf-8')
-        for key in ('vehicle.html', 'page.css', 'page.js')
-    }
     file = sheet.vehicle.file
     colours = COLOURS | {f'layer{k}': colour for k, colour in enumerate(TIME)}
     colours |= {f'{key}_dark': DARK[colour] for key, colour in colours.items()}
-    return Template(text['vehicle.html']).substitute(
-        title=escape(headline(sheet)),
+    return framed(
+        'vehicle.html',
+        title=f'{escape(headline(sheet))}.',
         kicker=escape(f'vehicle · {file.name}{law_of(sheet)}'),
         about=escape(file.about),
         tiles='\n'.join(tile_html(*tile) for tile in tiles(sheet.by_key)),
@@ -79,9 +68,8 @@ def page(sheet: Sheet, warnings: Sequence[str], name: str) -> str:
         groups='\n'.join(group_html(name, sheet) for name in sheet.groups),
         parts='\n'.join(map(part_row, sheet.budget)),
         numbers='\n'.join(map(number_row, sheet.numbers)),
-        commands=commands(name),
-        css=text['page.css'],
-        js=text['page.js'],
+        commands=terms(commands(name), code=True),
+        drawn=False,
         **colours,
     )
 
@@ -204,16 +192,12 @@ def source_html(source: str) -> str:
     return words
 
 
-def commands(name: str) -> str:
+def commands(name: str) -> dict[str, str]:
     """Return what to do next."""
-    lines = (
-        ('Find what is wrong with it', typed('vehicle', 'check', name)),
-        ('Start one of your own', typed('vehicle', 'new', 'my_blimp', '--from', name)),
-        ('See what a change does', typed('vehicle', 'diff', name, '--set', 'trim.heaviness=4 g')),
-        ('Fly it', typed('simulate', '--vehicle', name)),
-        ('Weigh it by a hover', typed('vehicle', 'trim', 'BAG', '--vehicle', name)),
-    )
-    return '\n'.join(
-        f'<div><dt>{escape(what)}</dt><dd><code>{escape(line)}</code></dd></div>'
-        for what, line in lines
-    )
+    return {
+        'Find what is wrong with it': typed('vehicle', 'check', name),
+        'Start one of your own': typed('vehicle', 'new', 'my_blimp', '--from', name),
+        'See what a change does': typed('vehicle', 'diff', name, '--set', 'trim.heaviness=4 g'),
+        'Fly it': typed('simulate', '--vehicle', name),
+        'Weigh it by a hover': typed('vehicle', 'trim', 'BAG', '--vehicle', name),
+    }

@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 
-from lta_analysis.vehicle.braille import side_view
 from lta_analysis.vehicle.difference import Consequence, Difference
 from lta_analysis.vehicle.entries import Entry, GUESSED
 from lta_analysis.vehicle.figure import Figure, MISSING
 from lta_analysis.vehicle.sheet import Sheet
+from lta_analysis.vehicle.side_view import side_view
 from lta_analysis.vehicle.words import headline, sentences
 from rich.console import Console
 from rich.table import Table

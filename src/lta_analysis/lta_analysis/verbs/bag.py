@@ -6,6 +6,7 @@ from typing import Annotated
 
 from lta_analysis.bag.folder import bag_in
 from lta_analysis.bag.info import bag_info, show
+from lta_analysis.verbs.bag_plot import plot
 from rich.console import Console
 import typer
 
@@ -33,3 +34,6 @@ def info(
         sys.stdout.write(found.to_json() + '\n')
     else:
         show(found, Console())
+
+
+bag.command()(plot)

@@ -9,7 +9,6 @@ from typing import Final
 from lta_analysis.report.drawing import blank, Label, label_ends
 from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import Tile
-from lta_analysis.report.page import tile_html
 from lta_analysis.report.palette import (
     ESTIMATE,
     GOOD,
@@ -20,7 +19,7 @@ from lta_analysis.report.palette import (
     TRUTH,
     WALL,
 )
-from lta_analysis.sweep.page import section, terms
+from lta_analysis.report.pieces import section, terms, tile_html
 from lta_analysis.typed import typed
 from lta_analysis.wind.limits import Asked, Limits
 from lta_analysis.wind.trial import Flyable

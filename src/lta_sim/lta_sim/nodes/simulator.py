@@ -188,6 +188,9 @@ class Simulator(GraphNode):
     def _let_go(self, delay: float) -> None:
         """Give up on a delay, and say so once it is more than a person would overlook. [s]"""
         self._anchor += delay
+        if self._world.steps == 0:  # the others are not there yet: the flight has not begun
+            self._began = self._anchor
+            return
         self._lost += delay
         if self._lost > SLOW * (time.monotonic() - self._began):
             self.health.report(

@@ -1,60 +1,17 @@
-"""The side view of a vehicle in braille dots: two by four to a character."""
+"""The side view of a vehicle in braille dots."""
 
 import math
 from typing import Final
 
+from lta_analysis.braille import Canvas
 from lta_analysis.vehicle.sheet import Sheet
 from lta_analysis.vehicle.views import drawn, VIEWS
 from lta_analysis.vehicle.weighing import CENTIMETRES
 from rich.text import Text
 
-BLANK: Final = 0x2800
-BITS: Final = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))  # by row and column
 ARROWS: Final = '→↗↑↖←↙↓↘'
 STYLES: Final = {'G': 'bold red', 'B': 'bold blue'}
 TALLEST: Final = 24  # characters
-
-
-class Canvas:
-    """
-    Dots and letters, the first character row on top.
-
-    Parameters
-    ----------
-    width, height : int
-        In characters.
-
-    """
-
-    def __init__(self, width: int, height: int) -> None:
-        self.width, self.height = width, height
-        self._dots = [[0] * width for _ in range(height)]
-        self._letters: dict[tuple[int, int], tuple[str, str]] = {}
-
-    def dot(self, x: float, y: float) -> None:
-        """Set a dot, x from the left and y from the top, in dots."""
-        column, row = math.floor(x), math.floor(y)
-        if 0 <= column < 2 * self.width and 0 <= row < 4 * self.height:
-            self._dots[row // 4][column // 2] |= BITS[row % 4][column % 2]
-
-    def letter(self, x: float, y: float, letter: str, style: str) -> None:
-        """Put a letter over the character of a dot; the first one stays."""
-        place = (math.floor(y) // 4, math.floor(x) // 2)
-        if 0 <= place[0] < self.height and 0 <= place[1] < self.width:
-            self._letters.setdefault(place, (letter, style))
-
-    def text(self) -> Text:
-        """Return the picture."""
-        found = Text()
-        for row, dots in enumerate(self._dots):
-            for column, bits in enumerate(dots):
-                letter = self._letters.get((row, column))
-                if letter:
-                    found.append(*letter)
-                else:
-                    found.append(chr(BLANK + bits) if bits else ' ')
-            found.append('\n')
-        return found
 
 
 def side_view(sheet: Sheet, width: int) -> Text:

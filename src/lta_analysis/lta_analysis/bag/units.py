@@ -1,0 +1,136 @@
+"""
+The unit of every number in a message: what ROS's definitions say in their comments, as data.
+
+A rule names a message type and one of its fields and holds for all that is inside the field, until
+a deeper rule says otherwise. REP-103 gives the units; a topic of ours that uses a general type for
+a quantity of its own says so in `OF_TOPIC`.
+"""
+
+from functools import cache
+import re
+from typing import Final
+
+from lta_bridge.bag.schemas import jazzy
+from rosbags.interfaces import Nodetype
+
+ONE: Final = '1'
+UNKNOWN: Final = ''
+RULES: Final = {
+    'builtin_interfaces/msg/Time': {'sec': 's', 'nanosec': 'ns'},
+    'builtin_interfaces/msg/Duration': {'sec': 's', 'nanosec': 'ns'},
+    'geometry_msgs/msg/Pose': {'position': 'm', 'orientation': ONE},
+    'geometry_msgs/msg/PointStamped': {'point': 'm'},
+    'geometry_msgs/msg/QuaternionStamped': {'quaternion': ONE},
+    'geometry_msgs/msg/Transform': {'translation': 'm', 'rotation': ONE},
+    'geometry_msgs/msg/Twist': {'linear': 'm/s', 'angular': 'rad/s'},
+    'geometry_msgs/msg/Accel': {'linear': 'm/s2', 'angular': 'rad/s2'},
+    'geometry_msgs/msg/Wrench': {'force': 'N', 'torque': 'N m'},
+    'sensor_msgs/msg/Imu': {
+        'orientation': ONE,
+        'orientation_covariance': 'rad2',
+        'angular_velocity': 'rad/s',
+        'angular_velocity_covariance': 'rad2/s2',
+        'linear_acceleration': 'm/s2',
+        'linear_acceleration_covariance': 'm2/s4',
+    },
+    'sensor_msgs/msg/Range': {
+        'field_of_view': 'rad',
+        'min_range': 'm',
+        'max_range': 'm',
+        'range': 'm',
+        'variance': 'm2',
+    },
+    'sensor_msgs/msg/FluidPressure': {'fluid_pressure': 'Pa', 'variance': 'Pa2'},
+    'sensor_msgs/msg/Illuminance': {'illuminance': 'lx', 'variance': 'lx2'},
+    'sensor_msgs/msg/Temperature': {'temperature': 'degC', 'variance': 'degC2'},
+    'sensor_msgs/msg/RelativeHumidity': {'relative_humidity': ONE, 'variance': ONE},
+    'sensor_msgs/msg/MagneticField': {'magnetic_field': 'T', 'magnetic_field_covariance': 'T2'},
+    'sensor_msgs/msg/NavSatFix': {
+        'latitude': 'deg',
+        'longitude': 'deg',
+        'altitude': 'm',
+        'position_covariance': 'm2',
+    },
+    'sensor_msgs/msg/BatteryState': {
+        'voltage': 'V',
+        'temperature': 'degC',
+        'current': 'A',
+        'charge': 'A h',
+        'capacity': 'A h',
+        'design_capacity': 'A h',
+        'percentage': ONE,
+        'cell_voltage': 'V',
+        'cell_temperature': 'degC',
+    },
+    # Of a joint that turns; a topic of ours that means something else says so below.
+    'sensor_msgs/msg/JointState': {'position': 'rad', 'velocity': 'rad/s', 'effort': 'N m'},
+    'sensor_msgs/msg/Joy': {'axes': ONE, 'buttons': ONE},
+}
+MATRICES: Final = {  # 6 x 6 covariances: of three lengths, then of three angles
+    'geometry_msgs/msg/PoseWithCovariance': ('m2', 'm rad', 'rad2'),
+    'geometry_msgs/msg/TwistWithCovariance': ('m2/s2', 'm rad/s2', 'rad2/s2'),
+    'geometry_msgs/msg/AccelWithCovariance': ('m2/s4', 'm rad/s4', 'rad2/s4'),
+}
+OF_TOPIC: Final = {  # by relative name; wins over the message type
+    'motors': {'effort': ONE, 'position': 'm', 'velocity': 'm/s'},
+    'wind': {'vector': 'm/s'},
+    'light/bearing': {'vector': ONE},
+    'light/peaks': {'amplitude': 'ADC counts', 'snr': ONE, 'frequency': 'Hz', 'x': ONE, 'y': ONE}
+    | {'z': ONE},
+    'photodiodes': {'data': 'ADC counts'},
+}
+_INDEX: Final = re.compile(r'\[(\d+)\]$')
+
+
+def unit_of(type_name: str, path: str, topic: str = '') -> str:
+    """
+    Return the unit of a field.
+
+    Parameters
+    ----------
+    type_name : str
+        Message type, 'nav_msgs/msg/Odometry'.
+    path : str
+        Field path as in a `Series`: 'pose.pose.position.x', 'effort[0]'.
+    topic : str
+        Relative name of the topic, where it is known.
+
+    Returns
+    -------
+    str
+        As REP-103 writes it ('m/s2'); '1' for a plain number, '' where nobody says.
+
+    """
+    own = OF_TOPIC.get(topic, {}).get(_INDEX.sub('', path.split('.')[0]))
+    return _by_type(type_name, path) if own is None else own
+
+
+@cache
+def _by_type(type_name: str, path: str) -> str:
+    """Return the unit that the message type gives a field."""
+    unit, kind = UNKNOWN, type_name
+    for part in path.split('.'):
+        index = _INDEX.search(part)
+        field = _INDEX.sub('', part)
+        if kind in MATRICES and field == 'covariance' and index is not None:
+            return _of_matrix(MATRICES[kind], int(index.group(1)))
+        unit = RULES.get(kind, {}).get(field, unit)
+        kind = _type_of(kind, field)
+    return unit
+
+
+def _of_matrix(units: tuple[str, str, str], index: int) -> str:
+    """Return the unit of an element of a 6 x 6 covariance, row after row."""
+    row, column = divmod(index, 6)
+    return units[(row > 2) + (column > 2)]
+
+
+@cache
+def _type_of(kind: str, field: str) -> str:
+    """Return the message type of a field; '' where it is no message."""
+    _, fields = jazzy().fielddefs.get(kind, ([], []))
+    for name, found in fields:
+        if name == field:
+            item = found[1][0] if found[0] in (Nodetype.ARRAY, Nodetype.SEQUENCE) else found
+            return str(item[1]) if item[0] is Nodetype.NAME else ''
+    return ''

@@ -1,0 +1,1 @@
+"""Quick looks at a recording: on the terminal, as PNG, as a page."""

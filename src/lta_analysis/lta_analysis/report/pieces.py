@@ -1,0 +1,71 @@
+"""The pieces that every page is put together from, as HTML: tiles, pictures, terms, data."""
+
+from collections.abc import Mapping
+from html import escape
+import json
+
+from plotly.graph_objects import Figure
+
+
+def embedded(name: str, content: object) -> str:
+    """Return data for the page's script."""
+    return embedded_text(name, json.dumps(content, separators=(',', ':'), allow_nan=False))
+
+
+def embedded_text(name: str, text: str) -> str:
+    """Return JSON for the page's script; no text in it can end the element."""
+    safe = text.replace('<', '\\u003c')
+    return f'<script type="application/json" id="{name}">{safe}</script>'
+
+
+def tile_html(name: str, value: str, unit: str, note: str) -> str:
+    """Return one large figure."""
+    return (
+        f'<div class="tile"><dt>{escape(name)}</dt><dd><b>{escape(value)}</b> '
+        f'<span>{escape(unit)}</span><small>{escape(note)}</small></dd></div>'
+    )
+
+
+def section(
+    name: str, heading: str, caption: str, picture: Figure | str, *, timed: bool = False
+) -> str:
+    """
+    Return one picture with heading and caption.
+
+    Parameters
+    ----------
+    name : str
+        Of the picture on its page.
+    heading, caption : str
+        Plain text.
+    picture : Figure or str
+        What to draw, or as HTML why there is nothing to draw.
+    timed : bool
+        Whether x is time: such pictures share one cursor and zoom together.
+
+    """
+    words, about = escape(heading), escape(caption)
+    body = picture if isinstance(picture, str) else drawn(name, words, about, picture, timed)
+    return (
+        f'<figure class="panel" id="panel-{name}" aria-labelledby="title-{name}">'
+        f'<h2 id="title-{name}">{words}</h2>{body}</figure>'
+    )
+
+
+def drawn(name: str, words: str, about: str, picture: Figure, timed: bool) -> str:
+    """Return the place of a picture, its caption and its data; words are HTML already."""
+    return (
+        f'<div class="plot" data-panel="{name}" data-timed="{str(timed).lower()}" '
+        f'role="img" aria-label="{words}. {about}"></div>'
+        f'<figcaption>{about}</figcaption>{embedded_text(f"figure-{name}", picture.to_json())}'
+    )
+
+
+def terms(content: Mapping[str, str], code: bool = False) -> str:
+    """Return a list of terms; what is code is what a person types."""
+    mark = ('<code>', '</code>') if code else ('', '')
+    return '\n'.join(
+        f'<div><dt>{escape(name.replace("_", " "))}</dt>'
+        f'<dd>{mark[0]}{escape(text)}{mark[1]}</dd></div>'
+        for name, text in content.items()
+    )

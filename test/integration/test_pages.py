@@ -1,0 +1,181 @@
+"""Every kind of page in a real browser: one look, offline, by keyboard, on dark and light."""
+
+import json
+import sys
+
+from lta_analysis import app
+from lta_analysis.browser import Browser, find_chromium
+from lta_analysis.report import write_page
+from lta_analysis.report.pictures import complaints, fetched, show, take
+from lta_analysis.tune import crew, limit
+from lta_analysis.tune.mission import Sought
+from lta_config.errors import BadInput
+import pytest
+import yaml
+
+from ..unit.analysis.report_flight import write_flight  # noqa: TID252 - `test` is Python's own
+
+SWEEP = {
+    'schema': 1, 'name': 'short', 'about': 'Short flights.', 'vehicle': 'gtmab',
+    'scenario': 'lamp_room', 'strategy': 'bag', 'gains': 'gtmab', 'seeds': {'count': 2},
+    'set': {'scenario.goal.time_limit': '0.2 s'},
+    'vary': {'vehicle.trim.heaviness': ['1 g', '2 g']},
+}  # fmt: skip
+PLATFORMS = {
+    'schema': 1, 'name': 'few', 'about': 'One climb.', 'scenario': 'hall', 'seeds': 1,
+    'manoeuvres': ['climb'], 'contestants': {'gtmab': {'vehicle': 'gtmab', 'title': 'GT-MAB'}},
+    'ablations': {}, 'limits': {},
+}  # fmt: skip
+PAPER_WIDTH = 718  # px of A4 with margins of 1 cm at 96 a inch
+CONTRAST = """(() => {
+  const parts = (colour) => colour.match(/[\\d.]+/g).map(Number);
+  const light = (c) => { const v = c / 255; return v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4; };
+  const luminance = ([r, g, b]) => 0.2126 * light(r) + 0.7152 * light(g) + 0.0722 * light(b);
+  const behind = (element) => {
+    for (let e = element; e; e = e.parentElement) {
+      const found = parts(getComputedStyle(e).backgroundColor);
+      if (found.length < 4 || found[3] > 0.99) return found;
+    }
+    return [255, 255, 255];
+  };
+  const poor = [];
+  for (const element of document.querySelectorAll('header *, main *')) {
+    const own = [...element.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim());
+    if (!own || !element.checkVisibility() || element.closest('.plot, svg, script, .hidden')) continue;
+    const [a, b] = [luminance(parts(getComputedStyle(element).color)), luminance(behind(element))];
+    const ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+    if (ratio < 4.5) poor.push(element.className + ' ' + element.textContent.slice(0, 30) + ' ' + ratio.toFixed(2));
+  }
+  return poor;
+})()"""  # noqa: E501
+NAMELESS = """[...document.querySelectorAll('button, input, select, a, summary, [role=img]')]
+  .filter((e) => !(e.ariaLabel || e.textContent.trim() || e.labels?.length))
+  .map((e) => e.outerHTML)"""
+HEADINGS = "[...document.querySelectorAll('h1, h2, h3')].map((e) => e.tagName)"
+HEADS = "[...document.querySelectorAll('th')].filter((e) => !e.scope).length"
+FOCUS = 'document.activeElement.id || document.activeElement.className'
+
+
+def flight(folder, call):
+    write_page(write_flight(folder / 'bag'), folder / 'report.html')
+
+
+def plot(folder, call):
+    bag = write_flight(folder / 'bag')
+    call(
+        'bag', 'plot', bag, 'odom', 'motors', 'light/peaks/snr*', '--html', folder / 'report.html'
+    )
+
+
+def vehicle(folder, call):
+    call('vehicle', 'show', 'gtmab', '--out', folder / 'report.html')
+
+
+def sweep(folder, call):
+    (folder / 'short.yaml').write_text(yaml.safe_dump(SWEEP))
+    call('sweep', folder / 'short.yaml', '--workers', '1', '--out', folder / 'out')
+    (folder / 'out' / 'report.html').rename(folder / 'report.html')
+
+
+def wind(folder, call):
+    call('wind', 'gtmab', 'skye', '--no-fly', '--out', folder / 'out')
+    (folder / 'out' / 'report.html').rename(folder / 'report.html')
+
+
+def platforms(folder, call):
+    (folder / 'few.yaml').write_text(yaml.safe_dump(PLATFORMS))
+    call('platforms', folder / 'few.yaml', '--workers', '1', '--out', folder / 'out')
+    (folder / 'out' / 'report.html').rename(folder / 'report.html')
+
+
+def tune(folder, call):
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(limit, 'TRIED', 1)
+        patched.setattr(limit, 'HALVINGS', 0)
+        patched.setattr(crew, 'seek', lambda *_: Sought(True, 0.3))
+        words = ('--budget=2', '--draws=2', '--cases=1', '--workers=1', '--number=climb.kp')
+        files = (f'--folder={folder / "out"}', f'--out={folder / "found.yaml"}')
+        call('tune', 'gtmab', '--most=0 g', *words, *files)
+    (folder / 'out' / 'report.html').rename(folder / 'report.html')
+
+
+PAGES = {made.__name__: made for made in (flight, plot, vehicle, sweep, wind, platforms, tune)}
+
+
+def typed(*words):
+    """Run the command in this process."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(sys, 'argv', ['lta', *map(str, words)])
+        assert app.status() == 0
+
+
+@pytest.fixture(scope='module', params=PAGES)
+def page(request, tmp_path_factory):
+    try:
+        find_chromium()
+    except BadInput as reason:
+        pytest.skip(str(reason))
+    folder = tmp_path_factory.mktemp(request.param)
+    PAGES[request.param](folder, typed)
+    return folder / 'report.html'
+
+
+@pytest.fixture(scope='module')
+def running():
+    try:
+        with Browser() as session:
+            yield session
+    except BadInput as reason:
+        pytest.skip(str(reason))
+
+
+@pytest.mark.parametrize(('theme', 'width'), [('light', 1280), ('dark', 1280), ('light', 390)])
+def test_it_shows_all_without_a_complaint_or_a_request(running, page, theme, width, tmp_path):
+    running.events.clear()
+    show(running, page, theme, width)
+    assert complaints(running) == []
+    assert fetched(running, page) == []
+    assert running.evaluate('document.documentElement.scrollWidth') <= width
+    assert running.evaluate(CONTRAST) == []
+    take(running, 'top', tmp_path / 'top.png')
+    assert (tmp_path / 'top.png').stat().st_size > 10_000
+
+
+def press(session, key, code):
+    for kind in ('keyDown', 'keyUp'):
+        session.call(
+            'Input.dispatchKeyEvent', type=kind, key=key, code=key, windowsVirtualKeyCode=code,
+            text='\r' if key == 'Enter' and kind == 'keyDown' else '',
+        )  # fmt: skip
+
+
+def test_it_is_used_by_keyboard_and_read_aloud(running, page):
+    show(running, page, 'light', 1280)
+    press(running, 'Tab', 9)
+    assert running.evaluate(FOCUS) == 'skip'
+    press(running, 'Tab', 9)
+    assert running.evaluate(FOCUS) == 'theme'
+    press(running, 'Enter', 13)
+    running.wait("document.documentElement.dataset.theme === 'dark'")
+    assert running.evaluate("document.getElementById('theme').ariaPressed") == 'true'
+    assert running.evaluate('document.documentElement.lang') == 'en'
+    assert running.evaluate(NAMELESS) == []
+    assert running.evaluate(HEADS) == 0
+    headings = running.evaluate(HEADINGS)
+    assert headings[0] == 'H1'
+    assert headings.count('H1') == 1
+    target = running.evaluate("document.querySelector('.skip').getAttribute('href').slice(1)")
+    assert running.evaluate(f'document.getElementById({json.dumps(target)}).tagName') == 'MAIN'
+
+
+def test_it_prints_on_white_paper_within_its_margins(running, page):
+    show(running, page, 'dark', PAPER_WIDTH)
+    running.call('Emulation.setEmulatedMedia', media='print')
+    running.evaluate("dispatchEvent(new Event('beforeprint'))")
+    running.wait("document.documentElement.dataset.theme === 'light'")
+    assert not running.evaluate("document.getElementById('theme').checkVisibility()")
+    assert running.evaluate('getComputedStyle(document.body).backgroundImage') == 'none'
+    assert running.evaluate('document.documentElement.scrollWidth') <= PAPER_WIDTH
+    printed = running.call('Page.printToPDF', paperWidth=8.27, paperHeight=11.69)
+    assert len(printed['data']) > 20_000
+    running.call('Emulation.setEmulatedMedia', media='')
