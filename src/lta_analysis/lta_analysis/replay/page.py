@@ -12,9 +12,8 @@ from lta_analysis.replay.verdict import Verdict
 from lta_analysis.report.drawing import blank
 from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import Tile
-from lta_analysis.report.page import tile_html
 from lta_analysis.report.palette import ESTIMATE, TRUTH
-from lta_analysis.sweep.page import section, terms
+from lta_analysis.report.pieces import section, terms, tile_html
 from lta_analysis.typed import near, typed
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
@@ -62,7 +61,7 @@ def page(verdict: Verdict, order: Order, told: Mapping[str, str]) -> str:
         pictures='\n'.join(
             section(
                 f'decision-{k}', each.name.capitalize(), caption(each, verdict),
-                picture(each, verdict),
+                picture(each, verdict), timed=True,
             )
             for k, each in enumerate(verdict.decisions)
         ),
