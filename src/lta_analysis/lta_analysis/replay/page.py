@@ -12,7 +12,7 @@ from lta_analysis.replay.verdict import Verdict
 from lta_analysis.report.drawing import blank
 from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import Tile
-from lta_analysis.report.palette import ESTIMATE, TRUTH
+from lta_analysis.report.palette import ESTIMATE, RAW
 from lta_analysis.report.pieces import section, terms, tile_html
 from lta_analysis.typed import near, typed
 import numpy as np
@@ -168,8 +168,8 @@ def picture(decision: Decision, verdict: Verdict) -> Figure:
     turned = decision.unit == 'rad'
     scale, unit = (180.0 / math.pi, '°') if turned else (1.0, decision.unit)
     pairs = (
-        ('recorded', decision.recorded, TRUTH, 4.5),
-        ('replayed', decision.again, ESTIMATE, 1.4),
+        ('recorded', decision.recorded, RAW, 5.0),
+        ('replayed', decision.again, ESTIMATE, 1.5),
     )
     for name, values, colour, width in pairs:
         figure.add_trace(
