@@ -44,8 +44,8 @@ def recorded(tmp_path_factory):
     return simulate_once(order, FlightProgress(Console(quiet=True)))[0].bag
 
 
-def copied(bag, folder, keep=lambda _name, _number: True, later=0):
-    """Write a bag again without some messages, and with later stamps."""
+def copied(bag, folder, keep, later=0, strange=0):
+    """Write a bag again without some messages, with later stamps and a block that is none."""
     source = read_bag(bag)
     with BagWriter(folder, source.provenance) as writer:
         for name, topic in source.topics.items():
@@ -56,6 +56,7 @@ def copied(bag, folder, keep=lambda _name, _number: True, later=0):
             if keep(name.removeprefix('/lta1/'), numbers[name]):
                 row = TABLE[name.removeprefix('/lta1/')]
                 moved = shifted(data, later) if row.stamped else data
+                moved = moved.replace(b'16UC1', b'32FC1') if numbers[name] == strange else moved
                 writer.write(name, moved, log_time + later)
     return folder
 
@@ -97,14 +98,19 @@ def test_a_changed_window_is_shown_and_fails(lta, tmp_path):
 
 
 def test_a_graph_flies_through_gaps_of_a_recording_from_another_age(lta, recorded, tmp_path):
-    """Every third range lost, a second of IMU, all light at first, the panel throughout."""
+    """
+    Every third range lost, a second of IMU and its beginning, the first light, and all panel.
+
+    A light block of a kind that the demodulator refuses is answered too, and so is light that
+    comes before any odometry: whoever waits for an answer must get one.
+    """
 
     def keep(name, number):
-        gap = name == 'imu' and 150 <= number < 250
+        gap = name == 'imu' and (number <= 70 or 150 <= number < 250)
         dark = name == 'photodiodes' and number <= 5
         return not (gap or dark or name == 'panel' or (name == 'range' and number % 3 == 0))
 
-    bag = copied(recorded, tmp_path / 'gaps', keep, later=LATER)
+    bag = copied(recorded, tmp_path / 'gaps', keep, later=LATER, strange=9)
     words = ['source:=replay', f'replay:={bag}', 'time:=lockstep', f'bag:={tmp_path / "again"}']
     done = lta.run('launch', 'fly', *words)
     assert done.returncode == 0, done.stderr + done.stdout
@@ -124,7 +130,7 @@ def test_a_graph_flies_through_gaps_of_a_recording_from_another_age(lta, recorde
 
 
 class Peer:
-    """A node of the test's own that hears the battery and stands in for a controller."""
+    """A node of the test's own that hears the meters and stands in for a controller."""
 
     def __init__(self, context: Context) -> None:
         self.node = rclpy.create_node('peer', namespace='/lta1', context=context)
@@ -132,17 +138,20 @@ class Peer:
         self._executor.add_node(self.node)
         self.stamps: list[tuple[str, int]] = []
         for name in ('battery', 'panel'):
-            row = TABLE[name]
-            self.node.create_subscription(
-                message_type(row), name, self._hears(name), profile(row, lockstep=False)
-            )
+            self.listen(name)
         row = TABLE['motors']
         self._motors = self.node.create_publisher(
             message_type(row), 'motors', profile(row, lockstep=False)
         )
 
-    def _hears(self, name):
-        return lambda m: self.stamps.append((name, from_stamp(m.header.stamp)))
+    def listen(self, name):
+        row = TABLE[name]
+        self.node.create_subscription(
+            message_type(row),
+            name,
+            lambda m: self.stamps.append((name, from_stamp(m.header.stamp))),
+            profile(row, lockstep=False),
+        )
 
     def until(self, condition):
         deadline = time.monotonic() + PATIENCE
@@ -250,6 +259,20 @@ def test_a_player_at_a_high_rate_comes_to_its_end(meters, peer, player):
     assert process.returncode == 0, errors
     said = json.loads(out.splitlines()[-1])
     assert (said['outcome'], said['messages'], said['time_s']) == ('played', '5', '0.200')
+
+
+def test_a_node_that_does_not_answer_ends_the_replay_and_is_named(recorded, peer, player):
+    """The peer stands in for the controller, and never sends any duties."""
+    for name in TABLE.read_by('controller'):
+        peer.listen(name)
+    rules = {'roles': 'estimator navigator', 'time': 'lockstep', 'patience': 4.0}
+    process = player(recorded, **rules)
+    peer.until(lambda: process.poll() is not None)
+    out, errors = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 1, errors
+    assert 'In 4 s no answer came: motors from controller.' in errors
+    said = json.loads(out.splitlines()[-1])
+    assert (said['outcome'], said['answers'], said['owed']) == ('unanswered', '0', '402')
 
 
 def test_what_a_player_cannot_do_is_one_sentence(lta, meters, tmp_path):

@@ -86,6 +86,7 @@ def declared() -> list[tuple[str, str]]:
     return found
 
 
+NEEDS = {'player': ('-p', f'bag:={ROOT / "test/replay/lamp.mcap"}')}  # without which it refuses
 NODES = [pair for pair in declared() if pair != ('lta_analysis', 'lta')]
 
 
@@ -120,7 +121,7 @@ def test_data_is_installed_with_lta_config(installed):
 @pytest.mark.parametrize(('package', 'executable'), NODES)
 def test_node_starts_and_stops(package, executable, installed, environment, watcher, tmp_path):
     command = [installed / package / 'lib' / package / executable]
-    command += ['--ros-args', '-r', f'__ns:={NAMESPACE}']
+    command += ['--ros-args', '-r', f'__ns:={NAMESPACE}', *NEEDS.get(executable, ())]
     environment = environment | {'ROS_DOMAIN_ID': os.environ['ROS_DOMAIN_ID']}
     log = tmp_path / 'log'
     with log.open('wb') as output:

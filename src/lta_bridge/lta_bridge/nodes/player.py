@@ -38,7 +38,6 @@ AHEAD_NS = 1_000_000_000  # by which a node may be behind in lockstep; queues ho
 CLOCK_PERIOD = 0.02  # wall seconds between two /clock
 TICK = 0.002  # wall seconds between looks at the wall clock
 MOST = 2000  # messages at one tick, so that services are answered
-PATIENCE = 30.0  # wall seconds for the graph to come up, and for an answer
 QUIET = 0.5  # wall seconds behind the last message in which nodes answer, in real time
 
 
@@ -119,7 +118,7 @@ class Player(GraphNode):
         super().work()
         if self._ended == 'unanswered':
             late = ', '.join(f'{n} from {self.source(n)}' for n in self._owed.waiting())
-            sys.stderr.write(f'In {PATIENCE:.0f} s no answer came: {late}.\n')
+            sys.stderr.write(f'In {self._settings.patience:g} s no answer came: {late}.\n')
             sys.exit(1)
 
     def _report_bag(self) -> None:
@@ -144,11 +143,12 @@ class Player(GraphNode):
         return sorted(waiting)
 
     def _wait_for_graph(self) -> None:
-        deadline = time.monotonic() + PATIENCE
+        patience = self._settings.patience
+        deadline = time.monotonic() + patience
         while self.running and (missing := self._lonely()):
             if time.monotonic() > deadline:
                 raise BadInput(
-                    f'After {PATIENCE:.0f} s the player still waits for {", ".join(missing)}; '
+                    f'After {patience:g} s the player still waits for {", ".join(missing)}; '
                     'start them, or see "lta doctor" on discovery between processes.'
                 )
             time.sleep(0.02)
@@ -178,7 +178,12 @@ class Player(GraphNode):
         """Follow the wall clock; in lockstep, give up on answers that do not come."""
         self._play()
         waited = time.monotonic() - self._news
-        if self._ended or not self.lockstep or self._pace.paused or waited < PATIENCE:
+        if (
+            self._ended
+            or not self.lockstep
+            or self._pace.paused
+            or waited < self._settings.patience
+        ):
             return
         self._ended, self.running = 'unanswered', False
 

@@ -36,4 +36,8 @@ class PlayerSettings(Settings):
     answers: str = setting(
         '', "Folder of a bag for the nodes' answers; none if empty.", fixed=True
     )
+    patience: float = setting(
+        30.0, 'Wall time for the graph to come up, and for an answer in lockstep.', unit='s',
+        low=0.1, high=3600.0, fixed=True,
+    )  # fmt: skip
     record: bool = setting(False, 'Whether to wait for a recorder.', fixed=True)
