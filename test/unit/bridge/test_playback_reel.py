@@ -123,7 +123,8 @@ def test_of_several_robots_one_must_be_named(tmp_path):
         open_recording(path, '', TABLE)
     with pytest.raises(BadInput, match="Unknown robot 'lta3'"):
         open_recording(path, 'lta3', TABLE)
-    recording = open_recording(path, 'lta2', TABLE)
+    assert open_recording(path, '', TABLE, own='lta1').robot == 'lta1'
+    recording = open_recording(path, 'lta2', TABLE, own='lta1')
     assert len(taken(Reel(recording, recording.topics, TABLE))) == 12
     assert recording.provenance == {'scenario': 'x', 'seed': '7'}
 

@@ -152,7 +152,7 @@ def show(verdict: Verdict, console: Console) -> None:
         for each in topic.channels[:WORST]:
             at = verdict.seconds(int(topic.recorded.keys[each.first]))
             printed.add_row(
-                topic.topic, each.path, f'{each.count} of {topic.count}', f'{at:.2f} s',
+                topic.topic, each.path, f'{each.count}/{topic.count}', f'{at:.2f} s',
                 *(figure(value, 7) for value in (each.recorded, each.again, each.largest)),
             )  # fmt: skip
     if printed.row_count:

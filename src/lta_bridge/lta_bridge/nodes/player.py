@@ -51,7 +51,8 @@ class Player(GraphNode):
             raise BadInput('The player has no bag; give one, as in bag:=runs/flight/bag.')
         if settings.loop and self.lockstep:
             raise BadInput('A loop in lockstep has no end; play it with time:=realtime.')
-        self._recording = open_recording(Path(settings.bag), settings.robot, self.table)
+        own = self.get_namespace().strip('/')
+        self._recording = open_recording(Path(settings.bag), settings.robot, self.table, own)
         self._cast = cast_of(self.table, settings.nodes.split(), settings.roles.split())
         topics = [name for name in self._cast.played if name in self._recording.topics]
         end = math.inf if settings.end >= FOREVER else settings.end

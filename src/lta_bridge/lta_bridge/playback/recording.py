@@ -45,11 +45,14 @@ class Recording:
 
     """
 
-    def __init__(self, path: Path, files: list[Path], robot: str, table: TopicTable) -> None:
+    def __init__(
+        self, path: Path, files: list[Path], robot: str, table: TopicTable, own: str = ''
+    ) -> None:
         self.path = path
         self._files = files
         channels, told = announced(files)
-        self.robot = chosen(path, robot, sorted({found[0] for found in split(channels, table)}))
+        robots = sorted({found[0] for found in split(channels, table)})
+        self.robot = chosen(path, robot or (own if own in robots else ''), robots)
         self.provenance = part(told, self.robot)
         mine = {name: full for owner, name, full in split(channels, table) if owner == self.robot}
         self.strange = tuple(
@@ -91,7 +94,7 @@ class Recording:
         return 0
 
 
-def open_recording(path: Path, robot: str, table: TopicTable) -> Recording:
+def open_recording(path: Path, robot: str, table: TopicTable, own: str = '') -> Recording:
     """
     Open a bag for playing.
 
@@ -100,9 +103,11 @@ def open_recording(path: Path, robot: str, table: TopicTable) -> Recording:
     path : Path
         A rosbag2 folder or an .mcap file.
     robot : str
-        Namespace in the bag; may be empty where it has only one.
+        Namespace in the bag; may be empty where it has only one, or `own`.
     table : TopicTable
         What can be played.
+    own : str
+        Namespace of who plays: that robot is taken where none is named.
 
     Raises
     ------
@@ -119,7 +124,7 @@ def open_recording(path: Path, robot: str, table: TopicTable) -> Recording:
         raise BadInput(f"'{path}' does not exist; {ADVICE}.")
     if not files:
         raise BadInput(f"'{path}' holds no recording in MCAP; {ADVICE}.")
-    return Recording(path, files, robot, table)
+    return Recording(path, files, robot, table, own)
 
 
 def split(names: Mapping[str, str], table: TopicTable) -> list[tuple[str, str, str]]:

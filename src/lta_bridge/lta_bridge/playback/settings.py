@@ -9,7 +9,7 @@ class PlayerSettings(Settings):
     """What is played to whom, and how."""
 
     bag: str = setting('', 'The bag: a rosbag2 folder or an .mcap file.', fixed=True)
-    robot: str = setting('', 'Robot in the bag; needed where it has several.', fixed=True)
+    robot: str = setting('', 'Robot in the bag; the own name, or the only one.', fixed=True)
     nodes: str = setting(
         '', 'Nodes that are run again, with spaces between; all where empty.', fixed=True
     )
