@@ -6,12 +6,14 @@ from types import SimpleNamespace
 
 from lta_analysis.replay.against import allowed, compared, elsewhere, unequal
 from lta_analysis.replay.decisions import between, decisions
-from lta_analysis.replay.given import settings_of
+from lta_analysis.replay.given import NODES, settings_of
 from lta_analysis.replay.heard import Heard
 from lta_analysis.replay.order import check, nodes_of, Order, plan_of, recorded_settings
 from lta_analysis.replay.verdict import Verdict
+from lta_bridge.playback.cast import roles
 from lta_config.errors import BadInput
 from lta_config.files import find, parse_yaml
+from lta_config.topics import topic_table
 from lta_sim.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -168,6 +170,7 @@ def test_a_setting_that_cannot_be_is_refused_before_anything_starts(given, words
 
 
 def test_nodes_are_those_of_the_graph():
+    assert set(NODES) == set(roles(topic_table()))
     assert nodes_of('navigator, demodulator,navigator') == ('navigator', 'demodulator')
     with pytest.raises(BadInput, match="Unknown node 'recorder'; known: controller"):
         nodes_of('recorder')

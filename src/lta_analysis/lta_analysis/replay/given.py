@@ -1,27 +1,30 @@
 """Parameters of nodes as they are given on a command line, checked before a node starts."""
 
 from collections.abc import Sequence
+from importlib import import_module
 from typing import Any
 
 from lta_config.errors import BadInput, unknown
 from lta_config.files import parse_yaml
 from lta_config.sentence import sentence
 from lta_config.settings import Settings
-from lta_control.nodes.controller import ControllerSettings
-from lta_control.nodes.estimator import EstimatorParameters
-from lta_control.nodes.navigator import NavigatorParameters
-from lta_energy.nodes.energy_monitor import EnergyMonitorParameters
 from lta_graph.ros.parameters import leaves, nested
-from lta_vlc.nodes.demodulator import DemodulatorParameters
 from pydantic import ValidationError
 
-NODES: dict[str, type[Settings]] = {
-    'estimator': EstimatorParameters,
-    'controller': ControllerSettings,
-    'demodulator': DemodulatorParameters,
-    'navigator': NavigatorParameters,
-    'energy_monitor': EnergyMonitorParameters,
+NODES = {  # where a node declares its parameters; imported when asked for, since it brings rclpy
+    'estimator': ('lta_control.nodes.estimator', 'EstimatorParameters'),
+    'controller': ('lta_control.nodes.controller', 'ControllerSettings'),
+    'demodulator': ('lta_vlc.nodes.demodulator', 'DemodulatorParameters'),
+    'navigator': ('lta_control.nodes.navigator', 'NavigatorParameters'),
+    'energy_monitor': ('lta_energy.nodes.energy_monitor', 'EnergyMonitorParameters'),
 }
+
+
+def model_of(node: str) -> type[Settings]:
+    """Return the parameters of a node as a model."""
+    module, name = NODES[node]
+    found: type[Settings] = getattr(import_module(module), name)
+    return found
 
 
 def settings_of(given: Sequence[str], nodes: Sequence[str]) -> dict[str, dict[str, Any]]:
@@ -52,7 +55,7 @@ def settings_of(given: Sequence[str], nodes: Sequence[str]) -> dict[str, dict[st
         found.setdefault(node, {})[name] = typed_value(node, name, value)
     for node, values in found.items():
         try:
-            NODES[node].model_validate(nested(values), strict=False)
+            model_of(node).model_validate(nested(values), strict=False)
         except ValidationError as error:
             raise BadInput(f'{node}: parameter {sentence(error)}') from None
     return found
@@ -60,7 +63,7 @@ def settings_of(given: Sequence[str], nodes: Sequence[str]) -> dict[str, dict[st
 
 def typed_value(node: str, name: str, text: str) -> Any:  # noqa: ANN401 - of the parameter's type
     """Return a parameter's value from text, of the type that the node declares."""
-    known = {key: value for key, _, value in leaves(NODES[node]())}
+    known = {key: value for key, _, value in leaves(model_of(node)())}
     if name not in known:
         raise unknown(f'parameter of {node}', name, list(known))
     if isinstance(known[name], str):
