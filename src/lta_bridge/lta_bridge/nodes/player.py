@@ -15,6 +15,7 @@ import sys
 import time
 
 from lta_bridge.bag.qos import offered_qos, Profile
+from lta_bridge.bag.storage import StorageFault
 from lta_bridge.playback.answer_bag import AnswerBag
 from lta_bridge.playback.cast import cast_of, CLOCK
 from lta_bridge.playback.due import answered, survey
@@ -73,7 +74,7 @@ class Player(GraphNode):
         self._messages = 0
         self._now = self._reel.begin_ns
         self._began = self._clocked = self._news = 0.0
-        self._ended = ''
+        self._ended = self._fault = ''
         self.create_service(SetBool, 'player/pause', self._on_pause)
         self.create_service(Trigger, 'player/step', self._on_step_asked)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -168,8 +169,12 @@ class Player(GraphNode):
         def take(data: bytes) -> None:
             self._news = time.monotonic()
             due = self._owed.take(name)
-            if self._kept is not None:
-                self._kept.write(name, data, due, self._now)
+            if self._kept is not None and not self._fault:
+                try:
+                    self._kept.write(name, data, due, self._now)
+                except StorageFault as fault:
+                    self._fault, self.running = str(fault), False
+                    self.health.report('recording', Level.ERROR, self._fault)
             if self.lockstep:
                 self._play()
 
@@ -269,10 +274,15 @@ class Player(GraphNode):
         """Say how the replay ended, finish the bag of answers, and let the last messages out."""
         self._watch()
         if self._kept is not None:
-            self._kept.close()
+            try:
+                self._kept.close()
+            except StorageFault as fault:
+                self._fault = self._fault or str(fault)
         sys.stdout.write(json.dumps(self._standing()) + '\n')
         sys.stdout.flush()
         super().close()
+        if self._fault:
+            raise BadInput(self._fault)
 
 
 def main(args: list[str] | None = None) -> None:
