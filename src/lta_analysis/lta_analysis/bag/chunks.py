@@ -1,25 +1,28 @@
 """The packed part of an MCAP file: from a chunk record to the messages in it."""
 
-from collections.abc import Iterator
-from io import BytesIO
+from collections.abc import Callable, Iterator
 import struct
 from typing import NamedTuple
 import zlib
 
-from mcap.data_stream import ReadDataStream
-from mcap.exceptions import McapError
+from lta_analysis.bag.packing import (
+    Damaged,
+    frame_length,
+    inflated,
+    kind_of,
+    KINDS,
+    LARGEST_CHUNK,
+    MAGICS,
+)
 from mcap.opcode import Opcode
-from mcap.records import Chunk
-from mcap.stream_reader import get_chunk_data_stream
-import zstandard
 
 RECORD = struct.Struct('<BQ')  # opcode, length
 MESSAGE = struct.Struct('<HIQQ')  # channel, sequence, log time, publish time
-LARGEST_CHUNK = 1 << 30  # A chunk that claims more is damaged, not worth the memory.
+BARE = struct.Struct('<BQHIQQ')  # a whole message record up to its data
+HEAD = struct.Struct('<QQQII')  # start, end, size, CRC, length of the compression's name
+LENGTH = struct.Struct('<Q')
 
-
-class Damaged(Exception):
-    """A record does not hold what it should."""
+Read = Callable[[int, int], bytes]  # offset and length to bytes; fewer at the file's end
 
 
 class Record(NamedTuple):
@@ -30,7 +33,25 @@ class Record(NamedTuple):
     end: int
 
 
-def records(data: bytes) -> Iterator[Record]:
+class Message(NamedTuple):
+    """One recorded message; times in ns."""
+
+    channel: int
+    sequence: int
+    log_time: int
+    publish_time: int
+    data: bytes
+
+
+class Packed(NamedTuple):
+    """Where a chunk's packed records may lie, counted from its body, and how they are packed."""
+
+    kind: str
+    start: int
+    length: int
+
+
+def records(data: bytes | memoryview) -> Iterator[Record]:
     """
     Yield the records of a buffer in order.
 
@@ -52,48 +73,121 @@ def records(data: bytes) -> Iterator[Record]:
         yield Record(opcode, start, at)
 
 
-def unpacked(body: bytes) -> bytes:
+def unpacked(body: bytes | memoryview) -> bytes | memoryview:
     """
     Return the records inside a chunk.
 
     Parameters
     ----------
-    body : bytes
+    body : bytes or memoryview
         The chunk record without opcode and length.
 
     Raises
     ------
     Damaged
-        If it cannot be decompressed or its CRC does not hold.
+        If it cannot be decompressed or its CRC does not hold, whatever its header says.
 
     """
-    try:
-        chunk = Chunk.read(ReadDataStream(BytesIO(body)))
-        if max(chunk.uncompressed_size, claimed_size(chunk)) > LARGEST_CHUNK:
-            raise Damaged
-        stream, length = get_chunk_data_stream(chunk)
-        data = stream.read(length)
-    except (McapError, zstandard.ZstdError, RuntimeError, ValueError, struct.error) as error:
-        raise Damaged from error
-    if chunk.uncompressed_crc and zlib.crc32(data) != chunk.uncompressed_crc:
+    view = memoryview(body)
+    return sealed(lambda offset, length: view[offset : offset + length], len(body))[0]
+
+
+def sealed(
+    read: Callable[[int, int], bytes | memoryview], length: int
+) -> tuple[bytes | memoryview, int]:
+    """
+    Return the records inside a chunk and where its body ends.
+
+    The header of a chunk is not under its CRC: where it was hit, the places at which the packed
+    records can lie are tried until the CRC holds.
+
+    Parameters
+    ----------
+    read : callable
+        Returns bytes by offset in the body and length; fewer where the file ends.
+    length : int
+        What the record says of the length of its body.
+
+    Raises
+    ------
+    Damaged
+        As `unpacked` does.
+
+    """
+    head = read(0, HEAD.size + 16)
+    if len(head) < HEAD.size + LENGTH.size:
         raise Damaged
-    return data
-
-
-def claimed_size(chunk: Chunk) -> int:
-    """Return what the compressed data say they hold; 0 where they do not say. [bytes]"""
-    if chunk.compression != 'zstd':
-        return 0
-    return max(0, zstandard.frame_content_size(chunk.data))
-
-
-def messages(data: bytes, channels: frozenset[int]) -> Iterator[tuple[int, int, bytes]]:
-    """Yield channel, log time in ns and bytes of the messages of some channels."""
-    for record in records(data):
-        if record.opcode != Opcode.MESSAGE:
+    reason = Damaged()
+    tried = set()
+    for packed, told in places(head, length):
+        if packed in tried:
             continue
-        if record.end - record.start < MESSAGE.size:
+        tried.add(packed)
+        try:
+            return opened(read, packed, told, head, length)
+        except Damaged as error:
+            reason = error if error.args else reason
+    raise reason
+
+
+def opened(
+    read: Callable[[int, int], bytes | memoryview],
+    packed: Packed,
+    told: bool,
+    head: bytes | memoryview,
+    length: int,
+) -> tuple[bytes | memoryview, int]:
+    """Return what lies at one place that a chunk may have its records at; see `sealed`."""
+    if packed.length > LARGEST_CHUNK:
+        raise Damaged(f'claim to hold {packed.length} bytes')
+    part = read(packed.start, packed.length)
+    if told and len(part) < packed.length:
+        raise Damaged
+    kind = kind_of(packed.kind, part)
+    data = inflated(kind, part)
+    _, _, size, crc, _ = HEAD.unpack_from(head)
+    end = packed.start + packed.length
+    if crc and zlib.crc32(data) == crc:
+        return data, end if told else packed.start + frame_length(kind, part)
+    if not crc and told and (end, len(data)) == (length, size):
+        return data, end
+    raise Damaged
+
+
+def places(head: bytes | memoryview, length: int) -> Iterator[tuple[Packed, bool]]:
+    """Yield where the packed records of a chunk can lie, and whether its header says just so."""
+    _, _, size, _, name_length = HEAD.unpack_from(head)
+    name = bytes(head[HEAD.size : HEAD.size + min(name_length, 8)]).decode(errors='replace')
+    start = HEAD.size + name_length + LENGTH.size
+    if start <= len(head):
+        given = LENGTH.unpack_from(head, start - LENGTH.size)[0]
+        if given <= length - start:
+            yield Packed(name, start, given), True
+    for kind in KINDS:
+        start = HEAD.size + len(kind) + LENGTH.size
+        if kind and bytes(head[start : start + 4]) not in MAGICS:
+            continue
+        given = LENGTH.unpack_from(head, start - LENGTH.size)[0]
+        for guess in (given, length - start, size if kind == '' else LARGEST_CHUNK):
+            if 0 < guess <= LARGEST_CHUNK:
+                yield Packed(kind, start, guess), False
+
+
+def messages(data: bytes | memoryview, channels: frozenset[int]) -> Iterator[Message]:
+    """Yield the messages of some channels."""
+    at, size, unpack = 0, len(data), BARE.unpack_from
+    last = size - BARE.size
+    while at <= last:
+        opcode, length, channel, sequence, log_time, publish_time = unpack(data, at)
+        start = at + 9
+        at = start + length
+        if at > size:
             raise Damaged
-        channel, _, log_time, _ = MESSAGE.unpack_from(data, record.start)
-        if channel in channels:
-            yield channel, log_time, data[record.start + MESSAGE.size : record.end]
+        if opcode == 5 and channel in channels:  # Opcode.MESSAGE; an enum costs time here
+            if length < 22:
+                raise Damaged
+            body = bytes(data[start + 22 : at])
+            yield Message(channel, sequence, log_time, publish_time, body)
+    for record in records(memoryview(data)[at:]):
+        if record.opcode == Opcode.MESSAGE:  # shorter than its own head
+            raise Damaged

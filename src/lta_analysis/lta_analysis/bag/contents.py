@@ -5,28 +5,62 @@ from dataclasses import dataclass, field
 from io import BytesIO
 import os
 import struct
-from typing import BinaryIO, final, NamedTuple
+from typing import BinaryIO, final
 
-from lta_analysis.bag.chunks import Damaged
+from lta_analysis.bag.packing import Damaged
+from lta_analysis.bag.rhythm import Rhythm
 from lta_bridge.bag.records import PROVENANCE
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Channel, Metadata, Schema
 
+LARGEST_NOTE = 1 << 24  # A schema, channel or other note that claims more is damaged. [bytes]
 
-class Place(NamedTuple):
+
+@final
+@dataclass(frozen=True, slots=True)
+class Place:
     """
     A stretch of the file that holds messages.
 
     `packed` tells a chunk from bare records; `channels` is None where it is not known which
-    ones occur. [bytes from the file's start]
+    ones occur. `start` and `end` are its first and last log time in ns, None where unknown.
+    `index` is offset and length of its message indexes, (0, 0) without.
+    [bytes from the file's start]
     """
 
     offset: int
     length: int
     packed: bool
     channels: frozenset[int] | None
+    start: int | None = None
+    end: int | None = None
+    index: tuple[int, int] = field(default=(0, 0), compare=False)
+
+
+@final
+@dataclass(slots=True)
+class Loss:
+    """
+    A stretch of the file that cannot be used.
+
+    `counts` are the messages in it by channel, as far as an index tells; `start` and `end` their
+    first and last log time in ns. `chunks` is how many chunks it certainly held.
+    [bytes from the file's start]
+    """
+
+    offset: int
+    length: int
+    chunks: int = 0
+    counts: Counter[int] = field(default_factory=Counter)
+    start: int | None = None
+    end: int | None = None
+
+    def widen(self, start: int, end: int) -> None:
+        """Take note of log times. [ns]"""
+        self.start = start if self.start is None else min(self.start, start)
+        self.end = end if self.end is None else max(self.end, end)
 
 
 @final
@@ -35,8 +69,10 @@ class Contents:
     """
     Directory of one MCAP file.
 
-    `counts` are messages by channel, `start` and `end` the first and last log time in ns, and
-    `losses` says in sentences what is missing.
+    `counts` are messages by channel, `start` and `end` the first and last log time in ns.
+    `losses` says in sentences what is missing, `lost` where it was, and `remarks` what is odd
+    without a loss. `rivals` are second copies of channels that differ from the first. `rhythm` is
+    filled by a scan only. `indexed` tells whether all comes from the file's own summary.
     """
 
     schemas: dict[int, Schema] = field(default_factory=dict)
@@ -47,10 +83,15 @@ class Contents:
     start: int | None = None
     end: int | None = None
     losses: list[str] = field(default_factory=list)
+    lost: list[Loss] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
+    rivals: list[Channel] = field(default_factory=list)
+    rhythm: Rhythm = field(default_factory=Rhythm, compare=False)
+    indexed: bool = field(default=False, compare=False)
 
     def add(self, opcode: int, body: bytes) -> None:
         """
-        Take note of a schema, channel or metadata record; others pass.
+        Take note of a schema, channel or metadata record; others pass, and so do second copies.
 
         Raises
         ------
@@ -62,14 +103,16 @@ class Contents:
         try:
             if opcode == Opcode.SCHEMA:
                 schema = Schema.read(stream)
-                self.schemas[schema.id] = schema
+                if schema.id:  # 0 stands for none
+                    self.schemas.setdefault(schema.id, schema)
             elif opcode == Opcode.CHANNEL:
                 channel = Channel.read(stream)
-                self.channels[channel.id] = channel
+                if self.channels.setdefault(channel.id, channel) != channel:
+                    self.rivals.append(channel)
             elif opcode == Opcode.METADATA:
                 metadata = Metadata.read(stream)
                 if metadata.name == PROVENANCE:
-                    self.provenance |= metadata.metadata
+                    self.provenance = metadata.metadata | self.provenance
         except (struct.error, UnicodeDecodeError, McapError) as error:
             raise Damaged from error
 

@@ -1,13 +1,40 @@
 """Messages as objects, by the definitions that the bag brings along; no ROS needed."""
 
 from collections.abc import Mapping
-from typing import final
+import struct
+from typing import Final, final
 
 from lta_config.errors import BadInput
 from mcap.records import Schema
 from rosbags.serde import SerdeError
 from rosbags.typesys import get_types_from_idl, get_types_from_msg, get_typestore, Stores
 from rosbags.typesys.base import TypesysError
+
+READABLE: Final = ('ros2msg', 'ros2idl')
+# What damaged or hostile bytes can raise in a deserialiser that expects a sound message.
+MISFIT = (
+    SerdeError,
+    IndexError,
+    ValueError,
+    TypeError,
+    AssertionError,
+    OverflowError,
+    MemoryError,
+    struct.error,
+)
+
+
+def undecodable(schema: Schema | None, message_encoding: str) -> str | None:
+    """Return why messages cannot be decoded, as a half-sentence; None if they can."""
+    if message_encoding != 'cdr':
+        return f"are encoded as '{message_encoding}', not as CDR"
+    if schema is None or not schema.encoding:
+        return 'are of a type that the bag does not define'
+    if schema.encoding not in READABLE:
+        return f"are of type '{schema.name}', defined in '{schema.encoding}', not in ROS's way"
+    if not schema.data.strip() and not schema.name.endswith('/Empty'):
+        return f"are of type '{schema.name}', which the bag does not define"
+    return None
 
 
 @final
@@ -40,7 +67,7 @@ class Decoder:
             self._learn(type_name)
         try:
             return self._types.deserialize_cdr(data, type_name)
-        except (SerdeError, IndexError) as error:
+        except MISFIT as error:
             raise BadInput(
                 f"A message does not fit the bag's own definition of '{type_name}' ({error}); "
                 'leave this topic out or record it again.'
@@ -48,7 +75,10 @@ class Decoder:
 
     def _learn(self, type_name: str) -> None:
         """Take a type and all its parts from the bag."""
-        schema = self._schemas[type_name]
+        schema = self._schemas.get(type_name)
+        reason = undecodable(schema, 'cdr')
+        if schema is None or reason is not None:
+            raise BadInput(f'These messages {reason}; leave this topic out.')
         text = schema.data.decode(errors='replace')
         try:
             if schema.encoding == 'ros2idl':
@@ -56,7 +86,7 @@ class Decoder:
             else:
                 found = get_types_from_msg(text, type_name)
             self._types.register(found)
-        except (TypesysError, SyntaxError, KeyError, ValueError) as error:
+        except (TypesysError, SyntaxError, KeyError, ValueError, RecursionError) as error:
             raise BadInput(
                 f"The bag's definition of '{type_name}' ({schema.encoding or 'none'}) cannot be "
                 'read; leave this topic out.'

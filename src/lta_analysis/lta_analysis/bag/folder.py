@@ -1,14 +1,22 @@
 """Which files a bag is made of, and what its metadata.yaml tells."""
 
 from pathlib import Path
+from typing import Final
 
 from lta_config.errors import BadInput
 from lta_config.files import load_yaml
 
 ADVICE = 'give a rosbag2 folder or an .mcap file'
+MOST_ABSENT = 20
+OTHER_FORMATS: Final = {
+    b'SQLite format 3\0': 'a bag in SQLite; read it in with `lta import`',
+    b'#ROSBAG V': 'a bag of ROS 1; read it in with `lta import`',
+    b'ULog\x01\x12\x35': 'a log of PX4; read it in with `lta import`',
+    b'\x28\xb5\x2f\xfd': 'compressed as a whole; unpack it with `zstd -d` first',
+}
 
 
-def bag_files(path: Path) -> list[Path]:
+def bag_files(path: Path, described: dict[str, object] | None = None) -> list[Path]:
     """
     Return the MCAP files of a bag in the order in which they were recorded.
 
@@ -16,6 +24,8 @@ def bag_files(path: Path) -> list[Path]:
     ----------
     path : Path
         A rosbag2 folder, or one .mcap file.
+    described : dict, optional
+        The folder's `description`, if it has been read.
 
     Raises
     ------
@@ -27,15 +37,25 @@ def bag_files(path: Path) -> list[Path]:
         return [path]
     if not path.exists():
         raise BadInput(f"'{path}' does not exist; {ADVICE}.")
-    listed = listed_files(path, description(path))
+    listed = listed_files(path, description(path) if described is None else described)
     files = listed or sorted(path.glob('*.mcap'), key=natural)
     if files:
         return files
     if any(path.glob('*.db3')):
-        raise BadInput(
-            f"'{path}' is a bag in SQLite; convert it with `rosbags-convert --dst-storage mcap`."
-        )
+        raise BadInput(f"'{path}' is a bag in SQLite; read it in with `lta import`.")
+    if any(path.glob('*.mcap.zst*')):
+        raise BadInput(f"'{path}' is compressed as a whole; unpack it with `zstd -d` first.")
     raise BadInput(f"'{path}' holds no recording; {ADVICE}.")
+
+
+def wrong_format(file: Path, head: bytes) -> BadInput:
+    """Return the error for a file that does not begin as MCAP, by what it is instead."""
+    if not head:
+        return BadInput(f"'{file}' is empty; nothing was recorded.")
+    for magic, found in OTHER_FORMATS.items():
+        if head.startswith(magic):
+            return BadInput(f"'{file}' is {found}.")
+    return BadInput(f"'{file}' is not a recording in MCAP; {ADVICE}.")
 
 
 def bag_in(folder: Path) -> Path:
@@ -65,13 +85,37 @@ def listed_files(folder: Path, described: dict[str, object]) -> list[Path]:
     if not isinstance(names, list):
         return []
     files = [folder / Path(str(name)).name for name in names]
-    good = all(file.suffix == '.mcap' and file.is_file() for file in files)
+    good = all(
+        file.suffix == '.mcap' and len(file.name) < 256 and file.is_file() for file in files
+    )
     return files if good else []
+
+
+def message_compression(described: dict[str, object]) -> str:
+    """Return how each message is compressed by itself; empty where none is."""
+    mode = str(described.get('compression_mode') or '').lower()
+    return str(described.get('compression_format') or '') if mode == 'message' else ''
+
+
+def absent_files(folder: Path, described: dict[str, object]) -> list[str]:
+    """Return a sentence for each file that metadata.yaml lists and the folder lacks."""
+    names = described.get('relative_file_paths')
+    inside = [Path(str(name)).name for name in names] if isinstance(names, list) else []
+    return [
+        f"metadata.yaml lists '{name}', which is not in the folder."
+        for name in inside
+        if 0 < len(name) < 256 and '\0' not in name and not (folder / name).is_file()
+    ][:MOST_ABSENT]
 
 
 def described_provenance(folder: Path) -> dict[str, str]:
     """Return the `custom_data` of metadata.yaml; empty where there is none."""
-    found = description(folder).get('custom_data')
+    return provenance_in(description(folder))
+
+
+def provenance_in(described: dict[str, object]) -> dict[str, str]:
+    """Return the `custom_data` of `rosbag2_bagfile_information`; empty where there is none."""
+    found = described.get('custom_data')
     if not isinstance(found, dict):
         return {}
     return {str(key): str(value) for key, value in found.items()}

@@ -1,12 +1,13 @@
 """A bag at a glance."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 import json
 from pathlib import Path
 from typing import final
 
 from lta_analysis.bag.flight import namespaces
 from lta_analysis.bag.reader import Bag, read_bag
+from lta_analysis.bag.remarks import remarks
 from rich.console import Console
 from rich.table import Table
 
@@ -54,6 +55,8 @@ class BagInfo:
         Whether nothing is missing.
     losses : list of str
         What is missing, one sentence each.
+    remarks : list of str
+        What is odd without a loss, one sentence each.
 
     """
 
@@ -67,6 +70,7 @@ class BagInfo:
     provenance: dict[str, str]
     complete: bool
     losses: list[str]
+    remarks: list[str] = field(default_factory=list)
 
     def to_json(self) -> str:
         """Return the facts as one JSON object."""
@@ -105,6 +109,7 @@ def bag_info(path: Path | str) -> BagInfo:
         provenance=bag.provenance,
         complete=bag.complete,
         losses=list(bag.losses),
+        remarks=remarks(bag),
     )
 
 
@@ -134,5 +139,8 @@ def show(info: BagInfo, console: Console) -> None:
         lines = len(value.splitlines())
         text = value if lines < 2 else f'{lines} lines, in full with --json'
         console.print(f'{key}: {text}', style='dim', highlight=False, markup=False)
-    for loss in info.losses:
-        console.print(loss, style='yellow', highlight=False, markup=False)
+    for sentence in (*info.losses, *info.remarks):
+        console.print(sentence, style='yellow', highlight=False, markup=False)
+    if info.losses:
+        advice = 'Write what is whole into a new bag with `lta bag recover`.'
+        console.print(advice, highlight=False, markup=False)

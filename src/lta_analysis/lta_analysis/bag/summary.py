@@ -5,16 +5,22 @@ import struct
 from typing import BinaryIO
 import zlib
 
-from lta_analysis.bag.chunks import Damaged, RECORD, records
-from lta_analysis.bag.contents import Contents, Place, read_at
+from lta_analysis.bag.chunks import RECORD, records
+from lta_analysis.bag.contents import Contents, LARGEST_NOTE, Place, read_at
+from lta_analysis.bag.packing import Damaged
+from lta_analysis.bag.shape import SHAPES, well_formed
 from lta_bridge.bag.records import MAGIC
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.records import ChunkIndex, MetadataIndex, Statistics
+from mcap.records import MetadataIndex, Statistics
 
 FOOTER = struct.Struct('<BQQQI')  # opcode, length, summary, summary offsets, CRC
+LARGEST_SUMMARY = 1 << 28  # One that claims more is damaged. [bytes]
 TAIL = FOOTER.size + len(MAGIC)
+CHUNK_INDEX = struct.Struct('<QQQQI')  # start, end, offset, length, bytes of the channels
+CHANNEL = struct.Struct('<HQ')  # channel, offset of its message index
+UNUSABLE = 'The summary at its end does not hold; the recording is read from the front instead.'
 
 
 def read_summary(stream: BinaryIO, size: int) -> Contents | None:
@@ -30,61 +36,110 @@ def read_summary(stream: BinaryIO, size: int) -> Contents | None:
 
     """
     try:
-        section = summary_section(stream, size)
-        return from_section(stream, section)
-    except (Damaged, struct.error, McapError):
+        start, section = summary_section(stream, size)
+        return from_section(stream, start, section)
+    except (Damaged, struct.error, UnicodeDecodeError, McapError):
         return None
 
 
-def summary_section(stream: BinaryIO, size: int) -> bytes:
-    """Return the bytes between data and footer; Damaged if they are not whole."""
+def summary_is_damaged(stream: BinaryIO, size: int) -> bool:
+    """Tell whether a file ends as a finished one with a summary does, but for the summary."""
+    if size < TAIL:
+        return False
+    tail = read_at(stream, size - TAIL, TAIL)
+    opcode, _, start, _, _ = FOOTER.unpack_from(tail)
+    if opcode != Opcode.FOOTER or not tail.endswith(MAGIC) or start == 0:
+        return False
+    try:
+        _, section = summary_section(stream, size)
+        return any(
+            record.opcode in SHAPES
+            and not well_formed(record.opcode, section[record.start : record.end])
+            for record in records(section)
+        )
+    except Damaged:
+        return True
+
+
+def summary_section(stream: BinaryIO, size: int) -> tuple[int, bytes]:
+    """Return place and bytes of what lies between data and footer; Damaged if it is not whole."""
     if size < TAIL:
         raise Damaged
     tail = read_at(stream, size - TAIL, TAIL)
     opcode, _, start, _, crc = FOOTER.unpack_from(tail)
     if opcode != Opcode.FOOTER or not tail.endswith(MAGIC) or not 0 < start <= size - TAIL:
         raise Damaged
+    if size - TAIL - start > LARGEST_SUMMARY:
+        raise Damaged
     section = read_at(stream, start, size - TAIL - start)
     if crc and crc != zlib.crc32(section + tail[: FOOTER.size - 4]):
         raise Damaged
-    return section
+    return start, section
 
 
-def from_section(stream: BinaryIO, section: bytes) -> Contents:
+def from_section(stream: BinaryIO, start: int, section: bytes) -> Contents:
     """Return the contents that a summary section tells; Damaged if it does not tell all."""
-    contents = Contents()
+    contents = Contents(indexed=True)
     statistics = None
+    notes = []
     for record in records(section):
         body = section[record.start : record.end]
-        reader = ReadDataStream(BytesIO(body))
-        if record.opcode == Opcode.STATISTICS:
-            statistics = Statistics.read(reader)
-        elif record.opcode == Opcode.CHUNK_INDEX:
-            contents.places.append(place(ChunkIndex.read(reader)))
+        if record.opcode == Opcode.CHUNK_INDEX:
+            contents.places.append(place(body))
+        elif record.opcode == Opcode.STATISTICS:
+            statistics = Statistics.read(ReadDataStream(BytesIO(body)))
         elif record.opcode == Opcode.METADATA_INDEX:
-            index = MetadataIndex.read(reader)
-            data = read_at(stream, index.offset, index.length)
-            contents.add(data[0], data[RECORD.size :])
+            notes.append(MetadataIndex.read(ReadDataStream(BytesIO(body))))
         else:
             contents.add(record.opcode, body)
-    if statistics is None or not covers(contents, statistics):
+    if statistics is None or not covers(contents, statistics, start):
         raise Damaged
+    for note in notes:
+        add_note(stream, contents, note)
     contents.counts.update(statistics.channel_message_counts)
     if statistics.message_count:
         contents.widen(statistics.message_start_time, statistics.message_end_time)
     return contents
 
 
-def place(index: ChunkIndex) -> Place:
+def add_note(stream: BinaryIO, contents: Contents, note: MetadataIndex) -> None:
+    """Take note of a metadata record, or of its damage: the recording stands without it."""
+    try:
+        if note.length > LARGEST_NOTE:
+            raise Damaged
+        data = read_at(stream, note.offset, note.length)
+        opcode, length = RECORD.unpack_from(data)
+        if opcode != Opcode.METADATA or length != len(data) - RECORD.size:
+            raise Damaged
+        contents.add(opcode, data[RECORD.size :])
+    except (Damaged, struct.error):
+        contents.remarks.append(f"Its note '{note.name}' is damaged and left out.")
+
+
+def place(body: bytes) -> Place:
     """Return where a chunk is and what it holds."""
-    channels = frozenset(index.message_index_offsets) or None
-    return Place(index.chunk_start_offset, index.chunk_length, True, channels)
+    start, end, offset, length, size = CHUNK_INDEX.unpack_from(body)
+    stop = CHUNK_INDEX.size + size
+    if size % CHANNEL.size or stop + 8 > len(body):
+        raise Damaged
+    indexes = dict(CHANNEL.iter_unpack(body[CHUNK_INDEX.size : stop]))
+    index = (0, 0)
+    if indexes:
+        index = (min(indexes.values()), struct.unpack_from('<Q', body, stop)[0])
+    return Place(offset, length, True, frozenset(indexes) or None, start, end, index)
 
 
-def covers(contents: Contents, statistics: Statistics) -> bool:
-    """Tell whether every message that is counted can be found through the summary."""
+def covers(contents: Contents, statistics: Statistics, data_end: int) -> bool:
+    """Tell whether every message that is counted can be found through the summary, and once."""
+    after = len(MAGIC)
+    for found in sorted(contents.places, key=lambda place: place.offset):
+        if found.offset < after:
+            return False
+        after = found.offset + found.length
     return (
-        len(contents.channels) == statistics.channel_count
+        after <= data_end
+        and all(c.schema_id in contents.schemas for c in contents.channels.values() if c.schema_id)
+        and len(contents.channels) == statistics.channel_count
         and len(contents.places) == statistics.chunk_count
         and (bool(contents.places) or statistics.message_count == 0)
     )

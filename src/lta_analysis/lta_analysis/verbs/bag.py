@@ -7,6 +7,7 @@ from typing import Annotated
 from lta_analysis.bag.folder import bag_in
 from lta_analysis.bag.info import bag_info, show
 from lta_analysis.verbs.bag_plot import plot
+from lta_analysis.verbs.bag_recover import recover
 from rich.console import Console
 import typer
 
@@ -27,7 +28,8 @@ def info(
     Show what a bag holds: topics, counts, rates, length, and where it comes from.
 
     A bag that was cut short (a killed recorder, a full disk) is read as far as it goes, and what
-    is missing is said. The whole vehicle and scenario file that it carries come with --json.
+    is missing is said; so is what is odd: steps back in time, long silences, topics that cannot be
+    decoded. The whole vehicle and scenario file that it carries come with --json.
     """
     found = bag_info(bag_in(path))
     if json:
@@ -37,3 +39,4 @@ def info(
 
 
 bag.command()(plot)
+bag.command()(recover)

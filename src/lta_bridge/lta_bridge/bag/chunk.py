@@ -49,8 +49,15 @@ class ChunkBuilder:
         """Messages collected."""
         return sum(len(found) for found in self._entries.values()) // INDEX_ENTRY.size
 
-    def add(self, channel: int, sequence: int, log_time: int, data: bytes) -> None:
-        """Add one message."""
+    def add(
+        self,
+        channel: int,
+        sequence: int,
+        log_time: int,
+        data: bytes,
+        publish_time: int | None = None,
+    ) -> None:
+        """Add one message; it was published when it was received if nothing else is known."""
         offset = len(self._records)
         if offset == 0:
             self._start = self._end = log_time
@@ -59,7 +66,12 @@ class ChunkBuilder:
         elif log_time < self._start:
             self._start = log_time
         self._records += MESSAGE.pack(
-            Opcode.MESSAGE, MESSAGE_HEAD + len(data), channel, sequence, log_time, log_time
+            Opcode.MESSAGE,
+            MESSAGE_HEAD + len(data),
+            channel,
+            sequence,
+            log_time,
+            log_time if publish_time is None else publish_time,
         )
         self._records += data
         self._entries[channel] += INDEX_ENTRY.pack(log_time, offset)

@@ -50,7 +50,7 @@ class McapFile:
     def __init__(self, path: Path, library: str) -> None:
         self._file = RecordFile(path)
         self._builder = ChunkBuilder()
-        self._schemas: dict[str, Schema] = {}
+        self._schemas: dict[Definition, Schema] = {}
         self._channels: list[Channel] = []
         self._chunks: list[ChunkIndex] = []
         self._metadata: list[MetadataIndex] = []
@@ -88,12 +88,12 @@ class McapFile:
     def add_channel(self, topic: str, definition: Definition, qos: str) -> int:
         """Announce a topic and return the number of its channel."""
         records: list[McapRecord] = []
-        schema = self._schemas.get(definition.type_name)
+        schema = self._schemas.get(definition)
         if schema is None:
             schema = Schema(
                 id=len(self._schemas) + 1,
-                data=definition.text.encode(),
-                encoding='ros2msg',
+                data=definition.text.encode(errors='surrogateescape'),
+                encoding=definition.encoding,
                 name=definition.type_name,
             )
             records.append(schema)
@@ -101,18 +101,27 @@ class McapFile:
             'offered_qos_profiles': qos,
             'topic_type_hash': definition.rihs01,
         }
-        channel = Channel(len(self._channels) + 1, topic, 'cdr', metadata, schema.id)
+        channel = Channel(
+            len(self._channels) + 1, topic, definition.message_encoding, metadata, schema.id
+        )
         records.append(channel)
         data = encoded(records)
         self._file.append(data)
-        self._schemas[schema.name] = schema
+        self._schemas[definition] = schema
         self._channels.append(channel)
         self._summary_size += len(data)
         return channel.id
 
-    def add_message(self, channel: int, sequence: int, log_time: int, data: bytes) -> None:
+    def add_message(
+        self,
+        channel: int,
+        sequence: int,
+        log_time: int,
+        data: bytes,
+        publish_time: int | None = None,
+    ) -> None:
         """Add one message to the chunk in progress, which goes to the disk when it is full."""
-        self._builder.add(channel, sequence, log_time, data)
+        self._builder.add(channel, sequence, log_time, data, publish_time)
         if self._builder.size >= CHUNK_SIZE:
             self.flush()
 

@@ -33,7 +33,7 @@ def topic_entry(topic: TopicRecord, count: int) -> dict[str, object]:
         'topic_metadata': {
             'name': topic.name,
             'type': topic.definition.type_name,
-            'serialization_format': 'cdr',
+            'serialization_format': topic.definition.message_encoding,
             'offered_qos_profiles': [dict(profile) for profile in topic.qos],
             'type_description_hash': topic.definition.rihs01,
         },

@@ -12,11 +12,18 @@ from rosbags.typesys.store import Typestore
 @final
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """A message type: its whole text (ros2msg, parts joined by 80 '=') and its REP-2016 hash."""
+    """
+    A message type: its whole text (ros2msg, parts joined by 80 '=') and its REP-2016 hash.
+
+    A definition taken from elsewhere may be in another encoding, its bytes as surrogates where
+    they are no UTF-8; so may its messages.
+    """
 
     type_name: str
     text: str
     rihs01: str
+    encoding: str = 'ros2msg'
+    message_encoding: str = 'cdr'
 
 
 @cache

@@ -15,7 +15,7 @@ from lta_bridge.bag.mcap_file import McapFile
 from lta_bridge.bag.metadata import bag_metadata, TopicRecord, write_metadata
 from lta_bridge.bag.qos import Profile, to_yaml
 from lta_bridge.bag.records import PROVENANCE
-from lta_bridge.bag.schemas import definition
+from lta_bridge.bag.schemas import Definition, definition
 from lta_bridge.bag.storage import StorageFault
 from lta_config.errors import BadInput
 
@@ -82,7 +82,7 @@ class BagWriter:
         """Space that `close` still needs: stop recording before less is left. [bytes]"""
         return self._mcap.summary_size + 1024 * (4 + len(self._topics))
 
-    def add_topic(self, name: str, type_name: str, qos: Sequence[Profile]) -> None:
+    def add_topic(self, name: str, type_name: str | Definition, qos: Sequence[Profile]) -> None:
         """
         Announce a topic; it appears in the bag even if no message ever comes.
 
@@ -90,8 +90,9 @@ class BagWriter:
         ----------
         name : str
             Absolute name, for example '/lta1/odom'.
-        type_name : str
-            For example 'nav_msgs/msg/Odometry'.
+        type_name : str or Definition
+            For example 'nav_msgs/msg/Odometry'; a type that ROS 2 Jazzy does not have comes with
+            its definition.
         qos : sequence of Profile
             What its publishers offer; see `offered_qos`.
 
@@ -105,7 +106,7 @@ class BagWriter:
         """
         if name in self._topics:
             raise BadInput(f"Topic '{name}' is in the bag already; announce each topic once.")
-        found = definition(type_name)
+        found = definition(type_name) if isinstance(type_name, str) else type_name
         self._check()
         try:
             channel = self._mcap.add_channel(name, found, to_yaml(qos))
@@ -114,7 +115,9 @@ class BagWriter:
             raise
         self._topics[name] = TopicRecord(name, found, list(qos), channel)
 
-    def write(self, topic: str, data: bytes, log_time_ns: int) -> None:
+    def write(
+        self, topic: str, data: bytes, log_time_ns: int, publish_time_ns: int | None = None
+    ) -> None:
         """
         Record one message.
 
@@ -126,6 +129,8 @@ class BagWriter:
             The message as CDR with its encapsulation header.
         log_time_ns : int
             When it was received, not negative. [ns]
+        publish_time_ns : int, optional
+            When it was published, if that is known to be another time. [ns]
 
         Raises
         ------
@@ -139,7 +144,9 @@ class BagWriter:
         record = self._topics[topic]
         record.written += 1
         try:
-            self._mcap.add_message(record.channel, record.written, log_time_ns, data)
+            self._mcap.add_message(
+                record.channel, record.written, log_time_ns, data, publish_time_ns
+            )
         except StorageFault as fault:
             self._fault = fault
             raise
