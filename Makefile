@@ -9,7 +9,7 @@ export PYTHON
 
 enter := root='$(CURDIR)' && . tools/workspace.sh
 pytest := $(enter) && .venv/bin/python -m pytest -q
-sources := config src test
+sources := config src test examples
 
 .PHONY: help demo build test test-long bench flights check format clean
 

@@ -4,7 +4,16 @@ from pathlib import Path
 
 from setuptools import find_packages, setup
 
-FOLDERS = ('comparisons', 'control', 'launch', 'manoeuvres', 'scenarios', 'sweeps', 'vehicles')
+FOLDERS = (
+    'comparisons',
+    'control',
+    'imports',
+    'launch',
+    'manoeuvres',
+    'scenarios',
+    'sweeps',
+    'vehicles',
+)
 
 setup(
     name='lta_config',
@@ -13,7 +22,9 @@ setup(
     package_data={'lta_config': ['py.typed']},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/lta_config']),
-        ('share/lta_config', ['package.xml', 'topics.yaml']),
+        ('share/lta_config', ['package.xml', 'topics.yaml', 'views.yaml']),
+        ('share/lta_config/foxglove', ['foxglove/lta.json']),
+        ('share/lta_config/plotjuggler', ['plotjuggler/lta.xml']),
         *(
             (f'share/lta_config/{folder}', sorted(map(str, Path(folder).glob('*.yaml'))))
             for folder in FOLDERS

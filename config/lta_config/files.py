@@ -32,6 +32,7 @@ FOLDERS = {
     'sweep': 'sweeps',
     'manoeuvre': 'manoeuvres',
     'comparison': 'comparisons',
+    'import mapping': 'imports',
 }
 
 

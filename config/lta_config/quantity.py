@@ -32,6 +32,7 @@ UNITS: dict[str, tuple[str, float]] = {
     's': ('s', 1.0),
     'ms': ('s', 1e-3),
     'us': ('s', 1e-6),
+    'ns': ('s', 1e-9),
     'min': ('s', 60.0),
     'Hz': ('Hz', 1.0),
     'kHz': ('Hz', 1e3),

@@ -19,6 +19,7 @@ setup(
     license='Apache-2.0',
     entry_points={
         'console_scripts': [
+            'live = lta_bridge.nodes.live:main',
             'player = lta_bridge.nodes.player:main',
             'recorder = lta_bridge.nodes.recorder:main',
         ]

@@ -5,6 +5,7 @@ from importlib import import_module
 from pathlib import Path
 import re
 
+from lta_bridge.nodes.live import LiveSettings
 from lta_bridge.nodes.player import PlayerSettings
 from lta_bridge.nodes.recorder import RecorderSettings
 from lta_bridge.playback.cast import cast_of, roles
@@ -40,7 +41,9 @@ NODES = {
     'navigator': NavigatorParameters,
     'energy_monitor': EnergyMonitorParameters,
     'recorder': RecorderSettings,
+    'live': LiveSettings,
 }
+LISTENERS = {'recorder', 'live'}  # subscribe for themselves: raw, to all that the table lists
 FILES = {path.stem: path for path in ROOT.glob('src/*/lta_*/nodes/[!_]*.py')}
 HEADERLESS = {'std_msgs/msg/Bool', 'rosgraph_msgs/msg/Clock'}
 
@@ -110,10 +113,10 @@ def test_a_node_reads_what_the_table_sends_it(name):
 
 @each_node
 def test_no_node_goes_around_the_table(name):
-    """The recorder alone subscribes for itself: raw, to all that the table marks."""
+    """Only who records or shows everything subscribes for itself."""
     text = FILES[name].read_text(encoding='utf-8')
     assert 'create_publisher' not in text
-    assert text.count('create_subscription') == (1 if name == 'recorder' else 0)
+    assert text.count('create_subscription') == (1 if name in LISTENERS else 0)
 
 
 @each_topic
@@ -151,7 +154,7 @@ def test_an_answer_has_the_rhythm_of_what_it_answers():
 
 
 def test_a_replay_runs_or_plays_every_node_of_the_graph():
-    assert set(roles(TABLE)) == set(NODES) - {'simulator', 'player', 'recorder'}
+    assert set(roles(TABLE)) == set(NODES) - {'simulator', 'player', 'recorder', 'live'}
     whole = cast_of(TABLE, [], [])
     sent = {*whole.played, *whole.answers}
     assert {name for name, topic in TABLE.topics.items() if topic.repeatable} == sent
@@ -233,7 +236,7 @@ def installed(monkeypatch, tmp_path):
 @pytest.mark.usefixtures('installed')
 @pytest.mark.parametrize('source', SOURCES)
 def test_the_launch_file_starts_every_node_under_its_name(source):
-    plan = load(LAUNCH, {'source': source})
+    plan = load(LAUNCH, {'source': source, 'live': 'true'})
     others = {name for key, name in SOURCES.items() if key != source}
     assert [process.name for process in plan.processes] == [n for n in NODES if n not in others]
     for process in plan.processes:
@@ -248,7 +251,7 @@ def test_every_text_of_the_launch_file_stays_a_text():
     """Names may look like numbers, dates or truths; only what is meant as such becomes one."""
     texts = {'vehicle': '1', 'scenario': 'yes', 'bag': '2026-11-20'}
     found = set()
-    for process in load(LAUNCH, {**texts, 'seed': '7'}).processes:
+    for process in load(LAUNCH, {**texts, 'seed': '7', 'live': 'true'}).processes:
         defaults = {key: value for key, _, value in leaves(NODES[process.name]())}
         values = [word for word in process.arguments if re.match(r'\w+:=', word)]
         for key, value in (word.split(':=', 1) for word in values):
@@ -282,6 +285,7 @@ def test_the_recorder_is_told_the_gains_that_the_controller_gets(tmp_path):
     assert [yaml.safe_load(value) for value in given] == [str(gains)]
 
 
+@pytest.mark.usefixtures('installed')
 def test_launch_arguments_are_documented_and_default_to_what_is_shipped():
     given = {item.name: item for item in arguments(LAUNCH)}
     assert all(item.description.endswith('.') for item in given.values())
@@ -289,6 +293,9 @@ def test_launch_arguments_are_documented_and_default_to_what_is_shipped():
     load_scenario(given['scenario'].default)
     for name in ('vehicle', 'scenario', 'strategy', 'seed', 'bag'):
         assert str(getattr(RecorderSettings(), name)) == given[name].default
+    for name in ('host', 'port'):
+        assert str(getattr(LiveSettings(), name)) == given[f'live_{name}'].default
+    assert 'live' not in [process.name for process in load(LAUNCH, {}).processes]
     assert given['time'].choices == ('realtime', 'lockstep')
     assert given['time'].default == GraphSettings().time
 

@@ -1,5 +1,6 @@
-"""The recorder outlives nonsense: a message cut short, and a stamp from another age."""
+"""The recorder in a graph of strangers: nonsense, other qualities of service, faults, wishes."""
 
+from collections.abc import Iterator
 import os
 from pathlib import Path
 import signal
@@ -7,65 +8,274 @@ import subprocess
 import sys
 import time
 
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_analysis.bag.reader import read_bag
 from lta_config.topics import topic_table
 from lta_graph.ros.node import message_type, to_stamp
 from lta_graph.ros.qos import profile
+import pytest
 import rclpy
 from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import serialize_message
+from std_msgs.msg import Bool, String
+from std_srvs.srv import SetBool, Trigger
+import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
 TABLE = topic_table()
+ROW = TABLE['odom']
+START = TABLE.start_ns
 PATIENCE = 20.0  # s of wall time
 CODE = (
     'from lta_bridge import provenance; provenance.version = lambda name: "0"; '
     'from lta_bridge.nodes.recorder import main; main()'
 )
+LATCHED = QoSProfile(depth=3, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+BEST_EFFORT = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
-def test_nonsense_is_recorded_counted_and_dates_nothing(domain_id, tmp_path):
-    paths = [str(path.parent) for path in ROOT.glob('src/*/package.xml')] + [str(ROOT / 'config')]
-    words = ['-r', '__ns:=/lta1', '-p', f'bag:={tmp_path / "bag"}']
-    process = subprocess.Popen(
-        [sys.executable, '-c', CODE, '--ros-args', *words],
-        env={**os.environ, 'PYTHONPATH': os.pathsep.join([*paths, *sys.path])},
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+class Recording:
+    """A recorder of its own process, and a node beside it in the robot's namespace."""
+
+    def __init__(self, folder: Path, context: Context) -> None:
+        self.bag = folder / 'bag'
+        self.node = rclpy.create_node('peer', namespace='/lta1', context=context)
+        self._executor = SingleThreadedExecutor(context=context)
+        self._executor.add_node(self.node)
+        self._process = None
+
+    def start(self, **parameters: object) -> None:
+        paths = [str(path.parent) for path in ROOT.glob('src/*/package.xml')]
+        given = {'bag': self.bag, **parameters}
+        words = [word for name, value in given.items() for word in ('-p', f'{name}:={value}')]
+        self._process = subprocess.Popen(
+            [sys.executable, '-c', CODE, '--ros-args', '-r', '__ns:=/lta1', *words],
+            env={
+                **os.environ,
+                'PYTHONPATH': os.pathsep.join([*paths, str(ROOT / 'config'), *sys.path]),
+            },
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+
+    def until(self, condition):
+        deadline = time.monotonic() + PATIENCE
+        while not (found := condition()):
+            assert time.monotonic() < deadline
+            self._executor.spin_once(0.02)
+        return found
+
+    def publisher(self, name, kind, quality):
+        """Return a publisher that the recorder has found."""
+        made = self.node.create_publisher(kind, name, quality)
+        self.until(made.get_subscription_count)
+        return made
+
+    def ask(self):
+        """Ask for a snapshot."""
+        client = self.node.create_client(Trigger, 'recorder/snapshot')
+        self.until(client.service_is_ready)
+        future = client.call_async(Trigger.Request())
+        self.until(future.done)
+        return future.result()
+
+    def end(self):
+        """Press Ctrl-C; return the exit status and what was said."""
+        self._process.send_signal(signal.SIGINT)
+        _, errors = self._process.communicate(timeout=PATIENCE)
+        return self._process.returncode, errors
+
+    def wait(self):
+        """Wait for the end."""
+        _, errors = self._process.communicate(timeout=PATIENCE)
+        return self._process.returncode, errors
+
+    def close(self):
+        if self._process is not None and self._process.poll() is None:
+            self._process.kill()
+            self._process.communicate()
+        self._executor.shutdown()
+        self.node.destroy_node()
+
+
+@pytest.fixture
+def recording(domain_id: int, tmp_path: Path) -> Iterator[Recording]:
     context = Context()
     rclpy.init(args=[], context=context, domain_id=domain_id)
-    node = rclpy.create_node('peer', namespace='/lta1', context=context)
-    row = TABLE['odom']
-    publisher = node.create_publisher(message_type(row), 'odom', profile(row, lockstep=False))
-    deadline = time.monotonic() + PATIENCE
-    while not publisher.get_subscription_count():
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
+    found = Recording(tmp_path, context)
+    yield found
+    found.close()
+    context.try_shutdown()
 
-    def odom(stamp_ns):
-        message = message_type(row)()
-        message.header.stamp = to_stamp(stamp_ns)
-        return message
 
-    first, second = TABLE.start_ns, TABLE.start_ns + row.period_ns
+def odom(stamp_ns):
+    message = message_type(ROW)()
+    message.header.stamp = to_stamp(stamp_ns)
+    return message
+
+
+def heard(folder, topic):
+    """Return log times of a topic in a bag that may still be growing."""
+    return [when for _, when, _ in read_bag(folder).messages([topic])]
+
+
+def arrived(folder, topic, count):
+    """Tell whether so many messages of a topic are on the disk."""
+    try:
+        return len(heard(folder, topic)) >= count
+    except ValueError:  # no such bag or topic yet
+        return False
+
+
+def described(bag):
+    """Return what metadata.yaml tells of each topic."""
+    told = yaml.safe_load((bag / 'metadata.yaml').read_text())['rosbag2_bagfile_information']
+    rows = told['topics_with_message_count']
+    return {row['topic_metadata']['name']: row['topic_metadata'] for row in rows}
+
+
+def facts(folder, task):
+    """Return the recorder's own words in its bag: message and figures, one for each time."""
+    bag = read_bag(folder)
+    return [
+        (status.message, {item.key: item.value for item in status.values})
+        for topic, _, data in bag.messages(['/diagnostics'])
+        for status in bag.decode(topic, data).status
+        if status.name == f'recorder: {task}'
+    ]
+
+
+def test_nonsense_is_recorded_counted_and_dates_nothing(recording):
+    recording.start()
+    publisher = recording.publisher('odom', message_type(ROW), profile(ROW, lockstep=False))
+    first, second = START, START + ROW.period_ns
     publisher.publish(odom(first))
     publisher.publish(odom(2_000_000_000 * 10**9))
     publisher.publish(serialize_message(odom(first))[:8])
     publisher.publish(odom(second))
-    time.sleep(0.5)
-    process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=PATIENCE)
-    node.destroy_node()
-    context.try_shutdown()
-    assert (process.returncode, errors) == (0, '')
-    bag = read_bag(tmp_path / 'bag')
-    times = [when for _, when, _ in bag.messages(['/lta1/odom'])]
-    assert times == [first, first, first, second]
-    told = [
-        {item.key: item.value for item in status.values}
-        for topic, _, data in bag.messages(['/diagnostics'])
-        for status in bag.decode(topic, data).status
-        if status.name == 'recorder: recording'
+    status = recording.publisher('energy/status', DiagnosticArray, 10)
+    torn = serialize_message(DiagnosticArray(status=[DiagnosticStatus(name='cut short')]))[:20]
+    status.publish(torn)
+    recording.until(lambda: arrived(recording.bag, '/lta1/odom', 4))
+    recording.until(lambda: arrived(recording.bag, '/lta1/energy/status', 1))
+    assert recording.end() == (0, '')
+    kept = [data for *_, data in read_bag(recording.bag).messages(['/lta1/energy/status'])]
+    assert kept == [torn]
+    assert heard(recording.bag, '/lta1/odom') == [first, first, first, second]
+    _, figures = facts(recording.bag, 'recording')[-1]
+    assert figures['odom with a wild stamp'] == figures['odom cut short'] == '1'
+
+
+def test_everything_is_found_as_its_publishers_offer_it(recording):
+    make = recording.node.create_publisher
+    early = make(String, 'map', LATCHED)
+    early.publish(String(data='before the recorder was there'))
+    make(SetBool.Event, 'strange', 10)
+    recording.start(topics='all')
+    weak = recording.publisher('odom', message_type(ROW), BEST_EFFORT)  # the table says reliable
+    late = recording.publisher('late', Bool, BEST_EFFORT)
+    recording.publisher('late', Bool, LATCHED)
+    other = make(Bool, '/lta2/late', 10)
+    for step in range(3):
+        weak.publish(odom(START + step * ROW.period_ns))
+        late.publish(Bool(data=True))
+        other.publish(Bool(data=True))
+    for name, count in (('odom', 3), ('late', 3), ('map', 1)):
+        recording.until(lambda name=name, n=count: arrived(recording.bag, f'/lta1/{name}', n))
+    recording.node.destroy_publisher(weak)  # what it offered is told all the same
+    heard_of = len(heard(recording.bag, '/diagnostics'))
+    recording.until(lambda: arrived(recording.bag, '/diagnostics', heard_of + 4))
+    assert recording.end() == (0, '')
+
+    told = described(recording.bag)
+    assert {'/rosout', '/parameter_events', '/lta1/imu', '/lta1/map'} <= set(told)
+    assert not {'/lta1/strange', '/lta2/late'} & set(told)
+    offered = {
+        name: (profiles[0]['reliability'], profiles[0]['durability'])
+        for name, row in told.items()
+        for profiles in [row['offered_qos_profiles']]
+    }
+    assert offered['/lta1/map'] == ('reliable', 'transient_local')
+    assert offered['/lta1/odom'] == ('best_effort', 'volatile')
+    late_profiles = told['/lta1/late']['offered_qos_profiles']
+    assert {each['durability'] for each in late_profiles} == {'volatile', 'transient_local'}
+    assert 'is missed on /lta1/late' in facts(recording.bag, 'latched')[-1][0]
+    assert offered['/lta1/motors'] == ('reliable', 'volatile')  # nobody is there: the table's
+    bag = read_bag(recording.bag)
+    (latched,) = [bag.decode(topic, data) for topic, _, data in bag.messages(['/lta1/map'])]
+    assert latched.data == 'before the recorder was there'
+    words, named = facts(recording.bag, 'left out')[-1]
+    assert 'common interfaces' in words
+    assert named == {'/lta1/strange': 'std_srvs/srv/SetBool_Event'}
+
+
+def test_some_topics_in_files_of_half_a_second(recording):
+    recording.start(topics='"odom /clock"', split_duration=0.5)
+    publisher = recording.publisher('odom', message_type(ROW), profile(ROW, lockstep=False))
+    for step in range(10):
+        publisher.publish(odom(START + step * 200_000_000))
+    recording.until(lambda: arrived(recording.bag, '/lta1/odom', 10))
+    answer = recording.ask()
+    assert not answer.success
+    assert 'snapshot:=SECONDS' in answer.message
+    assert recording.end() == (0, '')
+    assert set(described(recording.bag)) == {'/lta1/odom', '/clock'}
+    files = sorted(path.name for path in recording.bag.glob('*.mcap'))
+    assert files == [f'bag_{n}.mcap' for n in range(4)]  # 0 to 0.4 s, 0.6 to 1.0 s ...
+    assert heard(recording.bag, '/lta1/odom') == [START + k * 200_000_000 for k in range(10)]
+    assert heard(recording.bag / 'bag_1.mcap', '/lta1/odom') == [
+        START + k * 200_000_000 for k in (3, 4, 5)
     ]
-    assert told[-1]['odom with a wild stamp'] == told[-1]['odom cut short'] == '1'
+
+
+def test_an_unknown_topic_is_refused_in_a_sentence(recording):
+    recording.start(topics='odm')
+    status, errors = recording.wait()
+    assert status == 2
+    assert errors.startswith("Unknown topic 'odm'; known: /clock, ")
+    assert len(errors.splitlines()) == 1
+    assert not recording.bag.exists()
+
+
+@pytest.mark.parametrize('chosen', [{}, {'topics': 'odom'}], ids=['table', 'odom'])
+def test_snapshots_are_written_when_asked_for_and_at_a_fault(recording, chosen):
+    """Diagnostics are heard whether or not they are recorded."""
+    recording.start(snapshot=1.0, **chosen)
+    publisher = recording.publisher('odom', message_type(ROW), QoSProfile(depth=1000))
+    diagnostics = recording.publisher('/diagnostics', DiagnosticArray, 10)
+    for step in range(100):
+        publisher.publish(odom(START + step * 100_000_000))
+
+    def asked():
+        answer = recording.ask()
+        assert answer.success
+        return answer if heard(folder_in(answer), '/lta1/odom') else None
+
+    answer = recording.until(asked)
+    folder = folder_in(answer)
+    bag = read_bag(folder)
+    total = sum(topic.count for topic in bag.topics.values())
+    assert answer.message == f"{total} messages are in '{folder}'."
+    times = heard(folder, '/lta1/odom')
+    newest = times[-1]
+    assert times == list(range(times[0], newest + 1, 100_000_000))
+    assert newest - 2_500_000_000 < times[0] <= max(newest - 1_000_000_000, START)
+    assert (recording.bag / 'snapshot_0').is_dir()
+
+    status = DiagnosticStatus(name='motors: state', hardware_id='lta1', level=b'\2')
+    diagnostics.publish(serialize_message(DiagnosticArray(status=[status]))[:20])
+    diagnostics.publish(DiagnosticArray(status=[status]))
+    number = int(folder.name.rpartition('_')[2]) + 1
+    fault = recording.bag / f'snapshot_{number}'
+    recording.until(lambda: (fault / 'metadata.yaml').exists() and arrived(fault, '/lta1/odom', 1))
+    recording.until(lambda: read_bag(fault).complete)
+    assert read_bag(fault).provenance['snapshot'] == 'lta1/motors: state'
+    assert recording.end() == (0, '')
+    assert list(recording.bag.glob('*.mcap')) == []
+
+
+def folder_in(answer):
+    """Return the bag that an answer names."""
+    return Path(answer.message.split("'")[1])

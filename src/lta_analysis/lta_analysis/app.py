@@ -9,6 +9,7 @@ from lta_analysis.verbs.bag import bag
 from lta_analysis.verbs.doctor import doctor
 from lta_analysis.verbs.effects import effects
 from lta_analysis.verbs.fly import fly
+from lta_analysis.verbs.import_ import import_
 from lta_analysis.verbs.launch import launch
 from lta_analysis.verbs.platforms import platforms
 from lta_analysis.verbs.replay import replay
@@ -47,6 +48,7 @@ app.command()(replay)
 app.add_typer(bag, name='bag')
 app.add_typer(vehicle, name='vehicle')
 app.command()(report)
+app.command('import')(import_)
 app.command()(effects)
 app.command()(doctor)
 for command in (

@@ -5,7 +5,7 @@ Everything that can be wrong with the order is found before a process starts. Wh
 holds the graph up is named within a second; whatever ends the flight, no process stays.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import datetime
@@ -15,6 +15,7 @@ from typing import final, Literal, Protocol
 
 from lta_analysis.blame import FLIGHT, Lookout
 from lta_analysis.session import Session
+from lta_analysis.viewers import invite, refuse_taken_ports, viewers
 from lta_bridge.bag.writer import empty_folder
 from lta_config.errors import BadInput
 from lta_config.files import find
@@ -57,6 +58,7 @@ class Order:
     seed: int
     time: Literal['lockstep', 'realtime']
     out: Path | None = None
+    live_port: int | None = None  # where Foxglove can look on
 
 
 @final
@@ -105,11 +107,14 @@ def fly_once(order: Order, watcher: Watcher) -> Flown:
     folder = order.out or Path('runs') / f'{stamp}-{scenario.name}-{order.seed}'
     folder = folder.absolute()
     plan = load(find('launch file', 'fly', '.launch.yaml'), choices(order, folder / 'bag'))
+    spare = viewers(plan)
     with Session(ROBOT), DiagnosticsListener(ROBOT) as listener:
+        refuse_taken_ports(plan)
         empty_folder(folder)
-        with Launcher(plan, on_line=lambda _name, _line: None) as launcher:
-            watch(launcher, listener, watcher)
-    return judged(folder, launcher, watcher)
+        invite(plan, watcher.say)
+        with Launcher(plan, on_line=lambda _name, _line: None, spare=spare) as launcher:
+            watch(launcher, listener, watcher, spare)
+    return judged(folder, launcher, watcher, spare)
 
 
 def choices(order: Order, bag: Path) -> dict[str, str]:
@@ -125,17 +130,30 @@ def choices(order: Order, bag: Path) -> dict[str, str]:
         'time': order.time,
         'seed': str(order.seed),
         'bag': str(bag),
+        **({} if order.live_port is None else {'live': 'true', 'live_port': f'{order.live_port}'}),
     }
 
 
-def watch(launcher: Launcher, listener: DiagnosticsListener, watcher: Watcher) -> None:
-    """Follow a flight until a process ends it, or the graph has stood still for too long."""
+def watch(
+    launcher: Launcher,
+    listener: DiagnosticsListener,
+    watcher: Watcher,
+    spare: Collection[str] = (),
+) -> None:
+    """
+    Follow a flight until a process ends it, or the graph has stood still for too long.
+
+    A `spare` process is neither missed nor waited for; that it has ended is told.
+    """
     lookout = Lookout(watcher.say)
     while launcher.outcome is None:
         facts = listener.poll(LOOK)
-        launcher.poll()
+        for end in launcher.poll():
+            if end.name in spare and not end.stopped:
+                why = f' ({end.lines[-1]})' if refused(end) else ''
+                watcher.say(f'{end.sentence}{why}; the flight goes on.')
         show(facts, watcher)
-        running = launcher.running
+        running = [name for name in launcher.running if name not in spare]
         lookout.look(facts, listener.silent(running), listener.hears(running))
         if lookout.standing > PATIENCE:
             watcher.say(f'The graph has stood still for {PATIENCE:.0f} s and is stopped.')
@@ -168,7 +186,9 @@ def verdict(ended: Iterable[Ended]) -> dict[str, str] | None:
     return None
 
 
-def judged(folder: Path, launcher: Launcher, watcher: Watcher) -> Flown:
+def judged(
+    folder: Path, launcher: Launcher, watcher: Watcher, spare: Collection[str] = ()
+) -> Flown:
     """
     Return how the flight went, from how its processes ended.
 
@@ -181,7 +201,8 @@ def judged(folder: Path, launcher: Launcher, watcher: Watcher) -> Flown:
     bag, end = folder / 'bag', launcher.outcome
     broken = end is None or not end.success
     # Whoever is stopped in an orderly way ends with 0; in a broken graph, not all come so far.
-    faulty = [item for item in launcher.ended if item.status and not (broken and item.stopped)]
+    ended = [item for item in launcher.ended if item.name not in spare]
+    faulty = [item for item in ended if item.status and not (broken and item.stopped)]
     for item in faulty:
         if refused(item):
             raise BadInput(item.lines[-1])

@@ -5,6 +5,7 @@ from contextlib import ExitStack
 
 from lta_analysis.blame import Lookout
 from lta_analysis.session import Session
+from lta_analysis.viewers import invite, refuse_taken_ports, viewers
 from lta_graph.child import Ended
 from lta_graph.launch_file import LaunchPlan
 from lta_graph.launcher import Launcher
@@ -39,11 +40,14 @@ def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> 
             stack.enter_context(Session(*robots))
         listener = stack.enter_context(DiagnosticsListener(*plan.namespaces))
         lookout = Lookout(say)
-        launcher = stack.enter_context(Launcher(plan, on_line))
+        spare = viewers(plan)
+        refuse_taken_ports(plan)
+        invite(plan, say)
+        launcher = stack.enter_context(Launcher(plan, on_line, spare=spare))
         while (outcome := launcher.outcome) is None:
             facts = listener.poll(LOOK)
             # Of a node that is not ours nothing is ever heard: that is no fault of it.
-            running = launcher.running
+            running = [name for name in launcher.running if name not in spare]
             heard = [name for name in running if listener.hears([name])]
             silent = listener.silent(heard) if listener.settled(running) else []
             lookout.look(facts, silent, len(heard) == len(running))

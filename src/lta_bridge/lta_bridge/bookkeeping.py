@@ -79,14 +79,14 @@ class Bookkeeping:
         Parameters
         ----------
         name : str
-            Relative topic name.
+            Name in the table; what is not there is dated by the newest publication heard.
         data : bytes
             The serialised message.
 
         """
-        topic = self._table[name]
+        topic = self._table.topics.get(name)
         self.counts[name] = self.counts.get(name, 0) + 1
-        if not topic.period_ns:
+        if topic is None or not topic.period_ns:
             return self._now
         if not topic.stamped:
             return self._turn(name) if self._lockstep else self._now

@@ -7,6 +7,7 @@ only the launcher, which then stops the others in order. If the launcher itself 
 kernel interrupts its processes, and a guard kills those that do not heed that.
 """
 
+from collections.abc import Collection
 from queue import Empty
 import signal
 import threading
@@ -42,6 +43,8 @@ class Launcher:
         Called from another thread with what the plan calls a node and each line that it writes.
     grace : float
         Time that processes have to end after SIGINT. [s]
+    spare : collection of str
+        What the plan calls the processes without which the run goes on, such as a viewer.
 
     Attributes
     ----------
@@ -50,8 +53,16 @@ class Launcher:
 
     """
 
-    def __init__(self, plan: LaunchPlan, on_line: OnLine, *, grace: float = GRACE) -> None:
+    def __init__(
+        self,
+        plan: LaunchPlan,
+        on_line: OnLine,
+        *,
+        grace: float = GRACE,
+        spare: Collection[str] = (),
+    ) -> None:
         self.ended: list[Ended] = []
+        self._spare = frozenset(spare)
         self._plan = plan
         self._on_line = on_line
         self._grace = grace
@@ -84,9 +95,11 @@ class Launcher:
         """
         The end of the process that ended the run, None while it goes on.
 
-        Its `success` tells whether that was planned; any process that ends unasked ends the run.
+        Its `success` tells whether that was planned; any process that ends unasked ends the run,
+        unless it is a spare one.
         """
-        return next((item for item in self.ended if not item.stopped), None)
+        ending = (item for item in self.ended if item.name not in self._spare)
+        return next((item for item in ending if not item.stopped), None)
 
     def start(self) -> None:
         """

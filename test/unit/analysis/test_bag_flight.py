@@ -212,3 +212,45 @@ def test_topic_without_messages_is_empty(record, tmp_path):
     flight = open_flight(tmp_path / 'b')
     assert len(flight.series('odom')) == 0
     assert flight.blocks('photodiodes').samples.shape == (0, 0, 0)
+
+
+def test_a_topic_that_cannot_be_read_leaves_the_others_as_they_are(tmp_path, types):
+    from lta_bridge.bag import BagWriter
+    from lta_bridge.bag.schemas import jazzy
+
+    with BagWriter(tmp_path / 'b', {}) as bag:
+        bag.add_topic('/lta1/broken', 'sensor_msgs/msg/Imu', [])
+        bag.add_topic('/lta1/wind', 'geometry_msgs/msg/Vector3Stamped', [])
+        bag.write('/lta1/broken', b'\0\1\0\0nothing', 1)
+        wind = types['geometry_msgs/msg/Vector3Stamped'](
+            header(types, START), types['geometry_msgs/msg/Vector3'](1.0, 2.0, 3.0)
+        )
+        data = bytes(jazzy().serialize_cdr(wind, 'geometry_msgs/msg/Vector3Stamped'))
+        bag.write('/lta1/wind', data, 2)
+    flight = open_flight(tmp_path / 'b')
+    assert flight.start == START
+    assert flight.series('wind')['vector.y'].tolist() == [2.0]
+    with pytest.raises(BadInput, match="does not fit the bag's own definition"):
+        flight.series('broken')
+
+
+def test_several_topics_come_from_one_pass_and_are_the_same(flight_bag, monkeypatch):
+    flight = open_flight(flight_bag)
+    passes = []
+    messages = flight.bag.messages
+
+    def counted(names):
+        passes.append(names)
+        return messages(names)
+
+    monkeypatch.setattr(flight.bag, 'messages', counted)
+    found = flight.read(['odom', 'energy/reserve', '/lta1/odom'])
+    assert len(passes) == 1
+    assert found['odom'] is found['/lta1/odom']
+    monkeypatch.undo()
+    alone = flight.series('odom')
+    np.testing.assert_array_equal(found['odom'].stamps, alone.stamps)
+    np.testing.assert_array_equal(found['odom']['pose.covariance[7]'], alone['pose.covariance[7]'])
+    parts = list(flight.parts('odom', 15))
+    assert [len(part) for part in parts] == [15, 15, 10]
+    np.testing.assert_array_equal(np.concatenate([part.time for part in parts]), alone.time)

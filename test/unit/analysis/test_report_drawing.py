@@ -6,10 +6,12 @@ from lta_analysis.bag import open_flight
 from lta_analysis.report import palette
 from lta_analysis.report.drawing import extent, Label, label_ends, MOST_POINTS, over_time, thinned
 from lta_analysis.report.moments import moments
-from lta_analysis.report.panels import path
+from lta_analysis.report.panels import light, path
 from lta_analysis.report.panels.registry import PANELS
 from lta_analysis.report.rays import graded
+from lta_analysis.report.room import CELL, glow, MOST_CELLS
 from lta_analysis.report.view import View
+from lta_sim.scenario import load_scenario
 from lta_vlc.spectrum import amplitude_spectrum
 import numpy as np
 import pytest
@@ -121,3 +123,30 @@ def test_moments_are_the_ends_of_the_search(view):
         spectrum = amplitude_spectrum(moment.samples[:, None])[:, 0]
         assert spectrum[15] == pytest.approx(500.0 / distance**2, rel=0.05)  # 150 Hz, 10 Hz a bin
         assert spectrum[10] == pytest.approx(20.0, rel=0.05)  # the mains
+
+
+def test_a_map_of_a_long_flight_has_no_more_columns_than_a_screen():
+    short, long = np.arange(12.0).reshape(2, 6), np.arange(2.0 * 2501).reshape(2, 2501)
+    np.testing.assert_array_equal(light.stretches(short), short)
+    found = light.stretches(long)
+    assert found.shape == (2, 834)
+    np.testing.assert_array_equal(found[0, :2], [1.0, 4.0])
+    np.testing.assert_array_equal(found[:, -1], [2499.5, 5000.5])
+
+
+def test_a_hall_is_shaded_in_larger_cells():
+    room = load_scenario('lamp_room')
+    drawn = glow(room, 0.5)
+    assert (len(drawn.x), len(drawn.y)) == (round(10 / CELL) + 1, round(8 / CELL) + 1)
+    size = room.room.size.model_copy(update={'value': (400.0, 8.0, 3.0)})
+    hall = room.model_copy(update={'room': room.room.model_copy(update={'size': size})})
+    drawn = glow(hall, 0.5)
+    assert (len(drawn.x), len(drawn.y)) == (MOST_CELLS + 1, round(8 / CELL) + 1)
+    assert (drawn.x[0], drawn.x[-1]) == (-200.0, 200.0)
+
+
+def test_single_blocks_are_those_of_the_whole_topic(view):
+    every = view.flight.blocks('photodiodes')
+    last = len(every.time) - 1
+    np.testing.assert_array_equal(view.blocks((last, 0, 0)), every.samples[[last, 0, 0]])
+    assert view.flight.blocks('photodiodes', [last]).time.tolist() == [every.time[-1]]

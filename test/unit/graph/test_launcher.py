@@ -62,9 +62,9 @@ class Fleet:
         path.chmod(0o755)
         self.processes.append(Process('fleet', name, name, '/', args, ends_run))
 
-    def launcher(self, grace: float = 5.0) -> Launcher:
+    def launcher(self, grace: float = 5.0, spare: tuple[str, ...] = ()) -> Launcher:
         plan = LaunchPlan(tuple(self.processes))
-        return Launcher(plan, lambda *line: self.lines.append(line), grace=grace)
+        return Launcher(plan, lambda *line: self.lines.append(line), grace=grace, spare=spare)
 
     def await_line(self, *line: str) -> None:
         until(lambda: line in self.lines)
@@ -174,6 +174,21 @@ def test_only_status_0_of_the_process_that_ends_the_run_is_success(
         ('simulator', status, False),
         ('recorder', 0, True),
     ]
+
+
+def test_without_a_spare_process_the_run_goes_on(fleet):
+    fleet.add('viewer', 'raise SystemExit(2)')
+    fleet.add('simulator', FOREVER)
+    with fleet.launcher(spare=('viewer',)) as launcher:
+        until(lambda: bool(launcher.wait(1.0)))
+        (ended,) = launcher.ended
+        assert (ended.name, ended.status, ended.stopped) == ('viewer', 2, False)
+        assert launcher.outcome is None
+        fleet.await_line('simulator', 'up')
+        (victim,) = [pid for pid in fleet.pids() if b'simulator' in _cmdline(pid)]
+        os.kill(victim, signal.SIGKILL)
+        run_to_end(launcher)
+        assert launcher.outcome.name == 'simulator'
 
 
 def test_stop_gives_time_to_close(fleet):

@@ -1,6 +1,6 @@
 """Messages that carry packed samples: ADC blocks (Image) and point lists (PointCloud2)."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, Protocol
 
 from lta_config.errors import BadInput, unknown
@@ -77,7 +77,7 @@ def image_block(image: Image) -> NDArray[Any]:
     return samples.astype(kind.newbyteorder('='))
 
 
-def stacked_blocks(images: Sequence[Image]) -> NDArray[Any]:
+def stacked_blocks(images: Iterable[Image]) -> NDArray[Any]:
     """
     Return the samples of images of one shape.
 
@@ -150,7 +150,7 @@ def fits(cloud: PointCloud, fields: Sequence[PointField]) -> bool:
     )
 
 
-def stacked_clouds(clouds: Sequence[PointCloud]) -> dict[str, NDArray[np.float64]]:
+def stacked_clouds(clouds: Iterable[PointCloud]) -> dict[str, NDArray[np.float64]]:
     """
     Return the points of several clouds by field.
 

@@ -1,4 +1,8 @@
-"""From a list of messages to one array per field."""
+"""
+From a list of messages to one array per field.
+
+The plain way, object by object. `gather` does the same for whole topics at a time.
+"""
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
@@ -6,10 +10,9 @@ from dataclasses import fields, is_dataclass
 from functools import cache
 from typing import Any
 
+from lta_analysis.bag.merge import Columns
 import numpy as np
 from numpy.typing import NDArray
-
-Columns = dict[str, NDArray[Any]]
 
 
 def columns(messages: Iterable[object]) -> tuple[Columns, Columns]:
@@ -49,8 +52,16 @@ def columns(messages: Iterable[object]) -> tuple[Columns, Columns]:
         elif isinstance(kind, np.ndarray):
             numbers |= elements(path, column)
         else:
-            numbers[path] = np.array([np.nan if value is None else value for value in column])
+            numbers[path] = listed([np.nan if value is None else value for value in column])
     return numbers, texts
+
+
+def listed(values: list[Any]) -> NDArray[Any]:
+    """Return single values of one field as an array; whole numbers stay whole."""
+    found = np.array(values)
+    if found.dtype == np.float64 and all(type(value) is int for value in values):
+        return np.array(values, np.uint64)  # numpy's own choice for numbers beyond int64 and below
+    return found
 
 
 def leaves(value: object, path: str) -> Iterator[tuple[str, object]]:
@@ -71,8 +82,12 @@ def leaves(value: object, path: str) -> Iterator[tuple[str, object]]:
 @cache
 def field_names(message_type: type) -> tuple[str, ...]:
     """Return the names of a message's fields; constants are upper-case in ROS, and no fields."""
-    names = (field.name for field in fields(message_type))
-    return tuple(name for name in names if name.islower() and not name.startswith('__'))
+    return tuple(field.name for field in fields(message_type) if is_field(field.name))
+
+
+def is_field(name: str) -> bool:
+    """Tell a field from a constant, and from what Python itself adds."""
+    return name.islower() and not name.startswith('__')
 
 
 def elements(path: str, arrays: list[NDArray[Any] | None]) -> Columns:

@@ -1,8 +1,9 @@
 """Messages as objects, by the definitions that the bag brings along; no ROS needed."""
 
 from collections.abc import Mapping
+from dataclasses import fields
 import struct
-from typing import Final, final
+from typing import Any, Final, final
 
 from lta_config.errors import BadInput
 from mcap.records import Schema
@@ -72,6 +73,15 @@ class Decoder:
                 f"A message does not fit the bag's own definition of '{type_name}' ({error}); "
                 'leave this topic out or record it again.'
             ) from error
+
+    def fields(self, type_name: str) -> list[tuple[str, Any]]:
+        """Return the fields of a type: attribute, and rosbags' description; errors as `decode`."""
+        if type_name not in self._types.fielddefs:
+            self._learn(type_name)
+        attributes = fields(self._types.types[type_name])  # type: ignore[arg-type]
+        described = self._types.fielddefs[type_name][1]
+        # Constants, which an object has as well, stand behind the fields.
+        return [(at.name, item) for at, (_, item) in zip(attributes, described, strict=False)]
 
     def _learn(self, type_name: str) -> None:
         """Take a type and all its parts from the bag."""

@@ -5,12 +5,14 @@ Time runs in seconds from the stamp of the first stamped message of the robot. M
 a stamp are placed by their log time, relative to the log time of that first message.
 """
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
+from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any, cast, final, NamedTuple
 
 from lta_analysis.bag.blocks import Image, PointCloud, stacked_blocks, stacked_clouds
-from lta_analysis.bag.columns import columns
+from lta_analysis.bag.gather import Gathering, Typed
 from lta_analysis.bag.reader import Bag, read_bag
 from lta_analysis.bag.series import Series
 from lta_analysis.bag.stamps import stamp_of
@@ -63,13 +65,13 @@ class Flight:
         self.bag = bag
         self.robot = robot
         self.provenance = part(bag.provenance, robot)
-        self._origin = origin(bag, [self._absolute(name) for name in self.topics])
+        self._origin = origin(bag, [self.absolute(name) for name in self.topics])
         self.start = self._origin.stamp
 
     @property
     def topics(self) -> list[str]:
         """The robot's topics, relative to its namespace."""
-        prefix = self._absolute('')
+        prefix = self.absolute('')
         return [name.removeprefix(prefix) for name in self.bag.topics if name.startswith(prefix)]
 
     def series(self, topic: str) -> Series:
@@ -87,25 +89,74 @@ class Flight:
             If the topic is not in the bag or cannot be decoded.
 
         """
-        times: list[float] = []
-        numbers, texts = columns(self._timed(topic, times))
-        return Series(np.array(times, dtype=np.float64), numbers, texts)
+        return self.read([topic])[topic]
 
-    def blocks(self, topic: str) -> Blocks:
-        """Return the samples of a topic of sensor_msgs/Image; errors as `series`."""
+    def read(self, topics: Collection[str]) -> dict[str, Series]:
+        """Return the fields of several topics from one pass over the bag; errors as `series`."""
+        makers = {self.absolute(topic): self._gathering(topic) for topic in topics}
+        for name, log_time, data in self.bag.messages(list(makers)):
+            makers[name].take(log_time, data)
+        found = {name: self._series(maker) for name, maker in makers.items()}
+        return {topic: found[self.absolute(topic)] for topic in topics}
+
+    def parts(self, topic: str, rows: int) -> Iterator[Series]:
+        """
+        Yield the fields of a topic in stretches, for topics that are larger than the memory.
+
+        Parameters
+        ----------
+        topic : str
+            As for `series`; errors too.
+        rows : int
+            Messages in a stretch. Its columns are those that its messages have.
+
+        """
+        maker = self._gathering(topic)
+        for _, log_time, data in self.bag.messages([self.absolute(topic)]):
+            maker.take(log_time, data)
+            if len(maker) >= rows:
+                yield self._series(maker)
+        if len(maker):
+            yield self._series(maker)
+
+    def blocks(self, topic: str, chosen: Collection[int] | None = None) -> Blocks:
+        """
+        Return the samples of a topic of sensor_msgs/Image; errors as `series`.
+
+        Parameters
+        ----------
+        topic : str
+            As for `series`.
+        chosen : collection of int, optional
+            Which messages, counted from 0; each once, in the order of recording. All by default.
+
+        """
         times: list[float] = []
         self._require(topic, 'sensor_msgs/msg/Image')
-        samples = stacked_blocks(cast('list[Image]', list(self._timed(topic, times))))
+        images = self._timed(topic, times, None if chosen is None else frozenset(chosen))
+        samples = stacked_blocks(cast('Iterator[Image]', images))
         return Blocks(np.array(times, dtype=np.float64), samples)
+
+    def block_parts(self, topic: str, rows: int) -> Iterator[Blocks]:
+        """Yield the samples of a topic of sensor_msgs/Image, `rows` messages at a time."""
+        self._require(topic, 'sensor_msgs/msg/Image')
+        for time, images in self._batches(topic, rows):
+            yield Blocks(time, stacked_blocks(cast('list[Image]', images)))
+
+    def point_parts(self, topic: str, rows: int) -> Iterator[Points]:
+        """Yield the values of a topic of sensor_msgs/PointCloud2, `rows` messages at a time."""
+        self._require(topic, 'sensor_msgs/msg/PointCloud2')
+        for time, clouds in self._batches(topic, rows):
+            yield Points(time, stacked_clouds(cast('list[PointCloud]', clouds)))
 
     def points(self, topic: str) -> Points:
         """Return the values of a topic of sensor_msgs/PointCloud2; errors as `series`."""
         times: list[float] = []
         self._require(topic, 'sensor_msgs/msg/PointCloud2')
-        fields = stacked_clouds(cast('list[PointCloud]', list(self._timed(topic, times))))
+        fields = stacked_clouds(cast('Iterator[PointCloud]', self._timed(topic, times)))
         return Points(np.array(times, dtype=np.float64), fields)
 
-    def _absolute(self, topic: str) -> str:
+    def absolute(self, topic: str) -> str:
         """Return the name of a topic in the bag."""
         if topic.startswith('/'):
             return topic
@@ -113,7 +164,7 @@ class Flight:
 
     def type_of(self, topic: str) -> str:
         """Return a topic's message type; `BadInput` if the topic is not in the bag."""
-        name = self._absolute(topic)
+        name = self.absolute(topic)
         if name not in self.bag.topics:
             raise unknown('topic', topic, self.topics)
         return self.bag.topics[name].type_name
@@ -124,12 +175,40 @@ class Flight:
         if found != type_name:
             raise BadInput(f"Topic '{topic}' is of type '{found}', not '{type_name}'.")
 
-    def _timed(self, topic: str, times: list[float]) -> Iterator[object]:
-        """Yield the messages of a topic and add their times to `times`. [s]"""
-        name = self._absolute(topic)
+    def _batches(
+        self, topic: str, rows: int
+    ) -> Iterator[tuple[NDArray[np.float64], list[object]]]:
+        """Yield times and messages of a topic, `rows` at a time. [s]"""
+        times: list[float] = []
+        messages = self._timed(topic, times)
+        while batch := list(islice(messages, rows)):
+            yield np.array(times), batch
+            times.clear()
+
+    def _gathering(self, topic: str) -> Gathering:
+        """Return what turns the messages of a topic into columns."""
+        kind, name = self.type_of(topic), self.absolute(topic)
+        return Gathering(Typed(kind, self.bag.fields, partial(self.bag.decode, name)))
+
+    def _series(self, maker: Gathering) -> Series:
+        """Return what has been gathered, by time."""
+        found = maker.result()
+        stamps = found.stamps
+        for index in np.flatnonzero(stamps == 0):
+            stamps[index] = self.start + found.logged[index] - self._origin.log
+        time = (stamps - self.start).astype(np.float64) * 1e-9
+        return Series(stamps, time, found.numbers, found.texts)
+
+    def _timed(
+        self, topic: str, times: list[float], chosen: Collection[int] | None = None
+    ) -> Iterator[object]:
+        """Yield messages of a topic and add their times to `times`. [s]"""
+        name = self.absolute(topic)
         if name not in self.bag.topics:
             raise unknown('topic', topic, self.topics)
-        for _, log_time, data in self.bag.messages([name]):
+        for index, (_, log_time, data) in enumerate(self.bag.messages([name])):
+            if chosen is not None and index not in chosen:
+                continue
             message = self.bag.decode(name, data)
             stamp = stamp_of(message)
             elapsed = log_time - self._origin.log if stamp is None else stamp - self.start
@@ -143,7 +222,10 @@ def origin(bag: Bag, topics: list[str]) -> Origin:
     for topic, log_time, data in bag.messages(topics):
         if topic in stampless:
             continue
-        stamp = stamp_of(bag.decode(topic, data))
+        try:
+            stamp = stamp_of(bag.decode(topic, data))
+        except BadInput:  # of this topic nothing can be read; of the others perhaps
+            stamp = None
         if stamp is not None:
             return Origin(stamp, log_time)
         stampless.add(topic)

@@ -7,7 +7,7 @@ Memory stays within one chunk whatever the size of the bag.
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
-from typing import BinaryIO, final
+from typing import Any, BinaryIO, final
 
 from lta_analysis.bag.chunks import Message, messages, RECORD, unpacked
 from lta_analysis.bag.contents import Contents, Place, read_at
@@ -155,6 +155,10 @@ class Bag:
             channel = part.contents.channels.get(-1 if found.worst_of is None else found.worst_of)
             whole.join(found, None if channel is None else channel.topic)
         return whole
+
+    def fields(self, type_name: str) -> list[tuple[str, Any]]:
+        """Return the fields of a type of messages in the bag; see `Decoder.fields`."""
+        return self._decoder.fields(type_name)
 
     def _add_topics(self, contents: Contents) -> None:
         """Take note of the topics of one file."""

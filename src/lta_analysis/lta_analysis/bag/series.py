@@ -16,8 +16,11 @@ class Series:
 
     Attributes
     ----------
+    stamps : ndarray of int64, shape (n,)
+        Stamps, in the order of recording; where a message has none, its log time on the clock of
+        the stamps. [ns]
     time : ndarray, shape (n,)
-        Time since the start of the flight, in the order of recording. [s]
+        The same since the start of the flight. [s]
     numbers : dict of str to ndarray, shape (n,)
         Numeric fields by path, in the units of the message.
     texts : dict of str to ndarray of str, shape (n,)
@@ -25,6 +28,7 @@ class Series:
 
     """
 
+    stamps: NDArray[np.int64]
     time: NDArray[np.float64]
     numbers: dict[str, NDArray[Any]]
     texts: dict[str, NDArray[Any]]

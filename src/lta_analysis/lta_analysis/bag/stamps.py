@@ -1,5 +1,12 @@
 """When a message was measured, as it says itself."""
 
+from collections.abc import Collection
+from typing import Final
+
+SECOND: Final = 1_000_000_000  # ns
+# Where a message has its stamp: of its first transform, of its header, or its clock.
+PLACES: Final = ('transforms[0].header.stamp', 'header.stamp', 'clock')
+
 
 def stamp_of(message: object) -> int | None:
     """
@@ -20,8 +27,24 @@ def stamp_of(message: object) -> int | None:
     transforms = getattr(message, 'transforms', None)
     stamped = transforms[0] if transforms else message
     header = getattr(stamped, 'header', None)
-    time = getattr(stamped, 'clock', None) if header is None else header.stamp
-    if time is None:
+    time = getattr(stamped, 'clock', None) if header is None else getattr(header, 'stamp', None)
+    seconds, rest = getattr(time, 'sec', None), getattr(time, 'nanosec', None)
+    if seconds is None or rest is None:
         return None
-    nanoseconds = int(time.sec) * 1_000_000_000 + int(time.nanosec)
-    return nanoseconds or None
+    return int(seconds) * SECOND + int(rest) or None
+
+
+def stamp_place(paths: Collection[str]) -> str | None:
+    """
+    Return where messages with some fields have their stamp; None where they have none.
+
+    Parameters
+    ----------
+    paths : collection of str
+        The paths of a message's fields.
+
+    """
+    for place in PLACES:
+        if f'{place}.sec' in paths and f'{place}.nanosec' in paths:
+            return place
+    return None

@@ -22,14 +22,15 @@ class Moment(NamedTuple):
 
 def moments(view: View) -> list[Moment]:
     """Return the block at the start of the search, and that at its end."""
-    time, blocks = view.blocks
+    time = view.series('photodiodes').time
     phases = phases_of(view)
     searched = np.flatnonzero((time >= phases.search) & (time <= phases.end - 2 * view.half_block))
     chosen = searched if len(searched) else np.arange(len(time))
     rate = topic_table().light.sample_rate.si
     found = []
-    for k, colour in zip((chosen[0], chosen[-1]), COLOURS, strict=True):
-        block = blocks[k].astype(np.float64)
+    ends = (int(chosen[0]), int(chosen[-1]))
+    for k, samples, colour in zip(ends, view.blocks(ends), COLOURS, strict=True):
+        block = samples.astype(np.float64)
         brightest = block[:, block.std(axis=0).argmax()]
         found.append(
             Moment(where(view, float(time[k])), colour, np.arange(len(block)) / rate, brightest)

@@ -9,6 +9,7 @@ import numpy as np
 from plotly.graph_objects import Contour, Figure, Scatter
 
 CELL = 0.1  # m
+MOST_CELLS = 160  # along a side; a hall is drawn in larger ones
 FAINTEST, BRIGHTEST = 3.0, 12.0  # log2 of lx, the ends of the shading
 
 
@@ -74,8 +75,10 @@ def draw_goal(figure: Figure, scenario: Scenario) -> None:
 def glow(scenario: Scenario, height: float) -> Contour:
     """Return the lamp's direct light at a height, a shade for each factor of two."""
     length, width, _ = scenario.room.size.vector
-    x = np.linspace(-length / 2, length / 2, round(length / CELL) + 1)
-    y = np.linspace(-width / 2, width / 2, round(width / CELL) + 1)
+    x, y = (
+        np.linspace(-side / 2, side / 2, min(round(side / CELL), MOST_CELLS) + 1)
+        for side in (length, width)
+    )
     points = np.stack([*np.meshgrid(x, y), np.full((len(y), len(x)), height)], axis=-1)
     towards = np.array(scenario.lamp.position.vector) - points
     towards /= np.maximum(np.linalg.norm(towards, axis=-1, keepdims=True), CELL)

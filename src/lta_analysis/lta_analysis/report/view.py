@@ -5,11 +5,12 @@ Time runs in seconds from the first message, positions are in the map frame. The
 frame starts at zero; it is laid on the truth where both begin.
 """
 
+from collections.abc import Sequence
 from functools import cached_property
-from typing import Any, final, NamedTuple
+from typing import Any, Final, final, NamedTuple
 
 from lta_analysis.bag.attitude import angles
-from lta_analysis.bag.flight import Blocks, Flight, Points
+from lta_analysis.bag.flight import Flight, Points
 from lta_analysis.bag.series import Series
 from lta_analysis.report.scene import scene_of
 from lta_config.topics import topic_table
@@ -17,6 +18,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+# What the page is made of besides point lists: read together, in one pass over the bag.
+TOGETHER: Final = (
+    'ground_truth/odom',
+    'odom',
+    'wind',
+    'setpoint/pose',
+    'setpoint/velocity',
+    'range',
+    'motors',
+    'light/bearing',
+    'battery',
+    'panel',
+    'photodiodes',
+)
 
 
 class Motion(NamedTuple):
@@ -137,7 +153,8 @@ class View:
         self.flight = flight
         self.provenance = flight.provenance
         self.scene = scene_of(self.provenance)
-        self._read: dict[str, Any] = {}
+        self._read: dict[str, Series] = {}
+        self._blocks: dict[tuple[int, ...], NDArray[Any]] = {}
 
     def has(self, *topics: str) -> bool:
         """Tell whether the bag has messages of all these topics."""
@@ -148,9 +165,9 @@ class View:
     def series(self, topic: str) -> Series:
         """Return a topic's fields, read once."""
         if topic not in self._read:
-            self._read[topic] = self.flight.series(topic)
-        series: Series = self._read[topic]
-        return series
+            here = [each for each in TOGETHER if self.has(each) and each not in self._read]
+            self._read |= self.flight.read({topic, *here})
+        return self._read[topic]
 
     @cached_property
     def span(self) -> tuple[float, float]:
@@ -231,10 +248,14 @@ class View:
         efforts = [series[f'effort[{k}]'] for k in range(len(names))]
         return Duties(series.time, names, np.stack(efforts, axis=1))
 
-    @cached_property
-    def blocks(self) -> Blocks:
-        """ADC blocks of the photodiodes."""
-        return self.flight.blocks('photodiodes')
+    def blocks(self, chosen: Sequence[int]) -> NDArray[Any]:
+        """Return some ADC blocks, shape (chosen, samples, diodes), read once."""
+        which = tuple(chosen)
+        if which not in self._blocks:
+            order, places = np.unique(which, return_inverse=True)
+            found = self.flight.blocks('photodiodes', order.tolist())
+            self._blocks[which] = found.samples[places]
+        return self._blocks[which]
 
     @cached_property
     def half_block(self) -> float:

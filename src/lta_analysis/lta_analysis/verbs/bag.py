@@ -6,6 +6,7 @@ from typing import Annotated
 
 from lta_analysis.bag.folder import bag_in
 from lta_analysis.bag.info import bag_info, show
+from lta_analysis.verbs.bag_export import export
 from lta_analysis.verbs.bag_plot import plot
 from lta_analysis.verbs.bag_recover import recover
 from rich.console import Console
@@ -38,5 +39,6 @@ def info(
         show(found, Console())
 
 
+bag.command()(export)
 bag.command()(plot)
 bag.command()(recover)

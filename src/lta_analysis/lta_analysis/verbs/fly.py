@@ -14,6 +14,7 @@ from lta_analysis.report.page import write_page
 from lta_analysis.report.results import Results, results_of
 from lta_analysis.report.view import View
 from lta_analysis.typed import near, typed
+from lta_bridge.live.address import PORT
 from lta_config.errors import BadInput
 from rich.console import Console
 import typer
@@ -32,9 +33,12 @@ def fly(
     strategy: Annotated[str, typer.Option(help='Navigation strategy.')] = 'bag',
     seed: Annotated[int, typer.Option(help='Seed of all chance.', min=0, max=2**31 - 1)] = 1,
     time: Annotated[
-        Literal['lockstep', 'realtime'],
-        typer.Option(help='As fast as the graph answers, or at the pace of the wall clock.'),
-    ] = 'lockstep',
+        Literal['lockstep', 'realtime'] | None,
+        typer.Option(
+            help='As fast as the graph answers, or at the pace of the wall clock.',
+            show_default='lockstep; realtime with --live',
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -43,6 +47,12 @@ def fly(
             metavar='FOLDER',
         ),
     ] = None,
+    live: Annotated[
+        bool, typer.Option('--live', help='Show the flight to Foxglove while it lasts.')
+    ] = False,
+    live_port: Annotated[
+        int, typer.Option(help='Port of the live view.', min=1, max=65535)
+    ] = PORT,
     page: Annotated[bool, typer.Option(help='Write the page of the flight.')] = True,
     json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
 ) -> None:
@@ -51,13 +61,16 @@ def fly(
 
     In lockstep a seed gives the same flight every time, byte for byte.
 
+    With --live Foxglove can look on, without ROS; nobody is waited for.
+
     Exit status 0: the drone reached its goal. 1: it did not, or a node died. 2: bad input,
     nothing was started. 130: Ctrl-C (143: SIGTERM, 129: SIGHUP).
 
     Example: lta fly --seed 3 --time realtime
     """
     console = Console(stderr=json)
-    order = Order(vehicle, scenario, strategy, seed, time, out)
+    pace = time or ('realtime' if live else 'lockstep')
+    order = Order(vehicle, scenario, strategy, seed, pace, out, live_port if live else None)
     with FlightProgress(console) as progress:
         flight = fly_once(order, progress)
     target = flight.folder / 'report.html' if page else None

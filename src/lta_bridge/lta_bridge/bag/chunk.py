@@ -29,6 +29,72 @@ class FinishedChunk:
 
 
 @final
+@dataclass(frozen=True, slots=True)
+class SealedChunk:
+    """
+    A compressed chunk that may stand anywhere in a file.
+
+    Attributes
+    ----------
+    record : bytes
+        The MCAP record.
+    entries : dict of int to bytes
+        Index entries by channel.
+    start, end : int
+        First and last log time. [ns]
+    packed_size, size : int
+        Bytes of the messages, compressed and not.
+
+    """
+
+    record: bytes
+    entries: dict[int, bytes]
+    start: int
+    end: int
+    packed_size: int
+    size: int
+
+    @property
+    def counts(self) -> dict[int, int]:
+        """Messages by channel."""
+        return {id: len(found) // INDEX_ENTRY.size for id, found in self.entries.items()}
+
+    @property
+    def footprint(self) -> int:
+        """Memory that it takes. [bytes]"""
+        return len(self.record) + sum(map(len, self.entries.values()))
+
+    def at(self, offset: int) -> FinishedChunk:
+        """
+        Return the chunk and its message indexes for a place in a file.
+
+        Parameters
+        ----------
+        offset : int
+            Where in the file the chunk will start. [bytes]
+
+        """
+        places, indexes = {}, b''
+        for channel, entries in self.entries.items():
+            places[channel] = offset + len(self.record) + len(indexes)
+            inside = ENTRIES_HEAD + len(entries)
+            indexes += INDEX_HEAD.pack(Opcode.MESSAGE_INDEX, inside, channel, len(entries))
+            indexes += entries
+        index = ChunkIndex(
+            chunk_length=len(self.record),
+            chunk_start_offset=offset,
+            compression='zstd',
+            compressed_size=self.packed_size,
+            message_end_time=self.end,
+            message_index_length=len(indexes),
+            message_index_offsets=places,
+            message_start_time=self.start,
+            uncompressed_size=self.size,
+        )
+        return FinishedChunk(self.record + indexes, index, self.counts)
+
+
+@final
 class ChunkBuilder:
     """Collects messages until they are worth compressing."""
 
@@ -76,39 +142,19 @@ class ChunkBuilder:
         self._records += data
         self._entries[channel] += INDEX_ENTRY.pack(log_time, offset)
 
-    def finish(self, offset: int) -> FinishedChunk:
-        """
-        Return the chunk and its message indexes, and start afresh.
+    @property
+    def span(self) -> int:
+        """Log time from the first to the last message. [ns]"""
+        return self._end - self._start if self._records else 0
 
-        Parameters
-        ----------
-        offset : int
-            Where in the file the chunk will start. [bytes]
-
-        """
+    def seal(self) -> SealedChunk:
+        """Return what was collected as a chunk, and start afresh."""
         records = bytes(self._records)
         packed = self._compressor.compress(records)
         chunk = encoded(
             [Chunk('zstd', packed, self._end, self._start, zlib.crc32(records), len(records))]
         )
-        places, indexes = {}, b''
-        for channel, entries in self._entries.items():
-            places[channel] = offset + len(chunk) + len(indexes)
-            inside = ENTRIES_HEAD + len(entries)
-            indexes += INDEX_HEAD.pack(Opcode.MESSAGE_INDEX, inside, channel, len(entries))
-            indexes += entries
-        index = ChunkIndex(
-            chunk_length=len(chunk),
-            chunk_start_offset=offset,
-            compression='zstd',
-            compressed_size=len(packed),
-            message_end_time=self._end,
-            message_index_length=len(indexes),
-            message_index_offsets=places,
-            message_start_time=self._start,
-            uncompressed_size=len(records),
-        )
-        counts = {id: len(found) // INDEX_ENTRY.size for id, found in self._entries.items()}
+        entries = {channel: bytes(found) for channel, found in self._entries.items()}
         self._records = bytearray()
         self._entries = defaultdict(bytearray)
-        return FinishedChunk(chunk + indexes, index, counts)
+        return SealedChunk(chunk, entries, self._start, self._end, len(packed), len(records))

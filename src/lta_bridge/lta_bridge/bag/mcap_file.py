@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import final
 import zlib
 
-from lta_bridge.bag.chunk import ChunkBuilder
+from lta_bridge.bag.chunk import ChunkBuilder, SealedChunk
 from lta_bridge.bag.records import encoded, MAGIC
 from lta_bridge.bag.schemas import Definition
 from lta_bridge.bag.storage import RecordFile
@@ -48,6 +48,7 @@ class McapFile:
     """
 
     def __init__(self, path: Path, library: str) -> None:
+        self.path = path
         self._file = RecordFile(path)
         self._builder = ChunkBuilder()
         self._schemas: dict[Definition, Schema] = {}
@@ -56,7 +57,16 @@ class McapFile:
         self._metadata: list[MetadataIndex] = []
         self._summary_size = 0
         self.counts: Counter[int] = Counter()
-        self._file.append(MAGIC + encoded([Header('ros2', library)]))
+        try:
+            self._file.append(MAGIC + encoded([Header('ros2', library)]))
+        except BaseException:
+            self._file.discard()
+            raise
+
+    @property
+    def size(self) -> int:
+        """Bytes that have gone to the disk."""
+        return self._file.size
 
     @property
     def start(self) -> int:
@@ -127,20 +137,27 @@ class McapFile:
 
     def flush(self) -> None:
         """Finish the chunk in progress and hand it to the operating system."""
-        if self._builder.size == 0:
-            return
-        chunk = self._builder.finish(self._file.size)
+        if self._builder.size:
+            self.add_chunk(self._builder.seal())
+
+    def add_chunk(self, sealed: SealedChunk) -> None:
+        """Hand a whole chunk to the operating system; its channels must have been announced."""
+        chunk = sealed.at(self._file.size)
         self._file.append(chunk.data)
         self._chunks.append(chunk.index)
         self.counts.update(chunk.counts)
         self._summary_size += len(encoded([chunk.index]))
 
-    def close(self) -> None:
-        """Write the summary of what reached the disk, and close the file."""
+    def close(self, *, sync: bool = True) -> None:
+        """Write the summary of what reached the disk, and close the file; see `RecordFile`."""
         try:
             self._file.append(self._summary(self._file.size))
         finally:
-            self._file.close()
+            self._file.close(sync=sync)
+
+    def discard(self) -> None:
+        """Close the file and remove it."""
+        self._file.discard()
 
     def _statistics(self) -> Statistics:
         """Count what is in the file."""

@@ -1,9 +1,9 @@
 """The `metadata.yaml` of a rosbag2 folder, version 9 (ROS 2 Jazzy)."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-import os
 from pathlib import Path
 from typing import final
 
@@ -27,6 +27,22 @@ class TopicRecord:
     written: int = 0
 
 
+@final
+@dataclass(frozen=True, slots=True)
+class FilePart:
+    """One file of a bag: its name, first and last log time in ns, and its messages by channel."""
+
+    name: str
+    start: int
+    end: int
+    counts: Mapping[int, int]
+
+    @property
+    def total(self) -> int:
+        """Number of its messages."""
+        return sum(self.counts.values())
+
+
 def topic_entry(topic: TopicRecord, count: int) -> dict[str, object]:
     """Return one entry of `topics_with_message_count`."""
     return {
@@ -42,50 +58,53 @@ def topic_entry(topic: TopicRecord, count: int) -> dict[str, object]:
 
 
 def bag_metadata(
-    file_name: str,
-    topics: Sequence[TopicRecord],
-    counts: Mapping[int, int],
-    span: tuple[int, int],
-    provenance: Mapping[str, str],
+    parts: Sequence[FilePart], topics: Sequence[TopicRecord], provenance: Mapping[str, str]
 ) -> dict[str, object]:
     """
-    Return the content of `metadata.yaml` for a bag of one file.
+    Return the content of `metadata.yaml`.
 
     Parameters
     ----------
-    file_name : str
-        Name of the MCAP file in the folder.
+    parts : sequence of FilePart
+        The files in the order in which they were recorded, at least one.
     topics : sequence of TopicRecord
         The recorded topics.
-    counts : mapping of int to int
-        Messages in the file by channel.
-    span : tuple of int
-        First and last log time. [ns]
     provenance : mapping of str to str
         Goes to `custom_data`.
 
     """
-    start, end = span
-    times: dict[str, object] = {
-        'duration': {'nanoseconds': end - start},
-        'starting_time': {'nanoseconds_since_epoch': start},
-        'message_count': sum(counts.values()),
-    }
+    counts: Counter[int] = Counter()
+    for part in parts:
+        counts.update(part.counts)
+    filled = [part for part in parts if part.total]
+    start = min((part.start for part in filled), default=0)
+    end = max((part.end for part in filled), default=0)
     return {
         'rosbag2_bagfile_information': {
             'version': 9,
             'storage_identifier': 'mcap',
-            **times,
+            **times(start, end, counts.total()),
             'topics_with_message_count': [
-                topic_entry(topic, counts.get(topic.channel, 0)) for topic in topics
+                topic_entry(topic, counts[topic.channel]) for topic in topics
             ],
             'compression_format': '',
             'compression_mode': '',
-            'relative_file_paths': [file_name],
-            'files': [{'path': file_name, **times}],
+            'relative_file_paths': [part.name for part in parts],
+            'files': [
+                {'path': part.name, **times(part.start, part.end, part.total)} for part in parts
+            ],
             'custom_data': dict(provenance) or None,
             'ros_distro': 'jazzy',
         }
+    }
+
+
+def times(start: int, end: int, messages: int) -> dict[str, object]:
+    """Return what metadata.yaml tells of a file and of the whole; log times in ns."""
+    return {
+        'duration': {'nanoseconds': end - start},
+        'starting_time': {'nanoseconds_since_epoch': start},
+        'message_count': messages,
     }
 
 
@@ -104,8 +123,6 @@ def write_metadata(folder: Path, content: Mapping[str, object]) -> None:
     try:
         with fresh.open('w', encoding='utf-8') as stream:
             stream.write(text)
-            stream.flush()
-            os.fsync(stream.fileno())
         fresh.replace(folder / NAME)
     except OSError as error:
         with suppress(OSError):

@@ -63,6 +63,16 @@ def offered_qos(
     }
 
 
+def is_latched(profiles: Sequence[Profile]) -> bool:
+    """Tell whether all publishers of a topic keep messages for late joiners."""
+    return bool(profiles) and all(each['durability'] == 'transient_local' for each in profiles)
+
+
+def is_mixed(profiles: Sequence[Profile]) -> bool:
+    """Tell whether some publishers of a topic keep messages for late joiners, and some do not."""
+    return len({each['durability'] for each in profiles}) > 1
+
+
 def to_yaml(profiles: Sequence[Profile]) -> str:
     """Return the text of a channel's `offered_qos_profiles`; empty where none is known."""
     if not profiles:

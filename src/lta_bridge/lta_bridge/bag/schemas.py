@@ -32,6 +32,11 @@ def jazzy() -> Typestore:
     return get_typestore(Stores.ROS2_JAZZY)
 
 
+def is_known(type_name: str) -> bool:
+    """Tell whether a message type is one of ROS 2 Jazzy's common interfaces."""
+    return type_name in jazzy().fielddefs
+
+
 @cache
 def definition(type_name: str) -> Definition:
     """
@@ -49,7 +54,7 @@ def definition(type_name: str) -> Definition:
 
     """
     types = jazzy()
-    if type_name not in types.fielddefs:
+    if not is_known(type_name):
         raise BadInput(
             f"Message type '{type_name}' is not part of ROS 2 Jazzy's common interfaces; "
             "record a type such as 'sensor_msgs/msg/Imu'."

@@ -1,10 +1,13 @@
 """A file that ends on a whole record even when the disk does not play along."""
 
 from contextlib import suppress
+import errno
 import os
 from pathlib import Path
 import shutil
 from typing import final
+
+MARGIN = 4_000_000  # bytes left free on the disk beyond what closing needs
 
 
 class StorageFault(OSError):
@@ -29,6 +32,51 @@ def free_space(path: Path) -> int:
 
 
 @final
+class NearlyFull(StorageFault):
+    """So little room is left that a bag must be closed while its index still fits."""
+
+    def __str__(self) -> str:
+        """Return the sentence for the user."""
+        return (
+            f"The disk is nearly full, so the bag '{self.filename}' ends here, whole; make room "
+            'before the next flight.'
+        )
+
+
+def check_room(path: Path, needed: int) -> None:
+    """
+    Refuse to go on when the disk has little more room than closing needs.
+
+    Parameters
+    ----------
+    path : Path
+        A folder on the disk.
+    needed : int
+        What closing needs. [bytes]
+
+    Raises
+    ------
+    NearlyFull
+        If less than that and `MARGIN` is left.
+
+    """
+    if free_space(path) < needed + MARGIN:
+        raise NearlyFull(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+
+
+def sync(path: Path) -> None:
+    """Make a file that has been closed safe from a power cut."""
+    try:
+        fd = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+        try:
+            os.fsync(fd)
+        finally:
+            os.close(fd)
+    except OSError as error:
+        raise storage_fault(error, path) from error
+
+
+@final
 class RecordFile:
     """
     Append-only file; each append is whole or leaves no trace.
@@ -41,12 +89,20 @@ class RecordFile:
     path : Path
         File to create; it must not exist.
 
+    Raises
+    ------
+    StorageFault
+        If it cannot be created.
+
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self.size = 0
-        self._fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o644)
+        try:
+            self._fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o644)
+        except OSError as error:
+            raise storage_fault(error, path) from error
 
     def append(self, data: bytes) -> int:
         """
@@ -76,11 +132,19 @@ class RecordFile:
         with suppress(OSError):  # Where even that fails, the next append overwrites the rest.
             os.ftruncate(self._fd, self.size)
 
-    def close(self) -> None:
-        """Bring the file to the disk and close it."""
+    def close(self, *, sync: bool = True) -> None:
+        """Close the file; where `sync`, only once it is safe from a power cut."""
         try:
-            os.fsync(self._fd)
+            if sync:
+                os.fsync(self._fd)
         except OSError as error:
             raise storage_fault(error, self.path) from error
         finally:
             os.close(self._fd)
+
+    def discard(self) -> None:
+        """Close the file and remove it; the disk may be broken already."""
+        with suppress(OSError):
+            os.close(self._fd)
+        with suppress(OSError):
+            self.path.unlink()

@@ -1,22 +1,26 @@
 """
 The bag a flight is recorded into.
 
-A rosbag2 folder (metadata.yaml version 9) with one MCAP file: profile ros2, messages as CDR,
-definitions inside, zstd chunks with CRC, chunk and message indexes. Everything up to the last
-`flush` survives the death of the process; a full or broken disk ends the recording, not the bag.
+A rosbag2 folder (metadata.yaml version 9) with one MCAP file, or several that can each be read
+alone: profile ros2, messages as CDR, definitions inside, zstd chunks with CRC, chunk and message
+indexes. Everything up to the last `flush` survives the death of the process; a full or broken disk
+ends the recording, not the bag.
 """
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import final, Self
 
+from lta_bridge.bag.chunk import SealedChunk
 from lta_bridge.bag.mcap_file import McapFile
-from lta_bridge.bag.metadata import bag_metadata, TopicRecord, write_metadata
+from lta_bridge.bag.metadata import bag_metadata, FilePart, NAME, TopicRecord, write_metadata
 from lta_bridge.bag.qos import Profile, to_yaml
 from lta_bridge.bag.records import PROVENANCE
 from lta_bridge.bag.schemas import Definition, definition
-from lta_bridge.bag.storage import StorageFault
+from lta_bridge.bag.split import Split, WHOLE
+from lta_bridge.bag.storage import check_room, StorageFault, sync
 from lta_config.errors import BadInput
 
 LIBRARY = 'lta'
@@ -54,7 +58,9 @@ class BagWriter:
     path : Path
         Folder of the bag; made if missing, refused if it holds anything.
     provenance : mapping of str to str
-        Where the data come from (commit, seed, scenario); kept in metadata.yaml and in the MCAP.
+        Where the data come from (commit, seed, scenario); kept in metadata.yaml and in each MCAP.
+    split : Split
+        When the next file begins: never, unless it says so.
 
     Raises
     ------
@@ -65,22 +71,24 @@ class BagWriter:
 
     """
 
-    def __init__(self, path: Path, provenance: Mapping[str, str]) -> None:
+    def __init__(self, path: Path, provenance: Mapping[str, str], split: Split = WHOLE) -> None:
         self.path = empty_folder(Path(path))
         self._provenance = dict(provenance)
+        self._split = split
         self._topics: dict[str, TopicRecord] = {}
         self._described = 0
         self._fault: StorageFault | None = None
         self._open = True
-        self._file_name = f'{self.path.resolve().name}_0.mcap'
-        self._mcap = McapFile(self.path / self._file_name, LIBRARY)
-        self._mcap.add_metadata(PROVENANCE, self._provenance)
+        self._parts: list[FilePart] = []
+        self._first: int | None = None
+        self._mcap = self._begin_file(0)
         self._describe()
 
     @property
     def reserve(self) -> int:
         """Space that `close` still needs: stop recording before less is left. [bytes]"""
-        return self._mcap.summary_size + 1024 * (4 + len(self._topics))
+        described = 1024 * (4 + len(self._topics)) + 256 * len(self._parts)
+        return self._mcap.summary_size + described
 
     def add_topic(self, name: str, type_name: str | Definition, qos: Sequence[Profile]) -> None:
         """
@@ -115,6 +123,10 @@ class BagWriter:
             raise
         self._topics[name] = TopicRecord(name, found, list(qos), channel)
 
+    def offer(self, name: str, qos: Sequence[Profile]) -> None:
+        """Tell what a topic's publishers offer by now, for metadata.yaml and the next file."""
+        self._topics[name].qos = list(qos)
+
     def write(
         self, topic: str, data: bytes, log_time_ns: int, publish_time_ns: int | None = None
     ) -> None:
@@ -144,9 +156,22 @@ class BagWriter:
         record = self._topics[topic]
         record.written += 1
         try:
+            if self._split is not WHOLE:
+                self._turn(log_time_ns)
             self._mcap.add_message(
                 record.channel, record.written, log_time_ns, data, publish_time_ns
             )
+        except StorageFault as fault:
+            self._fault = fault
+            raise
+
+    def add_chunk(self, sealed: SealedChunk) -> None:
+        """Record packed messages, channels numbered as the topics here; raises as `write` does."""
+        self.flush()
+        for record in self._topics.values():
+            record.written += sealed.counts.get(record.channel, 0)
+        try:
+            self._mcap.add_chunk(sealed)
         except StorageFault as fault:
             self._fault = fault
             raise
@@ -170,6 +195,14 @@ class BagWriter:
             self._fault = fault
             raise
 
+    def refresh(self) -> None:
+        """Bring metadata.yaml up to date, for whoever finds the bag after a SIGKILL."""
+        self._describe()
+
+    def check_room(self) -> None:
+        """Raise `NearlyFull` when the disk has little more room than closing needs."""
+        check_room(self.path, self.reserve)
+
     def close(self) -> None:
         """
         Finish the bag; closing twice does nothing.
@@ -184,7 +217,7 @@ class BagWriter:
             return
         self._open = False
         told = self._fault
-        for step in (self._mcap.flush, self._mcap.close, self._describe):
+        for step in (self._mcap.flush, self._mcap.close, self._describe, self._sync):
             try:
                 step()
             except StorageFault as fault:
@@ -193,22 +226,63 @@ class BagWriter:
             raise self._fault
 
     @property
+    def total(self) -> int:
+        """Messages in the files."""
+        return sum(part.total for part in self._parts) + self._mcap.counts.total()
+
+    @property
     def lost(self) -> int:
-        """Messages that were accepted and are neither in the file nor waiting for a flush."""
+        """Messages that were accepted and are neither in a file nor waiting for a flush."""
         accepted = sum(record.written for record in self._topics.values())
-        return accepted - self._mcap.counts.total() - self._mcap.waiting
+        return accepted - self.total - self._mcap.waiting
 
     def _check(self) -> None:
         """Refuse to go on after a fault."""
         if self._fault is not None:
             raise self._fault
 
+    def _begin_file(self, number: int) -> McapFile:
+        """Return a file, with everything in it that reading it alone takes."""
+        name = f'{self.path.resolve().name}_{number}.mcap'
+        mcap = McapFile(self.path / name, LIBRARY)
+        try:
+            mcap.add_metadata(PROVENANCE, self._provenance)
+            for record in self._topics.values():  # in the order of their channels' numbers
+                mcap.add_channel(record.name, record.definition, to_yaml(record.qos))
+        except BaseException:
+            mcap.discard()
+            raise
+        return mcap
+
+    def _turn(self, log_time_ns: int) -> None:
+        """Go on in the next file before a message, if that is due. [ns]"""
+        self._first = log_time_ns if self._first is None else self._first
+        size = self._mcap.size if self._mcap.counts else 0  # what all files begin with fills none
+        if self._split.due(size, log_time_ns - self._first):
+            self._mcap.flush()
+            # The old file is closed once the next one stands, and no message is in a file that
+            # metadata.yaml does not list: whenever the process dies, the bag is whole.
+            following, full = self._begin_file(len(self._parts) + 1), self._mcap
+            self._parts.append(self._part(full))
+            self._mcap = following
+            self._first = log_time_ns
+            full.close(sync=False)  # a slow disk must not keep the next messages waiting
+            self._describe()
+
+    def _part(self, mcap: McapFile) -> FilePart:
+        """Return what metadata.yaml tells of a file as it stands."""
+        return FilePart(mcap.path.name, mcap.start, mcap.end, Counter(mcap.counts))
+
+    def _sync(self) -> None:
+        """Make the whole bag safe from a power cut; a slow disk may take long."""
+        for name in (*(part.name for part in self._parts), NAME):
+            sync(self.path / name)
+
     def _describe(self) -> None:
         """Write metadata.yaml as things stand."""
         topics = list(self._topics.values())
-        span = (self._mcap.start, self._mcap.end)
-        content = bag_metadata(self._file_name, topics, self._mcap.counts, span, self._provenance)
-        write_metadata(self.path, content)
+        parts = [*self._parts, self._part(self._mcap)]
+        write_metadata(self.path, bag_metadata(parts, topics, self._provenance))
         self._described = len(topics)
 
     def __enter__(self) -> Self:

@@ -1,75 +1,58 @@
 """
-The recorder node: everything that the topic table marks as recorded, as it comes, into a bag.
+The recorder node: what the topic table marks, some topics, or everything, as it comes, into a bag.
 
 The middleware fills the gaps that CDR leaves between numbers with whatever its memory held before.
 That repeats itself where every message of a topic has the same layout. Where texts change their
 length it does not, so the gaps of such a repeatable topic are written as zeros.
 
-What is older than `FLUSH_PERIOD` survives even SIGKILL. When the disk fills, the bag is closed
-while its index still fits and the process ends with a sentence and status 2.
+What is a second old survives even SIGKILL. The disk is written from a thread of its own, so that
+the middleware is emptied while the disk is slow. When the disk fills, the bag is closed while its
+index still fits and the process ends with a sentence and status 2.
 """
 
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 import time
 from typing import Any
 
-from lta_bridge.bag.qos import offered_qos
-from lta_bridge.bag.storage import free_space, StorageFault
+from diagnostic_msgs.msg import DiagnosticArray
+from lta_bridge.bag.background import BackgroundWriter
+from lta_bridge.bag.memory import SnapshotMemory
+from lta_bridge.bag.qos import is_mixed, Profile
+from lta_bridge.bag.schemas import is_known
+from lta_bridge.bag.split import Split
+from lta_bridge.bag.storage import StorageFault
 from lta_bridge.bag.writer import BagWriter
-from lta_bridge.bookkeeping import Bookkeeping
 from lta_bridge.cdr import serialise
-from lta_bridge.provenance import joined, provenance
+from lta_bridge.intake import Intake
+from lta_bridge.messages import faults, profiles
+from lta_bridge.provenance import joined
+from lta_bridge.recorder_settings import Origin, RecorderSettings
+from lta_bridge.snapshots import Snapshots
 from lta_config.errors import BadInput
+from lta_config.recorded import EVERYTHING, wanted
 from lta_config.settings import setting, Settings
-from lta_config.topics import is_name, robot_topic
+from lta_config.topics import is_name
 from lta_graph.health import Level
 from lta_graph.interrupts import held_interrupts
-from lta_graph.ros.node import GraphNode, message_type, run
+from lta_graph.ros.node import GraphNode, REPORT_PERIOD, run
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.qos import profile
 from lta_graph.ros.spin import spin
+from lta_graph.ros.taps import GENEROUS, message_class, Taps
 from pydantic import create_model
 from rclpy.clock import Clock, ClockType
 from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
+from std_srvs.srv import Trigger
 
-FLUSH_PERIOD = 0.4  # wall seconds; a killed recorder loses at most this
+DIAGNOSTICS = '/diagnostics'
+LOOK_PERIOD = 0.4  # wall seconds between looks at the graph and at the losses
 QUIET = 0.3  # wall seconds without a message after which nothing more is on the way
 LINGER = 3.0  # wall seconds to wait for that quiet at most
-MARGIN = 4_000_000  # bytes left free on the disk beyond what closing needs
-VARYING = {'diagnostic_msgs/msg/DiagnosticArray'}  # types whose texts change their length
-DEPTH = 1000  # messages that may wait while the disk is slow
-NAP_NS = 5_000_000  # between looks: waking up for every message would cost half a core
-
-
-class Origin(Settings):
-    """What the bag says of a robot's origin."""
-
-    vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
-    scenario: str = setting('lamp_room', 'Scenario name or file.', fixed=True)
-    gains: str = setting('gtmab', "Name or file of the controller's gains.", fixed=True)
-    strategy: str = setting('bag', 'Navigation strategy.', fixed=True)
-    seed: int = setting(1, 'Seed of all chance.', low=0, high=2**31 - 1, fixed=True)
-    offset_x: float = setting(
-        0.0, "Start, east of the scenario's.", unit='m', low=-1e3, high=1e3, fixed=True
-    )
-    offset_y: float = setting(
-        0.0, "Start, north of the scenario's.", unit='m', low=-1e3, high=1e3, fixed=True
-    )
-
-
-class RecorderSettings(Origin):
-    """Where to, and what the bag says of its origin."""
-
-    bag: str = setting('bag', 'Folder of the bag; it must not exist yet or be empty.', fixed=True)
-    robots: str = setting(
-        '',
-        'Namespaces of the robots to record, with spaces between; the own one where empty. Of '
-        'several, lta2.seed and so on tell the origin of each.',
-        fixed=True,
-    )
+NAP_NS = 20_000_000  # between looks: waking up for every message would cost half a core
+MB = 1_000_000
 
 
 def origins(node: GraphNode, robots: list[str]) -> dict[str, Origin]:
@@ -85,156 +68,194 @@ def origins(node: GraphNode, robots: list[str]) -> dict[str, Origin]:
     return {name: getattr(told, name) for name in robots}
 
 
+def cleaner(type_name: str) -> Callable[[bytes], bytes]:
+    """Return what writes a message of a type anew, with zeros between its fields."""
+    kind = message_class(type_name)
+
+    def clean(data: bytes) -> bytes:
+        try:
+            return serialise(deserialize_message(data, kind))
+        except RuntimeError:  # it is no such message, and is kept as it came
+            return data
+
+    return clean
+
+
 class Recorder(GraphNode):
     """Write raw messages to a bag."""
 
     def __init__(self) -> None:
         super().__init__('recorder')
-        settings = Parameters(self, RecorderSettings).value
-        robots = settings.robots.split()
-        found = {name: self._told(item) for name, item in origins(self, robots).items()}
-        origin = joined(found) if found else self._told(settings)
+        told = self._told = Parameters(self, RecorderSettings).value
+        robots = told.robots.split()
+        each = {k: item.told(lockstep=self.lockstep) for k, item in origins(self, robots).items()}
+        origin = joined(each) if each else told.told(lockstep=self.lockstep)
         robots = robots or [self.get_namespace().strip('/')]
-        whole = self.lockstep and not self.replayed  # a recording may begin anywhere
-        self._books = {name: Bookkeeping(self.table, whole) for name in robots}
-        self._common = Bookkeeping(self.table, whole)
+        topics = wanted(told.topics, robots, self.table)
         self._fault = ''
-        self._latest = time.monotonic()
+        self._snapshots: Snapshots | None = None
+        self._types: dict[str, str] = {}
+        self._announced: set[str] = set()
+        self._offers: dict[str, list[Profile]] = {}
+        self._left_out: dict[str, str] = {}
         with ExitStack() as unfinished:
             with held_interrupts():  # a bag is begun whole ...
-                self._writer = BagWriter(Path(settings.bag), origin)
+                try:
+                    self._writer = self._begin(Path(told.bag), origin)
+                except StorageFault as fault:
+                    raise BadInput(str(fault)) from None
                 unfinished.callback(self._writer.close)  # ... and closed, whoever ends it here
-            for name, topic in self.table.topics.items():
-                for robot in robots if topic.recorded else []:
-                    self._record(robot, name)
-            self._writer.flush()
+            whole = self.lockstep and not self.replayed  # a recording may begin anywhere
+            self._intake = Intake(self.table, whole, robots, self._writer)
+            everything = told.topics.split() == [EVERYTHING]
+            self._taps = Taps(self, self._receiver, self._wants if everything else None)
+            for name, type_name in topics.items():
+                self._taps.add(name, type_name, self._expected(name))
+            if self._snapshots and DIAGNOSTICS not in self._taps:
+                self.create_subscription(
+                    DiagnosticArray, DIAGNOSTICS, self._hear, GENEROUS.depth, raw=True
+                )
+            self.create_service(Trigger, 'recorder/snapshot', self._on_snapshot)
             steady = Clock(clock_type=ClockType.STEADY_TIME)
-            self.create_timer(FLUSH_PERIOD, self._flush, clock=steady)
+            self.create_timer(LOOK_PERIOD, self._look, clock=steady)
             unfinished.pop_all()
 
-    def _told(self, origin: Origin) -> dict[str, str]:
-        """Return a robot's origin as the bag tells it."""
-        moved = {'offset_x': origin.offset_x, 'offset_y': origin.offset_y}
-        return provenance(
-            origin.vehicle,
-            origin.scenario,
-            origin.gains,
-            strategy=origin.strategy,
-            seed=str(origin.seed),
-            time='lockstep' if self.lockstep else 'realtime',
-            **{name: str(value) for name, value in moved.items() if value},
-        )
+    def _begin(self, path: Path, origin: dict[str, str]) -> BackgroundWriter:
+        """Begin the bag, or the memory that snapshots are made of."""
+        told, room = self._told, int(self._told.queue_size * MB)
+        if not told.snapshot:
+            split = Split(int(told.split_size * MB), int(told.split_duration * 1e9))
+            return BackgroundWriter(BagWriter(path, origin, split), room)
+        span, size = int(told.snapshot * 1e9), int(told.snapshot_size * MB)
+        memory = SnapshotMemory(path, origin, span, size)
+        writer = BackgroundWriter(memory, room)
+        self._snapshots = Snapshots(memory, writer)
+        return writer
 
-    def _record(self, robot: str, name: str) -> None:
-        """Record a topic of a robot; what is of all robots is recorded once."""
-        topic = self.table[name]
-        if name.startswith('/') and robot != next(iter(self._books)):
+    def _expected(self, name: str) -> QoSProfile:
+        """Return the profile that a topic should have."""
+        topic = self.table.topics.get(self._intake.owner(name)[1])
+        return profile(topic, self.lockstep) if topic else GENEROUS
+
+    def _wants(self, name: str, type_name: str) -> bool:
+        """Tell whether to record a topic that was found, and take note of what cannot be."""
+        if not self._intake.covers(name):
+            return False
+        known = is_known(type_name) and message_class(type_name) is not None
+        if not known:
+            self._left_out[name] = type_name or 'several types'
+        return known
+
+    def _receiver(self, name: str, type_name: str) -> Callable[[bytes], None]:
+        """Return what takes the messages of a topic."""
+        self._types[name] = type_name
+        announced, take = self._announced, self._intake.takes(name, type_name, cleaner(type_name))
+        watched = self._snapshots is not None and name == DIAGNOSTICS
+
+        def receive(data: bytes) -> None:
+            if name not in announced:
+                self._announce(name)
+            take(data)
+            if watched:
+                self._hear(data)
+
+        return receive
+
+    def _announce(self, name: str) -> None:
+        """Tell the bag what the publishers of a topic offer, and those offered that have gone."""
+        offered, expected = self._taps[name].offered(), self._expected(name)
+        known = self._offers.setdefault(name, [])
+        fresh = [each for each in profiles(offered, expected) if offered and each not in known]
+        known += fresh
+        if name not in self._announced:
+            self._announced.add(name)
+            told = list(known) or profiles([], expected)
+            self._writer.add_topic(name, self._types[name], told)
+        elif fresh:
+            self._writer.offer(name, list(known))
+
+    def _hear(self, data: bytes) -> None:
+        """Look for faults in a diagnostics message."""
+        if self._snapshots is None:
             return
-        offered = profile(topic, self.lockstep)
-        words = offered.reliability.name.lower(), offered.durability.name.lower()
-        absolute = robot_topic(robot, name) if robot else f'/{name.lstrip("/")}'
-        self._writer.add_topic(absolute, topic.type, [offered_qos(*words, offered.depth)])
-        asked = QoSProfile(
-            depth=max(DEPTH, offered.depth),
-            reliability=offered.reliability,
-            durability=offered.durability,
-        )
-        callback = self._writes(robot, name, absolute)
-        self.create_subscription(message_type(topic), absolute, callback, asked, raw=True)
+        with suppress(RuntimeError):  # what is no such message tells of no fault
+            message = deserialize_message(data, DiagnosticArray)
+            self._snapshots.hear(faults(message), time.monotonic())
 
-    def _log_time(self, robot: str, name: str, data: bytes) -> int:
-        """Return when a message was published; what is of all robots is as new as the newest."""
-        if not name.startswith('/'):
-            return self._books[robot].log_time(name, data)
-        self._common.log_time(name, data)
-        return max(books.now for books in self._books.values())
-
-    def _writes(self, robot: str, name: str, absolute: str) -> Callable[[bytes], None]:
-        topic = self.table[name]
-        varying = topic.repeatable and topic.type in VARYING
-        kind = message_type(topic)
-
-        def write(data: bytes) -> None:
-            self._latest = time.monotonic()
-            if not self._fault:
-                try:
-                    when = self._log_time(robot, name, data)
-                    kept = serialise(deserialize_message(data, kind)) if varying else data
-                    self._writer.write(absolute, kept, when)
-                except StorageFault as fault:
-                    self._give_up(str(fault))
-
-        return write
-
-    def _flush(self) -> None:
-        if self._fault:
-            return
-        try:
-            self._writer.flush()
-        except StorageFault as fault:
-            self._give_up(str(fault))
-            return
-        if free_space(self._writer.path) < self._writer.reserve + MARGIN:
-            self._give_up(
-                f"The disk is nearly full, so the bag '{self._writer.path}' ends here, whole; "
-                'make room before the next flight.'
+    def _look(self) -> None:
+        """Look at the graph and at the writer, and tell how the recording stands."""
+        for name in self._taps.look():
+            if self._taps[name].publishers:
+                self._announce(name)
+        if self._snapshots is not None:
+            self._snapshots.tend(time.monotonic())
+            level, words, figures = self._snapshots.tally()
+            self.health.report('snapshots', level, words, **figures)
+        if mixed := [name for name, known in self._offers.items() if is_mixed(known)]:
+            self.health.report(
+                'latched',
+                Level.WARN,
+                f'what was sent before the recorder came is missed on {", ".join(mixed)}: '
+                'not all publishers keep it',
             )
-        self._report()
+        if self._left_out:
+            self.health.report(
+                'left out',
+                Level.WARN,
+                'topics of types that are not in the common interfaces of ROS 2 Jazzy',
+                **self._left_out,
+            )
+        if self._writer.fault is not None and not self._fault:
+            self._fault = str(self._writer.fault)
+            self.health.report('recording', Level.ERROR, self._fault)
+            self.running = False
+        if not self._fault:
+            level, words, figures = self._intake.tally(self._taps.lost)
+            self.health.report('recording', level, words, **figures)
 
-    def _report(self) -> None:
-        """Tell how many messages came, and what is wrong with which topics."""
-        wrong = {
-            'lost': self._counted('lost'),
-            'with a wild stamp': self._counted('wild'),
-            'cut short': self._counted('torn'),
-        }
-        words = [
-            f'{sum(found.values())} messages {what}' for what, found in wrong.items() if found
-        ]
-        by_topic = {
-            f'{name} {what}': count
-            for what, found in wrong.items()
-            for name, count in found.items()
-        }
-        self.health.report(
-            'recording',
-            Level.WARN if words else Level.OK,
-            ', '.join(words) or 'recording',
-            messages=sum(self._counted('counts').values()),
-            **by_topic,
-        )
-
-    def _counted(self, what: str) -> dict[str, int]:
-        """Return a count of the books by topic, with the robot's name before it of several."""
-        several = len(self._books) > 1
-        found: dict[str, int] = dict(getattr(self._common, what))
-        for robot, books in self._books.items():
-            for name, count in getattr(books, what).items():
-                found[robot_topic(robot, name) if several else name] = count
-        return found
-
-    def _give_up(self, reason: str) -> None:
-        """End the recording and the process; the sentence is said once the bag is closed."""
-        self._fault = reason
-        self.health.report('recording', Level.ERROR, reason)
-        self.running = False
+    def _on_snapshot(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        """Write a snapshot, and go on taking messages until it is on the disk."""
+        if self._snapshots is None:
+            response.message = (
+                'The recorder writes everything to its bag; start it with snapshot:=SECONDS to '
+                'keep the last seconds in memory instead.'
+            )
+            return response
+        saving = self._snapshots.ask()
+        told = time.monotonic()
+        while self.running and not saving.done.wait(NAP_NS * 1e-9):
+            for item in self.subscriptions:
+                while (taken := item.handle.take_message(item.msg_type, item.raw)) is not None:
+                    item.callback(taken[0])
+            if time.monotonic() - told > REPORT_PERIOD:
+                told = time.monotonic()
+                self.publish_health()
+        response.success = saving.made is not None
+        response.message = saving.sentence
+        return response
 
     def work(self) -> None:
         """Record until told to stop, then until nothing more is on the way."""
         self.health.report('state', Level.OK, 'running')
-        spin(self, lambda: self.running, awaited=list, wait_ns=NAP_NS)
+        while self.running:
+            self._taps.mend()
+            going = lambda: self.running and not self._taps.due  # noqa: E731
+            spin(self, going, awaited=list, wait_ns=NAP_NS)
         deadline = time.monotonic() + LINGER
         if not self._fault:
-            self._latest = time.monotonic()
-            end = lambda: time.monotonic() < min(deadline, self._latest + QUIET)  # noqa: E731
+            self._intake.latest = time.monotonic()
+            end = lambda: time.monotonic() < min(deadline, self._intake.latest + QUIET)  # noqa: E731
             spin(self, end, awaited=list, wait_ns=NAP_NS)
 
     def close(self) -> None:
         """Finish the bag, and say so if it had to end early."""
+        for name in self._taps:
+            if name not in self._announced:
+                self._announce(name)
         try:
             self._writer.close()
         except StorageFault as fault:
-            self._fault = self._fault or str(fault)
+            self._fault = str(fault)
         if self._fault:
             self.health.report('recording', Level.ERROR, self._fault, unwritten=self._writer.lost)
         self.publish_health()

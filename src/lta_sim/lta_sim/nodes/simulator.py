@@ -16,6 +16,7 @@ import sys
 import time
 
 from lta_config.errors import BadInput
+from lta_config.recorded import is_wanted
 from lta_config.settings import setting, Settings
 from lta_graph.health import Level
 from lta_graph.inbox import Step
@@ -52,6 +53,7 @@ class SimulatorSettings(Settings):
         0.0, "Start, north of the scenario's.", unit='m', low=-FAR, high=FAR, fixed=True
     )
     record: bool = setting(False, 'Whether to wait for a recorder.', fixed=True)
+    topics: str = setting('', 'What the recorder records, as it is told.', fixed=True)
     clock: bool = setting(True, 'Whether to tell /clock: one simulator does.', fixed=True)
     peers: str = setting(
         '', 'Namespaces of drones to keep together with in time, with spaces between.', fixed=True
@@ -100,9 +102,10 @@ class Simulator(GraphNode):
     def _lonely(self) -> list[str]:
         """Return whom the outputs still wait for."""
         waiting: set[str] = set()
+        words, robot = self._settings.topics, self.get_namespace().strip('/')
         for name, publisher in self._outputs.items():
             readers = set(self.table[name].subscribers)
-            if self._settings.record and self.table[name].recorded:
+            if self._settings.record and is_wanted(words, robot, name, self.table[name]):
                 readers.add('recorder')
             if name == PULSE:
                 readers |= {f'{peer}/vehicle' for peer in self._company.names}

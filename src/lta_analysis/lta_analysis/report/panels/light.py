@@ -7,6 +7,7 @@ from lta_analysis.report.view import Array, View
 import numpy as np
 from plotly.graph_objects import Figure, Heatmap, Scatter
 
+MOST_COLUMNS = 1000  # instants on the map; a screen shows no more
 FAINTEST = 0.1  # counts; below one step of the converter there is only noise
 
 
@@ -17,7 +18,8 @@ def picture(view: View) -> Figure:
     azimuth = np.degrees(np.arctan2(parts['y'][0], parts['x'][0])).round(1)
     order = np.argsort(azimuth)
     amplitude = parts['amplitude'][:, order].T
-    figure.add_trace(amplitudes(time, azimuth[order], amplitude), row=1, col=1)
+    shown = stretches(time), azimuth[order], stretches(amplitude)
+    figure.add_trace(amplitudes(*shown), row=1, col=1)
     if view.has('light/bearing'):
         figure.add_trace(bearings(view), row=1, col=1)
     if view.has('ground_truth/odom') and view.lamp is not None:
@@ -62,6 +64,14 @@ def amplitudes(time: Array, azimuth: Array, amplitude: Array) -> Heatmap:
             'title': {'text': 'counts', 'side': 'right', 'font': {'color': SOFT, 'size': 10}},
         },
     )
+
+
+def stretches(values: Array) -> Array:
+    """Return the mean of each stretch of the last axis, of few enough stretches to be seen."""
+    count = values.shape[-1]
+    starts = np.arange(0, count, -(-count // MOST_COLUMNS))
+    lengths = np.diff(np.append(starts, count))
+    return np.asarray(np.add.reduceat(values, starts, axis=-1) / lengths)
 
 
 def bearings(view: View) -> Scatter:

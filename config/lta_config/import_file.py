@@ -1,0 +1,286 @@
+"""
+The mapping file of an import: which column of somebody's log is which field of our topics.
+
+It says what the log's numbers are: unit, axes, attitude convention, time. It never says what to do
+with them: nothing is smoothed, resampled or invented.
+"""
+
+from typing import Annotated, Literal, Self
+
+from lta_config.files import find, load, Record
+from lta_config.quantity import Quantity, UNITS
+from pydantic import AliasChoices, Field, field_validator, model_validator
+
+Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
+Column = Annotated[str, Field(min_length=1)]
+Format = Literal['csv', 'usd', 'ulog', 'bag']
+Three = Annotated[list[Column], Field(min_length=3, max_length=3)]
+
+# Our x, y, z in terms of theirs: ENU and FLU are ours.
+AXES: dict[str, tuple[str, str, str]] = {
+    'ENU': ('x', 'y', 'z'),
+    'FLU': ('x', 'y', 'z'),
+    'NED': ('y', 'x', '-z'),
+    'FRD': ('x', '-y', '-z'),
+    'NWU': ('-y', 'x', 'z'),
+    'Y_UP': ('x', '-z', 'y'),  # OptiTrack's and Unity's habit, right-handed
+    'OPTICAL': ('z', '-x', '-y'),  # a camera's: x right, y down, z forward; to FLU
+}
+SIGNED = ('x', 'y', 'z', '-x', '-y', '-z')
+
+
+def _axes(given: object) -> tuple[str, ...]:
+    """Return axes as our x, y, z in terms of theirs."""
+    if isinstance(given, str):
+        if given not in AXES:
+            raise ValueError(f'is "{given}", but known axes are {", ".join(AXES)}, or a list')
+        return AXES[given]
+    listed = tuple(given) if isinstance(given, list | tuple) else ()
+    fits = len(listed) == 3 and all(axis in SIGNED for axis in listed)
+    if not fits or len({str(axis)[-1] for axis in listed}) != 3:
+        raise ValueError('must be three of x, y, z with signs, each once, such as [x, -y, -z]')
+    return tuple(str(axis) for axis in listed)
+
+
+class _WithAxes(Record):
+    """Whose axes are named, or written as our x, y, z in terms of theirs: `[x, -y, -z]`."""
+
+    world: tuple[str, ...] | None = None
+    body: tuple[str, ...] | None = None
+
+    @field_validator('world', 'body', mode='before')
+    @classmethod
+    def _check_axes(cls, given: object) -> tuple[str, ...] | None:
+        return None if given is None else _axes(given)
+
+
+class _InUnit(Record):
+    """A number as the log has it: SI = (number + offset) * scale / over, in `unit`."""
+
+    unit: str = '1'
+    scale: float = 1.0
+    over: Annotated[float, Field(gt=0.0)] = 1.0
+    offset: float = 0.0
+    missing: float | None = None  # the number that stands for no value
+    within: tuple[float, float] | None = None  # what the log's numbers must lie in
+
+    @field_validator('unit')
+    @classmethod
+    def _known_unit(cls, unit: str) -> str:
+        if unit not in UNITS:
+            raise ValueError(f'is "{unit}", which is no known unit; known: {", ".join(UNITS)}')
+        return unit
+
+    @field_validator('within', mode='before')
+    @classmethod
+    def _bounds(cls, given: object) -> object:
+        return tuple(map(float, given)) if isinstance(given, list) else given
+
+
+class Scalar(_InUnit):
+    """One number: of a column, or the same in every message."""
+
+    column: Column | None = None
+    value: Quantity | None = None
+
+    @model_validator(mode='after')
+    def _one(self) -> Self:
+        if (self.column is None) == (self.value is None):
+            raise ValueError('needs either "column" or "value"')
+        return self
+
+
+class Vector(_InUnit):
+    """Three numbers, in the topic's axes of `frame`; the frame that the message wants if unset."""
+
+    columns: Three | None = None
+    value: Quantity | None = None
+    frame: Literal['world', 'body'] | None = None
+
+    @model_validator(mode='after')
+    def _one(self) -> Self:
+        if (self.columns is None) == (self.value is None):
+            raise ValueError('needs either "columns" or "value"')
+        if self.value is not None and len(self.value.vector) != 3:
+            raise ValueError('has a value that is not three numbers')
+        return self
+
+
+class Orientation(Record):
+    """
+    Attitude from body to world, in one of four forms.
+
+    `euler` has one angle for each letter of `sequence`, in that order; upper-case letters turn
+    about the body's own axes (intrinsic), lower-case ones about the world's (extrinsic).
+    """
+
+    quaternion: Annotated[list[Column], Field(min_length=4, max_length=4)] | None = None
+    order: Literal['xyzw', 'wxyz'] = 'xyzw'
+    euler: Annotated[list[Column], Field(min_length=1, max_length=3)] | None = None
+    sequence: Annotated[str, Field(pattern=r'^([XYZ]{1,3}|[xyz]{1,3})$')] = 'ZYX'
+    signs: list[Literal[1, -1]] | None = None
+    rotation_vector: Three | None = None
+    matrix: Annotated[list[Column], Field(min_length=9, max_length=9)] | None = None
+    unit: Literal['rad', 'deg'] = 'rad'
+    direction: Literal['body to world', 'world to body'] = 'body to world'
+
+    @model_validator(mode='after')
+    def _one(self) -> Self:
+        if len([form for form in self.forms if form is not None]) != 1:
+            raise ValueError('needs one of "quaternion", "euler", "rotation_vector", "matrix"')
+        if self.euler is None:
+            return self
+        if len(self.euler) != len(self.sequence):
+            raise ValueError(f'has {len(self.euler)} angles for the sequence {self.sequence}')
+        if any(a == b for a, b in zip(self.sequence, self.sequence[1:], strict=False)):
+            raise ValueError(f'has the sequence {self.sequence}, which turns twice about one axis')
+        if self.signs is not None and len(self.signs) != len(self.euler):
+            raise ValueError('needs one sign for each angle')
+        return self
+
+    @property
+    def forms(self) -> tuple[list[str] | None, ...]:
+        """The four forms, of which one is given."""
+        return self.quaternion, self.euler, self.rotation_vector, self.matrix
+
+    @property
+    def columns(self) -> list[str]:
+        """The columns of the form that is given."""
+        return next(form for form in self.forms if form is not None)
+
+
+class Actuator(Record):
+    """What one actuator is told: duty or force as effort, a moving mass's place as position."""
+
+    effort: Scalar | None = None
+    position: Scalar | None = None
+    velocity: Scalar | None = None
+
+
+class Entry(_WithAxes):
+    """One topic of ours, from one table of the log; see docs/import.md."""
+
+    topic: str
+    table: str | None = None  # an event, a logged message, a topic of a bag; all of a CSV
+    join: list[str] = Field(default_factory=list)
+    where: dict[str, float] = Field(default_factory=dict)
+    optional: bool = False
+    drop_empty: bool = False
+    actuators: dict[str, Actuator] | None = None
+    position: Vector | None = None
+    orientation: Orientation | None = None
+    velocity: Vector | None = None
+    rates: Vector | None = None
+    acceleration: Vector | None = None
+    force: Vector | None = None
+    torque: Vector | None = None
+    vector: Vector | None = None
+    voltage: Scalar | None = None
+    current: Scalar | None = None
+    temperature: Scalar | None = None
+    percentage: Scalar | None = None
+    charge: Scalar | None = None
+    capacity: Scalar | None = None
+    range: Scalar | None = None
+    minimum: Scalar | None = None
+    maximum: Scalar | None = None
+    field_of_view: Scalar | None = None
+    pressure: Scalar | None = None
+    illuminance: Scalar | None = None
+
+    @property
+    def parts(self) -> dict[str, Scalar | Vector | Orientation]:
+        """The parts of the message that are given, by name."""
+        found = ((name, getattr(self, name)) for name in type(self).model_fields)
+        kinds = Scalar | Vector | Orientation
+        return {name: part for name, part in found if isinstance(part, kinds)}
+
+    @property
+    def columns(self) -> list[str]:
+        """Every column that must be there."""
+        told = self.actuators or {}
+        scalars = [s for a in told.values() for s in (a.effort, a.position, a.velocity) if s]
+        needed = list(self.where)
+        for part in (*self.parts.values(), *scalars):
+            if isinstance(part, Scalar):
+                needed += [part.column] if part.column else []
+            else:
+                needed += part.columns or []
+        return list(dict.fromkeys(needed))
+
+
+class Time(Record):
+    """When a row of a text was measured: a column, or evenly from the first row on."""
+
+    column: Column | None = None
+    unit: str = 's'
+    rate: Quantity | None = None
+    step: Quantity | None = None
+    start: Quantity | None = None  # added to every time; 1 s where times begin at zero
+
+    @model_validator(mode='after')
+    def _one(self) -> Self:
+        if [self.column, self.rate, self.step].count(None) != 2:
+            raise ValueError('needs one of "column", "rate" and "step"')
+        if UNITS.get(self.unit, ('', 0.0))[0] != 's':
+            raise ValueError(f'has the unit "{self.unit}", but must be in s, ms, us or ns')
+        for name, given, unit in (('rate', self.rate, 'Hz'), ('step', self.step, 's')):
+            if given is not None and (given.dimension != unit or given.si <= 0.0):
+                raise ValueError(f'has a {name} that is not a positive number in {unit}')
+        if self.start is not None and self.start.dimension != 's':
+            raise ValueError('has a start that is not in s')
+        return self
+
+
+class Text(Record):
+    """How the lines of a text are written."""
+
+    delimiter: Annotated[str, Field(min_length=1)] = ','  # one character, 'tab' or 'whitespace'
+    comment: Annotated[str, Field(min_length=1, max_length=1)] | None = None
+    skip: Annotated[int, Field(ge=0)] = 0  # lines before the one with the names
+    header: list[Column] | None = None  # the names, where the text has none
+
+    @field_validator('delimiter')
+    @classmethod
+    def _one_character(cls, given: str) -> str:
+        if len(given) > 1 and given not in ('tab', 'whitespace'):
+            raise ValueError(f'is "{given}", but must be one character, tab or whitespace')
+        return given
+
+
+class Mapping(_WithAxes):
+    """A whole mapping file."""
+
+    schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
+    name: Name
+    about: str
+    format: Format
+    data: Literal['measured', 'simulated'] = 'measured'
+    time: Time | None = None
+    text: Text = Field(default_factory=Text)
+    topics: Annotated[list[Entry], Field(min_length=1)]
+
+    @model_validator(mode='after')
+    def _timed(self) -> Self:
+        if (self.format == 'csv') != (self.time is not None):
+            word = 'needs' if self.time is None else 'must not have'
+            raise ValueError(f'of format {self.format} {word} the key "time"')
+        if self.format == 'csv' and any(entry.drop_empty for entry in self.topics):
+            raise ValueError('of format csv must not have the key "drop_empty"; leave it out')
+        if self.format == 'csv' and any(entry.table or entry.join for entry in self.topics):
+            raise ValueError('of format csv has one table; leave "table" and "join" out')
+        return self
+
+
+def load_mapping(name: str) -> tuple[Mapping, str]:
+    """
+    Return a mapping by shipped name or path, and its whole text.
+
+    Raises
+    ------
+    BadInput
+        One sentence on the first thing that is wrong.
+
+    """
+    path = find('import mapping', name)
+    return load(Mapping, path), path.read_text(encoding='utf-8')

@@ -1,0 +1,224 @@
+"""The views as a layout of Foxglove's, in the format that its app exports and imports."""
+
+from collections.abc import Callable, Sequence
+import json
+from typing import Any
+
+from lta_config.views import Panel, Place, place_of, Views
+
+COLOURS = {'truth': '#7f7f7f', 'estimate': '#1f77b4', 'setpoint': '#d62728'}
+OTHERS = ('#1f77b4', '#ff7f0e', '#2ca02c', '#d62728', '#9467bd', '#8c564b')
+WINDOW = 60.0  # s of a plot while a flight lasts
+CAMERA = {
+    'perspective': True,
+    'distance': 11.0,
+    'phi': 55.0,
+    'thetaOffset': 0.0,
+    'targetOffset': [0.0, 0.0, 0.8],
+    'target': [0.0, 0.0, 0.0],
+    'targetOrientation': [0.0, 0.0, 0.0, 1.0],
+    'fovy': 45.0,
+    'near': 0.05,
+    'far': 5000.0,
+}
+Config = dict[str, Any]
+
+
+def path(views: Views, series: str) -> str:
+    """
+    Return a series as Foxglove's message path.
+
+    Parameters
+    ----------
+    views : Views
+        Give robot and vehicle.
+    series : str
+        As in `views.yaml`.
+
+    """
+    place = place_of(views, series)
+    if place.topic.message == 'DiagnosticArray':
+        return _figure(views, place)
+    if place.topic.message == 'JointState' and place.steps[-1] in views.actuators:
+        *fields, name = place.steps
+        return f'{place.absolute}.{".".join(fields)}[{views.actuators.index(name)}]'
+    if place.angle:
+        quaternion = '.'.join(place.steps[:-1])
+        return f'{place.absolute}.{quaternion}.@rpy.{place.angle}.@degrees'
+    return '.'.join((place.absolute, *place.steps))
+
+
+def _figure(views: Views, place: Place) -> str:
+    """Return the path of one figure of a diagnostic array."""
+    status, key = place.steps
+    own = f'{{hardware_id=="{views.robot}"}}' if place.name.startswith('/') else ''
+    return f'{place.absolute}.status[:]{own}{{name=="{status}"}}.values[:]{{key=="{key}"}}.value'
+
+
+def _series(views: Views, panel: Panel) -> list[Config]:
+    return [
+        {
+            'value': path(views, series),
+            'label': label,
+            'enabled': True,
+            'timestampMethod': 'receiveTime',
+            'color': COLOURS.get(label, OTHERS[k % len(OTHERS)]),
+            'showLine': True,
+            'lineSize': 1.5,
+        }
+        for k, (label, series) in enumerate(panel.series.items())
+    ]
+
+
+def _plot(views: Views, panel: Panel) -> Config:
+    return {
+        'paths': _series(views, panel),
+        'isSynced': True,
+        'xAxisVal': 'timestamp',
+        'showLegend': True,
+        'legendDisplay': 'floating',
+        'showPlotValuesInLegend': False,
+        'showXAxisLabels': True,
+        'showYAxisLabels': True,
+        'timeWindowMode': 'automatic',
+        'followingViewWidth': WINDOW,
+    }
+
+
+def _states(views: Views, panel: Panel) -> Config:
+    kept = ('value', 'label', 'enabled', 'timestampMethod')
+    paths = [{key: item[key] for key in kept} for item in _series(views, panel)]
+    return {'isSynced': True, 'paths': paths}
+
+
+def _scene(views: Views, panel: Panel) -> Config:
+    return {
+        'cameraState': CAMERA,
+        'followMode': 'follow-none',
+        'followTf': panel.scene,
+        'scene': {'transforms': {'showLabel': False, 'axisSize': 0.2, 'lineWidth': 0.0}},
+        'topics': {f'/{views.robot}/scene': {'visible': True}},
+        'layers': {'grid': _grid(str(panel.scene), 10.0)},
+    }
+
+
+def _lamps(views: Views, panel: Panel) -> Config:
+    """Return a look from above at the ring of photodiodes, each a dot of its SNR."""
+    dots = {
+        'visible': True,
+        'pointSize': 24.0,
+        'pointShape': 'circle',
+        'colorMode': 'colormap',
+        'colorMap': 'turbo',
+        'colorField': 'snr',
+        'minValue': 0.0,
+        'maxValue': 100.0,
+    }
+    return {
+        'cameraState': {**CAMERA, 'distance': 4.0, 'phi': 25.0, 'targetOffset': [0.0, 0.0, 0.0]},
+        'followMode': 'follow-pose',
+        'followTf': 'base_link',
+        'scene': {'transforms': {'showLabel': False, 'axisSize': 0.3}},
+        'topics': {
+            views.topic(str(panel.lamps)): dots,
+            f'/{views.robot}/scene': {'visible': True},
+        },
+        'layers': {},
+    }
+
+
+def _grid(frame: str, size: float) -> Config:
+    return {
+        'visible': True,
+        'layerId': 'foxglove.Grid',
+        'instanceId': 'grid',
+        'label': 'Grid',
+        'frameId': frame,
+        'size': size,
+        'divisions': size,
+        'lineWidth': 1.0,
+        'color': '#7f7f7f55',
+        'position': [0.0, 0.0, 0.0],
+        'rotation': [0.0, 0.0, 0.0],
+    }
+
+
+def _image(views: Views, panel: Panel) -> Config:
+    return {
+        'imageMode': {
+            'imageTopic': views.topic(str(panel.image)),
+            'colorMode': 'colormap',
+            'colorMap': 'turbo',
+            'minValue': 0.0,
+            'maxValue': 4095.0,  # of a 12-bit converter
+        }
+    }
+
+
+def _health(views: Views, panel: Panel) -> Config:
+    return {
+        'topicToRender': views.topic(str(panel.health)),
+        'minLevel': 0,
+        'pinnedIds': [],
+        'hardwareIdFilter': views.robot,
+        'sortByLevel': True,
+    }
+
+
+def _status(views: Views, panel: Panel) -> Config:
+    return {
+        'topicToRender': views.topic(str(panel.status)),
+        'selectedHardwareId': '',
+        'selectedName': panel.named,
+    }
+
+
+PANELS: dict[str, tuple[str, Callable[[Views, Panel], Config]]] = {  # by kind: Foxglove's name
+    'plot': ('Plot', _plot),
+    'states': ('StateTransitions', _states),
+    'scene': ('3D', _scene),
+    'lamps': ('3D', _lamps),
+    'image': ('Image', _image),
+    'health': ('DiagnosticSummary', _health),
+    'status': ('DiagnosticStatusPanel', _status),
+}
+
+
+def split(direction: str, items: Sequence[tuple[Any, float]]) -> Any:  # noqa: ANN401 - JSON
+    """Return things side by side or one above the other, each with its share of the room."""
+    (first, share), *rest = items
+    if not rest:
+        return first
+    return {
+        'direction': direction,
+        'first': first,
+        'second': split(direction, rest),
+        'splitPercentage': round(100.0 * share / sum(part for _, part in items), 3),
+    }
+
+
+def layout(views: Views) -> str:
+    """Return the layout as the text of a JSON file."""
+    configs: dict[str, Config] = {}
+    tabs = []
+    for tab, columns in views.tabs.items():
+        parts = []
+        for i, column in enumerate(columns):
+            pile = []
+            for k, panel in enumerate(column):
+                kind, configured = PANELS[panel.kind]
+                name = f'{kind}!{tab.lower()}{i}{k}'
+                title = {'foxglovePanelTitle': panel.title}
+                configs[name] = title | configured(views, panel)
+                pile.append((name, panel.share))
+            parts.append((split('column', pile), 1.0))
+        tabs.append({'title': tab, 'layout': split('row', parts)})
+    configs['Tab!lta'] = {'activeTabIdx': 0, 'tabs': tabs}
+    whole = {
+        'configById': configs,
+        'globalVariables': {},
+        'userNodes': {},
+        'playbackConfig': {'speed': 1},
+        'layout': 'Tab!lta',
+    }
+    return json.dumps(whole, indent=1) + '\n'

@@ -1,0 +1,73 @@
+"""The plots of the views as a layout of PlotJuggler's; curves as its ROS parsers name them."""
+
+from collections.abc import Sequence
+import xml.etree.ElementTree as ET
+
+from lta_config.views import Panel, place_of, Views
+from lta_config.views_foxglove import COLOURS, OTHERS
+
+
+def curve(views: Views, series: str) -> str:
+    """
+    Return a series as PlotJuggler names it.
+
+    Its parsers put the name of a joint before the field, take a diagnostic array apart by robot,
+    status and key, and add the angles of the first quaternion in degrees.
+    """
+    place = place_of(views, series)
+    steps = list(place.steps)
+    if place.topic.message == 'JointState' and steps[-1] in views.actuators:
+        steps = [steps[-1], *steps[:-1]]
+    elif place.topic.message == 'DiagnosticArray' and place.name.startswith('/'):
+        steps = [views.robot, *steps]
+    elif place.angle:
+        steps[-1] += '_deg'
+    return '/'.join((place.absolute, *steps))
+
+
+def _splitter(parent: ET.Element, upright: bool, shares: Sequence[float]) -> ET.Element:
+    """Add a splitter; '-' piles up, '|' sets side by side."""
+    total = sum(shares)
+    return ET.SubElement(
+        parent,
+        'DockSplitter',
+        orientation='-' if upright else '|',
+        count=str(len(shares)),
+        sizes=';'.join(f'{share / total:.6g}' for share in shares),
+    )
+
+
+def _plot(parent: ET.Element, views: Views, panel: Panel) -> None:
+    area = ET.SubElement(parent, 'DockArea', name=panel.title)
+    plot = ET.SubElement(area, 'plot', style='Lines', mode='TimeSeries')
+    plot.attrib |= {'flip_x': 'false', 'flip_y': 'false'}
+    ET.SubElement(plot, 'range', left='0', right='60', bottom='0', top='1')
+    ET.SubElement(plot, 'limitY')
+    for k, (label, series) in enumerate(panel.series.items()):
+        colour = COLOURS.get(label, OTHERS[k % len(OTHERS)])
+        ET.SubElement(plot, 'curve', name=curve(views, series), color=colour)
+
+
+def layout(views: Views) -> str:
+    """Return the layout as the text of an XML file."""
+    root = ET.Element('root')
+    named = {'name': 'Main Window', 'parent': 'main_window'}
+    widget = ET.SubElement(root, 'tabbed_widget', named)
+    for tab, columns in views.tabs.items():
+        page = ET.SubElement(widget, 'Tab', tab_name=tab, containers='1')
+        container = ET.SubElement(page, 'Container')
+        piles = [[panel for panel in column if panel.plot] for column in columns]
+        piles = [pile for pile in piles if pile]
+        row = _splitter(container, upright=False, shares=[1.0] * len(piles))
+        for pile in piles:
+            column = _splitter(row, upright=True, shares=[panel.share for panel in pile])
+            for panel in pile:
+                _plot(column, views, panel)
+    ET.SubElement(widget, 'currentTabIndex', index='0')
+    ET.SubElement(root, 'use_relative_time_offset', enabled='1')
+    ET.SubElement(root, 'Plugins')
+    ET.SubElement(root, 'customMathEquations')
+    ET.SubElement(root, 'snippets')
+    ET.indent(root, ' ')
+    text = ET.tostring(root, encoding='unicode')
+    return f"<?xml version='1.0' encoding='UTF-8'?>\n{text}\n"

@@ -1,0 +1,98 @@
+"""From pieces, each of some messages, to one array per field of all messages."""
+
+from dataclasses import dataclass, field
+from typing import Any, final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Columns = dict[str, NDArray[Any]]
+Rows = slice | NDArray[np.intp]
+
+
+class Piece(NamedTuple):
+    """A field of some messages: which ones, and values of shape (n,) or (n, elements)."""
+
+    rows: Rows
+    values: NDArray[Any]
+
+
+@final
+@dataclass(slots=True)
+class Column:
+    """
+    A field in pieces.
+
+    `first` is where it is met first: number of the message, and place in the message.
+    """
+
+    first: tuple[int, int]
+    pieces: list[Piece] = field(default_factory=list)
+    count: int = 0  # of messages that have it
+
+    def add(self, first: tuple[int, int], rows: Rows, values: NDArray[Any]) -> None:
+        """Add what some messages have of the field."""
+        self.first = min(self.first, first)
+        self.pieces.append(Piece(rows, values))
+        self.count += len(values)
+
+
+def merged(columns: dict[str, Column], count: int) -> tuple[Columns, Columns]:
+    """
+    Return numbers and texts by path, in the order in which a reader meets them; empties `columns`.
+
+    Parameters
+    ----------
+    columns : dict of str to Column
+        The fields by path.
+    count : int
+        Number of messages.
+
+    """
+    numbers: Columns = {}
+    texts: Columns = {}
+    for path in sorted(columns, key=lambda path: columns[path].first):
+        column = columns.pop(path)
+        values = column.pieces[0].values
+        if values.ndim == 2:
+            table = array_of(column, count)
+            numbers |= {f'{path}[{index}]': table[:, index] for index in range(table.shape[1])}
+        elif values.dtype.kind == 'U':
+            texts[path] = text_of(column, count)
+        else:
+            numbers[path] = number_of(column, count)
+    return numbers, texts
+
+
+def array_of(column: Column, count: int) -> NDArray[Any]:
+    """Return an array field, shape (n, longest); short arrays end in NaN."""
+    lengths = {piece.values.shape[1] for piece in column.pieces}
+    if len(lengths) == 1 and column.count == count:
+        (length,) = lengths
+        table = np.empty((count, length), column.pieces[0].values.dtype)
+    else:
+        table = np.full((count, max(lengths)), np.nan)
+    for rows, values in column.pieces:
+        table[rows, : values.shape[1]] = values
+    return table
+
+
+def text_of(column: Column, count: int) -> NDArray[Any]:
+    """Return a text field; '' where a message has none."""
+    longest = max(piece.values.dtype.itemsize for piece in column.pieces)
+    result = np.full(count, '', f'U{longest // np.dtype("U1").itemsize}')
+    for rows, values in column.pieces:
+        result[rows] = values
+    return result
+
+
+def number_of(column: Column, count: int) -> NDArray[Any]:
+    """Return a field of single numbers; NaN where a message has none."""
+    kinds = {piece.values.dtype for piece in column.pieces}
+    kind = np.dtype(np.uint64) if np.uint64 in kinds else next(iter(kinds))
+    result = np.full(count, np.nan) if column.count < count else np.empty(count, kind)
+    for rows, values in column.pieces:
+        result[rows] = values
+    if result.dtype == np.uint64 and result.max() <= np.iinfo(np.int64).max:
+        return result.astype(np.int64)  # as numpy takes whole numbers unless they need more
+    return result

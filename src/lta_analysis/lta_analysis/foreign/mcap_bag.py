@@ -1,0 +1,115 @@
+"""rosbag2 recordings in MCAP, by our own reader: of a damaged one, what is whole."""
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import cast, final
+
+from lta_analysis.bag.folder import bag_files
+from lta_analysis.bag.reader import Bag, file_contents, read_bag
+from lta_analysis.foreign.bag_rows import CHILD, Met, of_child, Rows, wanted_tables
+from lta_analysis.foreign.definitions import from_bag
+from lta_analysis.foreign.protocol import Passed, Raw, Reached
+from lta_analysis.foreign.table import Table
+from lta_bridge.bag.qos import Profile
+from lta_config.errors import BadInput
+from lta_config.import_file import Mapping as MappingFile
+import yaml
+
+LOOK = 2000  # messages between two movements of the bar
+
+
+def opened(path: Path, mapping: MappingFile | None) -> 'McapLog':
+    """Return a recording in MCAP; `BadInput` if there is none."""
+    try:
+        return McapLog(path, mapping)
+    except UnicodeDecodeError:
+        raise BadInput(
+            f"The names in '{path}' are damaged; import what is left of it from a copy."
+        ) from None
+
+
+@final
+class McapLog:
+    """An opened recording; see `protocol.Log`."""
+
+    timed: Sequence[str] = ()
+
+    def __init__(self, path: Path, mapping: MappingFile | None) -> None:
+        self._bag = read_bag(path)
+        self.notes: list[str] = []
+        self.facts = {f'original_{key}': text for key, text in self._bag.provenance.items()}
+        self.raw: Mapping[str, Raw] = _raw(self._bag, path)
+        self._total = max(1, sum(topic.count for topic in self._bag.topics.values()))
+        self._tables = self._decoded(wanted_tables(mapping))
+        if not any(topic.count for topic in self._bag.topics.values()):
+            raise BadInput(f"'{path}' holds no message; nothing to import.")
+
+    @property
+    def columns(self) -> Mapping[str, Sequence[str]]:
+        """The columns of the tables that the mapping names."""
+        return {name: list(table.columns) for name, table in self._tables.items()}
+
+    def tables(
+        self, wanted: Mapping[str, Collection[str]], reached: Reached
+    ) -> Iterator[Mapping[str, Table]]:
+        """Yield the tables that the mapping names."""
+        yield {name: self._tables[name] for name in wanted}
+
+    def messages(self, reached: Reached) -> Iterator[Passed]:
+        """Yield all messages in the order of recording."""
+        for order, (topic, log_time, data) in enumerate(self._bag.messages(list(self.raw))):
+            if order % LOOK == 0:
+                reached(min(1.0, order / self._total))
+            yield Passed(order, topic, log_time, data)
+        self.notes += [loss for loss in self._bag.losses if loss not in self.notes]
+
+    def _decoded(self, wanted: set[str]) -> dict[str, Table]:
+        """Return the tables that are asked for and there."""
+        topics = {name: name.split(CHILD)[0] for name in wanted}
+        there = {name: topic for name, topic in topics.items() if topic in self.raw}
+        met = {name: Rows() for name in there}
+        for order, (topic, log_time, data) in enumerate(
+            self._bag.messages(list(self.raw)) if there else ()
+        ):
+            takers = [name for name, told in there.items() if told == topic]
+            if not takers:
+                continue
+            one = Met(order, log_time, self._message(topic, data))
+            for name in takers:
+                _, sign, child = name.partition(CHILD)
+                met[name].add(of_child(one, child) if sign else [one])
+        tables = {name: rows.table() for name, rows in met.items()}
+        return {name: table for name, table in tables.items() if table is not None}
+
+    def _message(self, topic: str, data: bytes) -> object:
+        """Return a decoded message."""
+        try:
+            return self._bag.decode(topic, data)
+        except KeyError as part:
+            raise BadInput(
+                f"The definition of '{topic}' lacks {part}; take it out of the mapping."
+            ) from None
+
+
+def _raw(bag: Bag, path: Path) -> dict[str, Raw]:
+    """Return the topics with their definitions, whatever they are written in."""
+    found: dict[str, Raw] = {}
+    for file in bag_files(path):
+        contents = file_contents(file)
+        for channel in contents.channels.values():
+            known = from_bag(channel, contents.schemas.get(channel.schema_id))
+            qos = profiles(channel.metadata.get('offered_qos_profiles', ''))
+            found.setdefault(channel.topic, Raw(known, qos))
+    return {name: raw for name, raw in found.items() if name in bag.topics}
+
+
+def profiles(text: str) -> list[Profile]:
+    """Return the profiles that rosbag2 wrote from version 9 on; older ones are numbers."""
+    try:
+        told = yaml.safe_load(text)
+    except yaml.YAMLError:
+        return []
+    named = isinstance(told, list) and all(
+        isinstance(one, dict) and isinstance(one.get('history'), str) for one in told
+    )
+    return cast('list[Profile]', told) if named else []

@@ -1,0 +1,51 @@
+"""The processes of a graph that only look: whoever they are, a flight goes on without them."""
+
+from collections.abc import Callable
+
+from lta_analysis.preflight import parameters
+from lta_analysis.typed import near
+from lta_bridge.live.address import app_url, refuse_taken
+from lta_config.errors import BadInput
+from lta_config.files import share
+from lta_graph.launch_file import LaunchPlan
+from lta_graph.launch_node import Process
+
+LIVE = ('lta_bridge', 'live')
+LAYOUT = 'foxglove/lta.json'  # below the folder of LTA's own data
+
+
+def _looks(process: Process) -> bool:
+    return (process.package, process.executable) == LIVE
+
+
+def viewers(plan: LaunchPlan) -> frozenset[str]:
+    """Return what a plan calls the processes that only look."""
+    return frozenset(plan.label(process) for process in plan.processes if _looks(process))
+
+
+def refuse_taken_ports(plan: LaunchPlan) -> None:
+    """
+    Refuse a live view where nothing could listen.
+
+    Raises
+    ------
+    BadInput
+        If its port is in use or no port, or its address is none of this machine's.
+
+    """
+    for process in filter(_looks, plan.processes):
+        given = parameters(process.arguments)
+        port = given['port']
+        if not (type(port) is int and 1 <= port <= 65535):
+            raise BadInput(
+                f'The port of the live view is {port}, but must be a whole number from 1 to 65535.'
+            )
+        refuse_taken(str(given['host']), port)
+
+
+def invite(plan: LaunchPlan, say: Callable[[str], None]) -> None:
+    """Tell where people can look on; nothing where a plan has no live view."""
+    for process in filter(_looks, plan.processes):
+        url = app_url(int(str(parameters(process.arguments)['port'])))
+        say(f'Live   {url}  (or, in the Foxglove app, Open connection)')
+        say(f'Layout {near(share() / LAYOUT)}  (import it there once)')

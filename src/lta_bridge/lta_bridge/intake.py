@@ -1,0 +1,137 @@
+"""What happens to each message between the middleware and the bag: dated, cleaned, counted."""
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+import time
+from typing import final
+
+from lta_bridge.bag.background import BackgroundWriter
+from lta_bridge.bookkeeping import Bookkeeping
+from lta_config.recorded import absolute
+from lta_config.topics import TopicTable
+from lta_graph.health import Level
+
+Clean = Callable[[bytes], bytes]
+VARYING = {'diagnostic_msgs/msg/DiagnosticArray'}  # types whose texts change their length
+
+
+@final
+class Intake:
+    """
+    Takes raw messages for a bag, of one robot or of several.
+
+    Parameters
+    ----------
+    table : TopicTable
+        What is known of topics.
+    lockstep : bool
+        As for `Bookkeeping`.
+    robots : sequence of str
+        Namespaces, at least one, '' where the robot has none.
+    writer : BackgroundWriter
+        Where the messages go.
+
+    Attributes
+    ----------
+    latest : float
+        When the last message came. [wall s]
+
+    """
+
+    def __init__(
+        self, table: TopicTable, lockstep: bool, robots: Sequence[str], writer: BackgroundWriter
+    ) -> None:
+        self._table = table
+        self._robots = robots
+        self._books = {name: Bookkeeping(table, lockstep) for name in robots}
+        self._common = Bookkeeping(table, lockstep)
+        self._writer = writer
+        self.latest = time.monotonic()
+
+    def owner(self, name: str) -> tuple[str | None, str]:
+        """Return whose an absolute topic is and its name there: a robot's, or everybody's."""
+        for robot in self._robots if name not in self._table.topics else ():
+            prefix = absolute(robot, '')
+            if name.startswith(prefix):
+                return robot, name.removeprefix(prefix)
+        return None, name
+
+    def covers(self, name: str) -> bool:
+        """Tell whether an absolute topic is one of the robots', or in no namespace at all."""
+        robot, relative = self.owner(name)
+        return robot is not None or '/' not in relative.lstrip('/')
+
+    def takes(self, name: str, type_name: str, clean: Clean) -> Callable[[bytes], None]:
+        """
+        Return what takes the messages of a topic.
+
+        Parameters
+        ----------
+        name, type_name : str
+            Absolute name and type.
+        clean : callable
+            Returns a message with zeros in the gaps between its fields; called where they would
+            keep a topic from repeating itself.
+
+        """
+        robot, row = self.owner(name)
+        topic = self._table.topics.get(row)
+        varying = topic is not None and topic.repeatable and type_name in VARYING
+        write, clock = self._writer.write, time.monotonic
+        log_time = self._common_time if robot is None else self._books[robot].log_time
+
+        def take(data: bytes) -> None:
+            self.latest = clock()
+            when = log_time(row, data)
+            write(name, clean(data) if varying else data, when)
+
+        return take
+
+    def _common_time(self, name: str, data: bytes) -> int:
+        """Return when a message of nobody's alone was published: as new as the newest. [ns]"""
+        self._common.log_time(name, data)
+        return max(books.now for books in self._books.values())
+
+    def tally(self, lost: Mapping[str, int]) -> tuple[Level, str, dict[str, object]]:
+        """
+        Return level, sentence and figures of a recording that goes on.
+
+        Parameters
+        ----------
+        lost : mapping of str to int
+            Messages that the middleware counts as lost, by absolute topic.
+
+        """
+        wrong = {
+            'lost': self._by_topic('lost'),
+            'lost by the middleware': self._named(lost),
+            'dropped': self._named(self._writer.dropped),
+            'with a wild stamp': self._by_topic('wild'),
+            'cut short': self._by_topic('torn'),
+        }
+        words = [
+            f'{found.total()} messages {what}' for what, found in wrong.items() if found.total()
+        ]
+        figures: dict[str, object] = {
+            'messages': self._by_topic('counts').total(),
+            'waiting_bytes': self._writer.waiting,
+        }
+        for what, found in wrong.items():
+            figures |= {f'{name} {what}': count for name, count in found.items() if count}
+        return Level.WARN if words else Level.OK, ', '.join(words) or 'recording', figures
+
+    def _by_topic(self, what: str) -> Counter[str]:
+        """Return a count of the books by topic."""
+        found: Counter[str] = Counter(getattr(self._common, what))
+        for robot, books in self._books.items():
+            counts = getattr(books, what).items()
+            found.update({self._name(absolute(robot, name)): count for name, count in counts})
+        return found
+
+    def _named(self, counts: Mapping[str, int]) -> Counter[str]:
+        """Return counts by absolute topic as `_by_topic` names them."""
+        return Counter({self._name(name): count for name, count in counts.items()})
+
+    def _name(self, name: str) -> str:
+        """Return a topic's relative name; the absolute one where there are several robots."""
+        return name if len(self._robots) > 1 else self.owner(name)[1]

@@ -1,0 +1,97 @@
+"""The world of a scenario as shapes in the map frame: walls, the lamp and its light, the goal."""
+
+import math
+from typing import Final
+
+from lta_bridge.live.shapes import (
+    along,
+    Box,
+    Colour,
+    Cylinder,
+    Ellipsoid,
+    Entity,
+    Label,
+    Line,
+    shifted,
+    Three,
+    three,
+    Z,
+)
+from lta_sim.light_field import Lamp
+from lta_sim.scenario import Scenario
+
+MAP: Final = 'map'
+FLOOR: Final[Colour] = (0.50, 0.52, 0.55, 0.25)
+EDGE: Final[Colour] = (0.50, 0.52, 0.55, 1.0)
+SOLID: Final[Colour] = (0.50, 0.52, 0.55, 0.10)
+LAMP: Final[Colour] = (1.0, 0.85, 0.20, 1.0)
+BEAM: Final[Colour] = (1.0, 0.90, 0.40, 0.12)
+GOAL: Final[Colour] = (0.20, 0.65, 0.30, 1.0)
+THIN: Final = 0.01  # m, of a floor or wall
+BULB: Final = 0.12  # m across
+BEAM_LENGTH: Final = 1.0  # m, of the drawn cone: the light goes on
+CORNERS: Final = 48  # of the circle around the goal
+
+
+def half_power(lamp: Lamp) -> float:
+    """Return the angle off the lamp's axis at which it shines half as bright. [rad]"""
+    return math.acos(0.5 ** (1.0 / lamp.order))
+
+
+def standing(scenario: Scenario) -> list[Entity]:
+    """Return everything of a scenario that never moves."""
+    return [walls(scenario), lamp(scenario), goal(scenario)]
+
+
+def walls(scenario: Scenario) -> Entity:
+    """Return the floor and the edges of the room; walls only where they hold a drone back."""
+    length, width, height = scenario.room.size.vector
+    x, y = length / 2, width / 2
+    shapes: list[Box | Line] = [
+        Box((0.0, 0.0, -THIN / 2), (length, width, THIN), FLOOR),
+        Line(tuple(_edges(x, y, height)), 0.02, EDGE, pairs=True),
+    ]
+    if scenario.room.walls == 'solid':
+        for side in (-1.0, 1.0):
+            shapes.append(Box((side * x, 0.0, height / 2), (THIN, width, height), SOLID))
+            shapes.append(Box((0.0, side * y, height / 2), (length, THIN, height), SOLID))
+    return Entity('room', MAP, tuple(shapes))
+
+
+def _edges(x: float, y: float, height: float) -> list[Three]:
+    """Return the twelve edges of a box, as pairs of points."""
+    ring = [(x, y), (-x, y), (-x, -y), (x, -y)]
+    points: list[Three] = []
+    for (a, b), (c, d) in zip(ring, [*ring[1:], ring[0]], strict=True):
+        points += [(a, b, 0.0), (c, d, 0.0), (a, b, height), (c, d, height)]
+        points += [(a, b, 0.0), (a, b, height)]
+    return points
+
+
+def lamp(scenario: Scenario) -> Entity:
+    """Return the lamp, and the cone in which it is at least half as bright as ahead."""
+    source = scenario.light_field.lamp
+    place = three(source.position)
+    size = math.hypot(*source.axis)
+    axis = three(tuple(number / size for number in source.axis))
+    across = 2.0 * BEAM_LENGTH * math.tan(half_power(source))
+    cone = Cylinder(
+        shifted(place, axis, BEAM_LENGTH / 2),
+        (across, across, BEAM_LENGTH),
+        BEAM,
+        along(Z, axis),
+        bottom=0.0,
+    )
+    words = Label(shifted(place, Z, 0.3), f'{scenario.lamp.frequency.si:g} Hz', 0.15, LAMP)
+    return Entity('lamp', MAP, (Ellipsoid(place, (BULB, BULB, BULB), LAMP), cone, words))
+
+
+def goal(scenario: Scenario) -> Entity:
+    """Return the circle on the floor within which the lamp counts as reached."""
+    x, y, _ = scenario.lamp.position.vector
+    radius = scenario.goal.radius.si
+    angles = [2.0 * math.pi * k / CORNERS for k in range(CORNERS + 1)]
+    points = tuple(
+        (x + radius * math.cos(angle), y + radius * math.sin(angle), 0.0) for angle in angles
+    )
+    return Entity('goal', MAP, (Line(points, 0.02, GOAL),))

@@ -1,0 +1,63 @@
+"""What ROS says of a graph, as a recording tells it."""
+
+from collections.abc import Iterator, Sequence
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from lta_bridge.bag.qos import Interval, Profile
+from rclpy.duration import Duration
+from rclpy.qos import HistoryPolicy, LivelinessPolicy, QoSProfile
+
+
+def faults(message: DiagnosticArray) -> Iterator[tuple[str, bool]]:
+    """Yield whose and which status it is, and whether it is an error."""
+    for status in message.status:
+        name = f'{status.hardware_id}/{status.name}'.lstrip('/')
+        yield name, status.level == DiagnosticStatus.ERROR
+
+
+def profiles(offered: Sequence[QoSProfile], expected: QoSProfile | None = None) -> list[Profile]:
+    """
+    Return profiles as a bag tells them.
+
+    Parameters
+    ----------
+    offered : sequence of QoSProfile
+        What discovery tells of the publishers: with Fast DDS all but history and depth.
+    expected : QoSProfile or None
+        What the topic table says; it fills in history and depth of a publisher that otherwise
+        keeps to it, and stands for one that is not known yet.
+
+    """
+    found: list[Profile] = []
+    for each in offered or ([expected] if expected else []):
+        same = expected is not None and (each.reliability, each.durability) == (
+            expected.reliability,
+            expected.durability,
+        )
+        kept = expected if same and each.history == HistoryPolicy.UNKNOWN else each
+        profile = Profile(
+            history=(kept or each).history.name.lower(),
+            depth=(kept or each).depth,
+            reliability=each.reliability.name.lower(),
+            durability=each.durability.name.lower(),
+            deadline=interval(each.deadline),
+            lifespan=interval(each.lifespan),
+            liveliness=_liveliness(each.liveliness),
+            liveliness_lease_duration=interval(each.liveliness_lease_duration),
+            avoid_ros_namespace_conventions=each.avoid_ros_namespace_conventions,
+        )
+        if profile not in found:
+            found.append(profile)
+    return found
+
+
+def _liveliness(policy: LivelinessPolicy) -> str:
+    """Return the name of a policy; what ROS takes by default is automatic."""
+    default = policy == LivelinessPolicy.SYSTEM_DEFAULT
+    return (LivelinessPolicy.AUTOMATIC if default else policy).name.lower()
+
+
+def interval(duration: Duration) -> Interval:
+    """Return a duration; no limit is 2^63 - 1 ns, and so is what says 0 for it."""
+    total = duration.nanoseconds or 2**63 - 1
+    return {'sec': total // 1_000_000_000, 'nsec': total % 1_000_000_000}

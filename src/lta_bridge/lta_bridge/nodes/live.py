@@ -1,0 +1,182 @@
+"""
+The live node: shows a running graph to Foxglove, with a scene, without ROS on the viewer's side.
+
+It listens to all that the topic table lists and answers nothing, so nobody ever waits for it. It
+asks the middleware for the newest message only and looks as often as a screen changes: what a
+viewer could not follow costs no time here, and is counted in /diagnostics.
+"""
+
+from collections.abc import Callable
+import time
+from typing import Any, Final
+
+from foxglove.messages import FrameTransforms, SceneUpdate
+from lta_bridge.bag.schemas import definition
+from lta_bridge.bookkeeping import stamp_of
+from lta_bridge.live.address import LOCAL, PORT
+from lta_bridge.live.encoding import frame_transforms, scene_update
+from lta_bridge.live.feed import Feed
+from lta_bridge.live.messages import to_duties, to_pose, to_vector
+from lta_bridge.live.pace import Pace
+from lta_bridge.live.scene import Scene, State
+from lta_bridge.live.server import LiveServer
+from lta_config.settings import setting, Settings
+from lta_config.topics import robot_topic
+from lta_graph.health import Level
+from lta_graph.ros.node import GraphNode, message_type, run
+from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.spin import spin
+from lta_sim.scenario import load_scenario
+from lta_sim.vehicle import load_vehicle
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
+
+import foxglove
+
+NAP_NS: Final = 16_000_000  # between looks
+MANY: Final = 100  # messages kept of a topic that has no rhythm: each may be of another node
+DRAWN: Final = ('ground_truth/odom', 'odom', 'motors', 'light/bearing', 'wind')
+DRAW_RATE: Final = 25.0  # Hz of wall time
+PATH_RATE: Final = 2.0  # Hz; a long path has many points
+
+
+class LiveSettings(Settings):
+    """What is shown, and where."""
+
+    vehicle: str = setting('gtmab', 'Vehicle name or file, for the scene.', fixed=True)
+    scenario: str = setting('lamp_room', 'Scenario name or file, for the scene.', fixed=True)
+    host: str = setting(LOCAL, 'Address to listen on; 0.0.0.0 is for everyone.', fixed=True)
+    port: int = setting(PORT, 'Port to listen on.', low=1, high=65535, fixed=True)
+
+
+class Live(GraphNode):
+    """Show raw messages and a scene to viewers."""
+
+    def __init__(self) -> None:
+        super().__init__('live')
+        settings = Parameters(self, LiveSettings).value
+        self._robot = self.get_namespace().strip('/')
+        scenario = load_scenario(settings.scenario)
+        self._scene = Scene(load_vehicle(settings.vehicle, scenario.air.density), scenario)
+        self._feed = Feed(self.table)
+        self._raw: dict[str, bytes] = {}
+        self._torn = 0
+        self._draw, self._path = Pace(DRAW_RATE), Pace(PATH_RATE)
+        self._scene_topic, self._tf_topic = self._absolute('scene'), self._absolute('tf')
+        title = f'LTA {self._robot}'
+        self._server = LiveServer(title, settings.host, settings.port, self._channels())
+        for name in self.table.topics:
+            self._show(name)
+
+    def _absolute(self, name: str) -> str:
+        return robot_topic(self._robot, name) if self._robot else f'/{name.lstrip("/")}'
+
+    def _channels(self) -> dict[str, tuple[str, foxglove.Schema]]:
+        """Return every topic of the table as it is on the wire, and the scene's two."""
+        found = {}
+        for name, topic in self.table.topics.items():
+            text = definition(topic.type).text.encode()
+            schema = foxglove.Schema(name=topic.type, encoding='ros2msg', data=text)
+            found[self._absolute(name)] = ('cdr', schema)
+        found[self._scene_topic] = ('protobuf', SceneUpdate.get_schema())
+        found[self._tf_topic] = ('protobuf', FrameTransforms.get_schema())
+        return found
+
+    def _show(self, name: str) -> None:
+        topic = self.table[name]
+        depth = 1 if topic.period_ns or name == '/clock' else MANY
+        asked = QoSProfile(depth=depth, reliability=ReliabilityPolicy.BEST_EFFORT)
+        self.create_subscription(message_type(topic), name, self._shows(name), asked, raw=True)
+
+    def _shows(self, name: str) -> Callable[[bytes], None]:
+        absolute, server, feed = self._absolute(name), self._server, self._feed
+
+        def show(data: bytes) -> None:
+            when = feed.take(name, data, wanted=server.wanted(absolute))
+            if when is not None:
+                server.send(absolute, data, when)
+
+        def draw(data: bytes) -> None:
+            self._raw[name] = data
+            show(data)
+            if name == 'odom':
+                self._draw_scene()
+
+        def tell(data: bytes) -> None:
+            show(data)
+            now = stamp_of(data)
+            if now is not None and now >= 0:
+                server.tell_time(now)
+
+        return draw if name in DRAWN else tell if name == '/clock' else show
+
+    def _newest(self, name: str) -> Any:  # noqa: ANN401 - a generated class, or None
+        """Return the newest message of a topic; None if none has come or it cannot be read."""
+        data = self._raw.get(name)
+        try:
+            return data and deserialize_message(data, message_type(self.table[name]))
+        except RuntimeError:  # as rclpy says that it is cut short
+            self._torn += 1
+            del self._raw[name]
+            return None
+
+    def _state(self) -> State | None:
+        """Return what moves, by the newest messages; placed by the truth where there is one."""
+        pose = self._newest('ground_truth/odom') or self._newest('odom')
+        motors, seen, wind = map(self._newest, ('motors', 'light/bearing', 'wind'))
+        if pose is None:
+            return None
+        place, turn = to_pose(pose)
+        told = State(place, turn)
+        return told._replace(
+            duties=to_duties(motors) if motors else told.duties,
+            seen=to_vector(seen) if seen else told.seen,
+            wind=to_vector(wind) if wind else told.wind,
+        )
+
+    def _draw_scene(self) -> None:
+        """Show where everything is, once it is time to draw again."""
+        now, stamp, server = time.monotonic(), self._feed.now, self._server
+        if not self._draw.due(now) or (state := self._state()) is None:
+            return
+        entities = self._scene.moving(state)
+        if server.wanted(self._tf_topic):
+            frames = frame_transforms(self._scene.frames(state), stamp)
+            server.send(self._tf_topic, frames, stamp)
+        if server.wanted(self._scene_topic):
+            if server.audience.newcomer(self._scene_topic):
+                entities += [*self._scene.standing, self._scene.path()]
+            elif self._path.due(now):
+                entities.append(self._scene.path())
+            server.send(self._scene_topic, scene_update(entities, stamp), stamp)
+
+    def publish_health(self) -> None:
+        """Tell who looks, and how many messages went to them and past them."""
+        sent, left_out = self._feed.sent, self._feed.left_out
+        viewers = self._server.audience.viewers
+        self.health.report(
+            'view',
+            Level.WARN if self._torn else Level.OK,
+            f'{viewers} viewers' if viewers != 1 else '1 viewer',
+            unreadable=self._torn,
+            viewers=viewers,
+            sent=sum(sent.values()),
+            left_out=sum(left_out.values()),
+            **{f'{name} left_out': count for name, count in left_out.items()},
+        )
+        super().publish_health()
+
+    def work(self) -> None:
+        """Show until told to stop."""
+        self.health.report('state', Level.OK, 'running')
+        spin(self, lambda: self.running, awaited=list, wait_ns=NAP_NS)
+
+    def close(self) -> None:
+        """Let all viewers go."""
+        self._server.close()
+        super().close()
+
+
+def main(args: list[str] | None = None) -> None:
+    """Run the node until it is told to stop."""
+    run(Live, args)

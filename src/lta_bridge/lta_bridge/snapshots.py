@@ -1,0 +1,101 @@
+"""Snapshots of what is kept in memory: asked for, or taken at a fault."""
+
+from collections.abc import Iterable
+import threading
+from typing import final
+
+from lta_bridge.bag.background import BackgroundWriter
+from lta_bridge.bag.memory import Snapshot, SnapshotMemory
+from lta_bridge.bag.storage import StorageFault
+from lta_bridge.fault_watch import FaultWatch
+from lta_graph.health import Level
+
+ASKED = 'asked for'
+
+
+@final
+class Saving:
+    """
+    A snapshot on its way to the disk.
+
+    Attributes
+    ----------
+    done : threading.Event
+        Set when it has come to an end.
+    made : Snapshot or None
+        The bag, if it could be written whole.
+    fault : str
+        Why it could not.
+
+    """
+
+    def __init__(self) -> None:
+        self.done = threading.Event()
+        self.made: Snapshot | None = None
+        self.fault = ''
+
+    @property
+    def sentence(self) -> str:
+        """How it stands."""
+        if self.made is not None:
+            return f"{self.made.messages} messages are in '{self.made.path}'."
+        return self.fault or 'The snapshot is still being written.'
+
+
+@final
+class Snapshots:
+    """
+    Writes the memory to the disk, in the writer's thread.
+
+    Parameters
+    ----------
+    memory : SnapshotMemory
+        What is kept.
+    writer : BackgroundWriter
+        Who fills it.
+
+    """
+
+    def __init__(self, memory: SnapshotMemory, writer: BackgroundWriter) -> None:
+        self._memory = memory
+        self._writer = writer
+        self._faults = FaultWatch()
+        self._savings: list[Saving] = []
+
+    def ask(self, why: str = ASKED) -> Saving:
+        """Have everything written that has come so far, and return what will tell the outcome."""
+        saving = Saving()
+
+        def save() -> None:
+            try:
+                saving.made = self._memory.save(why)
+            except (StorageFault, ValueError) as fault:
+                saving.fault = str(fault)
+            finally:
+                saving.done.set()
+
+        self._savings.append(saving)
+        self._writer.call(save)
+        self._writer.hurry()
+        return saving
+
+    def hear(self, statuses: Iterable[tuple[str, bool]], now: float) -> None:
+        """Take note of a diagnostics message as `FaultWatch` does, and save at a fault. [s]"""
+        self._faults.hear(statuses)
+        self.tend(now)
+
+    def tend(self, now: float) -> None:
+        """Save if a fault is due. [wall s]"""
+        if found := self._faults.due(now):
+            self.ask('; '.join(found))
+
+    def tally(self) -> tuple[Level, str, dict[str, object]]:
+        """Return level, sentence and figures of the snapshots so far."""
+        figures: dict[str, object] = {
+            'written': sum(saving.made is not None for saving in self._savings),
+            'failed': sum(bool(saving.fault) for saving in self._savings),
+            'memory_bytes': self._memory.size,
+        }
+        last = self._savings[-1] if self._savings else None
+        level = Level.WARN if last is not None and last.fault else Level.OK
+        return level, 'none yet' if last is None else last.sentence, figures

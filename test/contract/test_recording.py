@@ -1,0 +1,70 @@
+"""What people can say of a recording: settings, launch arguments and the page about them agree."""
+
+from pathlib import Path
+import re
+
+from lta_analysis.preflight import parameters
+from lta_bridge.bag.background import FLUSH_PERIOD, REFRESH_PERIOD
+from lta_bridge.bag.memory import GRAIN_NS
+from lta_bridge.fault_watch import REST
+from lta_bridge.nodes.recorder import LOOK_PERIOD, NAP_NS
+from lta_bridge.recorder_settings import Origin, RecorderSettings
+from lta_graph.launch_file import arguments, load
+from lta_graph.ros.parameters import leaves
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+LAUNCH = ROOT / 'config/launch'
+PAGE = ROOT / 'docs/recording.md'
+SETTINGS = {
+    name: default
+    for name, _, default in leaves(RecorderSettings())
+    if name not in {*Origin.model_fields, 'robots'}
+}
+
+
+@pytest.fixture(autouse=True)
+def installed(monkeypatch, tmp_path):
+    """Stand in for the installed lta_config, whose share the launch file asks for."""
+    marker = tmp_path / 'share/ament_index/resource_index/packages/lta_config'
+    marker.parent.mkdir(parents=True)
+    marker.touch()
+    monkeypatch.setenv('AMENT_PREFIX_PATH', str(tmp_path))
+    (tmp_path / 'share/lta_config').symlink_to(ROOT / 'config')
+
+
+@pytest.mark.parametrize('name', ['fly', 'pair'])
+def test_every_setting_is_a_launch_argument_that_reaches_the_recorder(name):
+    path = LAUNCH / f'{name}.launch.yaml'
+    declared = {item.name: item for item in arguments(path)}
+    given = {
+        key: {'bag': 'b', 'topics': 'imu /rosout'}.get(key, str(3.5 + number))
+        for number, key in enumerate(SETTINGS)
+    }
+    plan = load(path, given)
+    told = {plan.label(item): parameters(item.arguments) for item in plan.processes}
+    for key, default in SETTINGS.items():
+        assert declared[key].default == str(default), key
+        assert declared[key].description.endswith('.'), key
+        expected = given[key] if key in ('bag', 'topics') else float(given[key])
+        assert told['recorder'][key] == expected, key
+    simulators = [value for label, value in told.items() if label.endswith('simulator')]
+    assert [each['topics'] for each in simulators] == ['imu /rosout'] * len(simulators)
+
+
+def test_the_page_has_every_setting_with_its_default():
+    rows = re.findall(r'^\| `(\w+)` \| (?:`?([\w.]+)`? )?\|', PAGE.read_text(), re.MULTILINE)
+    assert dict(rows) == {key: str(default) for key, default in SETTINGS.items()}
+
+
+def test_the_page_has_the_times_of_the_code():
+    text = ' '.join(PAGE.read_text().split())
+    for sentence in (
+        f'within {LOOK_PERIOD} s of its appearance',
+        f'to the operating system every {FLUSH_PERIOD} s',
+        f'every {REFRESH_PERIOD:.0f} s and at the end',
+        f'further faults within {REST:.0f} s wait',
+        f'by chunks of {GRAIN_NS * 1e-9} s at most',
+        f'looks every {NAP_NS // 10**6} ms',
+    ):
+        assert sentence in text, sentence

@@ -1,0 +1,239 @@
+"""Every series of both layouts is a field of a message that the topic table lists."""
+
+import json
+from pathlib import Path
+import re
+import xml.etree.ElementTree as ET
+
+import foxglove.layouts as sdk
+from lta_bridge.bag.schemas import jazzy
+from lta_config import views_foxglove, views_plotjuggler
+from lta_config.errors import BadInput
+from lta_config.topics import robot_topic, topic_table
+from lta_config.vehicle_file import load_vehicle_file
+from lta_config.views import load_views, main, place_of, Views
+from lta_energy.messages import figures
+from pydantic import ValidationError
+import pytest
+from rosbags.typesys.store import Nodetype
+
+ROOT = Path(__file__).resolve().parents[2]
+TABLE = topic_table()
+TYPES = {robot_topic('lta1', name): topic.type for name, topic in TABLE.topics.items()}
+SCENE = '/lta1/scene'  # not of the table: the live node draws it
+ROTORS = list(load_vehicle_file('gtmab').rotors)
+LAYOUT = json.loads((ROOT / 'config/foxglove/lta.json').read_text(encoding='utf-8'))
+PLOTS = ET.parse(ROOT / 'config/plotjuggler/lta.xml').getroot()
+TABS = ['Overview', 'Control', 'Light', 'Energy', 'Model']
+NODES = [path.stem for path in ROOT.glob('src/*/lta_*/nodes/[!_]*.py')]
+
+STEP = re.compile(r'\.@?(\w+)|\[(\d+|:)\]|\{(\w+)==("[^"]*")\}')
+PANELS = {  # by Foxglove's name of a panel: what its SDK says of the panel's settings
+    'Plot': sdk.PlotConfig(),
+    'StateTransitions': sdk.StateTransitionsConfig(),
+    '3D': sdk.ThreeDeeConfig(),
+    'Image': sdk.ImageConfig(),
+    'DiagnosticSummary': sdk.DiagnosticsSummaryConfig(),
+    'DiagnosticStatusPanel': sdk.DiagnosticsDetailConfig(),
+}
+
+
+def told(sources, text):
+    """Return whether some node reports a task and a figure: read from the sources, not run."""
+    return any(text in path.read_text(encoding='utf-8') for path in sources)
+
+
+def figure_exists(topic, status, key):
+    """Return whether a status of a diagnostic array holds a figure."""
+    if topic == '/lta1/energy/status':
+        source = ROOT / 'src/lta_energy/lta_energy/messages.py'
+        assert figures.__module__ == 'lta_energy.messages'
+        return status == 'energy' and f"'{key}':" in source.read_text(encoding='utf-8')
+    node, _, task = status.partition(': ')
+    assert node in NODES, status
+    sources = list(ROOT.glob(f'src/*/lta_*/nodes/{node}.py'))
+    sources += [*ROOT.glob('src/*/lta_*/*.py')]
+    return told(sources, f"'{task}'") and told(sources, key)
+
+
+def follow(type_name, steps):
+    """Return the type that a message path ends at, by the definitions of ROS 2 Jazzy."""
+    node, filters = (Nodetype.NAME, type_name), {}
+    steps = list(steps)
+    while steps:
+        name, index, key, value = steps.pop(0)
+        kind, detail = node
+        if name in ('rpy', 'degrees'):
+            if name == 'rpy':
+                assert detail == 'geometry_msgs/msg/Quaternion'
+                angle, *_ = steps.pop(0)
+                assert angle in ('roll', 'pitch', 'yaw')
+                node = (Nodetype.BASE, ('float64', 0))
+            assert node[0] == Nodetype.BASE
+        elif name:
+            fields = dict(jazzy().fielddefs[detail][1])
+            assert name in fields, f'{detail} has no {name}'
+            node = fields[name]
+        elif index:
+            assert kind in (Nodetype.SEQUENCE, Nodetype.ARRAY)
+            node = detail[0]
+            if index != ':':
+                assert int(index) < len(ROTORS)
+        else:
+            assert key in dict(jazzy().fielddefs[detail][1])
+            filters[key] = value.strip('"')
+    return node, filters
+
+
+def parsed(path):
+    """Return topic and steps of a Foxglove message path; every letter of it is understood."""
+    topic = max((name for name in TYPES if re.match(rf'{re.escape(name)}[.\[{{]', path)), key=len)
+    rest = path.removeprefix(topic)
+    steps, end = [], 0
+    for match in STEP.finditer(rest):
+        assert match.start() == end, path
+        steps.append(match.groups())
+        end = match.end()
+    assert end == len(rest), path
+    return topic, steps
+
+
+def every_path():
+    return sorted(
+        {
+            item['value']
+            for config in LAYOUT['configById'].values()
+            for item in config.get('paths', [])
+        }
+    )
+
+
+@pytest.mark.parametrize('path', every_path())
+def test_a_message_path_ends_at_a_number(path):
+    topic, steps = parsed(path)
+    (kind, detail), filters = follow(TYPES[topic], steps)
+    assert kind == Nodetype.BASE
+    if detail[0] == 'string':  # Foxglove plots a text that is a number
+        assert filters.get('hardware_id', '') == ('lta1' if topic == '/diagnostics' else '')
+        assert figure_exists(topic, filters['name'], filters['key'])
+    else:
+        assert detail[0] in ('float32', 'float64', 'bool')
+
+
+def test_a_path_that_is_wrong_is_found():
+    for wrong in (
+        '/lta1/odom.pose.position.z',
+        '/lta1/battery.voltage[0]',
+        '/lta1/motors.effort[9]',
+    ):
+        with pytest.raises(AssertionError):
+            follow(TYPES[parsed(wrong)[0]], parsed(wrong)[1])
+    assert not figure_exists('/lta1/energy/status', 'energy', 'power_W')
+    assert not figure_exists('/diagnostics', 'demodulator: light', 'worst_snr')
+
+
+@pytest.mark.parametrize('curve', sorted({item.get('name') for item in PLOTS.iter('curve')}))
+def test_a_curve_is_one_that_plotjuggler_makes(curve):
+    """By its ROS parsers: joints by name, figures by robot and status, angles in degrees."""
+    topic = max((name for name in TYPES if curve.startswith(f'{name}/')), key=len)
+    steps = curve.removeprefix(f'{topic}/').split('/')
+    if TYPES[topic] == 'diagnostic_msgs/msg/DiagnosticArray':
+        if topic == '/diagnostics':
+            assert steps.pop(0) == 'lta1'
+        assert figure_exists(topic, *steps)
+        return
+    if TYPES[topic] == 'sensor_msgs/msg/JointState':
+        name, field = steps
+        assert name in ROTORS
+        assert field == 'effort'
+        return
+    if steps[-1].endswith('_deg'):
+        assert steps.pop() in ('roll_deg', 'pitch_deg', 'yaw_deg')
+        (_, detail), _ = follow(TYPES[topic], [(step, '', '', '') for step in steps])
+        assert detail == 'geometry_msgs/msg/Quaternion'
+        return
+    (kind, _), _ = follow(TYPES[topic], [(step, '', '', '') for step in steps])
+    assert kind == Nodetype.BASE
+
+
+def test_both_layouts_are_fresh():
+    views = load_views()
+    made = views_foxglove.layout(views)
+    assert (ROOT / 'config/foxglove/lta.json').read_text(encoding='utf-8') == made
+    made = views_plotjuggler.layout(views)
+    assert (ROOT / 'config/plotjuggler/lta.xml').read_text(encoding='utf-8') == made
+
+
+def test_both_layouts_have_the_five_tabs_and_the_same_plots():
+    configs = LAYOUT['configById']
+    tabs = configs[LAYOUT['layout']]['tabs']
+    assert [tab['title'] for tab in tabs] == TABS
+    assert [tab.get('tab_name') for tab in PLOTS.iter('Tab')] == TABS
+    for tab, page in zip(tabs, PLOTS.iter('Tab'), strict=True):
+        found = [name for name in leaves(tab['layout']) if name.startswith('Plot!')]
+        titles = [configs[name]['foxglovePanelTitle'] for name in found]
+        assert titles == [area.get('name') for area in page.iter('DockArea')]
+        counts = [len(configs[name]['paths']) for name in found]
+        assert counts == [len(list(area.iter('curve'))) for area in page.iter('DockArea')]
+
+
+def leaves(layout):
+    """Yield the panels of a layout, in order; each split is whole."""
+    if isinstance(layout, str):
+        yield layout
+        return
+    assert layout['direction'] in ('row', 'column')
+    assert 0.0 < layout['splitPercentage'] < 100.0
+    yield from leaves(layout['first'])
+    yield from leaves(layout['second'])
+
+
+def test_every_panel_is_shown_once_and_has_settings_that_foxglove_knows():
+    configs = LAYOUT['configById']
+    shown = [name for tab in configs['Tab!lta']['tabs'] for name in leaves(tab['layout'])]
+    assert sorted([*shown, 'Tab!lta']) == sorted(configs)
+    for name in shown:
+        known = PANELS[name.partition('!')[0]]._to_dict().keys()
+        assert configs[name].keys() - {'foxglovePanelTitle'} <= known, name
+        for series in configs[name].get('paths', []):
+            assert series.keys() <= sdk.PlotSeries()._to_dict().keys()
+    point = sdk.BaseRendererPointCloudTopicSettings()._to_dict().keys()
+    for name, config in configs.items():
+        for topic, settings in config.get('topics', {}).items():
+            assert topic == SCENE or topic in TYPES, name
+            assert settings.keys() <= point
+    (image,) = [config['imageMode'] for config in configs.values() if 'imageMode' in config]
+    assert image.keys() <= sdk.ImageModeConfig()._to_dict().keys()
+    assert TYPES[image['imageTopic']] == 'sensor_msgs/msg/Image'
+
+
+def test_topics_of_other_panels_are_there_and_of_the_right_kind():
+    for name, config in LAYOUT['configById'].items():
+        if 'topicToRender' in config:
+            assert TYPES[config['topicToRender']] == 'diagnostic_msgs/msg/DiagnosticArray', name
+        for topic, settings in config.get('topics', {}).items():
+            if 'colorField' in settings:
+                assert TYPES[topic] == 'sensor_msgs/msg/PointCloud2'
+                assert settings['colorField'] == 'snr'
+
+
+def test_motors_are_shown_by_the_names_of_the_vehicle():
+    views = load_views()
+    for index, name in enumerate(ROTORS):
+        assert views_foxglove.path(views, f'motors.effort.{name}').endswith(f'.effort[{index}]')
+        assert views_plotjuggler.curve(views, f'motors.effort.{name}').endswith(f'/{name}/effort')
+
+
+def test_bad_views_are_refused():
+    views = load_views()
+    for series, words in (('odom', 'names no field'), ('nope.x', "Unknown topic 'nope'")):
+        with pytest.raises(BadInput, match=words):
+            place_of(views, series)
+    with pytest.raises(BadInput, match='foxglove, plotjuggler'):
+        main(['rviz'])
+    given = {'schema': 1, 'robot': 'lta1', 'vehicle': 'gtmab'}
+    for panel in ({'title': 'a'}, {'title': 'a', 'plot': {}, 'scene': 'map'}):
+        with pytest.raises(ValidationError, match='must be one of plot'):
+            Views.model_validate({**given, 'tabs': {'A': [[panel]]}})
+    with pytest.raises(ValidationError, match='no name'):
+        Views.model_validate({**given, 'robot': '1', 'tabs': {}})

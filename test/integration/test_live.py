@@ -1,0 +1,270 @@
+"""A running graph as a viewer without ROS sees it, and a flight that loses its viewer."""
+
+from contextlib import closing
+from hashlib import sha256
+import json
+import math
+import os
+from pathlib import Path
+import signal
+import socket
+
+from lta_analysis.bag.reader import read_bag
+from lta_bridge.live.server import LiveServer
+from lta_config.topics import topic_table
+from lta_config.views import load_views, place_of
+from lta_graph.ros.node import message_type, to_stamp
+from lta_graph.ros.qos import profile
+import pytest
+import rclpy
+from rclpy.context import Context
+from rclpy.serialization import serialize_message
+from rosbags.typesys import get_types_from_msg, get_typestore, Stores
+
+import foxglove
+
+from .viewer import Viewer
+
+TABLE = topic_table()
+TOPICS = {name if name.startswith('/') else f'/lta1/{name}' for name in TABLE.topics}
+SCENE, FRAMES = '/lta1/scene', '/lta1/tf'
+GAPS = '/lta1/energy/status'  # whose gaps between numbers the recorder writes as zeros
+JAZZY = get_typestore(Stores.ROS2_JAZZY)
+
+
+@pytest.fixture
+def port():
+    """Return a port that nobody listens on."""
+    with socket.socket() as probe:
+        probe.bind(('127.0.0.1', 0))
+        return probe.getsockname()[1]
+
+
+def listening(port):
+    """Return the addresses that a port is listened on, as the kernel writes them."""
+    found = set()
+    for table in ('tcp', 'tcp6'):
+        path = Path('/proc/net') / table
+        for line in path.read_text().splitlines()[1:] if path.exists() else []:
+            address, state = line.split()[1], line.split()[3]
+            host, _, number = address.partition(':')
+            if state == '0A' and int(number, 16) == port:
+                found.add(host)
+    return found
+
+
+def seen(viewer, name):
+    """Return log times and decoded messages of one topic, by rosbags."""
+    row = TABLE[name]
+    topic = name if name.startswith('/') else f'/lta1/{name}'
+    return [
+        (when, JAZZY.deserialize_cdr(data, row.type))
+        for when, data in viewer.messages.get(topic, [])
+    ]
+
+
+def test_a_viewer_sees_the_flight_that_is_recorded(lta, scenario, tmp_path, port, hear):
+    out, scene = tmp_path / 'out', scenario(time_limit='5 s')
+    words = ('--live', '--live-port', port, '--scenario', scene, '--no-page', '--json')
+    flight = lta.start('fly', *words, '--out', out)
+    with closing(Viewer(port)) as viewer:
+        look(viewer, port, hear)
+    assert flight.end() == 1  # five seconds are too few to reach the lamp
+    assert '"outcome": "timeout"' in flight.text
+    assert f'ds.url=ws://localhost:{port} ' in flight.text
+    (layout,) = [line.split()[1] for line in flight.text.splitlines() if line[:6] == 'Layout']
+    assert 'configById' in json.loads(Path(layout).read_text())
+    compare(viewer, read_bag(out / 'bag'))
+
+
+def look(viewer, port, hear):
+    """Look on to the end of a flight: at all that is shown, and for what is refused."""
+    viewer.until(lambda: TOPICS | {SCENE, FRAMES} <= viewer.channels.keys())
+    assert viewer.protocol == 'foxglove.sdk.v1'
+    assert (viewer.info['name'], viewer.info['capabilities']) == ('LTA lta1', ['time'])
+    assert viewer.channels.keys() == TOPICS | {SCENE, FRAMES}
+    for name, row in TABLE.topics.items():
+        told = viewer.channels[name if name.startswith('/') else f'/lta1/{name}']
+        assert (told['encoding'], told['schemaEncoding']) == ('cdr', 'ros2msg')
+        assert told['schemaName'] == row.type
+        read = get_types_from_msg(told['schema'], row.type)
+        assert read[row.type] == JAZZY.fielddefs[row.type]
+    assert viewer.channels[SCENE]['schemaName'] == 'foxglove.SceneUpdate'
+    assert viewer.channels[FRAMES]['schemaName'] == 'foxglove.FrameTransforms'
+    assert listening(port) == {'0100007F'}  # 127.0.0.1 and nothing else
+
+    viewer.subscribe()
+    channel = {'id': 1, 'topic': '/lta1/motors', 'encoding': 'cdr', 'schemaName': 'x'}
+    viewer.send({'op': 'advertise', 'channels': [channel]})
+    viewer.send({'op': 'setParameters', 'parameters': [{'name': 'armed', 'value': False}]})
+    viewer.until(lambda: len(viewer.statuses) >= 2)
+    refusals = sorted(str(status['message']) for status in viewer.statuses)
+    assert 'clientPublish' in refusals[0]
+    assert 'parameters' in refusals[1]
+    viewer.until(lambda: len(viewer.messages.get('/lta1/odom', [])) > 20)
+    hear(lambda facts: 'live: view' in facts and facts['live: view'].message == '1 viewer')
+    viewer.to_the_end()
+
+
+def compare(viewer, bag):
+    """Hold what a viewer was sent against what was recorded."""
+    recorded = {}
+    for topic, when, data in bag.messages():
+        recorded.setdefault(topic, set()).add((when, data))
+    for topic in TOPICS - {GAPS, '/clock', '/diagnostics', '/lta1/energy/reserve'}:
+        assert viewer.messages[topic], topic
+        strange = set(viewer.messages[topic]) - recorded[topic]
+        best_effort = TABLE[topic.removeprefix('/lta1/')].qos == 'sensor'  # may miss a recorder
+        assert len(strange) <= (0.1 * len(viewer.messages[topic]) if best_effort else 0), topic
+    truth = dict(recorded['/lta1/odom'])
+    odom = seen(viewer, 'odom')
+    assert len(odom) > 20
+    for when, message in odom:
+        kept = bag.decode('/lta1/odom', truth[when])
+        for field in ('position', 'orientation'):
+            for axis in 'xyz':
+                got = getattr(getattr(message.pose.pose, field), axis)
+                assert got == getattr(getattr(kept.pose.pose, field), axis)
+        assert message.twist.twist.linear.x == kept.twist.twist.linear.x
+    for messages in viewer.messages.values():
+        times = [when for when, _ in messages]
+        assert times == sorted(times)
+    assert viewer.times == sorted(viewer.times)
+    ticks = {data for _, data in viewer.messages['/clock']}
+    assert len(ticks - {data for _, data in recorded['/clock']}) <= 0.1 * len(ticks)
+    drawn(viewer)
+    figures_are_told(viewer)
+
+
+def drawn(viewer):
+    """Look for the names of what is drawn, and for the frames."""
+    whole = b''.join(data for _, data in viewer.messages[SCENE])
+    for name in (b'room', b'lamp', b'goal', b'vehicle', b'thrust', b'bearing', b'wind', b'path'):
+        assert name in whole, name
+    assert len(viewer.messages[SCENE]) > 5
+    for _, data in viewer.messages[FRAMES]:
+        for name in (b'map', b'base_link', b'imu_link', b'range_link', b'panel_link'):
+            assert name in data
+    assert max(map(len, (data for _, data in viewer.messages[SCENE]))) < 50_000
+
+
+def figures_are_told(viewer):
+    """Every figure of a diagnostic array that the layouts plot is one that a flight tells."""
+    told = set()
+    for name in ('/diagnostics', 'energy/status'):
+        for _, message in seen(viewer, name):
+            for status in message.status:
+                told |= {(name, status.name, item.key) for item in status.values}
+    views = load_views()
+    places = [place_of(views, s) for panel in views.panels() for s in panel.series.values()]
+    wanted = {
+        (place.name, *place.steps) for place in places if place.topic.message == 'DiagnosticArray'
+    }
+    assert wanted
+    assert wanted <= told
+
+
+def test_a_viewer_that_takes_nothing_keeps_no_other_from_seeing(port):
+    schema = foxglove.Schema(name='std_msgs/msg/String', encoding='ros2msg', data=b'string data')
+    server = LiveServer('test', '127.0.0.1', port, {'/block': ('cdr', schema)})
+    with closing(Viewer(port)) as sleeper, closing(Viewer(port)) as viewer:
+        for each in (sleeper, viewer):
+            each.until(lambda each=each: each.channels)
+            each.subscribe()
+        while server.audience.viewers < 2:
+            server.tell_time(1)
+            viewer.until(lambda: viewer.times)
+            viewer.times.clear()
+        assert server.audience.newcomer('/block')
+        assert not server.audience.newcomer('/block')
+        for k in range(2000):  # 32 MB: more than any socket holds
+            server.send('/block', bytes(16_000), k)
+        server.send('/block', b'the end', 2000)
+        viewer.until(lambda: viewer.messages.get('/block', [(0, b'')])[-1] == (2000, b'the end'))
+    server.close()
+
+
+def test_nonsense_ends_no_view(domain_id, lta, port, hear):
+    words = ('--ros-args', '-r', '__ns:=/lta1', '-p', f'port:={port}')
+    alone = lta.start('run', 'lta_bridge', 'live', *words)
+    context = Context()
+    rclpy.init(args=[], context=context, domain_id=domain_id)
+    node = rclpy.create_node('peer', namespace='/lta1', context=context)
+    row, clock = TABLE['odom'], TABLE['/clock']
+    odom = node.create_publisher(message_type(row), 'odom', profile(row, lockstep=False))
+    ticks = node.create_publisher(message_type(clock), '/clock', profile(clock, lockstep=False))
+    good, wild, early = (message_type(row)() for _ in range(3))
+    good.header.stamp = to_stamp(TABLE.start_ns)
+    wild.header.stamp = to_stamp(2_000_000_000 * 10**9)
+    early.header.stamp.sec = -5
+    early.pose.pose.position.x = math.nan
+    backwards = message_type(clock)()
+    backwards.clock.sec = -1
+    nonsense = [serialize_message(good)[:8], serialize_message(good)[:60], wild, early]
+    with closing(Viewer(port)) as viewer:
+        viewer.until(lambda: len(viewer.channels) > len(TABLE.topics))
+        viewer.subscribe()
+        hear(lambda facts: 'live: view' in facts)
+        while len(viewer.messages.get('/lta1/odom', [])) < 40:
+            for message in (*nonsense, good):
+                odom.publish(message)
+                ticks.publish(backwards)
+                viewer.pause(0.02)
+        hear(lambda facts: int(facts['live: view'].values['unreadable']) > 0)
+    node.destroy_node()
+    context.try_shutdown()
+    assert {when for when, _ in viewer.messages[SCENE]} == {TABLE.start_ns}
+    assert viewer.times == []
+    alone.interrupt()
+    assert alone.end() == 0
+    assert alone.text == ''
+
+
+def repeatable(path):
+    """Return a digest of every topic of a whole bag that repeats itself."""
+    bag = read_bag(path)
+    assert bag.complete
+    found = {}
+    for topic, when, data in bag.messages():
+        if topic.startswith('/lta1/'):
+            digest = found.setdefault(topic, sha256())
+            digest.update(when.to_bytes(8, 'little') + data)
+    return {topic: digest.hexdigest() for topic, digest in found.items()}
+
+
+def test_a_view_that_hangs_and_dies_changes_no_byte_of_a_flight(lta, flying, tmp_path, port):
+    out, alone = tmp_path / 'out', tmp_path / 'alone'
+    words = ('--live', '--live-port', port, '--time', 'lockstep')
+    flight = lta.start('fly', *words, '--no-page', '--out', out)
+    with closing(Viewer(port)) as viewer:
+        viewer.until(lambda: '/lta1/motors' in viewer.channels)
+        viewer.subscribe('/lta1/motors')
+        viewer.until(lambda: viewer.messages)  # it hears the flight
+        pid = flight.node('live')
+        os.kill(pid, signal.SIGSTOP)
+        flying(10.0)  # past a reader that takes nothing
+        os.kill(pid, signal.SIGKILL)
+    flight.said('live was killed by SIGKILL; the flight goes on.')
+    assert flight.end() == 0
+    # On a busy machine somebody else may be late.
+    named = [line for line in flight.text.splitlines() if line.startswith('Nothing comes from')]
+    assert not any('live' in line for line in named)
+    assert lta.run('simulate', '--bag', '--out', alone).returncode == 0
+    assert repeatable(out / 'bag') == repeatable(alone / 'bag')
+
+
+def test_a_port_that_is_taken_is_refused_before_the_flight(lta, tmp_path, port):
+    sentence = f'Port {port} cannot be used for the live view (Address already in use); end what'
+    with socket.socket() as holder:
+        holder.bind(('127.0.0.1', port))
+        holder.listen()
+        out = tmp_path / 'out'
+        result = lta.run('fly', '--live', '--live-port', port, '--out', out)
+        assert (result.returncode, result.stdout) == (2, '')
+        assert result.stderr.startswith(sentence)
+        assert result.stderr.count('\n') == 1
+        assert not out.exists()
+        words = ('live:=true', f'live_port:={port}', f'bag:={out}')
+        assert lta.run('launch', 'fly', *words).stderr == result.stderr
+        alone = lta.run('run', 'lta_bridge', 'live', '--ros-args', '-p', f'port:={port}')
+        assert (alone.returncode, alone.stderr) == (2, result.stderr)

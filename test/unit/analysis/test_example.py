@@ -1,0 +1,78 @@
+"""The example for notebooks runs as the page shows it, and its figures are right."""
+
+from pathlib import Path
+import re
+import runpy
+import sys
+
+from lta_analysis.ingredients import gather, loop_of
+from lta_analysis.messages import LoopRecorder
+from lta_bridge.bag.writer import BagWriter
+from lta_config.topics import topic_table
+import numpy as np
+import pytest
+from rosbags.highlevel import AnyReader
+
+ROOT = Path(__file__).resolve().parents[3]
+EXAMPLE = ROOT / 'examples/analyse_a_bag.py'
+STEPS = 1200
+
+
+@pytest.fixture(scope='module')
+def short_flight(tmp_path_factory):
+    """Return the bag of the first twelve seconds of a flight."""
+    bag = tmp_path_factory.mktemp('flight') / 'bag'
+    loop = loop_of(gather('gtmab', 'lamp_room', 'bag', ''), 3)
+    with BagWriter(bag, {}) as writer:
+        recorder = LoopRecorder(writer, loop, topic_table(), 'lta1')
+        for step, _ in enumerate(loop.flight()):
+            recorder.take()
+            if step == STEPS:
+                break
+    return bag
+
+
+def forward(bag, topic):
+    """Return the forward speeds of a topic by stamp, as rosbags decodes them. [ns, m/s]"""
+    with AnyReader([bag]) as reader:
+        connections = [each for each in reader.connections if each.topic == topic]
+        messages = [
+            reader.deserialize(raw, each.msgtype) for each, _, raw in reader.messages(connections)
+        ]
+    return {
+        m.header.stamp.sec * 10**9 + m.header.stamp.nanosec: m.twist.twist.linear.x
+        for m in messages
+    }
+
+
+def test_the_example_prints_the_error_of_the_estimate_by_speed(short_flight, monkeypatch, capsys):
+    monkeypatch.setattr(sys, 'argv', [str(EXAMPLE), str(short_flight)])
+    runpy.run_path(str(EXAMPLE), run_name='__main__')
+    title, names, _, *lines = capsys.readouterr().out.splitlines()
+    assert title == 'Estimated less true airspeed [m/s]'
+    assert names.split() == ['count', 'mean', 'std', 'min', 'max']
+    estimate, truth = (
+        forward(short_flight, '/lta1/odom'),
+        forward(short_flight, '/lta1/ground_truth/odom'),
+    )
+    first = min(truth)
+    even = [stamp for stamp in truth if (stamp - first) % 20_000_000 == 0]  # 50 Hz
+    speed = np.array([round(truth[stamp], 1) for stamp in even])
+    error = np.array([estimate[stamp] - truth[stamp] for stamp in even])
+    rows = [[float(word) for word in line.split()] for line in lines]
+    assert [row[0] for row in rows] == sorted(set(speed.tolist()))
+    for at, count, mean, spread, least, most in rows:
+        those = error[np.isclose(speed, at)]
+        assert count == len(those)
+        np.testing.assert_allclose(
+            [mean, spread, least, most],
+            [those.mean(), those.std(ddof=1), those.min(), those.max()],
+            atol=5.1e-5,
+        )
+    assert len(rows) > 3
+
+
+def test_the_page_shows_the_example_as_it_is():
+    code = EXAMPLE.read_text(encoding='utf-8').split('"""', 2)[2].strip()
+    blocks = re.findall(r'```python\n(.*?)```', (ROOT / 'docs/analysis.md').read_text(), re.DOTALL)
+    assert code in {block.strip() for block in blocks}

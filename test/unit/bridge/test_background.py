@@ -1,0 +1,148 @@
+"""A slow, full or broken disk: nobody waits for it, and what is missing is known."""
+
+from collections import Counter
+import errno
+import os
+import threading
+
+from lta_analysis.bag.reader import read_bag
+from lta_bridge.bag import BagWriter, storage, StorageFault
+from lta_bridge.bag.background import BackgroundWriter
+import pytest
+
+PATIENCE = 20.0
+TYPE = 'sensor_msgs/msg/Image'
+
+
+class SlowDisk:
+    """Stands in for the system: a write begins, and ends when it is let."""
+
+    def __init__(self):
+        self.stalled = threading.Event()
+        self.let = threading.Event()
+        self.write = os.pwrite
+
+    def pwrite(self, fd, data, offset):
+        self.stalled.set()
+        assert self.let.wait(PATIENCE)
+        return self.write(fd, data, offset)
+
+
+def stored(folder):
+    return [when for _, when, _ in read_bag(folder).messages()]
+
+
+def test_a_disk_that_stalls_stops_nobody_and_costs_what_finds_no_room(tmp_path, monkeypatch):
+    disk = SlowDisk()
+    writer = BackgroundWriter(BagWriter(tmp_path / 'bag', {}), room=10_000)
+    writer.add_topic('/a', TYPE, [])
+    monkeypatch.setattr(storage.os, 'pwrite', disk.pwrite)
+    writer.add_topic('/b', TYPE, [])  # the disk takes the beginning of this, and then its time
+    writer.hurry()
+    assert disk.stalled.wait(PATIENCE)
+    names = ['/a', '/b']
+    taken = [writer.write(names[k % 2], bytes(1000), k) for k in range(15)]
+    assert taken == [True] * 10 + [False] * 5  # the newest are dropped
+    assert writer.dropped == Counter({'/a': 3, '/b': 2})
+    assert writer.waiting == 10_000
+    disk.let.set()
+    writer.close()
+    assert writer.waiting == 0
+    assert stored(tmp_path / 'bag') == list(range(10))
+    assert read_bag(tmp_path / 'bag').complete
+    assert writer.lost == 0
+
+
+def test_after_a_stall_recording_goes_on(tmp_path, monkeypatch):
+    disk = SlowDisk()
+    writer = BackgroundWriter(BagWriter(tmp_path / 'bag', {}), room=2000)
+    monkeypatch.setattr(storage.os, 'pwrite', disk.pwrite)
+    writer.add_topic('/a', TYPE, [])
+    writer.hurry()
+    assert disk.stalled.wait(PATIENCE)
+    before = [writer.write('/a', bytes(1000), k) for k in range(4)]
+    disk.let.set()
+    caught_up = threading.Event()
+    writer.call(caught_up.set)
+    writer.hurry()
+    assert caught_up.wait(PATIENCE)
+    assert writer.write('/a', bytes(1000), 4)
+    writer.close()
+    assert before == [True, True, False, False]
+    assert stored(tmp_path / 'bag') == [0, 1, 4]
+
+
+def test_a_fault_is_told_and_every_message_is_accounted_for(tmp_path, monkeypatch):
+    writer = BackgroundWriter(BagWriter(tmp_path / 'bag', {}), room=1 << 30)
+    writer.add_topic('/a', TYPE, [])
+    for k in range(50):
+        writer.write('/a', bytes(100), k)
+    kept, told = threading.Event(), threading.Event()
+    writer.call(kept.set)
+    writer.hurry()
+    assert kept.wait(PATIENCE)
+
+    def broken(*_):
+        raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+    writer.call(lambda: monkeypatch.setattr(storage.os, 'pwrite', broken))
+    for k in range(50, 3000):
+        writer.write('/a', bytes(1000), k)  # more than a chunk: it is written at once
+    writer.call(told.set)  # whoever waits for a step is answered
+    writer.hurry()
+    assert told.wait(PATIENCE)
+    with pytest.raises(StorageFault, match='stays readable'):
+        writer.close()
+    monkeypatch.undo()
+    found = stored(tmp_path / 'bag')
+    assert found == list(range(len(found)))
+    assert len(found) + writer.lost + writer.dropped.total() == 3000
+    assert isinstance(writer.fault, StorageFault)
+    assert not writer.write('/a', b'', 3000)
+
+
+def test_a_disk_that_is_nearly_full_gets_a_whole_bag(tmp_path, monkeypatch):
+    writer = BackgroundWriter(BagWriter(tmp_path / 'bag', {}), room=1 << 30)
+    writer.add_topic('/a', TYPE, [])
+    for k in range(50):
+        writer.write('/a', bytes(100), k)
+    looked = threading.Event()
+
+    def little(path):
+        looked.set()
+        return 1000
+
+    monkeypatch.setattr(storage, 'free_space', little)
+    assert looked.wait(PATIENCE)
+    with pytest.raises(StorageFault, match=r'nearly full.*ends here, whole; make room'):
+        writer.close()
+    assert read_bag(tmp_path / 'bag').complete
+    assert stored(tmp_path / 'bag') == list(range(50))
+
+
+def test_a_mistake_of_ours_is_not_swallowed(tmp_path):
+    writer = BackgroundWriter(BagWriter(tmp_path / 'bag', {}), room=1 << 30)
+    writer.write('/nobody/announced/this', b'', 0)
+    with pytest.raises(KeyError):
+        writer.close()
+    assert read_bag(tmp_path / 'bag').complete
+
+
+def test_messages_reach_the_disk_without_anybody_asking(tmp_path, monkeypatch):
+    """What SIGKILL would leave: the writer flushes by itself, again and again."""
+    written = threading.Semaphore(0)
+    write = os.pwrite
+
+    def pwrite(fd, data, offset):
+        done = write(fd, data, offset)
+        written.release()
+        return done
+
+    writer = BackgroundWriter(BagWriter(tmp_path / 'bag', {}), room=1 << 30)
+    writer.add_topic('/a', TYPE, [])
+    monkeypatch.setattr(storage.os, 'pwrite', pwrite)
+    for k in range(3):
+        assert writer.write('/a', bytes(10), k)
+        while stored(tmp_path / 'bag') != list(range(k + 1)):
+            assert written.acquire(timeout=PATIENCE)
+    writer.close()

@@ -1,0 +1,103 @@
+"""Whose a message is, when it was, and what is told of those that are missing."""
+
+from collections import Counter
+import struct
+
+from lta_bridge.intake import Intake
+from lta_config.topics import topic_table
+from lta_graph.health import Level
+import pytest
+
+TABLE = topic_table()
+START, MS = TABLE.start_ns, 10**6
+
+
+class Kept:
+    """Stands in for the writer: keeps everything."""
+
+    def __init__(self):
+        self.messages = []
+        self.dropped = Counter()
+        self.waiting = 12
+
+    def write(self, topic, data, log_time_ns):
+        self.messages.append((topic, data, log_time_ns))
+
+
+def cdr(stamp):
+    return bytes([0, 1, 0, 0]) + struct.pack('<iI', *divmod(stamp, 10**9)) + bytes(8)
+
+
+def intake(*robots, lockstep=True):
+    writer = Kept()
+    return Intake(TABLE, lockstep, robots, writer), writer
+
+
+@pytest.mark.parametrize(
+    ('robots', 'name', 'owner', 'covered'),
+    [
+        (('lta1',), '/lta1/odom', ('lta1', 'odom'), True),
+        (('lta1',), '/lta1/light/peaks', ('lta1', 'light/peaks'), True),
+        (('lta1',), '/lta10/odom', (None, '/lta10/odom'), False),
+        (('lta1',), '/clock', (None, '/clock'), True),
+        (('lta1',), '/rosout', (None, '/rosout'), True),
+        (('a', 'b'), '/b/wind', ('b', 'wind'), True),
+        (('a', 'b'), '/c/wind', (None, '/c/wind'), False),
+        (('',), '/odom', ('', 'odom'), True),
+        (('',), '/clock', (None, '/clock'), True),
+    ],
+)
+def test_an_absolute_name_is_a_robot_s_or_everybody_s(robots, name, owner, covered):
+    taking, _ = intake(*robots)
+    assert taking.owner(name) == owner
+    assert taking.covers(name) == covered
+
+
+def test_each_robot_has_its_time_and_what_is_of_all_the_newest():
+    taking, writer = intake('a', 'b')
+    odom = 'nav_msgs/msg/Odometry'
+    take = {name: taking.takes(name, odom, bytes) for name in ('/a/odom', '/b/odom', '/b/extra')}
+    clock = taking.takes('/clock', 'rosgraph_msgs/msg/Clock', bytes)
+    for name, step in (('/a/odom', 0), ('/b/odom', 0), ('/b/odom', 1), ('/a/odom', 1)):
+        take[name](cdr(START + step * 10 * MS))
+    take['/b/odom'](cdr(START + 20 * MS))
+    take['/b/extra'](b'')  # no row in the table: as new as what its robot has told
+    clock(cdr(0))
+    times = [when - START for *_, when in writer.messages]
+    assert times == [0, 0, 10 * MS, 10 * MS, 20 * MS, 20 * MS, 20 * MS]
+
+
+def test_only_what_would_not_repeat_itself_is_written_anew():
+    taking, writer = intake('lta1')
+    kind = 'diagnostic_msgs/msg/DiagnosticArray'
+    for name in ('/lta1/energy/status', '/diagnostics', '/lta1/other'):
+        taking.takes(name, kind, lambda data: b'clean')(cdr(START))
+    taking.takes('/lta1/odom', 'nav_msgs/msg/Odometry', lambda data: b'clean')(cdr(START))
+    cleaned = [topic for topic, data, _ in writer.messages if data == b'clean']
+    assert cleaned == ['/lta1/energy/status']
+
+
+@pytest.mark.parametrize(('robots', 'name'), [(('lta1',), 'odom'), (('lta1', 'b'), '/lta1/odom')])
+def test_what_is_missing_is_counted_by_topic_and_cause(robots, name):
+    taking, writer = intake(*robots)
+    take = taking.takes('/lta1/odom', 'nav_msgs/msg/Odometry', bytes)
+    for step in (0, 1, 5):
+        take(cdr(START + step * 10 * MS))
+    assert taking.tally({})[:2] == (Level.WARN, '3 messages lost')
+    writer.dropped['/lta1/odom'] += 7
+    level, words, figures = taking.tally({'/lta1/odom': 2})
+    assert level == Level.WARN
+    assert words == '3 messages lost, 2 messages lost by the middleware, 7 messages dropped'
+    assert figures == {
+        'messages': 3,
+        'waiting_bytes': 12,
+        f'{name} lost': 3,
+        f'{name} lost by the middleware': 2,
+        f'{name} dropped': 7,
+    }
+
+
+def test_when_nothing_is_missing_it_records():
+    taking, _ = intake('lta1')
+    taking.takes('/rosout', 'rcl_interfaces/msg/Log', bytes)(b'')
+    assert taking.tally({}) == (Level.OK, 'recording', {'messages': 1, 'waiting_bytes': 12})

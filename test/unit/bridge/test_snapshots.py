@@ -1,0 +1,177 @@
+"""The last seconds in memory: as long as asked for, within their memory, once a fault."""
+
+from collections import Counter
+import errno
+import os
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from lta_analysis.bag.reader import read_bag
+from lta_bridge.bag import offered_qos, storage, StorageFault
+from lta_bridge.bag.background import BackgroundWriter
+from lta_bridge.bag.memory import GRAIN_NS, SnapshotMemory
+from lta_bridge.fault_watch import FaultWatch, REST
+from lta_bridge.snapshots import Snapshots
+from lta_config.errors import BadInput
+from lta_graph.health import Level
+import numpy as np
+import pytest
+from rosbags.highlevel import AnyReader
+
+S = 10**9
+PATIENCE = 20.0
+TYPE = 'sensor_msgs/msg/Image'
+FALSE = b'\0\1\0\0\0'
+
+
+def memory_of(folder, span=5 * S, room=1 << 30):
+    memory = SnapshotMemory(folder, {'seed': '4'}, span, room)
+    memory.add_topic('/a', TYPE, [offered_qos('reliable', 'volatile', 10)])
+    return memory
+
+
+def stored(folder):
+    return [when for _, when, _ in read_bag(folder).messages()]
+
+
+def test_the_last_seconds_are_a_bag_of_their_own(tmp_path):
+    memory = memory_of(tmp_path / 'bag')
+    sent = [(k * S // 10, bytes([0, 1, 0, 0, k % 256])) for k in range(1000)]
+    for when, data in sent:
+        memory.write('/a', data, when)
+    assert list((tmp_path / 'bag').iterdir()) == []
+    path, count = memory.save('asked for')
+    assert path == tmp_path / 'bag' / 'snapshot_0'
+    with AnyReader([path]) as reader:
+        found = [(when, data) for _, when, data in reader.messages()]
+        assert reader.message_count == len(found) == count
+    assert found == sent[-count:]
+    # Five seconds of 10 Hz, and whole chunks: as much again as two of them hold.
+    assert 50 <= count <= 51 + 2 * (GRAIN_NS * 10 // S + 1)
+    bag = read_bag(path)
+    assert bag.complete
+    assert bag.provenance == {'seed': '4', 'snapshot': 'asked for'}
+
+
+def test_snapshots_overlap_and_stand_side_by_side(tmp_path):
+    memory = memory_of(tmp_path)
+    for k in range(100):
+        memory.write('/a', FALSE, k * S // 10)
+        if k in (70, 99):
+            memory.save(f'at {k}')
+    first, second = (stored(tmp_path / f'snapshot_{n}') for n in range(2))
+    assert (first[-1], second[-1]) == (70 * S // 10, 99 * S // 10)
+    assert second[0] < first[-1]
+
+
+@settings(max_examples=25)
+@given(st.lists(st.tuples(st.integers(0, S), st.integers(1, 60_000)), min_size=1, max_size=80))
+def test_memory_has_a_bound_and_what_is_kept_is_the_newest(tmp_path_factory, steps):
+    room, noise, now = 200_000, np.random.default_rng(0), 0
+    memory = memory_of(tmp_path_factory.mktemp('law') / 'bag', room=room)
+    times = []
+    for step, size in steps:
+        now += step
+        memory.write('/a', noise.bytes(size), now)
+        times.append(now)
+        assert memory.size <= room
+    found = stored(memory.save('').path)
+    assert found == times[len(times) - len(found) :]
+    assert memory.size <= room
+
+
+def test_what_is_kept_for_those_who_come_late_is_never_forgotten(tmp_path):
+    memory = memory_of(tmp_path / 'bag')
+    memory.add_topic('/map', TYPE, [offered_qos('reliable', 'transient_local', 1)])
+    memory.add_topic('/old', TYPE, [])
+    for name in ('/map', '/map', '/old'):
+        memory.write(name, FALSE, 7)
+    for k in range(100):
+        memory.write('/a', FALSE, k * S)
+    path, _ = memory.save('')
+    counts = Counter(topic for topic, _, _ in read_bag(path).messages())
+    assert (counts['/map'], counts['/old']) == (1, 0)
+    assert counts['/a'] >= 5
+    assert set(read_bag(path).topics) == {'/a', '/map', '/old'}
+
+
+def test_a_full_disk_costs_a_snapshot_and_not_the_memory(tmp_path, monkeypatch):
+    memory = memory_of(tmp_path / 'bag')
+    memory.write('/a', FALSE, 1)
+    writer = BackgroundWriter(memory, 1000)
+    snapshots = Snapshots(memory, writer)
+    assert snapshots.tally()[:2] == (Level.OK, 'none yet')
+
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(storage.os, 'pwrite', full)
+    saving = snapshots.ask()
+    assert saving.done.wait(PATIENCE)
+    assert saving.made is None
+    assert 'The disk took no more' in saving.sentence
+    assert snapshots.tally()[0] == Level.WARN
+    monkeypatch.undo()
+    writer.write('/a', FALSE, 2)
+    again = snapshots.ask()
+    assert again.done.wait(PATIENCE)
+    assert again.made.messages == 2
+    assert again.sentence == f"2 messages are in '{again.made.path}'."
+    level, _, figures = snapshots.tally()
+    assert (level, figures['written'], figures['failed']) == (Level.OK, 1, 1)
+    writer.close()
+
+
+def test_a_busy_folder_is_refused(tmp_path):
+    (tmp_path / 'mine.txt').write_text('keep')
+    with pytest.raises(BadInput, match='choose another folder'):
+        memory_of(tmp_path)
+
+
+def test_a_fault_is_told_once_until_it_is_over():
+    watch = FaultWatch()
+    watch.hear([('lta1/a: state', False), ('lta1/b: state', True)])
+    assert watch.due(100.0) == ['lta1/b: state']
+    watch.hear([('lta1/b: state', True)])
+    assert watch.due(100.0 + 2 * REST) == []
+    watch.hear([('lta1/b: state', False)])
+    watch.hear([('lta1/b: state', True)])
+    assert watch.due(100.0 + 2 * REST) == ['lta1/b: state']
+
+
+def test_faults_that_come_together_wait_for_the_rest_to_end_and_count_as_one():
+    watch = FaultWatch()
+    watch.hear([('a', True)])
+    assert watch.due(0.0) == ['a']
+    watch.hear([('b', True), ('c', True)])
+    watch.hear([('b', False), ('c', True)])
+    watch.hear([('b', True)])
+    assert watch.due(REST - 0.1) == []
+    assert watch.due(REST) == ['b', 'c']
+    assert watch.due(2 * REST) == []
+
+
+def test_a_fault_in_the_diagnostics_is_saved_with_its_name(tmp_path):
+    memory = memory_of(tmp_path / 'bag')
+    writer = BackgroundWriter(memory, 1000)
+    snapshots = Snapshots(memory, writer)
+    writer.write('/a', FALSE, 5)
+    snapshots.hear([('lta1/motors', False)], 1.0)
+    snapshots.hear([('lta1/motors', True), ('lta1/light', True)], 2.0)
+    snapshots.hear([('lta1/motors', True)], 2.0 + 2 * REST)
+    writer.close()
+    (path,) = (tmp_path / 'bag').iterdir()
+    assert read_bag(path).provenance['snapshot'] == 'lta1/motors; lta1/light'
+    assert stored(path) == [5]
+
+
+def test_what_the_disk_refuses_for_good_is_a_fault_of_the_disk(tmp_path, monkeypatch):
+    memory = memory_of(tmp_path / 'bag')
+    memory.write('/a', FALSE, 1)
+
+    def full(*_):
+        raise OSError(errno.EDQUOT, os.strerror(errno.EDQUOT))
+
+    monkeypatch.setattr(storage.os, 'pwrite', full)
+    with pytest.raises(StorageFault):
+        memory.save('')
