@@ -1,64 +1,121 @@
-"""The verbs of the `lta` command, put together; one file a verb in `verbs/`."""
+"""
+The `lta` command, put together from its verbs: one file a verb in `verbs/`.
 
+Only the verb that is asked for is loaded: all of them take a second.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from importlib import import_module
 from importlib.metadata import version
 import inspect
 import sys
-from typing import Annotated
+from typing import Annotated, Any, Final, final
 
-from lta_analysis.verbs.bag import bag
-from lta_analysis.verbs.doctor import doctor
-from lta_analysis.verbs.effects import effects
-from lta_analysis.verbs.fly import fly
-from lta_analysis.verbs.import_ import import_
-from lta_analysis.verbs.launch import launch
-from lta_analysis.verbs.platforms import platforms
-from lta_analysis.verbs.replay import replay
-from lta_analysis.verbs.report import report
-from lta_analysis.verbs.run import run
-from lta_analysis.verbs.simulate import simulate
-from lta_analysis.verbs.sweep import sweep
-from lta_analysis.verbs.tune import tune
-from lta_analysis.verbs.vehicle import vehicle
-from lta_analysis.verbs.wind import wind
 from lta_config.errors import BadInput
 import typer
 
 STOPPED = 130  # the shell's own status after Ctrl-C, and Typer's
+EPILOG: Final = (
+    'Results go to runs/<time>-<name>/. "lta VERB --help" tells all of a verb.\n\n'
+    'Exit status 0: done. 1: the run failed. 2: bad input, one sentence on stderr.'
+)
 
-app = typer.Typer(
-    name='lta',
-    epilog='Results go to runs/<time>-<name>/. "lta VERB --help" tells all of a verb.\n\n'
-    'Exit status 0: done. 1: the run failed. 2: bad input, one sentence on stderr.',
-    no_args_is_help=True,
-    add_completion=False,
-    rich_markup_mode='rich',
-    pretty_exceptions_enable=False,
+
+@final
+@dataclass(frozen=True, slots=True)
+class Verb:
+    """Where a verb is: its file in `verbs/`, the function or group in it, and Click's settings."""
+
+    file: str
+    name: str
+    settings: Mapping[str, Any] = field(default_factory=dict)
+
+    def load(self) -> Any:  # noqa: ANN401 - a function, or a group of them
+        """Return what the verb does."""
+        return getattr(import_module(f'lta_analysis.verbs.{self.file}'), self.name)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Verbs behind one word."""
+
+    about: str
+    verbs: Mapping[str, Verb]
+
+
+BAG: Final = Group(
+    'Look at recordings, mend them, and turn them into other files.',
+    {
+        'info': Verb('bag_info', 'info'),
+        'plot': Verb('bag_plot', 'plot'),
+        'recover': Verb('bag_recover', 'recover'),
+        'export': Verb('bag_export', 'export'),
+    },
 )
-app.command()(fly)
-app.command()(simulate)
-app.command()(sweep)
-app.command()(wind)
-app.command()(platforms)
-app.command()(tune)
-app.command(context_settings={'allow_interspersed_args': True})(launch)
-app.command(context_settings={'ignore_unknown_options': True, 'allow_interspersed_args': False})(
-    run
-)
-app.command()(replay)
-app.add_typer(bag, name='bag')
-app.add_typer(vehicle, name='vehicle')
-app.command()(report)
-app.command('import')(import_)
-app.command()(effects)
-app.command()(doctor)
-for command in (
-    *app.registered_commands,
-    *bag.registered_commands,
-    *vehicle.registered_commands,
-):
-    # Typer keeps the line breaks of a docstring, which are ragged on any other width.
-    paragraphs = (inspect.getdoc(command.callback) or '').split('\n\n')
-    command.help = '\n\n'.join(' '.join(text.split()) for text in paragraphs)
+VERBS: Final[dict[str, Verb | Group]] = {
+    'fly': Verb('fly', 'fly'),
+    'simulate': Verb('simulate', 'simulate'),
+    'sweep': Verb('sweep', 'sweep'),
+    'wind': Verb('wind', 'wind'),
+    'platforms': Verb('platforms', 'platforms'),
+    'tune': Verb('tune', 'tune'),
+    'launch': Verb('launch', 'launch', {'allow_interspersed_args': True}),
+    'run': Verb('run', 'run', {'ignore_unknown_options': True, 'allow_interspersed_args': False}),
+    'import': Verb('import_', 'import_'),
+    'bag': BAG,
+    'vehicle': Verb('vehicle', 'vehicle'),
+    'replay': Verb('replay', 'replay'),
+    'report': Verb('report', 'report'),
+    'effects': Verb('effects', 'effects'),
+    'doctor': Verb('doctor', 'doctor'),
+}
+
+
+def put_together(words: Sequence[str]) -> typer.Typer:
+    """Return the command with the verb that some words ask for, or with all where none is."""
+    app = typer.Typer(
+        name='lta',
+        epilog=EPILOG,
+        no_args_is_help=True,
+        add_completion=False,
+        rich_markup_mode='rich',
+        pretty_exceptions_enable=False,
+    )
+    app.callback()(options)
+    for name in asked(VERBS, words):
+        add(app, name, VERBS[name], words[1:])
+    return app
+
+
+def asked(known: Mapping[str, object], words: Sequence[str]) -> list[str]:
+    """Return the first word if it is known, else all that are."""
+    return [words[0]] if words and words[0] in known else list(known)
+
+
+def add(app: typer.Typer, name: str, verb: Verb | Group, words: Sequence[str]) -> None:
+    """Add a verb, or those behind its word, to the command."""
+    if isinstance(verb, Group):
+        group = typer.Typer(help=verb.about, no_args_is_help=True)
+        group.callback()(lambda: None)  # one verb alone would stand for its group
+        for inner in asked(verb.verbs, words):
+            add(group, inner, verb.verbs[inner], ())
+        app.add_typer(group, name=name)
+        return
+    found = verb.load()
+    if isinstance(found, typer.Typer):
+        for command in found.registered_commands:
+            command.help = flowing(command.callback)
+        app.add_typer(found, name=name)
+        return
+    app.command(name, context_settings=dict(verb.settings), help=flowing(found))(found)
+
+
+def flowing(does: object) -> str:
+    """Return a docstring's paragraphs without the line breaks, ragged on any other width."""
+    paragraphs = (inspect.getdoc(does) or '').split('\n\n')
+    return '\n\n'.join(' '.join(text.split()) for text in paragraphs)
 
 
 def tell_version(wanted: bool) -> None:
@@ -68,7 +125,6 @@ def tell_version(wanted: bool) -> None:
         raise typer.Exit
 
 
-@app.callback()
 def options(
     version: Annotated[
         bool,
@@ -81,7 +137,7 @@ def options(
 def status() -> int:
     """Run the command line and return its exit status; what the user can mend is one sentence."""
     try:
-        return app(standalone_mode=False) or 0
+        return put_together(sys.argv[1:])(standalone_mode=False) or 0
     except BadInput as error:
         sys.stderr.write(f'{error}\n')
         return 2

@@ -1,5 +1,6 @@
 """The command line around the verbs."""
 
+import subprocess
 import sys
 
 import pytest
@@ -43,3 +44,27 @@ def test_an_empty_folder_is_refused(call):
     status, said = call('fly', '--out', '')
     assert status == 2
     assert said.err == "Invalid value for '--out': it is empty; give a folder; see --help.\n"
+
+
+def test_only_the_verb_that_is_asked_for_is_loaded():
+    """All of them take a second, and `lta bag info` a tenth of it."""
+    code = (
+        'import sys; from lta_analysis.app import put_together; put_together(["bag", "info"]);'
+        'print(*[name for name in sys.modules if name.startswith("lta_analysis.verbs.")],'
+        '"plotly" in sys.modules, "rclpy" in sys.modules)'
+    )
+    done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ['lta_analysis.verbs.bag_info', 'False', 'False']
+
+
+def test_every_verb_of_the_registry_is_there(call):
+    status, said = call('--help')
+    assert status == 0
+    shown = {line.split()[1] for line in said.out.splitlines() if line.startswith('│ ')}
+    assert set(app_module.VERBS) <= shown
+    for name, verb in app_module.VERBS.items():
+        inner = verb.verbs if isinstance(verb, app_module.Group) else {}
+        for word in inner:
+            status, said = call(name, word, '--help')
+            assert status == 0
+            assert f'lta {name} {word}' in said.out

@@ -3,7 +3,7 @@
 import json
 import math
 
-from lta_analysis.app import app
+from lta_analysis.app import put_together
 from lta_analysis.ingredients import gather
 from lta_analysis.wind import limits, trial
 from lta_analysis.wind.limits import Asked, measured, ticks, to_json
@@ -115,7 +115,7 @@ def test_ground_that_leaves_no_wind_is_refused():
 
 def test_the_command_prints_a_table_json_and_a_page(tmp_path):
     call = ['wind', 'gtmab', 'skye', 'multirotor', '--no-fly', '--out', str(tmp_path)]
-    told = CliRunner().invoke(app, call)
+    told = CliRunner().invoke(put_together(()), call)
     assert told.exit_code == 0, told.output
     for text in ('1.84', '1.67', '3.7', 'multirotor: its known drag sets no limit below 60 m/s.'):
         assert text in told.stdout
@@ -124,20 +124,20 @@ def test_the_command_prints_a_table_json_and_a_page(tmp_path):
     page = (tmp_path / 'report.html').read_text()
     assert 'Flyable wind against the roughness' in page
     assert '$' not in page.split('<main ')[1].split('</main>')[0].split('<script')[0]
-    kept = CliRunner().invoke(app, call)
+    kept = CliRunner().invoke(put_together(()), call)
     assert isinstance(kept.exception, BadInput)
     assert 'is not empty' in str(kept.exception)
     call[-1] = str(tmp_path / 'json')
-    printed = CliRunner().invoke(app, [*call, '--json'])
+    printed = CliRunner().invoke(put_together(()), [*call, '--json'])
     assert json.loads(printed.stdout)['units']['static'] == 'm/s'
 
 
 def test_an_unknown_vehicle_is_bad_input(tmp_path):
-    told = CliRunner().invoke(app, ['wind', 'zeppelin', '--out', str(tmp_path)])
+    told = CliRunner().invoke(put_together(()), ['wind', 'zeppelin', '--out', str(tmp_path)])
     assert isinstance(told.exception, BadInput)
     assert 'zeppelin' in str(told.exception)
     call = ['wind', 'gtmab', 'zeppelin', '--out', str(tmp_path / 'out')]
-    assert 'zeppelin' in str(CliRunner().invoke(app, call).exception)
+    assert 'zeppelin' in str(CliRunner().invoke(put_together(()), call).exception)
     assert not (tmp_path / 'out').exists()
 
 

@@ -15,6 +15,7 @@ from lta_graph.launch_file import LaunchPlan, Process
 from lta_graph.launcher import Launcher
 import pytest
 
+pytestmark = pytest.mark.flaky(reruns=2)  # real processes against the wall clock
 MARKERS = 'share/ament_index/resource_index/packages'
 FOREVER = 'import time\nprint("up", flush=True)\ntime.sleep(600)\n'
 # Handlers write with os.write: a signal may come while `print` still holds its buffer.

@@ -1,4 +1,4 @@
-"""lta bag: look at recordings."""
+"""lta bag info: what a recording holds."""
 
 from pathlib import Path
 import sys
@@ -6,21 +6,10 @@ from typing import Annotated
 
 from lta_analysis.bag.folder import bag_in
 from lta_analysis.bag.info import bag_info, show
-from lta_analysis.verbs.bag_export import export
-from lta_analysis.verbs.bag_plot import plot
-from lta_analysis.verbs.bag_recover import recover
 from rich.console import Console
 import typer
 
-bag = typer.Typer(help='Look at recordings.', no_args_is_help=True)
 
-
-@bag.callback()
-def group() -> None:
-    """Look at recordings."""
-
-
-@bag.command()
 def info(
     path: Annotated[Path, typer.Argument(help='Bag folder, results folder or .mcap file.')],
     json: Annotated[bool, typer.Option('--json', help='Print JSON instead of a table.')] = False,
@@ -37,8 +26,3 @@ def info(
         sys.stdout.write(found.to_json() + '\n')
     else:
         show(found, Console())
-
-
-bag.command()(export)
-bag.command()(plot)
-bag.command()(recover)
