@@ -30,6 +30,7 @@ class Topic(Record):
     subscribers: Annotated[Mapping[str, int], Field(validation_alias=AliasChoices('to'))]
     period: Annotated[Quantity, si('s', above=0.0)] | None = None
     latency: Annotated[Quantity, si('s', low=0.0)] = Quantity(value=0.0, unit='s')
+    answers: str = ''
     stamped: bool = True
     recorded: bool = True
     repeatable: bool = True
@@ -94,6 +95,10 @@ class TopicTable(Record):
     def read_by(self, role: str) -> list[str]:
         """Return the topics that a role must wait for."""
         return [name for name, topic in self.topics.items() if role in topic.subscribers]
+
+    def trigger(self, role: str) -> str:
+        """Return the topic that a role answers message by message; empty where it answers none."""
+        return next((self[name].answers for name in self.published_by(role)), '')
 
     def due(self, name: str, now_ns: int, lag: int = 0) -> int:
         """

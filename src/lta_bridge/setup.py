@@ -20,6 +20,7 @@ setup(
     entry_points={
         'console_scripts': [
             'live = lta_bridge.nodes.live:main',
+            'player = lta_bridge.nodes.player:main',
             'recorder = lta_bridge.nodes.recorder:main',
         ]
     },

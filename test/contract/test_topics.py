@@ -6,7 +6,9 @@ from pathlib import Path
 import re
 
 from lta_bridge.nodes.live import LiveSettings
+from lta_bridge.nodes.player import PlayerSettings
 from lta_bridge.nodes.recorder import RecorderSettings
+from lta_bridge.playback.cast import cast_of, roles
 from lta_config.settings import Settings
 from lta_config.topics import Topic, topic_table
 from lta_control.nodes.controller import ControllerSettings
@@ -29,8 +31,10 @@ ROOT = Path(__file__).resolve().parents[2]
 TABLE = topic_table()
 LAUNCH = ROOT / 'config/launch/fly.launch.yaml'
 ROLES = {'simulator': 'vehicle'}  # nodes that play a role of another name
+SOURCES = {'sim': 'simulator', 'replay': 'player'}  # who plays the vehicle
 NODES = {
     'simulator': SimulatorSettings,
+    'player': PlayerSettings,
     'estimator': EstimatorParameters,
     'controller': ControllerSettings,
     'demodulator': DemodulatorParameters,
@@ -58,6 +62,16 @@ def calls(node, method):
             and item.func.value.id == 'self'
         ):
             yield item.args[0]
+
+
+def triggers(node):
+    """Return what a node gives `self.listen` as its trigger."""
+    found = set()
+    for item in ast.walk(ast.parse(FILES[node].read_text(encoding='utf-8'))):
+        if isinstance(item, ast.Call) and getattr(item.func, 'attr', '') == 'listen':
+            given = {word.arg: word.value for word in item.keywords}
+            found.add((given.get('trigger') or item.args[1]).value)
+    return found
 
 
 def declared(node, text, query):
@@ -118,6 +132,32 @@ def test_a_topic_s_row_is_whole(name):
     assert topic.period_ns % 1_000_000 == 0
     # What somebody waits for must have a rhythm, or nobody could tell that it is missing.
     assert topic.period_ns > 0 or not topic.subscribers
+
+
+@each_node
+def test_a_node_answers_what_the_table_says(name):
+    """The trigger that a node listens to is what all its topics answer."""
+    answered = {TABLE[topic].answers for topic in TABLE.published_by(name)} - {''}
+    if name != 'simulator':  # who plays the vehicle answers nobody
+        assert answered == triggers(name)
+        assert answered == ({TABLE.trigger(name)} - {''})
+        assert all(name in TABLE[topic].subscribers for topic in answered)
+
+
+def test_an_answer_has_the_rhythm_of_what_it_answers():
+    found = [topic for topic in TABLE.topics.values() if topic.answers]
+    assert found
+    for topic in found:
+        assert topic.period_ns == TABLE[topic.answers].period_ns
+        assert topic.latency_ns >= TABLE[topic.answers].latency_ns
+        assert topic.repeatable
+
+
+def test_a_replay_runs_or_plays_every_node_of_the_graph():
+    assert set(roles(TABLE)) == set(NODES) - {'simulator', 'player', 'recorder', 'live'}
+    whole = cast_of(TABLE, [], [])
+    sent = {*whole.played, *whole.answers}
+    assert {name for name, topic in TABLE.topics.items() if topic.repeatable} == sent
 
 
 @each_topic
@@ -194,14 +234,16 @@ def installed(monkeypatch, tmp_path):
 
 
 @pytest.mark.usefixtures('installed')
-def test_the_launch_file_starts_every_node_under_its_name():
-    plan = load(LAUNCH, {'live': 'true'})
-    assert [process.name for process in plan.processes] == list(NODES)
+@pytest.mark.parametrize('source', SOURCES)
+def test_the_launch_file_starts_every_node_under_its_name(source):
+    plan = load(LAUNCH, {'source': source, 'live': 'true'})
+    others = {name for key, name in SOURCES.items() if key != source}
+    assert [process.name for process in plan.processes] == [n for n in NODES if n not in others]
     for process in plan.processes:
         assert process.name == process.executable
         assert process.namespace == '/lta1'
         assert FILES[process.name].parts[-4] == process.package
-    assert [p.name for p in plan.processes if p.on_exit_shutdown] == ['simulator']
+    assert [p.name for p in plan.processes if p.on_exit_shutdown] == [SOURCES[source]]
 
 
 @pytest.mark.usefixtures('installed')
@@ -227,8 +269,9 @@ def test_the_launch_file_gives_only_parameters_that_are_declared(name):
     own = {key for key, _, _ in [*leaves(GraphSettings()), *leaves(NODES[name]())]}
     given = nodes_of_launch()[name]
     assert given - {'use_sim_time'} <= own
-    # The simulator makes the time that all others use.
-    assert ('use_sim_time' in given) == (name != 'simulator')
+    # Who plays the vehicle makes the time that all others use.
+    assert ('use_sim_time' in given) == (name not in SOURCES.values())
+    assert ('source' in given) == (name != 'simulator')
     assert 'time' in given
 
 

@@ -102,6 +102,9 @@ def test_a_flight_to_the_goal(fly, lta):
     end = max(when for _, when, _ in bag.messages(['/lta1/imu']))
     for name, topic in TABLE.topics.items():
         full = name if name.startswith('/') else f'/lta1/{name}'
+        if not topic.recorded:
+            assert full not in bag.topics
+            continue
         assert bag.topics[full].type_name == topic.type
         if topic.period_ns:
             # What lags may be answered after the end: the last step is not awaited by all.

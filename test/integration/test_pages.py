@@ -1,14 +1,22 @@
 """Every kind of page in a real browser: one look, offline, by keyboard, on dark and light."""
 
 import json
+from pathlib import Path
 import sys
 
 from lta_analysis import app
+from lta_analysis.bag.flight import open_flight
+from lta_analysis.bag.reader import read_bag
 from lta_analysis.browser import Browser, find_chromium
+from lta_analysis.replay.order import Order
+from lta_analysis.replay.page import write_page as write_replay
+from lta_analysis.replay.verdict import judged
 from lta_analysis.report import write_page
 from lta_analysis.report.pictures import complaints, fetched, show, take
 from lta_analysis.tune import crew, limit
 from lta_analysis.tune.mission import Sought
+from lta_bridge.bag.writer import BagWriter
+from lta_bridge.playback.reel import shifted
 from lta_config.errors import BadInput
 import pytest
 import yaml
@@ -26,6 +34,7 @@ PLATFORMS = {
     'manoeuvres': ['climb'], 'contestants': {'gtmab': {'vehicle': 'gtmab', 'title': 'GT-MAB'}},
     'ablations': {}, 'limits': {},
 }  # fmt: skip
+LAMP = Path(__file__).resolve().parents[1] / 'replay/lamp.mcap'
 PAPER_WIDTH = 718  # px of A4 with margins of 1 cm at 96 a inch
 CONTRAST = """(() => {
   const parts = (colour) => colour.match(/[\\d.]+/g).map(Number);
@@ -99,7 +108,28 @@ def tune(folder, call):
     (folder / 'out' / 'report.html').rename(folder / 'report.html')
 
 
-PAGES = {made.__name__: made for made in (flight, plot, vehicle, sweep, wind, platforms, tune)}
+def replay(folder, call):
+    """A replay that asks for each speed half a second earlier than was recorded."""
+    stored = read_bag(LAMP)
+    velocity = '/lta1/setpoint/velocity'
+    kept = [message for message in stored.messages() if message[0] != velocity]
+    speeds = [(at, data) for _, at, data in stored.messages([velocity])]
+    with BagWriter(folder / 'bag', {}) as writer:
+        for topic in stored.topics.values():
+            writer.add_topic(topic.name, topic.type_name, [])
+        for name, at, data in kept:
+            writer.write(name, data, at)
+        for at, data in speeds[5:]:
+            writer.write(velocity, shifted(data, -500_000_000), at - 500_000_000)
+    order = Order(LAMP, ('demodulator', 'navigator'))
+    found = judged(open_flight(LAMP), open_flight(folder / 'bag'), order.cast.answers)
+    assert found.word == 'different'
+    write_replay(found, order, stored.provenance, folder)
+
+
+PAGES = {
+    made.__name__: made for made in (flight, plot, vehicle, sweep, wind, platforms, tune, replay)
+}
 
 
 def typed(*words):

@@ -94,6 +94,7 @@ def free_port() -> int:
         return int(probe.getsockname()[1])
 
 
+NEEDS = {'player': ('-p', f'bag:={ROOT / "test/replay/lamp.mcap"}')}  # without which it refuses
 NODES = [pair for pair in declared() if pair != ('lta_analysis', 'lta')]
 
 
@@ -128,7 +129,7 @@ def test_data_is_installed_with_lta_config(installed):
 @pytest.mark.parametrize(('package', 'executable'), NODES)
 def test_node_starts_and_stops(package, executable, installed, environment, watcher, tmp_path):
     command = [installed / package / 'lib' / package / executable]
-    command += ['--ros-args', '-r', f'__ns:={NAMESPACE}']
+    command += ['--ros-args', '-r', f'__ns:={NAMESPACE}', *NEEDS.get(executable, ())]
     if executable == 'live':  # somebody may be looking at another graph of this machine
         command += ['-p', f'port:={free_port()}']
     environment = environment | {'ROS_DOMAIN_ID': os.environ['ROS_DOMAIN_ID']}

@@ -67,6 +67,7 @@ VERBS: Final[dict[str, Verb | Group]] = {
     'bag': BAG,
     'compare': Verb('compare', 'compare'),
     'vehicle': Verb('vehicle', 'vehicle'),
+    'replay': Verb('replay', 'replay'),
     'report': Verb('report', 'report'),
     'effects': Verb('effects', 'effects'),
     'doctor': Verb('doctor', 'doctor'),

@@ -8,6 +8,8 @@ from lta_graph.health import Fact
 from lta_graph.suspicion import culprits
 
 FLIGHT = 'simulator: flight'  # the fact on how a simulated flight stands
+PLAYBACK = 'player: playback'  # and on how a replay does
+GOING = {FLIGHT: 'flying', PLAYBACK: 'playing'}  # their outcomes until they end
 SETTLE = 0.5  # wall seconds; nodes look at their inputs at different moments
 DISCOVERY = 4.0  # wall seconds; while some nodes have not been found yet, the others mislead
 
@@ -99,7 +101,9 @@ class Lookout:
 
 
 def flying(facts: Mapping[str, Fact], node: str) -> bool:
-    """Tell whether the simulator of a node's robot, if any, has not said how the flight ended."""
+    """Tell whether what plays a node's robot, if anything, has not said how it ended."""
     robot, slash, _ = node.rpartition('/')
-    fact = facts.get(robot + slash + FLIGHT)
-    return fact is None or fact.values['outcome'] == 'flying'
+    told = {task: facts.get(robot + slash + task) for task in GOING}
+    return all(
+        fact is None or fact.values['outcome'] == GOING[task] for task, fact in told.items()
+    )

@@ -13,7 +13,7 @@ from lta_graph.ros.listener import DiagnosticsListener
 from lta_graph.watch import OnLine
 
 LOOK = 0.1  # wall seconds between looks at the processes and the diagnostics
-SIMULATOR = ('lta_sim', 'simulator')
+TELLERS = (('lta_sim', 'simulator'), ('lta_bridge', 'player'))  # who may tell /clock
 
 
 def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> Ended:
@@ -32,7 +32,7 @@ def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> 
     Raises
     ------
     BadInput
-        If it cannot be started, or has a simulator and another flight is on the ROS domain.
+        If it cannot be started, or would tell /clock and another flight is on the ROS domain.
 
     """
     with ExitStack() as stack:
@@ -57,9 +57,9 @@ def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> 
 
 
 def simulated(plan: LaunchPlan) -> list[str]:
-    """Return the robots that a plan simulates."""
+    """Return the robots that a plan simulates or replays."""
     return [
         process.namespace.strip('/')
         for process in plan.processes
-        if (process.package, process.executable) == SIMULATOR
+        if (process.package, process.executable) in TELLERS
     ]

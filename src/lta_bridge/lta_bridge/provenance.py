@@ -38,6 +38,18 @@ def config_hash(folder: Path) -> str:
     return digest.hexdigest()
 
 
+def here() -> dict[str, str]:
+    """Return what runs here and now: versions, commit, configuration, machine."""
+    return {
+        'lta': version('lta_bridge'),
+        'commit': commit(),
+        'config_sha256': config_hash(share()),
+        'created': datetime.now(UTC).isoformat(timespec='seconds'),
+        'platform': f'{platform.platform()} Python {platform.python_version()}',
+        'libraries': ' '.join(f'{name} {version(name)}' for name in LIBRARIES),
+    }
+
+
 def provenance(vehicle: str, scenario: str, gains: str, **choices: str) -> dict[str, str]:
     """
     Return what a bag says of its origin.
@@ -55,12 +67,7 @@ def provenance(vehicle: str, scenario: str, gains: str, **choices: str) -> dict[
         'scenario': scenario,
         'gains': gains,
         **choices,
-        'lta': version('lta_bridge'),
-        'commit': commit(),
-        'config_sha256': config_hash(share()),
-        'created': datetime.now(UTC).isoformat(timespec='seconds'),
-        'platform': f'{platform.platform()} Python {platform.python_version()}',
-        'libraries': ' '.join(f'{name} {version(name)}' for name in LIBRARIES),
+        **here(),
         'vehicle_file': find('vehicle', vehicle).read_text(encoding='utf-8'),
         'scenario_file': find('scenario', scenario).read_text(encoding='utf-8'),
         'gains_file': find('gains', gains).read_text(encoding='utf-8'),

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any, final
 
 from lta_config.topics import TopicTable
+from lta_graph.turns import GridTurns, Turns
 
 BACKLOG_NS = 2_000_000_000  # of graph time: what is kept for a trigger that has stopped
 BACKLOG = 100  # messages of a topic without a rhythm
@@ -58,12 +59,26 @@ class Inbox:
         The periodic topic that the node answers, message by message.
     lockstep : bool
         Whether to wait for everything that is due.
+    replayed : bool
+        Whether what is due is still to be told, in `turns`; nothing is handed out before.
+
+    Attributes
+    ----------
+    turns : Turns or None
+        What is due when, in lockstep.
 
     """
 
     def __init__(
-        self, table: TopicTable, role: str, topics: list[str], trigger: str, lockstep: bool
+        self,
+        table: TopicTable,
+        role: str,
+        topics: list[str],
+        trigger: str,
+        lockstep: bool,
+        replayed: bool = False,
     ) -> None:
+        self.turns: Turns | None = None if replayed else GridTurns(table)
         self._table = table
         self._trigger = trigger
         self._lockstep = lockstep
@@ -107,19 +122,16 @@ class Inbox:
 
     def _count_gap(self, topic: str, stamp_ns: int) -> None:
         """Count messages that were lost on the way, by the turn that this one should have."""
-        row = self._table[topic]
-        turn = self._turn[topic]
-        if row.stamped and topic in self._rhythmic:
-            arrived = (stamp_ns - self._table.start_ns) // row.period_ns
-            self.gaps[topic] += max(0, arrived - turn)
-            turn = arrived
-        self._turn[topic] = turn + 1
+        expected = self._turn[topic]
+        arrived = self.turns.turn(topic, expected, stamp_ns) if self.turns else expected
+        self.gaps[topic] += max(0, arrived - expected)
+        self._turn[topic] = arrived + 1
 
     def _due(self, name: str, lag: int, now: int) -> int:
         """Return how many messages must have come; of a topic without rhythm, all that have."""
         if name not in self._rhythmic:
             return self._taken[name] + len(self._queues[name])
-        return self._table.due(name, now, lag)
+        return 0 if self.turns is None else self.turns.due(name, now, lag)
 
     def _missing(self) -> list[str]:
         now = self._trigger_stamps[0] + self._table[self._trigger].latency_ns
@@ -131,7 +143,9 @@ class Inbox:
 
     def pop(self) -> Step | None:
         """Return the next step if all it needs has come, else None."""
-        if not self._trigger_stamps or (self._lockstep and self._missing()):
+        if not self._trigger_stamps:
+            return None
+        if self._lockstep and (self.turns is None or self._missing()):
             return None
         stamp = self._trigger_stamps.popleft()
         now = stamp + self._table[self._trigger].latency_ns
@@ -141,7 +155,8 @@ class Inbox:
             queue = self._queues[name]
             count = len(queue)
             if self._lockstep:
-                count = self._due(name, lag, now) - self._taken[name]
+                # A recording whose time goes back asks for less than has been taken already.
+                count = max(0, self._due(name, lag, now) - self._taken[name])
             messages[name] = [queue.popleft() for _ in range(count)]
             self._taken[name] += count
         return Step(stamp, messages)

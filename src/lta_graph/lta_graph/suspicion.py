@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from lta_graph.health import Fact, Level
 
 INPUTS = 'inputs'
-VEHICLE = {'simulator': 'vehicle'}  # nodes whose role has another name
+VEHICLE = {'simulator': 'vehicle', 'player': 'vehicle'}  # nodes whose role has another name
 
 
 def culprits(facts: Iterable[Fact]) -> list[str]:

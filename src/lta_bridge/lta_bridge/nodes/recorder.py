@@ -105,7 +105,8 @@ class Recorder(GraphNode):
                 except StorageFault as fault:
                     raise BadInput(str(fault)) from None
                 unfinished.callback(self._writer.close)  # ... and closed, whoever ends it here
-            self._intake = Intake(self.table, self.lockstep, robots, self._writer)
+            whole = self.lockstep and not self.replayed  # a recording may begin anywhere
+            self._intake = Intake(self.table, whole, robots, self._writer)
             everything = told.topics.split() == [EVERYTHING]
             self._taps = Taps(self, self._receiver, self._wants if everything else None)
             for name, type_name in topics.items():

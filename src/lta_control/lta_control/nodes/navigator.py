@@ -49,10 +49,10 @@ class Navigator(GraphNode):
         self._history.extend(step.messages['odom'])
         for message in step.messages['energy/reserve']:
             self._reserve = message.data
-        if not self._history:
-            return  # only in real time: the first light may come before the first estimate
+        if not self._history and not self.lockstep:
+            return  # the first light may come before the first estimate; in lockstep all answer
         estimate = step.last('light/estimate')
-        measured = to_measured(self._history[-1])
+        measured = to_measured(self._history[-1]) if self._history else None
         setpoint, self._mission = mission_step(
             self._settings.value,
             self._strategy,
@@ -72,11 +72,13 @@ class Navigator(GraphNode):
         lamp = estimate.pose.pose.position
         seen = estimate.pose.covariance[0] != UNKNOWN
         middle = step.stamp_ns + self._block_ns // 2
-        then = min(self._history, key=lambda m: abs(from_stamp(m.header.stamp) - middle))
+        then = min(
+            self._history, key=lambda m: abs(from_stamp(m.header.stamp) - middle), default=None
+        )
         return Sight(
             seen=seen,
             bearing=math.atan2(lamp.y, lamp.x) if seen else 0.0,
-            heading=heading(attitude_of(then)),
+            heading=0.0 if then is None else heading(attitude_of(then)),
             amplitudes=() if peaks is None else to_amplitudes(peaks),
             interval=self._block_ns * 1e-9,
         )

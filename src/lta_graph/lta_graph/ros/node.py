@@ -8,6 +8,7 @@ and every `REPORT_PERIOD`.
 """
 
 from collections.abc import Callable, Iterable
+from functools import partial
 from importlib import import_module
 import signal
 import sys
@@ -24,6 +25,7 @@ from lta_graph.inbox import Inbox, Step
 from lta_graph.ros.command_line import join, refuse_unknown
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.qos import profile
+from lta_graph.ros.replay_due import DUE, heed
 from lta_graph.ros.spin import spin
 import rclpy
 from rclpy.clock import Clock, ClockType
@@ -44,6 +46,9 @@ class GraphSettings(Settings):
 
     time: Literal['realtime', 'lockstep'] = setting(
         'realtime', 'Pace: the wall clock, or as fast as the graph answers.', fixed=True
+    )
+    source: Literal['sim', 'replay'] = setting(
+        'sim', 'What plays the vehicle: a simulator, or the player of a recording.', fixed=True
     )
 
 
@@ -79,7 +84,9 @@ class GraphNode(Node):
         super().__init__(name)
         self.table = topic_table()
         self.role = role or name
-        self.lockstep = Parameters(self, GraphSettings).value.time == 'lockstep'
+        graph = Parameters(self, GraphSettings).value
+        self.lockstep = graph.time == 'lockstep'
+        self.replayed = self.lockstep and graph.source == 'replay'
         self.running = True
         self.begun = False  # whether the first message has gone or come
         self.health = Health()
@@ -113,7 +120,9 @@ class GraphNode(Node):
             Gets a `Step` with ROS messages.
 
         """
-        inbox = self._inbox = Inbox(self.table, self.role, topics, trigger, self.lockstep)
+        inbox = self._inbox = Inbox(
+            self.table, self.role, topics, trigger, self.lockstep, self.replayed
+        )
         # The trigger first: `spin` takes what was made first last, when all else has been taken.
         for name in sorted(topics, key=lambda topic: topic != trigger):
             topic = self.table[name]
@@ -124,6 +133,16 @@ class GraphNode(Node):
                 profile(topic, self.lockstep),
             )
         self._trigger = trigger
+        if self.replayed:
+            then = partial(self._answer, inbox, on_step)
+            self._told = heed(self, self.table, inbox, then)
+
+    def overhear(self, name: str, callback: Callable[[bytes], None]) -> Subscription:
+        """Return a subscription that gets a topic's messages as they come on the wire."""
+        row = self.table[name]
+        return self.create_subscription(
+            message_type(row), name, callback, profile(row, self.lockstep), raw=True
+        )
 
     def _receiver(
         self, inbox: Inbox, name: str, stamped: bool, on_step: Callable[[Step], None]
@@ -132,16 +151,22 @@ class GraphNode(Node):
             self._heard[name] = time.monotonic()
             self.begun = True
             inbox.put(name, from_stamp(message.header.stamp) if stamped else 0, message)
-            while (step := inbox.pop()) is not None:
-                on_step(step)
-                self._waiting_since = time.monotonic()
+            self._answer(inbox, on_step)
 
         return receive
+
+    def _answer(self, inbox: Inbox, on_step: Callable[[Step], None]) -> None:
+        """Answer whatever can be answered."""
+        while (step := inbox.pop()) is not None:
+            on_step(step)
+            self._waiting_since = time.monotonic()
 
     def awaited(self) -> Iterable[Subscription]:
         """Return what to wake up for: in lockstep only what can complete the next answer."""
         if not self.lockstep or self._inbox is None:
             return self.subscriptions
+        if self._inbox.turns is None:
+            return [self._told]
         return [self._inputs[name] for name in self._inbox.waiting_for() or [self._trigger]]
 
     def missing(self) -> list[str]:
@@ -149,6 +174,8 @@ class GraphNode(Node):
         if self.lockstep:
             if self._inbox is None or not self.begun:
                 return []
+            if self._inbox.turns is None:
+                return [DUE]
             return self._inbox.waiting_for() or [self._trigger]
         now = time.monotonic()
         return [

@@ -5,11 +5,15 @@ from lta_graph.health import Level
 from lta_graph.inbox import Step
 from lta_graph.ros.node import GraphNode, run
 from lta_graph.ros.parameters import Parameters
-from lta_vlc.array import bearing, even_ring
-from lta_vlc.demodulation import Bins, demodulate, Demodulation, plan_bins
-from lta_vlc.lamp import lamp_estimate, LampPrior
+from lta_vlc.array import Bearing, bearing, even_ring, Ring
+from lta_vlc.demodulation import Bins, demodulate, Demodulation, Peaks, plan_bins
+from lta_vlc.lamp import lamp_estimate, LampEstimate, LampPrior
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks, to_block
+import numpy as np
 from sensor_msgs.msg import Image
+from std_msgs.msg import Header
+
+NOTHING = Peaks(np.empty(0), np.empty(0), np.empty(0))  # what a block says that cannot be read
 
 
 class DemodulatorParameters(Demodulation):
@@ -48,14 +52,14 @@ class Demodulator(GraphNode):
         except ValueError as error:
             self._refused += 1
             self.health.report('light', Level.ERROR, str(error), refused=self._refused)
+            if self.lockstep:  # whoever waits for the answer would wait for ever
+                self._publish(message.header, NOTHING, Ring((), ()), None, None)
             return
         settings = self._settings.value
         ring = even_ring(block.shape[1])
         towards = bearing(peaks, ring, settings.threshold)
         lamp = None if towards is None else lamp_estimate(towards, settings.prior)
-        self._bearing.publish(from_bearing(message.header, towards))
-        self._peaks.publish(from_peaks(message.header, peaks, ring))
-        self._estimate.publish(from_lamp(message.header, lamp))
+        self._publish(message.header, peaks, ring, towards, lamp)
         clipped = int((block >= 4095).sum())
         self.health.report(
             'light',
@@ -64,6 +68,18 @@ class Demodulator(GraphNode):
             best_snr=f'{peaks.snr.max():.1f}',
             clipped_samples=clipped,
         )
+
+    def _publish(
+        self,
+        header: Header,
+        peaks: Peaks,
+        ring: Ring,
+        towards: Bearing | None,
+        lamp: LampEstimate | None,
+    ) -> None:
+        self._bearing.publish(from_bearing(header, towards))
+        self._peaks.publish(from_peaks(header, peaks, ring))
+        self._estimate.publish(from_lamp(header, lamp))
 
 
 def main(args: list[str] | None = None) -> None:

@@ -1,0 +1,1 @@
+"""Running nodes again on what was recorded, and comparing what they answer with the recording."""

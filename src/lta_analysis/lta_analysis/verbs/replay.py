@@ -1,0 +1,179 @@
+"""lta replay: nodes run again on what was recorded, and compared with it."""
+
+from datetime import datetime
+import json as json_text
+from pathlib import Path
+import sys
+from typing import Annotated
+
+from lta_analysis.bag.flight import Flight, open_flight
+from lta_analysis.bag.folder import bag_in
+from lta_analysis.replay.given import settings_of
+from lta_analysis.replay.order import nodes_of, Order
+from lta_analysis.replay.page import figure, write_page
+from lta_analysis.replay.progress import ReplayProgress
+from lta_analysis.replay.run import replay as run_again
+from lta_analysis.replay.run import Replayed
+from lta_analysis.replay.verdict import judged, Verdict
+from lta_analysis.typed import near
+from lta_analysis.verbs.fly import folder
+from lta_bridge.playback.settings import FOREVER
+from lta_config.errors import BadInput
+from rich.console import Console
+from rich.table import Table
+import typer
+
+WORST = 3  # channels of a topic on the terminal
+
+
+def replay(
+    bag: Annotated[Path, typer.Argument(help='Bag folder, results folder or .mcap file.')],
+    nodes: Annotated[
+        str, typer.Option(help='Nodes to run again, with commas between.')
+    ] = 'demodulator,navigator',
+    against: Annotated[
+        bool, typer.Option('--against', help='Compare every answer with the recorded one.')
+    ] = False,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option('--set', help='NODE.PARAMETER=VALUE of a node that is run; repeatable.'),
+    ] = None,
+    strategy: Annotated[str | None, typer.Option(help='Another navigation strategy.')] = None,
+    vehicle: Annotated[str | None, typer.Option(help='Another vehicle, name or file.')] = None,
+    gains: Annotated[str | None, typer.Option(help='Other gains, name or file.')] = None,
+    robot: Annotated[str | None, typer.Option(help='Robot in a bag of several.')] = None,
+    rate: Annotated[
+        float | None,
+        typer.Option(
+            help='Bag seconds a wall second; without it, in lockstep.', min=1e-3, max=1e6
+        ),
+    ] = None,
+    start: Annotated[float, typer.Option(help='Begin so many seconds later.', min=0.0)] = 0.0,
+    end: Annotated[
+        float | None, typer.Option(help='End so many seconds after the first message.', min=0.0)
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            help='Folder of the results; runs/<time>-replay by default.',
+            parser=folder,
+            metavar='FOLDER',
+        ),
+    ] = None,
+    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
+) -> None:
+    """
+    Run nodes again on a recording, and tell whether they decide as they did.
+
+    The player publishes what was recorded, the nodes answer as fast as they can, and nothing is
+    lost on the way. Vehicle, gains and strategy are those that the bag carries, unless others are
+    given. What the other nodes of the graph sent is played from the bag as well.
+
+    Exit status 0: done; with --against, identical to the last bit, or within 1e-9 and with the
+    same decisions where the bag was made with other versions or on another machine. 1: different,
+    or a node did not answer. 2: bad input. 130: Ctrl-C.
+
+    Example: lta replay runs/flight --nodes demodulator,navigator --against --set
+    demodulator.window=4
+    """
+    console = Console(stderr=json)
+    names = nodes_of(nodes)
+    order = Order(
+        bag_in(bag).absolute(), names, settings_of(set_ or [], names), vehicle, gains, strategy,
+        rate, start, FOREVER if end is None else end,
+    )  # fmt: skip
+    flight = open_flight(order.bag, robot)
+    stamp = datetime.now().astimezone().strftime('%Y%m%d-%H%M%S')
+    target = (out or Path('runs') / f'{stamp}-replay').absolute()
+    span = ((flight.bag.end or 0) - (flight.bag.start or 0)) * 1e-9
+    with ReplayProgress(console, max(0.0, min(span, order.end) - start)) as progress:
+        played = run_again(order, flight, target, progress)
+    verdict = judged(flight, open_flight(played.bag), order.cast.answers) if against else None
+    tell(played, verdict, order, flight, target, console, json)
+    if not played.whole or (verdict is not None and verdict.word == 'different'):
+        raise typer.Exit(1)
+
+
+def tell(
+    played: Replayed,
+    verdict: Verdict | None,
+    order: Order,
+    flight: Flight,
+    target: Path,
+    console: Console,
+    json: bool,
+) -> None:
+    """Write the results, and say what came out and where it is."""
+    content = {
+        'bag': str(played.bag),
+        'whole': played.whole,
+        'player': played.standing,
+        'changes': order.changes,
+        **(verdict.to_dict() if verdict else {}),
+    }
+    page = None
+    if verdict is not None:
+        page = write_page(verdict, order, flight.provenance, target)
+        content['page'] = str(page)
+    keep(target, content)
+    if json:
+        sys.stdout.write(json_text.dumps(content, indent=1) + '\n')
+    if not played.whole:
+        console.print('The replay did not come to its end.', highlight=False)
+    elif played.standing is not None:
+        said = played.standing
+        console.print(
+            f'Replayed {said["time_s"]} s at {said["pace"]} x real time: {said["messages"]} '
+            f'messages played, {said["answers"]} answers.',
+            highlight=False,
+        )
+    if verdict is not None:
+        show(verdict, console)
+    console.print(f'Bag  {near(played.bag)}', highlight=False, markup=False, soft_wrap=True)
+    if page is not None:
+        console.print(f'Page {near(page)}', highlight=False, markup=False, soft_wrap=True)
+
+
+def keep(target: Path, content: dict[str, object]) -> None:
+    """Write the results as JSON."""
+    try:
+        (target / 'replay.json').write_text(json_text.dumps(content, indent=1), encoding='utf-8')
+    except OSError as error:
+        raise BadInput(f"'{target}' cannot be written ({error.strerror}); make room.") from error
+
+
+def show(verdict: Verdict, console: Console) -> None:
+    """Print the verdict, what differs, and which decisions changed."""
+    console.print(f'{verdict.sentence}.', highlight=False, soft_wrap=True)
+    printed = Table(
+        'topic', 'field', 'differs', 'first', 'recorded', 'replayed', 'largest', box=None
+    )
+    for topic in verdict.topics:
+        for each in topic.channels[:WORST]:
+            at = verdict.seconds(int(topic.recorded.keys[each.first]))
+            printed.add_row(
+                topic.topic, each.path, f'{each.count}/{topic.count}', f'{at:.2f} s',
+                *(figure(value, 7) for value in (each.recorded, each.again, each.largest)),
+            )  # fmt: skip
+    if printed.row_count:
+        console.print(printed)
+    for decision in verdict.decisions:
+        if decision.first is not None:
+            at = verdict.seconds(int(decision.keys[decision.first]))
+            how = (
+                f', by up to {figure(decision.largest, 4)} {decision.unit}'
+                if decision.unit
+                else ''
+            )
+            console.print(
+                f'{decision.name}: {decision.changed} of {len(decision.keys)} changed, first at '
+                f'{at:.2f} s{how}.',
+                highlight=False,
+            )
+    for topic in verdict.topics:
+        if any(topic.unmatched):
+            console.print(
+                f'{topic.topic}: not compared are {topic.unmatched[0]} recorded and '
+                f'{topic.unmatched[1]} replayed messages without a partner.',
+                highlight=False,
+            )

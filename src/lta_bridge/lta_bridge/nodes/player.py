@@ -1,0 +1,290 @@
+"""
+The player node: a recording in the simulator's place.
+
+It publishes a bag's sensor topics as they were recorded, byte for byte, and tells the bag's clock.
+In real time it keeps to the wall clock, at any rate, and can be paused, stepped and looped. In
+lockstep it plays as fast as the nodes answer and never gets further ahead of them than their
+queues hold, so that nothing is lost and a replay repeats itself. Nothing it hears steers anything.
+"""
+
+from collections.abc import Callable, Iterable
+import json
+import math
+from pathlib import Path
+import sys
+import time
+
+from lta_bridge.bag.qos import offered_qos, Profile
+from lta_bridge.bag.storage import StorageFault
+from lta_bridge.playback.answer_bag import AnswerBag
+from lta_bridge.playback.cast import cast_of, CLOCK
+from lta_bridge.playback.due import answered, survey
+from lta_bridge.playback.owed import Owed
+from lta_bridge.playback.pace import Pace
+from lta_bridge.playback.recording import open_recording
+from lta_bridge.playback.reel import Reel
+from lta_bridge.playback.settings import FOREVER, PlayerSettings
+from lta_config.errors import BadInput
+from lta_graph.health import Level
+from lta_graph.ros.node import GraphNode, run, to_stamp
+from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.qos import profile
+from lta_graph.ros.replay_due import from_due
+from rclpy.clock import Clock, ClockType
+from rclpy.subscription import Subscription
+from rosgraph_msgs.msg import Clock as ClockMessage
+from std_srvs.srv import SetBool, Trigger
+
+AHEAD_NS = 1_000_000_000  # by which a node may be behind in lockstep; queues hold 20 s
+CLOCK_PERIOD = 0.02  # wall seconds between two /clock
+TICK = 0.002  # wall seconds between looks at the wall clock
+MOST = 2000  # messages at one tick, so that services are answered
+QUIET = 0.5  # wall seconds behind the last message in which nodes answer, in real time
+
+
+class Player(GraphNode):
+    """Publish a recording, and hear what the nodes make of it."""
+
+    def __init__(self) -> None:
+        super().__init__('player', role='vehicle')
+        settings = self._settings = Parameters(self, PlayerSettings).value
+        if not settings.bag:
+            raise BadInput('The player has no bag; give one, as in bag:=runs/flight/bag.')
+        if settings.loop and self.lockstep:
+            raise BadInput('A loop in lockstep has no end; play it with time:=realtime.')
+        own = self.get_namespace().strip('/')
+        self._recording = open_recording(Path(settings.bag), settings.robot, self.table, own)
+        self._cast = cast_of(self.table, settings.nodes.split(), settings.roles.split())
+        topics = [name for name in self._cast.played if name in self._recording.topics]
+        end = math.inf if settings.end >= FOREVER else settings.end
+        self._reel = Reel(self._recording, topics, self.table, settings.start, end, settings.loop)
+        self._outputs = {name: self.output(name) for name in topics}
+        self._telling = self.output(CLOCK)
+        self._due = self.output('replay/due')
+        self._owed = Owed(
+            self._planned() if self.lockstep else {n: [] for n in self._cast.answers}
+        )
+        self._pace = Pace(
+            self._reel.begin_ns, None if self.lockstep else settings.rate, settings.paused
+        )
+        self._heard_answers = [
+            self.overhear(name, self._taker(name)) for name in self._cast.answers
+        ]
+        self._kept = self._answer_bag()
+        self._messages = 0
+        self._now = self._reel.begin_ns
+        self._began = self._clocked = self._news = 0.0
+        self._ended = self._fault = ''
+        self.create_service(SetBool, 'player/pause', self._on_pause)
+        self.create_service(Trigger, 'player/step', self._on_step_asked)
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(0.1 if self.lockstep else TICK, self._tick, clock=steady)
+
+    def _planned(self) -> dict[str, list[int]]:
+        """Tell the nodes when what they read is due, and return when their answers are. [ns]"""
+        read = {name for node in self._cast.nodes for name in self.table.read_by(node)}
+        wanted = read | {self.table.trigger(node) for node in self._cast.nodes}
+        played = survey(
+            (item for item in self._reel.section() if item.topic in wanted), self.table
+        )
+        answers = answered(played, self.table, self._cast)
+        told = {name: times.due for name, times in (played | answers).items() if name in read}
+        self._due.publish(from_due(told))
+        return {name: times.due for name, times in answers.items()}
+
+    def _answer_bag(self) -> AnswerBag | None:
+        if not self._settings.answers:
+            return None
+
+        def offered(name: str) -> list[Profile]:
+            told = profile(self.table[name], self.lockstep)
+            return [
+                offered_qos(
+                    told.reliability.name.lower(), told.durability.name.lower(), told.depth
+                )
+            ]
+
+        robot = self.get_namespace().strip('/')
+        return AnswerBag(
+            Path(self._settings.answers), self._recording, self._cast, self.table, robot, offered
+        )
+
+    def work(self) -> None:
+        """Wait for the graph, then play; exit status 1 where the nodes do not answer."""
+        self._wait_for_graph()
+        self._began = self._news = time.monotonic()
+        self.begun = True
+        self._report_bag()
+        self._pace.begin(self._began)
+        self._play()
+        super().work()
+        if self._ended == 'unanswered':
+            late = ', '.join(f'{n} from {self.source(n)}' for n in self._owed.waiting())
+            sys.stderr.write(f'In {self._settings.patience:g} s no answer came: {late}.\n')
+            sys.exit(1)
+
+    def _report_bag(self) -> None:
+        """Say what the recording lacks."""
+        absent = self._cast.absent(self.table, self._recording.topics)
+        words = [*self._recording.strange]
+        if absent:
+            words.append(f'the recording has no {", ".join(absent)}, which the nodes read')
+        level = Level.WARN if words else Level.OK
+        self.health.report('recording', level, '; '.join(words) or 'whole')
+
+    def _lonely(self) -> list[str]:
+        """Return whom the player still waits for."""
+        waiting: set[str] = set()
+        for name, publisher in self._outputs.items():
+            readers = set(self.table[name].subscribers) & set(self._cast.nodes)
+            if self._settings.record and self.table[name].recorded:
+                readers.add('recorder')
+            if publisher.get_subscription_count() < len(readers):
+                waiting |= readers
+        waiting |= {self.source(n) for n in self._cast.answers if not self.count_publishers(n)}
+        return sorted(waiting)
+
+    def _wait_for_graph(self) -> None:
+        patience = self._settings.patience
+        deadline = time.monotonic() + patience
+        while self.running and (missing := self._lonely()):
+            if time.monotonic() > deadline:
+                raise BadInput(
+                    f'After {patience:g} s the player still waits for {", ".join(missing)}; '
+                    'start them, or see "lta doctor" on discovery between processes.'
+                )
+            time.sleep(0.02)
+
+    def awaited(self) -> Iterable[Subscription]:
+        """Return what to wake up for: the answers."""
+        return self._heard_answers
+
+    def missing(self) -> list[str]:
+        """Return the answers that keep the player from going on."""
+        if not self.lockstep or not self.begun or self._pace.paused or self._ended:
+            return []
+        return self._owed.waiting()
+
+    def _taker(self, name: str) -> Callable[[bytes], None]:
+        def take(data: bytes) -> None:
+            self._news = time.monotonic()
+            due = self._owed.take(name)
+            if self._kept is not None and not self._fault:
+                try:
+                    self._kept.write(name, data, due, self._now)
+                except StorageFault as fault:
+                    self._fault, self.running = str(fault), False
+                    self.health.report('recording', Level.ERROR, self._fault)
+            if self.lockstep:
+                self._play()
+
+        return take
+
+    def _tick(self) -> None:
+        """Follow the wall clock; in lockstep, give up on answers that do not come."""
+        self._play()
+        waited = time.monotonic() - self._news
+        if (
+            self._ended
+            or not self.lockstep
+            or self._pace.paused
+            or waited < self._settings.patience
+        ):
+            return
+        self._ended, self.running = 'unanswered', False
+
+    def _play(self) -> None:
+        """Publish what is due now."""
+        if not self.begun or self._ended:
+            return
+        until = min(self._pace.now(time.monotonic()), self._owed.horizon(AHEAD_NS))
+        for _ in range(MOST):
+            due = self._reel.next_ns
+            if due is None or due > until:
+                break
+            self._publish()
+        self._tell_clock()
+        late = not self.lockstep and time.monotonic() - self._news < QUIET
+        if self._reel.next_ns is None and not self._owed.all_left and not late:
+            self._ended, self.running = 'played', False
+
+    def _publish(self) -> None:
+        """Publish the next message."""
+        item = self._reel.take()
+        self._now = max(self._now, item.time_ns)
+        self._outputs[item.topic].publish(item.data)
+        self._messages += 1
+        self._news = time.monotonic() if not self.lockstep else self._news
+
+    def _tell_clock(self) -> None:
+        """Publish the bag's time, if that is due."""
+        wall = time.monotonic()
+        if wall - self._clocked >= CLOCK_PERIOD:
+            self._clocked = wall
+            now = self._now if self.lockstep else max(self._now, self._pace.now(wall))
+            self._telling.publish(ClockMessage(clock=to_stamp(now)))
+
+    def _on_pause(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+        wall = time.monotonic()
+        if request.data:
+            self._pace.pause(wall, self._now)
+        else:
+            self._pace.resume(wall)
+            self._news = wall
+        response.success, response.message = True, self._where()
+        return response
+
+    def _on_step_asked(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        """Play all messages of the next instant."""
+        due = self._reel.next_ns
+        response.success = self._pace.paused and due is not None
+        if response.success and due is not None:
+            self._pace.step(due)
+            self._play()
+        response.message = self._where() if response.success else 'not paused'
+        return response
+
+    def _where(self) -> str:
+        """Return where the player is, for people."""
+        state = 'paused' if self._pace.paused else 'playing'
+        return f'{state} at {(self._now - self._reel.begin_ns) * 1e-9:.3f} s'
+
+    def _standing(self) -> dict[str, str]:
+        """Return how the replay stands, in figures."""
+        elapsed = (self._now - self._reel.begin_ns) * 1e-9
+        wall = time.monotonic() - self._began if self._began else 0.0
+        return {
+            'outcome': self._ended or ('stopped' if not self.running else 'playing'),
+            'time_s': f'{elapsed:.3f}',
+            'messages': str(self._messages),
+            'answers': str(sum(self._owed.come.values())),
+            'owed': str(self._owed.total),
+            'unanswered': str(self._owed.all_left),
+            'rounds': str(self._reel.rounds),
+            'pace': f'{elapsed / wall:.2f}' if wall else '0.00',
+        }
+
+    def _watch(self) -> None:
+        """Tell how the replay stands at every look, for progress bars."""
+        self.health.report('playback', Level.OK, self._where(), **self._standing())
+        self.health.changed = True
+        super()._watch()
+
+    def close(self) -> None:
+        """Say how the replay ended, finish the bag of answers, and let the last messages out."""
+        self._watch()
+        if self._kept is not None:
+            try:
+                self._kept.close()
+            except StorageFault as fault:
+                self._fault = self._fault or str(fault)
+        sys.stdout.write(json.dumps(self._standing()) + '\n')
+        sys.stdout.flush()
+        super().close()
+        if self._fault:
+            raise BadInput(self._fault)
+
+
+def main(args: list[str] | None = None) -> None:
+    """Run the node until the recording ends or it is told to stop."""
+    run(Player, args)

@@ -1,0 +1,1 @@
+"""Playing a recording back into a graph: what, when, and whose answers are waited for."""

@@ -1,0 +1,81 @@
+"""The bag into which a player writes what the nodes answer, each under the time it was due."""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import final
+
+from lta_bridge.bag.qos import Profile
+from lta_bridge.bag.writer import BagWriter
+from lta_bridge.bookkeeping import stamp_of
+from lta_bridge.playback.cast import Cast
+from lta_bridge.playback.recording import Recording
+from lta_bridge.provenance import here
+from lta_config.topics import robot_topic, TopicTable
+
+REPLAY_OF, REPLAYED = 'replay_of', 'replayed_nodes'  # keys of the origin
+
+
+@final
+class AnswerBag:
+    """
+    Writes answers; close it at the end.
+
+    Parameters
+    ----------
+    path : Path
+        Folder of the bag; it must not exist yet or be empty.
+    recording : Recording
+        What is played; its origin becomes that of the answers.
+    cast : Cast
+        Whose answers.
+    table : TopicTable
+        Types and latencies.
+    robot : str
+        Namespace of the nodes.
+    offered : callable
+        Returns a topic's profile, for the bag.
+
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        recording: Recording,
+        cast: Cast,
+        table: TopicTable,
+        robot: str,
+        offered: Callable[[str], Sequence[Profile]],
+    ) -> None:
+        self._table = table
+        self._names: Mapping[str, str] = {name: robot_topic(robot, name) for name in cast.answers}
+        told = {REPLAY_OF: str(recording.path), REPLAYED: ' '.join(cast.nodes)}
+        self._writer = BagWriter(path, {**recording.provenance, **here(), **told})
+        for name, full in self._names.items():
+            self._writer.add_topic(full, table[name].type, offered(name))
+
+    def write(self, name: str, data: bytes, due_ns: int | None, now_ns: int) -> None:
+        """
+        Write an answer.
+
+        Parameters
+        ----------
+        name : str
+            Relative topic name.
+        data : bytes
+            The message.
+        due_ns : int or None
+            When it was due, where that is known. [ns]
+        now_ns : int
+            Time on the bag's clock, for what has no stamp. [ns]
+
+        """
+        when = due_ns
+        if when is None:
+            row = self._table[name]
+            stamp = stamp_of(data) if row.stamped else None
+            when = now_ns if stamp is None else stamp + row.latency_ns
+        self._writer.write(self._names[name], data, when)
+
+    def close(self) -> None:
+        """Finish the bag."""
+        self._writer.close()

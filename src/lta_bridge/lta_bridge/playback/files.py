@@ -1,0 +1,160 @@
+"""
+The MCAP files of a bag, read with the format's own library: what is in them, and in log order.
+
+A finished file is read by its index. One that was cut short has none: what is whole in it is taken
+into memory and put in order.
+"""
+
+from collections.abc import Collection, Iterator
+from contextlib import suppress
+from pathlib import Path
+import struct
+from typing import BinaryIO, final, NamedTuple
+
+from lta_bridge.bag.records import MAGIC, PROVENANCE
+from lta_config.errors import BadInput
+from mcap.exceptions import McapError
+from mcap.reader import make_reader, McapReader
+from mcap.records import Channel, Message, Metadata, Schema
+from mcap.stream_reader import StreamReader
+from mcap.summary import Summary
+from mcap.well_known import MessageEncoding
+from zstandard import ZstdError
+
+ADVICE = 'give a rosbag2 folder or an .mcap file'
+# What the library raises where a file ends too early or its bytes make no sense.
+BROKEN = (McapError, struct.error, EOFError, LookupError, ValueError, MemoryError, ZstdError)
+
+
+@final
+class Logged(NamedTuple):
+    """One message as logged: absolute topic, log time [ns], bytes."""
+
+    topic: str
+    time_ns: int
+    data: bytes
+
+
+def announced(files: list[Path]) -> tuple[dict[str, str], dict[str, str]]:
+    """
+    Return the message type of each topic of a bag, and what the bag tells of its origin.
+
+    Raises
+    ------
+    BadInput
+        If a file cannot be read or is no MCAP.
+
+    """
+    types: dict[str, str] = {}
+    told: dict[str, str] = {}
+    for file in files:
+        try:
+            with file.open('rb') as stream:
+                if stream.read(len(MAGIC)) != MAGIC:
+                    raise BadInput(f"'{file}' is not a recording in MCAP; {ADVICE}.")
+                found, origin = whole(stream) or torn(stream)
+        except OSError as error:
+            raise BadInput(f"'{file}' cannot be read ({error.strerror}); {ADVICE}.") from error
+        types |= found
+        told |= origin
+    return types, told
+
+
+def indexed(stream: BinaryIO) -> tuple[McapReader, Summary] | None:
+    """Return a finished file's reader and summary; None where it has none."""
+    stream.seek(0)
+    with suppress(*BROKEN):
+        reader = make_reader(stream)
+        summary = reader.get_summary()
+        if summary is not None:
+            return reader, summary
+    return None
+
+
+def whole(stream: BinaryIO) -> tuple[dict[str, str], dict[str, str]] | None:
+    """Return types and origin by a file's summary; None where it has none."""
+    found = indexed(stream)
+    if found is None:
+        return None
+    reader, summary = found
+    types = {
+        channel.topic: summary.schemas[channel.schema_id].name
+        for channel in summary.channels.values()
+        if channel.schema_id in summary.schemas and played(channel)
+    }
+    told: dict[str, str] = {}
+    with suppress(*BROKEN):
+        for record in reader.iter_metadata():
+            told |= record.metadata if record.name == PROVENANCE else {}
+    return types, told
+
+
+def played(channel: Channel) -> bool:
+    """Tell whether a channel's messages are as ROS 2 sends them."""
+    return str(channel.message_encoding) == MessageEncoding.CDR
+
+
+def torn(stream: BinaryIO) -> tuple[dict[str, str], dict[str, str]]:
+    """Return types and origin of a file without a summary, as far as it goes."""
+    types: dict[str, str] = {}
+    told: dict[str, str] = {}
+    schemas: dict[int, str] = {}
+    for record in records(stream):
+        if isinstance(record, Schema):
+            schemas[record.id] = record.name
+        elif isinstance(record, Channel) and played(record):
+            types[record.topic] = schemas.get(record.schema_id, '')
+        elif isinstance(record, Metadata) and record.name == PROVENANCE:
+            told |= record.metadata
+    return types, told
+
+
+def records(stream: BinaryIO) -> Iterator[object]:
+    """Yield the records of an unfinished file in their order, to its first damage."""
+    stream.seek(0)
+    with suppress(*BROKEN):
+        yield from StreamReader(stream).records
+
+
+def ordered(file: Path, topics: Collection[str], since_ns: int | None) -> Iterator[Logged]:
+    """
+    Yield a file's messages of some topics by log time.
+
+    Parameters
+    ----------
+    file : Path
+        An .mcap file.
+    topics : collection of str
+        Absolute names.
+    since_ns : int or None
+        The first log time. [ns]
+
+    Raises
+    ------
+    BadInput
+        If a finished file turns out to be damaged.
+
+    """
+    with file.open('rb') as stream:
+        found = indexed(stream)
+        if found is None:
+            yield from sorted(loose(stream, topics, since_ns or 0), key=lambda item: item.time_ns)
+            return
+        try:
+            for _, channel, message in found[0].iter_messages(topics, starting_at=since_ns):
+                yield Logged(channel.topic, message.log_time, message.data)
+        except BROKEN as error:
+            raise BadInput(
+                f"'{file}' is damaged ({error}); mend it with `lta bag recover`."
+            ) from error
+
+
+def loose(stream: BinaryIO, topics: Collection[str], since_ns: int) -> Iterator[Logged]:
+    """Yield the messages of an unfinished file as they stand in it."""
+    names: dict[int, str] = {}
+    for record in records(stream):
+        if isinstance(record, Channel) and record.topic in topics:
+            names[record.id] = record.topic
+        elif isinstance(record, Message) and record.channel_id in names:
+            found = Logged(names[record.channel_id], record.log_time, record.data)
+            yield from [found] if found.time_ns >= since_ns else []

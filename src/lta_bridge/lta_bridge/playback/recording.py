@@ -1,0 +1,153 @@
+"""
+A bag to play: one robot's messages of the topic table, in the order of the bag's own clock.
+
+The bag's clock is the time of the recorded stamps. Ours log by it already; where a recorder of
+others logged by another clock, its log times are shifted so that the first stamped message was
+logged when it was published.
+"""
+
+from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
+from typing import final, NamedTuple
+
+from lta_bridge.bookkeeping import stamp_of
+from lta_bridge.playback.files import ADVICE, announced, ordered
+from lta_bridge.provenance import part
+from lta_config.errors import BadInput, unknown
+from lta_config.topics import TopicTable
+
+
+class Recorded(NamedTuple):
+    """One message: relative topic, time on the bag's clock [ns], bytes as recorded."""
+
+    topic: str
+    time_ns: int
+    data: bytes
+
+
+@final
+class Recording:
+    """
+    One robot's part of a bag; see `open_recording`.
+
+    Attributes
+    ----------
+    path : Path
+        The bag.
+    robot : str
+        Its namespace in the bag; '' where topics have none.
+    topics : frozenset of str
+        The table's topics that the bag has, relative.
+    strange : tuple of str
+        Sentences on topics that cannot be played.
+    provenance : dict of str to str
+        Where the robot's data come from.
+
+    """
+
+    def __init__(
+        self, path: Path, files: list[Path], robot: str, table: TopicTable, own: str = ''
+    ) -> None:
+        self.path = path
+        self._files = files
+        channels, told = announced(files)
+        robots = sorted({found[0] for found in split(channels, table)})
+        self.robot = chosen(path, robot or (own if own in robots else ''), robots)
+        self.provenance = part(told, self.robot)
+        mine = {name: full for owner, name, full in split(channels, table) if owner == self.robot}
+        self.strange = tuple(
+            f"'{full}' is of type '{channels[full]}', not {table[name].type}, and is left out"
+            for name, full in mine.items()
+            if channels[full] != table[name].type
+        )
+        self._names = {
+            full: name for name, full in mine.items() if channels[full] == table[name].type
+        }
+        self.topics = frozenset(self._names.values())
+        self._shift = 0
+        self._shift = self._found_shift(table)
+
+    def messages(self, topics: Collection[str], begin_ns: int | None = None) -> Iterator[Recorded]:
+        """
+        Yield messages in the order of the bag's clock.
+
+        Parameters
+        ----------
+        topics : collection of str
+            Relative names; those that the bag lacks are passed over.
+        begin_ns : int, optional
+            Where to begin, on the bag's clock. [ns]
+
+        """
+        wanted = [full for full, name in self._names.items() if name in topics]
+        since = None if begin_ns is None else max(0, begin_ns - self._shift)
+        for file in self._files if wanted else []:
+            for full, log_time, data in ordered(file, wanted, since):
+                yield Recorded(self._names[full], log_time + self._shift, data)
+
+    def _found_shift(self, table: TopicTable) -> int:
+        """Return what to add to a log time for the time on the bag's clock. [ns]"""
+        rhythmic = [name for name in self.topics if table[name].stamped and table[name].period_ns]
+        for name, time_ns, data in self.messages(rhythmic):
+            if stamp := stamp_of(data):
+                return stamp + table[name].latency_ns - time_ns
+        return 0
+
+
+def open_recording(path: Path, robot: str, table: TopicTable, own: str = '') -> Recording:
+    """
+    Open a bag for playing.
+
+    Parameters
+    ----------
+    path : Path
+        A rosbag2 folder or an .mcap file.
+    robot : str
+        Namespace in the bag; may be empty where it has only one, or `own`.
+    table : TopicTable
+        What can be played.
+    own : str
+        Namespace of who plays: that robot is taken where none is named.
+
+    Raises
+    ------
+    BadInput
+        If there is no bag that can be played, or it has several robots and none is named.
+
+    """
+    if path.is_file():
+        files = [path]
+    elif path.is_dir():
+        # bag_2 before bag_10
+        files = sorted(path.glob('*.mcap'), key=lambda file: (len(file.name), file.name))
+    else:
+        raise BadInput(f"'{path}' does not exist; {ADVICE}.")
+    if not files:
+        raise BadInput(f"'{path}' holds no recording in MCAP; {ADVICE}.")
+    return Recording(path, files, robot, table, own)
+
+
+def split(names: Mapping[str, str], table: TopicTable) -> list[tuple[str, str, str]]:
+    """Return robot, relative name and full name of each topic that stands in the table."""
+    found = []
+    for full in names:
+        plain = full.strip('/')
+        robot, _, name = plain.partition('/')
+        if plain in table.topics:
+            found.append(('', plain, full))
+        elif name in table.topics:
+            found.append((robot, name, full))
+    return found
+
+
+def chosen(path: Path, robot: str, found: list[str]) -> str:
+    """Return the robot to play: the one that is named, or the only one."""
+    if not found:
+        raise BadInput(f"'{path}' has no topic that LTA knows; see docs/topics.md.")
+    if robot and robot not in found:
+        raise unknown('robot', robot, found)
+    if not robot and len(found) > 1:
+        raise BadInput(
+            f"'{path}' holds several robots ({', '.join(found)}); name the one to play."
+        )
+    return robot or found[0]

@@ -1,0 +1,44 @@
+"""The turns of a replay on the wire: one array of all topics, labelled by its dimensions."""
+
+import array
+from collections.abc import Callable, Mapping, Sequence
+
+from lta_config.topics import TopicTable
+from lta_graph.inbox import Inbox
+from lta_graph.ros.qos import profile
+from lta_graph.turns import RecordedTurns
+from rclpy.node import Node
+from rclpy.subscription import Subscription
+from std_msgs.msg import Int64MultiArray, MultiArrayDimension, MultiArrayLayout
+
+DUE = 'replay/due'  # the topic
+
+
+def from_due(due: Mapping[str, Sequence[int]]) -> Int64MultiArray:
+    """Return when each message of each topic is due: a dimension a topic, one behind the other."""
+    times = array.array('q')
+    for topic in due.values():
+        times.extend(topic)
+    rows = [
+        MultiArrayDimension(label=name, size=len(topic), stride=1) for name, topic in due.items()
+    ]
+    return Int64MultiArray(layout=MultiArrayLayout(dim=rows), data=times)
+
+
+def to_turns(message: Int64MultiArray, table: TopicTable) -> RecordedTurns:
+    """Return the turns that a player told."""
+    found, at = {}, 0
+    for row in message.layout.dim:
+        found[row.label] = message.data[at : at + row.size]
+        at += row.size
+    return RecordedTurns(table, found)
+
+
+def heed(node: Node, table: TopicTable, inbox: Inbox, then: Callable[[], None]) -> Subscription:
+    """Return a subscription by which an inbox learns what is due, and do something then."""
+
+    def learn(message: Int64MultiArray) -> None:
+        inbox.turns = to_turns(message, table)
+        then()
+
+    return node.create_subscription(Int64MultiArray, DUE, learn, profile(table[DUE], True))

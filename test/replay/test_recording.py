@@ -1,0 +1,183 @@
+"""
+A small recording of our own against what demodulator and navigator make of it today.
+
+`python test/replay/test_recording.py --write` stores it anew; look at what changed first.
+
+The drone starts 3.2 m from the lamp, learns its biases, climbs and turns to the light. The bag
+holds what the two nodes read and what they answered. It tells no platform and no commit, so that
+it counts as made elsewhere: the same within 1e-9, and every decision.
+"""
+
+from pathlib import Path
+import shutil
+import sys
+import tempfile
+
+from lta_analysis.bag.flight import open_flight
+from lta_analysis.bag.reader import read_bag
+from lta_analysis.loop import Loop, Policy
+from lta_analysis.messages import LoopRecorder
+from lta_analysis.replay.verdict import judged
+from lta_bridge.bag.qos import offered_qos
+from lta_bridge.bag.writer import BagWriter
+from lta_bridge.cdr import serialise
+from lta_bridge.provenance import provenance
+from lta_config.topics import topic_table
+from lta_control.attitude import heading
+from lta_control.gains_file import load_gains
+from lta_control.messages import attitude_of, from_setpoint, to_measured
+from lta_control.mission import Mission, mission_step, MissionSettings
+from lta_control.strategies import strategy
+from lta_control.strategies.protocol import Sight
+from lta_graph.ros.node import from_stamp, message_type, to_stamp
+from lta_sim.scenario import load_scenario
+from lta_sim.start_offset import started
+from lta_sim.vehicle import load_vehicle
+from lta_sim.world import World
+from lta_vlc.array import bearing, even_ring
+from lta_vlc.demodulation import demodulate, Demodulation, plan_bins
+from lta_vlc.lamp import bearing_through, lamp_estimate, LampPrior
+from lta_vlc.messages import from_bearing, from_lamp, from_peaks, to_block
+import numpy as np
+import pytest
+from rclpy.serialization import deserialize_message
+
+STORED = Path(__file__).with_name('lamp.mcap')
+TABLE = topic_table()
+NODES = ('demodulator', 'navigator')
+ANSWERS = [name for node in NODES for name in TABLE.published_by(node)]
+KEPT = ['photodiodes', 'odom', 'energy/reserve', *ANSWERS]
+START = 4.0, 1.0  # m beside the scenario's start
+STEPS, SEED = 801, 4  # 8 s
+LARGEST = 700_000  # bytes
+QOS = [offered_qos('reliable', 'transient_local', 200)]
+
+
+def fly(folder):
+    """Fly, and write what the two nodes read and answer as a bag; return its file."""
+    scenario = started(load_scenario('lamp_room'), *START)
+    vehicle = load_vehicle('gtmab', scenario.air.density)
+    world = World(vehicle, scenario, TABLE, SEED)
+    loop = Loop(world, TABLE, Policy(strategy('bag'), gains=load_gains('gtmab')))
+    with BagWriter(folder / 'whole', {}) as writer:
+        recorder = LoopRecorder(writer, loop, TABLE, 'lta1')
+        for _ in range(STEPS):
+            loop.decide()
+            recorder.take()
+            loop.act()
+    told = provenance('gtmab', 'lamp_room', 'gtmab', strategy='bag', seed=str(SEED))
+    for name in ('commit', 'platform', 'created', 'config_sha256'):
+        del told[name]
+    bag = read_bag(folder / 'whole')
+    with BagWriter(folder / 'lamp', told) as writer:
+        for name in KEPT:
+            writer.add_topic(f'/lta1/{name}', TABLE[name].type, QOS)
+        for name, log_time, data in bag.messages([f'/lta1/{name}' for name in KEPT]):
+            writer.write(name, data, log_time)
+    (file,) = (folder / 'lamp').glob('*.mcap')
+    return file
+
+
+def recorded(name):
+    """Return time of publication and message of a topic of the stored bag. [ns]"""
+    kind = message_type(TABLE[name])
+    bag = read_bag(STORED)
+    return [(t, deserialize_message(d, kind)) for _, t, d in bag.messages([f'/lta1/{name}'])]
+
+
+def answered(folder, demodulation=None, mission=None):
+    """Return the bag that the cores of both nodes make of the stored one, without a graph."""
+    settings, mission = demodulation or Demodulation(), mission or MissionSettings()
+    light, prior = TABLE.light, LampPrior()
+    bins = plan_bins(settings, light.sample_rate.si, light.samples)
+    odometry, reserves = recorded('odom'), recorded('energy/reserve')
+    headings = {from_stamp(m.header.stamp): heading(attitude_of(m)) for _, m in odometry}
+    state, plan = Mission(), strategy('bag')
+    with BagWriter(folder, {}) as writer:
+        for name in ANSWERS:
+            writer.add_topic(f'/lta1/{name}', TABLE[name].type, QOS)
+        for now, image in recorded('photodiodes'):
+            block = to_block(image)
+            ring = even_ring(block.shape[1])
+            peaks = demodulate(block, bins)
+            found = bearing(peaks, ring, settings.threshold)
+            begun = from_stamp(image.header.stamp)
+            measured = to_measured(
+                max((m for m in odometry if m[0] <= now), key=lambda m: m[0])[1]
+            )
+            known = [m.data for t, m in reserves if t <= now - TABLE.control_ns]
+            sight = Sight(
+                seen=found is not None,
+                bearing=0.0 if found is None else bearing_through(found.angle, prior),
+                heading=headings[begun + TABLE['photodiodes'].period_ns // 2],
+                amplitudes=tuple(peaks.amplitude.astype(np.float32).tolist()),
+                interval=TABLE['photodiodes'].period_ns * 1e-9,
+            )
+            altitude = None if measured is None or not known else measured.altitude
+            reserve = bool(known) and known[-1]
+            asked, state = mission_step(mission, plan, state, sight, altitude, reserve)
+            pose, velocity = from_setpoint(to_stamp(begun), asked)
+            lamp = None if found is None else lamp_estimate(found, prior)
+            for name, message in (
+                ('light/peaks', from_peaks(image.header, peaks, ring)),
+                ('light/bearing', from_bearing(image.header, found)),
+                ('light/estimate', from_lamp(image.header, lamp)),
+                ('setpoint/pose', pose),
+                ('setpoint/velocity', velocity),
+            ):
+                writer.write(f'/lta1/{name}', serialise(message), now)
+    return folder
+
+
+def verdict(folder):
+    return judged(open_flight(STORED), open_flight(folder), ANSWERS)
+
+
+def test_the_recording_is_small_and_has_something_to_decide():
+    assert STORED.stat().st_size < LARGEST
+    seen = [m.pose.covariance[0] >= 0.0 for _, m in recorded('light/estimate')]
+    speeds = [m.twist.linear.x for _, m in recorded('setpoint/velocity')]
+    assert len(seen) == 80
+    assert sum(seen) > 40
+    assert max(speeds) > 0.1 > min(speeds)
+
+
+def test_the_recorded_decisions_are_those_of_today(tmp_path):
+    found = verdict(answered(tmp_path / 'bag'))
+    assert {'platform', 'commit'} <= set(found.elsewhere)
+    assert found.word in ('identical', 'same'), found.to_dict()
+    assert [topic.count for topic in found.topics] == [80] * 5
+    assert {each.name: each.changed for each in found.decisions} == {
+        'lamp seen': 0, 'heading': 0, 'altitude': 0, 'speed': 0,
+    }  # fmt: skip
+
+
+def test_another_window_moves_the_ratios_and_not_the_decisions(tmp_path):
+    """Wider windows take bins out of the noise: the SNR changes, the amplitude does not."""
+    found = verdict(answered(tmp_path / 'bag', Demodulation(window=4)))
+    assert found.word == 'different'
+    differ = {each.path for topic in found.topics for each in topic.channels}
+    assert {f'snr[{k}]' for k in range(8)} <= differ
+    assert not {f'amplitude[{k}]' for k in range(8)} & differ
+
+
+def test_a_threshold_that_no_diode_passes_loses_the_lamp(tmp_path):
+    found = verdict(answered(tmp_path / 'bag', Demodulation(threshold=1000.0)))
+    seen = next(each for each in found.decisions if each.name == 'lamp seen')
+    assert seen.changed == seen.recorded.sum() > 0
+    assert found.seconds(int(seen.keys[seen.first])) == pytest.approx(0.0, abs=8.0)
+
+
+def test_a_change_of_a_millionth_is_not_the_same(tmp_path):
+    settings = MissionSettings()
+    nudged = settings.model_copy(update={'altitude': settings.altitude * (1.0 + 1e-6)})
+    found = verdict(answered(tmp_path / 'bag', mission=nudged))
+    assert found.word == 'different'
+    assert next(each for each in found.decisions if each.name == 'altitude').largest < 1e-6
+
+
+if __name__ == '__main__':
+    if sys.argv[1:] != ['--write']:
+        sys.exit('Give --write to store the recording anew.')
+    with tempfile.TemporaryDirectory() as place:
+        shutil.copyfile(fly(Path(place)), STORED)

@@ -1,0 +1,211 @@
+"""What is played from a bag: whose topics, in which order, which section, and how in a loop."""
+
+from itertools import pairwise
+
+from lta_bridge.bag.qos import offered_qos
+from lta_bridge.bag.schemas import jazzy
+from lta_bridge.bag.writer import BagWriter
+from lta_bridge.playback.pace import Pace
+from lta_bridge.playback.recording import open_recording
+from lta_bridge.playback.reel import Reel, shifted
+from lta_config.errors import BadInput
+from lta_config.topics import topic_table
+from mcap.writer import Writer
+import numpy as np
+import pytest
+from rosbags.highlevel import AnyReader
+
+TABLE = topic_table()
+MS = 1_000_000
+QOS = [offered_qos('reliable', 'volatile', 10)]
+TYPES = jazzy()
+
+
+def message(name, stamp_ns):
+    """Return a message of a topic with a stamp, as bytes."""
+    kind = TABLE[name].type
+    time = TYPES.types['builtin_interfaces/msg/Time'](*divmod(stamp_ns, 10**9))
+    header = TYPES.types['std_msgs/msg/Header'](stamp=time, frame_id='x')
+    if kind == 'std_msgs/msg/Bool':
+        return bytes(TYPES.serialize_cdr(TYPES.types[kind](data=True), kind))
+    if kind == 'sensor_msgs/msg/FluidPressure':
+        made = TYPES.types[kind](header=header, fluid_pressure=1e5, variance=0.5)
+    else:
+        made = TYPES.types[kind](header=header, illuminance=7.0, variance=0.5)
+    return bytes(TYPES.serialize_cdr(made, kind))
+
+
+def bag(folder, rows, provenance=None):
+    """Write (absolute topic, name in the table, stamp, log time) as a bag."""
+    with BagWriter(folder, provenance or {}) as writer:
+        for full, name in dict.fromkeys((row[0], row[1]) for row in rows):
+            writer.add_topic(full, TABLE[name].type, QOS)
+        for full, name, stamp, log in rows:
+            writer.write(full, message(name, stamp), log)
+    return folder
+
+
+def regular(count=5, robot='/lta1/', start=TABLE.start_ns, log=0):
+    """Return rows of pressure every 20 ms and light every 100 ms, last first in the file."""
+    rows = [(f'{robot}pressure', 'pressure', start + 20 * k * MS) for k in range(5 * count)]
+    rows += [(f'{robot}illuminance', 'illuminance', start + 100 * k * MS) for k in range(count)]
+    return [(*row, row[2] + log) for row in reversed(rows)]
+
+
+def reel(path, **options):
+    recording = open_recording(path, '', TABLE)
+    return Reel(recording, recording.topics, TABLE, **options)
+
+
+def taken(found, most=10_000):
+    items = []
+    while found.next_ns is not None and len(items) < most:
+        items.append(found.take())
+    return items
+
+
+def test_messages_come_by_their_time_and_byte_for_byte(tmp_path):
+    path = bag(tmp_path / 'bag', regular())
+    items = taken(reel(path))
+    assert [a.time_ns <= b.time_ns for a, b in pairwise(items)] == [True] * 29
+    with AnyReader([path]) as reader:
+        theirs = [(c.topic, t, bytes(data)) for c, t, data in reader.messages()]
+    assert sorted((f'/lta1/{i.topic}', i.time_ns, i.data) for i in items) == sorted(theirs)
+
+
+def test_a_section_begins_and_ends_by_the_bag_s_clock(tmp_path):
+    path = bag(tmp_path / 'bag', regular())
+    items = taken(reel(path, start=0.1, end=0.2))
+    first = TABLE.start_ns
+    assert [i.time_ns - first for i in items if i.topic == 'pressure'] == [
+        k * MS for k in (100, 120, 140, 160, 180, 200)
+    ]
+    with pytest.raises(BadInput, match='no message from 9 s on'):
+        reel(path, start=9.0)
+
+
+def test_a_loop_goes_on_in_time_on_the_grid_of_every_topic(tmp_path):
+    """5 blocks of light and 25 of pressure: a round takes 500 ms, and no turn is left out."""
+    found = reel(bag(tmp_path / 'bag', regular()), loop=True)
+    items = taken(found, most=95)
+    assert found.rounds == 3
+    for name, period in (('pressure', 20 * MS), ('illuminance', 100 * MS)):
+        kind = TABLE[name].type
+        read = [TYPES.deserialize_cdr(i.data, kind) for i in items if i.topic == name]
+        stamps = [m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for m in read]
+        assert set(np.diff(stamps)) == {period}
+        assert [i.time_ns for i in items if i.topic == name] == stamps
+        assert len({bytes(TYPES.serialize_cdr(m, kind))[12:] for m in read}) == 1
+
+
+def test_a_shifted_stamp_is_all_that_changes():
+    data = message('pressure', 3 * 10**9 + 999_999_999)
+    moved = shifted(data, 2)
+    read = TYPES.deserialize_cdr(moved, TABLE['pressure'].type)
+    assert (read.header.stamp.sec, read.header.stamp.nanosec) == (4, 1)
+    assert (moved[:4], moved[12:]) == (data[:4], data[12:])
+    assert shifted(data, 0) is data
+    assert shifted(b'\0\1\0\0', 5) == b'\0\1\0\0'  # too short for a stamp
+
+
+def test_a_bag_of_others_without_namespace_and_on_another_clock_is_played_by_its_stamps(tmp_path):
+    rows = regular(robot='/', start=7 * 10**9, log=1_700_000_000 * 10**9)
+    recording = open_recording(bag(tmp_path / 'bag', rows), '', TABLE)
+    assert (recording.robot, recording.topics) == ('', {'pressure', 'illuminance'})
+    items = taken(Reel(recording, recording.topics, TABLE))
+    assert (items[0].time_ns, items[-1].time_ns) == (7 * 10**9, 7 * 10**9 + 480 * MS)
+
+
+def test_of_several_robots_one_must_be_named(tmp_path):
+    rows = regular() + [(f'/lta2/{row[1]}', *row[1:]) for row in regular(2)]
+    path = bag(tmp_path / 'bag', rows, {'robots': 'lta1 lta2', 'lta2/seed': '7', 'scenario': 'x'})
+    with pytest.raises(BadInput, match=r'holds several robots \(lta1, lta2\)'):
+        open_recording(path, '', TABLE)
+    with pytest.raises(BadInput, match="Unknown robot 'lta3'"):
+        open_recording(path, 'lta3', TABLE)
+    assert open_recording(path, '', TABLE, own='lta1').robot == 'lta1'
+    recording = open_recording(path, 'lta2', TABLE, own='lta1')
+    assert len(taken(Reel(recording, recording.topics, TABLE))) == 12
+    assert recording.provenance == {'scenario': 'x', 'seed': '7'}
+
+
+def test_a_recording_that_was_cut_short_is_played_as_far_as_it_goes(tmp_path):
+    """A killed recorder leaves whole chunks without an index, and half a record behind them."""
+    writer = BagWriter(tmp_path / 'bag', {'seed': '3'})
+    for name in ('pressure', 'illuminance'):
+        writer.add_topic(f'/lta1/{name}', TABLE[name].type, QOS)
+    for full, name, stamp, log in regular():
+        writer.write(full, message(name, stamp), log)
+    writer.flush()
+    (file,) = (tmp_path / 'bag').glob('*.mcap')
+    cut = tmp_path / 'cut.mcap'
+    cut.write_bytes(file.read_bytes() + b'\5\100\0\0')
+    writer.close()
+    assert taken(reel(cut)) == taken(reel(tmp_path / 'bag'))
+    assert open_recording(cut, '', TABLE).provenance == {'seed': '3'}
+
+
+def test_a_topic_of_another_type_is_left_out_and_said(tmp_path):
+    path = bag(tmp_path / 'bag', [*regular(), ('/lta1/range', 'pressure', 10**9, 10**9)])
+    recording = open_recording(path, '', TABLE)
+    assert recording.topics == {'pressure', 'illuminance'}
+    assert recording.strange == (
+        "'/lta1/range' is of type 'sensor_msgs/msg/FluidPressure', not sensor_msgs/msg/Range, and "
+        'is left out',
+    )
+
+
+def test_what_cannot_be_played_is_one_sentence(tmp_path):
+    empty, text = tmp_path / 'empty', tmp_path / 'text.mcap'
+    empty.mkdir()
+    text.write_text('no bag')
+    other = tmp_path / 'other.mcap'
+    with other.open('wb') as stream:
+        writer = Writer(stream)
+        writer.start()
+        writer.finish()
+    for path, words in (
+        (tmp_path / 'none', 'does not exist'),
+        (empty, 'holds no recording in MCAP'),
+        (text, 'is not a recording in MCAP'),
+        (other, 'has no topic that LTA knows'),
+    ):
+        with pytest.raises(BadInput, match=words):
+            open_recording(path, '', TABLE)
+    lone = bag(tmp_path / 'lone', [('/lta1/pressure', 'pressure', 10**9, 10**9)])
+    with pytest.raises(BadInput, match='has no message of imu'):
+        Reel(open_recording(lone, '', TABLE), ['imu'], TABLE)
+
+
+def test_time_runs_at_the_rate_stands_in_a_pause_and_goes_on_where_it_stood():
+    pace = Pace(1000, rate=2.0, paused=False)
+    assert pace.now(50.0) == 1000  # not begun
+    pace.begin(100.0)
+    assert pace.now(100.5) == 1000 + 10**9
+    pace.pause(100.5, played_ns=0)
+    pace.pause(107.0, played_ns=0)  # a second time changes nothing
+    assert pace.now(200.0) == 1000 + 10**9
+    pace.resume(200.0)
+    assert pace.now(200.25) == 1000 + 10**9 + 5 * 10**8
+
+
+def test_steps_move_a_paused_replay_and_never_back():
+    pace = Pace(1000, rate=1.0, paused=True)
+    pace.begin(5.0)
+    assert pace.now(9.0) == 999  # before the first message
+    pace.step(1000)
+    assert pace.now(10.0) == 1000
+    pace.step(500)
+    assert pace.now(11.0) == 1000
+    pace.resume(20.0)
+    assert pace.now(21.0) == 1000 + 10**9
+
+
+def test_in_lockstep_a_pause_holds_behind_the_last_message():
+    pace = Pace(1000, rate=None, paused=False)
+    pace.begin(0.0)
+    assert pace.now(0.0) > 10**18
+    pace.pause(1.0, played_ns=4000)
+    assert pace.now(99.0) == 4000
+    pace.resume(2.0)
+    assert pace.now(2.0) > 10**18
