@@ -21,6 +21,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
 from scipy.spatial.transform import Rotation
+from trust_flights import piece
 
 Array = NDArray[np.float64]
 TRUTH: Final = 'ground_truth/odom'
@@ -159,7 +160,8 @@ def duplicate(flight: Recording, rng: Generator) -> Corrupted | None:
         values = flight.channels[name].values.copy()
         values[target : target + count] = flight.channels[name].values[source : source + count]
         new[name] = values
-    when = over(channel, *sorted((target, target + count)))
+    later = max(source, target)  # nobody can tell which of the two was first
+    when = over(channel, later, later + count)
     return Corrupted(changed(flight, new), tuple(names), *when, f'{channel.topic} {count} twice')
 
 
@@ -295,6 +297,19 @@ def lively(flight: Recording, vector: str) -> list[str]:
     return found
 
 
+def quick(flight: Recording, vector: str) -> bool:
+    """Whether a vector changes within seconds, by 0.01 rad/s or m/s at least in one axis."""
+    time = flight.channels[f'{vector}.x'].time
+    most = 0.0
+    for axis in 'xyz':
+        values = flight.channels[f'{vector}.{axis}'].values
+        wide, narrow = (max(1, round(s / float(np.median(np.diff(time))))) for s in (3.0, 0.3))
+        slow = np.convolve(values, np.ones(wide) / wide, mode='same')
+        calm = np.convolve(values - slow, np.ones(narrow) / narrow, mode='same')[wide:-wide]
+        most = max(most, float(np.std(calm)) if len(calm) else 0.0)
+    return most > 0.01
+
+
 def flipped(flight: Recording, rng: Generator) -> Corrupted | None:
     """One axis of a vector that moves has the other sign."""
     choices = [f'{v}.{axis}' for v in judged(flight) for axis in lively(flight, v)]
@@ -358,7 +373,7 @@ def in_map(flight: Recording) -> Corrupted | None:
 
 def clock(flight: Recording, rng: Generator) -> Corrupted | None:
     """A vector is 0.08 to 1.5 s late or early against the pose, or wanders by 0.2 to 1 s."""
-    choices = [v for v in judged(flight) if lively(flight, v)]
+    choices = [v for v in judged(flight) if quick(flight, v)]
     if not choices:
         return None
     vector = choices[int(rng.integers(len(choices)))]
@@ -375,7 +390,9 @@ def clock(flight: Recording, rng: Generator) -> Corrupted | None:
         values = np.interp(time - late, time, flight.channels[name].values)
         new[name] = replace(flight.channels[name], values=values)
     how = f'{vector} {late[0]:.3f} to {late[-1]:.3f} s'
-    return Corrupted(replace(flight, channels=new), (vector,), *whole(channel), how)
+    most = float(np.abs(late).max())
+    inside = piece(replace(flight, channels=new), most, float(time[-1]) - most)
+    return Corrupted(inside, (vector,), 0.0, float(time[-1]) - 2.0 * most, how)
 
 
 def stamps(flight: Recording, rng: Generator) -> Corrupted | None:

@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 KIND = 'axes'
 XYZ: Final = 'xyz'
-FINE = 0.5  # correlation of each moving axis with its own, above which nothing is asked
-BETTER = 0.3  # how much more an explanation must correlate than the axes as they are
+OTHER = 0.05  # the side that is told is blamed unless the other explains more
+BETTER = 0.25  # how much better an explanation must match than the axes as they are
 ORDERS: Final = {
     'the inverse attitude (map to body)': lambda turn: turn * np.array([-1.0, -1.0, -1.0, 1.0]),
     'the order w x y z for x y z w': lambda turn: np.roll(turn, -1, axis=1),
@@ -38,7 +38,7 @@ def check(evidence: Evidence) -> Verdict:
     by_name = {pose.attitude.name: pose for pose in evidence.poses if pose.attitude is not None}
     by_place = {pose.position.name: pose for pose in evidence.poses if pose.position is not None}
     for pair, alike in evidence.likenesses:
-        if alike is None or good(alike, evidence.limits):
+        if alike is None or alike.in_order:
             continue
         pose = by_name.get(pair.made) or by_place.get(pair.made)
         found += explained(pair, alike, pose, evidence.limits)
@@ -53,15 +53,9 @@ def check(evidence: Evidence) -> Verdict:
     return Verdict(tuple(one.values()))
 
 
-def good(alike: Likeness, limits: Limits) -> bool:
-    """Whether each moving axis follows its own well enough to ask nothing."""
-    own = np.diag(alike.correlation)[alike.moving]
-    return bool((own > min(FINE, limits.agree)).all())
-
-
 def as_told(alike: Likeness) -> float:
-    """Return the mean correlation of the moving axes, each with its own."""
-    return float(np.diag(alike.correlation)[alike.moving].mean())
+    """Return the mean match of the moving axes, each with its own."""
+    return float(np.diag(alike.match)[alike.moving].mean())
 
 
 def explained(
@@ -91,11 +85,9 @@ def of_told(pair: Pair, alike: Likeness) -> Iterator[tuple[float, str, str]]:
         yield -float(alike.correlation[0, 0]), pair.told, 'The sign is turned'
         return
     moving = np.flatnonzero(alike.moving)
-    within = (alike.ratio > 0.4) & (alike.ratio < 2.5)
-    scaled = np.where(within | np.eye(3, dtype=np.bool_), alike.correlation, 0.0)
     for order, signs in SIGNED:
         # Column j of the right side is found in row order[j] of the left one.
-        score = float(np.mean([signs[j] * scaled[order[j], j] for j in moving]))
+        score = float(np.mean([signs[j] * alike.match[order[j], j] for j in moving]))
         wrong = [j for j in moving if order[j] != j or signs[j] < 0]
         idle = [j for j in range(3) if j not in moving and (order[j] != j or signs[j] < 0)]
         if not wrong or len(idle) > sum(order[j] != j for j in moving):
@@ -145,7 +137,7 @@ def scored(
     """Yield the score of another reading, where it can be judged."""
     alike = None if pair is None else likeness(pair, limits)
     if alike is not None:
-        yield as_told(alike) - 0.015, name, words if words.startswith('The ') and ' is ' in words \
+        yield as_told(alike) - OTHER, name, words if words.startswith('The ') and ' is ' in words \
             else f'The attitude reads as {words}'
 
 

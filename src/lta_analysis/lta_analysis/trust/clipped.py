@@ -12,6 +12,7 @@ from lta_analysis.trust import roles
 from lta_analysis.trust.constant import constant
 from lta_analysis.trust.evidence import Evidence
 from lta_analysis.trust.finding import Finding, Severity, Verdict
+from lta_analysis.trust.frozen import released, START
 from lta_analysis.trust.limits import Limits
 from lta_analysis.trust.runs import runs
 import numpy as np
@@ -26,13 +27,13 @@ def check(evidence: Evidence) -> Verdict:
     found: list[Finding] = []
     for channel in evidence.recording.channels.values():
         if roles.restless(channel):
-            found += piled(channel, evidence.limits)
+            found += piled(channel, evidence.limits, evidence.recording.simulated)
         elif channel.topic == ADC and channel.field.startswith(('min[', 'max[')):
             found += railed(channel, evidence.limits)
     return Verdict(tuple(found))
 
 
-def piled(channel: Channel, limits: Limits) -> Iterator[Finding]:
+def piled(channel: Channel, limits: Limits, simulated: bool) -> Iterator[Finding]:
     """Yield the extremes of one channel at which it piles up."""
     good = np.isfinite(channel.values)
     values, time = channel.values[good], channel.time[good]
@@ -42,16 +43,18 @@ def piled(channel: Channel, limits: Limits) -> Iterator[Finding]:
     for side, word in ((0, 'lowest'), (-1, 'highest')):
         count = int(counts[side])
         beside = counts[1 : 1 + NEIGHBOURS] if side == 0 else counts[-1 - NEIGHBOURS : -1]
-        if count < limits.clipped_samples or count < limits.clipped_pile * float(beside.mean()):
+        if count < limits.clipped_samples or count < limits.clipped_pile * float(np.median(beside)):
             continue
         at = runs(values == levels[side])
-        rests = len(at) == 1 and (at[0, 0] == 0 or at[0, 1] == len(values))
-        if (at[:, 1] - at[:, 0]).max() < limits.clipped_run or rests:
+        alone = len(at) == 1
+        rests = simulated and alone and (at[0, 0] <= START or at[0, 1] == len(values))
+        stopped = alone and released(values, int(at[0, 0]), int(at[0, 1]) - 1)
+        if (at[:, 1] - at[:, 0]).max() < limits.clipped_run or rests or stopped:
             continue
         yield Finding(
             KIND, channel.name, float(time[at[0, 0]]), float(time[at[-1, 1] - 1]),
             f'{count} of {len(values)} readings are the {word} one, {levels[side]:.6g} '
-            f'{channel.unit}, and {beside.mean():.1f} on average each of the next values.',
+            f'{channel.unit}, and {np.median(beside):.0f} each of the next values.',
             Severity.SUSPICIOUS, {'limit': float(levels[side]), 'readings': float(count)},
         )  # fmt: skip
 

@@ -10,7 +10,7 @@ from typing import final, NamedTuple
 
 from lta_analysis.trust.evidence import Evidence
 from lta_analysis.trust.finding import Finding, Severity, Verdict
-from lta_analysis.trust.likeness import deviations, lag_of, Likeness
+from lta_analysis.trust.likeness import lag_of, Likeness, quick
 from lta_analysis.trust.limits import Limits
 from lta_analysis.trust.pairs import Pair
 import numpy as np
@@ -20,6 +20,9 @@ Array = NDArray[np.float64]
 KIND = 'clock'
 PART = 5.0  # shortest part of a flight that has a lag of its own [s]
 PARTS = (3, 12)
+INDEPENDENT = 4.0  # values a second behind a kernel of 0.25 s
+EVEN = 1.0  # how much a part's length counts beside its motion
+SHORTEST = 1.0  # part that has a lag [s]
 NEAR = 0.6  # furthest that a part's lag is looked for from the whole's [s]
 NORMAL = 1.4826  # standard deviation over median deviation
 MEDIAN = 1.2533  # standard error of a median over that of a mean
@@ -43,21 +46,19 @@ def check(evidence: Evidence) -> Verdict:
     for pair, alike in evidence.likenesses:
         if pair.what == 'force' and pair.told.split('/')[0] in turning:
             continue  # the rates say it better
-        if alike is None:
+        if alike is None or not alike.quick_at_lag.any():
             unjudged.append(
                 f"The clock of '{pair.told}' cannot be judged: '{pair.made}' hardly moves."
             )
-        else:
+        elif alike.in_order:  # what is in other axes or units has no lag of its own
             found += late(pair, alike, evidence.limits)
     return Verdict(tuple(found), tuple(unjudged))
 
 
 def late(pair: Pair, alike: Likeness, limits: Limits) -> Iterator[Finding]:
     """Yield the lag of a pair, where there is one beyond doubt."""
-    own = np.abs(np.diag(alike.correlation))[alike.moving]
-    zero = np.abs(alike.at_zero)[alike.moving]
-    # The axes that agree best carry the time; a poor one does not take it away.
-    best = own >= min(limits.agree, float(own.max()))
+    own, zero = np.abs(alike.quick_at_lag), np.abs(alike.quick_at_zero)
+    best = own >= min(limits.agree, float(own.max()))  # a poor axis does not take the time away
     peak = float(own[best].mean())
     if peak < limits.agree:
         return
@@ -82,31 +83,46 @@ def late(pair: Pair, alike: Likeness, limits: Limits) -> Iterator[Finding]:
 
 
 def lags(pair: Pair, alike: Likeness) -> Lag:
-    """Return the lag of a pair from parts of the flight."""
-    left, left_size = deviations(pair.left, pair.known)
-    right, right_size = deviations(pair.right, pair.known)
-    weight = np.where(alike.moving, 1.0, 0.0) * np.abs(np.diag(alike.correlation)).round(1)
-    left = left / np.where(left_size > 0.0, left_size, 1.0) * weight
-    right = right / np.where(right_size > 0.0, right_size, 1.0)
+    """Return the lag of a pair from parts of the flight that move as much each."""
+    left, right, _, _ = quick(pair)
+    weight = np.abs(alike.quick_at_lag) ** 2
+    left, right = left * weight, right * weight
     step, moved = pair.step, round(alike.lag / pair.step)
     left = np.roll(left, -moved, axis=0)
+    energy = (right**2).sum(axis=1)
+    gone = np.cumsum(energy + EVEN * energy.mean())
     count = int(np.clip(len(left) * step / PART, *PARTS))
+    cuts = np.searchsorted(gone, gone[-1] * np.arange(1, count) / count)
     rows, times = [], []
-    for part in np.array_split(np.arange(len(left)), count):
-        inside = right[part]
-        if (inside**2).sum() < 0.1 * (right**2).sum() / count:
-            continue  # hardly moves
-        near = lag_of(left[part] - left[part].mean(axis=0), inside - inside.mean(axis=0),
-                      step, NEAR)  # fmt: skip
+    for part in np.split(np.arange(len(left)), cuts):
+        if len(part) * step < SHORTEST:
+            continue
+        near = lag_of(left[part], right[part], step, NEAR)
         rows.append(moved * step + near)
-        times.append(float(pair.grid[part].mean()))
+        times.append(float(np.average(pair.grid[part], weights=energy[part] + 1e-12)))
+    if len(rows) < PARTS[0]:
+        return Lag(alike.lag, sharpness(right, energy, alike, step), 0.0, np.inf)
     return summed(np.array(rows), np.array(times), step)
+
+
+def sharpness(right: Array, energy: Array, alike: Likeness, step: float) -> float:
+    """
+    Return the standard error of a lag that one short stretch of motion tells. [s]
+
+    The bound of Knapp and Carter (1976, doi:10.1109/TASSP.1976.1162830) for the correlation that
+    is there, twice, with as many independent values as the kernel leaves in the stretch.
+    """
+    alike_at = float(np.abs(alike.quick_at_lag).max())
+    lasting = float(energy.sum() ** 2 / (energy**2).sum()) * step
+    turning = float(np.sqrt((np.gradient(right, step, axis=0) ** 2).sum() / (right**2).sum()))
+    values = max(1.0, lasting * INDEPENDENT)
+    return 2.0 * np.sqrt(max(1e-4, 1.0 - alike_at**2)) / alike_at / turning / np.sqrt(values)
+
+
 
 
 def summed(parts: Array, times: Array, step: float) -> Lag:
     """Return lag and drift of the lags of parts."""
-    if len(parts) < 3:
-        return Lag(0.0, np.inf, 0.0, np.inf)
     middle = float(np.median(parts))
     spread = NORMAL * float(np.median(np.abs(parts - middle))) + 0.1 * step
     error = MEDIAN * spread / np.sqrt(len(parts))

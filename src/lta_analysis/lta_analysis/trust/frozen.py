@@ -17,9 +17,11 @@ from lta_analysis.trust.limits import Limits
 from lta_analysis.trust.runs import runs
 from lta_analysis.trust.smooth import period
 import numpy as np
+from numpy.typing import NDArray
 
 KIND = 'frozen'
 START = 3  # samples within which a craft at rest was so from the start on
+RELEASED = 5.0  # usual steps in the jump at the end of a stop
 NOTHING = 1e-9  # what a simulated craft at rest has left of a speed
 USUAL = 90.0  # percentile of the lengths of runs that is taken as the rhythm
 
@@ -41,17 +43,20 @@ def stops(channel: Channel, limits: Limits, simulated: bool) -> Iterator[Finding
     values = channel.values
     if not np.isfinite(values).any() or constant(channel):
         return
-    equal = np.diff(values) == 0.0
+    with np.errstate(invalid='ignore'):
+        equal = np.diff(values) == 0.0
+    if simulated:  # at rest until it flies, to the last bit
+        equal[: first_move(equal)] = False
     found = runs(equal)
     lengths = found[:, 1] - found[:, 0]
     low, high = np.nanmin(values), np.nanmax(values)
     for (begin, end), length in zip(found.tolist(), lengths.tolist(), strict=True):
         held = values[begin]
-        at_end = held in {low, high} or begin <= START
+        piled = held in {low, high} and not released(values, begin, end)
         rests = simulated and channel.topic.startswith('ground_truth') and (
             end == len(equal) or abs(held) < NOTHING
         )
-        if at_end or rests or length + 1 < limits.frozen_samples:
+        if piled or rests or length + 1 < limits.frozen_samples:
             continue
         others = np.delete(lengths, np.flatnonzero(found[:, 0] == begin))
         usual = np.percentile(others, USUAL) if len(others) else 0.0
@@ -64,6 +69,27 @@ def stops(channel: Channel, limits: Limits, simulated: bool) -> Iterator[Finding
             and last + period(channel.time) > limits.frozen_time
         ):
             yield stop(channel, begin, end)
+
+
+def first_move(equal: NDArray[np.bool_]) -> int:
+    """Return where a run that begins at the start ends; 0 where there is none."""
+    found = runs(equal)
+    return int(found[0, 1]) if len(found) and found[0, 0] <= START else 0
+
+
+def released(values: NDArray[np.float64], begin: int, end: int) -> bool:
+    """
+    Whether a run at an extreme ends with a jump.
+
+    A limit lets go of a signal where it took it; what was frozen has moved on meanwhile.
+    """
+    if end + 1 >= len(values):
+        return False
+    with np.errstate(invalid='ignore'):
+        steps = np.abs(np.diff(values))
+    steps = steps[np.isfinite(steps)]
+    usual = float(np.median(steps[steps > 0.0]))
+    return bool(abs(values[end + 1] - values[end]) > RELEASED * usual)
 
 
 def stop(channel: Channel, begin: int, end: int) -> Finding:

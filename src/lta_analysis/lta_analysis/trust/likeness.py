@@ -5,10 +5,14 @@ from typing import final
 
 from lta_analysis.trust.limits import Limits
 from lta_analysis.trust.pairs import Pair
+from lta_analysis.trust.smooth import kernel, narrowed, smoothed
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+SLOW = 3.0  # what takes longer is a trend [s]
+QUICK = 0.5  # of the least motion, that the quick part must have
+FINE = 0.5  # match of each moving axis with its own, above which nothing is asked
 
 
 @final
@@ -25,18 +29,29 @@ class Likeness:
         Of left axis i with right axis j at that lag; 0 where an axis does not move.
     ratio : ndarray, shape (k, k)
         Standard deviation of left axis i over that of right axis j.
-    at_zero : ndarray, shape (k,)
-        Correlation of each axis with its own at lag 0.
+    match : ndarray, shape (k, k)
+        Concordance of left axis i with right axis j, which takes size into account (Lin 1989,
+        doi:10.2307/2532051, without means), after one common factor for all axes.
     moving : ndarray of bool, shape (k,)
         Which axes of the right side move enough to judge.
+    quick_at_lag, quick_at_zero : ndarray, shape (k,)
+        Correlation of what is quick in each axis with its own, at the lag and at none; 0 where
+        nothing is.
 
     """
 
     lag: float
     correlation: Array
     ratio: Array
-    at_zero: Array
+    match: Array
     moving: NDArray[np.bool_]
+    quick_at_lag: Array
+    quick_at_zero: Array
+
+    @property
+    def in_order(self) -> bool:
+        """Whether each moving axis follows its own well enough to ask nothing."""
+        return bool((np.diag(self.match)[self.moving] > FINE).all())
 
 
 def deviations(table: Array, known: NDArray[np.bool_]) -> tuple[Array, Array]:
@@ -50,18 +65,38 @@ def deviations(table: Array, known: NDArray[np.bool_]) -> tuple[Array, Array]:
     return kept, np.sqrt((kept**2).sum(axis=0) / max(1, known.sum()))
 
 
-def shifted_products(left: Array, right: Array, most: int) -> Array:
-    """Return the sums of left[t + lag] right[t] over t by lag -most..most, shape (2m+1, k)."""
-    size = 1 << int(len(left) + most).bit_length()
-    found = np.fft.irfft(
-        np.fft.rfft(left, size, axis=0) * np.conj(np.fft.rfft(right, size, axis=0)), size, axis=0
+def quick(pair: Pair) -> tuple[Array, Array, Array, Array]:
+    """
+    Return the quick part of both sides, each axis scaled to one, and its spreads.
+
+    What changes within seconds carries the time; a trend correlates at any lag.
+    """
+    weights = kernel(SLOW, pair.step)
+    # Near an end the trend is a guess, and the same wrong one on both sides.
+    inside = narrowed(pair.known, weights)
+    known = inside if inside.sum() * pair.step > SLOW else pair.known
+    left, right = (
+        deviations(table - smoothed(table, weights), known)
+        for table in (pair.left, pair.right)
     )
+    scaled = (side / np.where(size > 0.0, size, 1.0) for side, size in (left, right))
+    return (*scaled, left[1], right[1])
+
+
+def shifted_products(left: Array, right: Array, most: int) -> Array:
+    """Return sums of left_i[t + lag] right_j[t] over t by lag -most..most, shape (2m+1, i, j)."""
+    size = 1 << int(len(left) + most).bit_length()
+    ahead = np.fft.rfft(left, size, axis=0)[:, :, None]
+    behind = np.conj(np.fft.rfft(right, size, axis=0))[:, None, :]
+    found = np.fft.irfft(ahead * behind, size, axis=0)
     return np.concatenate((found[-most:], found[: most + 1]))
 
 
 def lag_of(left: Array, right: Array, step: float, search: float) -> float:
     """
     Return by how much the left side is late, by the largest correlation of either sign. [s]
+
+    An axis of the right side may be found in any axis of the left one.
 
     Parameters
     ----------
@@ -71,8 +106,8 @@ def lag_of(left: Array, right: Array, step: float, search: float) -> float:
         Of the grid, and furthest lag. [s]
 
     """
-    most = min(round(search / step), len(left) // 2)
-    total = np.abs(shifted_products(left, right, most)).sum(axis=1)
+    most = max(1, min(round(search / step), len(left) // 2))
+    total = np.abs(shifted_products(left, right, most)).max(axis=1).sum(axis=1)
     best = int(np.argmax(total))
     if 0 < best < 2 * most:
         before, at, after = total[best - 1 : best + 2]
@@ -91,12 +126,26 @@ def likeness(pair: Pair, limits: Limits) -> Likeness | None:
         return None
     unit_left = left / np.where(left_size > 0.0, left_size, 1.0)
     unit_right = right / np.where(right_size > 0.0, right_size, 1.0)
-    weight = np.where(moving, 1.0, 0.0)
-    lag = lag_of(unit_left * weight, unit_right * weight, pair.step, limits.clock_search)
+    quick_left, quick_right, _, quick_size = quick(pair)
+    heard = moving & (quick_size > QUICK * pair.least)
+    lag = 0.0
+    if heard.any():
+        lag = lag_of(quick_left, quick_right[:, heard], pair.step, limits.clock_search)
     count = max(1, int(pair.known.sum()))
     moved = round(lag / pair.step)
-    late = np.roll(unit_left, -moved, axis=0)
-    correlation = late.T @ unit_right / count
-    at_zero = (unit_left * unit_right).sum(axis=0) / count
+    correlation = np.roll(unit_left, -moved, axis=0).T @ unit_right / count
     ratio = left_size[:, None] / np.where(right_size > 0.0, right_size, np.inf)[None, :]
-    return Likeness(lag, correlation, ratio, at_zero, moving)
+    common = float(np.linalg.norm(left_size) / np.linalg.norm(right_size))
+    relative = ratio / common
+    match = 2.0 * correlation * relative / (1.0 + relative**2)
+    return Likeness(
+        lag, correlation, ratio, match, moving,
+        quick_at_lag=_own(np.roll(quick_left, -moved, axis=0), quick_right, heard),
+        quick_at_zero=_own(quick_left, quick_right, heard),
+    )  # fmt: skip
+
+
+def _own(left: Array, right: Array, heard: NDArray[np.bool_]) -> Array:
+    """Return the correlation of each axis with its own; 0 where it is not heard."""
+    size = np.linalg.norm(left, axis=0) * np.linalg.norm(right, axis=0)
+    return np.where(heard & (size > 0.0), (left * right).sum(axis=0) / np.maximum(size, 1e-300), 0.0)
