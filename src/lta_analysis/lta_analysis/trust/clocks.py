@@ -30,12 +30,17 @@ MEDIAN = 1.2533  # standard error of a median over that of a mean
 
 @final
 class Lag(NamedTuple):
-    """A lag and its standard error; how far it wanders over the flight, and that one's. [s]"""
+    """
+    A lag and its standard error; how far it wanders over the flight, and that one's. [s]
+
+    `line` is the lag in the middle of the flight [s] and its slope [s/s].
+    """
 
     lag: float
     error: float
     drift: float
     drift_error: float
+    line: tuple[float, float]
 
 
 def check(evidence: Evidence) -> Verdict:
@@ -50,36 +55,55 @@ def check(evidence: Evidence) -> Verdict:
             unjudged.append(
                 f"The clock of '{pair.told}' cannot be judged: '{pair.made}' hardly moves."
             )
-        elif alike.in_order:  # what is in other axes or units has no lag of its own
+        else:
             found += late(pair, alike, evidence.limits)
     return Verdict(tuple(found), tuple(unjudged))
 
 
 def late(pair: Pair, alike: Likeness, limits: Limits) -> Iterator[Finding]:
-    """Yield the lag of a pair, where there is one beyond doubt."""
+    """Yield the lag of a pair, and how it wanders, where there is one beyond doubt."""
+    found = lags(pair, alike)
+    begin, end = pair.span
+    steady, drifting = agreement(pair, found.lag, 0.0), agreement(pair, *found.line)
+    wanders = abs(found.drift) > limits.clock_offset + limits.clock_sigmas * found.drift_error
+    if wanders and drifting > limits.agree and gains(steady, drifting, limits):
+        yield Finding(
+            KIND, pair.told, begin, end,
+            f"Wanders by {found.drift:.3f} s +- {found.drift_error:.3f} s against '{pair.made}' "
+            f'from begin to end (correlation {drifting:.2f}, without {steady:.2f}).',
+            Severity.SUSPICIOUS, {'drift': found.drift, 'error': found.drift_error},
+        )  # fmt: skip
+        return
     own, zero = np.abs(alike.quick_at_lag), np.abs(alike.quick_at_zero)
     best = own >= min(limits.agree, float(own.max()))  # a poor axis does not take the time away
     peak = float(own[best].mean())
-    if peak < limits.agree:
-        return
-    found = lags(pair, alike)
-    begin, end = pair.span
-    shrinks = (1.0 - float(zero[best].mean())) > limits.clock_gain * (1.0 - peak)
-    if abs(found.lag) > limits.clock_offset + limits.clock_sigmas * found.error and shrinks:
+    clear = abs(found.lag) > limits.clock_offset + limits.clock_sigmas * found.error
+    # What is in other axes has no lag of its own.
+    if clear and alike.in_order and peak > limits.agree and gains(
+        float(zero[best].mean()), peak, limits
+    ):  # fmt: skip
         word = 'late' if found.lag > 0 else 'early'
         yield Finding(
             KIND, pair.told, begin, end,
             f"{abs(found.lag):.3f} s +- {found.error:.3f} s {word} against '{pair.made}' "
-            f'(correlation {peak:.2f}).',
+            f'(correlation {peak:.2f}, without {zero[best].mean():.2f}).',
             Severity.SUSPICIOUS, {'lag': found.lag, 'error': found.error},
         )  # fmt: skip
-    if abs(found.drift) > limits.clock_offset + limits.clock_sigmas * found.drift_error:
-        yield Finding(
-            KIND, pair.told, begin, end,
-            f"Wanders by {found.drift:.3f} s +- {found.drift_error:.3f} s against '{pair.made}' "
-            f'from begin to end.',
-            Severity.SUSPICIOUS, {'drift': found.drift, 'error': found.drift_error},
-        )  # fmt: skip
+
+
+def gains(before: float, after: float, limits: Limits) -> bool:
+    """Whether a correlation is so much better that the mismatch shrinks clearly."""
+    return 1.0 - before > limits.clock_gain * (1.0 - after)
+
+
+def agreement(pair: Pair, lag: float, slope: float) -> float:
+    """Return the correlation of what is quick in all axes, with a lag that wanders taken out."""
+    left, right, left_size, right_size = quick(pair)
+    at = pair.grid + lag + slope * (pair.grid - pair.grid.mean())
+    moved = np.stack([np.interp(at, pair.grid, column) for column in left.T], axis=1)
+    left, right = moved * left_size, right * right_size
+    size = float(np.linalg.norm(left) * np.linalg.norm(right))
+    return float((left * right).sum()) / size if size > 0.0 else 0.0
 
 
 def lags(pair: Pair, alike: Likeness) -> Lag:
@@ -101,8 +125,9 @@ def lags(pair: Pair, alike: Likeness) -> Lag:
         rows.append(moved * step + near)
         times.append(float(np.average(pair.grid[part], weights=energy[part] + 1e-12)))
     if len(rows) < PARTS[0]:
-        return Lag(alike.lag, sharpness(right, energy, alike, step), 0.0, np.inf)
-    return summed(np.array(rows), np.array(times), step)
+        return Lag(alike.lag, sharpness(right, energy, alike, step), 0.0, np.inf,
+                   (alike.lag, 0.0))  # fmt: skip
+    return summed(np.array(rows), np.array(times), step, float(pair.grid.mean()))
 
 
 def sharpness(right: Array, energy: Array, alike: Likeness, step: float) -> float:
@@ -121,16 +146,20 @@ def sharpness(right: Array, energy: Array, alike: Likeness, step: float) -> floa
 
 
 
-def summed(parts: Array, times: Array, step: float) -> Lag:
+def summed(parts: Array, times: Array, step: float, center: float) -> Lag:
     """Return lag and drift of the lags of parts."""
     middle = float(np.median(parts))
     spread = NORMAL * float(np.median(np.abs(parts - middle))) + 0.1 * step
     error = MEDIAN * spread / np.sqrt(len(parts))
-    if len(parts) < 4:
-        return Lag(middle, error, 0.0, np.inf)
+    if len(parts) < PARTS[0] + 1:
+        return Lag(middle, error, 0.0, np.inf, (middle, 0.0))
+    first, second = np.triu_indices(len(parts), 1)
+    apart = times[second] - times[first]
+    # The median of the slopes of all pairs (Theil 1950, Sen 1968) bears with parts that fail.
+    slope = float(np.median((parts[second] - parts[first]) / np.maximum(apart, 1e-3)))
+    at_middle = float(np.median(parts - slope * (times - center)))
+    left = parts - at_middle - slope * (times - center)
+    rest = NORMAL * float(np.median(np.abs(left))) + 0.1 * step
     length = float(np.ptp(times))
-    slope, offset = np.polyfit(times, parts, 1)
-    left = parts - slope * times - offset
-    rest = float(np.sqrt((left**2).sum() / (len(parts) - 2))) + 0.1 * step
-    drift_error = rest / float(np.sqrt(((times - times.mean()) ** 2).sum())) * length
-    return Lag(middle, error, float(slope) * length, drift_error)
+    drift_error = rest / float(np.linalg.norm(times - times.mean())) * length
+    return Lag(middle, error, slope * length, drift_error, (at_middle, slope))
