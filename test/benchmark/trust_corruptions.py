@@ -518,6 +518,31 @@ def moved(
     return changed(flight, new)
 
 
+def twin(flight: Recording, rng: Generator) -> Corrupted | None:
+    """
+    The same run again: trimmed, moved in time, its place moved, rounded, in single precision.
+
+    At least 6 s and 60 % of it are left.
+    """
+    if f'{PLACE}.x' not in flight.channels and f'{GYRO}.x' not in flight.channels:
+        return None
+    name = f'{PLACE}.x' if f'{PLACE}.x' in flight.channels else f'{GYRO}.x'
+    total = float(flight.channels[name].time[-1])
+    size = max(8.0, total * float(rng.uniform(0.6, 0.95)))
+    begin = float(rng.uniform(0.0, total - size))
+    cut = piece(flight, begin, begin + size)
+    late = float(rng.uniform(0.0, 5.0))
+    new = {}
+    for channel in cut.channels.values():
+        values = channel.values.astype(np.float32).astype(np.float64)
+        if channel.name.startswith(PLACE):
+            values = values + float(rng.uniform(-1.0, 1.0))
+        step = float(rng.choice([1e-6, 1e-5, 1e-4]))
+        values = np.round(values / step) * step
+        new[channel.name] = replace(channel, time=channel.time + late, values=values)
+    return Corrupted(replace(cut, channels=new), (), late, late + size, f'{size:.0f} of {total:.0f} s')
+
+
 CORRUPTIONS: Final[dict[str, Corruption]] = {
     'constant': constant,
     'frozen': frozen,

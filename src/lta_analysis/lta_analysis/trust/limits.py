@@ -69,6 +69,11 @@ class Limits(Settings):
     regular: float = setting(0.3, 'Spread of a rhythm over its period, above which it is none.')
     log_jump: float = setting(0.5, 'Change of stamp against log time.', unit='s')
 
+    twin_time: float = setting(5.0, 'A shorter common stretch says nothing.', unit='s')
+    twin_agree: float = setting(
+        0.97, 'One run again agrees by over 99 %, repeats of one input by less than 90.'
+    )
+
     tremor_low: float = setting(6.0, 'Physiological tremor of the hand, lower end.', unit='Hz')
     tremor_high: float = setting(12.0, 'Upper end.', unit='Hz')
     tremor_force: float = setting(0.04, 'Of a steady hand at these frequencies.', unit='m/s2')
