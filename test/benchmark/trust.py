@@ -55,8 +55,10 @@ def pooled(number: int) -> Recording:
 def real(number: int) -> Recording:
     """Return a real flight by number, Crazyflie first."""
     crazy, blimp = flights.crazyflie_files(), flights.rgblimp_files()
-    return flights.crazyflie(crazy[number]) if number < len(crazy) else (
-        flights.rgblimp(blimp[number - len(crazy)])
+    return (
+        flights.crazyflie(crazy[number])
+        if number < len(crazy)
+        else (flights.rgblimp(blimp[number - len(crazy)]))
     )
 
 
@@ -95,7 +97,9 @@ def told(report: Report) -> list[str]:
 def judge(case: Case) -> dict[str, Any]:
     """Return what the checks say of a case."""
     if case.kind == 'clean':
-        flight = flights.simulated(case.number) if case.source == 'simulated' else real(case.number)
+        flight = (
+            flights.simulated(case.number) if case.source == 'simulated' else real(case.number)
+        )
         report = checked(flight)
         texts = [f'{f.kind} {f.channel}: {f.evidence}' for f in report.findings if f.grave]
         return {'found': not texts, 'told': told(report), 'how': '; '.join(texts[:3])}
@@ -190,7 +194,9 @@ def table(rows: dict[Case, dict[str, Any]]) -> list[str]:
         words = ', '.join(f'{word} {count}' for word, count in also.most_common(8))
         right = share(sum(row['found'] for row in found), len(found))
         lines.append(f'{kind:<11} {source:<10} {right:<26} {words}')
-    wrong = [row for case, row in rows.items() if case.kind not in ('clean',) and row['how'] != NEVER]
+    wrong = [
+        row for case, row in rows.items() if case.kind not in ('clean',) and row['how'] != NEVER
+    ]
     clean = [row for case, row in rows.items() if case.kind == 'clean']
     lines.append(f'all kinds found   {share(sum(row["found"] for row in wrong), len(wrong))}')
     lines.append(f'clean, false      {share(sum(not row["found"] for row in clean), len(clean))}')
@@ -202,7 +208,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description='Score the trust checks.')
     parser.add_argument('--clean', type=int, default=300, help='simulated clean flights')
     parser.add_argument('--each', type=int, default=40, help='corruptions of each kind and source')
-    parser.add_argument('--out', type=Path, default=Path('runs') / 'trust', help='where rows are kept')
+    parser.add_argument(
+        '--out', type=Path, default=Path('runs') / 'trust', help='where rows are kept'
+    )
     parser.add_argument('--missed', action='store_true', help='say what was missed')
     asked = parser.parse_args()
     asked.out.mkdir(parents=True, exist_ok=True)

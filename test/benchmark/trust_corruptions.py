@@ -1,5 +1,5 @@
 """
-What can be wrong with a recording, done to a clean one: size, channel, time and interval by chance.
+What can be wrong with a recording, done to a clean one: size, channel and interval by chance.
 
 A corruption returns the changed recording and what a check should name, or None where the flight
 has nothing that it could be done to (no IMU, no range, a craft that hardly moves). The least sizes
@@ -15,6 +15,7 @@ from lta_analysis.bag.channels import Channel
 from lta_analysis.trust import roles
 from lta_analysis.trust.motion import attitudes
 from lta_analysis.trust.recording import Recording
+from lta_analysis.trust.smooth import kernel, smoothed
 from lta_config.constants import STANDARD_GRAVITY
 import numpy as np
 from numpy.random import Generator
@@ -223,9 +224,13 @@ def filtered(flight: Recording, rng: Generator) -> Corrupted | None:
     vector = vectors[int(rng.integers(len(vectors)))]
     cut = float(rng.uniform(0.02, 0.08))
     sos = butter(4, 2.0 * cut, output='sos')
-    new = {f'{vector}.{a}': sosfiltfilt(sos, flight.channels[f'{vector}.{a}'].values) for a in 'xyz'}
+    new = {
+        f'{vector}.{a}': sosfiltfilt(sos, flight.channels[f'{vector}.{a}'].values) for a in 'xyz'
+    }
     when = whole(flight.channels[f'{vector}.x'])
-    return Corrupted(changed(flight, new), (vector,), *when, f'{vector} below {cut:.3f} of the rate')
+    return Corrupted(
+        changed(flight, new), (vector,), *when, f'{vector} below {cut:.3f} of the rate'
+    )
 
 
 def quiet(flight: Recording) -> bool:
@@ -287,6 +292,7 @@ def judged(flight: Recording) -> list[str]:
 
 def lively(flight: Recording, vector: str) -> list[str]:
     """Return the axes of a vector that move more than its noise."""
+    # Of 0.3 s means.
     least = 0.02 if vector in (SPIN, GYRO) else 0.03
     found = []
     for axis in 'xyz':
@@ -298,16 +304,23 @@ def lively(flight: Recording, vector: str) -> list[str]:
 
 
 def quick(flight: Recording, vector: str) -> bool:
-    """Whether a vector changes within seconds, by 0.01 rad/s or m/s at least in one axis."""
+    """Whether a vector changes within seconds, by 0.01 rad/s or m/s RMS at least in one axis."""
     time = flight.channels[f'{vector}.x'].time
-    most = 0.0
-    for axis in 'xyz':
-        values = flight.channels[f'{vector}.{axis}'].values
-        wide, narrow = (max(1, round(s / float(np.median(np.diff(time))))) for s in (3.0, 0.3))
-        slow = np.convolve(values, np.ones(wide) / wide, mode='same')
-        calm = np.convolve(values - slow, np.ones(narrow) / narrow, mode='same')[wide:-wide]
-        most = max(most, float(np.std(calm)) if len(calm) else 0.0)
-    return most > 0.01
+    if len(time) < 200:
+        return False
+    step = float(np.median(np.diff(time)))
+    table = np.stack([flight.channels[f'{vector}.{axis}'].values for axis in 'xyz'], axis=1)
+    calm = smoothed(table, kernel(0.3, step))
+    end = round(1.5 / step)
+    changing = (calm - smoothed(calm, kernel(3.0, step)))[end:-end]
+    return bool(len(changing) and changing.std(axis=0).max() > 0.01)
+
+
+def throughout(flight: Recording, vector: str) -> bool:
+    """Whether a vector does so in each third of the flight: else nothing can wander."""
+    total = float(flight.channels[f'{vector}.x'].time[-1])
+    thirds = (piece(flight, total * part / 3.0, total * (part + 1) / 3.0) for part in range(3))
+    return all(quick(third, vector) for third in thirds)
 
 
 def flipped(flight: Recording, rng: Generator) -> Corrupted | None:
@@ -379,7 +392,7 @@ def clock(flight: Recording, rng: Generator) -> Corrupted | None:
     vector = choices[int(rng.integers(len(choices)))]
     channel = flight.channels[f'{vector}.x']
     time = channel.time
-    if rng.random() < 0.75:
+    if rng.random() < 0.7 or not throughout(flight, vector):
         late = np.full_like(time, float(np.exp(rng.uniform(np.log(0.08), np.log(1.5)))))
     else:
         late = np.linspace(0.0, float(rng.uniform(0.2, 1.0)), len(time))
@@ -392,6 +405,8 @@ def clock(flight: Recording, rng: Generator) -> Corrupted | None:
     how = f'{vector} {late[0]:.3f} to {late[-1]:.3f} s'
     most = float(np.abs(late).max())
     inside = piece(replace(flight, channels=new), most, float(time[-1]) - most)
+    if not quick(inside, vector):
+        return None
     return Corrupted(inside, (vector,), 0.0, float(time[-1]) - 2.0 * most, how)
 
 
@@ -455,10 +470,10 @@ def hand(time: Array, rng: Generator, tremor: float, carry: float) -> Array:
 
 def held(flight: Recording, rng: Generator) -> Corrupted | None:
     """
-    A hand holds the craft for 2.5 to 6 s: before, after (rotors idle) or during the flight.
+    A hand holds the craft for 3.5 to 6 s: before, after (rotors idle) or during the flight.
 
-    It trembles by 0.15 to 0.6 m/s2 where there is an IMU, by 0.8 to 2 m/s2 where a tracker alone
-    sees it, and carries the craft 0.1 to 0.4 m where rotors are idle, 0.02 m in flight.
+    It carries the craft 0.1 to 0.4 m where rotors are idle, 0.02 m in flight, and trembles there
+    by 0.3 to 0.8 m/s2 where there is an IMU, by 1.5 to 3 m/s2 where a tracker alone sees it.
     """
     if f'{PLACE}.x' not in flight.channels:
         return None
@@ -469,11 +484,18 @@ def held(flight: Recording, rng: Generator) -> Corrupted | None:
     if way == 2 and not inertial and period > 0.025:
         return None  # nothing could see a tremor
     begin, end = whole(place)
-    length = float(rng.uniform(3.5 if way < 2 else 2.5, 6.0))
-    start = begin + 0.1 if way == 0 else end - length - 0.1 if way == 1 else float(
-        rng.uniform(begin + 1.0, end - length - 1.0)
+    length = float(rng.uniform(3.5, 6.0))
+    start = (
+        begin + 0.1
+        if way == 0
+        else end - length - 0.1
+        if way == 1
+        else float(rng.uniform(begin + 1.0, end - length - 1.0))
     )
-    tremor = float(rng.uniform(0.15, 0.6) if inertial else rng.uniform(0.8, 2.0))
+    if way < 2:
+        tremor = float(rng.uniform(0.15, 0.6))
+    else:
+        tremor = float(rng.uniform(0.3, 0.8) if inertial else rng.uniform(1.5, 3.0))
     carry = float(rng.uniform(0.1, 0.4)) if way < 2 else 0.02
     new = moved(flight, start, start + length, rng, tremor, carry)
     if way < 2:
@@ -540,7 +562,9 @@ def twin(flight: Recording, rng: Generator) -> Corrupted | None:
         step = float(rng.choice([1e-6, 1e-5, 1e-4]))
         values = np.round(values / step) * step
         new[channel.name] = replace(channel, time=channel.time + late, values=values)
-    return Corrupted(replace(cut, channels=new), (), late, late + size, f'{size:.0f} of {total:.0f} s')
+    return Corrupted(
+        replace(cut, channels=new), (), late, late + size, f'{size:.0f} of {total:.0f} s'
+    )
 
 
 CORRUPTIONS: Final[dict[str, Corruption]] = {

@@ -1,8 +1,8 @@
 """
 Clean flights for the trust checks: simulated ones of many kinds, and real ones where they are.
 
-Simulated flights come out of the loop in one process as channels, without a bag. Some say that they
-are simulated; the others pose as measured, so their ground truth gets the noise of a tracker.
+Simulated flights come out of the loop in one process as channels, without a bag. Some say that
+they are simulated; the others pose as measured, so their ground truth has a tracker's noise.
 Real ones are read from their published columns (`../shared/data` beside the project).
 """
 
@@ -117,7 +117,7 @@ def simulated(seed: int, vehicle: str | None = None) -> Recording:
 
 
 def flew(kept: dict[str, Any]) -> bool:
-    """Whether the craft left its place and never toppled: what else is there is no clean flight."""
+    """Whether the craft left its place and never toppled: else it is no clean flight."""
     truth = np.array(kept['truth'])
     up = 1.0 - 2.0 * (truth[:, 4] ** 2 + truth[:, 5] ** 2)
     return bool(up.min() > 0.7 and np.ptp(truth[:, 1:4], axis=0).max() > 0.3)
@@ -127,7 +127,8 @@ def subset(rng: Generator) -> list[str]:
     """Draw the topics of a flight: all, pose alone, pose and IMU, IMU and more without a pose."""
     sets = (
         [*KEPT], [*KEPT], ['truth'], ['truth', 'imu'], ['truth', 'imu', 'motors'],
-        ['imu', 'range', 'pressure', 'motors', 'battery'], ['truth', 'range', 'pressure', 'motors'],
+        ['imu', 'range', 'pressure', 'motors', 'battery'],
+        ['truth', 'range', 'pressure', 'motors'],
     )  # fmt: skip
     return sets[int(rng.integers(len(sets)))]
 
@@ -138,10 +139,13 @@ def of_flown(
     """Yield the channels of each topic of a flight."""
     tables = {name: np.array(kept[name], dtype=np.float64) for name in KEPT if len(kept[name])}
     imu = tables['imu']
-    yield 'imu', [
-        *vector('imu', 'angular_velocity', 'rad/s', imu[:, 0], imu[:, 1:4]),
-        *vector('imu', 'linear_acceleration', 'm/s2', imu[:, 0], imu[:, 4:7]),
-    ]
+    yield (
+        'imu',
+        [
+            *vector('imu', 'angular_velocity', 'rad/s', imu[:, 0], imu[:, 1:4]),
+            *vector('imu', 'linear_acceleration', 'm/s2', imu[:, 0], imu[:, 4:7]),
+        ],
+    )
     singles = {
         'range': ('range/range', 'm', 1),
         'pressure': ('pressure/fluid_pressure', 'Pa', 1),
@@ -150,15 +154,21 @@ def of_flown(
     for name, (channel, unit, column) in singles.items():
         yield name, [Channel(channel, unit, tables[name][:, 0], tables[name][:, column])]
     battery = tables['battery']
-    yield 'battery', [
-        Channel('battery/voltage', 'V', battery[:, 0], battery[:, 1]),
-        Channel('battery/current', 'A', battery[:, 0], battery[:, 2]),
-    ]
+    yield (
+        'battery',
+        [
+            Channel('battery/voltage', 'V', battery[:, 0], battery[:, 1]),
+            Channel('battery/current', 'A', battery[:, 0], battery[:, 2]),
+        ],
+    )
     motors = tables['motors']
-    yield 'motors', [
-        Channel(f'motors/effort.{name}', '1', motors[:, 0], motors[:, 1 + index])
-        for index, name in enumerate(kept['rotors'])
-    ]
+    yield (
+        'motors',
+        [
+            Channel(f'motors/effort.{name}', '1', motors[:, 0], motors[:, 1 + index])
+            for index, name in enumerate(kept['rotors'])
+        ],
+    )
     yield 'truth', list(of_truth(tables['truth'], rng, declared))
     if 'block' in tables:
         yield 'block', list(of_blocks(tables['block']))
@@ -194,7 +204,7 @@ def of_truth(table: Array, rng: Generator, declared: bool) -> Iterator[Channel]:
 # Real
 
 
-def columns(path: Path) -> Any:  # noqa: ANN401 - a structured array
+def columns(path: Path) -> Any:
     """Return a table with named columns."""
     return np.genfromtxt(path, delimiter=',', names=True)
 
@@ -224,7 +234,9 @@ def rgblimp(path: Path) -> Recording:
         'ground_truth/odom', time, three('p') * flip, turn, three('vb') * flip, three('wb') * flip
     )
     force = [
-        Channel('wrench_command/wrench.force.x', 'N', time, table['Fl_series'] + table['Fr_series'])
+        Channel(
+            'wrench_command/wrench.force.x', 'N', time, table['Fl_series'] + table['Fr_series']
+        )
     ]
     return recording(iter([*pose, *force]), MEASURED)
 
@@ -269,4 +281,6 @@ def piece(whole: Recording, begin: float, end: float) -> Recording:
 
 def length(flight: Recording) -> float:
     """Return the time to the last sample. [s]"""
-    return max((float(c.time[-1]) for c in flight.channels.values() if len(c.time)), default=math.nan)
+    return max(
+        (float(c.time[-1]) for c in flight.channels.values() if len(c.time)), default=math.nan
+    )

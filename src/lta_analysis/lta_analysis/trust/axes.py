@@ -6,7 +6,7 @@ the axes, the other frame and the other readings of a quaternion are tried; a fi
 them to explain what is there, so that noise or a poor sensor is not one.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import permutations, product
 from typing import Final
 
@@ -24,7 +24,7 @@ KIND = 'axes'
 XYZ: Final = 'xyz'
 OTHER = 0.05  # the side that is told is blamed unless the other explains more
 BETTER = 0.25  # how much better an explanation must match than the axes as they are
-ORDERS: Final = {
+ORDERS: Final[dict[str, Callable[[Array], Array]]] = {
     'the inverse attitude (map to body)': lambda turn: turn * np.array([-1.0, -1.0, -1.0, 1.0]),
     'the order w x y z for x y z w': lambda turn: np.roll(turn, -1, axis=1),
     'the order x y z w for w x y z': lambda turn: np.roll(turn, 1, axis=1),
@@ -58,9 +58,7 @@ def as_told(alike: Likeness) -> float:
     return float(np.diag(alike.match)[alike.moving].mean())
 
 
-def explained(
-    pair: Pair, alike: Likeness, pose: Pose | None, limits: Limits
-) -> Iterator[Finding]:
+def explained(pair: Pair, alike: Likeness, pose: Pose | None, limits: Limits) -> Iterator[Finding]:
     """Yield the best explanation of axes that do not agree, if there is a good one."""
     ways = [*of_told(pair, alike)]
     if pose is not None and pair.what in ('rates', 'velocity') and len(pair.axes) == 3:
@@ -92,7 +90,9 @@ def of_told(pair: Pair, alike: Likeness) -> Iterator[tuple[float, str, str]]:
         idle = [j for j in range(3) if j not in moving and (order[j] != j or signs[j] < 0)]
         if not wrong or len(idle) > sum(order[j] != j for j in moving):
             continue
-        words = ', '.join(f'{"-" if signs[j] < 0 else ""}{XYZ[order[j]]} is {XYZ[j]}' for j in wrong)
+        words = ', '.join(
+            f'{"-" if signs[j] < 0 else ""}{XYZ[order[j]]} is {XYZ[j]}' for j in wrong
+        )
         name = f'{pair.told}.{XYZ[wrong[0]]}' if len(wrong) == 1 else pair.told
         # Fewer changes explain better at the same correlation.
         yield score - 0.01 * len(wrong) - 0.002 * len(idle), name, f'Axes are turned ({words})'
@@ -137,8 +137,13 @@ def scored(
     """Yield the score of another reading, where it can be judged."""
     alike = None if pair is None else likeness(pair, limits)
     if alike is not None:
-        yield as_told(alike) - OTHER, name, words if words.startswith('The ') and ' is ' in words \
-            else f'The attitude reads as {words}'
+        yield (
+            as_told(alike) - OTHER,
+            name,
+            words
+            if words.startswith('The ') and ' is ' in words
+            else f'The attitude reads as {words}',
+        )
 
 
 def lying(pose: Pose, limits: Limits) -> Iterator[Finding]:
@@ -151,8 +156,8 @@ def lying(pose: Pose, limits: Limits) -> Iterator[Finding]:
     if share > 0.5:
         yield Finding(
             KIND, pose.attitude.name, float(pose.attitude.time[0]), float(pose.attitude.time[-1]),
-            f'The craft leans more than {limits.upright:.0f} degrees in {100 * share:.0f} % of the '
-            'time: a quaternion in another order (w first), or another frame (z down).',
+            f'The craft leans more than {limits.upright:.0f} degrees in {100 * share:.0f} % of '
+            'the time: a quaternion in another order (w first), or another frame (z down).',
             Severity.SUSPICIOUS, {'share': share},
         )  # fmt: skip
 

@@ -43,7 +43,9 @@ def piled(channel: Channel, limits: Limits, simulated: bool) -> Iterator[Finding
     for side, word in ((0, 'lowest'), (-1, 'highest')):
         count = int(counts[side])
         beside = counts[1 : 1 + NEIGHBOURS] if side == 0 else counts[-1 - NEIGHBOURS : -1]
-        if count < limits.clipped_samples or count < limits.clipped_pile * float(np.median(beside)):
+        if count < limits.clipped_samples or count < limits.clipped_pile * float(
+            np.median(beside)
+        ):
             continue
         at = runs(values == levels[side])
         alone = len(at) == 1

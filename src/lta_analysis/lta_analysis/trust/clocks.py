@@ -51,7 +51,7 @@ def check(evidence: Evidence) -> Verdict:
     for pair, alike in evidence.likenesses:
         if pair.what == 'force' and pair.told.split('/')[0] in turning:
             continue  # the rates say it better
-        if alike is None or not alike.quick_at_lag.any():
+        if alike is None:
             unjudged.append(
                 f"The clock of '{pair.told}' cannot be judged: '{pair.made}' hardly moves."
             )
@@ -62,6 +62,8 @@ def check(evidence: Evidence) -> Verdict:
 
 def late(pair: Pair, alike: Likeness, limits: Limits) -> Iterator[Finding]:
     """Yield the lag of a pair, and how it wanders, where there is one beyond doubt."""
+    if not alike.quick_at_lag.any():
+        return
     found = lags(pair, alike)
     begin, end = pair.span
     steady, drifting = agreement(pair, found.lag, 0.0), agreement(pair, *found.line)
@@ -141,9 +143,8 @@ def sharpness(right: Array, energy: Array, alike: Likeness, step: float) -> floa
     lasting = float(energy.sum() ** 2 / (energy**2).sum()) * step
     turning = float(np.sqrt((np.gradient(right, step, axis=0) ** 2).sum() / (right**2).sum()))
     values = max(1.0, lasting * INDEPENDENT)
-    return 2.0 * np.sqrt(max(1e-4, 1.0 - alike_at**2)) / alike_at / turning / np.sqrt(values)
-
-
+    unlike = max(1e-4, 1.0 - alike_at**2)
+    return 2.0 * float(np.sqrt(unlike / values)) / alike_at / turning
 
 
 def summed(parts: Array, times: Array, step: float, center: float) -> Lag:

@@ -63,7 +63,7 @@ def stuck(channel: Channel) -> Finding:
     held = value(channel)
     return Finding(
         KIND, channel.name, float(channel.time[0]), float(channel.time[-1]),
-        f'All {len(channel.time)} values are {held:.6g} {channel.unit}; an instrument of this kind '
-        'never repeats itself for so long.',
+        f'All {len(channel.time)} values are {held:.6g} {channel.unit}; an instrument of this '
+        'kind never repeats itself for so long.',
         Severity.SUSPICIOUS, {'value': held},
     )  # fmt: skip

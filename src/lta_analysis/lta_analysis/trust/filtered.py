@@ -55,8 +55,8 @@ def check(evidence: Evidence) -> Verdict:
 
 
 def floor(channel: Channel) -> float | None:
-    """Return the noise of a channel, as the RMS that white noise of its level has; None if short."""
-    time, table = in_order(channel.time, channel.values[:, None])
+    """Return the noise of a channel, as the RMS of white noise of its level; None if short."""
+    _, table = in_order(channel.time, channel.values[:, None])
     values = np.unwrap(table[:, 0]) if channel.angular else table[:, 0]
     if len(values) < 2 * WINDOW:
         return None

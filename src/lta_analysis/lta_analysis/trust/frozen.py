@@ -53,8 +53,10 @@ def stops(channel: Channel, limits: Limits, simulated: bool) -> Iterator[Finding
     for (begin, end), length in zip(found.tolist(), lengths.tolist(), strict=True):
         held = values[begin]
         piled = held in {low, high} and not released(values, begin, end)
-        rests = simulated and channel.topic.startswith('ground_truth') and (
-            end == len(equal) or abs(held) < NOTHING
+        rests = (
+            simulated
+            and channel.topic.startswith('ground_truth')
+            and (end == len(equal) or abs(held) < NOTHING)
         )
         if piled or rests or length + 1 < limits.frozen_samples:
             continue
@@ -98,7 +100,7 @@ def stop(channel: Channel, begin: int, end: int) -> Finding:
     held = float(channel.values[begin])
     return Finding(
         KIND, channel.name, first, last,
-        f'Stuck at {held:.6g} {channel.unit} for {end - begin + 1} readings ({last - first:.2f} s) '
-        'and moving before and after.',
+        f'Stuck at {held:.6g} {channel.unit} for {end - begin + 1} readings ({last - first:.2f} '
+        's) and moving before and after.',
         Severity.SUSPICIOUS, {'value': held, 'readings': end - begin + 1.0},
     )  # fmt: skip

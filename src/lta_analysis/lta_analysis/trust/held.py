@@ -1,10 +1,10 @@
 """
 A vehicle in a hand: motion that no free airship makes.
 
-Two rules. A hand trembles at 6 to 12 Hz (Elble and Koller 1990 give 8 to 12 Hz of the wrist): that
-band stands out above the ones beside it and above what is usual in the flight; rotors and noise are
-broad or faster, a hull swings slower than 1 Hz. And a hand moves a craft whose rotors are idle:
-a free one only drifts, or falls in less than a second.
+Two rules. A hand trembles at 6 to 12 Hz (physiological tremor): that band stands out above the
+ones beside it and above what is usual in the flight; rotors and noise are broad or faster, a hull
+swings slower than 1 Hz. And a hand moves a craft whose rotors are idle, up and down, too: a free
+one only drifts, or falls in less than a second.
 """
 
 from collections.abc import Iterator
@@ -47,7 +47,9 @@ def check(evidence: Evidence) -> Verdict:
     found: list[Finding] = []
     unjudged: list[str] = []
     sources = [sensor.force for sensor in evidence.inertials if sensor.force is not None]
-    places = [pose.position for pose in evidence.poses if pose.tracked and pose.position is not None]
+    places = [
+        pose.position for pose in evidence.poses if pose.tracked and pose.position is not None
+    ]
     shaken = 0
     for force in sources:
         shaken += bool(fast_enough(force))
@@ -62,7 +64,9 @@ def check(evidence: Evidence) -> Verdict:
         for place in places:
             found += carried(place, *idle, limits)
     if not shaken:
-        unjudged.append('Tremor of a hand cannot be judged: nothing is told fast enough for 12 Hz.')
+        unjudged.append(
+            'Tremor of a hand cannot be judged: nothing is told fast enough for 12 Hz.'
+        )
     return Verdict(tuple(found), tuple(unjudged))
 
 

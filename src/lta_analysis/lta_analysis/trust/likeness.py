@@ -76,11 +76,10 @@ def quick(pair: Pair) -> tuple[Array, Array, Array, Array]:
     inside = narrowed(pair.known, weights)
     known = inside if inside.sum() * pair.step > SLOW else pair.known
     left, right = (
-        deviations(table - smoothed(table, weights), known)
-        for table in (pair.left, pair.right)
+        deviations(table - smoothed(table, weights), known) for table in (pair.left, pair.right)
     )
-    scaled = (side / np.where(size > 0.0, size, 1.0) for side, size in (left, right))
-    return (*scaled, left[1], right[1])
+    one, two = (side / np.where(size > 0.0, size, 1.0) for side, size in (left, right))
+    return one, two, left[1], right[1]
 
 
 def shifted_products(left: Array, right: Array, most: int) -> Array:
@@ -148,4 +147,6 @@ def likeness(pair: Pair, limits: Limits) -> Likeness | None:
 def _own(left: Array, right: Array, heard: NDArray[np.bool_]) -> Array:
     """Return the correlation of each axis with its own; 0 where it is not heard."""
     size = np.linalg.norm(left, axis=0) * np.linalg.norm(right, axis=0)
-    return np.where(heard & (size > 0.0), (left * right).sum(axis=0) / np.maximum(size, 1e-300), 0.0)
+    return np.where(
+        heard & (size > 0.0), (left * right).sum(axis=0) / np.maximum(size, 1e-300), 0.0
+    )

@@ -35,7 +35,7 @@ class Limits(Settings):
     jump_speed: float = setting(
         60.0, 'From one pose to the next: no flying thing a room tracks is so fast.', unit='m/s'
     )
-    jump_size: float = setting(0.25, 'Smaller jumps are a tracker\'s change of solution.', unit='m')
+    jump_size: float = setting(0.25, "Smaller jumps are a tracker's change of solution.", unit='m')
 
     quiet_position: float = setting(3e-6, 'The quietest tracker: 30 um of Vicon / 10.', unit='m')
     quiet_attitude: float = setting(1e-5, 'Vicon 3e-4 / 30.', unit='rad')
@@ -47,7 +47,7 @@ class Limits(Settings):
     kernel: float = setting(0.25, 'Both sides of a comparison are smoothed over it.', unit='s')
     pair_time: float = setting(6.0, 'A shorter overlap tells nothing of two channels.', unit='s')
     agree: float = setting(0.8, 'Correlation from which two channels are the same motion.')
-    turn_motion: float = setting(0.006, 'Rates that stand above a tracker\'s noise.', unit='rad/s')
+    turn_motion: float = setting(0.006, "Rates that stand above a tracker's noise.", unit='rad/s')
     speed_motion: float = setting(0.01, 'Speeds that do.', unit='m/s')
     force_motion: float = setting(0.08, 'Specific force across that does.', unit='m/s2')
     height_motion: float = setting(0.12, 'Climb that a barometer sees.', unit='m')
@@ -57,7 +57,7 @@ class Limits(Settings):
     clock_offset: float = setting(
         0.04, 'Below it the lag of a tracker, a filter or a radio is usual.', unit='s'
     )
-    clock_sigmas: float = setting(4.0, 'An offset must be this many standard errors.')
+    clock_sigmas: float = setting(3.0, 'An offset must be this many standard errors.')
     clock_search: float = setting(2.5, 'Furthest offset that is looked for.', unit='s')
     clock_gain: float = setting(
         1.5, 'The mismatch must shrink by this factor when the offset is taken out.'
@@ -81,7 +81,9 @@ class Limits(Settings):
     tremor_usual: float = setting(4.0, 'Above what is usual in this recording.')
     hold_window: float = setting(1.0, 'Shortest hold that is looked for.', unit='s')
     idle_duty: float = setting(0.03, 'Below it no rotor lifts.')
-    carried_speed: float = setting(0.25, 'With idle rotors: a free blimp drifts slower.', unit='m/s')
+    carried_speed: float = setting(
+        0.25, 'With idle rotors: a free blimp drifts slower.', unit='m/s'
+    )
     carried_force: float = setting(
         0.6, 'With idle rotors: drag and lift of a blimp change its speed slower.', unit='m/s2'
     )

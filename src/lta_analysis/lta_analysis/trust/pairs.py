@@ -95,9 +95,7 @@ def pairs(recording: Recording, limits: Limits) -> list[Pair]:
         for sensor in sensors:
             found += _of_inertial(pose, sensor, limits)
         if pose.tracked or not any(other.tracked for other in known):
-            found += [
-                _height(pose, channel, limits) for channel in recording.channels.values()
-            ]
+            found += [_height(pose, channel, limits) for channel in recording.channels.values()]
     return [pair for pair in found if pair is not None]
 
 

@@ -72,9 +72,7 @@ def log_times(flight: Flight, topic: str) -> Array | None:
     return (np.array(times, dtype=np.float64) - times[0]) * 1e-9 if times else None
 
 
-def quaternions(
-    flight: Flight, topic: str, known: Mapping[str, Channel]
-) -> dict[str, Channel]:
+def quaternions(flight: Flight, topic: str, known: Mapping[str, Channel]) -> dict[str, Channel]:
     """Return the raw parts of a topic's quaternions, which its channels tell as angles."""
     paths = [
         match[1]
@@ -87,10 +85,11 @@ def quaternions(
     series = flight.series(topic)
     for path in paths:
         known_there = np.isfinite(known[f'{topic}/{path}.yaw'].values)
+        if not known_there.any():
+            continue  # declared unknown, or never filled in
         for part in 'xyzw':
             values = np.asarray(series[f'{path}.{part}'], dtype=np.float64)
             name = f'{topic}/{path}.{part}'
-            # A quaternion of zeros has no angles, yet is to be seen as it is.
-            kept = values if not known_there.any() else np.where(known_there, values, np.nan)
+            kept = np.where(known_there, values, np.nan)
             found[name] = Channel(name, '1', series.time, kept)
     return found

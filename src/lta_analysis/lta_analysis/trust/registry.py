@@ -89,5 +89,3 @@ def without_echoes(found: list[Finding]) -> list[Finding]:
         for finding in found
         if finding.kind != impossible.KIND or family(finding.channel) not in other_unit
     ]
-
-

@@ -10,7 +10,7 @@ COMMANDS: Final = re.compile(r'^(motors|wrench_command|setpoint/|cmd_|joy|/)')
 # What drives the rotors.
 DRIVES: Final = re.compile(r'^(motors/effort|wrench_command/.*force)')
 # Made of readings by the vehicle's own programs.
-DERIVED: Final = re.compile(r'^(odom|light/|energy/|wind)($|/)')
+DERIVED: Final = re.compile(r'^(odom$|light/|energy/|wind$)')
 # Poses of the vehicle: a tracker's, then its own belief, whose place is dead reckoning.
 TRACKED: Final = re.compile(r'^(ground_truth/|vicon|mocap|optitrack|qualisys|tracker|pose$)')
 

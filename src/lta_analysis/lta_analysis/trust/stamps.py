@@ -1,4 +1,4 @@
-"""Stamps that run backwards, stand still, jump or leave out messages, and log times beside them."""
+"""Stamps that run backwards, stand still or jump, messages left out, and log times beside."""
 
 from collections.abc import Iterator
 

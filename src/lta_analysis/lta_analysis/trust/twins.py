@@ -9,7 +9,6 @@ each offset, all channels at one; one run agrees almost wholly somewhere, two ru
 from collections.abc import Sequence
 from typing import Final
 
-from lta_analysis.bag.channels import Channel
 from lta_analysis.trust import roles
 from lta_analysis.trust.finding import Finding, Severity
 from lta_analysis.trust.limits import Limits
@@ -20,9 +19,11 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 KIND = 'twin'
-STEP = 0.04  # of the grid on which recordings are compared [s]
+STEP = 0.01  # of the grid on which recordings are compared [s]
+COARSE = 0.08  # a slower channel is no print [s]
 FINE = 0.25  # smoothing, so that sampling again changes little [s]
 TREND = 2.0  # what is slower says little [s]
+SHARE = 0.3  # of what happens in one of the two must be in what they share
 KINDS: Final = ('position', 'rates', 'turning', 'force', 'velocity')
 
 
@@ -55,47 +56,41 @@ def twins(
     return found
 
 
-def prints(recording: Recording) -> dict[str, tuple[float, Array]]:
-    """Return the quick part of each channel and the time of its first value. [s]"""
-    found = {}
-    for channel in recording.channels.values():
-        if roles.restless(channel) in KINDS:
-            quick = of_channel(channel)
-            if quick is not None:
-                found[channel.name] = float(np.round(channel.time[0] / STEP) * STEP), quick
-    return found
-
-
-def of_channel(channel: Channel) -> Array | None:
-    """Return the quick part of a channel on the grid; None where it is too short or still."""
-    time, table = in_order(channel.time, channel.values[:, None])
-    if len(time) < 100 or period(time) > 2.0 * STEP:
-        return None
-    grid = np.arange(np.ceil(time[0] / STEP), np.floor(time[-1] / STEP)) * STEP
+def prints(recording: Recording) -> dict[str, Array]:
+    """Return the quick part of each channel on the grid, all from one time to one time."""
+    some = {
+        channel.name: in_order(channel.time, channel.values[:, None])
+        for channel in recording.channels.values()
+        if roles.restless(channel) in KINDS
+    }
+    some = {n: part for n, part in some.items() if len(part[0]) > 100 and period(part[0]) < COARSE}
+    if not some:
+        return {}
+    begin = max(float(time[0]) for time, _ in some.values())
+    last = min(float(time[-1]) for time, _ in some.values())
+    grid = np.arange(begin, last, STEP)
     if len(grid) * STEP < 3.0 * TREND:
-        return None
-    # Smoothed before it is sampled anew: noise above the grid's band would fold into it.
-    fine = np.arange(time[0], time[-1], period(time))
-    calm = smoothed(on_grid(time, table, fine)[0], kernel(FINE, period(time)))
-    calm, _ = on_grid(fine, calm, grid)
-    quick = (calm - smoothed(calm, kernel(TREND, STEP)))[:, 0]
-    return quick if float(np.std(quick)) > 0.0 else None
+        return {}
+    table = np.stack([on_grid(*part, grid)[0][:, 0] for part in some.values()], axis=1)
+    calm = smoothed(table, kernel(FINE, STEP))
+    # Near an end the trend is a guess, another one in each recording.
+    end = round(TREND / STEP / 2) + 1
+    quick = (calm - smoothed(calm, kernel(TREND, STEP)))[end:-end].T
+    return {n: row for n, row in zip(some, quick, strict=True) if float(np.std(row)) > 0.0}
 
 
 def compared(
-    first: dict[str, tuple[float, Array]],
-    second: dict[str, tuple[float, Array]],
+    first: dict[str, Array],
+    second: dict[str, Array],
     name: str,
     limits: Limits,
 ) -> Finding | None:
     """Return what two recordings share; None where they are two runs."""
     shared = sorted(first.keys() & second.keys())
     least = round(limits.twin_time / STEP)
-    if not shared or any(min(len(first[c][1]), len(second[c][1])) < least for c in shared):
+    if not shared or any(min(len(first[c]), len(second[c])) < least for c in shared):
         return None
-    score, offset, count = aligned(
-        [first[c][1] for c in shared], [second[c][1] for c in shared], least
-    )
+    score, offset, count = aligned([first[c] for c in shared], [second[c] for c in shared], least)
     if score < limits.twin_agree:
         return None
     begin = max(0.0, -offset * STEP)
@@ -120,21 +115,25 @@ def aligned(first: list[Array], second: list[Array], least: int) -> tuple[float,
     most = max(len(x) for x in first), max(len(x) for x in second)
     size = 1 << int(sum(most)).bit_length()
     products = np.zeros(size)
+    total_first = total_second = 0.0
     energy_first, energy_second = np.zeros(size), np.zeros(size)
     for one, two in zip(first, second, strict=True):
         scale = float(np.std(one)) * float(np.std(two))
         left, right = np.fft.rfft(one, size), np.conj(np.fft.rfft(two, size))
         there, here = np.fft.rfft(np.ones(len(one)), size), np.fft.rfft(np.ones(len(two)), size)
+        ones, twos = np.fft.rfft(one**2, size), np.conj(np.fft.rfft(two**2, size))
         products += np.fft.irfft(left * right, size) / scale
-        energy_first += np.fft.irfft(np.fft.rfft(one**2, size) * np.conj(here), size) / np.var(one)
-        energy_second += np.fft.irfft(there * np.conj(np.fft.rfft(two**2, size)), size) / np.var(two)
+        energy_first += np.fft.irfft(ones * np.conj(here), size) / scale
+        energy_second += np.fft.irfft(there * twos, size) / scale
+        total_first += float((one**2).sum()) / scale
+        total_second += float((two**2).sum()) / scale
     lags = np.arange(size)
     lags = np.where(lags < size // 2, lags, lags - size)
     overlap = np.minimum(most[0], most[1] + lags) - np.maximum(0, lags)
     both = np.sqrt(np.maximum(energy_first * energy_second, 1e-12))
     # A stretch in which next to nothing happens agrees by chance.
     lasting = overlap >= least
-    eventful = energy_first > 0.3 * len(first) * np.maximum(overlap, 1)
+    eventful = (energy_first > SHARE * total_first) | (energy_second > SHARE * total_second)
     agreement = np.where(lasting & eventful, products / both, -1.0)
     best = int(np.argmax(agreement))
     return float(agreement[best]), int(lags[best]), int(overlap[best])

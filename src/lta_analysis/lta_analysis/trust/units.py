@@ -10,7 +10,6 @@ import re
 from typing import Final, NamedTuple
 
 from lta_analysis.bag.channels import Channel
-from lta_analysis.trust import roles
 from lta_analysis.trust.evidence import Evidence
 from lta_analysis.trust.finding import Finding, Severity, Verdict
 from lta_analysis.trust.likeness import Likeness

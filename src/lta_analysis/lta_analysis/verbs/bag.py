@@ -6,10 +6,12 @@ from typing import Annotated
 
 from lta_analysis.bag.folder import bag_in
 from lta_analysis.bag.info import bag_info, show
+from lta_analysis.verbs.bag_check import check
 from rich.console import Console
 import typer
 
 bag = typer.Typer(help='Look at recordings.', no_args_is_help=True)
+bag.command()(check)
 
 
 @bag.callback()
