@@ -65,7 +65,7 @@ def railed(channel: Channel, limits: Limits) -> Iterator[Finding]:
     """Yield where the blocks of one diode reach an end of the converter."""
     top = channel.field.startswith('max[')
     end = limits.adc_top if top else 0.0
-    at = channel.values >= end if top else channel.values <= end
+    at = channel.values == end
     if int(at.sum()) >= limits.adc_blocks:
         times = channel.time[at]
         yield Finding(

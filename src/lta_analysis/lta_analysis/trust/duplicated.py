@@ -46,14 +46,14 @@ def repeats(channel: Channel, limits: Limits) -> Iterator[Finding]:
     values, length = channel.values, limits.duplicated_samples
     if len(values) < 2 * length:
         return
-    single = values.astype(np.float32)
-    with np.errstate(invalid='ignore'):
-        changing = np.diff(single) != 0.0
+    finite = np.isfinite(values)
+    single = np.where(finite, values, 0.0).astype(np.float32)
+    changing = np.diff(single) != 0.0
     lively = np.convolve(changing, np.ones(length - 1), mode='valid') >= limits.duplicated_levels
     windows = np.lib.stride_tricks.sliding_window_view(single, length)
     # A slow channel has few values to choose from in single precision.
     fine = np.ptp(windows, axis=1) > ULPS * np.spacing(np.abs(windows).max(axis=1))
-    lively &= fine & np.isfinite(windows).all(axis=1)
+    lively &= fine & np.lib.stride_tricks.sliding_window_view(finite, length).all(axis=1)
     told = hashes(values, length)
     order = np.argsort(told, kind='stable')
     same = (told[order][1:] == told[order][:-1]) & lively[order][1:]

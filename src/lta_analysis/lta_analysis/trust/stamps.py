@@ -78,7 +78,7 @@ def holes(topic: str, time: Array, limits: Limits) -> Iterator[Finding]:
         yield Finding(
             KIND, topic, float(time[at[0]]), float(time[at[-1] + 1]),
             f'{missing:.0f} of {len(time) + missing:.0f} messages are missing here and there.',
-            Severity.SUSPICIOUS, {'missing': missing},
+            Severity.WARNING, {'missing': missing},
         )  # fmt: skip
 
 
