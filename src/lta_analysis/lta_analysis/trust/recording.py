@@ -8,6 +8,7 @@ from typing import Final, final
 from lta_analysis.bag.channels import all_channels, Channel
 from lta_analysis.bag.flight import Flight
 from lta_analysis.bag.stamps import stamp_of
+from lta_analysis.trust.roles import measured_topic
 import numpy as np
 from numpy.typing import NDArray
 
@@ -51,25 +52,25 @@ def recording_of(flight: Flight) -> tuple[Recording, list[str]]:
     """Return a flight as the checks want it, and what could not be decoded."""
     found = all_channels(flight)
     channels = dict(found.channels)
-    arrivals: dict[str, Array] = {}
-    for topic in dict.fromkeys(channel.topic for channel in found.channels.values()):
-        stamped = log_times(flight, topic)
-        if stamped is not None:
-            arrivals[topic] = stamped
-        channels |= quaternions(flight, topic, found.channels)
-    return Recording(channels, flight.provenance, arrivals), found.remarks
+    topics = dict.fromkeys(channel.topic for channel in found.channels.values())
+    for topic in topics:
+        if measured_topic(topic) or topic == 'odom':
+            channels |= quaternions(flight, topic, found.channels)
+    return Recording(channels, flight.provenance, log_times(flight, list(topics))), found.remarks
 
 
-def log_times(flight: Flight, topic: str) -> Array | None:
-    """Return the log times of a topic with stamps since the first of them; else None. [s]"""
-    name = f'/{flight.robot}/{topic}' if flight.robot and not topic.startswith('/') else topic
-    name = name if name.startswith('/') else f'/{name}'
-    times: list[int] = []
-    for _, log_time, data in flight.bag.messages([name]):
-        if not times and stamp_of(flight.bag.decode(name, data)) is None:
-            return None
-        times.append(log_time)
-    return (np.array(times, dtype=np.float64) - times[0]) * 1e-9 if times else None
+def log_times(flight: Flight, topics: list[str]) -> dict[str, Array]:
+    """Return the log times of each topic with stamps, since the first of each. [s]"""
+    prefix = f'/{flight.robot}/' if flight.robot else '/'
+    names = {topic if topic.startswith('/') else prefix + topic: topic for topic in topics}
+    times: dict[str, list[int]] = {}
+    stamped: dict[str, bool] = {}
+    for name, log_time, data in flight.bag.messages(list(names)):
+        if name not in stamped:
+            stamped[name] = stamp_of(flight.bag.decode(name, data)) is not None
+        if stamped[name]:
+            times.setdefault(names[name], []).append(log_time)
+    return {topic: (np.array(rows) - rows[0]) * 1e-9 for topic, rows in times.items()}
 
 
 def quaternions(flight: Flight, topic: str, known: Mapping[str, Channel]) -> dict[str, Channel]:
