@@ -27,7 +27,8 @@ from lta_analysis.trust.twins import twins
 import numpy as np
 from numpy.random import Generator
 from rich.progress import track
-from trust_corruptions import Corrupted, CORRUPTIONS, twin
+from trust_case import Corrupted
+from trust_corruptions import CORRUPTIONS, twin
 import trust_flights as flights
 
 HERE = Path(__file__).resolve().parent
@@ -141,14 +142,14 @@ def same(first: Recording, second: Recording) -> bool:
     )
 
 
-def cases(clean: int, each: int) -> Iterator[Case]:
-    """Yield all cases."""
+def cases(clean: int, each: int, first: int) -> Iterator[Case]:
+    """Yield all cases; drawn ones have numbers from `first` on."""
     count = len(flights.crazyflie_files()) + len(flights.rgblimp_files())
-    yield from (Case('clean', 'simulated', number) for number in range(1, clean + 1))
+    yield from (Case('clean', 'simulated', number) for number in range(first, first + clean))
     yield from (Case('clean', 'real', number) for number in range(min(count, clean)))
     for kind in (*CORRUPTIONS, 'twin'):
         for source in ('simulated', *(['real'] if count else [])):
-            yield from (Case(kind, source, number) for number in range(each))
+            yield from (Case(kind, source, number) for number in range(first, first + each))
 
 
 def version() -> str:
@@ -207,15 +208,16 @@ def main() -> None:
     """Print the table, and what was missed."""
     parser = argparse.ArgumentParser(description='Score the trust checks.')
     parser.add_argument('--clean', type=int, default=300, help='simulated clean flights')
-    parser.add_argument('--each', type=int, default=40, help='corruptions of each kind and source')
+    parser.add_argument('--each', type=int, default=30, help='corruptions of each kind and source')
     parser.add_argument(
         '--out', type=Path, default=Path('runs') / 'trust', help='where rows are kept'
     )
+    parser.add_argument('--first', type=int, default=1000, help='number of the first case')
     parser.add_argument('--missed', action='store_true', help='say what was missed')
     asked = parser.parse_args()
     asked.out.mkdir(parents=True, exist_ok=True)
     kept = asked.out / f'{version()}.jsonl'
-    rows = scored(list(cases(asked.clean, asked.each)), kept)
+    rows = scored(list(cases(asked.clean, asked.each, asked.first)), kept)
     sys.stdout.write('\n'.join(table(rows)) + f'\nrows in {kept}\n')
     if asked.missed:
         for case, row in rows.items():

@@ -12,7 +12,7 @@ from lta_analysis.trust import roles
 from lta_analysis.trust.constant import constant
 from lta_analysis.trust.evidence import Evidence
 from lta_analysis.trust.finding import Finding, Severity, Verdict
-from lta_analysis.trust.frozen import released, START
+from lta_analysis.trust.frozen import first_move, released, START
 from lta_analysis.trust.limits import Limits
 from lta_analysis.trust.runs import runs
 import numpy as np
@@ -36,6 +36,8 @@ def check(evidence: Evidence) -> Verdict:
 def piled(channel: Channel, limits: Limits, simulated: bool) -> Iterator[Finding]:
     """Yield the extremes of one channel at which it piles up."""
     good = np.isfinite(channel.values)
+    if simulated:  # at rest until it flies, to the last bit
+        good[: first_move(np.diff(channel.values, prepend=channel.values[:1]) == 0.0)] = False
     values, time = channel.values[good], channel.time[good]
     if len(values) < limits.least_samples or constant(channel):
         return

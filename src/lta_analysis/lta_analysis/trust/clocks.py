@@ -23,6 +23,7 @@ PARTS = (3, 12)
 INDEPENDENT = 4.0  # values a second behind a kernel of 0.25 s
 EVEN = 1.0  # how much a part's length counts beside its motion
 SHORTEST = 1.0  # part that has a lag [s]
+DRIFTS = tuple(size * sign for size in (0.2, 0.35, 0.5, 0.65, 0.8, 1.0) for sign in (1.0, -1.0))
 NEAR = 0.6  # furthest that a part's lag is looked for from the whole's [s]
 NORMAL = 1.4826  # standard deviation over median deviation
 MEDIAN = 1.2533  # standard error of a median over that of a mean
@@ -76,6 +77,16 @@ def late(pair: Pair, alike: Likeness, limits: Limits) -> Iterator[Finding]:
             Severity.SUSPICIOUS, {'drift': found.drift, 'error': found.drift_error},
         )  # fmt: skip
         return
+    if steady < limits.agree:
+        drift, drifting = wandering(pair, limits)
+        if drifting > limits.agree and gains(max(steady, 0.0), drifting, limits):
+            yield Finding(
+                KIND, pair.told, begin, end,
+                f"Wanders by about {drift:.1f} s against '{pair.made}' from begin to end "
+                f'(correlation {drifting:.2f}, without {steady:.2f}).',
+                Severity.SUSPICIOUS, {'drift': drift},
+            )  # fmt: skip
+            return
     own, zero = np.abs(alike.quick_at_lag), np.abs(alike.quick_at_zero)
     best = own >= min(limits.agree, float(own.max()))  # a poor axis does not take the time away
     peak = float(own[best].mean())
@@ -91,6 +102,20 @@ def late(pair: Pair, alike: Likeness, limits: Limits) -> Iterator[Finding]:
             f'(correlation {peak:.2f}, without {zero[best].mean():.2f}).',
             Severity.SUSPICIOUS, {'lag': found.lag, 'error': found.error},
         )  # fmt: skip
+
+
+def wandering(pair: Pair, limits: Limits) -> tuple[float, float]:
+    """Return the wandering over the flight that agrees best [s], and how well it does."""
+    left, right, _, _ = quick(pair)
+    length = float(np.ptp(pair.grid))
+    best = 0.0, 0.0
+    for drift in DRIFTS:
+        at = pair.grid + drift * ((pair.grid - pair.grid[0]) / length - 0.5)
+        moved = np.stack([np.interp(at, pair.grid, column) for column in left.T], axis=1)
+        lag = lag_of(moved, right, pair.step, limits.clock_search)
+        score = agreement(pair, lag, drift / length)
+        best = max(best, (drift, score), key=lambda way: way[1])
+    return best
 
 
 def gains(before: float, after: float, limits: Limits) -> bool:
