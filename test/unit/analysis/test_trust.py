@@ -32,8 +32,15 @@ def bench():
 
     yield trust_flights, trust_corruptions
     sys.path.remove(str(FOLDER))
-    for name in ('trust_corruptions', 'trust_flights'):
-        sys.modules.pop(name, None)
+    for name in [name for name in sys.modules if name.startswith('trust_')]:
+        sys.modules.pop(name)
+
+
+@pytest.fixture(scope='module')
+def clean(bench):
+    """Return a few clean simulated flights."""
+    flights, _ = bench
+    return [flights.simulated(seed) for seed in (1, 5, 6, 32)]
 
 
 def recording(**channels):
@@ -186,6 +193,47 @@ def test_smooth_data_is_a_warning_unless_it_says_that_it_is_simulated():
     assert checked(declared).findings == ()
 
 
+def swinging(late=0.0, factor=1.0, sign=1.0):
+    """Return a craft that yaws by 0.4 sin(w t) and swings, with a gyroscope beside its pose."""
+    data = resting(count=2000)
+    time = np.arange(2000) * 0.01
+    rng = np.random.default_rng(8)
+    tones = [0.4 * np.sin(2.1 * time) + 0.2 * np.sin(3.7 * time), 0.05 * np.sin(4.0 * time)]
+    rates = [0.84 * np.cos(2.1 * (time - late)) + 0.74 * np.cos(3.7 * (time - late)),
+             0.2 * np.cos(4.0 * (time - late))]  # fmt: skip
+    yaw, pitch = (tone + rng.normal(0.0, 3e-4, 2000) for tone in tones)
+    for part, values in (('yaw', yaw), ('pitch', pitch), ('roll', rng.normal(0.0, 3e-4, 2000))):
+        data[f'ground_truth/odom/pose.pose.orientation.{part}'] = (time, values)
+    # By hand, for turns about z, then y: wx = -yaw' sin(pitch), wy = pitch', wz = yaw' cos(pitch).
+    tilt = 0.05 * np.sin(4.0 * (time - late))
+    told = [-rates[0] * np.sin(tilt), rates[1], sign * rates[0] * np.cos(tilt)]
+    for axis, values in zip('xyz', told, strict=True):
+        data[f'{GYRO}.{axis}'] = (time, factor * (values + rng.normal(0.0, 1.4e-3, 2000)))
+    return recording(**data)
+
+
+def test_a_gyroscope_beside_its_attitude_is_clean():
+    assert [f for f in checked(swinging()).findings if f.grave] == []
+
+
+@pytest.mark.parametrize('late', [0.1, -0.25, 0.8])
+def test_the_lag_of_a_gyroscope_is_told_with_its_error(late):
+    found = [f for f in checked(swinging(late=late)).findings if f.kind == 'clock']
+    assert [f.channel for f in found] == [GYRO]
+    assert found[0].values['lag'] == pytest.approx(late, abs=0.01)
+    assert found[0].values['error'] < 0.02
+
+
+def test_degrees_and_a_turned_sign_of_a_gyroscope_are_told():
+    (unit,) = [f for f in checked(swinging(factor=180.0 / np.pi)).findings if f.kind == 'unit']
+    assert unit.channel == GYRO
+    assert unit.values['factor'] == pytest.approx(57.3, rel=0.03)
+    assert 'deg/s' in unit.evidence
+    (turned,) = [f for f in checked(swinging(sign=-1.0)).findings if f.kind == 'axes']
+    assert turned.channel == f'{GYRO}.z'
+    assert '-z is z' in turned.evidence
+
+
 def test_stamps_that_go_back_or_leave_out_are_found():
     data = resting()
     late = {n: (np.where(t > 5.0, t - 0.3, t), v) for n, (t, v) in data.items()}
@@ -250,10 +298,9 @@ CASES = {
 
 
 @pytest.mark.parametrize('kind', CASES)
-def test_corruptions_of_simulated_flights_are_found(bench, kind):
-    flights, corruptions = bench
+def test_corruptions_of_simulated_flights_are_found(bench, clean, kind):
+    _, corruptions = bench
     rng = np.random.default_rng(list(kind.encode()))
-    clean = [flights.simulated(seed) for seed in (1, 5, 6, 32)]
     done = missed = 0
     for attempt in range(200):
         wrong = corruptions.CORRUPTIONS[kind](clean[attempt % len(clean)], rng)
@@ -275,9 +322,9 @@ def test_every_kind_of_check_is_scored(bench):
     assert set(corruptions.CORRUPTIONS) == set(CHECKS) == set(CASES)
 
 
-def test_one_run_again_is_found_and_two_runs_are_not(bench):
-    flights, corruptions = bench
-    first, second = flights.simulated(1), flights.simulated(5)
+def test_one_run_again_is_found_and_two_runs_are_not(bench, clean):
+    _, corruptions = bench
+    first, second = clean[:2]
     copy = corruptions.twin(first, np.random.default_rng(4))
     found = twins([('a', first), ('b', second), ('copy of a', copy.recording)])
     assert list(found) == ['copy of a']
@@ -300,3 +347,9 @@ def test_real_flights_are_clean_and_rgblimp_is_told_to_be_filtered(bench):
 def test_pairs_are_worked_out_once():
     evidence = Evidence(recording(**resting()), Limits())
     assert evidence.likenesses is evidence.likenesses
+
+
+def test_the_page_tells_of_every_kind():
+    page = (FOLDER.parents[1] / 'docs/trust.md').read_text(encoding='utf-8')
+    rows = {line.split('|')[1].strip() for line in page.splitlines() if line.startswith('| ')}
+    assert {*CHECKS, 'twin'} <= rows
