@@ -79,7 +79,7 @@ def late(pair: Pair, alike: Likeness, limits: Limits) -> Iterator[Finding]:
         return
     if steady < limits.agree:
         drift, drifting = wandering(pair, limits)
-        if drifting > limits.agree and gains(max(steady, 0.0), drifting, limits):
+        if drifting > limits.wander_agree and gains(max(steady, 0.0), drifting, limits):
             yield Finding(
                 KIND, pair.told, begin, end,
                 f"Wanders by about {drift:.1f} s against '{pair.made}' from begin to end "

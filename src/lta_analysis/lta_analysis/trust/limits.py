@@ -22,7 +22,7 @@ class Limits(Settings):
     clipped_samples: int = setting(8, 'Readings at the extreme: fewer are a broad maximum.')
     clipped_run: int = setting(4, 'In a row at the extreme at least once.')
     clipped_pile: float = setting(
-        5.0, 'As many times as readings at the next values: noise thins out towards an extreme.'
+        2.5, 'As many times as readings at the next values: noise thins out towards an extreme.'
     )
     adc_top: float = setting(4095.0, 'Largest count of the 12-bit converter.')
     adc_blocks: int = setting(3, 'Blocks at an end of the converter: one may be a flash.')
@@ -61,6 +61,10 @@ class Limits(Settings):
     clock_search: float = setting(2.5, 'Furthest offset that is looked for.', unit='s')
     clock_gain: float = setting(
         1.5, 'The mismatch must shrink by this factor when the offset is taken out.'
+    )
+
+    wander_agree: float = setting(
+        0.7, 'Correlation of all axes together once a wandering is taken out.'
     )
 
     gap_periods: float = setting(5.0, 'A silence longer than this many periods ...')
