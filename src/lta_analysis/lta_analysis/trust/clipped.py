@@ -12,7 +12,7 @@ from lta_analysis.trust import roles
 from lta_analysis.trust.constant import constant
 from lta_analysis.trust.evidence import Evidence
 from lta_analysis.trust.finding import Finding, Severity, Verdict
-from lta_analysis.trust.frozen import first_move, released
+from lta_analysis.trust.frozen import first_move, released, START
 from lta_analysis.trust.limits import Limits
 from lta_analysis.trust.runs import runs
 import numpy as np
@@ -25,33 +25,19 @@ ADC = 'photodiodes'
 def check(evidence: Evidence) -> Verdict:
     """Find pile-ups at extremes, and converter blocks at the ends of the converter."""
     found: list[Finding] = []
-    channels = evidence.recording.channels.values()
-    for channel in channels:
+    for channel in evidence.recording.channels.values():
         if roles.restless(channel):
-            ends = (0, 0)
-            if evidence.recording.simulated:
-                ends = resting([other for other in channels if other.topic == channel.topic])
-            found += piled(channel, evidence.limits, *ends)
+            found += piled(channel, evidence.limits, evidence.recording.simulated)
         elif channel.topic == ADC and channel.field.startswith(('min[', 'max[')):
             found += railed(channel, evidence.limits)
     return Verdict(tuple(found))
 
 
-def resting(topic: list[Channel]) -> tuple[int, int]:
-    """Return how many samples a simulated craft rests at the start and at the end, to the bit."""
-    equal = np.ones(max(0, min(len(channel.values) for channel in topic) - 1), dtype=np.bool_)
-    for channel in topic:
-        if roles.restless(channel):
-            with np.errstate(invalid='ignore'):
-                equal &= np.diff(channel.values)[: len(equal)] == 0.0
-    return first_move(equal), first_move(equal[::-1])
-
-
-def piled(channel: Channel, limits: Limits, begin: int, end: int) -> Iterator[Finding]:
+def piled(channel: Channel, limits: Limits, simulated: bool) -> Iterator[Finding]:
     """Yield the extremes of one channel at which it piles up."""
     good = np.isfinite(channel.values)
-    good[:begin] = False
-    good[len(good) - end :] = False
+    if simulated:  # at rest until it flies, to the last bit
+        good[: first_move(np.diff(channel.values, prepend=channel.values[:1]) == 0.0)] = False
     values, time = channel.values[good], channel.time[good]
     if len(values) < limits.least_samples or constant(channel):
         return
@@ -65,8 +51,9 @@ def piled(channel: Channel, limits: Limits, begin: int, end: int) -> Iterator[Fi
             continue
         at = runs(values == levels[side])
         alone = len(at) == 1
+        rests = simulated and alone and (at[0, 0] <= START or at[0, 1] == len(values))
         stopped = alone and released(values, int(at[0, 0]), int(at[0, 1]) - 1)
-        if (at[:, 1] - at[:, 0]).max() < limits.clipped_run or stopped:
+        if (at[:, 1] - at[:, 0]).max() < limits.clipped_run or rests or stopped:
             continue
         yield Finding(
             KIND, channel.name, float(time[at[0, 0]]), float(time[at[-1, 1] - 1]),
