@@ -7,7 +7,7 @@ from typing import final
 from lta_bridge.bag.background import BackgroundWriter
 from lta_bridge.bag.memory import Snapshot, SnapshotMemory
 from lta_bridge.bag.storage import StorageFault
-from lta_bridge.fault_watch import FaultWatch
+from lta_bridge.fault_watch import FaultWatch, Status
 from lta_graph.health import Level
 
 ASKED = 'asked for'
@@ -79,7 +79,7 @@ class Snapshots:
         self._writer.hurry()
         return saving
 
-    def hear(self, statuses: Iterable[tuple[str, bool]], now: float) -> None:
+    def hear(self, statuses: Iterable[Status], now: float) -> None:
         """Take note of a diagnostics message as `FaultWatch` does, and save at a fault. [s]"""
         self._faults.hear(statuses)
         self.tend(now)

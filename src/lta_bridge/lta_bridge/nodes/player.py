@@ -26,6 +26,7 @@ from lta_bridge.playback.reel import Reel
 from lta_bridge.playback.settings import FOREVER, PlayerSettings
 from lta_config.errors import BadInput
 from lta_graph.health import Level
+from lta_graph.ros.company import OVER
 from lta_graph.ros.node import GraphNode, run, to_stamp
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.qos import profile
@@ -266,7 +267,8 @@ class Player(GraphNode):
 
     def _watch(self) -> None:
         """Tell how the replay stands at every look, for progress bars."""
-        self.health.report('playback', Level.OK, self._where(), **self._standing())
+        over = {OVER: self._ended == 'played'}
+        self.health.report('playback', Level.OK, self._where(), **self._standing(), **over)
         self.health.changed = True
         super()._watch()
 

@@ -26,7 +26,7 @@ from lta_bridge.bag.storage import StorageFault
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.cdr import serialise
 from lta_bridge.intake import Intake
-from lta_bridge.messages import faults, profiles
+from lta_bridge.messages import profiles, statuses
 from lta_bridge.provenance import joined
 from lta_bridge.recorder_settings import Origin, RecorderSettings
 from lta_bridge.snapshots import Snapshots
@@ -180,7 +180,7 @@ class Recorder(GraphNode):
             return
         with suppress(RuntimeError):  # what is no such message tells of no fault
             message = deserialize_message(data, DiagnosticArray)
-            self._snapshots.hear(faults(message), time.monotonic())
+            self._snapshots.hear(statuses(message), time.monotonic())
 
     def _look(self) -> None:
         """Look at the graph and at the writer, and tell how the recording stands."""
