@@ -12,6 +12,7 @@ index still fits and the process ends with a sentence and status 2.
 
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
+from functools import partial
 from pathlib import Path
 import time
 from typing import Any
@@ -39,6 +40,7 @@ from lta_graph.interrupts import held_interrupts
 from lta_graph.ros.node import GraphNode, REPORT_PERIOD, run
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.qos import profile
+from lta_graph.ros.replay_due import hear_due
 from lta_graph.ros.spin import spin
 from lta_graph.ros.taps import GENEROUS, message_class, Taps
 from pydantic import create_model
@@ -115,6 +117,8 @@ class Recorder(GraphNode):
                 self.create_subscription(
                     DiagnosticArray, DIAGNOSTICS, self._hear, GENEROUS.depth, raw=True
                 )
+            if self.replayed:  # made last, so that it is taken first
+                hear_due(self, self.table, partial(self._intake.learn, robots[0]))
             self.create_service(Trigger, 'recorder/snapshot', self._on_snapshot)
             steady = Clock(clock_type=ClockType.STEADY_TIME)
             self.create_timer(LOOK_PERIOD, self._look, clock=steady)
