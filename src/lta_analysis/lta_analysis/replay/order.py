@@ -115,9 +115,11 @@ def check(order: Order, flight: Flight) -> None:
     for node in order.nodes:
         trigger = table.trigger(node)
         if trigger not in answers and trigger not in flight.topics:
+            source = table[trigger].source
+            remedy = f'run {source} again as well, or ' if source in roles(table) else ''
             raise BadInput(
-                f"'{order.bag}' has no '{trigger}', which {node} answers; run "
-                f'{table[trigger].source} again as well, or leave {node} out.'
+                f"'{order.bag}' has no '{trigger}', which {node} answers; {remedy}leave {node} "
+                'out of --nodes.'
             )
 
 
@@ -196,5 +198,8 @@ def kept(told: Mapping[str, str], name: str, folder: Path) -> str | None:
     if text is None:
         return None
     path = folder / f'{name}.yaml'
-    path.write_text(text, encoding='utf-8')
+    try:
+        path.write_text(text, encoding='utf-8')
+    except OSError as error:
+        raise BadInput(f"'{path}' cannot be written ({error.strerror}); make room.") from error
     return str(path)
