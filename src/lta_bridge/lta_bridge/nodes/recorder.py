@@ -28,6 +28,8 @@ from lta_bridge.bag.writer import BagWriter
 from lta_bridge.cdr import serialise
 from lta_bridge.intake import Intake
 from lta_bridge.messages import profiles, statuses
+from lta_bridge.playback.origin import of_replay
+from lta_bridge.playback.recording import open_recording
 from lta_bridge.provenance import joined
 from lta_bridge.recorder_settings import Origin, RecorderSettings
 from lta_bridge.snapshots import Snapshots
@@ -93,6 +95,9 @@ class Recorder(GraphNode):
         each = {k: item.told(lockstep=self.lockstep) for k, item in origins(self, robots).items()}
         origin = joined(each) if each else told.told(lockstep=self.lockstep)
         robots = robots or [self.get_namespace().strip('/')]
+        if told.replay and self.get_parameter('source').value == 'replay':
+            played = open_recording(Path(told.replay), '', self.table, robots[0])
+            origin = of_replay(played, origin)
         topics = wanted(told.topics, robots, self.table)
         self._fault = ''
         self._snapshots: Snapshots | None = None

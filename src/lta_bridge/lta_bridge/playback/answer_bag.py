@@ -15,12 +15,10 @@ from lta_bridge.bag.storage import StorageFault
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.bookkeeping import stamp_of
 from lta_bridge.playback.cast import Cast
+from lta_bridge.playback.origin import of_answers
 from lta_bridge.playback.recording import Recording
-from lta_bridge.provenance import here
 from lta_config.errors import BadInput
 from lta_config.topics import robot_topic, TopicTable
-
-REPLAY_OF, REPLAYED = 'replay_of', 'replayed_nodes'  # keys of the origin
 
 
 @final
@@ -66,11 +64,10 @@ class AnswerBag:
     ) -> None:
         self._table = table
         self._names: Mapping[str, str] = {name: robot_topic(robot, name) for name in cast.answers}
-        told = {REPLAY_OF: str(recording.path), REPLAYED: ' '.join(cast.nodes)}
         self.fault = ''
         self._flushed = time.monotonic()
         try:
-            self._writer = BagWriter(path, {**recording.provenance, **here(), **told})
+            self._writer = BagWriter(path, of_answers(recording, cast.nodes))
             for name, full in self._names.items():
                 self._writer.add_topic(full, table[name].type, offered(name))
         except StorageFault as fault:
