@@ -137,17 +137,6 @@ def plan_of(order: Order, flight: Flight, folder: Path) -> LaunchPlan:
         Where the results go; files that the recording carries are put there.
 
     """
-    told = flight.provenance
-    arguments = {
-        'robot': flight.robot or ROBOT,
-        'source': 'replay',
-        'replay': str(order.bag),
-        'time': 'lockstep' if order.rate is None else 'realtime',
-        'rate': repr(float(order.rate or 1.0)),
-        'record': 'false',
-        'strategy': order.strategy or told.get('strategy', STRATEGY),
-        **files_of(order, told, folder),
-    }
     cast, table = order.cast, topic_table()
     player: dict[str, str | float] = {
         'nodes': ' '.join(cast.nodes),
@@ -158,8 +147,9 @@ def plan_of(order: Order, flight: Flight, folder: Path) -> LaunchPlan:
         'answers': str(folder / 'bag'),
     }
     changed: dict[str, Mapping[str, Any]] = {'player': player}
-    for settings in (recorded_settings(told), order.settings):
+    for settings in (recorded_settings(flight.provenance), order.settings):
         changed |= {node: {**changed.get(node, {}), **own} for node, own in settings.items()}
+    arguments = launch_arguments(order, flight, folder)
     plan = load(find('launch file', 'fly', '.launch.yaml'), arguments)
     wanted = ('player', *cast.nodes)
     return LaunchPlan(
@@ -169,6 +159,21 @@ def plan_of(order: Order, flight: Flight, folder: Path) -> LaunchPlan:
             if process.name in wanted
         )
     )
+
+
+def launch_arguments(order: Order, flight: Flight, folder: Path) -> dict[str, str]:
+    """Return a replay as arguments of `fly.launch.yaml`; files go to the folder."""
+    told = flight.provenance
+    return {
+        'robot': flight.robot or ROBOT,
+        'source': 'replay',
+        'replay': str(order.bag),
+        'time': 'lockstep' if order.rate is None else 'realtime',
+        'rate': repr(float(order.rate or 1.0)),
+        'record': 'false',
+        'strategy': order.strategy or told.get('strategy', STRATEGY),
+        **files_of(order, told, folder),
+    }
 
 
 def with_parameters(process: Process, given: Mapping[str, Any]) -> Process:

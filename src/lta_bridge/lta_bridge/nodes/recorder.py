@@ -91,13 +91,8 @@ class Recorder(GraphNode):
     def __init__(self) -> None:
         super().__init__('recorder')
         told = self._told = Parameters(self, RecorderSettings).value
-        robots = told.robots.split()
-        each = {k: item.told(lockstep=self.lockstep) for k, item in origins(self, robots).items()}
-        origin = joined(each) if each else told.told(lockstep=self.lockstep)
-        robots = robots or [self.get_namespace().strip('/')]
-        if told.replay and self.get_parameter('source').value == 'replay':
-            played = open_recording(Path(told.replay), '', self.table, robots[0])
-            origin = of_replay(played, origin)
+        origin = self._origin()
+        robots = told.robots.split() or [self.get_namespace().strip('/')]
         topics = wanted(told.topics, robots, self.table)
         self._fault = ''
         self._snapshots: Snapshots | None = None
@@ -128,6 +123,17 @@ class Recorder(GraphNode):
             steady = Clock(clock_type=ClockType.STEADY_TIME)
             self.create_timer(LOOK_PERIOD, self._look, clock=steady)
             unfinished.pop_all()
+
+    def _origin(self) -> dict[str, str]:
+        """Return where the data come from: the launch, or what is played in it."""
+        told, lockstep = self._told, self.lockstep
+        robots = told.robots.split()
+        each = {name: item.told(lockstep=lockstep) for name, item in origins(self, robots).items()}
+        origin = joined(each) if each else told.told(lockstep=lockstep)
+        if told.replay and self.get_parameter('source').value == 'replay':
+            own = self.get_namespace().strip('/')
+            return of_replay(open_recording(Path(told.replay), '', self.table, own), origin)
+        return origin
 
     def _begin(self, path: Path, origin: dict[str, str]) -> BackgroundWriter:
         """Begin the bag, or the memory that snapshots are made of."""
