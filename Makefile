@@ -11,7 +11,7 @@ enter := root='$(CURDIR)' && . tools/workspace.sh
 pytest := $(enter) && .venv/bin/python -m pytest -q
 sources := config src test examples
 
-.PHONY: help demo build test test-long bench flights check format clean
+.PHONY: help demo build test test-long bench flights trust check format clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
@@ -34,6 +34,9 @@ bench: test-environment  ## the measurements, beside those of others (ARGS='kern
 
 flights: test-environment  ## fly many seeds (ARGS=SEEDS, 20 by default: minutes)
 	@$(enter) && .venv/bin/python test/benchmark/flights.py $(ARGS)
+
+trust: test-environment  ## score the trust checks on clean and corrupted flights (minutes)
+	@$(enter) && .venv/bin/python test/benchmark/trust.py $(ARGS)
 
 check: test-environment  ## style and types only
 	@.venv/bin/ruff check --quiet $(sources)

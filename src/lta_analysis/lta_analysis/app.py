@@ -46,9 +46,10 @@ class Group:
 
 
 BAG: Final = Group(
-    'Look at recordings, mend them, and turn them into other files.',
+    'Look at recordings, check and mend them, turn them into other files.',
     {
         'info': Verb('bag_info', 'info'),
+        'check': Verb('bag_check', 'check'),
         'plot': Verb('bag_plot', 'plot'),
         'recover': Verb('bag_recover', 'recover'),
         'export': Verb('bag_export', 'export'),

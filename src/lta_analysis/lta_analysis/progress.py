@@ -1,14 +1,14 @@
 """The progress bar of a flight: how near the lamp, at what pace, and who is in trouble."""
 
-from types import TracebackType
-from typing import final, Self
+from typing import final
 
+from lta_analysis.bar import Bar
 from rich.console import Console
-from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn
+from rich.progress import BarColumn, TextColumn
 
 
 @final
-class FlightProgress:
+class FlightProgress(Bar):
     """
     Show a flight while it lasts: `with FlightProgress(console) as progress: ...`.
 
@@ -22,32 +22,11 @@ class FlightProgress:
     """
 
     def __init__(self, console: Console, begin: str = 'starting the graph') -> None:
-        self._console = console
-        self._bar = Progress(
-            SpinnerColumn(),
-            TextColumn('{task.description}'),
-            BarColumn(),
-            TextColumn('{task.fields[detail]}'),
-            console=console,
-            transient=True,
-            disable=not console.is_terminal,
+        detail = TextColumn('{task.fields[detail]}')
+        super().__init__(
+            console, TextColumn('{task.description}'), BarColumn(), detail, begin=begin, detail=''
         )
-        self._task = self._bar.add_task(begin, total=None, detail='')
         self._begin: float | None = None
-
-    def __enter__(self) -> Self:
-        """Show the bar."""
-        self._bar.start()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """Take the bar away."""
-        self._bar.stop()
 
     def at(self, time: float, distance: float, pace: float) -> None:
         """
@@ -65,14 +44,9 @@ class FlightProgress:
         """
         if self._begin is None:
             self._begin = distance
-        self._bar.update(
-            self._task,
+        self.move(
             description='flying',
             total=self._begin,
             completed=max(0.0, self._begin - distance),
             detail=f'{distance:.2f} m to the lamp, {time:.1f} s, {pace:.1f} x real time',
         )
-
-    def say(self, sentence: str) -> None:
-        """Print a line above the bar."""
-        self._console.print(sentence, highlight=False, soft_wrap=True)

@@ -70,8 +70,8 @@ def page(found: Comparison) -> str:
         faults=fault_table(found),
         applied=terms(applied(found)),
         remarks=''.join(f'<p class="note">{escape(text)}</p>' for text in found.remarks),
-        facts=terms(facts(found)),
-        commands=terms(commands(found), code=True),
+        facts=facts(found),
+        commands=commands(found),
     )  # fmt: skip
 
 

@@ -1,14 +1,14 @@
 """The progress bar of a comparison."""
 
-from types import TracebackType
-from typing import final, Self
+from typing import final
 
+from lta_analysis.bar import Bar
 from rich.console import Console
-from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 
 
 @final
-class CompareProgress:
+class CompareProgress(Bar):
     """
     Show a comparison while it lasts.
 
@@ -22,26 +22,9 @@ class CompareProgress:
     """
 
     def __init__(self, console: Console, total: int) -> None:
-        self._bar = Progress(
-            SpinnerColumn(), TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn(),
-            console=console, transient=True, disable=not console.is_terminal,
-        )  # fmt: skip
-        self._task = self._bar.add_task('opening', total=total)
-
-    def __enter__(self) -> Self:
-        """Show the bar."""
-        self._bar.start()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """Take the bar away."""
-        self._bar.stop()
+        columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
+        super().__init__(console, *columns, begin='opening', total=total)
 
     def tick(self, doing: str) -> None:
         """Say what is being done, and go on."""
-        self._bar.update(self._task, description=doing, advance=1)
+        self.move(description=doing, advance=1)

@@ -1,14 +1,14 @@
 """The progress bar of an export: which topic, how many still."""
 
-from types import TracebackType
-from typing import final, Self
+from typing import final
 
+from lta_analysis.bar import Bar
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn
+from rich.progress import BarColumn, MofNCompleteColumn, TextColumn
 
 
 @final
-class ExportProgress:
+class ExportProgress(Bar):
     """
     Show an export while it lasts.
 
@@ -20,31 +20,9 @@ class ExportProgress:
     """
 
     def __init__(self, console: Console) -> None:
-        self._bar = Progress(
-            SpinnerColumn(),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TextColumn('{task.description}'),
-            console=console,
-            transient=True,
-            disable=not console.is_terminal,
-        )
-        self._task = self._bar.add_task('reading', total=None)
-
-    def __enter__(self) -> Self:
-        """Show the bar."""
-        self._bar.start()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """Take the bar away."""
-        self._bar.stop()
+        columns = (BarColumn(), MofNCompleteColumn(), TextColumn('{task.description}'))
+        super().__init__(console, *columns, begin='reading')
 
     def at(self, topic: str, done: int, total: int) -> None:
         """Show the topic that is written."""
-        self._bar.update(self._task, description=topic, completed=done, total=total)
+        self.move(description=topic, completed=done, total=total)

@@ -15,7 +15,7 @@ from lta_analysis.platforms.summary import Cell, cell, fastest, margin, Mean
 from lta_analysis.platforms.verdict import decided, title
 from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import number, Tile
-from lta_analysis.report.pieces import section, terms, tile_html
+from lta_analysis.report.pieces import section, tile_html
 from lta_config.comparison_file import Comparison
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.manoeuvre_file import load_manoeuvre, Manoeuvre
@@ -70,8 +70,12 @@ def page(told: Told) -> str:
         why=decided(comparison, rows)
         + ''.join(['<ul>', *(f'<li>{escape(each)}</li>' for each in reasons(told)), '</ul>']),
         margins=margins(comparison),
-        facts=terms(told.origin),
-        file=escape(yaml.safe_dump(comparison.model_dump(exclude_none=True), sort_keys=False)),
+        facts=told.origin,
+        files={
+            'Comparison file': yaml.safe_dump(
+                comparison.model_dump(exclude_none=True), sort_keys=False
+            )
+        },
     )
 
 

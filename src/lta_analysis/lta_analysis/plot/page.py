@@ -12,7 +12,7 @@ from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import number, Tile
 from lta_analysis.report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, TIME, TRUTH
 from lta_analysis.report.pictures import picture
-from lta_analysis.report.pieces import section, terms, tile_html
+from lta_analysis.report.pieces import section, tile_html
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
@@ -60,7 +60,7 @@ def page(title: str, panels: Panels, span: tuple[float, float], facts: dict[str,
         about='As recorded; angles in degrees, without jumps.',
         tiles='\n'.join(tile_html(*tile(channel)) for channel in every[:TILES]),
         pictures='\n'.join(pictures),
-        facts=terms(facts),
+        facts=facts,
     )
 
 

@@ -13,7 +13,7 @@ from lta_analysis.report.drawing import blank
 from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import Tile
 from lta_analysis.report.palette import ESTIMATE, RAW
-from lta_analysis.report.pieces import section, terms, tile_html
+from lta_analysis.report.pieces import section, tile_html
 from lta_analysis.typed import near, typed
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
@@ -65,8 +65,8 @@ def page(verdict: Verdict, order: Order, told: Mapping[str, str]) -> str:
             )
             for k, each in enumerate(verdict.decisions)
         ),
-        facts=terms(facts(verdict, told)),
-        commands=terms(commands(order), code=True),
+        facts=facts(verdict, told),
+        commands=commands(order),
     )  # fmt: skip
 
 

@@ -5,18 +5,20 @@ A page of its own is a file in `assets`: its style between `<style>` and `</styl
 stands in `main` below the tiles, both with the names of its parts.
 """
 
+from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
 from string import Template
 from typing import Final
 
 from lta_analysis.report.palette import DARK
-from lta_analysis.report.pieces import embedded
+from lta_analysis.report.pieces import embedded, ending
 from lta_config.errors import BadInput
 from plotly.offline import get_plotlyjs
 
 BEGIN: Final = '<style>\n'
 END: Final = '</style>\n'
+NOTHING: Final[Mapping[str, str]] = {}
 NOSCRIPT: Final = (
     '<noscript><p class="absent">The pictures need JavaScript; the tables do not.</p></noscript>\n'
 )
@@ -36,6 +38,9 @@ def framed(
     tiles: str,
     track: object = None,
     drawn: bool = True,
+    facts: Mapping[str, str] = NOTHING,
+    commands: Mapping[str, str] = NOTHING,
+    files: Mapping[str, str] = NOTHING,
     **parts: str,
 ) -> str:
     """
@@ -51,10 +56,13 @@ def framed(
         What the page's one instant moves along; nothing by default.
     drawn : bool
         Whether anything is drawn by plotly, which is most of a page's size.
+    facts, commands, files : mapping of str to str
+        What the page ends with; see `ending`, which its file names.
     **parts : str
-        What its file names, as HTML.
+        What its file names besides, as HTML.
 
     """
+    parts['ending'] = ending(facts, commands, files)
     style, main = (Template(text).substitute(parts) for text in halves(asset(name)))
     return Template(asset('frame.html')).substitute(
         title=title,

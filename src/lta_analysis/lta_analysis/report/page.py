@@ -11,7 +11,7 @@ from lta_analysis.bag.folder import bag_files
 from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import sentence, table, tiles
 from lta_analysis.report.panels.registry import Panel, PANELS
-from lta_analysis.report.pieces import section, terms, tile_html
+from lta_analysis.report.pieces import section, tile_html
 from lta_analysis.report.results import Results, results_of
 from lta_analysis.report.track import track_of
 from lta_analysis.report.view import View
@@ -70,11 +70,13 @@ def page(view: View, results: Results, bag: Path) -> str:
         table='\n'.join(row_html(*row) for row in table(results)),
         hero=sections.pop('path'),
         panels='\n'.join(sections.values()),
-        facts=terms(facts(view.flight)),
-        commands=terms(commands(view, near(bag)), code=True),
-        files='\n'.join(
-            file_html(key, view.provenance[key]) for key in FILES if key in view.provenance
-        ),
+        facts=facts(view.flight),
+        commands=commands(view, near(bag)),
+        files={
+            key.replace('_', ' ').capitalize(): view.provenance[key]
+            for key in FILES
+            if key in view.provenance
+        },
     )
 
 
@@ -126,6 +128,8 @@ def commands(view: View, bag: Path) -> dict[str, str]:
         # PlotJuggler opens files, not folders.
         'Plot any topic': shlex.join(['plotjuggler', '-d', str(bag_files(bag)[0])]),
         'Replay in ROS 2': shlex.join(['ros2', 'bag', 'play', str(bag), *clock]),
+        'Look at every channel': typed('bag', 'plot', bag),
+        'Decide again on what was sensed': typed('replay', bag, '--against'),
         'Fly it again': again(view.provenance),
     }
 
@@ -139,12 +143,3 @@ def again(provenance: Mapping[str, str]) -> str:
             'launch', 'fly', *(f'{key}:={value}' for key, value in (given | moved).items())
         )
     return typed('fly', *(word for key, value in given.items() for word in (f'--{key}', value)))
-
-
-def file_html(key: str, text: str) -> str:
-    """Return a file of the provenance, folded."""
-    name = key.replace('_', ' ').capitalize()
-    return (
-        f'<details><summary>{escape(name)}</summary>'
-        f'<pre tabindex="0">{escape(text)}</pre></details>'
-    )

@@ -69,3 +69,37 @@ def terms(content: Mapping[str, str], code: bool = False) -> str:
         f'<dd>{mark[0]}{escape(text)}{mark[1]}</dd></div>'
         for name, text in content.items()
     )
+
+
+def ending(facts: Mapping[str, str], commands: Mapping[str, str], files: Mapping[str, str]) -> str:
+    """
+    Return what every page ends with.
+
+    Parameters
+    ----------
+    facts : mapping of str to str
+        Where the page comes from.
+    commands : mapping of str to str
+        How to go on: what to do, and what to type for it.
+    files : mapping of str to str
+        Whole files by name, folded.
+
+    """
+    lists = [f'<dl class="facts">\n{terms(facts)}\n</dl>'] if facts else []
+    if commands:
+        lists.append(f'<dl class="facts commands">\n{terms(commands, code=True)}\n</dl>')
+    folded = [
+        f'<details><summary>{escape(name)}</summary>'
+        f'<pre tabindex="0">{escape(text)}</pre></details>'
+        for name, text in files.items()
+    ]
+    words = [
+        *(['where this comes from'] if facts else []),
+        *(['how to go on'] if commands else []),
+    ]
+    inside = '\n'.join(lists) if len(lists) < 2 else f'<div class="halves">{"".join(lists)}</div>'
+    return (
+        '<section class="panel ending" aria-labelledby="title-ending">'
+        f'<h2 id="title-ending">{", and ".join(words).capitalize()}</h2>\n'
+        f'{inside}{"".join(folded)}</section>'
+    )

@@ -11,7 +11,7 @@ from typing import final
 from lta_analysis.ingredients import spoken
 from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import number, Tile
-from lta_analysis.report.pieces import section, terms, tile_html
+from lta_analysis.report.pieces import section, tile_html
 from lta_analysis.sweep.flown import FAILED, Row
 from lta_analysis.sweep.heat import heat, two_lists
 from lta_analysis.sweep.pictures import by_parameter, MEASURES, outcomes, spread
@@ -59,9 +59,9 @@ def page(told_of: Told) -> str:
         panels='\n'.join(panels(plan, rows, told_of.units)),
         lost_title='Flights that did not reach their goal',
         lost=lost_html(plan, rows, batch=bool(told_of.options)),
-        facts=terms(facts(told_of)),
-        commands=terms(commands(told_of), code=True),
-        file=escape(yaml.safe_dump(file.model_dump(exclude_none=True), sort_keys=False)),
+        facts=facts(told_of),
+        commands=commands(told_of),
+        files={'Sweep file': yaml.safe_dump(file.model_dump(exclude_none=True), sort_keys=False)},
     )
 
 

@@ -3,15 +3,14 @@
 from collections import Counter
 import time
 from types import TracebackType
-from typing import final, Self
+from typing import final
 
+from lta_analysis.bar import Bar
 from lta_analysis.sweep.flown import Row
 from rich.console import Console
 from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
-    Progress,
-    SpinnerColumn,
     TextColumn,
     TimeRemainingColumn,
 )
@@ -21,7 +20,7 @@ RECENT = 60.0  # s over which the rate is told
 
 
 @final
-class SweepProgress:
+class SweepProgress(Bar):
     """
     Show a sweep while it lasts.
 
@@ -35,26 +34,21 @@ class SweepProgress:
     """
 
     def __init__(self, console: Console, total: int, done: int) -> None:
-        self._bar = Progress(
-            SpinnerColumn(),
+        super().__init__(
+            console,
             BarColumn(),
             MofNCompleteColumn(),
             TextColumn('{task.fields[rate]}'),
             TimeRemainingColumn(),
             TextColumn('{task.fields[detail]}'),
-            console=console,
-            transient=True,
-            disable=not console.is_terminal,
-            speed_estimate_period=RECENT,
+            total=total,
+            completed=done,
+            period=RECENT,
+            rate='',
+            detail='',
         )
-        self._task = self._bar.add_task('', total=total, completed=done, rate='', detail='')
         self._counts: Counter[str] = Counter()
         self._pending, self._deaths, self._shown = 0, 0, -LOOK
-
-    def __enter__(self) -> Self:
-        """Show the bar."""
-        self._bar.start()
-        return self
 
     def __exit__(
         self,
@@ -62,9 +56,9 @@ class SweepProgress:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Take the bar away."""
+        """Show the last of it, and take the bar away."""
         self._show()
-        self._bar.stop()
+        super().__exit__(kind, error, trace)
 
     def flown(self, row: Row, deaths: int) -> None:
         """Count one more flight; `deaths` is how many workers have been lost so far."""
@@ -80,8 +74,7 @@ class SweepProgress:
         words = [f'{count} {outcome}' for outcome, count in sorted(self._counts.items())]
         if self._deaths:
             words.append(f'{self._deaths} workers lost')
-        self._bar.update(self._task, advance=self._pending, detail=', '.join(words))
+        self.move(advance=self._pending, detail=', '.join(words))
         self._pending = 0
-        speed = self._bar.tasks[0].speed
-        if speed:
-            self._bar.update(self._task, rate=f'{speed:.1f} flights/s')
+        if self.speed:
+            self.move(rate=f'{self.speed:.1f} flights/s')

@@ -8,7 +8,7 @@ from typing import Final
 
 from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import number, Tile
-from lta_analysis.report.pieces import section, terms, tile_html
+from lta_analysis.report.pieces import section, tile_html
 from lta_analysis.tune import pictures, told
 from lta_analysis.tune.exam import Channel, Trace
 from lta_analysis.tune.run import scene_name, Tuned
@@ -48,9 +48,9 @@ def page(tuned: Tuned, old: Traces, new: Traces) -> str:
         margins=margins + MARGINS_NOTE,
         gains=told.table(('number', 'old', 'new', 'searched'), told.gain_rows(tuned)),
         limits=limits + LIMITS_NOTE,
-        facts=terms(facts(tuned)),
-        commands=terms(commands(tuned), code=True),
-        file=escape(tuned.file.read_text(encoding='utf-8')),
+        facts=facts(tuned),
+        commands=commands(tuned),
+        files={'Gains file': tuned.file.read_text(encoding='utf-8')},
     )
 
 

@@ -1,21 +1,19 @@
 """The progress bar of a tuning: candidates, flights, the best cost, and what comes after."""
 
-from types import TracebackType
-from typing import final, Self
+from typing import final
 
+from lta_analysis.bar import Bar
 from rich.console import Console
 from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
-    Progress,
-    SpinnerColumn,
     TextColumn,
     TimeRemainingColumn,
 )
 
 
 @final
-class TuneProgress:
+class TuneProgress(Bar):
     """
     Show a tuning while it lasts.
 
@@ -30,42 +28,26 @@ class TuneProgress:
 
     def __init__(self, console: Console, budget: int, cases: int) -> None:
         self._cases = cases
-        self._bar = Progress(
-            SpinnerColumn(),
+        super().__init__(
+            console,
             TextColumn('candidates'),
             BarColumn(),
             MofNCompleteColumn(),
             TimeRemainingColumn(),
             TextColumn('{task.fields[detail]}'),
-            console=console,
-            transient=True,
-            disable=not console.is_terminal,
+            total=budget,
+            detail='',
         )
-        self._task = self._bar.add_task('', total=budget, detail='')
         console.print(
             f'{budget} candidates with {cases} examinations each: {budget * cases} flights.',
             highlight=False,
         )
 
-    def __enter__(self) -> Self:
-        """Show the bar."""
-        self._bar.start()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """Take the bar away."""
-        self._bar.stop()
-
     def candidate(self, count: int, best: float) -> None:
         """Count one more candidate."""
         words = f'{count * self._cases} flights, best cost {best:.3f}'
-        self._bar.update(self._task, completed=count, detail=words)
+        self.move(completed=count, detail=words)
 
     def stage(self, words: str) -> None:
         """Say what is done after the search."""
-        self._bar.update(self._task, detail=words)
+        self.move(detail=words)

@@ -8,7 +8,7 @@ from typing import Final
 from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import Tile
 from lta_analysis.report.palette import DARK, ESTIMATE, FILL, GOOD, TIME, TRUTH
-from lta_analysis.report.pieces import terms, tile_html
+from lta_analysis.report.pieces import tile_html
 from lta_analysis.typed import typed
 from lta_analysis.vehicle.detail import detail
 from lta_analysis.vehicle.drawing import drawing
@@ -68,7 +68,9 @@ def page(sheet: Sheet, warnings: Sequence[str], name: str) -> str:
         groups='\n'.join(group_html(name, sheet) for name in sheet.groups),
         parts='\n'.join(map(part_row, sheet.budget)),
         numbers='\n'.join(map(number_row, sheet.numbers)),
-        commands=terms(commands(name), code=True),
+        facts={},
+        commands=commands(name),
+        files={},
         drawn=False,
         **colours,
     )

@@ -8,9 +8,10 @@ from typing import Annotated
 
 from lta_analysis.bag.folder import bag_in
 from lta_analysis.bag.recover import recover as mend
+from lta_analysis.bar import Bar
 from lta_bridge.bag.storage import StorageFault
 from rich.console import Console
-from rich.progress import BarColumn, DownloadColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, DownloadColumn, TextColumn, TimeRemainingColumn
 import typer
 
 
@@ -19,11 +20,8 @@ def progress() -> Iterator[Callable[[int, int], None]]:
     """Show a bar on a terminal; what is yielded is told the bytes behind, and all of them."""
     console = Console(stderr=True)
     columns = (TextColumn('recovering'), BarColumn(), DownloadColumn(), TimeRemainingColumn())
-    with Progress(
-        *columns, console=console, transient=True, disable=not console.is_terminal
-    ) as bar:
-        task = bar.add_task('recovering', total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
+    with Bar(console, *columns) as bar:
+        yield lambda done, total: bar.move(completed=done, total=total)
 
 
 def recover(

@@ -8,6 +8,7 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
+from lta_analysis.bar import Bar
 from lta_analysis.typed import near
 from lta_analysis.verbs.fly import folder
 from lta_analysis.wind.limits import Asked, Limits, measured, ticks, to_json
@@ -19,7 +20,7 @@ from lta_config.files import known
 from lta_sim.scenario import load_scenario
 from lta_sim.vehicle import load_vehicle
 from rich.console import Console
-from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 from rich.table import Table
 import typer
 
@@ -101,17 +102,14 @@ def wind(
 
 def find_limits(asked: Asked, console: Console) -> list[Limits]:
     """Return the limits of all platforms, with a progress bar."""
-    bar = Progress(
-        SpinnerColumn(), TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn(),
-        console=console, transient=True, disable=not console.is_terminal,
-    )  # fmt: skip
-    with bar:
-        task = bar.add_task('wind', total=ticks(asked) + len(asked.vehicles))
-        found = []
+    columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
+    total = ticks(asked) + len(asked.vehicles)
+    found = []
+    with Bar(console, *columns, begin='wind', total=total) as bar:
         for name in asked.vehicles:
-            bar.update(task, description=name)
-            found.append(measured(asked, name, lambda: bar.advance(task)))
-            bar.advance(task)
+            bar.move(description=name)
+            found.append(measured(asked, name, lambda: bar.move(advance=1)))
+            bar.move(advance=1)
     return found
 
 

@@ -19,7 +19,7 @@ from lta_analysis.report.palette import (
     TRUTH,
     WALL,
 )
-from lta_analysis.report.pieces import section, terms, tile_html
+from lta_analysis.report.pieces import section, tile_html
 from lta_analysis.typed import typed
 from lta_analysis.wind.limits import Asked, Limits
 from lta_analysis.wind.trial import Flyable
@@ -68,8 +68,8 @@ def page(found: Sequence[Limits], asked: Asked) -> str:
             'wind', 'Flyable wind against the roughness of the ground', CAPTION,
             picture(found, asked),
         ),
-        facts=terms(facts(asked)),
-        commands=terms(commands(asked), code=True),
+        facts=facts(asked),
+        commands=commands(asked),
     )  # fmt: skip
 
 

@@ -1,0 +1,1 @@
+"""Whether a recording can be believed: checks that name channel, interval and evidence."""

@@ -1,0 +1,43 @@
+"""Which values a quantity can have at all: declared by channel, with the reason."""
+
+import re
+from typing import Final, NamedTuple
+
+
+class Range(NamedTuple):
+    """The values that a channel can have; a value outside cannot be, whatever the flight."""
+
+    names: re.Pattern[str]
+    low: float
+    high: float
+    reason: str
+
+
+INFINITE: Final = float('inf')
+RANGES: Final = (
+    Range(re.compile(r'^motors/effort\.|^motors/effort\['), -1.0, 1.0, 'a duty is -1 to 1'),
+    Range(re.compile(r'(^|/)range/range$'), 0.0, INFINITE, 'a distance is not negative'),
+    Range(
+        re.compile(r'(^|/)illuminance/illuminance$'),
+        0.0,
+        2e5,
+        'light is not negative, and the sun gives 1.3e5 lx',
+    ),
+    Range(re.compile(r'/percentage$'), 0.0, 1.0, 'a charge is a share'),
+    Range(re.compile(r'/fluid_pressure$'), 3e4, 1.1e5, 'air of the lowest 9 km'),
+    Range(
+        re.compile(r'linear_acceleration\.[xyz]$'), -320.0, 320.0, 'no such sensor goes past 32 g'
+    ),
+    Range(
+        re.compile(r'angular(_velocity)?\.[xyz]$'), -70.0, 70.0, 'no gyroscope tells 4000 deg/s'
+    ),
+    Range(re.compile(r'linear\.[xyz]$'), -60.0, 60.0, 'no craft flown in a room is so fast'),
+    Range(re.compile(r'\.(yaw|pitch|roll)$'), -7.0, 7.0, 'an angle in radians within one turn'),
+    Range(re.compile(r'^photodiodes/(min|max|mean)\['), 0.0, 4095.0, 'the converter has 12 bit'),
+    Range(re.compile(r'^photodiodes/std\['), 0.0, 2048.0, 'half the span of the converter'),
+    Range(re.compile(r'^light/peaks/amplitude\['), 0.0, 4095.0, 'the converter has 12 bit'),
+    Range(re.compile(r'^light/peaks/snr\['), 0.0, INFINITE, 'a ratio of powers'),
+    Range(re.compile(r'/temperature$'), -60.0, 150.0, 'nothing flies colder or hotter'),
+)
+# Of one cell and of packs; between 4.4 and 5 V and below 2.5 V there is none. [V]
+CELLS: Final = ((2.5, 4.4), (5.0, 61.0))

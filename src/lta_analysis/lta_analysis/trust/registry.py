@@ -1,0 +1,91 @@
+"""The checks by the kind of their findings, and how they are put to a recording."""
+
+from dataclasses import dataclass
+from typing import Final, final
+
+from lta_analysis.trust import (
+    axes,
+    clipped,
+    clocks,
+    constant,
+    duplicated,
+    filtered,
+    frozen,
+    held,
+    impossible,
+    stamps,
+    units,
+)
+from lta_analysis.trust.evidence import Evidence
+from lta_analysis.trust.finding import Finding
+from lta_analysis.trust.limits import Limits
+from lta_analysis.trust.protocol import Check
+from lta_analysis.trust.recording import Recording
+from lta_analysis.trust.roles import family
+
+CHECKS: Final[dict[str, Check]] = {
+    constant.KIND: constant.check,
+    frozen.KIND: frozen.check,
+    clipped.KIND: clipped.check,
+    duplicated.KIND: duplicated.check,
+    impossible.KIND: impossible.check,
+    filtered.KIND: filtered.check,
+    units.KIND: units.check,
+    axes.KIND: axes.check,
+    clocks.KIND: clocks.check,
+    stamps.KIND: stamps.check,
+    held.KIND: held.check,
+}
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Report:
+    """
+    What the checks say of a recording.
+
+    Attributes
+    ----------
+    findings : tuple of Finding
+        By time.
+    unjudged : tuple of str
+        What could not be judged, and why.
+
+    """
+
+    findings: tuple[Finding, ...]
+    unjudged: tuple[str, ...]
+
+    @property
+    def grave(self) -> bool:
+        """Whether anything is suspicious or cannot be true."""
+        return any(finding.grave for finding in self.findings)
+
+
+def checked(recording: Recording, limits: Limits | None = None) -> Report:
+    """
+    Put every check to a recording.
+
+    Parameters
+    ----------
+    recording : Recording
+        The data; any subset of topics.
+    limits : Limits, optional
+        Thresholds.
+
+    """
+    evidence = Evidence(recording, limits or Limits())
+    verdicts = [check(evidence) for check in CHECKS.values()]
+    found = [finding for verdict in verdicts for finding in verdict.findings]
+    kept = sorted(without_echoes(found), key=lambda finding: (finding.from_s, finding.channel))
+    return Report(tuple(kept), tuple(text for verdict in verdicts for text in verdict.unjudged))
+
+
+def without_echoes(found: list[Finding]) -> list[Finding]:
+    """Leave out what another finding explains: a wrong unit makes values impossible, too."""
+    other_unit = {family(finding.channel) for finding in found if finding.kind == units.KIND}
+    return [
+        finding
+        for finding in found
+        if finding.kind != impossible.KIND or family(finding.channel) not in other_unit
+    ]

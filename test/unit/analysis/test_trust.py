@@ -1,0 +1,355 @@
+"""The trust checks: hand-made channels with known faults, and few of the cases of `make trust`."""
+
+from dataclasses import replace
+from pathlib import Path
+import sys
+
+from lta_analysis.bag.channels import Channel
+from lta_analysis.trust.duplicated import hashes
+from lta_analysis.trust.evidence import Evidence
+from lta_analysis.trust.filtered import noise
+from lta_analysis.trust.finding import Severity
+from lta_analysis.trust.limits import Limits
+from lta_analysis.trust.recording import Recording
+from lta_analysis.trust.registry import checked, CHECKS
+from lta_analysis.trust.roles import family, measured_topic
+from lta_analysis.trust.runs import merged, runs
+from lta_analysis.trust.smooth import kernel, smoothed
+from lta_analysis.trust.twins import twins
+import numpy as np
+import pytest
+
+FOLDER = Path(__file__).resolve().parents[2] / 'benchmark'
+GYRO, FORCE = 'imu/angular_velocity', 'imu/linear_acceleration'
+
+
+@pytest.fixture(scope='module')
+def bench():
+    """Return the modules of the score."""
+    sys.path.insert(0, str(FOLDER))
+    import trust_corruptions
+    import trust_flights
+
+    yield trust_flights, trust_corruptions
+    sys.path.remove(str(FOLDER))
+    for name in [name for name in sys.modules if name.startswith('trust_')]:
+        sys.modules.pop(name)
+
+
+@pytest.fixture(scope='module')
+def clean(bench):
+    """Return a few clean simulated flights."""
+    flights, _ = bench
+    return [flights.simulated(seed) for seed in (1, 5, 6, 32)]
+
+
+def recording(**channels):
+    """Return a recording of channels by 'topic/field', each a pair of times and values."""
+    made = {
+        n: Channel(n, '', np.asarray(t), np.asarray(v, float)) for n, (t, v) in channels.items()
+    }
+    return Recording(made)
+
+
+def resting(seed=0, count=1000):
+    """Return a resting IMU of 100 Hz with the noise of a data sheet."""
+    rng = np.random.default_rng(seed)
+    time = np.arange(count) * 0.01
+    rates = {f'{GYRO}.{axis}': (time, rng.normal(0.0, 1.4e-3, count)) for axis in 'xyz'}
+    level = {'x': 0.0, 'y': 0.0, 'z': 9.80665}
+    force = {f'{FORCE}.{a}': (time, rng.normal(g, 0.01, count)) for a, g in level.items()}
+    return rates | force
+
+
+def kinds(flight):
+    """Return kinds and channels of what was found."""
+    return {(finding.kind, finding.channel) for finding in checked(flight).findings}
+
+
+def test_a_resting_sensor_is_clean_and_what_cannot_be_judged_is_said():
+    report = checked(recording(**resting()))
+    assert report.findings == ()
+    assert any('cannot be judged' in sentence for sentence in report.unjudged)
+
+
+def test_an_empty_recording_has_no_findings():
+    assert checked(Recording({})).findings == ()
+
+
+def test_a_constant_axis_is_named_and_an_unfilled_vector_is_a_note():
+    data = resting()
+    time = data[f'{GYRO}.x'][0]
+    data[f'{GYRO}.y'] = (time, np.full(len(time), 0.25))
+    assert ('constant', f'{GYRO}.y') in kinds(recording(**data))
+    for axis in 'xyz':
+        data[f'{GYRO}.{axis}'] = (time, np.zeros(len(time)))
+    (found,) = checked(recording(**data)).findings
+    assert (found.channel, found.severity, found.grave) == (GYRO, Severity.NOTE, False)
+
+
+def test_a_stop_is_found_where_it_is():
+    data = resting()
+    time, values = data[f'{GYRO}.x']
+    values[400:450] = values[400]
+    (found,) = checked(recording(**data)).findings
+    assert (found.kind, found.channel) == ('frozen', f'{GYRO}.x')
+    assert (found.from_s, found.to_s) == pytest.approx((time[400], time[449]))
+    assert found.values['readings'] == 50
+
+
+def test_a_slow_instrument_sampled_fast_is_not_frozen():
+    data = resting()
+    for name, (time, values) in data.items():
+        data[name] = (time, np.repeat(values[::10], 10))
+    assert not {kind for kind, _ in kinds(recording(**data))} & {'frozen', 'constant', 'duplicate'}
+
+
+def test_a_limit_is_found_at_the_values_that_reach_it():
+    data = resting()
+    time, values = data[f'{GYRO}.x']
+    tone = 0.1 * np.sin(2.0 * np.pi * 0.5 * time) + values
+    data[f'{GYRO}.x'] = (time, np.minimum(tone, 0.09))
+    found = [f for f in checked(recording(**data)).findings if f.kind == 'clipped']
+    assert [f.channel for f in found] == [f'{GYRO}.x']
+    assert found[0].values == {'limit': 0.09, 'readings': float((tone >= 0.09).sum())}
+
+
+def test_a_stretch_again_names_both():
+    data = resting()
+    time, values = data[f'{FORCE}.y']
+    values[700:760] = values[100:160]
+    (found,) = checked(recording(**data)).findings
+    assert (found.kind, found.from_s) == ('duplicate', pytest.approx(time[700]))
+    assert found.values == {'from_s': pytest.approx(time[100]), 'readings': 60.0}
+
+
+def test_hashes_are_those_of_equal_windows_only():
+    values = np.array([1.0, 2.0, 3.0, 9.0, 1.0, 2.0, 3.0, 2.0, 1.0])
+    told = hashes(values, 3)
+    assert told[0] == told[4]
+    assert len(set(told.tolist())) == len(told) - 1
+
+
+@pytest.mark.parametrize(
+    ('name', 'value', 'reason'),
+    [
+        ('range/range', -0.5, 'not negative'),
+        ('illuminance/illuminance', -1.0, 'not negative'),
+        ('battery/voltage', 4.7, 'no cell has'),
+        ('motors/effort.left', 1.2, 'a duty is'),
+        ('photodiodes/max[0]', 4096.0, '12 bit'),
+        ('pressure/fluid_pressure', 2e5, 'air'),
+    ],
+)
+def test_values_that_cannot_be_are_errors(name, value, reason):
+    time = np.arange(200) * 0.1
+    rng = np.random.default_rng(2)
+    usual = {'battery/voltage': 3.9, 'pressure/fluid_pressure': 101325.0}.get(name, 0.5)
+    values = usual + 0.01 * rng.normal(size=200)
+    values[50:53] = value
+    (found,) = checked(recording(**{name: (time, values)})).findings
+    assert (found.kind, found.severity) == ('impossible', Severity.ERROR)
+    assert (found.from_s, found.to_s) == pytest.approx((5.0, 5.2))
+    assert reason in found.evidence
+
+
+@pytest.mark.parametrize('voltage', [3.7, 7.4, 11.1, 22.2])
+def test_packs_of_cells_are_possible(voltage):
+    time = np.arange(100) * 0.1
+    values = voltage - 0.001 * np.arange(100)
+    assert checked(recording(**{'battery/voltage': (time, values)})).findings == ()
+
+
+def test_gravity_tells_the_unit_and_the_sign_of_an_accelerometer():
+    data = resting()
+    in_g = {n: (t, v / 9.80665 if n.startswith(FORCE) else v) for n, (t, v) in data.items()}
+    assert ('unit', FORCE) in kinds(recording(**in_g))
+    time, values = data[f'{FORCE}.z']
+    turned = data | {f'{FORCE}.z': (time, -values)}
+    assert kinds(recording(**turned)) == {('axes', f'{FORCE}.z')}
+
+
+def test_a_rest_that_does_not_feel_gravity_is_impossible():
+    data = resting()
+    time, values = data[f'{FORCE}.z']
+    data[f'{FORCE}.z'] = (time, values + 1.5)
+    assert kinds(recording(**data)) == {('impossible', FORCE)}
+
+
+def test_the_noise_is_that_of_white_noise():
+    values = np.random.default_rng(3).normal(0.0, 0.02, 20_000)
+    # The median over windows is below the mean of an exponential: ln 2.
+    assert noise(values) == pytest.approx(0.02 * np.sqrt(np.log(2.0)), rel=0.05)
+    slow = np.sin(np.arange(20_000) * 0.01)
+    assert noise(slow) < 1e-7
+
+
+def test_smooth_data_is_a_warning_unless_it_says_that_it_is_simulated():
+    time = np.arange(1000) * 0.01
+    data = {f'{GYRO}.{a}': (time, 0.1 * np.sin(time + i)) for i, a in enumerate('xyz')}
+    found = checked(recording(**data)).findings
+    assert [(f.kind, f.severity, f.grave) for f in found] == [('filtered', 'warning', False)]
+    declared = replace(recording(**data), provenance={'data': 'simulated'})
+    assert checked(declared).findings == ()
+
+
+def swinging(late=0.0, factor=1.0, sign=1.0):
+    """Return a craft that yaws by 0.4 sin(w t) and swings, with a gyroscope beside its pose."""
+    data = resting(count=2000)
+    time = np.arange(2000) * 0.01
+    rng = np.random.default_rng(8)
+    tones = [0.4 * np.sin(2.1 * time) + 0.2 * np.sin(3.7 * time), 0.05 * np.sin(4.0 * time)]
+    rates = [0.84 * np.cos(2.1 * (time - late)) + 0.74 * np.cos(3.7 * (time - late)),
+             0.2 * np.cos(4.0 * (time - late))]  # fmt: skip
+    yaw, pitch = (tone + rng.normal(0.0, 3e-4, 2000) for tone in tones)
+    for part, values in (('yaw', yaw), ('pitch', pitch), ('roll', rng.normal(0.0, 3e-4, 2000))):
+        data[f'ground_truth/odom/pose.pose.orientation.{part}'] = (time, values)
+    # By hand, for turns about z, then y: wx = -yaw' sin(pitch), wy = pitch', wz = yaw' cos(pitch).
+    tilt = 0.05 * np.sin(4.0 * (time - late))
+    told = [-rates[0] * np.sin(tilt), rates[1], sign * rates[0] * np.cos(tilt)]
+    for axis, values in zip('xyz', told, strict=True):
+        data[f'{GYRO}.{axis}'] = (time, factor * (values + rng.normal(0.0, 1.4e-3, 2000)))
+    return recording(**data)
+
+
+def test_a_gyroscope_beside_its_attitude_is_clean():
+    assert [f for f in checked(swinging()).findings if f.grave] == []
+
+
+@pytest.mark.parametrize('late', [0.1, -0.25, 0.8])
+def test_the_lag_of_a_gyroscope_is_told_with_its_error(late):
+    found = [f for f in checked(swinging(late=late)).findings if f.kind == 'clock']
+    assert [f.channel for f in found] == [GYRO]
+    assert found[0].values['lag'] == pytest.approx(late, abs=0.01)
+    assert found[0].values['error'] < 0.02
+
+
+def test_degrees_and_a_turned_sign_of_a_gyroscope_are_told():
+    (unit,) = [f for f in checked(swinging(factor=180.0 / np.pi)).findings if f.kind == 'unit']
+    assert unit.channel == GYRO
+    assert unit.values['factor'] == pytest.approx(57.3, rel=0.03)
+    assert 'deg/s' in unit.evidence
+    (turned,) = [f for f in checked(swinging(sign=-1.0)).findings if f.kind == 'axes']
+    assert turned.channel == f'{GYRO}.z'
+    assert '-z is z' in turned.evidence
+
+
+def test_stamps_that_go_back_or_leave_out_are_found():
+    data = resting()
+    late = {n: (np.where(t > 5.0, t - 0.3, t), v) for n, (t, v) in data.items()}
+    found = {f.evidence for f in checked(recording(**late)).findings if f.kind == 'stamps'}
+    assert len(found) == 1
+    assert 'go back by 0.290 s' in found.pop()
+    hole = {n: (np.delete(t, range(300, 360)), np.delete(v, range(300, 360)))
+            for n, (t, v) in data.items()}  # fmt: skip
+    (gap,) = checked(recording(**hole)).findings
+    assert (gap.from_s, gap.to_s) == pytest.approx((2.99, 3.6))
+
+
+def test_log_times_that_part_from_stamps_are_found():
+    flight = recording(**resting())
+    arrived = np.arange(1000) * 0.01
+    assert checked(replace(flight, arrivals={'imu': arrived + 3.0})).findings == ()
+    arrived[500:] += 2.0
+    (found,) = checked(replace(flight, arrivals={'imu': arrived})).findings
+    assert found.values['jump'] == pytest.approx(-2.0)
+
+
+def test_runs_and_what_is_put_together():
+    true = np.array([1, 1, 0, 1, 0, 0, 0, 1], dtype=bool)
+    assert runs(true).tolist() == [[0, 2], [3, 4], [7, 8]]
+    assert list(merged(runs(true), 1)) == [(0, 4), (7, 8)]
+    assert runs(np.zeros(3, dtype=bool)).shape == (0, 2)
+
+
+def test_a_kernel_keeps_the_mean_and_a_straight_line():
+    weights = kernel(0.25, 0.01)
+    assert weights.sum() == pytest.approx(1.0)
+    line = np.arange(100.0)[:, None] * [1.0, -2.0]
+    np.testing.assert_allclose(smoothed(line, weights)[20:-20], line[20:-20])
+
+
+def test_families_and_roles():
+    assert family('odom/pose.pose.position.x') == 'odom/pose.pose.position'
+    assert family('battery/voltage') == 'battery/voltage'
+    assert not measured_topic('light/estimate')
+    assert measured_topic('ground_truth/odom')
+
+
+def test_every_limit_has_a_reason():
+    assert all(field.description for field in Limits.model_fields.values())
+    assert list(CHECKS) == list(dict.fromkeys(CHECKS))
+
+
+def test_clean_simulated_flights_have_no_findings_and_each_check_is_pure(bench):
+    flights, _ = bench
+    for seed in range(1, 9):
+        flight = flights.simulated(seed)
+        before = {name: channel.values.copy() for name, channel in flight.channels.items()}
+        assert [f for f in checked(flight).findings if f.grave] == []
+        for name, values in before.items():
+            np.testing.assert_array_equal(flight.channels[name].values, values)
+
+
+CASES = {
+    'constant': 4, 'frozen': 4, 'clipped': 4, 'duplicate': 4, 'impossible': 6, 'filtered': 3,
+    'unit': 6, 'axes': 6, 'clock': 5, 'stamps': 4, 'held': 4,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize('kind', CASES)
+def test_corruptions_of_simulated_flights_are_found(bench, clean, kind):
+    _, corruptions = bench
+    rng = np.random.default_rng(list(kind.encode()))
+    done = missed = 0
+    for attempt in range(200):
+        wrong = corruptions.CORRUPTIONS[kind](clean[attempt % len(clean)], rng)
+        if wrong is None:
+            continue
+        names = {*wrong.names, *map(family, wrong.names)}
+        found = [f for f in checked(wrong.recording).findings if f.kind == kind]
+        right = [f for f in found if {f.channel, family(f.channel)} & names]
+        missed += not any(f.from_s <= wrong.to_s and f.to_s >= wrong.from_s for f in right)
+        done += 1
+        if done == CASES[kind]:
+            break
+    assert done == CASES[kind]
+    assert missed <= 1  # 95 % of many
+
+
+def test_every_kind_of_check_is_scored(bench):
+    _, corruptions = bench
+    assert set(corruptions.CORRUPTIONS) == set(CHECKS) == set(CASES)
+
+
+def test_one_run_again_is_found_and_two_runs_are_not(bench, clean):
+    _, corruptions = bench
+    first, second = clean[:2]
+    copy = corruptions.twin(first, np.random.default_rng(4))
+    found = twins([('a', first), ('b', second), ('copy of a', copy.recording)])
+    assert list(found) == ['copy of a']
+    (twin,) = found['copy of a']
+    assert twin.values['agreement'] > 0.99
+    assert "'a'" in twin.evidence
+
+
+def test_real_flights_are_clean_and_rgblimp_is_told_to_be_filtered(bench):
+    flights, _ = bench
+    if not flights.rgblimp_files():
+        pytest.skip('needs ../shared/data (published flights of others)')
+    for path in flights.rgblimp_files()[::20]:
+        found = checked(flights.rgblimp(path)).findings
+        assert {(f.kind, f.severity) for f in found} == {('filtered', Severity.WARNING)}
+    for path in flights.crazyflie_files()[:2]:
+        assert checked(flights.crazyflie(path)).findings == ()
+
+
+def test_pairs_are_worked_out_once():
+    evidence = Evidence(recording(**resting()), Limits())
+    assert evidence.likenesses is evidence.likenesses
+
+
+def test_the_page_tells_of_every_kind():
+    page = (FOLDER.parents[1] / 'docs/trust.md').read_text(encoding='utf-8')
+    rows = {line.split('|')[1].strip() for line in page.splitlines() if line.startswith('| ')}
+    assert {*CHECKS, 'twin'} <= rows
