@@ -36,10 +36,16 @@ class FaultWatch:
     A fault that comes while the watch rests is told when the rest is over, so that a graph that
     fails all over, or flickers, is told of at most once in `REST`. That nodes wait for a vehicle
     whose flight is over is no fault.
+
+    Attributes
+    ----------
+    over : set of str
+        The robots that have said that their flight or replay is over.
+
     """
 
     def __init__(self) -> None:
-        self._over: set[str] = set()
+        self.over: set[str] = set()
         self._failing: set[str] = set()
         self._news: dict[str, None] = {}
         self._rests_until = float('-inf')
@@ -48,9 +54,9 @@ class FaultWatch:
         """Take note of a diagnostics message."""
         for status in statuses:
             if status.over:
-                self._over.add(status.robot)
+                self.over.add(status.robot)
             name = f'{status.robot}/{status.task}'.lstrip('/')
-            left_alone = status.robot in self._over and status.task.endswith(INPUTS)
+            left_alone = status.robot in self.over and status.task.endswith(INPUTS)
             if not status.failing or left_alone:
                 self._failing.discard(name)
             elif name not in self._failing:

@@ -177,6 +177,42 @@ def test_a_fault_in_the_diagnostics_is_saved_with_its_name(tmp_path):
     assert stored(path) == [5]
 
 
+@pytest.mark.parametrize(
+    ('heard', 'why'),
+    [
+        ([Status('lta1', 'simulator: flight', False, over=True)], None),
+        ([], 'stopped before the flight was over'),
+        (
+            [Status('lta2', 'simulator: flight', False, over=True)],
+            'stopped before the flight was over',
+        ),
+    ],
+)
+def test_whoever_is_stopped_before_the_end_keeps_the_last_seconds(tmp_path, heard, why):
+    memory = memory_of(tmp_path / 'bag')
+    snapshots = Snapshots(memory, writer := BackgroundWriter(memory, 1000))
+    assert snapshots.finish(['lta1']) is None  # there is nothing to keep
+    memory.write('/a', FALSE, 5)
+    snapshots.hear(heard, 1.0)
+    snapshots.finish(['lta1'])
+    writer.close()
+    told = [read_bag(path).provenance['snapshot'] for path in (tmp_path / 'bag').iterdir()]
+    assert told == ([why] if why else [])
+
+
+def test_a_fault_that_waits_is_saved_at_the_end(tmp_path):
+    memory = memory_of(tmp_path / 'bag')
+    snapshots = Snapshots(memory, writer := BackgroundWriter(memory, 1000))
+    memory.write('/a', FALSE, 5)
+    over = Status('lta1', 'simulator: flight', False, over=True)
+    snapshots.hear([over, Status('lta1', 'a: state', True)], 1.0)
+    snapshots.hear([Status('lta1', 'b: state', True)], 2.0)
+    saving = snapshots.finish(['lta1'])
+    writer.close()
+    assert saving.sentence == f"1 messages are in '{tmp_path}/bag/snapshot_1'."
+    assert read_bag(tmp_path / 'bag/snapshot_1').provenance['snapshot'] == 'lta1/b: state'
+
+
 def test_what_the_disk_refuses_for_good_is_a_fault_of_the_disk(tmp_path, monkeypatch):
     memory = memory_of(tmp_path / 'bag')
     memory.write('/a', FALSE, 1)

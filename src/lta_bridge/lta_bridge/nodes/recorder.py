@@ -14,6 +14,7 @@ from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from functools import partial
 from pathlib import Path
+import sys
 import time
 from typing import Any
 
@@ -92,7 +93,7 @@ class Recorder(GraphNode):
         super().__init__('recorder')
         told = self._told = Parameters(self, RecorderSettings).value
         origin = self._origin()
-        robots = told.robots.split() or [self.get_namespace().strip('/')]
+        robots = self._robots = told.robots.split() or [self.get_namespace().strip('/')]
         topics = wanted(told.topics, robots, self.table)
         self._fault = ''
         self._snapshots: Snapshots | None = None
@@ -263,7 +264,8 @@ class Recorder(GraphNode):
             spin(self, end, awaited=list, wait_ns=NAP_NS)
 
     def close(self) -> None:
-        """Finish the bag, and say so if it had to end early."""
+        """Finish the bag, or save a last snapshot; say so if it had to end early."""
+        last = None if self._snapshots is None else self._snapshots.finish(self._robots)
         for name in self._taps:
             if name not in self._announced:
                 self._announce(name)
@@ -271,6 +273,9 @@ class Recorder(GraphNode):
             self._writer.close()
         except StorageFault as fault:
             self._fault = str(fault)
+        if last is not None:
+            self._fault = self._fault or last.fault
+            sys.stdout.write(f'{last.sentence}\n' if last.made else '')
         if self._fault:
             self.health.report('recording', Level.ERROR, self._fault, unwritten=self._writer.lost)
         self.publish_health()
