@@ -78,6 +78,16 @@ def test_without_a_recording_nobody_waits_for_a_recorder():
     assert all(found[f'{robot}/simulator']['record'] is False for robot in ROBOTS)
 
 
+def test_each_has_a_live_view_of_its_own_where_one_is_asked_for():
+    assert not any('live' in name.split('/') for name in nodes(PAIR))
+    found = nodes(PAIR, live='true', live_port2='9000')
+    alone = nodes(FLY, live='true')['live']
+    assert found['lta1/live'] == alone
+    assert found['lta2/live'] == {**alone, 'port': 9000}
+    ports = {item.name: item.default for item in arguments(PAIR) if 'port' in item.name}
+    assert ports['live_port1'] != ports['live_port2']
+
+
 def test_the_end_of_either_simulator_ends_the_launch_for_each_waits_for_the_other():
     ending = [item for item in load(PAIR, {}).processes if item.on_exit_shutdown]
     assert [(item.namespace, item.name) for item in ending] == [

@@ -19,7 +19,7 @@ PAGE = ROOT / 'docs/recording.md'
 SETTINGS = {
     name: default
     for name, _, default in leaves(RecorderSettings())
-    if name not in {*Origin.model_fields, 'robots'}
+    if name not in {*Origin.model_fields, 'robots', 'replay'}
 }
 
 

@@ -290,6 +290,6 @@ def test_what_a_player_cannot_do_is_one_sentence(lta, meters, tmp_path):
     done = lta.run('replay', meters, '--out', tmp_path / 'replay')
     assert (done.returncode, done.stderr) == (
         2,
-        f"'{meters}' has no 'photodiodes', which demodulator answers; run vehicle again as well, "
-        'or leave demodulator out.\n',
+        f"'{meters}' has no 'photodiodes', which demodulator answers; leave demodulator out of "
+        '--nodes.\n',
     )

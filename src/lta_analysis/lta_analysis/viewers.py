@@ -30,12 +30,17 @@ def refuse_taken_ports(plan: LaunchPlan) -> None:
     Raises
     ------
     BadInput
-        If its port is in use or no port, or its address is none of this machine's.
+        If its port is in use, another view's or no port, or its address is none of this
+        machine's.
 
     """
+    seen: set[object] = set()
     for process in filter(_looks, plan.processes):
         given = parameters(process.arguments)
         port = given['port']
+        if port in seen:
+            raise BadInput(f'Two live views were given port {port}; give each its own.')
+        seen.add(port)
         if not (type(port) is int and 1 <= port <= 65535):
             raise BadInput(
                 f'The port of the live view is {port}, but must be a whole number from 1 to 65535.'
@@ -45,7 +50,10 @@ def refuse_taken_ports(plan: LaunchPlan) -> None:
 
 def invite(plan: LaunchPlan, say: Callable[[str], None]) -> None:
     """Tell where people can look on; nothing where a plan has no live view."""
-    for process in filter(_looks, plan.processes):
+    views = list(filter(_looks, plan.processes))
+    for process in views:
         url = app_url(int(str(parameters(process.arguments)['port'])))
-        say(f'Live   {url}  (or, in the Foxglove app, Open connection)')
+        whose = f'{process.namespace.strip("/")}; ' if len(views) > 1 else ''
+        say(f'Live   {url}  ({whose}or, in the Foxglove app, Open connection)')
+    if views:
         say(f'Layout {near(share() / LAYOUT)}  (import it there once)')

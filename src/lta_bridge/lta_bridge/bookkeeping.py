@@ -4,7 +4,7 @@ What a recorder knows of the raw messages it takes: their time, and which have b
 Only the first bytes of a message are read: a stamped message begins with its header's stamp.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 import struct
 import time
 from typing import final
@@ -49,6 +49,8 @@ class Bookkeeping:
     ----------
     counts, lost, wild, torn : dict of str to int
         By topic: messages heard, missed on the way, with a stamp that cannot be, and too short.
+    due : mapping of str to sequence of int
+        By topic, when each of its messages is due, where the player of a replay has said so. [ns]
 
     """
 
@@ -62,6 +64,7 @@ class Bookkeeping:
         self._dated = lockstep  # whether the present is known
         self._ahead_since: float | None = None
         self._last: dict[str, int] = {}
+        self.due: Mapping[str, Sequence[int]] = {}
         self.counts: dict[str, int] = {}
         self.lost: dict[str, int] = {}
         self.wild: dict[str, int] = {}
@@ -89,7 +92,7 @@ class Bookkeeping:
         if topic is None or not topic.period_ns:
             return self._now
         if not topic.stamped:
-            return self._turn(name) if self._lockstep else self._now
+            return self._turn(name)
         stamp = stamp_of(data)
         if stamp is None:
             self.torn[name] = self.torn.get(name, 0) + 1
@@ -101,9 +104,13 @@ class Bookkeeping:
         return self._now
 
     def _turn(self, name: str) -> int:
-        """Return when the newest message of a topic without stamps was due. [ns]"""
+        """Return when the newest message of a topic without stamps was due, if known. [ns]"""
         topic = self._table[name]
         turn = self.counts[name] - 1
+        if turn < len(told := self.due.get(name, ())):
+            return told[turn]
+        if not self._lockstep:
+            return self._now
         return self._table.start_ns + turn * topic.period_ns + topic.latency_ns
 
     def _believes(self, published: int) -> bool:

@@ -1,9 +1,31 @@
 """When the diagnostics of a graph tell of a fault that is new."""
 
 from collections.abc import Iterable
-from typing import final
+from typing import final, NamedTuple
 
 REST = 10.0  # wall seconds in which further faults wait, and then count as one
+INPUTS = ': inputs'  # the task in which a node says that it waits for others
+
+
+class Status(NamedTuple):
+    """
+    One status of a diagnostics message.
+
+    Attributes
+    ----------
+    robot, task : str
+        Whose it is, and which: 'lta1', 'controller: inputs'.
+    failing : bool
+        Whether it is an error.
+    over : bool
+        Whether it says that the robot's flight or replay has come to its end.
+
+    """
+
+    robot: str
+    task: str
+    failing: bool
+    over: bool = False
 
 
 @final
@@ -12,26 +34,30 @@ class FaultWatch:
     Tell once of each fault: a status that has become an error.
 
     A fault that comes while the watch rests is told when the rest is over, so that a graph that
-    fails all over, or flickers, is told of at most once in `REST`.
+    fails all over, or flickers, is told of at most once in `REST`. That nodes wait for a vehicle
+    whose flight is over is no fault.
+
+    Attributes
+    ----------
+    over : set of str
+        The robots that have said that their flight or replay is over.
+
     """
 
     def __init__(self) -> None:
+        self.over: set[str] = set()
         self._failing: set[str] = set()
         self._news: dict[str, None] = {}
         self._rests_until = float('-inf')
 
-    def hear(self, statuses: Iterable[tuple[str, bool]]) -> None:
-        """
-        Take note of a diagnostics message.
-
-        Parameters
-        ----------
-        statuses : iterable of (str, bool)
-            Whose and which status, and whether it is an error.
-
-        """
-        for name, failing in statuses:
-            if not failing:
+    def hear(self, statuses: Iterable[Status]) -> None:
+        """Take note of a diagnostics message."""
+        for status in statuses:
+            if status.over:
+                self.over.add(status.robot)
+            name = f'{status.robot}/{status.task}'.lstrip('/')
+            left_alone = status.robot in self.over and status.task.endswith(INPUTS)
+            if not status.failing or left_alone:
                 self._failing.discard(name)
             elif name not in self._failing:
                 self._failing.add(name)

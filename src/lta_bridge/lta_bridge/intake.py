@@ -92,6 +92,10 @@ class Intake:
         self._common.log_time(name, data)
         return max(books.now for books in self._books.values())
 
+    def learn(self, robot: str, due: Mapping[str, Sequence[int]]) -> None:
+        """Date a robot's messages that have no stamp by when they are due, topic by topic. [ns]"""
+        self._books[robot].due = due
+
     def tally(self, lost: Mapping[str, int]) -> tuple[Level, str, dict[str, object]]:
         """
         Return level, sentence and figures of a recording that goes on.

@@ -4,15 +4,17 @@ from collections.abc import Iterator, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_bridge.bag.qos import Interval, Profile
+from lta_bridge.fault_watch import Status
+from lta_graph.ros.company import over
 from rclpy.duration import Duration
 from rclpy.qos import HistoryPolicy, LivelinessPolicy, QoSProfile
 
 
-def faults(message: DiagnosticArray) -> Iterator[tuple[str, bool]]:
-    """Yield whose and which status it is, and whether it is an error."""
+def statuses(message: DiagnosticArray) -> Iterator[Status]:
+    """Yield what a diagnostics message tells of faults and of ends."""
     for status in message.status:
-        name = f'{status.hardware_id}/{status.name}'.lstrip('/')
-        yield name, status.level == DiagnosticStatus.ERROR
+        failing = status.level == DiagnosticStatus.ERROR
+        yield Status(status.hardware_id, status.name, failing, over(status))
 
 
 def profiles(offered: Sequence[QoSProfile], expected: QoSProfile | None = None) -> list[Profile]:

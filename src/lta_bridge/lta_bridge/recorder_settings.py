@@ -43,6 +43,9 @@ class RecorderSettings(Origin):
         'several, lta2.seed and so on tell the origin of each.',
         fixed=True,
     )
+    replay: str = setting(
+        '', 'With source:=replay, what is played; the bag then tells its origin.', fixed=True
+    )
     topics: str = setting(
         '',
         "What to record: names, relative or absolute, with spaces between; 'all' for whatever is "

@@ -1,16 +1,18 @@
 """Snapshots of what is kept in memory: asked for, or taken at a fault."""
 
 from collections.abc import Iterable
+import math
 import threading
 from typing import final
 
 from lta_bridge.bag.background import BackgroundWriter
 from lta_bridge.bag.memory import Snapshot, SnapshotMemory
 from lta_bridge.bag.storage import StorageFault
-from lta_bridge.fault_watch import FaultWatch
+from lta_bridge.fault_watch import FaultWatch, Status
 from lta_graph.health import Level
 
 ASKED = 'asked for'
+STOPPED = 'stopped before the flight was over'
 
 
 @final
@@ -79,7 +81,7 @@ class Snapshots:
         self._writer.hurry()
         return saving
 
-    def hear(self, statuses: Iterable[tuple[str, bool]], now: float) -> None:
+    def hear(self, statuses: Iterable[Status], now: float) -> None:
         """Take note of a diagnostics message as `FaultWatch` does, and save at a fault. [s]"""
         self._faults.hear(statuses)
         self.tend(now)
@@ -88,6 +90,23 @@ class Snapshots:
         """Save if a fault is due. [wall s]"""
         if found := self._faults.due(now):
             self.ask('; '.join(found))
+
+    def finish(self, robots: Iterable[str]) -> Saving | None:
+        """
+        Save at the end what nobody has told yet: faults that wait, or an end that was none.
+
+        A graph whose node dies is stopped before the others can say what they miss.
+
+        Parameters
+        ----------
+        robots : iterable of str
+            Namespaces of those whose flight should be over.
+
+        """
+        found = self._faults.due(math.inf)
+        if not found and not self._faults.over.issuperset(robots):
+            found = [STOPPED]
+        return self.ask('; '.join(found)) if found and not self._memory.empty else None
 
     def tally(self) -> tuple[Level, str, dict[str, object]]:
         """Return level, sentence and figures of the snapshots so far."""

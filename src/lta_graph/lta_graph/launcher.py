@@ -23,6 +23,7 @@ from lta_graph.watch import OnLine, Watch
 
 GRACE = 8.0  # seconds from SIGINT to SIGTERM: the recorder must close its bag
 TERM_GRACE = 2.0  # seconds from SIGTERM to SIGKILL
+SPARE_GRACE = 1.0  # seconds from SIGINT to SIGKILL for a spare process: it has nothing to finish
 GROUP_PATIENCE = 1.0  # seconds; a container may have nobody who takes orphans' statuses
 PERIOD = 0.02  # seconds between looks while stopping
 
@@ -44,7 +45,8 @@ class Launcher:
     grace : float
         Time that processes have to end after SIGINT. [s]
     spare : collection of str
-        What the plan calls the processes without which the run goes on, such as a viewer.
+        What the plan calls the processes without which the run goes on, such as a viewer; one
+        that hangs does not hold up the end either.
 
     Attributes
     ----------
@@ -163,7 +165,7 @@ class Launcher:
 
     def stop(self) -> None:
         """
-        End all processes: SIGINT, after the grace SIGTERM, then SIGKILL.
+        End all processes: SIGINT, after the grace SIGTERM, then SIGKILL; the spare ones sooner.
 
         Returns when all are gone. Ctrl-C meanwhile does not interrupt it but goes on to the next
         signal at once, and is raised as KeyboardInterrupt when all are gone.
@@ -184,13 +186,20 @@ class Launcher:
             self._clear_up()
 
     def _await_ends(self, grace: float, presses: list[int]) -> None:
-        deadline = time.monotonic() + grace
+        began = time.monotonic()
         before = len(presses)
         # The last signal cannot be hurried, so a further Ctrl-C must not end the wait for it.
-        while self.running and time.monotonic() < deadline:
+        while self.running and (passed := time.monotonic() - began) < grace:
             if len(presses) > before and grace < float('inf'):
                 return
+            if passed > SPARE_GRACE:
+                self._kill_spare()
             time.sleep(PERIOD)
+
+    def _kill_spare(self) -> None:
+        for child in self._children:
+            if child.name in self._spare and not child.dead():
+                child.signal(signal.SIGKILL)
 
     def _clear_up(self) -> None:
         if self._watch is None and self._children:

@@ -1,14 +1,18 @@
 """What counts as identical, the same or different; and what a replay is started with."""
 
+from dataclasses import replace
+import errno
 import math
+import os
 from pathlib import Path
 from types import SimpleNamespace
 
 from lta_analysis.replay.against import allowed, compared, elsewhere, unequal
-from lta_analysis.replay.decisions import between, decisions
+from lta_analysis.replay.decisions import between, Decision, decisions
 from lta_analysis.replay.given import NODES, settings_of
 from lta_analysis.replay.heard import Heard
-from lta_analysis.replay.order import check, nodes_of, Order, plan_of, recorded_settings
+from lta_analysis.replay.order import check, kept, nodes_of, Order, plan_of, recorded_settings
+from lta_analysis.replay.page import largest
 from lta_analysis.replay.verdict import Verdict
 from lta_bridge.playback.cast import roles
 from lta_config.errors import BadInput
@@ -249,9 +253,27 @@ def test_what_is_asked_for_replaces_what_the_bag_carries(tmp_path):
 
 def test_a_node_without_what_it_answers_cannot_be_replayed(tmp_path):
     order = Order(tmp_path / 'bag', ('energy_monitor',))
-    with pytest.raises(BadInput, match=r"has no 'battery', which energy_monitor answers"):
-        check(order, flight())
+    with pytest.raises(BadInput, match=r"has no 'battery', which energy_monitor answers; leave"):
+        check(order, flight())  # nobody can run a vehicle again
+    with pytest.raises(BadInput, match=r'run estimator again as well, or leave controller out'):
+        check(Order(tmp_path / 'bag', ('controller',)), SimpleNamespace(topics={}))
     both = Order(tmp_path / 'bag', ('controller', 'estimator'))
     check(both, flight())  # odom comes from the estimator
     with pytest.raises(BadInput, match='Unknown'):
         check(Order(tmp_path, ('navigator', 'demodulator'), strategy='none'), flight())
+
+
+def test_a_full_disk_is_one_sentence_before_anything_starts(tmp_path, monkeypatch):
+    def full(*_args, **_words):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(Path, 'write_text', full)
+    with pytest.raises(BadInput, match=r'vehicle.yaml. cannot be written \(No space left'):
+        kept({'vehicle_file': 'name: mine'}, 'vehicle', tmp_path)
+
+
+def test_a_change_without_a_unit_is_told_without_one():
+    keys, values = np.arange(2), np.array([0.0, 0.5])
+    duty = Decision('duty 1', '1', keys, np.zeros(2), values, values)
+    assert largest(duty) == 'by up to 0.5'
+    assert largest(replace(duty, unit='m')) == 'by up to 0.5 m'

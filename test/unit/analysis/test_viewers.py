@@ -63,3 +63,17 @@ def test_a_live_flight_is_one_at_the_pace_of_those_who_look(monkeypatch, given, 
     with pytest.raises(BadInput, match='Enough'):
         verb.fly(**given)
     assert [(order.time, order.live_port) for order in orders] == [expected]
+
+
+def test_of_several_views_each_has_its_own_port_and_says_whose_it_is():
+    def on(port, namespace):
+        return plan(port, (namespace,)).processes
+
+    with pytest.raises(BadInput, match='Two live views were given port 8765; give each its own'):
+        refuse_taken_ports(plan(namespaces=('/a', '/b')))
+    said = []
+    invite(LaunchPlan(on('9000', '/a') + on('9001', '/b')), said.append)
+    first, second, layout = said
+    assert ':9000  (a; or, in the' in first
+    assert ':9001  (b; or, in the' in second
+    assert layout.startswith('Layout')

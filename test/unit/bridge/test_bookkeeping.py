@@ -51,6 +51,18 @@ def test_what_has_no_stamp_is_dated_by_its_turn_or_by_the_newest():
     assert exact.log_time('/clock', cdr(0)) == START + 250 * MS  # no rhythm, no turn
 
 
+def test_in_a_replay_what_has_no_stamp_is_dated_by_when_the_player_says_it_is_due():
+    books = Bookkeeping(TABLE, lockstep=False)
+    books.log_time('imu', cdr(START + 250 * MS))
+    books.due = {'energy/reserve': [START + 30 * MS, START + 190 * MS]}
+    found = [books.log_time('energy/reserve', bytes([0, 1, 0, 0, 1])) for _ in range(3)]
+    assert found == [
+        START + 30 * MS,
+        START + 190 * MS,
+        START + 250 * MS,
+    ]  # the last is owed by nobody
+
+
 def test_losses_are_counted_from_the_start_in_lockstep_alone():
     late = [START + k * 10 * MS for k in (3, 4, 6)]
     books = {lockstep: Bookkeeping(TABLE, lockstep) for lockstep in (True, False)}

@@ -101,3 +101,12 @@ def test_when_nothing_is_missing_it_records():
     taking, _ = intake('lta1')
     taking.takes('/rosout', 'rcl_interfaces/msg/Log', bytes)(b'')
     assert taking.tally({}) == (Level.OK, 'recording', {'messages': 1, 'waiting_bytes': 12})
+
+
+def test_what_is_due_is_learnt_by_robot():
+    taking, writer = intake('a', 'b', lockstep=False)
+    take = [taking.takes(f'/{who}/energy/reserve', 'std_msgs/msg/Bool', bytes) for who in 'ab']
+    taking.learn('b', {'energy/reserve': [START + 7 * MS]})
+    for each in take:
+        each(bytes([0, 1, 0, 0, 1]))
+    assert [when for *_, when in writer.messages] == [START, START + 7 * MS]

@@ -1,8 +1,8 @@
 """What discovery tells of publishers, as a bag tells it."""
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from lta_bridge.bag import offered_qos
-from lta_bridge.messages import faults, profiles
+from lta_bridge.messages import profiles, statuses
 from rclpy.duration import Duration, Infinite
 from rclpy.qos import (
     DurabilityPolicy,
@@ -69,9 +69,38 @@ def test_faults_are_statuses_that_are_errors():
             for n, level in enumerate([*levels, DiagnosticStatus.STALE])
         ]
     )
-    assert list(faults(array)) == [
-        ('lta1/node: 0', False),
-        ('node: 1', False),
-        ('lta1/node: 2', True),
-        ('node: 3', False),
+    assert list(statuses(array)) == [
+        ('lta1', 'node: 0', False, False),
+        ('', 'node: 1', False, False),
+        ('lta1', 'node: 2', True, False),
+        ('', 'node: 3', False, False),
+    ]
+
+
+def test_an_end_is_told_from_a_fault():
+    def status(name, level, **values):
+        return DiagnosticStatus(
+            name=name,
+            hardware_id='lta1',
+            level=level,
+            values=[KeyValue(key=key, value=value) for key, value in values.items()],
+        )
+
+    message = DiagnosticArray(
+        status=[
+            status('simulator: flight', b'\0', over='True'),
+            status('simulator: flight', b'\0', over='False'),
+            status('player: playback', b'\0', over='True'),
+            status('anything', b'\0', over='True'),
+            status('controller: inputs', b'\2'),
+            status('recorder: latched', b'\1'),
+        ]
+    )
+    assert [(each.failing, each.over) for each in statuses(message)] == [
+        (False, True),
+        (False, False),
+        (False, True),
+        (False, False),
+        (True, False),
+        (False, False),
     ]

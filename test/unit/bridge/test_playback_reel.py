@@ -82,6 +82,8 @@ def test_a_section_begins_and_ends_by_the_bag_s_clock(tmp_path):
     ]
     with pytest.raises(BadInput, match='no message from 9 s on'):
         reel(path, start=9.0)
+    with pytest.raises(BadInput, match='ends 1 s after the first message, before it begins at 2'):
+        reel(path, start=2.0, end=1.0)
 
 
 def test_a_loop_goes_on_in_time_on_the_grid_of_every_topic(tmp_path):
@@ -143,6 +145,13 @@ def test_a_recording_that_was_cut_short_is_played_as_far_as_it_goes(tmp_path):
     writer.close()
     assert taken(reel(cut)) == taken(reel(tmp_path / 'bag'))
     assert open_recording(cut, '', TABLE).provenance == {'seed': '3'}
+
+
+def test_a_file_that_was_only_just_begun_is_passed_over(tmp_path):
+    path = bag(tmp_path / 'bag', regular())
+    expected = taken(reel(path))
+    (path / 'bag_1.mcap').touch()
+    assert taken(reel(path)) == expected
 
 
 def test_a_topic_of_another_type_is_left_out_and_said(tmp_path):

@@ -10,7 +10,7 @@ from lta_analysis.bag.reader import read_bag
 from lta_bridge.bag import offered_qos, storage, StorageFault
 from lta_bridge.bag.background import BackgroundWriter
 from lta_bridge.bag.memory import GRAIN_NS, SnapshotMemory
-from lta_bridge.fault_watch import FaultWatch, REST
+from lta_bridge.fault_watch import FaultWatch, REST, Status
 from lta_bridge.snapshots import Snapshots
 from lta_config.errors import BadInput
 from lta_graph.health import Level
@@ -130,22 +130,34 @@ def test_a_busy_folder_is_refused(tmp_path):
 
 def test_a_fault_is_told_once_until_it_is_over():
     watch = FaultWatch()
-    watch.hear([('lta1/a: state', False), ('lta1/b: state', True)])
+    watch.hear([Status('lta1', 'a: state', False), Status('lta1', 'b: state', True)])
     assert watch.due(100.0) == ['lta1/b: state']
-    watch.hear([('lta1/b: state', True)])
+    watch.hear([Status('lta1', 'b: state', True)])
     assert watch.due(100.0 + 2 * REST) == []
-    watch.hear([('lta1/b: state', False)])
-    watch.hear([('lta1/b: state', True)])
+    watch.hear([Status('lta1', 'b: state', False)])
+    watch.hear([Status('lta1', 'b: state', True)])
     assert watch.due(100.0 + 2 * REST) == ['lta1/b: state']
+
+
+def test_whoever_waits_for_a_vehicle_whose_flight_is_over_has_no_fault():
+    watch = FaultWatch()
+    waits = Status('lta1', 'controller: inputs', True)
+    watch.hear([waits._replace(robot='lta2')])
+    assert watch.due(0.0) == ['lta2/controller: inputs']
+    watch.hear([Status('lta1', 'simulator: flight', False, over=True), waits])
+    assert watch.due(REST) == []
+    # Another robot's flight goes on, and so does what else can fail.
+    watch.hear([waits._replace(robot='lta3'), Status('lta1', 'recorder: recording', True)])
+    assert watch.due(2 * REST) == ['lta3/controller: inputs', 'lta1/recorder: recording']
 
 
 def test_faults_that_come_together_wait_for_the_rest_to_end_and_count_as_one():
     watch = FaultWatch()
-    watch.hear([('a', True)])
+    watch.hear([Status('', 'a', True)])
     assert watch.due(0.0) == ['a']
-    watch.hear([('b', True), ('c', True)])
-    watch.hear([('b', False), ('c', True)])
-    watch.hear([('b', True)])
+    watch.hear([Status('', 'b', True), Status('', 'c', True)])
+    watch.hear([Status('', 'b', False), Status('', 'c', True)])
+    watch.hear([Status('', 'b', True)])
     assert watch.due(REST - 0.1) == []
     assert watch.due(REST) == ['b', 'c']
     assert watch.due(2 * REST) == []
@@ -156,13 +168,49 @@ def test_a_fault_in_the_diagnostics_is_saved_with_its_name(tmp_path):
     writer = BackgroundWriter(memory, 1000)
     snapshots = Snapshots(memory, writer)
     writer.write('/a', FALSE, 5)
-    snapshots.hear([('lta1/motors', False)], 1.0)
-    snapshots.hear([('lta1/motors', True), ('lta1/light', True)], 2.0)
-    snapshots.hear([('lta1/motors', True)], 2.0 + 2 * REST)
+    snapshots.hear([Status('lta1', 'motors', False)], 1.0)
+    snapshots.hear([Status('lta1', 'motors', True), Status('lta1', 'light', True)], 2.0)
+    snapshots.hear([Status('lta1', 'motors', True)], 2.0 + 2 * REST)
     writer.close()
     (path,) = (tmp_path / 'bag').iterdir()
     assert read_bag(path).provenance['snapshot'] == 'lta1/motors; lta1/light'
     assert stored(path) == [5]
+
+
+@pytest.mark.parametrize(
+    ('heard', 'why'),
+    [
+        ([Status('lta1', 'simulator: flight', False, over=True)], None),
+        ([], 'stopped before the flight was over'),
+        (
+            [Status('lta2', 'simulator: flight', False, over=True)],
+            'stopped before the flight was over',
+        ),
+    ],
+)
+def test_whoever_is_stopped_before_the_end_keeps_the_last_seconds(tmp_path, heard, why):
+    memory = memory_of(tmp_path / 'bag')
+    snapshots = Snapshots(memory, writer := BackgroundWriter(memory, 1000))
+    assert snapshots.finish(['lta1']) is None  # there is nothing to keep
+    memory.write('/a', FALSE, 5)
+    snapshots.hear(heard, 1.0)
+    snapshots.finish(['lta1'])
+    writer.close()
+    told = [read_bag(path).provenance['snapshot'] for path in (tmp_path / 'bag').iterdir()]
+    assert told == ([why] if why else [])
+
+
+def test_a_fault_that_waits_is_saved_at_the_end(tmp_path):
+    memory = memory_of(tmp_path / 'bag')
+    snapshots = Snapshots(memory, writer := BackgroundWriter(memory, 1000))
+    memory.write('/a', FALSE, 5)
+    over = Status('lta1', 'simulator: flight', False, over=True)
+    snapshots.hear([over, Status('lta1', 'a: state', True)], 1.0)
+    snapshots.hear([Status('lta1', 'b: state', True)], 2.0)
+    saving = snapshots.finish(['lta1'])
+    writer.close()
+    assert saving.sentence == f"1 messages are in '{tmp_path}/bag/snapshot_1'."
+    assert read_bag(tmp_path / 'bag/snapshot_1').provenance['snapshot'] == 'lta1/b: state'
 
 
 def test_what_the_disk_refuses_for_good_is_a_fault_of_the_disk(tmp_path, monkeypatch):

@@ -192,6 +192,21 @@ def test_without_a_spare_process_the_run_goes_on(fleet):
         assert launcher.outcome.name == 'simulator'
 
 
+def test_a_spare_process_that_hangs_does_not_hold_up_the_end(fleet):
+    fleet.add('viewer', DEAF)
+    fleet.add('recorder', POLITE)
+    with fleet.launcher(grace=60.0, spare=('viewer',)) as launcher:
+        for name in ('viewer', 'recorder'):
+            fleet.await_line(name, 'up')
+        before = time.monotonic()
+    assert time.monotonic() - before < 30.0
+    assert {end.name: end.status for end in launcher.ended} == {
+        'recorder': 0,
+        'viewer': -signal.SIGKILL,
+    }
+    assert ('recorder', 'closed') in fleet.lines
+
+
 def test_stop_gives_time_to_close(fleet):
     fleet.add('recorder', POLITE)
     with fleet.launcher() as launcher:

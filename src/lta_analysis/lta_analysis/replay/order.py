@@ -115,9 +115,11 @@ def check(order: Order, flight: Flight) -> None:
     for node in order.nodes:
         trigger = table.trigger(node)
         if trigger not in answers and trigger not in flight.topics:
+            source = table[trigger].source
+            remedy = f'run {source} again as well, or ' if source in roles(table) else ''
             raise BadInput(
-                f"'{order.bag}' has no '{trigger}', which {node} answers; run "
-                f'{table[trigger].source} again as well, or leave {node} out.'
+                f"'{order.bag}' has no '{trigger}', which {node} answers; {remedy}leave {node} "
+                'out of --nodes.'
             )
 
 
@@ -135,17 +137,6 @@ def plan_of(order: Order, flight: Flight, folder: Path) -> LaunchPlan:
         Where the results go; files that the recording carries are put there.
 
     """
-    told = flight.provenance
-    arguments = {
-        'robot': flight.robot or ROBOT,
-        'source': 'replay',
-        'replay': str(order.bag),
-        'time': 'lockstep' if order.rate is None else 'realtime',
-        'rate': repr(float(order.rate or 1.0)),
-        'record': 'false',
-        'strategy': order.strategy or told.get('strategy', STRATEGY),
-        **files_of(order, told, folder),
-    }
     cast, table = order.cast, topic_table()
     player: dict[str, str | float] = {
         'nodes': ' '.join(cast.nodes),
@@ -156,8 +147,9 @@ def plan_of(order: Order, flight: Flight, folder: Path) -> LaunchPlan:
         'answers': str(folder / 'bag'),
     }
     changed: dict[str, Mapping[str, Any]] = {'player': player}
-    for settings in (recorded_settings(told), order.settings):
+    for settings in (recorded_settings(flight.provenance), order.settings):
         changed |= {node: {**changed.get(node, {}), **own} for node, own in settings.items()}
+    arguments = launch_arguments(order, flight, folder)
     plan = load(find('launch file', 'fly', '.launch.yaml'), arguments)
     wanted = ('player', *cast.nodes)
     return LaunchPlan(
@@ -167,6 +159,21 @@ def plan_of(order: Order, flight: Flight, folder: Path) -> LaunchPlan:
             if process.name in wanted
         )
     )
+
+
+def launch_arguments(order: Order, flight: Flight, folder: Path) -> dict[str, str]:
+    """Return a replay as arguments of `fly.launch.yaml`; files go to the folder."""
+    told = flight.provenance
+    return {
+        'robot': flight.robot or ROBOT,
+        'source': 'replay',
+        'replay': str(order.bag),
+        'time': 'lockstep' if order.rate is None else 'realtime',
+        'rate': repr(float(order.rate or 1.0)),
+        'record': 'false',
+        'strategy': order.strategy or told.get('strategy', STRATEGY),
+        **files_of(order, told, folder),
+    }
 
 
 def with_parameters(process: Process, given: Mapping[str, Any]) -> Process:
@@ -196,5 +203,8 @@ def kept(told: Mapping[str, str], name: str, folder: Path) -> str | None:
     if text is None:
         return None
     path = folder / f'{name}.yaml'
-    path.write_text(text, encoding='utf-8')
+    try:
+        path.write_text(text, encoding='utf-8')
+    except OSError as error:
+        raise BadInput(f"'{path}' cannot be written ({error.strerror}); make room.") from error
     return str(path)

@@ -100,9 +100,10 @@ def largest(decision: Decision) -> str:
     """Return the largest change in words."""
     if not decision.changed:
         return 'all as recorded'
-    return (
-        f'by up to {figure(decision.largest, 4)} {decision.unit}' if decision.unit else 'otherwise'
-    )
+    if not decision.unit:
+        return 'otherwise'
+    unit = '' if decision.unit == '1' else f' {decision.unit}'
+    return f'by up to {figure(decision.largest, 4)}{unit}'
 
 
 def figure(value: object, digits: int = 10) -> str:

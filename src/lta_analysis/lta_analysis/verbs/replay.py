@@ -10,7 +10,7 @@ from lta_analysis.bag.flight import Flight, open_flight
 from lta_analysis.bag.folder import bag_in
 from lta_analysis.replay.given import settings_of
 from lta_analysis.replay.order import nodes_of, Order
-from lta_analysis.replay.page import figure, write_page
+from lta_analysis.replay.page import figure, largest, write_page
 from lta_analysis.replay.progress import ReplayProgress
 from lta_analysis.replay.run import replay as run_again
 from lta_analysis.replay.run import Replayed
@@ -20,7 +20,7 @@ from lta_analysis.verbs.fly import folder
 from lta_bridge.playback.settings import FOREVER
 from lta_config.errors import BadInput
 from rich.console import Console
-from rich.table import Table
+from rich.table import Column, Table
 import typer
 
 WORST = 3  # channels of a topic on the terminal
@@ -146,8 +146,9 @@ def show(verdict: Verdict, console: Console) -> None:
     """Print the verdict, what differs, and which decisions changed."""
     console.print(f'{verdict.sentence}.', highlight=False, soft_wrap=True)
     printed = Table(
-        'topic', 'field', 'differs', 'first', 'recorded', 'replayed', 'largest', box=None
-    )
+        Column('topic', overflow='fold'), Column('field', overflow='fold'),
+        'differs', 'first', 'recorded', 'replayed', 'largest', box=None,
+    )  # fmt: skip
     for topic in verdict.topics:
         for each in topic.channels[:WORST]:
             at = verdict.seconds(int(topic.recorded.keys[each.first]))
@@ -160,11 +161,7 @@ def show(verdict: Verdict, console: Console) -> None:
     for decision in verdict.decisions:
         if decision.first is not None:
             at = verdict.seconds(int(decision.keys[decision.first]))
-            how = (
-                f', by up to {figure(decision.largest, 4)} {decision.unit}'
-                if decision.unit
-                else ''
-            )
+            how = f', {largest(decision)}' if decision.unit else ''
             console.print(
                 f'{decision.name}: {decision.changed} of {len(decision.keys)} changed, first at '
                 f'{at:.2f} s{how}.',

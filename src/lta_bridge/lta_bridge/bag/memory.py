@@ -99,6 +99,11 @@ class SnapshotMemory:
         self._latched.clear()
 
     @property
+    def empty(self) -> bool:
+        """Whether nothing is kept."""
+        return not (self._chunks or self._builder.size or self._latched)
+
+    @property
     def lost(self) -> int:
         """Messages that a fault of the disk cost: none."""
         return 0

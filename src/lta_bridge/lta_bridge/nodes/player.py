@@ -15,7 +15,6 @@ import sys
 import time
 
 from lta_bridge.bag.qos import offered_qos, Profile
-from lta_bridge.bag.storage import StorageFault
 from lta_bridge.playback.answer_bag import AnswerBag
 from lta_bridge.playback.cast import cast_of, CLOCK
 from lta_bridge.playback.due import answered, survey
@@ -26,6 +25,7 @@ from lta_bridge.playback.reel import Reel
 from lta_bridge.playback.settings import FOREVER, PlayerSettings
 from lta_config.errors import BadInput
 from lta_graph.health import Level
+from lta_graph.ros.company import OVER
 from lta_graph.ros.node import GraphNode, run, to_stamp
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.qos import profile
@@ -74,7 +74,7 @@ class Player(GraphNode):
         self._messages = 0
         self._now = self._reel.begin_ns
         self._began = self._clocked = self._news = 0.0
-        self._ended = self._fault = ''
+        self._ended = ''
         self.create_service(SetBool, 'player/pause', self._on_pause)
         self.create_service(Trigger, 'player/step', self._on_step_asked)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -142,6 +142,9 @@ class Player(GraphNode):
             if publisher.get_subscription_count() < len(readers):
                 waiting |= readers
         waiting |= {self.source(n) for n in self._cast.answers if not self.count_publishers(n)}
+        if self.lockstep and self._settings.record:  # it dates by that what has no stamp
+            told = self.get_subscriptions_info_by_topic(self._due.topic_name)
+            waiting |= {'recorder'} - {each.node_name for each in told}
         return sorted(waiting)
 
     def _wait_for_graph(self) -> None:
@@ -169,12 +172,8 @@ class Player(GraphNode):
         def take(data: bytes) -> None:
             self._news = time.monotonic()
             due = self._owed.take(name)
-            if self._kept is not None and not self._fault:
-                try:
-                    self._kept.write(name, data, due, self._now)
-                except StorageFault as fault:
-                    self._fault, self.running = str(fault), False
-                    self.health.report('recording', Level.ERROR, self._fault)
+            if self._kept is not None:
+                self._kept.write(name, data, due, self._now)
             if self.lockstep:
                 self._play()
 
@@ -183,6 +182,11 @@ class Player(GraphNode):
     def _tick(self) -> None:
         """Follow the wall clock; in lockstep, give up on answers that do not come."""
         self._play()
+        if self._kept is not None:
+            self._kept.flush()
+            if self._kept.fault and self.running:
+                self.running = False
+                self.health.report('recording', Level.ERROR, self._kept.fault)
         waited = time.monotonic() - self._news
         if (
             self._ended
@@ -266,7 +270,8 @@ class Player(GraphNode):
 
     def _watch(self) -> None:
         """Tell how the replay stands at every look, for progress bars."""
-        self.health.report('playback', Level.OK, self._where(), **self._standing())
+        over = {OVER: self._ended == 'played'}
+        self.health.report('playback', Level.OK, self._where(), **self._standing(), **over)
         self.health.changed = True
         super()._watch()
 
@@ -274,15 +279,12 @@ class Player(GraphNode):
         """Say how the replay ended, finish the bag of answers, and let the last messages out."""
         self._watch()
         if self._kept is not None:
-            try:
-                self._kept.close()
-            except StorageFault as fault:
-                self._fault = self._fault or str(fault)
+            self._kept.close()
         sys.stdout.write(json.dumps(self._standing()) + '\n')
         sys.stdout.flush()
         super().close()
-        if self._fault:
-            raise BadInput(self._fault)
+        if self._kept is not None and self._kept.fault:
+            raise BadInput(self._kept.fault)
 
 
 def main(args: list[str] | None = None) -> None:

@@ -12,7 +12,9 @@ index still fits and the process ends with a sentence and status 2.
 
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
+from functools import partial
 from pathlib import Path
+import sys
 import time
 from typing import Any
 
@@ -26,7 +28,9 @@ from lta_bridge.bag.storage import StorageFault
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.cdr import serialise
 from lta_bridge.intake import Intake
-from lta_bridge.messages import faults, profiles
+from lta_bridge.messages import profiles, statuses
+from lta_bridge.playback.origin import of_replay
+from lta_bridge.playback.recording import open_recording
 from lta_bridge.provenance import joined
 from lta_bridge.recorder_settings import Origin, RecorderSettings
 from lta_bridge.snapshots import Snapshots
@@ -39,6 +43,7 @@ from lta_graph.interrupts import held_interrupts
 from lta_graph.ros.node import GraphNode, REPORT_PERIOD, run
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.qos import profile
+from lta_graph.ros.replay_due import hear_due
 from lta_graph.ros.spin import spin
 from lta_graph.ros.taps import GENEROUS, message_class, Taps
 from pydantic import create_model
@@ -87,10 +92,8 @@ class Recorder(GraphNode):
     def __init__(self) -> None:
         super().__init__('recorder')
         told = self._told = Parameters(self, RecorderSettings).value
-        robots = told.robots.split()
-        each = {k: item.told(lockstep=self.lockstep) for k, item in origins(self, robots).items()}
-        origin = joined(each) if each else told.told(lockstep=self.lockstep)
-        robots = robots or [self.get_namespace().strip('/')]
+        origin = self._origin()
+        robots = self._robots = told.robots.split() or [self.get_namespace().strip('/')]
         topics = wanted(told.topics, robots, self.table)
         self._fault = ''
         self._snapshots: Snapshots | None = None
@@ -115,10 +118,23 @@ class Recorder(GraphNode):
                 self.create_subscription(
                     DiagnosticArray, DIAGNOSTICS, self._hear, GENEROUS.depth, raw=True
                 )
+            if self.replayed:  # made last, so that it is taken first
+                hear_due(self, self.table, partial(self._intake.learn, robots[0]))
             self.create_service(Trigger, 'recorder/snapshot', self._on_snapshot)
             steady = Clock(clock_type=ClockType.STEADY_TIME)
             self.create_timer(LOOK_PERIOD, self._look, clock=steady)
             unfinished.pop_all()
+
+    def _origin(self) -> dict[str, str]:
+        """Return where the data come from: the launch, or what is played in it."""
+        told, lockstep = self._told, self.lockstep
+        robots = told.robots.split()
+        each = {name: item.told(lockstep=lockstep) for name, item in origins(self, robots).items()}
+        origin = joined(each) if each else told.told(lockstep=lockstep)
+        if told.replay and self.get_parameter('source').value == 'replay':
+            own = self.get_namespace().strip('/')
+            return of_replay(open_recording(Path(told.replay), '', self.table, own), origin)
+        return origin
 
     def _begin(self, path: Path, origin: dict[str, str]) -> BackgroundWriter:
         """Begin the bag, or the memory that snapshots are made of."""
@@ -180,7 +196,7 @@ class Recorder(GraphNode):
             return
         with suppress(RuntimeError):  # what is no such message tells of no fault
             message = deserialize_message(data, DiagnosticArray)
-            self._snapshots.hear(faults(message), time.monotonic())
+            self._snapshots.hear(statuses(message), time.monotonic())
 
     def _look(self) -> None:
         """Look at the graph and at the writer, and tell how the recording stands."""
@@ -248,7 +264,8 @@ class Recorder(GraphNode):
             spin(self, end, awaited=list, wait_ns=NAP_NS)
 
     def close(self) -> None:
-        """Finish the bag, and say so if it had to end early."""
+        """Finish the bag, or save a last snapshot; say so if it had to end early."""
+        last = None if self._snapshots is None else self._snapshots.finish(self._robots)
         for name in self._taps:
             if name not in self._announced:
                 self._announce(name)
@@ -256,6 +273,9 @@ class Recorder(GraphNode):
             self._writer.close()
         except StorageFault as fault:
             self._fault = str(fault)
+        if last is not None:
+            self._fault = self._fault or last.fault
+            sys.stdout.write(f'{last.sentence}\n' if last.made else '')
         if self._fault:
             self.health.report('recording', Level.ERROR, self._fault, unwritten=self._writer.lost)
         self.publish_health()

@@ -1,18 +1,24 @@
-"""The bag into which a player writes what the nodes answer, each under the time it was due."""
+"""
+The bag into which a player writes what the nodes answer, each under the time it was due.
+
+A fault of the disk ends the bag, not the player, which says so when it closes.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+import time
 from typing import final
 
+from lta_bridge.bag.background import FLUSH_PERIOD
 from lta_bridge.bag.qos import Profile
+from lta_bridge.bag.storage import StorageFault
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.bookkeeping import stamp_of
 from lta_bridge.playback.cast import Cast
+from lta_bridge.playback.origin import of_answers
 from lta_bridge.playback.recording import Recording
-from lta_bridge.provenance import here
+from lta_config.errors import BadInput
 from lta_config.topics import robot_topic, TopicTable
-
-REPLAY_OF, REPLAYED = 'replay_of', 'replayed_nodes'  # keys of the origin
 
 
 @final
@@ -35,6 +41,16 @@ class AnswerBag:
     offered : callable
         Returns a topic's profile, for the bag.
 
+    Attributes
+    ----------
+    fault : str
+        Why nothing more is written; empty while all is well.
+
+    Raises
+    ------
+    BadInput
+        If the bag cannot be begun.
+
     """
 
     def __init__(
@@ -48,10 +64,14 @@ class AnswerBag:
     ) -> None:
         self._table = table
         self._names: Mapping[str, str] = {name: robot_topic(robot, name) for name in cast.answers}
-        told = {REPLAY_OF: str(recording.path), REPLAYED: ' '.join(cast.nodes)}
-        self._writer = BagWriter(path, {**recording.provenance, **here(), **told})
-        for name, full in self._names.items():
-            self._writer.add_topic(full, table[name].type, offered(name))
+        self.fault = ''
+        self._flushed = time.monotonic()
+        try:
+            self._writer = BagWriter(path, of_answers(recording, cast.nodes))
+            for name, full in self._names.items():
+                self._writer.add_topic(full, table[name].type, offered(name))
+        except StorageFault as fault:
+            raise BadInput(str(fault)) from None
 
     def write(self, name: str, data: bytes, due_ns: int | None, now_ns: int) -> None:
         """
@@ -74,8 +94,23 @@ class AnswerBag:
             row = self._table[name]
             stamp = stamp_of(data) if row.stamped else None
             when = now_ns if stamp is None else stamp + row.latency_ns
-        self._writer.write(self._names[name], data, when)
+        self._try(lambda: self._writer.write(self._names[name], data, when))
+
+    def flush(self) -> None:
+        """Hand what has come to the operating system, if that is due."""
+        if time.monotonic() - self._flushed >= FLUSH_PERIOD:
+            self._try(self._writer.flush)
+            self._flushed = time.monotonic()
 
     def close(self) -> None:
         """Finish the bag."""
-        self._writer.close()
+        self._try(self._writer.close, always=True)
+
+    def _try(self, step: Callable[[], None], *, always: bool = False) -> None:
+        """Do something with the bag, unless the disk has failed, and keep the first fault."""
+        if self.fault and not always:
+            return
+        try:
+            step()
+        except StorageFault as fault:
+            self.fault = self.fault or str(fault)

@@ -122,6 +122,8 @@ def open_recording(path: Path, robot: str, table: TopicTable, own: str = '') -> 
         files = sorted(path.glob('*.mcap'), key=lambda file: (len(file.name), file.name))
     else:
         raise BadInput(f"'{path}' does not exist; {ADVICE}.")
+    # The newest file of a split bag is empty where its recorder was killed at the turn.
+    files = [file for file in files if not file.is_file() or file.stat().st_size] or files
     if not files:
         raise BadInput(f"'{path}' holds no recording in MCAP; {ADVICE}.")
     return Recording(path, files, robot, table, own)

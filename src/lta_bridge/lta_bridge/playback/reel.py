@@ -62,6 +62,11 @@ class Reel:
         end: float = float('inf'),
         loop: bool = False,
     ) -> None:
+        if end < start:
+            raise BadInput(
+                f'The section ends {end:g} s after the first message, before it begins at '
+                f'{start:g} s; choose a later end.'
+            )
         self._recording, self._topics, self._table = recording, topics, table
         first = next(recording.messages(topics), None)
         if first is None:

@@ -12,7 +12,7 @@ from lta_graph.ros.node import from_stamp, GraphNode, message_type, PATIENCE
 from lta_graph.ros.qos import profile
 
 PULSE = 'wind'  # small, regular, and of the vehicle alone; its period is how far one may lead
-FLIGHT = ': flight'  # the fact in which a simulator tells how its flight stands
+ENDING = (': flight', ': playback')  # facts in which simulator and player tell how it stands
 OVER = 'over'  # and the value in it
 
 
@@ -105,6 +105,6 @@ class Company:
 
 
 def over(status: DiagnosticStatus) -> bool:
-    """Tell whether a simulator says that its flight has ended and all have answered."""
+    """Tell whether a simulator or a player says that it has ended and all have answered."""
     facts = {item.key: item.value for item in status.values}
-    return status.name.endswith(FLIGHT) and facts.get(OVER) == str(True)
+    return status.name.endswith(ENDING) and facts.get(OVER) == str(True)

@@ -25,20 +25,32 @@ def from_due(due: Mapping[str, Sequence[int]]) -> Int64MultiArray:
     return Int64MultiArray(layout=MultiArrayLayout(dim=rows), data=times)
 
 
-def to_turns(message: Int64MultiArray, table: TopicTable) -> RecordedTurns:
-    """Return the turns that a player told."""
-    found, at = {}, 0
+def to_due(message: Int64MultiArray) -> dict[str, Sequence[int]]:
+    """Return when each message of each topic is due, as a player told it. [ns]"""
+    found: dict[str, Sequence[int]] = {}
+    at = 0
     for row in message.layout.dim:
         found[row.label] = message.data[at : at + row.size]
         at += row.size
-    return RecordedTurns(table, found)
+    return found
+
+
+def hear_due(
+    node: Node, table: TopicTable, then: Callable[[dict[str, Sequence[int]]], None]
+) -> Subscription:
+    """Return a subscription by which a node learns what is due."""
+
+    def hear(message: Int64MultiArray) -> None:
+        then(to_due(message))
+
+    return node.create_subscription(Int64MultiArray, DUE, hear, profile(table[DUE], True))
 
 
 def heed(node: Node, table: TopicTable, inbox: Inbox, then: Callable[[], None]) -> Subscription:
     """Return a subscription by which an inbox learns what is due, and do something then."""
 
-    def learn(message: Int64MultiArray) -> None:
-        inbox.turns = to_turns(message, table)
+    def learn(due: dict[str, Sequence[int]]) -> None:
+        inbox.turns = RecordedTurns(table, due)
         then()
 
-    return node.create_subscription(Int64MultiArray, DUE, learn, profile(table[DUE], True))
+    return hear_due(node, table, learn)
