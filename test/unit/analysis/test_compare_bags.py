@@ -2,6 +2,7 @@
 
 import itertools
 import json
+from pathlib import Path
 import sys
 
 from lta_analysis import app
@@ -11,13 +12,16 @@ from lta_analysis.compare.comparison import Asked, compare, compare_flights
 from lta_analysis.compare.pairs import wanted_pairs
 from lta_analysis.compare.side import side_from
 from lta_analysis.compare.words import fault_words, verdict
+from lta_analysis.foreign.progress import ImportProgress
+from lta_analysis.foreign.run import import_all, Order
 from lta_bridge.bag import BagWriter
 from lta_bridge.bag.schemas import jazzy
 from lta_config.errors import BadInput
 import numpy as np
 import pytest
+from rich.console import Console
 
-from .compare_flight import stamped, UNIX, write_motion
+from .compare_flight import motion, stamped, UNIX, write_motion
 from .report_flight import make, pose, write_flight
 
 ODOMETRY = 'nav_msgs/msg/Odometry'
@@ -328,3 +332,33 @@ def test_separate_runs_are_laid_on_each_other_by_their_commands():
     assert duty.measures.greatest == pytest.approx(0.05)
     alone = compare(a, b, wanted, Asked(align='none'))
     assert (alone.timing.how, alone.timing.offset) == ('none', 0.0)
+
+
+def imported_csv(tmp_path, name, until, phase, time='time: {rate: 50 Hz}'):
+    """Import hand-made motion as a text, whose first row is `phase` into the motion."""
+    t = phase + np.arange(round(50 * until)) / 50.0
+    chance = np.random.default_rng(len(name))
+    rows = np.column_stack([t - phase, motion(t)[:, :3] + 0.001 * chance.normal(size=(len(t), 3))])
+    source, mapping = tmp_path / f'{name}.csv', tmp_path / 'm.yaml'
+    np.savetxt(source, rows, delimiter=',', header='t,x,y,z', comments='', fmt='%.9f')
+    mapping.write_text(
+        f'schema: 1\nname: m\nabout: a\nformat: csv\n{time}\n'
+        'topics:\n  - {topic: odom, position: {columns: [x, y, z], unit: m}}\n'
+    )
+    with ImportProgress(Console(quiet=True), 1) as progress:
+        (done,) = import_all(Order([source], str(mapping)), tmp_path / name, progress)
+    return open_flight(Path(done.bag))
+
+
+@pytest.mark.parametrize('time', ['time: {rate: 50 Hz}', 'time: {column: t}'])
+def test_rows_that_are_counted_alike_are_no_common_clock(tmp_path, time):
+    # One motion; the second text begins 0.4 s later in it, and both count from zero.
+    a = imported_csv(tmp_path, 'one', 40.0, 0.0, time)
+    b = imported_csv(tmp_path, 'other', 38.0, 0.4, time)
+    found = compare_flights(a, b, Asked())
+    assert found.timing.how == 'clock'
+    assert found.timing.offset == pytest.approx(-0.4, abs=max(0.005, 4 * found.timing.sigma))
+    assert found.verdict == 'same'
+    # One text imported twice is one clock.
+    assert compare_flights(a, a, Asked()).timing.reason.startswith('Both carry the same stamps')
+    assert compare_flights(a, b, Asked(align='none')).timing.offset == 0.0

@@ -10,6 +10,7 @@ from lta_analysis.compare.line import Array, Line, ordered, sampled
 from lta_analysis.compare.pairs import Pair
 from lta_analysis.compare.side import Side
 from lta_analysis.compare.starts import common_start
+from lta_analysis.foreign.clocks import own_clocks
 from lta_config.errors import BadInput
 import numpy as np
 
@@ -99,6 +100,8 @@ def timing(
         return replace(bare, how='given', offset=given, reason='The offset was given by hand.')
     if align == 'none':
         return replace(bare, reason='The stamps were asked to be taken as they are.')
+    if own_clocks(a.provenance, b.provenance):
+        bare = replace(bare, on_stamps=False, lead=0.0)
     shared = invariants(pairs, bare)
     if align == 'motion':
         return by_start(bare, shared, 'It was asked for.')
@@ -119,7 +122,7 @@ def decided(
 ) -> Timing:
     """Return what the data say."""
     found = bare.found
-    if same_stamps(a, b, pairs):
+    if bare.on_stamps and same_stamps(a, b, pairs):
         reason = 'Both carry the same stamps: they were timed by one clock, or count alike.'
         return replace(bare, reason=reason, remarks=doubts(found))
     if found is not None and found.correlation >= SAME_RUN:
@@ -135,7 +138,10 @@ def decided(
         reason = 'The clocks have nothing in common, and the motions differ: separate runs.'
         return by_start(bare, shared, reason)
     except BadInput:
-        reason = 'The flights show no start of motion that both share; each counts from its own.'
+        reason = (
+            'Their clocks have nothing in common, and they show no start of motion or commands '
+            'that both share.'
+        )
         return replace(bare, reason=reason, remarks=doubts(found))
 
 

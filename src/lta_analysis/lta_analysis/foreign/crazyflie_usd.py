@@ -20,6 +20,7 @@ import struct
 from typing import final, NamedTuple
 import zlib
 
+from lta_analysis.foreign.clocks import CLOCK
 from lta_analysis.foreign.protocol import Tables
 from lta_analysis.foreign.table import Table
 from lta_config.errors import BadInput
@@ -84,7 +85,11 @@ def opened(path: Path, mapping: MappingFile | None) -> Tables:
         tables[name] = _table(data, events[number], found, version)
     if not tables:
         raise BadInput(f"'{path}' is a Crazyflie's log without a single event; nothing to import.")
-    facts = {'usd_version': str(version), 'crc': 'fits' if whole else 'does not fit'}
+    facts = {
+        'usd_version': str(version),
+        'crc': 'fits' if whole else 'does not fit',
+        CLOCK: 'since the drone was switched on',
+    }
     _note_shift(tables, notes)
     return Tables(tables, notes, facts)
 
