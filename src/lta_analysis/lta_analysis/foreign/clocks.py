@@ -1,4 +1,4 @@
-"""What a recording says of the clock of its stamps, so that nobody takes two counts for one clock."""
+"""What a recording says of the clock of its stamps: two that count alike share no clock by it."""
 
 from collections.abc import Mapping
 from typing import Final
