@@ -362,3 +362,32 @@ def test_rows_that_are_counted_alike_are_no_common_clock(tmp_path, time):
     # One text imported twice is one clock.
     assert compare_flights(a, a, Asked()).timing.reason.startswith('Both carry the same stamps')
     assert compare_flights(a, b, Asked(align='none')).timing.offset == 0.0
+
+
+def test_two_topics_of_one_bag_are_no_two_flights(tmp_path):
+    bag = tmp_path / 'bag'
+    write_motion(bag, topic='odom', extra=())
+    flight = open_flight(bag)
+    pairs = ('odom/pose.pose.position.x=odom/pose.pose.position.y',)
+    found = compare_flights(flight, flight, Asked(pairs=pairs))
+    assert verdict(found).startswith('odom and odom are apart from the start, in x of odom')
+
+
+def test_the_sentence_names_what_the_ranking_has_first(tmp_path):
+    t = np.arange(0.0, 20.0, 0.02)
+    chance = np.random.default_rng(0)
+
+    def side(label, faster, slip):
+        noise = 1e-4 * chance.normal(size=(3, len(t)))
+        lines = {
+            'odom/pose.pose.position.x': np.sin(t) + noise[0],
+            'odom/twist.twist.linear.x': np.cos(t) + noise[1] + faster * (t > 5.0),
+            'odom/twist.twist.linear.y': 0.1 * np.cos(t) + noise[2] + slip * (t > 8.0),
+        }
+        return side_from([Channel(name, 'm', t, line) for name, line in lines.items()], label)
+
+    a, b = side('A', 0.0, 0.0), side('B', 0.01, 0.2)
+    found = compare(a, b, wanted_pairs((), (), ['odom'], ['odom']), Asked(align='none'))
+    assert found.channels[0].name == 'odom/twist.twist.linear.y'
+    assert verdict(found).startswith('The flights part at 5.02 s, first in forward speed of odom')
+    assert 'and most in sideways speed of odom' in verdict(found)

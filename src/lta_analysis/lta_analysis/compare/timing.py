@@ -16,6 +16,7 @@ import numpy as np
 
 Align = Literal['auto', 'clock', 'motion', 'none']
 SAME_RUN: Final = 0.9  # correlation of rates that one run recorded twice has, and two runs do not
+SAME_COUNT: Final = 0.98  # the same of logs that are both without a clock: repeats reach 0.961
 TELLING: Final = 3  # deviations of an offset that is remarked on
 PLACES: Final = ('position.x', 'position.y')
 
@@ -125,7 +126,8 @@ def decided(
     if bare.on_stamps and same_stamps(a, b, pairs):
         reason = 'Both carry the same stamps: they were timed by one clock, or count alike.'
         return replace(bare, reason=reason, remarks=doubts(found))
-    if found is not None and found.correlation >= SAME_RUN:
+    counted = own_clocks(a.provenance, b.provenance)
+    if found is not None and found.correlation >= (SAME_COUNT if counted else SAME_RUN):
         reason = (
             f'Rates of change agree (correlation {found.correlation:.2f}) at this offset, as of '
             'one run recorded twice.'
