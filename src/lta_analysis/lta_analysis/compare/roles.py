@@ -41,6 +41,7 @@ FIELDS: Final = {  # how a field ends, and what people call it
     'linear.z': 'climb',
     'angular.z': 'yaw rate',
 }
+ENDS: Final = tuple(FIELDS)
 MANY: Final = ('motors', 'light')  # roles that several channels fill
 MOTION: Final = ('x', 'y', 'altitude', 'heading', 'speed', 'pitch', 'roll', 'motors')
 

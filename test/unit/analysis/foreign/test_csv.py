@@ -400,3 +400,19 @@ def test_what_is_no_time_is_named_with_its_row(bring, tmp_path, times, sentence)
     with pytest.raises(BadInput) as told:
         bring(source, POSE)
     assert sentence in str(told.value)
+
+
+def test_a_name_with_a_line_break_stays_on_one_line(bring, tmp_path):
+    names = 't,x,y,"z\x1b[31m\nand more"'
+    source = text(tmp_path / 'a.csv', names.replace('\n', '\r'), '1,2,3,4')
+    with pytest.raises(BadInput) as told:
+        bring(source, POSE)
+    assert str(told.value).isprintable()
+
+
+def test_a_remark_on_a_name_with_a_line_break_stays_on_one_line(bring, tmp_path):
+    header = 'text: {header: [t, x, y, z, "one\\ntwo"]}\n'
+    source = text(tmp_path / 'a.csv', '5,1,2,3,4')
+    found = bring(source, POSE.replace('topics:', f'{header}topics:'))
+    assert 'one two' in found.notes
+    assert found.notes.isprintable()
