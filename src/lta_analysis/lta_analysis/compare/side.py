@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from hashlib import blake2b
 from typing import final
 
-from lta_analysis.bag.channels import Channel, channels
+from lta_analysis.bag.channels import Channel, channels, read_together
 from lta_analysis.bag.flight import Flight
 from lta_analysis.compare.line import Array
 from lta_config.errors import BadInput
@@ -107,11 +107,11 @@ def side_of(
     remarks = list(flight.bag.losses)
     raw = raw_facts(flight, wanted)
     tick()
-    for topic in flight.topics:
-        if topic not in wanted:
-            continue
+    names = [topic for topic in flight.topics if topic in wanted]
+    read = read_together(flight, names)
+    for topic in names:
         try:
-            own = {each.name: each for each in channels(flight, topic)}
+            own = {each.name: each for each in channels(flight, topic, read.pop(topic, None))}
         except BadInput as fault:
             remarks.append(f"Topic '{topic}' is left out: {fault}")
             own = {}
