@@ -67,7 +67,8 @@ def plot(
 def overview(flight: Flight, begin: float, end: float, console: Console) -> None:
     """Print every channel, and what could not be decoded."""
     found = all_channels(flight)
-    console.print(listing(readable(between(item, begin, end)) for item in found.channels.values()))
+    shown = [readable(between(item, begin, end)) for item in found.channels.values()]
+    console.print(listing(shown, console.width))
     for remark in found.remarks:
         console.print(remark, style='yellow', highlight=False)
 
