@@ -219,6 +219,7 @@ def test_the_command_writes_page_and_figures_and_tells_by_its_status(
         (['--offset', '500'], 'The flights have no time in common'),
         (['--tolerance', 'odom'], "'odom' is no tolerance; write CHANNEL=VALUE"),
         (['--tolerance', f'{Z}=-1'], f'The tolerance of {Z} is -1; give zero or more.'),
+        (['--tolerance', f'{Z}=5 deg'], f"The tolerance of {Z} is '5 deg', but {Z} is in m;"),
         (['--robot', 'lta7'], "Unknown robot 'lta7'; known: lta1"),
         (['--align', 'motion'], 'The flights show no start of motion or commands'),
     ],

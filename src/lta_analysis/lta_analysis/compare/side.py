@@ -104,7 +104,7 @@ def side_of(
     """
     found: dict[str, Channel] = {}
     topics: dict[str, Recorded] = {}
-    remarks = list(flight.bag.losses)
+    remarks = []
     raw = raw_facts(flight, wanted)
     tick()
     names = [topic for topic in flight.topics if topic in wanted]
@@ -120,6 +120,7 @@ def side_of(
         frame, digest, twice = raw.get(topic, ('', '', 0))
         topics[topic] = Recorded(topic, flight.type_of(topic), frame, time, digest, twice)
         tick()
+    remarks = [*flight.bag.losses, *remarks]  # some damage shows only where it is read
     where = str(flight.bag.path)
     return Side(
         label, where, flight.robot, flight.start, found, topics, tuple(remarks), flight.provenance
