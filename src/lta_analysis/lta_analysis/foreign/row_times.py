@@ -73,7 +73,14 @@ def exact(texts: list[str], unit: str, column: str, first: int) -> Zoneless:
                 f"Column '{column}' has {told} in row {first + index + 1}, which is no time; "
                 'correct the row or take it out.'
             ) from None
-    return Zoneless(found, dates and any(not DATE.fullmatch(text.strip())[3] for text in texts))
+    zoneless = dates and any(zone_of(text) == '' for text in texts)
+    return Zoneless(found, zoneless)
+
+
+def zone_of(text: str) -> str | None:
+    """Return the time zone of a date as it is written, '' without one; None of no date."""
+    found = DATE.fullmatch(text.strip())
+    return None if found is None else found[3]
 
 
 def decimals(unit: str) -> Callable[[str], int]:

@@ -152,19 +152,19 @@ def told_tolerance(text: str) -> tuple[str, float]:
 
 
 def check_units(tolerances: Sequence[str], channels: Sequence[Apart]) -> None:
-    """Raise BadInput where a tolerance is in a unit of something else than its channel."""
+    """Raise BadInput where none of the channels of a tolerance is in such a unit."""
     for name, _, value in (text.rpartition('=') for text in tolerances):
         found = QUANTITY.fullmatch(value)
         if found is None or not found[2]:
             continue
         kind = UNITS[found[2]][0]
-        for each in channels:
-            own = UNITS.get(each.unit, (each.unit, 1.0))[0]
-            if own not in ('', kind) and (each.name == name or fnmatchcase(each.name, name)):
-                raise BadInput(
-                    f"The tolerance of {name} is '{value}', but {each.name} is in {own}; give it "
-                    'in that.'
-                )
+        fitting = [each for each in channels if each.name == name or fnmatchcase(each.name, name)]
+        units = [UNITS.get(each.unit, (each.unit, 1.0))[0] for each in fitting]
+        if fitting and not {'', kind} & {*units}:
+            raise BadInput(
+                f"The tolerance of {name} is '{value}', but {fitting[0].name} is in {units[0]}; "
+                'give it in that.'
+            )
 
 
 def quantity(text: str, what: str, unit: str | None = None) -> float:
