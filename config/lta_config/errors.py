@@ -6,8 +6,19 @@ class BadInput(ValueError):
     Input from outside cannot be used.
 
     The text is the whole message a person sees: one sentence that names the fact, the value
-    and what to do about it. Commands print it and exit with status 2.
+    and what to do about it. Commands print it and exit with status 2. It stays on one line where
+    a name or a cell that it quotes does not.
     """
+
+    def __init__(self, text: str) -> None:
+        super().__init__(one_line(text))
+
+
+def one_line(text: str) -> str:
+    """Return a text with a blank for each line break and whatever else cannot be printed."""
+    if text.isprintable():
+        return text
+    return ''.join(part if part.isprintable() else ' ' for part in text)
 
 
 def unknown(kind: str, name: str, known: list[str]) -> BadInput:

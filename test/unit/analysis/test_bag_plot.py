@@ -1,5 +1,6 @@
 """Quick looks: which channels a word means, and what the terminal shows of them."""
 
+import io
 from itertools import pairwise
 import sys
 
@@ -8,10 +9,11 @@ from lta_analysis.bag import open_flight
 from lta_analysis.bag.channels import Channel
 from lta_analysis.plot.choice import between, by_unit, chosen, readable
 from lta_analysis.plot.page import drawing
-from lta_analysis.plot.terminal import curves, sparkline
+from lta_analysis.plot.terminal import curves, listing, sparkline
 from lta_config.errors import BadInput
 import numpy as np
 import pytest
+from rich.console import Console
 
 from .report_flight import write_flight
 
@@ -143,3 +145,11 @@ def test_what_cannot_be_shown_is_one_sentence(call, bag, words, sentence):
     assert status == 2
     assert sentence in said.err
     assert said.err.count('\n') == 1
+
+
+def test_names_stay_whole_where_the_terminal_is_narrow():
+    t = np.arange(100) / 10.0
+    name = 'ground_truth/odom/pose.pose.position.x'
+    console = Console(width=80, file=io.StringIO())
+    console.print(listing([Channel(name, 'm/s2', t, -np.sqrt(t))], console.width))
+    assert name in console.file.getvalue()

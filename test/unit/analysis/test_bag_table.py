@@ -197,3 +197,20 @@ def test_samples_and_points_come_as_arrays(record, types):
     np.testing.assert_array_equal(peaks.array('snr'), [[2, 0], [2, 4], [2, 8], [2, 12]])
     np.testing.assert_array_equal(peaks.stamp_ns, START + np.arange(4) * 10**8)
     assert peaks.units['snr[1]'] == '1'
+
+
+def test_rows_are_chosen_as_of_an_array(flight_bag):
+    odom = lta_analysis.open(flight_bag, robot='/lta1/')['odom']
+    z = odom['pose.pose.position.z']
+    assert len(odom) > 3
+    assert odom[1:3]['pose.pose.position.z'].tolist() == z[1:3].tolist()
+    assert odom[::-1].stamp_ns.tolist() == odom.stamp_ns[::-1].tolist()
+    assert len(odom[z > z.min()]) == (z > z.min()).sum()
+    assert odom[np.array([2, 0])].time.tolist() == [odom.time[2], odom.time[0]]
+    mixed = np.array([0, 2, 1, 2])  # as long as from the first to the last of 0, 1, 2, 3
+    assert odom.rows(np.array([0, 3, 1, 3])).time.tolist() == odom.time[[0, 3, 1, 3]].tolist()
+    assert odom[mixed].time.tolist() == odom.time[mixed].tolist()
+    assert len(odom[5:2]) == 0
+    for wrong in (np.array([10**6]), np.array([True]), np.array([0.5])):
+        with pytest.raises(BadInput, match='are not among the'):
+            odom[wrong]

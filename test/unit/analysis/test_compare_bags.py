@@ -2,6 +2,7 @@
 
 import itertools
 import json
+from pathlib import Path
 import sys
 
 from lta_analysis import app
@@ -11,13 +12,16 @@ from lta_analysis.compare.comparison import Asked, compare, compare_flights
 from lta_analysis.compare.pairs import wanted_pairs
 from lta_analysis.compare.side import side_from
 from lta_analysis.compare.words import fault_words, verdict
+from lta_analysis.foreign.progress import ImportProgress
+from lta_analysis.foreign.run import import_all, Order
 from lta_bridge.bag import BagWriter
 from lta_bridge.bag.schemas import jazzy
 from lta_config.errors import BadInput
 import numpy as np
 import pytest
+from rich.console import Console
 
-from .compare_flight import stamped, UNIX, write_motion
+from .compare_flight import motion, stamped, UNIX, write_motion
 from .report_flight import make, pose, write_flight
 
 ODOMETRY = 'nav_msgs/msg/Odometry'
@@ -215,6 +219,7 @@ def test_the_command_writes_page_and_figures_and_tells_by_its_status(
         (['--offset', '500'], 'The flights have no time in common'),
         (['--tolerance', 'odom'], "'odom' is no tolerance; write CHANNEL=VALUE"),
         (['--tolerance', f'{Z}=-1'], f'The tolerance of {Z} is -1; give zero or more.'),
+        (['--tolerance', f'{Z}=5 deg'], f"The tolerance of {Z} is '5 deg', but {Z} is in m;"),
         (['--robot', 'lta7'], "Unknown robot 'lta7'; known: lta1"),
         (['--align', 'motion'], 'The flights show no start of motion or commands'),
     ],
@@ -328,3 +333,84 @@ def test_separate_runs_are_laid_on_each_other_by_their_commands():
     assert duty.measures.greatest == pytest.approx(0.05)
     alone = compare(a, b, wanted, Asked(align='none'))
     assert (alone.timing.how, alone.timing.offset) == ('none', 0.0)
+
+
+def imported_csv(tmp_path, name, until, phase, time='time: {rate: 50 Hz}'):
+    """Import hand-made motion as a text, whose first row is `phase` into the motion."""
+    t = phase + np.arange(round(50 * until)) / 50.0
+    chance = np.random.default_rng(len(name))
+    rows = np.column_stack([t - phase, motion(t)[:, :3] + 0.001 * chance.normal(size=(len(t), 3))])
+    source, mapping = tmp_path / f'{name}.csv', tmp_path / 'm.yaml'
+    np.savetxt(source, rows, delimiter=',', header='t,x,y,z', comments='', fmt='%.9f')
+    mapping.write_text(
+        f'schema: 1\nname: m\nabout: a\nformat: csv\n{time}\n'
+        'topics:\n  - {topic: odom, position: {columns: [x, y, z], unit: m}}\n'
+    )
+    with ImportProgress(Console(quiet=True), 1) as progress:
+        (done,) = import_all(Order([source], str(mapping)), tmp_path / name, progress)
+    return open_flight(Path(done.bag))
+
+
+@pytest.mark.parametrize('time', ['time: {rate: 50 Hz}', 'time: {column: t}'])
+def test_rows_that_are_counted_alike_are_no_common_clock(tmp_path, time):
+    # One motion; the second text begins 0.4 s later in it, and both count from zero.
+    a = imported_csv(tmp_path, 'one', 40.0, 0.0, time)
+    b = imported_csv(tmp_path, 'other', 38.0, 0.4, time)
+    found = compare_flights(a, b, Asked())
+    assert found.timing.how == 'clock'
+    assert found.timing.offset == pytest.approx(-0.4, abs=max(0.005, 4 * found.timing.sigma))
+    assert found.verdict == 'same'
+    # One text imported twice is one clock.
+    assert compare_flights(a, a, Asked()).timing.reason.startswith('Both carry the same stamps')
+    assert compare_flights(a, b, Asked(align='none')).timing.offset == 0.0
+
+
+def test_two_topics_of_one_bag_are_no_two_flights(tmp_path):
+    bag = tmp_path / 'bag'
+    write_motion(bag, topic='odom', extra=())
+    flight = open_flight(bag)
+    pairs = ('odom/pose.pose.position.x=odom/pose.pose.position.y',)
+    found = compare_flights(flight, flight, Asked(pairs=pairs))
+    assert verdict(found).startswith('odom and odom are apart from the start, in x of odom')
+
+
+def test_the_sentence_names_what_the_ranking_has_first(tmp_path):
+    t = np.arange(0.0, 20.0, 0.02)
+    chance = np.random.default_rng(0)
+
+    def side(label, faster, slip):
+        noise = 1e-4 * chance.normal(size=(3, len(t)))
+        lines = {
+            'odom/pose.pose.position.x': np.sin(t) + noise[0],
+            'odom/twist.twist.linear.x': np.cos(t) + noise[1] + faster * (t > 5.0),
+            'odom/twist.twist.linear.y': 0.1 * np.cos(t) + noise[2] + slip * (t > 8.0),
+        }
+        return side_from([Channel(name, 'm', t, line) for name, line in lines.items()], label)
+
+    a, b = side('A', 0.0, 0.0), side('B', 0.01, 0.2)
+    found = compare(a, b, wanted_pairs((), (), ['odom'], ['odom']), Asked(align='none'))
+    assert found.channels[0].name == 'odom/twist.twist.linear.y'
+    assert verdict(found).startswith('The flights part at 5.02 s, first in forward speed of odom')
+    assert 'and most in sideways speed of odom' in verdict(found)
+
+
+def test_a_bag_is_gone_through_a_few_times_whatever_it_holds(tmp_path, monkeypatch):
+    write_flight(tmp_path / 'bag')
+    flight = open_flight(tmp_path / 'bag')
+    passes = []
+    read = type(flight.bag).records
+
+    def counted(bag, topics=None, at=None):
+        passes.append(topics)
+        return read(bag, topics, at)
+
+    monkeypatch.setattr(type(flight.bag), 'records', counted)
+    found = compare_flights(flight, flight, Asked())
+    assert found.verdict == 'identical'
+    single = [
+        name for name in flight.topics
+        if 'Image' in flight.type_of(name) or 'PointCloud' in flight.type_of(name)
+    ]  # fmt: skip
+    assert len(flight.topics) > 5
+    # All bytes once, all numbers once, and what has blocks or points by itself.
+    assert len(passes) == 2 + len(single)

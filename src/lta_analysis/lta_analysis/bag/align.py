@@ -11,7 +11,8 @@ nothing: a gap is never bridged.
 from collections.abc import Callable, Sequence
 from typing import Any, Final, final, NamedTuple
 
-from lta_analysis.bag.table import AXES, DIM, Table
+from lta_analysis.bag.table import AXES, Table
+from lta_analysis.bag.table_text import DIM
 from lta_config.errors import BadInput, unknown
 import numpy as np
 from numpy.typing import NDArray

@@ -8,7 +8,7 @@ list of joints into one channel a joint (`motors/effort.left`), a point list int
 its message declares unknown (ROS: the first element of its covariance is -1) is NaN there.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 import re
 from typing import Any, Final, final, NamedTuple
@@ -73,7 +73,7 @@ class Channel:
         return self.name.rpartition('/')[2]
 
 
-def channels(flight: Flight, topic: str) -> Iterator[Channel]:
+def channels(flight: Flight, topic: str, series: Series | None = None) -> Iterator[Channel]:
     """
     Yield the channels of one topic of a flight.
 
@@ -85,6 +85,8 @@ def channels(flight: Flight, topic: str) -> Iterator[Channel]:
         The recording of one robot.
     topic : str
         Relative to the robot ('odom') or absolute.
+    series : Series, optional
+        Its messages, where they have been read with those of other topics.
 
     Raises
     ------
@@ -98,7 +100,21 @@ def channels(flight: Flight, topic: str) -> Iterator[Channel]:
     elif kind == CLOUD:
         yield from _of_points(flight, topic)
     else:
-        yield from _of_series(flight.series(topic), topic, kind)
+        yield from _of_series(flight.series(topic) if series is None else series, topic, kind)
+
+
+def read_together(flight: Flight, topics: Collection[str]) -> dict[str, Series]:
+    """
+    Return the messages of all topics of numbers from one pass over the bag.
+
+    Images and point clouds are not among them; nothing is where one topic cannot be decoded, which
+    `channels` then tells of that topic.
+    """
+    plain = [topic for topic in topics if flight.type_of(topic) not in (IMAGE, CLOUD)]
+    try:
+        return flight.read(plain)
+    except BadInput:
+        return {}
 
 
 def _of_series(series: Series, topic: str, kind: str) -> Iterator[Channel]:

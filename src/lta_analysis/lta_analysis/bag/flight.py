@@ -262,6 +262,7 @@ def open_flight(source: Bag | Path | str, robot: str | None = None) -> Flight:
 def chosen(bag: Bag, robot: str | None) -> str:
     """Return the robot to look at: the one that is named, or the only one; see `open_flight`."""
     found = namespaces(bag)
+    robot = None if robot is None else robot.strip('/')
     if robot is not None and robot not in found:
         raise unknown('robot', robot, found)
     if robot is None and len(found) > 1:

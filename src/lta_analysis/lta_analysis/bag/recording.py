@@ -83,6 +83,11 @@ class Recording:
         """Where the recording comes from."""
         return self.flight.provenance
 
+    @property
+    def losses(self) -> list[str]:
+        """What of the file is damaged, a sentence each, as far as it has been read."""
+        return list(self.flight.bag.losses)
+
     def __iter__(self) -> Iterator[str]:
         """Iterate over the topics."""
         return iter(self.topics)
@@ -172,7 +177,7 @@ class Recording:
         for topic, name in names.items():
             found = bag.topics[name]
             lines.append(f'  {topic:{width}}  {found.count:8}  {found.type_name}')
-        return '\n'.join(lines)
+        return '\n'.join([*lines, *self.losses])
 
 
 def table_of(flight: Flight, topic: str) -> Table:

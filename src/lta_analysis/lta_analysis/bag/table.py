@@ -1,14 +1,15 @@
 """Columns with units on one clock: a topic as people work with it in a notebook."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from importlib import import_module
 from itertools import count, takewhile
 import re
-from typing import Any, Final, final
+from typing import Any, Final, final, overload
 
 from lta_analysis.bag.attitude import angles
 from lta_analysis.bag.merge import Columns
+from lta_analysis.bag.table_text import DIM, heading, lines
 from lta_config.errors import BadInput, unknown
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +19,6 @@ TIME: Final = 'time'
 STAMP: Final = 'stamp_ns'
 PARTS: Final = ('yaw', 'pitch', 'roll')
 AXES: Final = ('x', 'y', 'z', 'w')
-DIM: Final = re.compile(r'(^|/|\.)header\.|covariance($|\[|/)')  # columns that few look at
-SHOWN: Final = 24  # columns that a table prints
 
 Samples = Callable[[NDArray[np.intp]], NDArray[Any]]
 
@@ -143,8 +142,24 @@ class Table:
         """Tell whether there is a column."""
         return column in self.columns or column in self._also
 
-    def __getitem__(self, column: str) -> NDArray[Any]:
-        """Return a column, shape (n,); an unknown one is a `BadInput` that lists the known."""
+    @overload
+    def __getitem__(self, column: str) -> NDArray[Any]: ...
+
+    @overload
+    def __getitem__(self, column: slice | NDArray[Any]) -> 'Table': ...
+
+    def __getitem__(self, column: str | slice | NDArray[Any]) -> 'NDArray[Any] | Table':
+        """
+        Return a column, shape (n,), or some rows: `table[10:20]`, `table[table['z'] > 1.0]`.
+
+        Raises
+        ------
+        BadInput
+            If the column is unknown, with those that are known, or the rows are not there.
+
+        """
+        if not isinstance(column, str):
+            return self.rows(rows_of(column, len(self)))
         column = self._also.get(column, column)
         if column in self._data:
             return self._data[column]
@@ -168,7 +183,7 @@ class Table:
     def rows(self, chosen: NDArray[np.intp]) -> 'Table':
         """Return some rows; copied only where they do not follow each other."""
         which: slice | NDArray[np.intp] = chosen
-        if len(chosen) and chosen[-1] - chosen[0] + 1 == len(chosen):
+        if len(chosen) and chosen[0] >= 0 and (np.diff(chosen) == 1).all():
             which = slice(int(chosen[0]), int(chosen[-1]) + 1)
         data = {column: values[which] for column, values in self._data.items()}
         return self._with(data, which)
@@ -240,6 +255,17 @@ class Table:
         return '\n'.join([heading(self), *lines(self)])
 
 
+def rows_of(chosen: slice | NDArray[Any], count: int) -> NDArray[np.intp]:
+    """Return the numbers of the rows that a slice, flags or numbers choose."""
+    try:
+        return np.atleast_1d(np.arange(count)[chosen])
+    except (IndexError, TypeError, ValueError):
+        raise BadInput(
+            f"Rows '{chosen}' are not among the {count} of the table; give a column's name, a "
+            'slice, a flag for each row, or numbers of rows.'
+        ) from None
+
+
 def optional(name: str) -> Any:  # noqa: ANN401 - a module
     """Return a library that people may have; `BadInput` with the remedy where they have not."""
     try:
@@ -255,39 +281,3 @@ def arrow_field(name: str, kind: np.dtype[Any], units: Mapping[str, str]) -> Any
     """Return the declaration of a column with its unit."""
     stored = arrow.string() if kind.kind == 'U' else arrow.from_numpy_dtype(kind)
     return arrow.field(name, stored, metadata={'unit': units[name]} if name in units else None)
-
-
-def heading(table: Table) -> str:
-    """Return the first line about a table."""
-    if not len(table):
-        return f'{table.name}: no rows'
-    first, last = float(table.time[0]), float(table.time[-1])
-    rate = f', {(len(table) - 1) / (last - first):.4g} Hz' if last > first else ''
-    kind = f', {table.kind}' if table.kind else ''
-    return f'{table.name}: {len(table)} rows from {first:.2f} to {last:.2f} s{rate}{kind}'
-
-
-def lines(table: Table) -> Iterator[str]:
-    """Yield a line for each column that people look at, then the number of the others."""
-    seen = [column for column in table.columns if not DIM.search(column)]
-    width = max(map(len, seen[:SHOWN]), default=0)
-    for column in seen[:SHOWN]:
-        unit, values = table.units.get(column, ''), extremes(table[column])
-        yield f'  {column:{width}}  {unit:8} {values}'.rstrip()
-    if hidden := len(table.columns) - len(seen[:SHOWN]):
-        yield f'  and {hidden} more, in .columns'
-
-
-def extremes(values: NDArray[Any]) -> str:
-    """Return the least and the greatest of a column, or what texts it has."""
-    if not len(values):
-        return ''
-    if values.dtype.kind in 'Ub':
-        return several([str(value) for value in np.unique(values)])
-    finite = values[np.isfinite(values)]
-    return f'{finite.min():.4g} to {finite.max():.4g}' if len(finite) else 'nothing finite'
-
-
-def several(texts: Sequence[str]) -> str:
-    """Return a few of some texts."""
-    return ', '.join(texts[:3]) + (', ...' if len(texts) > 3 else '')

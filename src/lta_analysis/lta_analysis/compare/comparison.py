@@ -124,8 +124,12 @@ def compare_flights(
 
     """
     wanted = wanted_pairs(asked.pairs, asked.topics, one.topics, other.topics)
-    a = side_of(one, 'A', {each.topic_a for each in wanted}, lambda: tick('reading A'))
-    b = side_of(other, 'B', {each.topic_b for each in wanted}, lambda: tick('reading B'))
+    of_a, of_b = ({each[k] for each in wanted} for k in (0, 1))
+    a = side_of(one, 'A', of_a, lambda: tick('reading A'))
+    if of_a == of_b and (one.bag.path, one.robot) == (other.bag.path, other.robot):
+        b = replace(a, label='B')
+    else:
+        b = side_of(other, 'B', of_b, lambda: tick('reading B'))
     found = compare(a, b, wanted, asked, tick)
     if asked.pairs or asked.topics:
         return found

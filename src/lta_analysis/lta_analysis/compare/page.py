@@ -122,7 +122,8 @@ def tiles(found: Comparison) -> list[Tile]:
     doubt = f'± {doubt} {unit}; ' if doubt else ''
     how = {
         'clock': 'by what both measured', 'motion': 'by the start of motion',
-        'given': 'by hand', 'none': 'stamps as they are',
+        'given': 'by hand',
+        'none': 'stamps as they are' if timing.on_stamps else 'each from its own start',
     }[timing.how]  # fmt: skip
     made = [
         Tile('Offset of B\'s time', offset, unit, f'{doubt}{how}'),
@@ -137,7 +138,7 @@ def tiles(found: Comparison) -> list[Tile]:
         made.append(Tile('First parting', f'{first.parting.at:.2f}', 's', called(first)))
         rms = worst.measures
         share = MISSING if rms is None or rms.nrmse is None else f'{rms.nrmse:.2g}'
-        made.append(Tile("Worst channel's NRMSE", share, '', called(worst)))
+        made.append(Tile('NRMSE of what parts most', share, '', called(worst)))
     else:
         made.append(Tile('First parting', MISSING, '', 'no channel parts'))
     made.append(Tile('Topics with faults', str(wrong), '', 'gaps, duplicates, lost values'))

@@ -29,6 +29,19 @@ ROLES: Final = (
     Role('battery', 'Battery', ('battery/voltage', '*battery*/voltage', 'battery/current')),
     Role('light', 'Light', ('light/peaks/snr*', 'light/*', 'illuminance/*', 'photodiodes/*')),
 )
+FIELDS: Final = {  # how a field ends, and what people call it
+    'position.x': 'x',
+    'position.y': 'y',
+    'position.z': 'altitude',
+    'orientation.yaw': 'heading',
+    'orientation.pitch': 'pitch',
+    'orientation.roll': 'roll',
+    'linear.x': 'forward speed',
+    'linear.y': 'sideways speed',
+    'linear.z': 'climb',
+    'angular.z': 'yaw rate',
+}
+ENDS: Final = tuple(FIELDS)
 MANY: Final = ('motors', 'light')  # roles that several channels fill
 MOTION: Final = ('x', 'y', 'altitude', 'heading', 'speed', 'pitch', 'roll', 'motors')
 
@@ -80,7 +93,17 @@ def main_channels(channels: Sequence[Apart]) -> list[Shown]:
 
 
 def headline(channels: Sequence[Apart]) -> list[Apart]:
-    """Return what a sentence about the flights speaks of: motion and commands, else all."""
+    """Return what a sentence speaks of: the hull's motion and the commands, else all."""
     moving = [shown.channel for shown in main_channels(channels) if shown.role.name in MOTION]
-    ordered = [each for each in channels if any(each is one for one in moving)]
+    hull = pose_of(channels).rpartition('/')[0]
+    ordered = [
+        each
+        for each in channels
+        if any(each is one for one in moving)
+        or (
+            each.name.rpartition('/')[0] == hull
+            and each.name.endswith(tuple(FIELDS))
+            and not each.still
+        )
+    ]
     return ordered or [each for each in channels if not each.still] or list(channels)

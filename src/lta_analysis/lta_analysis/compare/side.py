@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from hashlib import blake2b
 from typing import final
 
-from lta_analysis.bag.channels import Channel, channels
+from lta_analysis.bag.channels import Channel, channels, read_together
 from lta_analysis.bag.flight import Flight
 from lta_analysis.compare.line import Array
 from lta_config.errors import BadInput
@@ -104,14 +104,14 @@ def side_of(
     """
     found: dict[str, Channel] = {}
     topics: dict[str, Recorded] = {}
-    remarks = list(flight.bag.losses)
+    remarks = []
     raw = raw_facts(flight, wanted)
     tick()
-    for topic in flight.topics:
-        if topic not in wanted:
-            continue
+    names = [topic for topic in flight.topics if topic in wanted]
+    read = read_together(flight, names)
+    for topic in names:
         try:
-            own = {each.name: each for each in channels(flight, topic)}
+            own = {each.name: each for each in channels(flight, topic, read.pop(topic, None))}
         except BadInput as fault:
             remarks.append(f"Topic '{topic}' is left out: {fault}")
             own = {}
@@ -120,6 +120,7 @@ def side_of(
         frame, digest, twice = raw.get(topic, ('', '', 0))
         topics[topic] = Recorded(topic, flight.type_of(topic), frame, time, digest, twice)
         tick()
+    remarks = [*flight.bag.losses, *remarks]  # some damage shows only where it is read
     where = str(flight.bag.path)
     return Side(
         label, where, flight.robot, flight.start, found, topics, tuple(remarks), flight.provenance

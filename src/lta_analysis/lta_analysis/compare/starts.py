@@ -12,6 +12,7 @@ import numpy as np
 QUIET: Final = 0.3  # s of rest that a start must be preceded by
 CLEAR: Final = 8.0  # times the noise
 PART: Final = 0.02  # of the range
+FEWEST: Final = 3  # channels of motion that tell a start, and by their scatter how well
 CREEP: Final = 0.5  # of the limit, that a channel at rest may change in the first moment
 COMMANDS: Final = ('motors', 'wrench_command', 'setpoint/velocity', 'setpoint/pose')
 
@@ -60,8 +61,8 @@ def common_start(shared: Sequence[Shared]) -> Start | None:
     """
     Return the offset between two flights' starts; None where they show none that both share.
 
-    The commands count where they start, else the motion; the median over the channels, and its
-    deviation from their scatter and their periods.
+    The commands count where they start, else the motion, if enough channels of it do; the median
+    over the channels, and its deviation from their scatter and their periods.
     """
     for by_command in (True, False):
         found = {}
@@ -72,7 +73,7 @@ def common_start(shared: Sequence[Shared]) -> Start | None:
                 if starts[0] is not None and starts[1] is not None:
                     step = math.hypot(period(each.a.time), period(each.b.time))
                     found[each.name] = starts[1] - starts[0], step
-        if found:
+        if len(found) >= (1 if by_command else FEWEST):
             offsets = np.array([offset for offset, _ in found.values()])
             middle = float(np.median(offsets))
             scatter = 1.4826 * float(np.median(np.abs(offsets - middle))) / math.sqrt(len(offsets))

@@ -10,11 +10,13 @@ from lta_analysis.compare.line import Array, Line, ordered, sampled
 from lta_analysis.compare.pairs import Pair
 from lta_analysis.compare.side import Side
 from lta_analysis.compare.starts import common_start
+from lta_analysis.foreign.clocks import own_clocks
 from lta_config.errors import BadInput
 import numpy as np
 
 Align = Literal['auto', 'clock', 'motion', 'none']
 SAME_RUN: Final = 0.9  # correlation of rates that one run recorded twice has, and two runs do not
+SAME_COUNT: Final = 0.98  # the same of logs that are both without a clock: repeats reach 0.961
 TELLING: Final = 3  # deviations of an offset that is remarked on
 PLACES: Final = ('position.x', 'position.y')
 
@@ -99,6 +101,8 @@ def timing(
         return replace(bare, how='given', offset=given, reason='The offset was given by hand.')
     if align == 'none':
         return replace(bare, reason='The stamps were asked to be taken as they are.')
+    if own_clocks(a.provenance, b.provenance):
+        bare = replace(bare, on_stamps=False, lead=0.0)
     shared = invariants(pairs, bare)
     if align == 'motion':
         return by_start(bare, shared, 'It was asked for.')
@@ -119,10 +123,11 @@ def decided(
 ) -> Timing:
     """Return what the data say."""
     found = bare.found
-    if same_stamps(a, b, pairs):
+    if bare.on_stamps and same_stamps(a, b, pairs):
         reason = 'Both carry the same stamps: they were timed by one clock, or count alike.'
         return replace(bare, reason=reason, remarks=doubts(found))
-    if found is not None and found.correlation >= SAME_RUN:
+    counted = own_clocks(a.provenance, b.provenance)
+    if found is not None and found.correlation >= (SAME_COUNT if counted else SAME_RUN):
         reason = (
             f'Rates of change agree (correlation {found.correlation:.2f}) at this offset, as of '
             'one run recorded twice.'
@@ -135,7 +140,10 @@ def decided(
         reason = 'The clocks have nothing in common, and the motions differ: separate runs.'
         return by_start(bare, shared, reason)
     except BadInput:
-        reason = 'The flights show no start of motion that both share; each counts from its own.'
+        reason = (
+            'Their clocks have nothing in common, and they show no start of motion or commands '
+            'that both share.'
+        )
         return replace(bare, reason=reason, remarks=doubts(found))
 
 

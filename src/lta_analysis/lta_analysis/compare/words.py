@@ -9,23 +9,11 @@ from lta_analysis.compare.comparison import Comparison
 from lta_analysis.compare.faults import Faults
 from lta_analysis.compare.frames import Placement
 from lta_analysis.compare.placing import Placed
-from lta_analysis.compare.roles import headline
+from lta_analysis.compare.roles import FIELDS, headline
 from lta_analysis.compare.side import Side
 from lta_analysis.compare.timing import Timing
 
 DEGREES: Final = 180.0 / math.pi
-FIELDS: Final = {  # how a field ends, and what people call it
-    'position.x': 'x',
-    'position.y': 'y',
-    'position.z': 'altitude',
-    'orientation.yaw': 'heading',
-    'orientation.pitch': 'pitch',
-    'orientation.roll': 'roll',
-    'linear.x': 'forward speed',
-    'linear.y': 'sideways speed',
-    'linear.z': 'climb',
-    'angular.z': 'yaw rate',
-}
 BASIS: Final = 1e6
 MISSING: Final = '\N{EN DASH}'
 
@@ -58,9 +46,10 @@ def verdict(found: Comparison) -> str:
     if not parted:
         return beside(found)
     first = earliest(parted)
-    text = f'The flights part at {first.parting.at:.2f} s, first in {called(first)}'
+    who = subject(found)
+    text = f'{who} part at {first.parting.at:.2f} s, first in {called(first)}'
     if begins_apart(first):
-        text = f'The flights are apart from the start, in {called(first)}'
+        text = f'{who} are apart from the start, in {called(first)}'
     worst = parted[0]
     if worst is not first:
         text += f', and most in {called(worst)}'
@@ -68,6 +57,15 @@ def verdict(found: Comparison) -> str:
         text += ' and there most'
     rms = 0.0 if worst.measures is None else worst.measures.rms
     return f'{text}: {amount(rms, worst.unit)} RMS.'
+
+
+def subject(found: Comparison) -> str:
+    """Return what is compared: two flights, or two topics of one."""
+    one = (found.a.path, found.a.robot) == (found.b.path, found.b.robot)
+    if one and len(found.topics) == 1:
+        ((topic, other),) = found.topics.items()
+        return f'{topic} and {other}'
+    return 'The flights'
 
 
 def begins_apart(channel: Apart) -> bool:

@@ -110,6 +110,7 @@ def export(recording: Recording, order: Order, folder: Path, watcher: Watcher) -
                 written.append(save(source, folder, order.form, done))
         if order.form == 'csv':
             write_units(written, folder)
+        done.remarks.extend(recording.losses)  # some damage shows only where it is read
     except OSError as error:
         raise BadInput(
             f"The files cannot be written to '{folder}' ({error.strerror or error}); make room, "

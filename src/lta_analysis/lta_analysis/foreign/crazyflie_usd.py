@@ -5,9 +5,12 @@ Little endian. The head: 0xBC, version (u16), number of event types (u16); then 
 its number (u16), its name, the number of its variables (u16), and for each variable
 `group.name(t)`, with t its type as Python's `struct` writes it; texts end in a zero byte. Then
 events to the end: number of the type (u16), time (version 1: u32 in ms, version 2: u64 in us), the
-variables, packed. The last four bytes are the CRC-32 of all before. Source: Bitcraze's
-documentation of the micro-SD card deck and of its logging (crazyflie-firmware, tools/usdlog). Time
-is since the drone was switched on.
+variables, packed: first what the event itself carries, by a name without a group (`id` of
+`estDistance`), then what was asked for with it. The last four bytes are the CRC-32 of all before;
+a drone that loses power while it logs does not write them. Checked against what writes and what
+decodes such logs in Bitcraze's crazyflie-firmware: `usdWriteTask` in
+src/deck/drivers/src/usddeck.c, and tools/usdlog/cfusdlog.py. Time is since the drone was switched
+on.
 """
 
 from collections.abc import Mapping
@@ -17,6 +20,7 @@ import struct
 from typing import final, NamedTuple
 import zlib
 
+from lta_analysis.foreign.clocks import CLOCK
 from lta_analysis.foreign.protocol import Tables
 from lta_analysis.foreign.table import Table
 from lta_config.errors import BadInput
@@ -38,9 +42,10 @@ VARIABLE = re.compile(rf'(.+)\(([{KINDS}])\)')
 
 @final
 class Event(NamedTuple):
-    """One type of event: its name and the layout of a whole record."""
+    """One type of event: its name, those of its variables, and the layout of a whole record."""
 
     name: str
+    variables: list[str]
     record: np.dtype[np.void]
 
 
@@ -80,7 +85,11 @@ def opened(path: Path, mapping: MappingFile | None) -> Tables:
         tables[name] = _table(data, events[number], found, version)
     if not tables:
         raise BadInput(f"'{path}' is a Crazyflie's log without a single event; nothing to import.")
-    facts = {'usd_version': str(version), 'crc': 'fits' if whole else 'does not fit'}
+    facts = {
+        'usd_version': str(version),
+        'crc': 'fits' if whole else 'does not fit',
+        CLOCK: 'since the drone was switched on',
+    }
     _note_shift(tables, notes)
     return Tables(tables, notes, facts)
 
@@ -98,11 +107,14 @@ def _head(data: bytes, path: Path) -> tuple[dict[int, Event], int, int]:
         events = {}
         for _ in range(count):
             number, name, variables, at = _event_head(data, at)
+            names: list[str] = []
             fields = [*STARTS[version].descr]
-            for _ in range(variables):
+            for index in range(1, variables + 1):
                 text, at = _text(data, at)
-                fields.append(_field(text, path))
-            events[number] = Event(name, np.dtype(fields))
+                variable, kind = _field(text, path)
+                names.append(variable if variable not in names else f'{variable} ({index})')
+                fields.append((f'variable {index}', kind))  # a name may be 'id' or 'time' as well
+            events[number] = Event(name, names, np.dtype(fields))
     except (struct.error, ValueError, UnicodeDecodeError) as error:
         if isinstance(error, BadInput):
             raise
@@ -157,8 +169,10 @@ def _table(data: bytes, event: Event, places: list[tuple[int, int]], version: in
     size = event.record.itemsize
     rows = np.frombuffer(b''.join(data[at : at + size] for _, at in places), dtype=event.record)
     stamps = rows['time'].astype(np.int64) * TICK[version] + topic_table().start_ns
-    names = event.record.names or ()
-    columns = {name: rows[name].astype(np.float64) for name in names if name not in ('id', 'time')}
+    columns = {
+        name: rows[f'variable {index}'].astype(np.float64)
+        for index, name in enumerate(event.variables, 1)
+    }
     order = np.array([rank for rank, _ in places], dtype=np.int64)
     return Table(stamps, stamps, order, columns)
 

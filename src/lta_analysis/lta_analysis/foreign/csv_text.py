@@ -7,17 +7,17 @@ Numbers are those nearest to their text, as Python reads them; times are read as
 
 from collections.abc import Collection, Iterator, Mapping
 import csv
-from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import Any, BinaryIO, final
 
+from lta_analysis.foreign.clocks import CLOCK
 from lta_analysis.foreign.lines import decompressed, text_lines
 from lta_analysis.foreign.protocol import Passed, Raw, Reached
+from lta_analysis.foreign.row_times import even, exact, SECOND, shown
 from lta_analysis.foreign.table import Table, Times
 from lta_config.errors import BadInput
 from lta_config.import_file import Mapping as MappingFile
 from lta_config.import_file import Text
-from lta_config.quantity import UNITS
 from lta_config.topics import topic_table
 import numpy as np
 import pyarrow as pa
@@ -25,7 +25,7 @@ import pyarrow.compute as pc
 import pyarrow.csv as pacsv
 
 PART = 4 << 20  # bytes of text in one part
-SECOND = 1_000_000_000
+ZONELESS = 'Dates have no time zone; they were taken as UTC.'
 LONGEST = 1 << 20  # bytes of a line with names
 
 
@@ -63,6 +63,8 @@ class CsvLog:
         start = None if time is None else time.start
         if start is not None:
             self._shift = round(start.si * SECOND)
+        elif not self.timed:
+            self.facts[CLOCK] = 'rows counted'
 
     def tables(
         self, wanted: Mapping[str, Collection[str]], reached: Reached
@@ -110,10 +112,16 @@ class CsvLog:
             found = even(time, rows)
         else:
             texts = list(map(decoded, batch.column(time.column).to_pylist()))
-            found = exact(texts, time.unit, time.column, int(rows[0]))
+            found, zoneless = exact(texts, time.unit, time.column, int(rows[0]))
+            self._note_zone(zoneless)
         if self._shift is None:
             self._shift = self._chosen_shift(int(found[0]))
         return found + self._shift
+
+    def _note_zone(self, zoneless: bool) -> None:
+        """Say once that dates carry no zone."""
+        if zoneless and ZONELESS not in self.notes:
+            self.notes.append(ZONELESS)
 
     def _chosen_shift(self, first: int) -> int:
         """Return what is added to all times: nothing, unless they begin near zero or before."""
@@ -125,6 +133,7 @@ class CsvLog:
             f'Time begins at {first / SECOND:g} s, and ROS reads 0 as "no clock yet": '
             f'{shift / SECOND:g} s were added to all times.'
         )
+        self.facts.setdefault(CLOCK, 'from its own start')
         self.facts['time_shift'] = f'{shift / SECOND:g} s'
         return shift
 
@@ -224,39 +233,9 @@ def header_of(path: Path) -> list[str]:
     return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter), [])]
 
 
-def even(time: Any, rows: Times) -> Times:  # noqa: ANN401 - lta_config.import_file.Time
-    """Return the times of rows that come evenly, never a sum. [ns]"""
-    if time.step is None:
-        found: Times = np.round(rows * (SECOND / time.rate.si)).astype(np.int64)
-    else:
-        found = rows * round(time.step.si * SECOND)
-    return found
-
-
-def exact(texts: list[str], unit: str, column: str, first: int) -> Times:
-    """Return times as integer nanoseconds from their decimals; errors name the row."""
-    factor = Decimal(str(UNITS[unit][1])) * SECOND
-    found = np.empty(len(texts), dtype=np.int64)
-    for index, text in enumerate(texts):
-        try:
-            found[index] = int((Decimal(text) * factor).to_integral_value())
-        except (InvalidOperation, OverflowError, ValueError):
-            told = f"'{shown(text)}'" if text else 'nothing'
-            raise BadInput(
-                f"Column '{column}' has {told} in row {first + index + 1}, which is no time; "
-                'correct the row or take it out.'
-            ) from None
-    return found
-
-
 def decoded(cell: bytes | None) -> str:
     """Return a cell as text; an empty one is empty."""
     return '' if cell is None else cell.decode(errors='replace')
-
-
-def shown(cell: str) -> str:
-    """Return a cell as one line for a message."""
-    return ' '.join(cell[:40].split())
 
 
 def is_number(cell: str) -> bool:

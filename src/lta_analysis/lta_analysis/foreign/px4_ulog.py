@@ -11,6 +11,7 @@ from pathlib import Path
 import struct
 from typing import Any
 
+from lta_analysis.foreign.clocks import CLOCK
 from lta_analysis.foreign.protocol import Tables
 from lta_analysis.foreign.table import Table, Times
 from lta_config.errors import BadInput
@@ -51,7 +52,7 @@ def opened(path: Path, mapping: MappingFile | None) -> Tables:
     if log.dropouts:
         lost = sum(dropout.duration for dropout in log.dropouts)
         notes.append(f'The logger dropped out {len(log.dropouts)} times, {lost} ms in all.')
-    facts = {
+    facts = {CLOCK: 'since the vehicle was switched on'} | {
         ours: str(log.msg_info_dict[key])
         for key, ours in FACTS.items()
         if key in log.msg_info_dict

@@ -17,7 +17,7 @@ from lta_analysis.foreign.protocol import Reached
 from lta_analysis.foreign.writing import write
 from lta_bridge.bag.storage import StorageFault
 from lta_bridge.bag.writer import empty_folder
-from lta_config.errors import BadInput
+from lta_config.errors import BadInput, one_line
 
 BAG = 'bag'  # as a flight's results folder has it
 
@@ -128,7 +128,7 @@ def _imported(order: Order, source: Path, bag: Path, reached: Reached) -> Import
         )
         strange = [] if order.vehicle is None else strangers(order.vehicle, chosen)
         found.topics, found.notes = write(log, chosen, bag, told, reached)
-        found.notes += strange
+        found.notes = [one_line(note) for note in [*found.notes, *strange]]
     except (OSError, StorageFault) as fault:
         reason = str(fault).rstrip('.')
         raise BadInput(f"'{source}' cannot be imported: {reason}.") from None

@@ -13,6 +13,8 @@ from rich.text import Text
 
 BLOCKS: Final = '▁▂▃▄▅▆▇█'
 SPARK: Final = 32  # characters of a line of blocks
+FIGURES: Final = 36  # characters of the unit and the extremes with the blanks between
+FEW: Final = 8  # the least, where long names leave no room
 HEIGHT: Final = 10  # characters of a panel
 MARGIN: Final = 12  # characters left of it
 STYLES: Final = ('cyan', 'yellow', 'magenta', 'green', 'red', 'blue', 'white')
@@ -49,8 +51,12 @@ def sparkline(values: NDArray[np.float64], width: int = SPARK) -> str:
     return ''.join(found)
 
 
-def listing(found: Iterable[Channel]) -> Table:
-    """Return every channel with its range and its course in a line."""
+def listing(found: Iterable[Channel], width: int) -> Table:
+    """Return every channel with its range and its course in a line, in so many characters."""
+    found = list(found)
+    longest = max((len(channel.name) for channel in found), default=0)
+    # Names are for copying, so they come whole if they can.
+    spark = max(FEW, min(SPARK, width - longest - FIGURES))
     table = Table(box=None, pad_edge=False)
     table.add_column('channel', overflow='fold')
     for name in ('unit', 'least', 'most'):
@@ -59,7 +65,7 @@ def listing(found: Iterable[Channel]) -> Table:
     for channel in found:
         finite = channel.values[np.isfinite(channel.values)]
         ends = ('', '') if not len(finite) else (figure(finite.min()), figure(finite.max()))
-        table.add_row(channel.name, channel.unit, *ends, sparkline(channel.values))
+        table.add_row(channel.name, channel.unit, *ends, sparkline(channel.values, spark))
     return table
 
 

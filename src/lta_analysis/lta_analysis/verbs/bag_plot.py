@@ -1,5 +1,6 @@
 """lta bag plot: a quick look at the channels of a recording."""
 
+from collections.abc import Sequence
 import math
 from pathlib import Path
 from typing import Annotated
@@ -56,20 +57,28 @@ def plot(
     span, panels = (min(times), max(times)), list(by_unit(found))
     if png is None and html is None:
         show(panels, span, console)
+        say(flight.bag.losses, console)
         return
     text = page(', '.join(patterns), panels, span, {'bag': str(bag), **origin(flight)})
     if html is not None:
         console.print(f'Page {write_page(text, html)}', highlight=False, soft_wrap=True)
     if png is not None:
         console.print(f'Picture {write_png(text, png)}', highlight=False, soft_wrap=True)
+    say(flight.bag.losses, console)
 
 
 def overview(flight: Flight, begin: float, end: float, console: Console) -> None:
     """Print every channel, and what could not be decoded."""
     found = all_channels(flight)
-    console.print(listing(readable(between(item, begin, end)) for item in found.channels.values()))
-    for remark in found.remarks:
-        console.print(remark, style='yellow', highlight=False)
+    shown = [readable(between(item, begin, end)) for item in found.channels.values()]
+    console.print(listing(shown, console.width))
+    say([*found.remarks, *flight.bag.losses], console)
+
+
+def say(remarks: Sequence[str], console: Console) -> None:
+    """Print what a reader should know of the recording, each once."""
+    for remark in dict.fromkeys(remarks):
+        console.print(remark, style='yellow', highlight=False, markup=False, soft_wrap=True)
 
 
 def origin(flight: Flight) -> dict[str, str]:

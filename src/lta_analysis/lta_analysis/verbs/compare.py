@@ -1,6 +1,8 @@
 """lta compare: two flights beside each other."""
 
+from collections.abc import Sequence
 from datetime import datetime
+from fnmatch import fnmatchcase
 import json as json_text
 import math
 from pathlib import Path
@@ -11,6 +13,7 @@ from typing import Annotated
 
 from lta_analysis.bag.flight import Flight, open_flight
 from lta_analysis.bag.folder import bag_in
+from lta_analysis.compare.apart import Apart
 from lta_analysis.compare.comparison import Asked, compare_flights, Comparison, ticks
 from lta_analysis.compare.page import NAME, write_page
 from lta_analysis.compare.placing import Frames
@@ -107,6 +110,7 @@ def compare(
         empty_folder(out.absolute())  # refused before the work, not after
     with CompareProgress(console, ticks(one, other, asked)) as progress:
         found = compare_flights(one, other, asked, progress.tick)
+    check_units(tolerance or (), found.channels)
     stamp = datetime.now().astimezone().strftime('%Y%m%d-%H%M%S')
     target = empty_folder((out or Path('runs') / f'{stamp}-compare').absolute())
     content = keep(found, target)
@@ -145,6 +149,22 @@ def told_tolerance(text: str) -> tuple[str, float]:
     if band < 0.0:
         raise BadInput(f'The tolerance of {name} is {band:g}; give zero or more.')
     return name, band
+
+
+def check_units(tolerances: Sequence[str], channels: Sequence[Apart]) -> None:
+    """Raise BadInput where none of the channels of a tolerance is in such a unit."""
+    for name, _, value in (text.rpartition('=') for text in tolerances):
+        found = QUANTITY.fullmatch(value)
+        if found is None or not found[2]:
+            continue
+        kind = UNITS[found[2]][0]
+        fitting = [each for each in channels if each.name == name or fnmatchcase(each.name, name)]
+        units = [UNITS.get(each.unit, (each.unit, 1.0))[0] for each in fitting]
+        if fitting and not {'', kind} & {*units}:
+            raise BadInput(
+                f"The tolerance of {name} is '{value}', but {fitting[0].name} is in {units[0]}; "
+                'give it in that.'
+            )
 
 
 def quantity(text: str, what: str, unit: str | None = None) -> float:

@@ -153,3 +153,25 @@ def test_two_kinds_of_event_with_one_name_are_both_there(bring, tmp_path):
     found = bring(tmp_path / 'log00')
     assert found.messages['/lta1/battery'][0].voltage == 3.5
     assert found.messages['/lta1/range'][0].range == 0.25
+
+
+def test_a_payload_may_be_called_as_the_parts_of_an_event_are(bring, tmp_path):
+    # The firmware's own: EVENTTRIGGER(estDistance, uint8, id, float, distance).
+    variables = [('id', 'B'), ('distance', 'f'), ('time', 'I'), ('pm.vbat', 'f')]
+    body = struct.pack('<HQBfIf', 3, 1_500_000, 7, 2.5, 99, 3.5)
+    kinds = head(2, [('unused', [])] * 3 + [('estDistance', variables)])
+    (tmp_path / 'log00').write_bytes(sealed(kinds + body))
+    found = bring(tmp_path / 'log00')
+    assert found.stamps('/lta1/battery') == [2_500_000_000]
+    assert found.messages['/lta1/battery'][0].voltage == 3.5
+    assert "Not taken by the mapping of 'estDistance': id, distance, time." in found.notes
+
+
+def test_a_variable_that_is_logged_twice_is_there_twice(bring, tmp_path):
+    variables = [('pm.vbat', 'f'), ('range.zrange', 'H'), ('pm.vbat', 'f')]
+    body = struct.pack('<HQfHf', 0, 1_500_000, 3.5, 250, 4.0)
+    (tmp_path / 'log00').write_bytes(sealed(head(2, [('e', variables)]) + body))
+    found = bring(tmp_path / 'log00')
+    assert found.messages['/lta1/battery'][0].voltage == 3.5
+    assert found.messages['/lta1/range'][0].range == 0.25
+    assert "Not taken by the mapping of 'e': pm.vbat (3)." in found.notes

@@ -9,7 +9,8 @@ import struct
 
 from hypothesis import given, HealthCheck, settings
 from hypothesis import strategies as st
-from lta_analysis.foreign.csv_text import exact, is_number
+from lta_analysis.foreign.csv_text import is_number
+from lta_analysis.foreign.row_times import exact
 from lta_config.errors import BadInput
 import numpy as np
 import pytest
@@ -174,8 +175,8 @@ def test_times_that_are_missing_or_begin_at_zero(bring, tmp_path, time, expected
 def test_a_time_keeps_every_nanosecond(seconds, nanoseconds):
     texts = [f'{seconds}.{nanoseconds:09d}', str(seconds * 10**9 + nanoseconds)]
     whole = seconds * 10**9 + nanoseconds
-    assert exact(texts[:1], 's', 't', 0).tolist() == [whole]
-    assert exact(texts[1:], 'ns', 't', 0).tolist() == [whole]
+    assert exact(texts[:1], 's', 't', 0).times.tolist() == [whole]
+    assert exact(texts[1:], 'ns', 't', 0).times.tolist() == [whole]
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False))
@@ -366,3 +367,52 @@ def test_actuators_that_the_vehicle_does_not_have_are_named(bring, tmp_path):
     )
     found = bring(text(tmp_path / 'a.csv', 't,x,y,z', '5,1,2,3'), mapping, vehicle='rgblimp')
     assert "Vehicle 'rgblimp' has no tail; it has left, moving_mass_x" in found.notes
+
+
+DATES = {
+    'zulu': (('2026-11-20T13:25:48Z', '2026-11-20T13:25:48.123456789Z'), 123_456_789),
+    'offset': (('2026-11-20T15:25:48+02:00', '2026-11-20T15:25:48.5+0200'), 500_000_000),
+    'blank': (('2026-11-20 13:25:48', '2026-11-20 13:25:48,000001'), 1_000),
+    'basic': (('20261120T132548Z', '20261120T132548.25Z'), 250_000_000),
+}
+
+
+@pytest.mark.parametrize('case', DATES)
+def test_dates_are_times_to_the_last_digit(bring, tmp_path, case):
+    times, fraction = DATES[case]
+    source = text(tmp_path / 'a.csv', 't;x;y;z', *(f'{time};1;2;3' for time in times))
+    found = bring(source, POSE.replace('format: csv', 'format: csv\ntext: {delimiter: ";"}'))
+    start = 1_795_181_148 * 10**9  # date -u -d '2026-11-20 13:25:48' +%s
+    assert found.stamps(ODOM) == [start, start + fraction]
+    assert ('taken as UTC' in found.notes) == (case == 'blank')
+
+
+@pytest.mark.parametrize(
+    ('times', 'sentence'),
+    [
+        (('2026-11-20T13:25:48Z', '12.5'), "Column 't' has '12.5' in row 2, which is no time"),
+        (('12.5', '2026-11-20T13:25:48Z'), "'2026-11-20T13:25:48Z' in row 2, which is no time"),
+        (('2026-02-30T13:25:48Z',), "'2026-02-30T13:25:48Z' in row 1, which is no time"),
+    ],
+)
+def test_what_is_no_time_is_named_with_its_row(bring, tmp_path, times, sentence):
+    source = text(tmp_path / 'a.csv', 't,x,y,z', *(f'{time},1,2,3' for time in times))
+    with pytest.raises(BadInput) as told:
+        bring(source, POSE)
+    assert sentence in str(told.value)
+
+
+def test_a_name_with_a_line_break_stays_on_one_line(bring, tmp_path):
+    names = 't,x,y,"z\x1b[31m\nand more"'
+    source = text(tmp_path / 'a.csv', names.replace('\n', '\r'), '1,2,3,4')
+    with pytest.raises(BadInput) as told:
+        bring(source, POSE)
+    assert str(told.value).isprintable()
+
+
+def test_a_remark_on_a_name_with_a_line_break_stays_on_one_line(bring, tmp_path):
+    header = 'text: {header: [t, x, y, z, "one\\ntwo"]}\n'
+    source = text(tmp_path / 'a.csv', '5,1,2,3,4')
+    found = bring(source, POSE.replace('topics:', f'{header}topics:'))
+    assert 'one two' in found.notes
+    assert found.notes.isprintable()
