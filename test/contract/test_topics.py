@@ -223,16 +223,6 @@ def nodes_of_launch():
     }
 
 
-@pytest.fixture
-def installed(monkeypatch, tmp_path):
-    """Stand in for the installed lta_config, whose share the launch file asks for."""
-    marker = tmp_path / 'share/ament_index/resource_index/packages/lta_config'
-    marker.parent.mkdir(parents=True)
-    marker.touch()
-    monkeypatch.setenv('AMENT_PREFIX_PATH', str(tmp_path))
-    (tmp_path / 'share/lta_config').symlink_to(ROOT / 'config')
-
-
 @pytest.mark.usefixtures('installed')
 @pytest.mark.parametrize('source', SOURCES)
 def test_the_launch_file_starts_every_node_under_its_name(source):
