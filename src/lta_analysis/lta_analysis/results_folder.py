@@ -23,7 +23,8 @@ def keep_json(content: Mapping[str, Any] | list[Any], place: Path) -> str:
         place.write_text(text, encoding='utf-8')
     except OSError as error:
         raise BadInput(
-            f"'{place.parent}' cannot be written ({error.strerror}); make room."
+            f"'{place}' cannot be written ({error.strerror}); make room, or choose another folder "
+            'with --out.'
         ) from error
     return text
 
