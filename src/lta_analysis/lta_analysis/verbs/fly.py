@@ -7,12 +7,12 @@ from typing import Annotated, Literal
 
 from lta_analysis.bag.flight import open_flight
 from lta_analysis.flight import Flown, fly_once, Order
+from lta_analysis.out_option import Out
 from lta_analysis.progress import FlightProgress
 from lta_analysis.report.outcome import sentence
 from lta_analysis.report.page import write_page
 from lta_analysis.report.results import Results, results_of
 from lta_analysis.report.view import View
-from lta_analysis.out_option import Out
 from lta_analysis.results_folder import page_line
 from lta_analysis.typed import near, typed
 from lta_bridge.live.address import PORT

@@ -6,6 +6,7 @@ from typing import Annotated
 
 from lta_analysis.bag.flight import Flight, open_flight
 from lta_analysis.bag.folder import bag_in
+from lta_analysis.out_option import folder
 from lta_analysis.replay.given import settings_of
 from lta_analysis.replay.order import nodes_of, Order
 from lta_analysis.replay.page import figure, write_page
@@ -13,7 +14,6 @@ from lta_analysis.replay.progress import ReplayProgress
 from lta_analysis.replay.run import replay as run_again
 from lta_analysis.replay.run import Replayed
 from lta_analysis.replay.verdict import judged, Verdict
-from lta_analysis.out_option import folder
 from lta_analysis.results_folder import keep_json, page_line, results_folder
 from lta_analysis.typed import near
 from lta_bridge.playback.settings import FOREVER

@@ -4,9 +4,9 @@ import json as json_text
 import sys
 from typing import Annotated
 
+from lta_analysis.out_option import Out
 from lta_analysis.progress import FlightProgress
 from lta_analysis.report.page import write_page
-from lta_analysis.out_option import Out
 from lta_analysis.simulate import simulate_once, Simulated
 from lta_analysis.verbs.fly import printed, show_files, told
 from rich.console import Console
