@@ -19,8 +19,8 @@ from lta_graph.launch_file import arguments, load
 from lta_graph.ros.node import GraphSettings, message_type
 from lta_graph.ros.parameters import describe, leaves
 from lta_graph.ros.qos import profile
-from lta_sim.nodes.simulator import SimulatorSettings
 from lta_sim.scenario import load_scenario
+from lta_sim.simulator_settings import SimulatorSettings
 from lta_sim.vehicle import load_vehicle
 from lta_vlc.nodes.demodulator import DemodulatorParameters
 import pytest
