@@ -225,7 +225,7 @@ def test_it_prints_on_white_paper_within_its_margins(running, opened, page):
     running.wait("document.documentElement.dataset.theme === 'light'")
     assert not running.evaluate("document.getElementById('theme').checkVisibility()")
     assert running.evaluate('getComputedStyle(document.body).backgroundImage') == 'none'
-    assert running.evaluate('document.documentElement.scrollWidth') <= PAPER_WIDTH
+    running.wait(f'document.documentElement.scrollWidth <= {PAPER_WIDTH}')  # pictures follow
     printed = running.call('Page.printToPDF', paperWidth=8.27, paperHeight=11.69)
     assert len(printed['data']) > 20_000
     running.call('Emulation.setEmulatedMedia', media='')
