@@ -82,10 +82,10 @@ def test_a_stop_is_told_and_is_the_exit_status(imu_bag, check):
     assert finding['severity'] == 'suspicious'
 
 
-def test_a_finding_is_a_row_for_people(imu_bag, check):
+def test_a_finding_is_a_line_for_people(imu_bag, check):
     status, out, _ = check(imu_bag(stuck=60))
     assert status == 1
-    assert {'suspicious', 'frozen', '3.00 .. 3.59'} <= set(re.split(r' {2,}|\n', out))
+    assert {'suspicious', 'frozen', '3.00 to 3.59 s'} <= set(re.split(r' {2,}|\n', out))
 
 
 def test_several_robots_are_checked_each_or_one(imu_bag, check):

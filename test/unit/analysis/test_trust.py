@@ -189,7 +189,7 @@ def test_smooth_data_is_a_warning_unless_it_says_that_it_is_simulated():
     data = {f'{GYRO}.{a}': (time, 0.1 * np.sin(time + i)) for i, a in enumerate('xyz')}
     found = checked(recording(**data)).findings
     assert [(f.kind, f.severity, f.grave) for f in found] == [('filtered', 'warning', False)]
-    declared = replace(recording(**data), provenance={'source': 'simulation'})
+    declared = replace(recording(**data), provenance={'data': 'simulated'})
     assert checked(declared).findings == ()
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 TURNED: Final = re.compile(r'(.*orientation|.*rotation|quaternion)\.yaw$')
-SIMULATED: Final = ('seed', 'scenario')  # what only a simulator can tell of a flight
+FLOWN: Final = ('seed', 'scenario')  # what only a simulator can tell of a flight
 
 
 @final
@@ -44,8 +44,8 @@ class Recording:
     def simulated(self) -> bool:
         """Whether the recording says that it was simulated."""
         told = self.provenance
-        named = told.get('source', '').startswith('simulat')
-        return named or all(key in told for key in SIMULATED)
+        declared = told.get('data')  # what an import says of its source
+        return declared == 'simulated' or (declared is None and all(map(told.__contains__, FLOWN)))
 
 
 def recording_of(flight: Flight) -> tuple[Recording, list[str]]:

@@ -22,6 +22,7 @@ from lta_analysis.trust.limits import Limits
 from lta_analysis.trust.protocol import Check
 from lta_analysis.trust.recording import Recording
 from lta_analysis.trust.roles import family
+import numpy as np
 
 CHECKS: Final[dict[str, Check]] = {
     constant.KIND: constant.check,
@@ -75,7 +76,8 @@ def checked(recording: Recording, limits: Limits | None = None) -> Report:
 
     """
     evidence = Evidence(recording, limits or Limits())
-    verdicts = [check(evidence) for check in CHECKS.values()]
+    with np.errstate(invalid='ignore'):  # infinity is data: a range without a return
+        verdicts = [check(evidence) for check in CHECKS.values()]
     found = [finding for verdict in verdicts for finding in verdict.findings]
     kept = sorted(without_echoes(found), key=lambda finding: (finding.from_s, finding.channel))
     return Report(tuple(kept), tuple(text for verdict in verdicts for text in verdict.unjudged))

@@ -9,13 +9,15 @@ from typing import Final, final
 from lta_analysis.bag.flight import namespaces, open_flight
 from lta_analysis.bag.folder import bag_in
 from lta_analysis.bag.reader import read_bag
+from lta_analysis.bar import Bar
 from lta_analysis.trust.finding import Finding, Severity
 from lta_analysis.trust.recording import Recording, recording_of
 from lta_analysis.trust.registry import checked, Report
 from lta_analysis.trust.twins import twins
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn
-from rich.table import Table
+from rich.padding import Padding
+from rich.progress import BarColumn, TextColumn
+from rich.text import Text
 
 STYLES: Final = {
     Severity.NOTE: 'dim',
@@ -23,6 +25,8 @@ STYLES: Final = {
     Severity.SUSPICIOUS: 'red',
     Severity.ERROR: 'bold red',
 }
+
+INDENT: Final = 4  # characters before the evidence
 
 
 @final
@@ -68,18 +72,14 @@ def checked_bags(paths: Sequence[Path], robot: str | None, console: Console) -> 
     """
     done: list[Checked] = []
     seen: list[tuple[str, Recording]] = []
-    bar = Progress(
-        TextColumn('{task.description}'), BarColumn(), console=console, transient=True,
-        disable=not console.is_terminal,
-    )  # fmt: skip
-    with bar:
-        task = bar.add_task('checking', total=len(paths))
+    columns = (TextColumn('{task.description}'), BarColumn())
+    with Bar(console, *columns, begin='checking', total=len(paths)) as bar:
         for path in paths:
-            bar.update(task, description=f'checking {path}')
+            bar.move(description=f'checking {path}')
             for one, recording in _of_bag(path, robot):
                 done.append(one)
                 seen.append((f'{one.path} {one.robot}'.strip(), recording))
-            bar.advance(task)
+            bar.move(advance=1)
     again = twins(seen) if len(paths) > 1 else {}
     return [
         one if name not in again else _with(one, again[name])
@@ -133,19 +133,13 @@ def show(one: Checked, console: Console) -> None:
     whose = f' ({one.robot})' if one.robot else ''
     kind = ', declared as simulated' if one.simulated else ''
     console.print(f'{one.path}{whose}{kind}', style='bold', highlight=False, markup=False)
-    if one.report.findings:
-        table = Table(box=None, pad_edge=False)
-        for title in ('', 'kind', 'channel', 'from .. to [s]', 'evidence'):
-            table.add_column(title, overflow='fold')
-        for finding in one.report.findings:
-            when = f'{finding.from_s:.2f} .. {finding.to_s:.2f}'
-            style = STYLES[finding.severity]
-            table.add_row(
-                f'[{style}]{finding.severity.value}[/]', finding.kind, finding.channel, when,
-                finding.evidence.replace('[', r'\['),
-            )  # fmt: skip
-        console.print(table)
-    else:
+    for finding in one.report.findings:
+        head = Text(finding.severity.value, STYLES[finding.severity])
+        head.append(f'  {finding.kind}  ').append(finding.channel, 'bold')
+        head.append(f'  {finding.from_s:.2f} to {finding.to_s:.2f} s')
+        console.print(head, soft_wrap=True)
+        console.print(Padding(Text(finding.evidence), (0, 0, 0, INDENT)))
+    if not one.report.findings:
         console.print('clean', style='green')
     for sentence in one.report.unjudged:
         console.print(sentence, style='dim', highlight=False, markup=False)
