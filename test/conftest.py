@@ -46,6 +46,16 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.flaky(reruns=2))
 
 
+@pytest.fixture
+def installed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Stand in for the installed lta_config, whose share a launch file asks for."""
+    marker = tmp_path / 'share/ament_index/resource_index/packages/lta_config'
+    marker.parent.mkdir(parents=True)
+    marker.touch()
+    monkeypatch.setenv('AMENT_PREFIX_PATH', str(tmp_path))
+    (tmp_path / 'share/lta_config').symlink_to(ROOT / 'config')
+
+
 @pytest.fixture(autouse=True)
 def domain_id(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
     """Set a ROS_DOMAIN_ID that is this test's alone (0 where no graph is started)."""

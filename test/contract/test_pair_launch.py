@@ -14,16 +14,7 @@ ROOT = Path(__file__).resolve().parents[2]
 FLY = ROOT / 'config/launch/fly.launch.yaml'
 PAIR = ROOT / 'config/launch/pair.launch.yaml'
 ROBOTS = ('lta1', 'lta2')
-
-
-@pytest.fixture(autouse=True)
-def installed(monkeypatch, tmp_path):
-    """Stand in for the installed lta_config, whose share the launch file asks for."""
-    marker = tmp_path / 'share/ament_index/resource_index/packages/lta_config'
-    marker.parent.mkdir(parents=True)
-    marker.touch()
-    monkeypatch.setenv('AMENT_PREFIX_PATH', str(tmp_path))
-    (tmp_path / 'share/lta_config').symlink_to(ROOT / 'config')
+pytestmark = pytest.mark.usefixtures('installed')
 
 
 def nodes(path, **given):

@@ -21,16 +21,7 @@ SETTINGS = {
     for name, _, default in leaves(RecorderSettings())
     if name not in {*Origin.model_fields, 'robots', 'replay'}
 }
-
-
-@pytest.fixture(autouse=True)
-def installed(monkeypatch, tmp_path):
-    """Stand in for the installed lta_config, whose share the launch file asks for."""
-    marker = tmp_path / 'share/ament_index/resource_index/packages/lta_config'
-    marker.parent.mkdir(parents=True)
-    marker.touch()
-    monkeypatch.setenv('AMENT_PREFIX_PATH', str(tmp_path))
-    (tmp_path / 'share/lta_config').symlink_to(ROOT / 'config')
+pytestmark = pytest.mark.usefixtures('installed')
 
 
 @pytest.mark.parametrize('name', ['fly', 'pair'])

@@ -19,8 +19,8 @@ from lta_graph.launch_file import arguments, load
 from lta_graph.ros.node import GraphSettings, message_type
 from lta_graph.ros.parameters import describe, leaves
 from lta_graph.ros.qos import profile
-from lta_sim.nodes.simulator import SimulatorSettings
 from lta_sim.scenario import load_scenario
+from lta_sim.simulator_settings import SimulatorSettings
 from lta_sim.vehicle import load_vehicle
 from lta_vlc.nodes.demodulator import DemodulatorParameters
 import pytest
@@ -221,16 +221,6 @@ def nodes_of_launch():
     return {
         node['name']: {item['name'] for item in node['param'] if 'name' in item} for node in nodes
     }
-
-
-@pytest.fixture
-def installed(monkeypatch, tmp_path):
-    """Stand in for the installed lta_config, whose share the launch file asks for."""
-    marker = tmp_path / 'share/ament_index/resource_index/packages/lta_config'
-    marker.parent.mkdir(parents=True)
-    marker.touch()
-    monkeypatch.setenv('AMENT_PREFIX_PATH', str(tmp_path))
-    (tmp_path / 'share/lta_config').symlink_to(ROOT / 'config')
 
 
 @pytest.mark.usefixtures('installed')

@@ -4,7 +4,7 @@ from lta_analysis.bag import open_flight
 from lta_analysis.browser import Browser, find_chromium
 from lta_analysis.compare.comparison import Asked, compare_flights
 from lta_analysis.compare.page import write_page
-from lta_analysis.report.pictures import check, show
+from lta_analysis.report.pictures import complaints, COUNT_PANELS, Drawn, fetched, show
 from lta_config.errors import BadInput
 import pytest
 
@@ -32,19 +32,27 @@ def page(tmp_path_factory):
     return write_page(found, folder / 'compare.html')
 
 
-@pytest.mark.parametrize(('theme', 'width'), [('light', 1280), ('dark', 1280), ('light', 390)])
-def test_every_picture_is_drawn_without_a_complaint_or_a_request(page, theme, width):
-    found = check(page, theme, width)
-    assert found.messages == []
-    assert found.fetched == []
-    assert [panel.name for panel in found.panels] == PANELS
-    for panel in found.panels:
+@pytest.fixture(scope='module')
+def browser(page):
+    with Browser() as running:
+        yield running
+
+
+@pytest.mark.parametrize(('theme', 'width'), [('light', 390), ('light', 1280), ('dark', 1280)])
+def test_every_picture_is_drawn_without_a_complaint_or_a_request(browser, page, theme, width):
+    browser.events.clear()
+    show(browser, page, theme, width)
+    assert complaints(browser) == []
+    assert fetched(browser, page) == []
+    panels = [Drawn(**panel) for panel in browser.evaluate(COUNT_PANELS)]
+    assert [panel.name for panel in panels] == PANELS
+    for panel in panels:
         assert panel.marks > 0, panel
         assert 250 < panel.width <= width, panel
         assert panel.height > 150, panel
 
 
-def test_a_channel_that_is_picked_is_drawn_over_time_and_by_frequency(page):
+def test_a_channel_that_is_picked_is_drawn_over_time_and_by_frequency(browser, page):
     drawn = """(() => {
       const [time, frequency] = ['channel', 'spectrum'].map(
         (name) => document.querySelector(`[data-panel=${name}]`));
@@ -52,25 +60,24 @@ def test_a_channel_that_is_picked_is_drawn_over_time_and_by_frequency(page):
                part: time.layout.shapes[1].x0, coherence: frequency._fullData[3].y.length,
                picked: document.documentElement.dataset.channel ?? null };
     })()"""
-    with Browser() as browser:
-        show(browser, page, 'dark', 1280)
-        first = browser.evaluate(drawn)
-        assert first['title'] == 'A, B [m]'
-        assert first['part'] == pytest.approx(15.0, abs=0.05)
-        select = "document.getElementById('channel')"
-        yaw = 'odom/pose.pose.orientation.yaw'
-        browser.evaluate(f"{select}.value = '{yaw}'; {select}.dispatchEvent(new Event('change'))")
-        browser.wait(f"{drawn}.title === 'A, B [°]'")
-        picked = browser.evaluate(drawn)
-        assert picked['picked'] == yaw
-        assert picked['coherence'] > 10
-        button = f'document.querySelector(\'.pick[data-channel="{Z}"]\')'
-        browser.evaluate(f'{button}.focus()')
-        for kind in ('keyDown', 'keyUp'):
-            browser.call(
-                'Input.dispatchKeyEvent', type=kind, key='Enter', code='Enter', text='\r',
-                windowsVirtualKeyCode=13,
-            )  # fmt: skip
-        browser.wait(f"{drawn}.title === 'A, B [m]'")
-        assert browser.evaluate(f'{select}.value') == Z
-        assert browser.evaluate(drawn)['least'] == pytest.approx(first['least'])
+    show(browser, page, 'dark', 1280)
+    first = browser.evaluate(drawn)
+    assert first['title'] == 'A, B [m]'
+    assert first['part'] == pytest.approx(15.0, abs=0.05)
+    select = "document.getElementById('channel')"
+    yaw = 'odom/pose.pose.orientation.yaw'
+    browser.evaluate(f"{select}.value = '{yaw}'; {select}.dispatchEvent(new Event('change'))")
+    browser.wait(f"{drawn}.title === 'A, B [°]'")
+    picked = browser.evaluate(drawn)
+    assert picked['picked'] == yaw
+    assert picked['coherence'] > 10
+    button = f'document.querySelector(\'.pick[data-channel="{Z}"]\')'
+    browser.evaluate(f'{button}.focus()')
+    for kind in ('keyDown', 'keyUp'):
+        browser.call(
+            'Input.dispatchKeyEvent', type=kind, key='Enter', code='Enter', text='\r',
+            windowsVirtualKeyCode=13,
+        )  # fmt: skip
+    browser.wait(f"{drawn}.title === 'A, B [m]'")
+    assert browser.evaluate(f'{select}.value') == Z
+    assert browser.evaluate(drawn)['least'] == pytest.approx(first['least'])

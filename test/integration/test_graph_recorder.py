@@ -1,85 +1,44 @@
 """The recorder in a graph of strangers: nonsense, other qualities of service, faults, wishes."""
 
 from collections.abc import Iterator
-import os
 from pathlib import Path
 import signal
-import subprocess
-import sys
-import time
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_analysis.bag.reader import read_bag
-from lta_config.topics import topic_table
 from lta_graph.ros.node import message_type, to_stamp
-from lta_graph.ros.qos import profile
 import pytest
-import rclpy
-from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import serialize_message
 from std_msgs.msg import Bool, String
 from std_srvs.srv import SetBool, Trigger
 import yaml
 
-ROOT = Path(__file__).resolve().parents[2]
-TABLE = topic_table()
+from .peer import PATIENCE, Peer, start, TABLE
+
 ROW = TABLE['odom']
 START = TABLE.start_ns
-PATIENCE = 20.0  # s of wall time
-CODE = (
-    'from lta_bridge import provenance; provenance.version = lambda name: "0"; '
-    'from lta_bridge.nodes.recorder import main; main()'
-)
+NO_VERSIONS = 'from lta_bridge import provenance; provenance.version = lambda name: "0"; '
 LATCHED = QoSProfile(depth=3, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 BEST_EFFORT = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
-class Recording:
-    """A recorder of its own process, and a node beside it in the robot's namespace."""
+class Recording(Peer):
+    """A recorder of its own process, and a node beside it."""
 
-    def __init__(self, folder: Path, context: Context) -> None:
+    def __init__(self, folder: Path, domain_id: int) -> None:
+        super().__init__(domain_id)
         self.bag = folder / 'bag'
-        self.node = rclpy.create_node('peer', namespace='/lta1', context=context)
-        self._executor = SingleThreadedExecutor(context=context)
-        self._executor.add_node(self.node)
         self._process = None
 
     def start(self, **parameters: object) -> None:
-        paths = [str(path.parent) for path in ROOT.glob('src/*/package.xml')]
         given = {'bag': self.bag, **parameters}
         words = [word for name, value in given.items() for word in ('-p', f'{name}:={value}')]
-        self._process = subprocess.Popen(
-            [sys.executable, '-c', CODE, '--ros-args', '-r', '__ns:=/lta1', *words],
-            env={
-                **os.environ,
-                'PYTHONPATH': os.pathsep.join([*paths, str(ROOT / 'config'), *sys.path]),
-            },
-            stderr=subprocess.PIPE,
-            text=True,
-        )
+        self._process = start('lta_bridge.nodes.recorder', *words, before=NO_VERSIONS)
 
-    def until(self, condition):
-        deadline = time.monotonic() + PATIENCE
-        while not (found := condition()):
-            assert time.monotonic() < deadline
-            self._executor.spin_once(0.02)
-        return found
-
-    def publisher(self, name, kind, quality):
-        """Return a publisher that the recorder has found."""
-        made = self.node.create_publisher(kind, name, quality)
-        self.until(made.get_subscription_count)
-        return made
-
-    def ask(self):
+    def snapshot(self):
         """Ask for a snapshot."""
-        client = self.node.create_client(Trigger, 'recorder/snapshot')
-        self.until(client.service_is_ready)
-        future = client.call_async(Trigger.Request())
-        self.until(future.done)
-        return future.result()
+        return self.ask(Trigger, 'recorder/snapshot')
 
     def end(self):
         """Press Ctrl-C; return the exit status and what was said."""
@@ -92,22 +51,17 @@ class Recording:
         _, errors = self._process.communicate(timeout=PATIENCE)
         return self._process.returncode, errors
 
-    def close(self):
+    def __exit__(self, *error: object) -> None:
         if self._process is not None and self._process.poll() is None:
             self._process.kill()
             self._process.communicate()
-        self._executor.shutdown()
-        self.node.destroy_node()
+        super().__exit__(*error)
 
 
 @pytest.fixture
 def recording(domain_id: int, tmp_path: Path) -> Iterator[Recording]:
-    context = Context()
-    rclpy.init(args=[], context=context, domain_id=domain_id)
-    found = Recording(tmp_path, context)
-    yield found
-    found.close()
-    context.try_shutdown()
+    with Recording(tmp_path, domain_id) as found:
+        yield found
 
 
 def odom(stamp_ns):
@@ -149,13 +103,13 @@ def facts(folder, task):
 
 def test_nonsense_is_recorded_counted_and_dates_nothing(recording):
     recording.start()
-    publisher = recording.publisher('odom', message_type(ROW), profile(ROW, lockstep=False))
+    publisher = recording.publisher('odom')
     first, second = START, START + ROW.period_ns
     publisher.publish(odom(first))
     publisher.publish(odom(2_000_000_000 * 10**9))
     publisher.publish(serialize_message(odom(first))[:8])
     publisher.publish(odom(second))
-    status = recording.publisher('energy/status', DiagnosticArray, 10)
+    status = recording.offering('energy/status', DiagnosticArray, 10)
     torn = serialize_message(DiagnosticArray(status=[DiagnosticStatus(name='cut short')]))[:20]
     status.publish(torn)
     recording.until(lambda: arrived(recording.bag, '/lta1/odom', 4))
@@ -174,9 +128,9 @@ def test_everything_is_found_as_its_publishers_offer_it(recording):
     early.publish(String(data='before the recorder was there'))
     make(SetBool.Event, 'strange', 10)
     recording.start(topics='all')
-    weak = recording.publisher('odom', message_type(ROW), BEST_EFFORT)  # the table says reliable
-    late = recording.publisher('late', Bool, BEST_EFFORT)
-    recording.publisher('late', Bool, LATCHED)
+    weak = recording.offering('odom', message_type(ROW), BEST_EFFORT)  # the table says reliable
+    late = recording.offering('late', Bool, BEST_EFFORT)
+    recording.offering('late', Bool, LATCHED)
     other = make(Bool, '/lta2/late', 10)
     for step in range(3):
         weak.publish(odom(START + step * ROW.period_ns))
@@ -213,11 +167,11 @@ def test_everything_is_found_as_its_publishers_offer_it(recording):
 
 def test_some_topics_in_files_of_half_a_second(recording):
     recording.start(topics='"odom /clock"', split_duration=0.5)
-    publisher = recording.publisher('odom', message_type(ROW), profile(ROW, lockstep=False))
+    publisher = recording.publisher('odom')
     for step in range(10):
         publisher.publish(odom(START + step * 200_000_000))
     recording.until(lambda: arrived(recording.bag, '/lta1/odom', 10))
-    answer = recording.ask()
+    answer = recording.snapshot()
     assert not answer.success
     assert 'snapshot:=SECONDS' in answer.message
     assert recording.end() == (0, '')
@@ -243,13 +197,13 @@ def test_an_unknown_topic_is_refused_in_a_sentence(recording):
 def test_snapshots_are_written_when_asked_for_and_at_a_fault(recording, chosen):
     """Diagnostics are heard whether or not they are recorded."""
     recording.start(snapshot=1.0, **chosen)
-    publisher = recording.publisher('odom', message_type(ROW), QoSProfile(depth=1000))
-    diagnostics = recording.publisher('/diagnostics', DiagnosticArray, 10)
+    publisher = recording.offering('odom', message_type(ROW), QoSProfile(depth=1000))
+    diagnostics = recording.offering('/diagnostics', DiagnosticArray, 10)
     for step in range(100):
         publisher.publish(odom(START + step * 100_000_000))
 
     def asked():
-        answer = recording.ask()
+        answer = recording.snapshot()
         assert answer.success
         return answer if heard(folder_in(answer), '/lta1/odom') else None
 

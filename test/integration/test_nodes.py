@@ -2,101 +2,41 @@
 
 from collections.abc import Iterator
 import math
-import os
-from pathlib import Path
 import signal
-import subprocess
-import time
 
-from lta_config.topics import topic_table
 from lta_graph.health import Level
 from lta_graph.ros.node import message_type, to_stamp
 from lta_graph.ros.qos import profile
 import pytest
-from rcl_interfaces.srv import DescribeParameters, SetParameters
-import rclpy
-from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor
-from rclpy.parameter import Parameter
+from rcl_interfaces.srv import DescribeParameters
 from rclpy.qos import ReliabilityPolicy
 from std_srvs.srv import SetBool, Trigger
 
-ROOT = Path(__file__).resolve().parents[2]
-TABLE = topic_table()
-PATIENCE = 20.0  # s of wall time
+from .peer import PATIENCE, Peer, start, TABLE
+
 ROTORS = ['up_left', 'up_right', 'forward_left', 'forward_right']
 STEP = TABLE.control_ns
 
 
-class Peer:
-    """A node of the test's own in the robot's namespace."""
+class Pilot(Peer):
+    """A peer that hears the motors."""
 
-    def __init__(self, context: Context) -> None:
-        self.node = rclpy.create_node('peer', namespace='/lta1', context=context)
-        self._executor = SingleThreadedExecutor(context=context)
-        self._executor.add_node(self.node)
+    def __init__(self, domain_id: int) -> None:
+        super().__init__(domain_id)
         self.motors = []
         self.hear('motors', self.motors.append)
-        self._outputs = {}
-
-    def hear(self, name, callback):
-        row = TABLE[name]
-        self.node.create_subscription(
-            message_type(row), name, callback, profile(row, lockstep=False)
-        )
-
-    def until(self, condition):
-        deadline = time.monotonic() + PATIENCE
-        while not condition():
-            assert time.monotonic() < deadline, 'the graph did not answer'
-            self._executor.spin_once(timeout_sec=0.02)
-
-    def publisher(self, name):
-        if name not in self._outputs:
-            row = TABLE[name]
-            self._outputs[name] = self.node.create_publisher(
-                message_type(row), name, profile(row, lockstep=False)
-            )
-            self.until(self._outputs[name].get_subscription_count)
-        return self._outputs[name]
-
-    def ask(self, kind, name, **fields):
-        client = self.node.create_client(kind, name)
-        self.until(client.service_is_ready)
-        future = client.call_async(kind.Request(**fields))
-        self.until(future.done)
-        return future.result()
-
-    def set(self, node, name, value):
-        parameter = Parameter(name, value=value).to_parameter_msg()
-        return self.ask(SetParameters, f'{node}/set_parameters', parameters=[parameter]).results[0]
-
-    def close(self):
-        self._executor.shutdown()
-        self.node.destroy_node()
 
 
 @pytest.fixture
-def peer(domain_id: int) -> Iterator[Peer]:
-    context = Context()
-    rclpy.init(context=context, domain_id=domain_id)
-    peer = Peer(context)
-    yield peer
-    peer.close()
-    context.try_shutdown()
+def peer(domain_id: int) -> Iterator[Pilot]:
+    with Pilot(domain_id) as made:
+        yield made
 
 
 @pytest.fixture
-def controller(peer: Peer) -> Iterator[Peer]:
+def controller(peer: Pilot) -> Iterator[Pilot]:
     """Return the peer of a controller that flies alone."""
-    paths = [str(path.parent) for path in ROOT.glob('src/*/package.xml')] + [str(ROOT / 'config')]
-    code = 'from lta_control.nodes.controller import main; main()'
-    process = subprocess.Popen(
-        ['python', '-c', code, '--ros-args', '-r', '__ns:=/lta1', '-p', 'armed:=true'],
-        env={**os.environ, 'PYTHONPATH': os.pathsep.join(paths)},
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+    process = start('lta_control.nodes.controller', '-p', 'armed:=true')
     yield peer
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=PATIENCE)

@@ -12,7 +12,7 @@ from lta_analysis.replay.order import Order
 from lta_analysis.replay.page import write_page as write_replay
 from lta_analysis.replay.verdict import judged
 from lta_analysis.report import write_page
-from lta_analysis.report.pictures import complaints, fetched, show, take
+from lta_analysis.report.pictures import complaints, fetched, show, take, window
 from lta_analysis.tune import crew, limit
 from lta_analysis.tune.mission import Sought
 from lta_bridge.bag.writer import BagWriter
@@ -159,10 +159,26 @@ def running():
         pytest.skip(str(reason))
 
 
-@pytest.mark.parametrize(('theme', 'width'), [('light', 1280), ('dark', 1280), ('light', 390)])
-def test_it_shows_all_without_a_complaint_or_a_request(running, page, theme, width, tmp_path):
-    running.events.clear()
-    show(running, page, theme, width)
+@pytest.fixture(scope='module')
+def opened(running):
+    """Return a function that opens a page as a reader prefers it, unless it is open already."""
+    last = []
+
+    def opened(*asked):
+        if last != [asked]:
+            running.events.clear()
+            show(running, *asked)
+            last[:] = [asked]
+        return last  # emptied by who leaves the page otherwise than it was opened
+
+    return opened
+
+
+@pytest.mark.parametrize(('theme', 'width'), [('light', 390), ('light', 1280), ('dark', 1280)])
+def test_it_shows_all_without_a_complaint_or_a_request(
+    running, opened, page, theme, width, tmp_path
+):
+    opened(page, theme, width)
     assert complaints(running) == []
     assert fetched(running, page) == []
     assert running.evaluate('document.documentElement.scrollWidth') <= width
@@ -179,15 +195,17 @@ def press(session, key, code):
         )  # fmt: skip
 
 
-def test_it_is_used_by_keyboard_and_read_aloud(running, page):
-    show(running, page, 'light', 1280)
+def test_it_is_used_by_keyboard_and_read_aloud(running, opened, page):
+    shown = opened(page, 'dark', 1280)
+    asked = shown.pop()
     press(running, 'Tab', 9)
     assert running.evaluate(FOCUS) == 'skip'
     press(running, 'Tab', 9)
     assert running.evaluate(FOCUS) == 'theme'
-    press(running, 'Enter', 13)
-    running.wait("document.documentElement.dataset.theme === 'dark'")
-    assert running.evaluate("document.getElementById('theme').ariaPressed") == 'true'
+    for theme, pressed in (('light', 'false'), ('dark', 'true')):
+        press(running, 'Enter', 13)
+        running.wait(f"document.documentElement.dataset.theme === '{theme}'")
+        assert running.evaluate("document.getElementById('theme').ariaPressed") == pressed
     assert running.evaluate('document.documentElement.lang') == 'en'
     assert running.evaluate(NAMELESS) == []
     assert running.evaluate(HEADS) == 0
@@ -196,16 +214,18 @@ def test_it_is_used_by_keyboard_and_read_aloud(running, page):
     assert headings.count('H1') == 1
     target = running.evaluate("document.querySelector('.skip').getAttribute('href').slice(1)")
     assert running.evaluate(f'document.getElementById({json.dumps(target)}).tagName') == 'MAIN'
+    shown.append(asked)
 
 
-def test_it_prints_on_white_paper_within_its_margins(running, page):
-    show(running, page, 'dark', PAPER_WIDTH)
+def test_it_prints_on_white_paper_within_its_margins(running, opened, page):
+    opened(page, 'dark', 1280).clear()
+    window(running, PAPER_WIDTH, 900)
     running.call('Emulation.setEmulatedMedia', media='print')
     running.evaluate("dispatchEvent(new Event('beforeprint'))")
     running.wait("document.documentElement.dataset.theme === 'light'")
     assert not running.evaluate("document.getElementById('theme').checkVisibility()")
     assert running.evaluate('getComputedStyle(document.body).backgroundImage') == 'none'
-    assert running.evaluate('document.documentElement.scrollWidth') <= PAPER_WIDTH
+    running.wait(f'document.documentElement.scrollWidth <= {PAPER_WIDTH}')  # pictures follow
     printed = running.call('Page.printToPDF', paperWidth=8.27, paperHeight=11.69)
     assert len(printed['data']) > 20_000
     running.call('Emulation.setEmulatedMedia', media='')

@@ -7,7 +7,6 @@ import os
 from pathlib import Path
 import signal
 import subprocess
-import time
 
 from lta_analysis.bag.reader import read_bag
 from lta_analysis.progress import FlightProgress
@@ -16,21 +15,16 @@ from lta_bridge.bag.qos import offered_qos
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.bookkeeping import stamp_of
 from lta_bridge.playback.reel import shifted
-from lta_config.topics import topic_table
 from lta_graph.ros.node import from_stamp, message_type
 from lta_graph.ros.qos import profile
 import pytest
-import rclpy
-from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor
 from rich.console import Console
 from std_srvs.srv import SetBool, Trigger
 
-ROOT = Path(__file__).resolve().parents[2]
-TABLE = topic_table()
+from .peer import PATIENCE, Peer, ROOT, TABLE
+
 LAMP = ROOT / 'test/replay/lamp.mcap'
 NODES = 'estimator,controller,demodulator,navigator,energy_monitor'
-PATIENCE = 30.0  # s of wall time
 LATER = 1_700_000_000 * 10**9  # ns: as a clock on the wall would stamp
 QOS = [offered_qos('reliable', 'volatile', 10)]
 
@@ -129,13 +123,11 @@ def test_a_graph_flies_through_gaps_of_a_recording_from_another_age(lta, recorde
     assert sent[0] == sent[1]
 
 
-class Peer:
-    """A node of the test's own that hears the meters and stands in for a controller."""
+class Controller(Peer):
+    """A peer that hears the meters and stands in for a controller."""
 
-    def __init__(self, context: Context) -> None:
-        self.node = rclpy.create_node('peer', namespace='/lta1', context=context)
-        self._executor = SingleThreadedExecutor(context=context)
-        self._executor.add_node(self.node)
+    def __init__(self, domain_id: int) -> None:
+        super().__init__(domain_id)
         self.stamps: list[tuple[str, int]] = []
         for name in ('battery', 'panel'):
             self.listen(name)
@@ -145,40 +137,13 @@ class Peer:
         )
 
     def listen(self, name):
-        row = TABLE[name]
-        self.node.create_subscription(
-            message_type(row),
-            name,
-            lambda m: self.stamps.append((name, from_stamp(m.header.stamp))),
-            profile(row, lockstep=False),
-        )
-
-    def until(self, condition):
-        deadline = time.monotonic() + PATIENCE
-        while not condition():
-            assert time.monotonic() < deadline, f'not heard; so far {self.stamps}'
-            self._executor.spin_once(timeout_sec=0.02)
-
-    def ask(self, kind, name, **fields):
-        client = self.node.create_client(kind, name)
-        self.until(client.service_is_ready)
-        future = client.call_async(kind.Request(**fields))
-        self.until(future.done)
-        return future.result()
-
-    def close(self):
-        self._executor.shutdown()
-        self.node.destroy_node()
+        self.hear(name, lambda m: self.stamps.append((name, from_stamp(m.header.stamp))))
 
 
 @pytest.fixture
-def peer(domain_id: int) -> Iterator[Peer]:
-    context = Context()
-    rclpy.init(context=context, domain_id=domain_id)
-    made = Peer(context)
-    yield made
-    made.close()
-    context.try_shutdown()
+def peer(domain_id: int) -> Iterator[Controller]:
+    with Controller(domain_id) as made:
+        yield made
 
 
 @pytest.fixture

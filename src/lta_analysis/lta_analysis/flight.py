@@ -8,12 +8,12 @@ holds the graph up is named within a second; whatever ends the flight, no proces
 from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from datetime import datetime
 import json
 from pathlib import Path
 from typing import final, Literal, Protocol
 
 from lta_analysis.blame import FLIGHT, Lookout
+from lta_analysis.results_folder import results_folder
 from lta_analysis.session import Session
 from lta_analysis.viewers import invite, refuse_taken_ports, viewers
 from lta_bridge.bag.writer import empty_folder
@@ -103,9 +103,7 @@ def fly_once(order: Order, watcher: Watcher) -> Flown:
     _ = vehicle.hover_duty
     in_scene.check(vehicle, scenario)
     check_aboard(vehicle)
-    stamp = datetime.now().astimezone().strftime('%Y%m%d-%H%M%S')
-    folder = order.out or Path('runs') / f'{stamp}-{scenario.name}-{order.seed}'
-    folder = folder.absolute()
+    folder = results_folder(order.out, f'{scenario.name}-{order.seed}')
     plan = load(find('launch file', 'fly', '.launch.yaml'), choices(order, folder / 'bag'))
     spare = viewers(plan)
     with Session(ROBOT), DiagnosticsListener(ROBOT) as listener:

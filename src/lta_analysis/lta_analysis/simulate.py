@@ -6,7 +6,6 @@ The recorder is beside the loop, not in it: without a bag nothing is turned into
 
 from contextlib import ExitStack
 from dataclasses import dataclass
-from datetime import datetime
 from pathlib import Path
 import time
 from typing import final
@@ -17,6 +16,7 @@ from lta_analysis.loop import Loop
 from lta_analysis.loop_view import LoopView
 from lta_analysis.messages import LoopRecorder
 from lta_analysis.report.results import Results, results_of
+from lta_analysis.results_folder import results_folder
 from lta_bridge.bag.storage import StorageFault
 from lta_bridge.bag.writer import BagWriter, empty_folder
 from lta_bridge.provenance import provenance
@@ -55,9 +55,7 @@ def simulate_once(order: Simulated, watcher: Watcher) -> tuple[Flown, Results]:
     made_of = gather(order.vehicle, order.scenario, order.strategy, order.gains)
     made_of = made_of.with_values(dict(map(assignment, order.changes)))
     loop = loop_of(made_of, order.seed)
-    stamp = datetime.now().astimezone().strftime('%Y%m%d-%H%M%S')
-    name = f'{stamp}-{loop.world.scenario.name}-{order.seed}'
-    folder = (order.out or Path('runs') / name).absolute()
+    folder = results_folder(order.out, f'{loop.world.scenario.name}-{order.seed}')
     try:
         with ExitStack() as closing:
             recorder = None

@@ -3,19 +3,8 @@
 import subprocess
 import sys
 
+from lta_analysis import app
 import pytest
-
-app_module = pytest.importorskip('lta_analysis.app', exc_type=ImportError)
-
-
-@pytest.fixture
-def call(monkeypatch, capsys):
-    def call(*words):
-        monkeypatch.setattr(sys, 'argv', ['lta', *words])
-        monkeypatch.setenv('COLUMNS', '80')
-        return app_module.status(), capsys.readouterr()
-
-    return call
 
 
 @pytest.mark.parametrize('words', [(), ('bag',)])
@@ -26,13 +15,13 @@ def test_without_a_verb_it_helps(call, words):
 
 
 def test_it_tells_its_version(call, monkeypatch):
-    monkeypatch.setattr(app_module, 'version', {'lta-analysis': '1.2.3'}.get)
+    monkeypatch.setattr(app, 'version', {'lta-analysis': '1.2.3'}.get)
     status, said = call('--version')
     assert (status, said.out) == (0, 'lta 1.2.3\n')
 
 
 def test_help_flows_at_any_width(call):
-    _, said = call('fly', '--help')
+    _, said = call('fly', '--help', columns=80)
     text = said.out.partition('In lockstep')[0].splitlines()
     whole = [line.strip() for line in text if line.strip().startswith('Fly:')]
     assert whole == [
@@ -61,9 +50,9 @@ def test_every_verb_of_the_registry_is_there(call):
     status, said = call('--help')
     assert status == 0
     shown = {line.split()[1] for line in said.out.splitlines() if line.startswith('│ ')}
-    assert set(app_module.VERBS) <= shown
-    for name, verb in app_module.VERBS.items():
-        inner = verb.verbs if isinstance(verb, app_module.Group) else {}
+    assert set(app.VERBS) <= shown
+    for name, verb in app.VERBS.items():
+        inner = verb.verbs if isinstance(verb, app.Group) else {}
         for word in inner:
             status, said = call(name, word, '--help')
             assert status == 0

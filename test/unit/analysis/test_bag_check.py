@@ -2,9 +2,7 @@
 
 import json
 import re
-import sys
 
-from lta_analysis import app
 from lta_analysis.bag import open_flight
 from lta_analysis.trust.recording import recording_of
 from lta_bridge.bag.schemas import jazzy
@@ -36,16 +34,14 @@ def imu(time, rates, force):
 
 
 @pytest.fixture
-def check(monkeypatch, capsys):
+def check(call):
     """Return a function that calls `lta bag check`: exit status, output, errors."""
 
-    def call(*words):
-        monkeypatch.setattr(sys, 'argv', ['lta', 'bag', 'check', *map(str, words)])
-        status = app.status()
-        said = capsys.readouterr()
+    def check(*words):
+        status, said = call('bag', 'check', *words)
         return status, said.out, said.err
 
-    return call
+    return check
 
 
 @pytest.fixture

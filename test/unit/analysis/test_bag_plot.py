@@ -2,9 +2,7 @@
 
 import io
 from itertools import pairwise
-import sys
 
-from lta_analysis import app
 from lta_analysis.bag import open_flight
 from lta_analysis.bag.channels import Channel
 from lta_analysis.plot.choice import between, by_unit, chosen, readable
@@ -21,16 +19,6 @@ from .report_flight import write_flight
 @pytest.fixture(scope='module')
 def bag(tmp_path_factory):
     return write_flight(tmp_path_factory.mktemp('plot') / 'bag', until=6.0)
-
-
-@pytest.fixture
-def call(monkeypatch, capsys):
-    def call(*words):
-        monkeypatch.setenv('COLUMNS', '120')
-        monkeypatch.setattr(sys, 'argv', ['lta', *map(str, words)])
-        return app.status(), capsys.readouterr()
-
-    return call
 
 
 def ramp(name='odom/z', unit='m', count=64, **more):

@@ -191,16 +191,6 @@ def test_what_a_flight_in_one_process_was_set_to_is_given_to_the_nodes_again():
     assert recorded_settings({}) == {}
 
 
-@pytest.fixture
-def installed(monkeypatch, tmp_path):
-    """Stand in for the installed lta_config, whose share the launch file asks for."""
-    marker = tmp_path / 'share/ament_index/resource_index/packages/lta_config'
-    marker.parent.mkdir(parents=True)
-    marker.touch()
-    monkeypatch.setenv('AMENT_PREFIX_PATH', str(tmp_path))
-    (tmp_path / 'share/lta_config').symlink_to(ROOT / 'config')
-
-
 def given_to(process):
     """Return the parameters on a process's command line; the last of a name counts."""
     words = [word.partition(':=') for word in process.arguments]

@@ -2,7 +2,6 @@
 
 import json
 import math
-import sys
 
 from lta_analysis.tune import crew, limit
 from lta_analysis.tune.book import Book
@@ -20,8 +19,6 @@ from lta_config.settings import setting, Settings
 from lta_control.gains_file import load_gains
 import numpy as np
 import pytest
-
-app_module = pytest.importorskip('lta_analysis.app', exc_type=ImportError)
 
 
 class Inner(Settings):
@@ -211,15 +208,6 @@ def test_gains_that_may_ask_for_less_hold_less(monkeypatch):
     assert strong.grams == pytest.approx(14.6, abs=0.05)
     # 0.5 to 2.3 g a day through 2.5 m2 (lta_sim.effects.helium_leak).
     assert strong.days == pytest.approx((14.6 / 2.3, 14.6 / 0.5), rel=0.05)
-
-
-@pytest.fixture
-def call(monkeypatch, capsys):
-    def call(*words):
-        monkeypatch.setattr(sys, 'argv', ['lta', *words])
-        return app_module.status(), capsys.readouterr()
-
-    return call
 
 
 def test_the_verb_tunes(call, tmp_path, monkeypatch):

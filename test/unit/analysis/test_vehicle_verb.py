@@ -1,38 +1,27 @@
 """lta vehicle, as it is typed."""
 
+from functools import partial
 import json
 import re
-import sys
 
 from lta_config.files import find, known
 import pytest
-
-app_module = pytest.importorskip('lta_analysis.app', exc_type=ImportError)
 
 SHIPPED = find('vehicle', 'gtmab').read_text('utf-8')
 
 
 @pytest.fixture
-def call(monkeypatch, capsys, tmp_path):
+def call(call, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv('COLUMNS', '120')
-
-    def call(*words):
-        monkeypatch.setattr(sys, 'argv', ['lta', 'vehicle', *words])
-        return app_module.status(), capsys.readouterr()
-
-    return call
+    return partial(call, 'vehicle')
 
 
-def test_help_lists_every_verb(monkeypatch, capsys, call):
+def test_help_lists_every_verb(call):
     status, said = call('--help')
     assert status == 0
     for verb in ('new', 'show', 'check', 'diff', 'trim'):
         assert f' {verb} ' in said.out
         assert 'Example: lta vehicle' in call(verb, '--help')[1].out
-    monkeypatch.setattr(sys, 'argv', ['lta', '--help'])
-    app_module.status()
-    assert ' vehicle ' in capsys.readouterr().out
 
 
 def test_a_new_vehicle_is_a_copy_with_comments_that_loads(call, tmp_path):
@@ -158,9 +147,8 @@ def test_show_gives_numbers_to_scripts(call):
 
 
 @pytest.mark.parametrize('name', known('vehicles'))
-def test_every_vehicle_is_shown_in_a_narrow_window(call, monkeypatch, name):
-    monkeypatch.setenv('COLUMNS', '60')
-    status, said = call('show', name)
+def test_every_vehicle_is_shown_in_a_narrow_window(call, name):
+    status, said = call('show', name, columns=60)
     assert status == 0
     assert max(len(line) for line in said.out.splitlines()) <= 60
 

@@ -8,11 +8,13 @@ from lta_config.files import load_yaml
 
 ADVICE = 'give a rosbag2 folder or an .mcap file'
 MOST_ABSENT = 20
+IN_SQLITE: Final = 'a bag in SQLite; read it in with `lta import`'
+PACKED: Final = 'compressed as a whole; unpack it with `zstd -d` first'
 OTHER_FORMATS: Final = {
-    b'SQLite format 3\0': 'a bag in SQLite; read it in with `lta import`',
+    b'SQLite format 3\0': IN_SQLITE,
     b'#ROSBAG V': 'a bag of ROS 1; read it in with `lta import`',
     b'ULog\x01\x12\x35': 'a log of PX4; read it in with `lta import`',
-    b'\x28\xb5\x2f\xfd': 'compressed as a whole; unpack it with `zstd -d` first',
+    b'\x28\xb5\x2f\xfd': PACKED,
 }
 
 
@@ -42,9 +44,9 @@ def bag_files(path: Path, described: dict[str, object] | None = None) -> list[Pa
     if files:
         return files
     if any(path.glob('*.db3')):
-        raise BadInput(f"'{path}' is a bag in SQLite; read it in with `lta import`.")
+        raise BadInput(f"'{path}' is {IN_SQLITE}.")
     if any(path.glob('*.mcap.zst*')):
-        raise BadInput(f"'{path}' is compressed as a whole; unpack it with `zstd -d` first.")
+        raise BadInput(f"'{path}' is {PACKED}.")
     raise BadInput(f"'{path}' holds no recording; {ADVICE}.")
 
 

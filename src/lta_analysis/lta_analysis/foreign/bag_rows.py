@@ -4,7 +4,7 @@ Topics of a bag as tables: one row a message, one column a number in it, named b
 `/tf#drone` is a table of its own: the transforms of one child frame among those of a topic.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Collection, Container, Iterable, Mapping
 from typing import Any, final, NamedTuple
 
 from lta_analysis.bag.columns import columns
@@ -19,6 +19,7 @@ import numpy as np
 TRANSFORMS = 'tf2_msgs/msg/TFMessage'
 PIECE = 10_000  # decoded messages kept before they become numbers
 CHILD = '#'  # between a topic of transforms and a child frame
+Decode = Callable[[], object]
 
 
 def _pose(position: str, orientation: str) -> Mapping[str, Part]:
@@ -111,6 +112,37 @@ def of_child(met: Met, child: str) -> list[Met]:
     """Return the transforms of one child frame in a message."""
     transforms = getattr(met.message, 'transforms', [])
     return [Met(met.order, met.log_time, one) for one in transforms if one.child_frame_id == child]
+
+
+def tables_of(
+    wanted: Collection[str], known: Container[str], messages: Iterable[tuple[str, int, Decode]]
+) -> dict[str, Table]:
+    """
+    Return the tables that are asked for and there.
+
+    Parameters
+    ----------
+    wanted : collection of str
+        Topics, or TOPIC#CHILD of one of transforms.
+    known : container of str
+        The bag's topics.
+    messages : iterable of (topic, log time in ns, function that decodes it)
+        All of the bag's, in its order; gone through only where something is there.
+
+    """
+    topics = {name: name.split(CHILD)[0] for name in wanted}
+    there = {name: topic for name, topic in topics.items() if topic in known}
+    met = {name: Rows() for name in there}
+    for order, (topic, log_time, decode) in enumerate(messages if there else ()):
+        takers = [name for name, told in there.items() if told == topic]
+        if not takers:
+            continue
+        one = Met(order, log_time, decode())
+        for name in takers:
+            _, sign, child = name.partition(CHILD)
+            met[name].add(of_child(one, child) if sign else [one])
+    tables = {name: rows.table() for name, rows in met.items()}
+    return {name: table for name, table in tables.items() if table is not None}
 
 
 def wanted_tables(mapping: MappingFile | None) -> set[str]:

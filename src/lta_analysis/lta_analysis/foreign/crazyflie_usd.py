@@ -142,7 +142,9 @@ def _field(text: str, path: Path) -> tuple[str, str]:
     """Return a variable's name and type for numpy."""
     found = VARIABLE.fullmatch(text)
     if found is None:
-        raise BadInput(f"'{path}' has the variable '{text}', whose type is none of {KINDS}.")
+        raise BadInput(
+            f"'{path}' has the variable '{text}', whose type is none of {KINDS}; copy it again."
+        )
     return found[1], np.dtype(f'<{found[2]}').str
 
 

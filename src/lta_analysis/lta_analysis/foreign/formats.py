@@ -91,7 +91,7 @@ def recognised(path: Path) -> str:
     if _is_text(head):
         return 'csv'
     known = '; '.join(f'{name}: {format_.about}' for name, format_ in FORMATS.items())
-    raise BadInput(f"'{path}' is of no known format ({known}).")
+    raise BadInput(f"'{path}' is of no known format ({known}); convert it to one.")
 
 
 def named(name: str) -> Format:

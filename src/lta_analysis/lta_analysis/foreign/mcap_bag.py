@@ -1,12 +1,13 @@
 """rosbag2 recordings in MCAP, by our own reader: of a damaged one, what is whole."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import cast, final
 
 from lta_analysis.bag.folder import bag_files
 from lta_analysis.bag.reader import Bag, file_contents, read_bag
-from lta_analysis.foreign.bag_rows import CHILD, Met, of_child, Rows, wanted_tables
+from lta_analysis.foreign.bag_rows import Decode, tables_of, wanted_tables
 from lta_analysis.foreign.definitions import from_bag
 from lta_analysis.foreign.protocol import Passed, Raw, Reached
 from lta_analysis.foreign.table import Table
@@ -40,7 +41,7 @@ class McapLog:
         self.facts = {f'original_{key}': text for key, text in self._bag.provenance.items()}
         self.raw: Mapping[str, Raw] = _raw(self._bag, path)
         self._total = max(1, sum(topic.count for topic in self._bag.topics.values()))
-        self._tables = self._decoded(wanted_tables(mapping))
+        self._tables = tables_of(wanted_tables(mapping), self.raw, self._each())
         if not any(topic.count for topic in self._bag.topics.values()):
             raise BadInput(f"'{path}' holds no message; nothing to import.")
 
@@ -63,23 +64,10 @@ class McapLog:
             yield Passed(order, topic, log_time, data)
         self.notes += [loss for loss in self._bag.losses if loss not in self.notes]
 
-    def _decoded(self, wanted: set[str]) -> dict[str, Table]:
-        """Return the tables that are asked for and there."""
-        topics = {name: name.split(CHILD)[0] for name in wanted}
-        there = {name: topic for name, topic in topics.items() if topic in self.raw}
-        met = {name: Rows() for name in there}
-        for order, (topic, log_time, data) in enumerate(
-            self._bag.messages(list(self.raw)) if there else ()
-        ):
-            takers = [name for name, told in there.items() if told == topic]
-            if not takers:
-                continue
-            one = Met(order, log_time, self._message(topic, data))
-            for name in takers:
-                _, sign, child = name.partition(CHILD)
-                met[name].add(of_child(one, child) if sign else [one])
-        tables = {name: rows.table() for name, rows in met.items()}
-        return {name: table for name, table in tables.items() if table is not None}
+    def _each(self) -> Iterator[tuple[str, int, Decode]]:
+        """Yield topic, log time in ns and how to decode it, of every message."""
+        for topic, log_time, data in self._bag.messages(list(self.raw)):
+            yield topic, log_time, partial(self._message, topic, data)
 
     def _message(self, topic: str, data: bytes) -> object:
         """Return a decoded message."""

@@ -41,7 +41,7 @@ def opened(path: Path, mapping: MappingFile | None) -> Tables:
             log = ULog(stream, None, True)
     except (ULogException, struct.error, ValueError, LookupError, TypeError) as error:
         reason = ' '.join(str(error).split()) or type(error).__name__
-        raise BadInput(f"'{path}' cannot be read as a ULog ({reason}).") from None
+        raise BadInput(f"'{path}' cannot be read as a ULog ({reason}); copy it again.") from None
     timed = [data for data in log.data_list if 'timestamp' in data.data]
     tables = {_name(data): _table(data.data) for data in timed}
     if not tables:

@@ -8,10 +8,11 @@ field, new ones at zero; a type that ROS 2 does not have keeps the bag's own def
 
 from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 from typing import Any, final
 
-from lta_analysis.foreign.bag_rows import CHILD, Met, of_child, Rows, wanted_tables
+from lta_analysis.foreign.bag_rows import Decode, tables_of, wanted_tables
 from lta_analysis.foreign.definitions import from_store
 from lta_analysis.foreign.protocol import Passed, Raw, Reached
 from lta_analysis.foreign.table import Table
@@ -51,7 +52,7 @@ class RosbagsLog:
         with closing(self._messages()) as first:
             if next(first, None) is None:
                 raise BadInput(f"'{path}' holds no message; nothing to import.")
-        self._tables = self._decoded(wanted_tables(mapping))
+        self._tables = tables_of(wanted_tables(mapping), self.raw, self._each())
 
     @property
     def columns(self) -> Mapping[str, Sequence[str]]:
@@ -115,26 +116,17 @@ class RosbagsLog:
                 bytes if reader.is2 else converter(reader.typestore, types, kind, ours)
             )
 
-    def _decoded(self, wanted: set[str]) -> dict[str, Table]:
-        """Return the tables that are asked for and there."""
-        topics = {name: name.split(CHILD)[0] for name in wanted}
-        there = {name: topic for name, topic in topics.items() if topic in self.raw}
-        met = {name: Rows() for name in there}
-        for order, (reader, connection, log_time, data) in enumerate(
-            self._messages() if there else ()
-        ):
-            takers = [name for name, told in there.items() if told == connection.topic]
-            if not takers:
-                continue
-            try:
-                one = Met(order, log_time, reader.deserialize(data, connection.msgtype))
-            except Exception as error:
-                raise self._unreadable(error) from None
-            for name in takers:
-                _, sign, child = name.partition(CHILD)
-                met[name].add(of_child(one, child) if sign else [one])
-        tables = {name: rows.table() for name, rows in met.items()}
-        return {name: table for name, table in tables.items() if table is not None}
+    def _each(self) -> Iterator[tuple[str, int, Decode]]:
+        """Yield topic, log time in ns and how to decode it, of every message."""
+        for reader, connection, log_time, data in self._messages():
+            yield connection.topic, log_time, partial(self._decoded, reader, connection, data)
+
+    def _decoded(self, reader: AnyReader, connection: Connection, data: bytes) -> object:
+        """Return a decoded message."""
+        try:
+            return reader.deserialize(data, connection.msgtype)
+        except Exception as error:
+            raise self._unreadable(error) from None
 
 
 def of_ros2(theirs: Typestore) -> Typestore:

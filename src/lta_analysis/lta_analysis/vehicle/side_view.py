@@ -5,7 +5,7 @@ from typing import Final
 
 from lta_analysis.braille import Canvas
 from lta_analysis.vehicle.sheet import Sheet
-from lta_analysis.vehicle.views import drawn, VIEWS
+from lta_analysis.vehicle.views import drawn, Outline, VIEWS
 from lta_analysis.vehicle.weighing import CENTIMETRES
 from rich.text import Text
 
@@ -28,15 +28,7 @@ def side_view(sheet: Sheet, width: int) -> Text:
         return 3 + (place[0] - left) * scale, 3 + (high - place[1]) * scale
 
     for shape in (*shown.parts, *([shown.hull] if shown.hull else [])):
-        (x, y), a, b = at(shape.middle), shape.half[0] * scale, shape.half[1] * scale
-        count = max(8, round(4 * (a + b)))
-        for k in range(count):
-            turn = 2.0 * math.pi * k / count
-            p, q = math.cos(turn), math.sin(turn)
-            if shape.kind == 'box':
-                most = max(abs(p), abs(q))
-                p, q = p / most, q / most
-            canvas.dot(x + a * p, y + b * q)
+        outline(canvas, shape, at(shape.middle), scale)
     for arm in shown.arms:
         (x1, y1), (x2, y2) = map(at, arm)
         count = max(2, round(math.hypot(x2 - x1, y2 - y1)))
@@ -59,3 +51,16 @@ def side_view(sheet: Sheet, width: int) -> Text:
         picture.append('B', STYLES['B'])
         picture.append(' buoyancy', 'dim')
     return picture
+
+
+def outline(canvas: Canvas, shape: Outline, middle: tuple[float, float], scale: float) -> None:
+    """Put the outline of an ellipse or a box on the canvas."""
+    (x, y), a, b = middle, shape.half[0] * scale, shape.half[1] * scale
+    count = max(8, round(4 * (a + b)))
+    for k in range(count):
+        turn = 2.0 * math.pi * k / count
+        p, q = math.cos(turn), math.sin(turn)
+        if shape.kind == 'box':
+            most = max(abs(p), abs(q))
+            p, q = p / most, q / most
+        canvas.dot(x + a * p, y + b * q)

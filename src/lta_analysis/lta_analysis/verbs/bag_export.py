@@ -1,6 +1,5 @@
 """lta bag export: a recording for other programs."""
 
-from datetime import datetime
 import json as json_text
 from pathlib import Path
 import sys
@@ -10,6 +9,8 @@ from lta_analysis.bag.recording import open_recording
 from lta_analysis.export.progress import ExportProgress
 from lta_analysis.export.run import Done, FORMATS, Order
 from lta_analysis.export.run import export as export_files
+from lta_analysis.out_option import folder
+from lta_analysis.results_folder import results_folder
 from rich.console import Console
 import typer
 
@@ -26,6 +27,7 @@ def export(
         Path | None,
         typer.Option(
             help='Folder of the files, new or empty; runs/<time>-export by default.',
+            parser=folder,
             metavar='FOLDER',
         ),
     ] = None,
@@ -60,12 +62,11 @@ def export(
     console = Console(stderr=json)
     recording = open_recording(bag, robot)
     names = tuple(name.strip() for name in topics.split(',') if name.strip())
-    stamp = datetime.now().astimezone().strftime('%Y%m%d-%H%M%S')
-    folder = (out or Path('runs') / f'{stamp}-export').absolute()
+    target = results_folder(out, 'export')
     with ExportProgress(console) as progress:
-        done = export_files(recording, Order(form, names, rate, method), folder, progress)
+        done = export_files(recording, Order(form, names, rate, method), target, progress)
     if json:
-        sys.stdout.write(json_text.dumps(printed(done, folder), indent=1) + '\n')
+        sys.stdout.write(json_text.dumps(printed(done, target), indent=1) + '\n')
     for file in done.files:
         console.print(
             f'{file.topic}: {file.rows} rows, {file.columns} columns',
@@ -73,13 +74,13 @@ def export(
         )  # fmt: skip
     for remark in done.remarks:
         console.print(remark, style='yellow', highlight=False, markup=False, soft_wrap=True)
-    console.print(f'Files {folder}', highlight=False, markup=False, soft_wrap=True)
+    console.print(f'Files {target}', highlight=False, markup=False, soft_wrap=True)
 
 
-def printed(done: Done, folder: Path) -> dict[str, object]:
+def printed(done: Done, target: Path) -> dict[str, object]:
     """Return what --json prints."""
     files = [
         {'topic': each.topic, 'file': str(each.file), 'rows': each.rows, 'columns': each.columns}
         for each in done.files
     ]
-    return {'folder': str(folder), 'files': files, 'remarks': done.remarks}
+    return {'folder': str(target), 'files': files, 'remarks': done.remarks}

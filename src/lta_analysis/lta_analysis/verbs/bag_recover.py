@@ -9,6 +9,7 @@ from typing import Annotated
 from lta_analysis.bag.folder import bag_in
 from lta_analysis.bag.recover import recover as mend
 from lta_analysis.bar import Bar
+from lta_analysis.out_option import folder
 from lta_bridge.bag.storage import StorageFault
 from rich.console import Console
 from rich.progress import BarColumn, DownloadColumn, TextColumn, TimeRemainingColumn
@@ -28,7 +29,11 @@ def recover(
     path: Annotated[Path, typer.Argument(help='Bag folder, results folder or .mcap file.')],
     out: Annotated[
         Path | None,
-        typer.Option(help='Folder of the new bag; BAG-recovered beside the original by default.'),
+        typer.Option(
+            help='Folder of the new bag; BAG-recovered beside the original by default.',
+            parser=folder,
+            metavar='FOLDER',
+        ),
     ] = None,
     json: Annotated[bool, typer.Option('--json', help='Print JSON instead of sentences.')] = False,
 ) -> None:

@@ -1,27 +1,26 @@
 """lta compare: two flights beside each other."""
 
 from collections.abc import Sequence
-from datetime import datetime
 from fnmatch import fnmatchcase
 import json as json_text
 import math
 from pathlib import Path
 import re
-import shlex
 import sys
 from typing import Annotated
 
 from lta_analysis.bag.flight import Flight, open_flight
 from lta_analysis.bag.folder import bag_in
 from lta_analysis.compare.apart import Apart
-from lta_analysis.compare.comparison import Asked, compare_flights, Comparison, ticks
+from lta_analysis.compare.comparison import Asked, compare_flights, ticks
 from lta_analysis.compare.page import NAME, write_page
 from lta_analysis.compare.placing import Frames
 from lta_analysis.compare.progress import CompareProgress
 from lta_analysis.compare.terminal import show
 from lta_analysis.compare.timing import Align
 from lta_analysis.compare.told import to_dict
-from lta_analysis.verbs.fly import folder
+from lta_analysis.out_option import folder
+from lta_analysis.results_folder import keep_json, page_line, results_folder
 from lta_bridge.bag.writer import empty_folder
 from lta_config.errors import BadInput
 from lta_config.quantity import UNITS
@@ -111,19 +110,16 @@ def compare(
     with CompareProgress(console, ticks(one, other, asked)) as progress:
         found = compare_flights(one, other, asked, progress.tick)
     check_units(tolerance or (), found.channels)
-    stamp = datetime.now().astimezone().strftime('%Y%m%d-%H%M%S')
-    target = empty_folder((out or Path('runs') / f'{stamp}-compare').absolute())
-    content = keep(found, target)
+    target = empty_folder(results_folder(out, 'compare'))
+    content = to_dict(found)
+    keep_json(content, target / 'compare.json')
     written = write_page(found, target / NAME) if page else None
     if json:
         made = {} if written is None else {'page': str(written)}
         sys.stdout.write(json_text.dumps({**content, **made}, indent=1) + '\n')
     show(found, console)
     if written is not None:
-        console.print(
-            f'Page {written}  (open it in a browser: xdg-open {shlex.quote(str(written))})',
-            highlight=False, markup=False, soft_wrap=True,
-        )  # fmt: skip
+        console.print(page_line(written), highlight=False, markup=False, soft_wrap=True)
     if same and not (found.identical or found.same):
         raise typer.Exit(1)
 
@@ -179,13 +175,3 @@ def quantity(text: str, what: str, unit: str | None = None) -> float:
     if not math.isfinite(value):
         raise BadInput(f"{what} is '{text}'; give a finite number.")
     return value
-
-
-def keep(found: Comparison, target: Path) -> dict[str, object]:
-    """Write compare.json and return what it holds."""
-    content = to_dict(found)
-    try:
-        (target / 'compare.json').write_text(json_text.dumps(content, indent=1), encoding='utf-8')
-    except OSError as error:
-        raise BadInput(f"'{target}' cannot be written ({error.strerror}); make room.") from error
-    return content

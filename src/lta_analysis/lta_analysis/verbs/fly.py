@@ -2,29 +2,23 @@
 
 import json as json_text
 from pathlib import Path
-import shlex
 import sys
 from typing import Annotated, Literal
 
 from lta_analysis.bag.flight import open_flight
 from lta_analysis.flight import Flown, fly_once, Order
+from lta_analysis.out_option import Out
 from lta_analysis.progress import FlightProgress
 from lta_analysis.report.outcome import sentence
 from lta_analysis.report.page import write_page
 from lta_analysis.report.results import Results, results_of
 from lta_analysis.report.view import View
+from lta_analysis.results_folder import page_line
 from lta_analysis.typed import near, typed
 from lta_bridge.live.address import PORT
 from lta_config.errors import BadInput
 from rich.console import Console
 import typer
-
-
-def folder(text: str) -> Path:
-    """Return a folder; the empty text of a variable that is not set would be the present one."""
-    if not text.strip():
-        raise typer.BadParameter('it is empty; give a folder')
-    return Path(text)
 
 
 def fly(
@@ -39,14 +33,7 @@ def fly(
             show_default='lockstep; realtime with --live',
         ),
     ] = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            help='Folder of the results; runs/<time>-<name> by default.',
-            parser=folder,
-            metavar='FOLDER',
-        ),
-    ] = None,
+    out: Out = None,
     live: Annotated[
         bool, typer.Option('--live', help='Show the flight to Foxglove while it lasts.')
     ] = False,
@@ -122,5 +109,5 @@ def show_files(bag: Path, page: Path | None, console: Console) -> None:
     """Print where the results are and how to look at them."""
     lines = [f'Bag  {bag}  (drop it into Foxglove, or: {typed("bag", "info", near(bag))})']
     if page is not None:
-        lines.append(f'Page {page}  (open it in a browser: xdg-open {shlex.quote(str(page))})')
+        lines.append(page_line(page))
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

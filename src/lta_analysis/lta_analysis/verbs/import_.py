@@ -1,14 +1,14 @@
 """lta import: other people's logs as bags."""
 
 from dataclasses import asdict
-from datetime import datetime
 import json as json_text
 from pathlib import Path
 import sys
 from typing import Annotated, get_args, TYPE_CHECKING
 
+from lta_analysis.out_option import Out
+from lta_analysis.results_folder import results_folder
 from lta_analysis.typed import near, typed
-from lta_analysis.verbs.fly import folder
 from lta_config.errors import BadInput
 from lta_config.files import known
 from lta_config.import_file import Format
@@ -35,14 +35,7 @@ def import_(
         str | None,
         typer.Option(help=f'{", ".join(get_args(Format))}; found from the content if left out.'),
     ] = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            help='Folder of the results; runs/<time>-<name> by default.',
-            parser=folder,
-            metavar='FOLDER',
-        ),
-    ] = None,
+    out: Out = None,
     robot: Annotated[str, typer.Option(help='Namespace of the topics.')] = 'lta1',
     vehicle: Annotated[
         str | None, typer.Option(help='Vehicle that flew, name or file; goes into the bag.')
@@ -74,9 +67,8 @@ def import_(
     console = Console(stderr=json)
     if not is_name(robot):
         raise BadInput(f"Robot '{robot}' is no name for topics; use letters and digits.")
-    stamp = datetime.now().astimezone().strftime('%Y%m%d-%H%M%S')
     name = sources[0].name.split('.')[0] or 'log'
-    target = (out or Path('runs') / f'{stamp}-{name}').absolute()
+    target = results_folder(out, name)
     order = Order(sources, mapping, format, robot, vehicle)
     with ImportProgress(console, len(sources)) as progress:
         done = import_all(order, target, progress)

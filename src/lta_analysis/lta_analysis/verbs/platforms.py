@@ -1,23 +1,22 @@
 """lta platforms: the same manoeuvres, each platform by its own control law."""
 
 from datetime import datetime
-import json as json_text
 from pathlib import Path
 import sys
 from typing import Annotated
 
 from lta_analysis.browser import find_chromium
+from lta_analysis.out_option import Out
 from lta_analysis.platforms.page import Told, write_page
 from lta_analysis.platforms.run import check, fly_all, jobs, printed, processors, Row
 from lta_analysis.platforms.summary import reversals
 from lta_analysis.platforms.verdict import title
 from lta_analysis.report.pictures import write_pictures
+from lta_analysis.results_folder import keep_json, page_line, results_folder
 from lta_analysis.typed import typed
-from lta_analysis.verbs.fly import folder
 from lta_bridge.bag.writer import empty_folder
 from lta_bridge.provenance import commit
 from lta_config.comparison_file import load_comparison
-from lta_config.errors import BadInput
 from rich.console import Console
 from rich.progress import track
 import typer
@@ -33,14 +32,7 @@ def platforms(
     workers: Annotated[
         int | None, typer.Option(help='Processes; as many as processors by default.', min=1)
     ] = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            help='Folder of the results; runs/<time>-<name> by default.',
-            parser=folder,
-            metavar='FOLDER',
-        ),
-    ] = None,
+    out: Out = None,
     pictures: Annotated[
         Path | None,
         typer.Option(help='Folder for each picture as PNG; needs a Chromium.', metavar='FOLDER'),
@@ -69,23 +61,18 @@ def platforms(
     comparison = load_comparison(file)
     check(file, comparison)
     todo = jobs(file, comparison, seeds or comparison.seeds)
-    stamp = datetime.now().astimezone()
-    target = (out or Path('runs') / f'{stamp:%Y%m%d-%H%M%S}-{comparison.name}').absolute()
-    empty_folder(target)
+    created = datetime.now().astimezone().isoformat(timespec='seconds')
+    target = empty_folder(results_folder(out, comparison.name))
     coming = fly_all(todo, workers or processors())
     rows: list[Row] = list(
         track(coming, 'flying', len(todo), console=console, disable=not console.is_terminal)
     )
     order = {job: index for index, job in enumerate(todo)}
     rows.sort(key=lambda row: order[row.job])
-    content = json_text.dumps([printed(row) for row in rows], indent=1) + '\n'
-    try:
-        (target / 'flights.json').write_text(content, encoding='utf-8')
-    except OSError as error:
-        raise BadInput(f"'{target}' cannot be written ({error.strerror}); make room.") from error
+    content = keep_json([printed(row) for row in rows], target / 'flights.json')
     origin = {
         'comparison': file, 'seeds': str(seeds or comparison.seeds), 'flights': str(len(rows)),
-        'commit': commit(), 'created': stamp.isoformat(timespec='seconds'),
+        'commit': commit(), 'created': created,
         'again': typed('platforms', file, '--seeds', str(seeds or comparison.seeds)),
     }  # fmt: skip
     page = write_page(Told(comparison, rows, target, origin))
@@ -93,5 +80,5 @@ def platforms(
         write_pictures(page, pictures)
     if json:
         sys.stdout.write(content)
-    lines = [title(comparison, rows), *reversals(comparison, rows), f'Page  {page}']
+    lines = [title(comparison, rows), *reversals(comparison, rows), page_line(page)]
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

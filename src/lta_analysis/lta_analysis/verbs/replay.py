@@ -1,13 +1,12 @@
 """lta replay: nodes run again on what was recorded, and compared with it."""
 
-from datetime import datetime
-import json as json_text
 from pathlib import Path
 import sys
 from typing import Annotated
 
 from lta_analysis.bag.flight import Flight, open_flight
 from lta_analysis.bag.folder import bag_in
+from lta_analysis.out_option import folder
 from lta_analysis.replay.given import settings_of
 from lta_analysis.replay.order import nodes_of, Order
 from lta_analysis.replay.page import figure, largest, write_page
@@ -15,10 +14,9 @@ from lta_analysis.replay.progress import ReplayProgress
 from lta_analysis.replay.run import replay as run_again
 from lta_analysis.replay.run import Replayed
 from lta_analysis.replay.verdict import judged, Verdict
+from lta_analysis.results_folder import keep_json, page_line, results_folder
 from lta_analysis.typed import near
-from lta_analysis.verbs.fly import folder
 from lta_bridge.playback.settings import FOREVER
-from lta_config.errors import BadInput
 from rich.console import Console
 from rich.table import Column, Table
 import typer
@@ -83,8 +81,7 @@ def replay(
         rate, start, FOREVER if end is None else end,
     )  # fmt: skip
     flight = open_flight(order.bag, robot)
-    stamp = datetime.now().astimezone().strftime('%Y%m%d-%H%M%S')
-    target = (out or Path('runs') / f'{stamp}-replay').absolute()
+    target = results_folder(out, 'replay')
     span = ((flight.bag.end or 0) - (flight.bag.start or 0)) * 1e-9
     with ReplayProgress(console, max(0.0, min(span, order.end) - start)) as progress:
         played = run_again(order, flight, target, progress)
@@ -115,9 +112,9 @@ def tell(
     if verdict is not None:
         page = write_page(verdict, order, flight.provenance, target)
         content['page'] = str(page)
-    keep(target, content)
+    written = keep_json(content, target / 'replay.json')
     if json:
-        sys.stdout.write(json_text.dumps(content, indent=1) + '\n')
+        sys.stdout.write(written)
     if not played.whole:
         console.print('The replay did not come to its end.', highlight=False)
     elif played.standing is not None:
@@ -131,15 +128,7 @@ def tell(
         show(verdict, console)
     console.print(f'Bag  {near(played.bag)}', highlight=False, markup=False, soft_wrap=True)
     if page is not None:
-        console.print(f'Page {near(page)}', highlight=False, markup=False, soft_wrap=True)
-
-
-def keep(target: Path, content: dict[str, object]) -> None:
-    """Write the results as JSON."""
-    try:
-        (target / 'replay.json').write_text(json_text.dumps(content, indent=1), encoding='utf-8')
-    except OSError as error:
-        raise BadInput(f"'{target}' cannot be written ({error.strerror}); make room.") from error
+        console.print(page_line(near(page)), highlight=False, markup=False, soft_wrap=True)
 
 
 def show(verdict: Verdict, console: Console) -> None:

@@ -1,14 +1,14 @@
 """lta simulate: a whole flight in one process."""
 
 import json as json_text
-from pathlib import Path
 import sys
 from typing import Annotated
 
+from lta_analysis.out_option import Out
 from lta_analysis.progress import FlightProgress
 from lta_analysis.report.page import write_page
 from lta_analysis.simulate import simulate_once, Simulated
-from lta_analysis.verbs.fly import folder, printed, show_files, told
+from lta_analysis.verbs.fly import printed, show_files, told
 from rich.console import Console
 import typer
 
@@ -25,14 +25,7 @@ def simulate(
         list[str] | None,
         typer.Option('--set', metavar='PATH=VALUE', help='Fly with another value; repeatable.'),
     ] = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            help='Folder of the results; runs/<time>-<name> by default.',
-            parser=folder,
-            metavar='FOLDER',
-        ),
-    ] = None,
+    out: Out = None,
     bag: Annotated[bool, typer.Option(help='Record a bag and write its page.')] = True,
     json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
 ) -> None:

@@ -4,16 +4,16 @@ from collections import Counter
 import json as json_text
 import math
 from pathlib import Path
-import shlex
 import sys
 from typing import Annotated
 
 from lta_analysis.fleet.fly import Device
+from lta_analysis.out_option import folder
+from lta_analysis.results_folder import page_line
 from lta_analysis.sweep.flown import FAILED
 from lta_analysis.sweep.page import title
 from lta_analysis.sweep.run import Order, sweep_once, Swept
 from lta_analysis.sweep.statistics import reached_share
-from lta_analysis.verbs.fly import folder
 from lta_config.errors import BadInput
 from rich.console import Console
 import typer
@@ -144,6 +144,5 @@ def tell(done: Swept, console: Console) -> None:
         lines.append(f'{count} failed: {sentence}')
     lines.append(f'Table {done.table}')
     if done.page is not None:
-        quoted = shlex.quote(str(done.page))
-        lines.append(f'Page  {done.page}  (open it in a browser: xdg-open {quoted})')
+        lines.append(page_line(done.page))
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

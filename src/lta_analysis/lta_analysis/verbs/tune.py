@@ -4,10 +4,11 @@ from dataclasses import asdict
 import json as json_text
 import math
 from pathlib import Path
-import shlex
 import sys
 from typing import Annotated, Any
 
+from lta_analysis.out_option import folder
+from lta_analysis.results_folder import page_line
 from lta_analysis.tune.compare import difference, NAMES
 from lta_analysis.tune.exam import Case, Scene
 from lta_analysis.tune.margins import decibel
@@ -15,7 +16,6 @@ from lta_analysis.tune.page import write_page
 from lta_analysis.tune.run import Order, Side, traced, tune_once, Tuned
 from lta_analysis.tune.told import limit_rows, robust_rows, title
 from lta_analysis.typed import near, typed
-from lta_analysis.verbs.fly import folder
 from lta_config.override import quantity_in
 from rich.console import Console
 import typer
@@ -208,5 +208,5 @@ def tell(done: Tuned, page: Path | None, console: Console) -> None:
         )
     lines.append(f'Gains {near(done.file)}')
     if page is not None:
-        lines.append(f'Page  {page}  (open it in a browser: xdg-open {shlex.quote(str(page))})')
+        lines.append(page_line(page))
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

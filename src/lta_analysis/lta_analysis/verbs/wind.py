@@ -1,7 +1,6 @@
 """lta wind: the wind that each platform can fly in."""
 
 from collections.abc import Sequence
-from datetime import datetime
 import json as json_text
 import math
 from pathlib import Path
@@ -9,13 +8,13 @@ import sys
 from typing import Annotated
 
 from lta_analysis.bar import Bar
+from lta_analysis.out_option import folder
+from lta_analysis.results_folder import keep_json, page_line, results_folder
 from lta_analysis.typed import near
-from lta_analysis.verbs.fly import folder
 from lta_analysis.wind.limits import Asked, Limits, measured, ticks, to_json
 from lta_analysis.wind.page import write_page
 from lta_analysis.wind.trial import Flyable
 from lta_bridge.bag.writer import empty_folder
-from lta_config.errors import BadInput
 from lta_config.files import known
 from lta_sim.scenario import load_scenario
 from lta_sim.vehicle import load_vehicle
@@ -88,8 +87,7 @@ def wind(
     for name in asked.vehicles:
         load_vehicle(name)
     load_scenario(asked.scenario)
-    stamp = datetime.now().astimezone().strftime('%Y%m%d-%H%M%S')
-    target = empty_folder((out or Path('runs') / f'{stamp}-wind').absolute())
+    target = empty_folder(results_folder(out, 'wind'))
     found = find_limits(asked, console)
     content = to_json(found, asked)
     rows = table(found, asked)
@@ -97,7 +95,7 @@ def wind(
     if json:
         sys.stdout.write(json_text.dumps({**content, 'page': str(page)}, indent=1) + '\n')
     show(rows, found, asked, console)
-    console.print(f'Page {near(page)}', highlight=False, markup=False, soft_wrap=True)
+    console.print(page_line(near(page)), highlight=False, markup=False, soft_wrap=True)
 
 
 def find_limits(asked: Asked, console: Console) -> list[Limits]:
@@ -115,10 +113,7 @@ def find_limits(asked: Asked, console: Console) -> list[Limits]:
 
 def keep(target: Path, content: dict[str, object], found: Sequence[Limits], asked: Asked) -> Path:
     """Write results and page; return the page."""
-    try:
-        (target / 'wind.json').write_text(json_text.dumps(content, indent=1), encoding='utf-8')
-    except OSError as error:
-        raise BadInput(f"'{target}' cannot be written ({error.strerror}); make room.") from error
+    keep_json(content, target / 'wind.json')
     return write_page(found, asked, target / 'report.html')
 
 

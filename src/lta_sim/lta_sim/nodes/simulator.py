@@ -17,7 +17,6 @@ import time
 
 from lta_config.errors import BadInput
 from lta_config.recorded import is_wanted
-from lta_config.settings import setting, Settings
 from lta_graph.health import Level
 from lta_graph.inbox import Step
 from lta_graph.ros.company import Company, OVER, PULSE
@@ -26,7 +25,8 @@ from lta_graph.ros.parameters import Parameters
 from lta_sim import messages
 from lta_sim.readings import Outcome, Readings
 from lta_sim.scenario import load_scenario
-from lta_sim.start_offset import FAR, started
+from lta_sim.simulator_settings import SimulatorSettings
+from lta_sim.start_offset import started
 from lta_sim.vehicle import load_vehicle
 from lta_sim.world import World
 from rclpy.clock import Clock, ClockType
@@ -38,26 +38,6 @@ SLIP = 50  # control periods of delay that are made up for at once
 SLOW = 0.05  # share of the wall clock that may be lost before it is said
 CLOCK_PERIOD = 0.02  # wall seconds between two /clock
 PATIENCE = 20.0  # wall seconds for the graph of one drone to come up
-
-
-class SimulatorSettings(Settings):
-    """What is simulated."""
-
-    vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
-    scenario: str = setting('lamp_room', 'Scenario name or file.', fixed=True)
-    seed: int = setting(1, 'Seed of all chance.', low=0, high=2**31 - 1, fixed=True)
-    offset_x: float = setting(
-        0.0, "Start, east of the scenario's.", unit='m', low=-FAR, high=FAR, fixed=True
-    )
-    offset_y: float = setting(
-        0.0, "Start, north of the scenario's.", unit='m', low=-FAR, high=FAR, fixed=True
-    )
-    record: bool = setting(False, 'Whether to wait for a recorder.', fixed=True)
-    topics: str = setting('', 'What the recorder records, as it is told.', fixed=True)
-    clock: bool = setting(True, 'Whether to tell /clock: one simulator does.', fixed=True)
-    peers: str = setting(
-        '', 'Namespaces of drones to keep together with in time, with spaces between.', fixed=True
-    )
 
 
 class Simulator(GraphNode):

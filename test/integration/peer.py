@@ -1,0 +1,98 @@
+"""A node of a test's own in the robot's namespace, and nodes of this source tree as processes."""
+
+from collections.abc import Callable
+import os
+from pathlib import Path
+import subprocess
+import sys
+import time
+from typing import Any, Self
+
+from lta_config.topics import topic_table
+from lta_graph.ros.node import message_type
+from lta_graph.ros.qos import profile
+from rcl_interfaces.srv import SetParameters
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.parameter import Parameter
+
+ROOT = Path(__file__).resolve().parents[2]
+TABLE = topic_table()
+PATIENCE = 30.0  # s of wall time; what comes normally comes within milliseconds
+
+
+def start(module: str, *words: object, before: str = '') -> 'subprocess.Popen[str]':
+    """Start a node of this very source tree: its module, its ROS arguments, code before it."""
+    paths = [str(path.parent) for path in ROOT.glob('src/*/package.xml')]
+    code = f'{before}from {module} import main; main()'
+    return subprocess.Popen(
+        [sys.executable, '-c', code, '--ros-args', '-r', '__ns:=/lta1', *map(str, words)],
+        env={
+            **os.environ,
+            'PYTHONPATH': os.pathsep.join([*paths, str(ROOT / 'config'), *sys.path]),
+        },
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+class Peer:
+    """A node beside those under test, in a DDS domain: `with Peer(domain) as peer: ...`."""
+
+    def __init__(self, domain_id: int) -> None:
+        self._context = Context()
+        rclpy.init(args=[], context=self._context, domain_id=domain_id)
+        self.node = rclpy.create_node('peer', namespace='/lta1', context=self._context)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self.node)
+        self._publishers: dict[str, Any] = {}
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._executor.shutdown()
+        self.node.destroy_node()
+        self._context.try_shutdown()
+
+    def until(self, condition: Callable[[], Any]) -> Any:
+        """Take what comes until something holds, and return that."""
+        deadline = time.monotonic() + PATIENCE
+        while not (found := condition()):
+            assert time.monotonic() < deadline, f'the graph did not answer; {vars(self)}'
+            self._executor.spin_once(timeout_sec=0.02)
+        return found
+
+    def hear(self, name: str, callback: Callable[[Any], object]) -> None:
+        """Listen to a topic of the table."""
+        row = TABLE[name]
+        quality = profile(row, lockstep=False)
+        self.node.create_subscription(message_type(row), name, callback, quality)
+
+    def publisher(self, name: str) -> Any:
+        """Return the publisher of a topic of the table, once somebody has found it."""
+        if name not in self._publishers:
+            row = TABLE[name]
+            quality = profile(row, lockstep=False)
+            self._publishers[name] = self.offering(name, message_type(row), quality)
+        return self._publishers[name]
+
+    def offering(self, name: str, kind: Any, quality: Any) -> Any:
+        """Return a new publisher of any type and quality, once somebody has found it."""
+        made = self.node.create_publisher(kind, name, quality)
+        self.until(made.get_subscription_count)
+        return made
+
+    def ask(self, kind: Any, name: str, **fields: object) -> Any:
+        """Call a service and return its answer."""
+        client = self.node.create_client(kind, name)
+        self.until(client.service_is_ready)
+        future = client.call_async(kind.Request(**fields))
+        self.until(future.done)
+        return future.result()
+
+    def set(self, node: str, name: str, value: object) -> Any:
+        """Set a parameter and return what the node said to it."""
+        parameter = Parameter(name, value=value).to_parameter_msg()
+        return self.ask(SetParameters, f'{node}/set_parameters', parameters=[parameter]).results[0]
