@@ -142,6 +142,6 @@ def show(one: Checked, console: Console) -> None:
     if not one.report.findings:
         console.print('clean', style='green')
     for sentence in one.report.unjudged:
-        console.print(sentence, style='dim', highlight=False, markup=False)
+        console.print(sentence, style='dim', highlight=False, markup=False, soft_wrap=True)
     for loss in one.losses:
-        console.print(loss, style='yellow', highlight=False, markup=False)
+        console.print(loss, style='yellow', highlight=False, markup=False, soft_wrap=True)
