@@ -36,7 +36,7 @@ flights: test-environment  ## fly many seeds (ARGS=SEEDS, 20 by default: minutes
 	@$(enter) && .venv/bin/python test/benchmark/flights.py $(ARGS)
 
 trust: test-environment  ## score the trust checks on clean and corrupted flights (minutes)
-	@$(enter) && .venv/bin/python test/benchmark/trust.py $(ARGS)
+	@$(enter) && .venv/bin/python test/score/trust.py $(ARGS)
 
 check: test-environment  ## style and types only
 	@.venv/bin/ruff check --quiet $(sources)
