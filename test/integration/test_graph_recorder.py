@@ -165,15 +165,23 @@ def test_everything_is_found_as_its_publishers_offer_it(recording):
     assert named == {'/lta1/strange': 'std_srvs/srv/SetBool_Event'}
 
 
-def test_some_topics_in_files_of_half_a_second(recording):
+def test_some_topics_in_files_of_half_a_second(recording, lta):
     recording.start(topics='"odom /clock"', split_duration=0.5)
     publisher = recording.publisher('odom')
     for step in range(10):
         publisher.publish(odom(START + step * 200_000_000))
     recording.until(lambda: arrived(recording.bag, '/lta1/odom', 10))
-    answer = recording.snapshot()
-    assert not answer.success
-    assert 'snapshot:=SECONDS' in answer.message
+    refused = lta.run('call', 'recorder/snapshot')
+    assert (refused.returncode, refused.stderr) == (1, '')
+    assert 'snapshot:=SECONDS' in refused.stdout
+    for words, sentence in (
+        (('recorder/snapshot', 'true'), "'/lta1/recorder/snapshot' wants nothing behind its name"),
+        (('nobody/there',), 'there are /lta1/recorder/snapshot'),
+    ):
+        wrong = lta.run('call', *words)
+        assert wrong.returncode == 2
+        assert sentence in wrong.stderr
+        assert wrong.stderr.count('\n') == 1
     assert recording.end() == (0, '')
     assert set(described(recording.bag)) == {'/lta1/odom', '/clock'}
     files = sorted(path.name for path in recording.bag.glob('*.mcap'))

@@ -192,7 +192,7 @@ def meters(recorded, tmp_path):
     return tmp_path / 'meters'
 
 
-def test_a_player_is_paused_stepped_looped_and_goes_on(meters, peer, player):
+def test_a_player_is_paused_stepped_looped_and_goes_on(meters, peer, player, lta):
     process = player(meters, paused='true', rate=5.0, loop='true')
     first = TABLE.start_ns
     for turn in range(6):  # from instant to instant, whatever topic it has
@@ -208,7 +208,9 @@ def test_a_player_is_paused_stepped_looped_and_goes_on(meters, peer, player):
     peer.until(lambda: peer.stamps[-1][1] > first + 1_600_000_000)  # the fourth round
     batteries = [stamp for name, stamp in peer.stamps if name == 'battery']
     assert all(b > a and (b - a) % 100_000_000 == 0 for a, b in pairwise(batteries))
-    assert peer.ask(SetBool, 'player/pause', data=True).success
+    asked = lta.run('call', 'player/pause', 'true')
+    assert (asked.returncode, asked.stderr) == (0, '')
+    assert asked.stdout.startswith('paused at ')
     process.send_signal(signal.SIGINT)
     out, errors = process.communicate(timeout=PATIENCE)
     assert process.returncode == 0, errors

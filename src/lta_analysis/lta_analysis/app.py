@@ -60,6 +60,7 @@ VERBS: Final[dict[str, Verb | Group]] = {
     'simulate': Verb('simulate', 'simulate'),
     'replay': Verb('replay', 'replay'),
     'launch': Verb('launch', 'launch', {'allow_interspersed_args': True}),
+    'call': Verb('call', 'call'),
     'run': Verb('run', 'run', {'ignore_unknown_options': True, 'allow_interspersed_args': False}),
     'sweep': Verb('sweep', 'sweep'),
     'tune': Verb('tune', 'tune'),
