@@ -13,6 +13,8 @@ from lta_graph.health import Fact
 from lta_graph.ros.listener import DiagnosticsListener
 import pytest
 
+from .peer import put_away
+
 ROOT = Path(__file__).resolve().parents[2]
 PATIENCE = 60.0  # s of wall time; a flight of these tests takes five
 MARK = 'LTA_TEST_MARK'
@@ -96,6 +98,7 @@ class Lta:
 
     def __init__(self) -> None:
         self.mark = uuid.uuid4().hex
+        self._started: list[Started] = []
 
     def run(self, *arguments: object) -> 'subprocess.CompletedProcess[str]':
         """Run to the end."""
@@ -108,7 +111,8 @@ class Lta:
         )
 
     def start(self, *arguments: object) -> Started:
-        return Started(self.mark, tuple(map(str, arguments)))
+        self._started.append(Started(self.mark, tuple(map(str, arguments))))
+        return self._started[-1]
 
     def left(self) -> list[str]:
         """Return what still runs, once the kernel has had a moment to take the dead away."""
@@ -120,6 +124,15 @@ class Lta:
     def kill(self) -> None:
         for pid in processes(self.mark):
             os.kill(pid, signal.SIGKILL)
+        for started in self._started:
+            started.end()  # its pipe would fail whichever test comes next
+
+
+@pytest.fixture(autouse=True)
+def nothing_left() -> Iterator[None]:
+    """Put away the nodes of a test that failed."""
+    yield
+    put_away()
 
 
 @pytest.fixture

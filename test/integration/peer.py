@@ -20,13 +20,14 @@ from rclpy.parameter import Parameter
 ROOT = Path(__file__).resolve().parents[2]
 TABLE = topic_table()
 PATIENCE = 30.0  # s of wall time; what comes normally comes within milliseconds
+STARTED: 'list[subprocess.Popen[str]]' = []
 
 
 def start(module: str, *words: object, before: str = '') -> 'subprocess.Popen[str]':
     """Start a node of this very source tree: its module, its ROS arguments, code before it."""
     paths = [str(path.parent) for path in ROOT.glob('src/*/package.xml')]
     code = f'{before}from {module} import main; main()'
-    return subprocess.Popen(
+    process = subprocess.Popen(
         [sys.executable, '-c', code, '--ros-args', '-r', '__ns:=/lta1', *map(str, words)],
         env={
             **os.environ,
@@ -35,6 +36,18 @@ def start(module: str, *words: object, before: str = '') -> 'subprocess.Popen[st
         stderr=subprocess.PIPE,
         text=True,
     )
+    STARTED.append(process)
+    return process
+
+
+def put_away() -> None:
+    """End what a failed test has left: an open pipe would fail whichever test comes next."""
+    while STARTED:
+        process = STARTED.pop()
+        if process.poll() is None:
+            process.kill()
+            process.communicate()
+        process.stderr.close()
 
 
 class Peer:
