@@ -8,6 +8,7 @@ kernel interrupts its processes, and a guard kills those that do not heed that.
 """
 
 from collections.abc import Collection
+from contextlib import suppress
 from queue import Empty
 import signal
 import threading
@@ -144,6 +145,8 @@ class Launcher:
         """
         Wait until a process ends, and return all that have since the last call.
 
+        Ctrl-C acts when the wait is over.
+
         Parameters
         ----------
         timeout : float
@@ -152,13 +155,13 @@ class Launcher:
         """
         found: list[Ended] = []
         if self._watch is not None:
-            try:
-                found.append(self._watch.events.get(timeout=timeout))
-                while True:
-                    found.append(self._watch.events.get_nowait())
-            except Empty:
-                pass
-            self.ended += found
+            # An exception that a signal raises inside the queue may leave it locked for ever.
+            with held_interrupts():
+                with suppress(Empty):
+                    found.append(self._watch.events.get(timeout=timeout))
+                    while True:
+                        found.append(self._watch.events.get_nowait())
+                self.ended += found
             if self._watch.fault is not None and not self._stopping.is_set():
                 raise self._watch.fault
         return found
