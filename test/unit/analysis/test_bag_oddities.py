@@ -276,3 +276,10 @@ def test_chunks_without_the_topic_are_not_unpacked(tmp_path, monkeypatch):
     )
     assert len(list(read_bag(file).messages(['/rare']))) == 1
     assert len(seen) == 1
+
+
+def test_topics_that_interleave_by_less_than_a_second_are_nothing_odd(tmp_path):
+    """Log time is that of publication: a recorder hears one topic a little after another."""
+    times = (1_000_000_000, 1_900_000_000, 1_010_000_000, 1_910_000_000)
+    file = write(tmp_path / 'a.mcap', {'/a': BOOL}, [('/a', time) for time in times])
+    assert bag_info(file).remarks == []

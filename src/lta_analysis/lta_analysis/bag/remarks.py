@@ -4,6 +4,7 @@ from lta_analysis.bag.reader import Bag
 from lta_analysis.bag.rhythm import Rhythm
 
 MOST = 10  # sentences of one kind
+WOVEN = 1_000_000_000  # ns by which topics interleave where log time is that of publication
 
 
 def remarks(bag: Bag) -> list[str]:
@@ -40,7 +41,7 @@ def topic_remarks(bag: Bag) -> list[str]:
 def time_remarks(rhythm: Rhythm, start: int | None) -> list[str]:
     """Return the remarks on steps back in time and on long silences; `start` in ns."""
     told = []
-    if rhythm.backwards:
+    if rhythm.backwards and rhythm.worst > WOVEN:
         whose = '' if rhythm.worst_topic is None else f" (on '{rhythm.worst_topic}')"
         told.append(
             f'Time runs backwards at {rhythm.backwards} of {rhythm.count} messages, by up to '
