@@ -1,7 +1,7 @@
 """Whatever a bag carries, it is read or refused in one sentence; it never brings Python down."""
 
 from lta_analysis.bag.blocks import cloud_fields, image_block
-from lta_analysis.bag.folder import bag_files, described_provenance, description
+from lta_analysis.bag.folder import bag_files, description, provenance_in
 from lta_analysis.report.scene import scene_of
 from lta_config.errors import BadInput
 import numpy as np
@@ -37,7 +37,7 @@ def test_metadata_that_cannot_be_used_leaves_the_recording(tmp_path, text):
     folder = write_flight(tmp_path / 'bag', until=0.0)
     (folder / 'metadata.yaml').write_bytes(text.encode(errors='surrogatepass'))
     assert description(folder) == {}
-    assert described_provenance(folder) == {}
+    assert provenance_in(description(folder)) == {}
     assert bag_files(folder) == [folder / 'bag_0.mcap']
 
 
@@ -53,7 +53,7 @@ def test_metadata_that_cannot_be_used_leaves_the_recording(tmp_path, text):
 def test_metadata_of_the_wrong_types_leaves_the_recording(tmp_path, told):
     folder = write_flight(tmp_path / 'bag', until=0.0)
     (folder / 'metadata.yaml').write_text(told)
-    assert described_provenance(folder) == {}
+    assert provenance_in(description(folder)) == {}
     assert bag_files(folder) == [folder / 'bag_0.mcap']
 
 

@@ -110,11 +110,6 @@ def absent_files(folder: Path, described: dict[str, object]) -> list[str]:
     ][:MOST_ABSENT]
 
 
-def described_provenance(folder: Path) -> dict[str, str]:
-    """Return the `custom_data` of metadata.yaml; empty where there is none."""
-    return provenance_in(description(folder))
-
-
 def provenance_in(described: dict[str, object]) -> dict[str, str]:
     """Return the `custom_data` of `rosbag2_bagfile_information`; empty where there is none."""
     found = described.get('custom_data')

@@ -14,7 +14,6 @@ from lta_config.errors import BadInput
 import numpy as np
 
 STRAY: Final = 0.01  # share of instants that noise may put outside a band of its own
-VERDICTS: Final = ('parted', 'apart at times', 'together', 'identical', 'unknown')
 
 
 @final

@@ -51,9 +51,6 @@ class Placement:
         return c * x - s * y, s * x + c * y
 
 
-NOWHERE: Final = Placement(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-
-
 def placement(
     a: Array, b: Array, heading_a: Array | None = None, heading_b: Array | None = None
 ) -> Placement | None:

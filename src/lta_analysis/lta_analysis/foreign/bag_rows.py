@@ -4,11 +4,20 @@ Topics of a bag as tables: one row a message, one column a number in it, named b
 `/tf#drone` is a table of its own: the transforms of one child frame among those of a topic.
 """
 
-from collections.abc import Callable, Collection, Container, Iterable, Mapping
+from collections.abc import (
+    Callable,
+    Collection,
+    Container,
+    Iterable,
+    Iterator,
+    Mapping,
+    Sequence,
+)
 from typing import Any, final, NamedTuple
 
 from lta_analysis.bag.columns import columns
 from lta_analysis.bag.stamps import stamp_of
+from lta_analysis.foreign.protocol import Reached
 from lta_analysis.foreign.shapes import Part, SHAPES
 from lta_analysis.foreign.table import Numbers, Table
 from lta_config.errors import BadInput
@@ -197,3 +206,20 @@ def fits_unchanged(entry: Entry, mapping: MappingFile, theirs: str, ours: str) -
     """Tell whether a topic's messages can be taken as they are, under our name."""
     told = entry.parts or entry.actuators or entry.where or entry.world or entry.body
     return theirs == ours and not told and mapping.world is None and mapping.body is None
+
+
+class BagTables:
+    """What a log of bags tells of its tables, which are made when it is opened."""
+
+    _tables: Mapping[str, Table]
+
+    @property
+    def columns(self) -> Mapping[str, Sequence[str]]:
+        """The columns of the tables that the mapping names."""
+        return {name: list(table.columns) for name, table in self._tables.items()}
+
+    def tables(
+        self, wanted: Mapping[str, Collection[str]], reached: Reached
+    ) -> Iterator[Mapping[str, Table]]:
+        """Yield the tables that the mapping names."""
+        yield {name: self._tables[name] for name in wanted}

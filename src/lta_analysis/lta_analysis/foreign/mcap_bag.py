@@ -1,16 +1,15 @@
 """rosbag2 recordings in MCAP, by our own reader: of a damaged one, what is whole."""
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import cast, final
 
 from lta_analysis.bag.folder import bag_files
 from lta_analysis.bag.reader import Bag, file_contents, read_bag
-from lta_analysis.foreign.bag_rows import Decode, tables_of, wanted_tables
+from lta_analysis.foreign.bag_rows import BagTables, Decode, tables_of, wanted_tables
 from lta_analysis.foreign.definitions import from_bag
 from lta_analysis.foreign.protocol import Passed, Raw, Reached
-from lta_analysis.foreign.table import Table
 from lta_bridge.bag.qos import Profile
 from lta_config.errors import BadInput
 from lta_config.import_file import Mapping as MappingFile
@@ -30,7 +29,7 @@ def opened(path: Path, mapping: MappingFile | None) -> 'McapLog':
 
 
 @final
-class McapLog:
+class McapLog(BagTables):
     """An opened recording; see `protocol.Log`."""
 
     timed: Sequence[str] = ()
@@ -44,17 +43,6 @@ class McapLog:
         self._tables = tables_of(wanted_tables(mapping), self.raw, self._each())
         if not any(topic.count for topic in self._bag.topics.values()):
             raise BadInput(f"'{path}' holds no message; nothing to import.")
-
-    @property
-    def columns(self) -> Mapping[str, Sequence[str]]:
-        """The columns of the tables that the mapping names."""
-        return {name: list(table.columns) for name, table in self._tables.items()}
-
-    def tables(
-        self, wanted: Mapping[str, Collection[str]], reached: Reached
-    ) -> Iterator[Mapping[str, Table]]:
-        """Yield the tables that the mapping names."""
-        yield {name: self._tables[name] for name in wanted}
 
     def messages(self, reached: Reached) -> Iterator[Passed]:
         """Yield all messages in the order of recording."""

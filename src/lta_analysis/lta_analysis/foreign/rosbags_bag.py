@@ -6,16 +6,15 @@ bytes are rewritten (no sequence number in the header); where ROS 2 has changed 
 field, new ones at zero; a type that ROS 2 does not have keeps the bag's own definition.
 """
 
-from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing
 from functools import partial
 from pathlib import Path
 from typing import Any, final
 
-from lta_analysis.foreign.bag_rows import Decode, tables_of, wanted_tables
+from lta_analysis.foreign.bag_rows import BagTables, Decode, tables_of, wanted_tables
 from lta_analysis.foreign.definitions import from_store
 from lta_analysis.foreign.protocol import Passed, Raw, Reached
-from lta_analysis.foreign.table import Table
 from lta_bridge.bag.schemas import jazzy
 from lta_config.errors import BadInput
 from lta_config.import_file import Mapping as MappingFile
@@ -37,7 +36,7 @@ def opened(path: Path, mapping: MappingFile | None) -> 'RosbagsLog':
 
 
 @final
-class RosbagsLog:
+class RosbagsLog(BagTables):
     """An opened recording; see `protocol.Log`."""
 
     timed: Sequence[str] = ()
@@ -53,17 +52,6 @@ class RosbagsLog:
             if next(first, None) is None:
                 raise BadInput(f"'{path}' holds no message; nothing to import.")
         self._tables = tables_of(wanted_tables(mapping), self.raw, self._each())
-
-    @property
-    def columns(self) -> Mapping[str, Sequence[str]]:
-        """The columns of the tables that the mapping names."""
-        return {name: list(table.columns) for name, table in self._tables.items()}
-
-    def tables(
-        self, wanted: Mapping[str, Collection[str]], reached: Reached
-    ) -> Iterator[Mapping[str, Table]]:
-        """Yield the tables that the mapping names."""
-        yield {name: self._tables[name] for name in wanted}
 
     def messages(self, reached: Reached) -> Iterator[Passed]:
         """Yield all messages by log time."""
