@@ -51,7 +51,7 @@ class Rows:
 
 
 @final
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Nominal:
     """
     A vehicle as what `Model.build` takes.

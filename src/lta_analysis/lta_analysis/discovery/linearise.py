@@ -1,0 +1,301 @@
+"""
+A flight about a set of parameters: what is left over, and how it answers to everything.
+
+Columns are the states at the beginning of each piece, knots of a latent force and moment, the
+pressure of each piece, and every knob. Per piece only the products of the whitened columns with
+each other are kept, so that all that follows is algebra on small matrices.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Final, final
+
+from lta_analysis.discovery.knobs import Knob
+from lta_analysis.discovery.measured import CHANNELS, Measured, PERIOD
+from lta_analysis.discovery.nominal import Nominal, Rows
+from lta_analysis.discovery.replay import Ready, Replay, STEPS
+from lta_analysis.discovery.sensing import Places, readings, Told, told
+from lta_analysis.discovery.tangent import (
+    carried,
+    middles,
+    moved,
+    NUDGE,
+    nudged,
+    spread_rates,
+    transitions,
+    turning_rows,
+    WIDTH,
+)
+from lta_analysis.discovery.turning import logarithm, product, reverse
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+KNOTS: Final = 9
+AXES: Final = 6
+RANDOM: Final = WIDTH + AXES * KNOTS + 1  # the last is the pressure of the piece
+PRESSURE: Final = 'pressure.offset'  # of a flight; no effect has it
+CHUNK: Final = 16  # pieces at a time, which bounds the memory
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Point:
+    """
+    Where a model is linearised.
+
+    Attributes
+    ----------
+    nominal : Nominal
+        The vehicle, with all knobs where they stand.
+    values : ndarray, shape (G,)
+        How far each knob has been turned from the vehicle file; the last is the pressure offset.
+    random : ndarray, shape (S, RANDOM)
+        State offsets, knots and pressure of each piece.
+
+    """
+
+    nominal: Nominal
+    values: Array
+    random: Array
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Linear:
+    """
+    A flight about a point.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of the knobs, and PRESSURE.
+    grams : ndarray, shape (S, N, N)
+        Products of whitened columns: RANDOM, then the names, then the residual.
+    rows : ndarray of int, shape (S,)
+        Readings that count.
+    point : Point
+        The point.
+    residual : ndarray, shape (S, n, 14)
+        Measured less predicted, in units of the noise; NaN where nothing was measured.
+
+    """
+
+    names: tuple[str, ...]
+    grams: Array
+    rows: NDArray[np.int64]
+    point: Point
+    residual: Array
+
+
+def origin(nominal: Nominal, knobs: Sequence[Knob], pieces: int) -> Point:
+    """Return the point at which nothing has been turned."""
+    return Point(nominal, np.zeros(len(knobs) + 1), np.zeros((pieces, RANDOM)))
+
+
+def hats(span: int) -> Array:
+    """Return the share of each knot in the middle of each step, shape (span, KNOTS)."""
+    at = (np.arange(span) + 0.5) * (KNOTS - 1) / span
+    return np.maximum(0.0, 1.0 - np.abs(at[:, None] - np.arange(KNOTS)))
+
+
+@final
+class Linearised:
+    """
+    Makes the columns of one flight.
+
+    Parameters
+    ----------
+    replay : Replay
+        The flight.
+    knobs : sequence of Knob
+        What can be turned.
+    places : Places
+        Of the sensors.
+
+    """
+
+    def __init__(self, replay: Replay, knobs: Sequence[Knob], places: Places) -> None:
+        self.replay, self.knobs, self.places = replay, list(knobs), places
+        flight, cut = replay.flight, replay.cut
+        steps = cut.first[:, None] + np.arange(cut.length)
+        self._index = np.minimum(steps, len(flight.time) - 1)
+        self._time = flight.time[0] + PERIOD * steps
+        self._hats = hats(replay.span)
+        self._rows = lru_cache(maxsize=2)(self._turned)
+
+    def _turned(self, nominal: Nominal) -> list[tuple[Rows, Rows]]:
+        """Return for each knob the rows before and after its step."""
+        base = nominal.rows()
+        out = []
+        for knob in self.knobs:
+            ready = knob.ready(nominal)
+            out.append(
+                (base if ready is nominal else ready.rows(), knob.turned(nominal, knob.step).rows())
+            )
+        return out
+
+    def trajectory(self, point: Point, which: slice = slice(None)) -> Array:
+        """Return the states at each step, shape (S, span + 1, 13)."""
+        rows = point.nominal.rows()
+        return self._fly(rows, self.replay.ready(rows), point, which)
+
+    def _fly(self, rows: Rows, ready: Ready, point: Point, which: slice) -> Array:
+        """Return the states at each step of some pieces."""
+        start = moved(self.replay.cut.start[which], point.random[which, :WIDTH])
+        return self.replay.fly(rows, ready, start, self._latent(point, which), which)
+
+    def _latent(self, point: Point, which: slice) -> Array:
+        """Return the latent force and moment in each step."""
+        knots = point.random[which, WIDTH : WIDTH + AXES * KNOTS].reshape(-1, AXES, KNOTS)
+        return np.ascontiguousarray(np.einsum('saj,kj->ska', knots, self._hats))
+
+    def at(self, point: Point) -> Linear:
+        """Return the flight about a point; `BadInput` if no such vehicle can be."""
+        rows = point.nominal.rows()
+        ready = self.replay.ready(rows)
+        pieces = len(self.replay.first)
+        size = RANDOM + len(self.knobs) + 2
+        grams = np.empty((pieces, size, size))
+        counts = np.empty(pieces, dtype=np.int64)
+        residual = np.empty((pieces, self.replay.cut.length, len(CHANNELS)))
+        turned = self._rows(point.nominal)
+        thrown = [self._ready(knob, pair, rows, ready) for knob, pair in zip(self.knobs, turned, strict=True)]
+        for begin in range(0, pieces, CHUNK):
+            which = slice(begin, begin + CHUNK)
+            columns, left = self._columns(point, rows, ready, turned, thrown, which)
+            table = np.concatenate([columns, left[..., None]], axis=-1)
+            known = np.isfinite(left)
+            table[~known] = 0.0
+            flat = table.reshape(len(table), -1, size)
+            grams[which] = np.swapaxes(flat, 1, 2) @ flat
+            counts[which] = known.sum(axis=(1, 2))
+            residual[which] = left
+        names = (*(knob.name for knob in self.knobs), PRESSURE)
+        return Linear(names, grams, counts, point, residual)
+
+    def _ready(
+        self, knob: Knob, pair: tuple[Rows, Rows], rows: Rows, ready: Ready
+    ) -> tuple[Ready, Ready]:
+        """Return what the body meets before and after a knob's step."""
+        before, after = pair
+        same = before is rows or not knob.companions
+        reach = knob.reaches
+        first = ready if same else self.replay.ready(before)
+        if reach in ('chain', 'delay'):
+            return first, self.replay.ready(after)
+        if reach == 'memory':
+            return first, self.replay.ready(after, ready)
+        return first, ready
+
+    def _columns(
+        self, point: Point, rows: Rows, ready: Ready, turned: list[tuple[Rows, Rows]],
+        thrown: list[tuple[Ready, Ready]], which: slice,
+    ) -> tuple[Array, Array]:  # fmt: skip
+        """Return whitened columns and what is left over, shape (S, n, 14, N) and (S, n, 14)."""
+        states = self._fly(rows, ready, point, which)
+        grid = states[:, ::STEPS]
+        time = self._time[which]
+        base = told(grid, time, rows.acting, self.places)
+        left = self._left(base, point, which)
+        change = self._changes(point, rows, ready, states, turned, thrown, which)
+        columns = self._sensed(change, grid, time, rows, base)
+        for k, (before, after) in enumerate(turned):
+            if self.knobs[k].reaches == 'reading':
+                columns[..., RANDOM + k] += self._read(grid, time, before, after) / self.knobs[k].step
+        columns[..., 13, [RANDOM - 1, RANDOM + len(self.knobs)]] = 1.0
+        columns /= self.replay.flight.noise[:, None]
+        return columns, left / self.replay.flight.noise
+
+    def _left(self, base: Told, point: Point, which: slice) -> Array:
+        """Return measured less predicted."""
+        flight, index = self.replay.flight, self._index[which]
+        turn = logarithm(product(reverse(base.quaternion), flight.quaternion[index]))
+        readings_left = flight.readings[index] - base.readings
+        readings_left[..., 7] -= point.values[-1] + point.random[which, -1:]
+        left = np.concatenate(
+            [flight.position[index] - base.position, turn, readings_left], axis=-1
+        )
+        left[~self.replay.cut.inside[which]] = np.nan
+        left[..., ~np.isfinite(flight.noise)] = np.nan
+        left[~np.isfinite(left)] = np.nan
+        return left
+
+    def _changes(
+        self, point: Point, rows: Rows, ready: Ready, states: Array,
+        turned: list[tuple[Rows, Rows]], thrown: list[tuple[Ready, Ready]], which: slice,
+    ) -> Array:  # fmt: skip
+        """Return how the states at the grid answer, shape (S, n + 1, 12, RANDOM + G)."""
+        middle, latent = middles(states), self._latent(point, which)
+        replay = self.replay
+
+        def slopes(r: Rows, met: Ready, at: Array, force: Array) -> Array:
+            return replay.slopes(r, met, at, force, which)
+
+        base = slopes(rows, ready, middle, latent)
+        jacobian = np.empty((*base.shape[:2], WIDTH, WIDTH))
+        for k in range(WIDTH):
+            there = slopes(rows, ready, nudged(middle, k), latent)
+            jacobian[..., k] = spread_rates((there - base) / NUDGE[k])
+        turning_rows(jacobian, middle[..., 10:13])
+        inputs = np.zeros((*base.shape[:2], 6, RANDOM + len(self.knobs) + 1))
+        for axis in range(AXES):
+            push = latent.copy()
+            push[..., axis] += 1.0
+            answer = (slopes(rows, ready, middle, push) - base)[..., 3:]
+            first = WIDTH + axis * KNOTS
+            inputs[..., first : first + KNOTS] = answer[..., None] * self._hats[:, None, :]
+        for k, knob in enumerate(self.knobs):
+            if knob.reaches == 'reading':
+                continue
+            (before, after), (met, meets) = turned[k], thrown[k]
+            own = base if met is ready else slopes(before, met, middle, latent)
+            there = slopes(after, meets, middle, latent)
+            inputs[..., RANDOM + k] = ((there - own) / knob.step)[..., 3:]
+        begin = np.zeros((WIDTH, inputs.shape[-1]))
+        begin[:, :WIDTH] = np.eye(WIDTH)
+        a, b = transitions(jacobian, replay.dt)
+        return carried(a, b, begin, inputs, STEPS)
+
+    def _sensed(self, change: Array, grid: Array, time: Array, rows: Rows, base: Told) -> Array:
+        """Return how what is said answers, shape (S, n, 14, C)."""
+        begin, end = grid[:, :-1], grid[:, 1:]
+        first, last = (np.empty((*begin.shape[:2], 8, WIDTH)) for _ in range(2))
+        for k in range(WIDTH):
+            for out, pair in ((first, (nudged(begin, k), end)), (last, (begin, nudged(end, k)))):
+                there = readings(*pair, time, rows.acting, self.places)
+                out[..., k] = (there - base.readings) / NUDGE[k]
+        position = change[:, :-1, :3]
+        if rows.acting['pose']:
+            position = _frame(rows) @ position
+        rest = first @ change[:, :-1] + last @ change[:, 1:]
+        return np.concatenate([position, change[:, :-1, 3:6], rest], axis=2)
+
+    def _read(self, grid: Array, time: Array, before: Rows, after: Rows) -> Array:
+        """Return the difference of what is said under other measurement effects."""
+        a = told(grid, time, before.acting, self.places)
+        b = told(grid, time, after.acting, self.places)
+        turn = logarithm(product(reverse(a.quaternion), b.quaternion))
+        return np.concatenate([b.position - a.position, turn, b.readings - a.readings], axis=-1)
+
+
+def _frame(rows: Rows) -> Array:
+    """Return the rotation into the tracker's frame."""
+    from lta_sim.measurement import read
+
+    axes = [read(rows.acting['pose'], (*axis, 0.0, 0.0, 0.0, 1.0), 0.0)[:3] for axis in np.eye(3)]
+    return np.array(axes).T
+
+
+def floor_pressure(flight: Measured, places: Places) -> float:
+    """Return the pressure at the floor that fits a flight on the whole; 101325 Pa without. [Pa]"""
+    from lta_sim.sensors.pressure import air_pressure
+
+    ratio = [
+        reading / air_pressure(1.0, height + places.imu[2])
+        for reading, height in zip(flight.readings[:, 7], flight.position[:, 2], strict=True)
+        if np.isfinite(reading) and np.isfinite(height)
+    ]
+    return float(np.median(ratio)) if ratio else 101325.0
