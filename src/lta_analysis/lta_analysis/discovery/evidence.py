@@ -37,19 +37,27 @@ def knot_precision(length: float = LENGTH) -> Array:
     return np.linalg.inv(np.exp(-np.abs(at[:, None] - at) / MEMORY))
 
 
+@final
 class Prior(NamedTuple):
     """
     What is known beforehand of knobs, by their names and then the pressure of the flight.
 
     Attributes
     ----------
-    mean, deviation : ndarray, shape (G,)
-        Of how far each is turned from the vehicle file; a deviation of 0 holds it.
+    mean : ndarray, shape (G,)
+        How far each is turned from the vehicle file.
+    covariance : ndarray, shape (G, G)
+        Rows and columns of 0 hold a knob.
 
     """
 
     mean: Array
-    deviation: Array
+    covariance: Array
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """Which knobs can move."""
+        return np.diag(self.covariance) > 0.0
 
 
 def tolerances(knobs: Sequence[Knob], named: Sequence[str] = ()) -> Prior:
@@ -57,8 +65,35 @@ def tolerances(knobs: Sequence[Knob], named: Sequence[str] = ()) -> Prior:
     variance = [
         knob.tolerance**2 + (knob.typical**2 if knob.name in named else 0.0) for knob in knobs
     ]
-    deviation = np.sqrt([*variance, FLIGHT_PRESSURE**2])
-    return Prior(np.zeros(len(deviation)), deviation)
+    covariance = np.diag([*variance, FLIGHT_PRESSURE**2])
+    return Prior(np.zeros(len(covariance)), covariance)
+
+
+def learned(
+    before: 'Fitted', knobs: Sequence[Knob], named: Sequence[str] = (), widened: float = 1.5
+) -> Prior:
+    """
+    Return what one flight says about the next: its posterior, a little wider.
+
+    What belongs to a flight alone (biases, its lift, its pressure) is as unknown as before.
+
+    Parameters
+    ----------
+    before : Fitted
+        The knobs after the other flight.
+    knobs, named
+        As for `tolerances`.
+    widened : float
+        Factor on the covariance.
+
+    """
+    own = np.array([*(knob.per_flight and knob.name not in named for knob in knobs), True])
+    fresh = tolerances(knobs)
+    covariance = widened * before.covariance
+    covariance[own] = 0.0
+    covariance[:, own] = 0.0
+    covariance[own, own] = np.diag(fresh.covariance)[own]
+    return Prior(np.where(own, 0.0, before.mean), covariance)
 
 
 @final
@@ -196,8 +231,9 @@ def fitted(reduced: Reduced, at: Array, prior: Prior) -> Fitted:
         What is known of them; those that it holds stay where the point has them.
 
     """
-    free = prior.deviation > 0.0
-    precision = np.diag(prior.deviation[free] ** -2.0)
+    free = prior.free
+    wide = prior.covariance[np.ix_(free, free)]
+    precision = np.linalg.inv(wide)
     mean = (prior.mean - at)[free]
     index = np.append(np.flatnonzero(free), len(free))
     products = reduced.products[index[:, None], index]
@@ -206,7 +242,7 @@ def fitted(reduced: Reduced, at: Array, prior: Prior) -> Fitted:
     root = np.linalg.cholesky(inner)
     half = np.linalg.solve(root, right)
     square = products[-1, -1] + mean @ precision @ mean - half @ half
-    logs = -np.log(prior.deviation[free]).sum() - np.log(np.diag(root)).sum()
+    logs = -0.5 * np.linalg.slogdet(wide)[1] - np.log(np.diag(root)).sum()
     value = reduced.constant + logs - 0.5 * square
     after, covariance = at.copy(), np.zeros((len(free), len(free)))
     after[free] += np.linalg.solve(root.T, half)

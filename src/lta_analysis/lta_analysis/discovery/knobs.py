@@ -174,7 +174,7 @@ STEP: Final = 1e-3  # of what is a part of 1
 FINE: Final = 0.005  # of the typical size, else
 # Where a finite difference that small would see too few of the jumps that it is about.
 STEPS: Final[dict[str, float]] = {
-    'motor_deadband.threshold': 0.004,
+    'motor_deadband.threshold': 0.03,
     'command_delay.delay': 1e-3,
     'motor_lag': 2e-3,
 }

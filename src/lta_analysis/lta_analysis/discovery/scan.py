@@ -56,14 +56,14 @@ def scan(reduced: Reduced, at: Array, prior: Prior, knobs: Sequence[Knob]) -> li
     at : ndarray, shape (G,)
         Where the knobs stand there.
     prior : Prior
-        Of the nuisances and of what is in the model already.
+        Of the nuisances and of what is in the model already, each by itself (`tolerances`).
     knobs : sequence of Knob
         In the order of `at`, without the pressure.
 
     """
-    free = prior.deviation > 0.0
+    free, deviation = prior.free, np.sqrt(np.diag(prior.covariance))
     size, products = len(at), reduced.products
-    precision = np.where(free, np.where(free, prior.deviation, 1.0) ** -2.0, 0.0)
+    precision = np.where(free, np.where(free, deviation, 1.0) ** -2.0, 0.0)
     # Columns that are held have no share: put out of the way, not left out.
     inner = np.where(np.outer(free, free), products[:size, :size], 0.0)
     inner[np.diag_indices(size)] += np.where(free, precision, 1.0)
@@ -84,7 +84,7 @@ def scan(reduced: Reduced, at: Array, prior: Prior, knobs: Sequence[Knob]) -> li
         pull = products[k, -1] - others @ own @ force
         if information * knob.typical**2 < 1e-6:
             continue  # this flight says nothing of it
-        had = prior.deviation[k] ** 2
+        had = prior.covariance[k, k]
         whole = had + knob.typical**2
         moved = (prior.mean - at)[k]
         pull -= information * moved
