@@ -5,6 +5,7 @@ from typing import Final, final, NamedTuple
 GAIN: Final = 11.0  # nats; of the one flight and the better witness of the other together
 LARGER: Final = 5.0  # nats; of the better of the two
 APART: Final = 5.0  # deviations; by which the two values may differ
+PART: Final = 0.1  # of the value; by which they may differ however well each is known
 TIE: Final = 3.0  # nats; nearer than that, names cannot be told apart
 
 
@@ -25,6 +26,8 @@ class Trial(NamedTuple):
         What the first flight's posterior with it wins on the other, against that without it.
     apart : float
         Difference of the two values, in deviations.
+    part : float
+        The same, as a part of the larger one.
 
     """
 
@@ -33,6 +36,7 @@ class Trial(NamedTuple):
     replicated: float
     held_out: float
     apart: float
+    part: float
 
     @property
     def total(self) -> float:
@@ -51,4 +55,5 @@ class Trial(NamedTuple):
         strong = self.gain + witness > GAIN and max(self.gain, witness) > LARGER
         holds = self.held_out > 1.5 and self.replicated > -3.0
         again = self.replicated > 6.0 and self.held_out > -12.0
-        return strong and self.apart < APART and (holds or again)
+        agree = self.apart < APART or self.part < PART
+        return strong and agree and (holds or again)

@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 # Of a state from a cubic through half a second of poses: m, rad, m/s, rad/s.
 STATE: Final = np.array([0.02] * 3 + [0.035] * 3 + [0.08] * 3 + [0.08] * 3)
 PIECE_PRESSURE: Final = 0.6  # Pa; 5 cm of air
-FLIGHT_PRESSURE: Final = 2.4  # Pa; 20 cm of air
+OWN: Final = np.array([2.4, 0.006, 0.006, 0.006])  # of SENSORS: 20 cm of air; parts of 1
 MEMORY: Final = 1.5  # s; over which a latent force forgets itself
 # Least standard deviation of the latent force [N] and moment [N m] worth speaking of.
 FLOOR: Final = np.array([4e-4, 4e-4, 4e-4, 8e-5, 8e-5, 4e-5])
@@ -40,7 +40,7 @@ def knot_precision(length: float = LENGTH) -> Array:
 @final
 class Prior(NamedTuple):
     """
-    What is known beforehand of knobs, by their names and then the pressure of the flight.
+    What is known beforehand of knobs, and then of the errors of the sensors (SENSORS).
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ def tolerances(knobs: Sequence[Knob], named: Sequence[str] = ()) -> Prior:
     variance = [
         knob.tolerance**2 + (knob.typical**2 if knob.name in named else 0.0) for knob in knobs
     ]
-    covariance = np.diag([*variance, FLIGHT_PRESSURE**2])
+    covariance = np.diag([*variance, *OWN**2])
     return Prior(np.zeros(len(covariance)), covariance)
 
 
@@ -87,9 +87,13 @@ def learned(
         Factor on the covariance.
 
     """
-    own = np.array([*(knob.per_flight and knob.name not in named for knob in knobs), True])
+    trims = [knob.per_flight and knob.name not in named for knob in knobs]
+    own = np.array([*trims, *[True] * len(OWN)])
     fresh = tolerances(knobs)
     covariance = widened * before.covariance
+    for k, knob in enumerate(knobs):
+        if knob.per_flight and knob.name in named:
+            covariance[k, k] += 2.0 * knob.tolerance**2  # that flight's own error, and this one's
     covariance[own] = 0.0
     covariance[:, own] = 0.0
     covariance[own, own] = np.diag(fresh.covariance)[own]

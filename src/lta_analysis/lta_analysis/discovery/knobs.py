@@ -38,7 +38,9 @@ class Knob:
         How much each parameter changes by a unit of the knob. The effect 'vehicle' has `mass`,
         and `roll`, `pitch`, `yaw` of the inertia, as parts of 1.
     step : float
-        Of the finite difference.
+        Of the finite difference where the knob stands at 0.
+    fine : float
+        The same, anywhere else.
     tolerance : float
         Standard deviation of the nominal model's own error; 0 where there is none.
     typical : float
@@ -57,6 +59,7 @@ class Knob:
     unit: str
     moves: Mapping[Target, float]
     step: float
+    fine: float
     tolerance: float = 0.0
     typical: float = 0.0
     low: float = -math.inf
@@ -82,6 +85,11 @@ class Knob:
             if effect in absent:
                 nominal = nominal.with_value(effect, parameter, companion)
         return nominal
+
+    def step_at(self, value: float) -> float:
+        """Return the step of the finite difference, with the knob at a value."""
+        step = self.step if value == 0.0 else self.fine
+        return -step if value + step > self.high else step
 
     @property
     def reaches(self) -> Reach:
@@ -178,13 +186,13 @@ STEPS: Final[dict[str, float]] = {
     'command_delay.delay': 1e-3,
     'motor_lag': 2e-3,
 }
+FINER: Final[dict[str, float]] = {**STEPS, 'motor_deadband.threshold': 0.004}
 
 
-def _step(name: str, known: Parameter, low: float, high: float) -> float:
-    """Return a small step into the side on which there is room."""
+def _fine(name: str, known: Parameter) -> float:
+    """Return a small step."""
     usual = STEP if known.unit == '1' and known.null == 1.0 else FINE * known.spread
-    step = STEPS.get(name, usual)
-    return -step if high < step and low <= -step else step
+    return FINER.get(name, usual)
 
 
 def _of_effect(nominal: Nominal, effect: str) -> Iterator[Knob]:
@@ -206,7 +214,8 @@ def _of_effect(nominal: Nominal, effect: str) -> Iterator[Knob]:
             name,
             known.unit,
             moves,
-            _step(name, known, low, high),
+            STEPS.get(name, _fine(name, known)),
+            _fine(name, known),
             TOLERANCES.get(name, TRIMS.get(name, PARTS.get(effect, 0.0) * abs(now))),
             known.spread,
             low,
@@ -220,12 +229,12 @@ def _of_vehicle(nominal: Nominal) -> Iterator[Knob]:
     """Yield the tolerances that are no parameter of an effect."""
     for part in ('mass', 'roll', 'pitch', 'yaw'):
         name = f'vehicle.{part}'
-        yield Knob(name, '1', {('vehicle', part): 1.0}, STEP, TOLERANCES[name])
+        yield Knob(name, '1', {('vehicle', part): 1.0}, STEP, STEP, TOLERANCES[name])
     for i in range(1, min(len(nominal.rotors), ACTUATORS) + 1):
         curve = {
             ('thrust_curve', f'{c}_{i}'): nominal.value('thrust_curve', f'{c}_{i}') for c in 'ab'
         }
-        yield Knob(f'rotor_{i}.thrust', '1', curve, STEP, ROTOR)
+        yield Knob(f'rotor_{i}.thrust', '1', curve, STEP, STEP, ROTOR)
 
 
 def knobs(nominal: Nominal) -> list[Knob]:
@@ -254,7 +263,7 @@ def knobs(nominal: Nominal) -> list[Knob]:
 def _possible(nominal: Nominal, knob: Knob) -> bool:
     """Tell whether a model can be built with a knob turned by its step."""
     try:
-        knob.turned(nominal, knob.step).model()
+        knob.turned(nominal, knob.step_at(0.0)).model()
     except BadInput:
         return False
     return True

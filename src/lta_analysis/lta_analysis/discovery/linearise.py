@@ -8,8 +8,7 @@ each other are kept, so that all that follows is algebra on small matrices.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import Final, final
+from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.knobs import Knob
 from lta_analysis.discovery.measured import CHANNELS, Measured, PERIOD
@@ -36,7 +35,8 @@ Array = NDArray[np.float64]
 KNOTS: Final = 9
 AXES: Final = 6
 RANDOM: Final = WIDTH + AXES * KNOTS + 1  # the last is the pressure of the piece
-PRESSURE: Final = 'pressure.offset'  # of a flight; no effect has it
+# Errors of a flight's sensors that no effect has: the pressure, and the scale of each force.
+SENSORS: Final = ('pressure.offset', 'force.scale_x', 'force.scale_y', 'force.scale_z')
 CHUNK: Final = 16  # pieces at a time, which bounds the memory
 
 
@@ -51,7 +51,7 @@ class Point:
     nominal : Nominal
         The vehicle, with all knobs where they stand.
     values : ndarray, shape (G,)
-        How far each knob has been turned from the vehicle file; the last is the pressure offset.
+        How far each knob has been turned from the vehicle file; the last are those of SENSORS.
     random : ndarray, shape (S, RANDOM)
         State offsets, knots and pressure of each piece.
 
@@ -71,7 +71,7 @@ class Linear:
     Attributes
     ----------
     names : tuple of str
-        Of the knobs, and PRESSURE.
+        Of the knobs, and SENSORS.
     grams : ndarray, shape (S, N, N)
         Products of whitened columns: RANDOM, then the names, then the residual.
     rows : ndarray of int, shape (S,)
@@ -92,13 +92,21 @@ class Linear:
 
 def origin(nominal: Nominal, knobs: Sequence[Knob], pieces: int) -> Point:
     """Return the point at which nothing has been turned."""
-    return Point(nominal, np.zeros(len(knobs) + 1), np.zeros((pieces, RANDOM)))
+    return Point(nominal, np.zeros(len(knobs) + len(SENSORS)), np.zeros((pieces, RANDOM)))
 
 
 def hats(span: int) -> Array:
     """Return the share of each knot in the middle of each step, shape (span, KNOTS)."""
     at = (np.arange(span) + 0.5) * (KNOTS - 1) / span
     return np.maximum(0.0, 1.0 - np.abs(at[:, None] - np.arange(KNOTS)))
+
+
+class Turn(NamedTuple):
+    """The rows before and after a knob's step, and the step."""
+
+    before: Rows
+    after: Rows
+    step: float
 
 
 @final
@@ -124,17 +132,14 @@ class Linearised:
         self._index = np.minimum(steps, len(flight.time) - 1)
         self._time = flight.time[0] + PERIOD * steps
         self._hats = hats(replay.span)
-        self._rows = lru_cache(maxsize=2)(self._turned)
 
-    def _turned(self, nominal: Nominal) -> list[tuple[Rows, Rows]]:
+    def _turned(self, point: Point, base: Rows) -> list[Turn]:
         """Return for each knob the rows before and after its step."""
-        base = nominal.rows()
         out = []
-        for knob in self.knobs:
-            ready = knob.ready(nominal)
-            out.append(
-                (base if ready is nominal else ready.rows(), knob.turned(nominal, knob.step).rows())
-            )
+        for knob, value in zip(self.knobs, point.values, strict=False):
+            ready, step = knob.ready(point.nominal), knob.step_at(value)
+            before = base if ready is point.nominal else ready.rows()
+            out.append(Turn(before, knob.turned(point.nominal, step).rows(), step))
         return out
 
     def trajectory(self, point: Point, which: slice = slice(None)) -> Array:
@@ -157,12 +162,12 @@ class Linearised:
         rows = point.nominal.rows()
         ready = self.replay.ready(rows)
         pieces = len(self.replay.first)
-        size = RANDOM + len(self.knobs) + 2
+        size = RANDOM + len(self.knobs) + len(SENSORS) + 1
         grams = np.empty((pieces, size, size))
         counts = np.empty(pieces, dtype=np.int64)
         residual = np.empty((pieces, self.replay.cut.length, len(CHANNELS)))
-        turned = self._rows(point.nominal)
-        thrown = [self._ready(knob, pair, rows, ready) for knob, pair in zip(self.knobs, turned, strict=True)]
+        turned = self._turned(point, rows)
+        thrown = [self._ready(knob, turn, rows, ready) for knob, turn in zip(self.knobs, turned, strict=True)]
         for begin in range(0, pieces, CHUNK):
             which = slice(begin, begin + CHUNK)
             columns, left = self._columns(point, rows, ready, turned, thrown, which)
@@ -173,15 +178,15 @@ class Linearised:
             grams[which] = np.swapaxes(flat, 1, 2) @ flat
             counts[which] = known.sum(axis=(1, 2))
             residual[which] = left
-        names = (*(knob.name for knob in self.knobs), PRESSURE)
+        names = (*(knob.name for knob in self.knobs), *SENSORS)
         return Linear(names, grams, counts, point, residual)
 
     def _ready(
-        self, knob: Knob, pair: tuple[Rows, Rows], rows: Rows, ready: Ready
+        self, knob: Knob, turn: Turn, rows: Rows, ready: Ready
     ) -> tuple[Ready, Ready]:
         """Return what the body meets before and after a knob's step."""
-        before, after = pair
-        same = before is rows or not knob.companions
+        before, after, _ = turn
+        same = before is rows
         reach = knob.reaches
         first = ready if same else self.replay.ready(before)
         if reach in ('chain', 'delay'):
@@ -191,7 +196,7 @@ class Linearised:
         return first, ready
 
     def _columns(
-        self, point: Point, rows: Rows, ready: Ready, turned: list[tuple[Rows, Rows]],
+        self, point: Point, rows: Rows, ready: Ready, turned: list[Turn],
         thrown: list[tuple[Ready, Ready]], which: slice,
     ) -> tuple[Array, Array]:  # fmt: skip
         """Return whitened columns and what is left over, shape (S, n, 14, N) and (S, n, 14)."""
@@ -202,10 +207,13 @@ class Linearised:
         left = self._left(base, point, which)
         change = self._changes(point, rows, ready, states, turned, thrown, which)
         columns = self._sensed(change, grid, time, rows, base)
-        for k, (before, after) in enumerate(turned):
+        for k, (before, after, step) in enumerate(turned):
             if self.knobs[k].reaches == 'reading':
-                columns[..., RANDOM + k] += self._read(grid, time, before, after) / self.knobs[k].step
-        columns[..., 13, [RANDOM - 1, RANDOM + len(self.knobs)]] = 1.0
+                columns[..., RANDOM + k] += self._read(grid, time, before, after) / step
+        own = RANDOM + len(self.knobs)
+        columns[..., 13, [RANDOM - 1, own]] = 1.0
+        for axis in range(3):
+            columns[..., 9 + axis, own + 1 + axis] = base.readings[..., 3 + axis]
         columns /= self.replay.flight.noise[:, None]
         return columns, left / self.replay.flight.noise
 
@@ -214,7 +222,9 @@ class Linearised:
         flight, index = self.replay.flight, self._index[which]
         turn = logarithm(product(reverse(base.quaternion), flight.quaternion[index]))
         readings_left = flight.readings[index] - base.readings
-        readings_left[..., 7] -= point.values[-1] + point.random[which, -1:]
+        offset, *scales = point.values[-len(SENSORS) :]
+        readings_left[..., 7] -= offset + point.random[which, -1:]
+        readings_left[..., 3:6] -= np.array(scales) * base.readings[..., 3:6]
         left = np.concatenate(
             [flight.position[index] - base.position, turn, readings_left], axis=-1
         )
@@ -225,7 +235,7 @@ class Linearised:
 
     def _changes(
         self, point: Point, rows: Rows, ready: Ready, states: Array,
-        turned: list[tuple[Rows, Rows]], thrown: list[tuple[Ready, Ready]], which: slice,
+        turned: list[Turn], thrown: list[tuple[Ready, Ready]], which: slice,
     ) -> Array:  # fmt: skip
         """Return how the states at the grid answer, shape (S, n + 1, 12, RANDOM + G)."""
         middle, latent = middles(states), self._latent(point, which)
@@ -240,7 +250,7 @@ class Linearised:
             there = slopes(rows, ready, nudged(middle, k), latent)
             jacobian[..., k] = spread_rates((there - base) / NUDGE[k])
         turning_rows(jacobian, middle[..., 10:13])
-        inputs = np.zeros((*base.shape[:2], 6, RANDOM + len(self.knobs) + 1))
+        inputs = np.zeros((*base.shape[:2], 6, RANDOM + len(self.knobs) + len(SENSORS)))
         for axis in range(AXES):
             push = latent.copy()
             push[..., axis] += 1.0
@@ -250,10 +260,10 @@ class Linearised:
         for k, knob in enumerate(self.knobs):
             if knob.reaches == 'reading':
                 continue
-            (before, after), (met, meets) = turned[k], thrown[k]
+            (before, after, step), (met, meets) = turned[k], thrown[k]
             own = base if met is ready else slopes(before, met, middle, latent)
             there = slopes(after, meets, middle, latent)
-            inputs[..., RANDOM + k] = ((there - own) / knob.step)[..., 3:]
+            inputs[..., RANDOM + k] = ((there - own) / step)[..., 3:]
         begin = np.zeros((WIDTH, inputs.shape[-1]))
         begin[:, :WIDTH] = np.eye(WIDTH)
         a, b = transitions(jacobian, replay.dt)

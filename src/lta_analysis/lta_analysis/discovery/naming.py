@@ -147,11 +147,11 @@ class Naming:
             tried[name] = self._trial(name, named, fits, then), then
         ranked = sorted(tried, key=lambda name: -tried[name][0].total)
         trials = tuple(tried[name][0] for name in ranked)
-        for trial in trials:
+        # A lesser candidate is not confirmed by the failure of a better one.
+        close = [trial for trial in trials if trials[0].total - trial.total < TIE]
+        for trial in close:
             if trial.accepted:
-                tied = tuple(
-                    t.name for t in trials if t is not trial and trial.total - t.total < TIE
-                )
+                tied = tuple(other.name for other in close if other is not trial)
                 return Step(trials, tied, trial.name), tried[trial.name][1]
         return Step(trials, (), ''), fits
 
@@ -160,15 +160,18 @@ class Naming:
     ) -> Trial:
         """Return what both flights say of a candidate."""
         k = self._names.index(name)
-        values = [this.fitted.mean[k] for this in then]
-        spread = sum(this.fitted.covariance[k, k] for this in then)
+        knob, values = self.knobs[k], [float(this.fitted.mean[k]) for this in then]
+        spread = sum(float(this.fitted.covariance[k, k]) for this in then)
+        spread += 2.0 * knob.tolerance**2 if knob.per_flight else 0.0
+        differ, larger = abs(values[0] - values[1]), max(map(abs, values))
         held_out = self._carried((*named, name), then) - self._carried(named, fits)
         return Trial(
             name,
             then[0].evidence - fits[0].evidence,
             then[1].evidence - fits[1].evidence,
             held_out,
-            float(abs(values[0] - values[1]) / np.sqrt(spread)),
+            float(differ / np.sqrt(spread)),
+            differ / larger if larger > 0.0 else 0.0,
         )
 
     def _carried(self, named: tuple[str, ...], fits: tuple[Fit, Fit]) -> float:

@@ -58,7 +58,7 @@ def scan(reduced: Reduced, at: Array, prior: Prior, knobs: Sequence[Knob]) -> li
     prior : Prior
         Of the nuisances and of what is in the model already, each by itself (`tolerances`).
     knobs : sequence of Knob
-        In the order of `at`, without the pressure.
+        In the order of `at`, which goes on with the errors of the sensors.
 
     """
     free, deviation = prior.free, np.sqrt(np.diag(prior.covariance))
