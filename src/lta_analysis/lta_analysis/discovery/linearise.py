@@ -123,14 +123,19 @@ class Linearised:
     places : Places
         Of the sensors.
 
+    Attributes
+    ----------
+    index, time : ndarray, shape (S, n)
+        Of each piece, the points of the grid and their times. [s]
+
     """
 
     def __init__(self, replay: Replay, knobs: Sequence[Knob], places: Places) -> None:
         self.replay, self.knobs, self.places = replay, list(knobs), places
         flight, cut = replay.flight, replay.cut
         steps = cut.first[:, None] + np.arange(cut.length)
-        self._index = np.minimum(steps, len(flight.time) - 1)
-        self._time = flight.time[0] + PERIOD * steps
+        self.index = np.minimum(steps, len(flight.time) - 1)
+        self.time = flight.time[0] + PERIOD * steps
         self._hats = hats(replay.span)
 
     def _turned(self, point: Point, base: Rows) -> list[Turn]:
@@ -202,7 +207,7 @@ class Linearised:
         """Return whitened columns and what is left over, shape (S, n, 14, N) and (S, n, 14)."""
         states = self._fly(rows, ready, point, which)
         grid = states[:, ::STEPS]
-        time = self._time[which]
+        time = self.time[which]
         base = told(grid, time, rows.acting, self.places)
         left = self._left(base, point, which)
         change = self._changes(point, rows, ready, states, turned, thrown, which)
@@ -217,9 +222,29 @@ class Linearised:
         columns /= self.replay.flight.noise[:, None]
         return columns, left / self.replay.flight.noise
 
+    def left(self, grid: Array, point: Point, rows: Rows) -> Array:
+        """
+        Return measured less predicted, NaN where nothing was measured.
+
+        Parameters
+        ----------
+        grid : ndarray, shape (S, n + 1, 13)
+            Predicted states of all pieces.
+        point, rows : Point, Rows
+            The parameters.
+
+        Returns
+        -------
+        ndarray, shape (S, n, 14)
+            By CHANNELS, in SI.
+
+        """
+        base = told(grid, self.time, rows.acting, self.places)
+        return self._left(base, point, slice(None))
+
     def _left(self, base: Told, point: Point, which: slice) -> Array:
         """Return measured less predicted."""
-        flight, index = self.replay.flight, self._index[which]
+        flight, index = self.replay.flight, self.index[which]
         turn = logarithm(product(reverse(base.quaternion), flight.quaternion[index]))
         readings_left = flight.readings[index] - base.readings
         offset, *scales = point.values[-len(SENSORS) :]
