@@ -15,7 +15,7 @@ from typing import Final, final, Literal
 from lta_analysis.discovery.nominal import Nominal
 from lta_config.errors import BadInput
 from lta_sim.effects import EFFECTS
-from lta_sim.effects.protocol import ActuatorEffect, MeasurementEffect, Parameter
+from lta_sim.effects.protocol import ActuatorEffect, MeasurementEffect, Parameter, WrenchEffect
 from lta_sim.state import ACTUATORS
 
 Target = tuple[str, str]
@@ -124,6 +124,12 @@ PARTS: Final[dict[str, float]] = {
     'added_mass': 0.05,
     'added_inertia': 0.05,
 }
+# Effects of many numbers that are off together: parts of all in which the effect is linear.
+WHOLE: Final[dict[str, float]] = {
+    'strip_damping': 0.1,
+    'hull_lift': 0.05,
+    'rotor_envelope_interaction': 0.2,
+}
 # Standard deviations of what every vehicle may be off by, in the units of the parameter.
 TOLERANCES: Final[dict[str, float]] = {
     'vehicle.mass': 0.01,
@@ -178,13 +184,14 @@ NO_CANDIDATE: Final = frozenset(
         'wind_gradient.x', 'wind_gradient.y', 'wind_gradient.z',
     }
 )  # fmt: skip
-STEP: Final = 1e-3  # of what is a part of 1
-FINE: Final = 0.005  # of the typical size, else
+# Rates are differenced, not trajectories: nothing is lost to rounding.
+STEP: Final = 1e-5  # of what is a part of 1
+FINE: Final = 1e-4  # of the typical size, else
 # Where a finite difference that small would see too few of the jumps that it is about.
 STEPS: Final[dict[str, float]] = {
     'motor_deadband.threshold': 0.03,
     'command_delay.delay': 1e-3,
-    'motor_lag': 2e-3,
+    'motor_lag': 1e-4,
 }
 FINER: Final[dict[str, float]] = {**STEPS, 'motor_deadband.threshold': 0.004}
 
@@ -235,6 +242,11 @@ def _of_vehicle(nominal: Nominal) -> Iterator[Knob]:
             ('thrust_curve', f'{c}_{i}'): nominal.value('thrust_curve', f'{c}_{i}') for c in 'ab'
         }
         yield Knob(f'rotor_{i}.thrust', '1', curve, STEP, STEP, ROTOR)
+    for effect, part in WHOLE.items():
+        kind, given = EFFECTS[effect], nominal.given.get(effect, {})
+        linear = kind.linear_in if isinstance(kind, WrenchEffect) else ()
+        if moves := {(effect, name): given[name] for name in linear if given.get(name)}:
+            yield Knob(f'{effect}.all', '1', moves, STEP, STEP, part)
 
 
 def knobs(nominal: Nominal) -> list[Knob]:

@@ -109,6 +109,15 @@ class Turn(NamedTuple):
     step: float
 
 
+class Met(NamedTuple):
+    """What flying about a point takes: itself, and before and after each knob's step."""
+
+    rows: Rows
+    ready: Ready
+    turned: list[Turn]
+    thrown: list[tuple[Ready, Ready]]
+
+
 @final
 class Linearised:
     """
@@ -162,20 +171,45 @@ class Linearised:
         knots = point.random[which, WIDTH : WIDTH + AXES * KNOTS].reshape(-1, AXES, KNOTS)
         return np.ascontiguousarray(np.einsum('saj,kj->ska', knots, self._hats))
 
+    def _met(self, point: Point) -> Met:
+        """Return what flying about a point takes, before and after each knob's step."""
+        rows = point.nominal.rows()
+        ready, turned = self.replay.ready(rows), self._turned(point, rows)
+        thrown = [
+            self._ready(knob, turn, rows, ready)
+            for knob, turn in zip(self.knobs, turned, strict=True)
+        ]
+        return Met(rows, ready, turned, thrown)
+
+    def columns(self, point: Point, which: slice = slice(None)) -> tuple[Array, Array]:
+        """
+        Return the columns about a point, and what is left over, by the noise.
+
+        Parameters
+        ----------
+        point : Point
+            The parameters.
+        which : slice
+            Of the pieces.
+
+        Returns
+        -------
+        ndarray, shape (S, n, 14, N), and ndarray, shape (S, n, 14)
+            RANDOM columns, then the knobs, then SENSORS; measured less predicted.
+
+        """
+        return self._columns(point, self._met(point), which)
+
     def at(self, point: Point) -> Linear:
         """Return the flight about a point; `BadInput` if no such vehicle can be."""
-        rows = point.nominal.rows()
-        ready = self.replay.ready(rows)
-        pieces = len(self.replay.first)
+        met, pieces = self._met(point), len(self.replay.first)
         size = RANDOM + len(self.knobs) + len(SENSORS) + 1
         grams = np.empty((pieces, size, size))
         counts = np.empty(pieces, dtype=np.int64)
         residual = np.empty((pieces, self.replay.cut.length, len(CHANNELS)))
-        turned = self._turned(point, rows)
-        thrown = [self._ready(knob, turn, rows, ready) for knob, turn in zip(self.knobs, turned, strict=True)]
         for begin in range(0, pieces, CHUNK):
             which = slice(begin, begin + CHUNK)
-            columns, left = self._columns(point, rows, ready, turned, thrown, which)
+            columns, left = self._columns(point, met, which)
             table = np.concatenate([columns, left[..., None]], axis=-1)
             known = np.isfinite(left)
             table[~known] = 0.0
@@ -200,17 +234,15 @@ class Linearised:
             return first, self.replay.ready(after, ready)
         return first, ready
 
-    def _columns(
-        self, point: Point, rows: Rows, ready: Ready, turned: list[Turn],
-        thrown: list[tuple[Ready, Ready]], which: slice,
-    ) -> tuple[Array, Array]:  # fmt: skip
-        """Return whitened columns and what is left over, shape (S, n, 14, N) and (S, n, 14)."""
+    def _columns(self, point: Point, met: Met, which: slice) -> tuple[Array, Array]:
+        """Return whitened columns and what is left over, as `columns`."""
+        rows, ready, turned, _ = met
         states = self._fly(rows, ready, point, which)
         grid = states[:, ::STEPS]
         time = self.time[which]
         base = told(grid, time, rows.acting, self.places)
         left = self._left(base, point, which)
-        change = self._changes(point, rows, ready, states, turned, thrown, which)
+        change = self._changes(point, met, states, which)
         columns = self._sensed(change, grid, time, rows, base)
         for k, (before, after, step) in enumerate(turned):
             if self.knobs[k].reaches == 'reading':
@@ -258,16 +290,14 @@ class Linearised:
         left[~np.isfinite(left)] = np.nan
         return left
 
-    def _changes(
-        self, point: Point, rows: Rows, ready: Ready, states: Array,
-        turned: list[Turn], thrown: list[tuple[Ready, Ready]], which: slice,
-    ) -> Array:  # fmt: skip
-        """Return how the states at the grid answer, shape (S, n + 1, 12, RANDOM + G)."""
+    def _changes(self, point: Point, met: Met, states: Array, which: slice) -> Array:
+        """Return how the states at the grid answer, shape (S, n + 1, 12, N)."""
+        rows, ready, turned, thrown = met
         middle, latent = middles(states), self._latent(point, which)
         replay = self.replay
 
-        def slopes(r: Rows, met: Ready, at: Array, force: Array) -> Array:
-            return replay.slopes(r, met, at, force, which)
+        def slopes(r: Rows, faced: Ready, at: Array, force: Array) -> Array:
+            return replay.slopes(r, faced, at, force, which)
 
         base = slopes(rows, ready, middle, latent)
         jacobian = np.empty((*base.shape[:2], WIDTH, WIDTH))
@@ -285,9 +315,9 @@ class Linearised:
         for k, knob in enumerate(self.knobs):
             if knob.reaches == 'reading':
                 continue
-            (before, after, step), (met, meets) = turned[k], thrown[k]
-            own = base if met is ready else slopes(before, met, middle, latent)
-            there = slopes(after, meets, middle, latent)
+            (before, after, step), (faced, faces) = turned[k], thrown[k]
+            own = base if before is rows else slopes(before, faced, middle, latent)
+            there = slopes(after, faces, middle, latent)
             inputs[..., RANDOM + k] = ((there - own) / step)[..., 3:]
         begin = np.zeros((WIDTH, inputs.shape[-1]))
         begin[:, :WIDTH] = np.eye(WIDTH)

@@ -1,17 +1,21 @@
 """Flights in which something is hidden: flown in process, with dither, seen by a noisy tracker."""
 
 from collections.abc import Mapping
-from functools import cache
-import math
+from dataclasses import replace
 
-from lta_analysis.discovery.measured import Measured, measured, Stream, Streams
+from lta_analysis.discovery.knobs import Knob, knobs
+from lta_analysis.discovery.linearise import floor_pressure, Linearised
+from lta_analysis.discovery.measured import measured, Stream, Streams
+from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.replay import Replay
+from lta_analysis.discovery.sensing import Places
 from lta_analysis.discovery.turning import exponential, product
+from lta_analysis.discovery.windows import windows
 from lta_analysis.ingredients import gather, parts_of
 from lta_analysis.loop import Loop
 from lta_config.topics import topic_table
 from lta_control.cascade import Setpoint
-from lta_sim.state import MASS
-from lta_sim.vehicle import Vehicle
+from lta_sim.vehicle import load_vehicle, Vehicle
 from lta_sim.world import World
 import numpy as np
 from numpy.typing import NDArray
@@ -30,11 +34,6 @@ def course(seed: int) -> dict[int, Setpoint]:
     return out
 
 
-def values_of(effects: Mapping[str, float]) -> dict[str, str]:
-    """Return what `Ingredients.with_values` takes: 'effects.net_lift.force' and 'value unit'."""
-    return {f'vehicle.{path}': value for path, value in effects.items()}
-
-
 def world_of(changes: Mapping[str, object], seed: int) -> tuple[World, Loop]:
     """Return a GT-MAB in a great empty hall, with changes to its file."""
     made = gather('gtmab', 'lamp_room', 'bag', 'gtmab')
@@ -46,8 +45,6 @@ def world_of(changes: Mapping[str, object], seed: int) -> tuple[World, Loop]:
     vehicle, scenario, policy = parts_of(made)
     table = topic_table()
     plan = course(seed)
-    from dataclasses import replace
-
     policy = replace(policy, course=lambda t: plan[int(t // 8.0)])
     world = World(vehicle, scenario, table, seed)
     known = Vehicle(parts_of(gather('gtmab', 'lamp_room', 'bag', 'gtmab'))[0].file)
@@ -64,6 +61,7 @@ def flown(changes: Mapping[str, object], seed: int, length: float = 60.0) -> Str
     while world.elapsed < length:
         loop.decide()
         told, now = loop.readings, world.elapsed
+        assert told.truth is not None
         if now >= until:
             until = now + rng.uniform(0.4, 1.2)
             dither = rng.uniform(-0.25, 0.25, rotors) if now > 4.0 else np.zeros(rotors)
@@ -82,12 +80,27 @@ def flown(changes: Mapping[str, object], seed: int, length: float = 60.0) -> Str
     seen = _stream(pose)
     values = seen.values
     values[:, :3] += POSE_NOISE * rng.standard_normal((len(values), 3))
-    values[:, 3:] = product(values[:, 3:], exponential(TURN_NOISE * rng.standard_normal((len(values), 3))))
+    wobble = exponential(TURN_NOISE * rng.standard_normal((len(values), 3)))
+    values[:, 3:] = product(values[:, 3:], wobble)
     others = {
         'rates': _stream(rates), 'force': _stream(force), 'range': _stream(ranges),
         'pressure': _stream(pressure), 'voltage': _stream(volts),
     }  # fmt: skip
     return Streams(seen, _stream(commands), others, floor=0.47)
+
+
+def nominal() -> tuple[Nominal, list[Knob]]:
+    """Return the GT-MAB as its file has it, and its knobs."""
+    vehicle = Nominal.of(load_vehicle('gtmab'))
+    return vehicle, knobs(vehicle)
+
+
+def prepared(streams: Streams, turned: list[Knob]) -> Linearised:
+    """Return a flight ready to be linearised."""
+    vehicle, flight = load_vehicle('gtmab'), measured(streams)
+    replay = Replay(flight, windows(flight), vehicle.command(()))
+    places = Places.of(vehicle, 101325.0)
+    return Linearised(replay, turned, Places.of(vehicle, floor_pressure(flight, places)))
 
 
 def _stream(rows: list[tuple[float, ...]]) -> Stream:
