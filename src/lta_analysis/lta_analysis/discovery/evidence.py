@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.knobs import Knob
-from lta_analysis.discovery.linearise import AXES, KNOTS, Linear, RANDOM
+from lta_analysis.discovery.linear import AXES, KNOTS, Linear, RANDOM
 from lta_analysis.discovery.tangent import WIDTH
 from lta_analysis.discovery.windows import LENGTH
 import numpy as np

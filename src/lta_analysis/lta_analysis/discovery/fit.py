@@ -11,9 +11,18 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
-from lta_analysis.discovery.evidence import Fitted, fitted, FLOOR, log_prior, Pieces, Prior, Reduced
+from lta_analysis.discovery.evidence import (
+    Fitted,
+    fitted,
+    FLOOR,
+    log_prior,
+    Pieces,
+    Prior,
+    Reduced,
+)
 from lta_analysis.discovery.knobs import Knob
-from lta_analysis.discovery.linearise import Linear, Linearised, Point
+from lta_analysis.discovery.linear import Linear, Point
+from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.nominal import Nominal
 from lta_config.errors import BadInput
 import numpy as np

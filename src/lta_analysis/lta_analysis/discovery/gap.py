@@ -10,7 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, final, Literal
 
-from lta_analysis.discovery.linearise import Linearised, Point
+from lta_analysis.discovery.linear import Point
+from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.measured import PERIOD
 from lta_analysis.discovery.replay import STEPS
 from lta_analysis.discovery.sensing import told

@@ -245,8 +245,9 @@ def _of_vehicle(nominal: Nominal) -> Iterator[Knob]:
     for effect, part in WHOLE.items():
         kind, given = EFFECTS[effect], nominal.given.get(effect, {})
         linear = kind.linear_in if isinstance(kind, WrenchEffect) else ()
-        if moves := {(effect, name): given[name] for name in linear if given.get(name)}:
-            yield Knob(f'{effect}.all', '1', moves, STEP, STEP, part)
+        numbers = {(effect, one): given[one] for one in linear if given.get(one)}
+        if numbers:
+            yield Knob(f'{effect}.all', '1', numbers, STEP, STEP, part)
 
 
 def knobs(nominal: Nominal) -> list[Knob]:

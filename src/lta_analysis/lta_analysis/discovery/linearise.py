@@ -7,12 +7,12 @@ each other are kept, so that all that follows is algebra on small matrices.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.knobs import Knob
-from lta_analysis.discovery.measured import CHANNELS, Measured, PERIOD
-from lta_analysis.discovery.nominal import Nominal, Rows
+from lta_analysis.discovery.linear import AXES, hats, KNOTS, Linear, Point, RANDOM, SENSORS
+from lta_analysis.discovery.measured import CHANNELS, PERIOD
+from lta_analysis.discovery.nominal import Rows
 from lta_analysis.discovery.replay import Ready, Replay, STEPS
 from lta_analysis.discovery.sensing import Places, readings, Told, told
 from lta_analysis.discovery.tangent import (
@@ -27,78 +27,13 @@ from lta_analysis.discovery.tangent import (
     WIDTH,
 )
 from lta_analysis.discovery.turning import logarithm, product, reverse
+from lta_sim.measurement import read
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-KNOTS: Final = 9
-AXES: Final = 6
-RANDOM: Final = WIDTH + AXES * KNOTS + 1  # the last is the pressure of the piece
-# Errors of a flight's sensors that no effect has: the pressure, and the scale of each force.
-SENSORS: Final = ('pressure.offset', 'force.scale_x', 'force.scale_y', 'force.scale_z')
 CHUNK: Final = 16  # pieces at a time, which bounds the memory
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Point:
-    """
-    Where a model is linearised.
-
-    Attributes
-    ----------
-    nominal : Nominal
-        The vehicle, with all knobs where they stand.
-    values : ndarray, shape (G,)
-        How far each knob has been turned from the vehicle file; the last are those of SENSORS.
-    random : ndarray, shape (S, RANDOM)
-        State offsets, knots and pressure of each piece.
-
-    """
-
-    nominal: Nominal
-    values: Array
-    random: Array
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Linear:
-    """
-    A flight about a point.
-
-    Attributes
-    ----------
-    names : tuple of str
-        Of the knobs, and SENSORS.
-    grams : ndarray, shape (S, N, N)
-        Products of whitened columns: RANDOM, then the names, then the residual.
-    rows : ndarray of int, shape (S,)
-        Readings that count.
-    point : Point
-        The point.
-    residual : ndarray, shape (S, n, 14)
-        Measured less predicted, in units of the noise; NaN where nothing was measured.
-
-    """
-
-    names: tuple[str, ...]
-    grams: Array
-    rows: NDArray[np.int64]
-    point: Point
-    residual: Array
-
-
-def origin(nominal: Nominal, knobs: Sequence[Knob], pieces: int) -> Point:
-    """Return the point at which nothing has been turned."""
-    return Point(nominal, np.zeros(len(knobs) + len(SENSORS)), np.zeros((pieces, RANDOM)))
-
-
-def hats(span: int) -> Array:
-    """Return the share of each knot in the middle of each step, shape (span, KNOTS)."""
-    at = (np.arange(span) + 0.5) * (KNOTS - 1) / span
-    return np.maximum(0.0, 1.0 - np.abs(at[:, None] - np.arange(KNOTS)))
 
 
 class Turn(NamedTuple):
@@ -220,9 +155,7 @@ class Linearised:
         names = (*(knob.name for knob in self.knobs), *SENSORS)
         return Linear(names, grams, counts, point, residual)
 
-    def _ready(
-        self, knob: Knob, turn: Turn, rows: Rows, ready: Ready
-    ) -> tuple[Ready, Ready]:
+    def _ready(self, knob: Knob, turn: Turn, rows: Rows, ready: Ready) -> tuple[Ready, Ready]:
         """Return what the body meets before and after a knob's step."""
         before, after, _ = turn
         same = before is rows
@@ -348,19 +281,5 @@ class Linearised:
 
 def _frame(rows: Rows) -> Array:
     """Return the rotation into the tracker's frame."""
-    from lta_sim.measurement import read
-
     axes = [read(rows.acting['pose'], (*axis, 0.0, 0.0, 0.0, 1.0), 0.0)[:3] for axis in np.eye(3)]
     return np.array(axes).T
-
-
-def floor_pressure(flight: Measured, places: Places) -> float:
-    """Return the pressure at the floor that fits a flight on the whole; 101325 Pa without. [Pa]"""
-    from lta_sim.sensors.pressure import air_pressure
-
-    ratio = [
-        reading / air_pressure(1.0, height + places.imu[2])
-        for reading, height in zip(flight.readings[:, 7], flight.position[:, 2], strict=True)
-        if np.isfinite(reading) and np.isfinite(height)
-    ]
-    return float(np.median(ratio)) if ratio else 101325.0

@@ -20,7 +20,8 @@ PERIOD: Final = 0.04  # s; of the grid
 WARM_UP: Final = 2.0  # s; filters and motors settle
 GAP: Final = 0.1  # s; of a tracker: nothing is interpolated over more
 CHANNELS: Final = (
-    'x', 'y', 'z', 'tilt_x', 'tilt_y', 'turn_z', 'p', 'q', 'r', 'fx', 'fy', 'fz', 'range', 'pressure',
+    'x', 'y', 'z', 'turn_x', 'turn_y', 'turn_z', 'p', 'q', 'r', 'fx', 'fy', 'fz',
+    'range', 'pressure',
 )  # fmt: skip
 # What no sensor is better than, by channel: m, rad, rad/s, m/s2, m, Pa.
 LEAST: Final = np.array([5e-4] * 3 + [1e-3] * 3 + [3e-4] * 3 + [3e-3] * 3 + [1e-3, 0.3])
@@ -118,7 +119,7 @@ def noise_of(values: Array) -> float:
         Evenly sampled.
 
     """
-    third = np.diff(values, n=3)
+    third = np.diff(np.where(np.isfinite(values), values, np.nan), n=3)
     third = third[np.isfinite(third)]
     if len(third) < 8:
         return np.inf
@@ -147,7 +148,8 @@ def _signed(quaternions: Array) -> Array:
     """Return quaternions that do not change their sign from one to the next."""
     dots = np.sum(quaternions[1:] * quaternions[:-1], axis=1)
     signs = np.concatenate([[1.0], np.cumprod(np.where(dots < 0.0, -1.0, 1.0))])
-    return quaternions * signs[:, None]
+    same: Array = quaternions * signs[:, None]
+    return same
 
 
 def _mean_until_next(grid: Array, stream: Stream) -> Array:
@@ -170,7 +172,12 @@ def _nearest_mean(grid: Array, stream: Stream) -> Array:
 def _readings(grid: Array, others: Mapping[str, Stream]) -> tuple[Array, Array]:
     """Return rates, force, range, pressure on the grid and their noise."""
     out, noise = np.full((len(grid), 8), np.nan), np.full(8, np.inf)
-    for name, place, width in (('rates', 0, 3), ('force', 3, 3), ('range', 6, 1), ('pressure', 7, 1)):
+    for name, place, width in (
+        ('rates', 0, 3),
+        ('force', 3, 3),
+        ('range', 6, 1),
+        ('pressure', 7, 1),
+    ):
         stream = others.get(name)
         if stream is None or len(stream.time) < 16:
             continue
@@ -219,6 +226,4 @@ def measured(streams: Streams) -> Measured:
     usable &= at[:, 2] > streams.floor
     voltage = streams.others.get('voltage')
     volts = np.full(count, np.nan) if voltage is None else _at(grid, voltage, 5.0)[:, 0]
-    return Measured(
-        grid, at[:, :3], quaternion, readings, levels, usable, streams.commands, volts
-    )
+    return Measured(grid, at[:, :3], quaternion, readings, levels, usable, streams.commands, volts)

@@ -13,7 +13,8 @@ from typing import Final, final
 from lta_analysis.discovery.accept import TIE, Trial
 from lta_analysis.discovery.evidence import FLOOR, learned, tolerances
 from lta_analysis.discovery.fit import Fit, fit, settled
-from lta_analysis.discovery.linearise import Linearised, origin
+from lta_analysis.discovery.linear import origin
+from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.nominal import Nominal
 from lta_analysis.discovery.scan import scan, Seen
 import numpy as np
@@ -133,7 +134,7 @@ class Naming:
         return [name for name in ranked if found[name] > WORTH][:REFITTED]
 
     def _promised(self, name: str, named: Sequence[str], this: Fit) -> float:
-        """Return what a candidate wins where the deviations are free, without a relinearisation."""
+        """Return what a candidate wins with the deviations free, without relinearising."""
         prior = tolerances(self.knobs, (*named, name))
         return settled(this.pieces, prior, this.deviations)[3] - this.evidence
 

@@ -171,9 +171,7 @@ class Replay:
         """
         out = np.zeros((len(states), self.span, 9))
         body().slopes(
-            rows.body.copy(), rows.body_on, self.first[which], states, ready.commands, self._around,
-            ready.memory, latent, out,
+            rows.body.copy(), rows.body_on, self.first[which], states, ready.commands,
+            self._around, ready.memory, latent, out,
         )  # fmt: skip
         return out
-
-

@@ -1,4 +1,4 @@
-"""Every candidate at a glance: what it would gain, beside the nuisances, where the model stands."""
+"""Every candidate at a glance: what it would gain beside the nuisances."""
 
 from collections.abc import Sequence
 from typing import final, NamedTuple
@@ -95,6 +95,8 @@ def scan(reduced: Reduced, at: Array, prior: Prior, knobs: Sequence[Knob]) -> li
         sigma = abs(best) / np.sqrt(1.0 / information + had)
         score = pull / np.sqrt(information) / np.sqrt(1.0 + information * had)
         out.append(
-            Seen(knob.name, gain, float(score), value + prior.mean[k], float(np.sqrt(spread)), sigma)
+            Seen(
+                knob.name, gain, float(score), value + prior.mean[k], float(np.sqrt(spread)), sigma
+            )
         )
     return sorted(out, key=lambda seen: -seen.gain)

@@ -1,15 +1,15 @@
 """What tracker and sensors would say of predicted states, many at a time."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import final, NamedTuple
 
-from lta_analysis.discovery.measured import PERIOD
+from lta_analysis.discovery.measured import Measured, PERIOD
 from lta_analysis.discovery.turning import exponential, product, reverse, rotated
 from lta_config.constants import STANDARD_GRAVITY
 from lta_sim.measurement import Chain, read
 from lta_sim.sensors.imu import specific_force
-from lta_sim.sensors.pressure import EXPONENT, LAPSE, SEA_TEMPERATURE
+from lta_sim.sensors.pressure import air_pressure, EXPONENT, LAPSE, SEA_TEMPERATURE
 from lta_sim.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
@@ -71,17 +71,23 @@ def _pose(states: Array, time: Array, acting: Mapping[str, Chain]) -> tuple[Arra
     return position, quaternion
 
 
+def _vertical(states: Array) -> Array:
+    """Return the map's vertical in the body."""
+    up = np.broadcast_to(np.array([0.0, 0.0, 1.0]), (*states.shape[:-1], 3))
+    return rotated(reverse(states[..., 3:7]), up)
+
+
 def _force(begin: Array, end: Array, place: tuple[float, float, float]) -> Array:
     """Return the mean specific force between two states."""
-    up = 0.5 * sum(
-        rotated(reverse(s[..., 3:7]), np.broadcast_to([0.0, 0.0, 1.0], (*s.shape[:-1], 3)))
-        for s in (begin, end)
-    )
+    up = 0.5 * (_vertical(begin) + _vertical(end))
     mean, rate = 0.5 * (begin + end), (end - begin) / PERIOD
-    across = [tuple(np.moveaxis(part, -1, 0)) for part in (
-        mean[..., 7:10], mean[..., 10:13], rate[..., 7:10], rate[..., 10:13], up,
-    )]  # fmt: skip
-    return np.stack(specific_force(*across, place, STANDARD_GRAVITY), axis=-1)
+    across = [
+        tuple(np.moveaxis(part, -1, 0))
+        for part in (mean[..., 7:10], mean[..., 10:13], rate[..., 7:10], rate[..., 10:13], up)
+    ]
+    # Plain arithmetic, so arrays do as well as numbers.
+    whole: Callable[..., Sequence[Array]] = specific_force
+    return np.stack(whole(*across, place, STANDARD_GRAVITY), axis=-1)
 
 
 def readings(
@@ -107,8 +113,7 @@ def readings(
         In SI; the first six as means of the period.
 
     """
-    up = np.broadcast_to([0.0, 0.0, 1.0], (*begin.shape[:-1], 3))
-    vertical = rotated(reverse(begin[..., 3:7]), up)
+    vertical = _vertical(begin)
     distance = (begin[..., 2] + vertical @ np.array(places.range)) / vertical[..., 2]
     # At the IMU, without its tilt: as the simulated barometer has it.
     height = begin[..., 2] + places.imu[2]
@@ -142,3 +147,13 @@ def told(states: Array, time: Array, acting: Mapping[str, Chain], places: Places
     begin, end = states[..., :-1, :], states[..., 1:, :]
     position, quaternion = _pose(begin, time, acting)
     return Told(position, quaternion, readings(begin, end, time, acting, places))
+
+
+def floor_pressure(flight: Measured, places: Places) -> float:
+    """Return the pressure at the floor that fits a flight on the whole; 101325 Pa without. [Pa]"""
+    ratio = [
+        reading / air_pressure(1.0, height + places.imu[2])
+        for reading, height in zip(flight.readings[:, 7], flight.position[:, 2], strict=True)
+        if np.isfinite(reading) and np.isfinite(height)
+    ]
+    return float(np.median(ratio)) if ratio else 101325.0

@@ -24,7 +24,8 @@ def product(a: Array, b: Array) -> Array:
 
 def reverse(q: Array) -> Array:
     """Return the rotations back."""
-    return q * np.array([-1.0, -1.0, -1.0, 1.0])
+    back: Array = q * np.array([-1.0, -1.0, -1.0, 1.0])
+    return back
 
 
 def exponential(vector: Array) -> Array:

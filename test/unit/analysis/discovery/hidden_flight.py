@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from lta_analysis.discovery.knobs import Knob, knobs
-from lta_analysis.discovery.linearise import floor_pressure, Linearised
+from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.measured import measured, Stream, Streams
 from lta_analysis.discovery.nominal import Nominal
 from lta_analysis.discovery.replay import Replay
-from lta_analysis.discovery.sensing import Places
+from lta_analysis.discovery.sensing import floor_pressure, Places
 from lta_analysis.discovery.turning import exponential, product
 from lta_analysis.discovery.windows import windows
 from lta_analysis.ingredients import gather, parts_of

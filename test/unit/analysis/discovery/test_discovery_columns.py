@@ -3,7 +3,8 @@
 from dataclasses import replace
 
 from lta_analysis.discovery.knobs import Knob
-from lta_analysis.discovery.linearise import Linearised, origin, RANDOM
+from lta_analysis.discovery.linear import origin, RANDOM
+from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.nominal import Nominal
 from lta_analysis.discovery.replay import STEPS
 from lta_config.constants import STANDARD_GRAVITY
@@ -26,7 +27,9 @@ def columns(gtmab: Known, clean: Linearised) -> NDArray[np.float64]:
     return clean.columns(origin(gtmab[0], gtmab[1], len(clean.replay.first)))[0]
 
 
-def _left(flight: Linearised, nominal: Nominal, random: NDArray[np.float64]) -> NDArray[np.float64]:
+def _left(
+    flight: Linearised, nominal: Nominal, random: NDArray[np.float64]
+) -> NDArray[np.float64]:
     """Return measured less predicted by the noise, flown with other parameters."""
     point = replace(origin(nominal, flight.knobs, len(random)), random=random)
     grid = flight.trajectory(point)[:, ::STEPS]

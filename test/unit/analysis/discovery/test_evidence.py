@@ -15,7 +15,8 @@ from lta_analysis.discovery.evidence import (
     tolerances,
 )
 from lta_analysis.discovery.knobs import Knob
-from lta_analysis.discovery.linearise import AXES, KNOTS, Linear, Linearised, origin, RANDOM
+from lta_analysis.discovery.linear import AXES, KNOTS, Linear, origin, RANDOM
+from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.nominal import Nominal
 from lta_analysis.discovery.scan import scan
 import numpy as np

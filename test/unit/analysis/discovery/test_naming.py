@@ -1,11 +1,11 @@
 """Hidden effects get their names from two flights, and clean flights get none."""
 
 from lta_analysis.discovery.accept import Trial
-from lta_analysis.discovery.fit import fit
 from lta_analysis.discovery.evidence import tolerances
+from lta_analysis.discovery.fit import fit
 from lta_analysis.discovery.gap import where
 from lta_analysis.discovery.knobs import Knob
-from lta_analysis.discovery.linearise import origin
+from lta_analysis.discovery.linear import origin
 from lta_analysis.discovery.naming import Named, Naming
 from lta_analysis.discovery.nominal import Nominal
 import pytest
@@ -23,8 +23,9 @@ HIDDEN = {
 
 def _named(known: Known, changes: dict[str, object], seed: int) -> Named:
     nominal, knobs = known
-    pair = prepared(flown(changes, seed, LENGTH), knobs), prepared(
-        flown(changes, seed + 1, LENGTH), knobs
+    pair = (
+        prepared(flown(changes, seed, LENGTH), knobs),
+        prepared(flown(changes, seed + 1, LENGTH), knobs),
     )
     return Naming(nominal, pair).run()
 

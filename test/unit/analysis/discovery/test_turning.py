@@ -1,6 +1,13 @@
 """Quaternions in rows, against scipy."""
 
-from lta_analysis.discovery.turning import exponential, logarithm, matrix, product, reverse, rotated
+from lta_analysis.discovery.turning import (
+    exponential,
+    logarithm,
+    matrix,
+    product,
+    reverse,
+    rotated,
+)
 import numpy as np
 from scipy.spatial.transform import Rotation
 
