@@ -242,12 +242,12 @@ def _of_vehicle(nominal: Nominal) -> Iterator[Knob]:
             ('thrust_curve', f'{c}_{i}'): nominal.value('thrust_curve', f'{c}_{i}') for c in 'ab'
         }
         yield Knob(f'rotor_{i}.thrust', '1', curve, STEP, STEP, ROTOR)
-    for effect, part in WHOLE.items():
+    for effect, share in WHOLE.items():
         kind, given = EFFECTS[effect], nominal.given.get(effect, {})
         linear = kind.linear_in if isinstance(kind, WrenchEffect) else ()
         numbers = {(effect, one): given[one] for one in linear if given.get(one)}
         if numbers:
-            yield Knob(f'{effect}.all', '1', numbers, STEP, STEP, part)
+            yield Knob(f'{effect}.all', '1', numbers, STEP, STEP, share)
 
 
 def knobs(nominal: Nominal) -> list[Knob]:

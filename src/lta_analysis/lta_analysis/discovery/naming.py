@@ -17,6 +17,7 @@ from lta_analysis.discovery.linear import origin
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.nominal import Nominal
 from lta_analysis.discovery.scan import scan, Seen
+from lta_analysis.discovery.starts import begun
 import numpy as np
 
 QUICK: Final = 5  # of each glance
@@ -112,7 +113,8 @@ class Naming:
                 out.append(fit(flight, self.nominal, prior, begin))
             else:
                 last = before[k]
-                begin, deviations = last.linear.point, np.minimum(last.deviations, 2.5 * FLOOR)
+                deviations = np.minimum(last.deviations, 2.5 * FLOOR)
+                begin = begun(flight, prior, last.linear.point, deviations, named)
                 out.append(fit(flight, self.nominal, prior, begin, deviations))
         return out[0], out[1]
 

@@ -1,8 +1,8 @@
 """What tracker and sensors would say of predicted states, many at a time."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import final, NamedTuple
+from typing import Any, final, NamedTuple
 
 from lta_analysis.discovery.measured import Measured, PERIOD
 from lta_analysis.discovery.turning import exponential, product, reverse, rotated
@@ -86,7 +86,7 @@ def _force(begin: Array, end: Array, place: tuple[float, float, float]) -> Array
         for part in (mean[..., 7:10], mean[..., 10:13], rate[..., 7:10], rate[..., 10:13], up)
     ]
     # Plain arithmetic, so arrays do as well as numbers.
-    whole: Callable[..., Sequence[Array]] = specific_force
+    whole: Callable[..., Any] = specific_force
     return np.stack(whole(*across, place, STANDARD_GRAVITY), axis=-1)
 
 

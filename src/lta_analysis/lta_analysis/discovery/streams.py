@@ -89,8 +89,8 @@ def streams_of(
     parts = [f'{start}position.{axis}' for axis in 'xyz']
     turns = [f'{start}orientation.{angle}' for angle in ('yaw', 'pitch', 'roll')]
     told = _joined([channels[name] for name in (*parts, *turns)])
-    known = np.isfinite(told.values).all(axis=1)
-    quaternion = np.full((len(known), 4), np.nan)
+    known = np.asarray(np.isfinite(told.values).all(axis=1))
+    quaternion = np.full((len(told.time), 4), np.nan)
     quaternion[known] = Rotation.from_euler('ZYX', told.values[known, 3:]).as_quat()
     missing = [name for name in rotors if f'{COMMAND}{name}' not in channels]
     if missing:
