@@ -144,6 +144,7 @@ TOLERANCES: Final[dict[str, float]] = {
     'command_delay.delay': 0.005,
 }
 ROTOR: Final = 0.02  # of the thrust of each
+WITHIN: Final = (-0.5, 1.0)  # of what is a part of a mass, an inertia, a thrust
 TOE: Final = math.radians(0.5)
 # Of one flight: biases of its sensors and its lift.
 TRIMS: Final[dict[str, float]] = {
@@ -236,18 +237,18 @@ def _of_vehicle(nominal: Nominal) -> Iterator[Knob]:
     """Yield the tolerances that are no parameter of an effect."""
     for part in ('mass', 'roll', 'pitch', 'yaw'):
         name = f'vehicle.{part}'
-        yield Knob(name, '1', {('vehicle', part): 1.0}, STEP, STEP, TOLERANCES[name])
+        yield Knob(name, '1', {('vehicle', part): 1.0}, STEP, STEP, TOLERANCES[name], 0.0, *WITHIN)
     for i in range(1, min(len(nominal.rotors), ACTUATORS) + 1):
         curve = {
             ('thrust_curve', f'{c}_{i}'): nominal.value('thrust_curve', f'{c}_{i}') for c in 'ab'
         }
-        yield Knob(f'rotor_{i}.thrust', '1', curve, STEP, STEP, ROTOR)
+        yield Knob(f'rotor_{i}.thrust', '1', curve, STEP, STEP, ROTOR, 0.0, *WITHIN)
     for effect, share in WHOLE.items():
         kind, given = EFFECTS[effect], nominal.given.get(effect, {})
         linear = kind.linear_in if isinstance(kind, WrenchEffect) else ()
         numbers = {(effect, one): given[one] for one in linear if given.get(one)}
         if numbers:
-            yield Knob(f'{effect}.all', '1', numbers, STEP, STEP, share)
+            yield Knob(f'{effect}.all', '1', numbers, STEP, STEP, share, 0.0, *WITHIN)
 
 
 def knobs(nominal: Nominal) -> list[Knob]:

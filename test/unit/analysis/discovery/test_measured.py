@@ -10,7 +10,7 @@ from lta_config.errors import BadInput
 import numpy as np
 import pytest
 
-from ..report_flight import place, ROTORS, write_flight
+from ..report_flight import place, ROTORS, write_flight  # noqa: TID252 - `test` is Python's own
 
 RNG = np.random.default_rng(3)
 TIME = np.arange(0.0, 30.0, 0.01)
