@@ -166,6 +166,24 @@ class Pieces:
         rows = -0.5 * np.log(2.0 * np.pi) * self.linear.rows.sum()
         return Reduced(products.sum(axis=0), self._constant.sum() + constant.sum() + rows)
 
+    def misfit(self, deviations: Array, prior: Prior) -> float:
+        """
+        Return minus twice the log density of the data and of all unknowns at the point itself.
+
+        Less what does not depend on where the point is; inf where the flight ran away. What a
+        step of Gauss-Newton has to make smaller.
+        """
+        point, free = self.linear.point, prior.free
+        off = (point.values - prior.mean)[free]
+        own = off @ np.linalg.solve(prior.covariance[np.ix_(free, free)], off)
+        knots = self._mean.reshape(-1, AXES, KNOTS)
+        along = np.einsum('saj,jk,sak->a', knots, self._knots, knots) / deviations**2
+        states = np.sum((point.random[:, :WIDTH] / STATE) ** 2)
+        pressure = np.sum((point.random[:, -1] / PIECE_PRESSURE) ** 2)
+        left = self.linear.grams[:, -1, -1].sum()
+        total = float(left + own + along.sum() + states + pressure)
+        return total if np.isfinite(total) else np.inf
+
     def solved(self, deviations: Array, change: Array) -> Array:
         """
         Return the most probable unknowns of each piece, given how far knobs move from the point.

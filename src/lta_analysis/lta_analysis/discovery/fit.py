@@ -35,6 +35,7 @@ ROUNDS: Final = 6
 SMALL: Final = 2.5  # floors; the largest deviations of the second start
 SWEEPS: Final = 4
 STRIDE: Final = 0.5  # of the logarithm of a deviation
+SHARES: Final = (1.0, 0.5, 0.2, 0.05)  # of a step of Gauss-Newton
 LOWEST, HIGHEST = 0.05 * FLOOR, 1e3 * FLOOR
 
 
@@ -164,22 +165,43 @@ def fit(
         About the last point: what a linearisation promises counts only once it has been flown.
 
     """
-    point, last = begin, None
-    for count in range(1, rounds + 1):
-        try:
-            linear = flight.at(point)
-        except BadInput:
-            if last is None:
-                raise
-            break
-        pieces = Pieces(linear)
-        reduced, deviations, found, evidence = settled(pieces, prior, deviations)
-        now = Fit(linear, pieces, reduced, deviations, found, evidence, count)
-        rests = last is not None and abs(evidence - last.evidence) < REST
+    pieces = Pieces(flight.at(begin))
+    last = _fit_of(pieces, prior, deviations, 1)
+    for count in range(2, rounds + 1):
+        pieces = _onward(flight, nominal, prior, last)
+        now = _fit_of(pieces, prior, last.deviations, count)
+        rests = abs(now.evidence - last.evidence) < REST
         last = now
         if rests:
             break
-        vehicle, values = turned(nominal, flight.knobs, found.mean)
-        point = Point(vehicle, values, pieces.solved(deviations, values - linear.point.values))
-    assert last is not None
     return last
+
+
+def _fit_of(pieces: Pieces, prior: Prior, deviations: Array, count: int) -> Fit:
+    """Return a fit about a point."""
+    reduced, found_deviations, found, evidence = settled(pieces, prior, deviations)
+    return Fit(pieces.linear, pieces, reduced, found_deviations, found, evidence, count)
+
+
+def _onward(flight: Linearised, nominal: Nominal, prior: Prior, last: Fit) -> Pieces:
+    """Return the flight about the next point: the whole step, or a part that makes it better."""
+    at, target = last.linear.point, last.fitted.mean
+    before = last.pieces.misfit(last.deviations, prior)
+    _, within = turned(nominal, flight.knobs, target)
+    random = last.pieces.solved(last.deviations, within - at.values)
+    for share in SHARES:
+        values = at.values + share * (within - at.values)
+        point = Point(
+            turned(nominal, flight.knobs, values)[0],
+            values,
+            at.random + share * (random - at.random),
+        )
+        try:
+            linear = flight.at(point)
+        except BadInput:
+            continue
+        if np.isfinite(linear.grams).all():
+            pieces = Pieces(linear)
+            if pieces.misfit(last.deviations, prior) < before + 1.0:
+                return pieces
+    return last.pieces
