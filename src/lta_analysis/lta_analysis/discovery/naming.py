@@ -16,7 +16,7 @@ from lta_analysis.discovery.fit import Fit, fit, settled
 from lta_analysis.discovery.linear import origin
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.nominal import Nominal
-from lta_analysis.discovery.scan import scan, Seen
+from lta_analysis.discovery.scan import likeness, scan, Seen
 from lta_analysis.discovery.starts import begun
 import numpy as np
 
@@ -25,6 +25,7 @@ REFITTED: Final = 4
 CAP: Final = 1.5  # floors; of the deviations in the second glance
 MOST: Final = 4  # effects
 WORTH: Final = 1.0  # nats; a glance below it is not followed
+ALIKE: Final = 0.98  # of the cosine of two columns; beyond it one refit stands for both
 
 
 @final
@@ -118,8 +119,8 @@ class Naming:
                 out.append(fit(flight, self.nominal, prior, begin, deviations))
         return out[0], out[1]
 
-    def _glance(self, named: Sequence[str], fits: tuple[Fit, Fit]) -> list[str]:
-        """Return the few candidates that are worth a refit."""
+    def _glance(self, named: Sequence[str], fits: tuple[Fit, Fit]) -> dict[str, tuple[str, ...]]:
+        """Return the few candidates that are worth a refit, each with those that look like it."""
         prior = tolerances(self.knobs, named)
         found: dict[str, float] = {}
         for this in fits:
@@ -133,7 +134,24 @@ class Naming:
         for name in found:
             found[name] = sum(self._promised(name, named, this) for this in fits)
         ranked = sorted(found, key=lambda name: -found[name])
-        return [name for name in ranked if found[name] > WORTH][:REFITTED]
+        return self._distinct([name for name in ranked if found[name] > WORTH], named, fits)
+
+    def _distinct(
+        self, ranked: list[str], named: Sequence[str], fits: tuple[Fit, Fit]
+    ) -> dict[str, tuple[str, ...]]:
+        """Return the first few candidates that neither flight takes for each other."""
+        prior = tolerances(self.knobs, named)
+        alike = np.min(
+            [np.abs(likeness(this.reduced, prior, ranked, self.knobs)) for this in fits], axis=0
+        )
+        out: dict[str, tuple[str, ...]] = {}
+        for i, name in enumerate(ranked):
+            same = [other for other in out if alike[i, ranked.index(other)] > ALIKE]
+            if same:
+                out[same[0]] = (*out[same[0]], name)
+            elif len(out) < REFITTED:
+                out[name] = ()
+        return out
 
     def _promised(self, name: str, named: Sequence[str], this: Fit) -> float:
         """Return what a candidate wins with the deviations free, without relinearising."""
@@ -144,8 +162,8 @@ class Naming:
         self, named: tuple[str, ...], fits: tuple[Fit, Fit]
     ) -> tuple[Step, tuple[Fit, Fit]]:
         """Try the best candidates."""
-        tried = {}
-        for name in self._glance(named, fits):
+        tried, glance = {}, self._glance(named, fits)
+        for name in glance:
             then = self._fitted((*named, name), fits)
             tried[name] = self._trial(name, named, fits, then), then
         ranked = sorted(tried, key=lambda name: -tried[name][0].total)
@@ -154,7 +172,8 @@ class Naming:
         close = [trial for trial in trials if trials[0].total - trial.total < TIE]
         for trial in close:
             if trial.accepted:
-                tied = tuple(other.name for other in close if other is not trial)
+                others = tuple(other.name for other in close if other is not trial)
+                tied = (*glance[trial.name], *others)
                 return Step(trials, tied, trial.name), tried[trial.name][1]
         return Step(trials, (), ''), fits
 

@@ -100,3 +100,37 @@ def scan(reduced: Reduced, at: Array, prior: Prior, knobs: Sequence[Knob]) -> li
             )
         )
     return sorted(out, key=lambda seen: -seen.gain)
+
+
+def likeness(reduced: Reduced, prior: Prior, names: Sequence[str], known: Sequence[Knob]) -> Array:
+    """
+    Return how alike candidates look: the cosine between their columns, nuisances marginalised.
+
+    Parameters
+    ----------
+    reduced : Reduced
+        The flight about a point.
+    prior : Prior
+        Of the nuisances; the candidates' own tolerances are left out.
+    names : sequence of str
+        The candidates.
+    known : sequence of Knob
+        All knobs.
+
+    Returns
+    -------
+    ndarray, shape (n, n)
+        1 in the diagonal; near 1 or -1 where no such flight can tell two apart.
+
+    """
+    order = [knob.name for knob in known]
+    picked = np.array([order.index(name) for name in names], dtype=np.int64)
+    free = prior.free
+    free[picked] = False
+    at = np.flatnonzero(free)
+    inner = reduced.products[np.ix_(at, at)] + np.diag(1.0 / np.diag(prior.covariance)[at])
+    cross = reduced.products[np.ix_(at, picked)]
+    left = reduced.products[np.ix_(picked, picked)] - cross.T @ np.linalg.solve(inner, cross)
+    size = np.sqrt(np.diag(left))
+    cosine: Array = left / np.outer(size, size)
+    return cosine

@@ -18,7 +18,7 @@ from lta_analysis.discovery.knobs import Knob
 from lta_analysis.discovery.linear import AXES, KNOTS, Linear, origin, RANDOM
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.nominal import Nominal
-from lta_analysis.discovery.scan import scan
+from lta_analysis.discovery.scan import likeness, scan
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
@@ -113,3 +113,14 @@ def test_what_one_flight_teaches_leaves_the_other_its_own_biases(
     assert prior.covariance[bias, bias] == fresh.covariance[bias, bias]
     assert prior.mean[drag] == found.mean[drag]
     assert prior.covariance[drag, drag] == pytest.approx(1.5 * found.covariance[drag, drag])
+
+
+def test_one_constant_force_has_many_names_and_drag_has_its_own(
+    gtmab: Known, linear: Linear
+) -> None:
+    names = ('net_lift.force', 'ballast.mass', 'payload.mass', 'quadratic_drag.surge')
+    reduced, prior = Pieces(linear).reduced(DEVIATIONS), tolerances(gtmab[1])
+    cosine = np.abs(likeness(reduced, prior, names, gtmab[1]))
+    np.testing.assert_allclose(np.diag(cosine), 1.0)
+    assert cosine[:3, :3].min() > 0.98
+    assert cosine[3, :3].max() < 0.7
