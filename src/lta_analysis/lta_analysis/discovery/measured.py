@@ -63,6 +63,9 @@ class Streams:
         are there.
     floor : float
         Height of the hull centre below which the vehicle may touch the floor. [m]
+    wrench : Stream, optional
+        Commanded force and moment about the hull centre, body frame, held until the next; of a
+        vehicle that is not told duties. [N, N m]
 
     """
 
@@ -70,6 +73,7 @@ class Streams:
     commands: Stream
     others: Mapping[str, Stream] = field(default_factory=dict)
     floor: float = -np.inf
+    wrench: Stream | None = None
 
 
 @final
@@ -94,6 +98,8 @@ class Measured:
         As recorded.
     voltage : ndarray, shape (n,)
         Of the battery, NaN where it is not known. [V]
+    wrench : Stream or None
+        As recorded.
 
     """
 
@@ -105,6 +111,7 @@ class Measured:
     usable: NDArray[np.bool_]
     commands: Stream
     voltage: Array
+    wrench: Stream | None = None
 
 
 def noise_of(values: Array) -> float:
@@ -226,4 +233,42 @@ def measured(streams: Streams) -> Measured:
     usable &= at[:, 2] > streams.floor
     voltage = streams.others.get('voltage')
     volts = np.full(count, np.nan) if voltage is None else _at(grid, voltage, 5.0)[:, 0]
-    return Measured(grid, at[:, :3], quaternion, readings, levels, usable, streams.commands, volts)
+    return Measured(
+        grid,
+        at[:, :3],
+        quaternion,
+        readings,
+        levels,
+        usable,
+        streams.commands,
+        volts,
+        streams.wrench,
+    )
+
+
+def held_means(stream: Stream, edges: Array) -> Array:
+    """
+    Return the mean of values that are held until the next, between one edge and the next.
+
+    Parameters
+    ----------
+    stream : Stream
+        The values; 0 before the first.
+    edges : ndarray, shape (n + 1,)
+        Rising. [s]
+
+    Returns
+    -------
+    ndarray, shape (n, k)
+        The means.
+
+    """
+    apart = np.diff(stream.time)[:, None] * stream.values[:-1]
+    total = np.vstack([np.zeros((1, stream.values.shape[1])), np.cumsum(apart, axis=0)])
+    newest = np.searchsorted(stream.time, edges, side='right') - 1
+    begun = newest >= 0
+    at = np.where(begun, newest, 0)
+    since = np.where(begun, edges - stream.time[at], 0.0)
+    integral = total[at] + since[:, None] * stream.values[at]
+    means: Array = np.diff(integral, axis=0) / np.diff(edges)[:, None]
+    return means

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Final, final
 
-from lta_analysis.discovery.measured import Measured, PERIOD
+from lta_analysis.discovery.measured import held_means, Measured, PERIOD, Stream
 from lta_analysis.discovery.nominal import Rows
 from lta_analysis.discovery.replay_kernel import actuators, body, BODY_LAYOUT, RIGID
 from lta_analysis.discovery.windows import Windows
@@ -31,11 +31,14 @@ class Ready:
         Mean thrust of each rotor [N], and the place of the moving mass.
     memory : ndarray, shape (T, M)
         Of the effects of the body.
+    wrench : ndarray, shape (T, 6)
+        Commanded as such, body frame. [N, N m]
 
     """
 
     commands: Array
     memory: Array
+    wrench: Array
 
 
 @final
@@ -87,12 +90,24 @@ class Replay:
             states[:, k] = np.interp(self._steps, self.flight.time[good], values)
         return states
 
+    def _wrench(self, rows: Rows) -> Array:
+        """Return the mean commanded wrench in each step, after any delay."""
+        told = self.flight.wrench
+        if told is None:
+            return np.zeros((len(self._steps), 6))
+        late = Stream(told.time + _delay(rows), told.values)
+        return held_means(late, np.append(self._steps, self._steps[-1] + self.dt))
+
+    def _forced(self, ready: Ready, latent: Array, which: slice) -> Array:
+        """Return the wrench in each step of some pieces: latent, and commanded as such."""
+        steps = self.first[which, None] + np.arange(self.span)
+        return np.ascontiguousarray(latent + ready.wrench[steps])
+
     def thrusts(self, rows: Rows) -> Array:
         """Return the mean thrust of each rotor in each step. [N]"""
-        delay = -read(rows.acting['command_time'], (0.0,), 0.0)[0]
         out = np.zeros((len(self._steps), ACTUATORS))
         actuators().chain(
-            rows.actuators.copy(), rows.actuators_on, self.flight.commands.time + delay,
+            rows.actuators.copy(), rows.actuators_on, self.flight.commands.time + _delay(rows),
             self._orders, self._met, float(self._steps[0]), self.dt, LONGEST, out,
         )  # fmt: skip
         return out
@@ -112,13 +127,14 @@ class Replay:
         if before is None:
             commands = np.tile(self._still, (len(self._steps), 1))
             commands[:, :ACTUATORS] = self.thrusts(rows)
+            wrench = self._wrench(rows)
         else:
-            commands = before.commands
+            commands, wrench = before.commands, before.wrench
         memory = np.zeros((len(self._steps), BODY_LAYOUT.size - RIGID))
         body().remember(
             rows.body.copy(), rows.body_on, self._known, commands, self._around, self.dt, memory
         )
-        return Ready(commands, memory)
+        return Ready(commands, memory, wrench)
 
     def fly(
         self, rows: Rows, ready: Ready, start: Array, latent: Array, which: slice = ALL
@@ -146,7 +162,7 @@ class Replay:
         out = np.zeros((len(start), self.span + 1, RIGID))
         body().fly(
             rows.body.copy(), rows.body_on, self.first[which], start, ready.commands, self._around,
-            ready.memory, latent, self.dt, out,
+            ready.memory, self._forced(ready, latent, which), self.dt, out,
         )  # fmt: skip
         return out
 
@@ -172,6 +188,11 @@ class Replay:
         out = np.zeros((len(states), self.span, 9))
         body().slopes(
             rows.body.copy(), rows.body_on, self.first[which], states, ready.commands,
-            self._around, ready.memory, latent, out,
+            self._around, ready.memory, self._forced(ready, latent, which), out,
         )  # fmt: skip
         return out
+
+
+def _delay(rows: Rows) -> float:
+    """Return how late a command is obeyed. [s]"""
+    return float(-read(rows.acting['command_time'], (0.0,), 0.0)[0])

@@ -16,6 +16,9 @@ TRACKERS: Final = ('ground_truth/odom', 'ground_truth/pose', 'pose', 'mocap/pose
 NO_TRACKER: Final = ('odom', 'setpoint', 'light', 'estimate')  # poses that nobody measured
 POSITION: Final = 'position.x'
 COMMAND: Final = 'motors/effort.'
+WRENCH: Final = tuple(
+    f'wrench_command/wrench.{kind}.{axis}' for kind in ('force', 'torque') for axis in 'xyz'
+)
 SENSORS: Final[dict[str, tuple[str, ...]]] = {
     'rates': tuple(f'imu/angular_velocity.{axis}' for axis in 'xyz'),
     'force': tuple(f'imu/linear_acceleration.{axis}' for axis in 'xyz'),
@@ -82,7 +85,7 @@ def streams_of(
     Raises
     ------
     BadInput
-        If there is no tracked pose, or no command of a rotor.
+        If there is no tracked pose, or neither a command of each rotor nor a commanded wrench.
 
     """
     start = tracker(channels)
@@ -92,17 +95,21 @@ def streams_of(
     known = np.asarray(np.isfinite(told.values).all(axis=1))
     quaternion = np.full((len(told.time), 4), np.nan)
     quaternion[known] = Rotation.from_euler('ZYX', told.values[known, 3:]).as_quat()
+    wrench = _joined([channels[name] for name in WRENCH]) if WRENCH[0] in channels else None
     missing = [name for name in rotors if f'{COMMAND}{name}' not in channels]
-    if missing:
+    if missing and wrench is None:
         raise BadInput(
             f"The recording has no command of {', '.join(missing)} in 'motors'; "
             f'the vehicle file has the rotors {", ".join(rotors)}.'
         )
-    commands = _joined([channels[f'{COMMAND}{name}'] for name in rotors])
+    if missing:
+        commands = Stream(told.time[:1], np.zeros((1, len(rotors))))
+    else:
+        commands = _joined([channels[f'{COMMAND}{name}'] for name in rotors])
     others = {
         sensor: _joined([channels[name] for name in names])
         for sensor, names in SENSORS.items()
         if all(name in channels for name in names)
     }
     pose = Stream(told.time, np.column_stack([told.values[:, :3], quaternion]))
-    return Streams(pose, commands, others, floor)
+    return Streams(pose, commands, others, floor, wrench)

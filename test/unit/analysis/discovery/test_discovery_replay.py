@@ -62,3 +62,20 @@ def test_pieces_fly_as_the_kernel_flies(gtmab: tuple[Nominal, object]) -> None:
     assert np.abs(error[:, :3]).max() < 1e-4  # m
     assert np.abs(error[:, 3:7]).max() < 1e-4
     assert np.abs(error[:, 7:]).max() < 1e-3  # m/s, rad/s
+
+
+def test_a_commanded_wrench_moves_the_body_as_the_same_latent_one(
+    gtmab: tuple[Nominal, object], clean: Linearised
+) -> None:
+    replay, rows = clean.replay, gtmab[0].rows()
+    push = np.array([0.01, -0.004, 0.02, 1e-3, -2e-3, 5e-4])
+    order = Stream(replay.flight.time[:1], push[None])
+    told = Replay(
+        replace(replay.flight, wrench=order), replay.cut, load_vehicle('gtmab').command(())
+    )
+    still = np.zeros((len(replay.first), replay.span, 6))
+    commanded = told.fly(rows, told.ready(rows), replay.cut.start, still)
+    latent = replay.fly(rows, replay.ready(rows), replay.cut.start, still + push)
+    np.testing.assert_allclose(commanded, latent, atol=1e-9)
+    alone = replay.fly(rows, replay.ready(rows), replay.cut.start, still)
+    assert np.abs(latent - alone).max() > 0.1

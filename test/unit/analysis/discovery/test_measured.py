@@ -2,7 +2,15 @@
 
 from lta_analysis.bag.channels import all_channels
 from lta_analysis.bag.flight import open_flight
-from lta_analysis.discovery.measured import measured, noise_of, PERIOD, Stream, Streams, WARM_UP
+from lta_analysis.discovery.measured import (
+    held_means,
+    measured,
+    noise_of,
+    PERIOD,
+    Stream,
+    Streams,
+    WARM_UP,
+)
 from lta_analysis.discovery.streams import streams_of
 from lta_analysis.discovery.turning import exponential
 from lta_analysis.discovery.windows import windows
@@ -86,3 +94,10 @@ def test_without_a_tracker_or_a_rotor_it_says_what_is_missing(tmp_path) -> None:
     blind = {name: c for name, c in channels.items() if not name.startswith('ground_truth')}
     with pytest.raises(BadInput, match='no pose from a tracker'):
         streams_of(blind, list(ROTORS))
+
+
+def test_a_held_value_counts_from_when_it_came() -> None:
+    told = Stream(np.array([0.5, 1.25, 1.5]), np.array([[1.0], [3.0], [-2.0]]))
+    means = held_means(told, np.array([0.0, 1.0, 2.0, 3.0]))
+    # 0.5 s of 1; 0.25 s of 1, 0.25 s of 3, 0.5 s of -2; all -2.
+    np.testing.assert_allclose(means[:, 0], [0.5, 0.0, -2.0], atol=1e-12)
