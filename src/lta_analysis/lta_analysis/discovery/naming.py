@@ -16,7 +16,7 @@ from lta_analysis.discovery.fit import Fit, fit, settled
 from lta_analysis.discovery.linear import origin
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.nominal import Nominal
-from lta_analysis.discovery.scan import likeness, scan, Seen
+from lta_analysis.discovery.scan import likeness, scan
 from lta_analysis.discovery.starts import begun
 import numpy as np
 
@@ -200,9 +200,3 @@ class Naming:
         """Return the evidence of the second flight under what the first has taught."""
         prior = learned(fits[0].fitted, self.knobs, named)
         return settled(fits[1].pieces, prior, fits[1].deviations)[3]
-
-
-def glances(fitted: Fit, nominal: Naming, named: Sequence[str] = ()) -> list[Seen]:
-    """Return all candidates as one flight sees them, the strongest first."""
-    prior = tolerances(nominal.knobs, named)
-    return scan(fitted.reduced, fitted.linear.point.values, prior, nominal.knobs)

@@ -86,8 +86,7 @@ def scan(reduced: Reduced, at: Array, prior: Prior, knobs: Sequence[Knob]) -> li
             continue  # this flight says nothing of it
         had = prior.covariance[k, k]
         whole = had + knob.typical**2
-        moved = (prior.mean - at)[k]
-        pull -= information * moved
+        pull -= information * (prior.mean - at)[k]
         gain = _gain(pull, information, whole) - _gain(pull, information, had)
         value = pull / (information + 1.0 / whole)
         spread = 1.0 / (information + 1.0 / whole)

@@ -10,18 +10,15 @@ from lta_analysis.discovery.naming import Named, Naming
 from lta_analysis.discovery.nominal import Nominal
 import pytest
 
+from .hidden_cases import CASES, Changes, off_by_tolerance
 from .hidden_flight import flown, prepared
 
 Known = tuple[Nominal, list[Knob]]
-LENGTH = 45.0  # s
-HIDDEN = {
-    'linear_drag.surge': ('vehicle.aero.linear_drag.force', [0.03, 0.0, 0.0], 'N s/m', 0.03),
-    'cg_offset.x': ('vehicle.effects.cg_offset.x', 0.006, 'm', 0.006),
-    'command_delay.delay': ('vehicle.effects.command_delay.delay', 0.045, 's', 0.045),
-}
+LENGTH = 40.0  # s
+HIDDEN = {'linear_drag.surge': 0.03, 'cg_offset.x': 0.006, 'command_delay.delay': 0.045}
 
 
-def _named(known: Known, changes: dict[str, object], seed: int) -> Named:
+def _named(known: Known, changes: Changes, seed: int) -> Named:
     nominal, knobs = known
     pair = (
         prepared(flown(changes, seed, LENGTH), knobs),
@@ -32,8 +29,7 @@ def _named(known: Known, changes: dict[str, object], seed: int) -> Named:
 
 @pytest.mark.parametrize('name', HIDDEN)
 def test_a_hidden_effect_is_named_and_nothing_else(gtmab: Known, name: str) -> None:
-    path, value, unit, expected = HIDDEN[name]
-    found = _named(gtmab, {path: {'value': value, 'unit': unit}}, 40)
+    expected, found = HIDDEN[name], _named(gtmab, CASES[name], 40)
     assert found.names == (name,)
     assert found.steps[0].tied == ()
     k = found.fits[0].linear.names.index(name)
@@ -42,16 +38,15 @@ def test_a_hidden_effect_is_named_and_nothing_else(gtmab: Known, name: str) -> N
         assert abs(one.fitted.mean[k] - expected) < 4.0 * spread + 0.005 * expected
 
 
-def test_clean_flights_name_nothing(gtmab: Known) -> None:
-    found = _named(gtmab, {}, 60)
+def test_a_vehicle_within_its_tolerances_names_nothing(gtmab: Known) -> None:
+    found = _named(gtmab, off_by_tolerance(3), 60)
     assert found.names == ()
     assert all(not trial.accepted for step in found.steps for trial in step.trials)
 
 
 def test_the_gap_goes_from_nominal_over_tuned_to_named(gtmab: Known) -> None:
     nominal, knobs = gtmab
-    drag = {'vehicle.aero.linear_drag.force': {'value': [0.03, 0.0, 0.0], 'unit': 'N s/m'}}
-    flight = prepared(flown(drag, 70, LENGTH), knobs)
+    flight = prepared(flown(CASES['linear_drag.surge'], 70, LENGTH), knobs)
     start = origin(nominal, knobs, len(flight.replay.first))
     before = where(flight, start)
     tuned, named = (
