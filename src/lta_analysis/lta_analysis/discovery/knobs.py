@@ -1,0 +1,283 @@
+"""
+What can be turned about a vehicle: tolerances, trims of one flight, and candidates.
+
+A knob moves some parameters together, in units of its own. It counts as *nuisance* by the standard
+deviation with which the nominal model may be off, and as *candidate* by the typical size of the
+effect that it would be; most are one of the two, some both (a thrust that is 3 % off is tolerance,
+10 % is a discovery).
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+import math
+from typing import Final, final, Literal
+
+from lta_analysis.discovery.nominal import Nominal
+from lta_config.errors import BadInput
+from lta_sim.effects import EFFECTS
+from lta_sim.effects.protocol import ActuatorEffect, MeasurementEffect, Parameter, WrenchEffect
+from lta_sim.state import ACTUATORS
+
+Target = tuple[str, str]
+Reach = Literal['chain', 'body', 'memory', 'reading', 'delay']
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Knob:
+    """
+    One direction in which a model can differ.
+
+    Attributes
+    ----------
+    name : str
+        'thrust_scale.factor', or of the vehicle itself 'vehicle.mass'.
+    unit : str
+        Of its value.
+    moves : mapping of (effect, parameter) to float
+        How much each parameter changes by a unit of the knob. The effect 'vehicle' has `mass`,
+        and `roll`, `pitch`, `yaw` of the inertia, as parts of 1.
+    step : float
+        Of the finite difference where the knob stands at 0.
+    fine : float
+        The same, anywhere else.
+    tolerance : float
+        Standard deviation of the nominal model's own error; 0 where there is none.
+    typical : float
+        Standard deviation of the effect where it is there; 0 for what is no candidate.
+    low, high : float
+        Bounds of the knob's value, from those of its parameters.
+    per_flight : bool
+        Whether its error is drawn anew for each flight.
+    companions : mapping of (effect, parameter) to float
+        What its effect begins with while the vehicle does not have it: with these, and the knob at
+        0, it changes nothing yet.
+
+    """
+
+    name: str
+    unit: str
+    moves: Mapping[Target, float]
+    step: float
+    fine: float
+    tolerance: float = 0.0
+    typical: float = 0.0
+    low: float = -math.inf
+    high: float = math.inf
+    per_flight: bool = False
+    companions: Mapping[Target, float] = field(default_factory=dict)
+
+    def turned(self, nominal: Nominal, value: float) -> Nominal:
+        """Return the vehicle with this knob moved by a value from where it stands."""
+        nominal = self.ready(nominal)
+        for (effect, parameter), rate in self.moves.items():
+            if effect == 'vehicle':
+                nominal = _weighed(nominal, parameter, 1.0 + rate * value)
+            else:
+                now = nominal.value(effect, parameter)
+                nominal = nominal.with_value(effect, parameter, now + rate * value)
+        return nominal
+
+    def ready(self, nominal: Nominal) -> Nominal:
+        """Return the vehicle with the effect present, though it does nothing yet."""
+        absent = {target[0] for target in self.companions} - set(nominal.given)
+        for (effect, parameter), companion in self.companions.items():
+            if effect in absent:
+                nominal = nominal.with_value(effect, parameter, companion)
+        return nominal
+
+    def step_at(self, value: float) -> float:
+        """Return the step of the finite difference, with the knob at a value."""
+        step = self.step if value == 0.0 else self.fine
+        return -step if value + step > self.high else step
+
+    @property
+    def reaches(self) -> Reach:
+        """What has to be computed anew when it is turned."""
+        effects = {effect for effect, _ in self.moves}
+        kinds = {effect: EFFECTS.get(effect) for effect in effects}
+        if any(isinstance(kind, ActuatorEffect) for kind in kinds.values()):
+            return 'chain'
+        if 'command_delay' in effects:
+            return 'delay'
+        if any(isinstance(kind, MeasurementEffect) for kind in kinds.values()):
+            return 'reading'
+        return 'memory' if any(getattr(kind, 'memory', ()) for kind in kinds.values()) else 'body'
+
+
+def _weighed(nominal: Nominal, what: str, factor: float) -> Nominal:
+    """Return the vehicle with its mass, trim kept, or one axis of its inertia scaled."""
+    if what == 'mass':
+        more = nominal.mass * (factor - 1.0)
+        return replace(nominal, mass=nominal.mass + more, displaced=nominal.displaced + more)
+    inertia, axis = nominal.inertia.copy(), ('roll', 'pitch', 'yaw').index(what)
+    inertia[axis, :] *= math.sqrt(factor)
+    inertia[:, axis] *= math.sqrt(factor)
+    return replace(nominal, inertia=inertia)
+
+
+# Parts of a parameter's own value by which the nominal model may be off.
+PARTS: Final[dict[str, float]] = {
+    'linear_drag': 0.05,
+    'quadratic_drag': 0.05,
+    'rotational_drag': 0.05,
+    'added_mass': 0.05,
+    'added_inertia': 0.05,
+}
+# Effects of many numbers that are off together: parts of all in which the effect is linear.
+WHOLE: Final[dict[str, float]] = {
+    'strip_damping': 0.1,
+    'hull_lift': 0.05,
+    'rotor_envelope_interaction': 0.2,
+}
+# Standard deviations of what every vehicle may be off by, in the units of the parameter.
+TOLERANCES: Final[dict[str, float]] = {
+    'vehicle.mass': 0.01,
+    'vehicle.roll': 0.04,
+    'vehicle.pitch': 0.04,
+    'vehicle.yaw': 0.04,
+    'thrust_scale.factor': 0.03,
+    'cg_height.z': 0.003,
+    'cg_offset.x': 0.0005,
+    'cg_offset.y': 0.0005,
+    'motor_lag': 0.006,
+    'command_delay.delay': 0.005,
+}
+ROTOR: Final = 0.02  # of the thrust of each
+WITHIN: Final = (-0.5, 1.0)  # of what is a part of a mass, an inertia, a thrust
+TOE: Final = math.radians(0.5)
+# Of one flight: biases of its sensors and its lift.
+TRIMS: Final[dict[str, float]] = {
+    'gyro_bias.x': 0.01,
+    'gyro_bias.y': 0.01,
+    'gyro_bias.z': 0.01,
+    'gyro_scale.x': 0.006,
+    'gyro_scale.y': 0.006,
+    'gyro_scale.z': 0.006,
+    'imu_bias.x': 0.115,
+    'imu_bias.y': 0.115,
+    'imu_bias.z': 0.13,
+    'range_offset.offset': 0.012,
+    'pressure_drift.rate': 0.0035,
+    'net_lift.force': 0.0006,
+}
+# What moves together: one candidate of several parameters.
+TOGETHER: Final[dict[str, tuple[str, ...]]] = {'motor_lag': ('up', 'down')}
+# Absent effects of which one number alone does nothing, with what the rest is taken to be.
+COMPANIONS: Final[dict[str, dict[str, float]]] = {
+    'battery_sag': {'voltage': 3.7, 'sensitivity': 0.0},
+    'ground_effect': {'radius': 0.0225},
+    'superheat': {'lag': 40.0, 'slack': 0.3},
+}
+# These describe what a vehicle was designed to be, or where it flies, not what went missing.
+DESIGN: Final = frozenset(
+    {
+        'rotor_thrust', 'thrust_curve', 'thrust_polynomial', 'weight_and_buoyancy', 'walls',
+        'floor_contact', 'hull_lift', 'strip_damping', 'moving_mass', 'gas_state', 'air_state',
+        'turbulence', 'gusts', 'wind_profile', 'rotor_envelope_interaction', 'ceiling_effect',
+    }
+)  # fmt: skip
+NO_CANDIDATE: Final = frozenset(
+    {
+        'battery_sag.voltage', 'ground_effect.radius', 'superheat.slack', 'superheat.lag',
+        'cross_flow.surge', 'cross_flow.sway', 'cross_flow.heave',
+        'ballast.x', 'ballast.y', 'ballast.z', 'payload.x', 'payload.y', 'payload.z',
+        'wind_gradient.x', 'wind_gradient.y', 'wind_gradient.z',
+    }
+)  # fmt: skip
+# Rates are differenced, not trajectories: nothing is lost to rounding.
+STEP: Final = 1e-5  # of what is a part of 1
+FINE: Final = 1e-4  # of the typical size, else
+# Where a finite difference that small would see too few of the jumps that it is about.
+STEPS: Final[dict[str, float]] = {
+    'motor_deadband.threshold': 0.03,
+    'command_delay.delay': 1e-3,
+    'motor_lag': 1e-4,
+}
+FINER: Final[dict[str, float]] = {**STEPS, 'motor_deadband.threshold': 0.004}
+
+
+def _fine(name: str, known: Parameter) -> float:
+    """Return a small step."""
+    usual = STEP if known.unit == '1' and known.null == 1.0 else FINE * known.spread
+    return FINER.get(name, usual)
+
+
+def _of_effect(nominal: Nominal, effect: str) -> Iterator[Knob]:
+    """Yield a knob for each parameter of an effect, or one for those that move together."""
+    parameters = {known.name: known for known in EFFECTS[effect].parameters}
+    together = TOGETHER.get(effect)
+    begun = {} if effect in nominal.given else COMPANIONS.get(effect, {})
+    for group in [together] if together else [(name,) for name in parameters]:
+        known = parameters[group[0]]
+        name = effect if together else f'{effect}.{known.name}'
+        if name in NO_CANDIDATE:
+            continue
+        now = begun.get(known.name, nominal.value(effect, known.name))
+        low, high = min(known.low, known.null) - now, known.high - now
+        moves = {(effect, one): 1.0 for one in group}
+        if effect == 'quadratic_drag' and 'cross_flow' in nominal.given:
+            moves['cross_flow', known.name] = 1.0  # one coefficient, which both work with
+        yield Knob(
+            name,
+            known.unit,
+            moves,
+            STEPS.get(name, _fine(name, known)),
+            _fine(name, known),
+            TOLERANCES.get(name, TRIMS.get(name, PARTS.get(effect, 0.0) * abs(now))),
+            known.spread,
+            low,
+            high,
+            name in TRIMS,
+            {(effect, other): value for other, value in begun.items()},
+        )
+
+
+def _of_vehicle(nominal: Nominal) -> Iterator[Knob]:
+    """Yield the tolerances that are no parameter of an effect."""
+    for part in ('mass', 'roll', 'pitch', 'yaw'):
+        name = f'vehicle.{part}'
+        yield Knob(name, '1', {('vehicle', part): 1.0}, STEP, STEP, TOLERANCES[name], 0.0, *WITHIN)
+    for i in range(1, min(len(nominal.rotors), ACTUATORS) + 1):
+        curve = {
+            ('thrust_curve', f'{c}_{i}'): nominal.value('thrust_curve', f'{c}_{i}') for c in 'ab'
+        }
+        yield Knob(f'rotor_{i}.thrust', '1', curve, STEP, STEP, ROTOR, 0.0, *WITHIN)
+    for effect, share in WHOLE.items():
+        kind, given = EFFECTS[effect], nominal.given.get(effect, {})
+        linear = kind.linear_in if isinstance(kind, WrenchEffect) else ()
+        numbers = {(effect, one): given[one] for one in linear if given.get(one)}
+        if numbers:
+            yield Knob(f'{effect}.all', '1', numbers, STEP, STEP, share, 0.0, *WITHIN)
+
+
+def knobs(nominal: Nominal) -> list[Knob]:
+    """
+    Return all that can be turned about a vehicle, nuisances and candidates.
+
+    Effects that describe the design (`DESIGN`) are left out; rotors that the vehicle does not have
+    as well; and what the model refuses to be built with.
+    """
+    out = list(_of_vehicle(nominal))
+    rotors = len(nominal.rotors)
+    for effect in EFFECTS:
+        if effect in DESIGN:
+            continue
+        for knob in _of_effect(nominal, effect):
+            last = knob.name.rpartition('_')[2]
+            if last.isdigit() and int(last) > rotors and effect.startswith('rotor'):
+                continue
+            if effect == 'rotor_misalignment':
+                knob = replace(knob, tolerance=TOE)
+            if _possible(nominal, knob):
+                out.append(knob)
+    return out
+
+
+def _possible(nominal: Nominal, knob: Knob) -> bool:
+    """Tell whether a model can be built with a knob turned by its step."""
+    try:
+        knob.turned(nominal, knob.step_at(0.0)).model()
+    except BadInput:
+        return False
+    return True

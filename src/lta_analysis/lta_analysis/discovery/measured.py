@@ -1,0 +1,274 @@
+"""
+One measured flight as arrays on a common grid.
+
+Whatever is recorded goes in as streams with their own times; out come a pose, rates, specific
+force, range and pressure on one grid, NaN where a channel says nothing there, with the noise of
+each as the data themselves show it. Commands keep their own times: when one took over matters to
+a few milliseconds.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Final, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+PERIOD: Final = 0.04  # s; of the grid
+WARM_UP: Final = 2.0  # s; filters and motors settle
+GAP: Final = 0.1  # s; of a tracker: nothing is interpolated over more
+CHANNELS: Final = (
+    'x', 'y', 'z', 'turn_x', 'turn_y', 'turn_z', 'p', 'q', 'r', 'fx', 'fy', 'fz',
+    'range', 'pressure',
+)  # fmt: skip
+# What no sensor is better than, by channel: m, rad, rad/s, m/s2, m, Pa.
+LEAST: Final = np.array([5e-4] * 3 + [1e-3] * 3 + [3e-4] * 3 + [3e-3] * 3 + [1e-3, 0.3])
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Stream:
+    """
+    One sensor, or the commands, as recorded.
+
+    Attributes
+    ----------
+    time : ndarray, shape (n,)
+        Since the start of the flight, rising. [s]
+    values : ndarray, shape (n, k)
+        NaN or infinite where a reading says nothing.
+
+    """
+
+    time: Array
+    values: Array
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Streams:
+    """
+    All that is known of a flight.
+
+    Attributes
+    ----------
+    pose : Stream
+        Position [m] and quaternion x y z w of the body in the map.
+    commands : Stream
+        Duty of each rotor, held until the next.
+    others : mapping of str to Stream
+        Of 'rates' [rad/s], 'force' [m/s2], 'range' [m], 'pressure' [Pa], 'voltage' [V] those that
+        are there.
+    floor : float
+        Height of the hull centre below which the vehicle may touch the floor. [m]
+    wrench : Stream, optional
+        Commanded force and moment about the hull centre, body frame, held until the next; of a
+        vehicle that is not told duties. [N, N m]
+
+    """
+
+    pose: Stream
+    commands: Stream
+    others: Mapping[str, Stream] = field(default_factory=dict)
+    floor: float = -np.inf
+    wrench: Stream | None = None
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """
+    A flight on a grid of n points.
+
+    Attributes
+    ----------
+    time : ndarray, shape (n,)
+        [s]
+    position, quaternion : ndarray, shape (n, 3) and (n, 4)
+        NaN in gaps.
+    readings : ndarray, shape (n, 8)
+        Rates, specific force, range, pressure; of the first two the mean until the next point.
+    noise : ndarray, shape (14,)
+        Standard deviation by CHANNELS; infinite for a channel that is not there.
+    usable : ndarray of bool, shape (n,)
+        Whether the model is to explain what happens here.
+    commands : Stream
+        As recorded.
+    voltage : ndarray, shape (n,)
+        Of the battery, NaN where it is not known. [V]
+    wrench : Stream or None
+        As recorded.
+
+    """
+
+    time: Array
+    position: Array
+    quaternion: Array
+    readings: Array
+    noise: Array
+    usable: NDArray[np.bool_]
+    commands: Stream
+    voltage: Array
+    wrench: Stream | None = None
+
+
+def noise_of(values: Array) -> float:
+    """
+    Return the standard deviation of white noise on a smooth series, from its third differences.
+
+    By the median of their sizes, so that jumps and outliers count little; NaN-safe.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Evenly sampled.
+
+    """
+    third = np.diff(np.where(np.isfinite(values), values, np.nan), n=3)
+    third = third[np.isfinite(third)]
+    if len(third) < 8:
+        return np.inf
+    return float(np.median(np.abs(third)) / 0.6745 / np.sqrt(20.0))
+
+
+def _apart(stream: Stream) -> float:
+    """Return the usual time between readings."""
+    return float(np.median(np.diff(stream.time)))
+
+
+def _at(grid: Array, stream: Stream, gap: float) -> Array:
+    """Interpolate linearly, NaN where the readings around a point are too far apart."""
+    good = np.isfinite(stream.values).all(axis=1)
+    time, values = stream.time[good], stream.values[good]
+    if len(time) < 2:
+        return np.full((len(grid), stream.values.shape[1]), np.nan)
+    after = np.clip(np.searchsorted(time, grid), 1, len(time) - 1)
+    out = np.column_stack([np.interp(grid, time, column) for column in values.T])
+    outside = (grid < time[0] - 1e-9) | (grid > time[-1] + 1e-9)
+    out[(time[after] - time[after - 1] > gap) | outside] = np.nan
+    return out
+
+
+def _signed(quaternions: Array) -> Array:
+    """Return quaternions that do not change their sign from one to the next."""
+    dots = np.sum(quaternions[1:] * quaternions[:-1], axis=1)
+    signs = np.concatenate([[1.0], np.cumprod(np.where(dots < 0.0, -1.0, 1.0))])
+    same: Array = quaternions * signs[:, None]
+    return same
+
+
+def _mean_until_next(grid: Array, stream: Stream) -> Array:
+    """Return the mean of a series drawn straight between readings, from each point to the next."""
+    apart = np.diff(stream.time)[:, None]
+    pieces = 0.5 * (stream.values[1:] + stream.values[:-1]) * apart
+    total = np.vstack([np.zeros((1, stream.values.shape[1])), np.cumsum(pieces, axis=0)])
+    # Between readings the integral is a parabola; the grid falls on readings, or nearly.
+    at = np.column_stack([np.interp(grid, stream.time, column) for column in total.T])
+    means = np.diff(at, axis=0) / np.diff(grid)[:, None]
+    means[(grid[:-1] < stream.time[0]) | (grid[1:] > stream.time[-1])] = np.nan
+    return np.vstack([means, np.full((1, means.shape[1]), np.nan)])
+
+
+def _nearest_mean(grid: Array, stream: Stream) -> Array:
+    """Interpolate a slow sensor; one with a higher rate than the grid is not averaged."""
+    return _at(grid, stream, 4.0 * _apart(stream))
+
+
+def _readings(grid: Array, others: Mapping[str, Stream]) -> tuple[Array, Array]:
+    """Return rates, force, range, pressure on the grid and their noise."""
+    out, noise = np.full((len(grid), 8), np.nan), np.full(8, np.inf)
+    for name, place, width in (
+        ('rates', 0, 3),
+        ('force', 3, 3),
+        ('range', 6, 1),
+        ('pressure', 7, 1),
+    ):
+        stream = others.get(name)
+        if stream is None or len(stream.time) < 16:
+            continue
+        columns = slice(place, place + width)
+        single = np.array([noise_of(column) for column in stream.values.T])
+        if width == 3:
+            out[:, columns] = _mean_until_next(grid, stream)
+            # What neighbours share of their edges counts once in the sum.
+            noise[columns] = single * np.sqrt(min(1.0, _apart(stream) / PERIOD))
+        else:
+            out[:, columns] = _nearest_mean(grid, stream)
+            noise[columns] = single
+    return out, noise
+
+
+def measured(streams: Streams) -> Measured:
+    """
+    Put a flight on the grid.
+
+    Parameters
+    ----------
+    streams : Streams
+        As recorded.
+
+    Returns
+    -------
+    Measured
+        From the first pose to the last; nothing is usable in the first WARM_UP seconds, in gaps of
+        the tracker, or near the floor.
+
+    """
+    pose = Stream(
+        streams.pose.time,
+        np.column_stack([streams.pose.values[:, :3], _signed(streams.pose.values[:, 3:7])]),
+    )
+    begin = np.ceil(pose.time[0] / PERIOD) * PERIOD
+    count = int(np.floor((pose.time[-1] - begin) / PERIOD + 1e-9)) + 1
+    grid = begin + PERIOD * np.arange(count)
+    at = _at(grid, pose, GAP)
+    quaternion = at[:, 3:7] / np.linalg.norm(at[:, 3:7], axis=1, keepdims=True)
+    readings, noise = _readings(grid, streams.others)
+    own = np.array([noise_of(column) for column in pose.values.T])
+    turning = np.full(3, 2.0 * np.sqrt(np.mean(own[3:7] ** 2) * 4.0 / 3.0))
+    levels = np.maximum(np.concatenate([own[:3], turning, noise]), LEAST)
+    usable = np.isfinite(at).all(axis=1) & (grid - grid[0] >= WARM_UP)
+    usable &= at[:, 2] > streams.floor
+    voltage = streams.others.get('voltage')
+    volts = np.full(count, np.nan) if voltage is None else _at(grid, voltage, 5.0)[:, 0]
+    return Measured(
+        grid,
+        at[:, :3],
+        quaternion,
+        readings,
+        levels,
+        usable,
+        streams.commands,
+        volts,
+        streams.wrench,
+    )
+
+
+def held_means(stream: Stream, edges: Array) -> Array:
+    """
+    Return the mean of values that are held until the next, between one edge and the next.
+
+    Parameters
+    ----------
+    stream : Stream
+        The values; 0 before the first.
+    edges : ndarray, shape (n + 1,)
+        Rising. [s]
+
+    Returns
+    -------
+    ndarray, shape (n, k)
+        The means.
+
+    """
+    apart = np.diff(stream.time)[:, None] * stream.values[:-1]
+    total = np.vstack([np.zeros((1, stream.values.shape[1])), np.cumsum(apart, axis=0)])
+    newest = np.searchsorted(stream.time, edges, side='right') - 1
+    begun = newest >= 0
+    at = np.where(begun, newest, 0)
+    since = np.where(begun, edges - stream.time[at], 0.0)
+    integral = total[at] + since[:, None] * stream.values[at]
+    means: Array = np.diff(integral, axis=0) / np.diff(edges)[:, None]
+    return means

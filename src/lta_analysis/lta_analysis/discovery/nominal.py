@@ -1,0 +1,139 @@
+"""A vehicle as what the model is built from, so that single numbers of it can be changed."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import final, Self
+
+from lta_analysis.discovery.replay_kernel import (
+    ACTUATOR_LAYOUT,
+    ACTUATOR_PLACES,
+    BODY_LAYOUT,
+    BODY_PLACES,
+    LATENT,
+)
+from lta_sim.craft import LAYOUT
+from lta_sim.effects import EFFECTS, initial_memory
+from lta_sim.layout import Layout
+from lta_sim.measurement import Chain, chains
+from lta_sim.model import Model
+from lta_sim.state import RIGID
+from lta_sim.vehicle import Vehicle
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.uint8]
+Given = Mapping[str, Mapping[str, float]]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """
+    What the compiled replay takes of one set of parameters.
+
+    Attributes
+    ----------
+    actuators, body : ndarray of float64
+        A row of each kernel, all but command, surroundings and motion filled in.
+    actuators_on, body_on : ndarray of uint8
+        The flags of its effects.
+    acting : mapping of str to Chain
+        The measurement effects by channel.
+
+    """
+
+    actuators: Array
+    actuators_on: Flags
+    body: Array
+    body_on: Flags
+    acting: Mapping[str, Chain]
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Nominal:
+    """
+    A vehicle as what `Model.build` takes.
+
+    Attributes
+    ----------
+    given : mapping
+        Parameters by effect and name.
+    mass, displaced : float
+        Of the vehicle and of the displaced air. [kg]
+    cg : ndarray, shape (3,)
+        From the hull centre. [m]
+    inertia : ndarray, shape (3, 3)
+        About the centre of gravity. [kg m2]
+    rotors : tuple of (place, axis)
+        As in `Model.build`.
+
+    """
+
+    given: Given
+    mass: float
+    displaced: float
+    cg: Array
+    inertia: Array
+    rotors: tuple[tuple[Array, Array], ...]
+
+    @classmethod
+    def of(cls, vehicle: Vehicle) -> Self:
+        """Return a vehicle's numbers."""
+        return cls(
+            vehicle.effects(),
+            vehicle.mass,
+            vehicle.displaced,
+            np.asarray(vehicle.cg, dtype=np.float64),
+            np.asarray(vehicle.inertia, dtype=np.float64),
+            tuple((np.array(rotor.place), np.array(rotor.axis)) for rotor in vehicle.rotors),
+        )
+
+    def value(self, effect: str, parameter: str) -> float:
+        """Return a parameter of an effect; its null value where the vehicle does not set it."""
+        null = {known.name: known.null for known in EFFECTS[effect].parameters}[parameter]
+        return float(self.given.get(effect, {}).get(parameter, null))
+
+    def with_value(self, effect: str, parameter: str, value: float) -> 'Nominal':
+        """Return the vehicle with one parameter of an effect replaced."""
+        own = {**self.given.get(effect, {}), parameter: value}
+        return replace(self, given={**self.given, effect: own})
+
+    def model(self) -> Model:
+        """Return what the kernel takes; `BadInput` where no such vehicle can be."""
+        return Model.build(
+            self.given,
+            mass=self.mass,
+            cg=self.cg,
+            inertia=self.inertia,
+            displaced=self.displaced,
+            rotors=self.rotors,
+        )
+
+    def rows(self) -> Rows:
+        """Return what the compiled replay takes; errors as `model`."""
+        model = self.model()
+        actuators = np.zeros(max(part.stop for part in ACTUATOR_PLACES.values()))
+        body = np.zeros(max(part.stop for part in BODY_PLACES.values()))
+        for row, where in ((actuators, ACTUATOR_PLACES), (body, BODY_PLACES)):
+            row[where['body']], row[where['inverse']] = model.body, model.inverse
+        a_on = _taken(model, actuators, ACTUATOR_PLACES, ACTUATOR_LAYOUT)
+        b_on = _taken(model, body, BODY_PLACES, BODY_LAYOUT)
+        return Rows(actuators, a_on, body, b_on, chains(model.given, EFFECTS))
+
+
+def _taken(model: Model, row: Array, where: Mapping[str, slice], layout: Layout) -> Flags:
+    """Copy a model's parameters and initial memory into a row of some effects; return flags."""
+    memory = initial_memory()
+    on = np.ones(len(layout.effects), dtype=np.uint8)
+    for flag, (name, effect) in enumerate(layout.effects.items()):
+        if name == LATENT:
+            continue
+        count, size = len(effect.parameters), layout.remembered(name)
+        to, of = where['parameters'].start + layout.first[name], LAYOUT.first[name]
+        row[to : to + count] = model.parameters[of : of + count]
+        to, of = layout.remembers[name], LAYOUT.remembers[name] - RIGID
+        row[to : to + size] = memory[of : of + size]
+        on[flag] = model.on[LAYOUT.flag(name)]
+    return on

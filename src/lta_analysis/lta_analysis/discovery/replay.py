@@ -1,0 +1,198 @@
+"""One measured flight, replayed through the model: everything that a set of parameters decides."""
+
+from dataclasses import dataclass
+from typing import Final, final
+
+from lta_analysis.discovery.measured import held_means, Measured, PERIOD, Stream
+from lta_analysis.discovery.nominal import Rows
+from lta_analysis.discovery.replay_kernel import actuators, body, BODY_LAYOUT, RIGID
+from lta_analysis.discovery.windows import Windows
+from lta_sim.measurement import read
+from lta_sim.state import ACTUATORS, COMMAND, SURROUNDINGS, VOLTAGE
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+STEPS: Final = 2  # of the integrator in a grid period
+LONGEST: Final = 0.01  # s; of a step of the actuators
+ALL: Final = slice(None)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Ready:
+    """
+    What the body meets in each step of a flight, under one set of parameters.
+
+    Attributes
+    ----------
+    commands : ndarray, shape (T, COMMAND)
+        Mean thrust of each rotor [N], and the place of the moving mass.
+    memory : ndarray, shape (T, M)
+        Of the effects of the body.
+    wrench : ndarray, shape (T, 6)
+        Commanded as such, body frame. [N, N m]
+
+    """
+
+    commands: Array
+    memory: Array
+    wrench: Array
+
+
+@final
+class Replay:
+    """
+    A flight that can be replayed.
+
+    Parameters
+    ----------
+    flight : Measured
+        The flight.
+    cut : Windows
+        Its pieces.
+    still : ndarray, shape (COMMAND,)
+        The command of a vehicle at rest: `Vehicle.command(())`.
+
+    """
+
+    def __init__(self, flight: Measured, cut: Windows, still: Array) -> None:
+        self.flight, self.cut, self._still = flight, cut, still
+        self.dt = PERIOD / STEPS
+        count = (len(flight.time) + cut.length) * STEPS
+        self._steps = flight.time[0] + self.dt * np.arange(count)
+        self.first = cut.first * STEPS
+        self.span = cut.length * STEPS
+        self._around = np.zeros((count, SURROUNDINGS))
+        self._around[:, VOLTAGE] = self._volts(self._steps)
+        orders = flight.commands
+        self._orders = np.zeros((len(orders.time), COMMAND))
+        self._orders[:, : orders.values.shape[1]] = orders.values
+        self._met = np.zeros((len(orders.time), SURROUNDINGS))
+        self._met[:, VOLTAGE] = self._volts(orders.time)
+        self._known = self._motion()
+
+    def _volts(self, time: Array) -> Array:
+        """Return the voltage, 0 where nobody knows it."""
+        known = np.isfinite(self.flight.voltage)
+        if not known.any():
+            return np.zeros(len(time))
+        return np.interp(time, self.flight.time[known], self.flight.voltage[known])
+
+    def _motion(self) -> Array:
+        """Return the measured motion by step, at rest where nobody knows: what memories see."""
+        states = np.zeros((len(self._steps), RIGID))
+        states[:, 6] = 1.0
+        good = np.isfinite(self.flight.position).all(axis=1)
+        for k in range(3):
+            values = self.flight.position[good, k]
+            states[:, k] = np.interp(self._steps, self.flight.time[good], values)
+        return states
+
+    def _wrench(self, rows: Rows) -> Array:
+        """Return the mean commanded wrench in each step, after any delay."""
+        told = self.flight.wrench
+        if told is None:
+            return np.zeros((len(self._steps), 6))
+        late = Stream(told.time + _delay(rows), told.values)
+        return held_means(late, np.append(self._steps, self._steps[-1] + self.dt))
+
+    def _forced(self, ready: Ready, latent: Array, which: slice) -> Array:
+        """Return the wrench in each step of some pieces: latent, and commanded as such."""
+        steps = self.first[which, None] + np.arange(self.span)
+        return np.ascontiguousarray(latent + ready.wrench[steps])
+
+    def thrusts(self, rows: Rows) -> Array:
+        """Return the mean thrust of each rotor in each step. [N]"""
+        out = np.zeros((len(self._steps), ACTUATORS))
+        actuators().chain(
+            rows.actuators.copy(), rows.actuators_on, self.flight.commands.time + _delay(rows),
+            self._orders, self._met, float(self._steps[0]), self.dt, LONGEST, out,
+        )  # fmt: skip
+        return out
+
+    def ready(self, rows: Rows, before: Ready | None = None) -> Ready:
+        """
+        Return what the body meets.
+
+        Parameters
+        ----------
+        rows : Rows
+            The parameters.
+        before : Ready, optional
+            Of a set with the same actuators, which need not be run again.
+
+        """
+        if before is None:
+            commands = np.tile(self._still, (len(self._steps), 1))
+            commands[:, :ACTUATORS] = self.thrusts(rows)
+            wrench = self._wrench(rows)
+        else:
+            commands, wrench = before.commands, before.wrench
+        memory = np.zeros((len(self._steps), BODY_LAYOUT.size - RIGID))
+        body().remember(
+            rows.body.copy(), rows.body_on, self._known, commands, self._around, self.dt, memory
+        )
+        return Ready(commands, memory, wrench)
+
+    def fly(
+        self, rows: Rows, ready: Ready, start: Array, latent: Array, which: slice = ALL
+    ) -> Array:
+        """
+        Integrate each piece.
+
+        Parameters
+        ----------
+        rows, ready : Rows, Ready
+            The parameters, and what the body meets under them.
+        start : ndarray, shape (S, 13)
+            States at the beginnings.
+        latent : ndarray, shape (S, span, 6)
+            Force and moment that nothing explains, body frame. [N, N m]
+        which : slice
+            Of the pieces: those that the arrays are about.
+
+        Returns
+        -------
+        ndarray, shape (S, span + 1, 13)
+            States at each step.
+
+        """
+        out = np.zeros((len(start), self.span + 1, RIGID))
+        body().fly(
+            rows.body.copy(), rows.body_on, self.first[which], start, ready.commands, self._around,
+            ready.memory, self._forced(ready, latent, which), self.dt, out,
+        )  # fmt: skip
+        return out
+
+    def slopes(
+        self, rows: Rows, ready: Ready, states: Array, latent: Array, which: slice = ALL
+    ) -> Array:
+        """
+        Return rates at given states.
+
+        Parameters
+        ----------
+        rows, ready, latent, which
+            As for `fly`.
+        states : ndarray, shape (S, span, 13)
+            One in each step.
+
+        Returns
+        -------
+        ndarray, shape (S, span, 9)
+            d/dt of position, body velocity and body rates.
+
+        """
+        out = np.zeros((len(states), self.span, 9))
+        body().slopes(
+            rows.body.copy(), rows.body_on, self.first[which], states, ready.commands,
+            self._around, ready.memory, self._forced(ready, latent, which), out,
+        )  # fmt: skip
+        return out
+
+
+def _delay(rows: Rows) -> float:
+    """Return how late a command is obeyed. [s]"""
+    return float(-read(rows.acting['command_time'], (0.0,), 0.0)[0])

@@ -1,0 +1,115 @@
+"""What a recording has of a flight, out of its channels, for the model to be held against."""
+
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+from lta_analysis.bag.channels import Channel
+from lta_analysis.discovery.measured import Stream, Streams
+from lta_config.errors import BadInput
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+Array = NDArray[np.float64]
+
+TRACKERS: Final = ('ground_truth/odom', 'ground_truth/pose', 'pose', 'mocap/pose', 'vrpn/pose')
+NO_TRACKER: Final = ('odom', 'setpoint', 'light', 'estimate')  # poses that nobody measured
+POSITION: Final = 'position.x'
+COMMAND: Final = 'motors/effort.'
+WRENCH: Final = tuple(
+    f'wrench_command/wrench.{kind}.{axis}' for kind in ('force', 'torque') for axis in 'xyz'
+)
+SENSORS: Final[dict[str, tuple[str, ...]]] = {
+    'rates': tuple(f'imu/angular_velocity.{axis}' for axis in 'xyz'),
+    'force': tuple(f'imu/linear_acceleration.{axis}' for axis in 'xyz'),
+    'range': ('range/range',),
+    'pressure': ('pressure/fluid_pressure',),
+    'voltage': ('battery/voltage',),
+}
+
+
+def _joined(channels: Sequence[Channel]) -> Stream:
+    """Return channels of one topic side by side, in the order of time, no instant twice."""
+    time = channels[0].time
+    if any(len(channel.time) != len(time) for channel in channels):
+        raise BadInput(
+            f"The channels of '{channels[0].topic}' are not equally long; record the topic again."
+        )
+    _, first = np.unique(time, return_index=True)
+    return Stream(time[first], np.column_stack([channel.values for channel in channels])[first])
+
+
+def tracker(channels: Mapping[str, Channel]) -> str:
+    """
+    Return where the channels of the tracked pose begin: 'ground_truth/odom/pose.pose.'.
+
+    Raises
+    ------
+    BadInput
+        If no pose was recorded that somebody measured.
+
+    """
+    known = [
+        name.removesuffix(POSITION)
+        for name in channels
+        if name.endswith(POSITION) and f'{name.removesuffix(POSITION)}orientation.yaw' in channels
+    ]
+    free = [name for name in known if not name.startswith(NO_TRACKER)]
+    for topic in TRACKERS:
+        for name in free:
+            if name.startswith(f'{topic}/'):
+                return name
+    if free:
+        return free[0]
+    raise BadInput(
+        'The recording has no pose from a tracker (ground_truth/odom, pose); '
+        'without one no model can be held against it.'
+    )
+
+
+def streams_of(
+    channels: Mapping[str, Channel], rotors: Sequence[str], floor: float = -np.inf
+) -> Streams:
+    """
+    Return what a recording has of a flight.
+
+    Parameters
+    ----------
+    channels : mapping of str to Channel
+        Of `lta_analysis.bag.channels.all_channels`.
+    rotors : sequence of str
+        Names of the actuators in the order of the vehicle file.
+    floor : float
+        Height of the hull centre below which the vehicle may touch the floor. [m]
+
+    Raises
+    ------
+    BadInput
+        If there is no tracked pose, or neither a command of each rotor nor a commanded wrench.
+
+    """
+    start = tracker(channels)
+    parts = [f'{start}position.{axis}' for axis in 'xyz']
+    turns = [f'{start}orientation.{angle}' for angle in ('yaw', 'pitch', 'roll')]
+    told = _joined([channels[name] for name in (*parts, *turns)])
+    known = np.asarray(np.isfinite(told.values).all(axis=1))
+    quaternion = np.full((len(told.time), 4), np.nan)
+    quaternion[known] = Rotation.from_euler('ZYX', told.values[known, 3:]).as_quat()
+    wrench = _joined([channels[name] for name in WRENCH]) if WRENCH[0] in channels else None
+    missing = [name for name in rotors if f'{COMMAND}{name}' not in channels]
+    if missing and wrench is None:
+        raise BadInput(
+            f"The recording has no command of {', '.join(missing)} in 'motors'; "
+            f'the vehicle file has the rotors {", ".join(rotors)}.'
+        )
+    if missing:
+        commands = Stream(told.time[:1], np.zeros((1, len(rotors))))
+    else:
+        commands = _joined([channels[f'{COMMAND}{name}'] for name in rotors])
+    others = {
+        sensor: _joined([channels[name] for name in names])
+        for sensor, names in SENSORS.items()
+        if all(name in channels for name in names)
+    }
+    pose = Stream(told.time, np.column_stack([told.values[:, :3], quaternion]))
+    return Streams(pose, commands, others, floor, wrench)

@@ -1,0 +1,67 @@
+"""Hidden effects get their names from two flights, and clean flights get none."""
+
+from lta_analysis.discovery.accept import Trial
+from lta_analysis.discovery.evidence import tolerances
+from lta_analysis.discovery.fit import fit
+from lta_analysis.discovery.gap import where
+from lta_analysis.discovery.knobs import Knob
+from lta_analysis.discovery.linear import origin
+from lta_analysis.discovery.naming import Named, Naming
+from lta_analysis.discovery.nominal import Nominal
+import pytest
+
+from .hidden_cases import CASES, Changes, off_by_tolerance
+from .hidden_flight import flown, prepared
+
+Known = tuple[Nominal, list[Knob]]
+LENGTH = 40.0  # s
+HIDDEN = {'linear_drag.surge': 0.03, 'cg_offset.x': 0.006, 'command_delay.delay': 0.045}
+
+
+def _named(known: Known, changes: Changes, seed: int) -> Named:
+    nominal, knobs = known
+    pair = (
+        prepared(flown(changes, seed, LENGTH), knobs),
+        prepared(flown(changes, seed + 1, LENGTH), knobs),
+    )
+    return Naming(nominal, pair).run()
+
+
+@pytest.mark.parametrize('name', HIDDEN)
+def test_a_hidden_effect_is_named_and_nothing_else(gtmab: Known, name: str) -> None:
+    expected, found = HIDDEN[name], _named(gtmab, CASES[name], 40)
+    assert found.names == (name,)
+    assert found.steps[0].tied == ()
+    k = found.fits[0].linear.names.index(name)
+    for one in found.fits:
+        spread = one.fitted.covariance[k, k] ** 0.5
+        assert abs(one.fitted.mean[k] - expected) < 4.0 * spread + 0.005 * expected
+
+
+def test_a_vehicle_within_its_tolerances_names_nothing(gtmab: Known) -> None:
+    found = _named(gtmab, off_by_tolerance(3), 60)
+    assert found.names == ()
+    assert all(not trial.accepted for step in found.steps for trial in step.trials)
+
+
+def test_the_gap_goes_from_nominal_over_tuned_to_named(gtmab: Known) -> None:
+    nominal, knobs = gtmab
+    flight = prepared(flown(CASES['linear_drag.surge'], 70, LENGTH), knobs)
+    start = origin(nominal, knobs, len(flight.replay.first))
+    before = where(flight, start)
+    tuned, named = (
+        where(flight, fit(flight, nominal, tolerances(knobs, names), start).linear.point)
+        for names in ((), ('linear_drag.surge',))
+    )
+    far = 'position', 5.0
+    errors = [found.model[far].mean for found in (before, tuned, named)]
+    assert errors[0] > 1.5 * errors[1] > 2.25 * errors[2]
+    assert before.coast[far].mean > 5.0 * before.model[far].mean
+    assert before.noise['position'] == pytest.approx(1e-3 * 3**0.5, rel=0.1)
+
+
+def test_one_flight_alone_names_nothing() -> None:
+    assert Trial('a', 60.0, 30.0, 20.0, 1.0, 0.2).accepted
+    assert not Trial('a', 60.0, -4.0, -6.0, 1.0, 0.2).accepted
+    assert not Trial('a', 60.0, 30.0, 20.0, 7.0, 0.3).accepted  # two different values
+    assert not Trial('a', 4.0, 4.0, 3.0, 0.0, 0.0).accepted
