@@ -1,0 +1,214 @@
+"""
+What a study says, as plain data: the JSON, the page and the learned vehicle file derive from it.
+
+Nothing here is computed, and nothing here knows arrays of a flight.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Final, final, Literal, NamedTuple
+
+from lta_analysis.discovery.unexplained import Remainder
+
+Verdict = Literal['none', 'named', 'unexplained', 'named+unexplained', 'not_identifiable']
+Interval = tuple[float, float]
+
+SCHEMA: Final = 1  # of discovery.json
+
+
+@final
+class Learned(NamedTuple):
+    """
+    One parameter of an effect.
+
+    Attributes
+    ----------
+    name : str
+        Within the effect.
+    unit : str
+        SI; '1' for a pure number.
+    before : float
+        What the vehicle file had; the null value where the effect was off.
+    value : float
+        Most probable, by all flights that taught and confirmed it.
+    ci95 : pair of float
+        95 % interval.
+
+    """
+
+    name: str
+    unit: str
+    before: float
+    value: float
+    ci95: Interval
+
+
+@final
+class Rung(NamedTuple):
+    """
+    One candidate of one round of the ladder of evidence.
+
+    Attributes
+    ----------
+    knob : str
+        What was tried: 'linear_drag.surge', or a generic rival.
+    train, confirm, carried : float
+        Log evidence won on the training flights; on the confirming ones by themselves; and on
+        those under what the training flights taught. [nats]
+    apart : float
+        Difference of the two values, in deviations.
+    accepted : bool
+        Whether it earned its name.
+
+    """
+
+    knob: str
+    train: float
+    confirm: float
+    carried: float
+    apart: float
+    accepted: bool
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class NamedEffect:
+    """
+    An effect that was found missing.
+
+    Attributes
+    ----------
+    name : str
+        Of the registry.
+    knobs : tuple of str
+        Those of its directions that were named, in the order in which they were.
+    parameters : tuple of Learned
+        Of it.
+    log_evidence : float
+        What removing it would cost on all flights that taught and confirmed it. [nats]
+    confusable_with : tuple of str
+        Knobs that these flights cannot tell from it.
+
+    """
+
+    name: str
+    knobs: tuple[str, ...]
+    parameters: tuple[Learned, ...]
+    log_evidence: float
+    confusable_with: tuple[str, ...] = ()
+
+
+@final
+class Place(NamedTuple):
+    """
+    Where and when the model of the vehicle file disagrees.
+
+    Attributes
+    ----------
+    flight : str
+        Name of the bag.
+    channel : str
+        Of CHANNELS, or an axis of the wrench: 'surge' to 'yaw'.
+    from_s, to_s : float
+        Since the start of the flight. [s]
+    condition : str
+        'always', 'airspeed above 0.4 m/s', 'after 43 s': what tells this from the rest.
+    ratio_to_noise : float
+        Root mean square there by that of the noise (a channel) or the floor (an axis).
+
+    """
+
+    flight: str
+    channel: str
+    from_s: float
+    to_s: float
+    condition: str
+    ratio_to_noise: float
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Gap:
+    """
+    How far predictions are off, one channel at one horizon.
+
+    Attributes
+    ----------
+    channel : str
+        'position' or 'attitude', or one of CHANNELS.
+    unit : str
+        Of the errors.
+    horizon_s : float
+        How long before the model saw the flight last. [s]
+    before, tuned, after, coast, noise_floor : float
+        Root mean square: the vehicle file; its tolerances fitted without any effect; with the
+        named effects; body velocity and rates kept; of the measurement itself.
+    shrink : float
+        1 - after / before.
+    shrink_ci95 : pair of float
+        By bootstrap over pieces.
+    pieces : int
+        How many predictions there were.
+
+    """
+
+    channel: str
+    unit: str
+    horizon_s: float
+    before: float
+    tuned: float
+    after: float
+    coast: float
+    noise_floor: float
+    shrink: float
+    shrink_ci95: Interval
+    pieces: int
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """
+    All that was found.
+
+    Attributes
+    ----------
+    verdict : str
+        'none', 'named', 'unexplained', 'named+unexplained' or 'not_identifiable'.
+    effects : tuple of NamedEffect
+        The strongest first.
+    ladder : tuple of tuple of Rung
+        Round by round, the best candidate first.
+    where : tuple of Place
+        The largest first.
+    gaps : tuple of Gap
+        Of the held-out flights where there are any.
+    held_out : bool
+        Whether the gaps are of flights that nothing was fitted to.
+    remains : tuple of Remainder
+        What no effect of the library explains, the largest first.
+    warnings : tuple of str
+        One sentence each: what the data allow less than one might think.
+    seed : int
+        Of the bootstrap.
+    bags : mapping of role to names
+        'train', 'confirm', 'holdout'.
+    vehicle : str
+        Name of the vehicle file.
+    versions : mapping of str to str
+        Of the program, its commit, the registry of effects.
+
+    """
+
+    verdict: Verdict
+    effects: tuple[NamedEffect, ...]
+    ladder: tuple[tuple[Rung, ...], ...]
+    where: tuple[Place, ...]
+    gaps: tuple[Gap, ...]
+    held_out: bool
+    remains: tuple[Remainder, ...]
+    warnings: tuple[str, ...]
+    seed: int
+    bags: Mapping[str, tuple[str, ...]]
+    vehicle: str
+    versions: Mapping[str, str] = field(default_factory=dict)
