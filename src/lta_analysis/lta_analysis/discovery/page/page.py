@@ -96,31 +96,17 @@ def page(study: Study, folder: Path) -> str:
         tiles='\n'.join(tile_html(*each) for each in tiles(found)),
         effects=tables.effects(found),
         gaps=tables.gaps(found),
-        held=escape(held_words(found)),
         where=where(found, flights),
         places=tables.places(found),
         ladder=tables.ladder(found),
         overlays=overlays(names, drawn),
         white=white(flights),
         remains=remains(study),
+        seen=tables.detectable(found),
         warnings=tables.warned(found),
         facts=facts(found),
         commands=commands(found, folder),
         **colours,
-    )
-
-
-def held_words(found: Finding) -> str:
-    """Return what the errors are of."""
-    whose = (
-        f'on {listed(found.bags.get("holdout", ()))}, to which nothing was fitted'
-        if found.held_out
-        else 'on flights that had a say in what was found'
-    )
-    return (
-        f'Root mean square {whose}. Tuned: tolerances of the file fitted, without any effect. '
-        'Coast: velocity and rates kept, commands ignored. Shaded: the noise of the measurement, '
-        'the least that any model can be off by. Intervals by bootstrap over pieces.'
     )
 
 
@@ -151,7 +137,10 @@ def overlays(names: Sequence[str], drawn: Sequence[Overlay]) -> str:
         f'{choice}<div class="grid">'
         + section('above', 'Before and after, from above', ABOVE, pictures.path(first))
         + section(
-            'overtime', 'Before and after, over time', OVER, pictures.over_time(first),
+            'overtime',
+            'Before and after, over time',
+            OVER,
+            pictures.over_time(first),
             timed=True,
         )
         + '</div>'
@@ -192,7 +181,9 @@ def white(flights: Sequence[Seen]) -> str:
     for level in (-band, band):
         pictures.levelled(correlated, level)
     by_frequency = pictures.lines(powers, titles, 'frequency', 'Hz')
-    by_frequency.update_xaxes(type='log', tickvals=[0.2, 0.5, 1, 2, 5, 10]).update_yaxes(type='log', exponentformat='power', dtick=1)
+    by_frequency.update_xaxes(type='log', tickvals=[0.2, 0.5, 1, 2, 5, 10]).update_yaxes(
+        type='log', exponentformat='power', dtick=1
+    )
     pictures.levelled(by_frequency, 1.0)
     return section('white', 'Is what is left over noise?', WHITE, correlated) + section(
         'power', 'What is left over, by frequency', POWER, by_frequency
@@ -222,7 +213,9 @@ def _drawn(study: Study) -> str:
         for one in top
     ]
     titles = [f'{one.axis} [{size_unit(one)}]' for one in top]
-    names = listed([f'{word} {each.name}' for word, each in zip(('blue', 'orange'), flights, strict=False)])
+    names = listed(
+        [f'{word} {each.name}' for word, each in zip(('blue', 'orange'), flights, strict=False)]
+    )
     made = section(
         'latent', 'The force that nothing explains, over time',
         f'As the flights themselves show it, {names}.',
@@ -250,7 +243,11 @@ def facts(found: Finding) -> Mapping[str, str]:
     roles = {'train': 'learned from', 'confirm': 'confirmed by', 'holdout': 'held out'}
     return {
         'vehicle': found.vehicle,
-        **{words: listed(found.bags[role]) for role, words in roles.items() if found.bags.get(role)},
+        **{
+            words: listed(found.bags[role])
+            for role, words in roles.items()
+            if found.bags.get(role)
+        },
         'seed': str(found.seed),
         **found.versions,
     }

@@ -8,7 +8,17 @@ from lta_analysis.discovery.measured import CHANNELS
 from lta_analysis.discovery.page.replayed import NAMES, ratio
 from lta_analysis.discovery.page.told import conditions, Overlay, Seen
 from lta_analysis.report.drawing import blank, extent
-from lta_analysis.report.palette import ESTIMATE, GRID, HEAT, INK, SETPOINT, SOFT, TRUTH, WALL, scale
+from lta_analysis.report.palette import (
+    ESTIMATE,
+    GRID,
+    HEAT,
+    INK,
+    scale,
+    SETPOINT,
+    SOFT,
+    TRUTH,
+    WALL,
+)
 import numpy as np
 from numpy.typing import NDArray
 from plotly.graph_objects import Figure, Heatmap, Scatter
@@ -162,7 +172,9 @@ def path(of: Overlay) -> Figure:
 def over_time(of: Overlay) -> Figure:
     """Return height and heading over time."""
     figure = blank(3)
-    for row, (column, title) in enumerate(((2, 'height [m]'), (3, 'heading [\N{DEGREE SIGN}]')), 1):
+    for row, (column, title) in enumerate(
+        ((2, 'height [m]'), (3, 'heading [\N{DEGREE SIGN}]')), 1
+    ):
         for (name, colour, width), line in zip(LINES, of.lines, strict=True):
             figure.add_trace(
                 Scatter(
@@ -172,7 +184,9 @@ def over_time(of: Overlay) -> Figure:
                 ),
                 row=row, col=1,
             )  # fmt: skip
-        figure.update_yaxes(title_text=title, range=extent(*(x[:, column] for x in of.lines)), row=row)
+        figure.update_yaxes(
+            title_text=title, range=extent(*(x[:, column] for x in of.lines)), row=row
+        )
     figure.update_xaxes(hoverformat='.2f', unifiedhovertitle_text='%{x} s')
     for name, colour, away in apart(of):
         figure.add_trace(

@@ -6,6 +6,7 @@ import math
 from typing import Final
 
 from lta_analysis.discovery.accept import GAIN
+from lta_analysis.discovery.detectable import SIGMA
 from lta_analysis.discovery.finding import Finding, Gap, Learned, NamedEffect, Place, Rung
 from lta_analysis.discovery.page import strips
 from lta_analysis.discovery.page.replayed import NAMES
@@ -27,7 +28,12 @@ from lta_analysis.discovery.page.words import (
 from lta_analysis.discovery.unexplained import Remainder
 
 Row = Sequence[str]
-SIGMA: Final = 5  # of what could have been seen
+BLIND: Final = ' class="blind"'
+KEY: Final = (
+    '<p class="note"><i class="key before"></i>before <i class="key tuned"></i>tuned '
+    '<i class="key after"></i>after <i class="key coast"></i>coast '
+    '<i class="key noise"></i>noise</p>'
+)
 
 
 def table(heads: Row, rows: Sequence[Row], name: str, caption: str) -> str:
@@ -62,7 +68,7 @@ def effects(found: Finding) -> str:
     """Return what is missing, effect by effect; what it would have taken where nothing is."""
     if found.effects:
         return ''.join(map(_effect, found.effects))
-    return f'<p class="calm">{escape(_nothing(found))}</p>{detectable(found)}'
+    return f'<p class="calm">{escape(_nothing(found))}</p>'
 
 
 def _nothing(found: Finding) -> str:
@@ -73,7 +79,7 @@ def _nothing(found: Finding) -> str:
         'No candidate looked worth a refit.'
         if best is None
         else f'The best candidate was {spoken(best.knob)}, with {figure(total(best))} nats where '
-        f'{GAIN:g} make a name: {because(best)}.'
+        f'{GAIN:g} make a name{"" if best.accepted else f": {because(best, beaten=False)}"}.'
     )
     said = {
         'none': 'The vehicle file explains these flights to within its own tolerances and the '
@@ -89,21 +95,23 @@ def _nothing(found: Finding) -> str:
 
 
 def detectable(found: Finding) -> str:
-    """Return how small an effect could have been seen, the clearest first."""
+    """Return how small an effect could have been seen, the clearest first; '' if nobody asked."""
     if not found.detectable:
         return ''
-    rows = [
-        (escape(spoken(one.knob)), escape(with_unit(figure(one.size, 2), one.unit)),
-         escape(figure(one.size / one.typical, 2)) if one.typical > 0.0 else '')
-        for one in sorted(found.detectable, key=lambda one: one.size / (one.typical or math.inf))
-    ]  # fmt: skip
-    inside = table(
-        ('effect', f'seen from ({SIGMA} sigma)', 'by its typical size'), rows, 'plain',
-        'Smallest effects that these flights could have shown',
-    )  # fmt: skip
+    ordered = sorted(found.detectable, key=lambda one: one.size / (one.typical or math.inf))
+    clear = sum(one.size < one.typical for one in ordered)
+    rows = ''.join(
+        f'<li{"" if one.size < one.typical else BLIND}><span>{escape(spoken(one.knob))}</span> '
+        f'<b>{escape(with_unit(figure(one.size, 2), one.unit))}</b></li>'
+        for one in ordered
+    )
     return (
-        f'<details open><summary>How small an effect could have been seen</summary>{inside}'
-        '</details>'
+        '<section class="panel section" aria-labelledby="title-seen">'
+        '<h2 id="title-seen">How small an effect could have been seen</h2>'
+        f'<p class="note">From this size on it would have stood out by {SIGMA:g} deviations, the '
+        f'tolerances of the file among them. {clear} of {len(ordered)} would have been seen below '
+        'their typical size; the others (in italics) only if they were larger than usual.</p>'
+        f'<ul class="seen">{rows}</ul></section>'
     )
 
 
@@ -148,12 +156,12 @@ def ladder(found: Finding) -> str:
         words = f'{spoken(named.knob)} is named' if named else 'nothing is confirmed'
         out.append(f'<h3>Round {k}: {escape(words)}</h3>')
         heads = ('candidate', 'evidence', 'train', 'confirm', 'carried', 'apart', 'because')
-        rows = [_rung(rung, most) for rung in step]
+        rows = [_rung(rung, most, named is not None) for rung in step]
         out.append(table(heads, rows, 'plain ladder', f'Candidates of round {k}'))
     return ''.join(out)
 
 
-def _rung(rung: Rung, most: float) -> Row:
+def _rung(rung: Rung, most: float, beaten: bool) -> Row:
     """Return one candidate."""
     name = escape(spoken(rung.knob))
     return (
@@ -161,15 +169,15 @@ def _rung(rung: Rung, most: float) -> Row:
         strips.stacked(rung.train, max(rung.confirm, rung.carried), GAIN, most),
         *(figure(part) for part in (rung.train, rung.confirm, rung.carried)),
         figure(rung.apart, 2),
-        because(rung),
+        because(rung, beaten),
     )
 
 
 def gaps(found: Finding) -> str:
     """Return the errors of all models, channel by channel and horizon by horizon."""
     if not found.gaps:
-        return '<p class="absent">There was no flight to show the gap on.</p>'
-    out = []
+        return '<p class="note">There was no flight to show the gap on.</p>'
+    out = [KEY]
     for channel in dict.fromkeys(gap.channel for gap in found.gaps):
         of = [gap for gap in found.gaps if gap.channel == channel]
         low, high = scale(of)
@@ -181,7 +189,21 @@ def gaps(found: Finding) -> str:
         title = NAMES.get(channel, channel)
         out.append(f'<h3>{escape(title.capitalize())}</h3>')
         out.append(table(heads, rows, 'plain gaps', f'Errors of {title}'))
-    return ''.join(out)
+    return f'{"".join(out)}<p class="note">{escape(_errors_of(found))}</p>'
+
+
+def _errors_of(found: Finding) -> str:
+    """Return what the errors are of."""
+    whose = (
+        f'on {listed(found.bags.get("holdout", ()))}, to which nothing was fitted'
+        if found.held_out
+        else 'on flights that had a say in what was found'
+    )
+    return (
+        f'Root mean square {whose}. Tuned: tolerances of the file fitted, without any effect. '
+        'Coast: velocity and rates kept, commands ignored. Shaded: the noise of the measurement, '
+        'the least that any model can be off by. Intervals by bootstrap over pieces.'
+    )
 
 
 def scale(of: Sequence[Gap]) -> tuple[float, float]:

@@ -86,9 +86,8 @@ def overlay(one: Seen, flights: int = 1) -> Overlay:
     stride = max(5, int(np.ceil(count * flights / SAMPLES)))
     keep = np.arange(0, count, stride)
     truth = np.column_stack([measured.position, _unwound(heading_of(measured.quaternion))])
-    lines = [truth]
-    for model in (one.before, one.after):
-        lines.append(_joined(one.flown.flight, model, truth, stride))
+    models = (one.before, one.after)
+    lines = [truth, *(_joined(one.flown.flight, model, truth, stride) for model in models)]
     a, b, c = (line[keep] * np.array([1.0, 1.0, 1.0, np.degrees(1.0)]) for line in lines)
     return Overlay(float(measured.time[0]), stride * PERIOD, (a, b, c))
 
