@@ -1,4 +1,5 @@
-"""When something changed for good: a rotor that fails, a payload that drops.
+"""
+When something changed for good: a rotor that fails, a payload that drops.
 
 Before and after, a series is taken for noise about a mean; where splitting it so makes it most
 probable is the candidate. How much that gains by chance, in a series as unquiet as this one, is

@@ -6,7 +6,6 @@ from typing import Final
 
 from lta_analysis.discovery.bags import Role
 from lta_analysis.discovery.measured import Measured, PERIOD, WARM_UP
-import numpy as np
 
 Flights = Sequence[tuple[str, Role, Measured]]
 

@@ -115,9 +115,7 @@ def believed(flights: Sequence[Recorded], vehicle: Vehicle) -> Believed:
         )
     cuts: list[Cut] = []
     usable: list[tuple[str, Role, Measured]] = []
-    streams: list[tuple[Recorded, Streams]] = []
-    for one in flights:
-        streams.append((one, _streams(one, vehicle)))
+    streams = [(one, _streams(one, vehicle)) for one in flights]
     _moving([told for one, told in streams if one.role == 'train'])
     for one, told in streams:
         flight, own, words = _judged(one, told)
