@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 CLEAR: Final = 2.0  # times the noise, or floors: what is worth telling
-MOST: Final = 12  # places that are told
+MOST: Final = 24  # places that are told
 AFTER: Final = 1.5  # times as much after a change as before, or the other way round
 EVERY: Final = 25  # points of the grid for one value of a channel: a second
 

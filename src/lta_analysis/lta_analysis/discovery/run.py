@@ -9,7 +9,6 @@ from lta_analysis.discovery.bags import read_bags, Role
 from lta_analysis.discovery.learned_file import learned_text
 from lta_analysis.discovery.overlay import write_overlay
 from lta_analysis.discovery.page.page import write_page
-from lta_analysis.discovery.splitting import with_all_roles
 from lta_analysis.discovery.study import Study, study
 from lta_analysis.discovery.told import NAME, to_dict
 from lta_analysis.discovery.trusted import Believed, believed
@@ -21,7 +20,7 @@ from lta_config.files import find
 from lta_sim.vehicle import load_vehicle, Vehicle
 
 VEHICLE = 'vehicle.yaml'
-Tell = Callable[[str], None]
+Tell = Callable[[str, float | None], None]
 
 
 @final
@@ -91,23 +90,21 @@ def discover(asked: Asked, folder: Path, tell: Tell) -> Discovered:
 
     """
     vehicle = load_vehicle(asked.vehicle)
-    tell('reading the flights')
-    flights = read_bags(asked.bags, asked.robot, lambda name: tell(f'reading {name}'))
-    tell('checking what of them can be believed')
+    flights = read_bags(asked.bags, asked.robot, lambda name: tell(f'reading {name}', None))
+    tell('checking what can be believed', None)
     sound = believed(flights, vehicle)
     found = studied(asked, vehicle, sound, tell)
-    tell('writing what was found')
+    tell('writing what was found', None)
     return written(asked, vehicle, found, sound, folder)
 
 
 def studied(asked: Asked, vehicle: Vehicle, sound: Believed, tell: Tell) -> Study:
     """Return the study of flights that can be used, with what is to be said of them."""
-    flights, words = with_all_roles(sound.flights)
-    found = study(vehicle, flights, asked.seed, tell)
+    found = study(vehicle, sound.flights, asked.seed, tell)
     finding = replace(
         found.finding,
         vehicle=asked.vehicle,
-        warnings=(*sound.warnings, *words, *found.finding.warnings),
+        warnings=(*sound.warnings, *found.finding.warnings),
         versions={**here(), **found.finding.versions},
     )
     return replace(found, finding=finding)

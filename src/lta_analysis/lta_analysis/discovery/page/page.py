@@ -207,7 +207,9 @@ def _drawn(study: Study) -> str:
         for one in top
     ]
     titles = [f'{one.axis} [{size_unit(one)}]' for one in top]
-    names = listed([f'{word} {each.name}' for word, each in zip(('blue', 'orange'), flights, strict=False)])
+    names = listed(
+        [f'{word} {each.name}' for word, each in zip(('blue', 'orange'), flights, strict=False)]
+    )
     made = section(
         'latent', 'The force that nothing explains, over time',
         f'As the flights themselves show it, {names}.',
@@ -235,7 +237,11 @@ def facts(found: Finding) -> Mapping[str, str]:
     roles = {'train': 'learned from', 'confirm': 'confirmed by', 'holdout': 'held out'}
     return {
         'vehicle': found.vehicle,
-        **{words: listed(found.bags[role]) for role, words in roles.items() if found.bags.get(role)},
+        **{
+            words: listed(found.bags[role])
+            for role, words in roles.items()
+            if found.bags.get(role)
+        },
         'seed': str(found.seed),
         **found.versions,
     }

@@ -8,7 +8,17 @@ from lta_analysis.discovery.measured import CHANNELS
 from lta_analysis.discovery.page.replayed import NAMES, ratio
 from lta_analysis.discovery.page.told import conditions, Overlay, Seen
 from lta_analysis.report.drawing import blank, extent
-from lta_analysis.report.palette import ESTIMATE, GRID, HEAT, INK, SETPOINT, SOFT, TRUTH, WALL, scale
+from lta_analysis.report.palette import (
+    ESTIMATE,
+    GRID,
+    HEAT,
+    INK,
+    SETPOINT,
+    SOFT,
+    TRUTH,
+    WALL,
+    scale,
+)
 import numpy as np
 from numpy.typing import NDArray
 from plotly.graph_objects import Figure, Heatmap, Scatter
@@ -29,7 +39,9 @@ def heat(flights: Sequence[Seen], places: Sequence[Place]) -> Figure:
     names = [NAMES[CHANNELS[k]] for k in known]
     begun = np.concatenate([one.before.time[:, 0] for one in flights])
     owner = [one.flown.name for one in flights for _ in one.before.time]
-    hover = [[f'{name}, {begin:.0f} s' for name, begin in zip(owner, begun, strict=True)]] * len(names)
+    hover = [[f'{name}, {begin:.0f} s' for name, begin in zip(owner, begun, strict=True)]] * len(
+        names
+    )
     for row, values in enumerate(tables, 1):
         shown = values[:, known].T
         figure.add_trace(
@@ -151,7 +163,9 @@ def path(of: Overlay) -> Figure:
 def over_time(of: Overlay) -> Figure:
     """Return height and heading over time."""
     figure = blank(2)
-    for row, (column, title) in enumerate(((2, 'height [m]'), (3, 'heading [\N{DEGREE SIGN}]')), 1):
+    for row, (column, title) in enumerate(
+        ((2, 'height [m]'), (3, 'heading [\N{DEGREE SIGN}]')), 1
+    ):
         for (name, colour, width), line in zip(LINES, of.lines, strict=True):
             figure.add_trace(
                 Scatter(
@@ -161,7 +175,9 @@ def over_time(of: Overlay) -> Figure:
                 ),
                 row=row, col=1,
             )  # fmt: skip
-        figure.update_yaxes(title_text=title, range=extent(*(x[:, column] for x in of.lines)), row=row)
+        figure.update_yaxes(
+            title_text=title, range=extent(*(x[:, column] for x in of.lines)), row=row
+        )
     figure.update_xaxes(hoverformat='.2f', unifiedhovertitle_text='%{x} s')
     figure.update_xaxes(title_text='time [s]', row=2)
     return figure.update_layout(margin={'r': 20})

@@ -118,7 +118,9 @@ def headline(found: Finding) -> str:
     if found.verdict == 'not_identifiable':
         if not found.effects:
             return 'These flights cannot tell what, if anything, is missing.'
-        alike = dict.fromkeys(spoken(knob) for one in found.effects for knob in one.confusable_with)
+        alike = dict.fromkeys(
+            spoken(knob) for one in found.effects for knob in one.confusable_with
+        )
         return f'These flights cannot tell {listed([names, *alike], "from")}.'
     if found.verdict == 'unexplained':
         return f'Something is missing that is in no library: {rest}.'
