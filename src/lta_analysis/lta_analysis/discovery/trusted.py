@@ -126,7 +126,7 @@ def believed(flights: Sequence[Recorded], vehicle: Vehicle) -> Believed:
             warnings.append(f'{one.name}: only {seconds:.0f} s can be used; it is left out.')
         else:
             usable.append((one.name, one.role, flight))
-    _enough(flights, usable, warnings)
+    _enough(flights, usable, cuts)
     return Believed(tuple(usable), tuple(cuts), tuple(warnings))
 
 
@@ -277,14 +277,17 @@ def _seconds(flight: Measured) -> float:
 def _enough(
     flights: Sequence[Recorded],
     usable: Sequence[tuple[str, Role, Measured]],
-    warnings: Sequence[str],
+    cuts: Sequence[Cut],
 ) -> None:
     """Refuse where too little is left of a role that was asked for."""
     for role in dict.fromkeys(one.role for one in flights):
         seconds = sum(_seconds(flight) for _, own, flight in usable if own == role)
         if seconds == 0.0 or (role == 'train' and seconds < LEAST):
-            told = ' '.join(warnings[:3])
+            names = [one.name for one in flights if one.role == role]
+            why = dict.fromkeys(
+                f'{c.flight}: {c.channel}: {c.reason}' for c in cuts if c.flight in names
+            )
             raise BadInput(
                 f'Only {seconds:.0f} s of the flights to {role} can be used, which decides '
-                f'nothing; record more. {told}'.rstrip()
+                f'nothing; record more. {" ".join(list(why)[:2])}'.rstrip()
             )
