@@ -13,7 +13,7 @@ from typing import Final, final
 
 from lta_analysis.discovery.change_point import change
 from lta_analysis.discovery.conditions import conditions_of, largest
-from lta_analysis.discovery.evidence import FLOOR
+from lta_analysis.discovery.evidence import floor_of
 from lta_analysis.discovery.finding import Place
 from lta_analysis.discovery.fit import Fit
 from lta_analysis.discovery.linear import KNOTS, Point
@@ -145,7 +145,7 @@ def _forces(one: Seen) -> list[Quantity]:
     at = np.rint(np.linspace(0, length - 1, KNOTS)).astype(np.int64)
     inside = one.flight.replay.cut.inside[:, at].reshape(-1)
     index = one.flight.index[:, at].reshape(-1)[inside]
-    knots = knots_of(one.fit)[inside] / FLOOR
+    knots = knots_of(one.fit)[inside] / floor_of(one.before.nominal)
     return [Quantity(axis, knots[:, k], index, KNOTS) for k, axis in enumerate(AXES)]
 
 

@@ -7,8 +7,10 @@ from typing import final
 
 from lta_analysis.discovery.bags import read_bags, Role
 from lta_analysis.discovery.learned_file import learned_text
+from lta_analysis.discovery.linear import origin
 from lta_analysis.discovery.overlay import write_overlay
 from lta_analysis.discovery.page.page import write_page
+from lta_analysis.discovery.places import places, Seen
 from lta_analysis.discovery.study import Study, study
 from lta_analysis.discovery.told import NAME, to_dict
 from lta_analysis.discovery.trusted import Believed, believed
@@ -103,11 +105,23 @@ def studied(asked: Asked, vehicle: Vehicle, sound: Believed, tell: Tell) -> Stud
     found = study(vehicle, sound.flights, asked.seed, tell)
     finding = replace(
         found.finding,
+        where=places(_seen(found, sound), asked.seed),
         vehicle=asked.vehicle,
         warnings=(*sound.warnings, *found.finding.warnings),
         versions={**here(), **found.finding.versions},
     )
     return replace(found, finding=finding)
+
+
+def _seen(found: Study, sound: Believed) -> list[Seen]:
+    """Return the flights that taught and confirmed as the model of the vehicle file sees them."""
+    taught = [one for role in ('train', 'confirm') for one in found.flights if one.role == role]
+    out = []
+    for one, fit in zip(taught, found.bare, strict=True):
+        pieces = len(one.flight.replay.first)
+        before = origin(found.nominal, one.flight.knobs, pieces)
+        out.append(Seen(one.name, one.flight, before, fit, sound.light.get(one.name)))
+    return out
 
 
 def written(
