@@ -5,14 +5,14 @@ from dataclasses import replace
 
 from lta_analysis.discovery.evidence import tolerances
 from lta_analysis.discovery.finding import Finding, Gap, Learned, NamedEffect, Place, Rung
-from lta_analysis.discovery.fit import Fit, fit, turned
+from lta_analysis.discovery.fit import fit, Fit, turned
 from lta_analysis.discovery.gap import where
 from lta_analysis.discovery.knobs import Knob
 from lta_analysis.discovery.linear import origin, Point
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.nominal import Nominal
 from lta_analysis.discovery.study import Flown, Shown, Study
-from lta_analysis.discovery.unexplained import Remainder, remaining
+from lta_analysis.discovery.unexplained import remaining, Remainder
 import numpy as np
 
 from .hidden_flight import flown, prepared
@@ -51,9 +51,7 @@ def carried(known: tuple[Nominal, Sequence[Knob]], flight: Linearised, of: Fit) 
 
 def gaps_of(shown: Shown) -> tuple[Gap, ...]:
     """Return the gaps of one flight, as `where` has them."""
-    three = [
-        where(shown.flown.flight, point) for point in (shown.before, shown.tuned, shown.after)
-    ]
+    three = [where(shown.flown.flight, point) for point in (shown.before, shown.tuned, shown.after)]
     out = []
     for (what, horizon), before in three[0].model.items():
         tuned, after = (each.model[what, horizon].mean for each in three[1:])
@@ -88,7 +86,9 @@ def study(
     )
     last = flights[2]
     start = origin(nominal, knobs, len(last.replay.first))
-    shown = Shown(named[2], start, carried(known, last, plain[0]), carried(known, last, fits[0]))
+    shown = Shown(
+        named[2], start, carried(known, last, plain[0]), carried(known, last, fits[0])
+    )
     remains = tuple(remaining(flights[:2], fits))
     finding = Finding(
         verdict='named+unexplained' if remains else 'named',

@@ -1,11 +1,11 @@
 """A study as one self-contained HTML file, in the look of a flight's page."""
 
+from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
 from typing import Final
 
-from lta_analysis.compare.traces import packed
 from lta_analysis.discovery.finding import Finding
 from lta_analysis.discovery.page import pictures, tables
 from lta_analysis.discovery.page.latent import followed, joined, latents
@@ -26,7 +26,9 @@ from lta_analysis.report.pieces import embedded, section, tile_html
 from lta_analysis.typed import near, typed
 from lta_sim.effects.protocol import AXES
 import numpy as np
+from numpy.typing import NDArray
 
+Array = NDArray[np.float64]
 NAME: Final = 'report.html'
 COLOURS: Final = {
     'before': ESTIMATE, 'tuned': LAMP, 'after': TRUTH, 'coast': WALL, 'floor': FILL,
@@ -44,6 +46,10 @@ CONDITIONS: Final = (
 ABOVE: Final = (
     'Each piece begins where it was measured, and nobody helps it on its way. Broad grey: '
     'measured; orange: the vehicle file; blue: with what was learned.'
+)
+OVER: Final = (
+    'The same over time; below, how far each prediction is from what was measured, from the '
+    'beginning of its piece on.'
 )
 WHITE: Final = (
     'How what is left over goes with itself a little later. Noise drops to 0 at once and stays '
@@ -145,7 +151,8 @@ def overlays(names: Sequence[str], drawn: Sequence[Overlay]) -> str:
         f'{choice}<div class="grid">'
         + section('above', 'Before and after, from above', ABOVE, pictures.path(first))
         + section(
-            'overtime', 'Height and heading', 'The same over time.', pictures.over_time(first)
+            'overtime', 'Before and after, over time', OVER, pictures.over_time(first),
+            timed=True,
         )
         + '</div>'
     )
@@ -156,8 +163,16 @@ def _packed(one: Overlay) -> dict[str, object]:
     return {
         'begin': one.begin,
         'period': one.period,
-        'lines': [[packed(column) for column in line.T] for line in one.lines],
+        'lines': [[short(column) for column in line.T] for line in one.lines],
     }
+
+
+def short(values: Array) -> dict[str, object]:
+    """Return a line in two bytes a number, to be multiplied by `scale`; the least is NaN."""
+    largest = float(np.nanmax(np.abs(values), initial=0.0)) or 1.0
+    factor = largest / 32000.0
+    numbers = np.where(np.isfinite(values), np.round(values / factor), -32768.0).astype('<i2')
+    return {'scale': factor, 'data': b64encode(numbers.tobytes()).decode()}
 
 
 def white(flights: Sequence[Seen]) -> str:
@@ -177,7 +192,7 @@ def white(flights: Sequence[Seen]) -> str:
     for level in (-band, band):
         pictures.levelled(correlated, level)
     by_frequency = pictures.lines(powers, titles, 'frequency', 'Hz')
-    by_frequency.update_xaxes(type='log').update_yaxes(type='log', exponentformat='power')
+    by_frequency.update_xaxes(type='log', tickvals=[0.2, 0.5, 1, 2, 5, 10]).update_yaxes(type='log', exponentformat='power', dtick=1)
     pictures.levelled(by_frequency, 1.0)
     return section('white', 'Is what is left over noise?', WHITE, correlated) + section(
         'power', 'What is left over, by frequency', POWER, by_frequency
@@ -189,7 +204,7 @@ def remains(study: Study) -> str:
     found = study.finding
     if not found.remains:
         said = 'Nothing stands clear of the floor on any axis.'
-        return f'<p class="absent">{said}</p>'
+        return f'<p class="note">{said}</p>'
     return tables.remains(found) + _drawn(study)
 
 
@@ -207,9 +222,7 @@ def _drawn(study: Study) -> str:
         for one in top
     ]
     titles = [f'{one.axis} [{size_unit(one)}]' for one in top]
-    names = listed(
-        [f'{word} {each.name}' for word, each in zip(('blue', 'orange'), flights, strict=False)]
-    )
+    names = listed([f'{word} {each.name}' for word, each in zip(('blue', 'orange'), flights, strict=False)])
     made = section(
         'latent', 'The force that nothing explains, over time',
         f'As the flights themselves show it, {names}.',
@@ -237,11 +250,7 @@ def facts(found: Finding) -> Mapping[str, str]:
     roles = {'train': 'learned from', 'confirm': 'confirmed by', 'holdout': 'held out'}
     return {
         'vehicle': found.vehicle,
-        **{
-            words: listed(found.bags[role])
-            for role, words in roles.items()
-            if found.bags.get(role)
-        },
+        **{words: listed(found.bags[role]) for role, words in roles.items() if found.bags.get(role)},
         'seed': str(found.seed),
         **found.versions,
     }

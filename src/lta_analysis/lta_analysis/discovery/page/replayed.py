@@ -130,7 +130,7 @@ NAMES: Final = dict(
         CHANNELS,
         (
             'position x', 'position y', 'position z', 'attitude x', 'attitude y', 'attitude z',
-            'roll rate', 'pitch rate', 'yaw rate', 'force x', 'force y', 'force z',
+            'roll rate', 'pitch rate', 'yaw rate', 'accel. x', 'accel. y', 'accel. z',
             'range', 'pressure',
         ),
         strict=True,

@@ -82,7 +82,7 @@ def stacked(first: float, second: float, line: float, most: float) -> str:
 def bar(value: float, most: float) -> str:
     """Return one amount."""
     share = 100.0 * min(max(value / most, 0.0), 1.0) if most > 0.0 else 0.0
-    return _strip([f'<i class="bar one" style="left:0;width:{share:.1f}%"></i>'])
+    return _strip([f'<i class="bar off" style="left:0;width:{share:.1f}%"></i>'])
 
 
 def _strip(parts: Sequence[str]) -> str:

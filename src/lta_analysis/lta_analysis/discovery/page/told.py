@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-SAMPLES = 1800  # of all overlays together, which bounds the size of the page
+SAMPLES = 1200  # of all overlays together, which bounds the size of the page
 
 
 @final

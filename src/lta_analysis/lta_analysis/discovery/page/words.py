@@ -13,7 +13,9 @@ from lta_sim.effects_page import summary
 
 MINUS: Final = '\N{MINUS SIGN}'
 DEGREES: Final = 180.0 / math.pi
-SHOWN_UNITS: Final = {'rad': ('\N{DEGREE SIGN}', DEGREES), 'rad/s': ('\N{DEGREE SIGN}/s', DEGREES)}
+DEGREE: Final = '\N{DEGREE SIGN}'
+SHOWN_UNITS: Final = {'rad': (DEGREE, DEGREES), 'rad/s': (f'{DEGREE}/s', DEGREES)}
+RAISED: Final = str.maketrans('0123456789', '\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079')
 FORCES: Final = ('surge', 'sway', 'heave')
 ROLES: Final = {
     'train': 'learned from', 'confirm': 'confirmed by', 'holdout': 'shown on',
@@ -58,17 +60,18 @@ def within(value: float, interval: tuple[float, float]) -> tuple[str, str, str]:
 
 def with_unit(text: str, unit: str) -> str:
     """Return a number with its unit; a pure number stays alone."""
-    return text if unit in ('', '1') else f'{text} {unit}'
+    apart = '' if unit.startswith(DEGREE) else ' '
+    return text if unit in ('', '1') else f'{text}{apart}{unit}'
 
 
-def amount(value: float, unit: str) -> str:
+def amount(value: float, unit: str, digits: int = 3) -> str:
     """Return an error as people read it: millimetres, centimetres, degrees."""
     if unit == 'm' and math.isfinite(value):
         size = abs(value)
         scale, name = (1e3, 'mm') if size < 0.01 else (100.0, 'cm') if size < 1.0 else (1.0, 'm')
-        return f'{figure(scale * value)} {name}'
+        return f'{figure(scale * value, digits)} {name}'
     name, factor = SHOWN_UNITS.get(unit, (unit, 1.0))
-    return with_unit(figure(factor * value), name)
+    return with_unit(figure(factor * value, digits), name)
 
 
 def percent(share: float) -> str:
@@ -118,9 +121,7 @@ def headline(found: Finding) -> str:
     if found.verdict == 'not_identifiable':
         if not found.effects:
             return 'These flights cannot tell what, if anything, is missing.'
-        alike = dict.fromkeys(
-            spoken(knob) for one in found.effects for knob in one.confusable_with
-        )
+        alike = dict.fromkeys(spoken(knob) for one in found.effects for knob in one.confusable_with)
         return f'These flights cannot tell {listed([names, *alike], "from")}.'
     if found.verdict == 'unexplained':
         return f'Something is missing that is in no library: {rest}.'
@@ -138,8 +139,8 @@ def _better(found: Finding) -> str:
         return ''
     return (
         f': with {"them" if len(found.effects) > 1 else "it"}, the {gap.channel} error after '
-        f'{gap.horizon_s:g} s falls from {amount(gap.before, gap.unit)} to '
-        f'{amount(gap.after, gap.unit)}'
+        f'{gap.horizon_s:g} s falls from {amount(gap.before, gap.unit, 2)} to '
+        f'{amount(gap.after, gap.unit, 2)}'
     )
 
 
@@ -147,7 +148,7 @@ def about(found: Finding) -> str:
     """Return which flights there were, and for what."""
     parts = [f'{words} {listed(found.bags[role])}' for role, words in ROLES.items()
              if found.bags.get(role)]  # fmt: skip
-    said = f'{found.vehicle}, {", ".join(parts)}' if parts else found.vehicle
+    said = ', '.join(parts) or found.vehicle
     shown = (
         'Nothing was fitted to the flights on which the gap is shown.'
         if found.held_out
@@ -163,7 +164,7 @@ def odds(nats: float) -> str:
     power = nats / math.log(10.0)
     if power < 1.0:
         return 'no better than chance' if nats <= 0.0 else f'odds of {math.exp(nats):.1f} to 1'
-    return f'odds of 10^{power:.0f} to 1'
+    return f'odds of 10{f"{power:.0f}".translate(RAISED)} to 1'
 
 
 def tiles(found: Finding) -> list[Tile]:
