@@ -12,7 +12,7 @@ from lta_analysis.discovery.finding import (
     Rung,
     Verdict,
 )
-from lta_analysis.discovery.fit import turned
+from lta_analysis.discovery.fit import Fit, turned
 from lta_analysis.discovery.held_out import gaps, shown
 from lta_analysis.discovery.knobs import Knob, knobs
 from lta_analysis.discovery.linear import Point
@@ -99,6 +99,9 @@ class Study:
         All of them.
     shown : sequence of Shown
         The held-out flights, or the confirming ones where there are none.
+    bare : sequence of Fit
+        The flights that taught, then those that confirmed, their tolerances fitted without any
+        effect.
 
     """
 
@@ -107,6 +110,7 @@ class Study:
     learned: Nominal
     flights: Sequence[Flown]
     shown: Sequence[Shown]
+    bare: Sequence[Fit] = ()
 
 
 def study(
@@ -168,7 +172,8 @@ def study(
     )
     seen = [Shown(f, *each) for f, each in zip(last, models, strict=True)]
     tell('done', 1.0)
-    return Study(finding, nominal, learned(nominal, proven, known), flown, seen)
+    after = learned(nominal, proven, known)
+    return Study(finding, nominal, after, flown, seen, proven.bare.members)
 
 
 def ready(vehicle: Vehicle, flight: Measured, known: Sequence[Knob]) -> Linearised:

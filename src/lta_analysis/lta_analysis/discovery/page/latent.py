@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import final, NamedTuple
 
-from lta_analysis.discovery.evidence import FLOOR, Pieces, tolerances
-from lta_analysis.discovery.fit import settled
+from lta_analysis.discovery.evidence import tolerances
+from lta_analysis.discovery.fit import fit
 from lta_analysis.discovery.linear import AXES, KNOTS, origin
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.nominal import Nominal
@@ -57,9 +57,8 @@ def latents(study: Study) -> list[Latent]:
 def _of(name: str, flight: Linearised, learned: Nominal) -> Latent:
     """Return what remains of one flight, its tolerances and offsets free."""
     start = origin(learned, flight.knobs, len(flight.replay.first))
-    pieces = Pieces(flight.at(start))
-    _, deviations, found, _ = settled(pieces, tolerances(flight.knobs), FLOOR)
-    random = pieces.solved(deviations, found.mean - start.values)
+    this = fit(flight, learned, tolerances(flight.knobs), start, rounds=1)
+    random = this.pieces.solved(this.deviations, this.fitted.mean - start.values)
     knots = random[:, WIDTH : WIDTH + AXES * KNOTS].reshape(-1, AXES, KNOTS)
     states = flight.trajectory(start)[:, ::STEPS]
     index = np.rint(np.linspace(0, states.shape[1] - 1, KNOTS)).astype(int)
