@@ -81,13 +81,13 @@ def study(
         Flown(f'hidden_{k}', role, flight)
         for k, (role, flight) in enumerate(zip(roles, flights, strict=True), 1)
     ]
-    plain, fits = (fitted(known, flights[0], chosen) for chosen in ((), names))
+    plain, full = (fitted(known, flights[0], chosen) for chosen in ((), names))
     last = flights[2]
     start = origin(nominal, knobs, len(last.replay.first))
-    shown = Shown(named[2], start, carried(known, last, plain), carried(known, last, fits))
+    shown = Shown(named[2], start, carried(known, last, plain), carried(known, last, full))
     finding = Finding(
         verdict='named',
-        effects=tuple(effect(name, fits, knobs) for name in names),
+        effects=tuple(effect(name, full, knobs) for name in names),
         ladder=LADDER,
         where=PLACES,
         gaps=gaps_of(shown),
@@ -99,7 +99,8 @@ def study(
         vehicle='gtmab',
         versions={'lta': '0.1.0', 'commit': 'abcdef0', 'registry': '50 effects'},
     )
-    return Study(finding, nominal, shown.after.nominal, tuple(named), (shown,))
+    after = shown.after.nominal
+    return Study(finding, nominal, after, tuple(named), (shown,), (plain,), (full,))
 
 
 def effect(name: str, of: Fit, knobs: Sequence[Knob]) -> NamedEffect:

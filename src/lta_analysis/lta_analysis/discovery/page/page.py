@@ -29,6 +29,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Bags = Mapping[str, Sequence[Path | str]]
+NONE: Final[Bags] = {}
 NAME: Final = 'report.html'
 COLOURS: Final = {
     'before': ESTIMATE, 'tuned': LAMP, 'after': TRUTH, 'coast': WALL, 'floor': FILL,
@@ -62,7 +64,7 @@ POWER: Final = (
 NOBODY: Final = '<p class="absent">There is no flight to draw.</p>'
 
 
-def write_page(study: Study, folder: Path) -> Path:
+def write_page(study: Study, folder: Path, bags: Bags = NONE) -> Path:
     """
     Write the page of a study and return where it is.
 
@@ -72,6 +74,9 @@ def write_page(study: Study, folder: Path) -> Path:
         What was found, and the flights.
     folder : Path
         Where the results of the study are.
+    bags : mapping of role to paths
+        As they were named on the command line, for the command that does it again; the names of
+        the flights by default.
 
     Raises
     ------
@@ -79,10 +84,10 @@ def write_page(study: Study, folder: Path) -> Path:
         If the page cannot be written.
 
     """
-    return written(page(study, folder), folder / NAME)
+    return written(page(study, folder, bags), folder / NAME)
 
 
-def page(study: Study, folder: Path) -> str:
+def page(study: Study, folder: Path, bags: Bags = NONE) -> str:
     """Return the whole page."""
     found, flights = study.finding, seen(study)
     drawn = [overlay(one, sum(each.shown for each in flights)) for one in flights if one.shown]
@@ -96,6 +101,7 @@ def page(study: Study, folder: Path) -> str:
         tiles='\n'.join(tile_html(*each) for each in tiles(found)),
         effects=tables.effects(found),
         gaps=tables.gaps(found),
+        channels=tables.by_channel(found),
         where=where(found, flights),
         places=tables.places(found),
         ladder=tables.ladder(found),
@@ -105,7 +111,7 @@ def page(study: Study, folder: Path) -> str:
         seen=tables.detectable(found),
         warnings=tables.warned(found),
         facts=facts(found),
-        commands=commands(found, folder),
+        commands=commands(found, folder, bags or found.bags),
         **colours,
     )
 
@@ -253,12 +259,12 @@ def facts(found: Finding) -> Mapping[str, str]:
     }
 
 
-def commands(found: Finding, folder: Path) -> Mapping[str, str]:
+def commands(found: Finding, folder: Path, bags: Bags) -> Mapping[str, str]:
     """Return how to do it again, and how to go on."""
     words = ['--vehicle', found.vehicle]
     for role in ('train', 'confirm', 'holdout'):
-        if found.bags.get(role):
-            words += [f'--{role}', *found.bags[role]]
+        if bags.get(role):
+            words += [f'--{role}', *map(str, bags[role])]
     again = typed('discover', *words, '--seed', str(found.seed))
     learned = near(folder / 'vehicle.yaml')
     on = {

@@ -28,6 +28,7 @@ from lta_analysis.discovery.page.words import (
 from lta_analysis.discovery.unexplained import Remainder
 
 Row = Sequence[str]
+WHOLE: Final = ('position', 'attitude')
 BLIND: Final = ' class="blind"'
 KEY: Final = (
     '<p class="note"><i class="key before"></i>before <i class="key tuned"></i>tuned '
@@ -84,8 +85,8 @@ def _nothing(found: Finding) -> str:
     said = {
         'none': 'The vehicle file explains these flights to within its own tolerances and the '
         'noise. That is a result: use the file as it is.',
-        'not_identifiable': 'Several explanations do equally well on these flights, so none is '
-        'named. A flight that moves them apart would decide.',
+        'not_identifiable': 'What is missing, or whether anything is, cannot be told from these '
+        'flights, so nothing is named. Another flight has to decide.',
     }.get(
         found.verdict,
         'A force or moment is left over that no effect of the library explains on both flights. '
@@ -177,8 +178,27 @@ def gaps(found: Finding) -> str:
     """Return the errors of all models, channel by channel and horizon by horizon."""
     if not found.gaps:
         return '<p class="note">There was no flight to show the gap on.</p>'
-    out = [KEY]
-    for channel in dict.fromkeys(gap.channel for gap in found.gaps):
+    return f'{KEY}{_channels(found, whole=True)}<p class="note">{escape(_errors_of(found))}</p>'
+
+
+def by_channel(found: Finding) -> str:
+    """Return the same of every single channel; '' where there is none."""
+    inside = _channels(found, whole=False)
+    if not inside:
+        return ''
+    return (
+        '<section class="panel section" aria-labelledby="title-channels">'
+        '<h2 id="title-channels">Channel by channel</h2><details><summary>'
+        f'Every channel that was measured, at every horizon</summary>{KEY}'
+        f'<div class="channels">{inside}</div></details></section>'
+    )
+
+
+def _channels(found: Finding, whole: bool) -> str:
+    """Return the errors of position and attitude, or of single channels."""
+    out = []
+    names = dict.fromkeys(gap.channel for gap in found.gaps if (gap.channel in WHOLE) == whole)
+    for channel in names:
         of = [gap for gap in found.gaps if gap.channel == channel]
         low, high = scale(of)
         rows = [_gap(gap, low, high) for gap in of]
@@ -187,9 +207,9 @@ def gaps(found: Finding) -> str:
             'pieces',
         )  # fmt: skip
         title = NAMES.get(channel, channel)
-        out.append(f'<h3>{escape(title.capitalize())}</h3>')
-        out.append(table(heads, rows, 'plain gaps', f'Errors of {title}'))
-    return f'{"".join(out)}<p class="note">{escape(_errors_of(found))}</p>'
+        inside = table(heads, rows, 'plain gaps', f'Errors of {title}')
+        out.append(f'<div><h3>{escape(title.capitalize())}</h3>{inside}</div>')
+    return ''.join(out)
 
 
 def _errors_of(found: Finding) -> str:

@@ -123,12 +123,18 @@ def headline(found: Finding) -> str:
     if found.verdict == 'none':
         return 'Nothing is missing that these flights could show.'
     if found.verdict == 'not_identifiable':
+        if coasting(found.gaps):
+            return (
+                'These flights cannot tell: ignoring the commands predicts better than the model.'
+            )
         if not found.effects:
             return 'These flights cannot tell what, if anything, is missing.'
         alike = dict.fromkeys(
             spoken(knob) for one in found.effects for knob in one.confusable_with
         )
-        return f'These flights cannot tell {listed([names, *alike], "from")}.'
+        if not alike:
+            return f'It may be {names} that is missing, but these flights cannot tell.'
+        return f'These flights cannot tell {listed([names, listed(list(alike), "or")], "from")}.'
     if found.verdict == 'unexplained':
         return f'Something is missing that is in no library: {rest}.'
     better = _better(found)
@@ -136,6 +142,12 @@ def headline(found: Finding) -> str:
     if found.verdict == 'named+unexplained':
         return f'{said}; and something that is in no library: {rest}.'
     return f'{said}.'
+
+
+def coasting(gaps: Sequence[Gap]) -> bool:
+    """Tell whether a model that ignores the commands predicts the position best."""
+    gap = main_gap(gaps)
+    return gap is not None and gap.coast < min(gap.tuned, gap.after)
 
 
 def _better(found: Finding) -> str:
