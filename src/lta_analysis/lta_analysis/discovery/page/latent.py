@@ -5,6 +5,7 @@ from typing import final, NamedTuple
 
 from lta_analysis.discovery.fit import Fit
 from lta_analysis.discovery.linear import AXES, KNOTS
+from lta_analysis.discovery.page.told import taught
 from lta_analysis.discovery.study import Flown, Study
 from lta_analysis.discovery.unexplained import knots_of, states_at_knots, terms
 import numpy as np
@@ -42,9 +43,7 @@ class Latent(NamedTuple):
 
 def latents(study: Study) -> list[Latent]:
     """Return what remains of a flight that taught and of one that confirmed."""
-    taught = [one for role in ('train', 'confirm') for one in study.flights if one.role == role]
-    pairs = list(zip(taught, study.full, strict=False))
-    chosen = {flown.role: (flown, fit) for flown, fit in reversed(pairs)}
+    chosen = {flown.role: (flown, fit) for flown, fit in reversed(taught(study))}
     return [_of(*chosen[role]) for role in ('train', 'confirm') if role in chosen]
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from lta_analysis.discovery.finding import Finding
-from lta_analysis.discovery.page import pictures, tables
+from lta_analysis.discovery.page import errors, pictures, tables
 from lta_analysis.discovery.page.latent import followed, joined, latents
 from lta_analysis.discovery.page.told import Overlay, overlay, Seen, seen, together
 from lta_analysis.discovery.page.whiteness import autocorrelation, GROUPS, spectrum
@@ -39,7 +39,8 @@ COLOURS: Final = {
 HEAT: Final = (
     'Each column is a piece of some seconds, each row a channel; the darker, the further the '
     'model is off in units of the noise. Pale all over is a model that explains the flight. A '
-    'piece begins as suits it best, and the offset of a sensor is taken out.'
+    'piece begins as suits it best, and the offset of a sensor is taken out. Flights that taught '
+    'or confirmed are shown as fitted.'
 )
 CONDITIONS: Final = (
     'The error of the pose of each piece against what it flew like: orange as the vehicle file '
@@ -100,8 +101,8 @@ def page(study: Study, folder: Path, bags: Bags = NONE) -> str:
         about=escape(about(found)),
         tiles='\n'.join(tile_html(*each) for each in tiles(found)),
         effects=tables.effects(found),
-        gaps=tables.gaps(found),
-        channels=tables.by_channel(found),
+        gaps=errors.gaps(found),
+        channels=errors.by_channel(found),
         where=where(found, flights),
         places=tables.places(found),
         ladder=tables.ladder(found),

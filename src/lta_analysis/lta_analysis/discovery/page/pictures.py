@@ -28,7 +28,8 @@ Array = NDArray[np.float64]
 BEFORE, AFTER, MEASURED = ESTIMATE, TRUTH, SETPOINT
 LINES: Final = (('measured', MEASURED, 4.0), ('before', BEFORE, 1.6), ('after', AFTER, 1.6))
 COLUMNS: Final = 150  # of a heat map, at most; more pieces share them
-CELLS: Final = 8  # texts below a heat map, at most
+ALWAYS: Final = 'always'  # the condition of a place that stands out from nothing
+CELLS: Final = 6  # texts below a heat map, at most
 
 
 def heat(flights: Sequence[Seen], places: Sequence[Place]) -> Figure:
@@ -63,7 +64,7 @@ def heat(flights: Sequence[Seen], places: Sequence[Place]) -> Figure:
     _borders(figure, [one.flown.name for one in flights], begun)
     for place in places:
         name = NAMES.get(place.channel, '')
-        if name in names:
+        if name in names and place.condition != ALWAYS:
             _framed(figure, place, names.index(name), [one.flown.name for one in flights], begun)
     figure.update_yaxes(autorange='reversed', showgrid=False, tickfont={'size': 10, 'color': SOFT})
     figure.update_yaxes(title_text='before', row=1)
@@ -93,7 +94,7 @@ def _borders(figure: Figure, names: Sequence[str], begun: Sequence[Array]) -> No
         if first:
             for row in (1, 2):
                 figure.add_vline(first - 0.5, line={'color': INK, 'width': 1.5}, row=row, col=1)
-        for piece in range(0, len(times) - every // 2, every):
+        for piece in range(0, max(1, len(times) - every + 1), every):
             ticks.append(first + piece)
             texts.append(f'{times[piece]:.0f} s')
         first += len(times)

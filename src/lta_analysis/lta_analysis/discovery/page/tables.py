@@ -7,11 +7,10 @@ from typing import Final
 
 from lta_analysis.discovery.accept import GAIN
 from lta_analysis.discovery.detectable import SIGMA
-from lta_analysis.discovery.finding import Finding, Gap, Learned, NamedEffect, Place, Rung
+from lta_analysis.discovery.finding import Finding, Learned, NamedEffect, Place, Rung
 from lta_analysis.discovery.page import strips
 from lta_analysis.discovery.page.replayed import NAMES
 from lta_analysis.discovery.page.words import (
-    amount,
     because,
     figure,
     listed,
@@ -28,13 +27,8 @@ from lta_analysis.discovery.page.words import (
 from lta_analysis.discovery.unexplained import Remainder
 
 Row = Sequence[str]
-WHOLE: Final = ('position', 'attitude')
+MOST: Final = 6  # places that are not folded
 BLIND: Final = ' class="blind"'
-KEY: Final = (
-    '<p class="note"><i class="key before"></i>before <i class="key tuned"></i>tuned '
-    '<i class="key after"></i>after <i class="key coast"></i>coast '
-    '<i class="key noise"></i>noise</p>'
-)
 
 
 def table(heads: Row, rows: Sequence[Row], name: str, caption: str) -> str:
@@ -109,10 +103,11 @@ def detectable(found: Finding) -> str:
     return (
         '<section class="panel section" aria-labelledby="title-seen">'
         '<h2 id="title-seen">How small an effect could have been seen</h2>'
+        f'<details{"" if found.effects else " open"}><summary>{len(ordered)} candidates</summary>'
         f'<p class="note">From this size on it would have stood out by {SIGMA:g} deviations, the '
         f'tolerances of the file among them. {clear} of {len(ordered)} would have been seen below '
         'their typical size; the others (in italics) only if they were larger than usual.</p>'
-        f'<ul class="seen">{rows}</ul></section>'
+        f'<ul class="seen">{rows}</ul></details></section>'
     )
 
 
@@ -157,6 +152,9 @@ def ladder(found: Finding) -> str:
         words = f'{spoken(named.knob)} is named' if named else 'nothing is confirmed'
         out.append(f'<h3>Round {k}: {escape(words)}</h3>')
         heads = ('candidate', 'evidence', 'train', 'confirm', 'carried', 'apart', 'because')
+        if not step:
+            out.append('<p class="note">No candidate looked worth a refit.</p>')
+            continue
         rows = [_rung(rung, most, named is not None) for rung in step]
         out.append(table(heads, rows, 'plain ladder', f'Candidates of round {k}'))
     return ''.join(out)
@@ -174,84 +172,6 @@ def _rung(rung: Rung, most: float, beaten: bool) -> Row:
     )
 
 
-def gaps(found: Finding) -> str:
-    """Return the errors of all models, channel by channel and horizon by horizon."""
-    if not found.gaps:
-        return '<p class="note">There was no flight to show the gap on.</p>'
-    return f'{KEY}{_channels(found, whole=True)}<p class="note">{escape(_errors_of(found))}</p>'
-
-
-def by_channel(found: Finding) -> str:
-    """Return the same of every single channel; '' where there is none."""
-    inside = _channels(found, whole=False)
-    if not inside:
-        return ''
-    return (
-        '<section class="panel section" aria-labelledby="title-channels">'
-        '<h2 id="title-channels">Channel by channel</h2><details><summary>'
-        f'Every channel that was measured, at every horizon</summary>{KEY}'
-        f'<div class="channels">{inside}</div></details></section>'
-    )
-
-
-def _channels(found: Finding, whole: bool) -> str:
-    """Return the errors of position and attitude, or of single channels."""
-    out = []
-    names = dict.fromkeys(gap.channel for gap in found.gaps if (gap.channel in WHOLE) == whole)
-    for channel in names:
-        of = [gap for gap in found.gaps if gap.channel == channel]
-        low, high = scale(of)
-        rows = [_gap(gap, low, high) for gap in of]
-        heads = (
-            'ahead', '', 'before', 'tuned', 'after', 'coast', 'noise', 'shrinks by', '95 %',
-            'pieces',
-        )  # fmt: skip
-        title = NAMES.get(channel, channel)
-        inside = table(heads, rows, 'plain gaps', f'Errors of {title}')
-        out.append(f'<div><h3>{escape(title.capitalize())}</h3>{inside}</div>')
-    return ''.join(out)
-
-
-def _errors_of(found: Finding) -> str:
-    """Return what the errors are of."""
-    whose = (
-        f'on {listed(found.bags.get("holdout", ()))}, to which nothing was fitted'
-        if found.held_out
-        else 'on flights that had a say in what was found'
-    )
-    return (
-        f'Root mean square {whose}. Tuned: tolerances of the file fitted, without any effect. '
-        'Coast: velocity and rates kept, commands ignored. Shaded: the noise of the measurement, '
-        'the least that any model can be off by. Intervals by bootstrap over pieces.'
-    )
-
-
-def scale(of: Sequence[Gap]) -> tuple[float, float]:
-    """Return the ends of a logarithmic scale that shows all errors of a channel."""
-    every = [
-        part
-        for gap in of
-        for part in (gap.before, gap.tuned, gap.after, gap.coast, gap.noise_floor)
-        if math.isfinite(part) and part > 0.0
-    ]
-    return min(every, default=1.0) / 1.3, max(every, default=1.0) * 1.1
-
-
-def _gap(gap: Gap, low: float, high: float) -> Row:
-    """Return one channel at one horizon."""
-    four = {'coast': gap.coast, 'before': gap.before, 'tuned': gap.tuned, 'after': gap.after}
-    a, b = (percent(part) for part in gap.shrink_ci95)
-    return (
-        f'{gap.horizon_s:g} s',
-        strips.points(four, low, high, gap.noise_floor),
-        *(amount(part, gap.unit)
-          for part in (gap.before, gap.tuned, gap.after, gap.coast, gap.noise_floor)),
-        f'{percent(gap.shrink)} %',
-        f'{a} to {b} %',
-        str(gap.pieces),
-    )  # fmt: skip
-
-
 def places(found: Finding) -> str:
     """Return where the model disagrees most, the largest first."""
     if not found.where:
@@ -259,7 +179,12 @@ def places(found: Finding) -> str:
     most = max(place.ratio_to_noise for place in found.where)
     rows = [_place(place, most) for place in found.where]
     heads = ('when', 'by the noise', '', 'channel', 'flight', 'from', 'to')
-    return table(heads, rows, 'plain places', 'Where the model disagrees most')
+    first, rest = (
+        table(heads, part, 'plain places', 'Where the model disagrees most') if part else ''
+        for part in (rows[:MOST], rows[MOST:])
+    )
+    more = f'<details><summary>{len(rows) - MOST} more</summary>{rest}</details>' if rest else ''
+    return first + more
 
 
 def _place(place: Place, most: float) -> Row:

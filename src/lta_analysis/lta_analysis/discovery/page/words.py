@@ -18,6 +18,7 @@ SHOWN_UNITS: Final = {'rad': (DEGREE, DEGREES), 'rad/s': (f'{DEGREE}/s', DEGREES
 RAISED: Final = str.maketrans(
     '0123456789', '\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079'
 )
+CLOSER: Final = 0.95  # of the error with tolerances alone; above it the effect predicts no better
 FORCES: Final = ('surge', 'sway', 'heave')
 ROLES: Final = {
     'train': 'learned from', 'confirm': 'confirmed by', 'holdout': 'shown on',
@@ -155,11 +156,12 @@ def _better(found: Finding) -> str:
     gap = main_gap(found.gaps)
     if gap is None or gap.shrink <= 0.0:
         return ''
-    return (
-        f': with {"them" if len(found.effects) > 1 else "it"}, the {gap.channel} error after '
-        f'{gap.horizon_s:g} s falls from {amount(gap.before, gap.unit, 2)} to '
-        f'{amount(gap.after, gap.unit, 2)}'
+    them = 'them' if sum(len(one.knobs) for one in found.effects) > 1 else 'it'
+    said = (
+        f': with {them}, the {gap.channel} error after {gap.horizon_s:g} s falls from '
+        f'{amount(gap.before, gap.unit, 2)} to {amount(gap.after, gap.unit, 2)}'
     )
+    return said if gap.after < CLOSER * gap.tuned else f'{said}, as it does with tolerances alone'
 
 
 def about(found: Finding) -> str:
