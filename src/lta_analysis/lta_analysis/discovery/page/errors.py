@@ -11,6 +11,9 @@ from lta_analysis.discovery.page.replayed import NAMES
 from lta_analysis.discovery.page.tables import Row, table
 from lta_analysis.discovery.page.words import amount, listed, percent
 
+HEADS: Final = (
+    'before', 'tuned', 'after', 'coast', 'noise', 'shrinks by', '95 %', 'pieces',
+)  # fmt: skip
 WHOLE: Final = ('position', 'attitude')
 KEY: Final = (
     '<p class="note"><i class="key before"></i>before <i class="key tuned"></i>tuned '
@@ -20,41 +23,36 @@ KEY: Final = (
 
 
 def gaps(found: Finding) -> str:
-    """Return the errors of all models, channel by channel and horizon by horizon."""
+    """Return the errors of position and attitude under all models, horizon by horizon."""
     if not found.gaps:
         return '<p class="note">There was no flight to show the gap on.</p>'
-    return f'{KEY}{_channels(found, whole=True)}<p class="note">{escape(_errors_of(found))}</p>'
+    out = [KEY]
+    whole = [gap for gap in found.gaps if gap.channel in WHOLE] or list(found.gaps)
+    for channel in dict.fromkeys(gap.channel for gap in whole):
+        of = [gap for gap in whole if gap.channel == channel]
+        low, high = scale(of)
+        rows = [(_ahead(gap), _strip(gap, low, high), *_figures(gap)) for gap in of]
+        title = NAMES.get(channel, channel)
+        inside = table(('ahead', '', *HEADS), rows, 'plain gaps', f'Errors of {title}')
+        out.append(f'<h3>{escape(title.capitalize())}</h3>{inside}')
+    return f'{"".join(out)}<p class="note">{escape(_errors_of(found))}</p>'
 
 
 def by_channel(found: Finding) -> str:
-    """Return the same of every single channel; '' where there is none."""
-    inside = _channels(found, whole=False)
-    if not inside:
+    """Return the same of every single channel; '' where there is none beside the whole."""
+    single = [gap for gap in found.gaps if gap.channel not in WHOLE]
+    if not single or len(single) == len(found.gaps):
         return ''
+    rows = [
+        (escape(NAMES.get(gap.channel, gap.channel)), _ahead(gap), *_figures(gap))
+        for gap in single
+    ]
+    inside = table(('channel', 'ahead', *HEADS), rows, 'plain', 'Errors of single channels')
     return (
         '<section class="panel section" aria-labelledby="title-channels">'
         '<h2 id="title-channels">Channel by channel</h2><details><summary>'
-        f'Every channel that was measured, at every horizon</summary>{KEY}'
-        f'<div class="channels">{inside}</div></details></section>'
+        f'Every channel that was measured, at every horizon</summary>{inside}</details></section>'
     )
-
-
-def _channels(found: Finding, whole: bool) -> str:
-    """Return the errors of position and attitude, or of single channels."""
-    out = []
-    names = dict.fromkeys(gap.channel for gap in found.gaps if (gap.channel in WHOLE) == whole)
-    for channel in names:
-        of = [gap for gap in found.gaps if gap.channel == channel]
-        low, high = scale(of)
-        rows = [_gap(gap, low, high) for gap in of]
-        heads = (
-            'ahead', '', 'before', 'tuned', 'after', 'coast', 'noise', 'shrinks by', '95 %',
-            'pieces',
-        )  # fmt: skip
-        title = NAMES.get(channel, channel)
-        inside = table(heads, rows, 'plain gaps', f'Errors of {title}')
-        out.append(f'<div><h3>{escape(title.capitalize())}</h3>{inside}</div>')
-    return ''.join(out)
 
 
 def _errors_of(found: Finding) -> str:
@@ -82,16 +80,20 @@ def scale(of: Sequence[Gap]) -> tuple[float, float]:
     return min(every, default=1.0) / 1.3, max(every, default=1.0) * 1.1
 
 
-def _gap(gap: Gap, low: float, high: float) -> Row:
-    """Return one channel at one horizon."""
+def _ahead(gap: Gap) -> str:
+    """Return the horizon."""
+    return f'{gap.horizon_s:g} s'
+
+
+def _strip(gap: Gap, low: float, high: float) -> str:
+    """Return all models as points on one scale."""
     four = {'coast': gap.coast, 'before': gap.before, 'tuned': gap.tuned, 'after': gap.after}
+    return strips.points(four, low, high, gap.noise_floor)
+
+
+def _figures(gap: Gap) -> Row:
+    """Return one channel at one horizon in figures, in the order of HEADS."""
+    five = (gap.before, gap.tuned, gap.after, gap.coast, gap.noise_floor)
     a, b = (percent(part) for part in gap.shrink_ci95)
-    return (
-        f'{gap.horizon_s:g} s',
-        strips.points(four, low, high, gap.noise_floor),
-        *(amount(part, gap.unit)
-          for part in (gap.before, gap.tuned, gap.after, gap.coast, gap.noise_floor)),
-        f'{percent(gap.shrink)} %',
-        f'{a} to {b} %',
-        str(gap.pieces),
-    )  # fmt: skip
+    errors = (amount(part, gap.unit) for part in five)
+    return (*errors, f'{percent(gap.shrink)} %', f'{a} to {b} %', str(gap.pieces))

@@ -4,7 +4,7 @@ from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from lta_analysis.discovery.finding import Finding
 from lta_analysis.discovery.page import errors, pictures, tables
@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-Bags = Mapping[str, Sequence[Path | str]]
+Bags = Mapping[Any, Sequence[Path | str]]
 NONE: Final[Bags] = {}
 NAME: Final = 'report.html'
 COLOURS: Final = {
@@ -113,6 +113,8 @@ def page(study: Study, folder: Path, bags: Bags = NONE) -> str:
         warnings=tables.warned(found),
         facts=facts(found),
         commands=commands(found, folder, bags or found.bags),
+        files={},
+        drawn=True,
         **colours,
     )
 
@@ -135,7 +137,8 @@ def overlays(names: Sequence[str], drawn: Sequence[Overlay]) -> str:
     first, choice = drawn[0], ''
     if len(drawn) > 1:
         options = ''.join(f'<option>{escape(name)}</option>' for name in names)
-        content = dict(zip(names, map(_packed, drawn), strict=True))
+        rest = list(zip(names, drawn, strict=True))[1:]
+        content = {name: _packed(one) for name, one in rest}
         choice = (
             '<p class="choice"><label for="flight">Flight</label> '
             f'<select id="flight">{options}</select></p>{embedded("flights", content)}'
@@ -233,11 +236,11 @@ def _drawn(study: Study) -> str:
         axis, unit = AXES.index(following.axis), size_unit(following)
         made += section(
             'follows', f'What the {following.axis} part follows',
-            f'{remainder_words(following).capitalize()}. On a line from corner to corner, those '
-            'terms would explain it all.',
+            f'{remainder_words(following).capitalize()}. On the dashes, those terms would '
+            'explain it all.',
             pictures.scatter(
                 followed(flights, axis, following.follows),
-                [each.wrench[..., axis].ravel() for each in flights],
+                [np.where(each.known, each.wrench[..., axis], np.nan).ravel() for each in flights],
                 [each.name for each in flights],
                 (f'{listed(following.follows)}, fitted [{unit}]', f'{following.axis} [{unit}]'),
             ),

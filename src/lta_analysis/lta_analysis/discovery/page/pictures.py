@@ -10,7 +10,6 @@ from lta_analysis.discovery.page.told import conditions, Overlay, Seen
 from lta_analysis.report.drawing import blank, extent
 from lta_analysis.report.palette import (
     ESTIMATE,
-    GRID,
     HEAT,
     INK,
     scale,
@@ -255,8 +254,15 @@ def levelled(figure: Figure, level: float) -> Figure:
 def scatter(
     x: Sequence[Array], y: Sequence[Array], names: Sequence[str], titles: tuple[str, str]
 ) -> Figure:
-    """Return points of some flights, each in its colour, about an axis through 0."""
+    """Return points of some flights, each in its colour, about the line where both are equal."""
     figure = blank()
+    ends = np.array(extent(*x, pad=0.0))
+    figure.add_trace(
+        Scatter(
+            x=ends, y=ends, mode='lines', hoverinfo='skip',
+            line={'color': WALL, 'width': 1.2, 'dash': '4px,3px'},
+        )
+    )  # fmt: skip
     for a, b, name, colour in zip(x, y, names, (TRUTH, ESTIMATE, SOFT), strict=False):
         figure.add_trace(
             Scatter(
@@ -265,7 +271,6 @@ def scatter(
                 hovertemplate='%{x:.3~g}: %{y:.3~g}',
             )
         )  # fmt: skip
-    figure.add_hline(0.0, line={'color': GRID, 'width': 1.5})
     figure.update_xaxes(title_text=titles[0])
     figure.update_yaxes(title_text=titles[1])
     return figure.update_layout(hovermode='closest', margin={'r': 20, 'l': 66})

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-SAMPLES = 1200  # of all overlays together, which bounds the size of the page
+SAMPLES = 750  # of all overlays together, which bounds the size of the page
 
 
 @final

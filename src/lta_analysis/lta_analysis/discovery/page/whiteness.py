@@ -42,9 +42,10 @@ def autocorrelation(left: Sequence[Array], longest: float = LONGEST) -> tuple[Ar
             end = each.shape[1] - lag
             products[lag] += np.sum(values[:, :end] * values[:, lag:])
             pairs[lag] += np.sum(known[:, :end] & known[:, lag:])
-    level = products[0] / max(pairs[0], 1.0)
-    out = products / np.maximum(pairs, 1.0) / level if level > 0.0 else np.zeros(count + 1)
-    return PERIOD * np.arange(count + 1), out, SURE / np.sqrt(max(pairs[0], 1.0))
+    means = products / np.maximum(pairs, 1.0)
+    out: Array = means / means[0] if means[0] > 0.0 else means
+    lags = np.arange(0, count + 1) * np.float64(PERIOD)
+    return lags, out, float(SURE / np.sqrt(max(pairs[0], 1.0)))
 
 
 def spectrum(left: Sequence[Array]) -> tuple[Array, Array]:
@@ -74,5 +75,6 @@ def spectrum(left: Sequence[Array]) -> tuple[Array, Array]:
         return np.empty(0), np.empty(0)
     window = np.hanning(rows.shape[1])
     power = np.abs(np.fft.rfft(rows * window, axis=1)) ** 2 / np.sum(window**2)
-    frequency = np.fft.rfftfreq(rows.shape[1], PERIOD)
-    return frequency[1:], power.mean(axis=0)[1:]
+    frequency = np.asarray(np.fft.rfftfreq(rows.shape[1], PERIOD), dtype=np.float64)
+    mean: Array = power.mean(axis=0)
+    return frequency[1:], mean[1:]
