@@ -30,6 +30,7 @@ Array = NDArray[np.float64]
 CLEAR: Final = 2.0  # times the noise, or floors: what is worth telling
 MOST: Final = 24  # places that are told
 AFTER: Final = 1.5  # times as much after a change as before, or the other way round
+OWN: Final = 6  # the first of CHANNELS that is a sensor's aboard
 EVERY: Final = 25  # points of the grid for one value of a channel: a second
 
 
@@ -122,6 +123,8 @@ def _channels(one: Seen) -> list[Quantity]:
     rows = one.before.nominal.rows()
     still = Point(one.before.nominal, one.before.values, np.zeros_like(one.before.random))
     left = flight.left(flight.trajectory(still)[:, ::STEPS], still, rows)
+    # What a sensor is off by throughout is its own error, not the model's.
+    left[..., OWN:] -= _medians(left[..., OWN:])
     squares = (left / flight.replay.flight.noise) ** 2
     count = squares.shape[1] // EVERY * EVERY
     cut = squares[:, :count].reshape(len(squares), -1, EVERY, squares.shape[2])
@@ -135,6 +138,18 @@ def _channels(one: Seen) -> list[Quantity]:
         if here.sum() > 2 * block:
             out.append(Quantity(name, np.sqrt(means[..., k][here]), index[here], block))
     return out
+
+
+def _medians(left: Array) -> Array:
+    """Return the median of each channel, 0 where nothing is known."""
+    flat = left.reshape(-1, left.shape[-1])
+    known = np.isfinite(flat)
+    return np.array(
+        [
+            np.median(column[here]) if here.any() else 0.0
+            for column, here in zip(flat.T, known.T, strict=True)
+        ]
+    )
 
 
 def _forces(one: Seen) -> list[Quantity]:
