@@ -143,4 +143,4 @@ def written(
         raise BadInput(str(fault)) from None
     told = to_dict(finding, sound.cuts)
     keep_json(told, folder / NAME)
-    return Discovered(found, told, write_page(found, folder))
+    return Discovered(found, told, write_page(found, folder, asked.bags))

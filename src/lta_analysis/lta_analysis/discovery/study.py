@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
+from lta_analysis.discovery.detectable import detectable
 from lta_analysis.discovery.finding import (
     Finding,
     Gap,
@@ -102,6 +103,8 @@ class Study:
     bare : sequence of Fit
         The flights that taught, then those that confirmed, their tolerances fitted without any
         effect.
+    full : sequence of Fit
+        The same with the named effects.
 
     """
 
@@ -111,6 +114,7 @@ class Study:
     flights: Sequence[Flown]
     shown: Sequence[Shown]
     bare: Sequence[Fit] = ()
+    full: Sequence[Fit] = ()
 
 
 def study(
@@ -169,11 +173,13 @@ def study(
         seed=seed,
         bags={role: tuple(f.name for f in flown if f.role == role) for role in ROLES},
         vehicle=vehicle.file.name,
+        detectable=detectable([proven.full.reduced], proven.full.prior, known, proven.names),
     )
     seen = [Shown(f, *each) for f, each in zip(last, models, strict=True)]
     tell('done', 1.0)
     after = learned(nominal, proven, known)
-    return Study(finding, nominal, after, flown, seen, proven.bare.members)
+    fits = proven.bare.members, proven.full.members
+    return Study(finding, nominal, after, flown, seen, *fits)
 
 
 def ready(vehicle: Vehicle, flight: Measured, known: Sequence[Knob]) -> Linearised:

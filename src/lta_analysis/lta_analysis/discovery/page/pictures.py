@@ -8,7 +8,17 @@ from lta_analysis.discovery.measured import CHANNELS
 from lta_analysis.discovery.page.replayed import NAMES, ratio
 from lta_analysis.discovery.page.told import conditions, Overlay, Seen
 from lta_analysis.report.drawing import blank, extent
-from lta_analysis.report.palette import ESTIMATE, GRID, HEAT, INK, SETPOINT, SOFT, TRUTH, WALL, scale
+from lta_analysis.report.palette import (
+    ESTIMATE,
+    GRID,
+    HEAT,
+    INK,
+    scale,
+    SETPOINT,
+    SOFT,
+    TRUTH,
+    WALL,
+)
 import numpy as np
 from numpy.typing import NDArray
 from plotly.graph_objects import Figure, Heatmap, Scatter
@@ -18,7 +28,8 @@ Array = NDArray[np.float64]
 BEFORE, AFTER, MEASURED = ESTIMATE, TRUTH, SETPOINT
 LINES: Final = (('measured', MEASURED, 4.0), ('before', BEFORE, 1.6), ('after', AFTER, 1.6))
 COLUMNS: Final = 150  # of a heat map, at most; more pieces share them
-CELLS: Final = 8  # texts below a heat map, at most
+ALWAYS: Final = 'always'  # the condition of a place that stands out from nothing
+CELLS: Final = 6  # texts below a heat map, at most
 
 
 def heat(flights: Sequence[Seen], places: Sequence[Place]) -> Figure:
@@ -53,7 +64,7 @@ def heat(flights: Sequence[Seen], places: Sequence[Place]) -> Figure:
     _borders(figure, [one.flown.name for one in flights], begun)
     for place in places:
         name = NAMES.get(place.channel, '')
-        if name in names:
+        if name in names and place.condition != ALWAYS:
             _framed(figure, place, names.index(name), [one.flown.name for one in flights], begun)
     figure.update_yaxes(autorange='reversed', showgrid=False, tickfont={'size': 10, 'color': SOFT})
     figure.update_yaxes(title_text='before', row=1)
@@ -83,7 +94,7 @@ def _borders(figure: Figure, names: Sequence[str], begun: Sequence[Array]) -> No
         if first:
             for row in (1, 2):
                 figure.add_vline(first - 0.5, line={'color': INK, 'width': 1.5}, row=row, col=1)
-        for piece in range(0, len(times) - every // 2, every):
+        for piece in range(0, max(1, len(times) - every + 1), every):
             ticks.append(first + piece)
             texts.append(f'{times[piece]:.0f} s')
         first += len(times)
@@ -162,7 +173,9 @@ def path(of: Overlay) -> Figure:
 def over_time(of: Overlay) -> Figure:
     """Return height and heading over time."""
     figure = blank(3)
-    for row, (column, title) in enumerate(((2, 'height [m]'), (3, 'heading [\N{DEGREE SIGN}]')), 1):
+    for row, (column, title) in enumerate(
+        ((2, 'height [m]'), (3, 'heading [\N{DEGREE SIGN}]')), 1
+    ):
         for (name, colour, width), line in zip(LINES, of.lines, strict=True):
             figure.add_trace(
                 Scatter(
@@ -172,7 +185,9 @@ def over_time(of: Overlay) -> Figure:
                 ),
                 row=row, col=1,
             )  # fmt: skip
-        figure.update_yaxes(title_text=title, range=extent(*(x[:, column] for x in of.lines)), row=row)
+        figure.update_yaxes(
+            title_text=title, range=extent(*(x[:, column] for x in of.lines)), row=row
+        )
     figure.update_xaxes(hoverformat='.2f', unifiedhovertitle_text='%{x} s')
     for name, colour, away in apart(of):
         figure.add_trace(
