@@ -9,7 +9,7 @@ good comes beside it.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, final
 
 from lta_analysis.discovery.change_point import change
@@ -175,7 +175,7 @@ def _changes(one: Seen, forces: Sequence[Quantity], seed: int) -> list[Place]:
     """Return what changed for good in a flight, on the axis that disagrees most from then on."""
     if one.fit is None:
         return []
-    found = change(one.fit, one.flight.knobs, seed)
+    found = change(_complete(one.fit, one.flight), one.flight.knobs, seed)
     if found is None:
         return []
     cut, time = one.flight.replay.cut, one.flight.replay.flight.time
@@ -184,3 +184,13 @@ def _changes(one: Seen, forces: Sequence[Quantity], seed: int) -> list[Place]:
     axis = max(sizes, key=lambda name: sizes[name])
     said = f'after about {at:.0f} s, as if {found.knob} changed'
     return [Place(one.name, axis, at, end, said, sizes[axis])]
+
+
+def _complete(this: Fit, flight: Linearised) -> Fit:
+    """Return a fit with the columns of all candidates, also of those that it held."""
+    first = this.linear.grams.shape[1] - len(this.linear.names) - 1
+    sizes = this.linear.grams.sum(axis=0).diagonal()[first : first + len(flight.knobs)]
+    candidates = np.array([knob.typical > 0.0 for knob in flight.knobs])
+    if sizes[candidates].all():
+        return this
+    return replace(this, linear=flight.at(this.linear.point))
