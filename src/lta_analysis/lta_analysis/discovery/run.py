@@ -81,7 +81,7 @@ def discover(asked: Asked, folder: Path, tell: Tell) -> Discovered:
     asked : Asked
         What to study.
     folder : Path
-        Empty.
+        Empty, or not there yet.
     tell : callable
         Told what is being done.
 
@@ -130,6 +130,7 @@ def written(
     """Write the results of a study."""
     finding = found.finding
     try:
+        folder.mkdir(parents=True, exist_ok=True)
         if finding.effects:
             text = find('vehicle', asked.vehicle).read_text(encoding='utf-8')
             learned = learned_text(text, vehicle, found.nominal, found.learned, finding)

@@ -9,7 +9,7 @@ from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.measured import CHANNELS
 from lta_analysis.discovery.replay import STEPS
 from lta_analysis.discovery.sensing import told
-from lta_analysis.discovery.tangent import NUDGE, nudged, WIDTH
+from lta_analysis.discovery.tangent import moved, NUDGE, WIDTH
 from lta_analysis.discovery.turning import matrix
 import numpy as np
 from numpy.typing import NDArray
@@ -107,8 +107,9 @@ def best_begun(flight: Linearised, point: Point) -> Array:
     known = np.isfinite(base)
     columns = np.empty((*base.shape, WIDTH))
     for k in range(WIDTH):
+        aside = np.broadcast_to(NUDGE * (np.arange(WIDTH) == k), (len(start), WIDTH))
         # A NaN less a NaN, and an offset less itself: only known differences are left.
-        columns[..., k] = (base - _without_offsets(left(nudged(start, k)))) / NUDGE[k]
+        columns[..., k] = (base - _without_offsets(left(moved(start, aside)))) / NUDGE[k]
     columns = np.where(known[..., None], columns, 0.0)
     target = np.where(known, base, 0.0)
     # By the pose alone: a gyroscope's scale would have its way, so little is its noise.
