@@ -135,6 +135,8 @@ def test_a_study_without_names_has_a_calm_page(
 ) -> None:
     remains = REMAINS if verdict == 'unexplained' else ()
     given = _with(found, verdict=verdict, effects=(), remains=remains, detectable=SEEN, where=())
+    gaps = tuple(replace(one, before=one.after, tuned=one.after) for one in found.finding.gaps)
+    given = _with(given, gaps=gaps)
     text, data = _read(given, tmp_path)
     assert says in text
     assert 'linear drag (sway) 0.0034 N s/m' in text
@@ -279,6 +281,21 @@ def test_a_candidate_says_why_it_has_no_name() -> None:
     assert 'disagree' in because(Rung('a', 9.0, 9.0, 9.0, 7.0, False), beaten=False)
     assert 'better' in because(Rung('a', 9.0, 9.0, 9.0, 1.0, False), beaten=True)
     assert 'do not confirm' in because(Rung('a', 20.0, 0.0, -9.0, 1.0, False), beaten=False)
+
+
+def test_a_file_that_tolerances_make_much_better_is_said_to_be(found: Study) -> None:
+    gap = replace(found.finding.gaps[3], before=0.28, tuned=0.016, after=0.016)
+    said = headline(replace(found.finding, verdict='none', effects=(), gaps=(gap,)))
+    assert said.endswith('takes the position error after 5 s from 28 cm to 1.6 cm.')
+    gap = replace(gap, coast=0.01)
+    said = headline(replace(found.finding, verdict='not_identifiable', effects=(), gaps=(gap,)))
+    assert 'ignoring the commands predicts better' in said
+
+
+def test_an_effect_that_predicts_no_better_than_tolerances_is_said_to(found: Study) -> None:
+    gap = replace(found.finding.gaps[3], tuned=0.015, after=0.015)
+    said = headline(replace(found.finding, gaps=(gap,)))
+    assert said.endswith('to 1.5 cm, as it does with tolerances alone.')
 
 
 def test_the_headline_says_what_is_missing_and_how_much_better(found: Study) -> None:

@@ -14,6 +14,8 @@ from lta_analysis.discovery.page.words import (
     because,
     figure,
     listed,
+    loose,
+    main_gap,
     meaning,
     odds,
     percent,
@@ -76,9 +78,22 @@ def _nothing(found: Finding) -> str:
         else f'The best candidate was {spoken(best.knob)}, with {figure(total(best))} nats where '
         f'{GAIN:g} make a name{"" if best.accepted else f": {because(best, beaten=False)}"}.'
     )
+    gap = main_gap(found.gaps)
+    strong = best is not None and total(best) > GAIN
+    plain = (
+        'No candidate was confirmed by all flights.'
+        if strong
+        else 'The vehicle file explains these flights to within its own tolerances and the noise.'
+    )
+    use = (
+        'Its numbers are worth measuring again, though: tuned, they predict much better.'
+        if gap is not None and loose(gap)
+        else 'Another flight may decide.'
+        if strong
+        else 'That is a result: use the file as it is.'
+    )
     said = {
-        'none': 'The vehicle file explains these flights to within its own tolerances and the '
-        'noise. That is a result: use the file as it is.',
+        'none': f'{plain} {use}',
         'not_identifiable': 'What is missing, or whether anything is, cannot be told from these '
         'flights, so nothing is named. Another flight has to decide.',
     }.get(

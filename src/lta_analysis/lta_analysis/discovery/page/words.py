@@ -18,6 +18,7 @@ SHOWN_UNITS: Final = {'rad': (DEGREE, DEGREES), 'rad/s': (f'{DEGREE}/s', DEGREES
 RAISED: Final = str.maketrans(
     '0123456789', '\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079'
 )
+LOOSE: Final = 0.7  # of the error before; below it tuning tolerances alone is worth a word
 CLOSER: Final = 0.95  # of the error with tolerances alone; above it the effect predicts no better
 FORCES: Final = ('surge', 'sway', 'heave')
 ROLES: Final = {
@@ -122,7 +123,7 @@ def headline(found: Finding) -> str:
     many = sum(len(one.knobs) for one in found.effects) > 1
     rest = f'{remainder_words(found.remains[0])}' if found.remains else 'something'
     if found.verdict == 'none':
-        return 'Nothing is missing that these flights could show.'
+        return _none(found.gaps)
     if found.verdict == 'not_identifiable':
         if coasting(found.gaps):
             return (
@@ -143,6 +144,23 @@ def headline(found: Finding) -> str:
     if found.verdict == 'named+unexplained':
         return f'{said}; and something that is in no library: {rest}.'
     return f'{said}.'
+
+
+def _none(gaps: Sequence[Gap]) -> str:
+    """Return that nothing is missing; and that the file is off nevertheless, where it is."""
+    gap = main_gap(gaps)
+    if gap is None or not loose(gap):
+        return 'Nothing is missing that these flights could show.'
+    before, tuned = (amount(part, gap.unit, 2) for part in (gap.before, gap.tuned))
+    return (
+        f'No effect is confirmed as missing: tuning the tolerances of the file takes the '
+        f'{gap.channel} error after {gap.horizon_s:g} s from {before} to {tuned}.'
+    )
+
+
+def loose(gap: Gap) -> bool:
+    """Tell whether numbers of the file within their tolerances make most of the error."""
+    return gap.tuned < LOOSE * gap.before
 
 
 def coasting(gaps: Sequence[Gap]) -> bool:
@@ -245,8 +263,8 @@ def _evidence_tile(found: Finding) -> Tile:
     if not tried:
         return Tile('Evidence', MISSING, '', 'no candidate was worth a refit')
     best = max(tried, key=total)
-    return Tile('Best candidate', figure(total(best)), 'nats',
-                f'{spoken(best.knob)}; a name takes {GAIN:g}')  # fmt: skip
+    why = '' if best.accepted else f': {because(best, beaten=False)}'
+    return Tile('Best candidate', figure(total(best)), 'nats', f'{spoken(best.knob)}{why}')
 
 
 def total(rung: Rung) -> float:
