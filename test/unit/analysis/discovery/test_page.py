@@ -167,9 +167,18 @@ def test_several_flights_can_be_chosen(found: Study, tmp_path: Path) -> None:
     _, data = _read(replace(found, shown=shown), tmp_path)
     flights = data['flights']
     assert isinstance(flights, dict)
-    assert list(flights) == ['hidden_2', 'hidden_3']  # the first one is drawn already
-    lines = flights['hidden_2']['lines']
+    assert list(flights) == ['1', '2']  # the first one is drawn already
+    lines = flights['1']['lines']
     assert [len(line) for line in lines] == [4, 4, 4]
+
+
+def test_flights_of_one_name_keep_their_columns(found: Study, tmp_path: Path) -> None:
+    flights = [replace(one, name='bag') for one in found.flights]
+    _, data = _read(replace(found, flights=flights), tmp_path)
+    heat = data['figure-heat']
+    assert isinstance(heat, dict)
+    columns = heat['data'][0]['x']
+    assert len(set(columns)) == len(columns) == sum(len(f.flight.replay.first) for f in flights)
 
 
 def test_numbers_that_nobody_knows_are_dashes(found: Study, tmp_path: Path) -> None:

@@ -136,9 +136,10 @@ def overlays(names: Sequence[str], drawn: Sequence[Overlay]) -> str:
         return NOBODY
     first, choice = drawn[0], ''
     if len(drawn) > 1:
-        options = ''.join(f'<option>{escape(name)}</option>' for name in names)
-        rest = list(zip(names, drawn, strict=True))[1:]
-        content = {name: _packed(one) for name, one in rest}
+        options = ''.join(
+            f'<option value="{k}">{escape(name)}</option>' for k, name in enumerate(names)
+        )
+        content = {str(k): _packed(one) for k, one in enumerate(drawn) if k}
         choice = (
             '<p class="choice"><label for="flight">Flight</label> '
             f'<select id="flight">{options}</select></p>{embedded("flights", content)}'

@@ -39,9 +39,10 @@ def heat(flights: Sequence[Seen], places: Sequence[Place]) -> Figure:
     known = [k for k in range(len(CHANNELS)) if np.isfinite(tables[0][:, k]).any()]
     names = [NAMES[CHANNELS[k]] for k in known]
     begun = [one.before.time[::every, 0] for one in flights]
+    # Flights may have one name, columns may not: what tells them apart has no width.
     columns = [
-        f'{one.flown.name}, {time:.0f} s'
-        for one, times in zip(flights, begun, strict=True)
+        f'{one.flown.name}, {time:.1f} s' + k * '\N{ZERO WIDTH SPACE}'
+        for k, (one, times) in enumerate(zip(flights, begun, strict=True))
         for time in times
     ]
     for row, values in enumerate(tables, 1):
