@@ -4,12 +4,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
+from lta_analysis.discovery.detectable import detectable
 from lta_analysis.discovery.finding import (
     Finding,
     Gap,
     Rung,
     Verdict,
 )
+from lta_analysis.discovery.fit import Fit
 from lta_analysis.discovery.held_out import gaps, shown
 from lta_analysis.discovery.knobs import Knob, knobs
 from lta_analysis.discovery.linear import Point
@@ -92,6 +94,11 @@ class Study:
         All of them.
     shown : sequence of Shown
         The held-out flights, or the confirming ones where there are none.
+    bare : sequence of Fit
+        The flights that taught, then those that confirmed, their tolerances fitted without any
+        effect.
+    full : sequence of Fit
+        The same with the named effects.
 
     """
 
@@ -100,6 +107,8 @@ class Study:
     learned: Nominal
     flights: Sequence[Flown]
     shown: Sequence[Shown]
+    bare: Sequence[Fit] = ()
+    full: Sequence[Fit] = ()
 
 
 def study(
@@ -158,10 +167,13 @@ def study(
         seed=seed,
         bags={role: tuple(f.name for f in flown if f.role == role) for role in ROLES},
         vehicle=vehicle.file.name,
+        detectable=detectable([proven.full.reduced], proven.full.prior, known, proven.names),
     )
     seen = [Shown(f, *each) for f, each in zip(last, models, strict=True)]
     tell('done', 1.0)
-    return Study(finding, nominal, learned(nominal, proven, known), flown, seen)
+    after = learned(nominal, proven, known)
+    fits = proven.bare.members, proven.full.members
+    return Study(finding, nominal, after, flown, seen, *fits)
 
 
 def ready(vehicle: Vehicle, flight: Measured, known: Sequence[Knob]) -> Linearised:

@@ -1,0 +1,147 @@
+"""One discovery, from the bags to the folder with everything that was found."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import final
+
+from lta_analysis.discovery.bags import read_bags, Role
+from lta_analysis.discovery.learned_file import learned_text
+from lta_analysis.discovery.linear import origin
+from lta_analysis.discovery.overlay import write_overlay
+from lta_analysis.discovery.page.page import write_page
+from lta_analysis.discovery.places import places, Seen
+from lta_analysis.discovery.study import Study, study
+from lta_analysis.discovery.told import NAME, to_dict
+from lta_analysis.discovery.trusted import Believed, believed
+from lta_analysis.results_folder import keep_json
+from lta_bridge.bag.storage import StorageFault
+from lta_bridge.provenance import here
+from lta_config.errors import BadInput
+from lta_config.files import find
+from lta_sim.vehicle import load_vehicle, Vehicle
+
+VEHICLE = 'vehicle.yaml'
+Tell = Callable[[str, float | None], None]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """
+    What to study.
+
+    Attributes
+    ----------
+    vehicle : str
+        Name or file.
+    bags : mapping of role to paths
+        'train', 'confirm', 'holdout'.
+    seed : int
+        Of all chance.
+    robot : str, optional
+        Whose data, where a bag holds several robots.
+
+    """
+
+    vehicle: str
+    bags: Mapping[Role, Sequence[Path]]
+    seed: int = 1
+    robot: str | None = None
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Discovered:
+    """
+    What came of it.
+
+    Attributes
+    ----------
+    study : Study
+        What was found.
+    told : mapping
+        As discovery.json has it.
+    page : Path
+        The page.
+
+    """
+
+    study: Study
+    told: Mapping[str, object]
+    page: Path
+
+
+def discover(asked: Asked, folder: Path, tell: Tell) -> Discovered:
+    """
+    Study flights and write everything into a folder.
+
+    Parameters
+    ----------
+    asked : Asked
+        What to study.
+    folder : Path
+        Empty, or not there yet.
+    tell : callable
+        Told what is being done.
+
+    Raises
+    ------
+    BadInput
+        If the flights cannot give an honest answer, or the folder cannot be written.
+
+    """
+    vehicle = load_vehicle(asked.vehicle)
+    flights = read_bags(asked.bags, asked.robot, lambda name: tell(f'reading {name}', None))
+    tell('checking what can be believed', None)
+    sound = believed(flights, vehicle)
+    found = studied(asked, vehicle, sound, tell)
+    tell('writing what was found', None)
+    return written(asked, vehicle, found, sound, folder)
+
+
+def studied(asked: Asked, vehicle: Vehicle, sound: Believed, tell: Tell) -> Study:
+    """Return the study of flights that can be used, with what is to be said of them."""
+    found = study(vehicle, sound.flights, asked.seed, tell)
+    finding = replace(
+        found.finding,
+        where=places(_seen(found, sound), asked.seed),
+        vehicle=asked.vehicle,
+        warnings=(*sound.warnings, *found.finding.warnings),
+        versions={**here(), **found.finding.versions},
+    )
+    return replace(found, finding=finding)
+
+
+def _seen(found: Study, sound: Believed) -> list[Seen]:
+    """Return the flights that taught and confirmed as the model of the vehicle file sees them."""
+    taught = [one for role in ('train', 'confirm') for one in found.flights if one.role == role]
+    out = []
+    for one, fit in zip(taught, found.bare, strict=True):
+        pieces = len(one.flight.replay.first)
+        before = origin(found.nominal, one.flight.knobs, pieces)
+        out.append(Seen(one.name, one.flight, before, fit, sound.light.get(one.name)))
+    return out
+
+
+def written(
+    asked: Asked, vehicle: Vehicle, found: Study, sound: Believed, folder: Path
+) -> Discovered:
+    """Write the results of a study."""
+    finding = found.finding
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if finding.effects:
+            text = find('vehicle', asked.vehicle).read_text(encoding='utf-8')
+            learned = learned_text(text, vehicle, found.nominal, found.learned, finding)
+            (folder / VEHICLE).write_text(learned, encoding='utf-8')
+        write_overlay(found.shown, folder, finding.versions)
+    except OSError as error:
+        raise BadInput(
+            f"'{folder}' cannot be written ({error.strerror}); choose another folder with --out."
+        ) from error
+    except StorageFault as fault:
+        raise BadInput(str(fault)) from None
+    told = to_dict(finding, sound.cuts)
+    keep_json(told, folder / NAME)
+    return Discovered(found, told, write_page(found, folder, asked.bags))
