@@ -78,7 +78,6 @@ HIDEABLE: Final[dict[str, Hideable]] = {
     'cg_offset.y': Hideable(f'{_ON}cg_offset.y', 'm', -0.012, -0.004),
     'motor_deadband.threshold': Hideable(f'{_ON}motor_deadband.threshold', '1', 0.05, 0.1),
     'munk_moment.lost': Hideable(f'{_ON}munk_moment.lost', '1', 0.3, 0.6),
-    'tracker_delay.delay': Hideable(f'{_ON}tracker_delay.delay', 's', 0.02, 0.06),
     'steady_wind.y': Hideable(f'{_ON}steady_wind.y', 'm/s', 0.06, 0.15),
 }
 
