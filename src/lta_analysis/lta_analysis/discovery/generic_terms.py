@@ -108,7 +108,9 @@ def met(flight: Linearised, fitted: Fit) -> Met:
     body = point.nominal.model().body
     pushed = np.zeros((*steps.shape, AXES))
     for i in range(len(point.nominal.rotors)):
-        place, axis = (body[at + i * ROTOR : at + i * ROTOR + 3] for at in (ROTOR_PLACE, ROTOR_AXIS))
+        place, axis = (
+            body[at + i * ROTOR : at + i * ROTOR + 3] for at in (ROTOR_PLACE, ROTOR_AXIS)
+        )
         lever = np.concatenate([axis, np.cross(place, axis)])
         pushed += commands[steps, i, None] * lever
     rate = np.gradient(states[..., 7:10], replay.dt, axis=1)

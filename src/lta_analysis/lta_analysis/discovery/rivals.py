@@ -25,6 +25,7 @@ from lta_analysis.discovery.generic_terms import Group, groups, met, Scene
 from lta_analysis.discovery.linear import AXES, KNOTS, RANDOM
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.tangent import WIDTH
+from lta_sim.effects.protocol import AXES as NAMES
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
@@ -51,12 +52,15 @@ class Gain(NamedTuple):
         Log evidence. [nats]
     mean, covariance : ndarray, shape (J,) and (J, J)
         Of its weights.
+    deviations : ndarray, shape (6,)
+        Of the latent wrench beside it. [N, N m]
 
     """
 
     gain: float
     mean: Array
     covariance: Array
+    deviations: Array
 
 
 @final
@@ -78,6 +82,8 @@ class Rival(NamedTuple):
         Root mean square of it there. [N, N m]
     term : str
         Which of its terms is the largest.
+    share : float
+        Of the variance on the axis, what follows it.
 
     """
 
@@ -87,6 +93,7 @@ class Rival(NamedTuple):
     axis: str
     size: float
     term: str
+    share: float
 
     @property
     def total(self) -> float:
@@ -188,7 +195,9 @@ class Contest:
         each = [_gained(inner, right, None, s**2 / len(right)) for s in SIZES]
         return there.base + float(np.logaddexp.reduce(each)) - float(np.log(len(SIZES)))
 
-    def gains(self, taught: Mapping[str, Gain] | None = None, most: int = SETTLED) -> dict[str, Gain]:
+    def gains(
+        self, taught: Mapping[str, Gain] | None = None, most: int = SETTLED
+    ) -> dict[str, Gain]:
         """
         Return what each group wins.
 
@@ -206,9 +215,7 @@ class Contest:
         at: dict[str, tuple[float, Array, _Beside]] = {}
         for name in names:
             before = None if taught is None else taught[name]
-            scores = [
-                self._won(there, name, before) + log_prior(start) for start, there in seen
-            ]
+            scores = [self._won(there, name, before) + log_prior(start) for start, there in seen]
             k = int(np.argmax(scores))
             at[name] = scores[k], *seen[k]
         for name in sorted(names, key=lambda one: -at[one][0])[:most]:
@@ -236,7 +243,7 @@ class Contest:
         taught: Mapping[str, Gain] | None,
     ) -> Gain:
         """Return what a group wins, and its weights."""
-        score, _, there = at
+        score, deviations, there = at
         inner, right = there.inner[name], there.right[name]
         if taught is None:
             each = [_gained(inner, right, None, s**2 / len(right)) for s in SIZES]
@@ -246,7 +253,9 @@ class Contest:
             mean, wide = taught[name].mean, 1.5 * taught[name].covariance
         inverse = np.linalg.inv(wide)
         covariance = np.linalg.inv(inner + inverse)
-        return Gain(score - base, covariance @ (right + inverse @ mean), covariance)
+        return Gain(
+            float(score - base), covariance @ (right + inverse @ mean), covariance, deviations
+        )
 
 
 def _gained(inner: Array, right: Array, mean: Array | None, wide: Array | float) -> float:
@@ -319,9 +328,9 @@ def _rival(group: Group, first: Gain, confirmed: float) -> Rival:
     sizes = np.sqrt(np.mean(whole**2, axis=(0, 2)))
     axis = int(np.argmax(sizes / FLOOR))
     term = group.terms[int(np.argmax(each[:, axis]))]
-    from lta_sim.effects.protocol import AXES as NAMES
-
-    return Rival(group.name, first.gain, confirmed, NAMES[axis], float(sizes[axis]), term)
+    size, rest = float(sizes[axis]), float(first.deviations[axis])
+    share = size**2 / (size**2 + rest**2)
+    return Rival(group.name, first.gain, confirmed, NAMES[axis], size, term, share)
 
 
 def displaced(gain: float, before: Mapping[str, float], after: Mapping[str, float]) -> str:

@@ -55,7 +55,7 @@ def world_of(changes: Mapping[str, object], seed: int, turn: float = 0.0) -> tup
 
 
 class Pushed:
-    """A world in which something pushes that no effect is: half of it before a period, half after."""
+    """A world in which something pushes, half before a period and half after it."""
 
     def __init__(self, world: World, kind: Kind | None) -> None:
         self.world, self.kind = world, kind
