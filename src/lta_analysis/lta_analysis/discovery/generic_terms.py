@@ -12,8 +12,7 @@ from dataclasses import dataclass
 import math
 from typing import Final, final, NamedTuple
 
-from lta_analysis.discovery.fit import Fit
-from lta_analysis.discovery.linear import AXES, KNOTS
+from lta_analysis.discovery.linear import AXES, hats, KNOTS, Point
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.turning import matrix
 from lta_config.constants import STANDARD_GRAVITY
@@ -29,6 +28,7 @@ USUAL_HEIGHT: Final = 0.5  # m
 SIDE: Final = 5  # of the grid of places
 SWINGS: Final = (0.2, 0.35, 0.5)  # Hz; faster ones are lines of the spectrum
 DAMPED: Final = 0.1  # of critical
+CONSTANT: Final = 'nothing'  # that a force follows which stays the same
 MOTIONS: Final = (
     'surge speed', 'sway speed', 'heave speed', 'roll rate', 'pitch rate', 'yaw rate',
 )  # fmt: skip
@@ -98,9 +98,8 @@ class Group(NamedTuple):
     values: Array
 
 
-def met(flight: Linearised, fitted: Fit) -> Met:
-    """Return what a flight was like, by its last fit."""
-    point = fitted.linear.point
+def met(flight: Linearised, point: Point) -> Met:
+    """Return what a flight was like, by where its last fit stands."""
     states = flight.trajectory(point)[:, :-1]
     replay = flight.replay
     commands = replay.ready(point.nominal.rows()).commands
@@ -121,9 +120,8 @@ def met(flight: Linearised, fitted: Fit) -> Met:
 
 def _at_knots(values: Array, span: int) -> Array:
     """Return the knots whose straight lines are nearest to values in each step, (S, J, KNOTS)."""
-    at = (np.arange(span) + 0.5) * (KNOTS - 1) / span
-    share = np.maximum(0.0, 1.0 - np.abs(at[:, None] - np.arange(KNOTS)))
-    return np.einsum('kn,snj->sjk', np.linalg.pinv(share), values)
+    knots: Array = np.einsum('kn,snj->sjk', np.linalg.pinv(hats(span)), values)
+    return knots
 
 
 def _field(seen: Met, scene: Scene) -> tuple[list[str], Array]:
@@ -200,10 +198,11 @@ def _of_input(seen: Met) -> tuple[list[str], Array]:
 
 
 def _single(name: str, axis: int, terms: list[str], knots: Array, floor: Array) -> Group:
-    """Return a group of one axis."""
-    values = np.zeros((*knots.shape[:2], AXES, KNOTS))
-    values[:, :, axis] = floor[axis] * knots
-    return Group(f'{NAMES[axis]} by {name}', (axis,), tuple(terms), values)
+    """Return a group of one axis, with a constant beside its terms."""
+    values = np.zeros((len(knots), len(terms) + 1, AXES, KNOTS))
+    values[:, :-1, axis] = floor[axis] * knots
+    values[:, -1, axis] = floor[axis]
+    return Group(f'{NAMES[axis]} by {name}', (axis,), (*terms, CONSTANT), values)
 
 
 def groups(seen: Met, scene: Scene, floor: Array) -> Iterator[Group]:

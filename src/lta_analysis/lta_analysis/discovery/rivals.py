@@ -9,26 +9,16 @@ wrench are free to shrink where it takes over.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final, final, NamedTuple
 
-from lta_analysis.discovery.evidence import (
-    FLOOR,
-    knot_precision,
-    log_prior,
-    PIECE_PRESSURE,
-    Prior,
-    STATE,
-)
-from lta_analysis.discovery.fit import best, Fit
+from lta_analysis.discovery.evidence import LOOSE, USUAL
+from lta_analysis.discovery.fit import best
 from lta_analysis.discovery.generic_terms import Group, groups, met, Scene
-from lta_analysis.discovery.linear import AXES, KNOTS, RANDOM
 from lta_analysis.discovery.linearise import Linearised
-from lta_analysis.discovery.tangent import WIDTH
+from lta_analysis.discovery.standing import Beside, Columns, Standing
 from lta_sim.effects.protocol import AXES as NAMES
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_triangular
 
 Array = NDArray[np.float64]
 
@@ -102,92 +92,29 @@ class Rival(NamedTuple):
 
 
 @final
-@dataclass(frozen=True, slots=True)
-class _Beside:
-    """Groups beside the nuisances, for one set of deviations: products of each with itself."""
-
-    base: float
-    inner: Mapping[str, Array]
-    right: Mapping[str, Array]
-
-
-@final
 class Contest:
     """
-    The groups of one fitted flight, ready to be weighed.
+    The groups on flights that were fitted together, ready to be weighed.
 
     Parameters
     ----------
-    fitted : Fit
-        The flight.
-    prior : Prior
-        With which it was fitted.
-    known : sequence of Group
-        All groups.
+    standing : Standing
+        Of the flights.
+    known : sequence of sequences of Group
+        All groups, in the same order for each flight.
 
     """
 
-    def __init__(self, fitted: Fit, prior: Prior, known: Sequence[Group]) -> None:
-        self.fitted, self.prior = fitted, prior
-        self.known = {group.name: group for group in known}
-        linear = fitted.linear
-        grams = linear.grams
-        self._rows = -0.5 * np.log(2.0 * np.pi) * float(linear.rows.sum())
-        free = np.flatnonzero(prior.free)
-        self._free = free
-        others = np.concatenate([RANDOM + free, [grams.shape[1] - 1]])
-        self._random = grams[:, :RANDOM, :RANDOM]
-        self._cross = grams[:, :RANDOM, others]
-        self._others = grams[:, others[:, None], others]
-        latent = slice(WIDTH, WIDTH + AXES * KNOTS)
-        self._columns: dict[str, tuple[Array, Array, Array]] = {}
-        for name, group in self.known.items():
-            weights = np.swapaxes(group.values.reshape(*group.values.shape[:2], -1), 1, 2)
-            along = grams[:, :, latent] @ weights
-            own = np.swapaxes(weights, 1, 2) @ along[:, latent]
-            self._columns[name] = along[:, :RANDOM], along[:, others], own
+    def __init__(self, standing: Standing, known: Sequence[Sequence[Group]]) -> None:
+        self.standing, self._columns = standing, Columns(standing, known)
+        self.known = [{group.name: group for group in each} for each in known]
 
-    def beside(self, deviations: Array, names: Sequence[str]) -> _Beside:
-        """Return some groups beside everything else, for some deviations of the latent wrench."""
-        point = self.fitted.linear.point
-        precision = np.zeros((RANDOM, RANDOM))
-        diagonal = np.concatenate([STATE**-2.0, np.zeros(AXES * KNOTS), [PIECE_PRESSURE**-2.0]])
-        precision[np.diag_indices(RANDOM)] = diagonal
-        knots = knot_precision()
-        for axis, deviation in enumerate(deviations):
-            at = slice(WIDTH + axis * KNOTS, WIDTH + (axis + 1) * KNOTS)
-            precision[at, at] = knots / deviation**2
-        pull = -point.random @ precision
-        root = np.linalg.cholesky(self._random + precision)
-        cross = self._cross.copy()
-        cross[:, :, -1] += pull
-        half = np.linalg.solve(root, cross)
-        products = (self._others - np.swapaxes(half, 1, 2) @ half).sum(axis=0)
-        products[-1, -1] += float(np.sum(pull * -point.random))
-        logs = 0.5 * np.linalg.slogdet(precision)[1] * len(root)
-        logs -= float(np.log(np.diagonal(root, axis1=1, axis2=2)).sum())
-        wide = self.prior.covariance[np.ix_(self._free, self._free)]
-        inverse = np.linalg.inv(wide)
-        offset = (self.prior.mean - point.values)[self._free]
-        inner = products[:-1, :-1] + inverse
-        right = products[:-1, -1] + inverse @ offset
-        lower = np.linalg.cholesky(inner)
-        seen = solve_triangular(lower, right, lower=True)
-        base = self._rows + logs - 0.5 * float(np.linalg.slogdet(wide)[1])
-        base -= float(np.log(np.diag(lower)).sum())
-        base -= 0.5 * float(products[-1, -1] + offset @ inverse @ offset - seen @ seen)
-        inners, rights = {}, {}
-        for name in names:
-            along, aside, own = self._columns[name]
-            mine = np.linalg.solve(root, along)
-            both = (aside - np.swapaxes(half, 1, 2) @ mine).sum(axis=0)
-            alone = (own - np.swapaxes(mine, 1, 2) @ mine).sum(axis=0)
-            left = solve_triangular(lower, both[:-1], lower=True)
-            inners[name] = alone - left.T @ left
-            rights[name] = both[-1] - left.T @ seen
-        return _Beside(base, inners, rights)
+    def _log_prior(self, deviations: Array) -> float:
+        """Return the log density of deviations, less a constant."""
+        floor = self.standing.floor
+        return float(-0.5 * np.sum((np.log(deviations / (USUAL * floor)) / LOOSE) ** 2))
 
-    def _won(self, there: _Beside, name: str, taught: Gain | None) -> float:
+    def _won(self, there: Beside, name: str, taught: Gain | None) -> float:
         """Return the log evidence with a group."""
         inner, right = there.inner[name], there.right[name]
         if taught is not None:
@@ -209,36 +136,40 @@ class Contest:
             How many of the best get their own deviations.
 
         """
-        names, now = list(self.known if taught is None else taught), self.fitted.deviations
-        starts = [share * now for share in SHRUNK] + [np.minimum(now, 1.5 * FLOOR)]
-        seen = [(start, self.beside(start, names)) for start in starts]
-        at: dict[str, tuple[float, Array, _Beside]] = {}
+        names, now = list(self.known[0] if taught is None else taught), self.standing.deviations
+        starts = [share * now for share in SHRUNK] + [np.minimum(now, 1.5 * self.standing.floor)]
+        seen = [(start, self._columns.beside(start, names)) for start in starts]
+        at: dict[str, tuple[float, Array, Beside]] = {}
         for name in names:
             before = None if taught is None else taught[name]
-            scores = [self._won(there, name, before) + log_prior(start) for start, there in seen]
+            scores = [
+                self._won(there, name, before) + self._log_prior(start) for start, there in seen
+            ]
             k = int(np.argmax(scores))
             at[name] = scores[k], *seen[k]
         for name in sorted(names, key=lambda one: -at[one][0])[:most]:
             at[name] = self._settled(name, at[name], None if taught is None else taught[name])
-        base = self.fitted.evidence
+        base = self.standing.evidence
         return {name: self._gain(name, at[name], base, taught) for name in names}
 
     def _settled(
-        self, name: str, at: tuple[float, Array, _Beside], taught: Gain | None
-    ) -> tuple[float, Array, _Beside]:
+        self, name: str, at: tuple[float, Array, Beside], taught: Gain | None
+    ) -> tuple[float, Array, Beside]:
         """Return a group with the most probable deviations."""
 
         def value(deviations: Array) -> float:
-            there = self.beside(deviations, [name])
-            return self._won(there, name, taught) + log_prior(deviations)
+            there = self._columns.beside(deviations, [name])
+            return self._won(there, name, taught) + self._log_prior(deviations)
 
         deviations, score = best(value, at[1])
-        return max((score, deviations, self.beside(deviations, [name])), at, key=lambda o: o[0])
+        return max(
+            (score, deviations, self._columns.beside(deviations, [name])), at, key=lambda o: o[0]
+        )
 
     def _gain(
         self,
         name: str,
-        at: tuple[float, Array, _Beside],
+        at: tuple[float, Array, Beside],
         base: float,
         taught: Mapping[str, Gain] | None,
     ) -> Gain:
@@ -278,59 +209,62 @@ class Rivals:
 
     Parameters
     ----------
-    flights : sequence of Linearised
-        The first teaches, the others confirm.
+    flights : pair of sequences of Linearised
+        Those that teach, and those that confirm.
 
     """
 
-    def __init__(self, flights: Sequence[Linearised]) -> None:
-        self.flights = list(flights)
-        places = [flight.replay.flight.position for flight in self.flights]
+    def __init__(self, flights: Sequence[Sequence[Linearised]]) -> None:
+        self.flights = flights
+        places = [each.replay.flight.position for side in flights for each in side]
         self._scene = Scene.around([each[np.isfinite(each).all(axis=1)] for each in places])
 
-    def contests(self, fits: Sequence[Fit], prior: Prior) -> list[Contest]:
-        """Return each flight with all groups."""
-        out = []
-        for flight, fitted in zip(self.flights, fits, strict=True):
-            known = list(groups(met(flight, fitted), self._scene, FLOOR))
-            out.append(Contest(fitted, prior, known))
-        return out
+    def contest(self, side: int, standing: Standing) -> Contest:
+        """Return the flights of one side with all groups."""
+        flown = zip(self.flights[side], standing.linears, strict=True)
+        known = [
+            list(groups(met(flight, linear.point), self._scene, standing.floor))
+            for flight, linear in flown
+        ]
+        return Contest(standing, known)
 
-    def found(self, fits: Sequence[Fit], prior: Prior) -> tuple[Rival, ...]:
+    def found(self, standings: Sequence[Standing]) -> tuple[Rival, ...]:
         """
         Return all rivals, the best first.
 
         Parameters
         ----------
-        fits : sequence of Fit
-            Of the flights, with the effects that are in the model now.
-        prior : Prior
-            With which they were fitted.
+        standings : pair of Standing
+            Of the flights that teach and of those that confirm, with the effects that are in the
+            model now.
 
         """
-        contests = self.contests(fits, prior)
-        own = [contest.gains() for contest in contests]
-        carried = [contest.gains(own[0]) for contest in contests[1:]]
-        out = []
-        for name, first in own[0].items():
-            others = [
-                max(alone[name].gain, with_it[name].gain)
-                for alone, with_it in zip(own[1:], carried, strict=True)
-            ]
-            out.append(_rival(contests[0].known[name], first, sum(others)))
+        first, second = (self.contest(k, each) for k, each in enumerate(standings))
+        taught, alone = first.gains(), second.gains()
+        carried = second.gains(taught)
+        out = [
+            _rival(
+                [each[name] for each in first.known],
+                taught[name],
+                max(alone[name].gain, carried[name].gain),
+                standings[0].floor,
+            )
+            for name in taught
+        ]
         return tuple(sorted(out, key=lambda rival: -rival.total))
 
 
-def _rival(group: Group, first: Gain, confirmed: float) -> Rival:
-    """Return a rival with its size and its largest term."""
-    each = np.sqrt(np.mean((group.values * first.mean[:, None, None]) ** 2, axis=(0, 3)))
-    whole = np.einsum('sjak,j->sak', group.values, first.mean)
+def _rival(group: Sequence[Group], taught: Gain, confirmed: float, floor: Array) -> Rival:
+    """Return a rival with its size and its largest term, from the group on each flight."""
+    values = np.concatenate([each.values for each in group])
+    each = np.sqrt(np.mean((values * taught.mean[:, None, None]) ** 2, axis=(0, 3)))
+    whole = np.einsum('sjak,j->sak', values, taught.mean)
     sizes = np.sqrt(np.mean(whole**2, axis=(0, 2)))
-    axis = int(np.argmax(sizes / FLOOR))
-    term = group.terms[int(np.argmax(each[:, axis]))]
-    size, rest = float(sizes[axis]), float(first.deviations[axis])
+    axis = int(np.argmax(sizes / floor))
+    term = group[0].terms[int(np.argmax(each[:, axis]))]
+    size, rest = float(sizes[axis]), float(taught.deviations[axis])
     share = size**2 / (size**2 + rest**2)
-    return Rival(group.name, first.gain, confirmed, NAMES[axis], size, term, share)
+    return Rival(group[0].name, taught.gain, confirmed, NAMES[axis], size, term, share)
 
 
 def displaced(gain: float, before: Mapping[str, float], after: Mapping[str, float]) -> str:
