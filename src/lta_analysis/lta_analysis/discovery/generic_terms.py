@@ -26,6 +26,7 @@ Array = NDArray[np.float64]
 USUAL_SPEED: Final = np.array([0.3, 0.3, 0.3, 0.3, 0.3, 0.3])  # m/s, rad/s
 USUAL_HEIGHT: Final = 0.5  # m
 SIDE: Final = 5  # of the grid of places
+LAYERS: Final = 10  # of heights
 SWINGS: Final = (0.2, 0.35, 0.5)  # Hz; faster ones are lines of the spectrum
 DAMPED: Final = 0.1  # of critical
 CONSTANT: Final = 'nothing'  # that a force follows which stays the same
@@ -159,10 +160,12 @@ def _of_axis(seen: Met, scene: Scene) -> Iterator[tuple[str, list[str], Array]]:
     height = (seen.states[..., 2] - 0.5 * (scene.low[2] + scene.high[2])) / USUAL_HEIGHT
     rotation = matrix(seen.states[..., 3:7])
     heading = np.arctan2(rotation[..., 1, 0], rotation[..., 0, 0])
-    layers = {'height': height, 'height squared': height**2, 'height cubed': height**3}
-    for k in (0, 2):
-        layers[f'height x {MOTIONS[k]}'] = height * motion[..., k]
-    yield 'height', list(layers), np.stack(list(layers.values()), axis=-1)
+    spots = np.linspace(scene.low[2], scene.high[2], LAYERS)
+    width = (scene.high[2] - scene.low[2]) / (LAYERS - 1)
+    layers = [np.exp(-0.5 * ((seen.states[..., 2] - spot) / width) ** 2) for spot in spots]
+    moving = [height * motion[..., k] for k in (0, 2)]
+    names = ['height'] * (LAYERS + 1) + [f'height x {MOTIONS[k]}' for k in (0, 2)]
+    yield 'height', names, np.stack([height, *layers, *moving], axis=-1)
     turns = [f(m * heading) for m in (1, 2) for f in (np.cos, np.sin)]
     yield 'heading', ['heading'] * 2 + ['twice the heading'] * 2, np.stack(turns, axis=-1)
     names, values = [], []
