@@ -197,6 +197,8 @@ class Finding:
         Name of the vehicle file.
     versions : mapping of str to str
         Of the program, its commit, the registry of effects.
+    unexplained : tuple of str
+        What remains, in words: 'a pitch moment that follows surge speed x yaw rate, 1.2 mN m'.
 
     """
 
@@ -212,3 +214,4 @@ class Finding:
     bags: Mapping[str, tuple[str, ...]]
     vehicle: str
     versions: Mapping[str, str] = field(default_factory=dict)
+    unexplained: tuple[str, ...] = ()

@@ -11,8 +11,8 @@ wrench are free to shrink where it takes over.
 from collections.abc import Mapping, Sequence
 from typing import Final, final, NamedTuple
 
-from lta_analysis.discovery.evidence import LOOSE, USUAL
-from lta_analysis.discovery.fit import best
+from lta_analysis.discovery.deviations import best
+from lta_analysis.discovery.evidence import log_prior
 from lta_analysis.discovery.generic_terms import Group, groups, met, Scene
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.standing import Beside, Columns, Standing
@@ -25,10 +25,6 @@ Array = NDArray[np.float64]
 SIZES: Final = (3.0, 10.0, 40.0)  # floors; of the weights of a group together
 SHRUNK: Final = (1.0, 0.6, 0.35, 0.2)  # of the deviations that are looked at
 SETTLED: Final = 3  # of the rivals, of which the deviations are found anew
-BETTER: Final = 1.1  # of what a candidate wins ...
-MARGIN: Final = 10.0  # ... and nats: by which a rival has to be better to displace it
-BESIDE: Final = 8.0  # nats; that a candidate has to win beside a rival that is better
-WORTH: Final = 12.0  # nats; of a rival at the end
 
 
 @final
@@ -109,11 +105,6 @@ class Contest:
         self.standing, self._columns = standing, Columns(standing, known)
         self.known = [{group.name: group for group in each} for each in known]
 
-    def _log_prior(self, deviations: Array) -> float:
-        """Return the log density of deviations, less a constant."""
-        floor = self.standing.floor
-        return float(-0.5 * np.sum((np.log(deviations / (USUAL * floor)) / LOOSE) ** 2))
-
     def _won(self, there: Beside, name: str, taught: Gain | None) -> float:
         """Return the log evidence with a group."""
         inner, right = there.inner[name], there.right[name]
@@ -143,7 +134,8 @@ class Contest:
         for name in names:
             before = None if taught is None else taught[name]
             scores = [
-                self._won(there, name, before) + self._log_prior(start) for start, there in seen
+                self._won(there, name, before) + log_prior(start, self.standing.floor)
+                for start, there in seen
             ]
             k = int(np.argmax(scores))
             at[name] = scores[k], *seen[k]
@@ -159,9 +151,9 @@ class Contest:
 
         def value(deviations: Array) -> float:
             there = self._columns.beside(deviations, [name])
-            return self._won(there, name, taught) + self._log_prior(deviations)
+            return self._won(there, name, taught) + log_prior(deviations, self.standing.floor)
 
-        deviations, score = best(value, at[1])
+        deviations, score = best(value, at[1], self.standing.floor)
         return max(
             (score, deviations, self._columns.beside(deviations, [name])), at, key=lambda o: o[0]
         )
@@ -265,25 +257,3 @@ def _rival(group: Sequence[Group], taught: Gain, confirmed: float, floor: Array)
     size, rest = float(sizes[axis]), float(taught.deviations[axis])
     share = size**2 / (size**2 + rest**2)
     return Rival(group[0].name, taught.gain, confirmed, NAMES[axis], size, term, share)
-
-
-def displaced(gain: float, before: Mapping[str, float], after: Mapping[str, float]) -> str:
-    """
-    Return the rival that takes a candidate's place, '' where the candidate stands.
-
-    A rival that is clearly better takes it, unless the candidate has much to say beside it.
-
-    Parameters
-    ----------
-    gain : float
-        Log evidence that the candidate wins on all flights. [nats]
-    before, after : mapping of str to float
-        What each rival wins on them without the candidate, and beside it.
-
-    """
-    for name in sorted(before, key=lambda one: -before[one]):
-        if before[name] <= BETTER * gain + MARGIN:
-            break
-        if gain + after[name] - before[name] < BESIDE:
-            return name
-    return ''

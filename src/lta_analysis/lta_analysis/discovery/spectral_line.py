@@ -9,7 +9,6 @@ the running median of the neighbours, and a line counts only if all flights show
 from collections.abc import Sequence
 from typing import Final, final, NamedTuple
 
-from lta_analysis.discovery.fit import Fit
 from lta_analysis.discovery.measured import CHANNELS, PERIOD
 import numpy as np
 from numpy.typing import NDArray
@@ -148,8 +147,3 @@ def lines(residuals: Sequence[Array], noise: Sequence[Array]) -> list[Line]:
         ]
         out.append(Line(channel, hertz, float(np.mean(sizes)), min(r for _, r in peaks)))
     return sorted(out, key=lambda line: -line.medians)
-
-
-def lines_of(fits: Sequence[Fit], noise: Sequence[Array]) -> list[Line]:
-    """Return the lines in what is left over of some fitted flights; `noise` as for `lines`."""
-    return lines([fitted.linear.residual for fitted in fits], noise)

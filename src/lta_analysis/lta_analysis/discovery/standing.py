@@ -6,11 +6,17 @@ as in `evidence`; what is left of a group are its products with itself and with 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final, NamedTuple
 
-from lta_analysis.discovery.evidence import FLOOR, knot_precision, PIECE_PRESSURE, Prior, STATE
-from lta_analysis.discovery.fit import Fit
+from lta_analysis.discovery.evidence import (
+    knot_precision,
+    log_prior,
+    PIECE_PRESSURE,
+    Prior,
+    STATE,
+)
+from lta_analysis.discovery.fit import Joint
 from lta_analysis.discovery.generic_terms import Group
 from lta_analysis.discovery.linear import AXES, KNOTS, Linear, RANDOM
 from lta_analysis.discovery.tangent import WIDTH
@@ -53,11 +59,21 @@ class Standing:
     evidence: float
 
     @classmethod
-    def of(cls, fitted: Fit, prior: Prior) -> 'Standing':
-        """Return where one flight stands that was fitted by itself."""
-        at, floor = fitted.linear.point.values, FLOOR
-        none = np.zeros(len(at))
-        return cls((fitted.linear,), at, none, prior, fitted.deviations, floor, fitted.evidence)
+    def of(cls, joint: Joint, floor: Array) -> 'Standing':
+        """Return where flights stand after their last fit."""
+        group = joint.group
+        return cls(
+            group.linears, group.at, group.variance, joint.prior, joint.deviations, floor,
+            joint.evidence,
+        )  # fmt: skip
+
+    @classmethod
+    def part(cls, joint: Joint, which: slice, floor: Array) -> 'Standing':
+        """Return where some of the flights stand, weighed by themselves about the same point."""
+        every = cls.of(joint, floor)
+        some = replace(every, linears=every.linears[which])
+        base = Columns(some, [()] * len(some.linears)).beside(some.deviations, ()).base
+        return replace(some, evidence=base + log_prior(some.deviations, floor))
 
 
 @final

@@ -7,16 +7,20 @@ people.
 """
 
 from collections.abc import Sequence
-from typing import Final, Literal
+from typing import Final
 
 from lta_analysis.discovery.evidence import FLOOR
-from lta_analysis.discovery.rivals import Rival, WORTH
+from lta_analysis.discovery.finding import Verdict
+from lta_analysis.discovery.rivals import Rival
 from lta_analysis.discovery.spectral_line import Line
 from lta_analysis.discovery.unexplained import CARRIED, CLEAR, Remainder
 from lta_sim.effects.protocol import AXES as NAMES
+import numpy as np
+from numpy.typing import NDArray
 
-Verdict = Literal['none', 'named', 'unexplained', 'named+unexplained', 'not_identifiable']
+Array = NDArray[np.float64]
 
+WORTH: Final = 12.0  # nats; of a rival on both flights
 EACH: Final = 3.0  # nats; that a rival has to win on every flight
 QUIET: Final = 0.5  # of the least of surge and sway; what the other axes stay below in gusts
 LEVEL: Final = ('surge', 'sway')
@@ -75,7 +79,9 @@ def verdict_of(
     return 'not_identifiable' if undecided else 'none'
 
 
-def remains_with(remains: Sequence[Remainder], rivals: Sequence[Rival]) -> list[Remainder]:
+def remains_with(
+    remains: Sequence[Remainder], rivals: Sequence[Rival], floor: Array = FLOOR
+) -> list[Remainder]:
     """
     Return what remains with what the best rival of each axis says that it follows.
 
@@ -88,7 +94,7 @@ def remains_with(remains: Sequence[Remainder], rivals: Sequence[Rival]) -> list[
             continue
         told.add(one.axis)
         before = out.get(one.axis)
-        floors = one.size / float(FLOOR[NAMES.index(one.axis)])
+        floors = one.size / float(floor[NAMES.index(one.axis)])
         if before is None:
             out[one.axis] = Remainder(one.axis, one.size, floors, (one.term,), one.share)
         elif not before.follows:

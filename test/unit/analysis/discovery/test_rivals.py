@@ -2,14 +2,23 @@
 
 from dataclasses import replace
 
-from lta_analysis.discovery.evidence import fitted, FLOOR, Pieces, Prior, tolerances
-from lta_analysis.discovery.fit import Fit, fit
+from lta_analysis.discovery.displacing import beside_the_point, displaced
+from lta_analysis.discovery.evidence import (
+    fitted,
+    FLOOR,
+    own_variance,
+    Pieces,
+    Prior,
+    shared,
+    tolerances,
+)
+from lta_analysis.discovery.fit import Fitter, Joint
 from lta_analysis.discovery.generic_terms import Group, groups, met, Scene
 from lta_analysis.discovery.knobs import Knob
 from lta_analysis.discovery.linear import AXES, KNOTS, origin, RANDOM
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.nominal import Nominal
-from lta_analysis.discovery.rivals import Contest, displaced, Rivals
+from lta_analysis.discovery.rivals import Contest, Rivals
 from lta_analysis.discovery.standing import Columns, Standing
 from lta_analysis.discovery.tangent import WIDTH
 from lta_analysis.discovery.verdict import standing, verdict_of
@@ -22,10 +31,11 @@ from .outside import KINDS
 Known = tuple[Nominal, list[Knob]]
 
 
-def _fitted(known: Known, flight: Linearised) -> Fit:
+def _fitted(known: Known, flight: Linearised) -> Joint:
     nominal, knobs = known
     begin = origin(nominal, knobs, len(flight.replay.first))
-    return fit(flight, nominal, tolerances(knobs), begin)
+    fitter = Fitter(nominal, [flight], own_variance(knobs), FLOOR)
+    return fitter.fit(shared(knobs), fitter.about(begin.values, [begin]), FLOOR)
 
 
 @pytest.fixture(scope='module')
@@ -34,31 +44,40 @@ def quiet(gtmab: Known, clean: Linearised) -> tuple[Standing, list[Group]]:
     found = _fitted(gtmab, clean)
     place = clean.replay.flight.position
     scene = Scene.around([place[np.isfinite(place).all(axis=1)]])
-    known = list(groups(met(clean, found.linear.point), scene, FLOOR))
-    return Standing.of(found, tolerances(gtmab[1])), known
+    known = list(groups(met(clean, found.group.linears[0].point), scene, FLOOR))
+    return Standing.of(found, FLOOR), known
+
+
+def _alone(stands: Standing, knobs: list[Knob]) -> Standing:
+    """Return the same flight with nothing of its own: all in the prior, about its point."""
+    at = stands.linears[0].point.values
+    return replace(stands, at=at, variance=np.zeros(len(at)), prior=tolerances(knobs))
 
 
 def test_without_groups_the_evidence_is_that_of_the_fit(
-    quiet: tuple[Standing, list[Group]],
+    quiet: tuple[Standing, list[Group]], gtmab: Known
 ) -> None:
-    stands, known = quiet
+    joint, known = quiet
+    stands = _alone(joint, gtmab[1])
     linear = stands.linears[0]
     for deviations in (stands.deviations, 3.0 * FLOOR):
-        there = Columns(stands, [known]).beside(deviations, [])
         expected = fitted(Pieces(linear).reduced(deviations), linear.point.values, stands.prior)
-        assert there.base == pytest.approx(expected.log_evidence, abs=1e-6)
+        for each in (stands, joint):
+            there = Columns(each, [known]).beside(deviations, [])
+            assert there.base == pytest.approx(expected.log_evidence, abs=1e-5)
 
 
 def test_a_group_is_worth_what_its_columns_are_as_knobs(
-    quiet: tuple[Standing, list[Group]],
+    quiet: tuple[Standing, list[Group]], gtmab: Known
 ) -> None:
-    stands, known = quiet
-    linear, group = stands.linears[0], known[5]
+    joint, known = quiet
+    stands, group = _alone(joint, gtmab[1]), known[5]
+    linear = stands.linears[0]
     size = len(group.terms)
     weights = group.values.reshape(len(group.values), size, AXES * KNOTS)
     latent = linear.grams[:, :, WIDTH : WIDTH + AXES * KNOTS]
     more = np.einsum('snk,sjk->snj', latent, weights)
-    own = np.einsum('snk,snj->skj', weights.transpose(0, 2, 1), more[:, WIDTH : WIDTH + 54])
+    own = np.einsum('sjk,ski->sji', weights, more[:, WIDTH : WIDTH + AXES * KNOTS])
     grams = np.block([[linear.grams, more], [more.transpose(0, 2, 1), own]])
     total = linear.grams.shape[1]
     order = np.r_[0 : total - 1, total : total + size, total - 1]
@@ -68,29 +87,13 @@ def test_a_group_is_worth_what_its_columns_are_as_knobs(
     covariance[:-size, :-size], covariance[-size:, -size:] = stands.prior.covariance, wide
     prior = Prior(np.concatenate([stands.prior.mean, zeros]), covariance)
     at = np.concatenate([linear.point.values, zeros])
-    expected = fitted(Pieces(wider).reduced(stands.deviations), at, prior)
-    there = Columns(stands, [known]).beside(stands.deviations, [group.name])
-    inner, right = there.inner[group.name], there.right[group.name]
-    square = right @ np.linalg.solve(inner + np.linalg.inv(wide), right)
-    logs = np.linalg.slogdet(np.eye(size) + wide @ inner)[1]
-    assert there.base + 0.5 * square - 0.5 * logs == pytest.approx(expected.log_evidence, abs=1e-6)
-
-
-def test_a_flights_own_errors_are_as_free_as_in_its_prior(
-    quiet: tuple[Standing, list[Group]], gtmab: Known
-) -> None:
-    stands, known = quiet
-    own = np.array([k.tolerance**2 if k.per_flight else 0.0 for k in gtmab[1]] + [0.0] * 4)
-    shared = Prior(stands.prior.mean, stands.prior.covariance - np.diag(own))
-    at = np.where(own > 0.0, 0.0, stands.at)
-    apart = replace(stands, at=at, variance=own, prior=shared)
-    name = known[3].name
-    together, split = (
-        Columns(each, [known]).beside(stands.deviations, [name]) for each in (stands, apart)
-    )
-    assert split.base == pytest.approx(together.base, abs=1e-5)
-    np.testing.assert_allclose(split.inner[name], together.inner[name], rtol=1e-5, atol=1e-6)
-    np.testing.assert_allclose(split.right[name], together.right[name], rtol=1e-4, atol=1e-4)
+    expected = fitted(Pieces(wider).reduced(stands.deviations), at, prior).log_evidence
+    for each in (stands, joint):
+        there = Columns(each, [known]).beside(each.deviations, [group.name])
+        inner, right = there.inner[group.name], there.right[group.name]
+        square = right @ np.linalg.solve(inner + np.linalg.inv(wide), right)
+        logs = np.linalg.slogdet(np.eye(size) + wide @ inner)[1]
+        assert there.base + 0.5 * square - 0.5 * logs == pytest.approx(expected, abs=1e-5)
 
 
 def test_on_a_clean_flight_no_group_wins(quiet: tuple[Standing, list[Group]]) -> None:
@@ -100,18 +103,18 @@ def test_on_a_clean_flight_no_group_wins(quiet: tuple[Standing, list[Group]]) ->
     assert max(one.gain for one in gains.values()) < 3.0
 
 
-def test_air_in_layers_is_found_and_described(gtmab: Known) -> None:
-    make, _, strong = KINDS['layers']
+def test_wash_over_a_fin_is_found_and_described(gtmab: Known) -> None:
+    make, _, strong = KINDS['swirl']
     flights = [
-        prepared(flown({}, seed, 32.0, make(strong, np.random.default_rng(4))), gtmab[1])
+        prepared(flown({}, seed, 32.0, make(strong, np.random.default_rng(4)), 1.9), gtmab[1])
         for seed in (11, 12)
     ]
-    prior = tolerances(gtmab[1])
-    fits = [_fitted(gtmab, flight) for flight in flights]
-    found = Rivals([[flight] for flight in flights]).found([Standing.of(f, prior) for f in fits])
-    assert found[0].axis == 'heave'
-    assert found[0].name in ('heave by height', 'heave by place')
-    assert standing(found)
+    stands = [Standing.of(_fitted(gtmab, flight), FLOOR) for flight in flights]
+    found = Rivals([[flight] for flight in flights]).found(stands)
+    assert found[0].name == 'yaw by thrust x speed'
+    assert found[0].term == 'surge thrust x surge speed'
+    assert found[0].share > 0.8
+    assert standing(found)[0] == found[0]
     assert verdict_of((), (), found) == 'unexplained'
 
 
@@ -120,3 +123,10 @@ def test_a_candidate_falls_to_a_better_rival_unless_it_has_more_to_say() -> None
     assert displaced(100.0, {'field': 300.0}, {'field': 203.0}) == 'field'
     assert displaced(100.0, {'field': 300.0}, {'field': 290.0}) == ''  # two things at once
     assert displaced(100.0, {'a': 300.0, 'b': 200.0}, {'a': 290.0, 'b': 90.0}) == 'b'
+
+
+def test_a_candidate_that_makes_no_large_force_smaller_is_beside_the_point() -> None:
+    quiet, large = np.ones(6), np.array([9.5, 1.0, 8.0, 1.0, 1.0, 1.0])
+    assert not beside_the_point(quiet, quiet)
+    assert beside_the_point(large, 0.95 * large)
+    assert not beside_the_point(large, np.array([1.0, 1.0, 8.0, 1.0, 1.0, 1.0]))
