@@ -29,7 +29,7 @@ SIDE: Final = 5  # of the grid of places
 LAYERS: Final = 10  # of heights
 SWINGS: Final = (0.2, 0.35, 0.5)  # Hz; faster ones are lines of the spectrum
 DAMPED: Final = 0.1  # of critical
-CONSTANT: Final = 'nothing'  # that a force follows which stays the same
+CONSTANT: Final = 'constant'
 MOTIONS: Final = (
     'surge speed', 'sway speed', 'heave speed', 'roll rate', 'pitch rate', 'yaw rate',
 )  # fmt: skip
@@ -172,7 +172,7 @@ def _of_axis(seen: Met, scene: Scene) -> Iterator[tuple[str, list[str], Array]]:
     for k, name in enumerate(MOTIONS):
         for sign, way in ((1.0, 'forward'), (-1.0, 'backward')):
             one = np.maximum(sign * motion[..., k], 0.0)
-            names += [f'{name}, {way}', f'{name} squared, {way}']
+            names += [f'{way} {name}', f'{way} {name} squared']
             values += [one, one**2]
     yield 'one-sided speed', names, np.stack(values, axis=-1)
     pairs = [(i, j) for i in range(6) for j in range(i + 1, 6)]
@@ -195,7 +195,7 @@ def _of_input(seen: Met) -> tuple[list[str], Array]:
         for k in (0, 1, 2, 5):
             names.append(f'{name} x {MOTIONS[k]}')
             values.append(push * seen.states[..., 7 + k] / USUAL_SPEED[k])
-        names.append(f'{name}, either way')
+        names.append(f'{name} either way')
         values.append(np.abs(push))
     return names, np.stack(values, axis=-1)
 

@@ -13,7 +13,7 @@ from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.deviations import best
 from lta_analysis.discovery.evidence import log_prior
-from lta_analysis.discovery.generic_terms import Group, groups, met, Scene
+from lta_analysis.discovery.generic_terms import CONSTANT, Group, groups, met, Scene
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.standing import Beside, Columns, Standing
 from lta_sim.effects.protocol import AXES as NAMES
@@ -64,6 +64,8 @@ class Rival(NamedTuple):
         On the other, by itself or with what the first has taught, the better one.
     axis : str
         On which it mostly acts.
+    axes : tuple of str
+        On which it acts at all.
     size : float
         Root mean square of it there. [N, N m]
     term : str
@@ -77,6 +79,7 @@ class Rival(NamedTuple):
     gain: float
     confirmed: float
     axis: str
+    axes: tuple[str, ...]
     size: float
     term: str
     share: float
@@ -253,7 +256,11 @@ def _rival(group: Sequence[Group], taught: Gain, confirmed: float, floor: Array)
     whole = np.einsum('sjak,j->sak', values, taught.mean)
     sizes = np.sqrt(np.mean(whole**2, axis=(0, 2)))
     axis = int(np.argmax(sizes / floor))
-    term = group[0].terms[int(np.argmax(each[:, axis]))]
+    terms = np.array(group[0].terms)
+    # What stays the same is a description only where there is nothing else.
+    weight = np.where(terms == CONSTANT, 0.2, 1.0) * each[:, axis]
+    term = str(terms[int(np.argmax(weight))])
     size, rest = float(sizes[axis]), float(taught.deviations[axis])
     share = size**2 / (size**2 + rest**2)
-    return Rival(group[0].name, taught.gain, confirmed, NAMES[axis], size, term, share)
+    axes = tuple(NAMES[k] for k in group[0].axes)
+    return Rival(group[0].name, taught.gain, confirmed, NAMES[axis], axes, size, term, share)

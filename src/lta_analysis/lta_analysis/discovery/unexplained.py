@@ -93,7 +93,7 @@ def terms(states: Array) -> dict[str, Array]:
         value = motion[name]
         out[name] = value
         out[f'{name} squared'] = np.abs(value) * value
-        out[f'{name}, either way'] = np.abs(value)
+        out[f'{name} either way'] = np.abs(value)
         for other in names[i + 1 :]:
             out[f'{name} x {other}'] = value * motion[other]
     return out

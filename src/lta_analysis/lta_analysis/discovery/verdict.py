@@ -11,6 +11,7 @@ from typing import Final
 
 from lta_analysis.discovery.evidence import FLOOR
 from lta_analysis.discovery.finding import Verdict
+from lta_analysis.discovery.generic_terms import CONSTANT
 from lta_analysis.discovery.rivals import Rival
 from lta_analysis.discovery.spectral_line import Line
 from lta_analysis.discovery.unexplained import CARRIED, CLEAR, Remainder
@@ -88,17 +89,16 @@ def remains_with(
     An axis that does not stand clear of the floor by itself is added where a rival still wins.
     """
     out = {one.axis: one for one in remains}
-    told = set()
+    told: set[str] = set()
     for one in standing(rivals):
-        if one.axis in told:
-            continue
-        told.add(one.axis)
-        before = out.get(one.axis)
-        floors = one.size / float(floor[NAMES.index(one.axis)])
-        if before is None:
-            out[one.axis] = Remainder(one.axis, one.size, floors, (one.term,), one.share)
-        elif not before.follows:
-            out[one.axis] = before._replace(follows=(one.term,), carried=one.share)
+        for axis in set(one.axes) - told:
+            before = out.get(axis)
+            floors = one.size / float(floor[NAMES.index(axis)])
+            if before is not None and not before.follows:
+                out[axis] = before._replace(follows=(one.term,), carried=one.share)
+            elif before is None and axis == one.axis and floors > 1.0:
+                out[axis] = Remainder(axis, one.size, floors, (one.term,), one.share)
+        told |= set(one.axes)
     return sorted(out.values(), key=lambda one: -one.floors)
 
 
@@ -111,8 +111,12 @@ def _sized(axis: str, size: float) -> str:
 def sentence(one: Remainder) -> str:
     """Return what remains on an axis, for people."""
     what, size = _sized(one.axis, one.size)
+    terms = [term for term in one.follows if term != CONSTANT]
+    if terms:
+        listed = ' and '.join(filter(None, [', '.join(terms[:-1]), terms[-1]]))
+        return f'a {what} that follows {listed}, {size}'
     if one.follows:
-        return f'a {what} that follows {" and ".join(one.follows)}, {size}'
+        return f'a constant {what}, {size}'
     return f'a {what} that follows nothing measured, {size}'
 
 

@@ -9,7 +9,7 @@ import pytest
 PITCH = Remainder('pitch', 1.23e-3, 15.4, ('surge speed x yaw rate',), 0.6)
 SURGE = Remainder('surge', 6.2e-3, 15.5, (), 0.03)
 SWAY = Remainder('sway', 5.1e-3, 12.8, (), 0.05)
-LAYERS = Rival('heave by height', 40.0, 30.0, 'heave', 3e-3, 'height', 0.7)
+LAYERS = Rival('heave by height', 40.0, 30.0, 'heave', ('heave',), 3e-3, 'height', 0.7)
 LINE = Line('fz', 2.4, 0.031, 12.0)
 
 
@@ -48,6 +48,13 @@ def test_sentences_are_for_people() -> None:
         'a pitch moment that follows surge speed x yaw rate, 1.2 mN m',
         'an oscillation of fz at 2.4 Hz, 0.031 m/s2',
     )
+
+
+def test_a_force_that_stays_the_same_follows_nothing() -> None:
+    steady = Remainder('heave', 3.1e-3, 8.0, ('constant',), 0.8)
+    assert sentences([steady]) == ('a constant heave force, 3.1 mN',)
+    more = steady._replace(follows=('constant', 'height', 'x', 'surge speed'))
+    assert sentences([more]) == ('a heave force that follows height, x and surge speed, 3.1 mN',)
 
 
 def test_gusts_are_called_gusts() -> None:
