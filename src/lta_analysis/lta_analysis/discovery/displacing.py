@@ -3,17 +3,20 @@ Whether a candidate of the library stands against what is outside of it.
 
 A candidate that was confirmed may still be the nearest word for something that has none. Two
 signs of that: a generic rival explains clearly more, and leaves little for the candidate to say;
-or large forces remain, and the candidate has made none of them smaller.
+or, when all is named, a large force that follows something remains on every axis on which the
+candidate has explained a part of it.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Final, final
 
 from lta_analysis.discovery.fit import Joint
 from lta_analysis.discovery.linearise import Linearised
-from lta_analysis.discovery.rivals import Rivals
+from lta_analysis.discovery.rivals import Rival, Rivals
 from lta_analysis.discovery.standing import Standing
-from lta_analysis.discovery.unexplained import CLEAR
+from lta_analysis.discovery.unexplained import CLEAR, remaining
+from lta_analysis.discovery.verdict import standing
+from lta_sim.effects.protocol import AXES as NAMES
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,8 +27,8 @@ BETTER: Final = 1.1  # of what a candidate wins ...
 MARGIN: Final = 10.0  # ... and nats: by which a rival has to be better to displace it
 BESIDE: Final = 11.0  # nats; that a candidate has to win beside such a rival ...
 HALF: Final = 0.5  # ... and of what it wins without
-SMALLER: Final = 0.8  # of a large deviation; what a candidate has to make it
-PLAIN: Final = 100.0  # nats; evidence that needs no such sign
+TOUCHED: Final = 0.93  # of a large deviation; less than that, and a candidate has a part in it
+MOST: Final = 0.4  # of it; what may remain where the candidate was most of it
 
 
 def displaced(gain: float, before: Mapping[str, float], after: Mapping[str, float]) -> str:
@@ -50,18 +53,22 @@ def displaced(gain: float, before: Mapping[str, float], after: Mapping[str, floa
     return ''
 
 
-def beside_the_point(before: Array, after: Array) -> bool:
+def partial(before: Array, after: Array, final: Array, structured: Collection[int]) -> bool:
     """
-    Tell whether large forces remain and a candidate has made none of them smaller.
+    Tell whether a candidate has only explained a part of something larger.
 
     Parameters
     ----------
-    before, after : ndarray, shape (6,)
-        Deviations of the latent wrench without the candidate and with it. [floors]
+    before, after, final : ndarray, shape (6,)
+        Deviations of the latent wrench without the candidate, with it, and with all that was
+        named after it. [floors]
+    structured : collection of int
+        Axes on which what remains follows something, as gusts do not.
 
     """
-    large = before > CLEAR
-    return bool(np.any(after > CLEAR) and not np.any(large & (after < SMALLER * before)))
+    touched = np.flatnonzero((before > CLEAR) & (after < TOUCHED * before))
+    left = [k in structured and final[k] > CLEAR and final[k] > MOST * before[k] for k in touched]
+    return bool(left) and all(left)
 
 
 @final
@@ -79,7 +86,7 @@ class Displacing:
     """
 
     def __init__(self, flights: Sequence[Sequence[Linearised]], floor: Array) -> None:
-        self._rivals, self._floor = Rivals(flights), floor
+        self._flights, self._rivals, self._floor = flights, Rivals(flights), floor
         self._last: tuple[Pair, dict[str, float]] | None = None
 
     def stands(self, gain: float, fits: Pair, then: Pair) -> bool:
@@ -94,9 +101,6 @@ class Displacing:
             Of the flights, without it and with it.
 
         """
-        was, now = (self._floors(each) for each in (fits, then))
-        if gain < PLAIN and beside_the_point(was, now):
-            return False
         if self._last is None or self._last[0] is not fits:
             self._last = fits, self._gains(fits)
         before = self._last[1]
@@ -104,10 +108,43 @@ class Displacing:
             return True
         return not displaced(gain, before, self._gains(then))
 
+    def withdrawn(self, history: Sequence[tuple[str, Pair, Pair]], last: Pair) -> tuple[str, ...]:
+        """
+        Return the names that were only the nearest word for a part of something else.
+
+        Parameters
+        ----------
+        history : sequence of (name, pair of Joint, pair of Joint)
+            Of each effect that was named: the fits without it, and with it.
+        last : pair of Joint
+            With all of them.
+
+        """
+        final = self._floors(last)
+        if not history or final.max() <= CLEAR:
+            return ()
+        structured = self._structured(last)
+        return tuple(
+            name
+            for name, before, after in history
+            if partial(self._floors(before), self._floors(after), final, structured)
+        )
+
+    def _structured(self, fits: Pair) -> set[int]:
+        """Return the axes on which what remains follows something."""
+        left = remaining(self._flights, [each.members for each in fits], self._floor)
+        follow = {one.axis for one in left if one.follows}
+        for one in standing(self._found(fits)):
+            follow |= set(one.axes)
+        return {NAMES.index(axis) for axis in follow}
+
+    def _found(self, fits: Pair) -> tuple[Rival, ...]:
+        """Return the rivals on some fits."""
+        return self._rivals.found([Standing.of(each, self._floor) for each in fits])
+
     def _gains(self, fits: Pair) -> dict[str, float]:
         """Return what each rival wins on all flights."""
-        found = self._rivals.found([Standing.of(each, self._floor) for each in fits])
-        return {one.name: one.total for one in found}
+        return {one.name: one.total for one in self._found(fits)}
 
     def _floors(self, fits: Pair) -> Array:
         """Return the deviations, by the floor: geometric mean of the sides."""

@@ -7,7 +7,7 @@ that confirm, each by themselves, and only that counts.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, final
 
 from lta_analysis.discovery.accept import TIE, Trial
@@ -113,13 +113,20 @@ class Naming:
         named: tuple[str, ...] = ()
         bare = fits = self._first()
         steps: list[Step] = []
+        history: list[tuple[str, Pair, Pair]] = []
         while len(named) < MOST:
             progress(1.0 - 0.7 * 0.5 ** len(steps))
             step, then = self._round(named, fits)
             steps.append(step)
             if not step.named:
                 break
+            history.append((step.named, fits, then))
             named, fits = (*named, step.named), then
+        gone = self._displacing.withdrawn(history, fits)
+        if gone:
+            named = tuple(name for name in named if name not in gone)
+            fits = self._fitted(named, bare) if named else bare
+            steps = [replace(one, named='') if one.named in gone else one for one in steps]
         return Named(tuple(steps), named, fits, bare)
 
     def _first(self) -> Pair:

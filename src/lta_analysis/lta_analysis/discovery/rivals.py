@@ -113,7 +113,7 @@ class Contest:
         inner, right = there.inner[name], there.right[name]
         if taught is not None:
             return there.base + _gained(inner, right, taught.mean, 1.5 * taught.covariance)
-        each = [_gained(inner, right, None, s**2 / len(right)) for s in SIZES]
+        each = _sized(inner, right)
         return there.base + float(np.logaddexp.reduce(each)) - float(np.log(len(SIZES)))
 
     def gains(
@@ -172,7 +172,7 @@ class Contest:
         score, deviations, there = at
         inner, right = there.inner[name], there.right[name]
         if taught is None:
-            each = [_gained(inner, right, None, s**2 / len(right)) for s in SIZES]
+            each = _sized(inner, right)
             size = SIZES[int(np.argmax(each))]
             mean, wide = np.zeros(len(right)), np.eye(len(right)) * size**2 / len(right)
         else:
@@ -184,17 +184,20 @@ class Contest:
         )
 
 
-def _gained(inner: Array, right: Array, mean: Array | None, wide: Array | float) -> float:
+def _gained(inner: Array, right: Array, mean: Array, covariance: Array) -> float:
     """Return the log evidence of weights with a prior, against none."""
-    size = len(right)
-    covariance = np.eye(size) * wide if np.isscalar(wide) else np.asarray(wide)
     inverse = np.linalg.inv(covariance)
-    start = np.zeros(size) if mean is None else mean
-    pull = right + inverse @ start
+    pull = right + inverse @ mean
     together = inner + inverse
-    square = pull @ np.linalg.solve(together, pull) - start @ inverse @ start
+    square = pull @ np.linalg.solve(together, pull) - mean @ inverse @ mean
     logs = np.linalg.slogdet(together)[1] + np.linalg.slogdet(covariance)[1]
     return float(0.5 * square - 0.5 * logs)
+
+
+def _sized(inner: Array, right: Array) -> list[float]:
+    """Return the log evidence of weights of each of SIZES."""
+    count = len(right)
+    return [_gained(inner, right, np.zeros(count), np.eye(count) * s**2 / count) for s in SIZES]
 
 
 @final

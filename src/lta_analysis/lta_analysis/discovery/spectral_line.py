@@ -104,7 +104,9 @@ def spectrum(pieces: Array) -> Spectrum:
     waves = np.abs(np.fft.rfft(kept * window, axis=1)) * 2.0 / window.sum()
     hertz = np.fft.rfftfreq(size, PERIOD)
     use = hertz >= LOWEST
-    power = np.mean(waves[:, use] ** 2, axis=0) if count else np.zeros(int(use.sum()))
+    power: Array = np.zeros(int(use.sum()))
+    if count:
+        power = np.mean(waves[:, use] ** 2, axis=0).astype(np.float64)
     return Spectrum(hertz[use], power, median_filter(power, NEIGHBOURS, mode='nearest'), count)
 
 

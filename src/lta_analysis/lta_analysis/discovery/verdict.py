@@ -102,7 +102,7 @@ def remains_with(
     return sorted(out.values(), key=lambda one: -one.floors)
 
 
-def _sized(axis: str, size: float) -> str:
+def _sized(axis: str, size: float) -> tuple[str, str]:
     """Return 'pitch moment' and its size."""
     kind, unit = ('force', 'mN') if NAMES.index(axis) < 3 else ('moment', 'mN m')
     return f'{axis} {kind}', f'{1e3 * size:.2g} {unit}'

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from lta_analysis.discovery.displacing import beside_the_point, displaced
+from lta_analysis.discovery.displacing import displaced, partial
 from lta_analysis.discovery.evidence import (
     fitted,
     FLOOR,
@@ -125,8 +125,11 @@ def test_a_candidate_falls_to_a_better_rival_unless_it_has_more_to_say() -> None
     assert displaced(100.0, {'a': 300.0, 'b': 200.0}, {'a': 290.0, 'b': 90.0}) == 'b'
 
 
-def test_a_candidate_that_makes_no_large_force_smaller_is_beside_the_point() -> None:
-    quiet, large = np.ones(6), np.array([9.5, 1.0, 8.0, 1.0, 1.0, 1.0])
-    assert not beside_the_point(quiet, quiet)
-    assert beside_the_point(large, 0.95 * large)
-    assert not beside_the_point(large, np.array([1.0, 1.0, 8.0, 1.0, 1.0, 1.0]))
+def test_a_part_of_something_larger_is_withdrawn() -> None:
+    large = np.array([9.5, 1.0, 20.0, 1.0, 1.0, 1.0])
+    some = np.array([9.4, 1.0, 11.0, 1.0, 1.0, 1.0])
+    assert partial(large, some, some, {0, 2})
+    assert not partial(large, some, some, {0})  # gusts remain on its axis
+    assert not partial(large, some, np.array([9.4, 1.0, 2.0, 1.0, 1.0, 1.0]), {0, 2})
+    assert not partial(large, large, large, {0, 2})  # it is about something else
+    assert not partial(np.ones(6), np.ones(6), np.ones(6), set())
