@@ -8,7 +8,7 @@ rests.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final, final
+from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.deviations import weighed
 from lta_analysis.discovery.evidence import (
@@ -129,6 +129,30 @@ def within(knobs: Sequence[Knob], values: Array) -> Array:
 
 
 @final
+class Onward(NamedTuple):
+    """
+    Where to linearise next.
+
+    Attributes
+    ----------
+    at : ndarray, shape (G,)
+        What the flights share.
+    points : list of Point
+        Of each flight.
+    kept : float
+        By how much the misfit there is not what was promised.
+    whole : bool
+        Whether it is the whole step.
+
+    """
+
+    at: Array
+    points: list[Point]
+    kept: float
+    whole: bool
+
+
+@final
 @dataclass(frozen=True, slots=True)
 class Fitter:
     """
@@ -157,7 +181,14 @@ class Fitter:
         pieces = [Pieces(each.at(point)) for each, point in zip(self.flights, points, strict=True)]
         return Group(tuple(pieces), at, self.variance)
 
-    def fit(self, prior: Prior, begin: Group, deviations: Array, rounds: int = ROUNDS) -> Joint:
+    def fit(
+        self,
+        prior: Prior,
+        begin: Group,
+        deviations: Array,
+        rounds: int = ROUNDS,
+        rest: float = REST,
+    ) -> Joint:
         """
         Fit them.
 
@@ -171,20 +202,22 @@ class Fitter:
             Of the latent wrench, to begin with.
         rounds : int
             Linearisations at most.
+        rest : float
+            Change of the evidence below which it has come to rest. [nats]
 
         Returns
         -------
         Joint
-            About the last point: what a linearisation promises counts only once it has been flown.
+            About the last point but one, where flying the last kept what was promised there.
 
         """
         last = self.settled(begin, prior, deviations)
         for count in range(2, rounds + 1):
-            group = self._onward(last)
-            if group is last.group:
+            step = self._step(last)
+            if step is None or step.kept < 2.0 * rest:
                 break
-            now = self.settled(group, prior, last.deviations, count)
-            rests = last.group.aligned and abs(now.evidence - last.evidence) < REST
+            now = self.settled(self.about(step.at, step.points), prior, last.deviations, count)
+            rests = last.group.aligned and step.whole and abs(now.evidence - last.evidence) < rest
             last = now
             if rests:
                 break
@@ -197,8 +230,8 @@ class Fitter:
         found = fitted(reduced, group.at, prior)
         return Joint(group, prior, reduced, deviations, found, evidence, count)
 
-    def _onward(self, last: Joint) -> Group:
-        """Return the flights about the next point: the whole step, or a part that is better."""
+    def _step(self, last: Joint) -> Onward | None:
+        """Return the next point: the whole step, or a part that is better; None without one."""
         group, knobs = last.group, self.flights[0].knobs
         target = within(knobs, last.fitted.mean)
         moves = group.moved(last.deviations, target)
@@ -213,10 +246,10 @@ class Fitter:
             except BadInput:
                 continue
             if share == 1.0 and (misfit < bound or not group.aligned) and np.isfinite(misfit):
-                return self.about(at, points)
+                return Onward(at, points, abs(misfit - self._promised(last, at, points)), True)
             found.append((misfit, at, points))
         misfit, at, points = min(found, key=lambda one: one[0], default=(np.inf, group.at, []))
-        return self.about(at, points) if misfit < bound else group
+        return Onward(at, points, np.inf, False) if misfit < bound else None
 
     def _between(self, group: Group, moves: Sequence[Moved], share: float) -> list[Point]:
         """Return the points a part of the way to where the flights should go."""
@@ -236,15 +269,32 @@ class Fitter:
         Less what does not depend on the point; inf where a flight ran away. What a step of
         Gauss-Newton has to make smaller.
         """
-        total = pull_of(at, last.prior)
+        total = self._strain(last, at, points)
         for flight, point in zip(self.flights, points, strict=True):
             with np.errstate(over='ignore', invalid='ignore'):
                 grid = flight.trajectory(point)[:, ::STEPS]
                 if not np.isfinite(grid).all():
                     return np.inf
                 left = flight.left(grid, point, point.nominal.rows()) / flight.replay.flight.noise
-                total += float(np.nansum(left**2)) + strain(point, last.deviations)
-            total += own_pull(point.values, at, self.variance)
+                total += float(np.nansum(left**2))
+        return total
+
+    def _strain(self, last: Joint, at: Array, points: Sequence[Point]) -> float:
+        """Return the share of the unknowns in the misfit."""
+        own = sum(
+            strain(point, last.deviations) + own_pull(point.values, at, self.variance)
+            for point in points
+        )
+        return pull_of(at, last.prior) + own
+
+    def _promised(self, last: Joint, at: Array, points: Sequence[Point]) -> float:
+        """Return the misfit that the linearisation promises."""
+        total = self._strain(last, at, points)
+        for linear, point in zip(last.group.linears, points, strict=True):
+            moved = np.tile(point.values - linear.point.values, (len(linear.grams), 1))
+            none = np.full((len(linear.grams), 1), -1.0)
+            change = np.hstack([point.random - linear.point.random, moved, none])
+            total += float(np.einsum('si,sij,sj->', change, linear.grams, change))
         return total
 
 

@@ -55,11 +55,21 @@ class Group:
     def aligned(self) -> bool:
         """Whether all flights stand where the group does, but for what is their own."""
         same = self.variance == 0.0
-        return all(np.array_equal(e.point.values[same], self.at[same]) for e in self.linears)
+        return all(
+            np.allclose(each.point.values[same], self.at[same], rtol=1e-9, atol=1e-12)
+            for each in self.linears
+        )
 
     def joined(self, other: 'Group') -> 'Group':
         """Return the flights of both, about the point of this one."""
         return replace(self, pieces=(*self.pieces, *other.pieces))
+
+    def narrowed(self, free: NDArray[np.bool_]) -> tuple['Group', NDArray[np.int64]]:
+        """Return the flights with only such columns as move, and which these are."""
+        apart = np.any([each.point.values != self.at for each in self.linears], axis=0)
+        kept = np.flatnonzero(free | (self.variance > 0.0) | apart)
+        pieces = tuple(each.narrowed(kept) for each in self.pieces)
+        return Group(pieces, self.at[kept], self.variance[kept]), kept
 
     def reduced(self, deviations: Array) -> Reduced:
         """

@@ -12,7 +12,7 @@ from typing import Final, final
 
 from lta_analysis.discovery.accept import GAIN, TIE
 from lta_analysis.discovery.evidence import floor_of, own_variance, shared
-from lta_analysis.discovery.fit import Fitter, Joint
+from lta_analysis.discovery.fit import Fitter, Joint, REST
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.naming import ALIKE, Named, Pair
 from lta_analysis.discovery.nominal import Nominal
@@ -23,6 +23,7 @@ CERTAIN: Final = 60.0  # nats; what is so much worse about the old point needs n
 NEAR: Final = 15.0  # nats; nor is a rival refitted that is so much worse
 RIVALS: Final = 2  # refitted for each effect
 ROUNDS: Final = 4
+ROUGH: Final = 3.0  # nats; to which the evidence without any effect is known
 
 
 @final
@@ -102,7 +103,8 @@ class Proof:
         """Fit all flights together, from where those that teach and those that confirm stand."""
         group = pair[0].group.joined(pair[1].group)
         deviations = np.sqrt(pair[0].deviations * pair[1].deviations)
-        return self.fitter.fit(shared(self.knobs, names), group, deviations, ROUNDS)
+        rest = REST if names else ROUGH
+        return self.fitter.fit(shared(self.knobs, names), group, deviations, ROUNDS, rest)
 
     def _without(self, last: Joint, name: str, names: Sequence[str]) -> Joint:
         """Return all flights with other effects, one of them back at 0, as linear as they are."""
