@@ -102,7 +102,7 @@ def spectrum(pieces: Array) -> Spectrum:
     ramp = np.vander(np.linspace(-1.0, 1.0, size), 3)
     kept = kept - (ramp @ np.linalg.lstsq(ramp, kept.T, rcond=None)[0]).T
     waves = np.abs(np.fft.rfft(kept * window, axis=1)) * 2.0 / window.sum()
-    hertz = np.fft.rfftfreq(size, PERIOD)
+    hertz: Array = np.asarray(np.fft.rfftfreq(size, PERIOD), dtype=np.float64)
     use = hertz >= LOWEST
     power: Array = np.zeros(int(use.sum()))
     if count:
