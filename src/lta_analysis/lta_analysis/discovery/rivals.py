@@ -60,8 +60,9 @@ class Rival(NamedTuple):
         'heave by height'.
     gain : float
         Log evidence that it wins on the first flight. [nats]
-    confirmed : float
-        On the other, by itself or with what the first has taught, the better one.
+    confirmed, carried : float
+        On the other by itself, and with what the first has taught: gusts seem to follow
+        something on each flight, but not the same.
     axis : str
         On which it mostly acts.
     axes : tuple of str
@@ -78,6 +79,7 @@ class Rival(NamedTuple):
     name: str
     gain: float
     confirmed: float
+    carried: float
     axis: str
     axes: tuple[str, ...]
     size: float
@@ -87,7 +89,7 @@ class Rival(NamedTuple):
     @property
     def total(self) -> float:
         """Evidence of both flights. [nats]"""
-        return self.gain + self.confirmed
+        return self.gain + max(self.confirmed, self.carried)
 
 
 @final
@@ -244,7 +246,7 @@ class Rivals:
             _rival(
                 [each[name] for each in first.known],
                 taught[name],
-                max(alone[name].gain, carried[name].gain),
+                (alone[name].gain, carried[name].gain),
                 standings[0].floor,
             )
             for name in taught
@@ -252,7 +254,9 @@ class Rivals:
         return tuple(sorted(out, key=lambda rival: -rival.total))
 
 
-def _rival(group: Sequence[Group], taught: Gain, confirmed: float, floor: Array) -> Rival:
+def _rival(
+    group: Sequence[Group], taught: Gain, others: tuple[float, float], floor: Array
+) -> Rival:
     """Return a rival with its size and its largest term, from the group on each flight."""
     values = np.concatenate([each.values for each in group])
     each = np.sqrt(np.mean((values * taught.mean[:, None, None]) ** 2, axis=(0, 3)))
@@ -266,4 +270,4 @@ def _rival(group: Sequence[Group], taught: Gain, confirmed: float, floor: Array)
     size, rest = float(sizes[axis]), float(taught.deviations[axis])
     share = size**2 / (size**2 + rest**2)
     axes = tuple(NAMES[k] for k in group[0].axes)
-    return Rival(group[0].name, taught.gain, confirmed, NAMES[axis], axes, size, term, share)
+    return Rival(group[0].name, taught.gain, *others, NAMES[axis], axes, size, term, share)

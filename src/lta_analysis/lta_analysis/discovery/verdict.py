@@ -28,8 +28,8 @@ LEVEL: Final = ('surge', 'sway')
 
 
 def standing(rivals: Sequence[Rival]) -> list[Rival]:
-    """Return the rivals that count at the end: worth it, and on both flights."""
-    return [one for one in rivals if one.total > WORTH and min(one.gain, one.confirmed) > EACH]
+    """Return the rivals that count at the end: worth it, and the same on both flights."""
+    return [one for one in rivals if one.total > WORTH and min(one.gain, one.carried) > EACH]
 
 
 def gusty(remains: Sequence[Remainder]) -> bool:

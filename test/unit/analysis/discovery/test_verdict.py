@@ -9,7 +9,7 @@ import pytest
 PITCH = Remainder('pitch', 1.23e-3, 15.4, ('surge speed x yaw rate',), 0.6)
 SURGE = Remainder('surge', 6.2e-3, 15.5, (), 0.03)
 SWAY = Remainder('sway', 5.1e-3, 12.8, (), 0.05)
-LAYERS = Rival('heave by height', 40.0, 30.0, 'heave', ('heave',), 3e-3, 'height', 0.7)
+LAYERS = Rival('heave by height', 40.0, 30.0, 34.0, 'heave', ('heave',), 3e-3, 'height', 0.7)
 LINE = Line('fz', 2.4, 0.031, 12.0)
 
 
@@ -39,8 +39,8 @@ def test_the_verdict(
 
 def test_a_rival_counts_only_on_both_flights() -> None:
     assert standing([LAYERS]) == [LAYERS]
-    assert standing([LAYERS._replace(confirmed=-2.0)]) == []
-    assert standing([LAYERS._replace(gain=6.0, confirmed=5.0)]) == []
+    assert standing([LAYERS._replace(carried=-2.0)]) == []
+    assert standing([LAYERS._replace(gain=6.0, confirmed=5.0, carried=4.0)]) == []
 
 
 def test_sentences_are_for_people() -> None:
