@@ -27,6 +27,7 @@ BETTER: Final = 1.1  # of what a candidate wins ...
 MARGIN: Final = 10.0  # ... and nats: by which a rival has to be better to displace it
 BESIDE: Final = 11.0  # nats; that a candidate has to win beside such a rival ...
 HALF: Final = 0.5  # ... and of what it wins without
+SMALL: Final = 1.0  # floors; forces that no rival needs to explain
 TOUCHED: Final = 0.93  # of a large deviation; less than that, and a candidate has a part in it
 MOST: Final = 0.4  # of it; what may remain where the candidate was most of it
 
@@ -101,6 +102,8 @@ class Displacing:
             Of the flights, without it and with it.
 
         """
+        if self._floors(fits).max() < SMALL:
+            return True  # there is no force for a rival to follow
         if self._last is None or self._last[0] is not fits:
             self._last = fits, self._gains(fits)
         before = self._last[1]

@@ -11,7 +11,6 @@ wrench are free to shrink where it takes over.
 from collections.abc import Mapping, Sequence
 from typing import Final, final, NamedTuple
 
-from lta_analysis.discovery.deviations import best
 from lta_analysis.discovery.evidence import log_prior
 from lta_analysis.discovery.generic_terms import CONSTANT, Group, groups, met, Scene
 from lta_analysis.discovery.linearise import Linearised
@@ -24,7 +23,9 @@ Array = NDArray[np.float64]
 
 SIZES: Final = (3.0, 10.0, 40.0)  # floors; of the weights of a group together
 SHRUNK: Final = (1.0, 0.6, 0.35, 0.2)  # of the deviations that are looked at
-SETTLED: Final = 3  # of the rivals, of which the deviations are found anew
+SETTLED: Final = 5  # of the rivals, of which the deviations are found anew
+ALONE: Final = (1.4, 0.7, 0.5, 0.35, 0.25, 0.15, 0.1)  # of those of its axes, to find them
+LEAST: Final = 0.05  # floors
 
 
 @final
@@ -152,16 +153,17 @@ class Contest:
     def _settled(
         self, name: str, at: tuple[float, Array, Beside], taught: Gain | None
     ) -> tuple[float, Array, Beside]:
-        """Return a group with the most probable deviations."""
-
-        def value(deviations: Array) -> float:
+        """Return a group with the most probable deviations of what it leaves on its axes."""
+        axes = list(self.known[0][name].axes)
+        found = at
+        for share in ALONE:
+            deviations = at[1].copy()
+            least = LEAST * self.standing.floor[axes]
+            deviations[axes] = np.maximum(share * deviations[axes], least)
             there = self._columns.beside(deviations, [name])
-            return self._won(there, name, taught) + log_prior(deviations, self.standing.floor)
-
-        deviations, score = best(value, at[1], self.standing.floor)
-        return max(
-            (score, deviations, self._columns.beside(deviations, [name])), at, key=lambda o: o[0]
-        )
+            score = self._won(there, name, taught) + log_prior(deviations, self.standing.floor)
+            found = max(found, (score, deviations, there), key=lambda one: one[0])
+        return found
 
     def _gain(
         self,
