@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-from lta_analysis.discovery.displacing import displaced, partial
 from lta_analysis.discovery.evidence import (
     fitted,
     FLOOR,
@@ -116,20 +115,3 @@ def test_wash_over_a_fin_is_found_and_described(gtmab: Known) -> None:
     assert found[0].share > 0.8
     assert standing(found)[0] == found[0]
     assert verdict_of((), (), found) == 'unexplained'
-
-
-def test_a_candidate_falls_to_a_better_rival_unless_it_has_more_to_say() -> None:
-    assert displaced(100.0, {'field': 119.0}, {'field': 5.0}) == ''  # not clearly better
-    assert displaced(100.0, {'field': 300.0}, {'field': 203.0}) == 'field'
-    assert displaced(100.0, {'field': 300.0}, {'field': 290.0}) == ''  # two things at once
-    assert displaced(100.0, {'a': 300.0, 'b': 200.0}, {'a': 290.0, 'b': 90.0}) == 'b'
-
-
-def test_a_part_of_something_larger_is_withdrawn() -> None:
-    large = np.array([9.5, 1.0, 20.0, 1.0, 1.0, 1.0])
-    some = np.array([9.4, 1.0, 11.0, 1.0, 1.0, 1.0])
-    assert partial(large, some, some, {0, 2})
-    assert not partial(large, some, some, {0})  # gusts remain on its axis
-    assert not partial(large, some, np.array([9.4, 1.0, 2.0, 1.0, 1.0, 1.0]), {0, 2})
-    assert not partial(large, large, large, {0, 2})  # it is about something else
-    assert not partial(np.ones(6), np.ones(6), np.ones(6), set())
