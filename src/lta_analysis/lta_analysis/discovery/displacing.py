@@ -3,20 +3,22 @@ Whether a candidate of the library stands against what is outside of it.
 
 A candidate that was confirmed may still be the nearest word for something that has none. Two
 signs of that: a generic rival explains clearly more, and leaves little for the candidate to say;
-or, when all is named, a large force that follows something remains on every axis on which the
-candidate has explained a part of it.
+or, when all is named, large forces that follow something remain on every axis on which the
+candidate acts.
 """
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final, final
 
+from lta_analysis.discovery.evidence import knot_precision
 from lta_analysis.discovery.fit import Joint
+from lta_analysis.discovery.linear import AXES, KNOTS, Linear, RANDOM
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.rivals import Rival, Rivals
 from lta_analysis.discovery.standing import Standing
+from lta_analysis.discovery.tangent import WIDTH
 from lta_analysis.discovery.unexplained import CLEAR, remaining
 from lta_analysis.discovery.verdict import standing
-from lta_sim.effects.protocol import AXES as NAMES
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,8 +30,10 @@ MARGIN: Final = 10.0  # ... and nats: by which a rival has to be better to displ
 BESIDE: Final = 11.0  # nats; that a candidate has to win beside such a rival ...
 HALF: Final = 0.5  # ... and of what it wins without
 SMALL: Final = 1.0  # floors; forces that no rival needs to explain
-TOUCHED: Final = 0.93  # of a large deviation; less than that, and a candidate has a part in it
-MOST: Final = 0.4  # of it; what may remain where the candidate was most of it
+MOST: Final = 0.4  # of a deviation; what may remain where a candidate was most of it
+FREE: Final = 1e3  # floors; a latent force that can be anything
+ALIKE: Final = 0.5  # of a column; what a latent force has to explain of it
+NEARLY: Final = 0.85  # of what the axis explains that explains most
 
 
 def displaced(gain: float, before: Mapping[str, float], after: Mapping[str, float]) -> str:
@@ -54,22 +58,37 @@ def displaced(gain: float, before: Mapping[str, float], after: Mapping[str, floa
     return ''
 
 
-def partial(before: Array, after: Array, final: Array, structured: Collection[int]) -> bool:
+def acts_on(linear: Linear, name: str, floor: Array) -> NDArray[np.bool_]:
     """
-    Tell whether a candidate has only explained a part of something larger.
+    Return the axes on which a knob acts: those whose latent force alone could do what it does.
+
+    None for a knob that no force looks like, as those of sensors.
+    """
+    column, inverse = RANDOM + linear.names.index(name), knot_precision()
+    shares = np.zeros(AXES)
+    for axis in range(AXES):
+        at = slice(WIDTH + axis * KNOTS, WIDTH + (axis + 1) * KNOTS)
+        inner = linear.grams[:, at, at] + inverse / (FREE * floor[axis]) ** 2
+        cross = linear.grams[:, at, column, None]
+        shares[axis] = np.sum(cross * np.linalg.solve(inner, cross))
+    shares /= max(float(linear.grams[:, column, column].sum()), 1e-300)
+    acts: NDArray[np.bool_] = (shares > ALIKE) & (shares > NEARLY * shares.max())
+    return acts
+
+
+def partial(acts: NDArray[np.bool_], before: Array, final: Array) -> bool:
+    """
+    Tell whether a candidate has at most explained a part of something larger.
 
     Parameters
     ----------
-    before, after, final : ndarray, shape (6,)
-        Deviations of the latent wrench without the candidate, with it, and with all that was
-        named after it. [floors]
-    structured : collection of int
-        Axes on which what remains follows something, as gusts do not.
+    acts : ndarray of bool, shape (6,)
+        The axes on which it acts.
+    before, final : ndarray, shape (6,)
+        Deviations of the latent wrench without the candidate, and at the end. [floors]
 
     """
-    touched = np.flatnonzero((before > CLEAR) & (after < TOUCHED * before))
-    left = [k in structured and final[k] > CLEAR and final[k] > MOST * before[k] for k in touched]
-    return bool(left) and all(left)
+    return bool(acts.any() and np.all((final > np.maximum(CLEAR, MOST * before))[acts]))
 
 
 @final
@@ -111,35 +130,32 @@ class Displacing:
             return True
         return not displaced(gain, before, self._gains(then))
 
-    def withdrawn(self, history: Sequence[tuple[str, Pair, Pair]], last: Pair) -> tuple[str, ...]:
+    def withdrawn(self, history: Sequence[tuple[str, Pair]], last: Pair) -> tuple[str, ...]:
         """
         Return the names that were only the nearest word for a part of something else.
 
         Parameters
         ----------
-        history : sequence of (name, pair of Joint, pair of Joint)
-            Of each effect that was named: the fits without it, and with it.
+        history : sequence of (name, pair of Joint)
+            Of each effect that was named: the fits without it.
         last : pair of Joint
             With all of them.
 
         """
         final = self._floors(last)
-        if not history or final.max() <= CLEAR:
+        if not history or final.max() <= CLEAR or not self._structured(last):
             return ()
-        structured = self._structured(last)
+        linear = last[0].group.linears[0]
         return tuple(
             name
-            for name, before, after in history
-            if partial(self._floors(before), self._floors(after), final, structured)
+            for name, before in history
+            if partial(acts_on(linear, name, self._floor), self._floors(before), final)
         )
 
-    def _structured(self, fits: Pair) -> set[int]:
-        """Return the axes on which what remains follows something."""
+    def _structured(self, fits: Pair) -> bool:
+        """Tell whether what remains follows something, as gusts do not."""
         left = remaining(self._flights, [each.members for each in fits], self._floor)
-        follow = {one.axis for one in left if one.follows}
-        for one in standing(self._found(fits)):
-            follow |= set(one.axes)
-        return {NAMES.index(axis) for axis in follow}
+        return any(one.follows for one in left) or bool(standing(self._found(fits)))
 
     def _found(self, fits: Pair) -> tuple[Rival, ...]:
         """Return the rivals on some fits."""

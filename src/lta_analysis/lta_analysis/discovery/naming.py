@@ -113,14 +113,14 @@ class Naming:
         named: tuple[str, ...] = ()
         bare = fits = self._first()
         steps: list[Step] = []
-        history: list[tuple[str, Pair, Pair]] = []
+        history: list[tuple[str, Pair]] = []
         while len(named) < MOST:
             progress(1.0 - 0.7 * 0.5 ** len(steps))
             step, then = self._round(named, fits)
             steps.append(step)
             if not step.named:
                 break
-            history.append((step.named, fits, then))
+            history.append((step.named, fits))
             named, fits = (*named, step.named), then
         gone = self._displacing.withdrawn(history, fits)
         if gone:

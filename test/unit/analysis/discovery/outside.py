@@ -175,7 +175,7 @@ def compass(size: float, rng: np.random.Generator) -> Kind:
 KINDS: dict[str, tuple[Callable[[float, np.random.Generator], Kind], float, float]] = {
     'tether': (tether, 0.01, 0.03),
     'rope': (rope, 0.01, 0.03),
-    'slosh': (slosh, 0.003, 0.01),
+    'slosh': (slosh, 0.0007, 0.002),
     'flapping': (flapping, 0.02, 0.06),
     'wobble': (wobble, 0.004, 0.012),
     'draught': (draught, 0.006, 0.02),

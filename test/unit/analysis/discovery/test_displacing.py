@@ -1,11 +1,15 @@
 """What is outside the library gets no name of the library, and is described."""
 
-from lta_analysis.discovery.displacing import displaced, partial
+from lta_analysis.discovery.displacing import acts_on, displaced, partial
+from lta_analysis.discovery.evidence import FLOOR
 from lta_analysis.discovery.knobs import Knob
+from lta_analysis.discovery.linear import origin
+from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.naming import Naming
 from lta_analysis.discovery.nominal import Nominal
 from lta_analysis.discovery.outside import outside
 from lta_analysis.discovery.proof import Proof
+from lta_sim.effects.protocol import AXES as NAMES
 import numpy as np
 
 from .hidden_flight import flown, prepared
@@ -39,9 +43,20 @@ def test_a_candidate_falls_to_a_better_rival_unless_it_has_more_to_say() -> None
 
 def test_a_part_of_something_larger_is_withdrawn() -> None:
     large = np.array([9.5, 1.0, 20.0, 1.0, 1.0, 1.0])
-    some = np.array([9.4, 1.0, 11.0, 1.0, 1.0, 1.0])
-    assert partial(large, some, some, {0, 2})
-    assert not partial(large, some, some, {0})  # gusts remain on its axis
-    assert not partial(large, some, np.array([9.4, 1.0, 2.0, 1.0, 1.0, 1.0]), {0, 2})
-    assert not partial(large, large, large, {0, 2})  # it is about something else
-    assert not partial(np.ones(6), np.ones(6), np.ones(6), set())
+    heave, yaw = np.arange(6) == 2, np.arange(6) == 5
+    assert partial(heave, large, 0.6 * large)
+    assert not partial(heave, large, np.array([9.4, 1.0, 3.0, 1.0, 1.0, 1.0]))
+    assert not partial(heave, large, 0.3 * large)  # it was most of it
+    assert not partial(heave | yaw, large, large)  # it explains one axis
+    assert not partial(np.zeros(6, dtype=np.bool_), large, large)  # it is about a sensor
+
+
+def test_a_knob_acts_where_a_force_could_do_the_same(gtmab: Known, clean: Linearised) -> None:
+    nominal, knobs = gtmab
+    linear = clean.at(origin(nominal, knobs, len(clean.replay.first)))
+    for name, axes in (
+        ('linear_drag.heave', ['heave']),
+        ('rotational_drag.yaw', ['yaw']),
+        ('range_offset.offset', []),
+    ):
+        assert [NAMES[k] for k in np.flatnonzero(acts_on(linear, name, FLOOR))] == axes
