@@ -18,14 +18,13 @@ from lta_analysis.discovery.evidence import (
     Pieces,
     Prior,
     Reduced,
-    strain,
 )
-from lta_analysis.discovery.group import Group, Moved, own_pull, pull_of
+from lta_analysis.discovery.group import Group, Moved
 from lta_analysis.discovery.knobs import Knob
 from lta_analysis.discovery.linear import Linear, Point
 from lta_analysis.discovery.linearise import Linearised
+from lta_analysis.discovery.misfit import misfit_at, promised
 from lta_analysis.discovery.nominal import Nominal
-from lta_analysis.discovery.replay import STEPS
 from lta_config.errors import BadInput
 import numpy as np
 from numpy.typing import NDArray
@@ -246,10 +245,15 @@ class Fitter:
             except BadInput:
                 continue
             if share == 1.0 and (misfit < bound or not group.aligned) and np.isfinite(misfit):
-                return Onward(at, points, abs(misfit - self._promised(last, at, points)), True)
+                linear = promised(group, last.deviations, last.prior, at, points)
+                return Onward(at, points, abs(misfit - linear), True)
             found.append((misfit, at, points))
         misfit, at, points = min(found, key=lambda one: one[0], default=(np.inf, group.at, []))
         return Onward(at, points, np.inf, False) if misfit < bound else None
+
+    def _misfit(self, last: Joint, at: Array, points: Sequence[Point]) -> float:
+        """Return the misfit at a point, flown."""
+        return misfit_at(self.flights, last.deviations, last.prior, self.variance, at, points)
 
     def _between(self, group: Group, moves: Sequence[Moved], share: float) -> list[Point]:
         """Return the points a part of the way to where the flights should go."""
@@ -261,41 +265,6 @@ class Fitter:
             random = was.random + share * (move.random - was.random)
             points.append(Point(vehicle, values, random))
         return points
-
-    def _misfit(self, last: Joint, at: Array, points: Sequence[Point]) -> float:
-        """
-        Return minus twice the log density of the data and of all unknowns at a point.
-
-        Less what does not depend on the point; inf where a flight ran away. What a step of
-        Gauss-Newton has to make smaller.
-        """
-        total = self._strain(last, at, points)
-        for flight, point in zip(self.flights, points, strict=True):
-            with np.errstate(over='ignore', invalid='ignore'):
-                grid = flight.trajectory(point)[:, ::STEPS]
-                if not np.isfinite(grid).all():
-                    return np.inf
-                left = flight.left(grid, point, point.nominal.rows()) / flight.replay.flight.noise
-                total += float(np.nansum(left**2))
-        return total
-
-    def _strain(self, last: Joint, at: Array, points: Sequence[Point]) -> float:
-        """Return the share of the unknowns in the misfit."""
-        own = sum(
-            strain(point, last.deviations) + own_pull(point.values, at, self.variance)
-            for point in points
-        )
-        return pull_of(at, last.prior) + own
-
-    def _promised(self, last: Joint, at: Array, points: Sequence[Point]) -> float:
-        """Return the misfit that the linearisation promises."""
-        total = self._strain(last, at, points)
-        for linear, point in zip(last.group.linears, points, strict=True):
-            moved = np.tile(point.values - linear.point.values, (len(linear.grams), 1))
-            none = np.full((len(linear.grams), 1), -1.0)
-            change = np.hstack([point.random - linear.point.random, moved, none])
-            total += float(np.einsum('si,sij,sj->', change, linear.grams, change))
-        return total
 
 
 def fit(
