@@ -86,7 +86,7 @@ def remains_with(
     """
     Return what remains with what the best rival of each axis says that it follows.
 
-    An axis that does not stand clear of the floor by itself is added where a rival still wins.
+    A rival was weighed beside everything else, so it has the first word. An axis that does not stand clear of the floor by itself is added where a rival still wins.
     """
     out = {one.axis: one for one in remains}
     told: set[str] = set()
@@ -94,8 +94,9 @@ def remains_with(
         for axis in set(one.axes) - told:
             before = out.get(axis)
             floors = one.size / float(floor[NAMES.index(axis)])
-            if before is not None and not before.follows:
-                out[axis] = before._replace(follows=(one.term,), carried=one.share)
+            if before is not None:
+                share = max(one.share, before.carried) if axis == one.axis else before.carried
+                out[axis] = before._replace(follows=(one.term,), carried=share)
             elif before is None and axis == one.axis and floors > 1.0:
                 out[axis] = Remainder(axis, one.size, floors, (one.term,), one.share)
         told |= set(one.axes)

@@ -70,6 +70,9 @@ def test_gusts_are_called_gusts() -> None:
 def test_a_rival_says_what_an_axis_follows() -> None:
     quiet = Remainder('heave', 2e-3, 5.0, (), 0.1)
     assert remains_with([quiet], [LAYERS])[0].follows == ('height',)
+    told = quiet._replace(follows=('x',), carried=0.3)
+    assert remains_with([told], [LAYERS])[0].follows == ('height',)
+    assert remains_with([told], [])[0].follows == ('x',)
     added = remains_with([PITCH], [LAYERS])
     assert [one.axis for one in added] == ['pitch', 'heave']
     assert added[1].size == 3e-3
