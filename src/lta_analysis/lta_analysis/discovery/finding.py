@@ -200,6 +200,8 @@ class Finding:
         Of the program, its commit, the registry of effects.
     detectable : tuple of Detectable
         How small each candidate could have been and still be seen; empty where nobody asked.
+    unexplained : tuple of str
+        What remains, in words: 'a pitch moment that follows surge speed x yaw rate, 1.2 mN m'.
 
     """
 
@@ -216,3 +218,4 @@ class Finding:
     vehicle: str
     versions: Mapping[str, str] = field(default_factory=dict)
     detectable: tuple[Detectable, ...] = ()
+    unexplained: tuple[str, ...] = ()

@@ -7,11 +7,12 @@ that confirm, each by themselves, and only that counts.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, final
 
 from lta_analysis.discovery.accept import TIE, Trial
 from lta_analysis.discovery.deviations import weighed
+from lta_analysis.discovery.displacing import Displacing
 from lta_analysis.discovery.evidence import floor_of, learned, own_variance, Prior, shared
 from lta_analysis.discovery.fit import Fitter, Joint
 from lta_analysis.discovery.linear import origin
@@ -104,6 +105,7 @@ class Naming:
         self.floor = floor_of(nominal)
         own = own_variance(self.knobs)
         self.fitters = [Fitter(nominal, each, own, self.floor) for each in flights]
+        self._displacing = Displacing(flights, self.floor)
         self._names = [knob.name for knob in self.knobs]
 
     def run(self, progress: Callable[[float], None] = lambda part: None) -> Named:
@@ -111,13 +113,20 @@ class Naming:
         named: tuple[str, ...] = ()
         bare = fits = self._first()
         steps: list[Step] = []
+        history: list[tuple[str, Pair]] = []
         while len(named) < MOST:
             progress(1.0 - 0.7 * 0.5 ** len(steps))
             step, then = self._round(named, fits)
             steps.append(step)
             if not step.named:
                 break
+            history.append((step.named, fits))
             named, fits = (*named, step.named), then
+        gone = self._displacing.withdrawn(history, fits)
+        if gone:
+            named = tuple(name for name in named if name not in gone)
+            fits = self._fitted(named, bare) if named else bare
+            steps = [replace(one, named='') if one.named in gone else one for one in steps]
         return Named(tuple(steps), named, fits, bare)
 
     def _first(self) -> Pair:
@@ -196,10 +205,15 @@ class Naming:
             tried[name] = self._trial(name, named, fits, then), then
         ranked = sorted(tried, key=lambda name: -tried[name][0].total)
         trials = tuple(tried[name][0] for name in ranked)
-        # A lesser candidate is not confirmed by the failure of a better one.
+        # A lesser candidate is not confirmed by the failure of a better one, unless that fell to
+        # something outside the library.
         close = [trial for trial in trials if trials[0].total - trial.total < TIE]
-        for trial in close:
-            if trial.accepted:
+        fell = False
+        for trial in trials:
+            if not trial.accepted or (trial not in close and not fell):
+                continue
+            fell = not self._displacing.stands(trial.total, fits, tried[trial.name][1])
+            if not fell:
                 others = tuple(other.name for other in close if other is not trial)
                 tied = (*glance[trial.name][1], *others)
                 return Step(trials, tied, trial.name), tried[trial.name][1]

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Final, final
 
 from lta_analysis.discovery.detectable import detectable
+from lta_analysis.discovery.evidence import floor_of
 from lta_analysis.discovery.finding import (
     Finding,
     Gap,
@@ -19,12 +20,12 @@ from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.measured import Measured
 from lta_analysis.discovery.naming import Naming, Step
 from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.outside import Outside, outside
 from lta_analysis.discovery.proof import Proof, Proven
 from lta_analysis.discovery.replay import Replay
 from lta_analysis.discovery.sensing import floor_pressure, Places
 from lta_analysis.discovery.sizes import effects, learned
 from lta_analysis.discovery.splitting import assigned, Role, ROLES
-from lta_analysis.discovery.unexplained import Remainder, remaining
 from lta_analysis.discovery.windows import windows
 from lta_config.errors import BadInput
 from lta_sim.vehicle import Vehicle
@@ -154,20 +155,21 @@ def study(
     differences = gaps([f.flight for f in last], models, seed)
     if not held_out:
         warnings.append('No flight was held out: the gaps are of flights that confirmed.')
-    left = remaining([*pair[0], *pair[1]][:2], proven.full.members[:2])
+    rest = outside(pair, proven.full, floor_of(nominal))
     finding = Finding(
-        verdict=verdict(proven, left, differences),
+        verdict=verdict(proven, rest, differences),
         effects=effects(nominal, proven, known),
         ladder=tuple(_rungs(step) for step in found.steps),
         where=(),
         gaps=tuple(differences),
         held_out=held_out,
-        remains=tuple(left),
+        remains=rest.remains,
         warnings=tuple(warnings),
         seed=seed,
         bags={role: tuple(f.name for f in flown if f.role == role) for role in ROLES},
         vehicle=vehicle.file.name,
         detectable=detectable([proven.full.reduced], proven.full.prior, known, proven.names),
+        unexplained=rest.sentences,
     )
     seen = [Shown(f, *each) for f, each in zip(last, models, strict=True)]
     tell('done', 1.0)
@@ -204,13 +206,11 @@ def _rungs(step: Step) -> tuple[Rung, ...]:
     )  # fmt: skip
 
 
-def verdict(proven: Proven, left: Sequence[Remainder], differences: Sequence[Gap]) -> Verdict:
+def verdict(proven: Proven, rest: Outside, differences: Sequence[Gap]) -> Verdict:
     """Return the verdict: what the flights allow to say."""
     far = [gap for gap in differences if gap.channel == 'position' and gap.horizon_s == FAR]
     if far and far[0].coast < min(far[0].tuned, far[0].after):
         return 'not_identifiable'
     if proven.names and all(proven.unlike[name] for name in proven.names):
         return 'not_identifiable'
-    if proven.names:
-        return 'named+unexplained' if left else 'named'
-    return 'unexplained' if left else 'none'
+    return rest.verdict(proven.names)

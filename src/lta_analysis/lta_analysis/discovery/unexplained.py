@@ -93,7 +93,7 @@ def terms(states: Array) -> dict[str, Array]:
         value = motion[name]
         out[name] = value
         out[f'{name} squared'] = np.abs(value) * value
-        out[f'{name}, either way'] = np.abs(value)
+        out[f'{name} either way'] = np.abs(value)
         for other in names[i + 1 :]:
             out[f'{name} x {other}'] = value * motion[other]
     return out
@@ -146,26 +146,41 @@ def followed(states: Sequence[Array], forces: Sequence[Array]) -> tuple[tuple[st
 
 
 def remaining(
-    flights: Sequence[Linearised], fits: Sequence[Fit], clear: float = CLEAR
+    flights: Sequence[Sequence[Linearised]],
+    fits: Sequence[Sequence[Fit]],
+    floor: Array = FLOOR,
+    clear: float = CLEAR,
 ) -> list[Remainder]:
     """
-    Return what two flights leave unexplained, the largest first.
+    Return what two sides leave unexplained, the largest first.
 
     Parameters
     ----------
-    flights, fits : two each
-        With all named effects in the model.
+    flights, fits : two sequences each
+        Of those that teach and those that confirm, with all named effects in the model.
+    floor : ndarray, shape (6,)
+        Deviations of the latent wrench that are not worth speaking of.
     clear : float
         Floors above which an axis counts.
 
     """
-    together = np.exp(np.mean([np.log(each.deviations) for each in fits], axis=0))
-    states = [states_at_knots(flight, each) for flight, each in zip(flights, fits, strict=True)]
-    knots = [knots_of(each) for each in fits]
-    out = []
+    every = [each.deviations for side in fits for each in side]
+    together = np.exp(np.mean(np.log(every), axis=0))
+    out, known = [], None
     for k, axis in enumerate(NAMES):
-        floors = float(together[k] / FLOOR[k])
+        floors = float(together[k] / floor[k])
         if floors > clear:
+            known = known or _known(flights, fits)
+            states, knots = known
             follows, share = followed(states, [each[:, k] for each in knots])
             out.append(Remainder(axis, float(together[k]), floors, follows, share))
     return sorted(out, key=lambda one: -one.floors)
+
+
+def _known(
+    flights: Sequence[Sequence[Linearised]], fits: Sequence[Sequence[Fit]]
+) -> tuple[list[Array], list[Array]]:
+    """Return the states and the latent wrench at the knots of each side."""
+    sides = [list(zip(*both, strict=True)) for both in zip(flights, fits, strict=True)]
+    states = [np.concatenate([states_at_knots(*each) for each in side]) for side in sides]
+    return states, [np.concatenate([knots_of(fitted) for _, fitted in side]) for side in sides]

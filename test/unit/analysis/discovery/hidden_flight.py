@@ -9,32 +9,35 @@ from lta_analysis.discovery.measured import measured, Stream, Streams
 from lta_analysis.discovery.nominal import Nominal
 from lta_analysis.discovery.replay import Replay
 from lta_analysis.discovery.sensing import floor_pressure, Places
-from lta_analysis.discovery.turning import exponential, product
+from lta_analysis.discovery.turning import exponential, matrix, product
 from lta_analysis.discovery.windows import windows
 from lta_analysis.ingredients import gather, parts_of
 from lta_analysis.loop import Loop
 from lta_config.topics import topic_table
 from lta_control.cascade import Setpoint
+from lta_sim.in_scene import model_in
 from lta_sim.vehicle import load_vehicle, Vehicle
 from lta_sim.world import World
 import numpy as np
 from numpy.typing import NDArray
 
+from .outside import Kind, Seen
+
 Array = NDArray[np.float64]
 POSE_NOISE, TURN_NOISE = 1e-3, 2.5e-3  # m, rad: a tracker of passive markers
 
 
-def course(seed: int) -> dict[int, Setpoint]:
-    """Return setpoints that change every 8 s: climbs, turns, speeds."""
+def course(seed: int, turn: float = 0.0) -> dict[int, Setpoint]:
+    """Return setpoints that change every 8 s: climbs, turns, speeds; round and round by `turn`."""
     rng = np.random.default_rng([seed, 7])
     heading, out = 0.0, {}
     for k in range(64):
-        heading += rng.uniform(-2.0, 2.0)
+        heading += rng.uniform(-2.0, 2.0) if turn == 0.0 else turn + rng.uniform(-0.4, 0.4)
         out[k] = Setpoint(rng.uniform(1.0, 2.0), heading, rng.choice([0.0, 0.3, 0.6]))
     return out
 
 
-def world_of(changes: Mapping[str, object], seed: int) -> tuple[World, Loop]:
+def world_of(changes: Mapping[str, object], seed: int, turn: float = 0.0) -> tuple[World, Loop]:
     """Return a GT-MAB in a great empty hall, with changes to its file."""
     made = gather('gtmab', 'lamp_room', 'bag', 'gtmab')
     scene = {
@@ -44,16 +47,54 @@ def world_of(changes: Mapping[str, object], seed: int) -> tuple[World, Loop]:
     made = made.with_values({**scene, **changes})
     vehicle, scenario, policy = parts_of(made)
     table = topic_table()
-    plan = course(seed)
+    plan = course(seed, turn)
     policy = replace(policy, course=lambda t: plan[int(t // 8.0)])
     world = World(vehicle, scenario, table, seed)
     known = Vehicle(parts_of(gather('gtmab', 'lamp_room', 'bag', 'gtmab'))[0].file)
     return world, Loop(world, table, policy, known)
 
 
-def flown(changes: Mapping[str, object], seed: int, length: float = 60.0) -> Streams:
-    """Fly and return what is recorded."""
-    world, loop = world_of(changes, seed)
+class Pushed:
+    """A world in which something pushes, half before a period and half after it."""
+
+    def __init__(self, world: World, kind: Kind | None) -> None:
+        self.world, self.kind = world, kind
+        model = model_in(world.vehicle, world.scenario)
+        self._inverse = np.array(model.inverse).reshape(6, 6)
+        self._arm = np.array(world.vehicle.file.sensors.imu_position.vector)
+        self._before = world.state[7:13].copy()
+        self.felt = np.zeros(3)  # by the accelerometer, m/s2
+
+    def advance(self, duties: Array) -> None:
+        """Fly one control period."""
+        if self.kind is None:
+            self.world.advance(duties.tolist())
+            return
+        state, period = self.world.state, 0.02
+        period = self.world._period
+        change = (state[7:13] - self._before) / period
+        self._before = state[7:13].copy()
+        seen = Seen(
+            self.world.elapsed, state[:3].copy(), matrix(state[3:7]), state[7:10].copy(),
+            state[10:13].copy(), change, duties, period,
+        )  # fmt: skip
+        answer = self._inverse @ self.kind(seen)
+        self.felt = answer[:3] + np.cross(answer[3:], self._arm)
+        state[7:13] += 0.5 * period * answer
+        self.world.advance(duties.tolist())
+        state[7:13] += 0.5 * period * answer
+
+
+def flown(
+    changes: Mapping[str, object],
+    seed: int,
+    length: float = 60.0,
+    kind: Kind | None = None,
+    turn: float = 0.0,
+) -> Streams:
+    """Fly and return what is recorded; `kind` pushes as no effect does."""
+    world, loop = world_of(changes, seed, turn)
+    pushed = Pushed(world, kind)
     rng = np.random.default_rng([seed, 9])
     rotors = len(world.vehicle.reversible)
     until, dither = 0.0, np.zeros(rotors)
@@ -68,7 +109,7 @@ def flown(changes: Mapping[str, object], seed: int, length: float = 60.0) -> Str
         duties = np.clip(np.array(loop.duties) + dither, 0.0, 1.0)
         pose.append((now, *told.truth[:7]))
         rates.append((now, *told.rates))
-        force.append((now, *told.force))
+        force.append((now, *(np.array(told.force) + pushed.felt)))
         for stamp, distance in told.ranges:
             ranges.append((now + (stamp - told.stamp_ns) * 1e-9, distance))
         if told.pressure is not None:
@@ -76,7 +117,7 @@ def flown(changes: Mapping[str, object], seed: int, length: float = 60.0) -> Str
         if told.battery is not None:
             volts.append((now, told.battery[0]))
         commands.append((now, *duties))
-        world.advance(duties.tolist())
+        pushed.advance(duties)
     seen = _stream(pose)
     values = seen.values
     values[:, :3] += POSE_NOISE * rng.standard_normal((len(values), 3))

@@ -52,7 +52,7 @@ def test_turbulence_remains_on_the_axes_that_it_pushes(gtmab: Known) -> None:
         fit(flight, nominal, prior, origin(nominal, knobs, len(flight.replay.first)))
         for flight in flights
     ]
-    left = remaining(flights, fits)
+    left = remaining([[one] for one in flights], [[one] for one in fits])
     assert {'surge', 'sway'} <= {one.axis for one in left}
     for one in left:
         assert one.size == pytest.approx(one.floors * FLOOR[AXES.index(one.axis)])

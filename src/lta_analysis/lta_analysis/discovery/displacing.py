@@ -1,0 +1,172 @@
+"""
+Whether a candidate of the library stands against what is outside of it.
+
+A candidate that was confirmed may still be the nearest word for something that has none. Two
+signs of that: a generic rival explains clearly more, and leaves little for the candidate to say;
+or, when all is named, large forces that follow something remain on every axis on which the
+candidate acts.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Final, final
+
+from lta_analysis.discovery.evidence import knot_precision
+from lta_analysis.discovery.fit import Joint
+from lta_analysis.discovery.linear import AXES, KNOTS, Linear, RANDOM
+from lta_analysis.discovery.linearise import Linearised
+from lta_analysis.discovery.rivals import Rival, Rivals
+from lta_analysis.discovery.standing import Standing
+from lta_analysis.discovery.tangent import WIDTH
+from lta_analysis.discovery.unexplained import CLEAR, remaining
+from lta_analysis.discovery.verdict import standing
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Pair = tuple[Joint, Joint]
+
+BETTER: Final = 1.1  # of what a candidate wins ...
+MARGIN: Final = 10.0  # ... and nats: by which a rival has to be better to displace it
+BESIDE: Final = 11.0  # nats; that a candidate has to win beside such a rival ...
+HALF: Final = 0.5  # ... and of what it wins without
+SMALL: Final = 1.0  # floors; forces that no rival needs to explain
+MOST: Final = 0.4  # of a deviation; what may remain where a candidate was most of it
+FREE: Final = 1e3  # floors; a latent force that can be anything
+ALIKE: Final = 0.5  # of a column; what a latent force has to explain of it
+NEARLY: Final = 0.85  # of what the axis explains that explains most
+
+
+def displaced(gain: float, before: Mapping[str, float], after: Mapping[str, float]) -> str:
+    """
+    Return the rival that takes a candidate's place, '' where the candidate stands.
+
+    A rival that is clearly better takes it, unless the candidate has much to say beside it.
+
+    Parameters
+    ----------
+    gain : float
+        Log evidence that the candidate wins on all flights. [nats]
+    before, after : mapping of str to float
+        What each rival wins on them without the candidate, and beside it.
+
+    """
+    for name in sorted(before, key=lambda one: -before[one]):
+        if before[name] <= BETTER * gain + MARGIN:
+            break
+        if gain + after[name] - before[name] < max(BESIDE, HALF * gain):
+            return name
+    return ''
+
+
+def acts_on(linear: Linear, name: str, floor: Array) -> NDArray[np.bool_]:
+    """
+    Return the axes on which a knob acts: those whose latent force alone could do what it does.
+
+    None for a knob that no force looks like, as those of sensors.
+    """
+    column, inverse = RANDOM + linear.names.index(name), knot_precision()
+    shares = np.zeros(AXES)
+    for axis in range(AXES):
+        at = slice(WIDTH + axis * KNOTS, WIDTH + (axis + 1) * KNOTS)
+        inner = linear.grams[:, at, at] + inverse / (FREE * floor[axis]) ** 2
+        cross = linear.grams[:, at, column, None]
+        shares[axis] = np.sum(cross * np.linalg.solve(inner, cross))
+    shares /= max(float(linear.grams[:, column, column].sum()), 1e-300)
+    acts: NDArray[np.bool_] = (shares > ALIKE) & (shares > NEARLY * shares.max())
+    return acts
+
+
+def partial(acts: NDArray[np.bool_], before: Array, final: Array) -> bool:
+    """
+    Tell whether a candidate has at most explained a part of something larger.
+
+    Parameters
+    ----------
+    acts : ndarray of bool, shape (6,)
+        The axes on which it acts.
+    before, final : ndarray, shape (6,)
+        Deviations of the latent wrench without the candidate, and at the end. [floors]
+
+    """
+    return bool(acts.any() and np.all((final > np.maximum(CLEAR, MOST * before))[acts]))
+
+
+@final
+class Displacing:
+    """
+    The rivals of all candidates of a study.
+
+    Parameters
+    ----------
+    flights : pair of sequences of Linearised
+        Those that teach, and those that confirm.
+    floor : ndarray, shape (6,)
+        Deviations of the latent wrench that are not worth speaking of.
+
+    """
+
+    def __init__(self, flights: Sequence[Sequence[Linearised]], floor: Array) -> None:
+        self._flights, self._rivals, self._floor = flights, Rivals(flights), floor
+        self._last: tuple[Pair, dict[str, float]] | None = None
+
+    def stands(self, gain: float, fits: Pair, then: Pair) -> bool:
+        """
+        Tell whether a candidate stands.
+
+        Parameters
+        ----------
+        gain : float
+            Log evidence that it wins on all flights. [nats]
+        fits, then : pair of Joint
+            Of the flights, without it and with it.
+
+        """
+        if self._floors(fits).max() < SMALL:
+            return True  # there is no force for a rival to follow
+        if self._last is None or self._last[0] is not fits:
+            self._last = fits, self._gains(fits)
+        before = self._last[1]
+        if max(before.values()) <= BETTER * gain + MARGIN:
+            return True
+        return not displaced(gain, before, self._gains(then))
+
+    def withdrawn(self, history: Sequence[tuple[str, Pair]], last: Pair) -> tuple[str, ...]:
+        """
+        Return the names that were only the nearest word for a part of something else.
+
+        Parameters
+        ----------
+        history : sequence of (name, pair of Joint)
+            Of each effect that was named: the fits without it.
+        last : pair of Joint
+            With all of them.
+
+        """
+        final = self._floors(last)
+        if not history or final.max() <= CLEAR or not self._structured(last):
+            return ()
+        linear = last[0].group.linears[0]
+        return tuple(
+            name
+            for name, before in history
+            if partial(acts_on(linear, name, self._floor), self._floors(before), final)
+        )
+
+    def _structured(self, fits: Pair) -> bool:
+        """Tell whether what remains follows something, as gusts do not."""
+        left = remaining(self._flights, [each.members for each in fits], self._floor)
+        return any(one.follows for one in left) or bool(standing(self._found(fits)))
+
+    def _found(self, fits: Pair) -> tuple[Rival, ...]:
+        """Return the rivals on some fits."""
+        return self._rivals.found([Standing.of(each, self._floor) for each in fits])
+
+    def _gains(self, fits: Pair) -> dict[str, float]:
+        """Return what each rival wins on all flights."""
+        return {one.name: one.total for one in self._found(fits)}
+
+    def _floors(self, fits: Pair) -> Array:
+        """Return the deviations, by the floor: geometric mean of the sides."""
+        logs = np.mean([np.log(each.deviations / self._floor) for each in fits], axis=0)
+        together: Array = np.exp(logs)
+        return together

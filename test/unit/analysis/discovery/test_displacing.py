@@ -1,0 +1,62 @@
+"""What is outside the library gets no name of the library, and is described."""
+
+from lta_analysis.discovery.displacing import acts_on, displaced, partial
+from lta_analysis.discovery.evidence import FLOOR
+from lta_analysis.discovery.knobs import Knob
+from lta_analysis.discovery.linear import origin
+from lta_analysis.discovery.linearise import Linearised
+from lta_analysis.discovery.naming import Naming
+from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.outside import outside
+from lta_analysis.discovery.proof import Proof
+from lta_sim.effects.protocol import AXES as NAMES
+import numpy as np
+
+from .hidden_flight import flown, prepared
+from .outside import KINDS
+
+Known = tuple[Nominal, list[Knob]]
+
+
+def test_a_tether_is_given_no_name(gtmab: Known) -> None:
+    nominal, knobs = gtmab
+    make, _, strong = KINDS['tether']
+    pair = tuple(
+        [prepared(flown({}, seed, 32.0, make(strong, np.random.default_rng(4)), 1.9), knobs)]
+        for seed in (31, 32)
+    )
+    found = Naming(nominal, (pair[0], pair[1])).run()
+    proven = Proof(nominal, [*pair[0], *pair[1]]).run(found)
+    rest = outside(pair, proven.full, Naming(nominal, (pair[0], pair[1])).floor)
+    assert proven.names == ()
+    assert rest.verdict(proven.names) == 'unexplained'
+    assert {'surge', 'sway', 'heave'} <= {one.axis for one in rest.remains}
+    assert all(' force ' in one or ' moment ' in one for one in rest.sentences)
+
+
+def test_a_candidate_falls_to_a_better_rival_unless_it_has_more_to_say() -> None:
+    assert displaced(100.0, {'field': 119.0}, {'field': 5.0}) == ''  # not clearly better
+    assert displaced(100.0, {'field': 300.0}, {'field': 203.0}) == 'field'
+    assert displaced(100.0, {'field': 300.0}, {'field': 290.0}) == ''  # two things at once
+    assert displaced(100.0, {'a': 300.0, 'b': 200.0}, {'a': 290.0, 'b': 90.0}) == 'b'
+
+
+def test_a_part_of_something_larger_is_withdrawn() -> None:
+    large = np.array([9.5, 1.0, 20.0, 1.0, 1.0, 1.0])
+    heave, yaw = np.arange(6) == 2, np.arange(6) == 5
+    assert partial(heave, large, 0.6 * large)
+    assert not partial(heave, large, np.array([9.4, 1.0, 3.0, 1.0, 1.0, 1.0]))
+    assert not partial(heave, large, 0.3 * large)  # it was most of it
+    assert not partial(heave | yaw, large, large)  # it explains one axis
+    assert not partial(np.zeros(6, dtype=np.bool_), large, large)  # it is about a sensor
+
+
+def test_a_knob_acts_where_a_force_could_do_the_same(gtmab: Known, clean: Linearised) -> None:
+    nominal, knobs = gtmab
+    linear = clean.at(origin(nominal, knobs, len(clean.replay.first)))
+    for name, axes in (
+        ('linear_drag.heave', ['heave']),
+        ('rotational_drag.yaw', ['yaw']),
+        ('range_offset.offset', []),
+    ):
+        assert [NAMES[k] for k in np.flatnonzero(acts_on(linear, name, FLOOR))] == axes

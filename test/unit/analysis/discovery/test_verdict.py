@@ -1,0 +1,79 @@
+"""What is said at the end follows from what was named and what is left."""
+
+from lta_analysis.discovery.rivals import Rival
+from lta_analysis.discovery.spectral_line import Line
+from lta_analysis.discovery.unexplained import Remainder
+from lta_analysis.discovery.verdict import gusty, remains_with, sentences, standing, verdict_of
+import pytest
+
+PITCH = Remainder('pitch', 1.23e-3, 15.4, ('surge speed x yaw rate',), 0.6)
+SURGE = Remainder('surge', 6.2e-3, 15.5, (), 0.03)
+SWAY = Remainder('sway', 5.1e-3, 12.8, (), 0.05)
+LAYERS = Rival('heave by height', 40.0, 30.0, 34.0, 'heave', ('heave',), 3e-3, 'height', 0.7)
+LINE = Line('fz', 2.4, 0.031, 12.0)
+
+
+@pytest.mark.parametrize(
+    ('named', 'remains', 'rivals', 'lines', 'undecided', 'expected'),
+    [
+        ((), (), (), (), (), 'none'),
+        (('motor_lag',), (), (), (), (), 'named'),
+        ((), (PITCH,), (), (), (), 'unexplained'),
+        ((), (), (LAYERS,), (), (), 'unexplained'),
+        ((), (), (), (LINE,), (), 'unexplained'),
+        (('motor_lag',), (), (), (LINE,), (), 'named+unexplained'),
+        ((), (), (), (), ('payload.mass',), 'not_identifiable'),
+        ((), (PITCH,), (), (), ('payload.mass',), 'unexplained'),
+    ],
+)
+def test_the_verdict(
+    named: tuple[str, ...],
+    remains: tuple[Remainder, ...],
+    rivals: tuple[Rival, ...],
+    lines: tuple[Line, ...],
+    undecided: tuple[str, ...],
+    expected: str,
+) -> None:
+    assert verdict_of(named, remains, rivals, lines, undecided) == expected
+
+
+def test_a_rival_counts_only_on_both_flights() -> None:
+    assert standing([LAYERS]) == [LAYERS]
+    assert standing([LAYERS._replace(carried=-2.0)]) == []
+    assert standing([LAYERS._replace(gain=6.0, confirmed=5.0, carried=4.0)]) == []
+
+
+def test_sentences_are_for_people() -> None:
+    assert sentences([PITCH], [LINE]) == (
+        'a pitch moment that follows surge speed x yaw rate, 1.2 mN m',
+        'an oscillation of fz at 2.4 Hz, 0.031 m/s2',
+    )
+
+
+def test_a_force_that_stays_the_same_follows_nothing() -> None:
+    steady = Remainder('heave', 3.1e-3, 8.0, ('constant',), 0.8)
+    assert sentences([steady]) == ('a constant heave force, 3.1 mN',)
+    more = steady._replace(follows=('constant', 'height', 'x', 'surge speed'))
+    assert sentences([more]) == ('a heave force that follows height, x and surge speed, 3.1 mN',)
+
+
+def test_gusts_are_called_gusts() -> None:
+    assert gusty([SURGE, SWAY])
+    assert sentences([SURGE, SWAY]) == (
+        'gusts: a surge and a sway force that follow nothing, 6.2 mN and 5.1 mN',
+    )
+    assert not gusty([SURGE])
+    assert not gusty([SURGE, SWAY, PITCH])  # of the size of the others
+    assert not gusty([SURGE._replace(carried=0.5, follows=('x',)), SWAY])
+
+
+def test_a_rival_says_what_an_axis_follows() -> None:
+    quiet = Remainder('heave', 2e-3, 5.0, (), 0.1)
+    assert remains_with([quiet], [LAYERS])[0].follows == ('height',)
+    told = quiet._replace(follows=('x',), carried=0.3)
+    assert remains_with([told], [LAYERS])[0].follows == ('height',)
+    assert remains_with([told], [])[0].follows == ('x',)
+    added = remains_with([PITCH], [LAYERS])
+    assert [one.axis for one in added] == ['pitch', 'heave']
+    assert added[1].size == 3e-3
+    assert added[1].floors == pytest.approx(7.5)
