@@ -65,7 +65,8 @@ def wished(y, s, wanted, noise, gains, summed):
     height, heading, speed = y[2] + noise[0], math.atan2(y[6], y[3]) + noise[1], s[0] + noise[2]
     climb = y[9] * s[0] + y[10] * s[1] + y[11] * s[2] + noise[2]
     off = wanted[0] - height
-    summed[0] = min(max(summed[0] + 0.01 * off, -10.0), 10.0)
+    if abs(off) < 0.6:
+        summed[0] = min(max(summed[0] + 0.01 * off, -8.0), 8.0)
     up = gains[0] * off - gains[1] * climb + gains[2] * summed[0] + gains[3]
     turn = (wanted[1] - heading + math.pi) % (2.0 * math.pi) - math.pi
     around = gains[4] * min(max(turn, -1.0), 1.0) - gains[5] * s[5]
