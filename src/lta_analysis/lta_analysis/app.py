@@ -25,11 +25,12 @@ EPILOG: Final = (
 @final
 @dataclass(frozen=True, slots=True)
 class Verb:
-    """Where a verb is: its file in `verbs/`, the function or group in it, and Click's settings."""
+    """Where a verb is: its file in `verbs/`, the function or group in it, and its settings."""
 
     file: str
     name: str
     settings: Mapping[str, Any] = field(default_factory=dict)
+    several: tuple[str, ...] = ()  # options that take several values: --train A B
 
     def load(self) -> Any:  # noqa: ANN401 - a function, or a group of them
         """Return what the verb does."""
@@ -69,6 +70,7 @@ VERBS: Final[dict[str, Verb | Group]] = {
     'vehicle': Verb('vehicle', 'vehicle'),
     'bag': BAG,
     'compare': Verb('compare', 'compare'),
+    'discover': Verb('discover', 'discover', several=('--train', '--confirm', '--holdout')),
     'import': Verb('import_', 'import_'),
     'report': Verb('report', 'report'),
     'effects': Verb('effects', 'effects'),
@@ -115,6 +117,19 @@ def add(app: typer.Typer, name: str, verb: Verb | Group, words: Sequence[str]) -
     app.command(name, context_settings=dict(verb.settings), help=flowing(found))(found)
 
 
+def repeated(words: Sequence[str]) -> list[str]:
+    """Return a command line with `--train A B` as `--train A --train B`, as Click takes it."""
+    verb = VERBS.get(words[0]) if words else None
+    several = verb.several if isinstance(verb, Verb) else ()
+    out: list[str] = []
+    for k, word in enumerate(words):
+        option = next((w for w in reversed(words[:k]) if w.startswith('-')), '')
+        if option in several and not word.startswith('-') and words[k - 1] != option:
+            out.append(option)
+        out.append(word)
+    return out
+
+
 def flowing(does: object) -> str:
     """Return a docstring's paragraphs without the line breaks, ragged on any other width."""
     paragraphs = (inspect.getdoc(does) or '').split('\n\n')
@@ -140,7 +155,8 @@ def options(
 def status() -> int:
     """Run the command line and return its exit status; what the user can mend is one sentence."""
     try:
-        return put_together(sys.argv[1:])(standalone_mode=False) or 0
+        words = repeated(sys.argv[1:])
+        return put_together(words)(words, standalone_mode=False) or 0
     except BadInput as error:
         sys.stderr.write(f'{error}\n')
         return 2

@@ -24,6 +24,8 @@ TIME_CONSTANTS = (
 )
 # Hulls that are round seen from above, or from anywhere: drag axis by axis is not (`cross_flow`).
 ROUND = {'balloon': {'horizontal': 1.0}, 'sphere': {'horizontal': 1.0, 'total': 1.0}}
+# What a file may say of such an effect all the same: how round it is, as far as that was measured.
+SHARES = {'cross_flow': ('horizontal', 'total')}
 # What turns duties into newtons in place of the thrust curve.
 OTHER_CURVES = ('thrust_polynomial',)
 
@@ -55,13 +57,14 @@ def effects_of(
 
     """
     derived = _derived(file, rotors, added_mass, air_density)
-    for name in file.effects:
-        if name in derived:
+    for name, given in file.effects.items():
+        if name in derived and set(given) - set(SHARES.get(name, ())):
             raise BadInput(
                 f'The effect {name} of {file.name} follows from hull, parts, rotors or aero; '
                 'change it there.'
             )
-    return derived | {name: _checked(name, given) for name, given in file.effects.items()}
+    own = {name: _checked(name, given) for name, given in file.effects.items()}
+    return derived | {name: derived.get(name, {}) | given for name, given in own.items()}
 
 
 def check_step(name: str, given: Effects, step: float) -> None:

@@ -155,6 +155,8 @@ def _named(series: Series, path: str) -> str:
 def _of_blocks(flight: Flight, topic: str) -> Iterator[Channel]:
     """Yield what each column of blocks comes to, at the time of the block."""
     blocks = flight.blocks(topic)
+    if not len(blocks.time):  # announced, and nothing came
+        return
     unit = unit_of(IMAGE, 'data', topic)
     for what, reduced in BLOCK.items():
         # Block by block: all of them as float64 would be four times the recording.

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, final, Literal, NamedTuple
 
+from lta_analysis.discovery.detectable import Detectable
 from lta_analysis.discovery.unexplained import Remainder
 
 Verdict = Literal['none', 'named', 'unexplained', 'named+unexplained', 'not_identifiable']
@@ -197,6 +198,8 @@ class Finding:
         Name of the vehicle file.
     versions : mapping of str to str
         Of the program, its commit, the registry of effects.
+    detectable : tuple of Detectable
+        How small each candidate could have been and still be seen; empty where nobody asked.
 
     """
 
@@ -212,3 +215,4 @@ class Finding:
     bags: Mapping[str, tuple[str, ...]]
     vehicle: str
     versions: Mapping[str, str] = field(default_factory=dict)
+    detectable: tuple[Detectable, ...] = ()

@@ -1,0 +1,90 @@
+"""Small pictures within tables: points, bars and intervals on a scale, as plain HTML."""
+
+from collections.abc import Mapping, Sequence
+import math
+from typing import Final
+
+MARGIN: Final = 2.0  # per cent of the strip on either side
+
+
+def at(value: float, low: float, high: float) -> float:
+    """Return where a value is on a strip. [%]"""
+    share = (value - low) / (high - low) if high > low else 0.5
+    return MARGIN + (100.0 - 2.0 * MARGIN) * min(max(share, 0.0), 1.0)
+
+
+def points(values: Mapping[str, float], low: float, high: float, floor: float = math.nan) -> str:
+    """
+    Return points on a logarithmic scale.
+
+    Parameters
+    ----------
+    values : mapping of str to float
+        By the kind of each, which gives it its colour; what is not positive is left out.
+    low, high : float
+        Ends of the scale.
+    floor : float
+        Below it nobody can tell; shaded.
+
+    """
+    ends = math.log(low), math.log(high)
+    parts = []
+    if floor > 0.0:
+        parts.append(f'<i class="floor" style="width:{at(math.log(floor), *ends):.1f}%"></i>')
+    known = {kind: math.log(v) for kind, v in values.items() if v > 0.0 and math.isfinite(v)}
+    if 'before' in known and 'after' in known:
+        a, b = sorted(at(known[kind], *ends) for kind in ('before', 'after'))
+        parts.append(f'<i class="way" style="left:{a:.1f}%;width:{b - a:.1f}%"></i>')
+    parts += [
+        f'<i class="dot {kind}" style="left:{at(value, *ends):.1f}%"></i>'
+        for kind, value in known.items()
+    ]
+    return _strip(parts)
+
+
+def interval(before: float, value: float, ci95: tuple[float, float]) -> str:
+    """Return a value with its interval beside what was there before."""
+    finite = [part for part in (before, value, *ci95) if math.isfinite(part)]
+    low, high = min(finite, default=0.0), max(finite, default=1.0)
+    a, b = (at(part, low, high) for part in ci95)
+    parts = [
+        f'<i class="span" style="left:{a:.1f}%;width:{max(b - a, 0.8):.1f}%"></i>'
+        if all(map(math.isfinite, ci95)) else '',
+        *(f'<i class="dot {kind}" style="left:{at(part, low, high):.1f}%"></i>'
+          for kind, part in (('before', before), ('after', value)) if math.isfinite(part)),
+    ]  # fmt: skip
+    return _strip(parts)
+
+
+def stacked(first: float, second: float, line: float, most: float) -> str:
+    """
+    Return two amounts on top of each other, and a line that they have to pass.
+
+    The scale is a root, so that the line is seen beside what is far beyond it; what is negative
+    takes away from the other.
+    """
+
+    def place(value: float) -> float:
+        share = math.sqrt(max(value, 0.0) / most) if most > 0.0 else 0.0
+        return 100.0 * min(share, 1.0)
+
+    begin = place(min(first, first + second))
+    end = place(first + second)
+    return _strip(
+        [
+            f'<i class="bar one" style="left:0;width:{begin:.1f}%"></i>',
+            f'<i class="bar two" style="left:{begin:.1f}%;width:{max(end - begin, 0.0):.1f}%"></i>',
+            f'<i class="line" style="left:{place(line):.1f}%"></i>',
+        ]
+    )
+
+
+def bar(value: float, most: float) -> str:
+    """Return one amount."""
+    share = 100.0 * min(max(value / most, 0.0), 1.0) if most > 0.0 else 0.0
+    return _strip([f'<i class="bar one" style="left:0;width:{share:.1f}%"></i>'])
+
+
+def _strip(parts: Sequence[str]) -> str:
+    """Return a strip; what it shows stands beside it in figures."""
+    return f'<div class="strip" aria-hidden="true">{"".join(parts)}</div>'

@@ -1,0 +1,263 @@
+"""What a study says, as HTML that needs no script: effects, ladder, gaps, places, remains."""
+
+from collections.abc import Sequence
+from html import escape
+import math
+from typing import Final
+
+from lta_analysis.discovery.accept import GAIN
+from lta_analysis.discovery.finding import Finding, Gap, Learned, NamedEffect, Place, Rung
+from lta_analysis.discovery.page import strips
+from lta_analysis.discovery.page.replayed import NAMES
+from lta_analysis.discovery.page.words import (
+    amount,
+    because,
+    figure,
+    listed,
+    meaning,
+    odds,
+    percent,
+    remainder_words,
+    size_unit,
+    spoken,
+    total,
+    with_unit,
+    within,
+)
+from lta_analysis.discovery.unexplained import Remainder
+
+Row = Sequence[str]
+SIGMA: Final = 5  # of what could have been seen
+
+
+def table(heads: Row, rows: Sequence[Row], name: str, caption: str) -> str:
+    """
+    Return a table; the first cell of a row is its heading.
+
+    Parameters
+    ----------
+    heads : sequence of str
+        Of the columns; plain text.
+    rows : sequence of sequences of str
+        HTML.
+    name : str
+        Its class.
+    caption : str
+        For those who listen.
+
+    """
+    head = ''.join(f'<th scope="col">{escape(each)}</th>' for each in heads)
+    body = ''.join(
+        f'<tr><th scope="row">{row[0]}</th>{"".join(f"<td>{cell}</td>" for cell in row[1:])}</tr>'
+        for row in rows
+    )
+    return (
+        f'<div class="wide" tabindex="0" role="region" aria-label="{escape(caption)}">'
+        f'<table class="{name}"><caption class="hidden">{escape(caption)}</caption>'
+        f'<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
+    )
+
+
+def effects(found: Finding) -> str:
+    """Return what is missing, effect by effect; what it would have taken where nothing is."""
+    if found.effects:
+        return ''.join(map(_effect, found.effects))
+    return f'<p class="calm">{escape(_nothing(found))}</p>{detectable(found)}'
+
+
+def _nothing(found: Finding) -> str:
+    """Return in a few sentences that nothing has a name, and what that means."""
+    tried = [rung for step in found.ladder for rung in step]
+    best = max(tried, key=total, default=None)
+    near = (
+        'No candidate looked worth a refit.'
+        if best is None
+        else f'The best candidate was {spoken(best.knob)}, with {figure(total(best))} nats where '
+        f'{GAIN:g} make a name: {because(best)}.'
+    )
+    said = {
+        'none': 'The vehicle file explains these flights to within its own tolerances and the '
+        'noise. That is a result: use the file as it is.',
+        'not_identifiable': 'Several explanations do equally well on these flights, so none is '
+        'named. A flight that moves them apart would decide.',
+    }.get(
+        found.verdict,
+        'A force or moment is left over that no effect of the library explains on both flights. '
+        'It is described below, not named.',
+    )
+    return f'{said} {near}'
+
+
+def detectable(found: Finding) -> str:
+    """Return how small an effect could have been seen, the clearest first."""
+    if not found.detectable:
+        return ''
+    rows = [
+        (escape(spoken(one.knob)), escape(with_unit(figure(one.size, 2), one.unit)),
+         escape(figure(one.size / one.typical, 2)) if one.typical > 0.0 else '')
+        for one in sorted(found.detectable, key=lambda one: one.size / (one.typical or math.inf))
+    ]  # fmt: skip
+    inside = table(
+        ('effect', f'seen from ({SIGMA} sigma)', 'by its typical size'), rows, 'plain',
+        'Smallest effects that these flights could have shown',
+    )  # fmt: skip
+    return (
+        f'<details open><summary>How small an effect could have been seen</summary>{inside}'
+        '</details>'
+    )
+
+
+def _effect(one: NamedEffect) -> str:
+    """Return one named effect."""
+    names = listed([spoken(knob) for knob in one.knobs])
+    alike = (
+        f'<p class="note">These flights cannot tell it from <b>'
+        f'{escape(listed([spoken(knob) for knob in one.confusable_with], "or"))}</b>.</p>'
+        if one.confusable_with
+        else '<p class="note">No other effect of the library looks like it on these flights.</p>'
+    )
+    return (
+        f'<div class="effect"><h3>{escape(names[:1].upper() + names[1:])}</h3>'
+        f'<p class="what">{escape(meaning(one.name))}</p>'
+        f'{"".join(map(_parameter, one.parameters))}'
+        f'<p class="note">Without it the flights lose <b>{figure(one.log_evidence)} nats</b> of '
+        f'evidence, {odds(one.log_evidence)}.</p>{alike}</div>'
+    )
+
+
+def _parameter(one: Learned) -> str:
+    """Return one parameter with its interval."""
+    value, low, high = within(one.value, one.ci95)
+    return (
+        f'<dl class="learned"><dt>{escape(one.name.replace("_", " "))}</dt>'
+        f'<dd><b>{value}</b> {escape(with_unit("", one.unit).strip())} '
+        f'<small>95 %: {low} to {high}; the file has {figure(one.before)}</small></dd></dl>'
+        f'{strips.interval(one.before, one.value, one.ci95)}'
+    )
+
+
+def ladder(found: Finding) -> str:
+    """Return all candidates round by round."""
+    rungs = [rung for step in found.ladder for rung in step]
+    if not rungs:
+        return '<p class="absent">No candidate looked worth a refit.</p>'
+    most = max(GAIN * 1.6, *map(total, rungs))
+    out = []
+    for k, step in enumerate(found.ladder, 1):
+        named = next((rung for rung in step if rung.accepted), None)
+        words = f'{spoken(named.knob)} is named' if named else 'nothing is confirmed'
+        out.append(f'<h3>Round {k}: {escape(words)}</h3>')
+        heads = ('candidate', 'evidence', 'train', 'confirm', 'carried', 'apart', 'because')
+        rows = [_rung(rung, most) for rung in step]
+        out.append(table(heads, rows, 'plain ladder', f'Candidates of round {k}'))
+    return ''.join(out)
+
+
+def _rung(rung: Rung, most: float) -> Row:
+    """Return one candidate."""
+    name = escape(spoken(rung.knob))
+    return (
+        f'<b>{name}</b>' if rung.accepted else name,
+        strips.stacked(rung.train, max(rung.confirm, rung.carried), GAIN, most),
+        *(figure(part) for part in (rung.train, rung.confirm, rung.carried)),
+        figure(rung.apart, 2),
+        because(rung),
+    )
+
+
+def gaps(found: Finding) -> str:
+    """Return the errors of all models, channel by channel and horizon by horizon."""
+    if not found.gaps:
+        return '<p class="absent">There was no flight to show the gap on.</p>'
+    out = []
+    for channel in dict.fromkeys(gap.channel for gap in found.gaps):
+        of = [gap for gap in found.gaps if gap.channel == channel]
+        low, high = scale(of)
+        rows = [_gap(gap, low, high) for gap in of]
+        heads = (
+            'ahead', '', 'before', 'tuned', 'after', 'coast', 'noise', 'shrinks by', '95 %',
+            'pieces',
+        )  # fmt: skip
+        title = NAMES.get(channel, channel)
+        out.append(f'<h3>{escape(title.capitalize())}</h3>')
+        out.append(table(heads, rows, 'plain gaps', f'Errors of {title}'))
+    return ''.join(out)
+
+
+def scale(of: Sequence[Gap]) -> tuple[float, float]:
+    """Return the ends of a logarithmic scale that shows all errors of a channel."""
+    every = [
+        part
+        for gap in of
+        for part in (gap.before, gap.tuned, gap.after, gap.coast, gap.noise_floor)
+        if math.isfinite(part) and part > 0.0
+    ]
+    return min(every, default=1.0) / 1.3, max(every, default=1.0) * 1.1
+
+
+def _gap(gap: Gap, low: float, high: float) -> Row:
+    """Return one channel at one horizon."""
+    four = {'coast': gap.coast, 'before': gap.before, 'tuned': gap.tuned, 'after': gap.after}
+    a, b = (percent(part) for part in gap.shrink_ci95)
+    return (
+        f'{gap.horizon_s:g} s',
+        strips.points(four, low, high, gap.noise_floor),
+        *(amount(part, gap.unit)
+          for part in (gap.before, gap.tuned, gap.after, gap.coast, gap.noise_floor)),
+        f'{percent(gap.shrink)} %',
+        f'{a} to {b} %',
+        str(gap.pieces),
+    )  # fmt: skip
+
+
+def places(found: Finding) -> str:
+    """Return where the model disagrees most, the largest first."""
+    if not found.where:
+        return '<p class="absent">Nowhere does the error stand out from the noise.</p>'
+    most = max(place.ratio_to_noise for place in found.where)
+    rows = [_place(place, most) for place in found.where]
+    heads = ('when', 'by the noise', '', 'channel', 'flight', 'from', 'to')
+    return table(heads, rows, 'plain places', 'Where the model disagrees most')
+
+
+def _place(place: Place, most: float) -> Row:
+    """Return one place."""
+    return (
+        escape(place.condition),
+        figure(place.ratio_to_noise),
+        strips.bar(place.ratio_to_noise, most),
+        escape(NAMES.get(place.channel, place.channel)),
+        escape(place.flight),
+        f'{figure(place.from_s)} s',
+        f'{figure(place.to_s)} s',
+    )
+
+
+def remains(found: Finding) -> str:
+    """Return what no effect explains, the largest first."""
+    if not found.remains:
+        return ''
+    most = max(one.floors for one in found.remains)
+    rows = [_remainder(one, most) for one in found.remains]
+    heads = ('axis', 'by the floor', '', 'size', 'what it is', 'carries over')
+    return table(heads, rows, 'plain remains', 'What no effect of the library explains')
+
+
+def _remainder(one: Remainder, most: float) -> Row:
+    """Return what remains on one axis."""
+    said = remainder_words(one)
+    return (
+        one.axis,
+        figure(one.floors),
+        strips.bar(one.floors, most),
+        f'{figure(one.size)} {size_unit(one)}',
+        escape(said),
+        f'{percent(one.carried)} %',
+    )
+
+
+def warned(found: Finding) -> str:
+    """Return the warnings as a list, or that there are none."""
+    if not found.warnings:
+        return '<p class="note">None: the data gave no cause for doubt.</p>'
+    return f'<ul class="words">{"".join(f"<li>{escape(one)}</li>" for one in found.warnings)}</ul>'

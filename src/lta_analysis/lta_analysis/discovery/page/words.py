@@ -1,0 +1,243 @@
+"""What a study says, in sentences: the headline, the figures on the tiles, single numbers."""
+
+from collections.abc import Sequence
+import math
+from typing import Final
+
+from lta_analysis.discovery.accept import APART, GAIN, LARGER
+from lta_analysis.discovery.finding import Finding, Gap, Learned, Rung
+from lta_analysis.discovery.unexplained import Remainder
+from lta_analysis.report.outcome import MISSING, Tile
+from lta_sim.effects import EFFECTS
+from lta_sim.effects_page import summary
+
+MINUS: Final = '\N{MINUS SIGN}'
+DEGREES: Final = 180.0 / math.pi
+SHOWN_UNITS: Final = {'rad': ('\N{DEGREE SIGN}', DEGREES), 'rad/s': ('\N{DEGREE SIGN}/s', DEGREES)}
+FORCES: Final = ('surge', 'sway', 'heave')
+ROLES: Final = {
+    'train': 'learned from', 'confirm': 'confirmed by', 'holdout': 'shown on',
+}  # fmt: skip
+
+
+def spoken(knob: str) -> str:
+    """Return a knob's name as people say it: 'linear drag (surge)'."""
+    effect, _, rest = knob.partition('.')
+    words = effect.replace('_', ' ')
+    return f'{words} ({rest.replace("_", " ")})' if rest else words
+
+
+def meaning(effect: str) -> str:
+    """Return what an effect is, in a sentence; '' for one that is not in this registry."""
+    known = EFFECTS.get(effect)
+    return '' if known is None else f'{summary(known)}.'
+
+
+def figure(value: float, digits: int = 3) -> str:
+    """Return a number in a few digits, without an exponent where that is readable."""
+    if not math.isfinite(value):
+        return MISSING
+    text = f'{value:.{digits}g}'
+    if 'e' in text and 1e-5 < abs(value) < 1e6:
+        places = max(0, digits - 1 - math.floor(math.log10(abs(value))))
+        text = f'{value:.{places}f}'
+    return text.replace('-', MINUS)
+
+
+def within(value: float, interval: tuple[float, float]) -> tuple[str, str, str]:
+    """Return a value and its interval, to two digits of the interval's width."""
+    width = interval[1] - interval[0]
+    if not all(map(math.isfinite, (value, *interval))) or width <= 0.0:
+        return figure(value), figure(interval[0]), figure(interval[1])
+    places = max(0, 1 - math.floor(math.log10(width)))
+    if places > 8:
+        return figure(value, 5), figure(interval[0], 5), figure(interval[1], 5)
+    a, b, c = (f'{part:.{places}f}'.replace('-', MINUS) for part in (value, *interval))
+    return a, b, c
+
+
+def with_unit(text: str, unit: str) -> str:
+    """Return a number with its unit; a pure number stays alone."""
+    return text if unit in ('', '1') else f'{text} {unit}'
+
+
+def amount(value: float, unit: str) -> str:
+    """Return an error as people read it: millimetres, centimetres, degrees."""
+    if unit == 'm' and math.isfinite(value):
+        size = abs(value)
+        scale, name = (1e3, 'mm') if size < 0.01 else (100.0, 'cm') if size < 1.0 else (1.0, 'm')
+        return f'{figure(scale * value)} {name}'
+    name, factor = SHOWN_UNITS.get(unit, (unit, 1.0))
+    return with_unit(figure(factor * value), name)
+
+
+def percent(share: float) -> str:
+    """Return a share in whole per cent."""
+    return MISSING if not math.isfinite(share) else f'{100 * share:.0f}'.replace('-', MINUS)
+
+
+def listed(words: Sequence[str], last: str = 'and') -> str:
+    """Return words as a person lists them."""
+    if len(words) < 2:
+        return ''.join(words)
+    return f'{", ".join(words[:-1])} {last} {words[-1]}'
+
+
+def learned_words(one: Learned) -> str:
+    """Return a parameter with its unit."""
+    return with_unit(within(one.value, one.ci95)[0], one.unit)
+
+
+def remainder_words(one: Remainder) -> str:
+    """Return what remains on an axis: 'a force along surge that follows heading (sine)'."""
+    kind = f'force along {one.axis}' if one.axis in FORCES else f'{one.axis} moment'
+    if not one.follows:
+        return f'a {kind} that follows nothing measured'
+    return f'a {kind} that follows {listed(one.follows)}'
+
+
+def size_unit(one: Remainder) -> str:
+    """Return the unit of what remains."""
+    return 'N' if one.axis in FORCES else 'N m'
+
+
+def main_gap(gaps: Sequence[Gap]) -> Gap | None:
+    """Return the gap that stands for all: of the position, furthest ahead."""
+    finite = [gap for gap in gaps if math.isfinite(gap.before) and math.isfinite(gap.after)]
+    place = [gap for gap in finite if gap.channel == 'position'] or finite
+    return max(place, key=lambda gap: gap.horizon_s, default=None)
+
+
+def headline(found: Finding) -> str:
+    """Return the verdict in a sentence."""
+    names = listed([listed([spoken(knob) for knob in one.knobs]) for one in found.effects])
+    many = sum(len(one.knobs) for one in found.effects) > 1
+    rest = f'{remainder_words(found.remains[0])}' if found.remains else 'something'
+    if found.verdict == 'none':
+        return 'Nothing is missing that these flights could show.'
+    if found.verdict == 'not_identifiable':
+        if not found.effects:
+            return 'These flights cannot tell what, if anything, is missing.'
+        alike = dict.fromkeys(spoken(knob) for one in found.effects for knob in one.confusable_with)
+        return f'These flights cannot tell {listed([names, *alike], "from")}.'
+    if found.verdict == 'unexplained':
+        return f'Something is missing that is in no library: {rest}.'
+    better = _better(found)
+    said = f'{names[:1].upper()}{names[1:]} {"are" if many else "is"} missing{better}'
+    if found.verdict == 'named+unexplained':
+        return f'{said}; and something that is in no library: {rest}.'
+    return f'{said}.'
+
+
+def _better(found: Finding) -> str:
+    """Return by how much the named effects shrink the gap, to be put behind what is missing."""
+    gap = main_gap(found.gaps)
+    if gap is None or gap.shrink <= 0.0:
+        return ''
+    return (
+        f': with {"them" if len(found.effects) > 1 else "it"}, the {gap.channel} error after '
+        f'{gap.horizon_s:g} s falls from {amount(gap.before, gap.unit)} to '
+        f'{amount(gap.after, gap.unit)}'
+    )
+
+
+def about(found: Finding) -> str:
+    """Return which flights there were, and for what."""
+    parts = [f'{words} {listed(found.bags[role])}' for role, words in ROLES.items()
+             if found.bags.get(role)]  # fmt: skip
+    said = f'{found.vehicle}, {", ".join(parts)}' if parts else found.vehicle
+    shown = (
+        'Nothing was fitted to the flights on which the gap is shown.'
+        if found.held_out
+        else 'No flight was held out: the gap is shown on flights that had a say, which is weaker.'
+    )
+    count = len(found.warnings)
+    more = f' {count} {"warning" if count == 1 else "warnings"} below.' if count else ''
+    return f'{said[:1].upper()}{said[1:]}. {shown if found.gaps else ""}{more}'.strip()
+
+
+def odds(nats: float) -> str:
+    """Return evidence as odds against chance."""
+    power = nats / math.log(10.0)
+    if power < 1.0:
+        return 'no better than chance' if nats <= 0.0 else f'odds of {math.exp(nats):.1f} to 1'
+    return f'odds of 10^{power:.0f} to 1'
+
+
+def tiles(found: Finding) -> list[Tile]:
+    """Return the figures that matter most: what, how sure, how much better, what is left."""
+    gap = main_gap(found.gaps)
+    made = [_verdict_tile(found), _evidence_tile(found)]
+    if gap is None:
+        made.append(Tile('Error', MISSING, '', 'no flight to show it on'))
+    else:
+        ahead = f'{gap.channel.capitalize()} error after {gap.horizon_s:g} s'
+        value, _, unit = amount(gap.after, gap.unit).partition(' ')
+        before, tuned = (amount(part, gap.unit) for part in (gap.before, gap.tuned))
+        low, high = (percent(part) for part in gap.shrink_ci95)
+        floor, coast = (amount(part, gap.unit) for part in (gap.noise_floor, gap.coast))
+        made += [
+            Tile(ahead, value, unit, f'before {before}; tuned without any effect {tuned}'),
+            Tile('The gap shrinks by', percent(gap.shrink), '%',
+                 f'{low} to {high} % (95 %), {gap.pieces} pieces'),
+            Tile('Noise of the measurement', *floor.partition(' ')[::2],
+                 f'ignoring the commands: {coast}'),
+        ]  # fmt: skip
+    if found.remains:
+        first = found.remains[0]
+        made.append(
+            Tile('Unexplained', figure(first.floors, 2), 'floors',
+                 f'on {listed([one.axis for one in found.remains])}')
+        )  # fmt: skip
+    else:
+        made.append(Tile('Unexplained', '0', 'axes', 'no force or moment is left over'))
+    return made
+
+
+def _verdict_tile(found: Finding) -> Tile:
+    """Return the verdict as a tile."""
+    count = sum(len(one.knobs) for one in found.effects)
+    values = [
+        f'{one.name.replace("_", " ")} {part.name.replace("_", " ")} {learned_words(part)}'
+        for one in found.effects
+        for part in one.parameters
+    ]
+    note = {
+        'none': 'every candidate was tried',
+        'unexplained': 'and no effect of the library fits',
+        'not_identifiable': 'see the next flight to fly',
+    }.get(found.verdict, '; '.join(values[:3]))
+    value = {'none': 'none', 'unexplained': 'no name', 'not_identifiable': 'cannot tell'}
+    return Tile('Missing', value.get(found.verdict, str(count)),
+                '' if found.verdict in value else 'named', note)  # fmt: skip
+
+
+def _evidence_tile(found: Finding) -> Tile:
+    """Return how sure it is."""
+    if found.effects:
+        least = min(one.log_evidence for one in found.effects)
+        which = 'the weaker of them; ' if len(found.effects) > 1 else ''
+        return Tile('Evidence', figure(least), 'nats', f'{which}{odds(least)}')
+    tried = [rung for step in found.ladder for rung in step]
+    if not tried:
+        return Tile('Evidence', MISSING, '', 'no candidate was worth a refit')
+    best = max(tried, key=total)
+    return Tile('Best candidate', figure(total(best)), 'nats',
+                f'{spoken(best.knob)}; a name takes {GAIN:g}')  # fmt: skip
+
+
+def total(rung: Rung) -> float:
+    """Return the evidence that counts: of the training flights and the better witness. [nats]"""
+    return rung.train + max(rung.confirm, rung.carried)
+
+
+def because(rung: Rung) -> str:
+    """Return why a candidate was named, or was not."""
+    witness = max(rung.confirm, rung.carried)
+    if rung.accepted:
+        return 'named'
+    if rung.train + witness <= GAIN or max(rung.train, witness) <= LARGER:
+        return 'too little evidence'
+    if rung.apart >= APART:
+        return 'the flights disagree on its value'
+    return 'another explains it better, or the other flight does not confirm it'

@@ -1,0 +1,106 @@
+"""What was found, on the terminal."""
+
+from collections.abc import Iterator
+import math
+from typing import Final
+
+from lta_analysis.discovery.finding import Finding, Gap, NamedEffect
+from lta_analysis.discovery.page.words import amount, figure, headline, listed, percent, within
+from lta_analysis.discovery.told import horizon
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+BAR: Final = 32  # characters
+BARS: Final = (
+    ('coast', 'ignoring the commands', 'dim'),
+    ('before', 'the vehicle file', 'red'),
+    ('tuned', 'its tolerances tuned', 'yellow'),
+    ('after', 'with what was found', 'green'),
+    ('noise_floor', 'the tracker itself', 'dim'),
+)
+WHOLE: Final = ('position', 'attitude')
+MOST: Final = 8  # places that are told
+
+
+def show(finding: Finding, console: Console) -> None:
+    """Print the verdict, the effects with their intervals, the gap, and where it was."""
+    console.print(Text(headline(finding), 'bold'), soft_wrap=True)
+    if finding.effects:
+        console.print(effects_table(finding))
+    for line in gap_lines(finding):
+        console.print(line, soft_wrap=True)
+    if finding.where:
+        console.print(where_table(finding))
+    for word in finding.warnings:
+        console.print(Text(word, 'yellow'), soft_wrap=True)
+
+
+def _table(*heads: tuple[str, str]) -> Table:
+    """Return an empty table without frames."""
+    table = Table(box=None, pad_edge=False, header_style='dim')
+    for head, side in heads:
+        table.add_column(head, justify=side)  # type: ignore[arg-type]
+    return table
+
+
+def effects_table(finding: Finding) -> Table:
+    """Return the named effects, a row a parameter."""
+    table = _table(
+        ('effect', 'left'), ('parameter', 'left'), ('before', 'right'), ('now', 'right'),
+        ('95 %', 'right'), ('', 'left'), ('nats', 'right'), ('or', 'left'),
+    )  # fmt: skip
+    for effect in finding.effects:
+        for first, row in zip(_firsts(effect), effect.parameters, strict=False):
+            now, low, high = within(row.value, row.ci95)
+            table.add_row(
+                first[0], row.name, figure(row.before), now, f'{low} to {high}',
+                '' if row.unit == '1' else row.unit, *first[1:],
+            )  # fmt: skip
+    return table
+
+
+def _firsts(effect: NamedEffect) -> Iterator[tuple[str, str, str]]:
+    """Yield name, evidence and rivals of an effect in its first row, nothing in the others."""
+    yield effect.name, figure(effect.log_evidence), listed(effect.confusable_with, 'or')
+    while True:
+        yield '', '', ''
+
+
+def gap_lines(finding: Finding) -> Iterator[Text]:
+    """Yield headings and bars: how far predictions are off, for each of the models."""
+    at = horizon(finding.gaps)
+    for one in finding.gaps:
+        if one.horizon_s == at and one.channel in WHOLE:
+            seen = 'on flights nothing was fitted to' if finding.held_out else 'not held out'
+            low, high = (percent(part) for part in one.shrink_ci95)
+            yield Text(
+                f'Off in {one.channel} after {at:g} s, {seen}: {percent(one.shrink)} % less '
+                f'({low} to {high} %)'
+            )
+            yield from _bars(one)
+
+
+def _bars(one: Gap) -> Iterator[Text]:
+    """Yield a bar for each model."""
+    # What ignores the commands may be off by a room; its bar is cut then.
+    most = max(one.before, one.tuned, one.after, 1e-12)
+    for key, label, style in BARS:
+        size = getattr(one, key)
+        share = min(size / most, 1.0) if math.isfinite(size) else 0.0
+        bar = '█' * round(BAR * share) + ('>' if size > most else '')
+        yield Text(f'  {label:22}{amount(size, one.unit):>9}  ').append(bar, style)
+
+
+def where_table(finding: Finding) -> Table:
+    """Return the places where the model of the vehicle file disagrees most."""
+    table = _table(
+        ('where', 'left'), ('flight', 'left'), ('from', 'right'), ('to', 'right'),
+        ('when', 'left'), ('x noise', 'right'),
+    )  # fmt: skip
+    for place in finding.where[:MOST]:
+        table.add_row(
+            place.channel, place.flight, f'{place.from_s:.0f} s', f'{place.to_s:.0f} s',
+            place.condition, f'{place.ratio_to_noise:.1f}',
+        )  # fmt: skip
+    return table

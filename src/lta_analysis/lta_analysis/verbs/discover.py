@@ -1,0 +1,103 @@
+"""lta discover: which effect a vehicle file lacks, by measured flights."""
+
+import json as json_text
+from pathlib import Path
+import sys
+from typing import Annotated
+
+from lta_analysis.discovery.demo import demonstrate
+from lta_analysis.discovery.progress import DiscoverProgress
+from lta_analysis.discovery.run import Asked
+from lta_analysis.discovery.run import discover as discovered
+from lta_analysis.discovery.terminal import show
+from lta_analysis.out_option import Out
+from lta_analysis.results_folder import page_line, results_folder
+from lta_analysis.typed import near, typed
+from lta_bridge.bag.writer import empty_folder
+from lta_config.errors import BadInput
+from rich.console import Console
+import typer
+
+BAG = 'Bag folders, results folders or .mcap files'
+
+
+def discover(
+    vehicle: Annotated[
+        str | None, typer.Option(help='What flew: vehicle name or file, as far as it is known.')
+    ] = None,
+    train: Annotated[
+        list[Path] | None, typer.Option(metavar='BAG...', help=f'To learn from. {BAG}.')
+    ] = None,
+    confirm: Annotated[
+        list[Path] | None,
+        typer.Option(metavar='BAG...', help='To confirm by: other flights of the vehicle.'),
+    ] = None,
+    holdout: Annotated[
+        list[Path] | None,
+        typer.Option(metavar='BAG...', help='To show on: nothing is fitted to these.'),
+    ] = None,
+    robot: Annotated[str | None, typer.Option(help='Whose data, if a bag has several.')] = None,
+    demo: Annotated[
+        bool, typer.Option('--demo', help='Hide an effect, fly with it, find it, show it.')
+    ] = False,
+    seed: Annotated[int, typer.Option(help='Seed of all chance.', min=0, max=2**31 - 1)] = 1,
+    out: Out = None,
+    json: Annotated[bool, typer.Option('--json', help='Print discovery.json, alone.')] = False,
+) -> None:
+    """
+    Find where a vehicle's model disagrees with its flights, and name the effect that is missing.
+
+    The commands of the flights are replayed through the model of the vehicle file. Each effect of
+    the library is a candidate; named is what explains the training flights, is confirmed by
+    others, and is not explained as well by something that no library has. That nothing is missing
+    is an answer, too, and so is that these flights cannot tell.
+
+    The folder then holds report.html (all on one page), vehicle.yaml (the same file with what was
+    learned, to be flown or studied again), overlay.mcap (measured, before and after, for
+    Foxglove) and discovery.json.
+
+    One flight alone is split in time, which is weaker. How it decides, and how good it is at
+    it: docs/discovery.md.
+
+    Exit status 0: studied, whatever came out. 2: bad input; flights from which no honest answer
+    can come are that, too.
+
+    Example: lta discover --vehicle gtmab --train A B --confirm C --holdout D
+
+    Example: lta discover --demo
+    """
+    console = Console(stderr=json)
+    if demo and (train or confirm or holdout or vehicle):
+        raise BadInput('--demo flies flights of its own; leave the vehicle and the bags out.')
+    if not demo and vehicle is None:
+        raise BadInput(
+            'There is no vehicle file to hold the flights against; name it with --vehicle, or '
+            'see how all this goes with --demo.'
+        )
+    if out is not None and out.exists():
+        empty_folder(out.absolute())  # refused before the work, not after
+    folder = empty_folder(results_folder(out, 'discover-demo' if demo else 'discover'))
+    hidden = None
+    with DiscoverProgress(console) as progress:
+        if vehicle is None:
+            hidden, found = demonstrate(seed, folder, progress.stage)
+        else:
+            bags = {'train': train or [], 'confirm': confirm or [], 'holdout': holdout or []}
+            asked = Asked(vehicle, bags, seed, robot)  # type: ignore[arg-type]
+            found = discovered(asked, folder, progress.stage)
+    if json:
+        content = {**found.told, 'page': str(found.page)}
+        if hidden is not None:
+            content['hidden'] = {'name': hidden.name, 'value': hidden.value, 'unit': hidden.unit}
+        sys.stdout.write(json_text.dumps(content, indent=1, ensure_ascii=False) + '\n')
+        return
+    finding = found.study.finding
+    show(finding, console)
+    if hidden is not None:
+        console.print(f'Hidden was {hidden}.', style='bold', highlight=False, soft_wrap=True)
+    if finding.effects:
+        learned = near(folder / 'vehicle.yaml')
+        for line in (typed('vehicle', 'diff', finding.vehicle, learned),
+                     typed('fly', '--vehicle', learned)):  # fmt: skip
+            console.print(line, style='dim', highlight=False, markup=False, soft_wrap=True)
+    console.print(page_line(found.page), highlight=False, markup=False, soft_wrap=True)

@@ -1,0 +1,129 @@
+"""A study put together by hand from hidden flights: what the page of a study is drawn from."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from lta_analysis.discovery.evidence import tolerances
+from lta_analysis.discovery.finding import Finding, Gap, Learned, NamedEffect, Place, Rung
+from lta_analysis.discovery.fit import fit, Fit, turned
+from lta_analysis.discovery.gap import where
+from lta_analysis.discovery.knobs import Knob
+from lta_analysis.discovery.linear import origin, Point
+from lta_analysis.discovery.linearise import Linearised
+from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.study import Flown, Shown, Study
+from lta_analysis.discovery.unexplained import remaining, Remainder
+import numpy as np
+
+from .hidden_flight import flown, prepared
+
+DRAG = 'linear_drag.surge'
+PLACES = (
+    Place('hidden_1', 'surge', 2.0, 26.0, 'airspeed above 0.21 m/s', 11.5),
+    Place('hidden_2', 'x', 8.0, 14.0, 'after 8.2 s', 7.25),
+)
+LADDER = (
+    (
+        Rung(DRAG, 41.3, 36.2, 33.7, 0.4, True),
+        Rung('quadratic_drag.surge', 22.1, 19.4, 8.6, 2.2, False),
+        Rung('added_mass.surge', 3.2, -1.7, -4.4, 5.7, False),
+    ),
+    (Rung('cg_offset.x', 1.2, -0.6, -0.3, 1.1, False),),
+)
+WARNINGS = ('The tracker was silent for 2.4 s in hidden_2; that part is left out.',)
+
+
+def fitted(known: tuple[Nominal, Sequence[Knob]], flight: Linearised, names: Sequence[str]) -> Fit:
+    """Return one flight fitted with some effects."""
+    nominal, knobs = known
+    begin = origin(nominal, knobs, len(flight.replay.first))
+    return fit(flight, nominal, tolerances(knobs, names), begin)
+
+
+def carried(known: tuple[Nominal, Sequence[Knob]], flight: Linearised, of: Fit) -> Point:
+    """Return what one flight taught, for another flight."""
+    nominal, knobs = known
+    values = of.fitted.mean.copy()
+    values[: len(knobs)] *= [not knob.per_flight for knob in knobs]
+    after, within = turned(nominal, knobs, values)
+    return replace(origin(after, knobs, len(flight.replay.first)), values=within)
+
+
+def gaps_of(shown: Shown) -> tuple[Gap, ...]:
+    """Return the gaps of one flight, as `where` has them."""
+    three = [where(shown.flown.flight, point) for point in (shown.before, shown.tuned, shown.after)]
+    out = []
+    for (what, horizon), before in three[0].model.items():
+        tuned, after = (each.model[what, horizon].mean for each in three[1:])
+        shrink = 1.0 - after / before.mean
+        out.append(
+            Gap(
+                what, {'position': 'm', 'attitude': 'rad'}[what], horizon, before.mean, tuned,
+                after, three[0].coast[what, horizon].mean, three[0].noise[what], shrink,
+                (shrink - 0.08, shrink + 0.06), before.pieces,
+            )
+        )  # fmt: skip
+    return tuple(out)
+
+
+def study(
+    known: tuple[Nominal, Sequence[Knob]],
+    changes: Mapping[str, object],
+    names: Sequence[str] = (DRAG,),
+    length: float = 26.0,
+    seed: int = 40,
+) -> Study:
+    """Return a study of three flights, in the last of which what was learned is shown."""
+    nominal, knobs = known
+    flights = [prepared(flown(changes, seed + k, length), list(knobs)) for k in range(3)]
+    roles = ('train', 'confirm', 'holdout')
+    named = [
+        Flown(f'hidden_{k}', role, flight)
+        for k, (role, flight) in enumerate(zip(roles, flights, strict=True), 1)
+    ]
+    plain, fits = (
+        [fitted(known, flight, chosen) for flight in flights[:2]] for chosen in ((), names)
+    )
+    last = flights[2]
+    start = origin(nominal, knobs, len(last.replay.first))
+    shown = Shown(
+        named[2], start, carried(known, last, plain[0]), carried(known, last, fits[0])
+    )
+    remains = tuple(remaining(flights[:2], fits))
+    finding = Finding(
+        verdict='named+unexplained' if remains else 'named',
+        effects=tuple(effect(name, fits, knobs) for name in names),
+        ladder=LADDER,
+        where=PLACES,
+        gaps=gaps_of(shown),
+        held_out=True,
+        remains=remains,
+        warnings=WARNINGS,
+        seed=7,
+        bags={role: (flown.name,) for role, flown in zip(roles, named, strict=True)},
+        vehicle='gtmab',
+        versions={'lta': '0.1.0', 'commit': 'abcdef0', 'registry': '50 effects'},
+    )
+    return Study(finding, nominal, shown.after.nominal, tuple(named), (shown,))
+
+
+def effect(name: str, fits: Sequence[Fit], knobs: Sequence[Knob]) -> NamedEffect:
+    """Return a named effect with its value by both flights."""
+    k = [knob.name for knob in knobs].index(name)
+    value = float(np.mean([each.fitted.mean[k] for each in fits]))
+    spread = 1.4 * float(fits[0].fitted.covariance[k, k]) ** 0.5
+    kind, _, parameter = name.partition('.')
+    unit = knobs[k].unit
+    return NamedEffect(
+        kind, (name,),
+        (Learned(parameter, unit, 0.0, value, (value - spread, value + spread)),),
+        77.5, ('quadratic_drag.surge',),
+    )  # fmt: skip
+
+
+def empty(verdict: str, given: Study, remains: tuple[Remainder, ...] = ()) -> Study:
+    """Return a study that names nothing."""
+    finding = replace(
+        given.finding, verdict=verdict, effects=(), remains=remains, where=(),  # type: ignore[arg-type]
+    )  # fmt: skip
+    return replace(given, finding=finding)
