@@ -143,8 +143,8 @@ class Drawing:
     def _hidden(self) -> tuple[Hidden, ...]:
         """Return what is hidden of the library."""
         count = {'clean': 0, 'single': 1, 'pair': 2, 'outside': 0, 'mixed': 1}[self.kind]
-        row = self._row
-        return chosen(candidates(self._known.knobs, row.topics, row.pushed), count, self._draw(1))
+        known = candidates(self._known.knobs, self._row)
+        return chosen(known, count, self._row, self._draw(1))
 
     def _turned(self, hidden: tuple[Hidden, ...]) -> Nominal:
         """Return the vehicle with what is hidden, and off as vehicles are."""

@@ -3,16 +3,16 @@
 from collections.abc import Mapping, Sequence
 from typing import Final, final, NamedTuple
 
-from lta_analysis.challenge.classes import class_of
 from lta_analysis.challenge.outside import OUTSIDE, STRANGE, STRUCTURED
+from lta_analysis.challenge.rows import Row
+from lta_analysis.discovery.classes import of_kind, same_class
 from lta_analysis.discovery.knobs import Knob
 import numpy as np
 
 Draw = np.random.Generator
 
-# In typical sizes: from what no flight shows to what every flight does.
-LEAST: Final = 0.7
-MOST: Final = 8.0
+STRENGTH: Final = (2.0, 120.0)  # deviations that an effect is to come to
+SIZE: Final = (0.05, 8.0)  # typical sizes, whatever that comes to
 # Beyond these a vehicle no longer flies, or no longer as itself.
 CAPS: Final[dict[str, tuple[float, float]]] = {
     'steady_wind': (-0.35, 0.35),
@@ -22,7 +22,7 @@ CAPS: Final[dict[str, tuple[float, float]]] = {
     'payload': (0.0, 0.01),
     'cg_height': (-0.04, 0.03),
     'cg_offset': (-0.02, 0.02),
-    'net_lift': (-0.1, 0.006),
+    'net_lift': (-0.1, 0.004),
     'helium_leak': (0.0, 4e-4),
     'added_mass': (-0.1, 0.25),
     'added_inertia': (-0.003, 0.006),
@@ -36,7 +36,6 @@ CAPS: Final[dict[str, tuple[float, float]]] = {
     'tracker_misalignment': (-0.4, 0.4),
     'motor_deadband': (0.0, 0.2),
 }
-NOWHERE: Final = ('superheat',)  # no light falls on these flights
 CLEAR: Final = (4.0, 40.0)  # floors of unexplained force that something outside comes to
 
 
@@ -53,38 +52,21 @@ def effect_of(knob: str) -> str:
     return knob.partition('.')[0]
 
 
-def candidates(knobs: Sequence[Knob], topics: Sequence[str], pushed: bool) -> list[Knob]:
-    """
-    Return what can be hidden in flights.
-
-    Parameters
-    ----------
-    knobs : sequence of Knob
-        Of the vehicle.
-    topics : sequence of str
-        What is recorded.
-    pushed : bool
-        Whether the vehicle is commanded by a wrench, so that it has no rotors to speak of.
-
-    """
-    sensors = {
-        'imu_bias': 'imu', 'gyro_bias': 'imu', 'gyro_scale': 'imu', 'range_offset': 'range',
-        'pressure_drift': 'pressure', 'battery_sag': 'battery',
-    }  # fmt: skip
-    out = []
-    for knob in knobs:
-        effect = effect_of(knob.name)
-        rotor = knob.reaches == 'chain' or effect.startswith('rotor') or effect == 'ground_effect'
-        if knob.typical == 0.0 or effect in NOWHERE or (pushed and rotor):
-            continue
-        if sensors.get(effect, topics[0]) in topics:
-            out.append(knob)
-    return out
+def candidates(knobs: Sequence[Knob], row: Row) -> list[Knob]:
+    """Return what can be hidden in flights of a row: all that such data say anything of."""
+    told = of_kind(row.data)
+    return [
+        knob
+        for knob in knobs
+        if knob.typical > 0.0 and knob.name in told.reach and knob.name not in told.unseen
+    ]
 
 
-def _size(knob: Knob, draw: Draw) -> float:
-    """Return how far a knob is turned."""
-    factor = LEAST * (MOST / LEAST) ** draw.random()
+def _size(knob: Knob, row: Row, draw: Draw) -> float:
+    """Return how far a knob is turned: for a drawn strength, by what such data showed once."""
+    reach = of_kind(row.data).reach[knob.name][0]
+    strength = STRENGTH[0] * (STRENGTH[1] / STRENGTH[0]) ** draw.random()
+    factor = min(max(strength / max(reach, 1e-3), SIZE[0]), SIZE[1])
     low, high = CAPS.get(effect_of(knob.name), (knob.low, knob.high))
     low, high = max(low, knob.low), min(high, knob.high)
     signs = [sign for sign in (-1.0, 1.0) if (high if sign > 0.0 else -low) > 0.0]
@@ -92,18 +74,20 @@ def _size(knob: Knob, draw: Draw) -> float:
     return float(min(max(value, low), high))
 
 
-def chosen(knobs: Sequence[Knob], count: int, draw: Draw) -> tuple[Hidden, ...]:
-    """Return some hidden effects: each effect as likely as any, each class once."""
+def chosen(knobs: Sequence[Knob], count: int, row: Row, draw: Draw) -> tuple[Hidden, ...]:
+    """Return some hidden effects: each effect as likely as any, no two that are one name."""
     out: list[Hidden] = []
     while len(out) < count:
         effects = sorted({effect_of(knob.name) for knob in knobs})
         effect = effects[int(draw.integers(len(effects)))]
         own = [knob for knob in knobs if effect_of(knob.name) == effect]
         knob = own[int(draw.integers(len(own)))]
-        taken = [effect_of(one.knob) for one in out]
-        if effect in taken or class_of(knob.name) in [class_of(one.knob) for one in out]:
+        if any(
+            effect_of(one.knob) == effect or same_class(one.knob, knob.name, row.data)
+            for one in out
+        ):
             continue
-        out.append(Hidden(knob.name, _size(knob, draw)))
+        out.append(Hidden(knob.name, _size(knob, row, draw)))
     return tuple(out)
 
 

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Final, final, Literal
 
+from lta_analysis.discovery.classes import Kind as Data
 from lta_config.errors import unknown
 
 Kind = Literal['clean', 'single', 'pair', 'outside', 'mixed']
@@ -39,6 +40,8 @@ class Row:
         Whether the model is wrong in all flights, clean ones as well.
     pushed : bool
         Whether the vehicle is commanded by a wrench.
+    data : str
+        Kind of data by which names are one (`lta_analysis.discovery.classes`).
 
     """
 
@@ -49,15 +52,17 @@ class Row:
     courses: tuple[str, ...] = ('laps', 'climbs', 'steps', 'wandering')
     structured: bool = False
     pushed: bool = False
+    data: Data = 'all'
 
 
+POSE: Final = ('ground_truth/odom',)
 ROWS: Final[dict[str, Row]] = {
     'base': Row('pose, IMU, range, pressure, battery', 0),
     'worse': Row('tolerances and noise 1.5 times as large', 1, worse=1.5),
     'structured': Row('thrust, pitch and yaw moments not as modelled, always', 2, structured=True),
-    'pose': Row('nothing but pose and commands', 3, topics=('ground_truth/odom',)),
-    'hover': Row('nothing but hovering', 4, courses=('hover',)),
-    'wrench': Row('commanded by a wrench instead of duties', 5, pushed=True),
+    'pose': Row('nothing but pose and commands', 3, topics=POSE, data='pose'),
+    'hover': Row('nothing but hovering', 4, courses=('hover',), data='hover'),
+    'wrench': Row('commanded by a wrench, only a pose', 5, topics=POSE, pushed=True, data='wrench'),
 }
 
 

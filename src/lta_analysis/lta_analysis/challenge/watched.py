@@ -32,7 +32,7 @@ LOST: Final = 2.0  # times a minute
 LONG: Final = 0.3  # s; a loss lasts on average
 LONGEST: Final = 1.5  # s
 MISTAKEN: Final = 0.0007  # of the poses
-AHEAD: Final = 2.0e-4  # s; standard deviation of what the clocks disagree by after all
+AHEAD: Final = 1.0e-3  # s; standard deviation of what the clocks disagree by after all
 FARTHEST: Final = 4.0  # m, of the range finder
 
 
