@@ -86,7 +86,7 @@ def own_variance(knobs: Sequence[Knob]) -> Array:
 
 
 def shared(knobs: Sequence[Knob], named: Sequence[str] = ()) -> Prior:
-    """Return the prior of what flights of one vehicle share: `tolerances` less what is their own."""
+    """Return the prior of what flights share: `tolerances` less what is each one's own."""
     both = tolerances(knobs, named)
     return Prior(both.mean, both.covariance - np.diag(own_variance(knobs)))
 
@@ -143,9 +143,7 @@ class Pieces:
         out = np.r_[0:WIDTH, RANDOM - 1]
         precision = np.concatenate([STATE**-2.0, [PIECE_PRESSURE**-2.0]])
         mean = -linear.point.random[:, out]
-        self._grams, self._constant = eliminated(
-            linear.grams, keep, out, np.diag(precision), mean
-        )
+        self._grams, self._constant = eliminated(linear.grams, keep, out, np.diag(precision), mean)
         self._knots = knot_precision()
         self._mean = -linear.point.random[:, WIDTH : WIDTH + AXES * KNOTS]
         self._logdet = float(np.linalg.slogdet(self._knots)[1])
@@ -166,9 +164,7 @@ class Pieces:
             at = slice(axis * KNOTS, (axis + 1) * KNOTS)
             precision[at, at] = self._knots / deviation**2
         keep = np.arange(count, self._grams.shape[1])
-        products, constant = eliminated(
-            self._grams, keep, np.arange(count), precision, self._mean
-        )
+        products, constant = eliminated(self._grams, keep, np.arange(count), precision, self._mean)
         rows = -0.5 * np.log(2.0 * np.pi) * self.linear.rows.sum()
         return Reduced(products.sum(axis=0), self._constant.sum() + constant.sum() + rows)
 

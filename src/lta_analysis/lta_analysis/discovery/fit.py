@@ -154,9 +154,7 @@ class Fitter:
 
     def about(self, at: Array, points: Sequence[Point]) -> Group:
         """Return the flights about points; `BadInput` where no such vehicle can be."""
-        pieces = [
-            Pieces(each.at(point)) for each, point in zip(self.flights, points, strict=True)
-        ]
+        pieces = [Pieces(each.at(point)) for each, point in zip(self.flights, points, strict=True)]
         return Group(tuple(pieces), at, self.variance)
 
     def fit(self, prior: Prior, begin: Group, deviations: Array, rounds: int = ROUNDS) -> Joint:

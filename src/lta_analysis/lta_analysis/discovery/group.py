@@ -6,7 +6,6 @@ each, about what is shared where they are candidates themselves. They are elimin
 flight, so that the cost grows with the flights and not with its square.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final, NamedTuple
 
@@ -135,7 +134,9 @@ class Group:
         before = (point.values - self.at)[own]
         right = products[own, -1] - before / self.variance[own]
         # The column of what is shared is that of what is own.
-        return np.linalg.solve(inner, products[own, :-1]), before + np.linalg.solve(inner, right)
+        answer: Array = np.linalg.solve(inner, products[own, :-1])
+        left: Array = before + np.linalg.solve(inner, right)
+        return answer, left
 
     def of_flight(self, pieces: Pieces, reduced: Reduced, fitted: Fitted) -> Fitted:
         """Return the knobs of one flight: what is shared, and what is its own."""
