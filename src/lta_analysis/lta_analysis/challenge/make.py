@@ -13,7 +13,8 @@ from lta_analysis.challenge.case import Drawing, Known, SECONDS
 from lta_analysis.challenge.digest import registry_digest, vehicle_digest
 from lta_analysis.challenge.recording import record
 from lta_analysis.challenge.rows import Kind, row
-from lta_analysis.challenge.sealed import NAME as SEALED, seal
+from lta_analysis.challenge.sealed import NAME as SEALED
+from lta_analysis.challenge.sealed import seal
 from lta_analysis.discovery.knobs import knobs
 from lta_analysis.discovery.nominal import Nominal
 from lta_analysis.results_folder import keep_json

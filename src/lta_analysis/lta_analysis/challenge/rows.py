@@ -62,7 +62,9 @@ ROWS: Final[dict[str, Row]] = {
     'structured': Row('thrust, pitch and yaw moments not as modelled, always', 2, structured=True),
     'pose': Row('nothing but pose and commands', 3, topics=POSE, data='pose'),
     'hover': Row('nothing but hovering', 4, courses=('hover',), data='hover'),
-    'wrench': Row('commanded by a wrench, only a pose', 5, topics=POSE, pushed=True, data='wrench'),
+    'wrench': Row(
+        'commanded by a wrench, only a pose', 5, topics=POSE, pushed=True, data='wrench'
+    ),
 }
 
 
