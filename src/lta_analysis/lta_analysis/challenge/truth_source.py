@@ -44,7 +44,7 @@ APART: Final = frozenset(
     }
 )  # fmt: skip
 RIGID: Final = 18  # position, rotation matrix, momentum, angular momentum
-TEMPLATE: Final = '''"""The truth of a challenge, written by lta_analysis.challenge; edits here are lost."""
+TEMPLATE: Final = '''"""The truth of a challenge, by lta_analysis.challenge; edits here are lost."""
 
 from collections import namedtuple
 import math

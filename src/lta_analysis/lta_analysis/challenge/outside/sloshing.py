@@ -33,7 +33,7 @@ def force(p: Values, memory: Values, motion: Motion) -> tuple[float, float, floa
 def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     """Return the push of the ballast."""
     size, f, damping = p
-    x, y, east, north = force((size, f, damping), memory, motion)
+    x, y, _, _ = force((size, f, damping), memory, motion)
     r = motion.rotation
     a, b, c = r[0] * x + r[3] * y, r[1] * x + r[4] * y, r[2] * x + r[5] * y
     return (a, b, c, DEEP * b, -DEEP * a, 0.0)
