@@ -1,6 +1,7 @@
 """Many judged cases as shares with their intervals, the figures that are to be reached beside."""
 
 from collections.abc import Callable, Iterable, Sequence
+from itertools import pairwise
 import math
 from typing import Final, final, NamedTuple
 
@@ -128,7 +129,7 @@ def by_strength(cases: Sequence[Judged]) -> list[tuple[float, float, Counted, Co
     """Return how often single effects are exact, wrong and silent, by band of strength."""
     single = _of(cases, 'single')
     out = []
-    for low, high in zip(BANDS, BANDS[1:], strict=False):
+    for low, high in pairwise(BANDS):
         band = _between(single, low, high)
         shares = (
             _share(band, lambda one: one.outcome == 'exact'),

@@ -18,6 +18,25 @@ from lta_analysis.challenge.tally import (
 )
 
 DASH: Final = '\N{EN DASH}'
+METHOD: Final = """\
+A case is a GT-MAB that is off from its file by the tolerances of vehicles (thrust 3 %, each rotor
+2 %, drag, added mass 5 %, inertia 4 %, mass 1 %, centre of gravity 3 mm, toe 0.5 degrees, lag 6 ms,
+delay 5 ms, and of each flight lift 0.6 mN and the biases of its sensors), three flights of it
+(train, confirm, holdout: laps, climbs, steps, wandering, shaken by its pilot), and what is hidden.
+The tracker loses it, mistakes it for something else, and has a clock of its own.
+
+The flights share the equations of the effects with the model that is put to the test, and nothing
+else: rigid body (rotation matrix and momenta in the axes of the map), integrator (Dormand and
+Prince), weight, rotors and their toe, the way of a command, pilot, battery, sensors and noise are
+written apart (`lta_analysis/challenge/truth_*.py`, `watched.py`). Without noise and tolerance both
+fly alike to 1e-4 with each effect (`test/unit/analysis/challenge/test_truth.py`).
+
+*Sigma* of a hidden effect is its size over the deviation with which the flights of the case leave
+it when everything is fitted with the true structure, together with the vehicle's own tolerance of
+the same number. It is drawn by what such data showed once, and counted as it came out. *Exact*: all
+that was hidden was named and nothing else; names that no such data can tell apart count as one
+([classes](discovery_classes.md)). *Outside* is sized by the force that it leaves unexplained, 4 to
+40 times the floor. The *oracle* knows what was hidden, not how large."""
 
 
 def percent(share: Counted) -> str:
@@ -128,12 +147,17 @@ def markdown(scores: Sequence[tuple[dict[str, Any], Sequence[Judged]]]) -> str:
         'lost. What is hidden and how: `lta challenge --help`.',
         f'Scored: effects `{first["registry"]}`, vehicle `{first["vehicle"]}` '
         f'`{first["vehicle_digest"]}`, commit `{first["commit"]}`.',
+        METHOD,
     ]
     by_row: dict[str, list[Judged]] = {}
     seeds: dict[str, list[str]] = {}
     for about, cases in scores:
         by_row.setdefault(about['row'], []).extend(cases)
-        name = f'{about["scored"]} {about["kind"] or "of all kinds"} (seed {about["seed"]})'
+        length = ' to '.join(f'{each:.0f}' for each in about['seconds'])
+        name = (
+            f'{about["scored"]} {about["kind"] or "of all kinds"} '
+            f'(seed {about["seed"]}, flights of {length} s)'
+        )
         seeds.setdefault(about['row'], []).append(name)
     for name, cases in by_row.items():
         parts += _row(name, cases, seeds[name])

@@ -21,7 +21,7 @@ def test_a_changed_spread_or_equation_is_another_registry(monkeypatch: pytest.Mo
     assert digest.registry_digest() == before
 
 
-def still(p, memory, motion, thrust):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def still(p, memory, motion, thrust):  # type: ignore[no-untyped-def]
     """Return nothing."""
     surge, sway, heave = p  # noqa: RUF059
     return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

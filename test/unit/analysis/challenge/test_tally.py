@@ -113,6 +113,7 @@ def test_the_page_says_what_it_scored() -> None:
     about = {
         'registry': 'abc', 'vehicle': 'gtmab', 'vehicle_digest': 'def', 'commit': 'c0ffee',
         'row': 'base', 'kind': '', 'seed': 1, 'scored': 1,
+        'seconds': [60.0, 180.0],
     }  # fmt: skip
     text = markdown([(about, [case({'motor_lag': 0.1}, {'linear_drag.surge': 0.03})])])
     assert 'effects `abc`, vehicle `gtmab` `def`' in text
