@@ -5,15 +5,13 @@ Setpoints are rows over time. Altitude is a rise over where the vehicle stands o
 that one manoeuvre fits a micro-drone and a sphere of 2.7 m.
 """
 
-from bisect import bisect_right
-from itertools import pairwise
 from typing import Annotated, final, Literal, NamedTuple, Self
 
+from lta_config.course import along, Between, in_order, Time
 from lta_config.files import find, load, Record
 from lta_config.quantity import Quantity, si, written
 from pydantic import AliasChoices, Field, model_validator
 
-Time = Annotated[Quantity, si('s', low=0.0, high=3600.0)]
 BAND = {'altitude': 'm', 'heading': 'rad', 'speed': 'm/s'}
 
 
@@ -45,14 +43,12 @@ class Manoeuvre(Record):
     judged_from: Annotated[Time, Field(validation_alias=AliasChoices('from'))]
     until: Time
     band: Quantity
-    between: Literal['step', 'ramp']
+    between: Between
     course: Annotated[list[Row], Field(min_length=1, max_length=1000)]
 
     @model_validator(mode='after')
     def _in_order(self) -> Self:
-        times = [row.at.si for row in self.course]
-        if any(later <= earlier for earlier, later in pairwise(times)):
-            raise ValueError(f'has rows at {times} s; give them in rising order of time')
+        in_order([row.at.si for row in self.course])
         if self.until.si <= self.judged_from.si:
             raise ValueError(
                 f'is judged from {self.judged_from.si:g} s until {self.until.si:g} s; let until '
@@ -65,17 +61,9 @@ class Manoeuvre(Record):
 
     def asked(self, time: float) -> Asked:
         """Return what is asked for at a time; to stay where it is before the first row. [s]"""
-        index = bisect_right([row.at.si for row in self.course], time) - 1
-        if index < 0:
-            return Asked(0.0, self.course[0].heading.si, 0.0)
-        here = self.course[index]
-        now = Asked(here.rise.si, here.heading.si, here.speed.si)
-        if self.between == 'step' or index + 1 == len(self.course):
-            return now
-        there = self.course[index + 1]
-        part = (time - here.at.si) / (there.at.si - here.at.si)
-        goal = (there.rise.si, there.heading.si, there.speed.si)
-        return Asked(*(p + part * (q - p) for p, q in zip(now, goal, strict=True)))
+        rows = [(row.rise.si, row.heading.si, row.speed.si) for row in self.course]
+        before = (0.0, rows[0][1], 0.0)
+        return Asked(*along([row.at.si for row in self.course], rows, self.between, time, before))
 
 
 def load_manoeuvre(name: str) -> Manoeuvre:

@@ -6,9 +6,11 @@ from pathlib import Path
 
 from lta_analysis.bag.flight import open_flight
 from lta_analysis.bag.reader import read_bag
+from lta_config.files import find, load_yaml
 from lta_config.topics import topic_table
 import pytest
 from rosbags.highlevel import AnyReader
+import yaml
 
 TABLE = topic_table()
 REPEATABLE = [f'/lta1/{name}' for name, topic in TABLE.topics.items() if topic.repeatable]
@@ -78,15 +80,28 @@ def test_one_process_flies_the_flight_of_the_graph(lta, tmp_path):
 
 
 def test_a_changed_parameter_is_kept_in_files_that_the_graph_flies(lta, tmp_path):
-    """`--set` writes what it changed beside the bag; the graph flies that to the same bytes."""
+    """
+    `--set` writes what it changed beside the bag; the graph flies that to the same bytes.
+
+    It is a course with shaken motors, which navigator and controller read from the scenario.
+    """
+    scene = load_yaml(find('scenario', 'lamp_room'))
+    up = {'at': '2 s', 'altitude': '0.8 m', 'heading': '30 deg', 'speed': '0.3 m/s'}
+    scene['course'] = {
+        'between': 'step',
+        'rows': [up, {**up, 'at': '4 s', 'altitude': '0 m', 'speed': '0 m/s'}],
+        'shake': {'duty': '20 %', 'hold': '0.3 s'},
+    }
+    path = tmp_path / 'course.yaml'
+    path.write_text(yaml.safe_dump(scene))
     options = ('--seed', '4', '--json', '--out')
     changes = ('vehicle.trim.heaviness=4 g', 'scenario.goal.time_limit=6 s')
     words = [word for change in changes for word in ('--set', change)]
-    loop = lta.run('simulate', *options, tmp_path / 'loop', *words)
-    assert json.loads(loop.stdout)['outcome'] == 'timeout', loop.stderr
+    loop = lta.run('simulate', *options, tmp_path / 'loop', '--scenario', path, *words)
+    assert json.loads(loop.stdout)['outcome'] == 'reached', loop.stderr
     files = [f'--{root}={tmp_path / "loop" / root}.yaml' for root in ('vehicle', 'scenario')]
     graph = lta.run('fly', '--no-page', *options, tmp_path / 'graph', *files)
-    assert json.loads(graph.stdout)['outcome'] == 'timeout', graph.stderr
+    assert json.loads(graph.stdout)['outcome'] == 'reached', graph.stderr
     one, two = (contents(tmp_path / name / 'bag') for name in ('graph', 'loop'))
     for topic in REPEATABLE:
         assert one[topic] == two[topic] != [], topic

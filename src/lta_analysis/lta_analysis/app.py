@@ -70,6 +70,7 @@ VERBS: Final[dict[str, Verb | Group]] = {
     'vehicle': Verb('vehicle', 'vehicle'),
     'bag': BAG,
     'compare': Verb('compare', 'compare'),
+    'challenge': Verb('challenge', 'challenge'),
     'discover': Verb('discover', 'discover', several=('--train', '--confirm', '--holdout')),
     'import': Verb('import_', 'import_'),
     'report': Verb('report', 'report'),

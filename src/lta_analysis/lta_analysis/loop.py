@@ -21,7 +21,7 @@ from lta_control.control import TILT_LIMIT
 from lta_control.estimator import Estimate, EstimatorSettings
 from lta_control.laws import LAWS
 from lta_control.laws.protocol import Feedback, Law
-from lta_control.mission import Mission, mission_step, MissionSettings
+from lta_control.mission import course_step, Mission, mission_step, MissionSettings
 from lta_control.pilot import Pilot
 from lta_control.strategies.protocol import Sight, Strategy
 from lta_energy import monitor
@@ -117,6 +117,8 @@ class Loop:
         self.world = world
         self.policy = policy
         self._table = table
+        self._plan = world.scenario.course
+        self._reversible = world.vehicle.reversible
         self._block = table['photodiodes'].period_ns * 1e-9
         self._half_block = table['photodiodes'].period_ns // table.control_ns // 2
         vehicle = known or Vehicle(world.vehicle.file)
@@ -178,7 +180,7 @@ class Loop:
             self.autopilot.guide(carried.setpoint(asked.altitude, level, asked.speed))
         self._fly(readings)
         if readings.block is not None and course is None:
-            self._navigate(readings.block[1])
+            self._navigate(*readings.block)
         if readings.battery is not None:
             self._count(readings)
 
@@ -192,6 +194,9 @@ class Loop:
             self._distance(readings),
             math.nan if readings.pressure is None else readings.pressure,
         )
+        if self._plan is not None:
+            self.duties = self._plan.shaken(self.world.elapsed, self.duties, self._reversible)
+            self.autopilot.instead(self.duties)
         self._headings.append(self.autopilot.heading)
 
     def _distance(self, readings: Readings) -> float:
@@ -204,7 +209,8 @@ class Loop:
         """Return what the controller acts on; None while the estimator is learning."""
         return self.autopilot.measured
 
-    def _navigate(self, block: NDArray[np.uint16]) -> None:
+    def _navigate(self, stamp_ns: int, block: NDArray[np.uint16]) -> None:
+        """Look at the light, and steer by it or by the scenario's course."""
         peaks = demodulate(block, self._bins)
         found = bearing(peaks, self._ring, self.policy.demodulation.threshold)
         prior = self.policy.prior
@@ -216,15 +222,15 @@ class Loop:
             amplitudes=tuple(peaks.amplitude.astype(np.float32).tolist()),
             interval=self._block,
         )
-        measured = self.measured()
-        energy = self.energy
+        measured, energy = self.measured(), self.energy
+        altitude = None if measured is None or energy is None else measured.altitude
+        reserve = energy is not None and energy.estimate.reserve
+        if self._plan is not None:
+            time = (stamp_ns - self._table.start_ns) * 1e-9
+            self.asked = course_step(self._plan, time, sight.heading, altitude, reserve)
+            return
         self.asked, self.mission = mission_step(
-            self.policy.mission,
-            self.policy.strategy,
-            self.mission,
-            sight,
-            None if measured is None or energy is None else measured.altitude,
-            energy is not None and energy.estimate.reserve,
+            self.policy.mission, self.policy.strategy, self.mission, sight, altitude, reserve
         )
 
     def _count(self, readings: Readings) -> None:

@@ -110,6 +110,10 @@ class Autopilot:
         self._memory[SETPOINT] = setpoint
         self._memory[GUIDED] = 1.0
 
+    def instead(self, duties: tuple[float, ...]) -> None:
+        """Know what the rotors were told in place of the newest duties."""
+        self._memory[DUTIES.start : DUTIES.start + self._count] = duties
+
     @property
     def duties(self) -> tuple[float, ...]:
         """Duties by rotor."""

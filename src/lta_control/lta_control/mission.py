@@ -7,6 +7,7 @@ A mission is a phase and its strategy's memory. Phases only go forward.
 from enum import StrEnum
 from typing import final, NamedTuple
 
+from lta_config.course import Course
 from lta_config.settings import setting
 from lta_control.cascade import Setpoint
 from lta_control.strategies.protocol import CruiseSettings, Sight, Strategy
@@ -87,3 +88,29 @@ def mission_step(
         return Setpoint(settings.altitude, course.heading, course.speed), Mission(phase, memory)
     height = settings.landing if phase is Phase.LAND else settings.altitude
     return Setpoint(height, memory[0], 0.0), Mission(phase, memory)
+
+
+def course_step(
+    course: Course, time: float, heading: float, altitude: float | None, reserve: bool
+) -> Setpoint:
+    """
+    Return what the controller should hold on a course that is flown instead of a search.
+
+    Parameters
+    ----------
+    course : Course
+        The course.
+    time : float
+        Since the first light. [s]
+    heading : float
+        Of the drone, which it keeps on the floor. [rad]
+    altitude, reserve
+        As of `mission_step`; with the reserve reached the drone comes down where it is.
+
+    """
+    if altitude is None:
+        return Setpoint(0.0, heading, 0.0)
+    asked = course.asked(time)
+    if reserve:
+        return Setpoint(0.0, asked.heading, 0.0)
+    return Setpoint(asked.altitude, asked.heading, asked.speed)

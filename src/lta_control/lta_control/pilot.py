@@ -22,7 +22,7 @@ from lta_control.estimator import Body, Estimate, estimator_step, EstimatorSetti
 from lta_control.flat import Array, compiled, Layout
 from lta_control.laws.frames import turned
 from lta_control.laws.protocol import Command, Feedback, Heard, Law, Motion
-from lta_control.per_rotor import NONE
+from lta_control.per_rotor import NONE, slots
 from lta_control.vehicle_side import body_of
 from lta_sim.vehicle import Vehicle
 import numpy as np
@@ -164,6 +164,10 @@ class Pilot:
         self._watch_step(self._watch, self._estimate, self._inputs, self._scratch)
         self.command = self._decided()
         return self.duties
+
+    def instead(self, duties: tuple[float, ...]) -> None:
+        """Know what the rotors were told in place of the newest duties."""
+        self.command = self.command._replace(duties=slots(duties))
 
     def _decided(self) -> Command:
         """Return the newest command; none before there is a setpoint and a motion."""

@@ -24,6 +24,7 @@ class Referee:
         self._sides = (length / 2, width / 2)
         self._x, self._y, _ = scenario.lamp.position.vector
         self._radius, self._limit = scenario.goal.radius.si, scenario.goal.time_limit.si
+        self._along = scenario.course is not None
 
     def distance(self, x: float, y: float) -> float:
         """Return the horizontal distance from a place to the lamp. [m]"""
@@ -41,10 +42,11 @@ class Referee:
             Time since the start. [s]
 
         """
-        if self.distance(x, y) <= self._radius:
+        if not self._along and self.distance(x, y) <= self._radius:
             return Outcome.REACHED
         if not (abs(x) <= self._sides[0] and abs(y) <= self._sides[1] and z <= self._height):
             return Outcome.ESCAPED
         if elapsed >= self._limit:
-            return Outcome.TIMEOUT
+            # Who flies a course to its end was to do nothing else.
+            return Outcome.REACHED if self._along else Outcome.TIMEOUT
         return Outcome.FLYING

@@ -8,6 +8,7 @@ import math
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
+from lta_config.course import Course
 from lta_config.files import checked, find, load_yaml, Record
 from lta_config.quantity import Quantity, si
 from lta_sim.light_field import Ambient, Lamp, LightField, MOST_EFFICACY, Room
@@ -70,7 +71,7 @@ class Goal(Record):
 
 
 class Scenario(Record):
-    """A whole scenario file."""
+    """A whole scenario file; with a course, that is flown, and nobody looks for the lamp."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
     name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
@@ -81,6 +82,7 @@ class Scenario(Record):
     ambient: AmbientScene
     start: Start
     goal: Goal
+    course: Course | None = None
 
     @model_validator(mode='after')
     def _inside(self) -> Self:
@@ -93,6 +95,11 @@ class Scenario(Record):
             raise ValueError(f'has its start at {start_x, start_y} m, outside the room')
         if math.hypot(x - start_x, y - start_y) <= self.goal.radius.si:
             raise ValueError('starts within its goal; move the start or make the radius smaller')
+        if self.course is not None and self.course.rows[-1].at.si >= self.goal.time_limit.si:
+            raise ValueError(
+                f'ends after {self.goal.time_limit.si:g} s, before the last row of its course; '
+                'give it more time'
+            )
         return self
 
     @property
@@ -131,6 +138,11 @@ def load_scenario(name: str) -> Scenario:
     """Return a scenario by shipped name or path; anything wrong is a `BadInput` sentence."""
     path = find('scenario', name)
     return checked(Scenario, beside(load_yaml(path), path.parent), str(path))
+
+
+def course_in(name: str) -> Course | None:
+    """Return the course of a scenario by name or path; None without one, or without a name."""
+    return load_scenario(name).course if name else None
 
 
 def beside(content: Any, folder: Path) -> Any:  # noqa: ANN401 - what YAML holds

@@ -11,6 +11,7 @@ from lta_control import carried
 from lta_control.allocation import new_scratch
 from lta_control.attitude import heading
 from lta_control.autopilot import drone_of, MEMORY
+from lta_control.cascade import wrap
 from lta_control.estimator import EstimatorSettings
 from lta_control.gains_file import load_gains
 from lta_control.mission import MissionSettings, Phase
@@ -18,7 +19,7 @@ from lta_control.onboard import Heard, Onboard, onboard_step
 from lta_control.strategies import strategy
 from lta_control.strategies.bearing_angle import STRATEGY
 from lta_sim.readings import Outcome
-from lta_sim.scenario import load_scenario
+from lta_sim.scenario import load_scenario, Scenario
 from lta_sim.vehicle import load_vehicle
 from lta_sim.world import World
 import numpy as np
@@ -271,3 +272,26 @@ def test_any_number_of_rotors_reaches_the_lamp(number, tmp_path):
     assert outcome is Outcome.REACHED
     assert loop.world.elapsed < 40.0
     assert (used > 0.05).all()
+
+
+def test_a_course_ends_on_the_floor_with_its_motors_off_and_counts_as_reached():
+    scene = load_yaml(find('scenario', 'hall'))
+    scene['goal']['time_limit'] = '40 s'
+    up = {'at': '2 s', 'altitude': '0.9 m', 'heading': '90 deg', 'speed': '0 m/s'}
+    down = {**up, 'at': '15 s', 'altitude': '0 m'}
+    scene['course'] = {'between': 'step', 'rows': [up, down]}
+    table, vehicle = topic_table(), load_vehicle('gtmab')
+    world = World(vehicle, Scenario.model_validate(scene), table, 1)
+    loop = Loop(world, table, Policy(strategy('bag'), load_gains('gtmab')))
+    heights, began = {}, world.state[2]
+    turned = heading(tuple(world.state[3:7].tolist()))
+    for _ in loop.flight():
+        heights[round(world.elapsed, 2)] = float(world.state[2])
+        if round(world.elapsed, 2) == 14.9:
+            turned = wrap(heading(tuple(world.state[3:7].tolist())) - turned)
+    assert world.outcome is Outcome.REACHED
+    assert heights[1.9] == pytest.approx(began, abs=0.01)
+    assert heights[14.9] == pytest.approx(0.9, abs=0.1)
+    assert heights[40.0] == pytest.approx(began, abs=0.02)
+    assert turned == pytest.approx(math.pi / 2, abs=0.1)
+    assert set(loop.duties) == {0.0}

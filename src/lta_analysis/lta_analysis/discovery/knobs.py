@@ -161,6 +161,7 @@ TRIMS: Final[dict[str, float]] = {
     'range_offset.offset': 0.012,
     'pressure_drift.rate': 0.0035,
     'net_lift.force': 0.0006,
+    'clock_offset.offset': 0.002,
 }
 # What moves together: one candidate of several parameters.
 TOGETHER: Final[dict[str, tuple[str, ...]]] = {'motor_lag': ('up', 'down')}

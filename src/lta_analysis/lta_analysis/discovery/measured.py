@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, final
 
+from lta_analysis.discovery.mistaken import mistaken
 import numpy as np
 from numpy.typing import NDArray
 
@@ -220,6 +221,8 @@ def measured(streams: Streams) -> Measured:
         streams.pose.time,
         np.column_stack([streams.pose.values[:, :3], _signed(streams.pose.values[:, 3:7])]),
     )
+    wrong = mistaken(pose.values)
+    pose = Stream(pose.time[~wrong], pose.values[~wrong])
     begin = np.ceil(pose.time[0] / PERIOD) * PERIOD
     count = int(np.floor((pose.time[-1] - begin) / PERIOD + 1e-9)) + 1
     grid = begin + PERIOD * np.arange(count)

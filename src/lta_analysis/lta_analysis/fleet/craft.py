@@ -96,7 +96,7 @@ def check(vehicle: Vehicle, scenario: Scenario, policy: Policy) -> Model:
             f'A batch knows the control law {CASCADE} only, not {policy.law.name}, which '
             f'{vehicle.file.name} names; leave --device out.'
         )
-    if policy.course is not None:
+    if policy.course is not None or scenario.course is not None:
         raise BadInput('A batch flies to the lamp, not along a course; leave --device out.')
     if scenario.wind_file is not None:
         raise BadInput(

@@ -26,7 +26,7 @@ OWNERS = {  # whose parameters they are, that `lta simulate --set` calls by thes
     'prior': ('demodulator', 'prior.'),
     'energy_monitor': ('energy_monitor', ''),
 }
-VEHICLE, STRATEGY = 'gtmab', 'bag'  # where the bag does not tell
+VEHICLE, STRATEGY, LAMP_ROOM = 'gtmab', 'bag', 'lamp_room'  # where the bag does not tell
 
 
 @final
@@ -185,7 +185,11 @@ def with_parameters(process: Process, given: Mapping[str, Any]) -> Process:
 
 
 def files_of(order: Order, told: Mapping[str, str], folder: Path) -> dict[str, str]:
-    """Return vehicle and gains: those that were asked for, else those that the bag carries."""
+    """
+    Return vehicle, gains and scenario: those that were asked for, else those that the bag carries.
+
+    A scenario tells the course, where there is one.
+    """
     vehicle = order.vehicle or kept(told, 'vehicle', folder) or VEHICLE
     control = load_vehicle(vehicle).file.control
     named = control.gains if control else None
@@ -194,7 +198,12 @@ def files_of(order: Order, told: Mapping[str, str], folder: Path) -> dict[str, s
         gains = kept(told, 'gains', folder)
     if gains is None and named:
         gains = str(find('gains', named))
-    return {'vehicle': vehicle, **({} if gains is None else {'gains': gains})}
+    scenario = kept(told, 'scenario', folder) or LAMP_ROOM
+    return {
+        'vehicle': vehicle,
+        'scenario': scenario,
+        **({} if gains is None else {'gains': gains}),
+    }
 
 
 def kept(told: Mapping[str, str], name: str, folder: Path) -> str | None:

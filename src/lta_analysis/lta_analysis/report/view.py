@@ -181,8 +181,8 @@ class View:
 
     @cached_property
     def lamp(self) -> Spot | None:
-        """Where the lamp is."""
-        if self.scene.scenario is None:
+        """Where the lamp is, if it is flown to."""
+        if self.scene.scenario is None or self.scene.scenario.course is not None:
             return None
         x, y, _ = self.scene.scenario.lamp.position.vector
         return Spot(x, y)

@@ -98,7 +98,8 @@ def printed(flight: Flown, figures: Results | None, page: Path | None) -> dict[s
 
 def told(flight: Flown, figures: Results | None) -> str:
     """Return the outcome in one sentence: the page's own, and what else the simulator knows."""
-    if figures is None or flight.outcome == 'failed':
+    on_course = flight.outcome == 'reached' and figures is not None and figures.success is None
+    if figures is None or flight.outcome == 'failed' or on_course:
         return f'The drone {flight.sentence}.'
     if flight.outcome == 'reached':
         return f'{sentence(figures)}.'

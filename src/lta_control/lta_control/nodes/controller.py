@@ -21,6 +21,7 @@ from lta_graph.health import Level
 from lta_graph.inbox import Step
 from lta_graph.ros.node import from_stamp, GraphNode, run
 from lta_graph.ros.parameters import Parameters
+from lta_sim.scenario import course_in
 from lta_sim.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 from std_srvs.srv import SetBool, Trigger
@@ -33,6 +34,7 @@ class ControllerSettings(Settings):
 
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
     law: str = setting('', 'Control law; that of the vehicle where empty.', fixed=True)
+    scenario: str = setting('', 'Scenario whose course may shake the motors.', fixed=True)
     armed: bool = setting(False, 'Whether the motors may run from the start.', fixed=True)
     hold_after: float = setting(
         0.5,
@@ -59,7 +61,9 @@ class Controller(GraphNode):
         vehicle = load_vehicle(self._settings.value.vehicle)
         self._drag = surge_drag_of(vehicle)
         self._rotors = rotors_of(vehicle)
-        self._names = vehicle.rotor_names
+        self._names, self._reversible = vehicle.rotor_names, vehicle.reversible
+        self._course = course_in(self._settings.value.scenario)
+        self._begun_ns: int | None = None
         self._standing = vehicle.standing_height
         name = self._settings.value.law or law_named(vehicle)
         self._law = None if name == CASCADE else Aboard(name, vehicle)
@@ -102,7 +106,7 @@ class Controller(GraphNode):
         known = measured is not None and all(map(math.isfinite, measured))
         if self._armed and known and not is_level(odom, self._settings.value.tilt_limit):
             self._stop('turned over: the motors are off until the controller restarts')
-        duties = self._duties(step.stamp_ns, odom, measured)
+        duties = self._shaken(step.stamp_ns, self._duties(step.stamp_ns, odom, measured))
         self._last_ns = step.stamp_ns
         self._motors.publish(from_duties(odom.header.stamp, self._names, duties))
 
@@ -129,6 +133,13 @@ class Controller(GraphNode):
             self._scratch,
         )
         return duties
+
+    def _shaken(self, now_ns: int, duties: tuple[float, ...]) -> tuple[float, ...]:
+        """Return duties with what the course of the scenario shakes them by."""
+        if self._course is None:
+            return duties
+        self._begun_ns = now_ns if self._begun_ns is None else self._begun_ns
+        return self._course.shaken((now_ns - self._begun_ns) * 1e-9, duties, self._reversible)
 
     def _off(self, text: str = '') -> tuple[float, ...]:
         """Return no duty at all, and forget what the loops had wound up."""

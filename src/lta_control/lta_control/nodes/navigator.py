@@ -5,6 +5,7 @@ import math
 
 from lta_config.settings import setting
 from lta_control.attitude import heading
+from lta_control.cascade import Setpoint
 from lta_control.messages import (
     attitude_of,
     from_setpoint,
@@ -12,13 +13,14 @@ from lta_control.messages import (
     to_measured,
     UNKNOWN,
 )
-from lta_control.mission import Mission, mission_step, MissionSettings
+from lta_control.mission import course_step, Mission, mission_step, MissionSettings
 from lta_control.strategies import strategy
 from lta_control.strategies.protocol import Sight
 from lta_graph.health import Level
 from lta_graph.inbox import Step
 from lta_graph.ros.node import from_stamp, GraphNode, run
 from lta_graph.ros.parameters import Parameters
+from lta_sim.scenario import course_in
 from nav_msgs.msg import Odometry
 
 
@@ -26,6 +28,7 @@ class NavigatorParameters(MissionSettings):
     """The mission and its strategy."""
 
     strategy: str = setting('bag', 'Navigation strategy.', fixed=True)
+    scenario: str = setting('', 'Scenario whose course is flown, if it has one.', fixed=True)
 
 
 class Navigator(GraphNode):
@@ -35,6 +38,8 @@ class Navigator(GraphNode):
         super().__init__('navigator')
         self._settings = Parameters(self, NavigatorParameters)
         self._strategy = strategy(self._settings.value.strategy)
+        self._course = course_in(self._settings.value.scenario)
+        self._begun_ns: int | None = None
         self._mission = Mission()
         self._reserve: bool | None = None  # unknown: stay down
         light = self.table['photodiodes']
@@ -53,18 +58,25 @@ class Navigator(GraphNode):
             return  # the first light may come before the first estimate; in lockstep all answer
         estimate = step.last('light/estimate')
         measured = to_measured(self._history[-1]) if self._history else None
-        setpoint, self._mission = mission_step(
-            self._settings.value,
-            self._strategy,
-            self._mission,
-            self._sight(step),
-            None if measured is None or self._reserve is None else measured.altitude,
-            bool(self._reserve),
-        )
+        altitude = None if measured is None or self._reserve is None else measured.altitude
+        setpoint = self._steered(step, altitude)
         pose, velocity = from_setpoint(estimate.header.stamp, setpoint)
         self._pose.publish(pose)
         self._velocity.publish(velocity)
+
+    def _steered(self, step: Step, altitude: float | None) -> Setpoint:
+        """Return what to hold, and say what for."""
+        sight, reserve = self._sight(step), bool(self._reserve)
+        if self._course is not None:
+            self._begun_ns = step.stamp_ns if self._begun_ns is None else self._begun_ns
+            time = (step.stamp_ns - self._begun_ns) * 1e-9
+            self.health.report('mission', Level.OK, 'course')
+            return course_step(self._course, time, sight.heading, altitude, reserve)
+        setpoint, self._mission = mission_step(
+            self._settings.value, self._strategy, self._mission, sight, altitude, reserve
+        )
         self.health.report('mission', Level.OK, str(self._mission.phase))
+        return setpoint
 
     def _sight(self, step: Step) -> Sight:
         """Return the light with the heading at the middle of its block."""

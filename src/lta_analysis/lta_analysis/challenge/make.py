@@ -1,0 +1,152 @@
+"""Make a challenge: cases in folders of their own, and the answers sealed beside them."""
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import as_completed, ProcessPoolExecutor
+from dataclasses import dataclass
+from functools import cache
+import json
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any, Final, final
+
+from lta_analysis.challenge.case import Drawing, Known, SECONDS
+from lta_analysis.challenge.digest import registry_digest, vehicle_digest
+from lta_analysis.challenge.recording import record
+from lta_analysis.challenge.rows import Kind, row
+from lta_analysis.challenge.sealed import NAME as SEALED
+from lta_analysis.challenge.sealed import seal
+from lta_analysis.discovery.knobs import knobs
+from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.results_folder import keep_json
+from lta_bridge.bag.writer import empty_folder
+from lta_bridge.provenance import commit
+from lta_config.errors import BadInput
+from lta_config.files import find
+from lta_sim.vehicle import load_vehicle
+
+NAME: Final = 'challenge.json'
+VEHICLE: Final = 'gtmab'
+SCHEMA: Final = 1
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Order:
+    """
+    What to make.
+
+    Attributes
+    ----------
+    seed, count : int
+        Of the challenge; how many cases.
+    row : str
+        What the flights are like.
+    kind : str or None
+        What is hidden; drawn where nothing is asked for.
+    seconds : pair of float
+        Between which the lengths of the flights are. [s]
+
+    """
+
+    seed: int
+    count: int
+    row: str = 'base'
+    kind: Kind | None = None
+    seconds: tuple[float, float] = SECONDS
+
+
+@cache
+def known() -> Known:
+    """Return the vehicle of all challenges."""
+    vehicle = load_vehicle(VEHICLE)
+    nominal = Nominal.of(vehicle)
+    return Known(vehicle, nominal, knobs(nominal))
+
+
+def folder_of(number: int) -> str:
+    """Return the name of a case's folder."""
+    return f'case_{number:04d}'
+
+
+def _make_one(order: Order, number: int, folder: Path) -> tuple[int, dict[str, Any]]:
+    """Draw, fly and record one case; return its answer."""
+    about = known()
+    case = Drawing(about, order.seed, number, order.row, order.kind, order.seconds).drawn()
+    place = folder / folder_of(number)
+    place.mkdir(parents=True)
+    vehicle = find('vehicle', VEHICLE).read_text(encoding='utf-8')
+    (place / 'vehicle.yaml').write_text(vehicle, encoding='utf-8')
+    told = {'challenge': str(order.seed), 'case': str(number), 'row': order.row}
+    for flight in case.flights:
+        record(place / flight.name, flight.streams, about.vehicle.rotor_names, told)
+    return number, case.answer
+
+
+def _made(order: Order, folder: Path, jobs: int) -> Iterator[tuple[int, dict[str, Any]]]:
+    """Make all cases, in whatever order they are done."""
+    if jobs == 1:
+        for number in range(order.count):
+            yield _make_one(order, number, folder)
+        return
+    with ProcessPoolExecutor(jobs, mp_context=get_context('spawn')) as pool:
+        coming = [pool.submit(_make_one, order, n, folder) for n in range(order.count)]
+        for done in as_completed(coming):
+            yield done.result()
+
+
+def make(
+    order: Order, folder: Path, jobs: int = 1, tell: Callable[[int], None] = lambda _: None
+) -> Path:
+    """
+    Make a challenge; return the file that says what it is.
+
+    Parameters
+    ----------
+    order : Order
+        What to make. A case depends on seed, number, row and kind only.
+    folder : Path
+        Where to; empty or not there.
+    jobs : int
+        Processes.
+    tell : callable
+        Told how many cases there are, each time there is one more.
+
+    Raises
+    ------
+    BadInput
+        If the folder holds anything, or there is no such row.
+
+    """
+    row(order.row)
+    empty_folder(folder)
+    answers: dict[str, Any] = {}
+    for number, answer in _made(order, folder, jobs):
+        answers[str(number)] = answer
+        tell(len(answers))
+    digest = seal(answers, folder / SEALED)
+    about = {
+        'schema': SCHEMA,
+        'seed': order.seed,
+        'cases': order.count,
+        'row': order.row,
+        'kind': order.kind or '',
+        'seconds': list(order.seconds),
+        'vehicle': VEHICLE,
+        'answers_sha256': digest,
+        'registry': registry_digest(),
+        'vehicle_digest': vehicle_digest(VEHICLE),
+        'commit': commit(),
+    }
+    keep_json(about, folder / NAME)
+    return folder / NAME
+
+
+def about_of(folder: Path) -> dict[str, Any]:
+    """Return what a challenge says of itself; `BadInput` where there is none."""
+    try:
+        found: dict[str, Any] = json.loads((folder / NAME).read_text(encoding='utf-8'))
+    except (OSError, ValueError):
+        raise BadInput(
+            f"'{folder}' holds no challenge; make one with: lta challenge make --out {folder}"
+        ) from None
+    return found

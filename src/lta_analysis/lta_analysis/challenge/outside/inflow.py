@@ -1,0 +1,21 @@
+"""
+Forward thrust that a faster flight takes away, which a bench does not show.
+
+    F_x = -size (T_3 + T_4) u,   N_y = 0.4 m size (T_3 + T_4) u
+"""
+
+from typing import Final
+
+from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+
+PARAMETERS: Final = (Parameter('size', '1/(m/s)', 0.0, -10.0, 10.0, 0.1, 'of a challenge'),)
+
+
+def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+    """Return the thrust that is lost."""
+    (size,) = p
+    lost = size * (thrust[2] + thrust[3]) * motion.airspeed[0]
+    return (-lost, 0.0, 0.0, 0.0, 0.4 * lost, 0.0)
+
+
+EFFECT: Final = WrenchEffect('inflow', PARAMETERS, wrench)

@@ -1,0 +1,109 @@
+"""A score as one self-contained HTML file, in the look of a flight's page."""
+
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+from typing import Final
+
+from lta_analysis.challenge.pictures import confusion, coverage, strength
+from lta_analysis.challenge.rows import ROWS
+from lta_analysis.challenge.score import Scored
+from lta_analysis.challenge.tally import figures
+from lta_analysis.challenge.told import (
+    cost_line,
+    figure_lines,
+    ladder_line,
+    matrix_lines,
+    outside_lines,
+    wrong_lines,
+)
+from lta_analysis.report.frame import framed, written
+from lta_analysis.report.pieces import section, tile_html
+from lta_analysis.typed import typed
+
+NAME: Final = 'report.html'
+SHOWN: Final = (0, 2, 7, 9, 12)  # of the figures, large
+
+
+def write_page(scored: Scored, folder: Path) -> Path:
+    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    return written(page(scored, folder), folder / NAME)
+
+
+def page(scored: Scored, folder: Path) -> str:
+    """Return the whole page."""
+    about, cases = scored.about, scored.cases
+    row = ROWS[about['row']]
+    found = figures(cases)
+    tiles = [
+        (found[k].name, f'{found[k].share.hits}/{found[k].share.count}', '', _wanted(k, cases))
+        for k in SHOWN
+    ]
+    return framed(
+        'challenge.html',
+        title=escape(f'{len(cases)} hidden cases: who was found, and who was taken for whom'),
+        kicker=escape(f'challenge {about["seed"]} \N{MIDDLE DOT} {about["row"]}'),
+        about=escape(f'{row.about}. {ladder_line(cases)} {cost_line(cases)}'),
+        tiles='\n'.join(tile_html(*each) for each in tiles),
+        pictures=_pictures(scored),
+        figures=_table(['figure', 'share', 'wanted', 'met'], figure_lines(cases)),
+        matrix=_table(*matrix_lines(cases)),
+        outside=_table(
+            ['kind', 'what', 'written', 'cases', 'unexplained', 'named'], outside_lines(cases)
+        ),
+        wrong=_table(['case', 'row', 'kind', 'hidden', 'named'], wrong_lines(cases)),
+        facts={
+            'challenge': str(folder), 'seed': str(about['seed']), 'cases': str(len(cases)),
+            'row': about['row'], 'effects': about['registry'],
+            'vehicle': f'{about["vehicle"]} {about["vehicle_digest"]}', 'commit': about['commit'],
+        },
+        commands={
+            'make it again': typed(
+                'challenge', 'make', '--seed', str(about['seed']), '--n', str(about['cases']),
+                '--row', about['row'], '--out', 'DIR',
+            ),
+            'score it': typed('challenge', 'score', 'DIR'),
+        },
+    )  # fmt: skip
+
+
+def _wanted(k: int, cases: Sequence[object]) -> str:
+    """Return what a figure is to be, as a note."""
+    del cases
+    return {0: 'wanted: 97 %', 2: 'wanted: 2 % at most', 7: 'wanted: 1 % at most',
+            9: 'wanted: 90 %', 12: 'wanted: 90 to 98 %'}[k]  # fmt: skip
+
+
+def _pictures(scored: Scored) -> str:
+    """Return the pictures."""
+    cases = scored.cases
+    shown = [
+        section(
+            'confusion',
+            'Who is taken for whom',
+            'Cases with one thing hidden at most; a wrong name counts before a right one.',
+            confusion(cases),
+        ),
+        section(
+            'strength',
+            'From what strength on',
+            'Single effects by how many deviations they come to in these flights, the tolerance '
+            'of the vehicle among them; bars are 95 % intervals (Wilson).',
+            strength(cases),
+        ),
+    ]
+    if any(one.intervals for one in cases):
+        caption = 'Each parameter that was rightly named; 95 % should lie between the lines.'
+        shown.append(section('coverage', 'How sure it may be', caption, coverage(cases)))
+    return '\n'.join(shown)
+
+
+def _table(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
+    """Return a table, or that there is nothing in it."""
+    if not lines:
+        return '<p class="note">None.</p>'
+    head = ''.join(f'<th scope="col">{escape(each)}</th>' for each in heads)
+    body = ''.join(
+        f'<tr>{"".join(f"<td>{escape(each)}</td>" for each in cells)}</tr>' for cells in lines
+    )
+    return f'<table class="results"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>'

@@ -1,0 +1,163 @@
+"""Many judged cases as shares with their intervals, the figures that are to be reached beside."""
+
+from collections.abc import Callable, Iterable, Sequence
+from itertools import pairwise
+import math
+from typing import Final, final, NamedTuple
+
+from lta_analysis.challenge.judged import Judged
+from lta_analysis.sweep.statistics import wilson
+import numpy as np
+
+CLEAR: Final = 6.0  # deviations
+WEAK: Final = 3.0
+ORACLE: Final = 1.05
+BANDS: Final = (0.0, 3.0, 6.0, 10.0, 20.0, 50.0, math.inf)
+
+
+@final
+class Counted(NamedTuple):
+    """How many of how many, and the share with its 95 % interval; NaN of none."""
+
+    hits: int
+    count: int
+    value: float
+    low: float
+    high: float
+
+
+def counted(hits: int, count: int) -> Counted:
+    """Return a share with Wilson's interval."""
+    return Counted(hits, count, *wilson(hits, count))
+
+
+@final
+class Figure(NamedTuple):
+    """
+    One figure.
+
+    Attributes
+    ----------
+    name : str
+        What it counts.
+    share : Counted
+        How many of how many, with Wilson's interval of 95 %.
+    least, most : float
+        Between which it is to be; NaN where nothing is asked for.
+
+    """
+
+    name: str
+    share: Counted
+    least: float = math.nan
+    most: float = math.nan
+
+    @property
+    def met(self) -> str:
+        """'yes', 'no', or '' where nothing is asked for or there is no case."""
+        if self.share.count == 0 or (math.isnan(self.least) and math.isnan(self.most)):
+            return ''
+        value = self.share.value
+        enough = math.isnan(self.least) or value >= self.least - 1e-12
+        few = math.isnan(self.most) or value <= self.most + 1e-12
+        return 'yes' if enough and few else 'no'
+
+
+def _share(cases: Iterable[Judged], test: Callable[[Judged], bool]) -> Counted:
+    """Return how many of some cases pass."""
+    hits = [test(one) for one in cases]
+    return counted(sum(hits), len(hits))
+
+
+def _of(cases: Sequence[Judged], kind: str) -> list[Judged]:
+    """Return the cases of a kind."""
+    return [one for one in cases if one.kind == kind]
+
+
+def _between(cases: Sequence[Judged], low: float, high: float) -> list[Judged]:
+    """Return cases of which the weakest hidden effect is that strong."""
+    return [one for one in cases if low <= one.weakest < high]
+
+
+def figures(cases: Sequence[Judged]) -> list[Figure]:
+    """Return all figures of some cases of one row."""
+    single, pair, mixed = (_of(cases, kind) for kind in ('single', 'pair', 'mixed'))
+    outside, clean = _of(cases, 'outside'), _of(cases, 'clean')
+    clear, weak = _between(single, CLEAR, math.inf), _between(single, WEAK, CLEAR)
+    both, strong = _between(pair, CLEAR, math.inf), _between(mixed, CLEAR, math.inf)
+    intervals = [each for one in cases for each in one.intervals]
+    covered = counted(sum(each.covers for each in intervals), len(intervals))
+    near = [one for one in cases if {'after', 'oracle'} <= set(one.errors)]
+    near = [one for one in near if one.kind in ('clean', 'single', 'pair')]
+
+    def exact(one: Judged) -> bool:
+        return one.exact
+
+    def wrong(one: Judged) -> bool:
+        return bool(one.wrong)
+
+    def flagged(one: Judged) -> bool:
+        return one.flagged
+
+    return [
+        Figure('one effect, 6 sigma or more: exact', _share(clear, exact), least=0.97),
+        Figure('one effect, 3 to 6 sigma: exact', _share(weak, exact), least=0.70),
+        Figure('one effect: a wrong name', _share(single, wrong), most=0.02),
+        Figure('one effect: silent', _share(single, lambda one: one.outcome == 'silent')),
+        Figure('one effect: also unexplained', _share(single, flagged)),
+        Figure('two effects, both 6 sigma or more: both exact', _share(both, exact), least=0.85),
+        Figure('two effects: a wrong name', _share(pair, wrong)),
+        Figure('nothing hidden: any name', _share(clean, lambda one: bool(one.named)), most=0.01),
+        Figure('nothing hidden: unexplained', _share(clean, flagged)),
+        Figure('outside the library: unexplained', _share(outside, flagged), least=0.90),
+        Figure('outside the library: a name', _share(outside, wrong), most=0.03),
+        Figure(
+            'an effect and something outside: named and unexplained',
+            _share(strong, lambda one: one.exact and one.flagged),
+            least=0.75,
+        ),
+        Figure('intervals of 95 % that hold the truth', covered, 0.90, 0.98),
+        Figure(
+            'held-out error within 1.05 of the oracle',
+            _share(near, lambda one: one.errors['after'] <= ORACLE * one.errors['oracle']),
+        ),
+        Figure('no answer', _share(cases, lambda one: bool(one.refused))),
+    ]
+
+
+def by_strength(cases: Sequence[Judged]) -> list[tuple[float, float, Counted, Counted, Counted]]:
+    """Return how often single effects are exact, wrong and silent, by band of strength."""
+    single = _of(cases, 'single')
+    out = []
+    for low, high in pairwise(BANDS):
+        band = _between(single, low, high)
+        shares = (
+            _share(band, lambda one: one.outcome == 'exact'),
+            _share(band, lambda one: one.outcome == 'wrong'),
+            _share(band, lambda one: one.outcome == 'silent'),
+        )
+        out.append((low, high, *shares))
+    return out
+
+
+def middle(values: Iterable[float]) -> float:
+    """Return the median; NaN of none."""
+    known = [value for value in values if math.isfinite(value)]
+    return float(np.median(known)) if known else math.nan
+
+
+def ladder(cases: Sequence[Judged]) -> dict[str, float]:
+    """Return the medians of the errors of cases in which something of the library is hidden."""
+    some = [one.errors for one in cases if one.kind in ('single', 'pair') and one.errors]
+    names = ('coast', 'before', 'tuned', 'after', 'oracle', 'noise')
+    return {name: middle(each[name] for each in some if name in each) for name in names}
+
+
+def matrix(cases: Sequence[Judged]) -> dict[str, dict[str, int]]:
+    """Return how often each kind of case came to each outcome."""
+    out: dict[str, dict[str, int]] = {}
+    for one in cases:
+        column = one.outcome + (' + unexplained' if one.flagged else '')
+        cells = out.setdefault(one.kind, {})
+        cells[column] = cells.get(column, 0) + 1
+    return out

@@ -1,0 +1,151 @@
+"""One case put to discovery, and to the oracle, which is told what was hidden."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+import json
+from pathlib import Path
+import time
+from typing import Any, Final
+
+from lta_analysis.challenge.case import ROLES
+from lta_analysis.discovery.bags import read_bags
+from lta_analysis.discovery.evidence import floor_of, own_variance, shared
+from lta_analysis.discovery.finding import Gap
+from lta_analysis.discovery.fit import Fitter, Joint, turned
+from lta_analysis.discovery.held_out import gaps, shown
+from lta_analysis.discovery.linear import Point, RANDOM
+from lta_analysis.discovery.study import Study, study
+from lta_analysis.discovery.trusted import believed
+from lta_config.errors import BadInput
+from lta_sim.vehicle import load_vehicle
+import numpy as np
+
+BEGIN: Final = 1.3  # floors; of the unexplained force to begin with
+FAR: Final = 3.0  # s; the horizon that is scored
+
+
+def put(folder: Path, answer: Mapping[str, Any], out: Path) -> dict[str, Any]:
+    """
+    Study one case, write what was found, and only then look at its answer.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the case.
+    answer : mapping
+        Of it.
+    out : Path
+        File of the result.
+
+    Returns
+    -------
+    dict
+        Plain data: what was found, what it took, and what the oracle says.
+
+    """
+    wall, cpu = time.monotonic(), time.process_time()
+    found: dict[str, Any] = {'refused': ''}
+    studied = None
+    try:
+        studied = _studied(folder)
+        found |= _told(studied)
+    except BadInput as fault:
+        found |= {'refused': str(fault), 'verdict': 'not_identifiable', 'effects': [], 'gaps': []}
+        found |= {'remains': [], 'warnings': []}
+    found |= {'wall_s': time.monotonic() - wall, 'cpu_s': time.process_time() - cpu}
+    _keep(found, out)
+    if studied is not None:
+        found |= {'oracle': oracle(studied, answer)}
+        _keep(found, out)
+    return found
+
+
+def _keep(found: Mapping[str, Any], out: Path) -> None:
+    """Write a result, whole or not at all."""
+    partial = out.with_suffix('.part')
+    partial.write_text(json.dumps(found, indent=1) + '\n', encoding='utf-8')
+    partial.replace(out)
+
+
+def _studied(folder: Path) -> Study:
+    """Return the study of a case: what `lta discover` does with its bags."""
+    vehicle = load_vehicle(str(folder / 'vehicle.yaml'))
+    bags = read_bags({role: [folder / role] for role in ROLES})  # type: ignore[misc]
+    return study(vehicle, believed(bags, vehicle).flights)
+
+
+def _told(studied: Study) -> dict[str, Any]:
+    """Return a finding as plain data."""
+    finding = studied.finding
+    return {
+        'verdict': finding.verdict,
+        'effects': [
+            {**asdict(one), 'parameters': [each._asdict() for each in one.parameters]}
+            for one in finding.effects
+        ],
+        'gaps': _shown(finding.gaps),
+        'remains': [one._asdict() for one in finding.remains],
+        'warnings': list(finding.warnings),
+    }
+
+
+def _shown(differences: Sequence[Gap]) -> list[dict[str, Any]]:
+    """Return the errors of position and attitude."""
+    return [asdict(one) for one in differences if one.channel in ('position', 'attitude')]
+
+
+def oracle(studied: Study, answer: Mapping[str, Any]) -> dict[str, Any]:
+    """
+    Return what one would find who knew what was hidden, and not how large.
+
+    Parameters
+    ----------
+    studied : Study
+        Of the case.
+    answer : mapping
+        Of the case.
+
+    Returns
+    -------
+    dict
+        'sigma': size of each hidden knob by the deviation with which these flights and the
+        vehicle's own tolerance leave it; 'gaps': errors on the held-out flights.
+
+    """
+    hidden = {one['knob']: float(one['value']) for one in answer['hidden']}
+    fits = _fitted(studied, hidden)
+    models = [shown(each.flown.flight, studied.nominal, fits, fits) for each in studied.shown]
+    flights = [each.flown.flight for each in studied.shown]
+    return {
+        'sigma': _sigmas(studied, hidden, fits),
+        'gaps': _shown(gaps(flights, models, 0)),
+    }
+
+
+def _fitted(studied: Study, hidden: Mapping[str, float]) -> Joint:
+    """Fit the flights that teach and confirm with the true structure, from the truth."""
+    flights = [one.flight for one in studied.flights if one.role != 'holdout']
+    known, nominal = flights[0].knobs, studied.nominal
+    fitter = Fitter(nominal, flights, own_variance(known), floor_of(nominal))
+    variance = own_variance(known)
+    at = np.zeros(len(variance))
+    for k, knob in enumerate(known):
+        at[k] = hidden.get(knob.name, 0.0)
+    vehicle, values = turned(nominal, known, at)
+    points = [Point(vehicle, values, np.zeros((len(f.replay.first), RANDOM))) for f in flights]
+    prior = shared(known, tuple(hidden))
+    return fitter.fit(prior, fitter.about(at, points), BEGIN * floor_of(nominal))
+
+
+def _sigmas(studied: Study, hidden: Mapping[str, float], fits: Joint) -> dict[str, float]:
+    """Return the strength of each hidden effect in deviations."""
+    out = {}
+    for k, knob in enumerate(studied.flights[0].flight.knobs):
+        if knob.name not in hidden:
+            continue
+        variance = float(fits.fitted.covariance[k, k])
+        before = float(fits.prior.covariance[k, k])
+        information = max(1.0 / variance - 1.0 / before, 1e-12)
+        own = 0.0 if knob.per_flight else knob.tolerance
+        out[knob.name] = abs(hidden[knob.name]) / float(np.sqrt(1.0 / information + own**2))
+    return out

@@ -1,0 +1,1 @@
+"""Which names flights can tell apart, and the flight that would."""

@@ -1,0 +1,17 @@
+"""The page of scores is of the effects and the vehicle that are there, or says it is not."""
+
+from pathlib import Path
+
+from lta_analysis.challenge.digest import registry_digest, vehicle_digest
+
+PAGE = Path(__file__).resolve().parents[2] / 'docs/discovery_scores.md'
+AGAIN = 'make the challenges again and score them with --markdown docs/discovery_scores.md'
+
+
+def test_the_scores_are_of_what_is_there_or_called_stale():
+    text = PAGE.read_text(encoding='utf-8')
+    present = f'effects `{registry_digest()}`, vehicle `gtmab` `{vehicle_digest("gtmab")}`'
+    assert present in text or '\n**Stale' in text, (
+        f'docs/discovery_scores.md is of other effects or another vehicle file than {present}; '
+        f'{AGAIN}, or begin a paragraph of it with "**Stale" until that is done.'
+    )

@@ -1,0 +1,54 @@
+"""Twenty hidden cases: made, studied on all processors, opened, and counted."""
+
+import json
+from pathlib import Path
+
+from lta_analysis.challenge.make import make, Order
+from lta_analysis.challenge.page import write_page
+from lta_analysis.challenge.score import keep, score, Scored
+from lta_analysis.challenge.tally import CLEAR
+from lta_analysis.platforms.run import processors
+import pytest
+
+CASES = 20
+SECONDS = (40.0, 40.0)  # of a flight: short, so that the suite stays short
+
+
+@pytest.fixture(scope='module')
+def scored(tmp_path_factory: pytest.TempPathFactory) -> tuple[Scored, Path]:
+    """Make and score a challenge."""
+    folder = tmp_path_factory.mktemp('challenge') / 'hidden'
+    make(Order(20, CASES, 'base', None, SECONDS), folder, processors())
+    return score(folder, processors()), folder
+
+
+def test_every_case_is_answered(scored: tuple[Scored, Path]) -> None:
+    cases = scored[0].cases
+    assert [one.number for one in cases] == list(range(CASES))
+    assert [one.refused for one in cases] == [''] * CASES
+    assert {one.kind for one in cases} == {'clean', 'single', 'pair', 'outside', 'mixed'}
+
+
+def test_names_are_right_and_clean_flights_have_none(scored: tuple[Scored, Path]) -> None:
+    cases = scored[0].cases
+    assert not [one.number for one in cases if one.kind == 'clean' and one.named]
+    assert sum(bool(one.wrong) for one in cases) <= 1
+    clear = [one for one in cases if one.kind in ('single', 'pair') and one.weakest >= CLEAR]
+    assert sum(one.exact for one in clear) >= 0.6 * len(clear)
+
+
+def test_a_study_is_as_good_as_the_oracle(scored: tuple[Scored, Path]) -> None:
+    exact = [one.errors for one in scored[0].cases if one.exact and not one.outside]
+    assert all(each['after'] < 1.1 * each['oracle'] for each in exact)
+    assert all(each['noise'] < each['after'] < each['coast'] for each in exact)
+
+
+def test_a_second_run_only_counts(scored: tuple[Scored, Path]) -> None:
+    first, folder = scored
+    done: list[tuple[int, int]] = []
+    again = score(folder, 1, tell=lambda now, whole: done.append((now, whole)))
+    assert done == [(CASES, CASES)]
+    assert again.cases == first.cases
+    told = json.loads(keep(again, folder))
+    assert sum(cells for kind in told['matrix'].values() for cells in kind.values()) == CASES
+    assert 'Who is taken for whom' in write_page(again, folder).read_text(encoding='utf-8')

@@ -1,0 +1,145 @@
+"""
+Derive which names no data of a kind can tell apart: `make classes` (a minute).
+
+Writes `classes.yaml` beside `lta_analysis.discovery.classes`, and `docs/discovery_classes.md`.
+With --check nothing is written: exit status 1 if the file is not what is derived now.
+"""
+
+import argparse
+from pathlib import Path
+import sys
+
+from lta_analysis.discovery.classes import FILE, Frozen, OfKind
+from lta_analysis.discovery.knobs import knobs
+from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.planning import deriving
+from lta_analysis.discovery.planning.deriving import Derived
+from lta_config.files import load
+from lta_sim.vehicle import load_vehicle
+import numpy as np
+import yaml
+
+ROOT = Path(__file__).resolve().parents[2]
+TABLE = ROOT / 'src/lta_analysis/lta_analysis/discovery' / FILE.name
+PAGE = ROOT / 'docs/discovery_classes.md'
+NEAR = 0.9  # of a cosine, from which a pair is listed
+TOLD = {
+    'all': 'pose, IMU, range, pressure and voltage; rich flights',
+    'imu': 'pose and IMU; rich flights',
+    'pose': 'pose alone; rich flights',
+    'wrench': 'pose alone, commands as a body wrench; rich flights',
+    'hover': 'all sensors; hover alone',
+}
+
+
+def told(found: Derived) -> OfKind:
+    """Return what is kept of a kind."""
+    seen = [k for k, reach in enumerate(found.reach) if reach >= deriving.SEEN]
+    groups = found.classes()
+    group = {name: n for n, names in enumerate(groups) for name in names}
+    near: dict[str, float] = {}
+    for i in seen:
+        for j in seen:
+            a, b, cosine = found.names[i], found.names[j], float(found.cosine[i, j])
+            if i < j and cosine >= NEAR and not (a in group and group.get(b) == group[a]):
+                near[f'{a}, {b}'] = round(cosine, 3)
+    return OfKind(
+        classes=groups,
+        unseen=found.unseen,
+        near=dict(sorted(near.items(), key=lambda pair: -pair[1])),
+        reach={
+            name: [float(f'{reach:.2g}'), float(f'{cap:.2g}')]
+            for name, reach, cap in zip(found.names, found.reach, found.cap, strict=True)
+        },
+    )
+
+
+def frozen() -> Frozen:
+    """Return all that is kept."""
+    known = knobs(Nominal.of(load_vehicle(deriving.VEHICLE)))
+    return Frozen(
+        digest=deriving.digest(known),
+        vehicle=deriving.VEHICLE,
+        threshold=deriving.ALIKE,
+        flights=deriving.FLIGHTS,
+        length_s=deriving.LENGTH,
+        kinds={kind: told(found) for kind, found in deriving.derive().items()},
+    )
+
+
+def page(kept: Frozen) -> str:
+    """Return the table as people read it."""
+    lines = [
+        '# Effects that flights cannot tell apart',
+        '',
+        '<!-- Written by `make classes`; edit test/score/classes.py. -->',
+        '',
+        f'Derived from {kept.flights} simulated flights of {kept.length_s:g} s of '
+        f'{kept.vehicle} of each kind, registry {kept.digest}. Of every candidate the part of its '
+        'column is taken that is left once states, latent forces and all other parameters within '
+        'their tolerances have had their share. Two names are one class where the cosine between '
+        f'these parts is {kept.threshold:g} or more, in size: an effect of z deviations is then '
+        'told from the other by z² (1 - cosine²) / 2 nats, less than the 3 nats that a name needs '
+        'until z is 12. Classes are frozen before anything is scored by them.',
+        '',
+    ]
+    for kind, found in kept.kinds.items():
+        lines += [f'## {kind}: {TOLD[kind]}', '', 'One name to such data:', '']
+        lines += [f'- {", ".join(f"`{name}`" for name in group)}' for group in found.classes]
+        lines += ['', f'Not seen at all: {", ".join(f"`{n}`" for n in found.unseen) or "none"}.']
+        near = '; '.join(f'{_names(pair)} {cosine:.2f}' for pair, cosine in found.near.items())
+        lines += ['', f'Told apart only when large (cosine from {NEAR:g}): {near or "none"}.', '']
+    lines += [
+        '## How far a typical effect stands out',
+        '',
+        'Deviations of a typical size (the spread that the registry declares), the tolerances of '
+        'the vehicle file among them: in these flights, and however many of them there are. What '
+        'stays below 6 in the second column is capped by its own tolerance: only a better known '
+        'vehicle would show it, or an effect that is larger than typical.',
+        '',
+        '| name | ' + ' | '.join(f'{kind} | at most' for kind in kept.kinds) + ' |',
+        '|' + '---|' * (1 + 2 * len(kept.kinds)),
+    ]
+    for name in next(iter(kept.kinds.values())).reach:
+        cells = [
+            number for found in kept.kinds.values() for number in map(_cell, found.reach[name])
+        ]
+        lines.append(f'| `{name}` | ' + ' | '.join(cells) + ' |')
+    return '\n'.join(lines) + '\n'
+
+
+def _names(pair: str) -> str:
+    """Return two names as code."""
+    return ' and '.join(f'`{name}`' for name in pair.split(', '))
+
+
+def _cell(number: float) -> str:
+    """Return deviations as people read them."""
+    if number < deriving.SEEN:
+        return '-'
+    return '> 100' if number > 100.0 else f'{number:.2g}'
+
+
+def main() -> int:
+    """Derive, and write or compare."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument('--check', action='store_true', help='Compare, and write nothing.')
+    words = parser.parse_args()
+    np.seterr(all='raise', under='ignore')
+    kept = frozen()
+    if words.check:
+        before = load(Frozen, TABLE)
+        same = {kind: found.classes for kind, found in before.kinds.items()} == {
+            kind: found.classes for kind, found in kept.kinds.items()
+        } and before.digest == kept.digest
+        sys.stdout.write('as derived\n' if same else 'not as derived: run make classes\n')
+        return 0 if same else 1
+    head = '# Derived by `make classes`; see lta_analysis.discovery.classes. Not to be edited.\n'
+    text = yaml.safe_dump(kept.model_dump(), sort_keys=False, width=120, default_flow_style=None)
+    TABLE.write_text(head + text)
+    PAGE.write_text(page(kept))
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())
