@@ -149,7 +149,7 @@ def judged(number: int, planners: dict[Sensors, Planner], pool: list[Hidden]) ->
 
 
 def unique(found: Named, name: str, kind: Kind) -> bool:
-    """Tell whether a name, or one of its class, is the only one named, and none is tied with it."""
+    """Tell whether a name, or one of its class, is the only one named, and nothing is tied."""
     tied = [one for one in found.steps[0].tied if not same_class(one, name, kind)]
     return len(found.names) == 1 and same_class(found.names[0], name, kind) and not tied
 
