@@ -1,20 +1,34 @@
 """
-When something changed for good: a rotor that fails, a payload that drops.
+When something changed for good in a flight: a rotor that fails, a payload that drops.
 
-Before and after, a series is taken for noise about a mean; where splitting it so makes it most
-probable is the candidate. How much that gains by chance, in a series as unquiet as this one, is
-found by shuffling the series itself in blocks, longer than it remembers.
+For each number of the model that can change at once, and each beginning of a piece, the change of
+the number from there on is one more unknown; what it wins is a log Bayes factor, everything else
+being free as before. The most that is won has to be more than what the same pieces win in another
+order: where nothing happened, their order says nothing.
 """
 
+from collections.abc import Sequence
 from typing import Final, final, NamedTuple
 
+from lta_analysis.discovery.evidence import Pieces, tolerances
+from lta_analysis.discovery.fit import Fit
+from lta_analysis.discovery.knobs import Knob
+from lta_analysis.discovery.linear import Linear, Point
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-DRAWS: Final = 299
-CHANCE: Final = 0.005  # of a series in which nothing changed
+# Effects that can begin or end in flight.
+CHANGING: Final = (
+    'rotor_fault', 'net_lift', 'cg_offset', 'thrust_scale', 'steady_wind', 'command_delay',
+    'tracker_delay', 'range_offset',
+)  # fmt: skip
+LARGE: Final = 3.0  # typical sizes: what fails in flight fails by more than vehicles differ
+LEAST: Final = 2  # pieces on either side
+WON: Final = 8.0  # nats
+DRAWS: Final = 199
+CHANCE: Final = 0.04  # of 8 pieces there are no more orders than that tells apart
 
 
 @final
@@ -24,83 +38,81 @@ class Change(NamedTuple):
 
     Attributes
     ----------
-    index : int
-        Of the first row after it.
-    gain : float
-        Log likelihood won by it. [nats]
+    piece : int
+        The first after it.
+    knob : str
+        As if this had changed: 'rotor_fault.lost_3'.
+    won : float
+        Log Bayes factor. [nats]
     chance : float
-        Share of shuffled series that gain as much.
+        Share of other orders of the pieces that win as much.
 
     """
 
-    index: int
-    gain: float
+    piece: int
+    knob: str
+    won: float
     chance: float
 
 
-def gains(series: Array, least: int) -> Array:
+def change(this: Fit, knobs: Sequence[Knob], seed: int) -> Change | None:
     """
-    Return what splitting a series at each row gains, in nats; -inf near the ends.
+    Return what changed for good in a flight; None where nothing did, as far as can be told.
 
     Parameters
     ----------
-    series : ndarray, shape (..., n, k)
-        Columns count as independent, each Gaussian with its own mean and spread on either side.
-    least : int
-        Rows that either side has to have.
-
-    """
-    n = series.shape[-2]
-    count = np.arange(1, n)[:, None]
-    first, second = np.cumsum(series, axis=-2), np.cumsum(series**2, axis=-2)
-    total = second[..., -1:, :] - first[..., -1:, :] ** 2 / n
-    before = second[..., :-1, :] - first[..., :-1, :] ** 2 / count
-    rest = first[..., -1:, :] - first[..., :-1, :]
-    after = second[..., -1:, :] - second[..., :-1, :] - rest**2 / (n - count)
-    tiny = 1e-9 * total / n + 1e-300
-    won = n * np.log(total / n + tiny)
-    won = won - count * np.log(before / count + tiny)
-    won = won - (n - count) * np.log(after / (n - count) + tiny)
-    out = np.full(series.shape[:-1], -np.inf)
-    out[..., 1:] = 0.5 * won.sum(axis=-1)
-    out[..., :least] = -np.inf
-    out[..., n - least + 1 :] = -np.inf
-    return out
-
-
-def change(
-    series: Array, block: int, seed: int, draws: int = DRAWS, chance: float = CHANCE
-) -> Change | None:
-    """
-    Return where a series changed; None where it did not, as far as can be told.
-
-    Parameters
-    ----------
-    series : ndarray, shape (n, k)
-        In the order of time.
-    block : int
-        Rows within which it remembers; either side of a change has twice as many.
+    this : Fit
+        The flight, its tolerances fitted without any effect.
+    knobs : sequence of Knob
+        Of it.
     seed : int
-        Of the shuffling.
-    draws : int
-        How often it is shuffled.
-    chance : float
-        Above it a change counts as none.
+        Of the other orders of its pieces.
 
     """
-    n, least = len(series), 2 * block
-    if n < 2 * least + 1:
+    each = products(this)
+    picked = [
+        k
+        for k, knob in enumerate(knobs)
+        if knob.typical > 0.0 and knob.name.partition('.')[0] in CHANGING
+    ]
+    if len(each) < 2 * LEAST + 1 or not picked:
         return None
-    own = gains(series, least)
-    index = int(np.argmax(own))
-    rng = np.random.default_rng([seed, n])
-    # Each side about its own mean: what is to be judged must not raise its own bar.
-    calm = series.copy()
-    for side in (slice(None, index), slice(index, None)):
-        calm[side] -= calm[side].mean(axis=0)
-        calm[side] /= calm[side].std(axis=0) + 1e-300
-    starts = rng.integers(0, n, (draws, -(-n // block)))
-    rows = (starts[..., None] + np.arange(block)).reshape(draws, -1)[:, :n] % n
-    by_chance = gains(calm[rows], least).max(axis=-1)
-    share = float((1 + np.sum(by_chance >= own[index])) / (draws + 1))
-    return Change(index, float(own[index]), share) if share <= chance else None
+    prior = tolerances(knobs)
+    free = np.flatnonzero(prior.free)
+    precision = np.linalg.inv(prior.covariance[np.ix_(free, free)])
+    whole = each.sum(axis=0)
+    inverse = np.linalg.inv(whole[np.ix_(free, free)] + precision)
+    off = (prior.mean - this.linear.point.values)[free]
+    known = inverse @ (whole[free, -1] + precision @ off)
+    sizes = LARGE * np.array([knobs[k].typical for k in picked])
+
+    def won(order: NDArray[np.int64]) -> Array:
+        # What the pieces from each place on say of each number, shape (S - 1, K, ...).
+        after = np.cumsum(each[order][::-1][:, picked], axis=0)[::-1][LEAST : 1 - LEAST]
+        others = after[..., free]
+        information = after[:, range(len(picked)), picked]
+        information = information - np.einsum('jkf,fg,jkg->jk', others, inverse, others)
+        pull = after[..., -1] - others @ known
+        gained: Array = 0.5 * pull**2 / (information + sizes**-2.0)
+        return gained - 0.5 * np.log1p(information * sizes**2)
+
+    own = won(np.arange(len(each)))
+    place, which = np.unravel_index(int(np.argmax(own)), own.shape)
+    rng = np.random.default_rng([seed, len(each)])
+    others = [won(rng.permutation(len(each))).max() for _ in range(DRAWS)]
+    most = float(own[place, which])
+    chance = (1 + int(np.sum(np.array(others) >= most))) / (DRAWS + 1)
+    if most < WON or chance > CHANCE:
+        return None
+    return Change(int(place) + LEAST, knobs[picked[which]].name, most, chance)
+
+
+def products(this: Fit) -> Array:
+    """Return what each piece says of the knobs, its own unknowns eliminated, shape (S, G, G)."""
+    linear, out = this.linear, []
+    for s in range(len(linear.rows)):
+        one = slice(s, s + 1)
+        point = Point(linear.point.nominal, linear.point.values, linear.point.random[one])
+        piece = Linear(linear.names, linear.grams[one], linear.rows[one], point, linear.residual)
+        out.append(Pieces(piece).reduced(this.deviations).products)
+    return np.array(out)

@@ -1,12 +1,11 @@
 """The demonstration: something is hidden, flown, found, added and shown."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
 from lta_analysis.discovery.bags import Role
 from lta_analysis.discovery.hidden import drawn, fly_hidden, Hidden, VEHICLE
-from lta_analysis.discovery.run import Asked, discover, Discovered
+from lta_analysis.discovery.run import Asked, discover, Discovered, Tell
 
 SECONDS: Final = 48.0  # of each flight
 FLIGHTS: Final[tuple[tuple[str, Role], ...]] = (
@@ -15,7 +14,7 @@ FLIGHTS: Final[tuple[tuple[str, Role], ...]] = (
 APART: Final = 1000  # between the seeds of two demonstrations: no two flights are alike
 
 
-def demonstrate(seed: int, folder: Path, tell: Callable[[str], None]) -> tuple[Hidden, Discovered]:
+def demonstrate(seed: int, folder: Path, tell: Tell) -> tuple[Hidden, Discovered]:
     """
     Hide an effect, fly three flights with it, and look for it.
 
@@ -31,7 +30,7 @@ def demonstrate(seed: int, folder: Path, tell: Callable[[str], None]) -> tuple[H
     """
     hidden, bags = drawn(seed), {}
     for k, (name, role) in enumerate(FLIGHTS):
-        tell(f'flying {name} with something hidden')
+        tell(f'flying {name} with something hidden', None)
         place = folder / 'flights' / name
         bags[role] = [fly_hidden(hidden, APART * seed + k, SECONDS, place)]
     return hidden, discover(Asked(VEHICLE, bags, seed), folder, tell)

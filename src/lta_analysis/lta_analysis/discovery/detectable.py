@@ -36,7 +36,7 @@ class Detectable(NamedTuple):
 
 
 def detectable(
-    flights: Sequence[Reduced], prior: Prior, knobs: Sequence[Knob], sigma: float = SIGMA
+    flights: Sequence[Reduced], prior: Prior, knobs: Sequence[Knob], named: Sequence[str] = ()
 ) -> tuple[Detectable, ...]:
     """
     Return how small each candidate could have been, the clearest by its typical size first.
@@ -46,17 +46,17 @@ def detectable(
     flights : sequence of Reduced
         Those that teach and confirm; each has nuisances of its own.
     prior : Prior
-        Of the nuisances, as `tolerances` has it.
+        Of the nuisances, as `tolerances` or `shared` has it, and of what is named already.
     knobs : sequence of Knob
         All.
-    sigma : float
-        Deviations by which it has to stand out.
+    named : sequence of str
+        Those that were found, and are no candidates any more.
 
     """
     free, variance = prior.free, np.diag(prior.covariance)
     out = []
     for k, knob in enumerate(knobs):
-        if knob.typical == 0.0:
+        if knob.typical == 0.0 or knob.name in named:
             continue
         others = np.flatnonzero(free & (np.arange(len(free)) != k))
         information = 0.0
@@ -66,6 +66,6 @@ def detectable(
             cross = products[others, k]
             information += float(products[k, k] - cross @ np.linalg.solve(inner, cross))
         if information * knob.typical**2 > 1e-6:
-            size = sigma * float(np.sqrt(1.0 / information + variance[k]))
+            size = SIGMA * float(np.sqrt(1.0 / information + variance[k]))
             out.append(Detectable(knob.name, knob.unit, size, knob.typical))
     return tuple(sorted(out, key=lambda one: one.size / one.typical))

@@ -16,12 +16,12 @@ from lta_analysis.discovery.finding import Finding, Learned
 from lta_analysis.discovery.nominal import Nominal
 from lta_analysis.vehicle.written import with_value
 from lta_config.errors import BadInput
+from lta_config.files import parse_yaml
 from lta_config.override import held
 from lta_sim.declared import parts_drag
 from lta_sim.effects import EFFECTS
 from lta_sim.effects.protocol import AXES
 from lta_sim.vehicle import Vehicle
-import yaml
 
 SAME: Final = 1e-12  # relative
 # Effects that follow from other blocks: where the numbers of each stand, in which order.
@@ -103,7 +103,7 @@ def values(
     source: str,
 ) -> Iterator[Value]:
     """Yield what has to change in a file."""
-    content = yaml.safe_load(text)
+    content = parse_yaml(text, vehicle.file.name)
     moved = _moved(nominal.given, learned.given)
     if set(moved) & set(TOGETHER):
         moved = {**dict.fromkeys(TOGETHER, ()), **moved}

@@ -6,7 +6,7 @@ forces can hide an effect; so the best few are refitted, on the flights that tea
 that confirm, each by themselves, and only that counts.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
@@ -22,6 +22,7 @@ from lta_analysis.discovery.starts import begun, TRIED
 import numpy as np
 
 Pair = tuple[Joint, Joint]
+Glance = dict[str, tuple[float, tuple[str, ...]]]
 
 QUICK: Final = 5  # of each glance
 REFITTED: Final = 4
@@ -105,12 +106,13 @@ class Naming:
         self.fitters = [Fitter(nominal, each, own, self.floor) for each in flights]
         self._names = [knob.name for knob in self.knobs]
 
-    def run(self) -> Named:
-        """Name what is missing."""
+    def run(self, progress: Callable[[float], None] = lambda part: None) -> Named:
+        """Name what is missing, and tell which part is done, as far as anyone can know."""
         named: tuple[str, ...] = ()
         bare = fits = self._first()
-        steps = []
+        steps: list[Step] = []
         while len(named) < MOST:
+            progress(1.0 - 0.7 * 0.5 ** len(steps))
             step, then = self._round(named, fits)
             steps.append(step)
             if not step.named:
@@ -123,8 +125,7 @@ class Naming:
         prior, out = shared(self.knobs), []
         for fitter in self.fitters:
             points = [
-                origin(self.nominal, self.knobs, len(each.replay.first))
-                for each in fitter.flights
+                origin(self.nominal, self.knobs, len(each.replay.first)) for each in fitter.flights
             ]
             group = fitter.about(points[0].values, points)
             out.append(fitter.fit(prior, group, self.floor))
@@ -139,7 +140,9 @@ class Naming:
             out.append(fitter.fit(prior, begin, deviations))
         return out[0], out[1]
 
-    def _glance(self, named: Sequence[str], fits: Pair) -> dict[str, tuple[float, tuple[str, ...]]]:
+    def _glance(
+        self, named: Sequence[str], fits: Pair
+    ) -> dict[str, tuple[float, tuple[str, ...]]]:
         """Return the few candidates worth a refit: what they promise, and what looks like them."""
         prior = shared(self.knobs, named)
         found: dict[str, float] = {}
@@ -159,13 +162,10 @@ class Naming:
         ranked = sorted(found, key=lambda name: -found[name])
         worth = [name for name in ranked if found[name] > HOPE]
         return {
-            name: (found[name], same)
-            for name, same in self._distinct(worth, prior, fits).items()
+            name: (found[name], same) for name, same in self._distinct(worth, prior, fits).items()
         }
 
-    def _distinct(
-        self, ranked: list[str], prior: Prior, fits: Pair
-    ) -> dict[str, tuple[str, ...]]:
+    def _distinct(self, ranked: list[str], prior: Prior, fits: Pair) -> dict[str, tuple[str, ...]]:
         """Return the first few candidates that no flight takes for each other."""
         alike = np.min(
             [np.abs(likeness(this.reduced, prior, ranked, self.knobs)) for this in fits], axis=0

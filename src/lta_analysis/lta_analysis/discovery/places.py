@@ -1,25 +1,26 @@
 """
 Where and when the model of the vehicle file disagrees: by channel and by axis of force.
 
-By channel it is the error of predictions over some seconds, by the noise of the channel; by axis
+By channel it is the error of predictions over some seconds that begin as suits them best, by the
+noise of the channel; by axis
 the force and moment that a fit without any effect leaves unexplained, by the floor. Each is told
 once, of the flight where it is worst, with the condition under which it is largest; a change for
 good comes beside it.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, final
 
 from lta_analysis.discovery.change_point import change
 from lta_analysis.discovery.conditions import conditions_of, largest
-from lta_analysis.discovery.evidence import FLOOR
+from lta_analysis.discovery.evidence import floor_of
 from lta_analysis.discovery.finding import Place
 from lta_analysis.discovery.fit import Fit
 from lta_analysis.discovery.linear import KNOTS, Point
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.measured import CHANNELS
-from lta_analysis.discovery.replay import STEPS
+from lta_analysis.discovery.page.replayed import best_begun
 from lta_analysis.discovery.unexplained import knots_of
 from lta_sim.effects.protocol import AXES
 import numpy as np
@@ -28,8 +29,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 CLEAR: Final = 2.0  # times the noise, or floors: what is worth telling
-MOST: Final = 12  # places that are told
-AFTER: Final = 1.5  # times as much after a change as before, or the other way round
+ABOARD: Final = 10.0  # the same of an IMU, whose scale is off by as much
+IMU: Final = ('p', 'q', 'r', 'fx', 'fy', 'fz')
+MOST: Final = 24  # places that are told
 EVERY: Final = 25  # points of the grid for one value of a channel: a second
 
 
@@ -105,7 +107,8 @@ def places(seen: Sequence[Seen], seed: int) -> tuple[Place, ...]:
         changes += _changes(one, forces, seed)
         for quantity in (*_channels(one), *forces):
             size = _size(quantity.values)
-            if size > worst.get(quantity.name, (CLEAR,))[0]:
+            clear = ABOARD if quantity.name in IMU else CLEAR
+            if size > worst.get(quantity.name, (clear,))[0]:
                 worst[quantity.name] = size, one, quantity
     found = [_place(one, quantity, seed) for _, one, quantity in worst.values()]
     return tuple(sorted([*changes, *found], key=lambda place: -place.ratio_to_noise)[:MOST])
@@ -119,14 +122,12 @@ def _size(values: Array) -> float:
 def _channels(one: Seen) -> list[Quantity]:
     """Return the errors of predictions by channel, second by second."""
     flight = one.flight
-    rows = one.before.nominal.rows()
-    still = Point(one.before.nominal, one.before.values, np.zeros_like(one.before.random))
-    left = flight.left(flight.trajectory(still)[:, ::STEPS], still, rows)
-    squares = (left / flight.replay.flight.noise) ** 2
+    squares = best_begun(flight, one.before) ** 2
     count = squares.shape[1] // EVERY * EVERY
     cut = squares[:, :count].reshape(len(squares), -1, EVERY, squares.shape[2])
-    known = np.isfinite(cut).all(axis=2)
-    means = np.where(np.isfinite(cut), cut, 0.0).mean(axis=2)
+    known = np.isfinite(cut).any(axis=2)
+    total = np.where(np.isfinite(cut), cut, 0.0).sum(axis=2)
+    means = total / np.maximum(np.isfinite(cut).sum(axis=2), 1)
     index = flight.index[:, EVERY // 2 : count : EVERY]
     out = []
     block = max(1, cut.shape[1])
@@ -145,7 +146,7 @@ def _forces(one: Seen) -> list[Quantity]:
     at = np.rint(np.linspace(0, length - 1, KNOTS)).astype(np.int64)
     inside = one.flight.replay.cut.inside[:, at].reshape(-1)
     index = one.flight.index[:, at].reshape(-1)[inside]
-    knots = knots_of(one.fit)[inside] / FLOOR
+    knots = knots_of(one.fit)[inside] / floor_of(one.before.nominal)
     return [Quantity(axis, knots[:, k], index, KNOTS) for k, axis in enumerate(AXES)]
 
 
@@ -171,24 +172,25 @@ def _longest(holds: NDArray[np.bool_], time: Array) -> tuple[float, float]:
 
 
 def _changes(one: Seen, forces: Sequence[Quantity], seed: int) -> list[Place]:
-    """Return what changed for good in a flight, on the axis where it did most."""
-    if not forces:
+    """Return what changed for good in a flight, on the axis that disagrees most from then on."""
+    if one.fit is None:
         return []
-    index = forces[0].index
-    series = np.column_stack([each.values for each in forces])
-    found = change(series, KNOTS, seed)
+    found = change(_complete(one.fit, one.flight), one.flight.knobs, seed)
     if found is None:
         return []
-    time = one.flight.replay.flight.time[index]
-    sizes = np.array([
-        [_size(series[: found.index, k]), _size(series[found.index :, k])]
-        for k in range(series.shape[1])
-    ])  # fmt: skip
-    k = int(np.argmax(np.abs(np.log(sizes[:, 1] / sizes[:, 0])) * (sizes.max(axis=1) > CLEAR)))
-    before, after = sizes[k]
-    if max(before, after) < CLEAR or max(before, after) < AFTER * min(before, after):
-        return []
-    at = 0.5 * (time[found.index - 1] + time[found.index])
-    if after > before:
-        return [Place(one.name, AXES[k], at, float(time[-1]), f'after {at:.0f} s', float(after))]
-    return [Place(one.name, AXES[k], float(time[0]), at, f'until {at:.0f} s', float(before))]
+    cut, time = one.flight.replay.cut, one.flight.replay.flight.time
+    at, end = float(time[cut.first[found.piece]]), float(time[forces[0].index[-1]])
+    sizes = {each.name: _size(each.values[time[each.index] >= at]) for each in forces}
+    axis = max(sizes, key=lambda name: sizes[name])
+    said = f'after about {at:.0f} s, as if {found.knob} changed'
+    return [Place(one.name, axis, at, end, said, sizes[axis])]
+
+
+def _complete(this: Fit, flight: Linearised) -> Fit:
+    """Return a fit with the columns of all candidates, also of those that it held."""
+    first = this.linear.grams.shape[1] - len(this.linear.names) - 1
+    sizes = this.linear.grams.sum(axis=0).diagonal()[first : first + len(flight.knobs)]
+    candidates = np.array([knob.typical > 0.0 for knob in flight.knobs])
+    if sizes[candidates].all():
+        return this
+    return replace(this, linear=flight.at(this.linear.point))

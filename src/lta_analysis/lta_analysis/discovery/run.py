@@ -7,9 +7,10 @@ from typing import final
 
 from lta_analysis.discovery.bags import read_bags, Role
 from lta_analysis.discovery.learned_file import learned_text
+from lta_analysis.discovery.linear import origin
 from lta_analysis.discovery.overlay import write_overlay
 from lta_analysis.discovery.page.page import write_page
-from lta_analysis.discovery.splitting import with_all_roles
+from lta_analysis.discovery.places import places, Seen
 from lta_analysis.discovery.study import Study, study
 from lta_analysis.discovery.told import NAME, to_dict
 from lta_analysis.discovery.trusted import Believed, believed
@@ -21,7 +22,7 @@ from lta_config.files import find
 from lta_sim.vehicle import load_vehicle, Vehicle
 
 VEHICLE = 'vehicle.yaml'
-Tell = Callable[[str], None]
+Tell = Callable[[str, float | None], None]
 
 
 @final
@@ -80,7 +81,7 @@ def discover(asked: Asked, folder: Path, tell: Tell) -> Discovered:
     asked : Asked
         What to study.
     folder : Path
-        Empty.
+        Empty, or not there yet.
     tell : callable
         Told what is being done.
 
@@ -91,26 +92,36 @@ def discover(asked: Asked, folder: Path, tell: Tell) -> Discovered:
 
     """
     vehicle = load_vehicle(asked.vehicle)
-    tell('reading the flights')
-    flights = read_bags(asked.bags, asked.robot, lambda name: tell(f'reading {name}'))
-    tell('checking what of them can be believed')
+    flights = read_bags(asked.bags, asked.robot, lambda name: tell(f'reading {name}', None))
+    tell('checking what can be believed', None)
     sound = believed(flights, vehicle)
     found = studied(asked, vehicle, sound, tell)
-    tell('writing what was found')
+    tell('writing what was found', None)
     return written(asked, vehicle, found, sound, folder)
 
 
 def studied(asked: Asked, vehicle: Vehicle, sound: Believed, tell: Tell) -> Study:
     """Return the study of flights that can be used, with what is to be said of them."""
-    flights, words = with_all_roles(sound.flights)
-    found = study(vehicle, flights, asked.seed, tell)
+    found = study(vehicle, sound.flights, asked.seed, tell)
     finding = replace(
         found.finding,
+        where=places(_seen(found, sound), asked.seed),
         vehicle=asked.vehicle,
-        warnings=(*sound.warnings, *words, *found.finding.warnings),
+        warnings=(*sound.warnings, *found.finding.warnings),
         versions={**here(), **found.finding.versions},
     )
     return replace(found, finding=finding)
+
+
+def _seen(found: Study, sound: Believed) -> list[Seen]:
+    """Return the flights that taught and confirmed as the model of the vehicle file sees them."""
+    taught = [one for role in ('train', 'confirm') for one in found.flights if one.role == role]
+    out = []
+    for one, fit in zip(taught, found.bare, strict=True):
+        pieces = len(one.flight.replay.first)
+        before = origin(found.nominal, one.flight.knobs, pieces)
+        out.append(Seen(one.name, one.flight, before, fit, sound.light.get(one.name)))
+    return out
 
 
 def written(
@@ -119,6 +130,7 @@ def written(
     """Write the results of a study."""
     finding = found.finding
     try:
+        folder.mkdir(parents=True, exist_ok=True)
         if finding.effects:
             text = find('vehicle', asked.vehicle).read_text(encoding='utf-8')
             learned = learned_text(text, vehicle, found.nominal, found.learned, finding)
@@ -132,4 +144,4 @@ def written(
         raise BadInput(str(fault)) from None
     told = to_dict(finding, sound.cuts)
     keep_json(told, folder / NAME)
-    return Discovered(found, told, write_page(found, folder))
+    return Discovered(found, told, write_page(found, folder, asked.bags))

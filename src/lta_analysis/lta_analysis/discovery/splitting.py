@@ -1,71 +1,74 @@
-"""One flight, or flights without a second one to confirm by, split in time."""
+"""Which flights teach, which confirm and which are held out, where that is not given."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
-from lta_analysis.discovery.bags import Role
-from lta_analysis.discovery.measured import Measured, PERIOD, WARM_UP
+from lta_analysis.discovery.measured import Measured
+from lta_config.errors import BadInput
+import numpy as np
 
-Flights = Sequence[tuple[str, Role, Measured]]
+Role = tuple[str, str, Measured]
 
-# Where the parts of a flight end, as shares of what can be used of it.
-ONE: Final[tuple[tuple[Role, float], ...]] = (('train', 0.4), ('confirm', 0.7), ('holdout', 1.0))
-KEPT: Final[tuple[tuple[Role, float], ...]] = (('train', 0.55), ('confirm', 1.0))
-WEAK: Final = (
-    'confirms less than another flight would: what is wrong with a flight is wrong with its parts'
-)
+ROLES: Final = ('train', 'confirm', 'holdout')
+ONE: Final = (0.4, 0.7)  # of the usable time: where what teaches ends, and what confirms
+TWO: Final = 0.6  # the same, where only what confirms is missing
 
 
 def part(flight: Measured, begin: float, end: float) -> Measured:
-    """Return a flight between two times; its motors and filters settle anew. [s]"""
-    inside = (flight.time >= begin - 1e-9) & (flight.time <= end + 1e-9)
-    time = flight.time[inside]
-    return replace(
-        flight,
-        time=time,
-        position=flight.position[inside],
-        quaternion=flight.quaternion[inside],
-        readings=flight.readings[inside],
-        usable=flight.usable[inside] & (time >= begin + WARM_UP),
-        voltage=flight.voltage[inside],
-    )
-
-
-def parts(
-    name: str, flight: Measured, shares: Sequence[tuple[Role, float]]
-) -> list[tuple[str, Role, Measured]]:
-    """Return a flight in parts, each with its role."""
-    out, begin = [], float(flight.time[0])
-    known = flight.time[flight.usable]
-    for role, share in shares:
-        end = float(known[min(int(share * len(known)), len(known) - 1)])
-        end = float(flight.time[-1]) if share == 1.0 else end
-        label = f'{name} {begin:.0f} to {end:.0f} s'
-        out.append((label, role, part(flight, begin, end)))
-        begin = end + PERIOD
-    return out
-
-
-def with_all_roles(flights: Flights) -> tuple[list[tuple[str, Role, Measured]], list[str]]:
     """
-    Return flights of which some confirm, and a sentence where that takes a split.
+    Return a flight of which only a part is usable.
 
-    One flight alone becomes three parts, so that there is something to learn from, to confirm by
-    and to show. Of several without one to confirm by, the last one does; one beside flights that
-    are held out is split in two.
+    Parameters
+    ----------
+    flight : Measured
+        The whole, which goes on being replayed: lag, gas and battery remember.
+    begin, end : float
+        Of the usable points, 0 to 1.
+
     """
-    roles = [role for _, role, _ in flights]
-    if 'confirm' in roles:
+    count = np.cumsum(flight.usable) / max(1, int(flight.usable.sum()))
+    return replace(flight, usable=flight.usable & (count > begin) & (count <= end))
+
+
+def assigned(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
+    """
+    Return flights such that some teach and some confirm, and what that makes weaker.
+
+    Parameters
+    ----------
+    flights : sequence of (name, role, Measured)
+        Roles as in ROLES.
+
+    Returns
+    -------
+    list of (name, role, Measured), list of str
+        The same where nothing is missing; one flight alone in three parts; training flights in
+        two, by flights or, if there is one, in time.
+
+    Raises
+    ------
+    BadInput
+        If no flight teaches.
+
+    """
+    train = [flight for flight in flights if flight[1] == 'train']
+    rest = [flight for flight in flights if flight[1] != 'train']
+    if not train:
+        raise BadInput('No flight is there to learn from; name at least one bag to train on.')
+    if any(role == 'confirm' for _, role, _ in rest):
         return list(flights), []
-    training = [one for one in flights if one[1] == 'train']
-    rest = [one for one in flights if one[1] != 'train']
-    if len(training) > 1:
-        name, _, flight = training[-1]
-        moved: tuple[str, Role, Measured] = (name, 'confirm', flight)
-        word = f'No flight was given to confirm by: {name} does, and teaches nothing.'
-        return [*training[:-1], moved, *rest], [word]
-    name, _, flight = training[0]
-    shares = KEPT if rest else ONE
-    word = f'{name} alone teaches and confirms, split in time; that {WEAK}.'
-    return [*parts(name, flight, shares), *rest], [word]
+    if len(train) > 1:
+        half = (len(train) + 1) // 2
+        moved = [(name, 'confirm', flight) for name, _, flight in train[half:]]
+        said = 'No flight was given to confirm by: half of the training flights are held against'
+        return [*train[:half], *moved, *rest], [f'{said} the other half.']
+    name, _, flight = train[0]
+    if rest:
+        parts = [(name, 'train', part(flight, 0.0, TWO)), (name, 'confirm', part(flight, TWO, 1))]
+        said = 'What was found is confirmed by the later part of the flight that taught it, which'
+        return [*parts, *rest], [f'{said} is weaker than another flight.']
+    first, second = ONE
+    edges = zip(ROLES, (0.0, first, second), (first, second, 1.0), strict=True)
+    said = 'One flight teaches, confirms and is held out, part after part, which is weaker than'
+    return [(name, role, part(flight, a, b)) for role, a, b in edges], [f'{said} three flights.']

@@ -7,6 +7,7 @@ from typing import Final
 from lta_analysis.discovery.finding import Finding, Gap, NamedEffect
 from lta_analysis.discovery.page.words import amount, figure, headline, listed, percent, within
 from lta_analysis.discovery.told import horizon
+from lta_sim.effects.protocol import AXES
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -98,7 +99,9 @@ def where_table(finding: Finding) -> Table:
         ('where', 'left'), ('flight', 'left'), ('from', 'right'), ('to', 'right'),
         ('when', 'left'), ('x noise', 'right'),
     )  # fmt: skip
-    for place in finding.where[:MOST]:
+    forces = [place for place in finding.where if place.channel in AXES]
+    others = [place for place in finding.where if place.channel not in AXES]
+    for place in [*forces, *others][:MOST]:
         table.add_row(
             place.channel, place.flight, f'{place.from_s:.0f} s', f'{place.to_s:.0f} s',
             place.condition, f'{place.ratio_to_noise:.1f}',

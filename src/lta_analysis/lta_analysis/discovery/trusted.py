@@ -7,8 +7,8 @@ no answer and the flight is refused. What an effect of the library could be (a t
 late, a clock that drifts) is no fault of the recording: it is said and kept.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Final, final
 
 from lta_analysis.discovery.bags import one_vehicle, Recorded, Role
@@ -21,6 +21,7 @@ from lta_analysis.trust.twins import twins
 from lta_config.errors import BadInput
 from lta_sim.vehicle import Vehicle
 import numpy as np
+from numpy.typing import NDArray
 
 MOST: Final = 0.5  # of a flight; what is bad for longer is bad throughout
 AROUND: Final = 0.2  # s; cut beside an interval
@@ -30,6 +31,7 @@ LEAST: Final = 20.0  # s; of all training flights
 STILL: Final = 0.005  # of a duty, or N: standard deviation over all training flights
 FULL: Final = 0.98  # of a duty
 LOST: Final = 0.02  # of the poses, worth a word
+LIGHT: Final = 'illuminance/illuminance'
 LATE: Final = ('lag', 'drift')  # figures of a clock that may be an effect
 # Where each sensor stands among the readings of a Measured, by the beginning of its channels.
 SENSORS: Final = {
@@ -81,12 +83,15 @@ class Believed:
         What is left out.
     warnings : tuple of str
         A sentence each.
+    light : mapping of str to ndarray
+        Illuminance on the grid, of the flights that have it. [lx]
 
     """
 
     flights: tuple[tuple[str, Role, Measured], ...]
     cuts: tuple[Cut, ...]
     warnings: tuple[str, ...]
+    light: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
 
 
 def believed(flights: Sequence[Recorded], vehicle: Vehicle) -> Believed:
@@ -126,8 +131,16 @@ def believed(flights: Sequence[Recorded], vehicle: Vehicle) -> Believed:
             warnings.append(f'{one.name}: only {seconds:.0f} s can be used; it is left out.')
         else:
             usable.append((one.name, one.role, flight))
-    _enough(flights, usable, warnings)
-    return Believed(tuple(usable), tuple(cuts), tuple(warnings))
+    _enough(flights, usable, cuts)
+    light = {
+        one.name: np.interp(flight.time, channel.time, channel.values)
+        for one in flights
+        for name, _, flight in usable
+        if one.name == name
+        and (channel := one.recording.channels.get(LIGHT)) is not None
+        and len(channel.time) > 1
+    }
+    return Believed(tuple(usable), tuple(cuts), tuple(warnings), light)
 
 
 def _streams(one: Recorded, vehicle: Vehicle) -> Streams:
@@ -277,14 +290,17 @@ def _seconds(flight: Measured) -> float:
 def _enough(
     flights: Sequence[Recorded],
     usable: Sequence[tuple[str, Role, Measured]],
-    warnings: Sequence[str],
+    cuts: Sequence[Cut],
 ) -> None:
     """Refuse where too little is left of a role that was asked for."""
     for role in dict.fromkeys(one.role for one in flights):
         seconds = sum(_seconds(flight) for _, own, flight in usable if own == role)
         if seconds == 0.0 or (role == 'train' and seconds < LEAST):
-            told = ' '.join(warnings[:3])
+            names = [one.name for one in flights if one.role == role]
+            why = dict.fromkeys(
+                f'{c.flight}: {c.channel}: {c.reason}' for c in cuts if c.flight in names
+            )
             raise BadInput(
                 f'Only {seconds:.0f} s of the flights to {role} can be used, which decides '
-                f'nothing; record more. {told}'.rstrip()
+                f'nothing; record more. {" ".join(list(why)[:2])}'.rstrip()
             )

@@ -17,6 +17,11 @@ WIDE: Final = 10**6  # no line of a value is folded
 Way = Sequence[str]
 
 
+def _read(text: str) -> Any:  # noqa: ANN401 - as YAML has it
+    """Return what a text says."""
+    return yaml.load(text, Loader=yaml.CSafeLoader)
+
+
 def flowing(value: Any) -> str:  # noqa: ANN401 - as YAML has it
     """Return a value as a file has it on one line."""
     text = yaml.safe_dump(
@@ -44,12 +49,12 @@ def with_value(text: str, way: Way, value: Any) -> str:  # noqa: ANN401 - as YAM
         If the text is no mapping, or the way leads through something that is none.
 
     """
-    content = yaml.safe_load(text)
+    content = _read(text)
     wanted = _placed(content, list(way), value)
-    node = yaml.compose(text, Loader=yaml.SafeLoader)
+    node = yaml.compose(text, Loader=yaml.CSafeLoader)
     try:
         new = _written(text, node, list(way), value)
-        if yaml.safe_load(new) == wanted:
+        if _read(new) == wanted:
             return new
     except (yaml.YAMLError, ValueError):
         pass

@@ -76,7 +76,7 @@ def discover(
         )
     if out is not None and out.exists():
         empty_folder(out.absolute())  # refused before the work, not after
-    folder = empty_folder(results_folder(out, 'discover-demo' if demo else 'discover'))
+    folder = results_folder(out, 'discover-demo' if demo else 'discover')
     hidden = None
     with DiscoverProgress(console) as progress:
         if vehicle is None:

@@ -5,6 +5,7 @@ from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.nominal import Nominal
 import pytest
 
+from .hidden_bags import hidden_bags as hidden_bags
 from .hidden_flight import flown, nominal, prepared
 
 Known = tuple[Nominal, list[Knob]]

@@ -3,15 +3,11 @@
 from collections.abc import Sequence
 from typing import final, NamedTuple
 
-from lta_analysis.discovery.evidence import FLOOR, Pieces, tolerances
-from lta_analysis.discovery.fit import settled
-from lta_analysis.discovery.linear import AXES, KNOTS, origin
-from lta_analysis.discovery.linearise import Linearised
-from lta_analysis.discovery.nominal import Nominal
-from lta_analysis.discovery.replay import STEPS
+from lta_analysis.discovery.fit import Fit
+from lta_analysis.discovery.linear import AXES, KNOTS
+from lta_analysis.discovery.page.told import taught
 from lta_analysis.discovery.study import Flown, Study
-from lta_analysis.discovery.tangent import WIDTH
-from lta_analysis.discovery.unexplained import terms
+from lta_analysis.discovery.unexplained import knots_of, states_at_knots, terms
 import numpy as np
 from numpy.typing import NDArray
 
@@ -31,6 +27,8 @@ class Latent(NamedTuple):
         [s]
     wrench : ndarray, shape (S, KNOTS, 6)
         Force [N] and moment [N m], body frame.
+    known : ndarray of bool, shape (S, KNOTS)
+        Whether the flight counts there: the last piece may end early.
     terms : mapping of str to ndarray, shape (S * KNOTS,)
         What it may follow, of the state there.
 
@@ -39,38 +37,33 @@ class Latent(NamedTuple):
     name: str
     time: Array
     wrench: Array
+    known: NDArray[np.bool_]
     terms: dict[str, Array]
 
 
 def latents(study: Study) -> list[Latent]:
     """Return what remains of a flight that taught and of one that confirmed."""
-    chosen: dict[str, Flown] = {}
-    for flown in study.flights:
-        if flown.role != 'holdout':
-            chosen.setdefault(flown.role, flown)
-    return [_of(flown.name, flown.flight, study.learned) for flown in chosen.values()]
+    chosen = {flown.role: (flown, fit) for flown, fit in reversed(taught(study))}
+    return [_of(*chosen[role]) for role in ('train', 'confirm') if role in chosen]
 
 
-def _of(name: str, flight: Linearised, learned: Nominal) -> Latent:
-    """Return what remains of one flight, its tolerances and offsets free."""
-    start = origin(learned, flight.knobs, len(flight.replay.first))
-    pieces = Pieces(flight.at(start))
-    _, deviations, found, _ = settled(pieces, tolerances(flight.knobs), FLOOR)
-    random = pieces.solved(deviations, found.mean - start.values)
-    knots = random[:, WIDTH : WIDTH + AXES * KNOTS].reshape(-1, AXES, KNOTS)
-    states = flight.trajectory(start)[:, ::STEPS]
-    index = np.rint(np.linspace(0, states.shape[1] - 1, KNOTS)).astype(int)
-    length = flight.time[:, -1] - flight.time[:, 0]
-    time = flight.time[:, :1] + length[:, None] * np.linspace(0.0, 1.0, KNOTS)
-    here = states[:, index].reshape(-1, states.shape[-1])
-    return Latent(name, time, np.swapaxes(knots, 1, 2), terms(here))
+def _of(flown: Flown, fit: Fit) -> Latent:
+    """Return what remains of one flight."""
+    flight, inside = flown.flight, flown.flight.replay.cut.inside
+    at = np.linspace(0.0, 1.0, KNOTS)
+    begin, length = flight.time[:, :1], flight.time[:, -1:] - flight.time[:, :1]
+    known = inside[:, np.rint(at * (inside.shape[1] - 1)).astype(int)]
+    wrench = knots_of(fit).reshape(len(inside), KNOTS, AXES)
+    there = terms(states_at_knots(flight, fit))
+    return Latent(flown.name, begin + length * at, wrench, known, there)
 
 
 def joined(each: Latent, axis: int) -> tuple[Array, Array]:
     """Return the force or moment on one axis over time, a gap between pieces."""
     gap = np.full((len(each.time), 1), np.nan)
     time = np.hstack([each.time, each.time[:, -1:]]).ravel()
-    return time, np.hstack([each.wrench[..., axis], gap]).ravel()
+    values = np.where(each.known, each.wrench[..., axis], np.nan)
+    return time, np.hstack([values, gap]).ravel()
 
 
 def followed(flights: Sequence[Latent], axis: int, names: Sequence[str]) -> list[Array]:
@@ -83,7 +76,11 @@ def followed(flights: Sequence[Latent], axis: int, names: Sequence[str]) -> list
         By least squares over all flights, in the unit of the force.
 
     """
-    rows = [np.column_stack([each.terms[name] for name in names]) for each in flights]
+    rows = [
+        np.column_stack([each.terms.get(name, np.zeros(each.known.size)) for name in names])
+        for each in flights
+    ]
+    known = np.concatenate([each.known.ravel() for each in flights])
     target = np.concatenate([each.wrench[..., axis].ravel() for each in flights])
-    weights = np.linalg.lstsq(np.concatenate(rows), target, rcond=None)[0]
+    weights = np.linalg.lstsq(np.concatenate(rows)[known], target[known], rcond=None)[0]
     return [part @ weights for part in rows]

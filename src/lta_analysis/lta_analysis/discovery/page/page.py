@@ -1,13 +1,13 @@
 """A study as one self-contained HTML file, in the look of a flight's page."""
 
+from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
 from typing import Final
 
-from lta_analysis.compare.traces import packed
 from lta_analysis.discovery.finding import Finding
-from lta_analysis.discovery.page import pictures, tables
+from lta_analysis.discovery.page import errors, pictures, tables
 from lta_analysis.discovery.page.latent import followed, joined, latents
 from lta_analysis.discovery.page.told import Overlay, overlay, Seen, seen, together
 from lta_analysis.discovery.page.whiteness import autocorrelation, GROUPS, spectrum
@@ -26,7 +26,11 @@ from lta_analysis.report.pieces import embedded, section, tile_html
 from lta_analysis.typed import near, typed
 from lta_sim.effects.protocol import AXES
 import numpy as np
+from numpy.typing import NDArray
 
+Array = NDArray[np.float64]
+Bags = Mapping[str, Sequence[Path | str]]
+NONE: Final[Bags] = {}
 NAME: Final = 'report.html'
 COLOURS: Final = {
     'before': ESTIMATE, 'tuned': LAMP, 'after': TRUTH, 'coast': WALL, 'floor': FILL,
@@ -35,7 +39,8 @@ COLOURS: Final = {
 HEAT: Final = (
     'Each column is a piece of some seconds, each row a channel; the darker, the further the '
     'model is off in units of the noise. Pale all over is a model that explains the flight. A '
-    'piece begins as suits it best, and the offset of a sensor is taken out.'
+    'piece begins as suits it best, and the offset of a sensor is taken out. Flights that taught '
+    'or confirmed are shown as fitted.'
 )
 CONDITIONS: Final = (
     'The error of the pose of each piece against what it flew like: orange as the vehicle file '
@@ -44,6 +49,10 @@ CONDITIONS: Final = (
 ABOVE: Final = (
     'Each piece begins where it was measured, and nobody helps it on its way. Broad grey: '
     'measured; orange: the vehicle file; blue: with what was learned.'
+)
+OVER: Final = (
+    'The same over time; below, how far each prediction is from what was measured, from the '
+    'beginning of its piece on.'
 )
 WHITE: Final = (
     'How what is left over goes with itself a little later. Noise drops to 0 at once and stays '
@@ -56,7 +65,7 @@ POWER: Final = (
 NOBODY: Final = '<p class="absent">There is no flight to draw.</p>'
 
 
-def write_page(study: Study, folder: Path) -> Path:
+def write_page(study: Study, folder: Path, bags: Bags = NONE) -> Path:
     """
     Write the page of a study and return where it is.
 
@@ -66,6 +75,9 @@ def write_page(study: Study, folder: Path) -> Path:
         What was found, and the flights.
     folder : Path
         Where the results of the study are.
+    bags : mapping of role to paths
+        As they were named on the command line, for the command that does it again; the names of
+        the flights by default.
 
     Raises
     ------
@@ -73,10 +85,10 @@ def write_page(study: Study, folder: Path) -> Path:
         If the page cannot be written.
 
     """
-    return written(page(study, folder), folder / NAME)
+    return written(page(study, folder, bags), folder / NAME)
 
 
-def page(study: Study, folder: Path) -> str:
+def page(study: Study, folder: Path, bags: Bags = NONE) -> str:
     """Return the whole page."""
     found, flights = study.finding, seen(study)
     drawn = [overlay(one, sum(each.shown for each in flights)) for one in flights if one.shown]
@@ -89,32 +101,19 @@ def page(study: Study, folder: Path) -> str:
         about=escape(about(found)),
         tiles='\n'.join(tile_html(*each) for each in tiles(found)),
         effects=tables.effects(found),
-        gaps=tables.gaps(found),
-        held=escape(held_words(found)),
+        gaps=errors.gaps(found),
+        channels=errors.by_channel(found),
         where=where(found, flights),
         places=tables.places(found),
         ladder=tables.ladder(found),
         overlays=overlays(names, drawn),
         white=white(flights),
         remains=remains(study),
+        seen=tables.detectable(found),
         warnings=tables.warned(found),
         facts=facts(found),
-        commands=commands(found, folder),
+        commands=commands(found, folder, bags or found.bags),
         **colours,
-    )
-
-
-def held_words(found: Finding) -> str:
-    """Return what the errors are of."""
-    whose = (
-        f'on {listed(found.bags.get("holdout", ()))}, to which nothing was fitted'
-        if found.held_out
-        else 'on flights that had a say in what was found'
-    )
-    return (
-        f'Root mean square {whose}. Tuned: tolerances of the file fitted, without any effect. '
-        'Coast: velocity and rates kept, commands ignored. Shaded: the noise of the measurement, '
-        'the least that any model can be off by. Intervals by bootstrap over pieces.'
     )
 
 
@@ -145,7 +144,11 @@ def overlays(names: Sequence[str], drawn: Sequence[Overlay]) -> str:
         f'{choice}<div class="grid">'
         + section('above', 'Before and after, from above', ABOVE, pictures.path(first))
         + section(
-            'overtime', 'Height and heading', 'The same over time.', pictures.over_time(first)
+            'overtime',
+            'Before and after, over time',
+            OVER,
+            pictures.over_time(first),
+            timed=True,
         )
         + '</div>'
     )
@@ -156,8 +159,16 @@ def _packed(one: Overlay) -> dict[str, object]:
     return {
         'begin': one.begin,
         'period': one.period,
-        'lines': [[packed(column) for column in line.T] for line in one.lines],
+        'lines': [[short(column) for column in line.T] for line in one.lines],
     }
+
+
+def short(values: Array) -> dict[str, object]:
+    """Return a line in two bytes a number, to be multiplied by `scale`; the least is NaN."""
+    largest = float(np.nanmax(np.abs(values), initial=0.0)) or 1.0
+    factor = largest / 32000.0
+    numbers = np.where(np.isfinite(values), np.round(values / factor), -32768.0).astype('<i2')
+    return {'scale': factor, 'data': b64encode(numbers.tobytes()).decode()}
 
 
 def white(flights: Sequence[Seen]) -> str:
@@ -177,7 +188,9 @@ def white(flights: Sequence[Seen]) -> str:
     for level in (-band, band):
         pictures.levelled(correlated, level)
     by_frequency = pictures.lines(powers, titles, 'frequency', 'Hz')
-    by_frequency.update_xaxes(type='log').update_yaxes(type='log', exponentformat='power')
+    by_frequency.update_xaxes(type='log', tickvals=[0.2, 0.5, 1, 2, 5, 10]).update_yaxes(
+        type='log', exponentformat='power', dtick=1
+    )
     pictures.levelled(by_frequency, 1.0)
     return section('white', 'Is what is left over noise?', WHITE, correlated) + section(
         'power', 'What is left over, by frequency', POWER, by_frequency
@@ -189,7 +202,7 @@ def remains(study: Study) -> str:
     found = study.finding
     if not found.remains:
         said = 'Nothing stands clear of the floor on any axis.'
-        return f'<p class="absent">{said}</p>'
+        return f'<p class="note">{said}</p>'
     return tables.remains(found) + _drawn(study)
 
 
@@ -207,7 +220,9 @@ def _drawn(study: Study) -> str:
         for one in top
     ]
     titles = [f'{one.axis} [{size_unit(one)}]' for one in top]
-    names = listed([f'{word} {each.name}' for word, each in zip(('blue', 'orange'), flights, strict=False)])
+    names = listed(
+        [f'{word} {each.name}' for word, each in zip(('blue', 'orange'), flights, strict=False)]
+    )
     made = section(
         'latent', 'The force that nothing explains, over time',
         f'As the flights themselves show it, {names}.',
@@ -235,18 +250,22 @@ def facts(found: Finding) -> Mapping[str, str]:
     roles = {'train': 'learned from', 'confirm': 'confirmed by', 'holdout': 'held out'}
     return {
         'vehicle': found.vehicle,
-        **{words: listed(found.bags[role]) for role, words in roles.items() if found.bags.get(role)},
+        **{
+            words: listed(found.bags[role])
+            for role, words in roles.items()
+            if found.bags.get(role)
+        },
         'seed': str(found.seed),
         **found.versions,
     }
 
 
-def commands(found: Finding, folder: Path) -> Mapping[str, str]:
+def commands(found: Finding, folder: Path, bags: Bags) -> Mapping[str, str]:
     """Return how to do it again, and how to go on."""
     words = ['--vehicle', found.vehicle]
     for role in ('train', 'confirm', 'holdout'):
-        if found.bags.get(role):
-            words += [f'--{role}', *found.bags[role]]
+        if bags.get(role):
+            words += [f'--{role}', *map(str, bags[role])]
     again = typed('discover', *words, '--seed', str(found.seed))
     learned = near(folder / 'vehicle.yaml')
     on = {

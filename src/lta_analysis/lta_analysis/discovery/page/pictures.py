@@ -8,7 +8,17 @@ from lta_analysis.discovery.measured import CHANNELS
 from lta_analysis.discovery.page.replayed import NAMES, ratio
 from lta_analysis.discovery.page.told import conditions, Overlay, Seen
 from lta_analysis.report.drawing import blank, extent
-from lta_analysis.report.palette import ESTIMATE, GRID, HEAT, INK, SETPOINT, SOFT, TRUTH, WALL, scale
+from lta_analysis.report.palette import (
+    ESTIMATE,
+    GRID,
+    HEAT,
+    INK,
+    scale,
+    SETPOINT,
+    SOFT,
+    TRUTH,
+    WALL,
+)
 import numpy as np
 from numpy.typing import NDArray
 from plotly.graph_objects import Figure, Heatmap, Scatter
@@ -17,83 +27,95 @@ from plotly.subplots import make_subplots
 Array = NDArray[np.float64]
 BEFORE, AFTER, MEASURED = ESTIMATE, TRUTH, SETPOINT
 LINES: Final = (('measured', MEASURED, 4.0), ('before', BEFORE, 1.6), ('after', AFTER, 1.6))
-DECADES: Final = (0.0, 2.0)  # of the error by the noise that the colours tell apart
-CELLS: Final = 8  # texts below a heat map, at most
+COLUMNS: Final = 150  # of a heat map, at most; more pieces share them
+ALWAYS: Final = 'always'  # the condition of a place that stands out from nothing
+CELLS: Final = 6  # texts below a heat map, at most
 
 
 def heat(flights: Sequence[Seen], places: Sequence[Place]) -> Figure:
     """Return the error by the noise of each piece and channel, before above after."""
     figure = blank(2)
-    tables = [np.vstack([ratio(one.left[k]) for one in flights]) for k in (0, 1)]
+    every = max(1, -(-sum(len(one.before.time) for one in flights) // COLUMNS))
+    tables = [np.vstack([joined(ratio(one.left[k]), every) for one in flights]) for k in (0, 1)]
     known = [k for k in range(len(CHANNELS)) if np.isfinite(tables[0][:, k]).any()]
     names = [NAMES[CHANNELS[k]] for k in known]
-    begun = np.concatenate([one.before.time[:, 0] for one in flights])
-    owner = [one.flown.name for one in flights for _ in one.before.time]
-    hover = [[f'{name}, {begin:.0f} s' for name, begin in zip(owner, begun, strict=True)]] * len(names)
+    begun = [one.before.time[::every, 0] for one in flights]
+    columns = [
+        f'{one.flown.name}, {time:.0f} s'
+        for one, times in zip(flights, begun, strict=True)
+        for time in times
+    ]
     for row, values in enumerate(tables, 1):
         shown = values[:, known].T
+        logs = np.where(np.isfinite(shown), 100.0 * np.log10(np.maximum(shown, 1.0)), 0.0)
         figure.add_trace(
             Heatmap(
-                z=np.log10(np.maximum(shown, 1.0)).astype(np.float32), y=names,
-                customdata=np.round(shown, 2).astype(np.float32), text=hover,
-                zmin=DECADES[0], zmax=DECADES[1], colorscale=scale(HEAT), showscale=row == 1,
-                colorbar={'tickvals': [0, 0.5, 1, 1.5, 2], 'len': 0.9, 'thickness': 10,
+                z=np.round(logs).astype(np.int16), x=columns, y=names,
+                customdata=np.round(shown, 2).astype(np.float32),
+                zmin=0, zmax=200, colorscale=scale(HEAT), showscale=row == 1,
+                colorbar={'tickvals': [0, 50, 100, 150, 200], 'len': 0.9, 'thickness': 10,
                           'ticktext': ['1', '3', '10', '30', '100'], 'outlinewidth': 0,
                           'tickfont': {'color': SOFT, 'size': 11}, 'x': 1.01},
-                hovertemplate='%{text}<br>%{y}: %{customdata:.3~g} x noise<extra></extra>',
+                hovertemplate='%{x}<br>%{y}: %{customdata:.3~g} x noise<extra></extra>',
                 xgap=0.5, ygap=0.5,
             ),
             row=row, col=1,
         )  # fmt: skip
-    _borders(figure, flights)
-    _marked(figure, places, flights, names)
+    _borders(figure, [one.flown.name for one in flights], begun)
+    for place in places:
+        name = NAMES.get(place.channel, '')
+        if name in names and place.condition != ALWAYS:
+            _framed(figure, place, names.index(name), [one.flown.name for one in flights], begun)
     figure.update_yaxes(autorange='reversed', showgrid=False, tickfont={'size': 10, 'color': SOFT})
     figure.update_yaxes(title_text='before', row=1)
     figure.update_yaxes(title_text='after', row=2)
-    return figure.update_layout(hovermode='closest', margin={'l': 96, 'r': 48, 't': 24, 'b': 34})
+    return figure.update_layout(hovermode='closest', margin={'l': 96, 'r': 48, 't': 48, 'b': 34})
 
 
-def _borders(figure: Figure, flights: Sequence[Seen]) -> None:
+def joined(errors: Array, every: int) -> Array:
+    """Return the root mean square of each few pieces, shape (ceil(S / every), 14)."""
+    rows = [errors[k : k + every] for k in range(0, len(errors), every)]
+    known = np.array([np.isfinite(part).sum(axis=0) for part in rows]).reshape(-1, len(CHANNELS))
+    total = np.array([np.nansum(part**2, axis=0) for part in rows]).reshape(-1, len(CHANNELS))
+    return np.where(known > 0, np.sqrt(total / np.maximum(known, 1)), np.nan)
+
+
+def _borders(figure: Figure, names: Sequence[str], begun: Sequence[Array]) -> None:
     """Name the flights above the map, part them, and write the time below."""
     first, ticks, texts = 0, [], []
-    whole = sum(len(one.before.time) for one in flights)
-    every = max(1, round(whole / CELLS))
-    for one in flights:
-        count = len(one.before.time)
+    every = max(1, round(sum(map(len, begun)) / CELLS))
+    for k, (name, times) in enumerate(zip(names, begun, strict=True)):
+        last = k == len(names) - 1 and k > 0
         figure.add_annotation(
-            x=first - 0.5, xref='x', y=1.0, yref='paper', xanchor='left', yanchor='bottom',
-            text=f'{one.flown.name} ({one.flown.role})', font={'size': 10, 'color': SOFT},
+            x=(first + len(times) if last else first) - 0.5, xref='x', y=1.0, yref='paper',
+            xanchor='right' if last else 'left', yanchor='bottom', yshift=12 * (k % 3), text=name,
+            font={'size': 10, 'color': SOFT},
         )  # fmt: skip
         if first:
             for row in (1, 2):
                 figure.add_vline(first - 0.5, line={'color': INK, 'width': 1.5}, row=row, col=1)
-        for k in range(0, count - every // 2, every):
-            ticks.append(first + k)
-            texts.append(f'{one.before.time[k, 0]:.0f} s')
-        first += count
+        for piece in range(0, max(1, len(times) - every + 1), every):
+            ticks.append(first + piece)
+            texts.append(f'{times[piece]:.0f} s')
+        first += len(times)
     figure.update_xaxes(range=[-0.5, first - 0.5], showgrid=False)
-    figure.update_xaxes(tickvals=ticks, ticktext=texts, row=2)
+    figure.update_xaxes(tickvals=ticks, ticktext=texts, tickangle=0, row=2)
 
 
-def _marked(
-    figure: Figure, places: Sequence[Place], flights: Sequence[Seen], names: Sequence[str]
+def _framed(
+    figure: Figure, place: Place, row: int, names: Sequence[str], begun: Sequence[Array]
 ) -> None:
-    """Frame the places that the finding speaks of, where they are of one channel."""
+    """Frame a place that the finding speaks of."""
     first = 0
-    for one in flights:
-        begun = one.before.time[:, 0]
-        for place in places:
-            name = NAMES.get(place.channel, '')
-            if place.flight != one.flown.name or name not in names:
-                continue
-            inside = np.flatnonzero((begun < place.to_s) & (begun + 6.0 > place.from_s))
-            if len(inside):
-                at = names.index(name)
-                figure.add_shape(
-                    type='rect', x0=first + inside[0] - 0.5, x1=first + inside[-1] + 0.5,
-                    y0=at - 0.5, y1=at + 0.5, line={'color': BEFORE, 'width': 2}, row=1, col=1,
-                )  # fmt: skip
-        first += len(begun)
+    for name, times in zip(names, begun, strict=True):
+        ends = np.append(times[1:], np.inf)
+        inside = np.flatnonzero((times < place.to_s) & (ends > place.from_s))
+        if name == place.flight and len(inside):
+            figure.add_shape(
+                type='rect', x0=first + inside[0] - 0.5, x1=first + inside[-1] + 0.5,
+                y0=row - 0.5, y1=row + 0.5, line={'color': BEFORE, 'width': 2}, row=1, col=1,
+            )  # fmt: skip
+        first += len(times)
 
 
 def by_condition(flights: Sequence[Seen]) -> Figure:
@@ -150,8 +172,10 @@ def path(of: Overlay) -> Figure:
 
 def over_time(of: Overlay) -> Figure:
     """Return height and heading over time."""
-    figure = blank(2)
-    for row, (column, title) in enumerate(((2, 'height [m]'), (3, 'heading [\N{DEGREE SIGN}]')), 1):
+    figure = blank(3)
+    for row, (column, title) in enumerate(
+        ((2, 'height [m]'), (3, 'heading [\N{DEGREE SIGN}]')), 1
+    ):
         for (name, colour, width), line in zip(LINES, of.lines, strict=True):
             figure.add_trace(
                 Scatter(
@@ -161,10 +185,30 @@ def over_time(of: Overlay) -> Figure:
                 ),
                 row=row, col=1,
             )  # fmt: skip
-        figure.update_yaxes(title_text=title, range=extent(*(x[:, column] for x in of.lines)), row=row)
+        figure.update_yaxes(
+            title_text=title, range=extent(*(x[:, column] for x in of.lines)), row=row
+        )
     figure.update_xaxes(hoverformat='.2f', unifiedhovertitle_text='%{x} s')
-    figure.update_xaxes(title_text='time [s]', row=2)
+    for name, colour, away in apart(of):
+        figure.add_trace(
+            Scatter(
+                x0=of.begin, dx=of.period, y=away, name=name, mode='lines', connectgaps=False,
+                line={'color': colour, 'width': 1.6}, hovertemplate='%{y:.3~f} m',
+            ),
+            row=3, col=1,
+        )  # fmt: skip
+    figure.update_yaxes(title_text='off by [m]', rangemode='tozero', row=3)
+    figure.update_xaxes(title_text='time [s]', row=3)
     return figure.update_layout(margin={'r': 20})
+
+
+def apart(of: Overlay) -> list[tuple[str, str, Array]]:
+    """Return name, colour and distance from what was measured [m] of both predictions."""
+    truth = of.lines[0][:, :3]
+    return [
+        (name, colour, np.linalg.norm(line[:, :3] - truth, axis=1).astype(np.float32))
+        for (name, colour, _), line in zip(LINES[1:], of.lines[1:], strict=True)
+    ]
 
 
 def lines(

@@ -9,12 +9,14 @@ from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.measured import CHANNELS
 from lta_analysis.discovery.replay import STEPS
 from lta_analysis.discovery.sensing import told
-from lta_analysis.discovery.tangent import nudged, NUDGE, WIDTH
+from lta_analysis.discovery.tangent import moved, NUDGE, WIDTH
 from lta_analysis.discovery.turning import matrix
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+POSE: Final = slice(0, 6)  # of CHANNELS
 
 
 @final
@@ -92,12 +94,12 @@ def best_begun(flight: Linearised, point: Point) -> Array:
 
     """
     point, replay = still(point), flight.replay
-    rows = point.nominal.rows()
-    ready, push = replay.ready(rows), np.zeros((len(replay.first), replay.span, 6))
+    met = point.nominal.rows()
+    ready, push = replay.ready(met), np.zeros((len(replay.first), replay.span, 6))
 
     def left(start: Array) -> Array:
-        states = replay.fly(rows, ready, start, push)[:, ::STEPS]
-        out: Array = flight.left(states, point, rows) / replay.flight.noise
+        states = replay.fly(met, ready, start, push)[:, ::STEPS]
+        out: Array = flight.left(states, point, met) / replay.flight.noise
         return out
 
     start = replay.cut.start
@@ -105,13 +107,17 @@ def best_begun(flight: Linearised, point: Point) -> Array:
     known = np.isfinite(base)
     columns = np.empty((*base.shape, WIDTH))
     for k in range(WIDTH):
+        aside = np.broadcast_to(NUDGE * (np.arange(WIDTH) == k), (len(start), WIDTH))
         # A NaN less a NaN, and an offset less itself: only known differences are left.
-        columns[..., k] = (base - _without_offsets(left(nudged(start, k)))) / NUDGE[k]
-    columns = np.where(known[..., None], columns, 0.0).reshape(len(base), -1, WIDTH)
-    target = np.where(known, base, 0.0).reshape(len(base), -1, 1)
-    across = np.swapaxes(columns, 1, 2)
-    change = np.linalg.solve(across @ columns + np.diag(STATE**-2.0), across @ target)
-    better = (target - columns @ change).reshape(base.shape)
+        columns[..., k] = (base - _without_offsets(left(moved(start, aside)))) / NUDGE[k]
+    columns = np.where(known[..., None], columns, 0.0)
+    target = np.where(known, base, 0.0)
+    # By the pose alone: a gyroscope's scale would have its way, so little is its noise.
+    rows = columns[..., POSE, :].reshape(len(base), -1, WIDTH)
+    wanted = target[..., POSE].reshape(len(base), -1, 1)
+    across = np.swapaxes(rows, 1, 2)
+    change = np.linalg.solve(across @ rows + np.diag(STATE**-2.0), across @ wanted)
+    better = target - (columns @ change[:, None])[..., 0]
     return _without_offsets(np.where(known, better, np.nan))
 
 
@@ -130,7 +136,7 @@ NAMES: Final = dict(
         CHANNELS,
         (
             'position x', 'position y', 'position z', 'attitude x', 'attitude y', 'attitude z',
-            'roll rate', 'pitch rate', 'yaw rate', 'force x', 'force y', 'force z',
+            'roll rate', 'pitch rate', 'yaw rate', 'accel. x', 'accel. y', 'accel. z',
             'range', 'pressure',
         ),
         strict=True,

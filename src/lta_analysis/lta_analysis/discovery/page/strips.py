@@ -69,11 +69,11 @@ def stacked(first: float, second: float, line: float, most: float) -> str:
         return 100.0 * min(share, 1.0)
 
     begin = place(min(first, first + second))
-    end = place(first + second)
+    more = max(place(first + second) - begin, 0.0)
     return _strip(
         [
             f'<i class="bar one" style="left:0;width:{begin:.1f}%"></i>',
-            f'<i class="bar two" style="left:{begin:.1f}%;width:{max(end - begin, 0.0):.1f}%"></i>',
+            f'<i class="bar two" style="left:{begin:.1f}%;width:{more:.1f}%"></i>',
             f'<i class="line" style="left:{place(line):.1f}%"></i>',
         ]
     )
@@ -82,7 +82,7 @@ def stacked(first: float, second: float, line: float, most: float) -> str:
 def bar(value: float, most: float) -> str:
     """Return one amount."""
     share = 100.0 * min(max(value / most, 0.0), 1.0) if most > 0.0 else 0.0
-    return _strip([f'<i class="bar one" style="left:0;width:{share:.1f}%"></i>'])
+    return _strip([f'<i class="bar off" style="left:0;width:{share:.1f}%"></i>'])
 
 
 def _strip(parts: Sequence[str]) -> str:

@@ -6,11 +6,11 @@ import math
 from typing import Final
 
 from lta_analysis.discovery.accept import GAIN
-from lta_analysis.discovery.finding import Finding, Gap, Learned, NamedEffect, Place, Rung
+from lta_analysis.discovery.detectable import SIGMA
+from lta_analysis.discovery.finding import Finding, Learned, NamedEffect, Place, Rung
 from lta_analysis.discovery.page import strips
 from lta_analysis.discovery.page.replayed import NAMES
 from lta_analysis.discovery.page.words import (
-    amount,
     because,
     figure,
     listed,
@@ -27,7 +27,8 @@ from lta_analysis.discovery.page.words import (
 from lta_analysis.discovery.unexplained import Remainder
 
 Row = Sequence[str]
-SIGMA: Final = 5  # of what could have been seen
+MOST: Final = 6  # places that are not folded
+BLIND: Final = ' class="blind"'
 
 
 def table(heads: Row, rows: Sequence[Row], name: str, caption: str) -> str:
@@ -62,7 +63,7 @@ def effects(found: Finding) -> str:
     """Return what is missing, effect by effect; what it would have taken where nothing is."""
     if found.effects:
         return ''.join(map(_effect, found.effects))
-    return f'<p class="calm">{escape(_nothing(found))}</p>{detectable(found)}'
+    return f'<p class="calm">{escape(_nothing(found))}</p>'
 
 
 def _nothing(found: Finding) -> str:
@@ -73,13 +74,13 @@ def _nothing(found: Finding) -> str:
         'No candidate looked worth a refit.'
         if best is None
         else f'The best candidate was {spoken(best.knob)}, with {figure(total(best))} nats where '
-        f'{GAIN:g} make a name: {because(best)}.'
+        f'{GAIN:g} make a name{"" if best.accepted else f": {because(best, beaten=False)}"}.'
     )
     said = {
         'none': 'The vehicle file explains these flights to within its own tolerances and the '
         'noise. That is a result: use the file as it is.',
-        'not_identifiable': 'Several explanations do equally well on these flights, so none is '
-        'named. A flight that moves them apart would decide.',
+        'not_identifiable': 'What is missing, or whether anything is, cannot be told from these '
+        'flights, so nothing is named. Another flight has to decide.',
     }.get(
         found.verdict,
         'A force or moment is left over that no effect of the library explains on both flights. '
@@ -89,21 +90,24 @@ def _nothing(found: Finding) -> str:
 
 
 def detectable(found: Finding) -> str:
-    """Return how small an effect could have been seen, the clearest first."""
+    """Return how small an effect could have been seen, the clearest first; '' if nobody asked."""
     if not found.detectable:
         return ''
-    rows = [
-        (escape(spoken(one.knob)), escape(with_unit(figure(one.size, 2), one.unit)),
-         escape(figure(one.size / one.typical, 2)) if one.typical > 0.0 else '')
-        for one in sorted(found.detectable, key=lambda one: one.size / (one.typical or math.inf))
-    ]  # fmt: skip
-    inside = table(
-        ('effect', f'seen from ({SIGMA} sigma)', 'by its typical size'), rows, 'plain',
-        'Smallest effects that these flights could have shown',
-    )  # fmt: skip
+    ordered = sorted(found.detectable, key=lambda one: one.size / (one.typical or math.inf))
+    clear = sum(one.size < one.typical for one in ordered)
+    rows = ''.join(
+        f'<li{"" if one.size < one.typical else BLIND}><span>{escape(spoken(one.knob))}</span> '
+        f'<b>{escape(with_unit(figure(one.size, 2), one.unit))}</b></li>'
+        for one in ordered
+    )
     return (
-        f'<details open><summary>How small an effect could have been seen</summary>{inside}'
-        '</details>'
+        '<section class="panel section" aria-labelledby="title-seen">'
+        '<h2 id="title-seen">How small an effect could have been seen</h2>'
+        f'<details{"" if found.effects else " open"}><summary>{len(ordered)} candidates</summary>'
+        f'<p class="note">From this size on it would have stood out by {SIGMA:g} deviations, the '
+        f'tolerances of the file among them. {clear} of {len(ordered)} would have been seen below '
+        'their typical size; the others (in italics) only if they were larger than usual.</p>'
+        f'<ul class="seen">{rows}</ul></details></section>'
     )
 
 
@@ -148,12 +152,15 @@ def ladder(found: Finding) -> str:
         words = f'{spoken(named.knob)} is named' if named else 'nothing is confirmed'
         out.append(f'<h3>Round {k}: {escape(words)}</h3>')
         heads = ('candidate', 'evidence', 'train', 'confirm', 'carried', 'apart', 'because')
-        rows = [_rung(rung, most) for rung in step]
+        if not step:
+            out.append('<p class="note">No candidate looked worth a refit.</p>')
+            continue
+        rows = [_rung(rung, most, named is not None) for rung in step]
         out.append(table(heads, rows, 'plain ladder', f'Candidates of round {k}'))
     return ''.join(out)
 
 
-def _rung(rung: Rung, most: float) -> Row:
+def _rung(rung: Rung, most: float, beaten: bool) -> Row:
     """Return one candidate."""
     name = escape(spoken(rung.knob))
     return (
@@ -161,53 +168,8 @@ def _rung(rung: Rung, most: float) -> Row:
         strips.stacked(rung.train, max(rung.confirm, rung.carried), GAIN, most),
         *(figure(part) for part in (rung.train, rung.confirm, rung.carried)),
         figure(rung.apart, 2),
-        because(rung),
+        because(rung, beaten),
     )
-
-
-def gaps(found: Finding) -> str:
-    """Return the errors of all models, channel by channel and horizon by horizon."""
-    if not found.gaps:
-        return '<p class="absent">There was no flight to show the gap on.</p>'
-    out = []
-    for channel in dict.fromkeys(gap.channel for gap in found.gaps):
-        of = [gap for gap in found.gaps if gap.channel == channel]
-        low, high = scale(of)
-        rows = [_gap(gap, low, high) for gap in of]
-        heads = (
-            'ahead', '', 'before', 'tuned', 'after', 'coast', 'noise', 'shrinks by', '95 %',
-            'pieces',
-        )  # fmt: skip
-        title = NAMES.get(channel, channel)
-        out.append(f'<h3>{escape(title.capitalize())}</h3>')
-        out.append(table(heads, rows, 'plain gaps', f'Errors of {title}'))
-    return ''.join(out)
-
-
-def scale(of: Sequence[Gap]) -> tuple[float, float]:
-    """Return the ends of a logarithmic scale that shows all errors of a channel."""
-    every = [
-        part
-        for gap in of
-        for part in (gap.before, gap.tuned, gap.after, gap.coast, gap.noise_floor)
-        if math.isfinite(part) and part > 0.0
-    ]
-    return min(every, default=1.0) / 1.3, max(every, default=1.0) * 1.1
-
-
-def _gap(gap: Gap, low: float, high: float) -> Row:
-    """Return one channel at one horizon."""
-    four = {'coast': gap.coast, 'before': gap.before, 'tuned': gap.tuned, 'after': gap.after}
-    a, b = (percent(part) for part in gap.shrink_ci95)
-    return (
-        f'{gap.horizon_s:g} s',
-        strips.points(four, low, high, gap.noise_floor),
-        *(amount(part, gap.unit)
-          for part in (gap.before, gap.tuned, gap.after, gap.coast, gap.noise_floor)),
-        f'{percent(gap.shrink)} %',
-        f'{a} to {b} %',
-        str(gap.pieces),
-    )  # fmt: skip
 
 
 def places(found: Finding) -> str:
@@ -217,7 +179,12 @@ def places(found: Finding) -> str:
     most = max(place.ratio_to_noise for place in found.where)
     rows = [_place(place, most) for place in found.where]
     heads = ('when', 'by the noise', '', 'channel', 'flight', 'from', 'to')
-    return table(heads, rows, 'plain places', 'Where the model disagrees most')
+    first, rest = (
+        table(heads, part, 'plain places', 'Where the model disagrees most') if part else ''
+        for part in (rows[:MOST], rows[MOST:])
+    )
+    more = f'<details><summary>{len(rows) - MOST} more</summary>{rest}</details>' if rest else ''
+    return first + more
 
 
 def _place(place: Place, most: float) -> Row:

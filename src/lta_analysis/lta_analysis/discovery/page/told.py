@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import final, NamedTuple
 
+from lta_analysis.discovery.fit import Fit
 from lta_analysis.discovery.linear import origin, Point
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.measured import PERIOD
@@ -13,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-SAMPLES = 1800  # of all overlays together, which bounds the size of the page
+SAMPLES = 1200  # of all overlays together, which bounds the size of the page
 
 
 @final
@@ -60,17 +61,28 @@ class Overlay(NamedTuple):
     lines: tuple[Array, Array, Array]
 
 
+def taught(study: Study) -> list[tuple[Flown, Fit]]:
+    """Return the flights that taught and confirmed, each with its fit to the named effects."""
+    flown = [one for role in ('train', 'confirm') for one in study.flights if one.role == role]
+    return list(zip(flown, study.full, strict=False))
+
+
 def seen(study: Study) -> list[Seen]:
-    """Return all flights, replayed."""
-    points = {id(each.flown.flight): (each.before, each.after) for each in study.shown}
+    """Return all flights, replayed: those that are shown as they are, the rest as fitted."""
+    points = {
+        id(flown.flight): (_plain(study.nominal, flown.flight), fit.linear.point)
+        for flown, fit in taught(study)
+    }
+    points |= {id(each.flown.flight): (each.before, each.after) for each in study.shown}
+    which = {id(each.flown.flight) for each in study.shown}
     out = []
     for flown in study.flights:
         flight = flown.flight
-        shown = points.get(id(flight))
-        before, after = shown or (_plain(study.nominal, flight), _plain(study.learned, flight))
+        plain = _plain(study.nominal, flight), _plain(study.learned, flight)
+        before, after = points.get(id(flight), plain)
         both = replayed(flight, before), replayed(flight, after)
         left = best_begun(flight, before), best_begun(flight, after)
-        out.append(Seen(flown, *both, left, shown is not None))
+        out.append(Seen(flown, *both, left, id(flight) in which))
     return out
 
 
@@ -86,9 +98,8 @@ def overlay(one: Seen, flights: int = 1) -> Overlay:
     stride = max(5, int(np.ceil(count * flights / SAMPLES)))
     keep = np.arange(0, count, stride)
     truth = np.column_stack([measured.position, _unwound(heading_of(measured.quaternion))])
-    lines = [truth]
-    for model in (one.before, one.after):
-        lines.append(_joined(one.flown.flight, model, truth, stride))
+    models = (one.before, one.after)
+    lines = [truth, *(_joined(one.flown.flight, model, truth, stride) for model in models)]
     a, b, c = (line[keep] * np.array([1.0, 1.0, 1.0, np.degrees(1.0)]) for line in lines)
     return Overlay(float(measured.time[0]), stride * PERIOD, (a, b, c))
 

@@ -13,7 +13,12 @@ from lta_sim.effects_page import summary
 
 MINUS: Final = '\N{MINUS SIGN}'
 DEGREES: Final = 180.0 / math.pi
-SHOWN_UNITS: Final = {'rad': ('\N{DEGREE SIGN}', DEGREES), 'rad/s': ('\N{DEGREE SIGN}/s', DEGREES)}
+DEGREE: Final = '\N{DEGREE SIGN}'
+SHOWN_UNITS: Final = {'rad': (DEGREE, DEGREES), 'rad/s': (f'{DEGREE}/s', DEGREES)}
+RAISED: Final = str.maketrans(
+    '0123456789', '\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079'
+)
+CLOSER: Final = 0.95  # of the error with tolerances alone; above it the effect predicts no better
 FORCES: Final = ('surge', 'sway', 'heave')
 ROLES: Final = {
     'train': 'learned from', 'confirm': 'confirmed by', 'holdout': 'shown on',
@@ -21,10 +26,12 @@ ROLES: Final = {
 
 
 def spoken(knob: str) -> str:
-    """Return a knob's name as people say it: 'linear drag (surge)'."""
+    """Return a knob's name as people say it: 'linear drag (surge)', 'net lift'."""
     effect, _, rest = knob.partition('.')
-    words = effect.replace('_', ' ')
-    return f'{words} ({rest.replace("_", " ")})' if rest else words
+    words, known = effect.replace('_', ' '), EFFECTS.get(effect)
+    if not rest or (known is not None and len(known.parameters) == 1):
+        return words
+    return f'{words} ({rest.replace("_", " ")})'
 
 
 def meaning(effect: str) -> str:
@@ -58,17 +65,18 @@ def within(value: float, interval: tuple[float, float]) -> tuple[str, str, str]:
 
 def with_unit(text: str, unit: str) -> str:
     """Return a number with its unit; a pure number stays alone."""
-    return text if unit in ('', '1') else f'{text} {unit}'
+    apart = '' if unit.startswith(DEGREE) else ' '
+    return text if unit in ('', '1') else f'{text}{apart}{unit}'
 
 
-def amount(value: float, unit: str) -> str:
+def amount(value: float, unit: str, digits: int = 3) -> str:
     """Return an error as people read it: millimetres, centimetres, degrees."""
     if unit == 'm' and math.isfinite(value):
         size = abs(value)
         scale, name = (1e3, 'mm') if size < 0.01 else (100.0, 'cm') if size < 1.0 else (1.0, 'm')
-        return f'{figure(scale * value)} {name}'
+        return f'{figure(scale * value, digits)} {name}'
     name, factor = SHOWN_UNITS.get(unit, (unit, 1.0))
-    return with_unit(figure(factor * value), name)
+    return with_unit(figure(factor * value, digits), name)
 
 
 def percent(share: float) -> str:
@@ -116,10 +124,18 @@ def headline(found: Finding) -> str:
     if found.verdict == 'none':
         return 'Nothing is missing that these flights could show.'
     if found.verdict == 'not_identifiable':
+        if coasting(found.gaps):
+            return (
+                'These flights cannot tell: ignoring the commands predicts better than the model.'
+            )
         if not found.effects:
             return 'These flights cannot tell what, if anything, is missing.'
-        alike = dict.fromkeys(spoken(knob) for one in found.effects for knob in one.confusable_with)
-        return f'These flights cannot tell {listed([names, *alike], "from")}.'
+        alike = dict.fromkeys(
+            spoken(knob) for one in found.effects for knob in one.confusable_with
+        )
+        if not alike:
+            return f'It may be {names} that is missing, but these flights cannot tell.'
+        return f'These flights cannot tell {listed([names, listed(list(alike), "or")], "from")}.'
     if found.verdict == 'unexplained':
         return f'Something is missing that is in no library: {rest}.'
     better = _better(found)
@@ -129,23 +145,30 @@ def headline(found: Finding) -> str:
     return f'{said}.'
 
 
+def coasting(gaps: Sequence[Gap]) -> bool:
+    """Tell whether a model that ignores the commands predicts the position best."""
+    gap = main_gap(gaps)
+    return gap is not None and gap.coast < min(gap.tuned, gap.after)
+
+
 def _better(found: Finding) -> str:
     """Return by how much the named effects shrink the gap, to be put behind what is missing."""
     gap = main_gap(found.gaps)
     if gap is None or gap.shrink <= 0.0:
         return ''
-    return (
-        f': with {"them" if len(found.effects) > 1 else "it"}, the {gap.channel} error after '
-        f'{gap.horizon_s:g} s falls from {amount(gap.before, gap.unit)} to '
-        f'{amount(gap.after, gap.unit)}'
+    them = 'them' if sum(len(one.knobs) for one in found.effects) > 1 else 'it'
+    said = (
+        f': with {them}, the {gap.channel} error after {gap.horizon_s:g} s falls from '
+        f'{amount(gap.before, gap.unit, 2)} to {amount(gap.after, gap.unit, 2)}'
     )
+    return said if gap.after < CLOSER * gap.tuned else f'{said}, as it does with tolerances alone'
 
 
 def about(found: Finding) -> str:
     """Return which flights there were, and for what."""
     parts = [f'{words} {listed(found.bags[role])}' for role, words in ROLES.items()
              if found.bags.get(role)]  # fmt: skip
-    said = f'{found.vehicle}, {", ".join(parts)}' if parts else found.vehicle
+    said = ', '.join(parts) or found.vehicle
     shown = (
         'Nothing was fitted to the flights on which the gap is shown.'
         if found.held_out
@@ -161,7 +184,7 @@ def odds(nats: float) -> str:
     power = nats / math.log(10.0)
     if power < 1.0:
         return 'no better than chance' if nats <= 0.0 else f'odds of {math.exp(nats):.1f} to 1'
-    return f'odds of 10^{power:.0f} to 1'
+    return f'odds of 10{f"{power:.0f}".translate(RAISED)} to 1'
 
 
 def tiles(found: Finding) -> list[Tile]:
@@ -186,7 +209,7 @@ def tiles(found: Finding) -> list[Tile]:
     if found.remains:
         first = found.remains[0]
         made.append(
-            Tile('Unexplained', figure(first.floors, 2), 'floors',
+            Tile('Unexplained', figure(first.floors, 2), '\N{MULTIPLICATION SIGN} the floor',
                  f'on {listed([one.axis for one in found.remains])}')
         )  # fmt: skip
     else:
@@ -205,7 +228,7 @@ def _verdict_tile(found: Finding) -> Tile:
     note = {
         'none': 'every candidate was tried',
         'unexplained': 'and no effect of the library fits',
-        'not_identifiable': 'see the next flight to fly',
+        'not_identifiable': 'another flight would have to',
     }.get(found.verdict, '; '.join(values[:3]))
     value = {'none': 'none', 'unexplained': 'no name', 'not_identifiable': 'cannot tell'}
     return Tile('Missing', value.get(found.verdict, str(count)),
@@ -231,8 +254,8 @@ def total(rung: Rung) -> float:
     return rung.train + max(rung.confirm, rung.carried)
 
 
-def because(rung: Rung) -> str:
-    """Return why a candidate was named, or was not."""
+def because(rung: Rung, beaten: bool) -> str:
+    """Return why a candidate was named, or was not; `beaten` where its round named another."""
     witness = max(rung.confirm, rung.carried)
     if rung.accepted:
         return 'named'
@@ -240,4 +263,4 @@ def because(rung: Rung) -> str:
         return 'too little evidence'
     if rung.apart >= APART:
         return 'the flights disagree on its value'
-    return 'another explains it better, or the other flight does not confirm it'
+    return 'another explains it better' if beaten else 'the other flights do not confirm it'
