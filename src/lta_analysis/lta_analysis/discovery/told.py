@@ -35,6 +35,7 @@ def to_dict(finding: Finding, cuts: Sequence[Cut] = ()) -> dict[str, Any]:
         'remains': [remainder._asdict() for remainder in finding.remains],
         'ladder': [[rung._asdict() for rung in stage] for stage in finding.ladder],
         'warnings': list(finding.warnings),
+        'next_flight': finding.next_flight,
         'left_out': [
             {'flight': cut.flight, 'channel': cut.channel, 'from_s': cut.from_s, 'to_s': cut.to_s,
              'reason': cut.reason}

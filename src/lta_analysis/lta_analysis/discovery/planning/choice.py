@@ -26,7 +26,7 @@ from lta_analysis.discovery.planning.rehearsal import (
 )
 from lta_analysis.discovery.planning.supposed import supposed
 from lta_analysis.ingredients import Ingredients, parts_of
-from lta_config.errors import BadInput
+from lta_config.errors import BadInput, unknown
 from lta_sim.in_scene import reach
 from lta_sim.scenario import Scenario
 from lta_sim.vehicle import Vehicle
@@ -35,7 +35,7 @@ from numpy.typing import NDArray
 import yaml
 
 Array = NDArray[np.float64]
-Tell = Callable[[str], None]
+Tell = Callable[[str, float | None], None]
 
 WANTED: Final = 12.0  # nats to expect: 3 decide, and what comes spreads by the root of twice this
 LEAST: Final = 6.0  # nats; a flight that promises less is not worth it
@@ -103,7 +103,7 @@ class Planner:
         text: str,
         sensors: Sensors = 'all',
         flown: Sequence[Reduced] = (),
-        tell: Tell = lambda _: None,
+        tell: Tell = lambda _words, _share: None,
     ) -> None:
         self.made, self.sensors, self.flown, self._tell = made, sensors, list(flown), tell
         self.vehicle, scenario, _ = parts_of(made)
@@ -124,7 +124,7 @@ class Planner:
         """Return a knob by name; `BadInput` that lists the known ones."""
         if name not in self._names:
             known = [knob.name for knob in self.knobs if knob.typical > 0.0]
-            raise BadInput(f"There is no effect '{name}'; known: {', '.join(known)}.")
+            raise unknown('effect', name, known)
         return self.knobs[self._names.index(name)]
 
     def mimic(self, first: Rival, other: Knob) -> Rival:
@@ -152,7 +152,7 @@ class Planner:
         """
         rest: list[tuple[float, Manoeuvre]] = []
         for one in family(self.space):
-            self._tell(f'flying in thought: {one.about}')
+            self._tell(f'flying in thought: {one.about}', None)
             nats = self._promised(one, first, others)
             if nats is None:
                 continue

@@ -4,16 +4,17 @@ The next flight: what to fly so that a name is the only one, as a sentence and a
 Where no flight decides, the sentence says what to measure instead.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, final
 
 from lta_analysis.discovery.classes import Kind, kind_of, same_class
+from lta_analysis.discovery.classes import others as alike
 from lta_analysis.discovery.evidence import floor_of, Pieces, Reduced
 from lta_analysis.discovery.linear import origin
 from lta_analysis.discovery.planning.advice import advice
-from lta_analysis.discovery.planning.choice import Chosen, Planner, Rival
+from lta_analysis.discovery.planning.choice import Chosen, Planner, Rival, Tell
 from lta_analysis.discovery.planning.rehearsal import Sensors
 from lta_analysis.discovery.study import Study
 from lta_analysis.ingredients import gather
@@ -76,7 +77,7 @@ def between(
     second: str,
     scene: str = SCENE,
     kind: Kind = 'all',
-    tell: Callable[[str], None] = lambda _: None,
+    tell: Tell = lambda _words, _share: None,
 ) -> Next:
     """
     Return the flight that tells two names apart, without any flights that there are.
@@ -111,8 +112,8 @@ def between(
 def of_study(
     study: Study,
     vehicle: str,
+    tell: Tell = lambda _words, _share: None,
     scene: str = SCENE,
-    tell: Callable[[str], None] = lambda _: None,
 ) -> Next:
     """
     Return the flight that makes the strongest name of a study unique that is not so yet.
@@ -121,7 +122,7 @@ def of_study(
     ----------
     study : Study
         What was found, from which flights.
-    vehicle, scene, tell
+    vehicle, tell, scene
         As for `between`.
 
     """
@@ -129,7 +130,7 @@ def of_study(
     if doubted is None:
         return Next()
     flights = [one.flight for one in study.flights if one.role != 'holdout']
-    kind = kind_of([one.replay.flight for one in flights])
+    kind = _kind(study)
     knobs, nominal = flights[0].knobs, study.nominal
     reduced = []
     for flight in flights:
@@ -155,7 +156,7 @@ def _planner(
     scene: str,
     kind: Kind,
     flown: Sequence[Reduced],
-    tell: Callable[[str], None],
+    tell: Tell,
 ) -> Planner:
     """Return what plans for a vehicle."""
     made = gather(vehicle, scene, STRATEGY, '')
@@ -194,12 +195,29 @@ def _never(name: str, others: tuple[str, ...], kind: Kind) -> str:
     return f'No flight tells {_listed((name, *others))} apart: {advice(name, others, kind)}.'
 
 
+def with_classes(study: Study) -> Study:
+    """Return a study whose names are confusable with what no such data can tell from them, too."""
+    kind = _kind(study)
+    effects = []
+    for one in study.finding.effects:
+        own = [name for knob in one.knobs for name in alike(knob, kind)]
+        both = dict.fromkeys((*one.confusable_with, *own))
+        confusable = tuple(name for name in both if name not in one.knobs)
+        effects.append(replace(one, confusable_with=confusable))
+    return replace(study, finding=replace(study.finding, effects=tuple(effects)))
+
+
+def _kind(study: Study) -> Kind:
+    """Return the kind of data that taught and confirmed."""
+    return kind_of([one.flight.replay.flight for one in study.flights if one.role != 'holdout'])
+
+
 def hint(study: Study) -> str:
     """Return what comes next without planning it: the page of every study has this."""
     doubted = next((one for one in study.finding.effects if one.confusable_with), None)
     if doubted is None:
         return ''
-    kind = kind_of([one.flight.replay.flight for one in study.flights if one.role != 'holdout'])
+    kind = _kind(study)
     rich: Kind = 'all' if kind == 'hover' else kind
     name = doubted.knobs[0]
     never = tuple(o for o in doubted.confusable_with if same_class(name, o, rich))
