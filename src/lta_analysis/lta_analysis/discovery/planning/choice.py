@@ -153,7 +153,7 @@ class Planner:
         rest: list[tuple[float, Manoeuvre]] = []
         for one in family(self.space):
             self._tell(f'flying in thought: {one.about}', None)
-            nats = self._promised(one, first, others)
+            nats = self.promised(one, first, others)
             if nats is None:
                 continue
             chosen = self._decided(one, first, others) if nats > SURE * WANTED else None
@@ -165,7 +165,7 @@ class Planner:
         found = [one for one in tried if one is not None and one.nats >= LEAST]
         return max(found, key=lambda one: one.nats, default=None)
 
-    def _promised(
+    def promised(
         self, manoeuvre: Manoeuvre, first: Rival, others: Sequence[Rival]
     ) -> float | None:
         """Return what a manoeuvre promises as the file has the vehicle; None where unsafe."""
