@@ -14,6 +14,7 @@ from lta_analysis.discovery.planning.flyable import extent, objections
 from lta_analysis.discovery.planning.manoeuvres import family, manoeuvre, Space
 from lta_analysis.discovery.planning.next_flight import (
     between,
+    CERTAIN,
     FILE,
     hint,
     Next,
@@ -175,4 +176,4 @@ def test_a_study_with_a_doubtful_name_says_what_comes_next(
     tied = replace(finding, effects=(replace(lift, confusable_with=('linear_drag.heave',)),))
     assert '--plan' in hint(replace(study, finding=tied))
     assert hint(study) == ''
-    assert of_study(study, 'gtmab') == Next()
+    assert of_study(study, 'gtmab') == Next(CERTAIN)

@@ -26,6 +26,7 @@ FILE: Final = 'next_flight.yaml'
 SCENE: Final = 'hall'
 STRATEGY: Final = 'bag'
 MOST: Final = 4  # names that one is told from by a flight
+CERTAIN: Final = 'No name is in doubt: there is no flight to plan.'
 BIG: Final = 2.0  # typical sizes; of what is supposed of a name that no flight was studied for
 SEEN_BY: Final[dict[Kind, Sensors]] = {
     'all': 'all',
@@ -128,7 +129,7 @@ def of_study(
     """
     doubted = next((one for one in study.finding.effects if one.confusable_with), None)
     if doubted is None:
-        return Next()
+        return Next(CERTAIN)
     flights = [one.flight for one in study.flights if one.role != 'holdout']
     kind = _kind(study)
     knobs, nominal = flights[0].knobs, study.nominal
