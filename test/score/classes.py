@@ -93,7 +93,7 @@ def page(kept: Frozen) -> str:
         '## How far a typical effect stands out',
         '',
         'Deviations of a typical size (the spread that the registry declares), the tolerances of '
-        'the vehicle file among them: in these flights, and however many of them there are. What '
+        'the vehicle file among them: in these flights, and however long they are. What '
         'stays below 6 in the second column is capped by its own tolerance: only a better known '
         'vehicle would show it, or an effect that is larger than typical.',
         '',

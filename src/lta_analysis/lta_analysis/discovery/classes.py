@@ -40,7 +40,7 @@ class OfKind(Record):
         Cosine of pairs below the threshold that are hard to tell apart: 'one, other'.
     reach : mapping of str to two numbers
         Deviations that a typical size of each name comes to, its tolerances among them: in the
-        flights it was derived from, and however many there are.
+        flights it was derived from, and however long they are.
 
     """
 

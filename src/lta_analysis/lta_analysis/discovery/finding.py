@@ -198,6 +198,8 @@ class Finding:
         Name of the vehicle file.
     versions : mapping of str to str
         Of the program, its commit, the registry of effects.
+    next_flight : str
+        What to fly or measure so that a name that is not alone becomes so; '' where all are.
     detectable : tuple of Detectable
         How small each candidate could have been and still be seen; empty where nobody asked.
     unexplained : tuple of str
@@ -219,3 +221,4 @@ class Finding:
     versions: Mapping[str, str] = field(default_factory=dict)
     detectable: tuple[Detectable, ...] = ()
     unexplained: tuple[str, ...] = ()
+    next_flight: str = ''

@@ -41,6 +41,8 @@ def show(finding: Finding, console: Console) -> None:
         console.print(line, soft_wrap=True)
     if finding.where:
         console.print(where_table(finding))
+    if finding.next_flight:
+        console.print(Text(finding.next_flight), soft_wrap=True)
     for word in finding.warnings:
         console.print(Text(word, 'yellow'), soft_wrap=True)
 

@@ -36,6 +36,7 @@ def to_dict(finding: Finding, cuts: Sequence[Cut] = ()) -> dict[str, Any]:
         'detectable': [each._asdict() for each in finding.detectable],
         'ladder': [[rung._asdict() for rung in stage] for stage in finding.ladder],
         'warnings': list(finding.warnings),
+        'next_flight': finding.next_flight,
         'left_out': [
             {'flight': cut.flight, 'channel': cut.channel, 'from_s': cut.from_s, 'to_s': cut.to_s,
              'reason': cut.reason}

@@ -6,6 +6,8 @@ import sys
 from typing import Annotated
 
 from lta_analysis.discovery.demo import demonstrate
+from lta_analysis.discovery.planning.next_flight import between as plan_between
+from lta_analysis.discovery.planning.next_flight import FILE, Next, SCENE
 from lta_analysis.discovery.progress import DiscoverProgress
 from lta_analysis.discovery.run import Asked
 from lta_analysis.discovery.run import discover as discovered
@@ -40,6 +42,16 @@ def discover(
     demo: Annotated[
         bool, typer.Option('--demo', help='Hide an effect, fly with it, find it, show it.')
     ] = False,
+    plan: Annotated[
+        bool, typer.Option('--plan', help='Write the next flight, that decides between names.')
+    ] = False,
+    between: Annotated[
+        tuple[str, str] | None,
+        typer.Option(metavar='EFFECT EFFECT', help='Plan without flights: tell these two apart.'),
+    ] = None,
+    scenario: Annotated[
+        str, typer.Option(help='With --between, where to fly: scenario name or file.')
+    ] = SCENE,
     seed: Annotated[int, typer.Option(help='Seed of all chance.', min=0, max=2**31 - 1)] = 1,
     out: Out = None,
     json: Annotated[bool, typer.Option('--json', help='Print discovery.json, alone.')] = False,
@@ -56,6 +68,9 @@ def discover(
     learned, to be flown or studied again), overlay.mcap (measured, before and after, for
     Foxglove) and discovery.json.
 
+    With --plan there is next_flight.yaml as well where a name is not the only one: a scenario, for
+    lta fly, of the flight that tells it from the others. What no flight tells apart, it says.
+
     One flight alone is split in time, which is weaker. How it decides, and how good it is at
     it: docs/discovery.md.
 
@@ -65,6 +80,8 @@ def discover(
     Example: lta discover --vehicle gtmab --train A B --confirm C --holdout D
 
     Example: lta discover --demo
+
+    Example: lta discover --vehicle gtmab --between linear_drag.surge quadratic_drag.surge
     """
     console = Console(stderr=json)
     if demo and (train or confirm or holdout or vehicle):
@@ -74,17 +91,24 @@ def discover(
             'There is no vehicle file to hold the flights against; name it with --vehicle, or '
             'see how all this goes with --demo.'
         )
+    if between is not None and (train or confirm or holdout or demo):
+        raise BadInput('--between plans without flights; leave the bags out, or take --plan.')
     if out is not None and out.exists():
         empty_folder(out.absolute())  # refused before the work, not after
     folder = results_folder(out, 'discover-demo' if demo else 'discover')
     hidden = None
     with DiscoverProgress(console) as progress:
-        if vehicle is None:
+        if between is not None and vehicle is not None:
+            planned = plan_between(vehicle, *between, scenario, tell=progress.stage)
+        elif vehicle is None:
             hidden, found = demonstrate(seed, folder, progress.stage)
         else:
             bags = {'train': train or [], 'confirm': confirm or [], 'holdout': holdout or []}
-            asked = Asked(vehicle, bags, seed, robot)  # type: ignore[arg-type]
+            asked = Asked(vehicle, bags, seed, robot, plan)  # type: ignore[arg-type]
             found = discovered(asked, folder, progress.stage)
+    if between is not None:
+        told_plan(planned, str(vehicle), folder, json, console)
+        return
     if json:
         content = {**found.told, 'page': str(found.page)}
         if hidden is not None:
@@ -96,9 +120,34 @@ def discover(
     if hidden is not None:
         both = f'Hidden was {hidden}; found was {found_words(finding)}.'
         console.print(both, style='bold', highlight=False, soft_wrap=True)
+    if (folder / FILE).exists():
+        show_flight(finding.vehicle, folder / FILE, console)
     if finding.effects:
         learned = near(folder / 'vehicle.yaml')
         for line in (typed('vehicle', 'diff', finding.vehicle, learned),
                      typed('fly', '--vehicle', learned)):  # fmt: skip
             console.print(line, style='dim', highlight=False, markup=False, soft_wrap=True)
     console.print(page_line(found.page), highlight=False, markup=False, soft_wrap=True)
+
+
+def told_plan(planned: Next, vehicle: str, folder: Path, json: bool, console: Console) -> None:
+    """Write the next flight and say what it is."""
+    if planned.scenario is not None:
+        folder.mkdir(parents=True, exist_ok=True)
+    path = planned.write(folder)
+    if json:
+        content = {
+            'next_flight': planned.text,
+            'expected_nats': planned.nats,
+            'scenario': None if path is None else str(path),
+        }
+        sys.stdout.write(json_text.dumps(content, indent=1, ensure_ascii=False) + '\n')
+    console.print(planned.text, highlight=False, soft_wrap=True)
+    if path is not None:
+        show_flight(vehicle, path, console)
+
+
+def show_flight(vehicle: str, path: Path, console: Console) -> None:
+    """Print how a planned flight is flown."""
+    line = typed('fly', '--vehicle', vehicle, '--scenario', near(path))
+    console.print(line, style='dim', highlight=False, markup=False, soft_wrap=True)

@@ -52,11 +52,14 @@ def test_a_nuisance_takes_its_share_and_a_tolerance_caps() -> None:
 
 def test_flights_add_up_each_with_its_own_errors() -> None:
     both = [[1.0, 1.0], [1.0, -1.0]]
-    own = Knob('bias', '1', {('e', 'bias'): 1.0}, 1e-5, 1e-4, 0.5, 0.0, per_flight=True)
+    own = Knob('bias', '1', {('e', 'bias'): 1.0}, 1e-5, 1e-4, 0.5, 2.0, per_flight=True)
     one = Pairs([_reduced(both[:1])], [_knob('a'), own])
     two = Pairs([_reduced(both[:1]), _reduced(both[1:])], [_knob('a'), own])
     assert one.one(0) == pytest.approx(1.0 / (1.0 + 0.25))
     assert two.one(0) == pytest.approx(2.0 / (1.0 + 0.25))
+    # A bias that all flights share stands out of what each has of its own.
+    assert two.one(1) == pytest.approx(2.0 / (1.0 + 0.25))
+    assert two.sigma(1) == pytest.approx(2.0 * (2.0 / 1.25) ** 0.5)
 
 
 def test_what_is_to_be_expected_of_one_name_over_the_other() -> None:

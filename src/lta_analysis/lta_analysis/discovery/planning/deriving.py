@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import hashlib
 from typing import Any, Final, final
 
-from lta_analysis.discovery.evidence import FLOOR, Pieces
+from lta_analysis.discovery.evidence import floor_of, Pieces
 from lta_analysis.discovery.knobs import Knob, knobs
 from lta_analysis.discovery.linear import origin
 from lta_analysis.discovery.measured import Streams
@@ -29,7 +29,7 @@ ALIKE: Final = 0.98  # |cosine| from which two names are one: see `lta_analysis.
 SEEN: Final = 0.1  # deviations of a typical size, below which data say nothing of a name
 FLIGHTS: Final = 3
 LENGTH: Final = 120.0  # s
-MORE: Final = 1e4  # times as much of the same data: what is left then is capped by tolerances
+MORE: Final = 1e4  # times as long: what is left then is capped by tolerances
 LEG: Final = 6.0  # s
 # Kinds of data: the sensors, and whether the flights are rich.
 KINDS: Final[dict[str, tuple[Sensors, bool]]] = {
@@ -54,7 +54,7 @@ class Derived:
     cosine : ndarray, shape (n, n)
         Of each pair, its size.
     reach, cap : ndarray, shape (n,)
-        Deviations that a typical size comes to: in these flights, and however many there are.
+        Deviations that a typical size comes to: in these flights, and however long they are.
 
     """
 
@@ -138,7 +138,7 @@ def derive(kinds: Sequence[str] = tuple(KINDS), flights: int = FLIGHTS) -> Mappi
             flight = prepared(streams, vehicle, turned, sensors)
             nominal = Nominal.of(vehicle)
             linear = flight.at(origin(nominal, turned, len(flight.replay.first)))
-            reduced.append(Pieces(linear).reduced(FLOOR))
+            reduced.append(Pieces(linear).reduced(floor_of(nominal)))
         out[kind] = compared(Pairs(reduced, turned), Pairs(reduced, turned, MORE))
     return out
 

@@ -8,9 +8,8 @@ share. Two knobs of which the parts that are left point the same way are one nam
 from collections.abc import Sequence
 from typing import final, NamedTuple
 
-from lta_analysis.discovery.evidence import Reduced, tolerances
+from lta_analysis.discovery.evidence import own_variance, Reduced, shared
 from lta_analysis.discovery.knobs import Knob
-from lta_analysis.discovery.linear import SENSORS
 import numpy as np
 from numpy.typing import NDArray
 
@@ -63,7 +62,7 @@ class Pairs:
     knobs : sequence of Knob
         Of all.
     times : float
-        How often each flight is flown: what more of the same would say.
+        How much longer each flight is: what more of the same would say.
 
     """
 
@@ -71,36 +70,26 @@ class Pairs:
         self, flights: Sequence[Reduced], knobs: Sequence[Knob], times: float = 1.0
     ) -> None:
         self.knobs = list(knobs)
-        self._products = [times * flight.products[:-1, :-1] for flight in flights]
-        self._tolerance = np.sqrt(np.diag(tolerances(knobs).covariance))
-        own = np.array([knob.per_flight for knob in knobs] + [True] * len(SENSORS))
-        free = self._tolerance > 0.0
-        self._own, self._common = own & free, ~own & free
-        self._kept: dict[tuple[int, ...], Array] = {}
+        own = own_variance(knobs)
+        at = np.flatnonzero(own)
+        # What a flight has of its own comes on top of what flights share of the same knob.
+        parts = [self._eliminated(times * f.products[:-1, :-1], at, own[at]) for f in flights]
+        self._products = np.sum(parts, axis=0)
+        self._variance = np.diag(shared(knobs).covariance)
 
-    def _without_own(self, picked: tuple[int, ...]) -> Array:
-        """Return the sum over flights, with what is each flight's own eliminated from it."""
-        aside = tuple(k for k in picked if self._own[k])
-        if aside not in self._kept:
-            out = self._own.copy()
-            out[list(aside)] = False
-            at = np.flatnonzero(out)
-            self._kept[aside] = np.sum([self._eliminated(p, at) for p in self._products], axis=0)
-        return self._kept[aside]
-
-    def _eliminated(self, products: Array, at: NDArray[np.int64]) -> Array:
-        """Return products without some columns, which have their tolerance."""
-        inner = products[np.ix_(at, at)] + np.diag(self._tolerance[at] ** -2.0)
+    def _eliminated(self, products: Array, at: NDArray[np.int64], variance: Array) -> Array:
+        """Return products without some columns, which are within their tolerance."""
+        inner = products[np.ix_(at, at)] + np.diag(1.0 / variance)
         cross = products[at]
         left: Array = products - cross.T @ np.linalg.solve(inner, cross)
         return left
 
     def _left(self, picked: tuple[int, ...]) -> Array:
         """Return the information about some knobs, all others marginalised."""
-        products = self._without_own(picked)
-        free = self._common.copy()
+        free = self._variance > 1e-30
         free[list(picked)] = False
-        left = self._eliminated(products, np.flatnonzero(free))
+        at = np.flatnonzero(free)
+        left = self._eliminated(self._products, at, self._variance[at])
         return left[np.ix_(picked, picked)]
 
     def one(self, k: int) -> float:
@@ -114,7 +103,7 @@ class Pairs:
 
     def sigma(self, k: int) -> float:
         """Return how many deviations a typical size of a knob is, its own tolerance among them."""
-        knob, information = self.knobs[k], self.one(k)
-        if information * knob.typical**2 < 1e-6:
+        typical, information = self.knobs[k].typical, self.one(k)
+        if information * typical**2 < 1e-6:
             return 0.0
-        return knob.typical / float(np.sqrt(1.0 / information + knob.tolerance**2))
+        return typical / float(np.sqrt(1.0 / information + max(0.0, self._variance[k])))

@@ -150,7 +150,8 @@ def _stream(rows: list[tuple[float, ...]]) -> Stream:
 def _upright(quaternion: Array) -> Array:
     """Return the cosine of the tilt."""
     x, y, _, _ = quaternion.T
-    return 1.0 - 2.0 * (x**2 + y**2)
+    cosine: Array = 1.0 - 2.0 * (x**2 + y**2)
+    return cosine
 
 
 def _tracked(pose: Stream, rng: np.random.Generator) -> Stream:
