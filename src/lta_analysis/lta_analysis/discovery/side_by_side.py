@@ -9,7 +9,6 @@ arrays, and answers keep the order of the questions.
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 import os
-import sys
 from typing import TypeVar
 
 Item = TypeVar('Item')
@@ -18,9 +17,7 @@ Answer = TypeVar('Answer')
 
 def cores() -> int:
     """Return how many cores this process may use."""
-    if sys.platform == 'linux':
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+    return len(os.sched_getaffinity(0))
 
 
 def side_by_side(
