@@ -8,7 +8,6 @@ export OMP_NUM_THREADS := 1
 export PYTHON
 
 enter := root='$(CURDIR)' && . tools/workspace.sh
-pytest := $(enter) && .venv/bin/python -m pytest -q
 sources := config src test examples
 
 .PHONY: help demo build test test-long bench flights trust classes plan check format clean
@@ -24,10 +23,10 @@ build:  ## the environment in .venv and the workspace in install/, where they ch
 	@tools/build.sh
 
 test: check  ## style, types and the whole suite but the long tests
-	@$(pytest) -m 'not long and not benchmark' $(ARGS)
+	@$(enter) && tools/suite.sh 'not long and not benchmark' $(ARGS)
 
 test-long: check  ## the long tests as well
-	@$(pytest) -m 'not benchmark' $(ARGS)
+	@$(enter) && tools/suite.sh 'not benchmark' $(ARGS)
 
 bench: test-environment  ## the measurements, beside those of others (ARGS='kernel mujoco': some)
 	@$(enter) && .venv/bin/python test/benchmark/bench.py $(ARGS)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 STEPS: Final = 2  # of the integrator in a grid period
-LONGEST: Final = 0.02  # s; of a step of the actuators
+LONGEST: Final = 0.01  # s; of a step of the actuators
 ALL: Final = slice(None)
 AXES: Final = 6
 REMEMBERING: Final = [

@@ -6,8 +6,9 @@ from lta_analysis.discovery.knobs import Knob
 from lta_analysis.discovery.linear import origin, RANDOM
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.nominal import Nominal
-from lta_analysis.discovery.replay import STEPS
+from lta_analysis.discovery.replay import Replay, STEPS
 from lta_config.constants import STANDARD_GRAVITY
+from lta_sim.vehicle import load_vehicle
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -88,3 +89,50 @@ def test_all_forces_and_inertias_scaled_together_move_nothing(
     known = np.isfinite(total)
     thrust = columns[..., RANDOM + names.index('thrust_scale.factor')]
     assert np.linalg.norm(total[known]) < 2e-4 * np.linalg.norm(thrust[known])
+
+
+def test_what_is_not_wanted_costs_nothing_and_changes_nothing(
+    gtmab: Known, clean: Linearised
+) -> None:
+    nominal, knobs = gtmab
+    point = origin(nominal, knobs, len(clean.replay.first))
+    wanted = np.array([knob.tolerance > 0.0 for knob in knobs])
+    whole, some = clean.at(point), clean.at(point, wanted)
+    kept = np.r_[
+        0:RANDOM, RANDOM + np.flatnonzero(wanted), RANDOM + len(knobs) : whole.grams.shape[1]
+    ]
+    np.testing.assert_allclose(
+        some.grams[:, kept[:, None], kept], whole.grams[:, kept[:, None], kept], rtol=1e-9
+    )
+    assert not some.grams[:, RANDOM + np.flatnonzero(~wanted)].any()
+    np.testing.assert_array_equal(some.residual, whole.residual)
+
+
+def test_a_pose_alone_has_the_columns_of_the_pose(
+    gtmab: Known, clean: Linearised, columns: NDArray[np.float64]
+) -> None:
+    flight = clean.replay.flight
+    noise = np.where(np.arange(14) < 6, flight.noise, np.inf)
+    blind = replace(flight, noise=noise)
+    replay = Replay(blind, clean.replay.cut, load_vehicle('gtmab').command(()))
+    alone = Linearised(replay, clean.knobs, clean.places)
+    point = origin(gtmab[0], gtmab[1], len(replay.first))
+    told, left = alone.columns(point)
+    np.testing.assert_array_equal(told[:, :, :6], columns[:, :, :6])
+    assert not told[:, :, 6:].any()
+    known = np.isfinite(left)
+    flat = np.where(known[..., None], told, 0.0).reshape(len(told), -1, told.shape[-1])
+    np.testing.assert_allclose(
+        alone.at(point).grams[:, :-1, :-1], np.swapaxes(flat, 1, 2) @ flat, rtol=1e-9, atol=1e-12
+    )
+
+
+def test_a_turned_row_is_that_of_the_vehicle_built_anew(gtmab: Known) -> None:
+    nominal, knobs = gtmab
+    base = nominal.rows()
+    for knob in knobs:
+        turned = knob.turned(nominal, knob.step_at(0.0))
+        quick, slow = turned.rows_beside(nominal, base), turned.rows()
+        for name in ('actuators', 'actuators_on', 'body', 'body_on'):
+            np.testing.assert_array_equal(getattr(quick, name), getattr(slow, name))
+        assert quick.acting == slow.acting

@@ -33,7 +33,7 @@ def test_a_lagged_rotor_has_the_mean_thrust_of_its_closed_form(
         time = np.linspace(0.02 * k, 0.02 * (k + 1), 20001) - 0.043
         duty = np.where(time > 0.0, 0.5 * (1.0 - np.exp(-np.maximum(time, 0.0) / 0.072)), 0.0)
         expected = np.trapezoid(a * duty**2 + b * duty, dx=1e-6) / 0.02
-        assert thrusts[k, 0] == pytest.approx(expected, rel=3e-3)
+        assert thrusts[k, 0] == pytest.approx(expected, rel=1e-4)
     assert (thrusts[:2] == 0.0).all()
     assert (thrusts[:, 4:] == 0.0).all()
 

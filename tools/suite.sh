@@ -1,0 +1,22 @@
+#!/bin/sh
+# Run the tests that a marker expression chooses: tools/suite.sh EXPRESSION [pytest's arguments]
+#
+# What needs nothing but a core goes side by side, a file at a time on each core. What starts
+# processes and watches the clock follows one by one. Either part may have no test (status 5).
+set -u
+chosen=$1
+shift
+status=5
+run() {
+    .venv/bin/python -m pytest -q "$@"
+    now=$?
+    [ "$now" = 5 ] && return
+    if [ "$status" = 5 ] || [ "$status" = 0 ]; then
+        status=$now
+    fi
+    # Interrupted: the rest is not wanted either.
+    [ "$now" = 2 ] && exit "$status"
+}
+run -n auto --maxprocesses 4 --dist loadfile -m "not integration and ($chosen)" "$@"
+run -m "integration and ($chosen)" "$@"
+exit "$status"
