@@ -36,6 +36,7 @@ REST: Final = 0.7  # nats; below it the evidence has come to rest
 ROUNDS: Final = 12
 # Factors on the variance of the noise, where the whole step of Gauss-Newton makes things worse.
 DOUBTS: Final = (4.0, 30.0, 300.0, 3e3, 3e4, 3e5)
+RAN_AWAY: Final = 'The model runs away from the flight; begin with a vehicle file nearer to it.'
 WORSE: Final = 1.0  # in minus twice the log density; by which a step may be
 
 
@@ -226,9 +227,12 @@ class Fitter:
 
     def settled(self, group: Group, prior: Prior, start: Array, count: int = 1) -> Joint:
         """Return flights with the deviations most probable, about where they are."""
-        deviations, evidence = weighed(group, prior, start, self.floor)
-        reduced = group.reduced(deviations)
-        found = fitted(reduced, group.at, prior)
+        try:
+            deviations, evidence = weighed(group, prior, start, self.floor)
+            reduced = group.reduced(deviations)
+            found = fitted(reduced, group.at, prior)
+        except np.linalg.LinAlgError:
+            raise BadInput(RAN_AWAY) from None
         return Joint(group, prior, reduced, deviations, found, evidence, count)
 
     def _step(self, last: Joint) -> Onward | None:
