@@ -144,7 +144,7 @@ class Group:
         before = (point.values - self.at)[own]
         right = products[own, -1] - before / self.variance[own]
         # The column of what is shared is that of what is own.
-        inverse: Array = np.linalg.inv(inner)
+        inverse = np.asarray(np.linalg.inv(inner), dtype=np.float64)
         return inverse @ products[own, :-1], before + inverse @ right
 
     def of_flight(self, pieces: Pieces, reduced: Reduced, fitted: Fitted) -> Fitted:
@@ -154,9 +154,9 @@ class Group:
             return fitted
         answer, left = self._answer(pieces, reduced)
         mean, through = fitted.mean.copy(), np.eye(len(self.at))
-        mean[own] = mean[own] + left - answer @ (fitted.mean - self.at)
+        mean[own] += left - answer @ (fitted.mean - self.at)
         through[own] -= answer
-        covariance = through @ fitted.covariance @ through.T
+        covariance: Array = through @ fitted.covariance @ through.T
         inner = reduced.products[np.ix_(own, own)] + np.diag(1.0 / self.variance[own])
         covariance[np.ix_(own, own)] += np.linalg.inv(inner)
         return Fitted(fitted.log_evidence, mean, covariance)

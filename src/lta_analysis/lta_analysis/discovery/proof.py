@@ -14,7 +14,7 @@ from lta_analysis.discovery.accept import LARGER, TIE
 from lta_analysis.discovery.evidence import floor_of, own_variance, Prior, shared
 from lta_analysis.discovery.fit import Fitter, Joint, REST
 from lta_analysis.discovery.linearise import Linearised
-from lta_analysis.discovery.naming import ALIKE, Named, Pair
+from lta_analysis.discovery.naming import Named, Pair
 from lta_analysis.discovery.nominal import Nominal
 from lta_analysis.discovery.scan import likeness
 import numpy as np
@@ -24,6 +24,7 @@ import numpy as np
 KEPT: Final = LARGER
 CERTAIN: Final = 60.0  # nats; what is so much worse about the old point needs no refit
 NEAR: Final = 15.0  # nats; nor is a rival refitted that is so much worse
+ALIKE: Final = 0.9  # of the cosine of two columns; beyond it they are two words for one thing
 RIVALS: Final = 2  # refitted for each effect
 ROUNDS: Final = 4
 ANY: Final = 30.0  # typical sizes: as good as any
