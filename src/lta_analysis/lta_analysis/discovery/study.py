@@ -18,6 +18,7 @@ from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.measured import Measured
 from lta_analysis.discovery.naming import Naming, Step
 from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.outliers import without_outliers
 from lta_analysis.discovery.outside import Outside, outside
 from lta_analysis.discovery.proof import Proof, Proven
 from lta_analysis.discovery.replay import Replay
@@ -128,7 +129,9 @@ def study(
 
     """
     tell = progress or (lambda what, part: None)
-    given, warnings = assigned(flights)
+    tidy, said = _tidied(flights)
+    given, warnings = assigned(tidy)
+    warnings += said
     nominal = Nominal.of(vehicle)
     known = knobs(nominal)
     tell('making ready', 0.0)
@@ -164,6 +167,17 @@ def study(
     seen = [Shown(f, *each) for f, each in zip(last, models, strict=True)]
     tell('done', 1.0)
     return Study(finding, nominal, learned(nominal, proven, known), flown, seen)
+
+
+def _tidied(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
+    """Return flights without wild readings, and a sentence on each that had any."""
+    out, said = [], []
+    for name, role, flight in flights:
+        clean, count = without_outliers(flight)
+        out.append((name, role, clean))
+        if count:
+            said.append(f"Of '{name}', {count} wild readings were left out.")
+    return out, said
 
 
 def ready(vehicle: Vehicle, flight: Measured, known: Sequence[Knob]) -> Linearised:
