@@ -86,7 +86,8 @@ def remains_with(
     """
     Return what remains with what the best rival of each axis says that it follows.
 
-    A rival was weighed beside everything else, so it has the first word. An axis that does not stand clear of the floor by itself is added where a rival still wins.
+    A rival was weighed beside everything else, so it has the first word. An axis that does not
+    stand clear of the floor by itself is added where a rival still wins.
     """
     out = {one.axis: one for one in remains}
     told: set[str] = set()

@@ -63,6 +63,7 @@ class Pushed:
         self._inverse = np.array(model.inverse).reshape(6, 6)
         self._arm = np.array(world.vehicle.file.sensors.imu_position.vector)
         self._before = world.state[7:13].copy()
+        self._period = topic_table().control_ns * 1e-9
         self.felt = np.zeros(3)  # by the accelerometer, m/s2
 
     def advance(self, duties: Array) -> None:
@@ -70,8 +71,7 @@ class Pushed:
         if self.kind is None:
             self.world.advance(duties.tolist())
             return
-        state, period = self.world.state, 0.02
-        period = self.world._period
+        state, period = self.world.state, self._period
         change = (state[7:13] - self._before) / period
         self._before = state[7:13].copy()
         seen = Seen(
