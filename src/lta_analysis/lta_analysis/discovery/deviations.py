@@ -73,7 +73,10 @@ def weighed(
     own = Prior(prior.mean[kept], prior.covariance[np.ix_(kept, kept)])
 
     def value(deviations: Array) -> float:
-        found = evidence_of(narrow.reduced(deviations), narrow.at, own)
+        try:
+            found = evidence_of(narrow.reduced(deviations), narrow.at, own)
+        except np.linalg.LinAlgError:
+            return -np.inf  # so far off that nothing is left of a column but rounding
         return found + log_prior(deviations, floor)
 
     starts = [start, *(np.minimum(start, cap * floor) for cap in caps)]

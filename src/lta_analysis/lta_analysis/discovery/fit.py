@@ -7,7 +7,8 @@ rests.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+import contextlib
+from dataclasses import dataclass, replace
 from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.deviations import weighed
@@ -19,7 +20,7 @@ from lta_analysis.discovery.evidence import (
     Prior,
     Reduced,
 )
-from lta_analysis.discovery.group import Group, Moved
+from lta_analysis.discovery.group import Group
 from lta_analysis.discovery.knobs import Knob
 from lta_analysis.discovery.linear import Linear, Point
 from lta_analysis.discovery.linearise import Linearised
@@ -32,8 +33,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 REST: Final = 0.7  # nats; below it the evidence has come to rest
-ROUNDS: Final = 6
-SHARES: Final = (1.0, 0.5, 0.2, 0.05)  # of a step of Gauss-Newton
+ROUNDS: Final = 12
+# Factors on the variance of the noise, where the whole step of Gauss-Newton makes things worse.
+DOUBTS: Final = (4.0, 30.0, 300.0, 3e3, 3e4, 3e5)
 WORSE: Final = 1.0  # in minus twice the log density; by which a step may be
 
 
@@ -230,41 +232,42 @@ class Fitter:
         return Joint(group, prior, reduced, deviations, found, evidence, count)
 
     def _step(self, last: Joint) -> Onward | None:
-        """Return the next point: the whole step, or a part that is better; None without one."""
-        group, knobs = last.group, self.flights[0].knobs
-        target = within(knobs, last.fitted.mean)
-        moves = group.moved(last.deviations, target)
+        """Return the next point: the whole step, or a shorter one that is better, or None."""
+        group = last.group
+        at, points = self._towards(last, group, last.fitted.mean)
         # Flights that do not stand together yet have no common misfit to begin with.
         bound = self._misfit(last, group.at, [each.point for each in group.linears]) + WORSE
+        misfit = self._misfit(last, at, points)
+        if np.isfinite(misfit) and (misfit < bound or not group.aligned):
+            linear = promised(group, last.deviations, last.prior, at, points)
+            return Onward(at, points, abs(misfit - linear), True)
         found = []
-        for share in SHARES:
-            at = group.at + share * (target - group.at)
-            try:
-                points = self._between(group, moves, share)
-                misfit = self._misfit(last, at, points)
-            except BadInput:
-                continue
-            if share == 1.0 and (misfit < bound or not group.aligned) and np.isfinite(misfit):
-                linear = promised(group, last.deviations, last.prior, at, points)
-                return Onward(at, points, abs(misfit - linear), True)
-            found.append((misfit, at, points))
+        for doubt in DOUBTS:
+            with contextlib.suppress(BadInput, np.linalg.LinAlgError):
+                at, points = self._doubted(last, doubt)
+                found.append((self._misfit(last, at, points), at, points))
         misfit, at, points = min(found, key=lambda one: one[0], default=(np.inf, group.at, []))
         return Onward(at, points, np.inf, False) if misfit < bound else None
+
+    def _doubted(self, last: Joint, doubt: float) -> tuple[Array, list[Point]]:
+        """Return where flights would go if their noise were larger: nearer to what is known."""
+        pieces = [Pieces(replace(each, grams=each.grams / doubt)) for each in last.group.linears]
+        group = replace(last.group, pieces=tuple(pieces))
+        found = fitted(group.reduced(last.deviations), group.at, last.prior)
+        return self._towards(last, group, found.mean)
+
+    def _towards(self, last: Joint, group: Group, mean: Array) -> tuple[Array, list[Point]]:
+        """Return what is shared, and the points of the flights, where that has a given mean."""
+        knobs, points = self.flights[0].knobs, []
+        at = within(knobs, mean)
+        for move in group.moved(last.deviations, at):
+            vehicle, values = turned(self.nominal, knobs, move.values)
+            points.append(Point(vehicle, values, move.random))
+        return at, points
 
     def _misfit(self, last: Joint, at: Array, points: Sequence[Point]) -> float:
         """Return the misfit at a point, flown."""
         return misfit_at(self.flights, last.deviations, last.prior, self.variance, at, points)
-
-    def _between(self, group: Group, moves: Sequence[Moved], share: float) -> list[Point]:
-        """Return the points a part of the way to where the flights should go."""
-        points = []
-        for linear, move in zip(group.linears, moves, strict=True):
-            was = linear.point
-            values = was.values + share * (move.values - was.values)
-            vehicle, values = turned(self.nominal, self.flights[0].knobs, values)
-            random = was.random + share * (move.random - was.random)
-            points.append(Point(vehicle, values, random))
-        return points
 
 
 def fit(

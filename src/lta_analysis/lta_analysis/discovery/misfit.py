@@ -13,6 +13,7 @@ from lta_analysis.discovery.group import Group
 from lta_analysis.discovery.linear import Point
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.replay import STEPS
+from lta_config.errors import BadInput
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,7 +29,7 @@ def misfit_at(
     points: Sequence[Point],
 ) -> float:
     """
-    Return the misfit of flights at a point; inf where one ran away.
+    Return the misfit of flights at a point; inf where one ran away or no such vehicle can be.
 
     Parameters
     ----------
@@ -49,7 +50,10 @@ def misfit_at(
     total = _unknowns(deviations, prior, variance, at, points)
     for flight, point in zip(flights, points, strict=True):
         with np.errstate(over='ignore', invalid='ignore'):
-            grid = flight.trajectory(point)[:, ::STEPS]
+            try:
+                grid = flight.trajectory(point)[:, ::STEPS]
+            except BadInput:
+                return np.inf  # no such vehicle can be
             if not np.isfinite(grid).all():
                 return np.inf
             left = flight.left(grid, point, point.nominal.rows()) / flight.replay.flight.noise
