@@ -28,7 +28,7 @@ AROUND: Final = 0.2  # s; cut beside an interval
 NEAR_FLOOR: Final = 0.05  # m above standing: swings still touch
 SHORTEST: Final = 6.0  # s; of a flight
 LEAST: Final = 20.0  # s; of all training flights
-STILL: Final = 0.005  # of a duty, or N: standard deviation over all training flights
+STILL: Final = 0.005  # of the largest command: standard deviation over all training flights
 FULL: Final = 0.98  # of a duty
 LOST: Final = 0.02  # of the poses, worth a word
 LIGHT: Final = 'illuminance/illuminance'
@@ -177,10 +177,13 @@ def _no_copies(flights: Sequence[Recorded]) -> None:
 
 def _moving(training: Sequence[Streams]) -> None:
     """Refuse commands that are the same all the time, in all training flights."""
-    both = [[told.commands.values for told in training]]
-    both.append([told.wrench.values for told in training if told.wrench is not None])
-    spreads = [np.vstack(tables).std(axis=0).max() for tables in both if tables]
-    if max(spreads) < STILL:
+    kinds = [[told.commands for told in training]]
+    kinds.append([told.wrench for told in training if told.wrench is not None])
+    shares = [0.0]
+    for tables in (np.vstack([each.values for each in kind]) for kind in kinds if kind):
+        scale = float(np.abs(tables).max())  # duties, or newtons
+        shares.append(float(tables.std(axis=0).max()) / scale if scale > 0.0 else 0.0)
+    if max(shares) < STILL:
         raise BadInput(
             'The commands do not move in any of the training flights: what the vehicle does '
             'cannot be held against what it was told; record flights with other commands.'
