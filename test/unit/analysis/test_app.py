@@ -57,3 +57,25 @@ def test_every_verb_of_the_registry_is_there(call):
             status, said = call(name, word, '--help')
             assert status == 0
             assert f'lta {name} {word}' in said.out
+
+
+def test_options_of_several_values_may_stand_once():
+    words = [
+        'discover',
+        '--train',
+        'a',
+        'b',
+        '--confirm',
+        'c',
+        '--seed',
+        '3',
+        '--holdout',
+        'd',
+        'e',
+    ]
+    assert app.repeated(words) == [
+        'discover', '--train', 'a', '--train', 'b', '--confirm', 'c', '--seed', '3',
+        '--holdout', 'd', '--holdout', 'e',
+    ]  # fmt: skip
+    assert app.repeated(['simulate', '--train', 'a', 'b']) == ['simulate', '--train', 'a', 'b']
+    assert app.repeated([]) == []

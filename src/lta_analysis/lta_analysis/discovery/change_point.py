@@ -94,7 +94,8 @@ def change(this: Fit, knobs: Sequence[Knob], seed: int) -> Change | None:
         information = information - np.einsum('jkf,fg,jkg->jk', others, inverse, others)
         pull = after[..., -1] - others @ known
         gained: Array = 0.5 * pull**2 / (information + sizes**-2.0)
-        return gained - 0.5 * np.log1p(information * sizes**2)
+        gained -= 0.5 * np.log1p(information * sizes**2)
+        return gained
 
     own = won(np.arange(len(each)))
     place, which = np.unravel_index(int(np.argmax(own)), own.shape)

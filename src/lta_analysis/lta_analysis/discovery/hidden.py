@@ -74,11 +74,10 @@ HIDEABLE: Final[dict[str, Hideable]] = {
     'linear_drag.surge': Hideable('vehicle.aero.linear_drag.force', 'N s/m', 0.02, 0.05, 0),
     'linear_drag.heave': Hideable('vehicle.aero.linear_drag.force', 'N s/m', 0.03, 0.06, 2),
     'command_delay.delay': Hideable(f'{_ON}command_delay.delay', 's', 0.03, 0.08),
-    'cg_offset.x': Hideable(f'{_ON}cg_offset.x', 'm', 0.004, 0.012),
-    'cg_offset.y': Hideable(f'{_ON}cg_offset.y', 'm', -0.012, -0.004),
+    'cg_offset.x': Hideable(f'{_ON}cg_offset.x', 'm', 0.004, 0.008),
+    'cg_offset.y': Hideable(f'{_ON}cg_offset.y', 'm', -0.008, -0.004),
     'motor_deadband.threshold': Hideable(f'{_ON}motor_deadband.threshold', '1', 0.05, 0.1),
     'munk_moment.lost': Hideable(f'{_ON}munk_moment.lost', '1', 0.3, 0.6),
-    'tracker_delay.delay': Hideable(f'{_ON}tracker_delay.delay', 's', 0.02, 0.06),
     'steady_wind.y': Hideable(f'{_ON}steady_wind.y', 'm/s', 0.06, 0.15),
 }
 

@@ -125,7 +125,7 @@ def _channels(one: Seen) -> list[Quantity]:
     squares = best_begun(flight, one.before) ** 2
     count = squares.shape[1] // EVERY * EVERY
     cut = squares[:, :count].reshape(len(squares), -1, EVERY, squares.shape[2])
-    known = np.isfinite(cut).any(axis=2)
+    known = np.asarray(np.isfinite(cut).any(axis=2))
     total = np.where(np.isfinite(cut), cut, 0.0).sum(axis=2)
     means = total / np.maximum(np.isfinite(cut).sum(axis=2), 1)
     index = flight.index[:, EVERY // 2 : count : EVERY]

@@ -152,4 +152,5 @@ def written(
         raise BadInput(str(fault)) from None
     told = to_dict(finding, sound.cuts)
     keep_json(told, folder / NAME)
-    return Discovered(found, told, write_page(found, folder, asked.bags))
+    bags: dict[str, Sequence[Path | str]] = {role: list(asked.bags[role]) for role in asked.bags}
+    return Discovered(found, told, write_page(found, folder, bags))

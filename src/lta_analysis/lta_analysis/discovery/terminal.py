@@ -5,7 +5,15 @@ import math
 from typing import Final
 
 from lta_analysis.discovery.finding import Finding, Gap, NamedEffect
-from lta_analysis.discovery.page.words import amount, figure, headline, listed, percent, within
+from lta_analysis.discovery.page.words import (
+    amount,
+    figure,
+    headline,
+    listed,
+    percent,
+    with_unit,
+    within,
+)
 from lta_analysis.discovery.told import horizon
 from lta_sim.effects.protocol import AXES
 from rich.console import Console
@@ -37,6 +45,18 @@ def show(finding: Finding, console: Console) -> None:
         console.print(Text(finding.next_flight), soft_wrap=True)
     for word in finding.warnings:
         console.print(Text(word, 'yellow'), soft_wrap=True)
+
+
+def found_words(finding: Finding) -> str:
+    """Return what was found as short as what was hidden is told."""
+    return listed(
+        [
+            f'{effect.name}.{one.name} = {with_unit(figure(one.value), one.unit)}'
+            for effect in finding.effects
+            for one in effect.parameters
+        ]
+        or ['nothing']
+    )
 
 
 def _table(*heads: tuple[str, str]) -> Table:

@@ -266,7 +266,7 @@ def _cut_out(flight: Measured, cuts: Sequence[Cut], pose: str) -> Measured:
 def _remarks(name: str, flight: Measured, told: Streams) -> list[str]:
     """Return what else limits a flight: poses that are lost, commands at their limits."""
     out = []
-    lost = ~np.isfinite(flight.position).all(axis=1)
+    lost = ~np.asarray(np.isfinite(flight.position).all(axis=1))
     if lost.mean() > LOST:
         gaps = int(np.sum(np.diff(lost.astype(np.int8)) > 0)) + int(lost[0])
         out.append(

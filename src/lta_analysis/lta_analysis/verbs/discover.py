@@ -11,7 +11,7 @@ from lta_analysis.discovery.planning.next_flight import FILE, Next, SCENE
 from lta_analysis.discovery.progress import DiscoverProgress
 from lta_analysis.discovery.run import Asked
 from lta_analysis.discovery.run import discover as discovered
-from lta_analysis.discovery.terminal import show
+from lta_analysis.discovery.terminal import found_words, show
 from lta_analysis.out_option import Out
 from lta_analysis.results_folder import page_line, results_folder
 from lta_analysis.typed import near, typed
@@ -118,7 +118,8 @@ def discover(
     finding = found.study.finding
     show(finding, console)
     if hidden is not None:
-        console.print(f'Hidden was {hidden}.', style='bold', highlight=False, soft_wrap=True)
+        both = f'Hidden was {hidden}; found was {found_words(finding)}.'
+        console.print(both, style='bold', highlight=False, soft_wrap=True)
     if (folder / FILE).exists():
         show_flight(finding.vehicle, folder / FILE, console)
     if finding.effects:
