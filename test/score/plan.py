@@ -122,29 +122,35 @@ def judged(number: int, planners: dict[Sensors, Planner], pool: list[Hidden]) ->
         truth = off(base, rng, knob, value)
     except BadInput as error:
         return {**row, 'said': f'cannot be: {error}', 'skipped': True}
-    begun = time.process_time()
+    return {**row, **flown_on(hidden, base, truth, Rival(knob, value), number)}
+
+
+def flown_on(
+    hidden: Hidden, base: Planner, truth: Vehicle, first: Rival, number: int
+) -> dict[str, Any]:
+    """Return what came of the plain flights, and of the planned one."""
+    knob, kind = first.knob, hidden.sensors
+    start = time.process_time()
     plain = plainly(base.made, base.space, hidden.plain)
     flights = [ready(base, plain, truth, 100 * number + k) for k in (1, 2)]
     before = Naming(base.nominal, ([flights[0]], [flights[1]])).run()
-    row |= {'before': before.names, 'tied': before.steps[0].tied}
+    row = {'before': before.names, 'tied': before.steps[0].tied}
     if unique(before, knob.name, hidden.sensors):
         return {**row, 'said': 'told apart already', 'skipped': True}
     found = [base.reduced(flight, base.nominal) for flight in flights]
     planner = Planner(base.made, base.text, hidden.sensors, found)
-    first = Rival(knob, value)
-    kind: Kind = hidden.sensors
     # Planned against is what a study has: the tied names, and those that look alike.
     alike = dict.fromkeys((*before.names, *before.steps[0].tied, *hidden.rivals))
     names = [name for name in alike if not same_class(name, knob.name, kind)][:MOST]
     chosen = planner.choose(first, [planner.mimic(first, planner.knob(name)) for name in names])
     if chosen is None:
-        return {**row, 'said': 'no flight', 'unique': False, 'cpu': time.process_time() - begun}
+        return {**row, 'said': 'no flight', 'unique': False, 'cpu': time.process_time() - start}
     more = [ready(base, chosen.made, truth, 100 * number + k) for k in (3, 4)]
     after = Naming(base.nominal, ([flights[0], more[0]], [flights[1], more[1]])).run()
     return {
         **row, 'against': names, 'planned': chosen.manoeuvre.about, 'nats': chosen.nats,
         'length': chosen.manoeuvre.length, 'after': after.names, 'tied_after': after.steps[0].tied,
-        'unique': unique(after, knob.name, kind), 'cpu': time.process_time() - begun,
+        'unique': unique(after, knob.name, kind), 'cpu': time.process_time() - start,
     }  # fmt: skip
 
 
@@ -157,6 +163,40 @@ def unique(found: Named, name: str, kind: Kind) -> bool:
 def ready(planner: Planner, made: Ingredients, truth: Vehicle, seed: int) -> Linearised:
     """Return a flight of the hidden vehicle as it is studied."""
     return prepared(flown(made, truth, seed), planner.vehicle, planner.knobs, planner.sensors)
+
+
+def table(count: int, rows: list[dict[str, Any]]) -> list[str]:
+    """Return the lines of the table."""
+    lines = [f'{count} names in plain flights that take them for another']
+    lines += [
+        f'{row["number"]:>4} {row["name"]:<28} {row["plain"]}/{row["sensors"]:<5} '
+        f'{"unique" if row["unique"] else "not unique"}: {row.get("planned", row["said"])}; '
+        f'before {row["before"]} tied {row["tied"]}, after {row.get("after")}'
+        for row in rows
+    ]
+    hit = sum(row['unique'] for row in rows)
+    found = wilson(hit, len(rows))
+    wrong = sum(
+        any(not same_class(name, row['name'], row['sensors']) for name in row.get('after', ()))
+        for row in rows
+    )
+    lines.append(
+        f'unique after the planned flight {hit}/{len(rows)}, '
+        f'{100 * found.low:.0f}..{100 * found.high:.0f} %; another name in {wrong}'
+    )
+    return lines
+
+
+def begun(out: Path, known: list[Knob]) -> tuple[Path, dict[int, dict[str, Any]]]:
+    """Return where rows are kept, and those that are there by number."""
+    told = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()[:8]
+    out.mkdir(parents=True, exist_ok=True)
+    kept = out / f'{digest(known)}-{told}.jsonl'
+    done = {}
+    if kept.exists():
+        rows = [json.loads(line) for line in kept.read_text(encoding='utf-8').splitlines()]
+        done = {row['number']: row for row in rows}
+    return kept, done
 
 
 def main() -> None:
@@ -178,13 +218,7 @@ def main() -> None:
             planners[sensors], plainly(made, planners[sensors].space, what), sensors
         )
     ]
-    told = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()[:8]
-    asked.out.mkdir(parents=True, exist_ok=True)
-    kept = asked.out / f'{digest(planners["all"].knobs)}-{told}.jsonl'
-    done = {}
-    if kept.exists():
-        rows = [json.loads(line) for line in kept.read_text(encoding='utf-8').splitlines()]
-        done = {row['number']: row for row in rows}
+    kept, done = begun(asked.out, planners['all'].knobs)
     numbers = range(asked.first, asked.first + asked.cases)
     with kept.open('a', encoding='utf-8') as file:
         for number in track(numbers, 'judging', disable=not sys.stderr.isatty()):
@@ -193,23 +227,7 @@ def main() -> None:
                 file.write(json.dumps(done[number], default=float) + '\n')
                 file.flush()
     rows = [done[number] for number in numbers if not done[number].get('skipped')]
-    lines = [f'{len(pool)} names in plain flights that take them for another']
-    lines += [
-        f'{row["number"]:>4} {row["name"]:<28} {row["plain"]}/{row["sensors"]:<5} '
-        f'{"unique" if row["unique"] else "not unique"}: {row.get("planned", row["said"])}; '
-        f'before {row["before"]} tied {row["tied"]}, after {row.get("after")}'
-        for row in rows
-    ]
-    hit = sum(row['unique'] for row in rows)
-    found = wilson(hit, len(rows))
-    wrong = sum(
-        any(not same_class(name, row['name'], row['sensors']) for name in row.get('after', ()))
-        for row in rows
-    )
-    lines.append(
-        f'unique after the planned flight {hit}/{len(rows)}, '
-        f'{100 * found.low:.0f}..{100 * found.high:.0f} %; another name in {wrong}'
-    )
+    lines = table(len(pool), rows)
     sys.stdout.write('\n'.join(lines) + f'\nrows in {kept}\n')
 
 

@@ -11,7 +11,7 @@ from lta_analysis.discovery.linear import origin
 from lta_analysis.discovery.overlay import write_overlay
 from lta_analysis.discovery.page.page import write_page
 from lta_analysis.discovery.places import places, Seen
-from lta_analysis.discovery.planning.next_flight import hint, Next, of_study, with_classes
+from lta_analysis.discovery.planning.next_flight import doubted, hint, Next, of_study
 from lta_analysis.discovery.study import Study, study
 from lta_analysis.discovery.told import NAME, to_dict
 from lta_analysis.discovery.trusted import Believed, believed
@@ -99,7 +99,7 @@ def discover(asked: Asked, folder: Path, tell: Tell) -> Discovered:
     flights = read_bags(asked.bags, asked.robot, lambda name: tell(f'reading {name}', None))
     tell('checking what can be believed', None)
     sound = believed(flights, vehicle)
-    found = with_classes(studied(asked, vehicle, sound, tell))
+    found = doubted(studied(asked, vehicle, sound, tell))
     next_one = of_study(found, asked.vehicle, tell) if asked.plan else Next(hint(found))
     finding = replace(found.finding, next_flight=next_one.text)
     tell('writing what was found', None)

@@ -9,12 +9,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, final
 
+from lta_analysis.discovery.accept import TIE
 from lta_analysis.discovery.classes import Kind, kind_of, same_class
 from lta_analysis.discovery.classes import others as alike
 from lta_analysis.discovery.evidence import floor_of, Pieces, Reduced
+from lta_analysis.discovery.finding import NamedEffect
+from lta_analysis.discovery.knobs import Knob
 from lta_analysis.discovery.linear import origin
 from lta_analysis.discovery.planning.advice import advice
 from lta_analysis.discovery.planning.choice import Chosen, Planner, Rival, Tell
+from lta_analysis.discovery.planning.pairs import Pairs
 from lta_analysis.discovery.planning.rehearsal import Sensors
 from lta_analysis.discovery.study import Study
 from lta_analysis.ingredients import gather
@@ -127,29 +131,16 @@ def of_study(
         As for `between`.
 
     """
-    doubted = next((one for one in study.finding.effects if one.confusable_with), None)
-    if doubted is None:
+    one = next((one for one in study.finding.effects if one.confusable_with), None)
+    if one is None:
         return Next(CERTAIN)
-    flights = [one.flight for one in study.flights if one.role != 'holdout']
-    kind = _kind(study)
-    knobs, nominal = flights[0].knobs, study.nominal
-    reduced = []
-    for flight in flights:
-        linear = flight.at(origin(nominal, knobs, len(flight.replay.first)))
-        reduced.append(Pieces(linear).reduced(floor_of(nominal)))
-    planner = _planner(vehicle, scene, kind, reduced, tell)
-    knob = planner.knob(doubted.knobs[0])
-    learned = {one.name: one.value - one.before for one in doubted.parameters}
-    moved = [
-        learned[name] / rate
-        for (effect, name), rate in knob.moves.items()
-        if effect == doubted.name and name in learned and rate
-    ]
-    first = Rival(knob, moved[0] if moved and moved[0] else knob.typical)
-    known = {one.name for one in planner.knobs}
-    rivals = [name for name in doubted.confusable_with if name in known and name != knob.name]
+    planner = _planner(vehicle, scene, _kind(study), _reduced(study), tell)
+    knob = planner.knob(one.knobs[0])
+    first = Rival(knob, _learned(one, planner.knobs)[knob.name])
+    known = {each.name for each in planner.knobs}
+    rivals = [name for name in one.confusable_with if name in known and name != knob.name]
     others = [planner.mimic(first, planner.knob(name)) for name in rivals]
-    return decided(planner, first, others, kind)
+    return decided(planner, first, others, _kind(study))
 
 
 def _planner(
@@ -196,16 +187,52 @@ def _never(name: str, others: tuple[str, ...], kind: Kind) -> str:
     return f'No flight tells {_listed((name, *others))} apart: {advice(name, others, kind)}.'
 
 
-def with_classes(study: Study) -> Study:
-    """Return a study whose names are confusable with what no such data can tell from them, too."""
+def doubted(study: Study) -> Study:
+    """
+    Return a study whose names are confusable with all that its flights cannot tell from them.
+
+    Besides what was tied in the refits: what no data of the kind can tell, and what these flights
+    are expected to tell by less than names need to be apart.
+    """
+    if not study.finding.effects:
+        return study
     kind = _kind(study)
+    taught = [one.flight for one in study.flights if one.role != 'holdout']
+    pairs = Pairs(_reduced(study), taught[0].knobs)
     effects = []
     for one in study.finding.effects:
+        values = _learned(one, taught[0].knobs)
         own = [name for knob in one.knobs for name in alike(knob, kind)]
-        both = dict.fromkeys((*one.confusable_with, *own))
-        confusable = tuple(name for name in both if name not in one.knobs)
-        effects.append(replace(one, confusable_with=confusable))
+        near = [name for knob in one.knobs for name in pairs.confused(knob, values[knob], TIE)]
+        both = dict.fromkeys((*one.confusable_with, *own, *near))
+        # Two that are one and were both named are in doubt as well.
+        only = one.knobs[0] if len(one.knobs) == 1 else ''
+        effects.append(replace(one, confusable_with=tuple(n for n in both if n != only)))
     return replace(study, finding=replace(study.finding, effects=tuple(effects)))
+
+
+def _learned(one: NamedEffect, knobs: Sequence[Knob]) -> dict[str, float]:
+    """Return how far each named knob of an effect was turned; its typical size if that is lost."""
+    change = {each.name: each.value - each.before for each in one.parameters}
+    out = {}
+    for knob in knobs:
+        if knob.name in one.knobs:
+            moved = (
+                change[name] / rate
+                for (effect, name), rate in knob.moves.items()
+                if effect == one.name and rate and change.get(name)
+            )
+            out[knob.name] = next(moved, knob.typical)
+    return out
+
+
+def _reduced(study: Study) -> list[Reduced]:
+    """Return what the flights that taught and confirmed say, about the vehicle file."""
+    out = []
+    for flight in (one.flight for one in study.flights if one.role != 'holdout'):
+        begin = origin(study.nominal, flight.knobs, len(flight.replay.first))
+        out.append(Pieces(flight.at(begin)).reduced(floor_of(study.nominal)))
+    return out
 
 
 def _kind(study: Study) -> Kind:
@@ -215,14 +242,15 @@ def _kind(study: Study) -> Kind:
 
 def hint(study: Study) -> str:
     """Return what comes next without planning it: the page of every study has this."""
-    doubted = next((one for one in study.finding.effects if one.confusable_with), None)
-    if doubted is None:
+    one = next((one for one in study.finding.effects if one.confusable_with), None)
+    if one is None:
         return ''
     kind = _kind(study)
     rich: Kind = 'all' if kind == 'hover' else kind
-    name = doubted.knobs[0]
-    never = tuple(o for o in doubted.confusable_with if same_class(name, o, rich))
-    rest = tuple(o for o in doubted.confusable_with if o not in never)
+    name = one.knobs[0]
+    rivals = [o for o in one.confusable_with if o != name]
+    never = tuple(o for o in rivals if same_class(name, o, rich))
+    rest = tuple(o for o in rivals if o not in never)
     words = [_never(name, never, rich)] if never else []
     if rest:
         words.append(

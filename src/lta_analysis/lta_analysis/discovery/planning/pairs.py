@@ -6,7 +6,7 @@ share. Two knobs of which the parts that are left point the same way are one nam
 """
 
 from collections.abc import Sequence
-from typing import final, NamedTuple
+from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.evidence import own_variance, Reduced, shared
 from lta_analysis.discovery.knobs import Knob
@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+ALIKE: Final = 0.8  # of a cosine; less alike, two names are never confused, only both weak
 
 
 @final
@@ -107,3 +109,26 @@ class Pairs:
         if information * typical**2 < 1e-6:
             return 0.0
         return typical / float(np.sqrt(1.0 / information + max(0.0, self._variance[k])))
+
+    def confused(self, name: str, value: float, least: float) -> list[str]:
+        """
+        Return candidates that these flights take for one at a value, the likest first.
+
+        Parameters
+        ----------
+        name : str
+            Of the knob.
+        value : float
+            Of it, in its unit.
+        least : float
+            Log Bayes factor to expect where two are told apart. [nats]
+
+        """
+        a = [knob.name for knob in self.knobs].index(name)
+        found = []
+        for b, knob in enumerate(self.knobs):
+            if b != a and knob.typical > 0.0:
+                pair = self.pair(a, b)
+                if abs(pair.cosine) > ALIKE and pair.apart(value) < least:
+                    found.append((pair.apart(value), knob.name))
+        return [other for _, other in sorted(found)]
