@@ -16,8 +16,16 @@ from numpy.typing import ArrayLike, NDArray
 Vector = NDArray[np.float64]
 
 
-def _values(effect: Effect, given: Mapping[str, float]) -> dict[str, float]:
-    """Return all parameters of an effect, those not given at their null value."""
+def values_of(effect: Effect, given: Mapping[str, float]) -> dict[str, float]:
+    """
+    Return all parameters of an effect, those not given at their null value.
+
+    Raises
+    ------
+    BadInput
+        For an unknown parameter, or a value out of bounds.
+
+    """
     values = {parameter.name: parameter.null for parameter in effect.parameters}
     for name, value in given.items():
         if name not in values:
@@ -167,7 +175,7 @@ class Model:
         known: dict[str, dict[str, float]] = {}
         added = np.zeros(6)
         for name, effect in effects.EFFECTS.items():
-            values = _values(effect, given.get(name, {}))
+            values = values_of(effect, given.get(name, {}))
             numbers = tuple(values.values())
             active = any(values[p.name] != p.null for p in effect.parameters)
             if active:

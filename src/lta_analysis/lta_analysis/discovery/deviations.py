@@ -8,7 +8,7 @@ and from small ones, and the better is taken.
 from collections.abc import Callable, Sequence
 from typing import Final
 
-from lta_analysis.discovery.evidence import fitted, log_prior, Prior
+from lta_analysis.discovery.evidence import evidence_of, log_prior, Prior
 from lta_analysis.discovery.group import Group
 import numpy as np
 from numpy.typing import NDArray
@@ -69,10 +69,12 @@ def weighed(
         Of further starts. [floors]
 
     """
+    narrow, kept = group.narrowed(prior.free)
+    own = Prior(prior.mean[kept], prior.covariance[np.ix_(kept, kept)])
 
     def value(deviations: Array) -> float:
-        reduced = group.reduced(deviations)
-        return fitted(reduced, group.at, prior).log_evidence + log_prior(deviations, floor)
+        found = evidence_of(narrow.reduced(deviations), narrow.at, own)
+        return found + log_prior(deviations, floor)
 
     starts = [start, *(np.minimum(start, cap * floor) for cap in caps)]
     distinct = [s for k, s in enumerate(starts) if k == 0 or not np.allclose(s, start)]

@@ -8,7 +8,8 @@ Where the model is true, pull / sqrt(information) is drawn from N(0, 1).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.knobs import Knob
@@ -148,6 +149,18 @@ class Pieces:
         self._mean = -linear.point.random[:, WIDTH : WIDTH + AXES * KNOTS]
         self._logdet = float(np.linalg.slogdet(self._knots)[1])
 
+    def narrowed(self, kept: NDArray[np.int64]) -> 'Pieces':
+        """Return the flight with only some columns, for what needs no more than to be reduced."""
+        out, point = copy(self), self.linear.point
+        names = tuple(self.linear.names[k] for k in kept)
+        out.linear = replace(
+            self.linear, names=names, point=replace(point, values=point.values[kept])
+        )
+        count = AXES * KNOTS
+        index = np.concatenate([np.arange(count), count + kept, [self._grams.shape[1] - 1]])
+        out._grams = self._grams[:, index[:, None], index]
+        return out
+
     def reduced(self, deviations: Array) -> Reduced:
         """
         Return the flight without its pieces' unknowns.
@@ -237,23 +250,34 @@ def fitted(reduced: Reduced, at: Array, prior: Prior) -> Fitted:
         What is known of them; those that it holds stay where the point has them.
 
     """
+    free, root, half, value = _solved(reduced, at, prior)
+    after, covariance = at.copy(), np.zeros((len(free), len(free)))
+    after[free] += np.linalg.solve(root.T, half)
+    inverse = np.linalg.inv(root)
+    covariance[np.ix_(free, free)] = inverse.T @ inverse
+    return Fitted(value, after, covariance)
+
+
+def evidence_of(reduced: Reduced, at: Array, prior: Prior) -> float:
+    """Return the log evidence alone; parameters as for `fitted`."""
+    return _solved(reduced, at, prior)[3]
+
+
+def _solved(
+    reduced: Reduced, at: Array, prior: Prior
+) -> tuple[NDArray[np.bool_], Array, Array, float]:
+    """Return what is free, the root of its precision, the pull by that root, and the evidence."""
     free = prior.free
     wide = prior.covariance[np.ix_(free, free)]
     precision = np.linalg.inv(wide)
     mean = (prior.mean - at)[free]
     index = np.append(np.flatnonzero(free), len(free))
     products = reduced.products[index[:, None], index]
-    inner = products[:-1, :-1] + precision
-    right = products[:-1, -1] + precision @ mean
-    root = np.linalg.cholesky(inner)
-    half = np.linalg.solve(root, right)
+    root = np.linalg.cholesky(products[:-1, :-1] + precision)
+    half = np.linalg.solve(root, products[:-1, -1] + precision @ mean)
     square = products[-1, -1] + mean @ precision @ mean - half @ half
     logs = -0.5 * np.linalg.slogdet(wide)[1] - np.log(np.diag(root)).sum()
-    value = reduced.constant + logs - 0.5 * square
-    after, covariance = at.copy(), np.zeros((len(free), len(free)))
-    after[free] += np.linalg.solve(root.T, half)
-    covariance[np.ix_(free, free)] = np.linalg.inv(inner)
-    return Fitted(float(value), after, covariance)
+    return free, root, half, float(reduced.constant + logs - 0.5 * square)
 
 
 def strain(point: Point, deviations: Array) -> float:

@@ -8,7 +8,7 @@ rests.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final, final
+from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.deviations import weighed
 from lta_analysis.discovery.evidence import (
@@ -18,14 +18,13 @@ from lta_analysis.discovery.evidence import (
     Pieces,
     Prior,
     Reduced,
-    strain,
 )
-from lta_analysis.discovery.group import Group, Moved, own_pull, pull_of
+from lta_analysis.discovery.group import Group, Moved
 from lta_analysis.discovery.knobs import Knob
 from lta_analysis.discovery.linear import Linear, Point
 from lta_analysis.discovery.linearise import Linearised
+from lta_analysis.discovery.misfit import misfit_at, promised
 from lta_analysis.discovery.nominal import Nominal
-from lta_analysis.discovery.replay import STEPS
 from lta_config.errors import BadInput
 import numpy as np
 from numpy.typing import NDArray
@@ -129,6 +128,30 @@ def within(knobs: Sequence[Knob], values: Array) -> Array:
 
 
 @final
+class Onward(NamedTuple):
+    """
+    Where to linearise next.
+
+    Attributes
+    ----------
+    at : ndarray, shape (G,)
+        What the flights share.
+    points : list of Point
+        Of each flight.
+    kept : float
+        By how much the misfit there is not what was promised.
+    whole : bool
+        Whether it is the whole step.
+
+    """
+
+    at: Array
+    points: list[Point]
+    kept: float
+    whole: bool
+
+
+@final
 @dataclass(frozen=True, slots=True)
 class Fitter:
     """
@@ -157,7 +180,14 @@ class Fitter:
         pieces = [Pieces(each.at(point)) for each, point in zip(self.flights, points, strict=True)]
         return Group(tuple(pieces), at, self.variance)
 
-    def fit(self, prior: Prior, begin: Group, deviations: Array, rounds: int = ROUNDS) -> Joint:
+    def fit(
+        self,
+        prior: Prior,
+        begin: Group,
+        deviations: Array,
+        rounds: int = ROUNDS,
+        rest: float = REST,
+    ) -> Joint:
         """
         Fit them.
 
@@ -171,20 +201,22 @@ class Fitter:
             Of the latent wrench, to begin with.
         rounds : int
             Linearisations at most.
+        rest : float
+            Change of the evidence below which it has come to rest. [nats]
 
         Returns
         -------
         Joint
-            About the last point: what a linearisation promises counts only once it has been flown.
+            About the last point but one, where flying the last kept what was promised there.
 
         """
         last = self.settled(begin, prior, deviations)
         for count in range(2, rounds + 1):
-            group = self._onward(last)
-            if group is last.group:
+            step = self._step(last)
+            if step is None or step.kept < 2.0 * rest:
                 break
-            now = self.settled(group, prior, last.deviations, count)
-            rests = last.group.aligned and abs(now.evidence - last.evidence) < REST
+            now = self.settled(self.about(step.at, step.points), prior, last.deviations, count)
+            rests = last.group.aligned and step.whole and abs(now.evidence - last.evidence) < rest
             last = now
             if rests:
                 break
@@ -197,8 +229,8 @@ class Fitter:
         found = fitted(reduced, group.at, prior)
         return Joint(group, prior, reduced, deviations, found, evidence, count)
 
-    def _onward(self, last: Joint) -> Group:
-        """Return the flights about the next point: the whole step, or a part that is better."""
+    def _step(self, last: Joint) -> Onward | None:
+        """Return the next point: the whole step, or a part that is better; None without one."""
         group, knobs = last.group, self.flights[0].knobs
         target = within(knobs, last.fitted.mean)
         moves = group.moved(last.deviations, target)
@@ -213,10 +245,15 @@ class Fitter:
             except BadInput:
                 continue
             if share == 1.0 and (misfit < bound or not group.aligned) and np.isfinite(misfit):
-                return self.about(at, points)
+                linear = promised(group, last.deviations, last.prior, at, points)
+                return Onward(at, points, abs(misfit - linear), True)
             found.append((misfit, at, points))
         misfit, at, points = min(found, key=lambda one: one[0], default=(np.inf, group.at, []))
-        return self.about(at, points) if misfit < bound else group
+        return Onward(at, points, np.inf, False) if misfit < bound else None
+
+    def _misfit(self, last: Joint, at: Array, points: Sequence[Point]) -> float:
+        """Return the misfit at a point, flown."""
+        return misfit_at(self.flights, last.deviations, last.prior, self.variance, at, points)
 
     def _between(self, group: Group, moves: Sequence[Moved], share: float) -> list[Point]:
         """Return the points a part of the way to where the flights should go."""
@@ -228,24 +265,6 @@ class Fitter:
             random = was.random + share * (move.random - was.random)
             points.append(Point(vehicle, values, random))
         return points
-
-    def _misfit(self, last: Joint, at: Array, points: Sequence[Point]) -> float:
-        """
-        Return minus twice the log density of the data and of all unknowns at a point.
-
-        Less what does not depend on the point; inf where a flight ran away. What a step of
-        Gauss-Newton has to make smaller.
-        """
-        total = pull_of(at, last.prior)
-        for flight, point in zip(self.flights, points, strict=True):
-            with np.errstate(over='ignore', invalid='ignore'):
-                grid = flight.trajectory(point)[:, ::STEPS]
-                if not np.isfinite(grid).all():
-                    return np.inf
-                left = flight.left(grid, point, point.nominal.rows()) / flight.replay.flight.noise
-                total += float(np.nansum(left**2)) + strain(point, last.deviations)
-            total += own_pull(point.values, at, self.variance)
-        return total
 
 
 def fit(

@@ -9,7 +9,7 @@ flight, so that the cost grows with the flights and not with its square.
 from dataclasses import dataclass, replace
 from typing import final, NamedTuple
 
-from lta_analysis.discovery.evidence import eliminated, Fitted, Pieces, Prior, Reduced
+from lta_analysis.discovery.evidence import eliminated, Fitted, Pieces, Reduced
 from lta_analysis.discovery.linear import Linear, Point
 import numpy as np
 from numpy.typing import NDArray
@@ -55,11 +55,21 @@ class Group:
     def aligned(self) -> bool:
         """Whether all flights stand where the group does, but for what is their own."""
         same = self.variance == 0.0
-        return all(np.array_equal(e.point.values[same], self.at[same]) for e in self.linears)
+        return all(
+            np.allclose(each.point.values[same], self.at[same], rtol=1e-9, atol=1e-12)
+            for each in self.linears
+        )
 
     def joined(self, other: 'Group') -> 'Group':
         """Return the flights of both, about the point of this one."""
         return replace(self, pieces=(*self.pieces, *other.pieces))
+
+    def narrowed(self, free: NDArray[np.bool_]) -> tuple['Group', NDArray[np.int64]]:
+        """Return the flights with only such columns as move, and which these are."""
+        apart = np.any([each.point.values != self.at for each in self.linears], axis=0)
+        kept = np.flatnonzero(free | (self.variance > 0.0) | apart)
+        pieces = tuple(each.narrowed(kept) for each in self.pieces)
+        return Group(pieces, self.at[kept], self.variance[kept]), kept
 
     def reduced(self, deviations: Array) -> Reduced:
         """
@@ -134,9 +144,8 @@ class Group:
         before = (point.values - self.at)[own]
         right = products[own, -1] - before / self.variance[own]
         # The column of what is shared is that of what is own.
-        answer: Array = np.linalg.solve(inner, products[own, :-1])
-        left: Array = before + np.linalg.solve(inner, right)
-        return answer, left
+        inverse: Array = np.linalg.inv(inner)
+        return inverse @ products[own, :-1], before + inverse @ right
 
     def of_flight(self, pieces: Pieces, reduced: Reduced, fitted: Fitted) -> Fitted:
         """Return the knobs of one flight: what is shared, and what is its own."""
@@ -145,22 +154,9 @@ class Group:
             return fitted
         answer, left = self._answer(pieces, reduced)
         mean, through = fitted.mean.copy(), np.eye(len(self.at))
-        mean[own] += left - answer @ (fitted.mean - self.at)
+        mean[own] = mean[own] + left - answer @ (fitted.mean - self.at)
         through[own] -= answer
         covariance = through @ fitted.covariance @ through.T
         inner = reduced.products[np.ix_(own, own)] + np.diag(1.0 / self.variance[own])
         covariance[np.ix_(own, own)] += np.linalg.inv(inner)
         return Fitted(fitted.log_evidence, mean, covariance)
-
-
-def pull_of(values: Array, prior: Prior) -> float:
-    """Return minus twice the log density of knobs, less a constant."""
-    free = prior.free
-    off = (values - prior.mean)[free]
-    return float(off @ np.linalg.solve(prior.covariance[np.ix_(free, free)], off))
-
-
-def own_pull(values: Array, at: Array, variance: Array) -> float:
-    """Return the same of what is a flight's own."""
-    own = variance > 0.0
-    return float(np.sum((values - at)[own] ** 2 / variance[own]))

@@ -7,50 +7,28 @@ each other are kept, so that all that follows is algebra on small matrices.
 """
 
 from collections.abc import Sequence
-from typing import Final, final, NamedTuple
+from typing import Final, final
 
 from lta_analysis.discovery.knobs import Knob
 from lta_analysis.discovery.linear import AXES, hats, KNOTS, Linear, Point, RANDOM, SENSORS
 from lta_analysis.discovery.measured import CHANNELS, PERIOD
 from lta_analysis.discovery.nominal import Rows
+from lta_analysis.discovery.readout import frame_of, reading_slopes
 from lta_analysis.discovery.replay import Ready, Replay, STEPS
-from lta_analysis.discovery.sensing import Places, readings, Told, told
-from lta_analysis.discovery.tangent import (
-    carried,
-    middles,
-    moved,
-    NUDGE,
-    nudged,
-    spread_rates,
-    transitions,
-    turning_rows,
-    WIDTH,
-)
+from lta_analysis.discovery.replay_kernel import BODY_PLACES
+from lta_analysis.discovery.sensing import Places, plain, Told, told
+from lta_analysis.discovery.tangent import carried, moved, transitions, WIDTH
 from lta_analysis.discovery.turning import logarithm, product, reverse
-from lta_sim.measurement import read
+from lta_analysis.discovery.turns import Met, met, Turn
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
-CHUNK: Final = 16  # pieces at a time, which bounds the memory
-
-
-class Turn(NamedTuple):
-    """The rows before and after a knob's step, and the step."""
-
-    before: Rows
-    after: Rows
-    step: float
-
-
-class Met(NamedTuple):
-    """What flying about a point takes: itself, and before and after each knob's step."""
-
-    rows: Rows
-    ready: Ready
-    turned: list[Turn]
-    thrown: list[tuple[Ready, Ready]]
+CHUNK: Final = 8  # pieces at a time, which bounds the memory
+MOTION: Final = WIDTH + AXES * KNOTS  # columns of states and knots
+POSE: Final = 6  # of CHANNELS, the first
 
 
 @final
@@ -81,15 +59,7 @@ class Linearised:
         self.index = np.minimum(steps, len(flight.time) - 1)
         self.time = flight.time[0] + PERIOD * steps
         self._hats = hats(replay.span)
-
-    def _turned(self, point: Point, base: Rows) -> list[Turn]:
-        """Return for each knob the rows before and after its step."""
-        out = []
-        for knob, value in zip(self.knobs, point.values, strict=False):
-            ready, step = knob.ready(point.nominal), knob.step_at(value)
-            before = base if ready is point.nominal else ready.rows()
-            out.append(Turn(before, knob.turned(point.nominal, step).rows(), step))
-        return out
+        self._sparse = self._hats.reshape(-1, STEPS, KNOTS).mean(axis=1)
 
     def trajectory(self, point: Point, which: slice = slice(None)) -> Array:
         """Return the states at each step, shape (S, span + 1, 13)."""
@@ -99,22 +69,12 @@ class Linearised:
     def _fly(self, rows: Rows, ready: Ready, point: Point, which: slice) -> Array:
         """Return the states at each step of some pieces."""
         start = moved(self.replay.cut.start[which], point.random[which, :WIDTH])
-        return self.replay.fly(rows, ready, start, self._latent(point, which), which)
+        return self.replay.fly(rows, ready, start, self._latent(point, which, self._hats), which)
 
-    def _latent(self, point: Point, which: slice) -> Array:
+    def _latent(self, point: Point, which: slice, hats: Array) -> Array:
         """Return the latent force and moment in each step."""
         knots = point.random[which, WIDTH : WIDTH + AXES * KNOTS].reshape(-1, AXES, KNOTS)
-        return np.ascontiguousarray(np.einsum('saj,kj->ska', knots, self._hats))
-
-    def _met(self, point: Point) -> Met:
-        """Return what flying about a point takes, before and after each knob's step."""
-        rows = point.nominal.rows()
-        ready, turned = self.replay.ready(rows), self._turned(point, rows)
-        thrown = [
-            self._ready(knob, turn, rows, ready)
-            for knob, turn in zip(self.knobs, turned, strict=True)
-        ]
-        return Met(rows, ready, turned, thrown)
+        return np.ascontiguousarray(np.einsum('saj,kj->ska', knots, hats))
 
     def columns(self, point: Point, which: slice = slice(None)) -> tuple[Array, Array]:
         """
@@ -133,59 +93,84 @@ class Linearised:
             RANDOM columns, then the knobs, then SENSORS; measured less predicted.
 
         """
-        return self._columns(point, self._met(point), which)
+        about = met(self.replay, self.knobs, point)
+        table, left = self._table(point, about, which)
+        out = np.zeros((*left.shape, RANDOM + len(self.knobs) + len(SENSORS)))
+        out[:, :, : table.shape[2], self._order(about)[:-1]] = table[..., :-1]
+        return out, left
 
-    def at(self, point: Point) -> Linear:
-        """Return the flight about a point; `BadInput` if no such vehicle can be."""
-        met, pieces = self._met(point), len(self.replay.first)
-        size = RANDOM + len(self.knobs) + len(SENSORS) + 1
-        grams = np.empty((pieces, size, size))
+    def at(self, point: Point, wanted: Flags | None = None) -> Linear:
+        """
+        Return the flight about a point.
+
+        Parameters
+        ----------
+        point : Point
+            The parameters.
+        wanted : ndarray of bool, shape (G,), optional
+            Which columns matter; those of other knobs are 0, which is faster where they are held
+            (`Prior.free`). All are there if not given.
+
+        Raises
+        ------
+        BadInput
+            If no such vehicle can be.
+
+        """
+        about, pieces = met(self.replay, self.knobs, point, wanted), len(self.replay.first)
+        size, order = RANDOM + len(self.knobs) + len(SENSORS) + 1, self._order(about)
+        grams = np.zeros((pieces, size, size))
         counts = np.empty(pieces, dtype=np.int64)
         residual = np.empty((pieces, self.replay.cut.length, len(CHANNELS)))
         for begin in range(0, pieces, CHUNK):
             which = slice(begin, begin + CHUNK)
-            columns, left = self._columns(point, met, which)
-            table = np.concatenate([columns, left[..., None]], axis=-1)
+            table, left = self._table(point, about, which)
             known = np.isfinite(left)
-            table[~known] = 0.0
-            flat = table.reshape(len(table), -1, size)
-            grams[which] = np.swapaxes(flat, 1, 2) @ flat
+            table[~known[..., : table.shape[2]]] = 0.0
+            flat = table.reshape(len(table), -1, len(order))
+            grams[begin : begin + len(table), order[:, None], order] = (
+                np.swapaxes(flat, 1, 2) @ flat
+            )
             counts[which] = known.sum(axis=(1, 2))
             residual[which] = left
         names = (*(knob.name for knob in self.knobs), *SENSORS)
         return Linear(names, grams, counts, point, residual)
 
-    def _ready(self, knob: Knob, turn: Turn, rows: Rows, ready: Ready) -> tuple[Ready, Ready]:
-        """Return what the body meets before and after a knob's step."""
-        before, after, _ = turn
-        same = before is rows
-        reach = knob.reaches
-        first = ready if same else self.replay.ready(before)
-        if reach in ('chain', 'delay'):
-            return first, self.replay.ready(after)
-        if reach == 'memory':
-            return first, self.replay.ready(after, ready)
-        return first, ready
-
-    def _columns(self, point: Point, met: Met, which: slice) -> tuple[Array, Array]:
-        """Return whitened columns and what is left over, as `columns`."""
-        rows, ready, turned, _ = met
-        states = self._fly(rows, ready, point, which)
-        grid = states[:, ::STEPS]
-        time = self.time[which]
-        base = told(grid, time, rows.acting, self.places)
-        left = self._left(base, point, which)
-        change = self._changes(point, met, states, which)
-        columns = self._sensed(change, grid, time, rows, base)
-        for k, (before, after, step) in enumerate(turned):
-            if self.knobs[k].reaches == 'reading':
-                columns[..., RANDOM + k] += self._read(grid, time, before, after) / step
+    def _order(self, about: Met) -> NDArray[np.int64]:
+        """Return the place of each column of a table among all; the last is what is left over."""
         own = RANDOM + len(self.knobs)
-        columns[..., 13, [RANDOM - 1, own]] = 1.0
-        for axis in range(3):
-            columns[..., 9 + axis, own + 1 + axis] = base.readings[..., 3 + axis]
-        columns /= self.replay.flight.noise[:, None]
-        return columns, left / self.replay.flight.noise
+        moving, reading = ([RANDOM + k for k in some] for some in (about.moving, about.reading))
+        sensors = range(own, own + len(SENSORS) + 1)
+        return np.array([*range(MOTION), *moving, RANDOM - 1, *reading, *sensors])
+
+    def _table(self, point: Point, about: Met, which: slice) -> tuple[Array, Array]:
+        """
+        Return whitened columns in the order of `_order`, and what is left over.
+
+        The columns are of the pose alone where there is no other sensor.
+        """
+        noise = self.replay.flight.noise
+        states = self._fly(about.rows, about.ready, point, which)
+        grid, time = states[:, ::STEPS], self.time[which]
+        exact = plain(grid[:, :-1], grid[:, 1:], self.places)
+        base = told(grid, time, about.rows.acting, self.places, exact)
+        left = self._left(base, point, which) / noise
+        channels = len(CHANNELS) if np.isfinite(noise[POSE:]).any() else POSE
+        table = np.zeros((*left.shape[:2], channels, len(self._order(about))))
+        end = MOTION + len(about.moving)
+        change = self._changes(point, about, states, which)
+        self._sense(change, grid, exact, time, about, table[..., :end])
+        for k, turn in enumerate(about.turned):
+            read = self._read(grid, time, turn, base, exact)[..., :channels]
+            table[..., end + 1 + k] = read / (turn.step * noise[:channels])
+        if channels > POSE:
+            own = table.shape[-1] - 1 - len(SENSORS)
+            table[:, :, 13, [end, own]] = 1.0 / noise[13]
+            for axis in range(3):
+                force = base.readings[..., 3 + axis]
+                table[:, :, 9 + axis, own + 1 + axis] = force / noise[9 + axis]
+        table[..., -1] = left[..., :channels]
+        return table, left
 
     def left(self, grid: Array, point: Point, rows: Rows) -> Array:
         """
@@ -223,63 +208,37 @@ class Linearised:
         left[~np.isfinite(left)] = np.nan
         return left
 
-    def _changes(self, point: Point, met: Met, states: Array, which: slice) -> Array:
-        """Return how the states at the grid answer, shape (S, n + 1, 12, N)."""
-        rows, ready, turned, thrown = met
-        middle, latent = middles(states), self._latent(point, which)
-        replay = self.replay
+    def _changes(self, point: Point, about: Met, states: Array, which: slice) -> Array:
+        """Return how the states at the grid answer, shape (S, n + 1, 12, MOTION + moving)."""
+        # Of whole grid periods: columns need not be as exact as what they are columns of.
+        middle = np.ascontiguousarray(states[:, STEPS // 2 :: STEPS])
+        latent = self._latent(point, which, self._sparse)
+        jacobian = self.replay.jacobians(about.turns, middle, latent, which)
+        answers = self.replay.answers(about.turns, middle, latent, which)
+        # A push accelerates by the inverse of the mass matrix, whatever the motion.
+        inverse = about.rows.body[BODY_PLACES['inverse']].reshape(AXES, AXES)
+        knots = np.einsum('ia,kj->kiaj', inverse, self._sparse).reshape(-1, AXES, AXES * KNOTS)
+        pushed = [np.broadcast_to(knots, (len(states), *knots.shape)), answers]
+        a, b = transitions(jacobian, PERIOD)
+        return carried(a, b[..., AXES:] @ np.concatenate(pushed, axis=-1))
 
-        def slopes(r: Rows, faced: Ready, at: Array, force: Array) -> Array:
-            return replay.slopes(r, faced, at, force, which)
+    def _sense(
+        self, change: Array, grid: Array, exact: Array, time: Array, about: Met, out: Array
+    ) -> None:
+        """Write how what is said answers, by the noise."""
+        noise, acting = self.replay.flight.noise[:, None], about.rows.acting
+        begin, end = change[:, :-1], change[:, 1:]
+        position = frame_of(acting) @ begin[:, :, :3] if acting['pose'] else begin[:, :, :3]
+        out[:, :, :3] = position / noise[:3]
+        out[:, :, 3:POSE] = begin[:, :, 3:POSE] / noise[3:POSE]
+        if out.shape[2] > POSE:
+            slopes = reading_slopes(grid, exact, time, acting, self.places)
+            first, last = (slope / noise[POSE:] for slope in slopes)
+            out[:, :, POSE:] = first @ begin
+            out[:, :, POSE:12] += last[:, :, :6] @ end  # range and pressure are of an instant
 
-        base = slopes(rows, ready, middle, latent)
-        jacobian = np.empty((*base.shape[:2], WIDTH, WIDTH))
-        for k in range(WIDTH):
-            there = slopes(rows, ready, nudged(middle, k), latent)
-            jacobian[..., k] = spread_rates((there - base) / NUDGE[k])
-        turning_rows(jacobian, middle[..., 10:13])
-        inputs = np.zeros((*base.shape[:2], 6, RANDOM + len(self.knobs) + len(SENSORS)))
-        for axis in range(AXES):
-            push = latent.copy()
-            push[..., axis] += 1.0
-            answer = (slopes(rows, ready, middle, push) - base)[..., 3:]
-            first = WIDTH + axis * KNOTS
-            inputs[..., first : first + KNOTS] = answer[..., None] * self._hats[:, None, :]
-        for k, knob in enumerate(self.knobs):
-            if knob.reaches == 'reading':
-                continue
-            (before, after, step), (faced, faces) = turned[k], thrown[k]
-            own = base if before is rows else slopes(before, faced, middle, latent)
-            there = slopes(after, faces, middle, latent)
-            inputs[..., RANDOM + k] = ((there - own) / step)[..., 3:]
-        begin = np.zeros((WIDTH, inputs.shape[-1]))
-        begin[:, :WIDTH] = np.eye(WIDTH)
-        a, b = transitions(jacobian, replay.dt)
-        return carried(a, b, begin, inputs, STEPS)
-
-    def _sensed(self, change: Array, grid: Array, time: Array, rows: Rows, base: Told) -> Array:
-        """Return how what is said answers, shape (S, n, 14, C)."""
-        begin, end = grid[:, :-1], grid[:, 1:]
-        first, last = (np.empty((*begin.shape[:2], 8, WIDTH)) for _ in range(2))
-        for k in range(WIDTH):
-            for out, pair in ((first, (nudged(begin, k), end)), (last, (begin, nudged(end, k)))):
-                there = readings(*pair, time, rows.acting, self.places)
-                out[..., k] = (there - base.readings) / NUDGE[k]
-        position = change[:, :-1, :3]
-        if rows.acting['pose']:
-            position = _frame(rows) @ position
-        rest = first @ change[:, :-1] + last @ change[:, 1:]
-        return np.concatenate([position, change[:, :-1, 3:6], rest], axis=2)
-
-    def _read(self, grid: Array, time: Array, before: Rows, after: Rows) -> Array:
+    def _read(self, grid: Array, time: Array, turn: Turn, base: Told, exact: Array) -> Array:
         """Return the difference of what is said under other measurement effects."""
-        a = told(grid, time, before.acting, self.places)
-        b = told(grid, time, after.acting, self.places)
-        turn = logarithm(product(reverse(a.quaternion), b.quaternion))
-        return np.concatenate([b.position - a.position, turn, b.readings - a.readings], axis=-1)
-
-
-def _frame(rows: Rows) -> Array:
-    """Return the rotation into the tracker's frame."""
-    axes = [read(rows.acting['pose'], (*axis, 0.0, 0.0, 0.0, 1.0), 0.0)[:3] for axis in np.eye(3)]
-    return np.array(axes).T
+        a, b = (told(grid, time, rows.acting, self.places, exact) for rows in turn[:2])
+        turned = logarithm(product(reverse(a.quaternion), b.quaternion))
+        return np.concatenate([b.position - a.position, turned, b.readings - a.readings], axis=-1)

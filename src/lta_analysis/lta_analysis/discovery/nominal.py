@@ -13,9 +13,10 @@ from lta_analysis.discovery.replay_kernel import (
 )
 from lta_sim.craft import LAYOUT
 from lta_sim.effects import EFFECTS, initial_memory
+from lta_sim.effects.protocol import BodyEffect, Effect, InertiaEffect, MeasurementEffect
 from lta_sim.layout import Layout
 from lta_sim.measurement import Chain, chains
-from lta_sim.model import Model
+from lta_sim.model import Model, values_of
 from lta_sim.state import RIGID
 from lta_sim.vehicle import Vehicle
 import numpy as np
@@ -121,6 +122,72 @@ class Nominal:
         a_on = _taken(model, actuators, ACTUATOR_PLACES, ACTUATOR_LAYOUT)
         b_on = _taken(model, body, BODY_PLACES, BODY_LAYOUT)
         return Rows(actuators, a_on, body, b_on, chains(model.given, EFFECTS))
+
+    def rows_beside(self, other: 'Nominal', rows: Rows) -> Rows:
+        """
+        Return what `rows` returns, knowing that of a vehicle that differs little.
+
+        Parameters
+        ----------
+        other : Nominal
+            The vehicle out of which this one was made.
+        rows : Rows
+            Of it.
+
+        Raises
+        ------
+        BadInput
+            As `model`.
+
+        """
+        changed = [name for name in self.given if self.given[name] is not other.given.get(name)]
+        weighed = (
+            not set(other.given) <= set(self.given)
+            or self.mass != other.mass
+            or self.displaced != other.displaced
+            or any(
+                mine is not its
+                for mine, its in (
+                    (self.cg, other.cg),
+                    (self.inertia, other.inertia),
+                    (self.rotors, other.rotors),
+                )
+            )
+        )
+        kinds = [EFFECTS[name] for name in changed]
+        if weighed or any(isinstance(kind, InertiaEffect | BodyEffect) for kind in kinds):
+            return self.rows()
+        acting = rows.acting
+        if any(isinstance(kind, MeasurementEffect) for kind in kinds):
+            acting = chains(self.given, EFFECTS)
+        new = Rows(
+            rows.actuators.copy(),
+            rows.actuators_on.copy(),
+            rows.body.copy(),
+            rows.body_on.copy(),
+            acting,
+        )
+        for kind in kinds:
+            numbers = values_of(kind, self.given[kind.name])
+            _put(new.actuators, new.actuators_on, ACTUATOR_PLACES, ACTUATOR_LAYOUT, kind, numbers)
+            _put(new.body, new.body_on, BODY_PLACES, BODY_LAYOUT, kind, numbers)
+        return new
+
+
+def _put(
+    row: Array,
+    on: Flags,
+    where: Mapping[str, slice],
+    layout: Layout,
+    effect: Effect,
+    values: Mapping[str, float],
+) -> None:
+    """Write the parameters of an effect into a row that has it, and its flag."""
+    if effect.name in layout.effects:
+        first = where['parameters'].start + layout.first[effect.name]
+        row[first : first + len(values)] = list(values.values())
+        active = any(values[known.name] != known.null for known in effect.parameters)
+        on[layout.flag(effect.name)] = active
 
 
 def _taken(model: Model, row: Array, where: Mapping[str, slice], layout: Layout) -> Flags:

@@ -10,19 +10,24 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, final
 
-from lta_analysis.discovery.accept import GAIN, TIE
-from lta_analysis.discovery.evidence import floor_of, own_variance, shared
-from lta_analysis.discovery.fit import Fitter, Joint
+from lta_analysis.discovery.accept import LARGER, TIE
+from lta_analysis.discovery.evidence import floor_of, own_variance, Prior, shared
+from lta_analysis.discovery.fit import Fitter, Joint, REST
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.naming import ALIKE, Named, Pair
 from lta_analysis.discovery.nominal import Nominal
 from lta_analysis.discovery.scan import likeness
 import numpy as np
 
+# Nats that removing an effect has to cost. Fewer than each earns its name by: what hides in a
+# tolerance that all flights share is won on each by itself, and cannot be won twice.
+KEPT: Final = LARGER
 CERTAIN: Final = 60.0  # nats; what is so much worse about the old point needs no refit
 NEAR: Final = 15.0  # nats; nor is a rival refitted that is so much worse
 RIVALS: Final = 2  # refitted for each effect
 ROUNDS: Final = 4
+ANY: Final = 30.0  # typical sizes: as good as any
+ROUGH: Final = 3.0  # nats; to which the evidence without any effect is known
 
 
 @final
@@ -43,6 +48,9 @@ class Proven:
         Those of them that do not even look like it: an open question, not another word for it.
     full, bare : Joint
         All flights with the effects, and without any.
+    measured : Joint
+        All flights with the effects, of whose sizes nothing is taken to be known beforehand: a
+        usual size is good for telling effects apart, and would pull a value towards 0.
 
     """
 
@@ -52,6 +60,7 @@ class Proven:
     unlike: Mapping[str, tuple[str, ...]]
     full: Joint
     bare: Joint
+    measured: Joint
 
 
 @final
@@ -78,10 +87,10 @@ class Proof:
         bare = self._joined((), named.bare)
         names = named.names
         if not names:
-            return Proven((), {}, {}, {}, bare, bare)
+            return Proven((), {}, {}, {}, bare, bare, bare)
         full = self._joined(names, named.fits)
         costs = self._costs(names, full, bare)
-        while min(costs.values(), default=GAIN) < GAIN:
+        while min(costs.values(), default=KEPT) < KEPT:
             weakest = min(costs, key=lambda name: costs[name])
             names = tuple(name for name in names if name != weakest)
             full = self._changed(full, weakest, names) if names else bare
@@ -96,13 +105,23 @@ class Proof:
             rivals[name_now] = tuple(found)
             unlike[name_now] = tuple(one for one, same in found.items() if not same)
         ranked = tuple(sorted(names, key=lambda name: -costs[name]))
-        return Proven(ranked, costs, rivals, unlike, full, bare)
+        return Proven(ranked, costs, rivals, unlike, full, bare, self._measured(full, ranked))
+
+    def _measured(self, full: Joint, names: Sequence[str]) -> Joint:
+        """Fit the effects without a word on how large they usually are."""
+        covariance = full.prior.covariance.copy()
+        for name in names:
+            k = self._order.index(name)
+            covariance[k, k] += (ANY * self.knobs[k].typical) ** 2
+        prior = Prior(full.prior.mean, covariance)
+        return self.fitter.fit(prior, full.group, full.deviations, ROUNDS)
 
     def _joined(self, names: Sequence[str], pair: Pair) -> Joint:
         """Fit all flights together, from where those that teach and those that confirm stand."""
         group = pair[0].group.joined(pair[1].group)
         deviations = np.sqrt(pair[0].deviations * pair[1].deviations)
-        return self.fitter.fit(shared(self.knobs, names), group, deviations, ROUNDS)
+        rest = REST if names else ROUGH
+        return self.fitter.fit(shared(self.knobs, names), group, deviations, ROUNDS, rest)
 
     def _without(self, last: Joint, name: str, names: Sequence[str]) -> Joint:
         """Return all flights with other effects, one of them back at 0, as linear as they are."""

@@ -1,11 +1,12 @@
 """One measured flight, replayed through the model: everything that a set of parameters decides."""
 
 from dataclasses import dataclass
-from typing import Final, final
+from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.measured import held_means, Measured, PERIOD, Stream
 from lta_analysis.discovery.nominal import Rows
 from lta_analysis.discovery.replay_kernel import actuators, body, BODY_LAYOUT, RIGID
+from lta_analysis.discovery.tangent import NUDGE, WIDTH
 from lta_analysis.discovery.windows import Windows
 from lta_sim.measurement import read
 from lta_sim.state import ACTUATORS, COMMAND, SURROUNDINGS, VOLTAGE
@@ -15,8 +16,12 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 STEPS: Final = 2  # of the integrator in a grid period
-LONGEST: Final = 0.01  # s; of a step of the actuators
+LONGEST: Final = 0.02  # s; of a step of the actuators
 ALL: Final = slice(None)
+AXES: Final = 6
+REMEMBERING: Final = [
+    flag for flag, name in enumerate(BODY_LAYOUT.effects) if BODY_LAYOUT.remembered(name)
+]
 
 
 @final
@@ -39,6 +44,45 @@ class Ready:
     commands: Array
     memory: Array
     wrench: Array
+
+    def by_period(self) -> tuple[Array, Array, Array]:
+        """Return the means over each grid period."""
+        first, second, third = (
+            part.reshape(-1, STEPS, part.shape[1]).mean(axis=1)
+            for part in (self.commands, self.memory, self.wrench)
+        )
+        return first, second, third
+
+
+@final
+class Turns(NamedTuple):
+    """
+    Knobs, each as two sets of parameters and the step between them.
+
+    Attributes
+    ----------
+    rows, on : ndarray, shape (R, W) and (R, F)
+        The sets: rows and flags of the body's kernel.
+    faced : ndarray of int, shape (R,)
+        Which of what there is to meet (Q of them) each set meets.
+    commands, memory, wrench : ndarray, shape (Q, G, ...)
+        As in `Ready`, by grid period.
+    before, after : ndarray of int, shape (K,)
+        Which sets each knob goes between.
+    steps : ndarray, shape (K,)
+        How far.
+
+    """
+
+    rows: Array
+    on: NDArray[np.uint8]
+    faced: NDArray[np.int64]
+    commands: Array
+    memory: Array
+    wrench: Array
+    before: NDArray[np.int64]
+    after: NDArray[np.int64]
+    steps: Array
 
 
 @final
@@ -66,6 +110,7 @@ class Replay:
         self.span = cut.length * STEPS
         self._around = np.zeros((count, SURROUNDINGS))
         self._around[:, VOLTAGE] = self._volts(self._steps)
+        self._sparse = self._around[::STEPS].copy()
         orders = flight.commands
         self._orders = np.zeros((len(orders.time), COMMAND))
         self._orders[:, : orders.values.shape[1]] = orders.values
@@ -94,7 +139,7 @@ class Replay:
         """Return the mean commanded wrench in each step, after any delay."""
         told = self.flight.wrench
         if told is None:
-            return np.zeros((len(self._steps), 6))
+            return np.zeros((len(self._steps), AXES))
         late = Stream(told.time + _delay(rows), told.values)
         return held_means(late, np.append(self._steps, self._steps[-1] + self.dt))
 
@@ -130,11 +175,17 @@ class Replay:
             wrench = self._wrench(rows)
         else:
             commands, wrench = before.commands, before.wrench
-        memory = np.zeros((len(self._steps), BODY_LAYOUT.size - RIGID))
-        body().remember(
-            rows.body.copy(), rows.body_on, self._known, commands, self._around, self.dt, memory
-        )
-        return Ready(commands, memory, wrench)
+        return Ready(commands, self._memory(rows, commands), wrench)
+
+    def _memory(self, rows: Rows, commands: Array) -> Array:
+        """Return the memory of the effects in each step."""
+        memory = np.tile(rows.body[RIGID : BODY_LAYOUT.size], (len(self._steps), 1))
+        if rows.body_on[REMEMBERING].any():
+            body().remember(
+                rows.body.copy(), rows.body_on, self._known, commands, self._around, self.dt,
+                memory,
+            )  # fmt: skip
+        return memory
 
     def fly(
         self, rows: Rows, ready: Ready, start: Array, latent: Array, which: slice = ALL
@@ -166,29 +217,57 @@ class Replay:
         )  # fmt: skip
         return out
 
-    def slopes(
-        self, rows: Rows, ready: Ready, states: Array, latent: Array, which: slice = ALL
-    ) -> Array:
+    def jacobians(self, turns: Turns, states: Array, latent: Array, which: slice = ALL) -> Array:
         """
-        Return rates at given states.
+        Return how the rates of a change answer to the change, at given states.
 
         Parameters
         ----------
-        rows, ready, latent, which
-            As for `fly`.
-        states : ndarray, shape (S, span, 13)
-            One in each step.
+        turns : Turns
+            The first set of parameters and what it meets count.
+        states : ndarray, shape (S, n, 13)
+            In the middle of each grid period.
+        latent : ndarray, shape (S, n, 6)
+            Mean force and moment that nothing explains. [N, N m]
+        which : slice
+            Of the pieces: those that the arrays are about.
 
         Returns
         -------
-        ndarray, shape (S, span, 9)
-            d/dt of position, body velocity and body rates.
+        ndarray, shape (S, n, 12, 12)
+            F of `tangent`.
 
         """
-        out = np.zeros((len(states), self.span, 9))
-        body().slopes(
-            rows.body.copy(), rows.body_on, self.first[which], states, ready.commands,
-            self._around, ready.memory, self._forced(ready, latent, which), out,
+        out = np.zeros((*states.shape[:2], WIDTH, WIDTH))
+        body().jacobians(
+            turns.rows[0].copy(), turns.on[0], self.cut.first[which], states, turns.commands[0],
+            self._sparse, turns.memory[0], turns.wrench[0], latent, NUDGE, out,
+        )  # fmt: skip
+        return out
+
+    def answers(self, turns: Turns, states: Array, latent: Array, which: slice = ALL) -> Array:
+        """
+        Return how the accelerations answer to knobs, at given states.
+
+        Parameters
+        ----------
+        turns : Turns
+            The knobs.
+        states, latent, which
+            As for `jacobians`.
+
+        Returns
+        -------
+        ndarray, shape (S, n, 6, K)
+            d/dt of body velocity and body rates by a unit of each knob.
+
+        """
+        out = np.zeros((*states.shape[:2], AXES, len(turns.steps)))
+        kept = np.empty((len(turns.rows), states.shape[1], AXES))
+        body().answers(
+            turns.rows, turns.on, turns.faced, self.cut.first[which], states, turns.commands,
+            self._sparse, turns.memory, turns.wrench, latent, turns.before, turns.after,
+            turns.steps, kept, out,
         )  # fmt: skip
         return out
 

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from functools import cache
 from string import Template
 from types import ModuleType
-from typing import Final
+from typing import Final, final
 
 from lta_sim.compose import ENTRY, Form, INLINE, kernel_source, layout_of
 from lta_sim.effects import EFFECTS
@@ -28,6 +28,7 @@ from lta_sim.effects.protocol import (
     WrenchEffect,
 )
 from lta_sim.kernel_cache import load
+from lta_sim.layout import Access, Layout, Stage
 from lta_sim.row import ENTRIES, places, Row
 
 LATENT: Final = 'latent'
@@ -66,16 +67,61 @@ BODY_LAYOUT: Final = layout_of(BODY_ONLY)
 ACTUATOR_PLACES: Final = places(ACTUATOR_LAYOUT)
 BODY_PLACES: Final = places(BODY_LAYOUT)
 RIGID: Final = 13
+# While these run, others can.
+FREE: Final = ENTRY.replace('cache=True', 'cache=True, nogil=True')
 
-# Thrusts: the mean of each rotor in each bin, exact in when a command arrives; between arrivals
-# steps no longer than `longest`, and the trapezium of their ends.
+
+@final
+class _RowOfRotors:
+    """Reach the numbers as in a `Row`, and compute what the rotors do and nothing else."""
+
+    loops = True
+
+    def __init__(self) -> None:
+        self._row = Row()
+        self.item, self.whole = self._row.item, self._row.whole
+
+    def texts(self, stages: list[Stage], layout: Layout) -> dict[str, str]:
+        """Return the parts of the text that know the layout."""
+        still = Stage(('wind = (0.0, 0.0, 0.0)',))  # which is told, but never asked for
+        return self._row.texts([*(stage for stage in stages if stage.each), still], layout)
+
+
+# Thrusts: the mean of each rotor in each bin, exact in when a command arrives. Between arrivals
+# classical Runge-Kutta in steps no longer than `longest`, of the integral of the thrusts as well.
 CHAIN: Final = '''
 
-$ENTRY
+$INLINE
+def tread(row, on, weight, out):
+    """Take up the rates and thrusts of a stage of a step."""
+    rates(row, on)
+    for i in range(RIGID, SIZE):
+        row[MEAN + i] += weight * row[RATE + i]
+    for j in range(ROTORS):
+        out[j] += weight * row[THRUST + j]
+
+
+$INLINE
+def stride(row, on, dt, out):
+    """Take a step; add to the integral of the thrusts."""
+    for i in range(RIGID, SIZE):
+        row[KEPT + i] = row[i]
+        row[MEAN + i] = 0.0
+    tread(row, on, dt / 6.0, out)
+    for reach, weight in ((0.5 * dt, dt / 3.0), (0.5 * dt, dt / 3.0), (dt, dt / 6.0)):
+        for i in range(RIGID, SIZE):
+            row[i] = row[KEPT + i] + reach * row[RATE + i]
+        tread(row, on, weight, out)
+    for i in range(RIGID, SIZE):
+        row[i] = row[KEPT + i] + row[MEAN + i]
+
+
+$FREE
 def chain(row, on, arrivals, commands, around, begin, width, longest, out):
     """Write the mean thrust of each rotor in each bin of a flight."""
     newest, count = -1, arrivals.shape[0]
     now = begin
+    row[TOLD] = 0.0
     for k in range(out.shape[0]):
         end = begin + (k + 1) * width
         for j in range(ROTORS):
@@ -96,15 +142,8 @@ def chain(row, on, arrivals, commands, around, begin, width, longest, out):
                     break
                 continue
             steps = int(math.ceil((until - now) / longest - 1e-9))
-            dt = (until - now) / steps
             for _ in range(steps):
-                rates(row, on)
-                for j in range(ROTORS):
-                    out[k, j] += 0.5 * dt * row[THRUST + j]
-                advance(row, on, dt, 1)
-                rates(row, on)
-                for j in range(ROTORS):
-                    out[k, j] += 0.5 * dt * row[THRUST + j]
+                stride(row, on, (until - now) / steps, out[k])
             now = until
         for j in range(ROTORS):
             out[k, j] /= width
@@ -124,7 +163,7 @@ def meet(row, k, commands, around, memory):
         row[RIGID + j] = memory[k, j]
 
 
-$ENTRY
+$FREE
 def fly(row, on, first, start, commands, around, memory, latent, dt, out):
     """Write the state of each segment at each step, by classical Runge-Kutta."""
     for s in range(first.shape[0]):
@@ -140,25 +179,101 @@ def fly(row, on, first, start, commands, around, memory, latent, dt, out):
                 out[s, k + 1, j] = row[j]
 
 
-$ENTRY
-def slopes(row, on, first, states, commands, around, memory, latent, out):
-    """Write the rate of velocity and body rates at given states, and d/dt of the position."""
+$INLINE
+def place(row, states, s, k):
+    """Write a state into the row."""
+    for j in range(RIGID):
+        row[j] = states[s, k, j]
+
+
+$INLINE
+def nudge(row, i, small):
+    """Move the state in the row by a small change of the ith of the twelve (`tangent`)."""
+    if i < 3:
+        row[i] += small
+    elif i < 6:
+        x, y, z, w = row[3], row[4], row[5], row[6]
+        c, a = math.cos(0.5 * small), math.sin(0.5 * small)
+        dx, dy, dz, dw = w, z, -y, -x
+        if i == 4:
+            dx, dy, dz, dw = -z, w, x, -y
+        elif i == 5:
+            dx, dy, dz, dw = y, -x, w, -z
+        row[3], row[4] = c * x + a * dx, c * y + a * dy
+        row[5], row[6] = c * z + a * dz, c * w + a * dw
+    else:
+        row[i + 1] += small
+
+
+$INLINE
+def follow(states, s, k, jacobian):
+    """Write what attitude does: it follows the rates, in a frame that turns with them."""
+    p, q, r = states[s, k, 10], states[s, k, 11], states[s, k, 12]
+    for i in range(3, 6):
+        for j in range(12):
+            jacobian[s, k, i, j] = 0.0
+        jacobian[s, k, i, i + 6] = 1.0
+    jacobian[s, k, 3, 4], jacobian[s, k, 3, 5] = r, -q
+    jacobian[s, k, 4, 3], jacobian[s, k, 4, 5] = -r, p
+    jacobian[s, k, 5, 3], jacobian[s, k, 5, 4] = q, -p
+
+
+$FREE
+def jacobians(row, on, first, states, commands, around, memory, wrench, latent, small, out):
+    """Write how the rates of the twelve answer to each of them, at given states."""
     row[TOLD] = 0.0
     for s in range(first.shape[0]):
         for k in range(states.shape[1]):
-            for j in range(RIGID):
-                row[j] = states[s, k, j]
             meet(row, first[s] + k, commands, around, memory)
             for j in range(6):
-                row[LATENT + j] = latent[s, k, j]
+                row[LATENT + j] = latent[s, k, j] + wrench[first[s] + k, j]
+            place(row, states, s, k)
             rates(row, on)
-            for j in range(3):
-                out[s, k, j] = row[RATE + j]
+            x, y, z = row[RATE], row[RATE + 1], row[RATE + 2]
             for j in range(6):
-                out[s, k, 3 + j] = row[RATE + 7 + j]
+                row[KEPT + j] = row[RATE + 7 + j]
+            for i in range(12):
+                place(row, states, s, k)
+                nudge(row, i, small[i])
+                rates(row, on)
+                out[s, k, 0, i] = (row[RATE] - x) / small[i]
+                out[s, k, 1, i] = (row[RATE + 1] - y) / small[i]
+                out[s, k, 2, i] = (row[RATE + 2] - z) / small[i]
+                for j in range(6):
+                    out[s, k, 6 + j, i] = (row[RATE + 7 + j] - row[KEPT + j]) / small[i]
+            follow(states, s, k, out)
 
 
-$ENTRY
+$FREE
+def answers(
+    rows, on, faced, first, states, commands, around, memory, wrench, latent, before, after, steps,
+    kept, out,
+):
+    """
+    Write how the accelerations answer to each knob, at given states.
+
+    Each row flies through what `faced` says; a knob is two rows and a step between them. `kept`
+    is room for the accelerations of one piece under each row.
+    """
+    for s in range(first.shape[0]):
+        for r in range(rows.shape[0]):
+            row, q = rows[r], faced[r]
+            row[TOLD] = 0.0
+            for k in range(states.shape[1]):
+                place(row, states, s, k)
+                meet(row, first[s] + k, commands[q], around, memory[q])
+                for j in range(6):
+                    row[LATENT + j] = latent[s, k, j] + wrench[q, first[s] + k, j]
+                rates(row, on[r])
+                for j in range(6):
+                    kept[r, k, j] = row[RATE + 7 + j]
+        for k in range(states.shape[1]):
+            for i in range(6):
+                for j in range(steps.shape[0]):
+                    out[s, k, i, j] = (kept[after[j], k, i] - kept[before[j], k, i]) / steps[j]
+
+
+$FREE
 def remember(row, on, states, commands, around, dt, out):
     """Write the memory of the effects at each step of a flight whose motion is known."""
     row[TOLD] = 0.0
@@ -188,26 +303,29 @@ def _constants(where: Mapping[str, slice], latent: int) -> str:
         'ROTORS': where['thrusts'].stop - where['thrusts'].start,
         'RATE': where['rate'].start,
         'TOLD': where['told'].start,
+        'SIZE': where['state'].stop,
+        'KEPT': where['begin'].start,
+        'MEAN': where['middle'].start,
         'LATENT': latent,
         'RIGID': RIGID,
     }
     return '\n'.join(f'{name} = {value}' for name, value in named.items()) + '\n\n'
 
 
-def _form(entries: str, where: Mapping[str, slice], latent: int = 0) -> Form:
+def _form(entries: str, where: Mapping[str, slice], access: Access, latent: int = 0) -> Form:
     """Return the scalar form of the model with more entries."""
-    text = _constants(where, latent) + ENTRIES + entries
-    return Form('from numba import njit\n', INLINE, ENTRY, Row(), Template(text))
+    text = _constants(where, latent) + ENTRIES + entries.replace('$FREE', FREE)
+    return Form('from numba import njit\n', INLINE, ENTRY, access, Template(text))
 
 
 @cache
 def actuators() -> ModuleType:
     """Return the compiled way of a command to a thrust, with `chain`."""
-    return load(kernel_source(ACTUATORS_ONLY, _form(CHAIN, ACTUATOR_PLACES)))
+    return load(kernel_source(ACTUATORS_ONLY, _form(CHAIN, ACTUATOR_PLACES, _RowOfRotors())))
 
 
 @cache
 def body() -> ModuleType:
-    """Return the compiled motion under given thrusts, with `fly`, `slopes` and `remember`."""
+    """Return the motion under given thrusts: `fly`, `jacobians`, `answers`, `remember`."""
     latent = BODY_PLACES['parameters'].start + BODY_LAYOUT.first[LATENT]
-    return load(kernel_source(BODY_ONLY, _form(FLY, BODY_PLACES, latent)))
+    return load(kernel_source(BODY_ONLY, _form(FLY, BODY_PLACES, Row(), latent)))

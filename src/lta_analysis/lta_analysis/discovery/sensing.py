@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, final, NamedTuple
+from typing import Any, Final, final, NamedTuple
 
 from lta_analysis.discovery.measured import Measured, PERIOD
 from lta_analysis.discovery.turning import exponential, product, reverse, rotated
@@ -15,6 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+
+# Which of the readings each channel of effects acts on.
+PARTS: Final = {
+    'rates': slice(0, 3),
+    'force': slice(3, 6),
+    'range': slice(6, 7),
+    'pressure': slice(7, 8),
+}
 
 
 @final
@@ -71,15 +80,15 @@ def _pose(states: Array, time: Array, acting: Mapping[str, Chain]) -> tuple[Arra
     return position, quaternion
 
 
-def _vertical(states: Array) -> Array:
-    """Return the map's vertical in the body."""
+def vertical_of(states: Array) -> Array:
+    """Return the map's vertical in the body, shape (..., 3)."""
     up = np.broadcast_to(np.array([0.0, 0.0, 1.0]), (*states.shape[:-1], 3))
     return rotated(reverse(states[..., 3:7]), up)
 
 
 def _force(begin: Array, end: Array, place: tuple[float, float, float]) -> Array:
     """Return the mean specific force between two states."""
-    up = 0.5 * (_vertical(begin) + _vertical(end))
+    up = 0.5 * (vertical_of(begin) + vertical_of(end))
     mean, rate = 0.5 * (begin + end), (end - begin) / PERIOD
     across = [
         tuple(np.moveaxis(part, -1, 0))
@@ -90,20 +99,16 @@ def _force(begin: Array, end: Array, place: tuple[float, float, float]) -> Array
     return np.stack(whole(*across, place, STANDARD_GRAVITY), axis=-1)
 
 
-def readings(
-    begin: Array, end: Array, time: Array, acting: Mapping[str, Chain], places: Places
-) -> Array:
+def plain(begin: Array, end: Array, places: Places) -> Array:
     """
     Return rates, force, range and pressure of states and those a grid period later.
+
+    As sensors without effects would tell them.
 
     Parameters
     ----------
     begin, end : ndarray, shape (..., 13)
         States.
-    time : ndarray, shape (...)
-        Of `begin`. [s]
-    acting : mapping of str to Chain
-        Measurement effects by channel.
     places : Places
         Of the sensors.
 
@@ -113,24 +118,44 @@ def readings(
         In SI; the first six as means of the period.
 
     """
-    vertical = _vertical(begin)
+    vertical = vertical_of(begin)
     distance = (begin[..., 2] + vertical @ np.array(places.range)) / vertical[..., 2]
     # At the IMU, without its tilt: as the simulated barometer has it.
     height = begin[..., 2] + places.imu[2]
     pressure = places.floor * (1.0 - LAPSE * height / SEA_TEMPERATURE) ** EXPONENT
     rates = 0.5 * (begin[..., 10:13] + end[..., 10:13])
-    return np.concatenate(
-        [
-            _acted(acting['rates'], rates, time),
-            _acted(acting['force'], _force(begin, end, places.imu), time),
-            _acted(acting['range'], distance[..., None], time),
-            _acted(acting['pressure'], pressure[..., None], time),
-        ],
-        axis=-1,
-    )
+    force = _force(begin, end, places.imu)
+    return np.concatenate([rates, force, distance[..., None], pressure[..., None]], axis=-1)
 
 
-def told(states: Array, time: Array, acting: Mapping[str, Chain], places: Places) -> Told:
+def readings(exact: Array, time: Array, acting: Mapping[str, Chain]) -> Array:
+    """
+    Return what the effects of the sensors make of readings.
+
+    Parameters
+    ----------
+    exact : ndarray, shape (..., 8)
+        Of `plain`.
+    time : ndarray, shape (...)
+        [s]
+    acting : mapping of str to Chain
+        Measurement effects by channel.
+
+    """
+    out = exact.copy()
+    for name, part in PARTS.items():
+        if acting[name]:
+            out[..., part] = _acted(acting[name], exact[..., part], time)
+    return out
+
+
+def told(
+    states: Array,
+    time: Array,
+    acting: Mapping[str, Chain],
+    places: Places,
+    exact: Array | None = None,
+) -> Told:
     """
     Return what is said of trajectories on the grid.
 
@@ -140,13 +165,18 @@ def told(states: Array, time: Array, acting: Mapping[str, Chain], places: Places
         The last one only ends the last period.
     time : ndarray, shape (..., n)
         [s]
-    acting, places
-        As for `readings`.
+    acting : mapping of str to Chain
+        Measurement effects by channel.
+    places : Places
+        Of the sensors.
+    exact : ndarray, shape (..., n, 8), optional
+        Of `plain`, where it is known already.
 
     """
     begin, end = states[..., :-1, :], states[..., 1:, :]
     position, quaternion = _pose(begin, time, acting)
-    return Told(position, quaternion, readings(begin, end, time, acting, places))
+    exact = plain(begin, end, places) if exact is None else exact
+    return Told(position, quaternion, readings(exact, time, acting))
 
 
 def floor_pressure(flight: Measured, places: Places) -> float:

@@ -7,12 +7,9 @@ from typing import Final, final
 from lta_analysis.discovery.finding import (
     Finding,
     Gap,
-    Learned,
-    NamedEffect,
     Rung,
     Verdict,
 )
-from lta_analysis.discovery.fit import turned
 from lta_analysis.discovery.held_out import gaps, shown
 from lta_analysis.discovery.knobs import Knob, knobs
 from lta_analysis.discovery.linear import Point
@@ -23,19 +20,15 @@ from lta_analysis.discovery.nominal import Nominal
 from lta_analysis.discovery.proof import Proof, Proven
 from lta_analysis.discovery.replay import Replay
 from lta_analysis.discovery.sensing import floor_pressure, Places
+from lta_analysis.discovery.sizes import effects, learned
 from lta_analysis.discovery.splitting import assigned, Role, ROLES
 from lta_analysis.discovery.unexplained import Remainder, remaining
 from lta_analysis.discovery.windows import windows
 from lta_config.errors import BadInput
-from lta_sim.effects import EFFECTS
 from lta_sim.vehicle import Vehicle
-import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
 Progress = Callable[[str, float], None]
 
-NORMAL: Final = 1.96  # deviations, of the 95 % interval
 FAR: Final = 3.0  # s; the horizon at which the model has to be better than coast
 LEAST: Final = 2  # pieces that each role has to have
 
@@ -148,7 +141,7 @@ def study(
     tell('predicting', 0.9)
     held_out = bool(by_role['holdout'])
     last = [f for f in flown if f.role == ('holdout' if held_out else 'confirm')]
-    models = [shown(f.flight, nominal, proven.bare, proven.full) for f in last]
+    models = [shown(f.flight, nominal, proven.bare, proven.measured) for f in last]
     differences = gaps([f.flight for f in last], models, seed)
     if not held_out:
         warnings.append('No flight was held out: the gaps are of flights that confirmed.')
@@ -186,56 +179,6 @@ def _enough(flown: Sequence[Flown]) -> None:
                 f"The flight '{one.name}' has {len(one.flight.replay.first)} usable pieces of 6 s "
                 f"as '{one.role}'; at least {LEAST} are needed: fly longer, or mend its gaps."
             )
-
-
-def learned(nominal: Nominal, proven: Proven, known: Sequence[Knob]) -> Nominal:
-    """Return the vehicle file's vehicle with the named effects, and nothing else changed."""
-    values = np.where([knob.name in proven.names for knob in known], _values(proven, known), 0.0)
-    return turned(nominal, known, values)[0]
-
-
-def _values(proven: Proven, known: Sequence[Knob]) -> Array:
-    """Return the most probable knobs that flights share, within their bounds."""
-    mean = proven.full.fitted.mean[: len(known)]
-    inside: Array = np.clip(mean, [knob.low for knob in known], [knob.high for knob in known])
-    return inside
-
-
-def effects(nominal: Nominal, proven: Proven, known: Sequence[Knob]) -> tuple[NamedEffect, ...]:
-    """Return the effects that were found missing, the strongest first."""
-    values, spread = _values(proven, known), np.sqrt(np.diag(proven.full.fitted.covariance))
-    by_effect: dict[str, list[int]] = {}
-    for name in proven.names:
-        k = next(i for i, knob in enumerate(known) if knob.name == name)
-        by_effect.setdefault(name.partition('.')[0], []).append(k)
-    out = []
-    for effect, places in by_effect.items():
-        names = tuple(known[k].name for k in places)
-        parameters = tuple(
-            each
-            for k in places
-            for each in _parameters(nominal, known[k], effect, float(values[k]), float(spread[k]))
-        )
-        cost = max(proven.costs[name] for name in names)
-        rivals = dict.fromkeys(rival for name in names for rival in proven.rivals[name])
-        out.append(NamedEffect(effect, names, parameters, cost, tuple(rivals)))
-    return tuple(out)
-
-
-def _parameters(
-    nominal: Nominal, knob: Knob, effect: str, value: float, spread: float
-) -> list[Learned]:
-    """Return the parameters of an effect that a knob moves."""
-    units = {known.name: known.unit for known in EFFECTS[effect].parameters}
-    begun, out = knob.ready(nominal), []
-    for (moved, parameter), rate in knob.moves.items():
-        if moved != effect:
-            continue
-        before = nominal.value(effect, parameter)
-        now = begun.value(effect, parameter) + rate * value
-        half = NORMAL * abs(rate) * spread
-        out.append(Learned(parameter, units[parameter], before, now, (now - half, now + half)))
-    return out
 
 
 def _rungs(step: Step) -> tuple[Rung, ...]:

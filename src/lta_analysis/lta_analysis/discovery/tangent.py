@@ -31,37 +31,6 @@ def moved(states: Array, change: Array) -> Array:
     )
 
 
-def nudged(states: Array, k: int) -> Array:
-    """Return states after a small change of the kth of the twelve."""
-    change = np.zeros(WIDTH)
-    change[k] = NUDGE[k]
-    return moved(states, np.broadcast_to(change, (*states.shape[:-1], WIDTH)))
-
-
-def middles(states: Array) -> Array:
-    """Return the states half way between neighbours, shape (S, n, 13) from (S, n + 1, 13)."""
-    middle = 0.5 * (states[:, :-1] + states[:, 1:])
-    middle[..., 3:7] /= np.linalg.norm(middle[..., 3:7], axis=-1, keepdims=True)
-    return middle
-
-
-def spread_rates(rates: Array) -> Array:
-    """Return rates of position, velocity and body rates, (..., 9), as rates of a change."""
-    out = np.zeros((*rates.shape[:-1], WIDTH))
-    out[..., :3], out[..., 6:] = rates[..., :3], rates[..., 3:]
-    return out
-
-
-def turning_rows(jacobian: Array, rates: Array) -> None:
-    """Write what attitude does: it follows the rates, in a frame that turns with them."""
-    p, q, r = np.moveaxis(rates, -1, 0)
-    zero = np.zeros_like(p)
-    cross = np.array([[zero, -r, q], [r, zero, -p], [-q, p, zero]])
-    jacobian[..., 3:6, :] = 0.0
-    jacobian[..., 3:6, 3:6] = -np.moveaxis(cross, (0, 1), (-2, -1))
-    jacobian[..., 3:6, 9:12] = np.eye(3)
-
-
 def transitions(jacobian: Array, dt: float) -> tuple[Array, Array]:
     """Return A and B of x' = A x + B g over a step in which F and g are constant."""
     eye = np.eye(WIDTH)
@@ -72,34 +41,28 @@ def transitions(jacobian: Array, dt: float) -> tuple[Array, Array]:
     return eye + jacobian @ b, b
 
 
-def carried(a: Array, b: Array, begin: Array, inputs: Array, every: int) -> Array:
+def carried(a: Array, push: Array) -> Array:
     """
-    Return the changes at every so many steps.
+    Return how states answer to those at the beginning, and to what pushes on the way.
 
     Parameters
     ----------
-    a, b : ndarray, shape (S, n, 12, 12)
+    a : ndarray, shape (S, n, 12, 12)
         Of `transitions`.
-    begin : ndarray, shape (12, C)
-        At the beginning.
-    inputs : ndarray, shape (S, n, 6, C)
-        Accelerations.
-    every : int
-        Steps between what is returned; n is a multiple.
+    push : ndarray, shape (S, n, 12, C)
+        B g of each step and input.
 
     Returns
     -------
-    ndarray, shape (S, n // every + 1, 12, C)
-        The changes.
+    ndarray, shape (S, n + 1, 12, 12 + C)
+        The changes: by each of the twelve at the beginning, then by each input.
 
     """
-    pieces, steps = a.shape[:2]
-    now = np.broadcast_to(begin, (pieces, *begin.shape)).copy()
-    out = np.empty((pieces, steps // every + 1, *begin.shape))
-    out[:, 0] = now
-    push = b[..., 6:]
+    pieces, steps, _, count = push.shape
+    out = np.zeros((pieces, steps + 1, WIDTH, WIDTH + count))
+    out[:, 0, :, :WIDTH] = np.eye(WIDTH)
     for k in range(steps):
-        now = a[:, k] @ now + push[:, k] @ inputs[:, k]
-        if (k + 1) % every == 0:
-            out[:, (k + 1) // every] = now
+        now = out[:, k + 1]
+        np.matmul(a[:, k], out[:, k], out=now)
+        now[..., WIDTH:] += push[:, k]
     return out
