@@ -31,12 +31,12 @@ Prince), weight, rotors and their toe, the way of a command, pilot, battery, sen
 written apart (`lta_analysis/challenge/truth_*.py`, `watched.py`). Without noise and tolerance both
 fly alike to 1e-4 with each effect (`test/unit/analysis/challenge/test_truth.py`).
 
-*Sigma* of a hidden effect is its size over the deviation with which the flights of the case leave
-it when everything is fitted with the true structure, together with the vehicle's own tolerance of
-the same number. It is drawn by what such data showed once, and counted as it came out. *Exact*: all
-that was hidden was named and nothing else; names that no such data can tell apart count as one
-([classes](discovery_classes.md)). *Outside* is sized by the force that it leaves unexplained, 4 to
-40 times the floor. The *oracle* knows what was hidden, not how large."""
+*Sigma* of a hidden effect is its size over the deviation with which the flights of the case
+leave it when everything is fitted with the true structure, together with the vehicle's own
+tolerance of the same number. It is drawn by what such data showed once, and counted as it came
+out. *Exact*: all that was hidden was named and nothing else; names that no such data can tell
+apart count as one ([classes](discovery_classes.md)). *Outside* is sized by the force that it
+leaves unexplained, 4 to 40 times the floor. The *oracle* knows what was hidden, not how large."""
 
 
 def percent(share: Counted) -> str:
