@@ -21,7 +21,8 @@ from lta_sim.vehicle import load_vehicle
 import numpy as np
 
 BEGIN: Final = 1.3  # floors; of the unexplained force to begin with
-FAR: Final = 3.0  # s; the horizon that is scored
+# One case that cannot be answered, or is answered by a defect, must not end hundreds.
+FAULTS: Final = (BadInput, ArithmeticError, ValueError, LookupError)
 
 
 def put(folder: Path, answer: Mapping[str, Any], out: Path) -> dict[str, Any]:
@@ -49,13 +50,16 @@ def put(folder: Path, answer: Mapping[str, Any], out: Path) -> dict[str, Any]:
     try:
         studied = _studied(folder)
         found |= _told(studied)
-    except BadInput as fault:
+    except FAULTS as fault:
         found |= {'refused': str(fault), 'verdict': 'not_identifiable', 'effects': [], 'gaps': []}
         found |= {'remains': [], 'warnings': []}
     found |= {'wall_s': time.monotonic() - wall, 'cpu_s': time.process_time() - cpu}
     _keep(found, out)
     if studied is not None:
-        found |= {'oracle': oracle(studied, answer)}
+        try:
+            found |= {'oracle': oracle(studied, answer)}
+        except FAULTS as fault:
+            found |= {'oracle': {}, 'oracle_fault': str(fault)}
         _keep(found, out)
     return found
 
