@@ -43,10 +43,10 @@ leaves unexplained, 4 to 40 times the floor. The *oracle* knows what was hidden,
 
 def percent(share: Counted) -> str:
     """Return a share with its interval."""
-    if not share.count:
+    if not share.of:
         return DASH
     ends = f'{100 * share.low:.0f} to {100 * share.high:.0f}'
-    return f'{share.hits}/{share.count} = {100 * share.value:.0f} % ({ends})'
+    return f'{share.hits}/{share.of} = {100 * share.value:.0f} % ({ends})'
 
 
 def asked(figure: Figure) -> str:
@@ -79,8 +79,11 @@ def matrix_lines(cases: Sequence[Judged]) -> tuple[list[str], list[list[str]]]:
 def strength_lines(cases: Sequence[Judged]) -> list[list[str]]:
     """Return a line for each band of strength."""
     return [
-        [f'{low:g} to {high:g}' if math.isfinite(high) else f'over {low:g}', *map(percent, shares)]
-        for low, high, *shares in by_strength(cases)
+        [
+            f'{band.low:g} to {band.high:g}' if math.isfinite(band.high) else f'over {band.low:g}',
+            *map(percent, (band.exact, band.wrong, band.silent)),
+        ]
+        for band in by_strength(cases)
     ]
 
 

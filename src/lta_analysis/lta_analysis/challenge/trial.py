@@ -74,7 +74,7 @@ def _keep(found: Mapping[str, Any], out: Path) -> None:
 def _studied(folder: Path) -> Study:
     """Return the study of a case: what `lta discover` does with its bags."""
     vehicle = load_vehicle(str(folder / 'vehicle.yaml'))
-    bags = read_bags({role: [folder / role] for role in ROLES})  # type: ignore[misc]
+    bags = read_bags({role: [folder / role] for role in ROLES})
     return study(vehicle, believed(bags, vehicle).flights)
 
 
