@@ -222,7 +222,7 @@ class Drawing:
         happened, hull, course, draw = self._flown(nominal, outside, index)
         kinds = Instruments().times(self._row.worse)
         seen = Watcher(happened, hull, self._known.vehicle.file, kinds, draw).everything()
-        time = TICK * np.arange(len(happened.commands))
+        time = TICK * np.arange(len(happened.commands), dtype=np.float64)
         rotors = len(self._known.nominal.rotors)
         streams = {name: seen[name] for name in self._row.topics}
         if self._row.pushed:

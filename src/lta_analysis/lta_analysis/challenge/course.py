@@ -105,7 +105,7 @@ def piloted(course: str, seconds: float, pushed: bool, draw: Draw) -> Pilot:
         Where chance comes from.
 
     """
-    time = TICK * np.arange(round(seconds / TICK))
+    time = TICK * np.arange(round(seconds / TICK), dtype=np.float64)
     wanted = COURSES[course](time, draw)
     size = draw.uniform(*(HOVERED if course == 'hover' else SHAKEN))
     count = _whiles(time, EACH[0])

@@ -85,7 +85,8 @@ def wind_at(hull: Vessel, place: Array) -> Array:
             first = parts.first[name]
             p = tuple(hull.parameters[first : first + len(effect.parameters)].tolist())
             x, y, z = place.tolist()
-            seen = Place((x, y, z), (0.0, 0.0, 0.0), tuple(out.tolist()), ())
+            u, v, w = out.tolist()
+            seen = Place((x, y, z), (0.0, 0.0, 0.0), (u, v, w), ())
             out += effect.air(p, (), seen)[:3]
     return out
 

@@ -36,7 +36,7 @@ def page(scored: Scored, folder: Path) -> str:
     row = ROWS[about['row']]
     found = figures(cases)
     tiles = [
-        (found[k].name, f'{found[k].share.hits}/{found[k].share.count}', '', _wanted(k, cases))
+        (found[k].name, f'{found[k].share.hits}/{found[k].share.of}', '', _wanted(k, cases))
         for k in SHOWN
     ]
     return framed(

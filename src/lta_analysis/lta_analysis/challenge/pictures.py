@@ -45,13 +45,16 @@ def confusion(cases: Sequence[Judged]) -> Figure:
 def strength(cases: Sequence[Judged]) -> Figure:
     """Return how often a single effect is named exactly, wrongly or not, by its strength."""
     figure = blank()
-    bands = [each for each in by_strength(cases) if each[2].count]
+    bands = [each for each in by_strength(cases) if each.exact.of]
     middles = [
         math.sqrt(max(low, 1.0) * (high if math.isfinite(high) else 2.0 * low))
         for low, high, *_ in bands
     ]
-    for name, place, colour in (('exact', 2, GOOD), ('wrong', 3, ESTIMATE), ('silent', 4, SOFT)):
-        shares = [each[place] for each in bands]
+    for name, shares, colour in (
+        ('exact', [each.exact for each in bands], GOOD),
+        ('wrong', [each.wrong for each in bands], ESTIMATE),
+        ('silent', [each.silent for each in bands], SOFT),
+    ):
         figure.add_trace(
             Scatter(
                 x=middles,

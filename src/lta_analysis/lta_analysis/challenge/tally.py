@@ -20,7 +20,7 @@ class Counted(NamedTuple):
     """How many of how many, and the share with its 95 % interval; NaN of none."""
 
     hits: int
-    count: int
+    of: int
     value: float
     low: float
     high: float
@@ -55,7 +55,7 @@ class Figure(NamedTuple):
     @property
     def met(self) -> str:
         """'yes', 'no', or '' where nothing is asked for or there is no case."""
-        if self.share.count == 0 or (math.isnan(self.least) and math.isnan(self.most)):
+        if self.share.of == 0 or (math.isnan(self.least) and math.isnan(self.most)):
             return ''
         value = self.share.value
         enough = math.isnan(self.least) or value >= self.least - 1e-12
@@ -125,7 +125,18 @@ def figures(cases: Sequence[Judged]) -> list[Figure]:
     ]
 
 
-def by_strength(cases: Sequence[Judged]) -> list[tuple[float, float, Counted, Counted, Counted]]:
+@final
+class Band(NamedTuple):
+    """Single effects of some strength: how often exact, wrong, silent."""
+
+    low: float
+    high: float
+    exact: Counted
+    wrong: Counted
+    silent: Counted
+
+
+def by_strength(cases: Sequence[Judged]) -> list[Band]:
     """Return how often single effects are exact, wrong and silent, by band of strength."""
     single = _of(cases, 'single')
     out = []
@@ -136,7 +147,7 @@ def by_strength(cases: Sequence[Judged]) -> list[tuple[float, float, Counted, Co
             _share(band, lambda one: one.outcome == 'wrong'),
             _share(band, lambda one: one.outcome == 'silent'),
         )
-        out.append((low, high, *shares))
+        out.append(Band(low, high, *shares))
     return out
 
 

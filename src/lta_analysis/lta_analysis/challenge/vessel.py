@@ -77,7 +77,7 @@ class Vessel:
     @property
     def delay(self) -> float:
         """How late a command is obeyed. [s]"""
-        return -self.read('command_time', (0.0,), 0.0)[0]
+        return -float(self.read('command_time', (0.0,), 0.0)[0])
 
     def read(self, channel: str, values: tuple, time: object) -> tuple:  # type: ignore[type-arg]
         """Return what becomes of a reading, numbers or arrays."""
@@ -218,7 +218,7 @@ def vessel(nominal: Nominal, strange: Strange | None = None) -> Vessel:
         parameters,
         on,
         body,
-        np.linalg.inv(_matrix(rigid, added)),
+        np.linalg.inv(_matrix(rigid, added)).astype(np.float64),
         np.array([nominal.value('weight_and_buoyancy', 'gravity')]),
         allocation(nominal),
         _readings(nominal),

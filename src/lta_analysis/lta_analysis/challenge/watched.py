@@ -76,7 +76,8 @@ def noisy(values: Array, kind: tuple[float, float], apart: float, draw: Draw) ->
         [np.sqrt(1.0 - keep**2)], [1.0, -keep], draw.standard_normal(values.shape), 0, start
     )
     out = values + size * (np.sqrt(1.0 - COLOURED**2) * white + COLOURED * slow)
-    return np.round(out / step) * step if step else out
+    rounded: Array = np.round(out / step) * step if step else out
+    return rounded
 
 
 @final
@@ -109,7 +110,7 @@ class Watcher:
     ) -> None:
         self._seen, self._hull, self._file = happened, hull, file
         self._kinds, self._draw = instruments, draw
-        self._time = TICK * np.arange(len(happened.position))
+        self._time: Array = TICK * np.arange(len(happened.position), dtype=np.float64)
         self._turns = Rotation.from_matrix(happened.rotation)
         self._steps = (self._turns[:-1].inv() * self._turns[1:]).as_rotvec()
 

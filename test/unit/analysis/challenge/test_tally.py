@@ -94,7 +94,7 @@ def test_figures_are_counted_by_kind_and_strength() -> None:
     ]
     found = {each.name: each for each in figures(cases)}
     clear = found['one effect, 6 sigma or more: exact']
-    assert (clear.share.hits, clear.share.count, clear.met) == (9, 10, 'no')
+    assert (clear.share.hits, clear.share.of, clear.met) == (9, 10, 'no')
     assert found['one effect, 3 to 6 sigma: exact'].share.value == 0.5
     assert found['one effect: a wrong name'].share[:2] == (1, 12)
     assert found['two effects, both 6 sigma or more: both exact'].share[:2] == (1, 2)
