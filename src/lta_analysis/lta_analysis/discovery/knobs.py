@@ -177,6 +177,16 @@ DESIGN: Final = frozenset(
         'turbulence', 'gusts', 'wind_profile', 'rotor_envelope_interaction', 'ceiling_effect',
     }
 )  # fmt: skip
+# Of those, what may well be off where a vehicle has them: numbers that were fitted to flights.
+FITTED: Final[dict[str, tuple[str, ...]]] = {
+    'hull_lift': tuple(known.name for known in EFFECTS['hull_lift'].parameters[2:]),
+    'moving_mass': ('mass', 'x', 'z'),
+}
+# What physics says of the sign of a coefficient: side force and lift act against the flow.
+SIGNS: Final[dict[str, tuple[float, float]]] = {
+    'hull_lift.side_beta': (-math.inf, 0.0),
+    'hull_lift.lift_alpha': (0.0, math.inf),
+}
 NO_CANDIDATE: Final = frozenset(
     {
         'battery_sag.voltage', 'ground_effect.radius', 'superheat.slack', 'superheat.lag',
@@ -214,7 +224,8 @@ def _of_effect(nominal: Nominal, effect: str) -> Iterator[Knob]:
         if name in NO_CANDIDATE:
             continue
         now = begun.get(known.name, nominal.value(effect, known.name))
-        low, high = min(known.low, known.null) - now, known.high - now
+        least, most = SIGNS.get(name, (-math.inf, math.inf))
+        low, high = max(min(known.low, known.null), least) - now, min(known.high, most) - now
         moves = {(effect, one): 1.0 for one in group}
         if effect == 'quadratic_drag' and 'cross_flow' in nominal.given:
             moves['cross_flow', known.name] = 1.0  # one coefficient, which both work with
@@ -261,9 +272,12 @@ def knobs(nominal: Nominal) -> list[Knob]:
     out = list(_of_vehicle(nominal))
     rotors = len(nominal.rotors)
     for effect in EFFECTS:
-        if effect in DESIGN:
+        fitted = FITTED.get(effect, ()) if effect in nominal.given else ()
+        if effect in DESIGN and not fitted:
             continue
         for knob in _of_effect(nominal, effect):
+            if fitted and knob.name.partition('.')[2] not in fitted:
+                continue
             last = knob.name.rpartition('_')[2]
             if last.isdigit() and int(last) > rotors and effect.startswith('rotor'):
                 continue

@@ -87,13 +87,14 @@ class Linearised:
         out = []
         for knob, value in zip(self.knobs, point.values, strict=False):
             ready, step = knob.ready(point.nominal), knob.step_at(value)
-            before = base if ready is point.nominal else ready.rows()
-            out.append(Turn(before, knob.turned(point.nominal, step).rows(), step))
+            before = base if ready is point.nominal else self.replay.rows(ready)
+            after = self.replay.rows(knob.turned(point.nominal, step))
+            out.append(Turn(before, after, step))
         return out
 
     def trajectory(self, point: Point, which: slice = slice(None)) -> Array:
         """Return the states at each step, shape (S, span + 1, 13)."""
-        rows = point.nominal.rows()
+        rows = self.replay.rows(point.nominal)
         return self._fly(rows, self.replay.ready(rows), point, which)
 
     def _fly(self, rows: Rows, ready: Ready, point: Point, which: slice) -> Array:
@@ -108,7 +109,7 @@ class Linearised:
 
     def _met(self, point: Point) -> Met:
         """Return what flying about a point takes, before and after each knob's step."""
-        rows = point.nominal.rows()
+        rows = self.replay.rows(point.nominal)
         ready, turned = self.replay.ready(rows), self._turned(point, rows)
         thrown = [
             self._ready(knob, turn, rows, ready)

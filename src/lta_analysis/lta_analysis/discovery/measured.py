@@ -66,6 +66,8 @@ class Streams:
     wrench : Stream, optional
         Commanded force and moment about the hull centre, body frame, held until the next; of a
         vehicle that is not told duties. [N, N m]
+    mass : Stream, optional
+        Where the moving mass is told to be, body frame, held until the next. [m]
 
     """
 
@@ -74,6 +76,7 @@ class Streams:
     others: Mapping[str, Stream] = field(default_factory=dict)
     floor: float = -np.inf
     wrench: Stream | None = None
+    mass: Stream | None = None
 
 
 @final
@@ -98,7 +101,7 @@ class Measured:
         As recorded.
     voltage : ndarray, shape (n,)
         Of the battery, NaN where it is not known. [V]
-    wrench : Stream or None
+    wrench, mass : Stream or None
         As recorded.
 
     """
@@ -112,6 +115,7 @@ class Measured:
     commands: Stream
     voltage: Array
     wrench: Stream | None = None
+    mass: Stream | None = None
 
 
 def noise_of(values: Array) -> float:
@@ -243,6 +247,7 @@ def measured(streams: Streams) -> Measured:
         streams.commands,
         volts,
         streams.wrench,
+        streams.mass,
     )
 
 

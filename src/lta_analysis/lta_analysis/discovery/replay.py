@@ -4,11 +4,11 @@ from dataclasses import dataclass
 from typing import Final, final
 
 from lta_analysis.discovery.measured import held_means, Measured, PERIOD, Stream
-from lta_analysis.discovery.nominal import Rows
+from lta_analysis.discovery.nominal import Nominal, Rows
 from lta_analysis.discovery.replay_kernel import actuators, body, BODY_LAYOUT, RIGID
 from lta_analysis.discovery.windows import Windows
 from lta_sim.measurement import read
-from lta_sim.state import ACTUATORS, COMMAND, SURROUNDINGS, VOLTAGE
+from lta_sim.state import ACTUATORS, COMMAND, MASS_PLACE, SURROUNDINGS, VOLTAGE
 import numpy as np
 from numpy.typing import NDArray
 
@@ -72,6 +72,7 @@ class Replay:
         self._met = np.zeros((len(orders.time), SURROUNDINGS))
         self._met[:, VOLTAGE] = self._volts(orders.time)
         self._known = self._motion()
+        self._rest = self._resting()
 
     def _volts(self, time: Array) -> Array:
         """Return the voltage, 0 where nobody knows it."""
@@ -89,6 +90,22 @@ class Replay:
             values = self.flight.position[good, k]
             states[:, k] = np.interp(self._steps, self.flight.time[good], values)
         return states
+
+    def _resting(self) -> Array:
+        """Return the command of each step with no rotor turning: where the moving mass is."""
+        commands = np.tile(self._still, (len(self._steps), 1))
+        if self.flight.mass is not None:
+            told = self.flight.mass
+            newest = np.searchsorted(told.time, self._steps + 1e-9, side='right') - 1
+            commands[:, MASS_PLACE:] = told.values[np.maximum(newest, 0)]
+        return commands
+
+    def rows(self, nominal: Nominal) -> Rows:
+        """Return what the compiled replay takes of a vehicle in this flight."""
+        if self.flight.mass is None:
+            return nominal.rows()
+        # About its mean place: where it stands still, as in a glide, nothing is left out.
+        return nominal.placed(self._rest[:, MASS_PLACE:].mean(axis=0)).rows()
 
     def _wrench(self, rows: Rows) -> Array:
         """Return the mean commanded wrench in each step, after any delay."""
@@ -125,7 +142,7 @@ class Replay:
 
         """
         if before is None:
-            commands = np.tile(self._still, (len(self._steps), 1))
+            commands = self._rest.copy()
             commands[:, :ACTUATORS] = self.thrusts(rows)
             wrench = self._wrench(rows)
         else:

@@ -80,7 +80,7 @@ def carried(a: Array, b: Array, begin: Array, inputs: Array, every: int) -> Arra
     ----------
     a, b : ndarray, shape (S, n, 12, 12)
         Of `transitions`.
-    begin : ndarray, shape (12, C)
+    begin : ndarray, shape (12, C) or (S, 12, C)
         At the beginning.
     inputs : ndarray, shape (S, n, 6, C)
         Accelerations.
@@ -94,8 +94,8 @@ def carried(a: Array, b: Array, begin: Array, inputs: Array, every: int) -> Arra
 
     """
     pieces, steps = a.shape[:2]
-    now = np.broadcast_to(begin, (pieces, *begin.shape)).copy()
-    out = np.empty((pieces, steps // every + 1, *begin.shape))
+    now = np.broadcast_to(begin, (pieces, *begin.shape[-2:])).copy()
+    out = np.empty((pieces, steps // every + 1, *begin.shape[-2:]))
     out[:, 0] = now
     push = b[..., 6:]
     for k in range(steps):
