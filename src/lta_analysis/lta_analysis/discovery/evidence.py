@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.knobs import Knob
-from lta_analysis.discovery.linear import AXES, KNOTS, Linear, RANDOM
+from lta_analysis.discovery.linear import AXES, KNOTS, Linear, Point, RANDOM
+from lta_analysis.discovery.nominal import Nominal
 from lta_analysis.discovery.tangent import WIDTH
 from lta_analysis.discovery.windows import LENGTH
 import numpy as np
@@ -25,8 +26,10 @@ STATE: Final = np.array([0.02] * 3 + [0.035] * 3 + [0.08] * 3 + [0.08] * 3)
 PIECE_PRESSURE: Final = 0.6  # Pa; 5 cm of air
 OWN: Final = np.array([2.4, 0.006, 0.006, 0.006])  # of SENSORS: 20 cm of air; parts of 1
 MEMORY: Final = 1.5  # s; over which a latent force forgets itself
-# Least standard deviation of the latent force [N] and moment [N m] worth speaking of.
+# Least standard deviation of the latent force [N] and moment [N m] worth speaking of, for a blimp
+# of this mass [kg] and inertia [kg m2]; it grows with them (`floor_of`).
 FLOOR: Final = np.array([4e-4, 4e-4, 4e-4, 8e-5, 8e-5, 4e-5])
+MASS, INERTIA = 0.415, np.array([0.039, 0.039, 0.028])
 USUAL: Final = 1.3  # floors; median of the prior of a standard deviation
 LOOSE: Final = 0.7  # standard deviation of its logarithm
 
@@ -35,6 +38,13 @@ def knot_precision(length: float = LENGTH) -> Array:
     """Return the inverse covariance of the knots of one axis, for a standard deviation of 1."""
     at = np.linspace(0.0, length, KNOTS)
     return np.linalg.inv(np.exp(-np.abs(at[:, None] - at) / MEMORY))
+
+
+def floor_of(nominal: Nominal) -> Array:
+    """Return the least latent wrench worth speaking of for a vehicle, shape (6,). [N, N m]"""
+    inertia = np.diag(nominal.inertia) / INERTIA
+    floor: Array = FLOOR * np.concatenate([np.full(3, nominal.mass / MASS), inertia])
+    return floor
 
 
 @final
@@ -69,35 +79,31 @@ def tolerances(knobs: Sequence[Knob], named: Sequence[str] = ()) -> Prior:
     return Prior(np.zeros(len(covariance)), covariance)
 
 
-def learned(
-    before: 'Fitted', knobs: Sequence[Knob], named: Sequence[str] = (), widened: float = 1.5
-) -> Prior:
-    """
-    Return what one flight says about the next: its posterior, a little wider.
+def own_variance(knobs: Sequence[Knob]) -> Array:
+    """Return the variance of what is drawn anew for each flight, 0 for what flights share."""
+    trims = [knob.tolerance**2 if knob.per_flight else 0.0 for knob in knobs]
+    return np.array([*trims, *OWN**2])
 
-    What belongs to a flight alone (biases, its lift, its pressure) is as unknown as before.
+
+def shared(knobs: Sequence[Knob], named: Sequence[str] = ()) -> Prior:
+    """Return the prior of what flights share: `tolerances` less what is each one's own."""
+    both = tolerances(knobs, named)
+    return Prior(both.mean, both.covariance - np.diag(own_variance(knobs)))
+
+
+def learned(before: 'Fitted', widened: float = 1.5) -> Prior:
+    """
+    Return what some flights say about the next: their posterior, a little wider.
 
     Parameters
     ----------
     before : Fitted
-        The knobs after the other flight.
-    knobs, named
-        As for `tolerances`.
+        What the other flights share, after them.
     widened : float
         Factor on the covariance.
 
     """
-    trims = [knob.per_flight and knob.name not in named for knob in knobs]
-    own = np.array([*trims, *[True] * len(OWN)])
-    fresh = tolerances(knobs)
-    covariance = widened * before.covariance
-    for k, knob in enumerate(knobs):
-        if knob.per_flight and knob.name in named:
-            covariance[k, k] += 2.0 * knob.tolerance**2  # that flight's own error, and this one's
-    covariance[own] = 0.0
-    covariance[:, own] = 0.0
-    covariance[own, own] = np.diag(fresh.covariance)[own]
-    return Prior(np.where(own, 0.0, before.mean), covariance)
+    return Prior(before.mean, widened * before.covariance)
 
 
 @final
@@ -137,9 +143,7 @@ class Pieces:
         out = np.r_[0:WIDTH, RANDOM - 1]
         precision = np.concatenate([STATE**-2.0, [PIECE_PRESSURE**-2.0]])
         mean = -linear.point.random[:, out]
-        self._grams, self._constant = _eliminated(
-            linear.grams, keep, out, np.diag(precision), mean
-        )
+        self._grams, self._constant = eliminated(linear.grams, keep, out, np.diag(precision), mean)
         self._knots = knot_precision()
         self._mean = -linear.point.random[:, WIDTH : WIDTH + AXES * KNOTS]
         self._logdet = float(np.linalg.slogdet(self._knots)[1])
@@ -160,29 +164,9 @@ class Pieces:
             at = slice(axis * KNOTS, (axis + 1) * KNOTS)
             precision[at, at] = self._knots / deviation**2
         keep = np.arange(count, self._grams.shape[1])
-        products, constant = _eliminated(
-            self._grams, keep, np.arange(count), precision, self._mean
-        )
+        products, constant = eliminated(self._grams, keep, np.arange(count), precision, self._mean)
         rows = -0.5 * np.log(2.0 * np.pi) * self.linear.rows.sum()
         return Reduced(products.sum(axis=0), self._constant.sum() + constant.sum() + rows)
-
-    def misfit(self, deviations: Array, prior: Prior) -> float:
-        """
-        Return minus twice the log density of the data and of all unknowns at the point itself.
-
-        Less what does not depend on where the point is; inf where the flight ran away. What a
-        step of Gauss-Newton has to make smaller.
-        """
-        point, free = self.linear.point, prior.free
-        off = (point.values - prior.mean)[free]
-        own = off @ np.linalg.solve(prior.covariance[np.ix_(free, free)], off)
-        knots = self._mean.reshape(-1, AXES, KNOTS)
-        along = np.einsum('saj,jk,sak->a', knots, self._knots, knots) / deviations**2
-        states = np.sum((point.random[:, :WIDTH] / STATE) ** 2)
-        pressure = np.sum((point.random[:, -1] / PIECE_PRESSURE) ** 2)
-        left = self.linear.grams[:, -1, -1].sum()
-        total = float(left + own + along.sum() + states + pressure)
-        return total if np.isfinite(total) else np.inf
 
     def solved(self, deviations: Array, change: Array) -> Array:
         """
@@ -214,7 +198,7 @@ class Pieces:
         return before + moved[..., 0]
 
 
-def _eliminated(
+def eliminated(
     grams: Array, keep: NDArray[np.int64], out: NDArray[np.int64], precision: Array, mean: Array
 ) -> tuple[Array, Array]:
     """Return products without some columns that have a prior, and the log evidence's constant."""
@@ -272,6 +256,15 @@ def fitted(reduced: Reduced, at: Array, prior: Prior) -> Fitted:
     return Fitted(float(value), after, covariance)
 
 
-def log_prior(deviations: Array) -> float:
+def strain(point: Point, deviations: Array) -> float:
+    """Return minus twice the log density of the unknowns of a flight's pieces, less a constant."""
+    inverse, random = knot_precision(), point.random
+    knots = random[:, WIDTH : WIDTH + AXES * KNOTS].reshape(-1, AXES, KNOTS)
+    along = np.einsum('saj,jk,sak->a', knots, inverse, knots) / deviations**2
+    states = np.sum((random[:, :WIDTH] / STATE) ** 2)
+    return float(along.sum() + states + np.sum((random[:, -1] / PIECE_PRESSURE) ** 2))
+
+
+def log_prior(deviations: Array, floor: Array = FLOOR) -> float:
     """Return the log density of the deviations' logarithms, less a constant."""
-    return float(-0.5 * np.sum((np.log(deviations / (USUAL * FLOOR)) / LOOSE) ** 2))
+    return float(-0.5 * np.sum((np.log(deviations / (USUAL * floor)) / LOOSE) ** 2))

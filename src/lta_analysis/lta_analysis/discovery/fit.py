@@ -3,27 +3,29 @@ The most probable parameters of flights, and how much force they leave unexplain
 
 Gauss-Newton: linearise, find the deviations of the latent wrench that make the data most probable,
 move knobs, states and knots to where they are most probable then, and again, until the evidence
-rests. A large missing effect can hide behind large deviations; so they are looked for from where
-they are and from small ones, and the better is taken.
+rests.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
+from lta_analysis.discovery.deviations import weighed
 from lta_analysis.discovery.evidence import (
     Fitted,
     fitted,
     FLOOR,
-    log_prior,
     Pieces,
     Prior,
     Reduced,
+    strain,
 )
+from lta_analysis.discovery.group import Group, Moved, own_pull, pull_of
 from lta_analysis.discovery.knobs import Knob
 from lta_analysis.discovery.linear import Linear, Point
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.replay import STEPS
 from lta_config.errors import BadInput
 import numpy as np
 from numpy.typing import NDArray
@@ -32,18 +34,15 @@ Array = NDArray[np.float64]
 
 REST: Final = 0.7  # nats; below it the evidence has come to rest
 ROUNDS: Final = 6
-SMALL: Final = 2.5  # floors; the largest deviations of the second start
-SWEEPS: Final = 4
-STRIDE: Final = 0.5  # of the logarithm of a deviation
 SHARES: Final = (1.0, 0.5, 0.2, 0.05)  # of a step of Gauss-Newton
-LOWEST, HIGHEST = 0.05 * FLOOR, 1e3 * FLOOR
+WORSE: Final = 1.0  # in minus twice the log density; by which a step may be
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Fit:
     """
-    One flight, fitted.
+    One flight, fitted, by itself or with others.
 
     Attributes
     ----------
@@ -58,7 +57,7 @@ class Fit:
     fitted : Fitted
         The knobs.
     evidence : float
-        Log evidence with that of the deviations. [nats]
+        Log evidence of all flights that were fitted with it, with that of the deviations. [nats]
     rounds : int
         Linearisations.
 
@@ -73,64 +72,180 @@ class Fit:
     rounds: int
 
 
+@final
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """
+    Flights that share a vehicle, fitted together.
+
+    Attributes
+    ----------
+    group : Group
+        About the last point.
+    prior : Prior
+        Of what they share.
+    reduced : Reduced
+        What they say of that, with the deviations.
+    deviations, fitted, evidence, rounds
+        As for `Fit`; what is fitted is what they share.
+
+    """
+
+    group: Group
+    prior: Prior
+    reduced: Reduced
+    deviations: Array
+    fitted: Fitted
+    evidence: float
+    rounds: int
+
+    @property
+    def members(self) -> tuple[Fit, ...]:
+        """Each flight, with the errors of its own sensors."""
+        out = []
+        for each in self.group.pieces:
+            own = each.reduced(self.deviations)
+            knobs = self.group.of_flight(each, own, self.fitted)
+            rest = (self.deviations, knobs, self.evidence, self.rounds)
+            out.append(Fit(each.linear, each, own, *rest))
+        return tuple(out)
+
+
 def turned(nominal: Nominal, knobs: Sequence[Knob], values: Array) -> tuple[Nominal, Array]:
     """Return the vehicle with its knobs at values, and those values within their bounds."""
-    out = values.copy()
+    out = within(knobs, values)
     for k, knob in enumerate(knobs):
-        out[k] = min(max(values[k], knob.low), knob.high)
         if out[k] != 0.0:
             nominal = knob.turned(nominal, float(out[k]))
     return nominal, out
 
 
-def best(value: Callable[[Array], float], start: Array) -> tuple[Array, float]:
-    """
-    Return the deviations of greatest value near a start, and the value.
+def within(knobs: Sequence[Knob], values: Array) -> Array:
+    """Return values within their bounds; the last, of SENSORS, have none."""
+    out = values.copy()
+    for k, knob in enumerate(knobs):
+        out[k] = min(max(values[k], knob.low), knob.high)
+    return out
 
-    Newton steps on the logarithms, axis by axis at once, halved until they help.
+
+@final
+@dataclass(frozen=True, slots=True)
+class Fitter:
     """
-    at = np.log(np.clip(start, LOWEST, HIGHEST))
-    now = value(np.exp(at))
-    for _ in range(SWEEPS):
-        step = np.zeros(len(at))
-        for k in range(len(at)):
-            aside = np.zeros(len(at))
-            aside[k] = STRIDE
-            up, down = value(np.exp(at + aside)), value(np.exp(at - aside))
-            slope, bend = (up - down) / (2 * STRIDE), (up - 2 * now + down) / STRIDE**2
-            step[k] = np.clip(-slope / bend, -2.0, 2.0) if bend < -1e-3 else 1.5 * np.sign(slope)
-        before = now
-        for _ in range(4):
-            trial = np.clip(at + step, np.log(LOWEST), np.log(HIGHEST))
-            there = value(np.exp(trial))
-            if there > now:
-                at, now = trial, there
+    Flights to be fitted together.
+
+    Attributes
+    ----------
+    nominal : Nominal
+        The vehicle as its file has it: where all knobs are at 0.
+    flights : sequence of Linearised
+        Of it.
+    variance : ndarray, shape (G,)
+        Of what is each flight's own.
+    floor : ndarray, shape (6,)
+        Deviations of the latent wrench that are not worth speaking of.
+
+    """
+
+    nominal: Nominal
+    flights: Sequence[Linearised]
+    variance: Array
+    floor: Array
+
+    def about(self, at: Array, points: Sequence[Point]) -> Group:
+        """Return the flights about points; `BadInput` where no such vehicle can be."""
+        pieces = [Pieces(each.at(point)) for each, point in zip(self.flights, points, strict=True)]
+        return Group(tuple(pieces), at, self.variance)
+
+    def fit(self, prior: Prior, begin: Group, deviations: Array, rounds: int = ROUNDS) -> Joint:
+        """
+        Fit them.
+
+        Parameters
+        ----------
+        prior : Prior
+            Of what they share: which knobs are free, and how far.
+        begin : Group
+            The flights about where to begin.
+        deviations : ndarray, shape (6,)
+            Of the latent wrench, to begin with.
+        rounds : int
+            Linearisations at most.
+
+        Returns
+        -------
+        Joint
+            About the last point: what a linearisation promises counts only once it has been flown.
+
+        """
+        last = self.settled(begin, prior, deviations)
+        for count in range(2, rounds + 1):
+            group = self._onward(last)
+            if group is last.group:
                 break
-            step *= 0.5
-        if now - before < 0.05:
-            break
-    return np.exp(at), now
+            now = self.settled(group, prior, last.deviations, count)
+            rests = last.group.aligned and abs(now.evidence - last.evidence) < REST
+            last = now
+            if rests:
+                break
+        return last
 
+    def settled(self, group: Group, prior: Prior, start: Array, count: int = 1) -> Joint:
+        """Return flights with the deviations most probable, about where they are."""
+        deviations, evidence = weighed(group, prior, start, self.floor)
+        reduced = group.reduced(deviations)
+        found = fitted(reduced, group.at, prior)
+        return Joint(group, prior, reduced, deviations, found, evidence, count)
 
-def weighed(pieces: Pieces, prior: Prior, start: Array, caps: Sequence[float] = (SMALL,)) -> Array:
-    """Return the most probable deviations of the latent wrench, from several starts."""
+    def _onward(self, last: Joint) -> Group:
+        """Return the flights about the next point: the whole step, or a part that is better."""
+        group, knobs = last.group, self.flights[0].knobs
+        target = within(knobs, last.fitted.mean)
+        moves = group.moved(last.deviations, target)
+        # Flights that do not stand together yet have no common misfit to begin with.
+        bound = self._misfit(last, group.at, [each.point for each in group.linears]) + WORSE
+        found = []
+        for share in SHARES:
+            at = group.at + share * (target - group.at)
+            try:
+                points = self._between(group, moves, share)
+                misfit = self._misfit(last, at, points)
+            except BadInput:
+                continue
+            if share == 1.0 and (misfit < bound or not group.aligned) and np.isfinite(misfit):
+                return self.about(at, points)
+            found.append((misfit, at, points))
+        misfit, at, points = min(found, key=lambda one: one[0], default=(np.inf, group.at, []))
+        return self.about(at, points) if misfit < bound else group
 
-    def value(deviations: Array) -> float:
-        reduced = pieces.reduced(deviations)
-        at = pieces.linear.point.values
-        return fitted(reduced, at, prior).log_evidence + log_prior(deviations)
+    def _between(self, group: Group, moves: Sequence[Moved], share: float) -> list[Point]:
+        """Return the points a part of the way to where the flights should go."""
+        points = []
+        for linear, move in zip(group.linears, moves, strict=True):
+            was = linear.point
+            values = was.values + share * (move.values - was.values)
+            vehicle, values = turned(self.nominal, self.flights[0].knobs, values)
+            random = was.random + share * (move.random - was.random)
+            points.append(Point(vehicle, values, random))
+        return points
 
-    starts = [start, *(np.minimum(start, cap * FLOOR) for cap in caps)]
-    distinct = [s for k, s in enumerate(starts) if k == 0 or not np.allclose(s, start)]
-    return max((best(value, s) for s in distinct), key=lambda found: found[1])[0]
+    def _misfit(self, last: Joint, at: Array, points: Sequence[Point]) -> float:
+        """
+        Return minus twice the log density of the data and of all unknowns at a point.
 
-
-def settled(pieces: Pieces, prior: Prior, start: Array) -> tuple[Reduced, Array, Fitted, float]:
-    """Return a flight reduced by the most probable deviations, and its knobs."""
-    deviations = weighed(pieces, prior, start)
-    reduced = pieces.reduced(deviations)
-    found = fitted(reduced, pieces.linear.point.values, prior)
-    return reduced, deviations, found, found.log_evidence + log_prior(deviations)
+        Less what does not depend on the point; inf where a flight ran away. What a step of
+        Gauss-Newton has to make smaller.
+        """
+        total = pull_of(at, last.prior)
+        for flight, point in zip(self.flights, points, strict=True):
+            with np.errstate(over='ignore', invalid='ignore'):
+                grid = flight.trajectory(point)[:, ::STEPS]
+                if not np.isfinite(grid).all():
+                    return np.inf
+                left = flight.left(grid, point, point.nominal.rows()) / flight.replay.flight.noise
+                total += float(np.nansum(left**2)) + strain(point, last.deviations)
+            total += own_pull(point.values, at, self.variance)
+        return total
 
 
 def fit(
@@ -142,66 +257,18 @@ def fit(
     rounds: int = ROUNDS,
 ) -> Fit:
     """
-    Fit one flight.
+    Fit one flight by itself.
 
     Parameters
     ----------
-    flight : Linearised
-        The flight.
-    nominal : Nominal
-        The vehicle as its file has it: where all knobs are at 0.
+    flight, nominal, deviations, rounds
+        As for `Fitter`.
     prior : Prior
-        Which knobs are free, and how far.
+        Of all knobs, its own and others: `tolerances`.
     begin : Point
         Where to begin.
-    deviations : ndarray, shape (6,)
-        Of the latent wrench, to begin with.
-    rounds : int
-        Linearisations at most.
-
-    Returns
-    -------
-    Fit
-        About the last point: what a linearisation promises counts only once it has been flown.
 
     """
-    pieces = Pieces(flight.at(begin))
-    last = _fit_of(pieces, prior, deviations, 1)
-    for count in range(2, rounds + 1):
-        pieces = _onward(flight, nominal, prior, last)
-        now = _fit_of(pieces, prior, last.deviations, count)
-        rests = abs(now.evidence - last.evidence) < REST
-        last = now
-        if rests:
-            break
-    return last
-
-
-def _fit_of(pieces: Pieces, prior: Prior, deviations: Array, count: int) -> Fit:
-    """Return a fit about a point."""
-    reduced, found_deviations, found, evidence = settled(pieces, prior, deviations)
-    return Fit(pieces.linear, pieces, reduced, found_deviations, found, evidence, count)
-
-
-def _onward(flight: Linearised, nominal: Nominal, prior: Prior, last: Fit) -> Pieces:
-    """Return the flight about the next point: the whole step, or a part that makes it better."""
-    at, target = last.linear.point, last.fitted.mean
-    before = last.pieces.misfit(last.deviations, prior)
-    _, within = turned(nominal, flight.knobs, target)
-    random = last.pieces.solved(last.deviations, within - at.values)
-    for share in SHARES:
-        values = at.values + share * (within - at.values)
-        point = Point(
-            turned(nominal, flight.knobs, values)[0],
-            values,
-            at.random + share * (random - at.random),
-        )
-        try:
-            linear = flight.at(point)
-        except BadInput:
-            continue
-        if np.isfinite(linear.grams).all():
-            pieces = Pieces(linear)
-            if pieces.misfit(last.deviations, prior) < before + 1.0:
-                return pieces
-    return last.pieces
+    alone = Fitter(nominal, [flight], np.zeros(len(begin.values)), FLOOR)
+    group = alone.about(begin.values, [begin])
+    return alone.fit(prior, group, deviations, rounds).members[0]

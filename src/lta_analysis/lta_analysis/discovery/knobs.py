@@ -36,7 +36,7 @@ class Knob:
         Of its value.
     moves : mapping of (effect, parameter) to float
         How much each parameter changes by a unit of the knob. The effect 'vehicle' has `mass`,
-        and `roll`, `pitch`, `yaw` of the inertia, as parts of 1.
+        and `roll`, `pitch`, `yaw` of the inertia, as logarithms of a factor.
     step : float
         Of the finite difference where the knob stands at 0.
     fine : float
@@ -72,7 +72,8 @@ class Knob:
         nominal = self.ready(nominal)
         for (effect, parameter), rate in self.moves.items():
             if effect == 'vehicle':
-                nominal = _weighed(nominal, parameter, 1.0 + rate * value)
+                # So that a second turn adds to the first, as the columns take for granted.
+                nominal = _weighed(nominal, parameter, math.exp(rate * value))
             else:
                 now = nominal.value(effect, parameter)
                 nominal = nominal.with_value(effect, parameter, now + rate * value)

@@ -2,30 +2,37 @@
 Name what is missing, one effect at a time, until no candidate is confirmed.
 
 A glance at all candidates (`scan`) can promise what a refit does not keep, and large unexplained
-forces can hide an effect; so the best few are refitted, on each flight by itself, and only that
-counts.
+forces can hide an effect; so the best few are refitted, on the flights that teach and on those
+that confirm, each by themselves, and only that counts.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
 from lta_analysis.discovery.accept import TIE, Trial
-from lta_analysis.discovery.evidence import FLOOR, learned, tolerances
-from lta_analysis.discovery.fit import Fit, fit, settled
+from lta_analysis.discovery.deviations import weighed
+from lta_analysis.discovery.evidence import floor_of, learned, own_variance, Prior, shared
+from lta_analysis.discovery.fit import Fitter, Joint
 from lta_analysis.discovery.linear import origin
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.nominal import Nominal
 from lta_analysis.discovery.scan import likeness, scan
-from lta_analysis.discovery.starts import begun
+from lta_analysis.discovery.starts import begun, TRIED
 import numpy as np
+
+Pair = tuple[Joint, Joint]
+Glance = dict[str, tuple[float, tuple[str, ...]]]
 
 QUICK: Final = 5  # of each glance
 REFITTED: Final = 4
 CAP: Final = 1.5  # floors; of the deviations in the second glance
 MOST: Final = 4  # effects
 WORTH: Final = 1.0  # nats; a glance below it is not followed
+HOPE: Final = 5.0  # nats; nor is a candidate that promises less on all flights together
+HOPELESS: Final = 0.35  # of what the best has won: who promises less is not refitted
 ALIKE: Final = 0.98  # of the cosine of two columns; beyond it one refit stands for both
+CAPPED: Final = 2.5  # floors; of the deviations that a fit begins with
 
 
 @final
@@ -62,85 +69,104 @@ class Named:
         Round by round; the last one named nothing, unless there were too many.
     names : tuple of str
         Of the effects, in the order in which they were found.
-    fits : tuple of Fit
-        Of the two flights, with them.
+    fits : pair of Joint
+        Of the flights that teach and of those that confirm, with them.
+    bare : pair of Joint
+        The same without any.
 
     """
 
     steps: tuple[Step, ...]
     names: tuple[str, ...]
-    fits: tuple[Fit, Fit]
+    fits: Pair
+    bare: Pair
 
 
 @final
 class Naming:
     """
-    Two flights of one vehicle.
+    Flights of one vehicle.
 
     Parameters
     ----------
     nominal : Nominal
         The vehicle as its file has it.
-    flights : pair of Linearised
-        To learn from, and to confirm by.
+    flights : pair of sequences of Linearised
+        To learn from, and to confirm by; at least one each.
 
     """
 
-    def __init__(self, nominal: Nominal, flights: tuple[Linearised, Linearised]) -> None:
+    def __init__(
+        self, nominal: Nominal, flights: tuple[Sequence[Linearised], Sequence[Linearised]]
+    ) -> None:
         self.nominal, self.flights = nominal, flights
-        self.knobs = flights[0].knobs
+        self.knobs = flights[0][0].knobs
+        self.floor = floor_of(nominal)
+        own = own_variance(self.knobs)
+        self.fitters = [Fitter(nominal, each, own, self.floor) for each in flights]
         self._names = [knob.name for knob in self.knobs]
 
-    def run(self) -> Named:
-        """Name what is missing."""
+    def run(self, progress: Callable[[float], None] = lambda part: None) -> Named:
+        """Name what is missing, and tell which part is done, as far as anyone can know."""
         named: tuple[str, ...] = ()
-        fits = self._fitted(named, None)
-        steps = []
+        bare = fits = self._first()
+        steps: list[Step] = []
         while len(named) < MOST:
+            progress(1.0 - 0.7 * 0.5 ** len(steps))
             step, then = self._round(named, fits)
             steps.append(step)
             if not step.named:
                 break
             named, fits = (*named, step.named), then
-        return Named(tuple(steps), named, fits)
+        return Named(tuple(steps), named, fits, bare)
 
-    def _fitted(self, named: Sequence[str], before: tuple[Fit, Fit] | None) -> tuple[Fit, Fit]:
-        """Fit both flights with some effects, from where they stand."""
-        prior = tolerances(self.knobs, named)
-        out = []
-        for k, flight in enumerate(self.flights):
-            if before is None:
-                begin = origin(self.nominal, self.knobs, len(flight.replay.first))
-                out.append(fit(flight, self.nominal, prior, begin))
-            else:
-                last = before[k]
-                deviations = np.minimum(last.deviations, 2.5 * FLOOR)
-                begin = begun(flight, prior, last.linear.point, deviations, named)
-                out.append(fit(flight, self.nominal, prior, begin, deviations))
+    def _first(self) -> Pair:
+        """Fit all flights without any effect."""
+        prior, out = shared(self.knobs), []
+        for fitter in self.fitters:
+            points = [
+                origin(self.nominal, self.knobs, len(each.replay.first)) for each in fitter.flights
+            ]
+            group = fitter.about(points[0].values, points)
+            out.append(fitter.fit(prior, group, self.floor))
         return out[0], out[1]
 
-    def _glance(self, named: Sequence[str], fits: tuple[Fit, Fit]) -> dict[str, tuple[str, ...]]:
-        """Return the few candidates that are worth a refit, each with those that look like it."""
-        prior = tolerances(self.knobs, named)
+    def _fitted(self, named: Sequence[str], before: Pair) -> Pair:
+        """Fit all flights with some effects, from where they stand."""
+        prior, out = shared(self.knobs, named), []
+        for fitter, last in zip(self.fitters, before, strict=True):
+            deviations = np.minimum(last.deviations, CAPPED * self.floor)
+            begin = begun(fitter, prior, last.group, deviations, named)
+            out.append(fitter.fit(prior, begin, deviations))
+        return out[0], out[1]
+
+    def _glance(
+        self, named: Sequence[str], fits: Pair
+    ) -> dict[str, tuple[float, tuple[str, ...]]]:
+        """Return the few candidates worth a refit: what they promise, and what looks like them."""
+        prior = shared(self.knobs, named)
         found: dict[str, float] = {}
         for this in fits:
-            at = this.linear.point.values
-            capped = this.pieces.reduced(np.minimum(this.deviations, CAP * FLOOR))
+            capped = this.group.reduced(np.minimum(this.deviations, CAP * self.floor))
             for reduced in (this.reduced, capped):
-                seen = [s for s in scan(reduced, at, prior, self.knobs) if s.name not in named]
+                seen = [
+                    s
+                    for s in scan(reduced, this.group.at, prior, self.knobs)
+                    if s.name not in named
+                ]
                 for one in seen[:QUICK]:
                     if one.gain > WORTH:
                         found.setdefault(one.name, 0.0)
         for name in found:
             found[name] = sum(self._promised(name, named, this) for this in fits)
         ranked = sorted(found, key=lambda name: -found[name])
-        return self._distinct([name for name in ranked if found[name] > WORTH], named, fits)
+        worth = [name for name in ranked if found[name] > HOPE]
+        return {
+            name: (found[name], same) for name, same in self._distinct(worth, prior, fits).items()
+        }
 
-    def _distinct(
-        self, ranked: list[str], named: Sequence[str], fits: tuple[Fit, Fit]
-    ) -> dict[str, tuple[str, ...]]:
-        """Return the first few candidates that neither flight takes for each other."""
-        prior = tolerances(self.knobs, named)
+    def _distinct(self, ranked: list[str], prior: Prior, fits: Pair) -> dict[str, tuple[str, ...]]:
+        """Return the first few candidates that no flight takes for each other."""
         alike = np.min(
             [np.abs(likeness(this.reduced, prior, ranked, self.knobs)) for this in fits], axis=0
         )
@@ -153,17 +179,19 @@ class Naming:
                 out[name] = ()
         return out
 
-    def _promised(self, name: str, named: Sequence[str], this: Fit) -> float:
+    def _promised(self, name: str, named: Sequence[str], this: Joint) -> float:
         """Return what a candidate wins with the deviations free, without relinearising."""
-        prior = tolerances(self.knobs, (*named, name))
-        return settled(this.pieces, prior, this.deviations)[3] - this.evidence
+        prior = shared(self.knobs, (*named, name))
+        return weighed(this.group, prior, this.deviations, self.floor)[1] - this.evidence
 
-    def _round(
-        self, named: tuple[str, ...], fits: tuple[Fit, Fit]
-    ) -> tuple[Step, tuple[Fit, Fit]]:
+    def _round(self, named: tuple[str, ...], fits: Pair) -> tuple[Step, Pair]:
         """Try the best candidates."""
-        tried, glance = {}, self._glance(named, fits)
-        for name in glance:
+        tried: dict[str, tuple[Trial, Pair]] = {}
+        glance = self._glance(named, fits)
+        for name, (promise, _) in glance.items():
+            most = max((trial.total for trial, _ in tried.values()), default=0.0)
+            if promise < HOPELESS * most and name not in TRIED:
+                continue
             then = self._fitted((*named, name), fits)
             tried[name] = self._trial(name, named, fits, then), then
         ranked = sorted(tried, key=lambda name: -tried[name][0].total)
@@ -173,30 +201,26 @@ class Naming:
         for trial in close:
             if trial.accepted:
                 others = tuple(other.name for other in close if other is not trial)
-                tied = (*glance[trial.name], *others)
+                tied = (*glance[trial.name][1], *others)
                 return Step(trials, tied, trial.name), tried[trial.name][1]
         return Step(trials, (), ''), fits
 
-    def _trial(
-        self, name: str, named: tuple[str, ...], fits: tuple[Fit, Fit], then: tuple[Fit, Fit]
-    ) -> Trial:
-        """Return what both flights say of a candidate."""
+    def _trial(self, name: str, named: tuple[str, ...], fits: Pair, then: Pair) -> Trial:
+        """Return what all flights say of a candidate."""
         k = self._names.index(name)
-        knob, values = self.knobs[k], [float(this.fitted.mean[k]) for this in then]
+        values = [float(this.fitted.mean[k]) for this in then]
         spread = sum(float(this.fitted.covariance[k, k]) for this in then)
-        spread += 2.0 * knob.tolerance**2 if knob.per_flight else 0.0
         differ, larger = abs(values[0] - values[1]), max(map(abs, values))
-        held_out = self._carried((*named, name), then) - self._carried(named, fits)
         return Trial(
             name,
             then[0].evidence - fits[0].evidence,
             then[1].evidence - fits[1].evidence,
-            held_out,
+            self._carried(then) - self._carried(fits),
             float(differ / np.sqrt(spread)),
             differ / larger if larger > 0.0 else 0.0,
         )
 
-    def _carried(self, named: tuple[str, ...], fits: tuple[Fit, Fit]) -> float:
-        """Return the evidence of the second flight under what the first has taught."""
-        prior = learned(fits[0].fitted, self.knobs, named)
-        return settled(fits[1].pieces, prior, fits[1].deviations)[3]
+    def _carried(self, fits: Pair) -> float:
+        """Return the evidence of the flights that confirm under what the others have taught."""
+        prior = learned(fits[0].fitted)
+        return weighed(fits[1].group, prior, fits[1].deviations, self.floor)[1]

@@ -119,7 +119,8 @@ def likeness(reduced: Reduced, prior: Prior, names: Sequence[str], known: Sequen
     Returns
     -------
     ndarray, shape (n, n)
-        1 in the diagonal; near 1 or -1 where no such flight can tell two apart.
+        1 in the diagonal; near 1 or -1 where no such flight can tell two apart; 0 for a candidate
+        that leaves no trace.
 
     """
     order = [knob.name for knob in known]
@@ -130,6 +131,7 @@ def likeness(reduced: Reduced, prior: Prior, names: Sequence[str], known: Sequen
     inner = reduced.products[np.ix_(at, at)] + np.diag(1.0 / np.diag(prior.covariance)[at])
     cross = reduced.products[np.ix_(at, picked)]
     left = reduced.products[np.ix_(picked, picked)] - cross.T @ np.linalg.solve(inner, cross)
-    size = np.sqrt(np.diag(left))
-    cosine: Array = left / np.outer(size, size)
+    size = np.sqrt(np.maximum(np.diag(left), 0.0))
+    whole = np.outer(size, size)
+    cosine: Array = np.divide(left, whole, out=np.zeros_like(left), where=whole > 0.0)
     return cosine

@@ -9,10 +9,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
-from lta_analysis.discovery.evidence import fitted, Pieces, Prior
-from lta_analysis.discovery.knobs import Knob
+from lta_analysis.discovery.evidence import fitted, Prior
+from lta_analysis.discovery.fit import Fitter
+from lta_analysis.discovery.group import Group
 from lta_analysis.discovery.linear import Point
-from lta_analysis.discovery.linearise import Linearised
 from lta_config.errors import BadInput
 import numpy as np
 from numpy.typing import NDArray
@@ -26,53 +26,59 @@ TRIED: Final[Mapping[str, tuple[float, ...]]] = {
 
 
 def begun(
-    flight: Linearised,
-    prior: Prior,
-    begin: Point,
-    deviations: Array,
-    named: Sequence[str],
-) -> Point:
+    fitter: Fitter, prior: Prior, begin: Group, deviations: Array, named: Sequence[str]
+) -> Group:
     """
     Return where a fit should begin.
 
     Parameters
     ----------
-    flight, prior, begin, deviations
-        As for `fit`.
+    fitter, prior, begin, deviations
+        As for `Fitter.fit`.
     named : sequence of str
         The effects that are in the model now.
 
     Returns
     -------
-    Point
+    Group
         `begin` itself, unless an effect that jumps is in the model and another value of it is
         more probable.
 
     """
-    for k, knob in enumerate(flight.knobs):
-        if knob.name in named and knob.name in TRIED and begin.values[k] == 0.0:
-            points = [begin, *_aside(flight.knobs, begin, k)]
-            scores = [_score(flight, point, prior, deviations) for point in points]
-            begin = points[int(np.argmax(scores))]
+    for k, knob in enumerate(fitter.flights[0].knobs):
+        if knob.name in named and knob.name in TRIED and begin.at[k] == 0.0:
+            groups = [begin, *_aside(fitter, begin, k)]
+            scores = [_score(group, prior, deviations) for group in groups]
+            begin = groups[int(np.argmax(scores))]
     return begin
 
 
-def _aside(knobs: Sequence[Knob], begin: Point, k: int) -> list[Point]:
-    """Return the point with one knob at each of the values that are tried."""
-    knob, out = knobs[k], []
+def _aside(fitter: Fitter, begin: Group, k: int) -> list[Group]:
+    """Return the flights with one knob at each of the values that are tried."""
+    knob, out = fitter.flights[0].knobs[k], []
     for size in TRIED[knob.name]:
         value = size * knob.typical
         if knob.low <= value <= knob.high:
-            values = begin.values.copy()
-            values[k] = value
-            out.append(replace(begin, nominal=knob.turned(begin.nominal, value), values=values))
+            at = begin.at.copy()
+            at[k] = value
+            try:
+                points = [_with(fitter, linear.point, k, value) for linear in begin.linears]
+                out.append(fitter.about(at, points))
+            except BadInput:
+                continue
     return out
 
 
-def _score(flight: Linearised, point: Point, prior: Prior, deviations: Array) -> float:
+def _with(fitter: Fitter, point: Point, k: int, value: float) -> Point:
+    """Return a point with one knob elsewhere."""
+    values = point.values.copy()
+    values[k] = value
+    knob = fitter.flights[0].knobs[k]
+    return replace(point, nominal=knob.turned(point.nominal, value), values=values)
+
+
+def _score(group: Group, prior: Prior, deviations: Array) -> float:
     """Return the log evidence about a point."""
-    try:
-        reduced = Pieces(flight.at(point)).reduced(deviations)
-    except BadInput:
+    if not all(np.isfinite(each.grams).all() for each in group.linears):
         return -np.inf
-    return fitted(reduced, point.values, prior).log_evidence
+    return fitted(group.reduced(deviations), group.at, prior).log_evidence

@@ -1,13 +1,43 @@
 """A study of some flights of one vehicle, from the flights to the finding."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import Final, final
 
-from lta_analysis.discovery.finding import Finding
+from lta_analysis.discovery.finding import (
+    Finding,
+    Gap,
+    Learned,
+    NamedEffect,
+    Rung,
+    Verdict,
+)
+from lta_analysis.discovery.fit import turned
+from lta_analysis.discovery.held_out import gaps, shown
+from lta_analysis.discovery.knobs import Knob, knobs
 from lta_analysis.discovery.linear import Point
 from lta_analysis.discovery.linearise import Linearised
+from lta_analysis.discovery.measured import Measured
+from lta_analysis.discovery.naming import Naming, Step
 from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.proof import Proof, Proven
+from lta_analysis.discovery.replay import Replay
+from lta_analysis.discovery.sensing import floor_pressure, Places
+from lta_analysis.discovery.splitting import assigned, Role, ROLES
+from lta_analysis.discovery.unexplained import Remainder, remaining
+from lta_analysis.discovery.windows import windows
+from lta_config.errors import BadInput
+from lta_sim.effects import EFFECTS
+from lta_sim.vehicle import Vehicle
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Progress = Callable[[str, float], None]
+
+NORMAL: Final = 1.96  # deviations, of the 95 % interval
+FAR: Final = 3.0  # s; the horizon at which the model has to be better than coast
+LEAST: Final = 2  # pieces that each role has to have
 
 
 @final
@@ -77,3 +107,155 @@ class Study:
     learned: Nominal
     flights: Sequence[Flown]
     shown: Sequence[Shown]
+
+
+def study(
+    vehicle: Vehicle, flights: Sequence[Role], seed: int = 0, progress: Progress | None = None
+) -> Study:
+    """
+    Find what is missing, confirm it, and show what it is worth.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        As its file has it.
+    flights : sequence of (name, role, Measured)
+        Role 'train', 'confirm' or 'holdout'; where nothing confirms, what teaches is split, and
+        a single flight in three parts.
+    seed : int
+        Of the bootstrap.
+    progress : callable, optional
+        Told what is being done, and which part of all is done.
+
+    Raises
+    ------
+    BadInput
+        If no flight teaches, or one is too short for a prediction.
+
+    """
+    tell = progress or (lambda what, part: None)
+    given, warnings = assigned(flights)
+    nominal = Nominal.of(vehicle)
+    known = knobs(nominal)
+    tell('making ready', 0.0)
+    flown = [Flown(name, role, ready(vehicle, each, known)) for name, role, each in given]
+    _enough(flown)
+    by_role = {role: [f.flight for f in flown if f.role == role] for role in ROLES}
+    pair = by_role['train'], by_role['confirm']
+    found = Naming(nominal, pair).run(lambda part: tell('naming', 0.05 + 0.6 * part))
+    tell('proving', 0.65)
+    proven = Proof(nominal, [*pair[0], *pair[1]]).run(found)
+    tell('predicting', 0.9)
+    held_out = bool(by_role['holdout'])
+    last = [f for f in flown if f.role == ('holdout' if held_out else 'confirm')]
+    models = [shown(f.flight, nominal, proven.bare, proven.full) for f in last]
+    differences = gaps([f.flight for f in last], models, seed)
+    if not held_out:
+        warnings.append('No flight was held out: the gaps are of flights that confirmed.')
+    left = remaining([*pair[0], *pair[1]][:2], proven.full.members[:2])
+    finding = Finding(
+        verdict=verdict(proven, left, differences),
+        effects=effects(nominal, proven, known),
+        ladder=tuple(_rungs(step) for step in found.steps),
+        where=(),
+        gaps=tuple(differences),
+        held_out=held_out,
+        remains=tuple(left),
+        warnings=tuple(warnings),
+        seed=seed,
+        bags={role: tuple(f.name for f in flown if f.role == role) for role in ROLES},
+        vehicle=vehicle.file.name,
+    )
+    seen = [Shown(f, *each) for f, each in zip(last, models, strict=True)]
+    tell('done', 1.0)
+    return Study(finding, nominal, learned(nominal, proven, known), flown, seen)
+
+
+def ready(vehicle: Vehicle, flight: Measured, known: Sequence[Knob]) -> Linearised:
+    """Return a flight ready to be replayed."""
+    replay = Replay(flight, windows(flight), vehicle.command(()))
+    places = Places.of(vehicle, 0.0)
+    return Linearised(replay, known, Places.of(vehicle, floor_pressure(flight, places)))
+
+
+def _enough(flown: Sequence[Flown]) -> None:
+    """Refuse flights that are too short to say anything."""
+    for one in flown:
+        if len(one.flight.replay.first) < LEAST:
+            raise BadInput(
+                f"The flight '{one.name}' has {len(one.flight.replay.first)} usable pieces of 6 s "
+                f"as '{one.role}'; at least {LEAST} are needed: fly longer, or mend its gaps."
+            )
+
+
+def learned(nominal: Nominal, proven: Proven, known: Sequence[Knob]) -> Nominal:
+    """Return the vehicle file's vehicle with the named effects, and nothing else changed."""
+    values = np.where([knob.name in proven.names for knob in known], _values(proven, known), 0.0)
+    return turned(nominal, known, values)[0]
+
+
+def _values(proven: Proven, known: Sequence[Knob]) -> Array:
+    """Return the most probable knobs that flights share, within their bounds."""
+    mean = proven.full.fitted.mean[: len(known)]
+    inside: Array = np.clip(mean, [knob.low for knob in known], [knob.high for knob in known])
+    return inside
+
+
+def effects(nominal: Nominal, proven: Proven, known: Sequence[Knob]) -> tuple[NamedEffect, ...]:
+    """Return the effects that were found missing, the strongest first."""
+    values, spread = _values(proven, known), np.sqrt(np.diag(proven.full.fitted.covariance))
+    by_effect: dict[str, list[int]] = {}
+    for name in proven.names:
+        k = next(i for i, knob in enumerate(known) if knob.name == name)
+        by_effect.setdefault(name.partition('.')[0], []).append(k)
+    out = []
+    for effect, places in by_effect.items():
+        names = tuple(known[k].name for k in places)
+        parameters = tuple(
+            each
+            for k in places
+            for each in _parameters(nominal, known[k], effect, float(values[k]), float(spread[k]))
+        )
+        cost = max(proven.costs[name] for name in names)
+        rivals = dict.fromkeys(rival for name in names for rival in proven.rivals[name])
+        out.append(NamedEffect(effect, names, parameters, cost, tuple(rivals)))
+    return tuple(out)
+
+
+def _parameters(
+    nominal: Nominal, knob: Knob, effect: str, value: float, spread: float
+) -> list[Learned]:
+    """Return the parameters of an effect that a knob moves."""
+    units = {known.name: known.unit for known in EFFECTS[effect].parameters}
+    begun, out = knob.ready(nominal), []
+    for (moved, parameter), rate in knob.moves.items():
+        if moved != effect:
+            continue
+        before = nominal.value(effect, parameter)
+        now = begun.value(effect, parameter) + rate * value
+        half = NORMAL * abs(rate) * spread
+        out.append(Learned(parameter, units[parameter], before, now, (now - half, now + half)))
+    return out
+
+
+def _rungs(step: Step) -> tuple[Rung, ...]:
+    """Return one round of the ladder of evidence."""
+    return tuple(
+        Rung(
+            trial.name, trial.gain, trial.replicated, trial.held_out, trial.apart,
+            trial.name == step.named,
+        )
+        for trial in step.trials
+    )  # fmt: skip
+
+
+def verdict(proven: Proven, left: Sequence[Remainder], differences: Sequence[Gap]) -> Verdict:
+    """Return the verdict: what the flights allow to say."""
+    far = [gap for gap in differences if gap.channel == 'position' and gap.horizon_s == FAR]
+    if far and far[0].coast < min(far[0].tuned, far[0].after):
+        return 'not_identifiable'
+    if proven.names and all(proven.unlike[name] for name in proven.names):
+        return 'not_identifiable'
+    if proven.names:
+        return 'named+unexplained' if left else 'named'
+    return 'unexplained' if left else 'none'

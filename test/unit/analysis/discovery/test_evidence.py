@@ -6,7 +6,6 @@ from lta_analysis.discovery.evidence import (
     fitted,
     FLOOR,
     knot_precision,
-    learned,
     OWN,
     PIECE_PRESSURE,
     Pieces,
@@ -100,19 +99,6 @@ def test_linearised_at_the_truth_scores_are_those_of_noise(gtmab: Known) -> None
     assert abs(np.mean(scores)) < 0.35
     assert 0.7 < np.std(scores) < 1.3
     assert np.abs(scores).max() < 4.0
-
-
-def test_what_one_flight_teaches_leaves_the_other_its_own_biases(
-    gtmab: Known, linear: Linear
-) -> None:
-    knobs = gtmab[1]
-    found = fitted(Pieces(linear).reduced(DEVIATIONS), linear.point.values, tolerances(knobs))
-    prior, fresh = learned(found, knobs), tolerances(knobs)
-    bias, drag = (linear.names.index(name) for name in ('gyro_bias.x', 'quadratic_drag.surge'))
-    assert prior.mean[bias] == 0.0
-    assert prior.covariance[bias, bias] == fresh.covariance[bias, bias]
-    assert prior.mean[drag] == found.mean[drag]
-    assert prior.covariance[drag, drag] == pytest.approx(1.5 * found.covariance[drag, drag])
 
 
 def test_one_constant_force_has_many_names_and_drag_has_its_own(

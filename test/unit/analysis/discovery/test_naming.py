@@ -21,8 +21,8 @@ HIDDEN = {'linear_drag.surge': 0.03, 'cg_offset.x': 0.006, 'command_delay.delay'
 def _named(known: Known, changes: Changes, seed: int) -> Named:
     nominal, knobs = known
     pair = (
-        prepared(flown(changes, seed, LENGTH), knobs),
-        prepared(flown(changes, seed + 1, LENGTH), knobs),
+        [prepared(flown(changes, seed, LENGTH), knobs)],
+        [prepared(flown(changes, seed + 1, LENGTH), knobs)],
     )
     return Naming(nominal, pair).run()
 
@@ -32,7 +32,7 @@ def test_a_hidden_effect_is_named_and_nothing_else(gtmab: Known, name: str) -> N
     expected, found = HIDDEN[name], _named(gtmab, CASES[name], 40)
     assert found.names == (name,)
     assert found.steps[0].tied == ()
-    k = found.fits[0].linear.names.index(name)
+    k = found.fits[0].group.linears[0].names.index(name)
     for one in found.fits:
         spread = one.fitted.covariance[k, k] ** 0.5
         assert abs(one.fitted.mean[k] - expected) < 4.0 * spread + 0.005 * expected
