@@ -132,9 +132,7 @@ def _of_some(
     grid = states[:, ::STEPS]
     base = told(grid, time, rows.acting, flight.places)
     at = flight.index[some][:, index]
-    turn = logarithm(
-        product(reverse(base.quaternion[:, index]), replay.flight.quaternion[at])
-    )
+    turn = logarithm(product(reverse(base.quaternion[:, index]), replay.flight.quaternion[at]))
     left = np.concatenate([replay.flight.position[at] - base.position[:, index], turn], axis=-1)
     left[~replay.cut.inside[some][:, index]] = np.nan
     if not stepped:
