@@ -24,6 +24,11 @@ from rgblimp_naming import CANDIDATES, choose, Chosen, FREE, places, REFITTED, s
 Array = NDArray[np.float64]
 FOLDS: Final = 5
 PAGE: Final = Path(__file__).resolve().parents[2] / 'docs' / 'discovery_flights.md'
+TUNE, NAMED, FREELY = (
+    'its tolerances tuned',
+    'named, carrying over',
+    'and all coefficients refitted',
+)
 BEGIN, END = '<!-- rgblimp: begin -->', '<!-- rgblimp: end -->'
 TUNED: Final = (
     'vehicle.mass', 'vehicle.roll', 'vehicle.pitch', 'vehicle.yaw', 'rotor_1.thrust',
@@ -33,7 +38,7 @@ TUNED: Final = (
 
 def said(text: str) -> None:
     """Print progress."""
-    print(f'{time.process_time():6.0f} s  {text}', file=sys.stderr, flush=True)
+    sys.stderr.write(f'{time.process_time():6.0f} s  {text}\n')
 
 
 def folds(count: int) -> list[list[int]]:
@@ -41,50 +46,47 @@ def folds(count: int) -> list[list[int]]:
     return [[f for f in range(count) if (f // REPEATS) % FOLDS == k] for k in range(FOLDS)]
 
 
-def scored(known: list[Flight], taught: Foresight, sight: Foresight) -> tuple[list[Row], list]:
-    """Return the rows of the table, and what was named in each fold."""
-    groups, count = regimes(known), len(known)
-    errors: dict[str, dict[int, Array]] = {
-        name: {} for name in ('tuned', 'named', 'refitted', 'authors')
-    }
-    named = []
-    tuned = places(taught.knobs, TUNED)
-    tolerance = np.array([taught.knobs[k].tolerance for k in tuned])
-    free = places(taught.knobs, REFITTED)
+def named(taught: Foresight, groups: dict[str, list[int]]) -> tuple[list[Chosen], list[str]]:
+    """Return what the first two repeats of each input name, what the others do, and both."""
+    every = range(len(taught.flights))
+    halves = [
+        [f for f in every if (f % REPEATS < REPEATS // 2) == first] for first in (True, False)
+    ]
+    found = []
+    for half in halves:
+        found.append(choose(taught, half, groups))
+        said(f'named: {", ".join(found[-1].names)}')
+    return found, [name for name in found[0].names if name in found[1].names]
+
+
+def scored(
+    known: list[Flight], taught: Foresight, sight: Foresight, fits: dict[str, tuple]
+) -> list[Row]:
+    """Return the rows of the table; `fits` has (knobs, spreads, fit to all) by name."""
+    count = len(known)
+    errors: dict[str, dict[int, Array]] = {name: {} for name in (*fits, 'authors')}
     zero = np.zeros(len(taught.knobs))
-    for k, test in enumerate(folds(count)):
+    for test in folds(count):
         train = [f for f in range(count) if f not in set(test)]
-        values = taught.fit(tuned, tolerance, train, rounds=2).values
-        errors['tuned'] |= by_model(sight, values, test, known)
-        chosen = choose(taught, train, groups)
-        named.append(chosen)
-        said(f'fold {k + 1}: {", ".join(chosen.names)}')
-        errors['named'] |= by_model(sight, chosen.values, test, known)
-        wide = spreads(taught.knobs, free, FREE)
-        values = taught.fit(free, wide, train, chosen.values, 4).values
-        errors['refitted'] |= by_model(sight, values, test, known)
         errors['authors'] |= by_model(sight, zero, test, known)
+        for name, (which, spread, whole) in fits.items():
+            begin = taught.without(whole, which, spread, test)
+            values = taught.fit(which, spread, train, begin, 1, told=False).values
+            errors[name] |= by_model(sight, values, test, known)
+        said('a fold')
     times = [begun(flight) for flight in known]
     sets = {
-        'coast: body velocity and rates kept': ('0', [by_coasting(f) for f in known]),
-        "authors' first-principles model": ('0', _listed(errors['authors'])),
-        'its tolerances tuned': (str(len(tuned)), _listed(errors['tuned'])),
-        'named, carrying over': (_counts(named), _listed(errors['named'])),
-        'and every coefficient refitted': (str(len(free)), _listed(errors['refitted'])),
+        'coast: body velocity and rates kept': (0, [by_coasting(f) for f in known]),
+        "authors' first-principles model": (0, _listed(errors['authors'])),
+        **{name: (len(which), _listed(errors[name])) for name, (which, _, _) in fits.items()},
         'floor: the other repeats': ('-', [by_repeats(known, f) for f in range(count)]),
     }
-    return [row(name, n, lefts, times) for name, (n, lefts) in sets.items()], named
+    return [row(name, str(n), lefts, times) for name, (n, lefts) in sets.items()]
 
 
 def _listed(errors: dict[int, Array]) -> list[Array]:
     """Return errors in the order of the flights."""
     return [errors[f] for f in sorted(errors)]
-
-
-def _counts(named: Sequence[Chosen]) -> str:
-    """Return how many parameters were named, over the folds."""
-    counts = [sum(len(CANDIDATES[name]) for name in each.names) for each in named]
-    return f'{min(counts)}' if min(counts) == max(counts) else f'{min(counts)} to {max(counts)}'
 
 
 def table(rows: Sequence[Row], which: str) -> list[str]:
@@ -108,29 +110,40 @@ def table(rows: Sequence[Row], which: str) -> list[str]:
     return out
 
 
-def carried(named: Sequence[Chosen], taught: Foresight, known: list[Flight]) -> list[str]:
+def carried(
+    found: list[Chosen], kept: list[str], taught: Foresight, known: list[Flight], fits: dict
+) -> list[str]:
     """Return what names do to regimes that were left out, as Markdown."""
     groups = regimes(known)
-    often = {name: sum(name in each.names for each in named) for name in CANDIDATES}
-    kept = [name for name, times in often.items() if times > FOLDS // 2]
-    out = ['| name | in how many folds |', '|---|---|']
-    out += [f'| {name} | {times} of {FOLDS} |' for name, times in often.items() if times]
-    which = places(taught.knobs, [knob for name in kept for knob in CANDIDATES[name]])
-    found = left_out(taught, which, spreads(taught.knobs, which, WIDE), groups)
-    whole = taught.fit(which, spreads(taught.knobs, which, WIDE), range(len(known)))
-    free = places(taught.knobs, REFITTED)
-    wide = spreads(taught.knobs, free, FREE)
-    said('regimes, refitted')
-    loose = left_out(taught, free, wide, groups, whole.values, 2)
-    ratios = {one.name: one.ratio for one in loose}
+    out = ['| name | by repeats 1, 2 | by repeats 3, 4 |', '|---|---|---|']
+    for name in CANDIDATES:
+        worths = [
+            f'{100 * dict(zip(each.names, each.worth, strict=True))[name]:.0f} %'
+            if name in each.names
+            else '-'
+            for each in found
+        ]
+        if worths != ['-', '-']:
+            out.append(f'| {name} | {worths[0]} | {worths[1]} |')
+    which, _, whole = fits[NAMED]
     out += ['', *_values(taught, which, whole.values, np.linalg.inv(whole.precision))]
+    told = {
+        name: left_out(taught, whole, which, spread, groups)
+        for name, (which, spread, whole) in fits.items()
+        if name != TUNE
+    }
+    ratios = {one.name: one.ratio for one in told[FREELY]}
     out += ['', '| regime left out | flights | named | all refitted |', '|---|---|---|---|']
-    out += [f'| {o.name} | {o.flights} | {o.ratio:.2f} | {ratios[o.name]:.2f} |' for o in found]
-    out += ['', _sentence(kept, found, 'Named'), '', _sentence(['All refitted'], loose, '')]
-    return out
+    out += [
+        f'| {o.name} | {o.flights} | {o.ratio:.2f} | {ratios[o.name]:.2f} |' for o in told[NAMED]
+    ]
+    out += ['', _sentence(kept, told[NAMED], 'Named')]
+    return [*out, '', _sentence(['All refitted'], told[FREELY], 'All refitted')]
 
 
-def _values(taught: Foresight, which: Sequence[int], values: Array, covariance: Array) -> list[str]:
+def _values(
+    taught: Foresight, which: Sequence[int], values: Array, covariance: Array
+) -> list[str]:
     """Return the values of what was named."""
     out = ['| knob | unit | change from the vehicle file | deviation |', '|---|---|---|---|']
     for k, deviation in zip(which, np.sqrt(np.diag(covariance)), strict=True):
@@ -157,7 +170,25 @@ def main() -> None:
     taught = Foresight(nominal, [flight.taught for flight in known], LIFT)
     sight = Foresight(nominal, [flight.scored for flight in known], LIFT)
     said(f'{len(known)} flights, {sum(len(begun(f)) for f in known)} pieces')
-    rows, named = scored(known, taught, sight)
+    found, kept = named(taught, regimes(known))
+    fits: dict[str, tuple] = {}
+    begin = np.zeros(len(turned))
+    for name, knob_names, wide, rounds in (
+        (TUNE, TUNED, 0.0, 2),
+        (NAMED, [knob for one in kept for knob in CANDIDATES[one]], WIDE, 3),
+        (FREELY, REFITTED, FREE, 4),
+    ):
+        which = places(turned, knob_names)
+        spread = (
+            spreads(turned, which, wide)
+            if wide
+            else np.array([turned[k].tolerance for k in which])
+        )
+        whole = taught.fit(which, spread, range(len(known)), begin, rounds)
+        fits[name] = which, spread, whole
+        said(f'{name}: {sum(one.cost for one in whole.said):.0f}')
+        begin = whole.values if wide else begin
+    rows = scored(known, taught, sight, fits)
     text = []
     for title, which in (
         ('All pieces', 'whole'),
@@ -165,10 +196,11 @@ def main() -> None:
         ('Steady: later ones', 'steady'),
     ):
         text += [f'**{title}**', '', *table(rows, which), '']
-    print('\n'.join(text), flush=True)
-    text += carried(named, taught, known)
+    sys.stdout.write('\n'.join(text) + '\n')
+    sys.stdout.flush()
+    text += carried(found, kept, taught, known, fits)
     text += ['', f'CPU: {time.process_time():.0f} s.']
-    print('\n'.join(text))
+    sys.stdout.write('\n'.join(text) + '\n')
     write(text)
 
 

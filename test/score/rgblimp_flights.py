@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 import os
 from pathlib import Path
-from typing import final, Final, NamedTuple
+from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.ahead import HORIZONS
 from lta_analysis.discovery.knobs import Knob

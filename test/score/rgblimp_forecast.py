@@ -1,7 +1,7 @@
 """Forecasts of RGBlimp's flights: by a model, by coasting, by the other repeats of an input."""
 
 from collections.abc import Sequence
-from typing import final, Final, NamedTuple
+from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.ahead import Ahead, HORIZONS
 from lta_analysis.discovery.foresight import Foresight
@@ -65,39 +65,46 @@ def by_coasting(flight: Flight) -> Array:
 
 def by_repeats(known: list[Flight], f: int) -> Array:
     """
-    Return the errors of what the other flights of the same input did at the same time.
+    Return the errors of what the other flights of the same input did from the most alike state.
 
-    Their way and turn from the beginning of the piece, seen along the heading there; the mean of
-    those that were still flying, NaN where none was.
+    Their way and turn, seen along the heading there; the mean of them, each weighed by how alike
+    it was. What the same vehicle does again, given the same command: no model does much better.
     """
     this = known[f]
     first = this.scored.replay.cut.first
     begin = f - f % REPEATS
-    ways, turns = [], []
-    for other in (known[k].measured for k in range(begin, begin + REPEATS) if k != f):
-        last = len(other.time) - 1
-        inside = (first[:, None] + AT <= last)[..., None]
-        at, start = np.minimum(first[:, None] + AT, last), np.minimum(first, last)
-        way = other.position[at] - other.position[start][:, None]
-        back = reverse(_heading(other.quaternion[start]))[:, None]
-        ways.append(np.where(inside, rotated(np.repeat(back, len(AT), 1), way), np.nan))
-        turn = product(reverse(other.quaternion[start])[:, None], other.quaternion[at])
-        turns.append(np.where(inside, logarithm(turn), np.nan))
-    with np.errstate(all='ignore'):
-        way, turn = _mean(ways), _mean(turns)
+    ways, turns, weights = [], [], []
+    own = _alike(this)[first]
+    for other in (known[k] for k in range(begin, begin + REPEATS) if k != f):
+        position, quaternion = other.measured.position, other.measured.quaternion
+        theirs = _alike(other)[: len(position) - AT[-1]]
+        apart = np.sum((own[:, None] - theirs[None]) ** 2, axis=-1)
+        start = np.argmin(apart, axis=1)
+        at = start[:, None] + AT
+        back = reverse(_heading(quaternion[start]))[:, None]
+        way = position[at] - position[start][:, None]
+        ways.append(rotated(np.repeat(back, len(AT), 1), way))
+        turns.append(logarithm(product(reverse(quaternion[start])[:, None], quaternion[at])))
+        weights.append(1.0 / (0.1 + apart[np.arange(len(first)), start]))
+    share = (np.array(weights) / np.sum(weights, axis=0))[..., None, None]
+    way, turn = np.sum(share * np.array(ways), axis=0), np.sum(share * np.array(turns), axis=0)
     here = this.measured.quaternion[first]
     head = np.repeat(_heading(here)[:, None], len(AT), 1)
     position = this.measured.position[first][:, None] + rotated(head, way)
     return _off(this, position, product(here[:, None], exponential(turn)))
 
 
-def _mean(parts: list[Array]) -> Array:
-    """Return the mean of what is known; NaN where nothing is."""
-    known = [np.isfinite(part) for part in parts]
-    total = np.sum([np.where(k, p, 0.0) for k, p in zip(known, parts, strict=True)], axis=0)
-    count = np.sum(known, axis=0)
-    mean: Array = np.where(count > 0, total / np.maximum(count, 1), np.nan)
-    return mean
+def _alike(flight: Flight) -> Array:
+    """Return what tells states apart, by how much matters: motion in the body, and tilt."""
+    position, quaternion = flight.measured.position, flight.measured.quaternion
+    reach = round(0.2 / PERIOD)
+    ahead = np.minimum(np.arange(len(position)) + reach, len(position) - 1)
+    behind = np.maximum(np.arange(len(position)) - reach, 0)
+    lasted = (PERIOD * (ahead - behind))[:, None]
+    speed = rotated(reverse(quaternion), (position[ahead] - position[behind]) / lasted)
+    rates = logarithm(product(reverse(quaternion[behind]), quaternion[ahead])) / lasted
+    up = rotated(reverse(quaternion), np.broadcast_to([0.0, 0.0, 1.0], position.shape))
+    return np.hstack([speed, rates, up[:, :2]]) / 0.05
 
 
 def _heading(quaternion: Array) -> Array:
@@ -112,7 +119,7 @@ def row(name: str, parameters: str, lefts: Sequence[Array], times: Sequence[Arra
     """Return a row of the table from the errors of all pieces."""
     left, time = np.concatenate(list(lefts)), np.concatenate(list(times))
     place, turn = (np.linalg.norm(left[..., part], axis=-1) for part in (slice(3), slice(3, 6)))
-    sizes = np.stack([place[:, SHOWN[0]], place[:, SHOWN[1]], turn[:, SHOWN[0]], turn[:, SHOWN[1]]])
+    sizes = np.stack([size[:, k] for size in (place, turn) for k in SHOWN])
 
     def told(some: NDArray[np.bool_]) -> tuple[Array, Array]:
         chosen = sizes[:, some]

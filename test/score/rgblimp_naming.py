@@ -7,7 +7,7 @@ small matrices. The best is added and everything refitted, until none is worth i
 """
 
 from collections.abc import Mapping, Sequence
-from typing import final, Final, NamedTuple
+from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.foresight import Foresight
 from lta_analysis.discovery.knobs import Knob
@@ -23,7 +23,8 @@ CANDIDATES: Final[Mapping[str, tuple[str, ...]]] = {
     'tilt of the tracker': ('tracker_misalignment.pitch', 'tracker_misalignment.roll'),
     'steady current': ('steady_wind.x', 'steady_wind.y', 'steady_wind.z'),
     'current gradient': tuple(
-        f'wind_gradient.{each}' for each in ('x_x', 'x_y', 'x_z', 'y_x', 'y_y', 'y_z', 'z_x', 'z_y')
+        f'wind_gradient.{each}'
+        for each in ('x_x', 'x_y', 'x_z', 'y_x', 'y_y', 'y_z', 'z_x', 'z_y')
     ),
     'balance': ('cg_offset.x', 'cg_offset.y', 'cg_height.z'),
     'moving mass': ('moving_mass.mass',),
@@ -44,11 +45,15 @@ CANDIDATES: Final[Mapping[str, tuple[str, ...]]] = {
     'pitching moment': ('hull_lift.pitch', 'hull_lift.pitch_alpha', 'hull_lift.pitch_beta4'),
     'yawing moment': ('hull_lift.yaw', 'hull_lift.yaw_alpha', 'hull_lift.yaw_beta'),
 }  # fmt: skip
-REFITTED: Final = tuple(name for names in CANDIDATES.values() for name in names)
+# Freely fitted by each fit, without a name; what turns thrust about was not to be told from it.
+REFITTED: Final = tuple(
+    knob for name, group in CANDIDATES.items() for knob in group if 'rotor' not in name
+)
+ALL: Final = tuple(knob for group in CANDIDATES.values() for knob in group)
 WIDE: Final = 3.0  # typical sizes; of what is named
-FREE: Final = 10.0  # typical sizes; of coefficients that are refitted without a name
-WORTH: Final = 0.02  # of the squared error of the vehicle file in regimes left out
-WORST: Final = -0.02  # of that of a regime; a name that costs any regime more is not taken
+FREE: Final = 5.0  # typical sizes; of coefficients that are refitted without a name
+WORTH: Final = 0.015  # of the squared error of the vehicle file in regimes left out
+WORST: Final = -0.12  # of that of a regime; one that promises any regime worse is not taken
 MOST: Final = 6
 
 
@@ -90,7 +95,7 @@ def choose(
     """
     inside = set(flights)
     groups = [g for g in ([f for f in r if f in inside] for r in regimes.values()) if g]
-    every = places(sight.knobs, REFITTED)
+    every = places(sight.knobs, ALL)
     chosen: tuple[str, ...] = ()
     worth: tuple[float, ...] = ()
     values = np.zeros(len(sight.knobs))

@@ -125,6 +125,7 @@ class Foresight:
         flights: Sequence[int],
         begin: Array | None = None,
         rounds: int = ROUNDS,
+        told: bool = True,
     ) -> Fitted:
         """
         Fit some knobs to some flights.
@@ -141,6 +142,9 @@ class Foresight:
             Where to begin; the vehicle file by default.
         rounds : int
             Steps of Gauss-Newton, each shortened until it helps.
+        told : bool
+            Whether to say at the end what the flights say there; else what they said one step
+            before.
 
         """
         picked = np.asarray(which, dtype=np.int64)
@@ -154,7 +158,8 @@ class Foresight:
             step = np.linalg.solve(inner, right)
             before = sum(one.cost for one in said.values()) + _strain(values[picked], spread)
             values, lifts = self._stepped(values, lifts, picked, spread, step, said, before)
-        said = {f: self._said(values, lifts, f, picked) for f in flights}
+        if told or not rounds:
+            said = {f: self._said(values, lifts, f, picked) for f in flights}
         return Fitted(
             values,
             lifts,
@@ -162,6 +167,20 @@ class Foresight:
             np.sum([one.pull for one in said.values()], axis=0),
             tuple(said.values()),
         )
+
+    def without(
+        self, fitted: Fitted, which: Sequence[int], spread: Array, flights: Sequence[int]
+    ) -> Array:
+        """Return the values that all but some flights say, one step away from a fit to all."""
+        picked, out = np.asarray(which, dtype=np.int64), fitted.values.copy()
+        rest = [one for f, one in enumerate(fitted.said) if f not in set(flights)]
+        wall = np.diag(spread**-2.0)
+        inner = wall + np.sum([one.products for one in rest], axis=0)
+        right = np.sum([one.pull for one in rest], axis=0) - wall @ out[picked]
+        low = np.array([self.knobs[k].low for k in picked])
+        high = np.array([self.knobs[k].high for k in picked])
+        out[picked] = np.clip(out[picked] + np.linalg.solve(inner, right), low, high)
+        return out
 
     def size(self, values: Array, flights: Sequence[int]) -> float:
         """Return the root mean square of the errors ahead, each flight's lift fitted to it."""

@@ -10,7 +10,7 @@ better.
 from collections.abc import Mapping, Sequence
 from typing import Final, final, NamedTuple
 
-from lta_analysis.discovery.foresight import Foresight
+from lta_analysis.discovery.foresight import Fitted, Foresight
 import numpy as np
 from numpy.typing import NDArray
 
@@ -49,11 +49,10 @@ class Regime(NamedTuple):
 
 def left_out(
     foresight: Foresight,
+    fitted: Fitted,
     which: Sequence[int],
     spread: Array,
     regimes: Mapping[str, Sequence[int]],
-    begin: Array | None = None,
-    rounds: int = 3,
 ) -> list[Regime]:
     """
     Return what each regime says of the knobs that the others taught, the worst first.
@@ -62,21 +61,18 @@ def left_out(
     ----------
     foresight : Foresight
         All flights.
+    fitted : Fitted
+        To all of them; each fit without a regime is a step of Gauss-Newton away from it.
     which, spread
         The knobs, and how far they may be off: as for `Foresight.fit`.
     regimes : mapping of str to sequence of int
         Flights by regime; each has flights outside of it.
-    begin : ndarray, shape (G,), optional
-        Where each fit begins; the vehicle file by default.
-    rounds : int
-        Of each fit.
 
     """
     out = []
     zero = np.zeros(len(foresight.knobs))
     for name, inside in regimes.items():
-        others = [f for f in range(len(foresight.flights)) if f not in set(inside)]
-        taught = foresight.fit(which, spread, others, begin, rounds).values
+        taught = foresight.without(fitted, which, spread, inside)
         sizes = [foresight.size(values, inside) for values in (zero, taught)]
         out.append(Regime(name, len(inside), *sizes))
     return sorted(out, key=lambda regime: -regime.ratio)
