@@ -109,6 +109,8 @@ def _stepped(
             last = flight.replay.ready(after)
         elif reach == 'memory':
             last = flight.replay.ready(after, ready)
+        elif reach == 'wrench':
+            last = flight.replay.gained(after, first)
         else:
             last = first
         out.append((reach == 'reading', before, after, step, first, last))

@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 PLACE: Final = 2.0  # how much more a place counts than an attitude
 ALIKE: Final = 0.1  # of the readings that say something new: horizons of a piece go together
 ROUNDS: Final = 4
-SHARES: Final = (1.0, 0.5, 0.25, 0.1)  # of a step
+DAMPED: Final = (0.0, 0.03, 0.3, 3.0)  # of the information; more where a step makes it worse
 
 
 @final
@@ -141,7 +141,7 @@ class Foresight:
         begin : ndarray, shape (G,), optional
             Where to begin; the vehicle file by default.
         rounds : int
-            Steps of Gauss-Newton, each shortened until it helps.
+            Steps of Gauss-Newton, each damped until it helps.
         told : bool
             Whether to say at the end what the flights say there; else what they said one step
             before.
@@ -155,9 +155,10 @@ class Foresight:
             said = {f: self._said(values, lifts, f, picked) for f in flights}
             inner = wall + np.sum([one.products for one in said.values()], axis=0)
             right = np.sum([one.pull for one in said.values()], axis=0) - wall @ values[picked]
-            step = np.linalg.solve(inner, right)
             before = sum(one.cost for one in said.values()) + _strain(values[picked], spread)
-            values, lifts = self._stepped(values, lifts, picked, spread, step, said, before)
+            values, lifts = self._stepped(
+                values, lifts, picked, spread, (inner, right), said, before
+            )
         if told or not rounds:
             said = {f: self._said(values, lifts, f, picked) for f in flights}
         return Fitted(
@@ -200,19 +201,21 @@ class Foresight:
         lifts: Array,
         picked: NDArray[np.int64],
         spread: Array,
-        step: Array,
+        normal: tuple[Array, Array],
         said: dict[int, Said],
         before: float,
     ) -> tuple[Array, Array]:
-        """Return the next point: the whole step, or a part that makes the forecasts better."""
+        """Return the next point: the first step, ever more damped, that makes it better."""
+        inner, right = normal
         low = np.array([self.knobs[k].low for k in picked])
         high = np.array([self.knobs[k].high for k in picked])
-        for share in SHARES:
+        for damping in DAMPED:
             there, own = values.copy(), lifts.copy()
-            there[picked] = np.clip(values[picked] + share * step, low, high)
+            step = np.linalg.solve(inner + damping * np.diag(np.diag(inner)), right)
+            there[picked] = np.clip(values[picked] + step, low, high)
             for f, one in said.items():
                 information, pull, across = one.own
-                own[f] += (share * pull - across @ (there - values)[picked]) / information
+                own[f] += (pull - across @ (there - values)[picked]) / information
             try:
                 cost = sum(self._cost(there, own, f) for f in said)
             except BadInput:
@@ -224,7 +227,8 @@ class Foresight:
     def _cost(self, values: Array, lifts: Array, f: int) -> float:
         """Return what is left over of a flight, squared."""
         flight = self.flights[f]
-        left = ahead(flight, self.point(values, float(lifts[f]), flight)).left
+        with np.errstate(all='ignore'):
+            left = ahead(flight, self.point(values, float(lifts[f]), flight)).left
         if np.isfinite(left).sum() < self._known[f]:
             return np.inf  # it ran away
         return float(ALIKE * np.nansum((left * self.weights) ** 2) + (lifts[f] / self.lift) ** 2)

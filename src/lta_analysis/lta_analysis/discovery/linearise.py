@@ -166,6 +166,8 @@ class Linearised:
             return first, self.replay.ready(after)
         if reach == 'memory':
             return first, self.replay.ready(after, ready)
+        if reach == 'wrench':
+            return first, self.replay.gained(after, first)
         return first, ready
 
     def _columns(self, point: Point, met: Met, which: slice) -> tuple[Array, Array]:

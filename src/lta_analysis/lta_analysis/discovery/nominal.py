@@ -40,6 +40,8 @@ class Rows:
         The flags of its effects.
     acting : mapping of str to Chain
         The measurement effects by channel.
+    gains : ndarray, shape (6,)
+        Of a commanded wrench, axis by axis.
 
     """
 
@@ -48,6 +50,7 @@ class Rows:
     body: Array
     body_on: Flags
     acting: Mapping[str, Chain]
+    gains: Array
 
 
 @final
@@ -68,6 +71,8 @@ class Nominal:
         About the centre of gravity. [kg m2]
     rotors : tuple of (place, axis)
         As in `Model.build`.
+    gains : tuple of 6 float
+        What arrives of a wrench that is commanded as such, axis by axis.
 
     """
 
@@ -77,6 +82,7 @@ class Nominal:
     cg: Array
     inertia: Array
     rotors: tuple[tuple[Array, Array], ...]
+    gains: tuple[float, ...] = (1.0,) * 6
 
     @classmethod
     def of(cls, vehicle: Vehicle) -> Self:
@@ -144,7 +150,8 @@ class Nominal:
             row[where['body']], row[where['inverse']] = model.body, model.inverse
         a_on = _taken(model, actuators, ACTUATOR_PLACES, ACTUATOR_LAYOUT)
         b_on = _taken(model, body, BODY_PLACES, BODY_LAYOUT)
-        return Rows(actuators, a_on, body, b_on, chains(model.given, EFFECTS))
+        acting = chains(model.given, EFFECTS)
+        return Rows(actuators, a_on, body, b_on, acting, np.array(self.gains))
 
 
 def _square(place: Array) -> Array:

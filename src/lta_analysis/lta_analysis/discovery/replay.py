@@ -1,6 +1,6 @@
 """One measured flight, replayed through the model: everything that a set of parameters decides."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, final
 
 from lta_analysis.discovery.measured import held_means, Measured, PERIOD, Stream
@@ -112,7 +112,7 @@ class Replay:
         told = self.flight.wrench
         if told is None:
             return np.zeros((len(self._steps), 6))
-        late = Stream(told.time + _delay(rows), told.values)
+        late = Stream(told.time + _delay(rows), told.values * rows.gains)
         return held_means(late, np.append(self._steps, self._steps[-1] + self.dt))
 
     def _forced(self, ready: Ready, latent: Array, which: slice) -> Array:
@@ -152,6 +152,10 @@ class Replay:
             rows.body.copy(), rows.body_on, self._known, commands, self._around, self.dt, memory
         )
         return Ready(commands, memory, wrench)
+
+    def gained(self, rows: Rows, before: Ready) -> Ready:
+        """Return what the body meets with other gains of the commanded wrench."""
+        return replace(before, wrench=self._wrench(rows))
 
     def fly(
         self, rows: Rows, ready: Ready, start: Array, latent: Array, which: slice = ALL
