@@ -15,6 +15,7 @@ from lta_analysis.discovery.replay import Replay
 from lta_analysis.discovery.sensing import Places
 from lta_analysis.discovery.streams import in_duties, streams_of
 from lta_analysis.discovery.windows import windows
+from lta_sim.effects.protocol import AXES
 from lta_sim.vehicle import load_vehicle, Vehicle
 import numpy as np
 from numpy.typing import NDArray
@@ -44,8 +45,9 @@ def commanded(vehicle: Vehicle, told: Streams) -> Stream:
     replay = Replay(flight, windows(flight), vehicle.command(()))
     thrusts = replay.thrusts(nominal.rows())
     out = np.zeros((len(thrusts), 6))
-    for thrust, (place, axis) in zip(thrusts.T, nominal.rotors, strict=False):
-        out += thrust[:, None] * np.concatenate([axis, np.cross(place, axis)])
+    for i, thrust in enumerate(thrusts.T[: len(nominal.rotors)], 1):
+        given = [nominal.value('rotor_thrust', f'{axis}_{i}') for axis in AXES]
+        out += thrust[:, None] * np.array(given)
     out[:, 0] /= ARRIVES
     return Stream(flight.time[0] + replay.dt * np.arange(len(out)), out)
 
