@@ -11,7 +11,7 @@ enter := root='$(CURDIR)' && . tools/workspace.sh
 pytest := $(enter) && .venv/bin/python -m pytest -q
 sources := config src test examples
 
-.PHONY: help demo build test test-long bench flights trust rgblimp check format clean
+.PHONY: help demo build test test-long bench flights trust rgblimp crazyflie check format clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
@@ -40,6 +40,9 @@ trust: test-environment  ## score the trust checks on clean and corrupted flight
 
 rgblimp: test-environment  ## score forecasts of RGBlimp's real flights; writes docs/discovery_flights.md (minutes)
 	@$(enter) && nice .venv/bin/python test/score/rgblimp.py $(ARGS)
+
+crazyflie: test-environment  ## what real Crazyflie flights say of battery sag; writes docs/discovery_flights.md
+	@$(enter) && .venv/bin/python test/score/crazyflie.py $(ARGS)
 
 check: test-environment  ## style and types only
 	@.venv/bin/ruff check --quiet $(sources)
