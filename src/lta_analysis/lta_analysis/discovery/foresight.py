@@ -188,8 +188,9 @@ class Foresight:
         total, count = 0.0, 0
         for f in flights:
             seen = self.errors(values, f)
-            left = np.nan_to_num(seen.left * self.weights).ravel()
-            column = np.nan_to_num(seen.columns[..., 0] * self.weights).ravel()
+            good = np.isfinite(seen.left)
+            left = (seen.left * self.weights)[good]
+            column = (seen.columns[..., 0] * self.weights)[good]
             lift = ALIKE * float(column @ left) / (ALIKE * float(column @ column) + self.lift**-2)
             total += float(np.sum((left - lift * column) ** 2))
             count += self._known[f]
