@@ -47,8 +47,14 @@ def folds(count: int) -> list[list[int]]:
 
 
 def named(taught: Foresight, groups: dict[str, list[int]]) -> tuple[list[Chosen], list[str]]:
-    """Return what the first two repeats of each input name, what the others do, and both."""
+    """
+    Return what the first two repeats of each input name, what the others do, and both.
+
+    Names that were given to the command, with commas between, are taken as they are.
+    """
     every = range(len(taught.flights))
+    if given := ' '.join(sys.argv[1:]):
+        return [], [name.strip() for name in given.split(',')]
     halves = [
         [f for f in every if (f % REPEATS < REPEATS // 2) == first] for first in (True, False)
     ]
@@ -69,9 +75,12 @@ def scored(
     for test in folds(count):
         train = [f for f in range(count) if f not in set(test)]
         errors['authors'] |= by_model(sight, zero, test, known)
+        values = zero
         for name, (which, spread, whole) in fits.items():
-            begin = taught.without(whole, which, spread, test)
-            values = taught.fit(which, spread, train, begin, 1, told=False).values
+            begin, rounds = taught.without(whole, which, spread, test), 1
+            if name == FREELY:
+                begin, rounds = values, 3  # from what was named without these flights
+            values = taught.fit(which, spread, train, begin, rounds, told=False).values
             errors[name] |= by_model(sight, values, test, known)
         said('a fold')
     times = [begun(flight) for flight in known]
@@ -115,7 +124,8 @@ def carried(
 ) -> list[str]:
     """Return what names do to regimes that were left out, as Markdown."""
     groups = regimes(known)
-    out = ['| name | by repeats 1, 2 | by repeats 3, 4 |', '|---|---|---|']
+    out = [f'Named: {", ".join(kept)}.', '']
+    out += ['| name | by repeats 1, 2 | by repeats 3, 4 |', '|---|---|---|'] if found else []
     for name in CANDIDATES:
         worths = [
             f'{100 * dict(zip(each.names, each.worth, strict=True))[name]:.0f} %'
@@ -123,7 +133,7 @@ def carried(
             else '-'
             for each in found
         ]
-        if worths != ['-', '-']:
+        if any(worth != '-' for worth in worths):
             out.append(f'| {name} | {worths[0]} | {worths[1]} |')
     which, _, whole = fits[NAMED]
     out += ['', *_values(taught, which, whole.values, np.linalg.inv(whole.precision))]
@@ -176,7 +186,7 @@ def main() -> None:
     for name, knob_names, wide, rounds in (
         (TUNE, TUNED, 0.0, 2),
         (NAMED, [knob for one in kept for knob in CANDIDATES[one]], WIDE, 3),
-        (FREELY, REFITTED, FREE, 4),
+        (FREELY, REFITTED, FREE, 3),
     ):
         which = places(turned, knob_names)
         spread = (

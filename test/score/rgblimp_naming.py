@@ -45,13 +45,17 @@ CANDIDATES: Final[Mapping[str, tuple[str, ...]]] = {
     'pitching moment': ('hull_lift.pitch', 'hull_lift.pitch_alpha', 'hull_lift.pitch_beta4'),
     'yawing moment': ('hull_lift.yaw', 'hull_lift.yaw_alpha', 'hull_lift.yaw_beta'),
 }  # fmt: skip
-# Freely fitted by each fit, without a name; what turns thrust about was not to be told from it.
+# Fitted freely beside what is named, without a name of their own.
+LEFT: Final = ('added mass', 'steady current', 'balance', 'moving mass')
 REFITTED: Final = tuple(
-    knob for name, group in CANDIDATES.items() for knob in group if 'rotor' not in name
+    knob
+    for name, group in CANDIDATES.items()
+    for knob in group
+    if 'rotor' not in name and name not in LEFT
 )
 ALL: Final = tuple(knob for group in CANDIDATES.values() for knob in group)
 WIDE: Final = 3.0  # typical sizes; of what is named
-FREE: Final = 5.0  # typical sizes; of coefficients that are refitted without a name
+FREE: Final = 4.0  # typical sizes; of coefficients that are refitted without a name
 WORTH: Final = 0.015  # of the squared error of the vehicle file in regimes left out
 WORST: Final = -0.12  # of that of a regime; one that promises any regime worse is not taken
 MOST: Final = 6

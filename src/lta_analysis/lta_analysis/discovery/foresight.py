@@ -174,10 +174,11 @@ class Foresight:
     ) -> Array:
         """Return the values that all but some flights say, one step away from a fit to all."""
         picked, out = np.asarray(which, dtype=np.int64), fitted.values.copy()
-        rest = [one for f, one in enumerate(fitted.said) if f not in set(flights)]
-        wall = np.diag(spread**-2.0)
-        inner = wall + np.sum([one.products for one in rest], axis=0)
-        right = np.sum([one.pull for one in rest], axis=0) - wall @ out[picked]
+        gone = [one for f, one in enumerate(fitted.said) if f in set(flights)]
+        inner = fitted.precision + np.diag(spread**-2.0)
+        inner = inner - np.sum([one.products for one in gone], axis=0)
+        # Where all of them rest, what these pulled is what the others pull the other way.
+        right = -np.sum([one.pull for one in gone], axis=0)
         low = np.array([self.knobs[k].low for k in picked])
         high = np.array([self.knobs[k].high for k in picked])
         out[picked] = np.clip(out[picked] + np.linalg.solve(inner, right), low, high)
