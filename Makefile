@@ -10,7 +10,7 @@ export PYTHON
 enter := root='$(CURDIR)' && . tools/workspace.sh
 sources := config src test examples
 
-.PHONY: help demo build test test-long bench flights trust classes plan check format clean
+.PHONY: help demo build test test-long bench flights trust classes plan rgblimp check format clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
@@ -42,6 +42,12 @@ classes: test-environment  ## derive which effects no data can tell apart (a min
 
 plan: test-environment  ## score the flights that are to decide between two names (minutes)
 	@$(enter) && .venv/bin/python test/score/plan.py $(ARGS)
+
+rgblimp: test-environment  ## score forecasts of RGBlimp's real flights; writes docs/discovery_flights.md (minutes)
+	@$(enter) && nice .venv/bin/python test/score/rgblimp.py $(ARGS)
+
+crazyflie: test-environment  ## what real Crazyflie flights say of battery sag; writes docs/discovery_flights.md
+	@$(enter) && .venv/bin/python test/score/crazyflie.py $(ARGS)
 
 check: test-environment  ## style and types only
 	@.venv/bin/ruff check --quiet $(sources)

@@ -93,6 +93,7 @@ RGBLIMP = {
     'pitch': 0.0568, 'pitch_alpha': 0.0933, 'pitch_beta4': 5.2357,
     'yaw': 0.0006, 'yaw_alpha': -0.0012, 'yaw_beta': -0.0936,
     'roll_rate': 0.0503, 'pitch_rate': 0.0264, 'yaw_rate': 0.0137,
+    'x': 0.0, 'z': 0.0,
 }  # fmt: skip
 P = tuple(RGBLIMP[parameter.name] for parameter in hull_lift.PARAMETERS)
 
@@ -168,6 +169,20 @@ def test_hull_lift_has_no_step(v, w, way):
     change = lifted(near.tolist(), w) - lifted(v, w)
     # Forces to 200 N at 5 m/s turn round within SLOW, twice.
     assert np.all(abs(change) <= np.linalg.norm(way) * step / hull_lift.SLOW * 400.0)
+
+
+def test_hull_lift_acts_where_the_wings_are():
+    """10 cm behind and 20 cm above: the flow there, and the moment of the force there."""
+    place, v, w = (
+        np.array([-0.1, 0.0, 0.2]),
+        np.array([0.4, 0.02, -0.03]),
+        np.array([0.1, 0.2, 0.3]),
+    )
+    there = (*P[:-2], place[0], place[2])
+    moved = np.array(hull_lift.wrench(there, (), flown(tuple(v), tuple(w)), REST))
+    seen = lifted(v + np.cross(w, place), w)
+    np.testing.assert_allclose(moved[:3], seen[:3], rtol=1e-12)
+    np.testing.assert_allclose(moved[3:], seen[3:] + np.cross(place, seen[:3]), rtol=1e-12)
 
 
 def test_hull_lift_alpha_is_even_where_it_flies_backwards():

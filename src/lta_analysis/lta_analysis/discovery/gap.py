@@ -128,7 +128,8 @@ def where(flight: Linearised, point: Point) -> Where:
         the poses around its beginning say, and nobody helps it on its way.
 
     """
-    replay, rows = flight.replay, point.nominal.rows()
+    replay = flight.replay
+    rows = replay.rows(point.nominal)
     still = Point(point.nominal, point.values, np.zeros_like(point.random))
     predicted = flight.trajectory(still)[:, ::STEPS]
     coast = coasting(replay.cut.start, replay.cut.length)

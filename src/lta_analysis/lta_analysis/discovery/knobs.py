@@ -15,11 +15,18 @@ from typing import Final, final, Literal
 from lta_analysis.discovery.nominal import Nominal
 from lta_config.errors import BadInput
 from lta_sim.effects import EFFECTS
-from lta_sim.effects.protocol import ActuatorEffect, MeasurementEffect, Parameter, WrenchEffect
+from lta_sim.effects.protocol import (
+    ActuatorEffect,
+    AXES,
+    MeasurementEffect,
+    Parameter,
+    WrenchEffect,
+)
 from lta_sim.state import ACTUATORS
 
+GAIN: Final = 'wrench_gain'
 Target = tuple[str, str]
-Reach = Literal['chain', 'body', 'memory', 'reading', 'delay']
+Reach = Literal['chain', 'wrench', 'body', 'memory', 'reading', 'delay']
 
 
 @final
@@ -74,6 +81,8 @@ class Knob:
             if effect == 'vehicle':
                 # So that a second turn adds to the first, as the columns take for granted.
                 nominal = _weighed(nominal, parameter, math.exp(rate * value))
+            elif effect == GAIN:
+                nominal = _gained(nominal, parameter, rate * value)
             else:
                 now = nominal.value(effect, parameter)
                 nominal = nominal.with_value(effect, parameter, now + rate * value)
@@ -96,6 +105,8 @@ class Knob:
     def reaches(self) -> Reach:
         """What has to be computed anew when it is turned."""
         effects = {effect for effect, _ in self.moves}
+        if GAIN in effects:
+            return 'wrench'
         kinds = {effect: EFFECTS.get(effect) for effect in effects}
         if any(isinstance(kind, ActuatorEffect) for kind in kinds.values()):
             return 'chain'
@@ -115,6 +126,15 @@ def _weighed(nominal: Nominal, what: str, factor: float) -> Nominal:
     inertia[axis, :] *= math.sqrt(factor)
     inertia[:, axis] *= math.sqrt(factor)
     return replace(nominal, inertia=inertia)
+
+
+def _gained(nominal: Nominal, axis: str, more: float) -> Nominal:
+    """Return the vehicle with more of a commanded wrench on one axis."""
+    k = AXES.index(axis)
+    return replace(
+        nominal,
+        gains=(*nominal.gains[:k], nominal.gains[k] + more, *nominal.gains[k + 1 :]),
+    )
 
 
 # Parts of a parameter's own value by which the nominal model may be off.
@@ -145,6 +165,7 @@ TOLERANCES: Final[dict[str, float]] = {
     'command_delay.delay': 0.005,
 }
 ROTOR: Final = 0.02  # of the thrust of each
+GAINS: Final = 0.2  # of each axis of a commanded wrench: rarely is it what arrives
 WITHIN: Final = (-0.5, 1.0)  # of what is a part of a mass, an inertia, a thrust
 TOE: Final = math.radians(0.5)
 # Of one flight: biases of its sensors and its lift.
@@ -179,6 +200,16 @@ DESIGN: Final = frozenset(
         'turbulence', 'gusts', 'wind_profile', 'rotor_envelope_interaction', 'ceiling_effect',
     }
 )  # fmt: skip
+# Of those, what may well be off where a vehicle has them: numbers that were fitted to flights.
+FITTED: Final[dict[str, tuple[str, ...]]] = {
+    'hull_lift': tuple(known.name for known in EFFECTS['hull_lift'].parameters[2:]),
+    'moving_mass': ('mass', 'x', 'z'),
+}
+# What physics says of the sign of a coefficient: side force and lift act against the flow.
+SIGNS: Final[dict[str, tuple[float, float]]] = {
+    'hull_lift.side_beta': (-math.inf, 0.0),
+    'hull_lift.lift_alpha': (0.0, math.inf),
+}
 NO_CANDIDATE: Final = frozenset(
     {
         'battery_sag.voltage', 'ground_effect.radius', 'superheat.slack', 'superheat.lag',
@@ -216,7 +247,8 @@ def _of_effect(nominal: Nominal, effect: str) -> Iterator[Knob]:
         if name in NO_CANDIDATE:
             continue
         now = begun.get(known.name, nominal.value(effect, known.name))
-        low, high = min(known.low, known.null) - now, known.high - now
+        least, most = SIGNS.get(name, (-math.inf, math.inf))
+        low, high = max(min(known.low, known.null), least) - now, min(known.high, most) - now
         moves = {(effect, one): 1.0 for one in group}
         if effect == 'quadratic_drag' and 'cross_flow' in nominal.given:
             moves['cross_flow', known.name] = 1.0  # one coefficient, which both work with
@@ -253,19 +285,37 @@ def _of_vehicle(nominal: Nominal) -> Iterator[Knob]:
             yield Knob(f'{effect}.all', '1', numbers, STEP, STEP, share, 0.0, *WITHIN)
 
 
-def knobs(nominal: Nominal) -> list[Knob]:
+def _of_wrench() -> Iterator[Knob]:
+    """Yield how much of a commanded wrench arrives on each axis: tolerance, no candidate."""
+    for axis in AXES:
+        moves = {(GAIN, axis): 1.0}
+        yield Knob(f'{GAIN}.{axis}', '1', moves, STEP, STEP, GAINS, 0.0, -1.0, 2.0)
+
+
+def knobs(nominal: Nominal, wrench: bool = False) -> list[Knob]:
     """
     Return all that can be turned about a vehicle, nuisances and candidates.
 
     Effects that describe the design (`DESIGN`) are left out; rotors that the vehicle does not have
     as well; and what the model refuses to be built with.
+
+    Parameters
+    ----------
+    nominal : Nominal
+        The vehicle.
+    wrench : bool
+        Whether a flight was told forces and moments instead of duties.
+
     """
-    out = list(_of_vehicle(nominal))
+    out = [*_of_vehicle(nominal), *(_of_wrench() if wrench else ())]
     rotors = len(nominal.rotors)
     for effect in EFFECTS:
-        if effect in DESIGN:
+        fitted = FITTED.get(effect, ()) if effect in nominal.given else ()
+        if effect in DESIGN and not fitted:
             continue
         for knob in _of_effect(nominal, effect):
+            if fitted and knob.name.partition('.')[2] not in fitted:
+                continue
             last = knob.name.rpartition('_')[2]
             if last.isdigit() and int(last) > rotors and effect.startswith('rotor'):
                 continue

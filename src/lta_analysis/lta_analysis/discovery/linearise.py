@@ -13,10 +13,10 @@ from lta_analysis.discovery.knobs import Knob
 from lta_analysis.discovery.linear import AXES, hats, KNOTS, Linear, Point, RANDOM, SENSORS
 from lta_analysis.discovery.measured import CHANNELS, PERIOD
 from lta_analysis.discovery.nominal import Rows
-from lta_analysis.discovery.readout import frame_of, reading_slopes
+from lta_analysis.discovery.readout import reading_slopes
 from lta_analysis.discovery.replay import Ready, Replay, STEPS
 from lta_analysis.discovery.replay_kernel import BODY_PLACES
-from lta_analysis.discovery.sensing import Places, plain, Told, told
+from lta_analysis.discovery.sensing import Places, plain, Told, told, tracker_frame
 from lta_analysis.discovery.tangent import carried, moved, transitions, WIDTH
 from lta_analysis.discovery.turning import logarithm, product, reverse
 from lta_analysis.discovery.turns import Met, met, Turn
@@ -63,7 +63,7 @@ class Linearised:
 
     def trajectory(self, point: Point, which: slice = slice(None)) -> Array:
         """Return the states at each step, shape (S, span + 1, 13)."""
-        rows = point.nominal.rows()
+        rows = self.replay.rows(point.nominal)
         return self._fly(rows, self.replay.ready(rows), point, which)
 
     def _fly(self, rows: Rows, ready: Ready, point: Point, which: slice) -> Array:
@@ -158,7 +158,7 @@ class Linearised:
         channels = len(CHANNELS) if np.isfinite(noise[POSE:]).any() else POSE
         table = np.zeros((*left.shape[:2], channels, len(self._order(about))))
         end = MOTION + len(about.moving)
-        change = self._changes(point, about, states, which)
+        change = self.changes(point, about, states, which)
         self._sense(change, grid, exact, time, about, table[..., :end])
         for k, turn in enumerate(about.turned):
             read = self._read(grid, time, turn, base, exact)[..., :channels]
@@ -208,8 +208,25 @@ class Linearised:
         left[~np.isfinite(left)] = np.nan
         return left
 
-    def _changes(self, point: Point, about: Met, states: Array, which: slice) -> Array:
-        """Return how the states at the grid answer, shape (S, n + 1, 12, MOTION + moving)."""
+    def changes(self, point: Point, about: Met, states: Array, which: slice) -> Array:
+        """
+        Return how the states at the grid answer.
+
+        Parameters
+        ----------
+        point, about : Point, Met
+            The parameters.
+        states : ndarray, shape (S, span + 1, 13)
+            Flown with them.
+        which : slice
+            Of the pieces.
+
+        Returns
+        -------
+        ndarray, shape (S, n + 1, 12, MOTION + moving)
+            To the twelve of the beginning, to the knots, and to the knobs that move the body.
+
+        """
         # Of whole grid periods: columns need not be as exact as what they are columns of.
         middle = np.ascontiguousarray(states[:, STEPS // 2 :: STEPS])
         latent = self._latent(point, which, self._sparse)
@@ -228,7 +245,9 @@ class Linearised:
         """Write how what is said answers, by the noise."""
         noise, acting = self.replay.flight.noise[:, None], about.rows.acting
         begin, end = change[:, :-1], change[:, 1:]
-        position = frame_of(acting) @ begin[:, :, :3] if acting['pose'] else begin[:, :, :3]
+        position = (
+            tracker_frame(acting)[0] @ begin[:, :, :3] if acting['pose'] else begin[:, :, :3]
+        )
         out[:, :, :3] = position / noise[:3]
         out[:, :, 3:POSE] = begin[:, :, 3:POSE] / noise[3:POSE]
         if out.shape[2] > POSE:

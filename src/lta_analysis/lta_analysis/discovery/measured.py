@@ -19,13 +19,20 @@ Array = NDArray[np.float64]
 
 PERIOD: Final = 0.04  # s; of the grid
 WARM_UP: Final = 2.0  # s; filters and motors settle
-GAP: Final = 0.1  # s; of a tracker: nothing is interpolated over more
+SETTLED: Final = 0.5  # s; the same where there is nothing but a tracker: motors alone
+GAP: Final = 0.12  # s; of a tracker: nothing is interpolated over more
+BRIDGED: Final = 0.5  # s; a shorter gap does not end a piece, it only has no poses
 CHANNELS: Final = (
     'x', 'y', 'z', 'turn_x', 'turn_y', 'turn_z', 'p', 'q', 'r', 'fx', 'fy', 'fz',
     'range', 'pressure',
 )  # fmt: skip
 # What no sensor is better than, by channel: m, rad, rad/s, m/s2, m, Pa.
 LEAST: Final = np.array([5e-4] * 3 + [1e-3] * 3 + [3e-4] * 3 + [3e-3] * 3 + [1e-3, 0.3])
+# A tracker whose noise seems smaller by that factor was filtered: neighbours then say the same,
+# and what the filter did to fast motion is no noise. Of LEAST, so that half a second counts once.
+FILTERED: Final = 0.2
+SMOOTH: Final = 20.0
+FILTERS: Final = ('rates', 'force', 'range', 'pressure')  # sensors that settle
 
 
 @final
@@ -67,6 +74,8 @@ class Streams:
     wrench : Stream, optional
         Commanded force and moment about the hull centre, body frame, held until the next; of a
         vehicle that is not told duties. [N, N m]
+    mass : Stream, optional
+        Where the moving mass is told to be, body frame, held until the next. [m]
 
     """
 
@@ -75,6 +84,7 @@ class Streams:
     others: Mapping[str, Stream] = field(default_factory=dict)
     floor: float = -np.inf
     wrench: Stream | None = None
+    mass: Stream | None = None
 
 
 @final
@@ -99,7 +109,7 @@ class Measured:
         As recorded.
     voltage : ndarray, shape (n,)
         Of the battery, NaN where it is not known. [V]
-    wrench : Stream or None
+    wrench, mass : Stream or None
         As recorded.
 
     """
@@ -113,6 +123,7 @@ class Measured:
     commands: Stream
     voltage: Array
     wrench: Stream | None = None
+    mass: Stream | None = None
 
 
 def noise_of(values: Array) -> float:
@@ -201,6 +212,17 @@ def _readings(grid: Array, others: Mapping[str, Stream]) -> tuple[Array, Array]:
     return out, noise
 
 
+def _bridged(known: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return what is known, and gaps that are short enough to fly through."""
+    out = known.copy()
+    edges = np.flatnonzero(np.diff(np.concatenate([[1], known.astype(np.int8), [1]])))
+    for begin, end in edges.reshape(-1, 2):
+        inside = begin > 0 and end < len(known)
+        if inside and (end - begin) * PERIOD <= BRIDGED:
+            out[begin:end] = True
+    return out
+
+
 def measured(streams: Streams) -> Measured:
     """
     Put a flight on the grid.
@@ -213,8 +235,8 @@ def measured(streams: Streams) -> Measured:
     Returns
     -------
     Measured
-        From the first pose to the last; nothing is usable in the first WARM_UP seconds, in gaps of
-        the tracker, or near the floor.
+        From the first pose to the last; nothing is usable while sensors and motors settle, in
+        longer gaps of the tracker, or near the floor.
 
     """
     pose = Stream(
@@ -232,8 +254,11 @@ def measured(streams: Streams) -> Measured:
     own = np.array([noise_of(column) for column in pose.values.T])
     turning = np.full(3, 2.0 * np.sqrt(np.mean(own[3:7] ** 2) * 4.0 / 3.0))
     levels = np.maximum(np.concatenate([own[:3], turning, noise]), LEAST)
-    usable = np.isfinite(at).all(axis=1) & (grid - grid[0] >= WARM_UP)
-    usable &= at[:, 2] > streams.floor
+    if np.median(own[:3] / LEAST[:3]) < FILTERED:
+        levels[:6] = np.maximum(levels[:6], SMOOTH * LEAST[:6])
+    warm = WARM_UP if any(name in streams.others for name in FILTERS) else SETTLED
+    usable = _bridged(np.isfinite(at).all(axis=1)) & (grid - grid[0] >= warm)
+    usable &= ~(at[:, 2] <= streams.floor)
     voltage = streams.others.get('voltage')
     volts = np.full(count, np.nan) if voltage is None else _at(grid, voltage, 5.0)[:, 0]
     return Measured(
@@ -246,6 +271,7 @@ def measured(streams: Streams) -> Measured:
         streams.commands,
         volts,
         streams.wrench,
+        streams.mass,
     )
 
 

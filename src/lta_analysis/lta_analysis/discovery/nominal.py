@@ -41,6 +41,8 @@ class Rows:
         The flags of its effects.
     acting : mapping of str to Chain
         The measurement effects by channel.
+    gains : ndarray, shape (6,)
+        Of a commanded wrench, axis by axis.
 
     """
 
@@ -49,6 +51,7 @@ class Rows:
     body: Array
     body_on: Flags
     acting: Mapping[str, Chain]
+    gains: Array
 
 
 @final
@@ -69,6 +72,8 @@ class Nominal:
         About the centre of gravity. [kg m2]
     rotors : tuple of (place, axis)
         As in `Model.build`.
+    gains : tuple of 6 float
+        What arrives of a wrench that is commanded as such, axis by axis.
 
     """
 
@@ -78,6 +83,7 @@ class Nominal:
     cg: Array
     inertia: Array
     rotors: tuple[tuple[Array, Array], ...]
+    gains: tuple[float, ...] = (1.0,) * 6
 
     @classmethod
     def of(cls, vehicle: Vehicle) -> Self:
@@ -101,6 +107,30 @@ class Nominal:
         own = {**self.given.get(effect, {}), parameter: value}
         return replace(self, given={**self.given, effect: own})
 
+    def placed(self, place: Array) -> 'Nominal':
+        """
+        Return the vehicle weighed with its moving mass at a place: balance and inertia follow.
+
+        The effect alone moves the mass's weight and leaves out that the CG follows. In a slow
+        spiral the moment of a CG 1 cm off, on its curved path, is as large in yaw as the hull's.
+
+        Parameters
+        ----------
+        place : ndarray, shape (3,)
+            Body frame. [m]
+
+        """
+        own = self.given.get('moving_mass', {})
+        mass = own.get('mass', 0.0)
+        if mass == 0.0:
+            return self
+        rest = np.array([own.get(axis, 0.0) for axis in 'xyz'])
+        cg = self.cg + mass / self.mass * (place - rest)
+        about_hull = self.inertia + self.mass * _square(self.cg)
+        inertia = about_hull + mass * (_square(place) - _square(rest)) - self.mass * _square(cg)
+        there = {**own, **dict(zip('xyz', map(float, place), strict=True))}
+        return replace(self, cg=cg, inertia=inertia, given={**self.given, 'moving_mass': there})
+
     def model(self) -> Model:
         """Return what the kernel takes; `BadInput` where no such vehicle can be."""
         return Model.build(
@@ -121,7 +151,8 @@ class Nominal:
             row[where['body']], row[where['inverse']] = model.body, model.inverse
         a_on = _taken(model, actuators, ACTUATOR_PLACES, ACTUATOR_LAYOUT)
         b_on = _taken(model, body, BODY_PLACES, BODY_LAYOUT)
-        return Rows(actuators, a_on, body, b_on, chains(model.given, EFFECTS))
+        acting = chains(model.given, EFFECTS)
+        return Rows(actuators, a_on, body, b_on, acting, np.array(self.gains))
 
     def rows_beside(self, other: 'Nominal', rows: Rows) -> Rows:
         """
@@ -166,12 +197,19 @@ class Nominal:
             rows.body.copy(),
             rows.body_on.copy(),
             acting,
+            np.array(self.gains),
         )
         for kind in kinds:
             numbers = values_of(kind, self.given[kind.name])
             _put(new.actuators, new.actuators_on, ACTUATOR_PLACES, ACTUATOR_LAYOUT, kind, numbers)
             _put(new.body, new.body_on, BODY_PLACES, BODY_LAYOUT, kind, numbers)
         return new
+
+
+def _square(place: Array) -> Array:
+    """Return the inertia of a unit mass at a place, about the hull centre."""
+    tensor: Array = place @ place * np.eye(3) - np.outer(place, place)
+    return tensor
 
 
 def _put(

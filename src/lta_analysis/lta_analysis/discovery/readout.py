@@ -7,7 +7,7 @@ from lta_analysis.discovery.measured import PERIOD
 from lta_analysis.discovery.sensing import PARTS, Places, readings, vertical_of
 from lta_analysis.discovery.tangent import WIDTH
 from lta_config.constants import STANDARD_GRAVITY
-from lta_sim.measurement import Chain, read
+from lta_sim.measurement import Chain
 from lta_sim.sensors.pressure import EXPONENT, LAPSE, SEA_TEMPERATURE
 import numpy as np
 from numpy.typing import NDArray
@@ -104,9 +104,3 @@ def reading_slopes(
     _of_height(begin, first, places)
     _through(exact, time, acting, first, last)
     return first, last
-
-
-def frame_of(acting: Mapping[str, Chain]) -> Array:
-    """Return the rotation into the tracker's frame."""
-    axes = [read(acting['pose'], (*axis, 0.0, 0.0, 0.0, 1.0), 0.0)[:3] for axis in np.eye(3)]
-    return np.array(axes).T

@@ -1,15 +1,15 @@
 """One measured flight, replayed through the model: everything that a set of parameters decides."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.measured import held_means, Measured, PERIOD, Stream
-from lta_analysis.discovery.nominal import Rows
+from lta_analysis.discovery.nominal import Nominal, Rows
 from lta_analysis.discovery.replay_kernel import actuators, body, BODY_LAYOUT, RIGID
 from lta_analysis.discovery.tangent import NUDGE, WIDTH
 from lta_analysis.discovery.windows import Windows
 from lta_sim.measurement import read
-from lta_sim.state import ACTUATORS, COMMAND, SURROUNDINGS, VOLTAGE
+from lta_sim.state import ACTUATORS, COMMAND, MASS_PLACE, SURROUNDINGS, VOLTAGE
 import numpy as np
 from numpy.typing import NDArray
 
@@ -117,6 +117,7 @@ class Replay:
         self._met = np.zeros((len(orders.time), SURROUNDINGS))
         self._met[:, VOLTAGE] = self._volts(orders.time)
         self._known = self._motion()
+        self._rest = self._resting()
 
     def _volts(self, time: Array) -> Array:
         """Return the voltage, 0 where nobody knows it."""
@@ -135,12 +136,34 @@ class Replay:
             states[:, k] = np.interp(self._steps, self.flight.time[good], values)
         return states
 
+    def _resting(self) -> Array:
+        """Return the command of each step with no rotor turning: where the moving mass is."""
+        commands = np.tile(self._still, (len(self._steps), 1))
+        if self.flight.mass is not None:
+            told = self.flight.mass
+            newest = np.searchsorted(told.time, self._steps + 1e-9, side='right') - 1
+            commands[:, MASS_PLACE:] = told.values[np.maximum(newest, 0)]
+        return commands
+
+    def rows(self, nominal: Nominal) -> Rows:
+        """Return what the compiled replay takes of a vehicle in this flight."""
+        if self.flight.mass is None:
+            return nominal.rows()
+        # About its mean place: where it stands still, as in a glide, nothing is left out.
+        return nominal.placed(self._rest[:, MASS_PLACE:].mean(axis=0)).rows()
+
+    def rows_beside(self, nominal: Nominal, other: Nominal, rows: Rows) -> Rows:
+        """Return `rows` of a vehicle, knowing those of one that differs little."""
+        if self.flight.mass is not None:
+            return self.rows(nominal)  # its balance and inertia are weighed anew
+        return nominal.rows_beside(other, rows)
+
     def _wrench(self, rows: Rows) -> Array:
         """Return the mean commanded wrench in each step, after any delay."""
         told = self.flight.wrench
         if told is None:
             return np.zeros((len(self._steps), AXES))
-        late = Stream(told.time + _delay(rows), told.values)
+        late = Stream(told.time + _delay(rows), told.values * rows.gains)
         return held_means(late, np.append(self._steps, self._steps[-1] + self.dt))
 
     def _forced(self, ready: Ready, latent: Array, which: slice) -> Array:
@@ -170,7 +193,7 @@ class Replay:
 
         """
         if before is None:
-            commands = np.tile(self._still, (len(self._steps), 1))
+            commands = self._rest.copy()
             commands[:, :ACTUATORS] = self.thrusts(rows)
             wrench = self._wrench(rows)
         else:
@@ -186,6 +209,10 @@ class Replay:
                 memory,
             )  # fmt: skip
         return memory
+
+    def gained(self, rows: Rows, before: Ready) -> Ready:
+        """Return what the body meets with other gains of the commanded wrench."""
+        return replace(before, wrench=self._wrench(rows))
 
     def fly(
         self, rows: Rows, ready: Ready, start: Array, latent: Array, which: slice = ALL

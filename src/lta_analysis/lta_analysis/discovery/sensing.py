@@ -80,6 +80,37 @@ def _pose(states: Array, time: Array, acting: Mapping[str, Chain]) -> tuple[Arra
     return position, quaternion
 
 
+def tracker_frame(acting: Mapping[str, Chain]) -> tuple[Array, Array]:
+    """Return the turn from the map into the tracker's frame: matrix and quaternion."""
+    chain = acting['pose']
+    if not chain:
+        return np.eye(3), np.array([0.0, 0.0, 0.0, 1.0])
+    axes = [read(chain, (*axis, 0.0, 0.0, 0.0, 1.0), 0.0)[:3] for axis in np.eye(3)]
+    turn = read(chain, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0), 0.0)[3:]
+    return np.array(axes, dtype=np.float64).T, np.array(turn, dtype=np.float64)
+
+
+def in_map(states: Array, acting: Mapping[str, Chain]) -> Array:
+    """
+    Return states that a tracker told, in the map, where forces are.
+
+    Parameters
+    ----------
+    states : ndarray, shape (..., 13)
+        In the tracker's frame; body velocity and rates are no matter of it.
+    acting : mapping of str to Chain
+        Measurement effects by channel.
+
+    """
+    if not acting['pose']:
+        return states
+    frame, turn = tracker_frame(acting)
+    back = np.broadcast_to(reverse(turn), (*states.shape[:-1], 4))
+    return np.concatenate(
+        [states[..., :3] @ frame, product(back, states[..., 3:7]), states[..., 7:]], axis=-1
+    )
+
+
 def vertical_of(states: Array) -> Array:
     """Return the map's vertical in the body, shape (..., 3)."""
     up = np.broadcast_to(np.array([0.0, 0.0, 1.0]), (*states.shape[:-1], 3))

@@ -1,14 +1,17 @@
 """What a recording has of a flight, out of its channels, for the model to be held against."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Final
 
 from lta_analysis.bag.channels import Channel
 from lta_analysis.discovery.measured import Stream, Streams
+from lta_analysis.discovery.nominal import Nominal
 from lta_config.errors import BadInput
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
+import yaml
 
 Array = NDArray[np.float64]
 
@@ -16,6 +19,9 @@ TRACKERS: Final = ('ground_truth/odom', 'ground_truth/pose', 'pose', 'mocap/pose
 NO_TRACKER: Final = ('odom', 'setpoint', 'light', 'estimate')  # poses that nobody measured
 POSITION: Final = 'position.x'
 COMMAND: Final = 'motors/effort.'
+MASS: Final = tuple(f'motors/position.moving_mass_{axis}' for axis in 'xyz')
+NEWTONS: Final = frozenset({'N', 'mN'})  # units of an import that are no duty
+FAINT: Final = 0.1  # N; rotors with less at full duty
 WRENCH: Final = tuple(
     f'wrench_command/wrench.{kind}.{axis}' for kind in ('force', 'torque') for axis in 'xyz'
 )
@@ -37,6 +43,73 @@ def _joined(channels: Sequence[Channel]) -> Stream:
         )
     _, first = np.unique(time, return_index=True)
     return Stream(time[first], np.column_stack([channel.values for channel in channels])[first])
+
+
+def _wrench(channels: Mapping[str, Channel]) -> Stream | None:
+    """Return the commanded wrench; an axis that nobody commands, or says nothing, is at 0."""
+    known = [channels[name] for name in WRENCH if name in channels]
+    if not known:
+        return None
+    told = _joined(known)
+    table = np.zeros((len(told.time), len(WRENCH)))
+    for column, channel in zip(told.values.T, known, strict=True):
+        table[:, WRENCH.index(channel.name)] = np.nan_to_num(column)
+    return Stream(told.time, table)
+
+
+def _mass(channels: Mapping[str, Channel]) -> Stream | None:
+    """Return where the moving mass is told to be, None where nobody tells."""
+    if not all(name in channels for name in MASS):
+        return None
+    told = _joined([channels[name] for name in MASS])
+    known = np.isfinite(told.values).all(axis=1)
+    return Stream(told.time[known], told.values[known]) if known.any() else None
+
+
+def told_in_newtons(provenance: Mapping[str, str]) -> bool | None:
+    """Tell whether an import has the propellers' efforts in newtons; None where it is not said."""
+    text = provenance.get('mapping_file')
+    mapping = yaml.safe_load(text) if text else None
+    if not isinstance(mapping, dict):
+        return None
+    for topic in mapping.get('topics', ()):
+        if topic.get('topic') == 'motors':
+            efforts = [each.get('effort', {}) for each in topic.get('actuators', {}).values()]
+            return any(each.get('unit') in NEWTONS for each in efforts)
+    return None
+
+
+def in_duties(told: Streams, nominal: Nominal, provenance: Mapping[str, str]) -> Streams:
+    """
+    Return streams whose commands are duties, where a recording has the thrusts themselves.
+
+    Parameters
+    ----------
+    told : Streams
+        As recorded.
+    nominal : Nominal
+        The vehicle, whose thrust curve is turned over.
+    provenance : mapping of str to str
+        Of the recording. Where it does not say, commands that never exceed what faint rotors
+        give in newtons are taken for newtons: as duties they would hardly turn.
+
+    """
+    count = told.commands.values.shape[1]
+    a, b = (
+        np.array([nominal.value('thrust_curve', f'{c}_{i + 1}') for i in range(count)])
+        for c in 'ab'
+    )
+    said = told_in_newtons(provenance)
+    if said is None:
+        most = np.nanmax(np.abs(told.commands.values), axis=0, initial=0.0)
+        said = bool(np.all(a + b < FAINT) and np.all(most <= 1.1 * (a + b)))
+    if not said:
+        return told
+    size = np.abs(told.commands.values)
+    curved = np.where(a == 0.0, 1.0, a)
+    root = (np.sqrt(b * b + 4.0 * curved * size) - b) / (2.0 * curved)
+    duty = np.sign(told.commands.values) * np.where(a == 0.0, size / b, root)
+    return replace(told, commands=Stream(told.commands.time, duty))
 
 
 def tracker(channels: Mapping[str, Channel]) -> str:
@@ -95,12 +168,12 @@ def streams_of(
     known = np.asarray(np.isfinite(told.values).all(axis=1))
     quaternion = np.full((len(told.time), 4), np.nan)
     quaternion[known] = Rotation.from_euler('ZYX', told.values[known, 3:]).as_quat()
-    wrench = _joined([channels[name] for name in WRENCH]) if WRENCH[0] in channels else None
     missing = [name for name in rotors if f'{COMMAND}{name}' not in channels]
+    wrench = _wrench(channels) if missing else None
     if missing and wrench is None:
         raise BadInput(
-            f"The recording has no command of {', '.join(missing)} in 'motors'; "
-            f'the vehicle file has the rotors {", ".join(rotors)}.'
+            f"The recording has no command of {', '.join(missing)} in 'motors', and no "
+            f"'wrench_command'; the vehicle file has the rotors {', '.join(rotors)}."
         )
     if missing:
         commands = Stream(told.time[:1], np.zeros((1, len(rotors))))
@@ -112,4 +185,4 @@ def streams_of(
         if all(name in channels for name in names)
     }
     pose = Stream(told.time, np.column_stack([told.values[:, :3], quaternion]))
-    return Streams(pose, commands, others, floor, wrench)
+    return Streams(pose, commands, others, floor, wrench, _mass(channels))

@@ -142,7 +142,7 @@ def study(
     given, warnings = assigned(tidy)
     warnings += said
     nominal = Nominal.of(vehicle)
-    known = knobs(nominal)
+    known = knobs(nominal, any(flight.wrench is not None for _, _, flight in given))
     tell('making ready', 0.0)
     flown = [Flown(name, role, ready(vehicle, each, known)) for name, role, each in given]
     _enough(flown)

@@ -54,7 +54,7 @@ class _Sets:
 
     def __init__(self, replay: Replay, nominal: Nominal) -> None:
         self._replay, self._nominal = replay, nominal
-        self.rows = [nominal.rows()]
+        self.rows = [replay.rows(nominal)]
         self.ready = [replay.ready(self.rows[0])]
         self.faced = [0]
 
@@ -66,7 +66,7 @@ class _Sets:
 
     def _add(self, knob: Knob, nominal: Nominal) -> int:
         """Add the set of a vehicle with a knob turned."""
-        rows = nominal.rows_beside(self._nominal, self.rows[0])
+        rows = self._replay.rows_beside(nominal, self._nominal, self.rows[0])
         self.faced.append(self._meets(knob, rows))
         self.rows.append(rows)
         return len(self.rows) - 1
@@ -75,8 +75,11 @@ class _Sets:
         """Return which of `ready` a set meets; what the knob does not reach is not run again."""
         if knob.reaches == 'body':
             return 0
-        before = self.ready[0] if knob.reaches == 'memory' else None
-        self.ready.append(self._replay.ready(rows, before))
+        if knob.reaches == 'wrench':
+            self.ready.append(self._replay.gained(rows, self.ready[0]))
+        else:
+            before = self.ready[0] if knob.reaches == 'memory' else None
+            self.ready.append(self._replay.ready(rows, before))
         return len(self.ready) - 1
 
     def turns(self, pairs: Sequence[tuple[int, int, float]]) -> Turns:
@@ -132,9 +135,10 @@ def met(
             continue
         reading.append(k)
         present, step = knob.ready(point.nominal), knob.step_at(value)
-        after = knob.turned(point.nominal, step).rows_beside(point.nominal, base)
+        turned_by = knob.turned(point.nominal, step)
+        after = replay.rows_beside(turned_by, point.nominal, base)
         same = present is point.nominal
-        before = base if same else present.rows_beside(point.nominal, base)
+        before = base if same else replay.rows_beside(present, point.nominal, base)
         turned.append(Turn(before, after, step))
     turns = sets.turns(pairs)
     return Met(base, sets.ready[0], tuple(moving), tuple(reading), turns, tuple(turned))

@@ -9,7 +9,8 @@ SLOW = 1e-3
 
 
 def hull_lift(p, memory, scene, thrusts):
-    v, w = FRD @ scene.airspeed, FRD @ scene.rates
+    place = np.array([p('x'), 0.0, p('z')])
+    v, w = FRD @ (scene.airspeed + np.cross(scene.rates, place)), FRD @ scene.rates
     level = np.array([v[0], 0.0, v[2]])
     flat = np.linalg.norm([*level, SLOW])
     fast = np.linalg.norm([*v, SLOW])
@@ -32,7 +33,8 @@ def hull_lift(p, memory, scene, thrusts):
     force = turn @ (q * np.array([-drag, side, -ends * lift]))
     moment = turn @ (q * np.array([ends * roll, ends * pitch, yaw]))
     moment = moment + wind * (turn @ (mirror * damping)) + (1.0 - wind) * damping
-    return np.concatenate([FRD @ force, FRD @ moment]), NONE
+    push = FRD @ force
+    return np.concatenate([push, FRD @ moment + np.cross(place, push)]), NONE
 
 
 WINGS = {'hull_lift': hull_lift}

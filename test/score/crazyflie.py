@@ -1,0 +1,142 @@
+"""
+What the published Crazyflie flights say of battery sag: `make crazyflie`.
+
+A quadrotor has no righting moment, so a replay without its controller is lost within a second and
+the study's pieces of 6 s say nothing. The force along the body's axis, which the accelerometer
+feels, is held against the thrust curve instead: whether force per curve follows the voltage within
+a flight, with time beside it, and between flights. Seconds. Writes docs/discovery_flights.md.
+"""
+
+import os
+from pathlib import Path
+import sys
+from typing import Final, final, NamedTuple
+import warnings
+
+from lta_analysis.discovery.linear import origin
+from lta_analysis.discovery.linearise import Linearised
+from lta_analysis.discovery.measured import measured, PERIOD, Stream, Streams
+from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.replay import Replay, STEPS
+from lta_analysis.discovery.sensing import Places
+from lta_analysis.discovery.windows import windows
+from lta_config.constants import STANDARD_GRAVITY
+from lta_sim.vehicle import load_vehicle
+import numpy as np
+from numpy.typing import NDArray
+import pandas as pd
+
+Array = NDArray[np.float64]
+BESIDE: Final = Path(__file__).resolve().parents[3] / 'shared' / 'data'
+DATA: Final = Path(os.environ.get('LTA_DATA', BESIDE)) / 'crazyflie_flights'
+PAGE: Final = Path(__file__).resolve().parents[2] / 'docs' / 'discovery_flights.md'
+BEGIN, END = '<!-- crazyflie: begin -->', '<!-- crazyflie: end -->'
+SECOND: Final = 100  # rows; all is averaged over one
+FLYING: Final = 0.3  # m; lower it may stand on the floor
+TURNING: Final = 0.1  # duty of every motor; less is a start or a landing
+HORIZONS: Final = (0.4, 1.0)  # s
+MOTORS: Final = [f'motor_motor_m{i}' for i in (1, 2, 3, 4)]
+POSE: Final = ['px', 'py', 'pz', 'qx', 'qy', 'qz', 'qw']
+
+
+@final
+class Flown(NamedTuple):
+    """A flight by seconds: force by the curve, voltage [V], duty, time [s]."""
+
+    name: str
+    ratio: Array
+    voltage: Array
+    duty: Array
+    time: Array
+
+
+def read(path: Path, mass: float, a: float, b: float) -> Flown:
+    """Return a flight by seconds."""
+    table = pd.read_csv(path)
+    duty = table[MOTORS].to_numpy(dtype=np.float64) / 65535.0
+    voltage = table['pwr_pm_vbat'].to_numpy(dtype=np.float64)
+    force = mass * STANDARD_GRAVITY * table['imu_acc_z'].to_numpy(dtype=np.float64)
+    columns = np.column_stack([force, (a * duty**2 + b * duty).sum(1), voltage, duty.mean(1)])
+    columns[(table['pz'].to_numpy() < FLYING) | (duty.min(axis=1) < TURNING)] = np.nan
+    count = len(columns) // SECOND
+    with warnings.catch_warnings():
+        warnings.simplefilter('ignore', RuntimeWarning)  # seconds on the floor are empty
+        means = np.nanmean(columns[: count * SECOND].reshape(count, SECOND, 4), axis=1)
+    flying = np.isfinite(means).all(axis=1) & (means[:, 1] > 0.05)
+    force, curve, volts, used = means[flying].T
+    name = path.name.removesuffix('.csv.gz')
+    return Flown(name, force / curve, volts, used, np.flatnonzero(flying).astype(np.float64))
+
+
+def exponent(flight: Flown, timed: bool) -> tuple[float, float]:
+    """Return the exponent of the voltage and its deviation, with a drift beside it or without."""
+    columns = [np.ones_like(flight.time), np.log(flight.voltage)]
+    table = np.column_stack([*columns, flight.time] if timed else columns)
+    table[:, 1:] -= table[:, 1:].mean(axis=0)
+    target = np.log(flight.ratio)
+    fit = np.linalg.lstsq(table, target, rcond=None)[0]
+    left = target - table @ fit
+    variance = left @ left / (len(left) - table.shape[1])
+    spread = np.linalg.inv(table.T @ table)[1, 1] * variance
+    return float(fit[1]), float(np.sqrt(spread))
+
+
+def lost(path: Path) -> list[float]:
+    """Return how far a replay without a controller is off at HORIZONS. [m]"""
+    vehicle, table = load_vehicle('multirotor'), pd.read_csv(path)
+    time = table['t'].to_numpy(dtype=np.float64)
+    duty = Stream(time - time[0], np.nan_to_num(table[MOTORS].to_numpy() / 65535.0))
+    pose = Stream(time - time[0], table[POSE].to_numpy(dtype=np.float64))
+    flight = measured(Streams(pose, duty, floor=FLYING))
+    replay = Replay(flight, windows(flight), vehicle.command(()))
+    line = Linearised(replay, [], Places.of(vehicle, 101325.0))
+    with np.errstate(all='ignore'):
+        states = line.trajectory(origin(Nominal.of(vehicle), [], len(replay.first)))[:, ::STEPS]
+    out = []
+    for horizon in HORIZONS:
+        at = round(horizon / PERIOD)
+        off = states[:, at, :3] - flight.position[replay.cut.first + at]
+        out.append(float(np.nanmedian(np.linalg.norm(off, axis=-1))))
+    return out
+
+
+def main() -> None:
+    """Score, print and write."""
+    if not DATA.is_dir():
+        sys.exit(f'There is no {DATA}; set LTA_DATA to the folder that has crazyflie_flights/.')
+    nominal = Nominal.of(load_vehicle('multirotor'))
+    a, b = (nominal.value('thrust_curve', f'{c}_1') for c in 'ab')
+    paths = sorted(DATA.glob('*.csv.gz'))
+    flights = [read(path, nominal.mass, a, b) for path in paths]
+    text = [
+        '| flight | battery [V] | force by the curve | exponent of the voltage |'
+        ' with a drift in time beside it | correlation of voltage and duty |',
+        '|---|---|---|---|---|---|',
+    ]
+    for one in flights:
+        (alone, own), (beside, wide) = exponent(one, timed=False), exponent(one, timed=True)
+        together = np.corrcoef(one.voltage, one.duty)[0, 1]
+        text.append(
+            f'| {one.name} | {one.voltage.max():.2f} to {one.voltage.min():.2f} | '
+            f'{np.mean(one.ratio):.3f} | {alone:.2f} +- {own:.2f} | {beside:.2f} +- {wide:.2f} | '
+            f'{together:.2f} |'
+        )
+    volts = np.log([np.mean(one.voltage) for one in flights])
+    ratios = np.log([np.mean(one.ratio) for one in flights])
+    between = np.polyfit(volts, ratios, 1)[0]
+    off = lost(paths[-1])
+    text += [
+        '',
+        f'Between the {len(flights)} flights the exponent is {between:.2f}. Replayed without its '
+        f'controller, {flights[-1].name} is {off[0]:.2f} m off after {HORIZONS[0]} s and '
+        f'{off[1]:.2f} m after {HORIZONS[1]:.0f} s (medians).',
+    ]
+    sys.stdout.write('\n'.join(text) + '\n')
+    page = PAGE.read_text(encoding='utf-8')
+    head, _, rest = page.partition(BEGIN)
+    tail = rest.partition(END)[2]
+    PAGE.write_text(f'{head}{BEGIN}\n{chr(10).join(text)}\n{END}{tail}', encoding='utf-8')
+
+
+if __name__ == '__main__':
+    main()

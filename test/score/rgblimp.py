@@ -1,0 +1,226 @@
+"""
+Score forecasts of RGBlimp's real flights by inputs that were left out: `make rgblimp`.
+
+Writes the tables of docs/discovery_flights.md between its marks. Minutes of one core.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+import sys
+import time
+from typing import Final
+
+from lta_analysis.discovery.foresight import Foresight
+from lta_analysis.discovery.knobs import knobs
+from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.transfer import left_out, Regime, warning
+from lta_sim.vehicle import load_vehicle
+import numpy as np
+from numpy.typing import NDArray
+from rgblimp_flights import begun, DATA, Flight, flights, regimes, REPEATS
+from rgblimp_forecast import by_coasting, by_model, by_repeats, LIFT, Row, row
+from rgblimp_naming import CANDIDATES, choose, Chosen, FREE, places, REFITTED, spreads, WIDE
+
+Array = NDArray[np.float64]
+FOLDS: Final = 5
+PAGE: Final = Path(__file__).resolve().parents[2] / 'docs' / 'discovery_flights.md'
+TUNE, NAMED, FREELY = (
+    'its tolerances tuned',
+    'named, carrying over',
+    'and all coefficients refitted',
+)
+BEGIN, END = '<!-- rgblimp: begin -->', '<!-- rgblimp: end -->'
+TUNED: Final = (
+    'vehicle.mass', 'vehicle.roll', 'vehicle.pitch', 'vehicle.yaw', 'rotor_1.thrust',
+    'rotor_2.thrust', 'hull_lift.all', 'cg_offset.x', 'cg_offset.y', 'cg_height.z',
+)  # fmt: skip
+
+
+def said(text: str) -> None:
+    """Print progress."""
+    sys.stderr.write(f'{time.process_time():6.0f} s  {text}\n')
+
+
+def folds(count: int) -> list[list[int]]:
+    """Return the flights of each fold: every fifth input."""
+    return [[f for f in range(count) if (f // REPEATS) % FOLDS == k] for k in range(FOLDS)]
+
+
+def named(taught: Foresight, groups: dict[str, list[int]]) -> tuple[list[Chosen], list[str]]:
+    """
+    Return what the first two repeats of each input name, what the others do, and both.
+
+    Names that were given to the command, with commas between, are taken as they are.
+    """
+    every = range(len(taught.flights))
+    if given := ' '.join(sys.argv[1:]):
+        return [], [name.strip() for name in given.split(',')]
+    halves = [
+        [f for f in every if (f % REPEATS < REPEATS // 2) == first] for first in (True, False)
+    ]
+    found = []
+    for half in halves:
+        found.append(choose(taught, half, groups))
+        said(f'named: {", ".join(found[-1].names)}')
+    return found, [name for name in found[0].names if name in found[1].names]
+
+
+def scored(
+    known: list[Flight], taught: Foresight, sight: Foresight, fits: dict[str, tuple]
+) -> list[Row]:
+    """Return the rows of the table; `fits` has (knobs, spreads, fit to all) by name."""
+    count = len(known)
+    errors: dict[str, dict[int, Array]] = {name: {} for name in (*fits, 'authors')}
+    zero = np.zeros(len(taught.knobs))
+    for test in folds(count):
+        train = [f for f in range(count) if f not in set(test)]
+        errors['authors'] |= by_model(sight, zero, test, known)
+        values = zero
+        for name, (which, spread, whole) in fits.items():
+            begin, rounds = taught.without(whole, which, spread, test), 1
+            if name == FREELY:
+                begin, rounds = values, 3  # from what was named without these flights
+            values = taught.fit(which, spread, train, begin, rounds, told=False).values
+            errors[name] |= by_model(sight, values, test, known)
+        said('a fold')
+    times = [begun(flight) for flight in known]
+    sets = {
+        'coast: body velocity and rates kept': (0, [by_coasting(f) for f in known]),
+        "authors' first-principles model": (0, _listed(errors['authors'])),
+        **{name: (len(which), _listed(errors[name])) for name, (which, _, _) in fits.items()},
+        'floor: the other repeats': ('-', [by_repeats(known, f) for f in range(count)]),
+    }
+    return [row(name, str(n), lefts, times) for name, (n, lefts) in sets.items()]
+
+
+def _listed(errors: dict[int, Array]) -> list[Array]:
+    """Return errors in the order of the flights."""
+    return [errors[f] for f in sorted(errors)]
+
+
+def table(rows: Sequence[Row], which: str) -> list[str]:
+    """Return a table of some pieces as Markdown."""
+    out = [
+        '| model | parameters | place 3 / 5 s [m] | ratio | attitude 3 / 5 s [deg] | ratio |'
+        ' medians [m], [deg] |',
+        '|---|---|---|---|---|---|---|',
+    ]
+    base = next(getattr(each, which)[0] for each in rows if each.name.startswith('authors'))
+    for each in rows:
+        mean, median = getattr(each, which)
+        ratio = mean / base
+        turn, middle = np.degrees(mean[2:]), np.degrees(median[2:])
+        out.append(
+            f'| {each.name} | {each.parameters} | {mean[0]:.3f} / {mean[1]:.3f} | '
+            f'{ratio[0]:.2f} / {ratio[1]:.2f} | {turn[0]:.1f} / {turn[1]:.1f} | '
+            f'{ratio[2]:.2f} / {ratio[3]:.2f} | {median[0]:.3f} / {median[1]:.3f}, '
+            f'{middle[0]:.1f} / {middle[1]:.1f} |'
+        )
+    return out
+
+
+def carried(
+    found: list[Chosen], kept: list[str], taught: Foresight, known: list[Flight], fits: dict
+) -> list[str]:
+    """Return what names do to regimes that were left out, as Markdown."""
+    groups = regimes(known)
+    out = [f'Named: {", ".join(kept)}.', '']
+    out += ['| name | by repeats 1, 2 | by repeats 3, 4 |', '|---|---|---|'] if found else []
+    for name in CANDIDATES:
+        worths = [
+            f'{100 * dict(zip(each.names, each.worth, strict=True))[name]:.0f} %'
+            if name in each.names
+            else '-'
+            for each in found
+        ]
+        if any(worth != '-' for worth in worths):
+            out.append(f'| {name} | {worths[0]} | {worths[1]} |')
+    which, _, whole = fits[NAMED]
+    out += ['', *_values(taught, which, whole.values, np.linalg.inv(whole.precision))]
+    told = {
+        name: left_out(taught, whole, which, spread, groups)
+        for name, (which, spread, whole) in fits.items()
+        if name != TUNE
+    }
+    ratios = {one.name: one.ratio for one in told[FREELY]}
+    out += ['', '| regime left out | flights | named | all refitted |', '|---|---|---|---|']
+    out += [
+        f'| {o.name} | {o.flights} | {o.ratio:.2f} | {ratios[o.name]:.2f} |' for o in told[NAMED]
+    ]
+    out += ['', _sentence(kept, told[NAMED], 'Named')]
+    return [*out, '', _sentence(['All refitted'], told[FREELY], 'All refitted')]
+
+
+def _values(
+    taught: Foresight, which: Sequence[int], values: Array, covariance: Array
+) -> list[str]:
+    """Return the values of what was named."""
+    out = ['| knob | unit | change from the vehicle file | deviation |', '|---|---|---|---|']
+    for k, deviation in zip(which, np.sqrt(np.diag(covariance)), strict=True):
+        knob = taught.knobs[k]
+        out.append(f'| {knob.name} | {knob.unit} | {values[k]:.4g} | {deviation:.1g} |')
+    return out
+
+
+def _sentence(names: Sequence[str], found: Sequence[Regime], what: str) -> str:
+    """Return the warning, or that none is due."""
+    better = sum(one.ratio < 1.0 for one in found)
+    fine = f"{what}: better than the authors' model in {better} of {len(found)} regimes left out."
+    return warning(names, found) or fine
+
+
+def main() -> None:
+    """Score, print and write."""
+    if not DATA.is_dir():
+        sys.exit(f'There is no {DATA}; set LTA_DATA to the folder that has rgblimp/.')
+    vehicle = load_vehicle('rgblimp')
+    nominal = Nominal.of(vehicle)
+    turned = knobs(nominal)
+    known = flights(vehicle, turned, nominal.value('thrust_curve', 'b_1'))
+    taught = Foresight(nominal, [flight.taught for flight in known], LIFT)
+    sight = Foresight(nominal, [flight.scored for flight in known], LIFT)
+    said(f'{len(known)} flights, {sum(len(begun(f)) for f in known)} pieces')
+    found, kept = named(taught, regimes(known))
+    fits: dict[str, tuple] = {}
+    begin = np.zeros(len(turned))
+    for name, knob_names, wide, rounds in (
+        (TUNE, TUNED, 0.0, 2),
+        (NAMED, [knob for one in kept for knob in CANDIDATES[one]], WIDE, 3),
+        (FREELY, REFITTED, FREE, 3),
+    ):
+        which = places(turned, knob_names)
+        spread = (
+            spreads(turned, which, wide)
+            if wide
+            else np.array([turned[k].tolerance for k in which])
+        )
+        whole = taught.fit(which, spread, range(len(known)), begin, rounds)
+        fits[name] = which, spread, whole
+        said(f'{name}: {sum(one.cost for one in whole.said):.0f}')
+        begin = whole.values if wide else begin
+    rows = scored(known, taught, sight, fits)
+    text = []
+    for title, which in (
+        ('All pieces', 'whole'),
+        ('Transient: pieces that begin in the first 10 s', 'transient'),
+        ('Steady: later ones', 'steady'),
+    ):
+        text += [f'**{title}**', '', *table(rows, which), '']
+    sys.stdout.write('\n'.join(text) + '\n')
+    sys.stdout.flush()
+    text += carried(found, kept, taught, known, fits)
+    text += ['', f'CPU: {time.process_time():.0f} s.']
+    sys.stdout.write('\n'.join(text) + '\n')
+    write(text)
+
+
+def write(text: Sequence[str]) -> None:
+    """Put the tables between the marks of the page."""
+    page = PAGE.read_text(encoding='utf-8')
+    head, _, rest = page.partition(BEGIN)
+    _, _, tail = rest.partition(END)
+    PAGE.write_text(f'{head}{BEGIN}\n{chr(10).join(text)}\n{END}{tail}', encoding='utf-8')
+
+
+if __name__ == '__main__':
+    main()
