@@ -93,6 +93,24 @@ def test_a_range_in_the_wrong_unit_is_done_without(flights, gtmab):
     assert any('range' in word and 'done without' in word for word in found.warnings)
 
 
+def test_a_range_finder_beyond_its_range_is_left_out_there(flights, gtmab):
+    noise = 0.05 * np.random.default_rng(1).standard_normal(10_000)
+
+    def loud(channel):
+        inside = (channel.time > 12.0) & (channel.time < 16.0)
+        more = np.where(inside, noise[: len(channel.time)], 0.0)
+        return replace(channel, values=channel.values + more)
+
+    found = _believed(flights, gtmab, _changed(flights[0], loud, 'range/range'))
+    flight = found.flights[0][2]
+    inside = (flight.time > 13.0) & (flight.time < 15.0)
+    assert np.isnan(flight.readings[inside, 6]).all()
+    assert flight.usable[inside].all()
+    quiet = (flight.time > 18.0) & (flight.time < 28.0)
+    assert np.isfinite(flight.readings[quiet, 6]).all()
+    assert {cut.channel for cut in found.cuts} == {'range'}
+
+
 def test_gaps_of_the_tracker_are_told(flights, gtmab):
     def gaps(channel):
         return _only(channel, ~((channel.time > 8.0) & (channel.time < 12.0)))
