@@ -31,7 +31,7 @@ Draw = np.random.Generator
 
 ROLES: Final = ('train', 'confirm', 'holdout')
 SECONDS: Final = (60.0, 180.0)  # of a flight
-TRIALS: Final = 2  # flights that size what is outside the library
+TRIALS: Final = 4  # flights that size what is outside the library
 TILT: Final = 0.05  # rad; a flight begins askew by
 
 
@@ -190,7 +190,7 @@ class Drawing:
             happened = self._flown(nominal, {**outside, name: given}, 0)[0]
             other = self._flown(nominal, outside, 0)[0].strange if outside else 0.0
             reached = clear(happened.strange - other)
-            if trial == TRIALS or reached == 0.0:
+            if trial == TRIALS or reached == 0.0 or 0.8 < reached / aim < 1.25:
                 break
             given = {**given, 'size': given['size'] * min(max(aim / reached, 0.05), 20.0)}
         return given, reached

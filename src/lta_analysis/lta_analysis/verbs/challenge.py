@@ -140,4 +140,5 @@ def _show(scored: Scored, console: Console) -> None:
         for line in lines:
             table.add_row(*line)
         console.print(table)
-    console.print(ladder_line(scored.cases), cost_line(scored.cases), soft_wrap=True)
+    words = f'{ladder_line(scored.cases)} {cost_line(scored.cases)}'
+    console.print(words, highlight=False, markup=False, soft_wrap=True)

@@ -102,7 +102,7 @@ def test_figures_are_counted_by_kind_and_strength() -> None:
     assert found['outside the library: unexplained'].met == 'yes'
     assert found['an effect and something outside: named and unexplained'].met == 'yes'
     assert found['held-out error within 1.05 of the oracle'].share[:2] == (15, 16)
-    bands = {low: (exact.hits, exact.count) for low, _, exact, _, _ in by_strength(cases)}
+    bands = {low: (exact.hits, exact.of) for low, _, exact, _, _ in by_strength(cases)}
     assert bands[3.0] == (1, 2)
     assert bands[10.0] == (9, 10)
     assert ladder(cases)['tuned'] == 0.05
