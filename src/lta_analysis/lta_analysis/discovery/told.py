@@ -5,7 +5,7 @@ import math
 from typing import Any, Final
 
 from lta_analysis.discovery.finding import Finding, Gap, NamedEffect, SCHEMA
-from lta_analysis.discovery.trusted import Cut
+from lta_analysis.discovery.loud import Cut
 
 NAME: Final = 'discovery.json'
 WHAT: Final = 'position'  # what the gap as a whole is told of

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import Final, final
 
 from lta_analysis.discovery.bags import one_vehicle, Recorded, Role
+from lta_analysis.discovery.loud import Cut, without_loud
 from lta_analysis.discovery.measured import GAP, Measured, measured, Stream, Streams
 from lta_analysis.discovery.streams import streams_of, tracker
 from lta_analysis.trust import clocks, filtered, stamps
@@ -31,12 +32,6 @@ LEAST: Final = 20.0  # s; of all training flights
 STILL: Final = 0.005  # of the largest command: standard deviation over all training flights
 FULL: Final = 0.98  # of a duty
 LOST: Final = 0.02  # of the poses, worth a word
-LOUD: Final = 3.0  # times the usual noise
-SECOND: Final = 25  # points of the grid
-FEW: Final = 6
-THIRD: Final = 20.0**0.5  # of third differences by that of the values
-HALF: Final = 0.6745  # median of the size of white noise
-CHANNEL: Final = {6: 12, 7: 13}  # of CHANNELS by column of the readings
 LIGHT: Final = 'illuminance/illuminance'
 LATE: Final = ('lag', 'drift')  # figures of a clock that may be an effect
 # Where each sensor stands among the readings of a Measured, by the beginning of its channels.
@@ -48,31 +43,6 @@ SENSORS: Final = {
     'pressure': ('pressure', slice(7, 8)),
     'battery': ('voltage', slice(8, 8)),
 }
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Cut:
-    """
-    What is left out.
-
-    Attributes
-    ----------
-    flight, channel : str
-        Of which flight, and what the check was about; the flight is left out where that is the
-        pose, the commands or the whole, else the sensor alone.
-    from_s, to_s : float
-        Since its start. [s]
-    reason : str
-        A sentence of the check.
-
-    """
-
-    flight: str
-    channel: str
-    from_s: float
-    to_s: float
-    reason: str
 
 
 @final
@@ -221,7 +191,7 @@ def _judged(one: Recorded, told: Streams) -> tuple[Measured, list[Cut], list[str
     told, cuts = _without(told, cuts, pose, whole, one.name)
     warnings += whole
     flight = _cut_out(measured(told), cuts, pose)
-    flight, loud = _quiet(one.name, flight)
+    flight, loud = without_loud(one.name, flight)
     cuts += loud
     return flight, cuts, [*warnings, *_remarks(one.name, flight, told)]
 
@@ -272,27 +242,6 @@ def _cut_out(flight: Measured, cuts: Sequence[Cut], pose: str) -> Measured:
                 readings[inside, columns] = np.nan
                 break
     return replace(flight, usable=usable, readings=readings)
-
-
-def _quiet(name: str, flight: Measured) -> tuple[Measured, list[Cut]]:
-    """Leave out seconds in which a sensor is noisier than usual, as near the end of its range."""
-    readings, cuts = flight.readings.copy(), []
-    for column, channel in ((6, 'range'), (7, 'pressure')):
-        rough = np.full(len(readings), np.nan)
-        rough[:-3] = np.abs(np.diff(readings[:, column], 3)) / THIRD
-        for begin in range(0, len(rough), SECOND):
-            here = slice(begin, begin + SECOND)
-            known = rough[here][np.isfinite(rough[here])]
-            level = flight.noise[CHANNEL[column]]
-            if len(known) >= FEW and np.median(known) < LOUD * HALF * level:
-                continue
-            if not np.isfinite(readings[here, column]).any():
-                continue
-            readings[here, column] = np.nan
-            first, last = (float(flight.time[min(k, len(rough) - 1)]) for k in (begin, here.stop))
-            said = f'It is silent in between, or more than {LOUD:g} times as noisy as usual.'
-            cuts.append(Cut(name, channel, first, last, said))
-    return replace(flight, readings=readings), cuts
 
 
 def _remarks(name: str, flight: Measured, told: Streams) -> list[str]:

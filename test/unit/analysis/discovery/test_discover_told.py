@@ -4,9 +4,9 @@ from dataclasses import replace
 import json
 
 from lta_analysis.discovery.finding import Finding, Gap, Learned, NamedEffect, Place, Rung
+from lta_analysis.discovery.loud import Cut
 from lta_analysis.discovery.terminal import show
 from lta_analysis.discovery.told import horizon, to_dict
-from lta_analysis.discovery.trusted import Cut
 from lta_analysis.discovery.unexplained import Remainder
 import pytest
 from rich.console import Console
