@@ -124,8 +124,8 @@ def carried(
 ) -> list[str]:
     """Return what names do to regimes that were left out, as Markdown."""
     groups = regimes(known)
-    out = [f'Named: {", ".join(kept)}.', '']
-    out += ['| name | by repeats 1, 2 | by repeats 3, 4 |', '|---|---|---|'] if found else []
+    out = [f'Named: {", ".join(kept)}.']
+    out += ['', '| name | by repeats 1, 2 | by repeats 3, 4 |', '|---|---|---|'] if found else []
     for name in CANDIDATES:
         worths = [
             f'{100 * dict(zip(each.names, each.worth, strict=True))[name]:.0f} %'
