@@ -214,7 +214,7 @@ def _readings(grid: Array, others: Mapping[str, Stream]) -> tuple[Array, Array]:
 
 def _bridged(known: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return what is known, and gaps that are short enough to fly through."""
-    out = known.copy()
+    out: NDArray[np.bool_] = known.copy()
     edges = np.flatnonzero(np.diff(np.concatenate([[1], known.astype(np.int8), [1]])))
     for begin, end in edges.reshape(-1, 2):
         inside = begin > 0 and end < len(known)
@@ -257,7 +257,8 @@ def measured(streams: Streams) -> Measured:
     if np.median(own[:3] / LEAST[:3]) < FILTERED:
         levels[:6] = np.maximum(levels[:6], SMOOTH * LEAST[:6])
     warm = WARM_UP if any(name in streams.others for name in FILTERS) else SETTLED
-    usable = _bridged(np.isfinite(at).all(axis=1)) & (grid - grid[0] >= warm)
+    known = np.asarray(np.isfinite(at).all(axis=1))
+    usable = _bridged(known) & (grid - grid[0] >= warm)
     usable &= ~(at[:, 2] <= streams.floor)
     voltage = streams.others.get('voltage')
     volts = np.full(count, np.nan) if voltage is None else _at(grid, voltage, 5.0)[:, 0]

@@ -106,17 +106,17 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
         density, area, drag, drag_alpha2, drag_beta2, side, side_alpha2, side_beta,
         lift, lift_alpha, lift_beta2, roll, roll_alpha, roll_beta,
         pitch, pitch_alpha, pitch_beta4, yaw, yaw_alpha, yaw_beta,
-        roll_rate, pitch_rate, yaw_rate, ahead, above,
+        roll_rate, pitch_rate, yaw_rate, x, z,
     ) = p  # fmt: skip
     turn_p, turn_q, turn_r = motion.rates
-    x = motion.airspeed[0] + turn_q * above
-    y = -(motion.airspeed[1] + turn_r * ahead - turn_p * above)
-    z = -(motion.airspeed[2] - turn_q * ahead)
-    level = x * x + z * z
-    square = level + y * y
+    u = motion.airspeed[0] + turn_q * z
+    v = -(motion.airspeed[1] + turn_r * x - turn_p * z)
+    w = -(motion.airspeed[2] - turn_q * x)
+    level = u * u + w * w
+    square = level + v * v
     flat, scale = math.sqrt(level + SLOW * SLOW), 1.0 / math.sqrt(square + SLOW * SLOW)
-    ca, sa, cb, sb = x / flat, z / flat, flat * scale, y * scale
-    alpha, beta = math.atan2(z, math.sqrt(x * x + SLOW * SLOW)), math.atan2(y, flat)
+    ca, sa, cb, sb = u / flat, w / flat, flat * scale, v * scale
+    alpha, beta = math.atan2(w, math.sqrt(u * u + SLOW * SLOW)), math.atan2(v, flat)
     a2, b2 = alpha * alpha, beta * beta
     along = ca * cb
     t = min(1.0, max(-1.0, 2.0 * along * abs(along)))
@@ -147,9 +147,9 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
         f[0],
         -f[1],
         -f[2],
-        n[0] + d[0] + body * damping[0] + above * f[1],
-        -(n[1] + d[1] + body * damping[1]) + above * f[0] + ahead * f[2],
-        -(n[2] + d[2] + body * damping[2]) - ahead * f[1],
+        n[0] + d[0] + body * damping[0] + z * f[1],
+        -(n[1] + d[1] + body * damping[1]) + z * f[0] + x * f[2],
+        -(n[2] + d[2] + body * damping[2]) - x * f[1],
     )
 
 
