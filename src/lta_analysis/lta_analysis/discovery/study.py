@@ -205,7 +205,7 @@ def _enough(flown: Sequence[Flown]) -> None:
     for one in flown:
         if len(one.flight.replay.first) < FEWEST:
             raise BadInput(
-                f"The flight '{one.name}' has {len(one.flight.replay.first)} usable pieces of 6 s "
+                f"The flight '{one.name}' has {len(one.flight.replay.first)} usable pieces "
                 f"as '{one.role}'; at least {FEWEST} are needed: fly longer, or mend its gaps."
             )
 

@@ -70,6 +70,6 @@ def test_the_gap_of_the_held_out_flight_shrinks_and_coast_is_far_off(studied: St
 
 
 def test_a_flight_without_a_whole_piece_is_refused() -> None:
-    short = measured(flown({}, 7, 9.0))
+    short = measured(flown({}, 7, 4.0))
     with pytest.raises(BadInput, match='fly longer'):
         study(load_vehicle('gtmab'), [('a', 'train', short), ('b', 'confirm', short)])
