@@ -27,14 +27,13 @@ from lta_analysis.discovery.replay import Replay
 from lta_analysis.discovery.sensing import floor_pressure, Places
 from lta_analysis.discovery.sizes import effects, learned
 from lta_analysis.discovery.splitting import assigned, Role, ROLES
-from lta_analysis.discovery.windows import windows
+from lta_analysis.discovery.windows import FEWEST, windows
 from lta_config.errors import BadInput
 from lta_sim.vehicle import Vehicle
 
 Progress = Callable[[str, float], None]
 
 FAR: Final = 3.0  # s; the horizon at which the model has to be better than coast
-LEAST: Final = 2  # pieces that each role has to have
 
 
 @final
@@ -202,10 +201,10 @@ def ready(vehicle: Vehicle, flight: Measured, known: Sequence[Knob]) -> Linearis
 def _enough(flown: Sequence[Flown]) -> None:
     """Refuse flights that are too short to say anything."""
     for one in flown:
-        if len(one.flight.replay.first) < LEAST:
+        if len(one.flight.replay.first) < FEWEST:
             raise BadInput(
                 f"The flight '{one.name}' has {len(one.flight.replay.first)} usable pieces of 6 s "
-                f"as '{one.role}'; at least {LEAST} are needed: fly longer, or mend its gaps."
+                f"as '{one.role}'; at least {FEWEST} are needed: fly longer, or mend its gaps."
             )
 
 
