@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from lta_analysis.bag.channels import all_channels
 from lta_analysis.bag.flight import open_flight
+from lta_analysis.discovery.held_means import held_means
 from lta_analysis.discovery.measured import (
-    held_means,
     measured,
     PERIOD,
     Stream,
