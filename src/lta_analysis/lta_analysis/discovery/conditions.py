@@ -3,7 +3,8 @@
 from collections.abc import Mapping
 from typing import Final, final, NamedTuple
 
-from lta_analysis.discovery.measured import held_means, Measured, PERIOD
+from lta_analysis.discovery.held_means import held_means
+from lta_analysis.discovery.measured import Measured, PERIOD
 from lta_analysis.discovery.turning import matrix
 import numpy as np
 from numpy.typing import NDArray

@@ -147,7 +147,6 @@ class Pieces:
         self._grams, self._constant = eliminated(linear.grams, keep, out, np.diag(precision), mean)
         self._knots = knot_precision()
         self._mean = -linear.point.random[:, WIDTH : WIDTH + AXES * KNOTS]
-        self._logdet = float(np.linalg.slogdet(self._knots)[1])
 
     def narrowed(self, kept: NDArray[np.int64]) -> 'Pieces':
         """Return the flight with only some columns, for what needs no more than to be reduced."""

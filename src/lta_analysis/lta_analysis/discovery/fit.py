@@ -12,14 +12,7 @@ from dataclasses import dataclass, replace
 from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.deviations import weighed
-from lta_analysis.discovery.evidence import (
-    Fitted,
-    fitted,
-    FLOOR,
-    Pieces,
-    Prior,
-    Reduced,
-)
+from lta_analysis.discovery.evidence import Fitted, fitted, FLOOR, Pieces, Prior, Reduced
 from lta_analysis.discovery.group import Group
 from lta_analysis.discovery.knobs import Knob
 from lta_analysis.discovery.linear import Linear, Point

@@ -23,7 +23,6 @@ from lta_analysis.discovery.starts import begun, TRIED
 import numpy as np
 
 Pair = tuple[Joint, Joint]
-Glance = dict[str, tuple[float, tuple[str, ...]]]
 
 QUICK: Final = 5  # of each glance
 REFITTED: Final = 4

@@ -52,9 +52,9 @@ class Outside(NamedTuple):
         """Whether there is anything, whatever was named."""
         return self.verdict(()) == 'unexplained'
 
-    def verdict(self, named: Sequence[str], undecided: Sequence[str] = ()) -> Verdict:
+    def verdict(self, named: Sequence[str]) -> Verdict:
         """Return the verdict; see `verdict_of`."""
-        return verdict_of(named, self.remains, self.rivals, self.lines, undecided)
+        return verdict_of(named, self.remains, self.rivals, self.lines)
 
 
 def outside(pair: Sequence[Sequence[Linearised]], full: Joint, floor: Array) -> Outside:

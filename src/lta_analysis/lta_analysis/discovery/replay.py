@@ -3,8 +3,9 @@
 from dataclasses import dataclass, replace
 from typing import Final, final
 
+from lta_analysis.discovery.held_means import held_means
 from lta_analysis.discovery.knob_sets import Turns
-from lta_analysis.discovery.measured import held_means, Measured, PERIOD, Stream
+from lta_analysis.discovery.measured import Measured, PERIOD, Stream
 from lta_analysis.discovery.nominal import Nominal, Rows
 from lta_analysis.discovery.replay_kernel import actuators, body, BODY_LAYOUT, RIGID
 from lta_analysis.discovery.tangent import NUDGE, WIDTH

@@ -7,12 +7,7 @@ from typing import Final, final
 from lta_analysis.discovery.classes import Kind, kind_of, same_class
 from lta_analysis.discovery.detectable import detectable
 from lta_analysis.discovery.evidence import floor_of
-from lta_analysis.discovery.finding import (
-    Finding,
-    Gap,
-    Rung,
-    Verdict,
-)
+from lta_analysis.discovery.finding import Finding, Gap, Rung, Verdict
 from lta_analysis.discovery.fit import Fit
 from lta_analysis.discovery.held_out import gaps, shown
 from lta_analysis.discovery.knobs import Knob, knobs
@@ -138,14 +133,9 @@ def study(
 
     """
     tell = progress or (lambda what, part: None)
-    tidy, said = _tidied(flights)
-    given, warnings = assigned(tidy)
-    warnings += said
-    nominal = Nominal.of(vehicle)
-    known = knobs(nominal, any(flight.wrench is not None for _, _, flight in given))
     tell('making ready', 0.0)
-    flown = [Flown(name, role, ready(vehicle, each, known)) for name, role, each in given]
-    _enough(flown)
+    nominal = Nominal.of(vehicle)
+    flown, known, warnings = _flown(vehicle, nominal, flights)
     by_role = {role: [f.flight for f in flown if f.role == role] for role in ROLES}
     pair = by_role['train'], by_role['confirm']
     found = Naming(nominal, pair).run(lambda part: tell('naming', 0.05 + 0.6 * part))
@@ -159,9 +149,9 @@ def study(
     if not held_out:
         warnings.append('No flight was held out: the gaps are of flights that confirmed.')
     rest = outside(pair, proven.full, floor_of(nominal))
-    says = verdict(proven, rest, differences, kind_of([each for _, _, each in given]))
+    kind = kind_of([f.flight.replay.flight for f in flown])
     finding = Finding(
-        verdict=says,
+        verdict=verdict(proven, rest, differences, kind),
         effects=effects(nominal, proven, known, rest.more),
         ladder=tuple(_rungs(step) for step in found.steps),
         where=(),
@@ -180,6 +170,18 @@ def study(
     after = learned(nominal, proven, known)
     fits = proven.bare.members, proven.full.members
     return Study(finding, nominal, after, flown, seen, *fits)
+
+
+def _flown(
+    vehicle: Vehicle, nominal: Nominal, flights: Sequence[Role]
+) -> tuple[list[Flown], list[Knob], list[str]]:
+    """Return flights ready to be replayed, what can be turned, and what makes them weaker."""
+    tidy, said = _tidied(flights)
+    given, warnings = assigned(tidy)
+    known = knobs(nominal, any(flight.wrench is not None for _, _, flight in given))
+    flown = [Flown(name, role, ready(vehicle, each, known)) for name, role, each in given]
+    _enough(flown)
+    return flown, known, [*warnings, *said]
 
 
 def _tidied(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:

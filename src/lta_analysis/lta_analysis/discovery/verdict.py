@@ -1,5 +1,5 @@
 """
-What is said at the end: none, named, unexplained, both, or that these flights cannot tell.
+What is said at the end of flights that can tell: none, named, unexplained, or both.
 
 Something is unexplained where an axis of the latent wrench stands clear of the floor, where a
 generic rival still wins, or where what is left over has a line; each becomes a sentence for
@@ -48,10 +48,9 @@ def verdict_of(
     remains: Sequence[Remainder],
     rivals: Sequence[Rival] = (),
     lines: Sequence[Line] = (),
-    undecided: Sequence[str] = (),
 ) -> Verdict:
     """
-    Return the verdict.
+    Return the verdict of flights that can tell (`study.verdict` says whether they can).
 
     Parameters
     ----------
@@ -63,21 +62,17 @@ def verdict_of(
         Generic explanations, with these effects in the model.
     lines : sequence of Line
         Of what is left over.
-    undecided : sequence of str
-        Candidates with evidence that these flights could not confirm or tell apart.
 
     Returns
     -------
     str
-        'none', 'named', 'unexplained', 'named+unexplained' or 'not_identifiable'.
+        'none', 'named', 'unexplained' or 'named+unexplained'.
 
     """
     more = bool(lines) or bool(standing(rivals)) or any(one.floors > CLEAR for one in remains)
     if named:
         return 'named+unexplained' if more else 'named'
-    if more:
-        return 'unexplained'
-    return 'not_identifiable' if undecided else 'none'
+    return 'unexplained' if more else 'none'
 
 
 def remains_with(

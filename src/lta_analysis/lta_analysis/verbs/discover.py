@@ -5,11 +5,13 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
+from lta_analysis.discovery.bags import Role
 from lta_analysis.discovery.demo import demonstrate
+from lta_analysis.discovery.hidden import Hidden
 from lta_analysis.discovery.planning.next_flight import between as plan_between
 from lta_analysis.discovery.planning.next_flight import FILE, Next, SCENE
 from lta_analysis.discovery.progress import DiscoverProgress
-from lta_analysis.discovery.run import Asked
+from lta_analysis.discovery.run import Asked, Discovered
 from lta_analysis.discovery.run import discover as discovered
 from lta_analysis.discovery.terminal import found_words, show
 from lta_analysis.out_option import Out
@@ -84,37 +86,54 @@ def discover(
     Example: lta discover --vehicle gtmab --between linear_drag.surge quadratic_drag.surge
     """
     console = Console(stderr=json)
-    if demo and (train or confirm or holdout or vehicle):
+    bags: dict[Role, list[Path]] = {
+        'train': train or [], 'confirm': confirm or [], 'holdout': holdout or [],
+    }  # fmt: skip
+    _sensible(vehicle, any(bags.values()), demo, between is not None)
+    if out is not None and out.exists():
+        empty_folder(out.absolute())  # refused before the work, not after
+    folder = results_folder(out, 'discover-demo' if demo else 'discover')
+    if between is not None and vehicle is not None:
+        with DiscoverProgress(console) as progress:
+            planned = plan_between(vehicle, *between, scenario, tell=progress.stage)
+        told_plan(planned, vehicle, folder, json, console)
+        return
+    hidden = None
+    with DiscoverProgress(console) as progress:
+        if vehicle is None:
+            hidden, found = demonstrate(seed, folder, progress.stage)
+        else:
+            asked = Asked(vehicle, bags, seed, robot, plan)
+            found = discovered(asked, folder, progress.stage)
+    if json:
+        told_json(found, hidden)
+    else:
+        told(found, hidden, folder, console)
+
+
+def _sensible(vehicle: str | None, bags: bool, demo: bool, between: bool) -> None:
+    """Refuse options that do not go together."""
+    if demo and (bags or vehicle):
         raise BadInput('--demo flies flights of its own; leave the vehicle and the bags out.')
     if not demo and vehicle is None:
         raise BadInput(
             'There is no vehicle file to hold the flights against; name it with --vehicle, or '
             'see how all this goes with --demo.'
         )
-    if between is not None and (train or confirm or holdout or demo):
+    if between and (bags or demo):
         raise BadInput('--between plans without flights; leave the bags out, or take --plan.')
-    if out is not None and out.exists():
-        empty_folder(out.absolute())  # refused before the work, not after
-    folder = results_folder(out, 'discover-demo' if demo else 'discover')
-    hidden = None
-    with DiscoverProgress(console) as progress:
-        if between is not None and vehicle is not None:
-            planned = plan_between(vehicle, *between, scenario, tell=progress.stage)
-        elif vehicle is None:
-            hidden, found = demonstrate(seed, folder, progress.stage)
-        else:
-            bags = {'train': train or [], 'confirm': confirm or [], 'holdout': holdout or []}
-            asked = Asked(vehicle, bags, seed, robot, plan)  # type: ignore[arg-type]
-            found = discovered(asked, folder, progress.stage)
-    if between is not None:
-        told_plan(planned, str(vehicle), folder, json, console)
-        return
-    if json:
-        content = {**found.told, 'page': str(found.page)}
-        if hidden is not None:
-            content['hidden'] = {'name': hidden.name, 'value': hidden.value, 'unit': hidden.unit}
-        sys.stdout.write(json_text.dumps(content, indent=1, ensure_ascii=False) + '\n')
-        return
+
+
+def told_json(found: Discovered, hidden: Hidden | None) -> None:
+    """Print discovery.json with the page, and what a demonstration hid."""
+    content = {**found.told, 'page': str(found.page)}
+    if hidden is not None:
+        content['hidden'] = {'name': hidden.name, 'value': hidden.value, 'unit': hidden.unit}
+    sys.stdout.write(json_text.dumps(content, indent=1, ensure_ascii=False) + '\n')
+
+
+def told(found: Discovered, hidden: Hidden | None, folder: Path, console: Console) -> None:
+    """Print what was found, what a demonstration hid, and what can be done with it."""
     finding = found.study.finding
     show(finding, console)
     if hidden is not None:

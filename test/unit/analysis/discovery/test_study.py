@@ -69,7 +69,7 @@ def test_the_gap_of_the_held_out_flight_shrinks_and_coast_is_far_off(studied: St
     assert far.after == pytest.approx(float(np.linalg.norm(sides)))
 
 
-def test_a_flight_without_a_whole_piece_is_refused() -> None:
-    short = measured(flown({}, 7, 4.0))
+def test_a_flight_too_short_for_two_pieces_is_refused() -> None:
+    short = measured(flown({}, 7, 3.6))  # of which 2 s are warm-up
     with pytest.raises(BadInput, match='fly longer'):
         study(load_vehicle('gtmab'), [('a', 'train', short), ('b', 'confirm', short)])
