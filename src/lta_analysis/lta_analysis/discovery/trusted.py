@@ -283,5 +283,5 @@ def _enough(
             )
             raise BadInput(
                 f'Only {seconds:.0f} s of the flights to {role} can be used, which decides '
-                f'nothing; record more. {" ".join(list(why)[:2])}'.rstrip()
+                f'nothing; record {LEAST:.0f} s or more. {" ".join(list(why)[:2])}'.rstrip()
             )
