@@ -47,14 +47,25 @@ def twins(
         By the name of the later recording of each pair.
 
     """
-    known = [(name, prints(recording)) for name, recording in recordings]
+    known = [(name, prints(recording), drawn(recording)) for name, recording in recordings]
     found: dict[str, list[Finding]] = {}
-    for index, (name, mine) in enumerate(known):
-        for other, theirs in known[:index]:
+    for index, (name, mine, seed) in enumerate(known):
+        for other, theirs, its in known[:index]:
+            if seed and its and seed != its:
+                continue
             twin = compared(theirs, mine, other, limits or Limits())
             if twin is not None:
                 found.setdefault(name, []).append(twin)
     return found
+
+
+def drawn(recording: Recording) -> str:
+    """
+    Return the seed of a simulated flight; '' for any other.
+
+    In still air two flights of one plan are alike but for their noise, and yet are two.
+    """
+    return recording.provenance.get('seed', '') if recording.simulated else ''
 
 
 def prints(recording: Recording) -> dict[str, Array]:
