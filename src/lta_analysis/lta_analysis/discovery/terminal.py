@@ -99,10 +99,11 @@ def gap_lines(finding: Finding) -> Iterator[Text]:
     for one in finding.gaps:
         if one.horizon_s == at and one.channel in WHOLE:
             seen = 'on flights nothing was fitted to' if finding.held_out else 'not held out'
-            low, high = (percent(part) for part in one.shrink_ci95)
+            sign, word = (1.0, 'less') if one.shrink >= 0.0 else (-1.0, 'more')
+            low, high = (percent(part) for part in sorted(sign * end for end in one.shrink_ci95))
             yield Text(
-                f'Off in {one.channel} after {at:g} s, {seen}: {percent(one.shrink)} % less '
-                f'({low} to {high} %)'
+                f'Off in {one.channel} after {at:g} s, {seen}: {percent(sign * one.shrink)} % '
+                f'{word} ({low} to {high} %)'
             )
             yield from _bars(one)
 

@@ -5,7 +5,7 @@ import json
 
 from lta_analysis.discovery.finding import Finding, Gap, Learned, NamedEffect, Place, Rung
 from lta_analysis.discovery.loud import Cut
-from lta_analysis.discovery.terminal import show
+from lta_analysis.discovery.terminal import gap_lines, show
 from lta_analysis.discovery.told import horizon, to_dict
 from lta_analysis.discovery.unexplained import Remainder
 import pytest
@@ -104,3 +104,10 @@ def test_the_terminal_tells_effects_gap_and_where():
                   'speed above 0.3 m/s', 'Unexplained: a hum.', 'A word.'):  # fmt: skip
         assert words in said
     assert said.index('surge  ') < said.index('position x')
+
+
+def test_an_error_that_grew_is_told_as_more():
+    grown = replace(FINDING.gaps[1], shrink=-0.3, shrink_ci95=(-0.6, 0.2))
+    (first, *_) = gap_lines(replace(FINDING, gaps=(grown,)))
+    assert '30 % more (' in str(first)
+    assert ' to 60 %)' in str(first)
