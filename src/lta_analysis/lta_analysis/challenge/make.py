@@ -1,11 +1,9 @@
 """Make a challenge: cases in folders of their own, and the answers sealed beside them."""
 
-from collections.abc import Callable, Iterator
-from concurrent.futures import as_completed, ProcessPoolExecutor
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 import json
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, Final, final
 
@@ -15,10 +13,10 @@ from lta_analysis.challenge.recording import record
 from lta_analysis.challenge.rows import Kind, row
 from lta_analysis.challenge.sealed import NAME as SEALED
 from lta_analysis.challenge.sealed import seal
+from lta_analysis.children import done_by
 from lta_analysis.discovery.knobs import knobs
 from lta_analysis.discovery.nominal import Nominal
-from lta_analysis.results_folder import keep_json
-from lta_bridge.bag.writer import empty_folder
+from lta_analysis.results_folder import all_at_once, can_be_made, keep_json
 from lta_bridge.provenance import commit
 from lta_config.errors import BadInput
 from lta_config.files import find
@@ -82,18 +80,6 @@ def _make_one(order: Order, number: int, folder: Path) -> tuple[int, dict[str, A
     return number, case.answer
 
 
-def _made(order: Order, folder: Path, jobs: int) -> Iterator[tuple[int, dict[str, Any]]]:
-    """Make all cases, in whatever order they are done."""
-    if jobs == 1:
-        for number in range(order.count):
-            yield _make_one(order, number, folder)
-        return
-    with ProcessPoolExecutor(jobs, mp_context=get_context('spawn')) as pool:
-        coming = [pool.submit(_make_one, order, n, folder) for n in range(order.count)]
-        for done in as_completed(coming):
-            yield done.result()
-
-
 def make(
     order: Order, folder: Path, jobs: int = 1, tell: Callable[[int], None] = lambda _: None
 ) -> Path:
@@ -118,12 +104,19 @@ def make(
 
     """
     row(order.row)
-    empty_folder(folder)
+    can_be_made(folder)
+    with all_at_once(folder, NAME) as part:
+        _make(order, part, jobs, tell)
+    return folder / NAME
+
+
+def _make(order: Order, part: Path, jobs: int, tell: Callable[[int], None]) -> None:
+    """Make all of a challenge, in whatever order the cases are done."""
     answers: dict[str, Any] = {}
-    for number, answer in _made(order, folder, jobs):
+    for number, answer in done_by(_make_one, [(order, n, part) for n in range(order.count)], jobs):
         answers[str(number)] = answer
         tell(len(answers))
-    digest = seal(answers, folder / SEALED)
+    digest = seal(answers, part / SEALED)
     about = {
         'schema': SCHEMA,
         'seed': order.seed,
@@ -137,15 +130,15 @@ def make(
         'vehicle_digest': vehicle_digest(VEHICLE),
         'commit': commit(),
     }
-    keep_json(about, folder / NAME)
-    return folder / NAME
+    keep_json(about, part / NAME)
 
 
 def about_of(folder: Path) -> dict[str, Any]:
     """Return what a challenge says of itself; `BadInput` where there is none."""
     try:
         found: dict[str, Any] = json.loads((folder / NAME).read_text(encoding='utf-8'))
-    except (OSError, ValueError):
+        int(found['cases'])
+    except (OSError, ValueError, TypeError, KeyError):
         raise BadInput(
             f"'{folder}' holds no challenge; make one with: lta challenge make --out {folder}"
         ) from None

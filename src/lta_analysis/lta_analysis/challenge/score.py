@@ -1,22 +1,22 @@
 """Score a challenge: put its cases to discovery, open the answers, count."""
 
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import as_completed, ProcessPoolExecutor
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 import json
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, Final, final
 
 from lta_analysis.challenge.digest import registry_digest, vehicle_digest
 from lta_analysis.challenge.judged import Judged, judged
 from lta_analysis.challenge.make import about_of, folder_of
+from lta_analysis.challenge.sealed import digest_of, opened
 from lta_analysis.challenge.sealed import NAME as SEALED
-from lta_analysis.challenge.sealed import opened
 from lta_analysis.challenge.tally import by_strength, Counted, figures, ladder, matrix, middle
 from lta_analysis.challenge.trial import put
+from lta_analysis.children import done_by
 from lta_analysis.results_folder import keep_json
 from lta_bridge.provenance import commit
+from lta_config.errors import BadInput
 
 RESULTS: Final = 'results'
 NAME: Final = 'score.json'
@@ -65,16 +65,15 @@ def _put_one(folder: Path, number: int, now: dict[str, str]) -> int:
     return number
 
 
-def _put(folder: Path, todo: Sequence[int], now: dict[str, str], jobs: int) -> Iterator[int]:
-    """Put cases to discovery, in whatever order they are done."""
-    if jobs == 1:
-        for number in todo:
-            yield _put_one(folder, number, now)
-        return
-    with ProcessPoolExecutor(jobs, mp_context=get_context('spawn')) as pool:
-        coming = [pool.submit(_put_one, folder, number, now) for number in todo]
-        for done in as_completed(coming):
-            yield done.result()
+def _whole(folder: Path, todo: Sequence[int], about: dict[str, Any]) -> None:
+    """Refuse a challenge of which a case to study is gone, or whose answers are others."""
+    if digest_of(folder / SEALED) != about['answers_sha256']:
+        raise BadInput(
+            f"'{folder / SEALED}' was changed after it was sealed; make the challenge again."
+        )
+    for place in (folder / folder_of(number) for number in todo):
+        if not place.is_dir():
+            raise BadInput(f"'{place}' is gone; make the challenge again.")
 
 
 def score(
@@ -100,17 +99,18 @@ def score(
     Raises
     ------
     BadInput
-        If there is no challenge, or its answers were changed.
+        If there is no challenge, a case of it is gone, or its answers were changed.
 
     """
     about, now = about_of(folder), stamp()
     count = min(int(about['cases']), most or int(about['cases']))
     results = folder / RESULTS
-    results.mkdir(exist_ok=True)
     todo = [n for n in range(count) if _kept(results / f'{n:04d}.json', now) is None]
+    _whole(folder, todo, about)
+    results.mkdir(exist_ok=True)
     done = count - len(todo)
     tell(done, count)
-    for _ in _put(folder, todo, now, jobs):
+    for _ in done_by(_put_one, [(folder, number, now) for number in todo], jobs):
         done += 1
         tell(done, count)
     answers = opened(folder / SEALED)

@@ -28,6 +28,12 @@ def seal(answers: Mapping[str, Any], path: Path) -> str:
     return digest
 
 
+def digest_of(path: Path) -> str:
+    """Return the SHA-256 of sealed answers; errors as `opened`."""
+    opened(path)  # which holds the answers against it
+    return path.read_text(encoding='utf-8').splitlines()[1]
+
+
 def opened(path: Path) -> dict[str, Any]:
     """
     Return sealed answers.

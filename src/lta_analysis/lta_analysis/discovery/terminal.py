@@ -5,6 +5,7 @@ import math
 from typing import Final
 
 from lta_analysis.discovery.finding import Finding, Gap, NamedEffect
+from lta_analysis.discovery.page.replayed import NAMES
 from lta_analysis.discovery.page.words import (
     amount,
     figure,
@@ -41,6 +42,8 @@ def show(finding: Finding, console: Console) -> None:
         console.print(line, soft_wrap=True)
     if finding.where:
         console.print(where_table(finding))
+    for said in finding.unexplained:
+        console.print(Text(f'Unexplained: {said}.'), soft_wrap=True)
     if finding.next_flight:
         console.print(Text(finding.next_flight), soft_wrap=True)
     for word in finding.warnings:
@@ -96,10 +99,11 @@ def gap_lines(finding: Finding) -> Iterator[Text]:
     for one in finding.gaps:
         if one.horizon_s == at and one.channel in WHOLE:
             seen = 'on flights nothing was fitted to' if finding.held_out else 'not held out'
-            low, high = (percent(part) for part in one.shrink_ci95)
+            sign, word = (1.0, 'less') if one.shrink >= 0.0 else (-1.0, 'more')
+            low, high = (percent(part) for part in sorted(sign * end for end in one.shrink_ci95))
             yield Text(
-                f'Off in {one.channel} after {at:g} s, {seen}: {percent(one.shrink)} % less '
-                f'({low} to {high} %)'
+                f'Off in {one.channel} after {at:g} s, {seen}: {percent(sign * one.shrink)} % '
+                f'{word} ({low} to {high} %)'
             )
             yield from _bars(one)
 
@@ -125,7 +129,7 @@ def where_table(finding: Finding) -> Table:
     others = [place for place in finding.where if place.channel not in AXES]
     for place in [*forces, *others][:MOST]:
         table.add_row(
-            place.channel, place.flight, f'{place.from_s:.0f} s', f'{place.to_s:.0f} s',
-            place.condition, f'{place.ratio_to_noise:.1f}',
+            NAMES.get(place.channel, place.channel), place.flight, f'{place.from_s:.0f} s',
+            f'{place.to_s:.0f} s', place.condition, f'{place.ratio_to_noise:.1f}',
         )  # fmt: skip
     return table

@@ -131,11 +131,17 @@ def _streams(one: Recorded, vehicle: Vehicle) -> Streams:
         height = channels[f'{tracker(channels)}position.z'].values
         floor = vehicle.standing_height + NEAR_FLOOR
         # A tracker that counts heights from elsewhere says nothing of the floor.
-        near = floor if np.nanmedian(height) > floor else -np.inf
+        high = np.median(height[np.isfinite(height)]) if np.isfinite(height).any() else 0.0
+        near = floor if high > floor else -np.inf
         recorded = streams_of(channels, vehicle.rotor_names, near)
         told = in_duties(recorded, Nominal.of(vehicle), one.recording.provenance)
     except BadInput as fault:
         raise BadInput(f'{one.name}: {fault}') from None
+    if not np.isfinite(told.pose.values).all(axis=1).any():
+        raise BadInput(
+            f'{one.name}: no pose is whole, all have a NaN or a quaternion of length 0; record '
+            'it again.'
+        )
     apart = np.diff(told.pose.time)
     if len(apart) < 2 or np.median(apart) > GAP:
         rate = 1.0 / float(np.median(apart)) if len(apart) else 0.0
@@ -291,5 +297,5 @@ def _enough(
             )
             raise BadInput(
                 f'Only {seconds:.0f} s of the flights to {role} can be used, which decides '
-                f'nothing; record more. {" ".join(list(why)[:2])}'.rstrip()
+                f'nothing; record {LEAST:.0f} s or more. {" ".join(list(why)[:2])}'.rstrip()
             )

@@ -5,14 +5,12 @@ from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
 import math
-from multiprocessing import get_context, parent_process
-from multiprocessing.connection import wait
+from multiprocessing import get_context
 import os
-import signal
-from threading import Thread
 from types import TracebackType
 from typing import final, NamedTuple, Self
 
+from lta_analysis.children import begin
 from lta_analysis.tune.cut import Cut
 from lta_analysis.tune.exam import Case, fly, Scene, STEPS
 from lta_analysis.tune.linear import linearised
@@ -51,19 +49,6 @@ def examine(task: Task) -> Report:
         return BROKEN
 
 
-def _begin() -> None:
-    """Leave Ctrl-C to whoever gives the work, and end when that process does."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    giver = parent_process()
-    if giver is not None:
-        Thread(target=_end_with, args=(giver.sentinel,), daemon=True).start()
-
-
-def _end_with(sentinel: int) -> None:
-    wait([sentinel])
-    os._exit(1)
-
-
 @final
 class Crew:
     """
@@ -79,7 +64,7 @@ class Crew:
     def __init__(self, size: int) -> None:
         for name in ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS'):
             os.environ.setdefault(name, '1')
-        self._pool = ProcessPoolExecutor(size, get_context('spawn'), _begin) if size > 1 else None
+        self._pool = ProcessPoolExecutor(size, get_context('spawn'), begin) if size > 1 else None
 
     def fly(self, tasks: Sequence[Task]) -> list[Report]:
         """Return the reports in the order of the tasks."""

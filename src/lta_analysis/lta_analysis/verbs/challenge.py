@@ -2,7 +2,7 @@
 
 from pathlib import Path
 import sys
-from typing import Annotated
+from typing import Annotated, Final
 
 from lta_analysis.bar import Bar
 from lta_analysis.challenge.make import make as make_challenge
@@ -33,6 +33,7 @@ import typer
 challenge = typer.Typer(
     help='Hide effects in flights, and score what is found in them.', no_args_is_help=True
 )
+SHORTEST: Final = 30.0  # s; the beginning and what is lost of it cannot be used
 Jobs = Annotated[
     int | None, typer.Option(help='Processes; as many as processors by default.', min=1)
 ]
@@ -76,8 +77,8 @@ def make(
     Example: lta challenge make --seed 1 --n 20 --out hidden
     """
     console = Console()
-    if not 20.0 <= seconds[0] <= seconds[1] <= 600.0:
-        raise BadInput('Flights are 20 to 600 s long; give the shorter length first.')
+    if not SHORTEST <= seconds[0] <= seconds[1] <= 600.0:
+        raise BadInput(f'Flights are {SHORTEST:g} to 600 s long; give the shorter length first.')
     order = Order(seed, n, row, None if kind is None else kind_of(kind), seconds)
     place = results_folder(out, f'challenge-{seed}')
     with _bar(console, 'flying', n) as bar:

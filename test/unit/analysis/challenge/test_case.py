@@ -1,6 +1,7 @@
 """Cases are drawn from seed and number alone, and their answers stay out of sight."""
 
 from pathlib import Path
+import shutil
 
 from lta_analysis.bag.flight import open_flight
 from lta_analysis.challenge.case import Case, clear, Drawing
@@ -9,6 +10,7 @@ from lta_analysis.challenge.hiding import candidates, CLEAR
 from lta_analysis.challenge.make import folder_of, known, make, Order
 from lta_analysis.challenge.outside import OUTSIDE, STRANGE, STRUCTURED
 from lta_analysis.challenge.rows import Kind, KINDS, row, ROWS
+from lta_analysis.challenge.score import score
 from lta_analysis.challenge.sealed import NAME, opened, seal
 from lta_analysis.challenge.vessel import composed
 from lta_config.errors import BadInput
@@ -120,3 +122,24 @@ def test_answers_that_were_changed_are_refused(tmp_path: Path) -> None:
     path.write_text('something else\n')
     with pytest.raises(BadInput, match='no sealed answers'):
         opened(path)
+
+
+def test_a_challenge_of_which_something_is_gone_is_not_scored(tmp_path: Path) -> None:
+    folder = tmp_path / 'hidden'
+    make(Order(5, 1, 'base', 'clean', SHORT), folder)
+    assert sorted(one.name for one in folder.iterdir()) == [NAME, 'case_0000', 'challenge.json']
+    shutil.rmtree(folder / 'case_0000')
+    with pytest.raises(BadInput, match='is gone'):
+        score(folder)
+    seal({'0': {'hidden': []}}, folder / NAME)
+    with pytest.raises(BadInput, match='changed after it was sealed'):
+        score(folder)
+
+
+def test_a_challenge_that_is_stopped_leaves_nothing(tmp_path: Path) -> None:
+    def stop(_: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        make(Order(5, 2, 'base', 'clean', SHORT), tmp_path / 'hidden', 1, stop)
+    assert list(tmp_path.iterdir()) == []

@@ -5,7 +5,7 @@ import json
 
 from lta_analysis.discovery.finding import Finding, Gap, Learned, NamedEffect, Place, Rung
 from lta_analysis.discovery.loud import Cut
-from lta_analysis.discovery.terminal import show
+from lta_analysis.discovery.terminal import gap_lines, show
 from lta_analysis.discovery.told import horizon, to_dict
 from lta_analysis.discovery.unexplained import Remainder
 import pytest
@@ -53,6 +53,7 @@ def test_the_keys_are_those_that_programs_rely_on():
     told = to_dict(FINDING, [Cut('A', 'imu', 3.0, 4.0, 'Stuck.')])
     assert {'verdict', 'effects', 'where', 'gap', 'warnings', 'seed', 'versions'} <= set(told)
     assert told['verdict'] == 'named+unexplained'
+    assert told['unexplained'] == []
     (effect,) = told['effects']
     assert effect['name'] == 'motor_lag'
     assert effect['confusable_with'] == ['command_delay.delay']
@@ -97,9 +98,16 @@ def test_a_study_without_gaps_has_the_same_keys():
 def test_the_terminal_tells_effects_gap_and_where():
     console = Console(width=110, record=True, file=None, quiet=False)
     with console.capture() as heard:
-        show(FINDING, console)
+        show(replace(FINDING, unexplained=('a hum',)), console)
     said = heard.get()
     for words in ('motor_lag', '0.110 to 0.130', 'command_delay.delay', '50 % less (20 to 40 %)',
-                  'speed above 0.3 m/s', 'A word.'):  # fmt: skip
+                  'speed above 0.3 m/s', 'Unexplained: a hum.', 'A word.'):  # fmt: skip
         assert words in said
-    assert said.index('surge  ') < said.index('x  ')
+    assert said.index('surge  ') < said.index('position x')
+
+
+def test_an_error_that_grew_is_told_as_more():
+    grown = replace(FINDING.gaps[1], shrink=-0.3, shrink_ci95=(-0.6, 0.2))
+    (first, *_) = gap_lines(replace(FINDING, gaps=(grown,)))
+    assert '30 % more (' in str(first)
+    assert ' to 60 %)' in str(first)
