@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from pathlib import Path
 import sys
 import time
-from typing import Final
+from typing import Final, final, NamedTuple
 
-from lta_analysis.discovery.foresight import Foresight
+from lta_analysis.discovery.foresight import Fitted, Foresight
 from lta_analysis.discovery.knobs import knobs
 from lta_analysis.discovery.nominal import Nominal
 from lta_analysis.discovery.transfer import left_out, Regime, warning
@@ -19,16 +19,31 @@ import numpy as np
 from numpy.typing import NDArray
 from rgblimp_flights import begun, DATA, Flight, flights, regimes, REPEATS
 from rgblimp_forecast import by_coasting, by_model, by_repeats, LIFT, Row, row
-from rgblimp_naming import CANDIDATES, choose, Chosen, FREE, places, REFITTED, spreads, WIDE
+from rgblimp_naming import (
+    CANDIDATES,
+    choose,
+    Chosen,
+    EVERY,
+    FREE,
+    loosely,
+    places,
+    REFITTED,
+    spreads,
+    WIDE,
+)
 
 Array = NDArray[np.float64]
 FOLDS: Final = 5
 PAGE: Final = Path(__file__).resolve().parents[2] / 'docs' / 'discovery_flights.md'
-TUNE, NAMED, FREELY = (
+TUNE, NAMED, FREELY, ALL = (
     'its tolerances tuned',
     'named, carrying over',
     'and all coefficients refitted',
+    'and everything else',
 )
+EVEN: Final = 1.7  # how much more a place counts than an attitude, where all is fitted
+ROUNDS: Final = 14  # of the fit of everything
+AGAIN: Final = 3  # of each fold's, from a step that takes out what its inputs said
 BEGIN, END = '<!-- rgblimp: begin -->', '<!-- rgblimp: end -->'
 TUNED: Final = (
     'vehicle.mass', 'vehicle.roll', 'vehicle.pitch', 'vehicle.yaw', 'rotor_1.thrust',
@@ -65,29 +80,34 @@ def named(taught: Foresight, groups: dict[str, list[int]]) -> tuple[list[Chosen]
     return found, [name for name in found[0].names if name in found[1].names]
 
 
-def scored(
-    known: list[Flight], taught: Foresight, sight: Foresight, fits: dict[str, tuple]
-) -> list[Row]:
-    """Return the rows of the table; `fits` has (knobs, spreads, fit to all) by name."""
+@final
+class Fit(NamedTuple):
+    """Knobs, how far they may be off, and what was fitted to all flights by which forecasts."""
+
+    taught: Foresight
+    which: list[int]
+    spread: Array
+    whole: Fitted
+
+
+def scored(known: list[Flight], sight: Foresight, fits: dict[str, Fit]) -> list[Row]:
+    """Return the rows of the table; a fit to all flights never scores itself."""
     count = len(known)
     errors: dict[str, dict[int, Array]] = {name: {} for name in (*fits, 'authors')}
-    zero = np.zeros(len(taught.knobs))
     for test in folds(count):
         train = [f for f in range(count) if f not in set(test)]
-        errors['authors'] |= by_model(sight, zero, test, known)
-        values = zero
-        for name, (which, spread, whole) in fits.items():
-            begin, rounds = taught.without(whole, which, spread, test), 1
-            if name == FREELY:
-                begin, rounds = values, 4  # from what was named without these flights
-            values = taught.fit(which, spread, train, begin, rounds, told=False).values
+        errors['authors'] |= by_model(sight, np.zeros(len(sight.knobs)), test, known)
+        for name, (taught, which, spread, whole) in fits.items():
+            values = taught.without(whole, which, spread, test)
+            if name == ALL:
+                values = taught.fit(which, spread, train, values, AGAIN, told=False).values
             errors[name] |= by_model(sight, values, test, known)
         said('a fold')
     times = [begun(flight) for flight in known]
     sets = {
         'coast: body velocity and rates kept': (0, [by_coasting(f) for f in known]),
         "authors' first-principles model": (0, _listed(errors['authors'])),
-        **{name: (len(which), _listed(errors[name])) for name, (which, _, _) in fits.items()},
+        **{name: (len(fit.which), _listed(errors[name])) for name, fit in fits.items()},
         'floor: the other repeats': ('-', [by_repeats(known, f) for f in range(count)]),
     }
     return [row(name, str(n), lefts, times) for name, (n, lefts) in sets.items()]
@@ -120,7 +140,7 @@ def table(rows: Sequence[Row], which: str) -> list[str]:
 
 
 def carried(
-    found: list[Chosen], kept: list[str], taught: Foresight, known: list[Flight], fits: dict
+    found: list[Chosen], kept: list[str], known: list[Flight], fits: dict[str, Fit]
 ) -> list[str]:
     """Return what names do to regimes that were left out, as Markdown."""
     groups = regimes(known)
@@ -135,20 +155,20 @@ def carried(
         ]
         if any(worth != '-' for worth in worths):
             out.append(f'| {name} | {worths[0]} | {worths[1]} |')
-    which, _, whole = fits[NAMED]
+    taught, which, _, whole = fits[NAMED]
     out += ['', *_values(taught, which, whole.values, np.linalg.inv(whole.precision))]
     told = {
-        name: left_out(taught, whole, which, spread, groups)
-        for name, (which, spread, whole) in fits.items()
-        if name != TUNE
+        name: left_out(fit.taught, fit.whole, fit.which, fit.spread, groups)
+        for name, fit in fits.items()
+        if name in (NAMED, ALL)
     }
-    ratios = {one.name: one.ratio for one in told[FREELY]}
-    out += ['', '| regime left out | flights | named | all refitted |', '|---|---|---|---|']
+    ratios = {one.name: one.ratio for one in told[ALL]}
+    out += ['', '| regime left out | flights | named | everything |', '|---|---|---|---|']
     out += [
         f'| {o.name} | {o.flights} | {o.ratio:.2f} | {ratios[o.name]:.2f} |' for o in told[NAMED]
     ]
     out += ['', _sentence(kept, told[NAMED], 'Named')]
-    return [*out, '', _sentence(['All refitted'], told[FREELY], 'All refitted')]
+    return [*out, '', _sentence(['Everything'], told[ALL], 'Everything')]
 
 
 def _values(
@@ -169,6 +189,31 @@ def _sentence(names: Sequence[str], found: Sequence[Regime], what: str) -> str:
     return warning(names, found) or fine
 
 
+def fitted(
+    nominal: Nominal, known: list[Flight], taught: Foresight, kept: list[str]
+) -> dict[str, Fit]:
+    """Return what is fitted to all flights, each from where the one before it ended."""
+    even = Foresight(nominal, [flight.taught for flight in known], LIFT, EVEN)
+    turned = taught.knobs
+    named_knobs = [knob for one in kept for knob in CANDIDATES[one]]
+    tuned, called, refitted, every = (
+        places(turned, names) for names in (TUNED, named_knobs, REFITTED, EVERY)
+    )
+    out: dict[str, Fit] = {}
+    begin = np.zeros(len(turned))
+    for name, by, which, spread, rounds in (
+        (TUNE, taught, tuned, np.array([turned[k].tolerance for k in tuned]), 2),
+        (NAMED, taught, called, spreads(turned, called, WIDE), 3),
+        (FREELY, taught, refitted, spreads(turned, refitted, FREE), 4),
+        (ALL, even, every, loosely(turned, every), ROUNDS),
+    ):
+        whole = by.fit(which, spread, range(len(known)), begin, rounds)
+        out[name] = Fit(by, which, spread, whole)
+        said(f'{name}: {sum(one.cost for one in whole.said):.0f}')
+        begin = begin if name == TUNE else whole.values
+    return out
+
+
 def main() -> None:
     """Score, print and write."""
     if not DATA.is_dir():
@@ -181,24 +226,8 @@ def main() -> None:
     sight = Foresight(nominal, [flight.scored for flight in known], LIFT)
     said(f'{len(known)} flights, {sum(len(begun(f)) for f in known)} pieces')
     found, kept = named(taught, regimes(known))
-    fits: dict[str, tuple] = {}
-    begin = np.zeros(len(turned))
-    for name, knob_names, wide, rounds in (
-        (TUNE, TUNED, 0.0, 2),
-        (NAMED, [knob for one in kept for knob in CANDIDATES[one]], WIDE, 3),
-        (FREELY, REFITTED, FREE, 3),
-    ):
-        which = places(turned, knob_names)
-        spread = (
-            spreads(turned, which, wide)
-            if wide
-            else np.array([turned[k].tolerance for k in which])
-        )
-        whole = taught.fit(which, spread, range(len(known)), begin, rounds)
-        fits[name] = which, spread, whole
-        said(f'{name}: {sum(one.cost for one in whole.said):.0f}')
-        begin = whole.values if wide else begin
-    rows = scored(known, taught, sight, fits)
+    fits = fitted(nominal, known, taught, kept)
+    rows = scored(known, sight, fits)
     text = []
     for title, which in (
         ('All pieces', 'whole'),
@@ -208,7 +237,7 @@ def main() -> None:
         text += [f'**{title}**', '', *table(rows, which), '']
     sys.stdout.write('\n'.join(text) + '\n')
     sys.stdout.flush()
-    text += carried(found, kept, taught, known, fits)
+    text += carried(found, kept, known, fits)
     text += ['', f'CPU: {time.process_time():.0f} s.']
     sys.stdout.write('\n'.join(text) + '\n')
     write(text)

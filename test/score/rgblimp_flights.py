@@ -53,11 +53,15 @@ def streams(table: Array, full_thrust: float) -> Streams:
 
 
 def state_before(flight: Measured, index: int) -> Array:
-    """Return the state at a point from a parabola through the poses of the half second before."""
+    """
+    Return the state at a point from a cubic through the poses of the half second before.
+
+    Nothing of what comes later is used, as the files are: smoothed already, both ways.
+    """
     some = slice(index - round(LEAD / PERIOD), index + 1)
     offset, middle = flight.time[some] - flight.time[index], flight.quaternion[index]
     turn = logarithm(product(reverse(middle), flight.quaternion[some]))
-    powers = np.vander(offset / LEAD, 3, increasing=True)
+    powers = np.vander(offset / LEAD, 4, increasing=True)
     fit = np.linalg.lstsq(powers, np.hstack([flight.position[some], turn]), rcond=None)[0]
     here = product(middle, exponential(fit[0, 3:]))
     velocity = rotated(reverse(here), fit[1, :3] / LEAD)

@@ -84,14 +84,17 @@ def by_repeats(known: list[Flight], f: int) -> Array:
         back = reverse(_heading(quaternion[start]))[:, None]
         way = position[at] - position[start][:, None]
         ways.append(rotated(np.repeat(back, len(AT), 1), way))
-        turns.append(logarithm(product(reverse(quaternion[start])[:, None], quaternion[at])))
+        turns.append(product(reverse(quaternion[start])[:, None], quaternion[at]))
         weights.append(1.0 / (0.1 + apart[np.arange(len(first)), start]))
     share = (np.array(weights) / np.sum(weights, axis=0))[..., None, None]
-    way, turn = np.sum(share * np.array(ways), axis=0), np.sum(share * np.array(turns), axis=0)
+    way = np.sum(share * np.array(ways), axis=0)
+    # About one of them: half a turn to the left and half a turn to the right is not straight on.
+    apart_by = [logarithm(product(reverse(turns[0]), each)) for each in turns]
+    turn = product(turns[0], exponential(np.sum(share * np.array(apart_by), axis=0)))
     here = this.measured.quaternion[first]
     head = np.repeat(_heading(here)[:, None], len(AT), 1)
     position = this.measured.position[first][:, None] + rotated(head, way)
-    return _off(this, position, product(here[:, None], exponential(turn)))
+    return _off(this, position, product(here[:, None], turn))
 
 
 def _alike(flight: Flight) -> Array:

@@ -54,8 +54,21 @@ REFITTED: Final = tuple(
     if 'rotor' not in name and name not in LEFT
 )
 ALL: Final = tuple(knob for group in CANDIDATES.values() for knob in group)
+# What is fitted to forecasts alone, without a claim to a name.
+EVERY: Final = (
+    *ALL, 'vehicle.roll', 'vehicle.pitch', 'vehicle.yaw', 'moving_mass.x', 'moving_mass.z',
+    'rotational_drag.roll', 'rotational_drag.pitch', 'rotational_drag.yaw',
+    'linear_drag.surge', 'linear_drag.sway', 'linear_drag.heave',
+)  # fmt: skip
+# How far those may be off that have no typical size, or one of another hall than a still one.
+LOOSE: Final[Mapping[str, float]] = {
+    'rotor_1.thrust': 0.3, 'rotor_2.thrust': 0.3,
+    'vehicle.roll': 0.3, 'vehicle.pitch': 0.3, 'vehicle.yaw': 0.3,
+    'steady_wind': 0.2, 'wind_gradient': 0.2, 'tracker_misalignment': 0.03,
+}  # fmt: skip
 WIDE: Final = 3.0  # typical sizes; of what is named
 FREE: Final = 4.0  # typical sizes; of coefficients that are refitted without a name
+LOOSELY: Final = 30.0  # typical sizes; of everything that is fitted to forecasts alone
 WORTH: Final = 0.015  # of the squared error of the vehicle file in regimes left out
 WORST: Final = -0.12  # of that of a regime; one that promises any regime worse is not taken
 MOST: Final = 6
@@ -79,6 +92,18 @@ def places(knobs: Sequence[Knob], names: Sequence[str]) -> list[int]:
 def spreads(knobs: Sequence[Knob], which: Sequence[int], wide: float) -> Array:
     """Return how far knobs may be off."""
     return np.array([max(wide * knobs[k].typical, 2.0 * knobs[k].tolerance) for k in which])
+
+
+def loosely(knobs: Sequence[Knob], which: Sequence[int]) -> Array:
+    """Return how far knobs may be off that are fitted to forecasts alone."""
+    usual = spreads(knobs, which, LOOSELY)
+    names = [knobs[k].name for k in which]
+    return np.array(
+        [
+            LOOSE.get(name, LOOSE.get(name.partition('.')[0], one))
+            for name, one in zip(names, usual, strict=True)
+        ]
+    )
 
 
 def choose(

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Final, final
 
 from lta_analysis.discovery.ahead import Ahead, ahead
+from lta_analysis.discovery.damped import bounded, next_damping, START, TRIES
 from lta_analysis.discovery.fit import turned
 from lta_analysis.discovery.knobs import Knob
 from lta_analysis.discovery.linear import Point, SENSORS
@@ -26,7 +27,8 @@ Array = NDArray[np.float64]
 PLACE: Final = 2.0  # how much more a place counts than an attitude
 ALIKE: Final = 0.1  # of the readings that say something new: horizons of a piece go together
 ROUNDS: Final = 4
-DAMPED: Final = (0.0, 0.03, 0.3, 3.0)  # of the information; more where a step makes it worse
+ROBUST: Final = 4.5  # usual sizes; a larger error at a horizon counts by its size, not its square
+SETTLED: Final = 1e-3  # of the cost; a step that gains less is the last
 
 
 @final
@@ -44,7 +46,7 @@ class Said:
     own : tuple of float, float, ndarray
         Information of the lift, its pull, and its products with the columns.
     cost : float
-        What is left over, squared.
+        What is left over, squared; beyond `ROBUST` by its size.
 
     """
 
@@ -93,16 +95,24 @@ class Foresight:
         In pieces longer than the last horizon, with the same knobs.
     lift : float
         Standard deviation of a flight's lift. [N]
+    place : float
+        How much more a place counts than an attitude.
 
     """
 
-    def __init__(self, nominal: Nominal, flights: Sequence[Linearised], lift: float) -> None:
+    def __init__(
+        self,
+        nominal: Nominal,
+        flights: Sequence[Linearised],
+        lift: float,
+        place: float = PLACE,
+    ) -> None:
         self.nominal, self.flights, self.lift = nominal, flights, lift
         self.knobs: list[Knob] = flights[0].knobs
         self._lift = next(k for k, knob in enumerate(self.knobs) if knob.name == 'net_lift.force')
         zero = np.zeros(len(self.knobs))
         first = [ahead(one, self.point(zero, 0.0, one)).left for one in flights]
-        self.weights = _weights(np.concatenate(first))
+        self.weights = _weights(np.concatenate(first), place)
         self._known = [int(np.isfinite(left).sum()) for left in first]
 
     def point(self, values: Array, lift: float, flight: Linearised) -> Point:
@@ -141,7 +151,7 @@ class Foresight:
         begin : ndarray, shape (G,), optional
             Where to begin; the vehicle file by default.
         rounds : int
-            Steps of Gauss-Newton, each damped until it helps.
+            Steps of Levenberg and Marquardt at most, each damped until it helps.
         told : bool
             Whether to say at the end what the flights say there; else what they said one step
             before.
@@ -150,15 +160,20 @@ class Foresight:
         picked = np.asarray(which, dtype=np.int64)
         values = np.zeros(len(self.knobs)) if begin is None else begin.copy()
         lifts = np.zeros(len(self.flights))
-        wall = np.diag(spread**-2.0)
+        wall, damping = np.diag(spread**-2.0), START
         for _ in range(rounds):
             said = {f: self._said(values, lifts, f, picked) for f in flights}
             inner = wall + np.sum([one.products for one in said.values()], axis=0)
             right = np.sum([one.pull for one in said.values()], axis=0) - wall @ values[picked]
             before = sum(one.cost for one in said.values()) + _strain(values[picked], spread)
-            values, lifts = self._stepped(
-                values, lifts, picked, spread, (inner, right), said, before
+            found = self._stepped(
+                values, lifts, picked, spread, (inner, right), said, (before, damping)
             )
+            if found is None:
+                break
+            values, lifts, after, damping = found
+            if before - after < SETTLED * before:
+                break
         if told or not rounds:
             said = {f: self._said(values, lifts, f, picked) for f in flights}
         return Fitted(
@@ -179,10 +194,15 @@ class Foresight:
         inner = inner - np.sum([one.products for one in gone], axis=0)
         # Where all of them rest, what these pulled is what the others pull the other way.
         right = -np.sum([one.pull for one in gone], axis=0)
-        low = np.array([self.knobs[k].low for k in picked])
-        high = np.array([self.knobs[k].high for k in picked])
-        out[picked] = np.clip(out[picked] + np.linalg.solve(inner, right), low, high)
+        out[picked] = bounded(inner, right, out[picked], *self._bounds(picked))
         return out
+
+    def _bounds(self, picked: NDArray[np.int64]) -> tuple[Array, Array]:
+        """Return the least and the most of some knobs."""
+        low, high = (
+            np.array([getattr(self.knobs[k], side) for k in picked]) for side in ('low', 'high')
+        )
+        return low, high
 
     def size(self, values: Array, flights: Sequence[int]) -> float:
         """Return the root mean square of the errors ahead, each flight's lift fitted to it."""
@@ -205,26 +225,27 @@ class Foresight:
         spread: Array,
         normal: tuple[Array, Array],
         said: dict[int, Said],
-        before: float,
-    ) -> tuple[Array, Array]:
-        """Return the next point: the first step, ever more damped, that makes it better."""
+        began: tuple[float, float],
+    ) -> tuple[Array, Array, float, float] | None:
+        """Return a better point, its cost and the damping that led there, eased; None without."""
         inner, right = normal
-        low = np.array([self.knobs[k].low for k in picked])
-        high = np.array([self.knobs[k].high for k in picked])
-        for damping in DAMPED:
+        before, damping = began
+        for _ in range(TRIES):
             there, own = values.copy(), lifts.copy()
-            step = np.linalg.solve(inner + damping * np.diag(np.diag(inner)), right)
-            there[picked] = np.clip(values[picked] + step, low, high)
+            stiff = inner + damping * np.diag(np.diag(inner))
+            there[picked] = bounded(stiff, right, values[picked], *self._bounds(picked))
             for f, one in said.items():
                 information, pull, across = one.own
                 own[f] += (pull - across @ (there - values)[picked]) / information
             try:
                 cost = sum(self._cost(there, own, f) for f in said)
             except BadInput:
-                continue
-            if cost + _strain(there[picked], spread) < before:
-                return there, own
-        return values, lifts
+                cost = np.inf
+            cost += _strain(there[picked], spread)
+            if cost < before:
+                return there, own, cost, next_damping(damping, True)
+            damping = next_damping(damping, False)
+        return None
 
     def _cost(self, values: Array, lifts: Array, f: int) -> float:
         """Return what is left over of a flight, squared."""
@@ -233,14 +254,17 @@ class Foresight:
             left = ahead(flight, self.point(values, float(lifts[f]), flight)).left
         if np.isfinite(left).sum() < self._known[f]:
             return np.inf  # it ran away
-        return float(ALIKE * np.nansum((left * self.weights) ** 2) + (lifts[f] / self.lift) ** 2)
+        cost, _ = _counted(left * self.weights)
+        return ALIKE * cost + float(lifts[f] / self.lift) ** 2
 
     def _said(self, values: Array, lifts: Array, f: int, picked: NDArray[np.int64]) -> Said:
         """Return what a flight says about a point."""
         seen = self.errors(values, f, picked.tolist(), float(lifts[f]))
         good = np.isfinite(seen.left)
-        left = np.where(good, seen.left * self.weights, 0.0).ravel()
-        table = seen.columns * self.weights[..., None] * good[..., None]
+        cost, share = _counted(seen.left * self.weights)
+        weights = self.weights * np.sqrt(share)[..., None]
+        left = np.where(good, seen.left * weights, 0.0).ravel()
+        table = seen.columns * weights[..., None] * good[..., None]
         table = table.reshape(len(left), -1)
         a, b = table[:, :-1], table[:, -1]
         information = ALIKE * float(b @ b) + self.lift**-2.0
@@ -250,16 +274,24 @@ class Foresight:
             ALIKE * (a.T @ a) - np.outer(across, across) / information,
             ALIKE * (a.T @ left) - across * (pull / information),
             (information, pull, across),
-            float(ALIKE * (left @ left) + (lifts[f] / self.lift) ** 2),
+            ALIKE * cost + float(lifts[f] / self.lift) ** 2,
         )
 
 
-def _weights(left: Array) -> Array:
+def _counted(left: Array) -> tuple[float, Array]:
+    """Return what errors cost (Huber 1964), shape (S, H, 6), and the share of each that pulls."""
+    size = np.sqrt(np.nansum(left**2, axis=-1) / left.shape[-1])
+    share = ROBUST / np.maximum(size, ROBUST)
+    cost = np.where(size > ROBUST, 2.0 * ROBUST * size - ROBUST**2, size**2)
+    return left.shape[-1] * float(cost.sum()), share
+
+
+def _weights(left: Array, more: float) -> Array:
     """Return one over the usual size of errors, shape (H, 6), from (n, H, 6)."""
     size = np.sqrt(np.nanmean(left**2, axis=0))
     place = np.sqrt(np.mean(size[:, :3] ** 2, axis=1, keepdims=True))
     turn = np.sqrt(np.mean(size[:, 3:] ** 2, axis=1, keepdims=True))
-    return np.hstack([np.repeat(PLACE / place, 3, axis=1), np.repeat(1.0 / turn, 3, axis=1)])
+    return np.hstack([np.repeat(more / place, 3, axis=1), np.repeat(1.0 / turn, 3, axis=1)])
 
 
 def _strain(values: Array, spread: Array) -> float:

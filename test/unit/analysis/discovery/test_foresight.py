@@ -1,6 +1,7 @@
 """Forecasts as what knobs are fitted to, and what carries over to a regime left out."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 from lta_analysis.discovery.ahead import ahead
 from lta_analysis.discovery.foresight import Foresight
@@ -49,6 +50,36 @@ def test_what_a_model_lacks_is_fitted(lacking: tuple[Foresight, int, float]) -> 
     found = sight.fit([k], np.array([3.0 * off]), [0, 1], rounds=3)
     assert found.values[k] == pytest.approx(off, rel=0.1)
     assert sight.size(found.values, [0]) < 0.9 * sight.size(np.zeros(len(sight.knobs)), [0])
+
+
+def test_a_fit_from_far_off_never_gets_worse(lacking: tuple[Foresight, int, float]) -> None:
+    """Begun at five times what is lacking; each round ends where the last did, or lower."""
+    sight, k, off = lacking
+    begin = np.zeros(len(sight.knobs))
+    begin[k] = 5.0 * off
+    spread = np.array([10.0 * off])
+    costs = []
+    for rounds in range(4):
+        found = sight.fit([k], spread, [0, 1], begin, rounds)
+        costs.append(sum(one.cost for one in found.said) + (found.values[k] / spread[0]) ** 2)
+    assert all(later <= before + 1e-9 for before, later in pairwise(costs))
+    assert costs[-1] < 0.3 * costs[0]
+
+
+def test_large_errors_count_by_their_size(lacking: tuple[Foresight, int, float]) -> None:
+    """Twice as far off costs four times as much while it is usual, and twice beyond."""
+    sight, k, _ = lacking
+    usual = sight.weights
+    costs = []
+    try:
+        for times in (1e-3, 2e-3, 1e4, 2e4):
+            sight.weights = times * usual
+            said = sight.fit([k], np.ones(1), [0], rounds=0).said
+            costs.append(said[0].cost)
+    finally:
+        sight.weights = usual
+    assert costs[1] / costs[0] == pytest.approx(4.0, rel=1e-6)
+    assert costs[3] / costs[2] == pytest.approx(2.0, rel=1e-2)
 
 
 def test_a_true_effect_carries_over(lacking: tuple[Foresight, int, float]) -> None:
