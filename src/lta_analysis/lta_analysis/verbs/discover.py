@@ -15,7 +15,7 @@ from lta_analysis.discovery.run import Asked, Discovered
 from lta_analysis.discovery.run import discover as discovered
 from lta_analysis.discovery.terminal import found_words, show
 from lta_analysis.out_option import Out
-from lta_analysis.results_folder import page_line, results_folder
+from lta_analysis.results_folder import can_be_made, page_line, results_folder
 from lta_analysis.typed import near, typed
 from lta_config.errors import BadInput
 from rich.console import Console
