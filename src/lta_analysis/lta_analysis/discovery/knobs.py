@@ -208,7 +208,9 @@ def _of_effect(nominal: Nominal, effect: str) -> Iterator[Knob]:
             continue
         now = begun.get(known.name, nominal.value(effect, known.name))
         least, most = SIGNS.get(name, (-math.inf, math.inf))
-        low, high = max(min(known.low, known.null), least) - now, min(known.high, most) - now
+        # Between the null value and the lower bound nothing is: what is there stays there.
+        lowest = known.low if now >= known.low else min(known.low, known.null)
+        low, high = max(lowest, least) - now, min(known.high, most) - now
         moves = {(effect, one): 1.0 for one in group}
         if effect == 'quadratic_drag' and 'cross_flow' in nominal.given:
             moves['cross_flow', known.name] = 1.0  # one coefficient, which both work with
