@@ -14,6 +14,7 @@ from typing import Annotated, Any, Final, final
 
 from lta_config.errors import BadInput
 import typer
+from typer.core import TyperGroup
 
 STOPPED = 130  # the shell's own status after Ctrl-C, and Typer's
 EPILOG: Final = (
@@ -70,8 +71,8 @@ VERBS: Final[dict[str, Verb | Group]] = {
     'vehicle': Verb('vehicle', 'vehicle'),
     'bag': BAG,
     'compare': Verb('compare', 'compare'),
-    'challenge': Verb('challenge', 'challenge'),
     'discover': Verb('discover', 'discover', several=('--train', '--confirm', '--holdout')),
+    'challenge': Verb('challenge', 'challenge'),
     'import': Verb('import_', 'import_'),
     'report': Verb('report', 'report'),
     'effects': Verb('effects', 'effects'),
@@ -79,10 +80,20 @@ VERBS: Final[dict[str, Verb | Group]] = {
 }
 
 
+class InOrder(TyperGroup):
+    """Verbs in the order of `VERBS`; Typer puts those with words behind them last."""
+
+    def list_commands(self, ctx: object) -> list[str]:
+        """Return their names."""
+        del ctx
+        return [name for name in VERBS if name in self.commands]
+
+
 def put_together(words: Sequence[str]) -> typer.Typer:
     """Return the command with the verb that some words ask for, or with all where none is."""
     app = typer.Typer(
         name='lta',
+        cls=InOrder,
         epilog=EPILOG,
         no_args_is_help=True,
         add_completion=False,

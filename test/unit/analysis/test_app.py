@@ -51,6 +51,8 @@ def test_every_verb_of_the_registry_is_there(call):
     assert status == 0
     shown = {line.split()[1] for line in said.out.splitlines() if line.startswith('│ ')}
     assert set(app.VERBS) <= shown
+    first = [line[2:].split(' ')[0] for line in said.out.splitlines() if line.startswith('│ ')]
+    assert [name for name in first if name in app.VERBS] == list(app.VERBS)
     for name, verb in app.VERBS.items():
         inner = verb.verbs if isinstance(verb, app.Group) else {}
         for word in inner:

@@ -333,6 +333,16 @@ def test_one_run_again_is_found_and_two_runs_are_not(bench, clean):
     assert "'a'" in twin.evidence
 
 
+def test_two_flights_of_one_plan_in_still_air_are_two(bench, clean):
+    seeds = [
+        replace(clean[0], provenance={'data': 'simulated', 'seed': seed})
+        for seed in ('1', '2', '2')
+    ]
+    found = twins(list(zip('abc', seeds, strict=True)))
+    assert {name: len(twin) for name, twin in found.items()} == {'c': 1}
+    assert "'b'" in found['c'][0].evidence
+
+
 def test_real_flights_are_clean_and_rgblimp_is_told_to_be_filtered(bench):
     flights, _ = bench
     if not flights.rgblimp_files():

@@ -1,6 +1,7 @@
 """The demonstration: something is hidden, flown, found, added and shown."""
 
 from pathlib import Path
+import shutil
 from typing import Final
 
 from lta_analysis.discovery.bags import Role
@@ -29,8 +30,12 @@ def demonstrate(seed: int, folder: Path, tell: Tell) -> tuple[Hidden, Discovered
 
     """
     hidden, bags = drawn(seed), {}
-    for k, (name, role) in enumerate(FLIGHTS):
-        tell(f'flying {name} with something hidden', None)
-        place = folder / 'flights' / name
-        bags[role] = [fly_hidden(hidden, APART * seed + k, SECONDS, place)]
-    return hidden, discover(Asked(VEHICLE, bags, seed), folder, tell)
+    try:
+        for k, (name, role) in enumerate(FLIGHTS):
+            tell(f'flying {name} with something hidden', None)
+            place = folder / 'flights' / name
+            bags[role] = [fly_hidden(hidden, APART * seed + k, SECONDS, place)]
+        return hidden, discover(Asked(VEHICLE, bags, seed), folder, tell)
+    except BaseException:
+        shutil.rmtree(folder)  # flights of a demonstration that nobody saw through
+        raise

@@ -129,7 +129,9 @@ def _weighed(nominal: Nominal, what: str, factor: float) -> Nominal:
     """Return the vehicle with its mass, trim kept, or one axis of its inertia scaled."""
     if what == 'mass':
         more = nominal.mass * (factor - 1.0)
-        return replace(nominal, mass=nominal.mass + more, displaced=nominal.displaced + more)
+        # What is heavier than air has no trim to keep.
+        lifted = nominal.displaced + more if nominal.displaced > 0.0 else 0.0
+        return replace(nominal, mass=nominal.mass + more, displaced=lifted)
     inertia, axis = nominal.inertia.copy(), ('roll', 'pitch', 'yaw').index(what)
     inertia[axis, :] *= math.sqrt(factor)
     inertia[:, axis] *= math.sqrt(factor)

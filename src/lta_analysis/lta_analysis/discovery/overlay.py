@@ -54,11 +54,12 @@ def write_overlay(shown: Sequence[Shown], folder: Path, origin: Mapping[str, str
     """
     bag = folder / NAME
     qos = [offered_qos('reliable', 'volatile', 10)]
-    rows = [row for one in shown for row in _rows(one)]
+    words = topic_words([one.flown.name for one in shown])
+    rows = [row for one, word in zip(shown, words, strict=True) for row in _rows(one, f'/{word}')]
     with BagWriter(bag, origin) as writer:
-        for one in shown:
+        for word in words:
             for name, kind in KINDS.items():
-                writer.add_topic(f'/{topic_word(one.flown.name)}/{name}', kind, qos)
+                writer.add_topic(f'/{word}/{name}', kind, qos)
         for time_ns, topic, message in sorted(rows, key=lambda row: row[:2]):
             writer.write(topic, serialise(message), time_ns)
     # One file is all that a viewer takes; the folder around it says nothing more.
@@ -75,6 +76,18 @@ def topic_word(name: str) -> str:
     return word if word[:1].isalpha() else f'flight_{word}'
 
 
+def topic_words(names: Sequence[str]) -> list[str]:
+    """Return the names of flights as parts of topics' names, no two alike."""
+    out: list[str] = []
+    for name in names:
+        word, count = topic_word(name), 1
+        while word in out:
+            count += 1
+            word = f'{topic_word(name)}_{count}'
+        out.append(word)
+    return out
+
+
 def predicted(flight: Linearised, point: Point) -> Array:
     """Return what a tracker would see of a model, and its motion, shape (S, n, 13)."""
     still = Point(point.nominal, point.values, np.zeros_like(point.random))
@@ -83,9 +96,9 @@ def predicted(flight: Linearised, point: Point) -> Array:
     return np.concatenate([seen.position, seen.quaternion, states[:, :-1, 7:13]], axis=-1)
 
 
-def _rows(one: Shown) -> list[Row]:
+def _rows(one: Shown, place: str) -> list[Row]:
     """Return the messages of one flight with their times and topics."""
-    flight, place = one.flown.flight, f'/{topic_word(one.flown.name)}'
+    flight = one.flown.flight
     measured = flight.replay.flight
     known = np.isfinite(measured.position).all(axis=1)
     rows: list[Row] = []

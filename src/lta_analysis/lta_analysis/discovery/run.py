@@ -9,14 +9,16 @@ from lta_analysis.discovery.bags import read_bags, Role
 from lta_analysis.discovery.learned_file import learned_text
 from lta_analysis.discovery.linear import origin
 from lta_analysis.discovery.overlay import write_overlay
-from lta_analysis.discovery.page.page import write_page
+from lta_analysis.discovery.page.page import NAME as PAGE
+from lta_analysis.discovery.page.page import page
 from lta_analysis.discovery.places import places, Seen
 from lta_analysis.discovery.planning.next_flight import doubted, hint, Next, of_study
 from lta_analysis.discovery.regimes import interpolation
 from lta_analysis.discovery.study import Study, study
 from lta_analysis.discovery.told import NAME, to_dict
 from lta_analysis.discovery.trusted import Believed, believed
-from lta_analysis.results_folder import keep_json
+from lta_analysis.report.frame import written as kept
+from lta_analysis.results_folder import all_at_once, keep_json
 from lta_bridge.bag.storage import StorageFault
 from lta_bridge.provenance import here
 from lta_config.errors import BadInput
@@ -104,9 +106,16 @@ def discover(asked: Asked, folder: Path, tell: Tell) -> Discovered:
     next_one = of_study(found, asked.vehicle, tell) if asked.plan else Next(hint(found))
     finding = replace(found.finding, next_flight=next_one.text)
     tell('writing what was found', None)
-    out = written(asked, vehicle, replace(found, finding=finding), sound, folder)
-    next_one.write(folder)
-    return out
+    try:
+        with all_at_once(folder, NAME) as part:
+            next_one.write(part)
+            return written(asked, vehicle, replace(found, finding=finding), sound, folder, part)
+    except OSError as error:
+        raise BadInput(
+            f"'{folder}' cannot be written ({error.strerror}); choose another folder with --out."
+        ) from error
+    except StorageFault as fault:
+        raise BadInput(str(fault)) from None
 
 
 def studied(asked: Asked, vehicle: Vehicle, sound: Believed, tell: Tell) -> Study:
@@ -135,24 +144,17 @@ def _seen(found: Study, sound: Believed) -> list[Seen]:
 
 
 def written(
-    asked: Asked, vehicle: Vehicle, found: Study, sound: Believed, folder: Path
+    asked: Asked, vehicle: Vehicle, found: Study, sound: Believed, folder: Path, part: Path
 ) -> Discovered:
-    """Write the results of a study."""
+    """Write the results of a study into `part`, whence they go into their folder."""
     finding = found.finding
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        if finding.effects:
-            text = find('vehicle', asked.vehicle).read_text(encoding='utf-8')
-            learned = learned_text(text, vehicle, found.nominal, found.learned, finding)
-            (folder / VEHICLE).write_text(learned, encoding='utf-8')
-        write_overlay(found.shown, folder, finding.versions)
-    except OSError as error:
-        raise BadInput(
-            f"'{folder}' cannot be written ({error.strerror}); choose another folder with --out."
-        ) from error
-    except StorageFault as fault:
-        raise BadInput(str(fault)) from None
+    if finding.effects:
+        text = find('vehicle', asked.vehicle).read_text(encoding='utf-8')
+        learned = learned_text(text, vehicle, found.nominal, found.learned, finding)
+        (part / VEHICLE).write_text(learned, encoding='utf-8')
+    write_overlay(found.shown, part, finding.versions)
     told = to_dict(finding, sound.cuts)
-    keep_json(told, folder / NAME)
+    keep_json(told, part / NAME)
     bags: dict[str, Sequence[Path | str]] = {role: list(asked.bags[role]) for role in asked.bags}
-    return Discovered(found, told, write_page(found, folder, bags))
+    kept(page(found, folder, bags), part / PAGE)
+    return Discovered(found, told, folder / PAGE)

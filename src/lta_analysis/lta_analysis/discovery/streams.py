@@ -175,7 +175,8 @@ def streams_of(
     if missing and wrench is None:
         raise BadInput(
             f"The recording has no command of {', '.join(missing)} in 'motors', and no "
-            f"'wrench_command'; the vehicle file has the rotors {', '.join(rotors)}."
+            f"'wrench_command'; the vehicle file has the rotors {', '.join(rotors)}. Name the "
+            'vehicle that flew with --vehicle, and its rotors as its file does.'
         )
     if missing:
         commands = Stream(told.time[:1], np.zeros((1, len(rotors))))

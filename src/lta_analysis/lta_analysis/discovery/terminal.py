@@ -5,6 +5,7 @@ import math
 from typing import Final
 
 from lta_analysis.discovery.finding import Finding, Gap, NamedEffect
+from lta_analysis.discovery.page.replayed import NAMES
 from lta_analysis.discovery.page.words import (
     amount,
     figure,
@@ -41,6 +42,8 @@ def show(finding: Finding, console: Console) -> None:
         console.print(line, soft_wrap=True)
     if finding.where:
         console.print(where_table(finding))
+    for said in finding.unexplained:
+        console.print(Text(f'Unexplained: {said}.'), soft_wrap=True)
     if finding.next_flight:
         console.print(Text(finding.next_flight), soft_wrap=True)
     for word in finding.warnings:
@@ -125,7 +128,7 @@ def where_table(finding: Finding) -> Table:
     others = [place for place in finding.where if place.channel not in AXES]
     for place in [*forces, *others][:MOST]:
         table.add_row(
-            place.channel, place.flight, f'{place.from_s:.0f} s', f'{place.to_s:.0f} s',
-            place.condition, f'{place.ratio_to_noise:.1f}',
+            NAMES.get(place.channel, place.channel), place.flight, f'{place.from_s:.0f} s',
+            f'{place.to_s:.0f} s', place.condition, f'{place.ratio_to_noise:.1f}',
         )  # fmt: skip
     return table

@@ -33,6 +33,7 @@ def to_dict(finding: Finding, cuts: Sequence[Cut] = ()) -> dict[str, Any]:
         'gap': gap(finding),
         'gaps': [_gap(each) for each in finding.gaps],
         'remains': [remainder._asdict() for remainder in finding.remains],
+        'unexplained': list(finding.unexplained),
         'detectable': [each._asdict() for each in finding.detectable],
         'ladder': [[rung._asdict() for rung in stage] for stage in finding.ladder],
         'warnings': list(finding.warnings),

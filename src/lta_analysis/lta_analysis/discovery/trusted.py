@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, final
 
-from lta_analysis.discovery.bags import one_vehicle, Recorded, Role
+from lta_analysis.discovery.bags import no_copies, one_vehicle, Recorded, Role
 from lta_analysis.discovery.loud import Cut, without_loud
 from lta_analysis.discovery.measured import GAP, Measured, measured, Stream, Streams
 from lta_analysis.discovery.nominal import Nominal
@@ -21,7 +21,6 @@ from lta_analysis.discovery.windows import FEWEST, windows
 from lta_analysis.trust import clocks, filtered, stamps
 from lta_analysis.trust.finding import Finding
 from lta_analysis.trust.registry import checked
-from lta_analysis.trust.twins import twins
 from lta_config.errors import BadInput
 from lta_sim.vehicle import Vehicle
 import numpy as np
@@ -91,7 +90,7 @@ def believed(flights: Sequence[Recorded], vehicle: Vehicle) -> Believed:
 
     """
     warnings = one_vehicle(flights, vehicle.file)
-    _no_copies(flights)
+    no_copies(flights)
     if made := [one.name for one in flights if one.recording.simulated]:
         verb = 'is' if len(made) == 1 else 'are'
         warnings.append(
@@ -131,11 +130,17 @@ def _streams(one: Recorded, vehicle: Vehicle) -> Streams:
         height = channels[f'{tracker(channels)}position.z'].values
         floor = vehicle.standing_height + NEAR_FLOOR
         # A tracker that counts heights from elsewhere says nothing of the floor.
-        near = floor if np.nanmedian(height) > floor else -np.inf
+        high = np.median(height[np.isfinite(height)]) if np.isfinite(height).any() else 0.0
+        near = floor if high > floor else -np.inf
         recorded = streams_of(channels, vehicle.rotor_names, near)
         told = in_duties(recorded, Nominal.of(vehicle), one.recording.provenance)
     except BadInput as fault:
         raise BadInput(f'{one.name}: {fault}') from None
+    if not np.isfinite(told.pose.values).all(axis=1).any():
+        raise BadInput(
+            f'{one.name}: no pose is whole, all have a NaN or a quaternion of length 0; record '
+            'it again.'
+        )
     apart = np.diff(told.pose.time)
     if len(apart) < 2 or np.median(apart) > GAP:
         rate = 1.0 / float(np.median(apart)) if len(apart) else 0.0
@@ -145,16 +150,6 @@ def _streams(one: Recorded, vehicle: Vehicle) -> Streams:
         )
     known = np.isfinite(told.commands.values).all(axis=1)
     return replace(told, commands=Stream(told.commands.time[known], told.commands.values[known]))
-
-
-def _no_copies(flights: Sequence[Recorded]) -> None:
-    """Refuse a run that is there twice, however it was trimmed or written."""
-    again = twins([(one.name, one.recording) for one in flights]) if len(flights) > 1 else {}
-    for name, found in again.items():
-        raise BadInput(
-            f'{name}: {found[0].evidence} A flight that is there twice confirms nothing; leave '
-            'one of them out.'
-        )
 
 
 def _moving(training: Sequence[Streams]) -> None:
@@ -291,5 +286,5 @@ def _enough(
             )
             raise BadInput(
                 f'Only {seconds:.0f} s of the flights to {role} can be used, which decides '
-                f'nothing; record more. {" ".join(list(why)[:2])}'.rstrip()
+                f'nothing; record {LEAST:.0f} s or more. {" ".join(list(why)[:2])}'.rstrip()
             )

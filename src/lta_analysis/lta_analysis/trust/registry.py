@@ -63,6 +63,7 @@ class Report:
         return any(finding.grave for finding in self.findings)
 
 
+@np.errstate(over='ignore', invalid='ignore', divide='ignore')  # of absurd readings
 def checked(recording: Recording, limits: Limits | None = None) -> Report:
     """
     Put every check to a recording.

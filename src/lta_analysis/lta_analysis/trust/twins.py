@@ -24,6 +24,7 @@ COARSE = 0.08  # a slower channel is no print [s]
 FINE = 0.25  # smoothing, so that sampling again changes little [s]
 TREND = 2.0  # what is slower says little [s]
 SHARE = 0.3  # of what happens in one of the two must be in what they share
+ABSURD: Final = 1e12  # in any unit; no instrument reads as much
 KINDS: Final = ('position', 'rates', 'turning', 'force', 'velocity')
 
 
@@ -46,20 +47,31 @@ def twins(
         By the name of the later recording of each pair.
 
     """
-    known = [(name, prints(recording)) for name, recording in recordings]
+    known = [(name, prints(recording), drawn(recording)) for name, recording in recordings]
     found: dict[str, list[Finding]] = {}
-    for index, (name, mine) in enumerate(known):
-        for other, theirs in known[:index]:
+    for index, (name, mine, seed) in enumerate(known):
+        for other, theirs, its in known[:index]:
+            if seed and its and seed != its:
+                continue
             twin = compared(theirs, mine, other, limits or Limits())
             if twin is not None:
                 found.setdefault(name, []).append(twin)
     return found
 
 
+def drawn(recording: Recording) -> str:
+    """
+    Return the seed of a simulated flight; '' for any other.
+
+    In still air two flights of one plan are alike but for their noise, and yet are two.
+    """
+    return recording.provenance.get('seed', '') if recording.simulated else ''
+
+
 def prints(recording: Recording) -> dict[str, Array]:
     """Return the quick part of each channel on the grid, all from one time to one time."""
     some = {
-        channel.name: in_order(channel.time, channel.values[:, None])
+        channel.name: in_order(channel.time, _sane(channel.values)[:, None])
         for channel in recording.channels.values()
         if roles.restless(channel) in KINDS
     }
@@ -77,6 +89,11 @@ def prints(recording: Recording) -> dict[str, Array]:
     end = round(TREND / STEP / 2) + 1
     quick = (calm - smoothed(calm, kernel(TREND, STEP)))[end:-end].T
     return {n: row for n, row in zip(some, quick, strict=True) if float(np.std(row)) > 0.0}
+
+
+def _sane(values: Array) -> Array:
+    """Return readings, NaN for those beside which all others would vanish."""
+    return np.where(np.abs(values) < ABSURD, values, np.nan)
 
 
 def compared(

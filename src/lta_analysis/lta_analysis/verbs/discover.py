@@ -15,9 +15,8 @@ from lta_analysis.discovery.run import Asked, Discovered
 from lta_analysis.discovery.run import discover as discovered
 from lta_analysis.discovery.terminal import found_words, show
 from lta_analysis.out_option import Out
-from lta_analysis.results_folder import page_line, results_folder
+from lta_analysis.results_folder import can_be_made, page_line, results_folder
 from lta_analysis.typed import near, typed
-from lta_bridge.bag.writer import empty_folder
 from lta_config.errors import BadInput
 from rich.console import Console
 import typer
@@ -90,9 +89,8 @@ def discover(
         'train': train or [], 'confirm': confirm or [], 'holdout': holdout or [],
     }  # fmt: skip
     _sensible(vehicle, any(bags.values()), demo, between is not None)
-    if out is not None and out.exists():
-        empty_folder(out.absolute())  # refused before the work, not after
     folder = results_folder(out, 'discover-demo' if demo else 'discover')
+    can_be_made(folder)
     if between is not None and vehicle is not None:
         with DiscoverProgress(console) as progress:
             planned = plan_between(vehicle, *between, scenario, tell=progress.stage)

@@ -53,6 +53,7 @@ def test_the_keys_are_those_that_programs_rely_on():
     told = to_dict(FINDING, [Cut('A', 'imu', 3.0, 4.0, 'Stuck.')])
     assert {'verdict', 'effects', 'where', 'gap', 'warnings', 'seed', 'versions'} <= set(told)
     assert told['verdict'] == 'named+unexplained'
+    assert told['unexplained'] == []
     (effect,) = told['effects']
     assert effect['name'] == 'motor_lag'
     assert effect['confusable_with'] == ['command_delay.delay']
@@ -97,9 +98,9 @@ def test_a_study_without_gaps_has_the_same_keys():
 def test_the_terminal_tells_effects_gap_and_where():
     console = Console(width=110, record=True, file=None, quiet=False)
     with console.capture() as heard:
-        show(FINDING, console)
+        show(replace(FINDING, unexplained=('a hum',)), console)
     said = heard.get()
     for words in ('motor_lag', '0.110 to 0.130', 'command_delay.delay', '50 % less (20 to 40 %)',
-                  'speed above 0.3 m/s', 'A word.'):  # fmt: skip
+                  'speed above 0.3 m/s', 'Unexplained: a hum.', 'A word.'):  # fmt: skip
         assert words in said
-    assert said.index('surge  ') < said.index('x  ')
+    assert said.index('surge  ') < said.index('position x')

@@ -47,6 +47,7 @@ REMAINS = (
     Remainder('surge', 0.0072, 18.25, ('surge speed', 'yaw rate'), 0.81),
     Remainder('pitch', 0.00031, 4.2, (), 0.06),
 )
+SAID = ('an oscillation of q at 2.0 Hz, 0.02 rad/s',)
 SEEN = (Detectable('linear_drag.sway', 'N s/m', 0.0034, 0.01),)
 FIGURE = re.compile(r'<script type="application/json" id="([^"]+)">(.*?)</script>', re.DOTALL)
 TAG = re.compile(r'<(script|style)\b.*?</\1>|<[^>]+>', re.DOTALL)
@@ -92,7 +93,9 @@ def _numbers(finding: Finding) -> list[str]:
 
 
 def test_every_number_and_name_of_the_finding_is_on_the_page(found: Study, tmp_path: Path) -> None:
-    given = _with(found, remains=REMAINS, verdict='named+unexplained')
+    given = _with(
+        found, remains=REMAINS, verdict='named+unexplained', unexplained=SAID, next_flight='Weigh.'
+    )
     text, _ = _read(given, tmp_path)
     finding = given.finding
     assert [number for number in _numbers(finding) if number not in text] == []
@@ -104,6 +107,8 @@ def test_every_number_and_name_of_the_finding_is_on_the_page(found: Study, tmp_p
         'airspeed above 0.21 m/s',
         'follows surge speed and yaw rate',
         *finding.warnings,
+        'An oscillation of q at 2.0 Hz, 0.02 rad/s.',
+        finding.next_flight,
         *finding.versions.values(),
         '--train hidden_1 --confirm hidden_2 --holdout hidden_3 --seed 7',
     ):
@@ -143,6 +148,20 @@ def test_a_study_without_names_has_a_calm_page(
     assert ('Nothing stands clear of the floor' in text) == (remains == ())
     assert ('figure-latent' in data) == ('figure-follows' in data) == (remains != ())
     assert 'vehicle.yaml' not in text
+
+
+@pytest.mark.parametrize(
+    ('said', 'title'),
+    [
+        (SAID, 'Something is missing that is in no library: an oscillation of q at 2.0 Hz'),
+        ((), 'Something is missing that is in no library.'),
+    ],
+)
+def test_what_no_axis_shows_has_a_title_as_well(
+    found: Study, said: tuple[str, ...], title: str
+) -> None:
+    given = _with(found, verdict='unexplained', effects=(), remains=(), unexplained=said)
+    assert headline(given.finding).startswith(title)
 
 
 def test_a_study_without_held_out_flights_says_so(found: Study, tmp_path: Path) -> None:

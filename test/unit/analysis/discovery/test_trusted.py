@@ -182,6 +182,26 @@ def test_commands_in_newtons_are_read_as_duties(flights, gtmab):
     np.testing.assert_allclose(found.flights[1][2].commands.values, 0.5, rtol=2e-3)
 
 
+@pytest.mark.parametrize('value', [np.nan, np.inf])
+def test_a_flight_without_one_whole_pose_is_refused(flights, gtmab, value):
+    def lose(channel):
+        return replace(channel, values=np.full_like(channel.values, value))
+
+    with pytest.raises(BadInput, match='A: no pose is whole'):
+        _believed(flights, gtmab, _changed(flights[0], lose, TRUTH))
+
+
+def test_an_absurd_pose_costs_itself_and_says_nothing_else(flights, gtmab):
+    def spoil(channel):
+        values = channel.values.copy()
+        values[1000] = 1e300
+        return replace(channel, values=values)
+
+    place = f'{TRUTH}pose.pose.position'
+    found = _believed(flights, gtmab, _changed(flights[0], spoil, place))
+    assert [name for name, *_ in found.flights] == ['A', 'B', 'C']
+
+
 def test_commands_that_never_move_are_refused(flights, gtmab):
     one = _changed(flights[0], _still(0.3), 'motors/effort')
     with pytest.raises(BadInput, match='commands do not move'):

@@ -109,6 +109,7 @@ def page(study: Study, folder: Path, bags: Bags = NONE) -> str:
         overlays=overlays(names, drawn),
         white=white(flights),
         remains=remains(study),
+        following=tables.following(found),
         seen=tables.detectable(found),
         warnings=tables.warned(found),
         facts=facts(found),
@@ -206,8 +207,8 @@ def remains(study: Study) -> str:
     found = study.finding
     if not found.remains:
         said = 'Nothing stands clear of the floor on any axis.'
-        return f'<p class="note">{said}</p>'
-    return tables.remains(found) + _drawn(study)
+        return f'{tables.unexplained(found)}<p class="note">{said}</p>'
+    return tables.unexplained(found) + tables.remains(found) + _drawn(study)
 
 
 def _drawn(study: Study) -> str:

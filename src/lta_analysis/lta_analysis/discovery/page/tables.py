@@ -238,6 +238,27 @@ def _remainder(one: Remainder, most: float) -> Row:
     )
 
 
+def unexplained(found: Finding) -> str:
+    """Return what no effect explains in sentences, lines of the spectrum among them."""
+    if not found.unexplained:
+        return ''
+    rows = ''.join(
+        f'<li>{escape(said[:1].upper() + said[1:])}.</li>' for said in found.unexplained
+    )
+    return f'<ul class="words">{rows}</ul>'
+
+
+def following(found: Finding) -> str:
+    """Return what to fly or measure next; '' where no name is in doubt."""
+    if not found.next_flight:
+        return ''
+    return (
+        '<section class="panel" aria-labelledby="title-following">'
+        f'<h2 id="title-following">What to do next</h2>'
+        f'<p class="what">{escape(found.next_flight)}</p></section>'
+    )
+
+
 def warned(found: Finding) -> str:
     """Return the warnings as a list, or that there are none."""
     if not found.warnings:

@@ -121,7 +121,7 @@ def headline(found: Finding) -> str:
     """Return the verdict in a sentence."""
     names = listed([listed([spoken(knob) for knob in one.knobs]) for one in found.effects])
     many = sum(len(one.knobs) for one in found.effects) > 1
-    rest = f'{remainder_words(found.remains[0])}' if found.remains else 'something'
+    rest = _rest(found)
     if found.verdict == 'none':
         return _none(found.gaps)
     if found.verdict == 'not_identifiable':
@@ -138,12 +138,19 @@ def headline(found: Finding) -> str:
             return f'It may be {names} that is missing, but these flights cannot tell.'
         return f'These flights cannot tell {listed([names, listed(list(alike), "or")], "from")}.'
     if found.verdict == 'unexplained':
-        return f'Something is missing that is in no library: {rest}.'
+        return f'Something is missing that is in no library{rest}.'
     better = _better(found)
     said = f'{names[:1].upper()}{names[1:]} {"are" if many else "is"} missing{better}'
     if found.verdict == 'named+unexplained':
-        return f'{said}; and something that is in no library: {rest}.'
+        return f'{said}; and something that is in no library{rest}.'
     return f'{said}.'
+
+
+def _rest(found: Finding) -> str:
+    """Return the largest thing that is unexplained, to be put behind 'in no library'."""
+    if found.remains:
+        return f': {remainder_words(found.remains[0])}'
+    return f': {found.unexplained[0]}' if found.unexplained else ''
 
 
 def _none(gaps: Sequence[Gap]) -> str:
