@@ -151,8 +151,8 @@ def where(flight: Linearised, point: Point) -> Where:
         each = np.sqrt(_mean_square(left, (1, 2)))
         channels = np.sqrt(_mean_square(left, (0, 1)))
     noise: dict[What, float] = {
-        'position': float(np.linalg.norm(replay.flight.noise[:3])),
-        'attitude': float(np.linalg.norm(replay.flight.noise[3:6])),
+        'position': float(np.linalg.norm(replay.flight.error[:3])),
+        'attitude': float(np.linalg.norm(replay.flight.error[3:6])),
     }
     return Where(offs[0], offs[1], noise, np.column_stack([begun, each]), channels)
 

@@ -153,7 +153,7 @@ def gaps(flights: Sequence[Linearised], models: Sequence[Models], seed: int) -> 
         )
         for kind in kinds
     }
-    noise = np.sqrt(np.mean([each.replay.flight.noise**2 for each in flights], axis=0))
+    noise = np.sqrt(np.mean([each.replay.flight.error**2 for each in flights], axis=0))
     rng, out = np.random.default_rng(seed), []
     which = {**WHOLE, **{c: (UNITS[c], slice(k, k + 1)) for k, c in enumerate(CHANNELS)}}
     for name, (unit, columns) in which.items():

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Final, final
 
 from lta_analysis.discovery.mistaken import mistaken
+from lta_analysis.discovery.noise import LEAST, noise_of, pose_noise
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,12 +27,6 @@ CHANNELS: Final = (
     'x', 'y', 'z', 'turn_x', 'turn_y', 'turn_z', 'p', 'q', 'r', 'fx', 'fy', 'fz',
     'range', 'pressure',
 )  # fmt: skip
-# What no sensor is better than, by channel: m, rad, rad/s, m/s2, m, Pa.
-LEAST: Final = np.array([5e-4] * 3 + [1e-3] * 3 + [3e-4] * 3 + [3e-3] * 3 + [1e-3, 0.3])
-# A tracker whose noise seems smaller by that factor was filtered: neighbours then say the same,
-# and what the filter did to fast motion is no noise. Of LEAST, so that half a second counts once.
-FILTERED: Final = 0.2
-SMOOTH: Final = 20.0
 FILTERS: Final = ('rates', 'force', 'range', 'pressure')  # sensors that settle
 
 
@@ -111,6 +106,8 @@ class Measured:
         Of the battery, NaN where it is not known. [V]
     wrench, mass : Stream or None
         As recorded.
+    alike : float
+        How many poses say the same: each counts as if its noise were larger by the root of that.
 
     """
 
@@ -124,25 +121,12 @@ class Measured:
     voltage: Array
     wrench: Stream | None = None
     mass: Stream | None = None
+    alike: float = 1.0
 
-
-def noise_of(values: Array) -> float:
-    """
-    Return the standard deviation of white noise on a smooth series, from its third differences.
-
-    By the median of their sizes, so that jumps and outliers count little; NaN-safe.
-
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        Evenly sampled.
-
-    """
-    third = np.diff(np.where(np.isfinite(values), values, np.nan), n=3)
-    third = third[np.isfinite(third)]
-    if len(third) < 8:
-        return np.inf
-    return float(np.median(np.abs(third)) / 0.6745 / np.sqrt(20.0))
+    @property
+    def error(self) -> Array:
+        """Return the standard deviation of a single reading by CHANNELS, shape (14,)."""
+        return np.concatenate([self.noise[:6] / np.sqrt(self.alike), self.noise[6:]])
 
 
 def _apart(stream: Stream) -> float:
@@ -251,11 +235,8 @@ def measured(streams: Streams) -> Measured:
     at = _at(grid, pose, GAP)
     quaternion = at[:, 3:7] / np.linalg.norm(at[:, 3:7], axis=1, keepdims=True)
     readings, noise = _readings(grid, streams.others)
-    own = np.array([noise_of(column) for column in pose.values.T])
-    turning = np.full(3, 2.0 * np.sqrt(np.mean(own[3:7] ** 2) * 4.0 / 3.0))
-    levels = np.maximum(np.concatenate([own[:3], turning, noise]), LEAST)
-    if np.median(own[:3] / LEAST[:3]) < FILTERED:
-        levels[:6] = np.maximum(levels[:6], SMOOTH * LEAST[:6])
+    own, alike = pose_noise(pose.values)
+    levels = np.concatenate([own, np.maximum(noise, LEAST[6:])])
     warm = WARM_UP if any(name in streams.others for name in FILTERS) else SETTLED
     known = np.asarray(np.isfinite(at).all(axis=1))
     usable = _bridged(known) & (grid - grid[0] >= warm)
@@ -273,6 +254,7 @@ def measured(streams: Streams) -> Measured:
         volts,
         streams.wrench,
         streams.mass,
+        alike,
     )
 
 

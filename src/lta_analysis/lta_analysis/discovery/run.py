@@ -12,6 +12,7 @@ from lta_analysis.discovery.overlay import write_overlay
 from lta_analysis.discovery.page.page import write_page
 from lta_analysis.discovery.places import places, Seen
 from lta_analysis.discovery.planning.next_flight import doubted, hint, Next, of_study
+from lta_analysis.discovery.regimes import interpolation
 from lta_analysis.discovery.study import Study, study
 from lta_analysis.discovery.told import NAME, to_dict
 from lta_analysis.discovery.trusted import Believed, believed
@@ -111,11 +112,12 @@ def discover(asked: Asked, folder: Path, tell: Tell) -> Discovered:
 def studied(asked: Asked, vehicle: Vehicle, sound: Believed, tell: Tell) -> Study:
     """Return the study of flights that can be used, with what is to be said of them."""
     found = study(vehicle, sound.flights, asked.seed, tell)
+    only = [sentence] if (sentence := interpolation(found)) else []
     finding = replace(
         found.finding,
         where=places(_seen(found, sound), asked.seed),
         vehicle=asked.vehicle,
-        warnings=(*sound.warnings, *found.finding.warnings),
+        warnings=(*sound.warnings, *found.finding.warnings, *only),
         versions={**here(), **found.finding.versions},
     )
     return replace(found, finding=finding)

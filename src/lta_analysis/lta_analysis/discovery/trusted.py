@@ -15,6 +15,7 @@ from lta_analysis.discovery.bags import one_vehicle, Recorded, Role
 from lta_analysis.discovery.loud import Cut, without_loud
 from lta_analysis.discovery.measured import GAP, Measured, measured, Stream, Streams
 from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.said_once import said_once
 from lta_analysis.discovery.streams import in_duties, streams_of, tracker
 from lta_analysis.discovery.windows import FEWEST, windows
 from lta_analysis.trust import clocks, filtered, stamps
@@ -120,7 +121,7 @@ def believed(flights: Sequence[Recorded], vehicle: Vehicle) -> Believed:
         and (channel := one.recording.channels.get(LIGHT)) is not None
         and len(channel.time) > 1
     }
-    return Believed(tuple(usable), tuple(cuts), tuple(warnings), light)
+    return Believed(tuple(usable), tuple(cuts), tuple(said_once(warnings)), light)
 
 
 def _streams(one: Recorded, vehicle: Vehicle) -> Streams:

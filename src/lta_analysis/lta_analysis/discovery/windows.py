@@ -94,7 +94,7 @@ def _apart(stretches: list[tuple[int, int]], count: int, shortest: int) -> int:
     if sum(len(range(begin, end - shortest, count)) for begin, end in stretches) >= FEWEST:
         return count
     longest = max((end - begin for begin, end in stretches), default=0)
-    return max(shortest + 1, min(count, (longest - shortest) // FEWEST + 1))
+    return max(shortest + 1, min(count, -(-longest // FEWEST)))
 
 
 def windows(flight: Measured, length: float = LENGTH, shift: float = 0.0) -> Windows:

@@ -1,16 +1,18 @@
 """A recording on the grid: what is there, how noisy it is, and what is left out."""
 
+from dataclasses import replace
+
 from lta_analysis.bag.channels import all_channels
 from lta_analysis.bag.flight import open_flight
 from lta_analysis.discovery.measured import (
     held_means,
     measured,
-    noise_of,
     PERIOD,
     Stream,
     Streams,
     WARM_UP,
 )
+from lta_analysis.discovery.noise import noise_of
 from lta_analysis.discovery.streams import streams_of
 from lta_analysis.discovery.turning import exponential
 from lta_analysis.discovery.windows import windows
@@ -73,6 +75,23 @@ def test_pieces_begin_in_the_state_of_the_closed_form() -> None:
     )
     time = cut.first * PERIOD
     np.testing.assert_allclose(cut.start[:, 2], 1.0 + CLIMB * time, atol=0.002)
+
+
+@pytest.mark.parametrize(
+    ('seconds', 'pieces', 'longest'),
+    [(30.0, 5, 6.0), (13.0, 3, 6.0), (7.0, 2, 3.0), (6.5, 2, 3.0)],
+)
+def test_a_short_flight_is_cut_in_two(seconds: float, pieces: int, longest: float) -> None:
+    """2 s of warm-up are no part of 7 s; what is left makes two pieces that do not overlap."""
+    flight = measured(helix(noise=0.001))
+    usable = flight.usable & (flight.time < flight.time[flight.usable][0] + seconds - WARM_UP)
+    cut = windows(replace(flight, usable=usable))
+    used = cut.inside.sum(axis=1) * PERIOD
+    assert len(cut.first) == pieces
+    assert used.max() <= longest + 1e-9
+    assert used.min() >= 1.0
+    assert used.sum() == pytest.approx(usable.sum() * PERIOD, abs=2 * PERIOD)
+    assert (cut.first[1:] >= cut.first[:-1] + cut.inside.sum(axis=1)[:-1]).all()
 
 
 def test_a_bag_gives_poses_and_commands(tmp_path) -> None:

@@ -153,6 +153,35 @@ def _still(level):
     return lambda channel: replace(channel, values=np.full_like(channel.values, level))
 
 
+def test_a_moving_mass_that_moves_is_a_command(flights, gtmab):
+    """Judged over all training flights together: here another place in each."""
+    standing = [_changed(one, _still(0.3), 'motors/effort') for one in flights[:2]]
+    standing = [replace(one, role='train') for one in standing]
+    for k, one in enumerate(standing):
+        told = one.recording.channels['motors/effort.up_left']
+        places = {
+            f'motors/position.moving_mass_{axis}': replace(
+                told, values=np.full_like(told.values, 0.05 + 0.01 * k)
+            )
+            for axis in 'xyz'
+        }
+        channels = {**one.recording.channels, **places}
+        standing[k] = replace(one, recording=replace(one.recording, channels=channels))
+    found = believed([*standing, flights[2]], gtmab)
+    assert len(found.flights) == 3
+
+
+def test_commands_in_newtons_are_read_as_duties(flights, gtmab):
+    """As an import says: at 0.5 of a duty 0.0915 / 4 + 0.0677 / 2 N."""
+    newtons = 'topics: [{topic: motors, actuators: {up_left: {effort: {column: a, unit: N}}}}]'
+    full = 0.0915 / 4.0 + 0.0677 / 2.0
+    one = _changed(flights[1], _still(full), 'motors/effort')
+    told = {**one.recording.provenance, 'mapping_file': newtons}
+    one = replace(one, recording=replace(one.recording, provenance=told))
+    found = believed([flights[0], one, flights[2]], gtmab)
+    np.testing.assert_allclose(found.flights[1][2].commands.values, 0.5, rtol=2e-3)
+
+
 def test_commands_that_never_move_are_refused(flights, gtmab):
     one = _changed(flights[0], _still(0.3), 'motors/effort')
     with pytest.raises(BadInput, match='commands do not move'):
