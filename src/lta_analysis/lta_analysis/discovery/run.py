@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import final
 
 from lta_analysis.discovery.bags import read_bags, Role
+from lta_analysis.discovery.cautions import cautions
 from lta_analysis.discovery.learned_file import learned_text
 from lta_analysis.discovery.linear import origin
 from lta_analysis.discovery.overlay import write_overlay
@@ -121,12 +122,13 @@ def discover(asked: Asked, folder: Path, tell: Tell) -> Discovered:
 def studied(asked: Asked, vehicle: Vehicle, sound: Believed, tell: Tell) -> Study:
     """Return the study of flights that can be used, with what is to be said of them."""
     found = study(vehicle, sound.flights, asked.seed, tell)
-    only = [sentence] if (sentence := interpolation(found)) else []
+    only = interpolation(found)
+    told = [*cautions(found.finding.gaps), *([only] if only else [])]
     finding = replace(
         found.finding,
         where=places(_seen(found, sound), asked.seed),
         vehicle=asked.vehicle,
-        warnings=(*sound.warnings, *found.finding.warnings, *only),
+        warnings=(*sound.warnings, *found.finding.warnings, *told),
         versions={**here(), **found.finding.versions},
     )
     return replace(found, finding=finding)
