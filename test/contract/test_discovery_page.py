@@ -4,6 +4,8 @@ from importlib import import_module
 from pathlib import Path
 import re
 
+from lta_analysis.discovery.finding import Finding
+from lta_analysis.discovery.told import to_dict
 import pytest
 
 PAGE = Path(__file__).resolve().parents[2] / 'docs/discovery.md'
@@ -28,3 +30,11 @@ def test_a_file_that_the_page_names_is_there():
     named = set(re.findall(r'`(\w+\.py)`', text))
     assert 'knobs.py' in named
     assert sorted(name for name in named if not (folder / name).exists()) == []
+
+
+def test_the_page_lists_the_keys_of_the_result():
+    text = PAGE.read_text(encoding='utf-8')
+    table = text[text.index('`discovery.json`:') : text.index('## The demonstration')]
+    listed = re.findall(r'^\| (`[^|]+) \|', table, re.MULTILINE)
+    nothing = Finding('none', (), (), (), (), False, (), (), 1, {}, 'gtmab')
+    assert {key.strip('`') for row in listed for key in row.split(', ')} == set(to_dict(nothing))

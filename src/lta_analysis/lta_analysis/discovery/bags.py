@@ -10,6 +10,7 @@ from lta_analysis.bag.folder import bag_files, bag_in
 from lta_analysis.discovery.streams import COMMAND
 from lta_analysis.report.scene import parsed
 from lta_analysis.trust.recording import Recording, recording_of
+from lta_analysis.trust.twins import twins
 from lta_config.errors import BadInput
 from lta_config.vehicle_file import VehicleFile
 
@@ -146,3 +147,13 @@ def one_vehicle(flights: Sequence[Recorded], vehicle: VehicleFile) -> list[str]:
 def _spoken(kind: str | tuple[str, ...]) -> str:
     """Return a vehicle or its rotors as words."""
     return kind if isinstance(kind, str) else f'the rotors {", ".join(kind)}'
+
+
+def no_copies(flights: Sequence[Recorded]) -> None:
+    """Refuse a run that is there twice, however trimmed or written, with `BadInput`."""
+    again = twins([(one.name, one.recording) for one in flights]) if len(flights) > 1 else {}
+    for name, found in again.items():
+        raise BadInput(
+            f'{name}: {found[0].evidence} A flight that is there twice confirms nothing; leave '
+            'one of them out.'
+        )

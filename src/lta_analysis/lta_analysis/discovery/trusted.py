@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, final
 
-from lta_analysis.discovery.bags import one_vehicle, Recorded, Role
+from lta_analysis.discovery.bags import no_copies, one_vehicle, Recorded, Role
 from lta_analysis.discovery.loud import Cut, without_loud
 from lta_analysis.discovery.measured import GAP, Measured, measured, Stream, Streams
 from lta_analysis.discovery.nominal import Nominal
@@ -21,7 +21,6 @@ from lta_analysis.discovery.windows import FEWEST, windows
 from lta_analysis.trust import clocks, filtered, stamps
 from lta_analysis.trust.finding import Finding
 from lta_analysis.trust.registry import checked
-from lta_analysis.trust.twins import twins
 from lta_config.errors import BadInput
 from lta_sim.vehicle import Vehicle
 import numpy as np
@@ -91,7 +90,7 @@ def believed(flights: Sequence[Recorded], vehicle: Vehicle) -> Believed:
 
     """
     warnings = one_vehicle(flights, vehicle.file)
-    _no_copies(flights)
+    no_copies(flights)
     if made := [one.name for one in flights if one.recording.simulated]:
         verb = 'is' if len(made) == 1 else 'are'
         warnings.append(
@@ -151,16 +150,6 @@ def _streams(one: Recorded, vehicle: Vehicle) -> Streams:
         )
     known = np.isfinite(told.commands.values).all(axis=1)
     return replace(told, commands=Stream(told.commands.time[known], told.commands.values[known]))
-
-
-def _no_copies(flights: Sequence[Recorded]) -> None:
-    """Refuse a run that is there twice, however it was trimmed or written."""
-    again = twins([(one.name, one.recording) for one in flights]) if len(flights) > 1 else {}
-    for name, found in again.items():
-        raise BadInput(
-            f'{name}: {found[0].evidence} A flight that is there twice confirms nothing; leave '
-            'one of them out.'
-        )
 
 
 def _moving(training: Sequence[Streams]) -> None:
