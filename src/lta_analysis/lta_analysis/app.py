@@ -14,7 +14,6 @@ from typing import Annotated, Any, Final, final
 
 from lta_config.errors import BadInput
 import typer
-from typer import Context
 from typer.core import TyperGroup
 
 STOPPED = 130  # the shell's own status after Ctrl-C, and Typer's
@@ -84,7 +83,7 @@ VERBS: Final[dict[str, Verb | Group]] = {
 class InOrder(TyperGroup):
     """Verbs in the order of `VERBS`; Typer puts those with words behind them last."""
 
-    def list_commands(self, ctx: Context) -> list[str]:
+    def list_commands(self, ctx: object) -> list[str]:
         """Return their names."""
         del ctx
         return [name for name in VERBS if name in self.commands]
