@@ -79,50 +79,67 @@ def _between(cases: Sequence[Judged], low: float, high: float) -> list[Judged]:
     return [one for one in cases if low <= one.weakest < high]
 
 
-def figures(cases: Sequence[Judged]) -> list[Figure]:
-    """Return all figures of some cases of one row."""
-    single, pair, mixed = (_of(cases, kind) for kind in ('single', 'pair', 'mixed'))
-    outside, clean = _of(cases, 'outside'), _of(cases, 'clean')
+def _exact(one: Judged) -> bool:
+    """Tell whether all that was hidden was named, and nothing else."""
+    return one.exact
+
+
+def _wrong(one: Judged) -> bool:
+    """Tell whether anything was named that was not hidden."""
+    return bool(one.wrong)
+
+
+def _flagged(one: Judged) -> bool:
+    """Tell whether something was called unexplained."""
+    return one.flagged
+
+
+def _of_names(cases: Sequence[Judged]) -> list[Figure]:
+    """Return the figures of cases in which effects of the library are hidden, or nothing."""
+    single, pair, clean = (_of(cases, kind) for kind in ('single', 'pair', 'clean'))
     clear, weak = _between(single, CLEAR, math.inf), _between(single, WEAK, CLEAR)
-    both, strong = _between(pair, CLEAR, math.inf), _between(mixed, CLEAR, math.inf)
+    both = _between(pair, CLEAR, math.inf)
+    return [
+        Figure('one effect, 6 sigma or more: exact', _share(clear, _exact), least=0.97),
+        Figure('one effect, 3 to 6 sigma: exact', _share(weak, _exact), least=0.70),
+        Figure('one effect: a wrong name', _share(single, _wrong), most=0.02),
+        Figure('one effect: silent', _share(single, lambda one: one.outcome == 'silent')),
+        Figure('one effect: also unexplained', _share(single, _flagged)),
+        Figure('two effects, both 6 sigma or more: both exact', _share(both, _exact), least=0.85),
+        Figure('two effects: a wrong name', _share(pair, _wrong)),
+        Figure('nothing hidden: any name', _share(clean, lambda one: bool(one.named)), most=0.01),
+        Figure('nothing hidden: unexplained', _share(clean, _flagged)),
+    ]
+
+
+def _of_outside(cases: Sequence[Judged]) -> list[Figure]:
+    """Return the figures of cases in which something is hidden that is in no library."""
+    outside, strong = _of(cases, 'outside'), _between(_of(cases, 'mixed'), CLEAR, math.inf)
+    both = _share(strong, lambda one: one.exact and one.flagged)
+    return [
+        Figure('outside the library: unexplained', _share(outside, _flagged), least=0.90),
+        Figure('outside the library: a name', _share(outside, _wrong), most=0.03),
+        Figure('an effect and something outside: named and unexplained', both, least=0.75),
+    ]
+
+
+def _of_values(cases: Sequence[Judged]) -> list[Figure]:
+    """Return the figures of intervals and of held-out errors."""
     intervals = [each for one in cases for each in one.intervals]
     covered = counted(sum(each.covers for each in intervals), len(intervals))
     near = [one for one in cases if {'after', 'oracle'} <= set(one.errors)]
     near = [one for one in near if one.kind in ('clean', 'single', 'pair')]
-
-    def exact(one: Judged) -> bool:
-        return one.exact
-
-    def wrong(one: Judged) -> bool:
-        return bool(one.wrong)
-
-    def flagged(one: Judged) -> bool:
-        return one.flagged
-
+    good = _share(near, lambda one: one.errors['after'] <= ORACLE * one.errors['oracle'])
     return [
-        Figure('one effect, 6 sigma or more: exact', _share(clear, exact), least=0.97),
-        Figure('one effect, 3 to 6 sigma: exact', _share(weak, exact), least=0.70),
-        Figure('one effect: a wrong name', _share(single, wrong), most=0.02),
-        Figure('one effect: silent', _share(single, lambda one: one.outcome == 'silent')),
-        Figure('one effect: also unexplained', _share(single, flagged)),
-        Figure('two effects, both 6 sigma or more: both exact', _share(both, exact), least=0.85),
-        Figure('two effects: a wrong name', _share(pair, wrong)),
-        Figure('nothing hidden: any name', _share(clean, lambda one: bool(one.named)), most=0.01),
-        Figure('nothing hidden: unexplained', _share(clean, flagged)),
-        Figure('outside the library: unexplained', _share(outside, flagged), least=0.90),
-        Figure('outside the library: a name', _share(outside, wrong), most=0.03),
-        Figure(
-            'an effect and something outside: named and unexplained',
-            _share(strong, lambda one: one.exact and one.flagged),
-            least=0.75,
-        ),
         Figure('intervals of 95 % that hold the truth', covered, 0.90, 0.98),
-        Figure(
-            'held-out error within 1.05 of the oracle',
-            _share(near, lambda one: one.errors['after'] <= ORACLE * one.errors['oracle']),
-        ),
-        Figure('no answer', _share(cases, lambda one: bool(one.refused))),
+        Figure('held-out error within 1.05 of the oracle', good),
     ]
+
+
+def figures(cases: Sequence[Judged]) -> list[Figure]:
+    """Return all figures of some cases of one row."""
+    silent = Figure('no answer', _share(cases, lambda one: bool(one.refused)))
+    return [*_of_names(cases), *_of_outside(cases), *_of_values(cases), silent]
 
 
 @final

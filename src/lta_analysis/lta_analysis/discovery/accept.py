@@ -6,6 +6,7 @@ GAIN: Final = 11.0  # nats; of the one flight and the better witness of the othe
 LARGER: Final = 5.0  # nats; of the better of the two
 APART: Final = 5.0  # deviations; by which the two values may differ
 PART: Final = 0.1  # of the value; by which they may differ however well each is known
+TORN: Final = 3.0  # nats; that a candidate may lose on one flight while it wins on the other
 TIE: Final = 3.0  # nats; nearer than that, names cannot be told apart
 
 
@@ -42,6 +43,16 @@ class Trial(NamedTuple):
     def total(self) -> float:
         """Evidence of both flights, each by itself. [nats]"""
         return self.gain + self.replicated
+
+    @property
+    def torn(self) -> bool:
+        """Tell whether the flights contradict each other."""
+        return min(self.gain, self.replicated) < -TORN and max(self.gain, self.replicated) > LARGER
+
+    @property
+    def both(self) -> bool:
+        """Tell whether it wins on each flight by itself."""
+        return min(self.gain, self.replicated) > LARGER
 
     @property
     def accepted(self) -> bool:

@@ -11,13 +11,13 @@ from dataclasses import dataclass
 from typing import Final, final
 
 from lta_analysis.discovery.linear import AXES, Point, RANDOM
-from lta_analysis.discovery.linearise import Linearised, MOTION, POSE
+from lta_analysis.discovery.linearise import begun_by, Linearised, MOTION, POSE
 from lta_analysis.discovery.measured import PERIOD
 from lta_analysis.discovery.replay import STEPS
 from lta_analysis.discovery.sensing import in_map, told, tracker_frame
 from lta_analysis.discovery.tangent import WIDTH
 from lta_analysis.discovery.turning import logarithm, product, reverse
-from lta_analysis.discovery.turns import Met, met, Turn
+from lta_analysis.discovery.turns import Met, met
 import numpy as np
 from numpy.typing import NDArray
 
@@ -108,7 +108,7 @@ def _of_some(
         columns[..., order.index(k)] = answers[..., MOTION + j]
     for turned, k in zip(about.turned, about.reading, strict=True):
         # Where the tracker's frame turns, so does the state in which a piece begins.
-        begun = _begun(replay.cut.start[some], turned)
+        begun = begun_by(replay.cut.start[some], turned)
         columns[..., order.index(k)] = np.einsum('shpb,sb->shp', answers[..., :WIDTH], begun)
     columns[..., :3, :] = tracker_frame(acting)[0] @ columns[..., :3, :]
     for turned, k in zip(about.turned, about.reading, strict=True):
@@ -117,12 +117,3 @@ def _of_some(
         said = np.concatenate([b.position - a.position, turns], axis=-1)
         columns[..., order.index(k)] += said[:, index] / turned.step
     return left, columns
-
-
-def _begun(seen: Array, turned: Turn) -> Array:
-    """Return how the states that a tracker told answer to its frame, shape (S, 12)."""
-    a, b = (in_map(seen, rows.acting) for rows in turned[:2])
-    out = np.zeros((len(seen), WIDTH))
-    out[:, :3] = (b[:, :3] - a[:, :3]) / turned.step
-    out[:, 3:POSE] = logarithm(product(reverse(a[:, 3:7]), b[:, 3:7])) / turned.step
-    return out

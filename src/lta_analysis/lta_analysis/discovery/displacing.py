@@ -3,8 +3,8 @@ Whether a candidate of the library stands against what is outside of it.
 
 A candidate that was confirmed may still be the nearest word for something that has none. Two
 signs of that: a generic rival explains clearly more, and leaves little for the candidate to say;
-or, when all is named, large forces that follow something remain on every axis on which the
-candidate acts.
+or, when all is named, large forces that follow something remain: on every axis on which the
+candidate acts, or beside a coefficient of motion that explained something much smaller.
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,6 +12,7 @@ from typing import Final, final
 
 from lta_analysis.discovery.evidence import knot_precision
 from lta_analysis.discovery.fit import Joint
+from lta_analysis.discovery.knobs import PARTS
 from lta_analysis.discovery.linear import AXES, KNOTS, Linear, RANDOM
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.rivals import Rival, Rivals
@@ -31,6 +32,7 @@ BESIDE: Final = 11.0  # nats; that a candidate has to win beside such a rival ..
 HALF: Final = 0.5  # ... and of what it wins without
 SMALL: Final = 1.0  # floors; forces that no rival needs to explain
 MOST: Final = 0.4  # of a deviation; what may remain where a candidate was most of it
+LESSER: Final = 0.5  # of the largest that remains; what a coefficient of motion has to explain
 FREE: Final = 1e3  # floors; a latent force that can be anything
 ALIKE: Final = 0.5  # of a column; what a latent force has to explain of it
 NEARLY: Final = 0.85  # of what the axis explains that explains most
@@ -91,6 +93,19 @@ def partial(acts: NDArray[np.bool_], before: Array, final: Array) -> bool:
     return bool(acts.any() and np.all((final > np.maximum(CLEAR, MOST * before))[acts]))
 
 
+def lesser(name: str, acts: NDArray[np.bool_], before: Array, final: Array) -> bool:
+    """
+    Tell whether a name is a coefficient of motion for little beside what has no name.
+
+    What has none pushes on several axes at once, and drag or added mass are the words for whatever
+    follows the motion: a little of it on an axis is no proof of either. Parameters are as for
+    `partial`, and the candidate's name.
+    """
+    motion = name.partition('.')[0] in PARTS
+    explained = np.sqrt(np.maximum(before**2 - final**2, 0.0))
+    return motion and bool(acts.any() and explained[acts].max() < LESSER * final.max())
+
+
 @final
 class Displacing:
     """
@@ -149,8 +164,13 @@ class Displacing:
         return tuple(
             name
             for name, before in history
-            if partial(acts_on(linear, name, self._floor), self._floors(before), final)
+            if self._gone(name, acts_on(linear, name, self._floor), self._floors(before), final)
         )
+
+    @staticmethod
+    def _gone(name: str, acts: NDArray[np.bool_], before: Array, final: Array) -> bool:
+        """Tell whether a name is withdrawn."""
+        return partial(acts, before, final) or lesser(name, acts, before, final)
 
     def _structured(self, fits: Pair) -> bool:
         """Tell whether what remains follows something, as gusts do not."""

@@ -14,7 +14,7 @@ from lta_analysis.discovery.linear import Point
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.measured import PERIOD
 from lta_analysis.discovery.replay import STEPS
-from lta_analysis.discovery.sensing import told
+from lta_analysis.discovery.sensing import in_map, told
 from lta_analysis.discovery.turning import exponential, logarithm, product, reverse, rotated
 import numpy as np
 from numpy.typing import NDArray
@@ -131,8 +131,8 @@ def where(flight: Linearised, point: Point) -> Where:
     replay = flight.replay
     rows = replay.rows(point.nominal)
     still = Point(point.nominal, point.values, np.zeros_like(point.random))
-    predicted = flight.trajectory(still)[:, ::STEPS]
-    coast = coasting(replay.cut.start, replay.cut.length)
+    predicted = flight.forecast(still)[:, ::STEPS]
+    coast = coasting(in_map(replay.cut.start, rows.acting), replay.cut.length)
     offs = []
     for states in (predicted, coast):
         said = told(states, flight.time, rows.acting, flight.places)

@@ -18,7 +18,7 @@ from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.measured import CHANNELS, PERIOD
 from lta_analysis.discovery.nominal import Nominal
 from lta_analysis.discovery.replay import STEPS
-from lta_analysis.discovery.sensing import told
+from lta_analysis.discovery.sensing import in_map, told
 from lta_analysis.discovery.turning import logarithm, product, reverse
 import numpy as np
 from numpy.typing import NDArray
@@ -84,7 +84,7 @@ def shown(flight: Linearised, nominal: Nominal, bare: Joint, full: Joint) -> Mod
 
 def _own(flight: Linearised, point: Point, columns: Array, deviations: Array, count: int) -> Array:
     """Return the errors of a flight's own that its first pieces make most probable."""
-    grid = flight.trajectory(point)[:, ::STEPS]
+    grid = flight.forecast(point)[:, ::STEPS]
     left = flight.left(grid, point, point.nominal.rows())[:count] / flight.replay.flight.noise
     known = np.isfinite(left)
     table = np.concatenate([columns, left[..., None]], axis=-1)
@@ -106,7 +106,7 @@ def _off(flight: Linearised, point: Point, coast: bool = False) -> Array:
     """Return measured less predicted at each horizon, shape (S, H, 14); NaN where unknown."""
     rows, replay = point.nominal.rows(), flight.replay
     if coast:
-        grid = coasting(replay.cut.start, replay.cut.length)
+        grid = coasting(in_map(replay.cut.start, rows.acting), replay.cut.length)
         said = told(grid, flight.time, rows.acting, flight.places)
         turn = logarithm(product(reverse(said.quaternion), replay.flight.quaternion[flight.index]))
         way = replay.flight.position[flight.index] - said.position
@@ -116,7 +116,7 @@ def _off(flight: Linearised, point: Point, coast: bool = False) -> Array:
         left[..., ~np.isfinite(replay.flight.noise)] = np.nan
     else:
         with np.errstate(over='ignore', invalid='ignore'):
-            left = flight.left(flight.trajectory(point)[:, ::STEPS], point, rows)
+            left = flight.left(flight.forecast(point)[:, ::STEPS], point, rows)
     at = [round(horizon / PERIOD) for horizon in HORIZONS]
     return left[learning(flight) :, [min(k, left.shape[1] - 1) for k in at]]
 

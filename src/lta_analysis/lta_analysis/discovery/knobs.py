@@ -12,6 +12,15 @@ from dataclasses import dataclass, field, replace
 import math
 from typing import Final, final, Literal
 
+from lta_analysis.discovery.candidates import (
+    COMPANIONS,
+    DESIGN,
+    FITTED,
+    NO_CANDIDATE,
+    SIGNS,
+    TOGETHER,
+)
+from lta_analysis.discovery.differences import fine_step, first_step, STEP
 from lta_analysis.discovery.nominal import Nominal
 from lta_config.errors import BadInput
 from lta_sim.effects import EFFECTS
@@ -19,7 +28,6 @@ from lta_sim.effects.protocol import (
     ActuatorEffect,
     AXES,
     MeasurementEffect,
-    Parameter,
     WrenchEffect,
 )
 from lta_sim.state import ACTUATORS
@@ -186,56 +194,6 @@ TRIMS: Final[dict[str, float]] = {
     'net_lift.force': 0.0006,
     'clock_offset.offset': 0.002,
 }
-# What moves together: one candidate of several parameters.
-TOGETHER: Final[dict[str, tuple[str, ...]]] = {'motor_lag': ('up', 'down')}
-# Absent effects of which one number alone does nothing, with what the rest is taken to be.
-COMPANIONS: Final[dict[str, dict[str, float]]] = {
-    'battery_sag': {'voltage': 3.7, 'sensitivity': 0.0},
-    'ground_effect': {'radius': 0.0225},
-    'superheat': {'lag': 40.0, 'slack': 0.3},
-}
-# These describe what a vehicle was designed to be, or where it flies, not what went missing.
-DESIGN: Final = frozenset(
-    {
-        'rotor_thrust', 'thrust_curve', 'thrust_polynomial', 'weight_and_buoyancy', 'walls',
-        'floor_contact', 'hull_lift', 'strip_damping', 'moving_mass', 'gas_state', 'air_state',
-        'turbulence', 'gusts', 'wind_profile', 'rotor_envelope_interaction', 'ceiling_effect',
-    }
-)  # fmt: skip
-# Of those, what may well be off where a vehicle has them: numbers that were fitted to flights.
-FITTED: Final[dict[str, tuple[str, ...]]] = {
-    'hull_lift': tuple(known.name for known in EFFECTS['hull_lift'].parameters[2:]),
-    'moving_mass': ('mass', 'x', 'z'),
-}
-# What physics says of the sign of a coefficient: side force and lift act against the flow.
-SIGNS: Final[dict[str, tuple[float, float]]] = {
-    'hull_lift.side_beta': (-math.inf, 0.0),
-    'hull_lift.lift_alpha': (0.0, math.inf),
-}
-NO_CANDIDATE: Final = frozenset(
-    {
-        'battery_sag.voltage', 'ground_effect.radius', 'superheat.slack', 'superheat.lag',
-        'cross_flow.surge', 'cross_flow.sway', 'cross_flow.heave',
-        'ballast.x', 'ballast.y', 'ballast.z', 'payload.x', 'payload.y', 'payload.z',
-        'wind_gradient.x', 'wind_gradient.y', 'wind_gradient.z',
-    }
-)  # fmt: skip
-# Rates are differenced, not trajectories: nothing is lost to rounding.
-STEP: Final = 1e-5  # of what is a part of 1
-FINE: Final = 1e-4  # of the typical size, else
-# Where a finite difference that small would see too few of the jumps that it is about.
-STEPS: Final[dict[str, float]] = {
-    'motor_deadband.threshold': 0.03,
-    'command_delay.delay': 1e-3,
-    'motor_lag': 1e-4,
-}
-FINER: Final[dict[str, float]] = {**STEPS, 'motor_deadband.threshold': 0.004}
-
-
-def _fine(name: str, known: Parameter) -> float:
-    """Return a small step."""
-    usual = STEP if known.unit == '1' and known.null == 1.0 else FINE * known.spread
-    return FINER.get(name, usual)
 
 
 def _of_effect(nominal: Nominal, effect: str) -> Iterator[Knob]:
@@ -258,8 +216,8 @@ def _of_effect(nominal: Nominal, effect: str) -> Iterator[Knob]:
             name,
             known.unit,
             moves,
-            STEPS.get(name, _fine(name, known)),
-            _fine(name, known),
+            first_step(name, known),
+            fine_step(name, known),
             TOLERANCES.get(name, TRIMS.get(name, PARTS.get(effect, 0.0) * abs(now))),
             known.spread,
             low,

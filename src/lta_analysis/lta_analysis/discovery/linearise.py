@@ -16,7 +16,7 @@ from lta_analysis.discovery.nominal import Rows
 from lta_analysis.discovery.readout import reading_slopes
 from lta_analysis.discovery.replay import Ready, Replay, STEPS
 from lta_analysis.discovery.replay_kernel import BODY_PLACES
-from lta_analysis.discovery.sensing import Places, plain, Told, told, tracker_frame
+from lta_analysis.discovery.sensing import in_map, Places, plain, Told, told, tracker_frame
 from lta_analysis.discovery.tangent import carried, moved, transitions, WIDTH
 from lta_analysis.discovery.turning import logarithm, product, reverse
 from lta_analysis.discovery.turns import Met, met, Turn
@@ -59,6 +59,8 @@ class Linearised:
         self.index = np.minimum(steps, len(flight.time) - 1)
         self.time = flight.time[0] + PERIOD * steps
         self._hats = hats(replay.span)
+        # Where gyros see the motion as well, the states' own offsets take up a tilt.
+        self._seen_only = not np.isfinite(flight.noise[POSE:]).any()
         self._sparse = self._hats.reshape(-1, STEPS, KNOTS).mean(axis=1)
 
     def trajectory(self, point: Point, which: slice = slice(None)) -> Array:
@@ -66,9 +68,31 @@ class Linearised:
         rows = self.replay.rows(point.nominal)
         return self._fly(rows, self.replay.ready(rows), point, which)
 
+    def forecast(self, point: Point) -> Array:
+        """
+        Return the states at each step, begun where the tracker says and helped by nothing.
+
+        Parameters
+        ----------
+        point : Point
+            The parameters; its states and latent forces of the pieces are not used.
+
+        Returns
+        -------
+        ndarray, shape (S, span + 1, 13)
+            In the map, whatever the tracker's frame is.
+
+        """
+        rows = self.replay.rows(point.nominal)
+        start = in_map(self.replay.cut.start, rows.acting)
+        latent = np.zeros((len(start), self.replay.span, AXES))
+        return self.replay.fly(rows, self.replay.ready(rows), start, latent)
+
     def _fly(self, rows: Rows, ready: Ready, point: Point, which: slice) -> Array:
         """Return the states at each step of some pieces."""
-        start = moved(self.replay.cut.start[which], point.random[which, :WIDTH])
+        told_at = self.replay.cut.start[which]
+        begun = in_map(told_at, rows.acting) if self._seen_only else told_at
+        start = moved(begun, point.random[which, :WIDTH])
         return self.replay.fly(rows, ready, start, self._latent(point, which, self._hats), which)
 
     def _latent(self, point: Point, which: slice, hats: Array) -> Array:
@@ -163,6 +187,9 @@ class Linearised:
         for k, turn in enumerate(about.turned):
             read = self._read(grid, time, turn, base, exact)[..., :channels]
             table[..., end + 1 + k] = read / (turn.step * noise[:channels])
+            if self._seen_only and turn.after.acting['pose']:
+                begun = begun_by(self.replay.cut.start[which], turn)
+                table[..., end + 1 + k] += np.einsum('sncb,sb->snc', table[..., :WIDTH], begun)
         if channels > POSE:
             own = table.shape[-1] - 1 - len(SENSORS)
             table[:, :, 13, [end, own]] = 1.0 / noise[13]
@@ -261,3 +288,12 @@ class Linearised:
         a, b = (told(grid, time, rows.acting, self.places, exact) for rows in turn[:2])
         turned = logarithm(product(reverse(a.quaternion), b.quaternion))
         return np.concatenate([b.position - a.position, turned, b.readings - a.readings], axis=-1)
+
+
+def begun_by(seen: Array, turn: Turn) -> Array:
+    """Return how the states that a tracker told answer to its frame, shape (S, 12)."""
+    a, b = (in_map(seen, rows.acting) for rows in turn[:2])
+    out = np.zeros((len(seen), WIDTH))
+    out[:, :3] = (b[:, :3] - a[:, :3]) / turn.step
+    out[:, 3:POSE] = logarithm(product(reverse(a[:, 3:7]), b[:, 3:7])) / turn.step
+    return out

@@ -1,4 +1,10 @@
-"""Poses that a tracker mistook: one, two or three in a row that lie far off those around them."""
+"""
+Poses that a tracker mistook: one, two or three in a row that lie far off those around them.
+
+Looked for among the poses as recorded, before they are put on the grid (`measured`): interpolation
+would spread a wrong pose over its neighbours. What is wild on the grid, and single readings of the
+sensors, is told by `outliers`.
+"""
 
 from typing import Final
 

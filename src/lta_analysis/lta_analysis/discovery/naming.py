@@ -33,6 +33,7 @@ WORTH: Final = 1.0  # nats; a glance below it is not followed
 HOPE: Final = 5.0  # nats; nor is a candidate that promises less on all flights together
 HOPELESS: Final = 0.35  # of what the best has won: who promises less is not refitted
 ALIKE: Final = 0.98  # of the cosine of two columns; beyond it one refit stands for both
+UNLIKE: Final = 0.5  # of the same; below it the failure of the one says nothing of the other
 CAPPED: Final = 2.5  # floors; of the deviations that a fit begins with
 
 
@@ -206,18 +207,31 @@ class Naming:
         ranked = sorted(tried, key=lambda name: -tried[name][0].total)
         trials = tuple(tried[name][0] for name in ranked)
         # A lesser candidate is not confirmed by the failure of a better one, unless that fell to
-        # something outside the library.
+        # something outside the library, or its own flights contradict each other.
         close = [trial for trial in trials if trials[0].total - trial.total < TIE]
         fell = False
         for trial in trials:
-            if not trial.accepted or (trial not in close and not fell):
+            if not trial.accepted:
+                continue
+            if trial not in close and not fell and not self._apart(trial, trials, named, fits):
                 continue
             fell = not self._displacing.stands(trial.total, fits, tried[trial.name][1])
             if not fell:
-                others = tuple(other.name for other in close if other is not trial)
+                others = tuple(one.name for one in close if one is not trial and not one.torn)
                 tied = (*glance[trial.name][1], *others)
                 return Step(trials, tied, trial.name), tried[trial.name][1]
         return Step(trials, (), ''), fits
+
+    def _apart(
+        self, trial: Trial, trials: Sequence[Trial], named: tuple[str, ...], fits: Pair
+    ) -> bool:
+        """Tell whether all better candidates are torn, and about something else than this one."""
+        better = [one for one in trials if one.total >= trial.total + TIE]
+        if not trial.both or not all(one.torn for one in better):
+            return False
+        prior, names = shared(self.knobs, named), [trial.name, *(one.name for one in better)]
+        alike = [np.abs(likeness(this.reduced, prior, names, self.knobs))[0, 1:] for this in fits]
+        return bool(np.max(alike) < UNLIKE)
 
     def _trial(self, name: str, named: tuple[str, ...], fits: Pair, then: Pair) -> Trial:
         """Return what all flights say of a candidate."""

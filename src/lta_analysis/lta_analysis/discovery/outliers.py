@@ -3,6 +3,8 @@ Single readings that cannot be: left out, since one wild pose outweighs a whole 
 
 Where a reading is off the cubic through its neighbours by many times the noise, something near it
 is wild. A cubic through the readings around that place, none of which is in doubt, says which.
+Looked for on the grid, by the noise that is known there; poses that a tracker mistook were left
+out before that (`mistaken`).
 """
 
 from dataclasses import replace

@@ -47,6 +47,11 @@ class Outside(NamedTuple):
         """All of it, for people."""
         return sentences(self.remains, self.lines)
 
+    @property
+    def more(self) -> bool:
+        """Whether there is anything, whatever was named."""
+        return self.verdict(()) == 'unexplained'
+
     def verdict(self, named: Sequence[str], undecided: Sequence[str] = ()) -> Verdict:
         """Return the verdict; see `verdict_of`."""
         return verdict_of(named, self.remains, self.rivals, self.lines, undecided)

@@ -1,8 +1,9 @@
 """One measured flight, replayed through the model: everything that a set of parameters decides."""
 
 from dataclasses import dataclass, replace
-from typing import Final, final, NamedTuple
+from typing import Final, final
 
+from lta_analysis.discovery.knob_sets import Turns
 from lta_analysis.discovery.measured import held_means, Measured, PERIOD, Stream
 from lta_analysis.discovery.nominal import Nominal, Rows
 from lta_analysis.discovery.replay_kernel import actuators, body, BODY_LAYOUT, RIGID
@@ -52,37 +53,6 @@ class Ready:
             for part in (self.commands, self.memory, self.wrench)
         )
         return first, second, third
-
-
-@final
-class Turns(NamedTuple):
-    """
-    Knobs, each as two sets of parameters and the step between them.
-
-    Attributes
-    ----------
-    rows, on : ndarray, shape (R, W) and (R, F)
-        The sets: rows and flags of the body's kernel.
-    faced : ndarray of int, shape (R,)
-        Which of what there is to meet (Q of them) each set meets.
-    commands, memory, wrench : ndarray, shape (Q, G, ...)
-        As in `Ready`, by grid period.
-    before, after : ndarray of int, shape (K,)
-        Which sets each knob goes between.
-    steps : ndarray, shape (K,)
-        How far.
-
-    """
-
-    rows: Array
-    on: NDArray[np.uint8]
-    faced: NDArray[np.int64]
-    commands: Array
-    memory: Array
-    wrench: Array
-    before: NDArray[np.int64]
-    after: NDArray[np.int64]
-    steps: Array
 
 
 @final

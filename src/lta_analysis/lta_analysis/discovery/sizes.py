@@ -4,12 +4,14 @@ How large what was named is, and how well that is known.
 The flights' own interval takes the model for exact and its pieces for independent. Neither is
 quite so: an integrator, a command that takes over within a few milliseconds, a sensor's filter are
 off by what no flight of the same vehicle can show. By how much (`WIDER`, `PART`) was found on
-hidden truths.
+hidden truths. What is outside the library follows the motion, and so does not average out over the
+pieces as the latent wrench does that stands for it: beside it every value is known less well.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final
 
+from lta_analysis.discovery.evidence import Fitted
 from lta_analysis.discovery.finding import Learned, NamedEffect
 from lta_analysis.discovery.fit import turned
 from lta_analysis.discovery.knobs import Knob
@@ -23,7 +25,10 @@ Array = NDArray[np.float64]
 
 NORMAL: Final = 1.96  # deviations, of the 95 % interval
 WIDER: Final = 1.3  # factor on the deviations
+BESIDE: Final = 1.5  # the same once more, where something outside the library remains
 PART: Final = 0.01  # of the value, that it is off by at least
+# And by so much, whatever the value: over a flight, half a millisecond of a grid of 40.
+LEAST: Final[Mapping[str, float]] = {'clock_skew.skew': 5e-6}
 
 
 def learned(nominal: Nominal, proven: Proven, known: Sequence[Knob]) -> Nominal:
@@ -39,16 +44,37 @@ def _values(proven: Proven, known: Sequence[Knob]) -> Array:
     return inside
 
 
-def _spread(proven: Proven) -> Array:
-    """Return their standard deviations, with what the model itself may be off by."""
-    found = proven.measured.fitted
-    spread: Array = np.sqrt((WIDER**2) * np.diag(found.covariance) + (PART * found.mean) ** 2)
-    return spread
+def spread(found: Fitted, known: Sequence[Knob], beside: bool) -> Array:
+    """
+    Return standard deviations of knobs, with what the model itself may be off by.
+
+    Parameters
+    ----------
+    found : Fitted
+        The knobs after the data.
+    known : sequence of Knob
+        In their order.
+    beside : bool
+        Whether something remains that is outside the library.
+
+    Returns
+    -------
+    ndarray, shape (K,)
+        In the units of the knobs.
+
+    """
+    wider, count = WIDER * (BESIDE if beside else 1.0), len(known)
+    variance, mean = np.diag(found.covariance)[:count], found.mean[:count]
+    least = np.array([LEAST.get(knob.name, 0.0) for knob in known])
+    out: Array = np.sqrt(wider**2 * variance + (PART * mean) ** 2 + least**2)
+    return out
 
 
-def effects(nominal: Nominal, proven: Proven, known: Sequence[Knob]) -> tuple[NamedEffect, ...]:
-    """Return the effects that were found missing, the strongest first."""
-    values, spread = _values(proven, known), _spread(proven)
+def effects(
+    nominal: Nominal, proven: Proven, known: Sequence[Knob], beside: bool = False
+) -> tuple[NamedEffect, ...]:
+    """Return the effects that were found missing, the strongest first; `beside` as in `spread`."""
+    values, deviations = _values(proven, known), spread(proven.measured.fitted, known, beside)
     by_effect: dict[str, list[int]] = {}
     for name in proven.names:
         k = next(i for i, knob in enumerate(known) if knob.name == name)
@@ -59,7 +85,9 @@ def effects(nominal: Nominal, proven: Proven, known: Sequence[Knob]) -> tuple[Na
         parameters = tuple(
             each
             for k in places
-            for each in _parameters(nominal, known[k], effect, float(values[k]), float(spread[k]))
+            for each in _parameters(
+                nominal, known[k], effect, float(values[k]), float(deviations[k])
+            )
         )
         cost = max(proven.costs[name] for name in names)
         rivals = dict.fromkeys(rival for name in names for rival in proven.rivals[name])

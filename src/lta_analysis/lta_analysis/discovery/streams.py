@@ -94,6 +94,8 @@ def in_duties(told: Streams, nominal: Nominal, provenance: Mapping[str, str]) ->
         give in newtons are taken for newtons: as duties they would hardly turn.
 
     """
+    if told.wrench is not None or not np.any(told.commands.values):
+        return told  # nothing is told to the rotors
     count = told.commands.values.shape[1]
     a, b = (
         np.array([nominal.value('thrust_curve', f'{c}_{i + 1}') for i in range(count)])

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
+from lta_analysis.discovery.classes import Kind, kind_of, same_class
 from lta_analysis.discovery.detectable import detectable
 from lta_analysis.discovery.evidence import floor_of
 from lta_analysis.discovery.finding import (
@@ -27,14 +28,13 @@ from lta_analysis.discovery.replay import Replay
 from lta_analysis.discovery.sensing import floor_pressure, Places
 from lta_analysis.discovery.sizes import effects, learned
 from lta_analysis.discovery.splitting import assigned, Role, ROLES
-from lta_analysis.discovery.windows import windows
+from lta_analysis.discovery.windows import FEWEST, windows
 from lta_config.errors import BadInput
 from lta_sim.vehicle import Vehicle
 
 Progress = Callable[[str, float], None]
 
 FAR: Final = 3.0  # s; the horizon at which the model has to be better than coast
-LEAST: Final = 2  # pieces that each role has to have
 
 
 @final
@@ -159,9 +159,10 @@ def study(
     if not held_out:
         warnings.append('No flight was held out: the gaps are of flights that confirmed.')
     rest = outside(pair, proven.full, floor_of(nominal))
+    says = verdict(proven, rest, differences, kind_of([each for _, _, each in given]))
     finding = Finding(
-        verdict=verdict(proven, rest, differences),
-        effects=effects(nominal, proven, known),
+        verdict=says,
+        effects=effects(nominal, proven, known, rest.more),
         ladder=tuple(_rungs(step) for step in found.steps),
         where=(),
         gaps=tuple(differences),
@@ -202,10 +203,10 @@ def ready(vehicle: Vehicle, flight: Measured, known: Sequence[Knob]) -> Linearis
 def _enough(flown: Sequence[Flown]) -> None:
     """Refuse flights that are too short to say anything."""
     for one in flown:
-        if len(one.flight.replay.first) < LEAST:
+        if len(one.flight.replay.first) < FEWEST:
             raise BadInput(
                 f"The flight '{one.name}' has {len(one.flight.replay.first)} usable pieces of 6 s "
-                f"as '{one.role}'; at least {LEAST} are needed: fly longer, or mend its gaps."
+                f"as '{one.role}'; at least {FEWEST} are needed: fly longer, or mend its gaps."
             )
 
 
@@ -220,11 +221,19 @@ def _rungs(step: Step) -> tuple[Rung, ...]:
     )  # fmt: skip
 
 
-def verdict(proven: Proven, rest: Outside, differences: Sequence[Gap]) -> Verdict:
-    """Return the verdict: what the flights allow to say."""
+def verdict(proven: Proven, rest: Outside, differences: Sequence[Gap], kind: Kind) -> Verdict:
+    """
+    Return the verdict: what the flights allow to say.
+
+    A rival that no flight of this kind could tell from what was named does not put it in question.
+    """
     far = [gap for gap in differences if gap.channel == 'position' and gap.horizon_s == FAR]
     if far and far[0].coast < min(far[0].tuned, far[0].after):
         return 'not_identifiable'
-    if proven.names and all(proven.unlike[name] for name in proven.names):
+    doubted = [
+        any(not same_class(name, one, kind) for one in proven.unlike[name])
+        for name in proven.names
+    ]
+    if doubted and all(doubted):
         return 'not_identifiable'
     return rest.verdict(proven.names)

@@ -14,7 +14,9 @@ from typing import Final, final
 from lta_analysis.discovery.bags import one_vehicle, Recorded, Role
 from lta_analysis.discovery.loud import Cut, without_loud
 from lta_analysis.discovery.measured import GAP, Measured, measured, Stream, Streams
-from lta_analysis.discovery.streams import streams_of, tracker
+from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.streams import in_duties, streams_of, tracker
+from lta_analysis.discovery.windows import FEWEST, windows
 from lta_analysis.trust import clocks, filtered, stamps
 from lta_analysis.trust.finding import Finding
 from lta_analysis.trust.registry import checked
@@ -105,6 +107,8 @@ def believed(flights: Sequence[Recorded], vehicle: Vehicle) -> Believed:
         seconds = _seconds(flight)
         if seconds < SHORTEST:
             warnings.append(f'{one.name}: only {seconds:.0f} s can be used; it is left out.')
+        elif len(windows(flight).first) < FEWEST:
+            warnings.append(f'{one.name}: what can be used is in shreds; it is left out.')
         else:
             usable.append((one.name, one.role, flight))
     _enough(flights, usable, cuts)
@@ -128,7 +132,8 @@ def _streams(one: Recorded, vehicle: Vehicle) -> Streams:
         # A tracker that counts heights from elsewhere says nothing of the floor.
         high = np.median(height[np.isfinite(height)]) if np.isfinite(height).any() else 0.0
         near = floor if high > floor else -np.inf
-        told = streams_of(channels, vehicle.rotor_names, near)
+        recorded = streams_of(channels, vehicle.rotor_names, near)
+        told = in_duties(recorded, Nominal.of(vehicle), one.recording.provenance)
     except BadInput as fault:
         raise BadInput(f'{one.name}: {fault}') from None
     if not np.isfinite(told.pose.values).all(axis=1).any():
@@ -141,7 +146,7 @@ def _streams(one: Recorded, vehicle: Vehicle) -> Streams:
         rate = 1.0 / float(np.median(apart)) if len(apart) else 0.0
         raise BadInput(
             f'{one.name}: the pose comes {rate:.3g} times a second, which is too slow to see what '
-            f'forces do; record it at {1.0 / GAP:.0f} Hz or more.'
+            f'forces do; record it at {np.ceil(1.0 / GAP):.0f} Hz or more.'
         )
     known = np.isfinite(told.commands.values).all(axis=1)
     return replace(told, commands=Stream(told.commands.time[known], told.commands.values[known]))
@@ -159,12 +164,14 @@ def _no_copies(flights: Sequence[Recorded]) -> None:
 
 def _moving(training: Sequence[Streams]) -> None:
     """Refuse commands that are the same all the time, in all training flights."""
-    kinds = [[told.commands for told in training]]
-    kinds.append([told.wrench for told in training if told.wrench is not None])
+    several = ((told.commands, told.wrench, told.mass) for told in training)
     shares = [0.0]
-    for tables in (np.vstack([each.values for each in kind]) for kind in kinds if kind):
-        scale = float(np.abs(tables).max())  # duties, or newtons
-        shares.append(float(tables.std(axis=0).max()) / scale if scale > 0.0 else 0.0)
+    for kind in zip(*several, strict=True):
+        known = [each.values for each in kind if each is not None and len(each.values)]
+        if known:
+            tables = np.vstack(known)
+            scale = float(np.abs(tables).max())  # duties, newtons or metres
+            shares.append(float(tables.std(axis=0).max()) / scale if scale > 0.0 else 0.0)
     if max(shares) < STILL:
         raise BadInput(
             'The commands do not move in any of the training flights: what the vehicle does '

@@ -3,10 +3,11 @@
 from collections.abc import Sequence
 from typing import final, NamedTuple
 
+from lta_analysis.discovery.knob_sets import Turns
 from lta_analysis.discovery.knobs import Knob
 from lta_analysis.discovery.linear import Point
 from lta_analysis.discovery.nominal import Nominal, Rows
-from lta_analysis.discovery.replay import Ready, Replay, Turns
+from lta_analysis.discovery.replay import Ready, Replay
 import numpy as np
 from numpy.typing import NDArray
 

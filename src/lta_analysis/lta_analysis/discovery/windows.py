@@ -19,6 +19,7 @@ LENGTH: Final = 6.0  # s
 AROUND: Final = 0.5  # s; either side of a beginning, for its state
 ENOUGH: Final = 0.6  # of the poses around a beginning
 SHORTEST: Final = 1.0  # s
+FEWEST: Final = 2  # pieces of a flight: one alone tells nothing of the next
 
 
 @final
@@ -88,9 +89,17 @@ def state_at(flight: Measured, index: int, shift: float = 0.0) -> Array | None:
     return np.concatenate([fit[0, :3], here, velocity, fit[1, 3:] / AROUND])
 
 
+def _apart(stretches: list[tuple[int, int]], count: int, shortest: int) -> int:
+    """Return how far apart pieces begin: their length, or less in a short flight."""
+    if sum(len(range(begin, end - shortest, count)) for begin, end in stretches) >= FEWEST:
+        return count
+    longest = max((end - begin for begin, end in stretches), default=0)
+    return max(shortest + 1, min(count, (longest - shortest) // FEWEST + 1))
+
+
 def windows(flight: Measured, length: float = LENGTH, shift: float = 0.0) -> Windows:
     """
-    Cut a flight into pieces.
+    Cut a flight into pieces; one too short for two whole ones into two shorter ones.
 
     Parameters
     ----------
@@ -104,13 +113,16 @@ def windows(flight: Measured, length: float = LENGTH, shift: float = 0.0) -> Win
     """
     count, shortest = round(length / PERIOD), round(SHORTEST / PERIOD)
     first, start, inside = [], [], []
-    for begin, end in _stretches(flight.usable):
-        for index in range(begin, end - shortest, count):
+    stretches = _stretches(flight.usable)
+    apart = _apart(stretches, count, shortest)
+    for begin, end in stretches:
+        for index in range(begin, end - shortest, apart):
             state = state_at(flight, index, shift)
             if state is not None:
                 first.append(index)
                 start.append(state)
-                inside.append(np.arange(index, index + count) < min(end, len(flight.time)) - 1)
+                last = min(index + apart, min(end, len(flight.time)) - 1)
+                inside.append(np.arange(index, index + count) < last)
     return Windows(
         np.array(first, dtype=np.int64),
         count,

@@ -108,23 +108,69 @@ def test_what_is_not_wanted_costs_nothing_and_changes_nothing(
     np.testing.assert_array_equal(some.residual, whole.residual)
 
 
-def test_a_pose_alone_has_the_columns_of_the_pose(
-    gtmab: Known, clean: Linearised, columns: NDArray[np.float64]
-) -> None:
-    flight = clean.replay.flight
-    noise = np.where(np.arange(14) < 6, flight.noise, np.inf)
-    blind = replace(flight, noise=noise)
+@pytest.fixture(scope='module')
+def alone(clean: Linearised) -> Linearised:
+    """The clean flight as a tracker alone has it."""
+    noise = np.where(np.arange(14) < 6, clean.replay.flight.noise, np.inf)
+    blind = replace(clean.replay.flight, noise=noise)
     replay = Replay(blind, clean.replay.cut, load_vehicle('gtmab').command(()))
-    alone = Linearised(replay, clean.knobs, clean.places)
-    point = origin(gtmab[0], gtmab[1], len(replay.first))
+    return Linearised(replay, clean.knobs, clean.places)
+
+
+def test_a_pose_alone_has_the_columns_of_the_pose(
+    gtmab: Known, alone: Linearised, columns: NDArray[np.float64]
+) -> None:
+    point = origin(gtmab[0], gtmab[1], len(alone.replay.first))
     told, left = alone.columns(point)
-    np.testing.assert_array_equal(told[:, :, :6], columns[:, :, :6])
+    names = [knob.name for knob in gtmab[1]]
+    tilts = [RANDOM + k for k, name in enumerate(names) if name.startswith('tracker_mis')]
+    same = np.delete(np.arange(told.shape[-1]), tilts)
+    np.testing.assert_array_equal(told[:, :, :6, same], columns[:, :, :6, same])
     assert not told[:, :, 6:].any()
     known = np.isfinite(left)
     flat = np.where(known[..., None], told, 0.0).reshape(len(told), -1, told.shape[-1])
     np.testing.assert_allclose(
         alone.at(point).grams[:, :-1, :-1], np.swapaxes(flat, 1, 2) @ flat, rtol=1e-9, atol=1e-12
     )
+
+
+@pytest.mark.parametrize('tilt', [0.0, 0.03])
+@pytest.mark.parametrize(
+    'name', ['tracker_misalignment.roll', 'tracker_misalignment.pitch', 'vehicle.mass']
+)
+def test_where_the_tracker_is_tilted_so_is_what_begins_a_piece(
+    gtmab: Known, alone: Linearised, name: str, tilt: float
+) -> None:
+    """The state that a tilted tracker told is turned back before it is flown from."""
+    knobs = gtmab[1]
+    nominal = gtmab[0].with_value('tracker_misalignment', 'pitch', tilt)
+    k = [knob.name for knob in knobs].index(name)
+    still = np.zeros((len(alone.replay.first), RANDOM))
+    column = alone.columns(origin(nominal, knobs, len(still)))[0][..., RANDOM + k]
+    before, after = (_left(alone, knobs[k].turned(nominal, by), still) for by in (-1e-4, 1e-4))
+    assert _differ((before - after) / 2e-4, column) < 0.03  # most of it cancels
+
+
+def test_a_turn_about_the_vertical_moves_nothing(
+    gtmab: Known, alone: Linearised, columns: NDArray[np.float64]
+) -> None:
+    """Without wind nothing says where north is."""
+    k = RANDOM + [knob.name for knob in gtmab[1]].index('tracker_misalignment.yaw')
+    told = alone.columns(origin(gtmab[0], gtmab[1], len(alone.replay.first)))[0][..., k]
+    assert np.abs(told).max() < 1e-4 * np.nanmax(np.abs(columns[:, :, :6, k]))
+
+
+def test_a_tilt_of_the_tracker_leaves_the_first_pose_as_it_was_told(
+    gtmab: Known, alone: Linearised
+) -> None:
+    """A forecast begins where the tracker says, in whatever frame it says so."""
+    first = []
+    for tilt in (0.0, 0.05):
+        nominal = gtmab[0].with_value('tracker_misalignment', 'roll', tilt)
+        point = origin(nominal, gtmab[1], len(alone.replay.first))
+        left = alone.left(alone.forecast(point)[:, ::STEPS], point, nominal.rows())
+        first.append(left[:, 0, :6])
+    np.testing.assert_allclose(first[1], first[0], atol=1e-9)
 
 
 def test_a_turned_row_is_that_of_the_vehicle_built_anew(gtmab: Known) -> None:

@@ -1,6 +1,6 @@
 """What is outside the library gets no name of the library, and is described."""
 
-from lta_analysis.discovery.displacing import acts_on, displaced, partial
+from lta_analysis.discovery.displacing import acts_on, displaced, lesser, partial
 from lta_analysis.discovery.evidence import FLOOR
 from lta_analysis.discovery.knobs import Knob
 from lta_analysis.discovery.linear import origin
@@ -49,6 +49,17 @@ def test_a_part_of_something_larger_is_withdrawn() -> None:
     assert not partial(heave, large, 0.3 * large)  # it was most of it
     assert not partial(heave | yaw, large, large)  # it explains one axis
     assert not partial(np.zeros(6, dtype=np.bool_), large, large)  # it is about a sensor
+
+
+def test_drag_for_a_little_beside_something_large_is_withdrawn() -> None:
+    before = np.array([2.4, 2.5, 3.3, 6.2, 5.4, 0.6])
+    final = np.array([1.1, 2.4, 3.2, 6.2, 5.4, 0.6])
+    surge, none = np.arange(6) == 0, np.zeros(6, dtype=np.bool_)
+    assert lesser('linear_drag.surge', surge, before, final)
+    assert not lesser('linear_drag.surge', surge, before + 2.0 * surge, final)
+    assert lesser('linear_drag.surge', surge, before + 2.0, final + 2.0)  # it hardly changed
+    assert not lesser('net_lift.force', surge, before, final)  # it follows no motion
+    assert not lesser('added_mass.surge', none, before, final)
 
 
 def test_a_knob_acts_where_a_force_could_do_the_same(gtmab: Known, clean: Linearised) -> None:

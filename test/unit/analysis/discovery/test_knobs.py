@@ -2,7 +2,8 @@
 
 import math
 
-from lta_analysis.discovery.knobs import DESIGN, Knob, knobs, NO_CANDIDATE
+from lta_analysis.discovery.candidates import DESIGN, NO_CANDIDATE
+from lta_analysis.discovery.knobs import Knob, knobs
 from lta_analysis.discovery.nominal import Nominal
 from lta_config.files import known
 from lta_sim.effects import EFFECTS

@@ -65,3 +65,27 @@ def test_one_flight_alone_names_nothing() -> None:
     assert not Trial('a', 60.0, -4.0, -6.0, 1.0, 0.2).accepted
     assert not Trial('a', 60.0, 30.0, 20.0, 7.0, 0.3).accepted  # two different values
     assert not Trial('a', 4.0, 4.0, 3.0, 0.0, 0.0).accepted
+
+
+def test_a_candidate_that_loses_on_one_flight_what_it_wins_on_the_other_is_torn() -> None:
+    assert Trial('a', 631.0, -6.0, -9.0, 8.0, 0.9).torn
+    assert Trial('a', -6.0, 631.0, 2.0, 8.0, 0.9).torn
+    assert not Trial('a', 631.0, -2.0, -9.0, 8.0, 0.9).torn  # nothing lost
+    assert not Trial('a', 2.0, -6.0, -9.0, 8.0, 0.9).torn  # nothing won
+    assert Trial('a', 240.0, 227.0, 200.0, 1.0, 0.1).both
+    assert not Trial('a', 240.0, 4.0, 200.0, 1.0, 0.1).both
+
+
+def test_only_what_is_unlike_a_torn_candidate_gets_past_it(gtmab: Known) -> None:
+    nominal, knobs = gtmab
+    pair = tuple([prepared(flown({}, seed, 20.0), knobs)] for seed in (60, 61))
+    naming = Naming(nominal, (pair[0], pair[1]))
+    bare = naming.run().bare
+    torn, sound = (631.0, -6.0, -9.0, 8.0, 0.9), (240.0, 227.0, 200.0, 1.0, 0.1)
+    for name, other, past in (
+        ('linear_drag.surge', 'rotational_drag.yaw', True),
+        ('linear_drag.surge', 'quadratic_drag.surge', False),
+    ):
+        trial, better = Trial(name, *sound), Trial(other, *torn)
+        assert naming._apart(trial, [better, trial], (), bare) == past
+        assert not naming._apart(trial, [better._replace(replicated=9.0), trial], (), bare)

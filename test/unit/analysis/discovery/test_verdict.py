@@ -1,10 +1,21 @@
 """What is said at the end follows from what was named and what is left."""
 
+from lta_analysis.discovery.evidence import Fitted
+from lta_analysis.discovery.knobs import Knob
+from lta_analysis.discovery.naming import Naming
+from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.outside import Outside
+from lta_analysis.discovery.proof import Proven
 from lta_analysis.discovery.rivals import Rival
+from lta_analysis.discovery.sizes import spread
 from lta_analysis.discovery.spectral_line import Line
+from lta_analysis.discovery.study import verdict
 from lta_analysis.discovery.unexplained import Remainder
 from lta_analysis.discovery.verdict import gusty, remains_with, sentences, standing, verdict_of
+import numpy as np
 import pytest
+
+from .hidden_flight import flown, prepared
 
 PITCH = Remainder('pitch', 1.23e-3, 15.4, ('surge speed x yaw rate',), 0.6)
 SURGE = Remainder('surge', 6.2e-3, 15.5, (), 0.03)
@@ -77,3 +88,26 @@ def test_a_rival_says_what_an_axis_follows() -> None:
     assert [one.axis for one in added] == ['pitch', 'heave']
     assert added[1].size == 3e-3
     assert added[1].floors == pytest.approx(7.5)
+
+
+def test_another_word_for_the_same_puts_no_name_in_question(
+    gtmab: tuple[Nominal, list[Knob]],
+) -> None:
+    nominal, known = gtmab
+    flight = prepared(flown({}, 5, 14.0), known)
+    joint = Naming(nominal, ([flight], [flight])).run().bare[0]
+    name, rest = 'net_lift.force', Outside((), (), ())
+    for other, expected in (('ballast.mass', 'named'), ('motor_lag', 'not_identifiable')):
+        rivals = {name: (other,)}
+        proven = Proven((name,), {name: 30.0}, rivals, rivals, joint, joint, joint)
+        assert verdict(proven, rest, [], 'all') == expected
+
+
+def test_a_value_is_known_less_well_beside_what_has_no_name() -> None:
+    base = {'unit': '1', 'moves': {}, 'step': 1e-4, 'fine': 1e-4}
+    known = [Knob('thrust_scale.factor', **base), Knob('clock_skew.skew', **base)]
+    found = Fitted(0.0, np.array([0.2, 3e-5]), np.diag([1e-4, 1e-12]))
+    alone, beside = spread(found, known, False), spread(found, known, True)
+    np.testing.assert_allclose(alone[0], np.sqrt((1.3 * 0.01) ** 2 + 0.002**2), rtol=1e-12)
+    np.testing.assert_allclose(beside[0], np.sqrt((1.95 * 0.01) ** 2 + 0.002**2), rtol=1e-12)
+    assert alone[1] > 5e-6  # half a millisecond in a hundred seconds

@@ -52,7 +52,7 @@ def still(point: Point) -> Point:
 def replayed(flight: Linearised, point: Point) -> Replayed:
     """Return a flight as a model has it; the states and forces of the point are not used."""
     point, rows = still(point), point.nominal.rows()
-    states = flight.trajectory(point)[:, ::STEPS]
+    states = flight.forecast(point)[:, ::STEPS]
     said = told(states, flight.time, rows.acting, flight.places)
     out = ~flight.replay.cut.inside
     position, turn = said.position.copy(), heading_of(said.quaternion)

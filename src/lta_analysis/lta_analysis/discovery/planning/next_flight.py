@@ -165,9 +165,7 @@ def decided(planner: Planner, first: Rival, others: Sequence[Rival], kind: Kind)
     open_ = [other for other in others if other.knob.name not in never][:MOST]
     words = []
     if never:
-        words.append(
-            f'No flight tells {_listed((name, *never))} apart: {advice(name, never, rich)}.'
-        )
+        words.append(_never(name, never, rich))
     if not open_:
         return Next(' '.join(words))
     names = tuple(other.knob.name for other in open_)

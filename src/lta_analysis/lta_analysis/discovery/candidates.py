@@ -1,0 +1,45 @@
+"""
+Which parameters of the registry of effects are candidates, and which go together.
+
+Whatever is declared nowhere here is a candidate by itself, within the bounds of its parameter.
+"""
+
+import math
+from typing import Final
+
+from lta_sim.effects import EFFECTS
+
+# What moves together: one candidate of several parameters.
+TOGETHER: Final[dict[str, tuple[str, ...]]] = {'motor_lag': ('up', 'down')}
+# Absent effects of which one number alone does nothing, with what the rest is taken to be.
+COMPANIONS: Final[dict[str, dict[str, float]]] = {
+    'battery_sag': {'voltage': 3.7, 'sensitivity': 0.0},
+    'ground_effect': {'radius': 0.0225},
+    'superheat': {'lag': 40.0, 'slack': 0.3},
+}
+# These describe what a vehicle was designed to be, or where it flies, not what went missing.
+DESIGN: Final = frozenset(
+    {
+        'rotor_thrust', 'thrust_curve', 'thrust_polynomial', 'weight_and_buoyancy', 'walls',
+        'floor_contact', 'hull_lift', 'strip_damping', 'moving_mass', 'gas_state', 'air_state',
+        'turbulence', 'gusts', 'wind_profile', 'rotor_envelope_interaction', 'ceiling_effect',
+    }
+)  # fmt: skip
+# Of those, what may well be off where a vehicle has them: numbers that were fitted to flights.
+FITTED: Final[dict[str, tuple[str, ...]]] = {
+    'hull_lift': tuple(known.name for known in EFFECTS['hull_lift'].parameters[2:]),
+    'moving_mass': ('mass', 'x', 'z'),
+}
+# What physics says of the sign of a coefficient: side force and lift act against the flow.
+SIGNS: Final[dict[str, tuple[float, float]]] = {
+    'hull_lift.side_beta': (-math.inf, 0.0),
+    'hull_lift.lift_alpha': (0.0, math.inf),
+}
+NO_CANDIDATE: Final = frozenset(
+    {
+        'battery_sag.voltage', 'ground_effect.radius', 'superheat.slack', 'superheat.lag',
+        'cross_flow.surge', 'cross_flow.sway', 'cross_flow.heave',
+        'ballast.x', 'ballast.y', 'ballast.z', 'payload.x', 'payload.y', 'payload.z',
+        'wind_gradient.x', 'wind_gradient.y', 'wind_gradient.z',
+    }
+)  # fmt: skip
