@@ -173,9 +173,10 @@ def streams_of(
     missing = [name for name in rotors if f'{COMMAND}{name}' not in channels]
     wrench = _wrench(channels) if missing else None
     if missing and wrench is None:
+        there = [name.removeprefix(COMMAND) for name in channels if name.startswith(COMMAND)]
         raise BadInput(
             f"The recording has no command of {', '.join(missing)} in 'motors', and no "
-            f"'wrench_command'; the vehicle file has the rotors {', '.join(rotors)}. Name the "
+            f"'wrench_command'; it commands {', '.join(sorted(there)) or 'nothing'}. Name the "
             'vehicle that flew with --vehicle, and its rotors as its file does.'
         )
     if missing:
