@@ -137,10 +137,7 @@ def _streams(one: Recorded, vehicle: Vehicle) -> Streams:
     except BadInput as fault:
         raise BadInput(f'{one.name}: {fault}') from None
     if not np.isfinite(told.pose.values).all(axis=1).any():
-        raise BadInput(
-            f'{one.name}: no pose is whole, all have a NaN or a quaternion of length 0; record '
-            'it again.'
-        )
+        raise BadInput(f'{one.name}: no pose is whole (NaN, quaternions of 0); record it again.')
     apart = np.diff(told.pose.time)
     if len(apart) < 2 or np.median(apart) > GAP:
         rate = 1.0 / float(np.median(apart)) if len(apart) else 0.0
