@@ -21,6 +21,11 @@ def test_ctrl_c_tears_no_queue_apart():
 
     launcher = Launcher(LaunchPlan(()), lambda name, line: None)
     launcher._watch = SimpleNamespace(events=SimpleNamespace(get=get), fault=None)
-    with pytest.raises(KeyboardInterrupt):
-        launcher.wait(0.25)
+    # A shell that put the tests into the background has Ctrl-C ignored.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            launcher.wait(0.25)
+    finally:
+        signal.signal(signal.SIGINT, before)
     assert whole == [0.25]
