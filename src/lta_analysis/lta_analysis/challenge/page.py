@@ -49,7 +49,7 @@ def page(scored: Scored, folder: Path) -> str:
         figures=_table(['figure', 'share', 'wanted', 'met'], figure_lines(cases)),
         matrix=_table(*matrix_lines(cases)),
         outside=_table(
-            ['kind', 'what', 'written', 'cases', 'unexplained', 'named'], outside_lines(cases)
+            ['kind', 'what', 'cases', 'unexplained', 'named'], outside_lines(cases)
         ),
         wrong=_table(['case', 'row', 'kind', 'hidden', 'named'], wrong_lines(cases)),
         facts={

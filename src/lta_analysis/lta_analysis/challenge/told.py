@@ -95,8 +95,7 @@ def outside_lines(cases: Sequence[Judged]) -> list[list[str]]:
         if own:
             flagged = sum(one.flagged for one in own)
             wrong = sum(bool(one.wrong) for one in own)
-            when = 'late' if kind.late else 'early'
-            out.append([name, kind.about, when, str(len(own)), str(flagged), str(wrong)])
+            out.append([name, kind.about, str(len(own)), str(flagged), str(wrong)])
     return out
 
 
@@ -173,7 +172,7 @@ def _row(name: str, cases: Sequence[Judged], seeds: Sequence[str]) -> list[str]:
     """Return what is told of one row."""
     heads, lines = matrix_lines(cases)
     bands = ['sigma', 'exact', 'wrong', 'silent']
-    outside = ['kind', 'what', 'written', 'cases', 'unexplained', 'named']
+    outside = ['kind', 'what', 'cases', 'unexplained', 'named']
     parts = [
         f'## {name.capitalize()}: {ROWS[name].about}',
         f'{len(cases)} cases: {", ".join(seeds)}.',

@@ -67,9 +67,8 @@ def test_what_is_outside_comes_to_the_strength_that_was_drawn() -> None:
     )
 
 
-def test_half_of_what_is_outside_was_written_late() -> None:
+def test_what_is_outside_is_known_to_the_truth_alone() -> None:
     assert len(OUTSIDE) >= 8
-    assert 2 * sum(kind.late for kind in OUTSIDE.values()) >= len(OUTSIDE)
     assert set(STRANGE) == {*OUTSIDE, *STRUCTURED} == set(composed().strange)
     for name, kind in STRANGE.items():
         assert kind.effect.name == name

@@ -2,8 +2,7 @@
 What no library has: kinds of forces that are hidden to see whether they are called unexplained.
 
 One file a kind, written as an effect so that the truth can be composed of it; none is registered,
-so that no model knows it. `late` marks those that were written after the algorithm that is put to
-the test had been settled on.
+so that no model knows it.
 """
 
 from collections.abc import Mapping
@@ -44,15 +43,12 @@ class Outside:
         What it is, in words.
     usual : mapping of str to pair of float
         Between which its parameters are drawn; its size is then set by what it comes to.
-    late : bool
-        Whether it was written after the algorithm was settled on.
 
     """
 
     effect: WrenchEffect
     about: str
     usual: Mapping[str, tuple[float, float]]
-    late: bool = False
 
 
 OUTSIDE: Final[dict[str, Outside]] = {
@@ -80,28 +76,23 @@ OUTSIDE: Final[dict[str, Outside]] = {
         'a flap that opens one way',
         {'size': (0.002, 0.006), 'lever': (2.0, 10.0)},
     ),
-    'layers': Outside(
-        layers.EFFECT, 'air in layers', {'size': (0.004, 0.01), 's': (0.15, 0.5)}, late=True
-    ),
-    'blown_fin': Outside(blown_fin.EFFECT, 'a fin in the jet', {'size': (0.03, 0.1)}, late=True),
+    'layers': Outside(layers.EFFECT, 'air in layers', {'size': (0.004, 0.01), 's': (0.15, 0.5)}),
+    'blown_fin': Outside(blown_fin.EFFECT, 'a fin in the jet', {'size': (0.03, 0.1)}),
     'skin': Outside(
         skin.EFFECT,
         'a skin with hysteresis',
         {'size': (0.0005, 0.002), 's': (0.03, 0.3)},
-        late=True,
     ),
     'gondola': Outside(
         gondola.EFFECT,
         'a gondola on springs',
         {'size': (0.002, 0.006), 'f': (4.0, 9.0), 'damping': (0.03, 0.15)},
-        late=True,
     ),
-    'sticking': Outside(sticking.EFFECT, 'a rotor that sticks', {'size': (0.2, 0.5)}, late=True),
+    'sticking': Outside(sticking.EFFECT, 'a rotor that sticks', {'size': (0.2, 0.5)}),
     'magnet': Outside(
         magnet.EFFECT,
         'a magnet aboard',
         {'size': (0.0005, 0.002), 'north': (-3.1, 3.1)},
-        late=True,
     ),
 }
 # What every flight of the row 'structured' has, of either sign.
