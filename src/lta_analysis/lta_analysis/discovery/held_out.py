@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 from lta_analysis.discovery.evidence import own_variance, Pieces
 from lta_analysis.discovery.finding import Gap
 from lta_analysis.discovery.fit import Joint, turned
-from lta_analysis.discovery.gap import coasting
+from lta_analysis.discovery.gap import coasting, HORIZONS
 from lta_analysis.discovery.linear import Linear, Point, RANDOM
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.measured import CHANNELS, PERIOD
@@ -25,7 +25,6 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-HORIZONS: Final = (1.0, 2.0, 3.0, 5.0)  # s
 LEARNED: Final = 0.25  # of the pieces of a flight, by which its own errors are known
 LEARNED_MOST: Final = 4
 DRAWS: Final = 2000  # of the bootstrap

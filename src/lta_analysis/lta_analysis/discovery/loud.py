@@ -4,13 +4,13 @@ from dataclasses import dataclass, replace
 from typing import Final, final
 
 from lta_analysis.discovery.measured import Measured
+from lta_analysis.discovery.noise import HALF
 import numpy as np
 
 LOUD: Final = 3.0  # times the usual noise
 SECOND: Final = 25  # points of the grid
 FEW: Final = 6
 THIRD: Final = 20.0**0.5  # of third differences by that of the values
-HALF: Final = 0.6745  # median of the size of white noise
 CHANNEL: Final = {6: 12, 7: 13}  # of CHANNELS by column of the readings
 
 

@@ -8,6 +8,7 @@ sensors, is told by `outliers`.
 
 from typing import Final
 
+from lta_analysis.discovery.noise import HALF
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
@@ -43,6 +44,6 @@ def mistaken(poses: Array) -> NDArray[np.bool_]:
         return out
     whole = poses[known]
     off = np.abs(whole - median_filter(whole, size=(AROUND, 1), mode='nearest'))
-    usual = np.median(off, axis=0) / 0.6745
+    usual = np.median(off, axis=0) / HALF
     out[known] = (off > np.maximum(CLEAR * usual, LEAST)).any(axis=1)
     return out

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+HALF: Final = 0.6745  # median of the size of white noise, in its deviations
 # What no sensor is better than, by channel: m, rad, rad/s, m/s2, m, Pa.
 LEAST: Final = np.array([5e-4] * 3 + [1e-3] * 3 + [3e-4] * 3 + [3e-3] * 3 + [1e-3, 0.3])
 # A tracker whose noise seems smaller by that factor was filtered: what the filter did to motion
@@ -32,7 +33,7 @@ def noise_of(values: Array) -> float:
     third = third[np.isfinite(third)]
     if len(third) < 8:
         return np.inf
-    return float(np.median(np.abs(third)) / 0.6745 / np.sqrt(20.0))
+    return float(np.median(np.abs(third)) / HALF / np.sqrt(20.0))
 
 
 def pose_noise(poses: Array) -> tuple[Array, float]:
