@@ -111,7 +111,7 @@ def test_pid_stays_within_its_limits(signals, limit, dt):
 @given(angle, angle, number, number, st.floats(0.0, 3.0))
 def test_course_never_asks_for_more_than_the_setpoint(nose, wanted, surge, sway, speed):
     gains = load_gains('gtmab')
-    measured = Measured(0.5, 0.0, nose, 0.0, surge, sway)
+    measured = Measured(0.5, 0.0, nose, 0.0, surge, sway, 0.0)
     heading, asked, along, _ = course(gains, measured, Setpoint(0.5, wanted, speed))
     assert 0.0 <= asked <= speed
     assert abs(wrap(heading - wanted)) <= gains.drift_limit + 1e-12
@@ -121,15 +121,17 @@ def test_course_never_asks_for_more_than_the_setpoint(nose, wanted, surge, sway,
 @given(angle, angle, number, number, st.floats(0.0, 3.0))
 def test_course_is_the_same_mirrored(nose, wanted, surge, sway, speed):
     gains = load_gains('gtmab')
-    left = course(gains, Measured(0.5, 0.0, nose, 0.0, surge, sway), Setpoint(0.5, wanted, speed))
+    left = course(
+        gains, Measured(0.5, 0.0, nose, 0.0, surge, sway, 0.0), Setpoint(0.5, wanted, speed)
+    )
     right = course(
-        gains, Measured(0.5, 0.0, -nose, 0.0, surge, -sway), Setpoint(0.5, -wanted, speed)
+        gains, Measured(0.5, 0.0, -nose, 0.0, surge, -sway, 0.0), Setpoint(0.5, -wanted, speed)
     )
     assert right == pytest.approx((-left[0], left[1], left[2], left[3]), abs=1e-12)
 
 
 @given(
-    st.tuples(st.floats(-1.0, 5.0), number, angle, number, number, number),
+    st.tuples(st.floats(-1.0, 5.0), number, angle, number, number, number, number),
     st.tuples(st.floats(0.0, 5.0), angle, st.floats(0.0, 3.0)),
 )
 def test_duties_are_what_the_rotors_accept(measured, setpoint):

@@ -39,7 +39,7 @@ def velocity(estimate: Estimate) -> Vector:
     return surge, sway, (climb - (ux * surge + uy * sway)) / uz if uz > LEVEL else climb
 
 
-def measured(attitude: Quaternion, altitude: float, speed: Vector, yaw_rate: float) -> Measured:
+def measured(attitude: Quaternion, altitude: float, speed: Vector, rates: Vector) -> Measured:
     """
     Return what the cascade acts on.
 
@@ -51,8 +51,8 @@ def measured(attitude: Quaternion, altitude: float, speed: Vector, yaw_rate: flo
         Of the hull centre above the floor. [m]
     speed : tuple
         Air-relative velocity, body frame. [m/s]
-    yaw_rate : float
-        About body z. [rad/s]
+    rates : tuple
+        About the body axes. [rad/s]
 
     """
     ux, uy, uz = up_in_body(attitude)
@@ -60,9 +60,10 @@ def measured(attitude: Quaternion, altitude: float, speed: Vector, yaw_rate: flo
         altitude=altitude,
         climb=ux * speed[0] + uy * speed[1] + uz * speed[2],
         heading=heading(attitude),
-        yaw_rate=yaw_rate,
+        yaw_rate=rates[2],
         speed=speed[0],
         sway=speed[1],
+        pitch_rate=rates[1],
     )
 
 

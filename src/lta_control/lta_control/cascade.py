@@ -2,7 +2,8 @@
 The cascaded controller of the paper: position loops outside, velocity loops inside.
 
 Altitude -> climb rate -> vertical force; heading -> yaw rate -> yaw moment; forward airspeed ->
-surge force with the drag at the wanted speed fed forward. All pure functions of scalars and
+surge force with the drag at the wanted speed fed forward, and a share of the pitch rate, since
+what pushes below the hull also pitches it. All pure functions of scalars and
 tuples: memory in, memory out.
 """
 
@@ -40,6 +41,16 @@ class CascadeGains(Settings):
         ..., 'Angle of the nose against sideways drift.', unit='rad s/m', low=0.0, high=20.0
     )
     drift_limit: float = setting(..., 'Largest such angle.', unit='rad', low=0.0, high=1.5)
+    speed_limit: float = setting(
+        ..., 'Largest forward airspeed; faster, the hull may rise.', unit='m/s', low=0.01, high=5.0
+    )
+    swing_gain: float = setting(
+        ...,
+        'Surge force against the pitch rate: rotors below the hull stop its swing.',
+        unit='N s/rad',
+        low=-1.0,
+        high=1.0,
+    )
 
 
 class Measured(NamedTuple):
@@ -51,6 +62,7 @@ class Measured(NamedTuple):
     yaw_rate: float  # [rad/s]
     speed: float  # forward airspeed [m/s]
     sway: float  # airspeed to the left [m/s]
+    pitch_rate: float  # nose down [rad/s]
 
 
 class Setpoint(NamedTuple):
@@ -136,7 +148,8 @@ def course(
     lean = min(max(gains.drift_gain * across, -gains.drift_limit), gains.drift_limit)
     heading = setpoint.heading - moving * lean
     error = abs(wrap(heading - measured.heading))
-    speed = setpoint.speed * max(0.0, 1.0 - error / gains.turn_first)
+    wanted = min(setpoint.speed, gains.speed_limit)
+    speed = wanted * max(0.0, 1.0 - error / gains.turn_first)
     return heading, speed, along, cos
 
 
@@ -204,6 +217,7 @@ def cascade_step(
         dt,
     )
     surge += drag_force(surge_drag[0], surge_drag[1], speed)
+    surge += gains.swing_gain * measured.pitch_rate
     return Demand(surge, heave, yaw), CascadeMemory(
         climb_memory, rate_memory, speed_memory, climbing, turning, speeding
     )

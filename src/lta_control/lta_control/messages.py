@@ -94,7 +94,7 @@ def to_measured(message: Odometry) -> Measured | None:
         attitude_of(message),
         message.pose.pose.position.z,
         (linear.x, linear.y, linear.z),
-        angular.z,
+        (angular.x, angular.y, angular.z),
     )
 
 

@@ -67,7 +67,7 @@ class Onboard(NamedTuple):
     """Everything that the drone's estimator and controller remember."""
 
     estimate: Estimate = Estimate()
-    measured: Measured = Measured(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    measured: Measured = Measured(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     guided: bool = False  # whether there is a setpoint yet
     setpoint: Setpoint = Setpoint(0.0, 0.0, 0.0)
     control: ControlMemory = ControlMemory()
@@ -96,7 +96,7 @@ def onboard_step(drone: Drone, memory: Onboard, heard: Heard, scratch: Scratch) 
         inputs = Inputs(heard.rates, heard.force, heard.range, heard.pressure, memory.duties)
         estimate = estimator_step(drone.estimator, drone.body, estimate, inputs, drone.dt)
     height, speed = estimate.altitude.height, velocity(estimate)
-    measured = measured_of(estimate.attitude, height, speed, estimate.rates[2])
+    measured = measured_of(estimate.attitude, height, speed, estimate.rates)
     stopped = memory.stopped or _must_stop(drone, memory, estimate, measured)
     control, duties = drone.fresh, NONE
     standing = landed(measured, memory.setpoint, drone.body.standing_height)

@@ -223,7 +223,7 @@ class Pilot:
 
 
 def _measured(motion: Motion) -> Measured:
-    return measured_of(motion.attitude, motion.position[2], motion.velocity, motion.rates[2])
+    return measured_of(motion.attitude, motion.position[2], motion.velocity, motion.rates)
 
 
 def _rest_place(vehicle: Vehicle) -> Vector:

@@ -9,8 +9,8 @@ none, or that moves a mass to pitch, takes the pitch at which it is fastest:
     F_x(thrust) + F_x(air, v, p) >= 0,   F_z(thrust) + F_z(air, v, p) = weight less buoyancy
 
 in the map, with no yaw moment, and no moment at all where nothing rights the vehicle. And it must
-not tumble (`limits.tumble_speed`). Control, turbulence and eddies in the lee of things take more
-away: what flies is found by flying.
+not tumble (`limits.tumble_speed`), nor rise (`rise_speed`). Control, turbulence and eddies in the
+lee of things take more away: what flies is found by flying.
 """
 
 from collections.abc import Callable
@@ -34,6 +34,7 @@ FASTEST = 60.0  # m/s; bound of the winds
 FINE = 1e-4  # m/s
 HEADINGS = tuple(math.radians(15 * k) for k in range(24))
 PITCHES = tuple(math.radians(3 * k) for k in range(-27, 28))
+LEANS = tuple(math.radians(0.5 * k) for k in range(-60, 61))  # of a hull that hangs free
 NOT_AIR = ('weight_and_buoyancy', 'net_lift', 'helium_leak', 'superheat', 'moving_mass')
 
 Array = NDArray[np.float64]
@@ -139,8 +140,40 @@ def _largest(
     return low
 
 
-def _balanced(vehicle: Vehicle, model: Model, speed: float, pitch: float) -> bool:
-    """Tell whether some thrusts hold a speed at a pitch."""
+def rise_speed(vehicle: Vehicle) -> float:
+    """
+    Return the airspeed along body x above which a hull that hangs free rises. [m/s]
+
+    Rotors below the hull that push it on lift its nose, until the weight holds against them and
+    against the moment of a hull across its way, (A_z - A_x) u w (Munk 1924), A the added mass.
+    Then they push upwards as well, and no rotor that blows upwards can hold against that: only
+    what it is heavier than air. Where jets collide (`aero.coupling`) it is not known, and infinite
+    as where nothing rises.
+
+    """
+    if vehicle.file.hull.shape == 'none' or vehicle.file.moving_mass or vehicle.file.aero.coupling:
+        return math.inf
+    model = vehicle.model()
+
+    def holds(speed: float) -> bool:
+        return any(_balanced(vehicle, model, speed, lean, free=True) for lean in LEANS)
+
+    return _largest(holds, 0.0, thrust_speed(vehicle), 0.005)
+
+
+def _hanging(vehicle: Vehicle, speed: float, pitch: float) -> float:
+    """Return the moment of the weight and of the added mass, nose down, at a pitch. [N m]"""
+    x, _, z = vehicle.cg
+    along, _, upright, *_ = vehicle.added_mass
+    c, s = math.cos(pitch), math.sin(pitch)
+    weight = vehicle.mass * STANDARD_GRAVITY
+    return float(weight * (c * x + s * z) + (upright - along) * speed * speed * s * c)
+
+
+def _balanced(
+    vehicle: Vehicle, model: Model, speed: float, pitch: float, *, free: bool = False
+) -> bool:
+    """Tell whether some thrusts hold a speed at a pitch, at which the hull may hang free."""
     columns, tops = [], []
     for rotor in vehicle.rotors:
         columns.append(_turned(np.array(rotor.column), pitch))
@@ -153,6 +186,9 @@ def _balanced(vehicle: Vehicle, model: Model, speed: float, pitch: float) -> boo
     balance[2] += vehicle.heaviness * STANDARD_GRAVITY
     # A righting weight, or a mass that is moved, sees to roll and pitch; a little bank to sway.
     axes = [1, 2, 3, 4, 5] if vehicle.file.hull.shape == 'none' else [2, 5]
+    if free:
+        balance[4] -= _hanging(vehicle, speed, pitch)
+        axes = [2, 4, 5]
     wrench = np.array(columns).T
     found = linprog(
         -wrench[0], A_eq=wrench[axes], b_eq=balance[axes], bounds=[(0.0, top) for top in tops]
@@ -165,7 +201,7 @@ def static_limit(vehicle: Vehicle) -> float:
     speed = thrust_speed(vehicle)
     if vehicle.file.hull.shape == 'none':
         return speed  # its rotors keep it upright, at any speed
-    return min(speed, limits.tumble_speed(vehicle))
+    return min(speed, limits.tumble_speed(vehicle), rise_speed(vehicle))
 
 
 def share_at_hull(vehicle: Vehicle, height: float, reference: float, roughness: float) -> float:

@@ -14,4 +14,6 @@ GAINS = CascadeGains(
     turn_first=0.6,
     drift_gain=1.5,
     drift_limit=0.7,
+    speed_limit=1.0,
+    swing_gain=0.2,
 )

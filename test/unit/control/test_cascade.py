@@ -21,7 +21,9 @@ import pytest
 
 from .round_gains import GAINS
 
-AT_REST = Measured(altitude=0.5, climb=0.0, heading=0.0, yaw_rate=0.0, speed=0.0, sway=0.0)
+AT_REST = Measured(
+    altitude=0.5, climb=0.0, heading=0.0, yaw_rate=0.0, speed=0.0, sway=0.0, pitch_rate=0.0
+)
 HOLD = Setpoint(altitude=0.5, heading=0.0, speed=0.0)
 NONE = Demand(0.0, 0.0, 0.0)
 DT = 0.01

@@ -72,7 +72,7 @@ def test_control_compiles():
     slow_memory = fast_memory = ControlMemory()
     scratch = np.full(SCRATCH, math.nan)
     for _ in range(300):
-        measured = Measured(*generator.normal(0.3, 0.5, 6).tolist())
+        measured = Measured(*generator.normal(0.3, 0.5, 7).tolist())
         setpoint = Setpoint(*generator.normal(0.4, 0.4, 3).tolist())
         slow, slow_memory = control_step(
             GAINS, rotors, drag, slow_memory, measured, setpoint, 0.01, new_scratch()

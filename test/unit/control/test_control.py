@@ -13,7 +13,9 @@ import pytest
 from .round_gains import GAINS
 
 ROTORS = rotors_of(load_vehicle('gtmab'))
-AT_REST = Measured(altitude=0.5, climb=0.0, heading=0.0, yaw_rate=0.0, speed=0.0, sway=0.0)
+AT_REST = Measured(
+    altitude=0.5, climb=0.0, heading=0.0, yaw_rate=0.0, speed=0.0, sway=0.0, pitch_rate=0.0
+)
 HOLD = Setpoint(0.5, 0.0, 0.0)
 
 
@@ -96,7 +98,7 @@ def test_every_axis_is_told_its_own_shortfall():
     ],
 )
 def test_landed_is_standing_and_asked_to_be_no_higher(altitude, climb, asked, down):
-    measured = Measured(altitude, climb, 0.0, 0.0, 0.0, 0.0)
+    measured = Measured(altitude, climb, 0.0, 0.0, 0.0, 0.0, 0.0)
     assert landed(measured, Setpoint(asked, 1.0, 0.0), 0.42) is down
 
 

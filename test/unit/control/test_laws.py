@@ -114,7 +114,7 @@ def test_the_cascade_among_the_laws_is_the_cascade():
     after = once(made, constants, motion, setpoint)
     duties, memory = control_step(
         load_gains('gtmab'), rotors_of(vehicle), surge_drag_of(vehicle), ControlMemory(),
-        measured(motion.attitude, 0.4, motion.velocity, 0.2), setpoint, DT, new_scratch(),
+        measured(motion.attitude, 0.4, motion.velocity, motion.rates), setpoint, DT, new_scratch(),
     )  # fmt: skip
     assert after == type(after)(Command(duties, (0.0, 0.0, 0.0)), memory)
 

@@ -65,10 +65,11 @@ def wind(
     """
     Tell the wind that each platform can fly in: uniform, and as reference wind over rough ground.
 
-    Static: the airspeed that the rotors hold at constant height and heading, and at which the
-    hull does not tumble. Flown: the largest wind, from the lamp to the start, in which the drone
-    still makes way to the lamp with every seed, told to fly at the best of several airspeeds;
-    only platforms that have a control law fly.
+    Static: the airspeed that the rotors hold at constant height and heading, at which the hull
+    does not tumble, and at which it does not rise, nose up, whatever its rotors do. Flown: the
+    largest wind, from the lamp to the start, in which the drone still makes way to the lamp with
+    every seed, told to fly at the best of several airspeeds; only platforms that have a control
+    law fly.
 
     A wind over rough ground is what a weather service would measure at the reference height; the
     hull meets the part that the log law leaves at its own. Near the roughness itself that law is
@@ -119,13 +120,13 @@ def keep(target: Path, content: dict[str, object], found: Sequence[Limits], aske
 
 def table(found: Sequence[Limits], asked: Asked) -> list[list[str]]:
     """Return the table as text, its first row the head; winds in m/s."""
-    head = ['', 'thrust', 'tumbles', 'even', 'flown']
+    head = ['', 'thrust', 'tumbles', 'rises', 'even', 'flown']
     for z in asked.roughness:
         head += [f'z0 {z:g}', 'flown']
     rows = [head]
     for each in found:
-        row = [each.name, speed(each.thrust), speed(each.tumble), speed(each.static)]
-        row.append(flight(each.flown))
+        held = (each.thrust, each.tumble, each.rise, each.static)
+        row = [each.name, *map(speed, held), flight(each.flown)]
         for over in each.over:
             row += [speed(over.static), flight(over.flown)]
         rows.append(row)

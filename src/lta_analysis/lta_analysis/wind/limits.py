@@ -56,8 +56,8 @@ class Limits:
         The vehicle.
     height : float
         Of its hull centre in flight. [m]
-    thrust, tumble, static : float
-        Airspeed that the rotors hold, at which it tumbles, and the less of the two.
+    thrust, tumble, rise, static : float
+        Airspeed that the rotors hold, at which it tumbles and at which it rises, and the least.
     flown : Flyable or None
         By flight in uniform wind.
     over : tuple of Over
@@ -71,6 +71,7 @@ class Limits:
     height: float
     thrust: float
     tumble: float
+    rise: float
     static: float
     flown: Flyable | None
     over: tuple[Over, ...]
@@ -111,8 +112,9 @@ def measured(asked: Asked, name: str, tick: Callable[[], None]) -> Limits:
         nothing = tuple(
             Over(z, _share(vehicle, height, asked, z), 0.0, None) for z in asked.roughness
         )
-        return Limits(name, height, 0.0, 0.0, 0.0, None, nothing, str(error))
+        return Limits(name, height, 0.0, 0.0, 0.0, 0.0, None, nothing, str(error))
     tumble = math.inf if vehicle.file.hull.shape == 'none' else limits.tumble_speed(vehicle)
+    rise = wind_limits.rise_speed(vehicle)
     note = '' if math.isfinite(thrust) else 'its known drag sets no limit below 60 m/s.'
     flight = _flight(asked, name, height) if asked.fly else None
     if asked.fly and flight is None:
@@ -130,9 +132,8 @@ def measured(asked: Asked, name: str, tick: Callable[[], None]) -> Limits:
     for z in asked.roughness:
         share = _share(vehicle, height, asked, z)
         over.append(Over(z, share, static / share, flown(Ground(z, asked.reference), share)))
-    return Limits(
-        name, height, thrust, tumble, static, flown(Ground(None), 1.0), tuple(over), note
-    )  # fmt: skip
+    even = flown(Ground(None), 1.0)
+    return Limits(name, height, thrust, tumble, rise, static, even, tuple(over), note)
 
 
 def _share(vehicle: Vehicle, height: float, asked: Asked, roughness: float) -> float:
@@ -183,7 +184,7 @@ def to_json(found: Sequence[Limits], asked: Asked) -> dict[str, Any]:
         'vehicles': [plain(asdict(each)) for each in found],
         'units': {
             'height': 'm', 'reference_height': 'm', 'roughness': 'm', 'share': '1',
-            'thrust': 'm/s', 'tumble': 'm/s', 'static': 'm/s', 'wind': 'm/s',
+            'thrust': 'm/s', 'tumble': 'm/s', 'rise': 'm/s', 'static': 'm/s', 'wind': 'm/s',
             'airspeed': 'm/s', 'fine': 'm/s',
         },
     }  # fmt: skip

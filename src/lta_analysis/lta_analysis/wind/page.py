@@ -41,8 +41,9 @@ CAPTION: Final = (
     'roughness, towards the right, the log law is a surrogate only: compare several.'
 )
 METHOD: Final = (
-    'By numbers: the lesser of the airspeed that the rotors hold at constant height and heading, '
-    'and the one above which the hull tumbles. Flown: the most wind, from the lamp to the start, '
+    'By numbers: the least of the airspeed that the rotors hold at constant height and heading, '
+    'the one above which the hull tumbles, and the one above which it rises: rotors below it lift '
+    'its nose, and then push it up. Flown: the most wind, from the lamp to the start, '
     'in which the drone still makes way to the lamp by its own gains, told the best of several '
     'airspeeds; in brackets, how much more was too much. None: no way in the least wind that was '
     'tried. A dash: there is no such limit, or it was not flown.'
@@ -101,7 +102,8 @@ def tiles(found: Sequence[Limits]) -> list[Tile]:
     made = []
     for each in found:
         numbers = speed(each.static)
-        cause = 'tumbling' if each.tumble < each.thrust else 'thrust'
+        causes = {each.thrust: 'thrust', each.tumble: 'tumbling', each.rise: 'rising'}
+        cause = causes[min(causes)]
         why = f'{cause} allows {numbers}' if math.isfinite(each.static) else 'no known limit'
         if each.flown is None:
             known = math.isfinite(each.static)
@@ -141,11 +143,17 @@ def table_html(found: Sequence[Limits], asked: Asked) -> str:
     """Return all limits, each ground with its two columns."""
     grounds = ['uniform wind', *(f'over {z:g} m of roughness' for z in asked.roughness)]
     top = ''.join(f'<th scope="colgroup" colspan="2">{name}</th>' for name in grounds)
-    heads = ['platform', 'hull at [m]', 'rotors hold [m/s]', 'tumbles above [m/s]']
+    heads = [
+        'platform',
+        'hull at [m]',
+        'rotors hold [m/s]',
+        'tumbles above [m/s]',
+        'rises above [m/s]',
+    ]
     heads += ['by numbers [m/s]', 'flown [m/s]'] * len(grounds)
     lines = []
     for each in found:
-        cells = [f'{each.height:.2f}', speed(each.thrust), speed(each.tumble)]
+        cells = [f'{each.height:.2f}', *map(speed, (each.thrust, each.tumble, each.rise))]
         cells += [speed(each.static), flight(each.flown)]
         for over in each.over:
             cells += [speed(over.static), flight(over.flown)]
@@ -154,7 +162,7 @@ def table_html(found: Sequence[Limits], asked: Asked) -> str:
     second = ''.join(f'<th scope="col">{head}</th>' for head in heads)
     return (
         '<table class="limits"><caption class="hidden">Flyable wind of each platform</caption>'
-        f'<thead><tr class="grounds"><td colspan="4"></td>{top}</tr><tr>{second}</tr></thead>'
+        f'<thead><tr class="grounds"><td colspan="5"></td>{top}</tr><tr>{second}</tr></thead>'
         f'<tbody>{"".join(lines)}</tbody></table>'
     )
 

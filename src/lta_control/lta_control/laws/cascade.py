@@ -46,7 +46,7 @@ def step(
         constants.rotors,
         constants.surge_drag,
         memory.control,
-        measured(motion.attitude, motion.position[2], motion.velocity, motion.rates[2]),
+        measured(motion.attitude, motion.position[2], motion.velocity, motion.rates),
         heard.setpoint,
         heard.dt,
         scratch,
