@@ -11,7 +11,7 @@ from lta_control import carried
 from lta_control.allocation import new_scratch
 from lta_control.attitude import heading
 from lta_control.autopilot import drone_of, MEMORY
-from lta_control.cascade import wrap
+from lta_control.cascade import Setpoint, wrap
 from lta_control.estimator import EstimatorSettings
 from lta_control.gains_file import load_gains
 from lta_control.mission import MissionSettings, Phase
@@ -226,6 +226,29 @@ def test_it_hovers_at_the_altitude_it_is_told():
     # The range's own offset, up to 20 mm, is what it cannot know.
     assert np.mean(heights[-1000:]) == pytest.approx(0.8, abs=0.021)
     assert np.ptp(heights[-1000:]) < 0.02
+
+
+@pytest.mark.parametrize(('gain', 'calm'), [(None, True), (0.0, False)])
+def test_the_forward_rotors_keep_the_hull_from_swinging(gain, calm):
+    """The last 20 s of a minute of cruise; without their help it swings up by itself."""
+    scenario = load_scenario('hall')
+    table, gains = topic_table(), load_gains('gtmab')
+    if gain is not None:
+        gains = gains.model_copy(update={'swing_gain': gain})
+    world = World(load_vehicle('gtmab', scenario.air.density), scenario, table, 1)
+    loop = Loop(
+        world,
+        table,
+        Policy(strategy('bag'), gains, course=lambda time: Setpoint(0.6, 0.0, 0.6)),
+    )
+    tilts = []
+    while world.elapsed < 60.0:
+        loop.step()
+        x, y = world.state[3], world.state[4]
+        tilts.append(math.acos(1.0 - 2.0 * (x * x + y * y)))
+    last = np.degrees(tilts[-2000:])
+    assert (last.std() < 0.3) == calm
+    assert (last.max() > 10.0) != calm
 
 
 def with_rotors(path, change):

@@ -142,7 +142,7 @@ class Cut:
         heard = self.sensed(state, past)
         estimate = estimator_step(drone.estimator, drone.body, memory.estimate, heard, drone.dt)
         height, speed = estimate.altitude.height, velocity(estimate)
-        measured = measured_of(estimate.attitude, height, speed, estimate.rates[2])
+        measured = measured_of(estimate.attitude, height, speed, estimate.rates)
         demand, cascade = cascade_step(
             drone.gains,
             drone.surge_drag,
