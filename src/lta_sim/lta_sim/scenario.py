@@ -19,6 +19,7 @@ from pydantic import AliasChoices, Field, model_validator
 Point = Annotated[Quantity, si('m', low=-1000.0, high=1000.0, length=3)]
 Efficacy = Annotated[Quantity, si('lm/W', above=0.0, high=MOST_EFFICACY)]
 Fraction = Annotated[Quantity, si('1', low=0.0, high=1.0)]
+NOT_HELD = Quantity(value=0.0, unit='s')
 
 
 class RoomShape(Record):
@@ -55,12 +56,13 @@ class AmbientScene(Record):
 
 
 class Start(Record):
-    """Where and how the drone stands before take-off."""
+    """Where and how the drone stands before take-off; a hand may hold it there for a while."""
 
     position: Annotated[Quantity, si('m', low=-1000.0, high=1000.0, length=2)]
     heading: Annotated[Quantity, si('rad')]
     heading_spread: Annotated[Quantity, si('rad', low=0.0, high=math.pi)]
     charge: Fraction
+    held: Annotated[Quantity, si('s', low=0.0, high=3600.0)] = NOT_HELD
 
 
 class Goal(Record):

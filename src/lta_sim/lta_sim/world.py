@@ -33,6 +33,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 # New ones go to the end: the place in this list is part of the seed.
+STILL = np.zeros(RIGID)  # how the state of a drone changes that is held
 STREAMS = ('start', 'imu', 'range', 'pressure', 'photodiodes', 'battery', 'panel', 'turbulence')
 SENSED = ('pressure', 'photodiodes', 'battery', 'ground_truth/odom', 'illuminance')
 
@@ -101,6 +102,7 @@ class World:
         self._imu_place = _three(sensors.imu_position.vector)
         self._range_place = _three(sensors.range_position.vector)
         self._referee = Referee(scenario)
+        self._held = scenario.start.held.si
         self._rotors = len(self.vehicle.reversible)
 
     def _act_on_measurement(self) -> Mapping[str, Chain]:
@@ -154,6 +156,11 @@ class World:
         return self.steps * self._control_ns * 1e-9
 
     @property
+    def held(self) -> bool:
+        """Whether a hand still holds the drone where it stands."""
+        return self.elapsed < self._held
+
+    @property
     def distance(self) -> float:
         """Horizontal distance from the hull centre to the lamp. [m]."""
         return self._referee.distance(float(self.state[0]), float(self.state[1]))
@@ -189,7 +196,8 @@ class World:
         """Return what the estimator waits for: IMU, range and pressure."""
         readings = Readings(self.stamp_ns)
         self._craft.look()
-        readings.force, readings.rates = self._imu.read(self.state, self._craft.rate, self.elapsed)
+        rate = STILL if self.held else self._craft.rate
+        readings.force, readings.rates = self._imu.read(self.state, rate, self.elapsed)
         if self.steps == 0:
             self._sense_range(self.stamp_ns)
         readings.ranges, self._ranges = self._ranges, []
@@ -282,7 +290,10 @@ class World:
     def _integrate(self, span_ns: int) -> None:
         """Move on so many nanoseconds of the present command."""
         steps = -(-span_ns // stiffness.STEP_NS)
+        place = self.state[:RIGID].copy()
         self._craft.advance(span_ns * 1e-9 / steps, steps)
+        if self.held:  # motors, gas and eddies go on
+            self.state[:RIGID] = place
 
     def _ahead(self, span_ns: int) -> Array:
         """Return the state after so many nanoseconds of the present command."""

@@ -2,6 +2,7 @@
 
 import math
 
+from lta_config.constants import STANDARD_GRAVITY
 from lta_sim import messages
 from lta_sim.around import memory_at_start
 from lta_sim.effects import initial_memory, turbulence
@@ -110,3 +111,18 @@ def test_solid_walls_hold_the_drone_and_open_ones_do_not():
     # 0.13 N of drag on 100 N/m.
     assert -4.52 < solid.state[0] < -4.45
     assert solid.state[2] < 3.0 - 0.2
+
+
+def test_a_hand_holds_the_drone_until_it_lets_go():
+    """In 0.6 m/s of wind it stays, its sensors at rest; then friction alone does not hold it."""
+    wind = {'value': [-0.6, 0.0, 0.0], 'unit': 'm/s'}
+    world = build(scene={'air/wind': wind, 'start/held': '2 s'})
+    begun = world.state[:RIGID].copy()
+    while world.held:
+        readings = world.sense()
+        assert readings.force == pytest.approx((0.0, 0.0, STANDARD_GRAVITY), abs=0.3)
+        world.advance((0.0,) * 4)
+    np.testing.assert_array_equal(world.state[:RIGID], begun)
+    assert world.elapsed == pytest.approx(2.0)
+    fly(world, 200, (0.0,) * 4)
+    assert world.state[0] < begun[0] - 0.05

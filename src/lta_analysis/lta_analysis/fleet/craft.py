@@ -98,6 +98,11 @@ def check(vehicle: Vehicle, scenario: Scenario, policy: Policy) -> Model:
         )
     if policy.course is not None or scenario.course is not None:
         raise BadInput('A batch flies to the lamp, not along a course; leave --device out.')
+    if scenario.start.held.si > 0.0:
+        raise BadInput(
+            f'A batch lets go of the drone at once, and the scenario {scenario.name} holds it for '
+            f'{scenario.start.held.si:g} s; leave --device out.'
+        )
     if scenario.wind_file is not None:
         raise BadInput(
             f'A batch does not know recorded wind, which the scenario {scenario.name} has; leave '
