@@ -61,6 +61,8 @@ class Rotors(NamedTuple):
         Thrust limits by slot. [N]
     lowest_heave : float
         Strongest push downwards by the rotors that point up. [N]
+    sink : float
+        Heave that comes with a newton of surge from the rotors that push on. [N/N]
     a, b : tuple of float
         Thrust curve T = a u^2 + b u by slot, u = duty (paper section on thrust). [N]
     reverse : tuple of float
@@ -79,6 +81,7 @@ class Rotors(NamedTuple):
     b: PerRotor
     reverse: PerRotor = ALIKE
     weights: Wrench = WEIGHTS
+    sink: float = 0.0
 
 
 def new_scratch() -> list[float]:

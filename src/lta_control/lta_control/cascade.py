@@ -13,6 +13,8 @@ from typing import NamedTuple
 from lta_config.settings import setting, Settings
 from lta_control.pid import pid_step, PidGains
 
+SOON = 1.0  # s; how far ahead a climb counts as height
+LEAST_PUSH = 0.3
 SLOPE_TIME = 0.1  # s; noise of the rates against delay of the derivative terms
 
 
@@ -43,6 +45,13 @@ class CascadeGains(Settings):
     drift_limit: float = setting(..., 'Largest such angle.', unit='rad', low=0.0, high=1.5)
     speed_limit: float = setting(
         ..., 'Largest forward airspeed; faster, the hull may rise.', unit='m/s', low=0.01, high=5.0
+    )
+    rise_limit: float = setting(
+        ...,
+        'Height above the wanted one at which the push forward is given up.',
+        unit='m',
+        low=0.05,
+        high=100.0,
     )
     swing_gain: float = setting(
         ...,
@@ -157,6 +166,7 @@ def cascade_step(
     gains: CascadeGains,
     surge_drag: tuple[float, float],
     lowest_heave: float,
+    sink: float,
     memory: CascadeMemory,
     measured: Measured,
     setpoint: Setpoint,
@@ -174,6 +184,8 @@ def cascade_step(
         Linear [N s/m] and quadratic [N s2/m2] drag along body x, for the feed-forward.
     lowest_heave : float
         Strongest push downwards that the rotors have; 0 where gravity alone brings it down. [N]
+    sink : float
+        Heave that comes with a newton of surge, negative where jets draw the hull down. [N/N]
     memory : CascadeMemory
         From the last step.
     measured, setpoint : Measured, Setpoint
@@ -184,18 +196,6 @@ def cascade_step(
         Time since the last step. [s]
 
     """
-    climb = gains.altitude_kp * (setpoint.altitude - measured.altitude)
-    climb = _within(climb, gains.climb_limit)
-    climbing = slope_step(memory.climbing, measured.climb, dt)
-    kp, ki, kd, low, high = pid_gains(gains.climb)
-    heave, climb_memory = pid_step(
-        (kp, ki, kd, max(lowest_heave, low), high),
-        memory.climb,
-        climb - measured.climb,
-        climbing.rate,
-        shortfall.heave,
-        dt,
-    )
     heading, speed, along, share = course(gains, measured, setpoint)
     rate = _within(gains.heading_kp * wrap(heading - measured.heading), gains.yaw_rate_limit)
     turning = slope_step(memory.turning, measured.yaw_rate, dt)
@@ -217,10 +217,35 @@ def cascade_step(
         dt,
     )
     surge += drag_force(surge_drag[0], surge_drag[1], speed)
+    surge *= _down(gains, measured, setpoint)
     surge += gains.swing_gain * measured.pitch_rate
+    climb = gains.altitude_kp * (setpoint.altitude - measured.altitude)
+    climb = _within(climb, gains.climb_limit)
+    climbing = slope_step(memory.climbing, measured.climb, dt)
+    kp, ki, kd, low, high = pid_gains(gains.climb)
+    lowest = lowest_heave + min(sink * surge, 0.0)
+    heave, climb_memory = pid_step(
+        (kp, ki, kd, max(lowest, low), high),
+        memory.climb,
+        climb - measured.climb,
+        climbing.rate,
+        shortfall.heave,
+        dt,
+    )
     return Demand(surge, heave, yaw), CascadeMemory(
         climb_memory, rate_memory, speed_memory, climbing, turning, speeding
     )
+
+
+def _down(gains: CascadeGains, measured: Measured, setpoint: Setpoint) -> float:
+    """
+    Return the share of the surge force that is left to a drone above its altitude.
+
+    Pushed from below, a hull leans back and is lifted by what pushes it. Height goes first: above
+    it winds are stronger, and nothing but weight brings the drone down again.
+    """
+    above = measured.altitude - setpoint.altitude + SOON * measured.climb
+    return min(max(1.0 - above / gains.rise_limit, LEAST_PUSH), 1.0)
 
 
 def _within(value: float, limit: float) -> float:

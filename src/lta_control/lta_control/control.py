@@ -66,6 +66,7 @@ def control_step(
         gains,
         surge_drag,
         rotors.lowest_heave,
+        rotors.sink,
         memory.cascade,
         measured,
         setpoint,

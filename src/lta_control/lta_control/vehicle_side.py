@@ -41,7 +41,15 @@ def rotors_of(vehicle: Vehicle, weights: Wrench = WEIGHTS) -> Rotors:
         b=b,
         reverse=cast('PerRotor', reverse + ALIKE[len(reverse) :]),
         weights=weights,
+        sink=_sink(vehicle),
     )
+
+
+def _sink(vehicle: Vehicle) -> float:
+    """Return the heave that comes with a newton of surge from the rotors that push on. [N/N]"""
+    pushing = [column for column in vehicle.allocation if column[0] > 0.5]
+    surge = sum(column[0] for column in pushing)
+    return sum(column[2] for column in pushing) / surge if pushing else 0.0
 
 
 def _reverse(rotor: Unit) -> float:

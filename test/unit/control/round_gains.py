@@ -15,5 +15,6 @@ GAINS = CascadeGains(
     drift_gain=1.5,
     drift_limit=0.7,
     speed_limit=1.0,
+    rise_limit=0.5,
     swing_gain=0.2,
 )

@@ -31,8 +31,8 @@ DT = 0.01
 
 def ask(measured=AT_REST, setpoint=HOLD, memory=None, shortfall=NONE, gains=GAINS, **more):
     drag, lowest = more.get('drag', (0.0, 0.092)), more.get('lowest', -10.0)
-    memory = memory or CascadeMemory()
-    return cascade_step(gains, drag, lowest, memory, measured, setpoint, shortfall, DT)
+    memory, sink = memory or CascadeMemory(), more.get('sink', 0.0)
+    return cascade_step(gains, drag, lowest, sink, memory, measured, setpoint, shortfall, DT)
 
 
 def test_where_it_should_be_it_does_nothing():
@@ -52,6 +52,38 @@ def test_too_high_is_pushed_down_only_as_far_as_the_rotors_can():
     assert ask(AT_REST._replace(altitude=0.6))[0].heave == pytest.approx(-0.03)
     assert ask(AT_REST._replace(altitude=0.6), lowest=0.0)[0].heave == 0.0
     assert ask(AT_REST._replace(altitude=0.6), lowest=-0.01)[0].heave == -0.01
+
+
+def test_jets_that_draw_the_hull_down_are_let_to_where_it_is_too_high():
+    """0.5 m/s asks 0.15 * 0.5 + 0.092 * 0.25 N of surge, limited to 0.05 + 0.023 N."""
+    low = AT_REST._replace(altitude=0.55)
+    demand, _ = ask(low, HOLD._replace(speed=0.5), lowest=0.0, sink=-0.1)
+    share = 1.0 - 0.05 / 0.5
+    assert demand.surge == pytest.approx(share * (0.05 + 0.092 * 0.25))
+    assert demand.heave == pytest.approx(max(-0.5 * 0.6 * 0.05, -0.1 * demand.surge))
+    assert ask(low, HOLD._replace(speed=0.5), lowest=0.0, sink=0.1)[0].heave == 0.0
+
+
+def test_height_goes_before_speed():
+    """Above its altitude, or about to be, it is pushed less, down to 0.3; below, as ever."""
+    ahead = HOLD._replace(speed=0.5)
+    whole = ask(setpoint=ahead)[0].surge
+    for altitude, climb, share in (
+        (0.5, 0.1, 0.8), (0.7, 0.0, 0.6), (0.7, -0.2, 1.0), (0.9, 0.0, 0.3), (9.0, 0.0, 0.3),
+        (0.1, 0.0, 1.0),
+    ):  # fmt: skip
+        measured = AT_REST._replace(altitude=altitude, climb=climb)
+        assert ask(measured, ahead)[0].surge == pytest.approx(share * whole), altitude
+
+
+def test_a_swing_is_stopped_by_the_surge():
+    """Nose going down at 0.3 rad/s: rotors below the hull push on, 0.2 N s/rad of it."""
+    assert ask(AT_REST._replace(pitch_rate=0.3))[0].surge == pytest.approx(0.06)
+
+
+def test_no_more_speed_is_asked_for_than_the_hull_bears():
+    fast = course(GAINS, AT_REST, HOLD._replace(speed=3.0))
+    assert fast == course(GAINS, AT_REST, HOLD._replace(speed=GAINS.speed_limit))
 
 
 def test_climb_rate_is_damped_and_limited():

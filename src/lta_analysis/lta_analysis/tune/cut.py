@@ -147,6 +147,7 @@ class Cut:
             drone.gains,
             drone.surge_drag,
             drone.rotors.lowest_heave,
+            drone.rotors.sink,
             memory.control.cascade,
             measured,
             memory.setpoint,
