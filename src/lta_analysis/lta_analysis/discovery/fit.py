@@ -30,6 +30,7 @@ ROUNDS: Final = 12
 # Factors on the variance of the noise, where the whole step of Gauss-Newton makes things worse.
 DOUBTS: Final = (4.0, 30.0, 300.0, 3e3, 3e4, 3e5, 3e6)
 BROKEN: Final = 2.0  # of the misfit that was promised; beyond it shorter steps are looked at too
+LEAP: Final = 1e3  # nats; a step that wins more has yet to arrive, and counts as no round
 RAN_AWAY: Final = 'The model runs away from the flight; begin with a vehicle file nearer to it.'
 WORSE: Final = 1.0  # in minus twice the log density; by which a step may be
 
@@ -207,13 +208,15 @@ class Fitter:
             About the last point but one, where flying the last kept what was promised there.
 
         """
-        last = self.settled(begin, prior, deviations)
-        for count in range(2, rounds + 1):
+        last, count = self.settled(begin, prior, deviations), 1
+        while count < rounds:
             step = self._step(last)
             if step is None or step.kept < 2.0 * rest:
                 break
-            now = self.settled(self.about(step.at, step.points), prior, last.deviations, count)
+            there = self.about(step.at, step.points)
+            now = self.settled(there, prior, last.deviations, last.rounds + 1)
             rests = last.group.aligned and step.whole and abs(now.evidence - last.evidence) < rest
+            count += now.evidence - last.evidence < LEAP or last.rounds > 3 * ROUNDS
             last = now
             if rests:
                 break

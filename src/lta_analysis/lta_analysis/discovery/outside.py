@@ -78,5 +78,6 @@ def outside(pair: Sequence[Sequence[Linearised]], full: Joint, floor: Array) -> 
     left = remaining(pair, [members[side] for side in sides], floor)
     flights = [*pair[0], *pair[1]]
     residuals = [linear.residual for linear in full.group.linears]
-    seen = lines(residuals, [each.replay.flight.noise for each in flights])
+    times = [each.time for each in flights]
+    seen = lines(residuals, times, [each.replay.flight.noise for each in flights])
     return Outside(tuple(remains_with(left, rivals, floor)), rivals, tuple(seen))
