@@ -6,7 +6,7 @@ in what is left over.
 """
 
 from collections.abc import Sequence
-from typing import final, NamedTuple
+from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.finding import Verdict
 from lta_analysis.discovery.fit import Joint
@@ -20,6 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+FOLLOWED: Final = 300.0  # floors; a model that has to be helped by more does not follow the flight
 
 
 @final
@@ -51,6 +53,11 @@ class Outside(NamedTuple):
     def more(self) -> bool:
         """Whether there is anything, whatever was named."""
         return self.verdict(()) == 'unexplained'
+
+    @property
+    def held(self) -> bool:
+        """Whether it is what remains of flights that the model follows at all."""
+        return self.more and all(one.floors < FOLLOWED for one in self.remains)
 
     def verdict(self, named: Sequence[str]) -> Verdict:
         """Return the verdict; see `verdict_of`."""

@@ -31,7 +31,8 @@ SURE: Final = 0.01  # chance that noise shows in one flight what another one has
 HALF: Final = np.log(2.0)  # median of the power of noise, by its mean
 SPREAD: Final = 1.3  # windows make neighbours alike, levels are drawn as well
 STEPS: Final = 2  # of a bin of a whole flight
-UNITS: Final = ('m',) * 3 + ('rad',) * 3 + ('rad/s',) * 3 + ('m/s2',) * 3 + ('m', 'Pa')
+UNITS: Final = ('m',) * 3 + ('rad',) * 3 + ('rad/s',) * 3 + ('m/s2',) * 3
+LOOKED_AT: Final = CHANNELS[: len(UNITS)]  # range and pressure tell of floor and weather as well
 
 
 @final
@@ -42,7 +43,7 @@ class Line(NamedTuple):
     Attributes
     ----------
     channel : str
-        Of CHANNELS.
+        Of LOOKED_AT.
     hertz : float
         Frequency. [Hz]
     amplitude : float
@@ -60,7 +61,7 @@ class Line(NamedTuple):
     @property
     def unit(self) -> str:
         """Of the amplitude."""
-        return UNITS[CHANNELS.index(self.channel)]
+        return UNITS[LOOKED_AT.index(self.channel)]
 
 
 @final
@@ -186,7 +187,9 @@ def _first(seen: Sequence[Spectrum], strength: Array) -> int | None:
     return int(np.argmax(np.where(strength >= 0.999 * strength.max(), product, 0.0)))
 
 
-def lines(residuals: Sequence[Array], times: Sequence[Array], noise: Sequence[Array]) -> list[Line]:
+def lines(
+    residuals: Sequence[Array], times: Sequence[Array], noise: Sequence[Array]
+) -> list[Line]:
     """
     Return the lines that all flights show, at most one a channel, the strongest first.
 
@@ -202,13 +205,13 @@ def lines(residuals: Sequence[Array], times: Sequence[Array], noise: Sequence[Ar
     """
     out = []
     size = max(round((each.max() - each.min()) / PERIOD) + 1 for each in times)
-    for k, channel in enumerate(CHANNELS):
+    for k, channel in enumerate(LOOKED_AT):
         if not all(np.isfinite(level[k]) for level in noise):
             continue
         series = [each[:, :, k] for each in residuals]
         long = [whole(one, time, size) for one, time in zip(series, times, strict=True)]
         short = [spectrum(one) for one in series]
-        for seen, at in ((short, _averaged(short)), (long, _steady(long))):
+        for seen, at in ((long, _steady(long)), (short, _averaged(short))):
             if at is not None:
                 out.append(_line(channel, seen, at, [level[k] for level in noise]))
                 break
