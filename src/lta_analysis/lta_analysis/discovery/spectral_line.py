@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 MEDIANS: Final = 5.0  # over its neighbours, of the pieces of all flights
 EACH: Final = 3.0  # the same, of those of each flight
 CHANCE: Final = 1e-4  # that noise has a line, of all frequencies of a channel
-NEIGHBOURS: Final = 4.0  # Hz, of the mean of pieces
+NEIGHBOURS: Final = 2.5  # Hz, of the mean of pieces
 BESIDE: Final = 1.0  # Hz, of a whole flight, whose bins are many
 LOWEST: Final = 0.5  # Hz; below it the knots follow
 KNOWN: Final = 0.9  # of the readings of a piece
@@ -96,8 +96,10 @@ def _levelled(hertz: Array, power: Array, pieces: int, wide: float) -> Spectrum:
     """Return the frequencies that count, with their level."""
     use = hertz >= LOWEST
     size = max(3, round(wide / (hertz[1] - hertz[0]))) | 1
-    level = median_filter(power[use], size, mode='reflect')
-    return Spectrum(hertz[use], power[use], level, pieces)
+    # Below the lowest there may be more, of noise with a colour, or less, where knots have it.
+    below = median_filter(power, size, mode='reflect')[use]
+    above = median_filter(power[use], size, mode='reflect')
+    return Spectrum(hertz[use], power[use], np.maximum(below, above), pieces)
 
 
 def _flat(pieces: Array) -> Array:
