@@ -4,9 +4,9 @@ Whether a candidate of the library stands against what is outside of it.
 A candidate that was confirmed may still be the nearest word for something that has none. Signs of
 that: a generic rival explains clearly more (more at all, where the candidate is a coefficient of
 motion, the word for whatever follows the motion), and leaves little for the candidate to say; or,
-when all is named, large forces that follow something remain: on every axis on which the candidate
-acts, or beside a coefficient of motion that explained something much smaller; or anything remains
-and the candidate has won little.
+when all is named, large forces that follow something remain: on the very axes on which the
+candidate acts, or beside a coefficient of motion that explained something much smaller; or
+anything remains, and the candidate has won little.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,6 +22,7 @@ from lta_analysis.discovery.standing import Standing
 from lta_analysis.discovery.tangent import WIDTH
 from lta_analysis.discovery.unexplained import CLEAR, remaining
 from lta_analysis.discovery.verdict import standing
+from lta_sim.effects.protocol import AXES as NAMES
 import numpy as np
 from numpy.typing import NDArray
 
@@ -34,6 +35,7 @@ BESIDE: Final = 11.0  # nats; that a candidate has to win beside such a rival ..
 HALF: Final = 0.5  # ... and of what it wins without
 SMALL: Final = 1.0  # floors; forces that no rival needs to explain
 LOUD: Final = 4.0  # floors; of what remains, to put in question what was named
+FOLLOWS: Final = 0.3  # of the variance of what remains; gusts have come to 0.2
 FAINT: Final = 24.0  # nats; a name that won less is none beside anything that remains
 MOST: Final = 0.4  # of a deviation; what may remain where a candidate was most of it
 LESSER: Final = 0.5  # of the largest that remains; what a coefficient of motion has to explain
@@ -182,29 +184,24 @@ class Displacing:
         final = self._floors(last)
         if not history or final.max() <= CLEAR:
             return ()
-        linear, loud = last[0].group.linears[0], final.max() > LOUD and self._structured(last)
-        fits = [*(before for _, before in history), last]
-        return tuple(
-            name
-            for (name, before), then in zip(history, fits[1:], strict=True)
-            if won(before, then) < FAINT
-            or (
-                loud
-                and self._gone(
-                    name, acts_on(linear, name, self._floor), self._floors(before), final
-                )
-            )
-        )
+        linear, structured = last[0].group.linears[0], np.zeros(AXES, dtype=np.bool_)
+        if final.max() > LOUD:
+            structured = self._structured(last)
+        fits, gone = [*(before for _, before in history), last], []
+        for (name, before), then in zip(history, fits[1:], strict=True):
+            acts, floors = acts_on(linear, name, self._floor), self._floors(before)
+            part = (acts & structured).any() and partial(acts, floors, final)
+            less = structured.any() and lesser(name, acts, floors, final)
+            if won(before, then) < FAINT or part or less:
+                gone.append(name)
+        return tuple(gone)
 
-    @staticmethod
-    def _gone(name: str, acts: NDArray[np.bool_], before: Array, final: Array) -> bool:
-        """Tell whether a name is withdrawn."""
-        return partial(acts, before, final) or lesser(name, acts, before, final)
-
-    def _structured(self, fits: Pair) -> bool:
-        """Tell whether what remains follows something, as gusts do not."""
+    def _structured(self, fits: Pair) -> NDArray[np.bool_]:
+        """Tell on which axes what remains follows something, as gusts do not, shape (6,)."""
         left = remaining(self._flights, [each.members for each in fits], self._floor)
-        return any(one.follows for one in left) or bool(standing(self._found(fits)))
+        axes = {one.axis for one in left if one.carried > FOLLOWS}
+        axes |= {axis for one in standing(self._found(fits)) for axis in one.axes}
+        return np.array([axis in axes for axis in NAMES])
 
     def _found(self, fits: Pair) -> tuple[Rival, ...]:
         """Return the rivals on some fits."""

@@ -26,6 +26,7 @@ EACH: Final = 3.0  # nats; that a rival has to win on every flight
 ALONE: Final = 20.0  # nats; or on one, where the other has nothing against it: as rare as that
 AGAINST: Final = -3.0  # nats; a rival that loses more than that is contradicted
 QUIET: Final = 0.5  # of the least of surge and sway; what the other axes stay below in gusts
+LINES: Final = 3  # that are told; what swings shows in many channels
 LEVEL: Final = ('surge', 'sway')
 SAID: Final = {
     'x': 'the place along x', 'y': 'the place along y', 'z': 'the height',
@@ -165,7 +166,7 @@ def sentences(remains: Sequence[Remainder], lines: Sequence[Line] = ()) -> tuple
         out.append(f'gusts: a surge and a sway force that follow nothing, {sizes}')
         rest = [one for one in rest if one.axis not in LEVEL]
     out += [sentence(one) for one in rest]
-    for line in lines:
+    for line in lines[:LINES]:
         size = f'{line.amplitude:.2g} {line.unit}'
         out.append(f'an oscillation of {SAID[line.channel]} at {line.hertz:.1f} Hz, {size}')
     return tuple(out)
