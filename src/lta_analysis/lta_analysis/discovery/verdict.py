@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 WORTH: Final = 12.0  # nats; of a rival on both flights
 EACH: Final = 3.0  # nats; that a rival has to win on every flight
 ALONE: Final = 20.0  # nats; or on one, where the other has nothing against it: as rare as that
-AGAINST: Final = -3.0  # nats; a rival that loses more than that is contradicted
+AGAINST: Final = 3.0  # nats; a rival that loses more than that is contradicted
 QUIET: Final = 0.5  # of the least of surge and sway; what the other axes stay below in gusts
 LINES: Final = 3  # that are told; what swings shows in many channels
 LEVEL: Final = ('surge', 'sway')
@@ -53,8 +53,8 @@ def telling(rivals: Sequence[Rival]) -> list[Rival]:
         one
         for one in rivals
         if one in standing([one])
-        or (one.gain > ALONE and one.carried > AGAINST)
-        or (max(one.confirmed, one.carried) > ALONE and one.gain > AGAINST)
+        or (one.gain > ALONE and one.carried > -AGAINST)
+        or (max(one.confirmed, one.carried) > ALONE and one.gain > -AGAINST)
     ]
 
 

@@ -1,7 +1,10 @@
 """What is outside the library gets no name of the library, and is described."""
 
-from lta_analysis.discovery.displacing import acts_on, bar, displaced, lesser, partial
-from lta_analysis.discovery.evidence import FLOOR
+from dataclasses import replace
+
+from lta_analysis.discovery.displacing import acts_on, bar, displaced, Displacing, lesser, partial
+from lta_analysis.discovery.evidence import FLOOR, own_variance, shared
+from lta_analysis.discovery.fit import Fitter
 from lta_analysis.discovery.knobs import Knob
 from lta_analysis.discovery.linear import origin
 from lta_analysis.discovery.linearise import Linearised
@@ -58,6 +61,24 @@ def test_a_part_of_something_larger_is_withdrawn() -> None:
     assert not partial(heave, large, 0.3 * large)  # it was most of it
     assert not partial(heave | yaw, large, large)  # it explains one axis
     assert not partial(np.zeros(6, dtype=np.bool_), large, large)  # it is about a sensor
+
+
+def test_a_name_that_won_little_is_withdrawn_beside_anything(
+    gtmab: Known, clean: Linearised
+) -> None:
+    nominal, knobs = gtmab
+    fitter = Fitter(nominal, [clean], own_variance(knobs), FLOOR)
+    begin = origin(nominal, knobs, len(clean.replay.first))
+    joint = fitter.fit(shared(knobs), fitter.about(begin.values, [begin]), FLOOR, rounds=1)
+    displacing = Displacing(([clean], [clean]), FLOOR)
+
+    def gone(won: float, floors: float) -> tuple[str, ...]:
+        then = replace(joint, evidence=joint.evidence + 0.5 * won, deviations=floors * FLOOR)
+        return displacing.withdrawn([('helium_leak.rate', (joint, joint))], (then, then))
+
+    assert gone(20.0, 3.0) == ('helium_leak.rate',)
+    assert gone(20.0, 2.0) == ()  # nothing remains
+    assert gone(28.0, 3.0) == ()  # it won enough
 
 
 def test_drag_for_a_little_beside_something_large_is_withdrawn() -> None:
