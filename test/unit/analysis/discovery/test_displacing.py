@@ -14,6 +14,7 @@ from lta_analysis.discovery.outside import outside
 from lta_analysis.discovery.proof import Proof
 from lta_sim.effects.protocol import AXES as NAMES
 import numpy as np
+import pytest
 
 from .hidden_flight import flown, prepared
 from .outside import KINDS
@@ -39,7 +40,7 @@ def test_a_tether_is_given_no_name(gtmab: Known) -> None:
 
 def test_a_candidate_falls_to_a_better_rival_unless_it_has_more_to_say() -> None:
     least = bar('net_lift.force', 100.0)
-    assert least == 120.0
+    assert least == pytest.approx(120.0)
     assert displaced(100.0, least, {'field': 119.0}, {'field': 5.0}) == ''  # not clearly better
     assert displaced(100.0, least, {'field': 300.0}, {'field': 203.0}) == 'field'
     assert displaced(100.0, least, {'field': 300.0}, {'field': 290.0}) == ''  # two at once
