@@ -215,7 +215,8 @@ class Naming:
                 continue
             if trial not in close and not fell and not self._apart(trial, trials, named, fits):
                 continue
-            fell = not self._displacing.stands(trial.total, fits, tried[trial.name][1])
+            then = tried[trial.name][1]
+            fell = not self._displacing.stands(trial.name, trial.total, fits, then)
             if not fell:
                 others = tuple(one.name for one in close if one is not trial and not one.torn)
                 tied = (*glance[trial.name][1], *others)

@@ -1,6 +1,6 @@
 """What is outside the library gets no name of the library, and is described."""
 
-from lta_analysis.discovery.displacing import acts_on, displaced, lesser, partial
+from lta_analysis.discovery.displacing import acts_on, bar, displaced, lesser, partial
 from lta_analysis.discovery.evidence import FLOOR
 from lta_analysis.discovery.knobs import Knob
 from lta_analysis.discovery.linear import origin
@@ -35,10 +35,19 @@ def test_a_tether_is_given_no_name(gtmab: Known) -> None:
 
 
 def test_a_candidate_falls_to_a_better_rival_unless_it_has_more_to_say() -> None:
-    assert displaced(100.0, {'field': 119.0}, {'field': 5.0}) == ''  # not clearly better
-    assert displaced(100.0, {'field': 300.0}, {'field': 203.0}) == 'field'
-    assert displaced(100.0, {'field': 300.0}, {'field': 290.0}) == ''  # two things at once
-    assert displaced(100.0, {'a': 300.0, 'b': 200.0}, {'a': 290.0, 'b': 90.0}) == 'b'
+    least = bar('net_lift.force', 100.0)
+    assert least == 120.0
+    assert displaced(100.0, least, {'field': 119.0}, {'field': 5.0}) == ''  # not clearly better
+    assert displaced(100.0, least, {'field': 300.0}, {'field': 203.0}) == 'field'
+    assert displaced(100.0, least, {'field': 300.0}, {'field': 290.0}) == ''  # two at once
+    assert displaced(100.0, least, {'a': 300.0, 'b': 200.0}, {'a': 290.0, 'b': 90.0}) == 'b'
+
+
+def test_a_coefficient_of_motion_falls_to_any_better_rival() -> None:
+    least = bar('rotational_drag.yaw', 43.0)
+    assert displaced(43.0, least, {'one-sided': 55.0}, {'one-sided': 17.0}) == 'one-sided'
+    assert displaced(43.0, least, {'one-sided': 42.0}, {'one-sided': -12.0}) == ''
+    assert displaced(43.0, bar('ballast.mass', 43.0), {'a': 55.0}, {'a': 17.0}) == ''
 
 
 def test_a_part_of_something_larger_is_withdrawn() -> None:
