@@ -222,6 +222,10 @@ class Fitter:
                 break
         return last
 
+    def onward(self, last: Joint) -> tuple[Array, list[Point]]:
+        """Return where flights are most probable after a fit: what they share, and points."""
+        return self._towards(last, last.group, last.fitted.mean)
+
     def settled(self, group: Group, prior: Prior, start: Array, count: int = 1) -> Joint:
         """Return flights with the deviations most probable, about where they are."""
         try:
@@ -235,7 +239,7 @@ class Fitter:
     def _step(self, last: Joint) -> Onward | None:
         """Return the next point: the whole step, or a shorter one that is better, or None."""
         group = last.group
-        at, points = self._towards(last, group, last.fitted.mean)
+        at, points = self.onward(last)
         # Flights that do not stand together yet have no common misfit to begin with.
         bound = self._misfit(last, group.at, [each.point for each in group.linears]) + WORSE
         misfit = self._misfit(last, at, points)

@@ -153,7 +153,7 @@ def study(
     finding = Finding(
         verdict=verdict(proven, rest, differences, kind),
         effects=effects(nominal, proven, known, rest.more),
-        ladder=tuple(_rungs(step) for step in found.steps),
+        ladder=tuple(_rungs(step) for step in (*found.steps, *proven.steps)),
         where=(),
         gaps=tuple(differences),
         held_out=held_out,
