@@ -27,6 +27,7 @@ def test_the_best_is_chosen_where_nothing_else_comes_near() -> None:
     assert chosen([best, _hint('b', 4.1)]) is None
     assert chosen([best, _hint('b', 6.9), next_one], alike=['b']) is best
     assert chosen([_hint('a', GAIN - 0.1)]) is None
+    assert chosen([best._replace(least=7.1), next_one]) is None
     assert chosen([]) is None
 
 
