@@ -90,7 +90,10 @@ def chosen(hints: Sequence[Hint], alike: Sequence[str] = ()) -> Hint | None:
         Those that cannot be told from the best.
 
     """
-    if not hints or hints[0].gain <= hints[0].least or not hints[0].leans:
+    if not hints or hints[0].gain <= hints[0].least:
+        return None
+    # A side in which an effect hardly shows need not lean, if it is by no means a faint one.
+    if not (hints[0].leans or hints[0].trial.accepted):
         return None
     others = [one.gain for one in hints[1:] if one.name not in alike]
     return hints[0] if hints[0].gain - max(others, default=0.0) > TIE else None
