@@ -40,7 +40,7 @@ def shortened(flight: Linearised, seconds: float) -> Linearised:
 
 def begun(
     fitter: Fitter, prior: Prior, points: Sequence[Point]
-) -> tuple[Array, Sequence[Point], Array]:
+) -> tuple[Array, list[Point], Array]:
     """
     Return where to begin to fit flights of which nothing is known yet.
 
@@ -55,7 +55,7 @@ def begun(
 
     Returns
     -------
-    ndarray, shape (G,), sequence of Point, and ndarray, shape (6,)
+    ndarray, shape (G,), list of Point, and ndarray, shape (6,)
         What the flights share, the point of each, and the deviations of the latent wrench.
 
     """
@@ -69,4 +69,4 @@ def begun(
             break  # what is known by then may do
         at, points = stage.onward(last)
         deviations = np.minimum(last.deviations, CAPPED * fitter.floor)
-    return at, points, deviations
+    return at, list(points), deviations
