@@ -6,7 +6,8 @@ that: a generic rival explains clearly more (more at all, where the candidate is
 motion, the word for whatever follows the motion), and leaves little for the candidate to say; or,
 when all is named, large forces that follow something remain: on the very axes on which the
 candidate acts, or beside a coefficient of motion that explained something much smaller; or
-anything remains, and the candidate has won little.
+anything remains, and the candidate has won little, its flights differ about it, or it is a
+coefficient of motion that leaves more than it explains.
 """
 
 from collections.abc import Mapping, Sequence
@@ -37,6 +38,8 @@ SMALL: Final = 1.0  # floors; forces that no rival needs to explain
 LOUD: Final = 4.0  # floors; of what remains, to put in question what was named
 FOLLOWS: Final = 0.3  # of the variance of what remains; gusts have come to 0.2
 FAINT: Final = 24.0  # nats; a name that won less is none beside anything that remains
+SURE: Final = 80.0  # nats; with which a coefficient of motion may leave more than it explains
+AGREED: Final = 3.0  # deviations; by which the sides may differ about a name beside what remains
 MOST: Final = 0.4  # of a deviation; what may remain where a candidate was most of it
 LESSER: Final = 0.5  # of the largest that remains; what a coefficient of motion has to explain
 FREE: Final = 1e3  # floors; a latent force that can be anything
@@ -122,6 +125,26 @@ def lesser(name: str, acts: NDArray[np.bool_], before: Array, final: Array) -> b
     return motion and bool(acts.any() and explained[acts].max() < LESSER * final.max())
 
 
+def minor(name: str, acts: NDArray[np.bool_], before: Array, final: Array) -> bool:
+    """
+    Tell whether a coefficient of motion leaves more than it explained, where it explained most.
+
+    Parameters are as for `lesser`.
+    """
+    if name.partition('.')[0] not in PARTS or not acts.any():
+        return False
+    explained = np.sqrt(np.maximum(before**2 - final**2, 0.0))
+    k = int(np.argmax(np.where(acts, explained, -1.0)))
+    return bool(final[k] > max(CLEAR, explained[k]))
+
+
+def apart(then: Pair, k: int) -> float:
+    """Return by how much the values of a knob differ between the sides, in deviations."""
+    values = [each.fitted.mean[k] for each in then]
+    spread = sum(each.fitted.covariance[k, k] for each in then)
+    return float(abs(values[0] - values[1]) / np.sqrt(spread))
+
+
 def won(before: Pair, then: Pair) -> float:
     """Return the log evidence that fits have won on others, each side by itself. [nats]"""
     return sum(new.evidence - old.evidence for old, new in zip(before, then, strict=True))
@@ -192,7 +215,9 @@ class Displacing:
             acts, floors = acts_on(linear, name, self._floor), self._floors(before)
             part = (acts & structured).any() and partial(acts, floors, final)
             less = structured.any() and lesser(name, acts, floors, final)
-            if won(before, then) < FAINT or part or less:
+            rest = minor(name, acts, floors, final) and won(before, then) < SURE
+            weak = won(before, then) < FAINT or apart(then, linear.names.index(name)) > AGREED
+            if weak or part or less or rest:
                 gone.append(name)
         return tuple(gone)
 

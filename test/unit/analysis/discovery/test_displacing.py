@@ -2,7 +2,15 @@
 
 from dataclasses import replace
 
-from lta_analysis.discovery.displacing import acts_on, bar, displaced, Displacing, lesser, partial
+from lta_analysis.discovery.displacing import (
+    acts_on,
+    bar,
+    displaced,
+    Displacing,
+    lesser,
+    minor,
+    partial,
+)
 from lta_analysis.discovery.evidence import FLOOR, own_variance, shared
 from lta_analysis.discovery.fit import Fitter
 from lta_analysis.discovery.knobs import Knob
@@ -62,6 +70,17 @@ def test_a_part_of_something_larger_is_withdrawn() -> None:
     assert not partial(heave, large, 0.3 * large)  # it was most of it
     assert not partial(heave | yaw, large, large)  # it explains one axis
     assert not partial(np.zeros(6, dtype=np.bool_), large, large)  # it is about a sensor
+
+
+def test_a_coefficient_of_motion_that_leaves_more_than_it_explains_is_minor() -> None:
+    before = np.array([0.4, 0.4, 0.4, 1.3, 3.3, 5.4])
+    final = np.array([0.3, 0.4, 0.4, 1.3, 2.9, 4.7])
+    pitch, yaw = (np.arange(6) == 4) | (np.arange(6) == 0), np.arange(6) == 5
+    assert minor('rotational_drag.pitch', pitch, before, final)
+    assert minor('rotational_drag.yaw', yaw, before, final)
+    assert not minor('ballast.mass', yaw, before, final)
+    assert not minor('rotational_drag.yaw', yaw, before, final - 2.5 * yaw)  # little is left
+    assert not minor('rotational_drag.yaw', yaw, before + 4.0, final)  # it explained more
 
 
 def test_a_name_that_won_little_is_withdrawn_beside_anything(
