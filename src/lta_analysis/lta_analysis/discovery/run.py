@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import final
 
 from lta_analysis.discovery.bags import read_bags, Role
+from lta_analysis.discovery.carrying.route import by_forecasts
 from lta_analysis.discovery.cautions import cautions
 from lta_analysis.discovery.learned_file import learned_text
 from lta_analysis.discovery.linear import origin
@@ -121,7 +122,7 @@ def discover(asked: Asked, folder: Path, tell: Tell) -> Discovered:
 
 def studied(asked: Asked, vehicle: Vehicle, sound: Believed, tell: Tell) -> Study:
     """Return the study of flights that can be used, with what is to be said of them."""
-    found = study(vehicle, sound.flights, asked.seed, tell)
+    found = by_forecasts(study(vehicle, sound.flights, asked.seed, tell), tell)
     only = interpolation(found)
     told = [*cautions(found.finding.gaps), *([only] if only else [])]
     finding = replace(

@@ -1,0 +1,188 @@
+"""
+Names by forecasts, where the readings gave none: real flights of a model that is far from exact.
+
+A likelihood over every reading is right where what the model misses is small. Where it is many
+times the noise, or a filter ate the noise, a few seconds of forecast are what is left to judge by;
+and what is named by them has to hold in regimes that were left out of the fit, and between the
+flights that teach and those that confirm, both ways. A name that does not is said to interpolate.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Final, final, NamedTuple
+
+from lta_analysis.discovery.carrying.choose import choose, Chosen
+from lta_analysis.discovery.carrying.confirm import confirmed
+from lta_analysis.discovery.carrying.gaps import gaps
+from lta_analysis.discovery.carrying.groups import Group
+from lta_analysis.discovery.carrying.named import effects
+from lta_analysis.discovery.carrying.pieces import far
+from lta_analysis.discovery.carrying.values import Valued, valued
+from lta_analysis.discovery.finding import Carried, LeftOut, Verdict, Worth
+from lta_analysis.discovery.fit import turned
+from lta_analysis.discovery.foresight import Foresight
+from lta_analysis.discovery.linear import Point, RANDOM, SENSORS
+from lta_analysis.discovery.linearise import Linearised
+from lta_analysis.discovery.regimes import regimes
+from lta_analysis.discovery.study import Flown, Shown, Study
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Progress = Callable[[str, float | None], None]
+
+FEWEST: Final = 4  # flights that teach or confirm, where a filter ate the noise
+ENOUGH: Final = 8  # the same, where it did not: readings have been asked already
+LIFT: Final = 0.0025  # of the weight, that a flight's lift may be off by (as between RGBlimp's)
+GRAVITY: Final = 9.81  # m/s2
+POSE: Final = 6  # of CHANNELS, the first
+
+
+@final
+class Side(NamedTuple):
+    """Flights that can be predicted far enough, each as flown and in overlapping pieces."""
+
+    flown: list[Flown]
+    sight: Foresight
+
+
+def due(found: Study) -> bool:
+    """Tell whether forecasts are to be asked: poses alone, and something without a name."""
+    finding = found.finding
+    if finding.verdict not in ('unexplained', 'named+unexplained', 'not_identifiable'):
+        return False
+    told = [one.flight.replay.flight for one in found.flights if one.role != 'holdout']
+    if any(np.isfinite(flight.noise[POSE:]).any() for flight in told):
+        return False
+    smooth = all(flight.alike > 1.0 for flight in told)
+    if finding.effects and not smooth:
+        return False
+    return len(told) >= (FEWEST if smooth else ENOUGH)
+
+
+def by_forecasts(found: Study, tell: Progress) -> Study:
+    """
+    Return a study with the names that forecasts give; as it was where they give none.
+
+    Parameters
+    ----------
+    found : Study
+        By the readings.
+    tell : callable
+        Told what is being done.
+
+    """
+    if not due(found):
+        return found
+    tell('asking forecasts', 0.0)
+    taught = _side(found, [one for one in found.flights if one.role != 'holdout'])
+    if taught is None or len(taught.flown) < FEWEST:
+        return found
+    parts = _parts(taught)
+    chosen = choose(taught.sight, range(len(taught.flown)), parts)
+    tell('asking forecasts', 0.6)
+    halves = [
+        [f for f, one in enumerate(taught.flown) if one.role == role]
+        for role in ('train', 'confirm')
+    ]
+    kept = confirmed(taught.sight, chosen, halves)
+    best, kept = _carrying(taught.sight, kept, parts, found.finding.seed)
+    lost = [one for one in chosen.groups if one not in kept]
+    tell('asking forecasts', 0.9)
+    if best is None:
+        return _unnamed(found, lost)
+    return _named(found, taught, (chosen, kept, lost), best)
+
+
+def _side(found: Study, flown: Sequence[Flown]) -> Side | None:
+    """Return some flights in pieces that are predicted; None where there are none."""
+    knobs = flown[0].flight.knobs if flown else []
+    cut = [(one, far(one.flight, knobs)) for one in flown]
+    known = [(one, flight) for one, flight in cut if flight is not None]
+    if not known:
+        return None
+    lift = LIFT * GRAVITY * found.nominal.mass
+    flights: list[Linearised] = [flight for _, flight in known]
+    return Side([one for one, _ in known], Foresight(found.nominal, flights, lift))
+
+
+def _parts(taught: Side) -> Mapping[str, Sequence[int]]:
+    """Return the regimes of flights; where all are of one, every flight by itself."""
+    parts = regimes(taught.sight.flights)
+    if len(parts) > 1:
+        return parts
+    return {f'flight {one.name}': [f] for f, one in enumerate(taught.flown)}
+
+
+def _carrying(
+    sight: Foresight, groups: Sequence[Group], parts: Mapping[str, Sequence[int]], seed: int
+) -> tuple[Valued | None, Sequence[Group]]:
+    """Return the most of some names that make every regime better which is left out."""
+    while groups:
+        best = valued(sight, groups, parts, seed)
+        if all(one.ratio < 1.0 for one in best.regimes):
+            return best, groups
+        groups = groups[:-1]
+    return None, groups
+
+
+def _unnamed(found: Study, lost: Sequence[Group]) -> Study:
+    """Return a study as it was, with what forecasts did not confirm."""
+    if not lost:
+        return found
+    warnings = (*found.finding.warnings, interpolating([one.name for one in lost]))
+    return replace(found, finding=replace(found.finding, warnings=warnings))
+
+
+def interpolating(names: Sequence[str]) -> str:
+    """Return in words that names did not carry over."""
+    return (
+        f'{", ".join(names)}: interpolation only; it makes forecasts better where it was fitted, '
+        'and not for flights or regimes that were left out.'
+    )
+
+
+def _named(
+    found: Study,
+    taught: Side,
+    names: tuple[Chosen, Sequence[Group], Sequence[Group]],
+    best: Valued,
+) -> Study:
+    """Return a study with names, and the gap on flights that nothing was fitted to."""
+    chosen, kept, lost = names
+    held = found.finding.held_out
+    last = _side(found, [one for one in found.flights if one.role == 'holdout']) if held else None
+    shown = last or taught
+    models = {'before': np.zeros_like(best.fitted.values), 'tuned': best.tuned, 'after': best.fitted.values}
+    told = gaps(shown.sight, models, found.finding.seed)
+    worth = {group.name: share for group, share in zip(chosen.groups, chosen.worth, strict=True)}
+    carried = Carried(
+        tuple(Worth(one.name, worth[one.name]) for one in kept),
+        tuple(LeftOut(one.name, one.flights, one.ratio) for one in best.regimes),
+        tuple(one.name for one in lost),
+    )
+    verdict: Verdict = 'named+unexplained'
+    warnings = [interpolating([one.name for one in lost])] if lost else []
+    finding = replace(
+        found.finding,
+        verdict=verdict,
+        effects=effects(found.nominal, taught.sight.knobs, chosen, kept, best),
+        gaps=tuple(told),
+        held_out=last is not None,
+        warnings=(*found.finding.warnings, *warnings),
+        carried=carried,
+    )
+    learned = turned(found.nominal, taught.sight.knobs, best.fitted.values)[0]
+    seen = [_shown(found, one, models) for one in shown.flown]
+    return replace(found, finding=finding, learned=learned, shown=seen)
+
+
+def _shown(found: Study, flown: Flown, models: Mapping[str, Array]) -> Shown:
+    """Return a flight under each model."""
+    flight = flown.flight
+    none = np.zeros((len(flight.replay.first), RANDOM))
+    points = []
+    for kind in ('before', 'tuned', 'after'):
+        nominal, values = turned(found.nominal, flight.knobs, models[kind])
+        points.append(Point(nominal, np.append(values, np.zeros(len(SENSORS))), none))
+    return Shown(flown, *points)

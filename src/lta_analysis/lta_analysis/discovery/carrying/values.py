@@ -1,0 +1,85 @@
+"""What names are worth in numbers: fitted to all flights, and left out regime by regime."""
+
+from collections.abc import Mapping, Sequence
+from typing import Final, final, NamedTuple
+
+from lta_analysis.discovery.carrying.groups import Group, spreads
+from lta_analysis.discovery.carrying.intervals import drawn
+from lta_analysis.discovery.foresight import Fitted, Foresight
+from lta_analysis.discovery.transfer import left_out, Regime
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+ROUNDS: Final = 6
+TUNING: Final = 2  # rounds, of tolerances alone
+
+
+@final
+class Valued(NamedTuple):
+    """
+    Names with their values.
+
+    Attributes
+    ----------
+    which : list of int
+        Places of their knobs.
+    fitted : Fitted
+        To all flights.
+    draws : ndarray, shape (D, K)
+        Values by flights drawn anew.
+    regimes : list of Regime
+        Each left out, the worst first.
+    tuned : ndarray, shape (G,)
+        The tolerances of the vehicle file, fitted without any name.
+
+    """
+
+    which: list[int]
+    fitted: Fitted
+    draws: Array
+    regimes: list[Regime]
+    tuned: Array
+
+
+def valued(
+    sight: Foresight,
+    groups: Sequence[Group],
+    parts: Mapping[str, Sequence[int]],
+    seed: int,
+) -> Valued:
+    """
+    Return names fitted to all flights.
+
+    Parameters
+    ----------
+    sight : Foresight
+        All flights that teach or confirm.
+    groups : sequence of Group
+        The names.
+    parts : mapping of str to sequence of int
+        Flights by regime.
+    seed : int
+        Of the draws.
+
+    """
+    every = range(len(sight.flights))
+    which = [k for group in groups for k in group.knobs]
+    spread = spreads(sight.knobs, which)
+    fitted = sight.fit(which, spread, every, rounds=ROUNDS)
+    found = left_out(sight, fitted, which, spread, parts)
+    draws = drawn(fitted, sight.knobs, which, spread, seed)
+    return Valued(which, fitted, draws, found, tuned(sight))
+
+
+def tuned(sight: Foresight) -> Array:
+    """Return the tolerances of the vehicle file as forecasts have them, without any name."""
+    which = [
+        k
+        for k, knob in enumerate(sight.knobs)
+        if knob.tolerance > 0.0 and not knob.per_flight and knob.reaches != 'reading'
+    ]
+    spread = np.array([sight.knobs[k].tolerance for k in which])
+    every = range(len(sight.flights))
+    return sight.fit(which, spread, every, rounds=TUNING, told=False).values
