@@ -44,6 +44,7 @@ def to_dict(finding: Finding, cuts: Sequence[Cut] = ()) -> dict[str, Any]:
             for cut in cuts
         ],
         'bags': {role: list(names) for role, names in finding.bags.items()},
+        'carried': _carried(finding),
         'seed': finding.seed,
         'versions': dict(finding.versions),
     }  # fmt: skip
@@ -67,6 +68,18 @@ def _effect(effect: NamedEffect) -> dict[str, Any]:
         'log_evidence': effect.log_evidence,
         'confusable_with': list(effect.confusable_with),
         'knobs': list(effect.knobs),
+    }
+
+
+def _carried(finding: Finding) -> dict[str, Any] | None:
+    """Return what names by forecasts rest on; None where the readings gave them."""
+    told = finding.carried
+    if told is None:
+        return None
+    return {
+        'names': [one._asdict() for one in told.names],
+        'regimes': [one._asdict() for one in told.regimes],
+        'interpolates': list(told.interpolates),
     }
 
 

@@ -107,7 +107,9 @@ def choose(
         about = sight.fit(every, np.ones(len(every)), flights, values, rounds=0)
         said = dict(zip(flights, about.said, strict=True))
         first = first or sum(one.cost for one in about.said)
-        tried = _tried(sight, said, sides, every, values, [g for g, _ in chosen], candidates, first)
+        tried = _tried(
+            sight, said, sides, every, values, [g for g, _ in chosen], candidates, first
+        )
         rounds.append(tuple(tried))
         best = next((one for one in tried if one.worst > WORST), None)
         if best is None or best.worth < WORTH:

@@ -1,4 +1,4 @@
-"""How far forecasts of flights are off under each model, every piece of them, the first as well."""
+"""How far forecasts are off under each model, every piece of a flight, the first as well."""
 
 from collections.abc import Mapping, Sequence
 from typing import Final
@@ -34,7 +34,7 @@ def coasted(flight: Linearised) -> Array:
 
 
 def errors(sight: Foresight, values: Array, flights: Sequence[int]) -> Array:
-    """Return the errors of forecasts of some flights, shape (S, H, 6), each lift as it is known."""
+    """Return the errors of forecasts, shape (S, H, 6), the lift as each flight has shown it."""
     return np.concatenate(
         [online(sight.errors(values, f), begun(sight.flights[f]), sight.lift) for f in flights]
     )

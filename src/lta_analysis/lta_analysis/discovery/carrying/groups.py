@@ -81,8 +81,17 @@ def groups(knobs: Sequence[Knob]) -> list[Group]:
     return list(out.values())
 
 
+def tolerances(knobs: Sequence[Knob]) -> list[int]:
+    """Return the places of what every vehicle file may be off by."""
+    return [
+        k
+        for k, knob in enumerate(knobs)
+        if knob.tolerance > 0.0 and not knob.per_flight and knob.reaches != 'reading'
+    ]
+
+
 def spreads(knobs: Sequence[Knob], which: Sequence[int]) -> Array:
-    """Return how far some knobs may be off, shape (K,)."""
+    """Return how far some knobs may be off that have a name, shape (K,)."""
     return np.array([_spread(knobs[k]) for k in which])
 
 

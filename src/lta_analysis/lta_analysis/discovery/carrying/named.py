@@ -46,7 +46,9 @@ def effects(
         values = best.fitted.values
         moved = [k for k in group.knobs if values[k] != 0.0]
         parameters = [
-            each for k in moved for each in _parameters(nominal, knobs[k], float(values[k]), bounds[k])
+            each
+            for k in moved
+            for each in _parameters(nominal, knobs[k], float(values[k]), bounds[k])
         ]
         before = out.get(group.effect, NamedEffect(group.effect, (), (), 0.0))
         rivals = _rivals(group, chosen.rounds[place], knobs)

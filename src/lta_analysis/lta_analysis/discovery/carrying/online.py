@@ -1,4 +1,4 @@
-"""Forecasts with a lift that each takes from what is over when it begins, for every model alike."""
+"""Forecasts with a lift that each takes from what is over when it begins."""
 
 from typing import Final
 

@@ -17,7 +17,7 @@ from lta_analysis.discovery.carrying.gaps import gaps
 from lta_analysis.discovery.carrying.groups import Group
 from lta_analysis.discovery.carrying.named import effects
 from lta_analysis.discovery.carrying.pieces import far
-from lta_analysis.discovery.carrying.values import Valued, valued
+from lta_analysis.discovery.carrying.values import tuned, Valued, valued
 from lta_analysis.discovery.finding import Carried, LeftOut, Verdict, Worth
 from lta_analysis.discovery.fit import turned
 from lta_analysis.discovery.foresight import Foresight
@@ -25,6 +25,7 @@ from lta_analysis.discovery.linear import Point, RANDOM, SENSORS
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.regimes import regimes
 from lta_analysis.discovery.study import Flown, Shown, Study
+from lta_analysis.discovery.transfer import Regime
 import numpy as np
 from numpy.typing import NDArray
 
@@ -34,6 +35,7 @@ Progress = Callable[[str, float | None], None]
 FEWEST: Final = 4  # flights that teach or confirm, where a filter ate the noise
 ENOUGH: Final = 8  # the same, where it did not: readings have been asked already
 LIFT: Final = 0.0025  # of the weight, that a flight's lift may be off by (as between RGBlimp's)
+TUNED: Final = 0.97  # of the squared error that tuning tolerances leaves, in regimes left out
 GRAVITY: Final = 9.81  # m/s2
 POSE: Final = 6  # of CHANNELS, the first
 
@@ -86,12 +88,13 @@ def by_forecasts(found: Study, tell: Progress) -> Study:
         for role in ('train', 'confirm')
     ]
     kept = confirmed(taught.sight, chosen, halves)
-    best, kept = _carrying(taught.sight, kept, parts, found.finding.seed)
+    plain, by_tolerances = tuned(taught.sight, parts)
+    best, kept = _carrying(taught.sight, kept, parts, found.finding.seed, by_tolerances)
     lost = [one for one in chosen.groups if one not in kept]
     tell('asking forecasts', 0.9)
     if best is None:
         return _unnamed(found, lost)
-    return _named(found, taught, (chosen, kept, lost), best)
+    return _named(found, taught, (chosen, kept, lost), best, plain)
 
 
 def _side(found: Study, flown: Sequence[Flown]) -> Side | None:
@@ -115,15 +118,25 @@ def _parts(taught: Side) -> Mapping[str, Sequence[int]]:
 
 
 def _carrying(
-    sight: Foresight, groups: Sequence[Group], parts: Mapping[str, Sequence[int]], seed: int
+    sight: Foresight,
+    groups: Sequence[Group],
+    parts: Mapping[str, Sequence[int]],
+    seed: int,
+    rest: Sequence[Regime],
 ) -> tuple[Valued | None, Sequence[Group]]:
-    """Return the most of some names that make every regime better which is left out."""
+    """Return the most of some names that make every regime better, and more than tuning does."""
     while groups:
         best = valued(sight, groups, parts, seed)
-        if all(one.ratio < 1.0 for one in best.regimes):
+        better = all(one.ratio < 1.0 for one in best.regimes)
+        if better and _squared(best.regimes) < TUNED * _squared(rest):
             return best, groups
         groups = groups[:-1]
     return None, groups
+
+
+def _squared(regimes: Sequence[Regime]) -> float:
+    """Return the squared error of regimes left out, each by how many flights it has."""
+    return sum(one.flights * one.after**2 for one in regimes)
 
 
 def _unnamed(found: Study, lost: Sequence[Group]) -> Study:
@@ -147,13 +160,18 @@ def _named(
     taught: Side,
     names: tuple[Chosen, Sequence[Group], Sequence[Group]],
     best: Valued,
+    plain: Array,
 ) -> Study:
     """Return a study with names, and the gap on flights that nothing was fitted to."""
     chosen, kept, lost = names
     held = found.finding.held_out
     last = _side(found, [one for one in found.flights if one.role == 'holdout']) if held else None
     shown = last or taught
-    models = {'before': np.zeros_like(best.fitted.values), 'tuned': best.tuned, 'after': best.fitted.values}
+    models = {
+        'before': np.zeros_like(best.fitted.values),
+        'tuned': plain,
+        'after': best.fitted.values,
+    }
     told = gaps(shown.sight, models, found.finding.seed)
     worth = {group.name: share for group, share in zip(chosen.groups, chosen.worth, strict=True)}
     carried = Carried(

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Final, final, NamedTuple
 
-from lta_analysis.discovery.carrying.groups import Group, spreads
+from lta_analysis.discovery.carrying.groups import Group, spreads, tolerances
 from lta_analysis.discovery.carrying.intervals import drawn
 from lta_analysis.discovery.foresight import Fitted, Foresight
 from lta_analysis.discovery.transfer import left_out, Regime
@@ -31,8 +31,6 @@ class Valued(NamedTuple):
         Values by flights drawn anew.
     regimes : list of Regime
         Each left out, the worst first.
-    tuned : ndarray, shape (G,)
-        The tolerances of the vehicle file, fitted without any name.
 
     """
 
@@ -40,7 +38,6 @@ class Valued(NamedTuple):
     fitted: Fitted
     draws: Array
     regimes: list[Regime]
-    tuned: Array
 
 
 def valued(
@@ -70,16 +67,12 @@ def valued(
     fitted = sight.fit(which, spread, every, rounds=ROUNDS)
     found = left_out(sight, fitted, which, spread, parts)
     draws = drawn(fitted, sight.knobs, which, spread, seed)
-    return Valued(which, fitted, draws, found, tuned(sight))
+    return Valued(which, fitted, draws, found)
 
 
-def tuned(sight: Foresight) -> Array:
-    """Return the tolerances of the vehicle file as forecasts have them, without any name."""
-    which = [
-        k
-        for k, knob in enumerate(sight.knobs)
-        if knob.tolerance > 0.0 and not knob.per_flight and knob.reaches != 'reading'
-    ]
+def tuned(sight: Foresight, parts: Mapping[str, Sequence[int]]) -> tuple[Array, list[Regime]]:
+    """Return the tolerances of the vehicle file as forecasts have them, and each regime so."""
+    which = tolerances(sight.knobs)
     spread = np.array([sight.knobs[k].tolerance for k in which])
-    every = range(len(sight.flights))
-    return sight.fit(which, spread, every, rounds=TUNING, told=False).values
+    fitted = sight.fit(which, spread, range(len(sight.flights)), rounds=TUNING)
+    return fitted.values, left_out(sight, fitted, which, spread, parts)
