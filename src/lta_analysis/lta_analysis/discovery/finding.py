@@ -150,6 +150,9 @@ class Gap:
         By bootstrap over pieces.
     pieces : int
         How many predictions there were.
+    refitted : float
+        Root mean square with everything fitted to forecasts, names or not; NaN where that was not
+        done.
 
     """
 
@@ -164,6 +167,7 @@ class Gap:
     shrink: float
     shrink_ci95: Interval
     pieces: int
+    refitted: float = float('nan')
 
 
 @final
@@ -220,12 +224,15 @@ class Carried:
         The worst first.
     interpolates : tuple of str
         Names that make forecasts better where they were fitted, and did not carry over.
+    numbers : int
+        How many were fitted where everything was; 0 where that was not done.
 
     """
 
     names: tuple[Worth, ...]
     regimes: tuple[LeftOut, ...]
     interpolates: tuple[str, ...] = ()
+    numbers: int = 0
 
 
 @final

@@ -97,6 +97,8 @@ class Study:
         effect.
     full : sequence of Fit
         The same with the named effects.
+    refitted : Nominal, optional
+        The vehicle with everything fitted to forecasts, for forecasts between what was flown.
 
     """
 
@@ -107,6 +109,7 @@ class Study:
     shown: Sequence[Shown]
     bare: Sequence[Fit] = ()
     full: Sequence[Fit] = ()
+    refitted: Nominal | None = None
 
 
 def study(

@@ -80,6 +80,7 @@ def _carried(finding: Finding) -> dict[str, Any] | None:
         'names': [one._asdict() for one in told.names],
         'regimes': [one._asdict() for one in told.regimes],
         'interpolates': list(told.interpolates),
+        'numbers_refitted': told.numbers,
     }
 
 
@@ -87,7 +88,7 @@ def _gap(one: Gap) -> dict[str, Any]:
     """Return the gap of one channel at one horizon."""
     figures = {key: getattr(one, key) for key in ERRORS}
     start = {'channel': one.channel, 'unit': one.unit, 'horizon_s': one.horizon_s}
-    return {**start, **figures, 'pieces': one.pieces}
+    return {**start, **figures, 'pieces': one.pieces, 'refitted': one.refitted}
 
 
 def horizon(gaps: Sequence[Gap]) -> float | None:

@@ -49,7 +49,7 @@ def gaps(sight: Foresight, models: Mapping[str, Array], seed: int) -> list[Gap]:
     sight : Foresight
         About the flights that are shown.
     models : mapping of str to ndarray, shape (G,)
-        'before', 'tuned' and 'after': what each has of the knobs.
+        'before', 'tuned', 'after' and, where it was done, 'refitted': what each has of the knobs.
     seed : int
         Of the bootstrap.
 

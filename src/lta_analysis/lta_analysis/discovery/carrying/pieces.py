@@ -10,7 +10,8 @@ from lta_analysis.discovery.measured import Measured, PERIOD
 from lta_analysis.discovery.windows import state_at, stretches, Windows
 import numpy as np
 
-APART: Final = 2.5  # s; between beginnings
+APART: Final = 2.5  # s; between beginnings, at least
+MOST: Final = 400  # pieces of all flights, which bounds time and memory
 
 
 def overlapping(flight: Measured, apart: float = APART) -> Windows:
@@ -38,10 +39,16 @@ def overlapping(flight: Measured, apart: float = APART) -> Windows:
     return Windows(np.array(first, dtype=np.int64), count + 1, table, inside)
 
 
-def far(flight: Linearised, knobs: Sequence[Knob]) -> Linearised | None:
+def apart_for(flights: Sequence[Measured]) -> float:
+    """Return how far apart pieces begin, so that there are not too many of them. [s]"""
+    seconds = PERIOD * sum(int(flight.usable.sum()) for flight in flights)
+    return max(APART, seconds / MOST)
+
+
+def far(flight: Linearised, knobs: Sequence[Knob], apart: float = APART) -> Linearised | None:
     """Return a flight in such pieces, with the same knobs; None where it is too short for any."""
     replay = flight.replay
-    cut = overlapping(replay.flight)
+    cut = overlapping(replay.flight, apart)
     if not len(cut.first):
         return None
     return Linearised(replay.in_pieces(cut), knobs, flight.places)

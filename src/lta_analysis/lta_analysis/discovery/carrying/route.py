@@ -16,9 +16,10 @@ from lta_analysis.discovery.carrying.confirm import confirmed
 from lta_analysis.discovery.carrying.gaps import gaps
 from lta_analysis.discovery.carrying.groups import Group
 from lta_analysis.discovery.carrying.named import effects
-from lta_analysis.discovery.carrying.pieces import far
+from lta_analysis.discovery.carrying.pieces import apart_for, far
+from lta_analysis.discovery.carrying.refit import refitted
 from lta_analysis.discovery.carrying.values import tuned, Valued, valued
-from lta_analysis.discovery.finding import Carried, LeftOut, Verdict, Worth
+from lta_analysis.discovery.finding import Carried, LeftOut, Worth
 from lta_analysis.discovery.fit import turned
 from lta_analysis.discovery.foresight import Foresight
 from lta_analysis.discovery.linear import Point, RANDOM, SENSORS
@@ -94,13 +95,31 @@ def by_forecasts(found: Study, tell: Progress) -> Study:
     tell('asking forecasts', 0.9)
     if best is None:
         return _unnamed(found, lost)
-    return _named(found, taught, (chosen, kept, lost), best, plain)
+    models = {'before': np.zeros_like(plain), 'tuned': plain, 'after': best.fitted.values}
+    numbers = 0
+    if len(taught.flown) >= ENOUGH:
+        tell('refitting everything', 0.9)
+        models['refitted'], numbers = refitted(taught.sight, best.fitted.values)
+    told = _told(chosen, kept, best, numbers)
+    return _shown_with(_named(found, taught, chosen, best, told), taught, models)
+
+
+def _told(chosen: Chosen, kept: Sequence[Group], best: Valued, numbers: int) -> Carried:
+    """Return what names rest on."""
+    worth = {group.name: share for group, share in zip(chosen.groups, chosen.worth, strict=True)}
+    return Carried(
+        tuple(Worth(one.name, worth[one.name]) for one in kept),
+        tuple(LeftOut(one.name, one.flights, one.ratio) for one in best.regimes),
+        tuple(one.name for one in chosen.groups if one not in kept),
+        numbers,
+    )
 
 
 def _side(found: Study, flown: Sequence[Flown]) -> Side | None:
     """Return some flights in pieces that are predicted; None where there are none."""
     knobs = flown[0].flight.knobs if flown else []
-    cut = [(one, far(one.flight, knobs)) for one in flown]
+    apart = apart_for([one.flight.replay.flight for one in flown])
+    cut = [(one, far(one.flight, knobs, apart)) for one in flown]
     known = [(one, flight) for one, flight in cut if flight is not None]
     if not known:
         return None
@@ -155,44 +174,34 @@ def interpolating(names: Sequence[str]) -> str:
     )
 
 
-def _named(
-    found: Study,
-    taught: Side,
-    names: tuple[Chosen, Sequence[Group], Sequence[Group]],
-    best: Valued,
-    plain: Array,
-) -> Study:
-    """Return a study with names, and the gap on flights that nothing was fitted to."""
-    chosen, kept, lost = names
-    held = found.finding.held_out
-    last = _side(found, [one for one in found.flights if one.role == 'holdout']) if held else None
-    shown = last or taught
-    models = {
-        'before': np.zeros_like(best.fitted.values),
-        'tuned': plain,
-        'after': best.fitted.values,
-    }
-    told = gaps(shown.sight, models, found.finding.seed)
-    worth = {group.name: share for group, share in zip(chosen.groups, chosen.worth, strict=True)}
-    carried = Carried(
-        tuple(Worth(one.name, worth[one.name]) for one in kept),
-        tuple(LeftOut(one.name, one.flights, one.ratio) for one in best.regimes),
-        tuple(one.name for one in lost),
-    )
-    verdict: Verdict = 'named+unexplained'
-    warnings = [interpolating([one.name for one in lost])] if lost else []
+def _named(found: Study, taught: Side, chosen: Chosen, best: Valued, carried: Carried) -> Study:
+    """Return a study with names."""
+    names = {one.name for one in carried.names}
+    kept = [group for group in chosen.groups if group.name in names]
+    knobs, warnings = taught.sight.knobs, found.finding.warnings
+    if carried.interpolates:
+        warnings = (*warnings, interpolating(carried.interpolates))
     finding = replace(
         found.finding,
-        verdict=verdict,
-        effects=effects(found.nominal, taught.sight.knobs, chosen, kept, best),
-        gaps=tuple(told),
-        held_out=last is not None,
-        warnings=(*found.finding.warnings, *warnings),
+        verdict='named+unexplained',
+        effects=effects(found.nominal, knobs, chosen, kept, best),
+        warnings=warnings,
         carried=carried,
     )
-    learned = turned(found.nominal, taught.sight.knobs, best.fitted.values)[0]
+    learned = turned(found.nominal, knobs, best.fitted.values)[0]
+    return replace(found, finding=finding, learned=learned)
+
+
+def _shown_with(found: Study, taught: Side, models: Mapping[str, Array]) -> Study:
+    """Return a study with the gap, on flights that nothing was fitted to where there are any."""
+    last = _side(found, [one for one in found.flights if one.role == 'holdout'])
+    shown = last or taught
+    told = gaps(shown.sight, models, found.finding.seed)
+    finding = replace(found.finding, gaps=tuple(told), held_out=last is not None)
     seen = [_shown(found, one, models) for one in shown.flown]
-    return replace(found, finding=finding, learned=learned, shown=seen)
+    every = models.get('refitted')
+    whole = None if every is None else turned(found.nominal, taught.sight.knobs, every)[0]
+    return replace(found, finding=finding, shown=seen, refitted=whole)
 
 
 def _shown(found: Study, flown: Flown, models: Mapping[str, Array]) -> Shown:
