@@ -11,7 +11,7 @@ import time
 from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.carrying.choose import choose, Chosen
-from lta_analysis.discovery.carrying.groups import groups, spreads
+from lta_analysis.discovery.carrying.groups import groups, wide
 from lta_analysis.discovery.foresight import Fitted, Foresight
 from lta_analysis.discovery.knobs import knobs
 from lta_analysis.discovery.nominal import Nominal
@@ -193,7 +193,7 @@ def fitted(
     begin = np.zeros(len(turned))
     for name, by, which, spread, rounds in (
         (TUNE, taught, tuned, np.array([turned[k].tolerance for k in tuned]), 2),
-        (NAMED, taught, called, spreads(turned, called), 3),
+        (NAMED, taught, called, wide(turned, called), 3),
         (FREELY, taught, free, within(turned, free, FREE), 4),
         (ALL, even, whole_of, within(turned, whole_of, LOOSELY), ROUNDS),
     ):

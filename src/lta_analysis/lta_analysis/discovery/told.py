@@ -9,7 +9,9 @@ from lta_analysis.discovery.loud import Cut
 
 NAME: Final = 'discovery.json'
 WHAT: Final = 'position'  # what the gap as a whole is told of
-ERRORS: Final = ('before', 'tuned', 'after', 'coast', 'noise_floor', 'shrink', 'shrink_ci95')
+ERRORS: Final = (
+    'before', 'tuned', 'after', 'coast', 'noise_floor', 'refitted', 'shrink', 'shrink_ci95',
+)  # fmt: skip
 
 
 def to_dict(finding: Finding, cuts: Sequence[Cut] = ()) -> dict[str, Any]:
@@ -88,7 +90,7 @@ def _gap(one: Gap) -> dict[str, Any]:
     """Return the gap of one channel at one horizon."""
     figures = {key: getattr(one, key) for key in ERRORS}
     start = {'channel': one.channel, 'unit': one.unit, 'horizon_s': one.horizon_s}
-    return {**start, **figures, 'pieces': one.pieces, 'refitted': one.refitted}
+    return {**start, **figures, 'pieces': one.pieces}
 
 
 def horizon(gaps: Sequence[Gap]) -> float | None:

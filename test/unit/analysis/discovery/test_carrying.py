@@ -11,14 +11,17 @@ from lta_analysis.discovery.carrying.online import online
 from lta_analysis.discovery.carrying.pieces import APART, far
 from lta_analysis.discovery.carrying.route import due, interpolating
 from lta_analysis.discovery.carrying.values import valued
-from lta_analysis.discovery.finding import Finding
+from lta_analysis.discovery.finding import Carried, Finding, Gap, LeftOut, NamedEffect, Worth
 from lta_analysis.discovery.foresight import Foresight
 from lta_analysis.discovery.knobs import Knob
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.measured import PERIOD
 from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.page.carried import carried
 from lta_analysis.discovery.splitting import part
 from lta_analysis.discovery.study import Flown, Study
+from lta_analysis.discovery.terminal import carried_words
+from lta_analysis.discovery.told import to_dict
 import numpy as np
 import pytest
 
@@ -140,6 +143,39 @@ def test_forecasts_are_asked_where_readings_have_no_name(
     assert due(Study(finding, gtmab[0], gtmab[0], flown, [])) is asked
     seeing = [Flown(f'{k}', 'train', clean) for k in range(flights)]
     assert not due(Study(finding, gtmab[0], gtmab[0], seeing, []))
+
+
+CARRIED = Carried(
+    (Worth('added inertia', 0.028),),
+    (LeftOut('slow', 5, 0.95), LeftOut('fast', 4, 0.8)),
+    ('side force',),
+    72,
+)
+GAP = Gap('position', 'm', 5.0, 0.28, 0.27, 0.23, 0.31, 0.014, 0.18, (0.15, 0.22), 105, 0.17)
+
+
+def told() -> Finding:
+    """Return a finding by forecasts."""
+    effect = NamedEffect('added_inertia', ('added_inertia.yaw',), (), 23.8)
+    return Finding(
+        'named+unexplained', (effect,), (), (), (GAP,), True, (), (), 1, {}, 'rgblimp',
+        carried=CARRIED,
+    )  # fmt: skip
+
+
+def test_programs_and_people_are_told_what_names_rest_on() -> None:
+    known = to_dict(told())
+    assert known['carried']['regimes'][0] == {'name': 'slow', 'flights': 5, 'ratio': 0.95}
+    assert known['carried']['interpolates'] == ['side force']
+    assert known['gap']['refitted'] == 0.17
+    assert '2 of 2 regimes' in carried_words(CARRIED)
+    page = carried(told())
+    assert '2.8 %' in page
+    assert '\N{MINUS SIGN}5 %' in page  # of the worst regime
+    assert '<b>side force</b>' in page
+    assert '0.61' in page  # 0.17 of 0.28 m
+    assert to_dict(replace(told(), carried=None))['carried'] is None
+    assert carried(replace(told(), carried=None)) == ''
 
 
 def test_what_only_interpolates_is_said_so() -> None:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from lta_analysis.discovery.carrying.choose import Chosen
-from lta_analysis.discovery.carrying.groups import Group, spreads
+from lta_analysis.discovery.carrying.groups import Group, wide
 from lta_analysis.discovery.foresight import Foresight
 import numpy as np
 
@@ -48,7 +48,7 @@ def _off(
     for teaching, other in (halves, halves[::-1]):
         values = begin
         if which:
-            spread = spreads(sight.knobs, which)
+            spread = wide(sight.knobs, which)
             values = sight.fit(which, spread, teaching, begin, ROUNDS, told=False).values
         total += len(other) * sight.size(values, other) ** 2
     return total

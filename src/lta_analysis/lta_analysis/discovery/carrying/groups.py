@@ -34,10 +34,12 @@ SAME: Final = frozenset(
     {'gas_purity', 'ballast', 'payload', 'net_lift', 'helium_leak', 'superheat', 'rotor_fault'}
 )
 WIDE: Final = 3.0  # typical sizes; that a knob may be off by
-# How far those may be off whose typical size is that of a still hall, or of a small hull.
+# How far those may be off whose typical size is that of a still hall.
 LOOSE: Final[dict[str, float]] = {
-    'steady_wind': 0.2, 'wind_gradient': 0.2, 'tracker_misalignment': 0.03, 'added_inertia': 0.005,
+    'steady_wind': 0.2, 'wind_gradient': 0.2, 'tracker_misalignment': 0.03,
 }  # fmt: skip
+# The same where slopes are not trusted that far: of a heavier hull than a typical one.
+HEAVY: Final[dict[str, float]] = {'added_inertia': 0.005}
 
 
 @final
@@ -91,8 +93,15 @@ def tolerances(knobs: Sequence[Knob]) -> list[int]:
 
 
 def spreads(knobs: Sequence[Knob], which: Sequence[int]) -> Array:
-    """Return how far some knobs may be off that have a name, shape (K,)."""
+    """Return how far some knobs may be off that have a name, shape (K,), for a first step."""
     return np.array([_spread(knobs[k]) for k in which])
+
+
+def wide(knobs: Sequence[Knob], which: Sequence[int]) -> Array:
+    """Return how far they may be off, shape (K,), where they are fitted step by step."""
+    effects = [knobs[k].name.partition('.')[0] for k in which]
+    own = spreads(knobs, which)
+    return np.array([HEAVY.get(effect, one) for effect, one in zip(effects, own, strict=True)])
 
 
 def _spread(knob: Knob) -> float:

@@ -7,7 +7,7 @@ nobody says what it does in another regime. It shows how much of the error a nam
 
 from typing import Final
 
-from lta_analysis.discovery.carrying.groups import groups, spreads
+from lta_analysis.discovery.carrying.groups import groups, wide
 from lta_analysis.discovery.foresight import Foresight
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,7 @@ def refitted(sight: Foresight, begin: Array) -> tuple[Array, int]:
 
     """
     which = [k for group in groups(sight.knobs) for k in group.knobs]
-    spread = spreads(sight.knobs, which)
+    spread = wide(sight.knobs, which)
     flights = range(len(sight.flights))
     found = sight.fit(which, spread, flights, begin, ROUNDS, told=False)
     return found.values, len(which)

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Final, final, NamedTuple
 
-from lta_analysis.discovery.carrying.groups import Group, spreads, tolerances
+from lta_analysis.discovery.carrying.groups import Group, tolerances, wide
 from lta_analysis.discovery.carrying.intervals import drawn
 from lta_analysis.discovery.foresight import Fitted, Foresight
 from lta_analysis.discovery.transfer import left_out, Regime
@@ -63,7 +63,7 @@ def valued(
     """
     every = range(len(sight.flights))
     which = [k for group in groups for k in group.knobs]
-    spread = spreads(sight.knobs, which)
+    spread = wide(sight.knobs, which)
     fitted = sight.fit(which, spread, every, rounds=ROUNDS)
     found = left_out(sight, fitted, which, spread, parts)
     draws = drawn(fitted, sight.knobs, which, spread, seed)
