@@ -20,8 +20,8 @@ HORIZONS: Final = (2.0, 3.0, 5.0)  # s
 def gaps(told: dict[str, Any]) -> list[str]:
     """Return errors of forecasts as Markdown."""
     out = [
-        '| held out | ahead | before | tuned | named | everything refitted | coast | named by before |'
-        ' refitted by before |',
+        '| held out | ahead | before | tuned | named | everything refitted | coast |'
+        ' named by before | refitted by before |',
         f'|{"---|" * 9}',
     ]
     for channel, unit, factor, digits in (

@@ -14,7 +14,7 @@ from typing import Final, final, NamedTuple
 from lta_analysis.discovery.carrying.choose import choose, Chosen
 from lta_analysis.discovery.carrying.confirm import confirmed
 from lta_analysis.discovery.carrying.gaps import gaps
-from lta_analysis.discovery.carrying.groups import Group
+from lta_analysis.discovery.carrying.groups import Group, groups
 from lta_analysis.discovery.carrying.named import effects
 from lta_analysis.discovery.carrying.pieces import apart_for, far
 from lta_analysis.discovery.carrying.refit import refitted
@@ -37,6 +37,7 @@ FEWEST: Final = 4  # flights that teach or confirm, where a filter ate the noise
 ENOUGH: Final = 8  # the same, where it did not: readings have been asked already
 LIFT: Final = 0.0025  # of the weight, that a flight's lift may be off by (as between RGBlimp's)
 TUNED: Final = 0.97  # of the squared error that tuning tolerances leaves, in regimes left out
+ATTEMPTS: Final = 4  # to name, each without what fell before
 GRAVITY: Final = 9.81  # m/s2
 POSE: Final = 6  # of CHANNELS, the first
 
@@ -47,6 +48,16 @@ class Side(NamedTuple):
 
     flown: list[Flown]
     sight: Foresight
+
+
+@final
+class Names(NamedTuple):
+    """What was chosen last, what of it stands with its values, and what fell on the way."""
+
+    chosen: Chosen
+    kept: Sequence[Group]
+    best: Valued | None
+    lost: Sequence[Group]
 
 
 def due(found: Study) -> bool:
@@ -82,35 +93,55 @@ def by_forecasts(found: Study, tell: Progress) -> Study:
     if taught is None or len(taught.flown) < FEWEST:
         return found
     parts = _parts(taught)
-    chosen = choose(taught.sight, range(len(taught.flown)), parts)
-    tell('asking forecasts', 0.6)
+    plain, rest = tuned(taught.sight, parts)
+    names = _standing(taught, parts, rest, found.finding.seed, tell)
+    if names.best is None:
+        return _unnamed(found, names.lost)
+    models = {'before': np.zeros_like(plain), 'tuned': plain, 'after': names.best.fitted.values}
+    numbers = 0
+    if len(taught.flown) >= ENOUGH:
+        tell('refitting everything', 0.9)
+        models['refitted'], numbers = refitted(taught.sight, names.best.fitted.values)
+    told = _told(names.chosen, names.kept, names.best, [one.name for one in names.lost], numbers)
+    return _shown_with(_named(found, taught, names, names.best, told), taught, models)
+
+
+def _standing(
+    taught: Side,
+    parts: Mapping[str, Sequence[int]],
+    rest: Sequence[Regime],
+    seed: int,
+    tell: Progress,
+) -> Names:
+    """Return the names that stand; one that falls makes room for others, a few times."""
+    candidates, lost = groups(taught.sight.knobs), []
     halves = [
         [f for f, one in enumerate(taught.flown) if one.role == role]
         for role in ('train', 'confirm')
     ]
-    kept = confirmed(taught.sight, chosen, halves)
-    plain, by_tolerances = tuned(taught.sight, parts)
-    best, kept = _carrying(taught.sight, kept, parts, found.finding.seed, by_tolerances)
-    lost = [one for one in chosen.groups if one not in kept]
-    tell('asking forecasts', 0.9)
-    if best is None:
-        return _unnamed(found, lost)
-    models = {'before': np.zeros_like(plain), 'tuned': plain, 'after': best.fitted.values}
-    numbers = 0
-    if len(taught.flown) >= ENOUGH:
-        tell('refitting everything', 0.9)
-        models['refitted'], numbers = refitted(taught.sight, best.fitted.values)
-    told = _told(chosen, kept, best, numbers)
-    return _shown_with(_named(found, taught, chosen, best, told), taught, models)
+    every = range(len(taught.flown))
+    for attempt in range(ATTEMPTS):
+        tell('asking forecasts', attempt / ATTEMPTS)
+        chosen = choose(taught.sight, every, parts, candidates)
+        kept = confirmed(taught.sight, chosen, halves)
+        best, kept = _carrying(taught.sight, kept, parts, seed, rest)
+        fell = [one for one in chosen.groups if one not in kept]
+        lost += fell
+        if not fell:
+            break
+        candidates = [one for one in candidates if one not in fell]
+    return Names(chosen, kept, best, lost)
 
 
-def _told(chosen: Chosen, kept: Sequence[Group], best: Valued, numbers: int) -> Carried:
+def _told(
+    chosen: Chosen, kept: Sequence[Group], best: Valued, lost: Sequence[str], numbers: int
+) -> Carried:
     """Return what names rest on."""
     worth = {group.name: share for group, share in zip(chosen.groups, chosen.worth, strict=True)}
     return Carried(
         tuple(Worth(one.name, worth[one.name]) for one in kept),
         tuple(LeftOut(one.name, one.flights, one.ratio) for one in best.regimes),
-        tuple(one.name for one in chosen.groups if one not in kept),
+        tuple(lost),
         numbers,
     )
 
@@ -174,17 +205,15 @@ def interpolating(names: Sequence[str]) -> str:
     )
 
 
-def _named(found: Study, taught: Side, chosen: Chosen, best: Valued, carried: Carried) -> Study:
+def _named(found: Study, taught: Side, names: Names, best: Valued, carried: Carried) -> Study:
     """Return a study with names."""
-    names = {one.name for one in carried.names}
-    kept = [group for group in chosen.groups if group.name in names]
     knobs, warnings = taught.sight.knobs, found.finding.warnings
     if carried.interpolates:
         warnings = (*warnings, interpolating(carried.interpolates))
     finding = replace(
         found.finding,
         verdict='named+unexplained',
-        effects=effects(found.nominal, knobs, chosen, kept, best),
+        effects=effects(found.nominal, knobs, names.chosen, names.kept, best),
         warnings=warnings,
         carried=carried,
     )
