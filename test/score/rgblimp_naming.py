@@ -22,6 +22,7 @@ EVERY: Final = (
 )  # fmt: skip
 NO_NAME: Final = (
     'rotor_1.thrust', 'rotor_2.thrust', 'vehicle.roll', 'vehicle.pitch', 'vehicle.yaw',
+    'moving_mass.x', 'moving_mass.z',
 )  # fmt: skip
 # How far those may be off that have no typical size, or one of another hall than a still one.
 LOOSE: Final[Mapping[str, float]] = {

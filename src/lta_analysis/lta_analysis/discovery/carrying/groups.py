@@ -28,7 +28,10 @@ PARTS: Final[dict[str, dict[str, tuple[str, ...]]]] = {
     },
 }
 # Of what a tracker's forecast says nothing, or what each flight has of its own.
-NO_NAME: Final = frozenset({'hull_lift.all', 'tracker_misalignment.yaw'})
+# Where a moving mass is told to be is where it is.
+NO_NAME: Final = frozenset(
+    {'hull_lift.all', 'tracker_misalignment.yaw', 'moving_mass.x', 'moving_mass.z'}
+)
 # What two names would say of one thing: the first stands for all.
 SAME: Final = frozenset(
     {'gas_purity', 'ballast', 'payload', 'net_lift', 'helium_leak', 'superheat', 'rotor_fault'}
