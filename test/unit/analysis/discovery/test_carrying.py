@@ -22,6 +22,7 @@ from lta_analysis.discovery.splitting import part
 from lta_analysis.discovery.study import Flown, Study
 from lta_analysis.discovery.terminal import carried_words
 from lta_analysis.discovery.told import to_dict
+from lta_analysis.discovery.unexplained import Remainder
 import numpy as np
 import pytest
 
@@ -138,7 +139,8 @@ def test_forecasts_are_asked_where_readings_have_no_name(
     bare = Linearised(clean.replay.in_pieces(clean.replay.cut), gtmab[1], clean.places)
     noise = np.where(np.arange(14) < 6, 1e-3, np.inf)
     bare.replay.flight = replace(clean.replay.flight, noise=noise, alike=alike)
-    finding = Finding(verdict, (), (), (), (), False, (), (), 1, {}, 'gtmab')
+    left = (Remainder('heave', 0.02, 30.0, (), 0.0),)
+    finding = Finding(verdict, (), (), (), (), False, left, (), 1, {}, 'gtmab')
     flown = [Flown(f'{k}', 'train', bare) for k in range(flights)]
     assert due(Study(finding, gtmab[0], gtmab[0], flown, [])) is asked
     seeing = [Flown(f'{k}', 'train', clean) for k in range(flights)]

@@ -26,7 +26,7 @@ from lta_analysis.discovery.linear import Point, RANDOM, SENSORS
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.regimes import regimes
 from lta_analysis.discovery.study import Flown, Shown, Study
-from lta_analysis.discovery.transfer import Regime
+from lta_analysis.discovery.transfer import Regime, TOLD
 import numpy as np
 from numpy.typing import NDArray
 
@@ -34,9 +34,12 @@ Array = NDArray[np.float64]
 Progress = Callable[[str, float | None], None]
 
 FEWEST: Final = 4  # flights that teach or confirm, where a filter ate the noise
+LARGE: Final = 10.0  # floors; what remains where readings are not to be asked
 ENOUGH: Final = 8  # the same, where it did not: readings have been asked already
 LIFT: Final = 0.0025  # of the weight, that a flight's lift may be off by (as between RGBlimp's)
 TUNED: Final = 0.97  # of the squared error that tuning tolerances leaves, in regimes left out
+LOOSE: Final = 0.8  # of the squared error; what tolerances take more of, they explain
+BESIDE: Final = 0.95  # the same, where tolerances are tuned beside the names
 ATTEMPTS: Final = 4  # to name, each without what fell before
 GRAVITY: Final = 9.81  # m/s2
 POSE: Final = 6  # of CHANNELS, the first
@@ -69,9 +72,10 @@ def due(found: Study) -> bool:
     if any(np.isfinite(flight.noise[POSE:]).any() for flight in told):
         return False
     smooth = all(flight.alike > 1.0 for flight in told)
-    if finding.effects and not smooth:
-        return False
-    return len(told) >= (FEWEST if smooth else ENOUGH)
+    if smooth:
+        return len(told) >= FEWEST
+    large = any(one.floors >= LARGE for one in finding.remains)
+    return large and not finding.effects and len(told) >= ENOUGH
 
 
 def by_forecasts(found: Study, tell: Progress) -> Study:
@@ -94,6 +98,8 @@ def by_forecasts(found: Study, tell: Progress) -> Study:
         return found
     parts = _parts(taught)
     plain, rest = tuned(taught.sight, parts)
+    if _squared(rest) < LOOSE * sum(one.flights * one.before**2 for one in rest):
+        return found  # its numbers are off within their tolerances, which no name can be told from
     names = _standing(taught, parts, rest, found.finding.seed, tell)
     if names.best is None:
         return _unnamed(found, names.lost)
@@ -179,7 +185,9 @@ def _carrying(
         best = valued(sight, groups, parts, seed)
         better = all(one.ratio < 1.0 for one in best.regimes)
         if better and _squared(best.regimes) < TUNED * _squared(rest):
-            return best, groups
+            beside = tuned(sight, parts, groups)[1]
+            if _squared(beside) < BESIDE * _squared(rest):
+                return best, groups
         groups = groups[:-1]
     return None, groups
 
@@ -199,9 +207,10 @@ def _unnamed(found: Study, lost: Sequence[Group]) -> Study:
 
 def interpolating(names: Sequence[str]) -> str:
     """Return in words that names did not carry over."""
+    more = f' and {len(names) - TOLD} more' if len(names) > TOLD else ''
     return (
-        f'{", ".join(names)}: interpolation only; it makes forecasts better where it was fitted, '
-        'and not for flights or regimes that were left out.'
+        f'{", ".join(names[:TOLD])}{more}: interpolation only; it makes forecasts better where it '
+        'was fitted, and not for flights or regimes that were left out.'
     )
 
 

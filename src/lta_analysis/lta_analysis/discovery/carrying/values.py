@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 ROUNDS: Final = 6
-TUNING: Final = 2  # rounds, of tolerances alone
+TUNING: Final = 4  # rounds, of tolerances
 
 
 @final
@@ -70,9 +70,13 @@ def valued(
     return Valued(which, fitted, draws, found)
 
 
-def tuned(sight: Foresight, parts: Mapping[str, Sequence[int]]) -> tuple[Array, list[Regime]]:
-    """Return the tolerances of the vehicle file as forecasts have them, and each regime so."""
-    which = tolerances(sight.knobs)
-    spread = np.array([sight.knobs[k].tolerance for k in which])
+def tuned(
+    sight: Foresight, parts: Mapping[str, Sequence[int]], groups: Sequence[Group] = ()
+) -> tuple[Array, list[Regime]]:
+    """Return the tolerances of the file as forecasts have them, beside names, and each regime."""
+    named = [k for group in groups for k in group.knobs]
+    rest = [k for k in tolerances(sight.knobs) if k not in named]
+    which = [*named, *rest]
+    spread = np.concatenate([wide(sight.knobs, named), [sight.knobs[k].tolerance for k in rest]])
     fitted = sight.fit(which, spread, range(len(sight.flights)), rounds=TUNING)
     return fitted.values, left_out(sight, fitted, which, spread, parts)
