@@ -45,6 +45,11 @@ class Trial(NamedTuple):
         return self.gain + self.replicated
 
     @property
+    def together(self) -> float:
+        """Evidence of the other flight after the first one, as one. [nats]"""
+        return self.gain + self.held_out
+
+    @property
     def torn(self) -> bool:
         """Tell whether the flights contradict each other."""
         return min(self.gain, self.replicated) < -TORN and max(self.gain, self.replicated) > LARGER

@@ -10,10 +10,10 @@ order: where nothing happened, their order says nothing.
 from collections.abc import Sequence
 from typing import Final, final, NamedTuple
 
-from lta_analysis.discovery.evidence import Pieces, tolerances
+from lta_analysis.discovery.evidence import tolerances
 from lta_analysis.discovery.fit import Fit
 from lta_analysis.discovery.knobs import Knob
-from lta_analysis.discovery.linear import Linear, Point
+from lta_analysis.discovery.piecewise import each_piece
 import numpy as np
 from numpy.typing import NDArray
 
@@ -44,15 +44,12 @@ class Change(NamedTuple):
         As if this had changed: 'rotor_fault.lost_3'.
     won : float
         Log Bayes factor. [nats]
-    chance : float
-        Share of other orders of the pieces that win as much.
 
     """
 
     piece: int
     knob: str
     won: float
-    chance: float
 
 
 def change(this: Fit, knobs: Sequence[Knob], seed: int) -> Change | None:
@@ -69,7 +66,7 @@ def change(this: Fit, knobs: Sequence[Knob], seed: int) -> Change | None:
         Of the other orders of its pieces.
 
     """
-    each = products(this)
+    each = each_piece(this.linear, this.deviations)
     picked = [
         k
         for k, knob in enumerate(knobs)
@@ -105,15 +102,4 @@ def change(this: Fit, knobs: Sequence[Knob], seed: int) -> Change | None:
     chance = (1 + int(np.sum(np.array(others) >= most))) / (DRAWS + 1)
     if most < WON or chance > CHANCE:
         return None
-    return Change(int(place) + LEAST, knobs[picked[which]].name, most, chance)
-
-
-def products(this: Fit) -> Array:
-    """Return what each piece says of the knobs, its own unknowns eliminated, shape (S, G, G)."""
-    linear, out = this.linear, []
-    for s in range(len(linear.rows)):
-        one = slice(s, s + 1)
-        point = Point(linear.point.nominal, linear.point.values, linear.point.random[one])
-        piece = Linear(linear.names, linear.grams[one], linear.rows[one], point, linear.residual)
-        out.append(Pieces(piece).reduced(this.deviations).products)
-    return np.array(out)
+    return Change(int(place) + LEAST, knobs[picked[which]].name, most)

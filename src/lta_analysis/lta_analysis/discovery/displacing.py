@@ -1,10 +1,13 @@
 """
 Whether a candidate of the library stands against what is outside of it.
 
-A candidate that was confirmed may still be the nearest word for something that has none. Two
-signs of that: a generic rival explains clearly more, and leaves little for the candidate to say;
-or, when all is named, large forces that follow something remain: on every axis on which the
-candidate acts, or beside a coefficient of motion that explained something much smaller.
+A candidate that was confirmed may still be the nearest word for something that has none. Signs of
+that: a generic rival explains clearly more (more at all, where the candidate is a coefficient of
+motion, the word for whatever follows the motion), and leaves little for the candidate to say; or,
+when all is named, large forces that follow something remain: on the very axes on which the
+candidate acts, or beside a coefficient of motion that explained something much smaller; or
+anything remains, and the candidate has won little, its flights differ about it, or it is a
+coefficient of motion that leaves more than it explains.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,6 +23,7 @@ from lta_analysis.discovery.standing import Standing
 from lta_analysis.discovery.tangent import WIDTH
 from lta_analysis.discovery.unexplained import CLEAR, remaining
 from lta_analysis.discovery.verdict import standing
+from lta_sim.effects.protocol import AXES as NAMES
 import numpy as np
 from numpy.typing import NDArray
 
@@ -31,6 +35,11 @@ MARGIN: Final = 10.0  # ... and nats: by which a rival has to be better to displ
 BESIDE: Final = 11.0  # nats; that a candidate has to win beside such a rival ...
 HALF: Final = 0.5  # ... and of what it wins without
 SMALL: Final = 1.0  # floors; forces that no rival needs to explain
+LOUD: Final = 4.0  # floors; of what remains, to put in question what was named
+FOLLOWS: Final = 0.3  # of the variance of what remains; gusts have come to 0.2
+FAINT: Final = 24.0  # nats; a name that won less is none beside anything that remains
+SURE: Final = 80.0  # nats; with which a coefficient of motion may leave more than it explains
+AGREED: Final = 3.0  # deviations; by which the sides may differ about a name beside what remains
 MOST: Final = 0.4  # of a deviation; what may remain where a candidate was most of it
 LESSER: Final = 0.5  # of the largest that remains; what a coefficient of motion has to explain
 FREE: Final = 1e3  # floors; a latent force that can be anything
@@ -38,7 +47,15 @@ ALIKE: Final = 0.5  # of a column; what a latent force has to explain of it
 NEARLY: Final = 0.85  # of what the axis explains that explains most
 
 
-def displaced(gain: float, before: Mapping[str, float], after: Mapping[str, float]) -> str:
+def bar(name: str, gain: float) -> float:
+    """Return what a rival has to win to displace a candidate that won so much. [nats]"""
+    motion = name.partition('.')[0] in PARTS
+    return gain if motion else BETTER * gain + MARGIN
+
+
+def displaced(
+    gain: float, least: float, before: Mapping[str, float], after: Mapping[str, float]
+) -> str:
     """
     Return the rival that takes a candidate's place, '' where the candidate stands.
 
@@ -48,12 +65,14 @@ def displaced(gain: float, before: Mapping[str, float], after: Mapping[str, floa
     ----------
     gain : float
         Log evidence that the candidate wins on all flights. [nats]
+    least : float
+        What a rival has to win to be clearly better: `bar`.
     before, after : mapping of str to float
         What each rival wins on them without the candidate, and beside it.
 
     """
     for name in sorted(before, key=lambda one: -before[one]):
-        if before[name] <= BETTER * gain + MARGIN:
+        if before[name] <= least:
             break
         if gain + after[name] - before[name] < max(BESIDE, HALF * gain):
             return name
@@ -90,7 +109,7 @@ def partial(acts: NDArray[np.bool_], before: Array, final: Array) -> bool:
         Deviations of the latent wrench without the candidate, and at the end. [floors]
 
     """
-    return bool(acts.any() and np.all((final > np.maximum(CLEAR, MOST * before))[acts]))
+    return bool(acts.any() and np.all((final > np.maximum(LOUD, MOST * before))[acts]))
 
 
 def lesser(name: str, acts: NDArray[np.bool_], before: Array, final: Array) -> bool:
@@ -104,6 +123,31 @@ def lesser(name: str, acts: NDArray[np.bool_], before: Array, final: Array) -> b
     motion = name.partition('.')[0] in PARTS
     explained = np.sqrt(np.maximum(before**2 - final**2, 0.0))
     return motion and bool(acts.any() and explained[acts].max() < LESSER * final.max())
+
+
+def minor(name: str, acts: NDArray[np.bool_], before: Array, final: Array) -> bool:
+    """
+    Tell whether a coefficient of motion leaves more than it explained, where it explained most.
+
+    Parameters are as for `lesser`.
+    """
+    if name.partition('.')[0] not in PARTS or not acts.any():
+        return False
+    explained = np.sqrt(np.maximum(before**2 - final**2, 0.0))
+    k = int(np.argmax(np.where(acts, explained, -1.0)))
+    return bool(final[k] > max(CLEAR, explained[k]))
+
+
+def apart(then: Pair, k: int) -> float:
+    """Return by how much the values of a knob differ between the sides, in deviations."""
+    values = [each.fitted.mean[k] for each in then]
+    spread = sum(each.fitted.covariance[k, k] for each in then)
+    return float(abs(values[0] - values[1]) / np.sqrt(spread))
+
+
+def won(before: Pair, then: Pair) -> float:
+    """Return the log evidence that fits have won on others, each side by itself. [nats]"""
+    return sum(new.evidence - old.evidence for old, new in zip(before, then, strict=True))
 
 
 @final
@@ -124,12 +168,14 @@ class Displacing:
         self._flights, self._rivals, self._floor = flights, Rivals(flights), floor
         self._last: tuple[Pair, dict[str, float]] | None = None
 
-    def stands(self, gain: float, fits: Pair, then: Pair) -> bool:
+    def stands(self, name: str, gain: float, fits: Pair, then: Pair) -> bool:
         """
         Tell whether a candidate stands.
 
         Parameters
         ----------
+        name : str
+            Of the candidate.
         gain : float
             Log evidence that it wins on all flights. [nats]
         fits, then : pair of Joint
@@ -141,9 +187,10 @@ class Displacing:
         if self._last is None or self._last[0] is not fits:
             self._last = fits, self._gains(fits)
         before = self._last[1]
-        if max(before.values()) <= BETTER * gain + MARGIN:
+        least = bar(name, gain)
+        if max(before.values()) <= least:
             return True
-        return not displaced(gain, before, self._gains(then))
+        return not displaced(gain, least, before, self._gains(then))
 
     def withdrawn(self, history: Sequence[tuple[str, Pair]], last: Pair) -> tuple[str, ...]:
         """
@@ -158,24 +205,28 @@ class Displacing:
 
         """
         final = self._floors(last)
-        if not history or final.max() <= CLEAR or not self._structured(last):
+        if not history or final.max() <= CLEAR:
             return ()
-        linear = last[0].group.linears[0]
-        return tuple(
-            name
-            for name, before in history
-            if self._gone(name, acts_on(linear, name, self._floor), self._floors(before), final)
-        )
+        linear, structured = last[0].group.linears[0], np.zeros(AXES, dtype=np.bool_)
+        if final.max() > LOUD:
+            structured = self._structured(last)
+        fits, gone = [*(before for _, before in history), last], []
+        for (name, before), then in zip(history, fits[1:], strict=True):
+            acts, floors = acts_on(linear, name, self._floor), self._floors(before)
+            part = (acts & structured).any() and partial(acts, floors, final)
+            less = structured.any() and lesser(name, acts, floors, final)
+            rest = minor(name, acts, floors, final) and won(before, then) < SURE
+            weak = won(before, then) < FAINT or apart(then, linear.names.index(name)) > AGREED
+            if weak or part or less or rest:
+                gone.append(name)
+        return tuple(gone)
 
-    @staticmethod
-    def _gone(name: str, acts: NDArray[np.bool_], before: Array, final: Array) -> bool:
-        """Tell whether a name is withdrawn."""
-        return partial(acts, before, final) or lesser(name, acts, before, final)
-
-    def _structured(self, fits: Pair) -> bool:
-        """Tell whether what remains follows something, as gusts do not."""
+    def _structured(self, fits: Pair) -> NDArray[np.bool_]:
+        """Tell on which axes what remains follows something, as gusts do not, shape (6,)."""
         left = remaining(self._flights, [each.members for each in fits], self._floor)
-        return any(one.follows for one in left) or bool(standing(self._found(fits)))
+        axes = {one.axis for one in left if one.carried > FOLLOWS}
+        axes |= {axis for one in standing(self._found(fits)) for axis in one.axes}
+        return np.array([axis in axes for axis in NAMES])
 
     def _found(self, fits: Pair) -> tuple[Rival, ...]:
         """Return the rivals on some fits."""

@@ -28,7 +28,9 @@ Array = NDArray[np.float64]
 REST: Final = 0.7  # nats; below it the evidence has come to rest
 ROUNDS: Final = 12
 # Factors on the variance of the noise, where the whole step of Gauss-Newton makes things worse.
-DOUBTS: Final = (4.0, 30.0, 300.0, 3e3, 3e4, 3e5)
+DOUBTS: Final = (4.0, 30.0, 300.0, 3e3, 3e4, 3e5, 3e6)
+BROKEN: Final = 2.0  # of the misfit that was promised; beyond it shorter steps are looked at too
+LEAP: Final = 1e3  # nats; a step that wins more has yet to arrive, and counts as no round
 RAN_AWAY: Final = 'The model runs away from the flight; begin with a vehicle file nearer to it.'
 WORSE: Final = 1.0  # in minus twice the log density; by which a step may be
 
@@ -206,17 +208,23 @@ class Fitter:
             About the last point but one, where flying the last kept what was promised there.
 
         """
-        last = self.settled(begin, prior, deviations)
-        for count in range(2, rounds + 1):
+        last, count = self.settled(begin, prior, deviations), 1
+        while count < rounds:
             step = self._step(last)
             if step is None or step.kept < 2.0 * rest:
                 break
-            now = self.settled(self.about(step.at, step.points), prior, last.deviations, count)
+            there = self.about(step.at, step.points)
+            now = self.settled(there, prior, last.deviations, last.rounds + 1)
             rests = last.group.aligned and step.whole and abs(now.evidence - last.evidence) < rest
+            count += now.evidence - last.evidence < LEAP or last.rounds > 3 * ROUNDS
             last = now
             if rests:
                 break
         return last
+
+    def onward(self, last: Joint) -> tuple[Array, list[Point]]:
+        """Return where flights are most probable after a fit: what they share, and points."""
+        return self._towards(last, last.group, last.fitted.mean)
 
     def settled(self, group: Group, prior: Prior, start: Array, count: int = 1) -> Joint:
         """Return flights with the deviations most probable, about where they are."""
@@ -231,14 +239,16 @@ class Fitter:
     def _step(self, last: Joint) -> Onward | None:
         """Return the next point: the whole step, or a shorter one that is better, or None."""
         group = last.group
-        at, points = self._towards(last, group, last.fitted.mean)
+        at, points = self.onward(last)
         # Flights that do not stand together yet have no common misfit to begin with.
         bound = self._misfit(last, group.at, [each.point for each in group.linears]) + WORSE
         misfit = self._misfit(last, at, points)
+        found = []
         if np.isfinite(misfit) and (misfit < bound or not group.aligned):
             linear = promised(group, last.deviations, last.prior, at, points)
-            return Onward(at, points, abs(misfit - linear), True)
-        found = []
+            if misfit < BROKEN * linear or not group.aligned:
+                return Onward(at, points, abs(misfit - linear), True)
+            found.append((misfit, at, points))
         for doubt in DOUBTS:
             with contextlib.suppress(BadInput, np.linalg.LinAlgError):
                 at, points = self._doubted(last, doubt)

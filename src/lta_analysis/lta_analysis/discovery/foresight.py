@@ -66,8 +66,6 @@ class Fitted:
     ----------
     values : ndarray, shape (G,)
         What flights share, from the vehicle file; 0 for what was not asked for.
-    lifts : ndarray, shape (F,)
-        Of each flight. [N]
     precision, pull : ndarray, shape (K, K) and (K,)
         Of those asked for, about `values`, from the flights alone.
     said : tuple of Said
@@ -76,7 +74,6 @@ class Fitted:
     """
 
     values: Array
-    lifts: Array
     precision: Array
     pull: Array
     said: tuple[Said, ...]
@@ -178,7 +175,6 @@ class Foresight:
             said = {f: self._said(values, lifts, f, picked) for f in flights}
         return Fitted(
             values,
-            lifts,
             np.sum([one.products for one in said.values()], axis=0),
             np.sum([one.pull for one in said.values()], axis=0),
             tuple(said.values()),

@@ -1,9 +1,8 @@
 """
 A flight about a set of parameters: what is left over, and how it answers to everything.
 
-Columns are the states at the beginning of each piece, knots of a latent force and moment, the
-pressure of each piece, and every knob. Per piece only the products of the whitened columns with
-each other are kept, so that all that follows is algebra on small matrices.
+Columns are the state at the beginning of each piece, knots of a latent wrench, its pressure, and
+every knob. Per piece only products of whitened columns are kept: the rest is algebra on them.
 """
 
 from collections.abc import Sequence
@@ -258,7 +257,8 @@ class Linearised:
         middle = np.ascontiguousarray(states[:, STEPS // 2 :: STEPS])
         latent = self._latent(point, which, self._sparse)
         jacobian = self.replay.jacobians(about.turns, middle, latent, which)
-        answers = self.replay.answers(about.turns, middle, latent, which)
+        # Drawn towards 0, a latent wrench falls short: a lighter vehicle would get more out of it.
+        answers = self.replay.answers(about.turns, middle, np.zeros_like(latent), which)
         # A push accelerates by the inverse of the mass matrix, whatever the motion.
         inverse = about.rows.body[BODY_PLACES['inverse']].reshape(AXES, AXES)
         knots = np.einsum('ia,kj->kiaj', inverse, self._sparse).reshape(-1, AXES, AXES * KNOTS)

@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, final
 
+from lta_analysis.discovery import early
 from lta_analysis.discovery.accept import TIE, Trial
 from lta_analysis.discovery.deviations import weighed
 from lta_analysis.discovery.displacing import Displacing
@@ -136,8 +137,8 @@ class Naming:
             points = [
                 origin(self.nominal, self.knobs, len(each.replay.first)) for each in fitter.flights
             ]
-            group = fitter.about(points[0].values, points)
-            out.append(fitter.fit(prior, group, self.floor))
+            at, points, deviations = early.begun(fitter, prior, points)
+            out.append(fitter.fit(prior, fitter.about(at, points), deviations))
         return out[0], out[1]
 
     def _fitted(self, named: Sequence[str], before: Pair) -> Pair:
@@ -214,7 +215,8 @@ class Naming:
                 continue
             if trial not in close and not fell and not self._apart(trial, trials, named, fits):
                 continue
-            fell = not self._displacing.stands(trial.total, fits, tried[trial.name][1])
+            then = tried[trial.name][1]
+            fell = not self._displacing.stands(trial.name, trial.total, fits, then)
             if not fell:
                 others = tuple(one.name for one in close if one is not trial and not one.torn)
                 tied = (*glance[trial.name][1], *others)

@@ -6,7 +6,7 @@ in what is left over.
 """
 
 from collections.abc import Sequence
-from typing import final, NamedTuple
+from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.finding import Verdict
 from lta_analysis.discovery.fit import Joint
@@ -20,6 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+FOLLOWED: Final = 300.0  # floors; a model that has to be helped by more does not follow the flight
 
 
 @final
@@ -52,6 +54,11 @@ class Outside(NamedTuple):
         """Whether there is anything, whatever was named."""
         return self.verdict(()) == 'unexplained'
 
+    @property
+    def held(self) -> bool:
+        """Whether it is what remains of flights that the model follows at all."""
+        return self.more and all(one.floors < FOLLOWED for one in self.remains)
+
     def verdict(self, named: Sequence[str]) -> Verdict:
         """Return the verdict; see `verdict_of`."""
         return verdict_of(named, self.remains, self.rivals, self.lines)
@@ -78,5 +85,6 @@ def outside(pair: Sequence[Sequence[Linearised]], full: Joint, floor: Array) -> 
     left = remaining(pair, [members[side] for side in sides], floor)
     flights = [*pair[0], *pair[1]]
     residuals = [linear.residual for linear in full.group.linears]
-    seen = lines(residuals, [each.replay.flight.noise for each in flights])
+    times = [each.time for each in flights]
+    seen = lines(residuals, times, [each.replay.flight.noise for each in flights])
     return Outside(tuple(remains_with(left, rivals, floor)), rivals, tuple(seen))

@@ -12,9 +12,10 @@ from typing import Final, final
 
 from lta_analysis.discovery.accept import LARGER, TIE
 from lta_analysis.discovery.evidence import floor_of, own_variance, Prior, shared
-from lta_analysis.discovery.fit import Fitter, Joint, REST
+from lta_analysis.discovery.faint import Faint
+from lta_analysis.discovery.fit import Fitter, Joint
 from lta_analysis.discovery.linearise import Linearised
-from lta_analysis.discovery.naming import Named, Pair
+from lta_analysis.discovery.naming import MOST, Named, Pair, Step
 from lta_analysis.discovery.nominal import Nominal
 from lta_analysis.discovery.scan import likeness
 import numpy as np
@@ -28,7 +29,6 @@ ALIKE: Final = 0.9  # of the cosine of two columns; beyond it they are two words
 RIVALS: Final = 2  # refitted for each effect
 ROUNDS: Final = 4
 ANY: Final = 30.0  # typical sizes: as good as any
-ROUGH: Final = 3.0  # nats; to which the evidence without any effect is known
 
 
 @final
@@ -52,6 +52,8 @@ class Proven:
     measured : Joint
         All flights with the effects, of whose sizes nothing is taken to be known beforehand: a
         usual size is good for telling effects apart, and would pull a value towards 0.
+    steps : tuple of Step
+        Rounds in which fainter effects were looked for, on all flights together.
 
     """
 
@@ -62,6 +64,7 @@ class Proven:
     full: Joint
     bare: Joint
     measured: Joint
+    steps: tuple[Step, ...] = ()
 
 
 @final
@@ -87,10 +90,8 @@ class Proof:
         """Return what stands of what was named."""
         bare = self._joined((), named.bare)
         names = named.names
-        if not names:
-            return Proven((), {}, {}, {}, bare, bare, bare)
-        full = self._joined(names, named.fits)
-        costs = self._costs(names, full, bare)
+        full = self._joined(names, named.fits) if names else bare
+        costs = self._costs(names, full, bare) if names else {}
         while min(costs.values(), default=KEPT) < KEPT:
             weakest = min(costs, key=lambda name: costs[name])
             names = tuple(name for name in names if name != weakest)
@@ -105,8 +106,31 @@ class Proof:
                 costs[name_now] = costs.pop(name)
             rivals[name_now] = tuple(found)
             unlike[name_now] = tuple(one for one, same in found.items() if not same)
+        more, full = self._fainter(names, full, len(named.bare[0].group.pieces))
+        for step in more:
+            if step.named:
+                costs[step.named] = step.trials[0].together
+                rivals[step.named], unlike[step.named] = step.tied, ()
+        names = (*names, *(step.named for step in more if step.named))
         ranked = tuple(sorted(names, key=lambda name: -costs[name]))
-        return Proven(ranked, costs, rivals, unlike, full, bare, self._measured(full, ranked))
+        measured = self._measured(full, ranked) if ranked else full
+        return Proven(ranked, costs, rivals, unlike, full, bare, measured, more)
+
+    def _fainter(
+        self, names: tuple[str, ...], full: Joint, teach: int
+    ) -> tuple[tuple[Step, ...], Joint]:
+        """Add effects that only all flights together show; return the rounds."""
+        faint, steps = Faint(self.fitter, teach), []
+        last = faint.quiet(full)
+        while last is not None and len(names) < MOST:
+            step, last = faint.next(names, last)
+            steps.append(step)
+            if not step.named:
+                break
+            names = (*names, step.named)
+        if last is not None and any(step.named for step in steps):
+            full = self.fitter.settled(last.group, last.prior, last.deviations)
+        return tuple(steps), full
 
     def _measured(self, full: Joint, names: Sequence[str]) -> Joint:
         """Fit the effects without a word on how large they usually are."""
@@ -121,8 +145,7 @@ class Proof:
         """Fit all flights together, from where those that teach and those that confirm stand."""
         group = pair[0].group.joined(pair[1].group)
         deviations = np.sqrt(pair[0].deviations * pair[1].deviations)
-        rest = REST if names else ROUGH
-        return self.fitter.fit(shared(self.knobs, names), group, deviations, ROUNDS, rest)
+        return self.fitter.fit(shared(self.knobs, names), group, deviations, ROUNDS)
 
     def _without(self, last: Joint, name: str, names: Sequence[str]) -> Joint:
         """Return all flights with other effects, one of them back at 0, as linear as they are."""

@@ -100,16 +100,14 @@ class Contest:
 
     Parameters
     ----------
-    standing : Standing
-        Of the flights.
-    known : sequence of sequences of Group
-        All groups, in the same order for each flight.
+    columns : Columns
+        Of all groups.
 
     """
 
-    def __init__(self, standing: Standing, known: Sequence[Sequence[Group]]) -> None:
-        self.standing, self._columns = standing, Columns(standing, known)
-        self.known = [{group.name: group for group in each} for each in known]
+    def __init__(self, columns: Columns) -> None:
+        self.standing, self._columns = columns.standing, columns
+        self.known = [{group.name: group for group in each} for each in columns.known]
 
     def _won(self, there: Beside, name: str, taught: Gain | None) -> float:
         """Return the log evidence with a group."""
@@ -228,7 +226,7 @@ class Rivals:
             list(groups(met(flight, linear.point), self._scene, standing.floor))
             for flight, linear in flown
         ]
-        return Contest(standing, known)
+        return Contest(Columns(standing, known))
 
     def found(self, standings: Sequence[Standing]) -> tuple[Rival, ...]:
         """

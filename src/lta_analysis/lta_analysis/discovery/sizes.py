@@ -1,11 +1,12 @@
 """
 How large what was named is, and how well that is known.
 
-The flights' own interval takes the model for exact and its pieces for independent. Neither is
-quite so: an integrator, a command that takes over within a few milliseconds, a sensor's filter are
-off by what no flight of the same vehicle can show. By how much (`WIDER`, `PART`) was found on
-hidden truths. What is outside the library follows the motion, and so does not average out over the
-pieces as the latent wrench does that stands for it: beside it every value is known less well.
+The flights' own interval takes the model for exact and the noise for white. Neither is quite so.
+What the pieces of the flights show of it counts where it is more (`piecewise`); an integrator, a
+command that takes over within a few milliseconds, a sensor's filter are off by what no flight of
+the same vehicle can show: by how much (`WIDER`, `PART`) was found on hidden truths. What is
+outside the library follows the motion, and so does not average out over the pieces as the latent
+wrench does that stands for it: beside it every value is known less well.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,9 +14,10 @@ from typing import Final
 
 from lta_analysis.discovery.evidence import Fitted
 from lta_analysis.discovery.finding import Learned, NamedEffect
-from lta_analysis.discovery.fit import turned
+from lta_analysis.discovery.fit import Joint, turned
 from lta_analysis.discovery.knobs import Knob
 from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.piecewise import variance
 from lta_analysis.discovery.proof import Proven
 from lta_sim.effects import EFFECTS
 import numpy as np
@@ -24,9 +26,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 NORMAL: Final = 1.96  # deviations, of the 95 % interval
-WIDER: Final = 1.3  # factor on the deviations
-BESIDE: Final = 1.5  # the same once more, where something outside the library remains
-PART: Final = 0.01  # of the value, that it is off by at least
+WIDER: Final = 1.5  # factor on the deviations
+BESIDE: Final = 1.3  # the same once more, where something outside the library remains
+PART: Final = 0.02  # of the value, that it is off by at least
 # And by so much, whatever the value: over a flight, half a millisecond of a grid of 40.
 LEAST: Final[Mapping[str, float]] = {'clock_skew.skew': 5e-6}
 
@@ -42,6 +44,12 @@ def _values(proven: Proven, known: Sequence[Knob]) -> Array:
     mean = proven.measured.fitted.mean[: len(known)]
     inside: Array = np.clip(mean, [knob.low for knob in known], [knob.high for knob in known])
     return inside
+
+
+def _seen(measured: Joint) -> Fitted:
+    """Return the knobs after the data, each known no better than the pieces agree about it."""
+    own = np.diag(measured.fitted.covariance)
+    return measured.fitted._replace(covariance=np.diag(np.maximum(own, variance(measured))))
 
 
 def spread(found: Fitted, known: Sequence[Knob], beside: bool) -> Array:
@@ -64,9 +72,9 @@ def spread(found: Fitted, known: Sequence[Knob], beside: bool) -> Array:
 
     """
     wider, count = WIDER * (BESIDE if beside else 1.0), len(known)
-    variance, mean = np.diag(found.covariance)[:count], found.mean[:count]
+    own, mean = np.diag(found.covariance)[:count], found.mean[:count]
     least = np.array([LEAST.get(knob.name, 0.0) for knob in known])
-    out: Array = np.sqrt(wider**2 * variance + (PART * mean) ** 2 + least**2)
+    out: Array = np.sqrt(wider**2 * own + (PART * mean) ** 2 + least**2)
     return out
 
 
@@ -74,7 +82,7 @@ def effects(
     nominal: Nominal, proven: Proven, known: Sequence[Knob], beside: bool = False
 ) -> tuple[NamedEffect, ...]:
     """Return the effects that were found missing, the strongest first; `beside` as in `spread`."""
-    values, deviations = _values(proven, known), spread(proven.measured.fitted, known, beside)
+    values, deviations = _values(proven, known), spread(_seen(proven.measured), known, beside)
     by_effect: dict[str, list[int]] = {}
     for name in proven.names:
         k = next(i for i, knob in enumerate(known) if knob.name == name)

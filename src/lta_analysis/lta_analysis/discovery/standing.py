@@ -193,7 +193,7 @@ class Columns:
     """
 
     def __init__(self, standing: Standing, known: Sequence[Sequence[Group]]) -> None:
-        self.standing = standing
+        self.standing, self.known = standing, known
         self._flights = [
             _Flight(linear, standing, each)
             for linear, each in zip(standing.linears, known, strict=True)

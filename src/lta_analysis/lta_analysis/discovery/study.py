@@ -157,7 +157,7 @@ def study(
     finding = Finding(
         verdict=verdict(proven, rest, differences, kind),
         effects=effects(nominal, proven, known, rest.more),
-        ladder=tuple(_rungs(step) for step in found.steps),
+        ladder=tuple(_rungs(step) for step in (*found.steps, *proven.steps)),
         where=(),
         gaps=tuple(differences),
         held_out=held_out,
@@ -234,7 +234,7 @@ def verdict(proven: Proven, rest: Outside, differences: Sequence[Gap], kind: Kin
     A rival that no flight of this kind could tell from what was named does not put it in question.
     """
     far = [gap for gap in differences if gap.channel == 'position' and gap.horizon_s == FAR]
-    if far and far[0].coast < min(far[0].tuned, far[0].after):
+    if far and far[0].coast < min(far[0].tuned, far[0].after) and not rest.held:
         return 'not_identifiable'
     doubted = [
         any(not same_class(name, one, kind) for one in proven.unlike[name])

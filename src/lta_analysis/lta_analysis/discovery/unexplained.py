@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-CLEAR: Final = 4.0  # floors
+CLEAR: Final = 2.5  # floors; where nothing is missing no axis comes to 1.5
 TERMS: Final = 3  # that it may follow
 CARRIED: Final = 0.15  # of the variance; gusts explain as much of another flight by chance
 WORTH: Final = 0.05  # of the variance; a further term below it is not taken

@@ -23,13 +23,39 @@ Array = NDArray[np.float64]
 
 WORTH: Final = 12.0  # nats; of a rival on both flights
 EACH: Final = 3.0  # nats; that a rival has to win on every flight
+ALONE: Final = 20.0  # nats; or on one, where the other has nothing against it: as rare as that
+AGAINST: Final = 3.0  # nats; a rival that loses more than that is contradicted
 QUIET: Final = 0.5  # of the least of surge and sway; what the other axes stay below in gusts
+LINES: Final = 3  # that are told; what swings shows in many channels
 LEVEL: Final = ('surge', 'sway')
+SAID: Final = {
+    'x': 'the place along x', 'y': 'the place along y', 'z': 'the height',
+    'turn_x': 'the roll angle', 'turn_y': 'the pitch angle', 'turn_z': 'the yaw angle',
+    'p': 'the roll rate', 'q': 'the pitch rate', 'r': 'the yaw rate',
+    'fx': 'the specific force ahead', 'fy': 'the specific force to the left',
+    'fz': 'the specific force upwards',
+}  # fmt: skip
 
 
 def standing(rivals: Sequence[Rival]) -> list[Rival]:
     """Return the rivals that count at the end: worth it, and the same on both flights."""
     return [one for one in rivals if one.total > WORTH and min(one.gain, one.carried) > EACH]
+
+
+def telling(rivals: Sequence[Rival]) -> list[Rival]:
+    """
+    Return the rivals that show that something is there, be it on one flight.
+
+    What is seldom met (a flap that opens one way, a place) may be met on one flight only; it is
+    something all the same, though nothing to displace a name by.
+    """
+    return [
+        one
+        for one in rivals
+        if one in standing([one])
+        or (one.gain > ALONE and one.carried > -AGAINST)
+        or (max(one.confirmed, one.carried) > ALONE and one.gain > -AGAINST)
+    ]
 
 
 def gusty(remains: Sequence[Remainder]) -> bool:
@@ -69,7 +95,7 @@ def verdict_of(
         'none', 'named', 'unexplained' or 'named+unexplained'.
 
     """
-    more = bool(lines) or bool(standing(rivals)) or any(one.floors > CLEAR for one in remains)
+    more = bool(lines) or bool(telling(rivals)) or any(one.floors > CLEAR for one in remains)
     if named:
         return 'named+unexplained' if more else 'named'
     return 'unexplained' if more else 'none'
@@ -86,7 +112,7 @@ def remains_with(
     """
     out = {one.axis: one for one in remains}
     told: set[str] = set()
-    for one in standing(rivals):
+    for one in telling(rivals):
         for axis in set(one.axes) - told:
             before = out.get(axis)
             floors = one.size / float(floor[NAMES.index(axis)])
@@ -140,7 +166,7 @@ def sentences(remains: Sequence[Remainder], lines: Sequence[Line] = ()) -> tuple
         out.append(f'gusts: a surge and a sway force that follow nothing, {sizes}')
         rest = [one for one in rest if one.axis not in LEVEL]
     out += [sentence(one) for one in rest]
-    for line in lines:
+    for line in lines[:LINES]:
         size = f'{line.amplitude:.2g} {line.unit}'
-        out.append(f'an oscillation of {line.channel} at {line.hertz:.1f} Hz, {size}')
+        out.append(f'an oscillation of {SAID[line.channel]} at {line.hertz:.1f} Hz, {size}')
     return tuple(out)

@@ -2,13 +2,14 @@
 
 from dataclasses import replace
 
-from lta_analysis.discovery.change_point import change, products
+from lta_analysis.discovery.change_point import change
 from lta_analysis.discovery.evidence import fitted, Prior, tolerances
 from lta_analysis.discovery.fit import Fit, fit
 from lta_analysis.discovery.knobs import Knob
 from lta_analysis.discovery.linear import origin
 from lta_analysis.discovery.linearise import Linearised
 from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.piecewise import each_piece
 import numpy as np
 import pytest
 
@@ -49,7 +50,9 @@ def _changed(this: Fit, knobs: list[Knob], name: str, size: float, piece: int) -
 
 def test_the_pieces_together_are_the_flight(quiet: Fit) -> None:
     whole = quiet.pieces.reduced(quiet.deviations).products
-    assert products(quiet).sum(axis=0) == pytest.approx(whole, rel=1e-9, abs=1e-6)
+    assert each_piece(quiet.linear, quiet.deviations).sum(axis=0) == pytest.approx(
+        whole, rel=1e-9, abs=1e-6
+    )
 
 
 def test_what_is_won_is_the_log_evidence_of_one_unknown_more(gtmab: Known, quiet: Fit) -> None:
@@ -58,7 +61,7 @@ def test_what_is_won_is_the_log_evidence_of_one_unknown_more(gtmab: Known, quiet
     found = change(this, knobs, 1)
     assert found is not None
     assert (found.piece, found.knob) == (piece, name)
-    each, k = products(this), [knob.name for knob in knobs].index(name)
+    each, k = each_piece(this.linear, this.deviations), [knob.name for knob in knobs].index(name)
     prior, at = tolerances(knobs), this.linear.point.values
     after = each[piece:].sum(axis=0)
     size = len(at)

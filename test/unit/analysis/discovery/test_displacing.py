@@ -1,7 +1,18 @@
 """What is outside the library gets no name of the library, and is described."""
 
-from lta_analysis.discovery.displacing import acts_on, displaced, lesser, partial
-from lta_analysis.discovery.evidence import FLOOR
+from dataclasses import replace
+
+from lta_analysis.discovery.displacing import (
+    acts_on,
+    bar,
+    displaced,
+    Displacing,
+    lesser,
+    minor,
+    partial,
+)
+from lta_analysis.discovery.evidence import FLOOR, own_variance, shared
+from lta_analysis.discovery.fit import Fitter
 from lta_analysis.discovery.knobs import Knob
 from lta_analysis.discovery.linear import origin
 from lta_analysis.discovery.linearise import Linearised
@@ -11,6 +22,7 @@ from lta_analysis.discovery.outside import outside
 from lta_analysis.discovery.proof import Proof
 from lta_sim.effects.protocol import AXES as NAMES
 import numpy as np
+import pytest
 
 from .hidden_flight import flown, prepared
 from .outside import KINDS
@@ -35,10 +47,19 @@ def test_a_tether_is_given_no_name(gtmab: Known) -> None:
 
 
 def test_a_candidate_falls_to_a_better_rival_unless_it_has_more_to_say() -> None:
-    assert displaced(100.0, {'field': 119.0}, {'field': 5.0}) == ''  # not clearly better
-    assert displaced(100.0, {'field': 300.0}, {'field': 203.0}) == 'field'
-    assert displaced(100.0, {'field': 300.0}, {'field': 290.0}) == ''  # two things at once
-    assert displaced(100.0, {'a': 300.0, 'b': 200.0}, {'a': 290.0, 'b': 90.0}) == 'b'
+    least = bar('net_lift.force', 100.0)
+    assert least == pytest.approx(120.0)
+    assert displaced(100.0, least, {'field': 119.0}, {'field': 5.0}) == ''  # not clearly better
+    assert displaced(100.0, least, {'field': 300.0}, {'field': 203.0}) == 'field'
+    assert displaced(100.0, least, {'field': 300.0}, {'field': 290.0}) == ''  # two at once
+    assert displaced(100.0, least, {'a': 300.0, 'b': 200.0}, {'a': 290.0, 'b': 90.0}) == 'b'
+
+
+def test_a_coefficient_of_motion_falls_to_any_better_rival() -> None:
+    least = bar('rotational_drag.yaw', 43.0)
+    assert displaced(43.0, least, {'one-sided': 55.0}, {'one-sided': 17.0}) == 'one-sided'
+    assert displaced(43.0, least, {'one-sided': 42.0}, {'one-sided': -12.0}) == ''
+    assert displaced(43.0, bar('ballast.mass', 43.0), {'a': 55.0}, {'a': 17.0}) == ''
 
 
 def test_a_part_of_something_larger_is_withdrawn() -> None:
@@ -49,6 +70,35 @@ def test_a_part_of_something_larger_is_withdrawn() -> None:
     assert not partial(heave, large, 0.3 * large)  # it was most of it
     assert not partial(heave | yaw, large, large)  # it explains one axis
     assert not partial(np.zeros(6, dtype=np.bool_), large, large)  # it is about a sensor
+
+
+def test_a_coefficient_of_motion_that_leaves_more_than_it_explains_is_minor() -> None:
+    before = np.array([0.4, 0.4, 0.4, 1.3, 3.3, 5.4])
+    final = np.array([0.3, 0.4, 0.4, 1.3, 2.9, 4.7])
+    pitch, yaw = (np.arange(6) == 4) | (np.arange(6) == 0), np.arange(6) == 5
+    assert minor('rotational_drag.pitch', pitch, before, final)
+    assert minor('rotational_drag.yaw', yaw, before, final)
+    assert not minor('ballast.mass', yaw, before, final)
+    assert not minor('rotational_drag.yaw', yaw, before, final - 2.5 * yaw)  # little is left
+    assert not minor('rotational_drag.yaw', yaw, before + 4.0, final)  # it explained more
+
+
+def test_a_name_that_won_little_is_withdrawn_beside_anything(
+    gtmab: Known, clean: Linearised
+) -> None:
+    nominal, knobs = gtmab
+    fitter = Fitter(nominal, [clean], own_variance(knobs), FLOOR)
+    begin = origin(nominal, knobs, len(clean.replay.first))
+    joint = fitter.fit(shared(knobs), fitter.about(begin.values, [begin]), FLOOR, rounds=1)
+    displacing = Displacing(([clean], [clean]), FLOOR)
+
+    def gone(won: float, floors: float) -> tuple[str, ...]:
+        then = replace(joint, evidence=joint.evidence + 0.5 * won, deviations=floors * FLOOR)
+        return displacing.withdrawn([('helium_leak.rate', (joint, joint))], (then, then))
+
+    assert gone(20.0, 3.0) == ('helium_leak.rate',)
+    assert gone(20.0, 2.0) == ()  # nothing remains
+    assert gone(28.0, 3.0) == ()  # it won enough
 
 
 def test_drag_for_a_little_beside_something_large_is_withdrawn() -> None:

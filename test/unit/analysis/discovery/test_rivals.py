@@ -97,7 +97,7 @@ def test_a_group_is_worth_what_its_columns_are_as_knobs(
 
 def test_on_a_clean_flight_no_group_wins(quiet: tuple[Standing, list[Group]]) -> None:
     stands, known = quiet
-    gains = Contest(stands, [known]).gains()
+    gains = Contest(Columns(stands, [known])).gains()
     assert len(gains) == len(known)
     assert max(one.gain for one in gains.values()) < 3.0
 

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 PIECES, SIZE = 10, 150
+TIME = PERIOD * np.arange(PIECES * SIZE, dtype=np.float64).reshape(PIECES, SIZE)
+TIMES = [TIME, TIME]
 
 
 def _left(seed: int, colour: float = 0.0) -> np.ndarray:
@@ -17,17 +19,16 @@ def _left(seed: int, colour: float = 0.0) -> np.ndarray:
 
 
 def _wave(hertz: float, amplitude: float) -> np.ndarray:
-    time = PERIOD * np.arange(PIECES * SIZE).reshape(PIECES, SIZE)
-    return amplitude * np.sin(2.0 * np.pi * hertz * time + 0.3)
+    return amplitude * np.sin(2.0 * np.pi * hertz * TIME + 0.3)
 
 
 def test_a_line_has_its_channel_its_frequency_and_its_amplitude() -> None:
     flights, noise = [_left(1), _left(2)], [np.full(len(CHANNELS), 0.02)] * 2
     for flight in flights:
         flight[:, :, CHANNELS.index('fz')] += _wave(2.0, 1.5)
-    found = lines(flights, noise)
+    found = lines(flights, TIMES, noise)
     assert [one.channel for one in found] == ['fz']
-    assert found[0].hertz == pytest.approx(2.0, abs=1.0 / (SIZE * PERIOD))
+    assert found[0].hertz == pytest.approx(2.0, abs=1.0 / (PIECES * SIZE * PERIOD))
     assert found[0].amplitude == pytest.approx(1.5 * 0.02, rel=0.15)
     assert found[0].unit == 'm/s2'
     assert found[0].medians > 20.0
@@ -36,13 +37,13 @@ def test_a_line_has_its_channel_its_frequency_and_its_amplitude() -> None:
 def test_one_flight_alone_makes_no_line() -> None:
     flights, noise = [_left(1), _left(2)], [np.ones(len(CHANNELS))] * 2
     flights[0][:, :, 11] += _wave(2.0, 1.5)
-    assert lines(flights, noise) == []
+    assert lines(flights, TIMES, noise) == []
 
 
 @pytest.mark.parametrize('colour', [0.0, 0.5, 0.9])
 def test_noise_has_no_line(colour: float) -> None:
     noise = [np.ones(len(CHANNELS))] * 2
-    found = [lines([_left(k, colour), _left(k + 500, colour)], noise) for k in range(40)]
+    found = [lines([_left(k, colour), _left(k + 500, colour)], TIMES, noise) for k in range(40)]
     assert sum(map(len, found)) == 0
 
 
@@ -53,3 +54,32 @@ def test_a_wave_has_its_power_whatever_is_missing() -> None:
     seen = spectrum(wave)
     assert seen.pieces == PIECES - 1
     assert seen.power.max() == pytest.approx(4.0, rel=0.05)
+
+
+def test_a_weak_wave_of_one_frequency_adds_up_over_a_flight() -> None:
+    flights, noise = [_left(1), _left(2)], [np.ones(len(CHANNELS))] * 2
+    for k, flight in enumerate(flights):
+        flight[:, :, 6] += np.roll(_wave(2.13, 0.3), 40 * k)
+        flight[3, 20:90] = np.nan
+    assert max(spectrum(each[:, :, 6]).medians.max() for each in flights) < 5.0
+    found = lines(flights, TIMES, noise)
+    assert [one.channel for one in found] == ['p']
+    assert found[0].hertz == pytest.approx(2.13, abs=1.0 / (PIECES * SIZE * PERIOD))
+    assert found[0].amplitude == pytest.approx(0.3, rel=0.3)
+
+
+def test_a_wave_that_drifts_adds_up_within_the_pieces() -> None:
+    rng, flights, noise = np.random.default_rng(3), [_left(1), _left(2)], [np.ones(14)] * 2
+    for flight in flights:
+        drift = np.cumsum(0.12 * rng.standard_normal(PIECES * SIZE)).reshape(PIECES, SIZE)
+        flight[:, :, 6] += 1.2 * np.sin(2.0 * np.pi * 2.0 * TIME + drift)
+    found = lines(flights, TIMES, noise)
+    assert [one.channel for one in found] == ['p']
+    assert found[0].hertz == pytest.approx(2.0, abs=0.35)
+
+
+def test_what_only_the_pressure_shows_is_the_weather() -> None:
+    flights, noise = [_left(1), _left(2)], [np.ones(len(CHANNELS))] * 2
+    for flight in flights:
+        flight[:, :, 13] += _wave(0.9, 1.5)
+    assert lines(flights, TIMES, noise) == []

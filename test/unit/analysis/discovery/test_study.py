@@ -46,7 +46,7 @@ def test_the_hidden_effect_is_named_with_an_interval_about_the_truth(studied: St
 
 def test_the_ladder_ends_with_a_round_in_which_nothing_is_accepted(studied: Study) -> None:
     ladder = studied.finding.ladder
-    assert [sum(rung.accepted for rung in rungs) for rungs in ladder] == [1, 0]
+    assert [sum(rung.accepted for rung in rungs) for rungs in ladder] == [1, 0, 0]
     assert ladder[0][0].knob == 'linear_drag.surge'
     # What the removal costs is what both flights won, less what they share of the tolerances.
     won = ladder[0][0].train + ladder[0][0].confirm

@@ -11,7 +11,14 @@ from lta_analysis.discovery.sizes import spread
 from lta_analysis.discovery.spectral_line import Line
 from lta_analysis.discovery.study import verdict
 from lta_analysis.discovery.unexplained import Remainder
-from lta_analysis.discovery.verdict import gusty, remains_with, sentences, standing, verdict_of
+from lta_analysis.discovery.verdict import (
+    gusty,
+    remains_with,
+    sentences,
+    standing,
+    telling,
+    verdict_of,
+)
 import numpy as np
 import pytest
 
@@ -51,10 +58,20 @@ def test_a_rival_counts_only_on_both_flights() -> None:
     assert standing([LAYERS._replace(gain=6.0, confirmed=5.0, carried=4.0)]) == []
 
 
+def test_what_is_met_on_one_flight_only_tells_that_something_is_there() -> None:
+    seldom = LAYERS._replace(gain=32.0, confirmed=-1.2, carried=-0.4)
+    assert standing([seldom]) == []
+    assert telling([LAYERS, seldom]) == [LAYERS, seldom]
+    assert telling([LAYERS._replace(gain=-2.3, confirmed=23.9, carried=26.6)])
+    assert telling([seldom._replace(carried=-6.0)]) == []  # the other flight contradicts it
+    assert telling([seldom._replace(gain=15.0)]) == []
+    assert verdict_of((), (), (seldom,)) == 'unexplained'
+
+
 def test_sentences_are_for_people() -> None:
     assert sentences([PITCH], [LINE]) == (
         'a pitch moment that follows surge speed x yaw rate, 1.2 mN m',
-        'an oscillation of fz at 2.4 Hz, 0.031 m/s2',
+        'an oscillation of the specific force upwards at 2.4 Hz, 0.031 m/s2',
     )
 
 
@@ -105,6 +122,6 @@ def test_a_value_is_known_less_well_beside_what_has_no_name() -> None:
     known = [Knob('thrust_scale.factor', **base), Knob('clock_skew.skew', **base)]
     found = Fitted(0.0, np.array([0.2, 3e-5]), np.diag([1e-4, 1e-12]))
     alone, beside = spread(found, known, False), spread(found, known, True)
-    np.testing.assert_allclose(alone[0], np.sqrt((1.3 * 0.01) ** 2 + 0.002**2), rtol=1e-12)
-    np.testing.assert_allclose(beside[0], np.sqrt((1.95 * 0.01) ** 2 + 0.002**2), rtol=1e-12)
+    np.testing.assert_allclose(alone[0], np.sqrt((1.5 * 0.01) ** 2 + 0.004**2), rtol=1e-12)
+    np.testing.assert_allclose(beside[0], np.sqrt((1.95 * 0.01) ** 2 + 0.004**2), rtol=1e-12)
     assert alone[1] > 5e-6  # half a millisecond in a hundred seconds
