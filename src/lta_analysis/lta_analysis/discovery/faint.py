@@ -20,6 +20,9 @@ from lta_analysis.discovery.scan import likeness, scan, Seen
 import numpy as np
 
 GAIN: Final = 5.0  # nats; of all flights together
+# The same of what hides in a tolerance: all flights of a vehicle that is merely off by much lean
+# the same way, so that their agreement is no witness.
+WITHIN: Final = 6.5
 LEANS: Final = 1.0  # deviations; by which each side has to pull, the same way as the other
 APART: Final = 3.0  # deviations; by which the two values may differ
 CALM: Final = 2.0  # floors; a latent wrench below it hides nothing that pushes
@@ -41,12 +44,15 @@ class Hint(NamedTuple):
         Log evidence that it wins on all flights together. [nats]
     sides : pair of Seen
         What those that teach and those that confirm say of it by themselves.
+    least : float
+        Log evidence that it has to win. [nats]
 
     """
 
     name: str
     gain: float
     sides: tuple[Seen, Seen]
+    least: float = GAIN
 
     @property
     def apart(self) -> float:
@@ -84,7 +90,10 @@ def chosen(hints: Sequence[Hint], alike: Sequence[str] = ()) -> Hint | None:
         Those that cannot be told from the best.
 
     """
-    if not hints or hints[0].gain <= GAIN or not hints[0].leans:
+    if not hints or hints[0].gain <= hints[0].least:
+        return None
+    # A side in which an effect hardly shows need not lean, if it is by no means a faint one.
+    if not (hints[0].leans or hints[0].trial.accepted):
         return None
     others = [one.gain for one in hints[1:] if one.name not in alike]
     return hints[0] if hints[0].gain - max(others, default=0.0) > TIE else None
@@ -123,8 +132,15 @@ class Faint:
                 prior = shared(self._knobs, (*names, seen.name))
                 there = weighed(last.group, prior, last.deviations, self._fitter.floor)[1]
                 both = sides[0][seen.name], sides[1][seen.name]
-                out.append(Hint(seen.name, there - last.evidence, both))
+                gain, least = there - last.evidence, self._least(seen.name, both)
+                out.append(Hint(seen.name, gain, both, least))
         return sorted(out, key=lambda hint: -hint.gain)
+
+    def _least(self, name: str, sides: Sequence[Seen]) -> float:
+        """Return what a candidate has to win, by what bounds it: tolerance or flights."""
+        knob = next(knob for knob in self._knobs if knob.name == name)
+        tolerance = 0.0 if knob.per_flight else knob.tolerance
+        return WITHIN if tolerance > max(side.deviation for side in sides) else GAIN
 
     def next(self, names: Sequence[str], last: Joint) -> tuple[Step, Joint]:
         """
@@ -147,7 +163,7 @@ class Faint:
         then = self._fitter.fit(
             shared(self._knobs, (*names, best.name)), last.group, last.deviations
         )
-        if then.evidence - last.evidence <= GAIN:
+        if then.evidence - last.evidence <= best.least:
             return Step(trials, (), ''), last
         return Step(trials, alike, best.name), then
 

@@ -43,10 +43,8 @@ class Fit:
 
     Attributes
     ----------
-    linear : Linear
+    linear, pieces : Linear, Pieces
         About the last point.
-    pieces : Pieces
-        Of it.
     reduced : Reduced
         Of them, with the deviations.
     deviations : ndarray, shape (6,)
@@ -197,10 +195,8 @@ class Fitter:
             The flights about where to begin.
         deviations : ndarray, shape (6,)
             Of the latent wrench, to begin with.
-        rounds : int
-            Linearisations at most.
-        rest : float
-            Change of the evidence below which it has come to rest. [nats]
+        rounds, rest : int, float
+            Linearisations at most; change of the evidence below which it has come to rest. [nats]
 
         Returns
         -------

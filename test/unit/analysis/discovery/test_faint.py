@@ -27,6 +27,7 @@ def test_the_best_is_chosen_where_nothing_else_comes_near() -> None:
     assert chosen([best, _hint('b', 4.1)]) is None
     assert chosen([best, _hint('b', 6.9), next_one], alike=['b']) is best
     assert chosen([_hint('a', GAIN - 0.1)]) is None
+    assert chosen([best._replace(least=7.1), next_one]) is None
     assert chosen([]) is None
 
 
@@ -36,6 +37,12 @@ def test_both_sides_have_to_lean_the_same_way_by_as_much() -> None:
     assert not _hint('a', 7.0, 3.0, -2.0).leans
     assert not _hint('a', 7.0, 6.0, 1.5).leans  # 4.5 by a deviation of 2 ** 0.5: 3.2
     assert chosen([_hint('a', 9.0, 4.2, 0.9)]) is None
+    strong = _hint('a', 26.0, 15.0, -0.9)
+    assert not strong.leans
+    assert chosen([strong]) is None  # apart by 11
+    unseen = strong._replace(sides=(strong.sides[0], strong.sides[1]._replace(deviation=14.0)))
+    assert chosen([unseen]) is unseen
+    assert not unseen.leans
 
 
 def test_evidence_adds_up_over_the_sides() -> None:
