@@ -1,6 +1,6 @@
 """Regimes in which flights were flown, and whether what they name carries over to others."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Final
 
 from lta_analysis.discovery.foresight import Foresight
@@ -66,7 +66,7 @@ def _ordered(flight: Linearised) -> str:
     return f'commands at {", ".join(f"{value:.2g}" for value in middle)}'
 
 
-def _by_speed(flights: Sequence[Linearised]) -> Mapping[str, list[int]]:
+def _by_speed(flights: Sequence[Linearised]) -> dict[str, list[int]]:
     """Return the slow and the fast flights, where they differ."""
     speeds = [
         float(np.median(np.linalg.norm(one.replay.cut.start[:, 7:10], axis=1))) for one in flights
@@ -81,7 +81,7 @@ def _by_speed(flights: Sequence[Linearised]) -> Mapping[str, list[int]]:
     return {f'slower than {middle:.2f} m/s': slow, f'{middle:.2f} m/s or faster': fast}
 
 
-def _by_turn(flights: Sequence[Linearised]) -> Mapping[str, list[int]]:
+def _by_turn(flights: Sequence[Linearised]) -> dict[str, list[int]]:
     """Return the flights that turn left and right on the mean."""
     rates = [float(np.mean(one.replay.cut.start[:, 12])) for one in flights]
     return {

@@ -129,8 +129,8 @@ def _standing(
     for attempt in range(ATTEMPTS):
         tell('asking forecasts', attempt / ATTEMPTS)
         chosen = choose(taught.sight, every, parts, candidates)
-        kept = confirmed(taught.sight, chosen, halves)
-        best, kept = _carrying(taught.sight, kept, parts, seed, rest)
+        both = confirmed(taught.sight, chosen, halves)
+        best, kept = _carrying(taught.sight, both, parts, seed, rest)
         fell = [one for one in chosen.groups if one not in kept]
         lost += fell
         if not fell:
