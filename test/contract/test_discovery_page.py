@@ -9,7 +9,7 @@ from lta_analysis.discovery.told import to_dict
 import pytest
 
 PAGE = Path(__file__).resolve().parents[2] / 'docs/discovery.md'
-ROW = re.compile(r'^\| ([^|]+) \| ([\d.]+)[^|]* \| `(\w+)\.([A-Z_]+)` \|$', re.MULTILINE)
+ROW = re.compile(r'^\| ([^|]+) \| ([\d.]+)[^|]* \| `([\w.]+)\.([A-Z_]+)` \|$', re.MULTILINE)
 ROWS = ROW.findall(PAGE.read_text(encoding='utf-8'))
 
 

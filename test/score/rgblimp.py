@@ -10,6 +10,8 @@ import sys
 import time
 from typing import Final, final, NamedTuple
 
+from lta_analysis.discovery.carrying.choose import choose, Chosen
+from lta_analysis.discovery.carrying.groups import groups, wide
 from lta_analysis.discovery.foresight import Fitted, Foresight
 from lta_analysis.discovery.knobs import knobs
 from lta_analysis.discovery.nominal import Nominal
@@ -19,18 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rgblimp_flights import begun, DATA, Flight, flights, regimes, REPEATS
 from rgblimp_forecast import by_coasting, by_model, by_repeats, LIFT, Row, row
-from rgblimp_naming import (
-    CANDIDATES,
-    choose,
-    Chosen,
-    EVERY,
-    FREE,
-    loosely,
-    places,
-    REFITTED,
-    spreads,
-    WIDE,
-)
+from rgblimp_naming import every, FREE, LOOSELY, places, refitted, within
 
 Array = NDArray[np.float64]
 FOLDS: Final = 5
@@ -42,8 +33,8 @@ TUNE, NAMED, FREELY, ALL = (
     'and everything else',
 )
 EVEN: Final = 1.7  # how much more a place counts than an attitude, where all is fitted
-ROUNDS: Final = 14  # of the fit of everything
-AGAIN: Final = 3  # of each fold's, from a step that takes out what its inputs said
+ROUNDS: Final = 20  # of the fit of everything
+AGAIN: Final = 4  # of each fold's, from a step that takes out what its inputs said
 BEGIN, END = '<!-- rgblimp: begin -->', '<!-- rgblimp: end -->'
 TUNED: Final = (
     'vehicle.mass', 'vehicle.roll', 'vehicle.pitch', 'vehicle.yaw', 'rotor_1.thrust',
@@ -61,21 +52,21 @@ def folds(count: int) -> list[list[int]]:
     return [[f for f in range(count) if (f // REPEATS) % FOLDS == k] for k in range(FOLDS)]
 
 
-def named(taught: Foresight, groups: dict[str, list[int]]) -> tuple[list[Chosen], list[str]]:
+def named(taught: Foresight, parts: dict[str, list[int]]) -> tuple[list[Chosen], list[str]]:
     """
     Return what the first two repeats of each input name, what the others do, and both.
 
     Names that were given to the command, with commas between, are taken as they are.
     """
-    every = range(len(taught.flights))
+    whole = range(len(taught.flights))
     if given := ' '.join(sys.argv[1:]):
         return [], [name.strip() for name in given.split(',')]
     halves = [
-        [f for f in every if (f % REPEATS < REPEATS // 2) == first] for first in (True, False)
+        [f for f in whole if (f % REPEATS < REPEATS // 2) == first] for first in (True, False)
     ]
     found = []
     for half in halves:
-        found.append(choose(taught, half, groups))
+        found.append(choose(taught, half, parts))
         said(f'named: {", ".join(found[-1].names)}')
     return found, [name for name in found[0].names if name in found[1].names]
 
@@ -143,10 +134,10 @@ def carried(
     found: list[Chosen], kept: list[str], known: list[Flight], fits: dict[str, Fit]
 ) -> list[str]:
     """Return what names do to regimes that were left out, as Markdown."""
-    groups = regimes(known)
+    parts = regimes(known)
     out = [f'Named: {", ".join(kept)}.']
     out += ['', '| name | by repeats 1, 2 | by repeats 3, 4 |', '|---|---|---|'] if found else []
-    for name in CANDIDATES:
+    for name in [group.name for group in groups(fits[NAMED].taught.knobs)]:
         worths = [
             f'{100 * dict(zip(each.names, each.worth, strict=True))[name]:.0f} %'
             if name in each.names
@@ -158,7 +149,7 @@ def carried(
     taught, which, _, whole = fits[NAMED]
     out += ['', *_values(taught, which, whole.values, np.linalg.inv(whole.precision))]
     told = {
-        name: left_out(fit.taught, fit.whole, fit.which, fit.spread, groups)
+        name: left_out(fit.taught, fit.whole, fit.which, fit.spread, parts)
         for name, fit in fits.items()
         if name in (NAMED, ALL)
     }
@@ -195,17 +186,16 @@ def fitted(
     """Return what is fitted to all flights, each from where the one before it ended."""
     even = Foresight(nominal, [flight.taught for flight in known], LIFT, EVEN)
     turned = taught.knobs
-    named_knobs = [knob for one in kept for knob in CANDIDATES[one]]
-    tuned, called, refitted, every = (
-        places(turned, names) for names in (TUNED, named_knobs, REFITTED, EVERY)
-    )
+    names = groups(turned)
+    tuned, free, whole_of = places(turned, TUNED), refitted(names), every(turned, names)
+    called = [k for group in names if group.name in kept for k in group.knobs]
     out: dict[str, Fit] = {}
     begin = np.zeros(len(turned))
     for name, by, which, spread, rounds in (
         (TUNE, taught, tuned, np.array([turned[k].tolerance for k in tuned]), 2),
-        (NAMED, taught, called, spreads(turned, called, WIDE), 3),
-        (FREELY, taught, refitted, spreads(turned, refitted, FREE), 4),
-        (ALL, even, every, loosely(turned, every), ROUNDS),
+        (NAMED, taught, called, wide(turned, called), 3),
+        (FREELY, taught, free, within(turned, free, FREE), 4),
+        (ALL, even, whole_of, within(turned, whole_of, LOOSELY), ROUNDS),
     ):
         whole = by.fit(which, spread, range(len(known)), begin, rounds)
         out[name] = Fit(by, which, spread, whole)

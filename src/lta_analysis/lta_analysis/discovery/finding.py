@@ -150,6 +150,9 @@ class Gap:
         By bootstrap over pieces.
     pieces : int
         How many predictions there were.
+    refitted : float
+        Root mean square with everything fitted to forecasts, names or not; NaN where that was not
+        done.
 
     """
 
@@ -164,6 +167,72 @@ class Gap:
     shrink: float
     shrink_ci95: Interval
     pieces: int
+    refitted: float = float('nan')
+
+
+@final
+class Worth(NamedTuple):
+    """
+    One name that forecasts gave.
+
+    Attributes
+    ----------
+    name : str
+        Of the group of knobs: 'added inertia'.
+    share : float
+        Part of the squared error of the vehicle file's forecasts, in regimes left out, that it
+        takes away.
+
+    """
+
+    name: str
+    share: float
+
+
+@final
+class LeftOut(NamedTuple):
+    """
+    One regime, left out of the fit.
+
+    Attributes
+    ----------
+    name : str
+        'moving mass at 0.085 m'.
+    flights : int
+        How many.
+    ratio : float
+        Error of its forecasts with what the others taught, by that of the vehicle file.
+
+    """
+
+    name: str
+    flights: int
+    ratio: float
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Carried:
+    """
+    What names given by forecasts rest on.
+
+    Attributes
+    ----------
+    names : tuple of Worth
+        In the order in which they were found.
+    regimes : tuple of LeftOut
+        The worst first.
+    interpolates : tuple of str
+        Names that make forecasts better where they were fitted, and did not carry over.
+    numbers : int
+        How many were fitted where everything was; 0 where that was not done.
+
+    """
+
+    names: tuple[Worth, ...]
+    regimes: tuple[LeftOut, ...]
+    interpolates: tuple[str, ...] = ()
+    numbers: int = 0
 
 
 @final
@@ -204,6 +273,8 @@ class Finding:
         How small each candidate could have been and still be seen; empty where nobody asked.
     unexplained : tuple of str
         What remains, in words: 'a pitch moment that follows surge speed x yaw rate, 1.2 mN m'.
+    carried : Carried, optional
+        Where forecasts gave the names, and not the readings: what they rest on.
 
     """
 
@@ -222,3 +293,4 @@ class Finding:
     detectable: tuple[Detectable, ...] = ()
     unexplained: tuple[str, ...] = ()
     next_flight: str = ''
+    carried: Carried | None = None

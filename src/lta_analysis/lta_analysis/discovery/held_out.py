@@ -120,7 +120,7 @@ def _off(flight: Linearised, point: Point, coast: bool = False) -> Array:
     return left[learning(flight) :, [min(k, left.shape[1] - 1) for k in at]]
 
 
-def _ratio(before: Array, after: Array, rng: np.random.Generator) -> tuple[float, float]:
+def shrinkage(before: Array, after: Array, rng: np.random.Generator) -> tuple[float, float]:
     """Return the 95 % interval of the shrinkage, by bootstrap over pieces."""
     picked = rng.integers(0, len(before), (DRAWS, len(before)))
     ratio = np.sqrt(after[picked].sum(axis=1) / np.maximum(before[picked].sum(axis=1), 1e-300))
@@ -167,7 +167,7 @@ def gaps(flights: Sequence[Linearised], models: Sequence[Models], seed: int) -> 
                 Gap(
                     name, unit, horizon, **mean, noise_floor=floor,
                     shrink=1.0 - mean['after'] / mean['before'],
-                    shrink_ci95=_ratio(square['before'][known], square['after'][known], rng),
+                    shrink_ci95=shrinkage(square['before'][known], square['after'][known], rng),
                     pieces=int(known.sum()),
                 )
             )  # fmt: skip

@@ -34,6 +34,7 @@ BLOCKS: Final[dict[str, tuple[tuple[str, tuple[str, ...]], ...]]] = {
     ),
     'added_mass': (('hull.added_mass.mass', AXES[:3]),),
     'added_inertia': (('hull.added_mass.inertia', AXES[3:]),),
+    'moving_mass': (('moving_mass.mass', ('mass',)), ('moving_mass.position', ('x', 'y', 'z'))),
 }
 TOGETHER: Final = ('added_mass', 'added_inertia')  # a hull states both or none
 # Follows from the drag of the aero block, as far as it is not about the shape of the hull.
@@ -165,7 +166,8 @@ def _of_block(
         if not set(order) & set(names):
             yield Value(place, numbers, units[order[0]], 'as the hull had it before')
         else:
-            yield Value(place, numbers, units[order[0]], _words(source, words, content, place))
+            held = numbers if len(order) > 1 else numbers[0]
+            yield Value(place, held, units[order[0]], _words(source, words, content, place))
 
 
 def _words(source: str, told: Sequence[str], content: Any, place: str) -> str:  # noqa: ANN401 - YAML

@@ -13,13 +13,15 @@ ENOUGH: Final = 8  # flights
 EACH: Final = 2  # flights in a regime, and outside of it
 APART: Final = 1e-3  # m; between places of a moving mass
 FASTER: Final = 1.3  # times; less is the same speed
+STEADY: Final = 0.01  # of the largest command; within it a command stands still
+TURNING: Final = 0.05  # rad/s; slower is straight on
 ROUNDS: Final = 2
 LIFT: Final = 0.004  # N; by which the lift of a flight may be off (as between RGBlimp's repeats)
 
 
 def regimes(flights: Sequence[Linearised]) -> dict[str, list[int]]:
     """
-    Return flights by where a moving mass was, and by slow and fast.
+    Return flights by moving mass, by commands that stand still, by speed and by side of the turn.
 
     Parameters
     ----------
@@ -33,22 +35,58 @@ def regimes(flights: Sequence[Linearised]) -> dict[str, list[int]]:
 
     """
     out: dict[str, list[int]] = {}
-    speeds = []
     for f, flight in enumerate(flights):
-        start, mass = flight.replay.cut.start, flight.replay.flight.mass
-        speeds.append(float(np.median(np.linalg.norm(start[:, 7:10], axis=1))))
-        if mass is not None:
-            place = APART * round(float(np.median(mass.values[:, 0])) / APART)
-            out.setdefault(f'moving mass at {place:.3f} m', []).append(f)
+        for name in (_placed(flight), _ordered(flight)):
+            if name:
+                out.setdefault(name, []).append(f)
+    out |= _by_speed(flights) | _by_turn(flights)
+    return {
+        name: inside for name, inside in out.items() if EACH <= len(inside) <= len(flights) - EACH
+    }
+
+
+def _placed(flight: Linearised) -> str:
+    """Return where a moving mass is, '' without one."""
+    mass = flight.replay.flight.mass
+    if mass is None:
+        return ''
+    return f'moving mass at {APART * round(float(np.median(mass.values[:, 0])) / APART):.3f} m'
+
+
+def _ordered(flight: Linearised) -> str:
+    """Return the commands of a flight that has one throughout, else ''."""
+    told = flight.replay.flight
+    stream = told.commands if told.wrench is None else told.wrench
+    if not len(stream.values):
+        return ''
+    middle = np.median(stream.values, axis=0)
+    size = float(np.abs(stream.values).max())
+    if size == 0.0 or float(np.abs(stream.values - middle).max()) > STEADY * size:
+        return ''
+    return f'commands at {", ".join(f"{value:.2g}" for value in middle)}'
+
+
+def _by_speed(flights: Sequence[Linearised]) -> dict[str, list[int]]:
+    """Return the slow and the fast flights, where they differ."""
+    speeds = [
+        float(np.median(np.linalg.norm(one.replay.cut.start[:, 7:10], axis=1))) for one in flights
+    ]
     middle = float(np.median(speeds))
     slow = [f for f, speed in enumerate(speeds) if speed < middle]
     fast = [f for f, speed in enumerate(speeds) if speed >= middle]
-    if slow and np.median([speeds[f] for f in fast]) > FASTER * np.median(
+    if not slow or np.median([speeds[f] for f in fast]) <= FASTER * np.median(
         [speeds[f] for f in slow]
     ):
-        out[f'slower than {middle:.2f} m/s'], out[f'{middle:.2f} m/s or faster'] = slow, fast
+        return {}
+    return {f'slower than {middle:.2f} m/s': slow, f'{middle:.2f} m/s or faster': fast}
+
+
+def _by_turn(flights: Sequence[Linearised]) -> dict[str, list[int]]:
+    """Return the flights that turn left and right on the mean."""
+    rates = [float(np.mean(one.replay.cut.start[:, 12])) for one in flights]
     return {
-        name: inside for name, inside in out.items() if EACH <= len(inside) <= len(flights) - EACH
+        'turning left': [f for f, rate in enumerate(rates) if rate > TURNING],
+        'turning right': [f for f, rate in enumerate(rates) if rate < -TURNING],
     }
 
 
@@ -58,6 +96,8 @@ def interpolation(found: Study) -> str:
 
     Of the flights that taught and confirmed, where there are enough of them, by their forecasts.
     """
+    if found.finding.carried is not None:
+        return ''  # it was named by that
     flights = [one.flight for one in found.flights if one.role != 'holdout']
     flights = [one for one in flights if one.replay.cut.inside[:, -1].any()]
     knobs = [knob for effect in found.finding.effects for knob in effect.knobs]

@@ -90,6 +90,10 @@ class Replay:
         self._known = self._motion()
         self._rest = self._resting()
 
+    def in_pieces(self, cut: Windows) -> 'Replay':
+        """Return the same flight in other pieces."""
+        return Replay(self.flight, cut, self._still)
+
     def _volts(self, time: Array) -> Array:
         """Return the voltage, 0 where nobody knows it."""
         known = np.isfinite(self.flight.voltage)

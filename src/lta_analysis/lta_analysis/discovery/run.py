@@ -1,11 +1,13 @@
 """One discovery, from the bags to the folder with everything that was found."""
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import final
 
 from lta_analysis.discovery.bags import read_bags, Role
+from lta_analysis.discovery.carrying.route import by_forecasts
 from lta_analysis.discovery.cautions import cautions
 from lta_analysis.discovery.learned_file import learned_text
 from lta_analysis.discovery.linear import origin
@@ -27,6 +29,7 @@ from lta_config.files import find
 from lta_sim.vehicle import load_vehicle, Vehicle
 
 VEHICLE = 'vehicle.yaml'
+REFITTED = 'refitted.yaml'
 Tell = Callable[[str, float | None], None]
 
 
@@ -121,7 +124,7 @@ def discover(asked: Asked, folder: Path, tell: Tell) -> Discovered:
 
 def studied(asked: Asked, vehicle: Vehicle, sound: Believed, tell: Tell) -> Study:
     """Return the study of flights that can be used, with what is to be said of them."""
-    found = study(vehicle, sound.flights, asked.seed, tell)
+    found = by_forecasts(study(vehicle, sound.flights, asked.seed, tell), tell)
     only = interpolation(found)
     told = [*cautions(found.finding.gaps), *([only] if only else [])]
     finding = replace(
@@ -154,6 +157,12 @@ def written(
         text = find('vehicle', asked.vehicle).read_text(encoding='utf-8')
         learned = learned_text(text, vehicle, found.nominal, found.learned, finding)
         (part / VEHICLE).write_text(learned, encoding='utf-8')
+    if found.refitted is not None:
+        text = find('vehicle', asked.vehicle).read_text(encoding='utf-8')
+        # A drag below that of the parts has no place in the file: it is a forecast, no vehicle.
+        with suppress(BadInput):
+            whole = learned_text(text, vehicle, found.nominal, found.refitted, finding)
+            (part / REFITTED).write_text(whole, encoding='utf-8')
     write_overlay(found.shown, part, finding.versions)
     told = to_dict(finding, sound.cuts)
     keep_json(told, part / NAME)

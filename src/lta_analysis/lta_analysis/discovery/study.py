@@ -20,6 +20,7 @@ from lta_analysis.discovery.outliers import without_outliers
 from lta_analysis.discovery.outside import Outside, outside
 from lta_analysis.discovery.proof import Proof, Proven
 from lta_analysis.discovery.replay import Replay
+from lta_analysis.discovery.said_once import said_once
 from lta_analysis.discovery.sensing import floor_pressure, Places
 from lta_analysis.discovery.sizes import effects, learned
 from lta_analysis.discovery.splitting import assigned, Role, ROLES
@@ -96,6 +97,8 @@ class Study:
         effect.
     full : sequence of Fit
         The same with the named effects.
+    refitted : Nominal, optional
+        The vehicle with everything fitted to forecasts, for forecasts between what was flown.
 
     """
 
@@ -106,6 +109,7 @@ class Study:
     shown: Sequence[Shown]
     bare: Sequence[Fit] = ()
     full: Sequence[Fit] = ()
+    refitted: Nominal | None = None
 
 
 def study(
@@ -191,8 +195,8 @@ def _tidied(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
         clean, count = without_outliers(flight)
         out.append((name, role, clean))
         if count:
-            said.append(f"Of '{name}', {count} wild readings were left out.")
-    return out, said
+            said.append(f'{name}: wild readings were left out, {count} of them.')
+    return out, said_once(said, len(flights))
 
 
 def ready(vehicle: Vehicle, flight: Measured, known: Sequence[Knob]) -> Linearised:

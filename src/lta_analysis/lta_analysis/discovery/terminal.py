@@ -4,7 +4,7 @@ from collections.abc import Iterator
 import math
 from typing import Final
 
-from lta_analysis.discovery.finding import Finding, Gap, NamedEffect
+from lta_analysis.discovery.finding import Carried, Finding, Gap, NamedEffect
 from lta_analysis.discovery.page.replayed import NAMES
 from lta_analysis.discovery.page.words import (
     amount,
@@ -38,6 +38,8 @@ def show(finding: Finding, console: Console) -> None:
     console.print(Text(headline(finding), 'bold'), soft_wrap=True)
     if finding.effects:
         console.print(effects_table(finding))
+    if finding.carried is not None:
+        console.print(Text(carried_words(finding.carried)), soft_wrap=True)
     for line in gap_lines(finding):
         console.print(line, soft_wrap=True)
     if finding.where:
@@ -59,6 +61,17 @@ def found_words(finding: Finding) -> str:
             for one in effect.parameters
         ]
         or ['nothing']
+    )
+
+
+def carried_words(carried: Carried) -> str:
+    """Return what names by forecasts rest on, in a sentence."""
+    ratios = [one.ratio for one in carried.regimes]
+    better = sum(ratio < 1.0 for ratio in ratios)
+    return (
+        f'Named by forecasts: left out of the fit, {better} of {len(ratios)} regimes are '
+        f'predicted better than by the vehicle file (error '
+        f'{min(ratios):.2f} to {max(ratios):.2f} of its).'
     )
 
 

@@ -9,7 +9,9 @@ from lta_analysis.discovery.loud import Cut
 
 NAME: Final = 'discovery.json'
 WHAT: Final = 'position'  # what the gap as a whole is told of
-ERRORS: Final = ('before', 'tuned', 'after', 'coast', 'noise_floor', 'shrink', 'shrink_ci95')
+ERRORS: Final = (
+    'before', 'tuned', 'after', 'coast', 'noise_floor', 'refitted', 'shrink', 'shrink_ci95',
+)  # fmt: skip
 
 
 def to_dict(finding: Finding, cuts: Sequence[Cut] = ()) -> dict[str, Any]:
@@ -44,6 +46,7 @@ def to_dict(finding: Finding, cuts: Sequence[Cut] = ()) -> dict[str, Any]:
             for cut in cuts
         ],
         'bags': {role: list(names) for role, names in finding.bags.items()},
+        'carried': _carried(finding),
         'seed': finding.seed,
         'versions': dict(finding.versions),
     }  # fmt: skip
@@ -67,6 +70,19 @@ def _effect(effect: NamedEffect) -> dict[str, Any]:
         'log_evidence': effect.log_evidence,
         'confusable_with': list(effect.confusable_with),
         'knobs': list(effect.knobs),
+    }
+
+
+def _carried(finding: Finding) -> dict[str, Any] | None:
+    """Return what names by forecasts rest on; None where the readings gave them."""
+    told = finding.carried
+    if told is None:
+        return None
+    return {
+        'names': [one._asdict() for one in told.names],
+        'regimes': [one._asdict() for one in told.regimes],
+        'interpolates': list(told.interpolates),
+        'numbers_refitted': told.numbers,
     }
 
 

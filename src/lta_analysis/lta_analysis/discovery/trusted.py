@@ -120,7 +120,7 @@ def believed(flights: Sequence[Recorded], vehicle: Vehicle) -> Believed:
         and (channel := one.recording.channels.get(LIGHT)) is not None
         and len(channel.time) > 1
     }
-    return Believed(tuple(usable), tuple(cuts), tuple(said_once(warnings)), light)
+    return Believed(tuple(usable), tuple(cuts), tuple(said_once(warnings, len(flights))), light)
 
 
 def _streams(one: Recorded, vehicle: Vehicle) -> Streams:
@@ -178,15 +178,16 @@ def _judged(one: Recorded, told: Streams) -> tuple[Measured, list[Cut], list[str
         if not finding.channel.startswith((pose, 'motors', 'wrench_command', *SENSORS)):
             continue
         if finding.kind == filtered.KIND:
-            smooth.append(finding.channel)
+            smooth.append(finding.channel.rpartition('/')[0])
         elif finding.grave and finding.kind == clocks.KIND and set(LATE) & set(finding.values):
             warnings.append(f'{one.name}: {finding.channel}: {finding.evidence} It is kept.')
         elif finding.grave:
             cuts.append(_cut(one.name, finding, end))
     if smooth:
+        topics = ', '.join(dict.fromkeys(smooth))
         warnings.append(
-            f'{one.name} is smoother than any instrument ({", ".join(smooth)}): filtered heavily, '
-            'or simulated without saying so; lags and fast motion are not to be relied on.'
+            f'{one.name} is smoother than any instrument ({topics}): filtered heavily, or '
+            'simulated without saying so; lags and fast motion are not to be relied on.'
         )
     told, cuts = _without(told, cuts, pose, whole, one.name)
     warnings += whole

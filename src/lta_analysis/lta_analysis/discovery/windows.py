@@ -47,7 +47,7 @@ class Windows:
     inside: NDArray[np.bool_]
 
 
-def _stretches(usable: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def stretches(usable: NDArray[np.bool_]) -> list[tuple[int, int]]:
     """Return the runs of usable points as (first, end)."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], usable.astype(np.int8), [0]])))
     return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
@@ -113,9 +113,9 @@ def windows(flight: Measured, length: float = LENGTH, shift: float = 0.0) -> Win
     """
     count, shortest = round(length / PERIOD), round(SHORTEST / PERIOD)
     first, start, inside = [], [], []
-    stretches = _stretches(flight.usable)
-    apart = _apart(stretches, count, shortest)
-    for begin, end in stretches:
+    runs = stretches(flight.usable)
+    apart = _apart(runs, count, shortest)
+    for begin, end in runs:
         for index in range(begin, end - shortest, apart):
             state = state_at(flight, index, shift)
             if state is not None:

@@ -12,7 +12,9 @@ def flight(speed: float, place: float | None):
     start = np.zeros((3, 13))
     start[:, 7] = speed
     mass = None if place is None else Stream(np.zeros(1), np.array([[place, 0.0, 0.0]]))
-    replay = SimpleNamespace(cut=SimpleNamespace(start=start), flight=SimpleNamespace(mass=mass))
+    commands = Stream(np.zeros(0), np.zeros((0, 2)))
+    flown = SimpleNamespace(mass=mass, commands=commands, wrench=None)
+    replay = SimpleNamespace(cut=SimpleNamespace(start=start), flight=flown)
     return SimpleNamespace(replay=replay)
 
 

@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from lta_analysis.discovery.finding import Finding
 from lta_analysis.discovery.page import errors, pictures, tables
+from lta_analysis.discovery.page.carried import carried
 from lta_analysis.discovery.page.latent import followed, joined, latents
 from lta_analysis.discovery.page.told import Overlay, overlay, Seen, seen, together
 from lta_analysis.discovery.page.whiteness import autocorrelation, GROUPS, spectrum
@@ -105,7 +106,7 @@ def page(study: Study, folder: Path, bags: Bags = NONE) -> str:
         channels=errors.by_channel(found),
         where=where(found, flights),
         places=tables.places(found),
-        ladder=tables.ladder(found),
+        ladder=carried(found) + tables.ladder(found),
         overlays=overlays(names, drawn),
         white=white(flights),
         remains=remains(study),

@@ -12,6 +12,7 @@ from lta_analysis.discovery.page import strips
 from lta_analysis.discovery.page.replayed import NAMES
 from lta_analysis.discovery.page.words import (
     because,
+    called,
     figure,
     listed,
     loose,
@@ -128,7 +129,7 @@ def detectable(found: Finding) -> str:
 
 def _effect(one: NamedEffect) -> str:
     """Return one named effect."""
-    names = listed([spoken(knob) for knob in one.knobs])
+    names = called(one)
     alike = (
         f'<p class="note">These flights cannot tell it from <b>'
         f'{escape(listed([spoken(knob) for knob in one.confusable_with], "or"))}</b>.</p>'

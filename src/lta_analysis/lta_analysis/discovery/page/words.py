@@ -5,7 +5,7 @@ import math
 from typing import Final
 
 from lta_analysis.discovery.accept import APART, GAIN, LARGER
-from lta_analysis.discovery.finding import Finding, Gap, Learned, Rung
+from lta_analysis.discovery.finding import Finding, Gap, Learned, NamedEffect, Rung
 from lta_analysis.discovery.unexplained import Remainder
 from lta_analysis.report.outcome import MISSING, Tile
 from lta_sim.effects import EFFECTS
@@ -20,6 +20,7 @@ RAISED: Final = str.maketrans(
 )
 LOOSE: Final = 0.7  # of the error before; below it tuning tolerances alone is worth a word
 CLOSER: Final = 0.95  # of the error with tolerances alone; above it the effect predicts no better
+MANY: Final = 2  # directions of one effect that are not named one by one
 FORCES: Final = ('surge', 'sway', 'heave')
 ROLES: Final = {
     'train': 'learned from', 'confirm': 'confirmed by', 'holdout': 'shown on',
@@ -33,6 +34,13 @@ def spoken(knob: str) -> str:
     if not rest or (known is not None and len(known.parameters) == 1):
         return words
     return f'{words} ({rest.replace("_", " ")})'
+
+
+def called(one: NamedEffect) -> str:
+    """Return what an effect is called: by its directions, unless they are many."""
+    if len(one.knobs) > MANY:
+        return one.name.replace('_', ' ')
+    return listed([spoken(knob) for knob in one.knobs])
 
 
 def meaning(effect: str) -> str:
@@ -119,7 +127,7 @@ def main_gap(gaps: Sequence[Gap]) -> Gap | None:
 
 def headline(found: Finding) -> str:
     """Return the verdict in a sentence."""
-    names = listed([listed([spoken(knob) for knob in one.knobs]) for one in found.effects])
+    names = listed([called(one) for one in found.effects])
     many = sum(len(one.knobs) for one in found.effects) > 1
     rest = _rest(found)
     if found.verdict == 'none':
@@ -244,7 +252,7 @@ def tiles(found: Finding) -> list[Tile]:
 
 def _verdict_tile(found: Finding) -> Tile:
     """Return the verdict as a tile."""
-    count = sum(len(one.knobs) for one in found.effects)
+    count = sum(1 if len(one.knobs) > MANY else len(one.knobs) for one in found.effects)
     values = [
         f'{one.name.replace("_", " ")} {part.name.replace("_", " ")} {learned_words(part)}'
         for one in found.effects
