@@ -94,7 +94,9 @@ def score(
     most: Annotated[int | None, typer.Option(help='Look at the first cases only.', min=1)] = None,
     markdown: Annotated[
         Path | None,
-        typer.Option(help='Write all scores into this file.', parser=folder, metavar='FILE'),
+        typer.Option(
+            help='Write all scores into this file, row by row.', parser=folder, metavar='FILE'
+        ),
     ] = None,
     jobs: Jobs = None,
     json: Annotated[bool, typer.Option('--json', help='Print the scores as JSON.')] = False,
@@ -111,6 +113,8 @@ def score(
 
     Example: lta challenge score hidden
     """
+    if len({place.resolve() for place in folders}) < len(folders):
+        raise BadInput('A challenge is given twice and would be counted twice; give each once.')
     console = Console(stderr=json)
     done: list[Scored] = []
     for place in folders:
@@ -127,8 +131,9 @@ def score(
         _show(scored, console)
         console.print(page_line(write_page(scored, place)), highlight=False, soft_wrap=True)
         done.append(scored)
-    if markdown is not None:
-        written(markdown_of([(one.about, one.cases) for one in done]), markdown)
+        if markdown is not None:
+            # As far as it is: many challenges take hours.
+            written(markdown_of([(one.about, one.cases) for one in done]), markdown)
 
 
 def _show(scored: Scored, console: Console) -> None:

@@ -2,8 +2,8 @@
 What no library has: kinds of forces that are hidden to see whether they are called unexplained.
 
 One file a kind, written as an effect so that the truth can be composed of it; none is registered,
-so that no model knows it. Those of `late` were written after discovery was finished, by somebody
-who did not know how it works.
+so that no model knows it. Those that are late were written by somebody who had not seen how
+discovery works, and kept from it until it was finished.
 """
 
 from collections.abc import Mapping
@@ -53,7 +53,7 @@ class Outside:
     usual : mapping of str to pair of float
         Between which its parameters are drawn; its size is then set by what it comes to.
     late : bool
-        Whether it was written after discovery was finished.
+        Whether it was kept from discovery until that was finished.
 
     """
 
