@@ -24,7 +24,8 @@ rotor 2 %, drag, added mass 5 %, inertia 4 %, mass 1 %, centre of gravity 3 mm, 
 lag 6 ms, delay 5 ms, and of each flight lift 0.6 mN and the biases of its sensors), three
 flights of it (train, confirm, holdout: laps, climbs, steps, wandering, shaken by its pilot),
 and what is hidden. The tracker loses it, mistakes it for something else, and has a clock of its
-own.
+own. Cases of one seed, row and number share vehicle, courses and what is hidden, as far as their
+kinds have it in common.
 
 The flights share the equations of the effects with the model that is put to the test, and
 nothing else: rigid body (rotation matrix and momenta in the axes of the map), integrator

@@ -66,8 +66,9 @@ def make(
 
     Each case is a folder with a vehicle file and three bags, train, confirm and holdout. Hidden
     is nothing, one effect of the library, two, something that is in no library, or an effect and
-    something outside. What it is stands in answers.sealed, which no study opens. A case depends
-    on seed, number, row and kind only.
+    something outside; in cases of odd number that is of a kind that was kept from discovery until
+    it was finished. What it is stands in answers.sealed, which no study opens. A case depends on
+    seed, number, row and kind only.
 
     The flights are made by an integrator, rigid body, rotors, pilot, sensors and noise of their
     own; of the project's model they share the equations of the effects.
