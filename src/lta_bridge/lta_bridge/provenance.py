@@ -10,22 +10,30 @@ import subprocess
 
 from lta_config.files import find, share
 
+CODE = (':/src', ':/config')  # what a result depends on, and no page does
 LIBRARIES = ('numpy', 'scipy', 'numba', 'mcap', 'ros-jazzy-rclpy')
 
 
 def commit() -> str:
-    """Return the commit of the workspace that is running, '-dirty' if changed, or 'unknown'."""
+    """Return the commit of the workspace that is running, or 'unknown'; '-dirty': code changed."""
     try:
-        done = subprocess.run(
-            ['git', 'describe', '--always', '--dirty', '--abbrev=40'],
-            cwd=share(),
-            capture_output=True,
-            text=True,
-            timeout=5.0,
-            check=True,
-        )
+        name = _git('describe', '--always', '--abbrev=40')
+        changed = _git('status', '--porcelain', '--untracked-files=no', '--', *CODE)
     except (OSError, subprocess.SubprocessError):
         return 'unknown'
+    return f'{name}-dirty' if changed else name
+
+
+def _git(*words: str) -> str:
+    """Return what git says of the workspace; errors as `subprocess.run`."""
+    done = subprocess.run(
+        ['git', '--no-optional-locks', *words],
+        cwd=share(),
+        capture_output=True,
+        text=True,
+        timeout=5.0,
+        check=True,
+    )
     return done.stdout.strip()
 
 

@@ -1,6 +1,7 @@
 """What a bag says of its origin is enough to make the flight again."""
 
 from pathlib import Path
+import subprocess
 
 from lta_bridge import provenance as origin
 from lta_bridge.provenance import joined, part, provenance
@@ -48,3 +49,30 @@ def test_of_several_robots_each_gets_its_own_origin_back():
     assert part(told, 'lta1') == first
     assert part(told, 'lta2') == {**second, 'created': '10:00'}
     assert part(first, 'lta1') == part(first, '') == first
+
+
+def test_a_commit_is_dirty_by_code_alone(tmp_path: Path, monkeypatch):
+    def git(*words: str) -> None:
+        told = ('-c', 'user.name=n', '-c', 'user.email=e@e', *words)
+        subprocess.run(['git', *told], cwd=tmp_path, check=True, capture_output=True)
+
+    kept = [tmp_path / place for place in ('src/a.py', 'config/b.yaml', 'docs/scores.md')]
+    for path in kept:
+        path.parent.mkdir()
+        path.write_text('old\n')
+    monkeypatch.setattr(origin, 'share', lambda: tmp_path / 'config')
+    git('init')
+    git('add', '.')
+    git('commit', '-m', 'begun')
+    clean = origin.commit()
+    assert len(clean) == 40
+    kept[2].write_text('new\n')
+    (tmp_path / 'src/untracked.txt').write_text('new\n')
+    assert origin.commit() == clean
+    for path in kept[:2]:
+        path.write_text('new\n')
+        assert origin.commit() == f'{clean}-dirty'
+        path.write_text('old\n')
+    assert origin.commit() == clean
+    monkeypatch.setattr(origin, 'share', lambda: tmp_path / 'nowhere')
+    assert origin.commit() == 'unknown'

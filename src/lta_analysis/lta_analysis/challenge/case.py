@@ -11,8 +11,10 @@ from lta_analysis.challenge.hiding import (
     chosen,
     CLEAR,
     everywhere,
+    FAINT,
     Hidden,
     strange,
+    stronger,
 )
 from lta_analysis.challenge.rows import Kind, KINDS, row
 from lta_analysis.challenge.tolerance import off, trimmed
@@ -31,7 +33,7 @@ Draw = np.random.Generator
 
 ROLES: Final = ('train', 'confirm', 'holdout')
 SECONDS: Final = (60.0, 180.0)  # of a flight
-TRIALS: Final = 4  # flights that size what is outside the library
+TRIALS: Final = 4  # flights that size what is outside the library, and times that it is drawn
 TILT: Final = 0.05  # rad; a flight begins askew by
 
 
@@ -161,9 +163,8 @@ class Drawing:
             outside |= everywhere(self._draw(3))
         floors = 0.0
         if self.kind in ('outside', 'mixed'):
-            draw = self._draw(4)
-            name = any_outside(draw)
-            outside[name], floors = self._sized(nominal, outside, name, draw)
+            name, given, floors = self._clear(nominal, outside)
+            outside[name] = given
         flights = tuple(
             self._flight(nominal, outside, index, role) for index, role in enumerate(ROLES)
         )
@@ -179,6 +180,18 @@ class Drawing:
         }
         return Case(self._number, flights, answer)
 
+    def _clear(
+        self, nominal: Nominal, outside: dict[str, Any]
+    ) -> tuple[str, dict[str, float], float]:
+        """Return what is outside the library, drawn until the flights show anything of it."""
+        draw = self._draw(4)
+        for _ in range(TRIALS):
+            name = any_outside(draw, late=self._number % 2 == 1)
+            given, floors = self._sized(nominal, outside, name, draw)
+            if floors >= FAINT:
+                break
+        return name, given, floors
+
     def _sized(
         self, nominal: Nominal, outside: dict[str, Any], name: str, draw: Draw
     ) -> tuple[dict[str, float], float]:
@@ -192,7 +205,7 @@ class Drawing:
             reached = clear(happened.strange - other)
             if trial == TRIALS or reached == 0.0 or 0.8 < reached / aim < 1.25:
                 break
-            given = {**given, 'size': given['size'] * min(max(aim / reached, 0.05), 20.0)}
+            given = stronger(name, given, min(max(aim / reached, 0.05), 20.0))
         return given, reached
 
     def _flown(

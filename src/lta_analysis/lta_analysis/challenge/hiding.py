@@ -37,6 +37,7 @@ CAPS: Final[dict[str, tuple[float, float]]] = {
     'motor_deadband': (0.0, 0.2),
 }
 CLEAR: Final = (4.0, 40.0)  # floors of unexplained force that something outside comes to
+FAINT: Final = 2.0  # floors; what comes to less is drawn again
 
 
 @final
@@ -98,9 +99,16 @@ def strange(kind: str, draw: Draw) -> dict[str, float]:
     return {known.name: given.get(known.name, known.null) for known in one.effect.parameters}
 
 
-def any_outside(draw: Draw) -> str:
-    """Return a kind that is in no library."""
-    return sorted(OUTSIDE)[int(draw.integers(len(OUTSIDE)))]
+def stronger(kind: str, given: Mapping[str, float], factor: float) -> dict[str, float]:
+    """Return something outside the library at another strength, as far as it can be had."""
+    size = min(given['size'] * factor, STRANGE[kind].effect.parameters[0].high)
+    return {**given, 'size': size}
+
+
+def any_outside(draw: Draw, *, late: bool) -> str:
+    """Return a kind that is in no library, of those written early or of those written late."""
+    names = sorted(name for name, one in OUTSIDE.items() if one.late == late)
+    return names[int(draw.integers(len(names)))]
 
 
 def everywhere(draw: Draw) -> dict[str, Mapping[str, float]]:

@@ -31,7 +31,7 @@ class Scored:
     Attributes
     ----------
     about : dict
-        Of the challenge, with what scored it.
+        Of the challenge, with what scored it; its commit is that or those that studied the cases.
     cases : tuple of Judged
         In the order of their numbers.
 
@@ -114,12 +114,13 @@ def score(
         done += 1
         tell(done, count)
     answers = opened(folder / SEALED)
-    cases = []
+    cases, commits = list[Judged](), dict[str, None]()
     for number in range(count):
         found = _kept(results / f'{number:04d}.json', now)
         assert found is not None
         cases.append(judged(number, answers[str(number)], found))
-    return Scored({**about, **now, 'scored': count, 'commit': commit()}, tuple(cases))
+        commits[found['commit']] = None
+    return Scored({**about, **now, 'scored': count, 'commit': ', '.join(commits)}, tuple(cases))
 
 
 def told(scored: Scored) -> dict[str, Any]:
@@ -140,7 +141,9 @@ def told(scored: Scored) -> dict[str, Any]:
         'position_error_3s_m': {name: none(value) for name, value in ladder(cases).items()},
         'parameter_error': none(middle(each.error for each in intervals)),
         'seconds': none(middle(one.seconds for one in cases)),
-        'cases': [asdict(one) | {'outcome': one.outcome} for one in cases],
+        'cases': [
+            asdict(one) | {'outcome': one.outcome, 'late': one.late} for one in cases
+        ],
     }  # fmt: skip
 
 

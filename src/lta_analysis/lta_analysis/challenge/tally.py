@@ -12,6 +12,9 @@ import numpy as np
 CLEAR: Final = 6.0  # deviations
 WEAK: Final = 3.0
 ORACLE: Final = 1.05
+# Kinds outside the library: those known while discovery was made, and those kept from it.
+EARLY: Final = ', early kinds'
+LATE: Final = ', late kinds'
 BANDS: Final = (0.0, 3.0, 6.0, 10.0, 20.0, 50.0, math.inf)
 
 
@@ -114,12 +117,19 @@ def _of_names(cases: Sequence[Judged]) -> list[Figure]:
 
 def _of_outside(cases: Sequence[Judged]) -> list[Figure]:
     """Return the figures of cases in which something is hidden that is in no library."""
+    early = [one for one in cases if one.outside and not one.late]
+    late = [one for one in cases if one.late]
+    return [*_unexplained(cases), *_unexplained(early, EARLY), *_unexplained(late, LATE)]
+
+
+def _unexplained(cases: Sequence[Judged], when: str = '') -> list[Figure]:
+    """Return the figures of what is outside alone, and beside an effect that is strong."""
     outside, strong = _of(cases, 'outside'), _between(_of(cases, 'mixed'), CLEAR, math.inf)
     both = _share(strong, lambda one: one.exact and one.flagged)
     return [
-        Figure('outside the library: unexplained', _share(outside, _flagged), least=0.90),
-        Figure('outside the library: a name', _share(outside, _wrong), most=0.03),
-        Figure('an effect and something outside: named and unexplained', both, least=0.75),
+        Figure(f'outside the library{when}: unexplained', _share(outside, _flagged), least=0.90),
+        Figure(f'outside the library{when}: a name', _share(outside, _wrong), most=0.03),
+        Figure(f'an effect and something outside{when}: named and unexplained', both, least=0.75),
     ]
 
 

@@ -66,8 +66,9 @@ def make(
 
     Each case is a folder with a vehicle file and three bags, train, confirm and holdout. Hidden
     is nothing, one effect of the library, two, something that is in no library, or an effect and
-    something outside. What it is stands in answers.sealed, which no study opens. A case depends
-    on seed, number, row and kind only.
+    something outside; in cases of odd number that is of a kind that was kept from discovery until
+    it was finished. What it is stands in answers.sealed, which no study opens. A case depends on
+    seed, number, row and kind only.
 
     The flights are made by an integrator, rigid body, rotors, pilot, sensors and noise of their
     own; of the project's model they share the equations of the effects.
@@ -94,7 +95,9 @@ def score(
     most: Annotated[int | None, typer.Option(help='Look at the first cases only.', min=1)] = None,
     markdown: Annotated[
         Path | None,
-        typer.Option(help='Write all scores into this file.', parser=folder, metavar='FILE'),
+        typer.Option(
+            help='Write all scores into this file, row by row.', parser=folder, metavar='FILE'
+        ),
     ] = None,
     jobs: Jobs = None,
     json: Annotated[bool, typer.Option('--json', help='Print the scores as JSON.')] = False,
@@ -111,6 +114,8 @@ def score(
 
     Example: lta challenge score hidden
     """
+    if len({place.resolve() for place in folders}) < len(folders):
+        raise BadInput('A challenge is given twice and would be counted twice; give each once.')
     console = Console(stderr=json)
     done: list[Scored] = []
     for place in folders:
@@ -127,8 +132,9 @@ def score(
         _show(scored, console)
         console.print(page_line(write_page(scored, place)), highlight=False, soft_wrap=True)
         done.append(scored)
-    if markdown is not None:
-        written(markdown_of([(one.about, one.cases) for one in done]), markdown)
+        if markdown is not None:
+            # As far as it is: many challenges take hours.
+            written(markdown_of([(one.about, one.cases) for one in done]), markdown)
 
 
 def _show(scored: Scored, console: Console) -> None:

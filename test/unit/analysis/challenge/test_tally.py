@@ -1,10 +1,13 @@
 """Cases are judged by hand-made answers and findings, and counted."""
 
+from pathlib import Path
 from typing import Any
 
 from lta_analysis.challenge.judged import confused, Judged, judged
+from lta_analysis.challenge.page import page
+from lta_analysis.challenge.score import Scored
 from lta_analysis.challenge.tally import by_strength, figures, ladder
-from lta_analysis.challenge.told import markdown, percent
+from lta_analysis.challenge.told import markdown, outside_lines, percent
 import pytest
 
 
@@ -109,13 +112,66 @@ def test_figures_are_counted_by_kind_and_strength() -> None:
     assert percent(clear.share) == '9/10 = 90 % (60 to 98)'
 
 
+def test_kinds_that_were_kept_from_discovery_have_lines_of_their_own() -> None:
+    drag = {'linear_drag.surge': 0.03}
+    cases = [
+        *(case({}, {}, kind='outside', outside='tether', verdict='unexplained') for _ in 'abc'),
+        case({}, {}, kind='outside', outside='leash', verdict='unexplained'),
+        case({}, drag, kind='outside', outside='tray'),
+        case(drag, drag, kind='mixed', outside='skin', verdict='named+unexplained'),
+        case(drag, drag, kind='mixed', outside='drying'),
+        case(drag, drag),
+    ]
+    assert [one.late for one in cases] == [False] * 3 + [True] * 2 + [False, True, False]
+    found = {each.name: each.share[:2] for each in figures(cases)}
+    alone, beside = 'outside the library', 'an effect and something outside'
+    for when, flagged, named, both in (
+        ('', (4, 5), (1, 5), (1, 2)),
+        (', early kinds', (3, 3), (0, 3), (1, 1)),
+        (', late kinds', (1, 2), (1, 2), (0, 1)),
+    ):
+        assert found[f'{alone}{when}: unexplained'] == flagged
+        assert found[f'{alone}{when}: a name'] == named
+        assert found[f'{beside}{when}: named and unexplained'] == both
+    lines = {line[0]: line[2:] for line in outside_lines(cases)}
+    assert lines == {
+        'tether': ['early', '3', '3', '0'],
+        'leash': ['late', '1', '1', '0'],
+        'tray': ['late', '1', '0', '1'],
+    }
+    text = page(Scored({**ABOUT, 'cases': 8}, tuple(cases)), Path('somewhere'))
+    assert 'outside the library, late kinds: unexplained' in text
+
+
+ABOUT = {
+    'registry': 'abc', 'vehicle': 'gtmab', 'vehicle_digest': 'def', 'commit': 'c0ffee',
+    'row': 'base', 'kind': '', 'seed': 1, 'scored': 1, 'seconds': [60.0, 180.0],
+}  # fmt: skip
+
+
 def test_the_page_says_what_it_scored() -> None:
-    about = {
-        'registry': 'abc', 'vehicle': 'gtmab', 'vehicle_digest': 'def', 'commit': 'c0ffee',
-        'row': 'base', 'kind': '', 'seed': 1, 'scored': 1,
-        'seconds': [60.0, 180.0],
-    }  # fmt: skip
-    text = markdown([(about, [case({'motor_lag': 0.1}, {'linear_drag.surge': 0.03})])])
-    assert 'effects `abc`, vehicle `gtmab` `def`' in text
+    cases = [case({'motor_lag': 0.1}, {'linear_drag.surge': 0.03})]
+    text = markdown([(ABOUT, cases)])
+    assert 'effects `abc`, vehicle `gtmab` `def`, commit `c0ffee`.' in text
     assert '| one effect: a wrong name | 1/1 = 100 % (21 to 100) | <= 2 % | no |' in text
     assert '| 0 | base | single | motor_lag (10.0) | linear_drag.surge |' in text
+    assert '## All rows' not in text
+
+
+def test_a_page_has_the_challenges_of_a_row_together_and_the_rows_side_by_side() -> None:
+    wrong = [case({'motor_lag': 0.1}, {'linear_drag.surge': 0.03})]
+    clean = [case({}, {}, kind='clean', verdict='none')] * 3
+    other = {**ABOUT, 'kind': 'clean', 'seed': 7, 'scored': 3, 'commit': 'c0ffee, decaf'}
+    text = markdown([({**ABOUT, 'row': 'pose'}, wrong), (ABOUT, wrong), (other, clean)])
+    assert 'commit `c0ffee`, `decaf`.' in text
+    assert '| figure | wanted | base | pose |' in text
+    assert '| cases |  | 4 | 1 |' in text
+    dash = '\N{EN DASH}'
+    assert f'| nothing hidden: any name | <= 1 % | 0/3 = 0 % | {dash} |' in text
+    assert '| one effect: a wrong name | <= 2 % | 1/1 = 100 % | 1/1 = 100 % |' in text
+    heads = [line for line in text.splitlines() if line.startswith('## ')]
+    assert [head.split(':')[0] for head in heads] == ['## All rows', '## Base', '## Pose']
+    assert (
+        '4 cases: 1 of all kinds (seed 1, flights of 60 to 180 s), '
+        '3 clean (seed 7, flights of 60 to 180 s).'
+    ) in text
