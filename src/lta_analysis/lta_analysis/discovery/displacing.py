@@ -4,7 +4,7 @@ Whether a candidate of the library stands against what is outside of it.
 A candidate that was confirmed may still be the nearest word for something that has none. Signs of
 that: a generic rival explains clearly more (more at all, where the candidate is a coefficient of
 motion, the word for whatever follows the motion), and leaves little for the candidate to say; or,
-when all is named, large forces that follow something remain: on the very axes on which the
+when all is named, large forces that follow something remain: on every axis on which the
 candidate acts, or beside a coefficient of motion that explained something much smaller; or
 anything remains, and the candidate has won little, its flights differ about it, or it is a
 coefficient of motion that leaves more than it explains.
@@ -23,7 +23,6 @@ from lta_analysis.discovery.standing import Standing
 from lta_analysis.discovery.tangent import WIDTH
 from lta_analysis.discovery.unexplained import CLEAR, remaining
 from lta_analysis.discovery.verdict import standing
-from lta_sim.effects.protocol import AXES as NAMES
 import numpy as np
 from numpy.typing import NDArray
 
@@ -39,7 +38,7 @@ LOUD: Final = 4.0  # floors; of what remains, to put in question what was named
 FOLLOWS: Final = 0.3  # of the variance of what remains; gusts have come to 0.2
 FAINT: Final = 24.0  # nats; a name that won less is none beside anything that remains
 SURE: Final = 80.0  # nats; with which a coefficient of motion may leave more than it explains
-AGREED: Final = 3.0  # deviations; by which the sides may differ about a name beside what remains
+AGREED: Final = 2.5  # deviations; by which the sides may differ about a name beside what remains
 MOST: Final = 0.4  # of a deviation; what may remain where a candidate was most of it
 LESSER: Final = 0.5  # of the largest that remains; what a coefficient of motion has to explain
 FREE: Final = 1e3  # floors; a latent force that can be anything
@@ -142,7 +141,7 @@ def apart(then: Pair, k: int) -> float:
     """Return by how much the values of a knob differ between the sides, in deviations."""
     values = [each.fitted.mean[k] for each in then]
     spread = sum(each.fitted.covariance[k, k] for each in then)
-    return float(abs(values[0] - values[1]) / np.sqrt(spread))
+    return float(abs(values[0] - values[1]) / np.sqrt(spread)) if spread > 0.0 else 0.0
 
 
 def won(before: Pair, then: Pair) -> float:
@@ -207,26 +206,24 @@ class Displacing:
         final = self._floors(last)
         if not history or final.max() <= CLEAR:
             return ()
-        linear, structured = last[0].group.linears[0], np.zeros(AXES, dtype=np.bool_)
-        if final.max() > LOUD:
-            structured = self._structured(last)
+        linear = last[0].group.linears[0]
+        structured = final.max() > LOUD and self._structured(last)
         fits, gone = [*(before for _, before in history), last], []
         for (name, before), then in zip(history, fits[1:], strict=True):
             acts, floors = acts_on(linear, name, self._floor), self._floors(before)
-            part = (acts & structured).any() and partial(acts, floors, final)
-            less = structured.any() and lesser(name, acts, floors, final)
+            part = structured and partial(acts, floors, final)
+            less = structured and lesser(name, acts, floors, final)
             rest = minor(name, acts, floors, final) and won(before, then) < SURE
             weak = won(before, then) < FAINT or apart(then, linear.names.index(name)) > AGREED
             if weak or part or less or rest:
                 gone.append(name)
         return tuple(gone)
 
-    def _structured(self, fits: Pair) -> NDArray[np.bool_]:
-        """Tell on which axes what remains follows something, as gusts do not, shape (6,)."""
+    def _structured(self, fits: Pair) -> bool:
+        """Tell whether what remains follows something, as gusts do not."""
         left = remaining(self._flights, [each.members for each in fits], self._floor)
-        axes = {one.axis for one in left if one.carried > FOLLOWS}
-        axes |= {axis for one in standing(self._found(fits)) for axis in one.axes}
-        return np.array([axis in axes for axis in NAMES])
+        clearly = any(one.carried > FOLLOWS for one in left)
+        return clearly or bool(standing(self._found(fits)))
 
     def _found(self, fits: Pair) -> tuple[Rival, ...]:
         """Return the rivals on some fits."""

@@ -183,7 +183,8 @@ class Proof:
         refits = 0
         for other, (linear, alike) in near.items():
             evidence = linear
-            if not alike and refits < RIVALS:
+            # What looks alike is refitted only where it promises to be the better word.
+            if (not alike or linear > then.evidence + TIE) and refits < RIVALS:
                 instead = tuple(other if one == name else one for one in names)
                 fitted, refits = self._changed(full, name, instead), refits + 1
                 evidence = fitted.evidence
