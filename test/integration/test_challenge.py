@@ -32,7 +32,8 @@ def test_every_case_is_answered(scored: tuple[Scored, Path]) -> None:
 def test_names_are_right_and_clean_flights_have_none(scored: tuple[Scored, Path]) -> None:
     cases = scored[0].cases
     assert not [one.number for one in cases if one.kind == 'clean' and one.named]
-    assert sum(bool(one.wrong) for one in cases) <= 1
+    # Of 20 cases at the 2 % that are wanted, more than two are wrong once in 100.
+    assert sum(bool(one.wrong) for one in cases) <= 2
     clear = [one for one in cases if one.kind in ('single', 'pair') and one.weakest >= CLEAR]
     assert sum(one.exact for one in clear) >= 0.6 * len(clear)
 
