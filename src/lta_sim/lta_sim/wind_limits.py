@@ -158,7 +158,7 @@ def rise_speed(vehicle: Vehicle) -> float:
     def holds(speed: float) -> bool:
         return any(_balanced(vehicle, model, speed, lean, free=True) for lean in LEANS)
 
-    return _largest(holds, 0.0, thrust_speed(vehicle), 0.005)
+    return _largest(holds, 0.0, min(thrust_speed(vehicle), FASTEST), 0.005)
 
 
 def _hanging(vehicle: Vehicle, speed: float, pitch: float) -> float:

@@ -107,7 +107,7 @@ def measured(asked: Asked, name: str, tick: Callable[[], None]) -> Limits:
     vehicle = load_vehicle(name, density)
     height = max(asked.height, vehicle.standing_height + CLEARANCE)
     try:
-        thrust, static = wind_limits.thrust_speed(vehicle), wind_limits.static_limit(vehicle)
+        thrust = wind_limits.thrust_speed(vehicle)
     except BadInput as error:
         nothing = tuple(
             Over(z, _share(vehicle, height, asked, z), 0.0, None) for z in asked.roughness
@@ -115,6 +115,7 @@ def measured(asked: Asked, name: str, tick: Callable[[], None]) -> Limits:
         return Limits(name, height, 0.0, 0.0, 0.0, 0.0, None, nothing, str(error))
     tumble = math.inf if vehicle.file.hull.shape == 'none' else limits.tumble_speed(vehicle)
     rise = wind_limits.rise_speed(vehicle)
+    static = min(thrust, tumble, rise)
     note = '' if math.isfinite(thrust) else 'its known drag sets no limit below 60 m/s.'
     flight = _flight(asked, name, height) if asked.fly else None
     if asked.fly and flight is None:
