@@ -152,7 +152,10 @@ def show(rows: list[list[str]], found: Sequence[Limits], asked: Asked, console: 
     for column in rows[0]:
         # Headings of two words may break; names and figures are read whole.
         printed.add_column(
-            column, justify='right' if column else 'left', no_wrap=' ' not in column
+            column,
+            justify='right' if column else 'left',
+            no_wrap=' ' not in column,
+            min_width=len('12.34'),
         )
     for row in rows[1:]:
         printed.add_row(*row)
