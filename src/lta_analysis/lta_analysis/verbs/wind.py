@@ -147,7 +147,7 @@ def show(rows: list[list[str]], found: Sequence[Limits], asked: Asked, console: 
     """Print the table and what is missing in it."""
     printed = Table(
         title='Flyable wind in m/s: by the numbers, and flown',
-        title_justify='left', box=None, pad_edge=False,
+        title_justify='left', box=None, pad_edge=False, padding=(0, 1, 0, 0),
     )  # fmt: skip
     for column in rows[0]:
         # Headings of two words may break; names and figures are read whole.
