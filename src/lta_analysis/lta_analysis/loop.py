@@ -29,8 +29,9 @@ from lta_sim.readings import Outcome, Readings
 from lta_sim.vehicle import Vehicle
 from lta_sim.world import World
 from lta_vlc.array import Bearing, bearing, even_ring
-from lta_vlc.demodulation import demodulate, Demodulation, Peaks, plan_bins
+from lta_vlc.demodulation import Demodulation, Hearing, Peaks
 from lta_vlc.lamp import bearing_through, lamp_estimate, LampEstimate, LampPrior
+from lta_vlc.listener import Listener
 import numpy as np
 from numpy.typing import NDArray
 
@@ -62,9 +63,14 @@ class Policy:
 class Light:
     """What one light block says; its bearing and lamp are None where no lamp is heard."""
 
-    peaks: Peaks
+    hearing: Hearing
     bearing: Bearing | None
     prior: LampPrior
+
+    @property
+    def peaks(self) -> Peaks:
+        """What the diodes see of the lamp that is wanted."""
+        return self.hearing.peaks[0]
 
     @property
     def lamp(self) -> LampEstimate | None:
@@ -126,7 +132,7 @@ class Loop:
         self.autopilot = autopilot_of(policy, vehicle, dt)
         self._cell = vehicle.battery
         self._ring = even_ring(vehicle.diodes.count)
-        self._bins = plan_bins(
+        self._listener = Listener(
             policy.demodulation, table.light.sample_rate.si, table.light.samples
         )
         ranger = world.range_settings
@@ -211,10 +217,11 @@ class Loop:
 
     def _navigate(self, stamp_ns: int, block: NDArray[np.uint16]) -> None:
         """Look at the light, and steer by it or by the scenario's course."""
-        peaks = demodulate(block, self._bins)
+        hearing = self._listener.hear(block)
+        peaks = hearing.peaks[0]
         found = bearing(peaks, self._ring, self.policy.demodulation.threshold)
         prior = self.policy.prior
-        self.light = Light(peaks, found, prior)
+        self.light = Light(hearing, found, prior)
         sight = Sight(
             seen=found is not None,
             bearing=0.0 if found is None else bearing_through(found.angle, prior),
