@@ -7,6 +7,7 @@ from lta_vlc.bins import Bins, plan_beacons
 from lta_vlc.demodulation import Demodulation, hear, Hearing
 from lta_vlc.separation import check_beacons
 from lta_vlc.tracker import reach, Tracker
+import numpy as np
 from numpy.typing import ArrayLike
 
 NO_WISH = 0.0  # Hz, of a wanted beacon: the first of the settings
@@ -54,6 +55,11 @@ class Listener:
         check_beacons(beacons, self._settings, *self._shape)
         self.beacons = beacons
         self._trackers = {one: self._trackers.get(one, Tracker(one)) for one in beacons}
+
+    def prepare(self) -> None:
+        """Compile what hears a block, or load it from disk, before the first one waits for it."""
+        silence = np.zeros((self._shape[1], 1))
+        hear(silence, self._planned(self.beacons, (0,) * len(self.beacons)))
 
     def want(self, beacon: float) -> None:
         """

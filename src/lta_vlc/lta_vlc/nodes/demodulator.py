@@ -32,6 +32,7 @@ class Demodulator(GraphNode):
             self, DemodulatorParameters, changed=self._begin, check=self._listener_of
         )
         self._begin(self._settings.value)
+        self._listener.prepare()  # who listens must answer at once
         self._refused = 0
         self.listen(['photodiodes'], trigger='photodiodes', on_step=self._on_step)
 
