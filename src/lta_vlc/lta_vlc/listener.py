@@ -4,13 +4,12 @@ from functools import lru_cache
 
 from lta_config.errors import BadInput
 from lta_vlc.bins import Bins, plan_beacons
-from lta_vlc.demodulation import Demodulation, hear, Hearing
+from lta_vlc.demodulation import Demodulation, hear, Hearing, NO_WISH
 from lta_vlc.separation import check_beacons
 from lta_vlc.tracker import reach, Tracker
 import numpy as np
 from numpy.typing import ArrayLike
 
-NO_WISH = 0.0  # Hz, of a wanted beacon: the first of the settings
 STEPS = 16  # of a bin, in which the bins follow a lamp
 MOST = 4  # beacons at once: those wanted last
 
@@ -77,9 +76,10 @@ class Listener:
 
         """
         wanted = self._settings.frequency if beacon == NO_WISH else beacon
-        if wanted == self.beacons[0]:
-            return
         before = [one for one in self.beacons if one != wanted]
+        if len(before) < len(self.beacons):
+            self.beacons = (wanted, *before)
+            return
         self._listen_for((wanted,))
         for one in before[: MOST - 1]:
             try:

@@ -34,7 +34,8 @@ class Demodulator(GraphNode):
         self._begin(self._settings.value)
         self._listener.prepare()  # who listens must answer at once
         self._refused = 0
-        self.listen(['photodiodes'], trigger='photodiodes', on_step=self._on_step)
+        inputs = self.table.read_by('demodulator')
+        self.listen(inputs, trigger='photodiodes', on_step=self._on_step)
 
     def _listener_of(self, settings: DemodulatorParameters) -> Listener:
         light = self.table.light
@@ -46,6 +47,8 @@ class Demodulator(GraphNode):
     def _on_step(self, step: Step) -> None:
         message: Image = step.last('photodiodes')
         try:
+            for wish in step.messages['light/beacon']:
+                self._listener.want(wish.data)
             block = to_block(message)
             hearing = self._listener.hear(block)
         except ValueError as error:
