@@ -31,8 +31,9 @@ from lta_sim.readings import Outcome, Readings
 from lta_sim.vehicle import Vehicle
 from lta_sim.world import World
 from lta_vlc.array import Bearing, bearing, even_ring, Ring
-from lta_vlc.demodulation import Bins, bins_of, demodulate, Demodulation, NO_WISH, Peaks
+from lta_vlc.demodulation import Demodulation, Hearing, NO_WISH, Peaks
 from lta_vlc.lamp import lamp_estimate, LampEstimate, LampPrior
+from lta_vlc.listener import Listener
 import numpy as np
 from numpy.typing import NDArray
 
@@ -64,9 +65,14 @@ class Policy:
 class Light:
     """What one light block says; its bearing and lamp are None where no lamp is heard."""
 
-    peaks: Peaks
+    hearing: Hearing
     bearing: Bearing | None
     prior: LampPrior
+
+    @property
+    def peaks(self) -> Peaks:
+        """What the diodes see of the lamp that is wanted."""
+        return self.hearing.peaks[0]
 
     @property
     def lamp(self) -> LampEstimate | None:
@@ -131,6 +137,9 @@ class Loop:
         self._cell = vehicle.battery
         self._ring = even_ring(vehicle.diodes.count)
         self._axes = carried_axes(self._ring)
+        self._listener = Listener(
+            policy.demodulation, table.light.sample_rate.si, table.light.samples
+        )
         ranger = world.range_settings
         self._reach = carried.single(ranger.minimum), carried.single(ranger.maximum)
         self.readings = Readings(world.stamp_ns)
@@ -214,10 +223,12 @@ class Loop:
 
     def _navigate(self, stamp_ns: int, block: NDArray[np.uint16]) -> None:
         """Look at the light, and steer by it or by the scenario's course."""
-        peaks = demodulate(block, self._bins(self.beacon))
+        self._listener.want(self.beacon)
+        hearing = self._listener.hear(block)
+        peaks = hearing.peaks[0]
         found = bearing(peaks, self._ring, self.policy.demodulation.threshold)
         prior = self.policy.prior
-        self.light = Light(peaks, found, prior)
+        self.light = Light(hearing, found, prior)
         amplitudes = tuple(peaks.amplitude.astype(np.float32).tolist())
         lamp = None if self.light.lamp is None else carried_lamp(self.light.lamp)
         sight = sighted(lamp, self._axes, amplitudes, self._reckoned[0], self._block)
@@ -234,11 +245,6 @@ class Loop:
             max(len(route), 1),
         )  # fmt: skip
         self.beacon = route[self.mission.asked][1] if route else NO_WISH
-
-    def _bins(self, beacon: float) -> Bins:
-        """Return where a beacon is looked for; 0 is the one of the settings. [Hz]"""
-        light = self._table.light
-        return bins_of(self.policy.demodulation, beacon, light.sample_rate.si, light.samples)
 
     def _count(self, readings: Readings) -> None:
         """Keep the energy books of one turn of the meters."""

@@ -6,14 +6,12 @@ from lta_graph.inbox import Step
 from lta_graph.ros.node import GraphNode, run
 from lta_graph.ros.parameters import Parameters
 from lta_vlc.array import Bearing, bearing, even_ring, Ring
-from lta_vlc.demodulation import Bins, bins_of, demodulate, Demodulation, NO_WISH, Peaks
+from lta_vlc.demodulation import Demodulation, Peaks
 from lta_vlc.lamp import lamp_estimate, LampEstimate, LampPrior
+from lta_vlc.listener import Listener
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks, to_block
-import numpy as np
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
-
-NOTHING = Peaks(np.empty(0), np.empty(0), np.empty(0))  # what a block says that cannot be read
 
 
 class DemodulatorParameters(Demodulation):
@@ -27,44 +25,43 @@ class Demodulator(GraphNode):
 
     def __init__(self) -> None:
         super().__init__('demodulator')
-        self._wanted = NO_WISH
-        self._settings = Parameters(
-            self, DemodulatorParameters, changed=self._plan, check=self._bins_of
-        )
-        self._plan(self._settings.value)
         self._peaks = self.output('light/peaks')
         self._bearing = self.output('light/bearing')
         self._estimate = self.output('light/estimate')
+        self._settings = Parameters(
+            self, DemodulatorParameters, changed=self._begin, check=self._listener_of
+        )
+        self._begin(self._settings.value)
+        self._listener.prepare()  # who listens must answer at once
         self._refused = 0
         inputs = self.table.read_by('demodulator')
         self.listen(inputs, trigger='photodiodes', on_step=self._on_step)
 
-    def _bins_of(self, settings: DemodulatorParameters) -> Bins:
+    def _listener_of(self, settings: DemodulatorParameters) -> Listener:
         light = self.table.light
-        return bins_of(settings, self._wanted, light.sample_rate.si, light.samples)
+        return Listener(settings, light.sample_rate.si, light.samples)
 
-    def _plan(self, settings: DemodulatorParameters) -> None:
-        self._bins = self._bins_of(settings)
+    def _begin(self, settings: DemodulatorParameters) -> None:
+        self._listener = self._listener_of(settings)
 
     def _on_step(self, step: Step) -> None:
         message: Image = step.last('photodiodes')
         try:
             for wish in step.messages['light/beacon']:
-                self._wanted = wish.data
-                self._plan(self._settings.value)
+                self._listener.want(wish.data)
             block = to_block(message)
-            peaks = demodulate(block, self._bins)
+            hearing = self._listener.hear(block)
         except ValueError as error:
             self._refused += 1
             self.health.report('light', Level.ERROR, str(error), refused=self._refused)
             if self.lockstep:  # whoever waits for the answer would wait for ever
-                self._publish(message.header, NOTHING, Ring((), ()), None, None)
+                self._publish(message.header, (), Ring((), ()), None, None)
             return
         settings = self._settings.value
-        ring = even_ring(block.shape[1])
+        ring, peaks = even_ring(block.shape[1]), hearing.peaks[0]
         towards = bearing(peaks, ring, settings.threshold)
         lamp = None if towards is None else lamp_estimate(towards, settings.prior)
-        self._publish(message.header, peaks, ring, towards, lamp)
+        self._publish(message.header, hearing.peaks, ring, towards, lamp)
         clipped = int((block >= 4095).sum())
         self.health.report(
             'light',
@@ -77,7 +74,7 @@ class Demodulator(GraphNode):
     def _publish(
         self,
         header: Header,
-        peaks: Peaks,
+        peaks: tuple[Peaks, ...],
         ring: Ring,
         towards: Bearing | None,
         lamp: LampEstimate | None,
