@@ -25,12 +25,16 @@ from lta_control.mission import course_step, Mission, mission_step, MissionSetti
 from lta_control.pilot import Pilot
 from lta_control.strategies.protocol import Sight, Strategy
 from lta_energy import monitor
+from lta_sim.compiled import compiled
 from lta_sim.readings import Outcome, Readings
 from lta_sim.vehicle import Vehicle
 from lta_sim.world import World
-from lta_vlc.array import Bearing, bearing, even_ring
+from lta_vlc.array import Bearing, bearing
 from lta_vlc.demodulation import demodulate, Demodulation, Peaks, plan_bins
-from lta_vlc.lamp import bearing_through, lamp_estimate, LampEstimate, LampPrior
+from lta_vlc.diodes import diodes_of
+from lta_vlc.direction import Direction, DirectionFinder
+from lta_vlc.fit import fit
+from lta_vlc.lamp import lamp_estimate, LampEstimate, LampPrior
 import numpy as np
 from numpy.typing import NDArray
 
@@ -60,16 +64,26 @@ class Policy:
 @final
 @dataclass(frozen=True, slots=True)
 class Light:
-    """What one light block says; its bearing and lamp are None where no lamp is heard."""
+    """
+    What one light block says.
+
+    Parameters
+    ----------
+    peaks : Peaks
+        What each diode sees.
+    bearing : Bearing or None
+        The paper's, None where no diode is believed or the ring is evenly lit.
+    direction : Direction or None
+        The fit's, None where there is none.
+    lamp : LampEstimate or None
+        What the drone steers by: the lamp in the body frame, by the fit.
+
+    """
 
     peaks: Peaks
     bearing: Bearing | None
-    prior: LampPrior
-
-    @property
-    def lamp(self) -> LampEstimate | None:
-        """The lamp in the body frame; it is worked out when somebody asks."""
-        return None if self.bearing is None else lamp_estimate(self.bearing, self.prior)
+    direction: Direction | None
+    lamp: LampEstimate | None
 
 
 @final
@@ -125,7 +139,9 @@ class Loop:
         dt = table.control_ns * 1e-9
         self.autopilot = autopilot_of(policy, vehicle, dt)
         self._cell = vehicle.battery
-        self._ring = even_ring(vehicle.diodes.count)
+        diodes = diodes_of(vehicle.file.sensors.diodes)
+        self._ring = diodes.ring
+        self._finder = DirectionFinder(diodes, compiled(fit)[0], np.array)
         self._bins = plan_bins(
             policy.demodulation, table.light.sample_rate.si, table.light.samples
         )
@@ -212,12 +228,13 @@ class Loop:
     def _navigate(self, stamp_ns: int, block: NDArray[np.uint16]) -> None:
         """Look at the light, and steer by it or by the scenario's course."""
         peaks = demodulate(block, self._bins)
-        found = bearing(peaks, self._ring, self.policy.demodulation.threshold)
-        prior = self.policy.prior
-        self.light = Light(peaks, found, prior)
+        threshold, prior = self.policy.demodulation.threshold, self.policy.prior
+        found = self._finder.find(peaks, threshold, prior)
+        lamp = None if found is None else lamp_estimate(found, prior)
+        self.light = Light(peaks, bearing(peaks, self._ring, threshold), found, lamp)
         sight = Sight(
-            seen=found is not None,
-            bearing=0.0 if found is None else bearing_through(found.angle, prior),
+            seen=lamp is not None,
+            bearing=0.0 if lamp is None else math.atan2(lamp.y, lamp.x),
             heading=self._headings[-1 - self._half_block],
             amplitudes=tuple(peaks.amplitude.astype(np.float32).tolist()),
             interval=self._block,

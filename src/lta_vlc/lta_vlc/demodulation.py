@@ -58,12 +58,15 @@ class Peaks:
         Peak over the mean of the quiet bins; 0 for a flat line.
     frequency : ndarray of float64, shape (d,)
         Frequency of the bin in which the peak stands. [Hz]
+    noise : ndarray of float64, shape (d,)
+        Mean magnitude of the quiet bins, in the unit of the samples.
 
     """
 
     amplitude: NDArray[np.float64]
     snr: NDArray[np.float64]
     frequency: NDArray[np.float64]
+    noise: NDArray[np.float64]
 
 
 @final
@@ -158,7 +161,8 @@ def find_peaks(spectrum: NDArray[np.float64], bins: Bins) -> Peaks:
     highest, peak = searched.argmax(axis=0), searched.max(axis=0)
     # The mean of the quiet bins, each diode's next to each other: a third of the time.
     noise = np.add.reduce(spectrum.T.take(bins.quiet, axis=1), axis=1) / bins.quiet.size
-    return Peaks(peak, signal_to_noise(peak, noise), (bins.first + highest) * bins.width)
+    snr = signal_to_noise(peak, noise)
+    return Peaks(peak, snr, (bins.first + highest) * bins.width, noise)
 
 
 def demodulate(block: ArrayLike, bins: Bins) -> Peaks:

@@ -1,10 +1,12 @@
 """Light blocks, peaks and bearings as ROS messages, and back."""
 
 import array
+from collections.abc import Sequence
 
 from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3Stamped
-from lta_vlc.array import Bearing, Ring
+from lta_vlc.array import Bearing
 from lta_vlc.demodulation import Peaks
+from lta_vlc.diodes import Axis
 from lta_vlc.lamp import LampEstimate
 import numpy as np
 from numpy.typing import NDArray
@@ -34,13 +36,11 @@ def to_block(message: Image) -> NDArray[np.uint16]:
     return np.frombuffer(message.data, dtype='<u2').reshape(message.height, message.width)
 
 
-def from_peaks(header: Header, peaks: Peaks, ring: Ring) -> PointCloud2:
-    """Return one point a diode: axis, amplitude, SNR and frequency."""
-    count = len(ring.cosines)
+def from_peaks(header: Header, peaks: Peaks, axes: Sequence[Axis]) -> PointCloud2:
+    """Return one point a diode that was heard: axis, amplitude, SNR and frequency."""
+    count = peaks.amplitude.size
     columns = (
-        ring.cosines,
-        ring.sines,
-        (0.0,) * count,
+        *np.array(axes[:count]).reshape(-1, 3).T,
         peaks.amplitude,
         peaks.snr,
         peaks.frequency,
@@ -73,7 +73,8 @@ def from_lamp(header: Header, lamp: LampEstimate | None) -> PoseWithCovarianceSt
         covariance[0, 0] = UNKNOWN
     else:
         position = message.pose.pose.position
-        position.x, position.y, position.z = lamp.position.tolist()
-        covariance[:3, :3] = lamp.covariance
+        position.x, position.y, position.z = lamp[:3]
+        covariance[np.triu_indices(3)] = lamp[3:]
+        covariance[np.tril_indices(3)] = covariance.T[np.tril_indices(3)]
     message.pose.covariance = covariance.ravel()
     return message

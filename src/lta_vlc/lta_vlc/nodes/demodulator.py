@@ -1,24 +1,28 @@
 """The demodulator node: from ADC blocks to peaks and a bearing."""
 
 from lta_config.settings import setting
+from lta_config.vehicle_file import load_vehicle_file
 from lta_graph.health import Level
 from lta_graph.inbox import Step
 from lta_graph.ros.node import GraphNode, run
 from lta_graph.ros.parameters import Parameters
-from lta_vlc.array import Bearing, bearing, even_ring, Ring
+from lta_vlc.array import Bearing, bearing
 from lta_vlc.demodulation import Bins, demodulate, Demodulation, Peaks, plan_bins
+from lta_vlc.diodes import diodes_of
+from lta_vlc.direction import DirectionFinder
 from lta_vlc.lamp import lamp_estimate, LampEstimate, LampPrior
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks, to_block
 import numpy as np
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
-NOTHING = Peaks(np.empty(0), np.empty(0), np.empty(0))  # what a block says that cannot be read
+NOTHING = Peaks(*(np.empty(0),) * 4)  # what a block says that cannot be read
 
 
 class DemodulatorParameters(Demodulation):
     """The beacon to listen for, and what is known of its lamp."""
 
+    vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
     prior: LampPrior = setting(LampPrior(), 'The lamp before it is seen.')
 
 
@@ -35,6 +39,10 @@ class Demodulator(GraphNode):
         self._bearing = self.output('light/bearing')
         self._estimate = self.output('light/estimate')
         self._refused = 0
+        # After the outputs: what is published before somebody listens is lost in real time.
+        entry = load_vehicle_file(self._settings.value.vehicle).sensors.diodes
+        self._diodes = diodes_of(entry)
+        self._finder = DirectionFinder(self._diodes)
         self.listen(['photodiodes'], trigger='photodiodes', on_step=self._on_step)
 
     def _bins_of(self, settings: DemodulatorParameters) -> Bins:
@@ -48,18 +56,19 @@ class Demodulator(GraphNode):
         message: Image = step.last('photodiodes')
         try:
             block = to_block(message)
+            self._diodes.check(block.shape[1])
             peaks = demodulate(block, self._bins)
         except ValueError as error:
             self._refused += 1
             self.health.report('light', Level.ERROR, str(error), refused=self._refused)
             if self.lockstep:  # whoever waits for the answer would wait for ever
-                self._publish(message.header, NOTHING, Ring((), ()), None, None)
+                self._publish(message.header, NOTHING, None, None)
             return
         settings = self._settings.value
-        ring = even_ring(block.shape[1])
-        towards = bearing(peaks, ring, settings.threshold)
-        lamp = None if towards is None else lamp_estimate(towards, settings.prior)
-        self._publish(message.header, peaks, ring, towards, lamp)
+        towards = bearing(peaks, self._diodes.ring, settings.threshold)
+        found = self._finder.find(peaks, settings.threshold, settings.prior)
+        lamp = None if found is None else lamp_estimate(found, settings.prior)
+        self._publish(message.header, peaks, towards, lamp)
         clipped = int((block >= 4095).sum())
         self.health.report(
             'light',
@@ -73,12 +82,11 @@ class Demodulator(GraphNode):
         self,
         header: Header,
         peaks: Peaks,
-        ring: Ring,
         towards: Bearing | None,
         lamp: LampEstimate | None,
     ) -> None:
         self._bearing.publish(from_bearing(header, towards))
-        self._peaks.publish(from_peaks(header, peaks, ring))
+        self._peaks.publish(from_peaks(header, peaks, self._diodes.axes))
         self._estimate.publish(from_lamp(header, lamp))
 
 
