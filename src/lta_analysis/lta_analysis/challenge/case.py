@@ -21,9 +21,9 @@ from lta_analysis.challenge.tolerance import off, trimmed
 from lta_analysis.challenge.truth_flight import TICK
 from lta_analysis.challenge.vessel import Vessel, vessel
 from lta_analysis.challenge.watched import Instruments, Streams, Watcher
-from lta_analysis.discovery.evidence import FLOOR
-from lta_analysis.discovery.knobs import Knob
-from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.fit.evidence import FLOOR
+from lta_analysis.discovery.model.knobs import Knob
+from lta_analysis.discovery.model.nominal import Nominal
 from lta_sim.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray

@@ -7,7 +7,7 @@ from lta_graph.inbox import Step
 from lta_graph.ros.node import GraphNode, run
 from lta_graph.ros.parameters import Parameters
 from lta_vlc.array import Bearing, bearing
-from lta_vlc.demodulation import Bins, demodulate, Demodulation, Peaks, plan_bins
+from lta_vlc.demodulation import Bins, bins_of, demodulate, Demodulation, NO_WISH, Peaks
 from lta_vlc.diodes import diodes_of
 from lta_vlc.direction import DirectionFinder
 from lta_vlc.lamp import lamp_estimate, LampEstimate, LampPrior
@@ -31,6 +31,7 @@ class Demodulator(GraphNode):
 
     def __init__(self) -> None:
         super().__init__('demodulator')
+        self._wanted = NO_WISH
         self._settings = Parameters(
             self, DemodulatorParameters, changed=self._plan, check=self._bins_of
         )
@@ -43,11 +44,12 @@ class Demodulator(GraphNode):
         entry = load_vehicle_file(self._settings.value.vehicle).sensors.diodes
         self._diodes = diodes_of(entry)
         self._finder = DirectionFinder(self._diodes)
-        self.listen(['photodiodes'], trigger='photodiodes', on_step=self._on_step)
+        inputs = self.table.read_by('demodulator')
+        self.listen(inputs, trigger='photodiodes', on_step=self._on_step)
 
     def _bins_of(self, settings: DemodulatorParameters) -> Bins:
         light = self.table.light
-        return plan_bins(settings, light.sample_rate.si, light.samples)
+        return bins_of(settings, self._wanted, light.sample_rate.si, light.samples)
 
     def _plan(self, settings: DemodulatorParameters) -> None:
         self._bins = self._bins_of(settings)
@@ -55,6 +57,9 @@ class Demodulator(GraphNode):
     def _on_step(self, step: Step) -> None:
         message: Image = step.last('photodiodes')
         try:
+            for wish in step.messages['light/beacon']:
+                self._wanted = wish.data
+                self._plan(self._settings.value)
             block = to_block(message)
             self._diodes.check(block.shape[1])
             peaks = demodulate(block, self._bins)
