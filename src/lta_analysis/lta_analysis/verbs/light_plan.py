@@ -4,11 +4,11 @@ import sys
 from typing import Annotated
 
 from lta_analysis.bar import Bar
+from lta_analysis.light.plan.ear import Ear
 from lta_analysis.light.plan.floor import floor_of
 from lta_analysis.light.plan.floor_plan import load_floor_plan
 from lta_analysis.light.plan.gaps import gaps_of
 from lta_analysis.light.plan.handover import handover_of
-from lta_analysis.light.plan.hearing import Ear
 from lta_analysis.light.plan.layout import lay_out, Layout
 from lta_analysis.light.plan.mounts import mounts_of
 from lta_analysis.light.plan.page import percent, title, write_page

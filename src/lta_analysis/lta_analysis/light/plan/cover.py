@@ -126,7 +126,7 @@ def fewest(heard: Mask, needed: Whole, kept: Chosen) -> int:
         bounds=Bounds(least, np.ones(len(heard))),
         constraints=LinearConstraint(csr_array(columns.T.astype(float)), lb=weights),
     )
-    return math.ceil(float(found.fun) - ROUNDING)
+    return math.ceil(float(found.fun or 0.0) - ROUNDING)
 
 
 def distinct(heard: Mask, needed: Whole) -> tuple[Mask, Whole]:

@@ -9,7 +9,7 @@ noise is what the two disturb each other by.
 from collections.abc import Sequence
 import math
 
-from lta_analysis.light.plan.hearing import Ear
+from lta_analysis.light.plan.ear import Ear
 from lta_analysis.light.plan.polygon import Array
 from lta_vlc.demodulation import find_peaks, plan_bins
 from lta_vlc.modulation import NANOSECONDS, SquareWave

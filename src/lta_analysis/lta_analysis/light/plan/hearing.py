@@ -5,57 +5,27 @@ Light, diodes, amplifier, converter and demodulation are the simulator's (`lta_s
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 import math
-from typing import final
 
+from lta_analysis.light.plan.crosstalk import crosstalk
+from lta_analysis.light.plan.ear import Ear
 from lta_analysis.light.plan.floor import Floor
 from lta_analysis.light.plan.floor_plan import FloorPlan
-from lta_analysis.light.plan.mounts import Mount
-from lta_analysis.light.plan.polygon import Array
+from lta_analysis.light.plan.mounts import Mount, Vector
+from lta_analysis.light.plan.polygon import Array, Mask
 from lta_analysis.light.plan.rays import over_cells
-from lta_config.topics import Light
+from lta_analysis.light.plan.together import heard_together, ratio
 from lta_sim.compiled import compiled
 from lta_sim.heard_lamp import Listening, listening_of
 from lta_sim.hull import half_axes
 from lta_sim.lambertian import beam
 from lta_sim.light_field import Ambient, Lamp, LightField
-from lta_sim.vehicle import Vehicle
-from lta_vlc.demodulation import Demodulation
 from lta_vlc.modulation import SquareWave
 import numpy as np
 
+# How often a lamp reads what others leave in its window: the bearing errs by 12 degrees at most.
+PURE = 5.0
 HEADINGS = 64  # of a full turn, 5.6 degrees apart
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Ear:
-    """
-    Who listens.
-
-    Attributes
-    ----------
-    vehicle : Vehicle
-        Its hull and ring.
-    demodulation : Demodulation
-        How it listens; the frequency is each lamp's.
-    light : Light
-        Sampling rate and block length.
-    margin : float
-        How far above the threshold the SNR must be.
-
-    """
-
-    vehicle: Vehicle
-    demodulation: Demodulation
-    light: Light
-    margin: float
-
-    @property
-    def needed(self) -> float:
-        """The SNR from which a lamp counts as heard."""
-        return self.margin * self.demodulation.threshold
 
 
 def field_of(plan: FloorPlan, mount: Mount, frequency: float) -> LightField:
@@ -90,35 +60,23 @@ def listening(plan: FloorPlan, ear: Ear, mount: Mount, frequency: float) -> List
     )
 
 
-def ratio(heard: Listening, light: Array, others: Array | float = 0.0) -> Array:
-    """
-    Return the SNR that light of a lamp comes to, without the scatter of single blocks.
-
-    Parameters
-    ----------
-    heard : Listening
-        The lamp.
-    light : ndarray
-        Of that lamp while it is on, on the diode that gets most of it. [lx]
-    others : ndarray or float
-        What other lamps leave in the bins that tell the noise. [counts]
-
-    """
-    counts = heard.counts * light
-    swing = np.minimum(heard.rest + counts, heard.top) - min(heard.rest, heard.top)
-    variance = heard.variance + heard.shot * heard.duty * counts
-    quiet = np.sqrt(math.pi * variance / heard.samples) + heard.leak * counts + heard.hum + others
-    return np.asarray(heard.gain * swing / quiet)
+def snr_of(heard: Listening, light: float) -> float:
+    """Return the SNR that light of a lamp comes to on a diode, were the lamp alone. [lx]"""
+    own = heard.counts * light
+    return ratio(
+        own, 0.0, 0.0, heard.gain, heard.leak, heard.hum, heard.rest, heard.top, heard.variance,
+        heard.shot * heard.duty, heard.samples,
+    )[1]  # fmt: skip
 
 
 def least_light(heard: Listening, needed: float) -> float:
     """Return the light from which the SNR is as needed; infinite if it never is. [lx]"""
-    low, high = 0.0, heard.top / heard.counts
-    if ratio(heard, np.array(high)) < needed:
+    low, high = 0.0, max(heard.top - heard.rest, 0.0) / heard.counts
+    if snr_of(heard, high) < needed:
         return math.inf
     for _ in range(60):
         middle = 0.5 * (low + high)
-        low, high = (low, middle) if ratio(heard, np.array(middle)) >= needed else (middle, high)
+        low, high = (low, middle) if snr_of(heard, middle) >= needed else (middle, high)
     return high
 
 
@@ -149,9 +107,7 @@ def light_over(
 
     """
     (kernel,) = compiled(over_cells)
-    centres = floor.centres
-    cells = np.hstack([centres, np.full((len(centres), 1), plan.altitude.si)])
-    planes, hull = ear.vehicle.diodes.planes, half_axes(ear.vehicle.file.hull)
+    cells, planes, hull = _seen_from(plan, ear, floor)
     headings = headings_of(planes, hull)
     light = np.zeros((len(mounts), 2, len(cells)))
     for k, mount in enumerate(mounts):
@@ -161,7 +117,47 @@ def light_over(
     return light
 
 
-def headings_of(planes: Array, hull: tuple[float, float, float]) -> Array:
+def together(
+    plan: FloorPlan, ear: Ear, floor: Floor, mounts: Sequence[Mount], tones: Sequence[float],
+    visible: Mask,
+) -> Array:  # fmt: skip
+    """
+    Return the SNR of each lamp over every wanted cell while all of them are on.
+
+    Parameters
+    ----------
+    plan, ear, floor, mounts
+        Hall, drone, cells and lamps.
+    tones : sequence of float
+        Frequencies of the lamps. [Hz]
+    visible : ndarray of bool, shape (lamps, cells)
+        Where no wall hides them.
+
+    """
+    (kernel,) = compiled(heard_together)
+    cells, planes, hull = _seen_from(plan, ear, floor)
+    heard = [listening(plan, ear, *pair) for pair in zip(mounts, tones, strict=True)]
+    one = heard[0]
+    numbers = (one.counts, one.rest, one.top, one.variance, one.shot * one.duty, one.samples)
+    window, quiet = crosstalk(ear, tones, plan.lamp.duty.si)
+    snr = np.empty(visible.shape)
+    kernel(
+        np.array([each.lamp for each in heard]), visible, cells, planes, hull,
+        headings_of(planes, hull), numbers,
+        np.array([(each.gain, each.leak, each.hum) for each in heard]), window, quiet, PURE,
+        np.empty(len(heard)), snr,
+    )  # fmt: skip
+    return snr
+
+
+def _seen_from(plan: FloorPlan, ear: Ear, floor: Floor) -> tuple[Array, Array, Vector]:
+    """Return the hull centres over the wanted cells, the diodes and half the size of the hull."""
+    centres = floor.centres
+    cells = np.hstack([centres, np.full((len(centres), 1), plan.altitude.si)])
+    return cells, ear.vehicle.diodes.planes, half_axes(ear.vehicle.file.hull)
+
+
+def headings_of(planes: Array, hull: Vector) -> Array:
     """Return cosine and sine of the headings to look at: where a turn changes nothing, fewer."""
     turn = 2.0 * math.pi / len(planes)
     cosine, sine = math.cos(turn), math.sin(turn)

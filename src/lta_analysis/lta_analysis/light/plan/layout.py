@@ -6,18 +6,16 @@ import math
 from typing import final
 
 from lta_analysis.light.plan.cover import demand, distinct, fewest, greedy, improved
-from lta_analysis.light.plan.crosstalk import crosstalk
+from lta_analysis.light.plan.ear import Ear
 from lta_analysis.light.plan.floor import Floor
 from lta_analysis.light.plan.floor_plan import FloorPlan
 from lta_analysis.light.plan.frequencies import Band, band_of, frequencies
-from lta_analysis.light.plan.hearing import Ear, least_light, light_over, listening, ratio
+from lta_analysis.light.plan.hearing import least_light, light_over, listening, together
 from lta_analysis.light.plan.mounts import Mount
 from lta_analysis.light.plan.polygon import Array, Mask
 from lta_config.errors import BadInput
 import numpy as np
 
-# How often a lamp reads what others leave in its window: the bearing errs by 12 degrees at most.
-PURE = 5.0
 SEED = 1  # of the search for fewer lamps
 
 Say = Callable[[str], None]
@@ -159,7 +157,8 @@ def lay_out(
     say('frequencies')
     chosen.sort(key=lambda k: (-round(mounts[k].position[1], 3), mounts[k].position[0]))
     lamps, order = _named([mounts[k] for k in chosen], band)
-    snr = together(plan, ear, lamps, light[chosen])
+    taken, tones = [lamp.mount for lamp in lamps], [lamp.frequency for lamp in lamps]
+    snr = together(plan, ear, floor, taken, tones, light[chosen, 1] > 0.0)
     return Layout(
         plan, floor, ear, overlap, lamps, light[chosen, 0], snr, alone.sum(axis=0), len(mounts),
         least, order, bound,
@@ -179,22 +178,6 @@ def _named(mounts: list[Mount], band: Band) -> tuple[tuple[Placed, ...], int]:
         )
         for k, mount in enumerate(mounts, start=1)
     ), order
-
-
-def together(plan: FloorPlan, ear: Ear, lamps: tuple[Placed, ...], light: Array) -> Array:
-    """
-    Return the SNR of every lamp over every wanted cell while all of them are on.
-
-    The others disturb at their worst heading while it is heard at its own; 0 where they leave more
-    in its window than `PURE` allows.
-    """
-    heard = [listening(plan, ear, lamp.mount, lamp.frequency) for lamp in lamps]
-    window, quiet = crosstalk(ear, [lamp.frequency for lamp in lamps], plan.lamp.duty.si)
-    counts = heard[0].counts * light
-    noise, spill = quiet @ counts[:, 1], window @ counts[:, 1]
-    snr = np.stack([ratio(heard[k], light[k, 0], noise[k]) for k in range(len(lamps))])
-    gains = np.array([each.gain for each in heard])
-    return np.where(gains[:, None] * counts[:, 0] >= PURE * spill, snr, 0.0)
 
 
 def _unheard(plan: FloorPlan, ear: Ear, least: float) -> str:

@@ -8,7 +8,8 @@ from typing import Final
 
 from lta_analysis.light.plan.gaps import Gap, gaps_of
 from lta_analysis.light.plan.handover import Handover
-from lta_analysis.light.plan.layout import Layout, PURE
+from lta_analysis.light.plan.hearing import PURE
+from lta_analysis.light.plan.layout import Layout
 from lta_analysis.light.plan.pictures import coverage, hand_overs
 from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import MISSING, Tile

@@ -101,7 +101,9 @@ def ground(layout: Layout) -> Figure:
                 type='path', path=outline(footprint), layer='below', line={'width': 0},
                 fillcolor=RAW,
             )  # fmt: skip
-    figure.add_shape(type='path', path=outline(corners), line={'color': WALL, 'width': 3})
+    figure.add_shape(
+        type='path', path=outline(corners), layer='below', line={'color': WALL, 'width': 3}
+    )
     return figure.update_layout(hovermode='closest', margin={'l': 48, 'r': 16, 't': 12, 'b': 40})
 
 
