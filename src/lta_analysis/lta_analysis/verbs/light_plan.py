@@ -9,7 +9,8 @@ from lta_analysis.light.plan.floor import floor_of
 from lta_analysis.light.plan.floor_plan import load_floor_plan
 from lta_analysis.light.plan.gaps import gaps_of
 from lta_analysis.light.plan.handover import handover_of
-from lta_analysis.light.plan.layout import lay_out, Layout
+from lta_analysis.light.plan.laying import lay_out
+from lta_analysis.light.plan.layout import Layout
 from lta_analysis.light.plan.mounts import mounts_of
 from lta_analysis.light.plan.page import percent, title, write_page
 from lta_analysis.light.plan.scene import scene_text
@@ -101,7 +102,8 @@ def plan(
 
 def show(found: Layout, console: Console) -> None:
     """Print the lamps and the gaps."""
-    printed = Table(title=title(found), title_justify='left', box=None, pad_edge=False)
+    console.print(title(found), highlight=False)
+    printed = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0))
     for column in ('lamp', 'x [m]', 'y [m]', 'z [m]', 'Hz', 'heard over [m²]'):
         printed.add_column(column, justify='left' if column == 'lamp' else 'right', no_wrap=True)
     for k, lamp in enumerate(found.lamps):

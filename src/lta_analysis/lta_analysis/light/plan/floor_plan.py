@@ -8,7 +8,7 @@ floor to its height; walls reach to the ceiling.
 import math
 from typing import Annotated, final, Literal, Self
 
-from lta_analysis.light.plan.polygon import Array, flaw, inside
+from lta_analysis.light.plan.polygon import Array, distance, edges_of, flaw, inside
 from lta_config.files import find, load, Record
 from lta_config.quantity import Quantity, si
 from lta_sim.light_field import MOST_EFFICACY
@@ -21,7 +21,7 @@ Length = Annotated[Quantity, si('m', above=0.0, high=1000.0)]
 Albedo = Annotated[float, Field(ge=0.0, lt=1.0)]
 MOST_CORNERS, MOST_ROWS = 1000, 200
 NO_STEP = Quantity(value=(0.0, 0.0), unit='m')
-RIGHT_ANGLE = math.pi / 2
+ON_WALL = 1e-6  # m
 
 
 class Area(Record):
@@ -147,7 +147,9 @@ class FloorPlan(Record):
                 )
         for name, standing in self.lamps.items():
             x, y, z = standing.position.vector
-            if not inside(np.array([x, y]), self.outline.corners) or not 0.0 <= z <= ceiling:
+            place, corners = np.array([x, y]), self.outline.corners
+            off = distance(place, edges_of(corners))
+            if not (inside(place, corners) or off <= ON_WALL) or not 0.0 <= z <= ceiling:
                 raise ValueError(
                     f'has the lamp {name} at ({x:g}, {y:g}, {z:g}) m, outside the hall; correct '
                     'its position'

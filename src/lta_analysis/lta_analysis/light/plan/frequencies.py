@@ -21,12 +21,15 @@ from itertools import combinations
 import math
 from typing import Final, final
 
+from lta_analysis.light.plan.polygon import Array, Mask
 from lta_config.errors import BadInput
 from lta_vlc.demodulation import Demodulation
+import numpy as np
 
 LOWEST: Final = 150.0  # Hz, the paper's; slower flicker is seen by people
 ORDERS: Final = range(49, 4, -2)  # up to which harmonics stay clear, the best first
 FAINT: Final = 1e-9  # a harmonic that a wave does not have, but for rounding
+ROUNDING: Final = 1e-6  # of a bin
 
 
 @final
@@ -61,33 +64,35 @@ class Band:
         """Of a bin. [Hz]"""
         return self.rate / self.samples
 
+    @property
+    def half(self) -> float:
+        """How far a window reaches to either side, with room for rounding. [Hz]"""
+        return (self.window + ROUNDING) * self.width
+
     def harmonics(self, order: int) -> list[int]:
         """Return the harmonics above the first that a wave of this duty has, up to an order."""
         return [n for n in range(2, order + 1) if abs(math.sin(math.pi * n * self.duty)) > FAINT]
 
-    def folded(self, frequency: float) -> float:
-        """Return where a frequency shows in the spectrum. [Hz]"""
-        rest = math.fmod(frequency, self.rate)
-        return min(rest, self.rate - rest)
+    def folded(self, frequency: Array) -> Array:
+        """Return where frequencies show in the spectrum. [Hz]"""
+        return np.abs(frequency - self.rate * np.rint(frequency / self.rate))
 
-    def fits(self, frequency: float) -> bool:
-        """Return whether a lamp's window is clear of both ends and of the mains."""
-        half = self.window * self.width
-        inside = frequency >= LOWEST and frequency + half <= self.rate / 2
-        off = abs(frequency - self.mains * round(frequency / self.mains))
-        nearest_is_zero = round(frequency / self.mains) == 0
-        return inside and frequency - half >= self.width and (off > half or nearest_is_zero)
+    def fits(self, frequency: Array) -> Mask:
+        """Return whether the windows of lamps are clear of both ends and of the mains."""
+        half = self.half
+        multiple = np.maximum(np.rint(frequency / self.mains), 1.0)
+        off_mains = np.abs(frequency - self.mains * multiple) > half
+        low = max(LOWEST, self.width + self.window * self.width)
+        ends = (frequency >= low) & (frequency + self.window * self.width <= self.rate / 2)
+        return np.asarray(ends & off_mains)
 
-    def apart(self, first: float, second: float, order: int) -> bool:
-        """Return whether two lamps leave each other's windows alone, harmonics up to an order."""
-        half = self.window * self.width
-        if abs(first - second) <= 2.0 * half:
-            return False
-        return all(
-            abs(self.folded(n * one) - other) > half
-            for n in self.harmonics(order)
-            for one, other in ((first, second), (second, first))
-        )
+    def apart(self, first: float, second: Array, order: int) -> Mask:
+        """Return which lamps and one more leave each other's windows alone, up to an order."""
+        orders = np.array(self.harmonics(order))[:, None]
+        near = np.abs(first - second) <= 2.0 * self.half
+        from_first = np.abs(self.folded(orders * first) - second) <= self.half
+        from_second = np.abs(self.folded(orders * second) - first) <= self.half
+        return ~(near | from_first.any(axis=0) | from_second.any(axis=0))
 
 
 def band_of(settings: Demodulation, rate: float, samples: int, mains: float, duty: float) -> Band:
@@ -97,14 +102,14 @@ def band_of(settings: Demodulation, rate: float, samples: int, mains: float, dut
 
 def clear_of(band: Band, kept: Sequence[float], order: int, most: int) -> list[float]:
     """Return up to `most` frequencies beside the kept ones, the lowest first. [Hz]"""
+    middles = np.arange(1, band.samples // 2 + 1) * band.width
+    free = band.fits(middles)
+    for frequency in kept:
+        free &= band.apart(frequency, middles, order)
     found: list[float] = []
-    for k in range(1, band.samples // 2 + 1):
-        frequency = k * band.width
-        if len(found) >= most:
-            break
-        others = (*kept, *found)
-        if band.fits(frequency) and all(band.apart(frequency, one, order) for one in others):
-            found.append(frequency)
+    while free.any() and len(found) < most:
+        found.append(float(middles[free.argmax()]))
+        free &= band.apart(found[-1], middles, order)
     return found
 
 
@@ -140,7 +145,8 @@ def frequencies(band: Band, kept: Sequence[float], count: int) -> tuple[list[flo
 
 def why_not(band: Band, kept: Sequence[float], count: int, fit: int) -> str:
     """Return the sentence that says how few frequencies fit, and why."""
-    half, width = band.window * band.width, band.width
+    width = band.width
+    half = band.window * width
     beside = f' beside the {len(kept)} that lamps keep' if kept else ''
     return (
         f'{count} lamps want a frequency, but only {fit} fit{beside}: in bins of {width:g} Hz, '
@@ -154,7 +160,7 @@ def why_not(band: Band, kept: Sequence[float], count: int, fit: int) -> str:
 def _check(band: Band, kept: Sequence[float]) -> None:
     """Refuse frequencies of lamps already there that cannot be told apart."""
     for frequency in kept:
-        if not band.fits(frequency):
+        if not band.fits(np.array(frequency)):
             raise BadInput(
                 f'A lamp that is there already flickers at {frequency:g} Hz, below {LOWEST:g} Hz, '
                 f'too near to Nyquist ({band.rate / 2:g} Hz) or within '
@@ -171,4 +177,11 @@ def _check(band: Band, kept: Sequence[float]) -> None:
 
 def _in_the_way(band: Band, kept: Sequence[float], order: int) -> tuple[float, float] | None:
     """Return two of the frequencies that are not apart."""
-    return next((pair for pair in combinations(kept, 2) if not band.apart(*pair, order)), None)
+    return next(
+        (
+            (one, other)
+            for one, other in combinations(kept, 2)
+            if not band.apart(one, np.array([other]), order).all()
+        ),
+        None,
+    )

@@ -89,12 +89,11 @@ def page(layout: Layout, handover: Handover, again: str, scene: str, next_step: 
 
 def title(layout: Layout) -> str:
     """Return what came out, in a sentence."""
-    count = len(layout.lamps)
-    lamps = f'{count} lamp{"s" if count != 1 else ""}'
-    heard = 'a lamp' if layout.overlap == 1 else f'{layout.overlap} lamps'
-    where = layout.plan.name.replace('_', ' ')
+    count, where = len(layout.lamps), layout.plan.name.replace('_', ' ')
+    heard = 'one' if layout.overlap == 1 else f'{layout.overlap} of them'
     return (
-        f'With {lamps}, {percent(layout.coverage)} % of the {where} hears {heard} at any heading.'
+        f'{count} lamp{"s" if count > 1 else ""}: a drone hears {heard} over '
+        f'{percent(layout.coverage)} % of the {where}, at any heading.'
     )
 
 

@@ -27,7 +27,8 @@ from plotly.graph_objects import Figure, Heatmap, Scatter
 
 STEPS: Final = (1, 2, 5)  # of the colour scale's labels, times powers of ten
 AIR: Final = 0.02  # of the longer side, around the hall
-MOST_LABELS: Final = 40  # lamps with a frequency beside them
+SIDEWAYS: Final = 0.4  # part of a lamp's axis on the floor from which it is drawn as an arrow
+CHARACTER: Final = 6.0  # px
 
 
 def coverage(layout: Layout) -> Figure:
@@ -54,7 +55,7 @@ def coverage(layout: Layout) -> Figure:
         )
     )  # fmt: skip
     hatch(figure, layout)
-    draw_lamps(figure, layout, LAMP)
+    draw_lamps(figure, layout, [f'{lamp.frequency:g} Hz' for lamp in layout.lamps])
     return figure
 
 
@@ -80,7 +81,7 @@ def hand_overs(layout: Layout, handover: Handover) -> Figure:
         figure.add_annotation(
             x=x, y=y, text='start', yshift=-14, font={'color': GOOD, 'size': 11}, bgcolor=VEIL
         )
-    draw_lamps(figure, layout, LAMP)
+    draw_lamps(figure, layout, ['' for _ in layout.lamps])
     return figure
 
 
@@ -151,9 +152,10 @@ def hatch(figure: Figure, layout: Layout) -> None:
         )  # fmt: skip
 
 
-def draw_lamps(figure: Figure, layout: Layout, colour: str) -> None:
-    """Draw the lamps, each turned to where it faces, with number and frequency."""
-    sideways = [abs(lamp.mount.axis[2]) < 0.9 for lamp in layout.lamps]
+def draw_lamps(figure: Figure, layout: Layout, words: Sequence[str]) -> None:
+    """Draw the lamps, each turned to where it faces, with its number and some words before it."""
+    facing = [lamp.mount.axis[:2] for lamp in layout.lamps]
+    sideways = [math.hypot(*axis) > SIDEWAYS for axis in facing]
     figure.add_trace(
         Scatter(
             x=[lamp.mount.position[0] for lamp in layout.lamps],
@@ -161,22 +163,24 @@ def draw_lamps(figure: Figure, layout: Layout, colour: str) -> None:
             mode='markers', name='lamp', cliponaxis=False,
             marker={
                 'symbol': ['triangle-up' if side else 'circle' for side in sideways], 'size': 13,
-                'color': colour, 'line': {'color': PAPER, 'width': 1.5},
+                'color': LAMP, 'line': {'color': PAPER, 'width': 1.5},
                 'angle': [
-                    90.0 - math.degrees(math.atan2(lamp.mount.axis[1], lamp.mount.axis[0]))
-                    if side else 0.0 for lamp, side in zip(layout.lamps, sideways, strict=True)
+                    90.0 - math.degrees(math.atan2(y, x)) if side else 0.0
+                    for (x, y), side in zip(facing, sideways, strict=True)
                 ],
             },
             customdata=[[lamp.name, lamp.frequency] for lamp in layout.lamps],
             hovertemplate='%{customdata[0]}, %{customdata[1]} Hz<extra></extra>',
         )
     )  # fmt: skip
-    for number, lamp in enumerate(layout.lamps, start=1):
-        many = len(layout.lamps) > MOST_LABELS
+    for k, (lamp, word) in enumerate(zip(layout.lamps, words, strict=True)):
+        along, up = lamp.mount.axis[:2] if sideways[k] else (0.0, 1.0)
+        text = f'<b>{k + 1}</b> {word}'.strip()
+        reach = 14.0 + CHARACTER * (len(str(k + 1)) + len(word)) / 2.0
         figure.add_annotation(
-            x=lamp.mount.position[0], y=lamp.mount.position[1], yshift=15,
-            text=f'<b>{number}</b>' if many else f'<b>{number}</b> {lamp.frequency:g} Hz',
-            font={'color': INK, 'size': 10}, bgcolor=VEIL, borderpad=1,
+            x=lamp.mount.position[0], y=lamp.mount.position[1], xshift=reach * along,
+            yshift=18.0 * up, text=text, font={'color': INK, 'size': 10}, bgcolor=VEIL,
+            borderpad=1,
         )  # fmt: skip
 
 

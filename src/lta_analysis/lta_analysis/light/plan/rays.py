@@ -11,6 +11,8 @@ import math
 from lta_sim.effects.protocol import Vector
 from lta_sim.lambertian import Array, Beam, lit
 
+NEARLY = 1.0 - 1e-6  # of the way to a lamp: it may hang on a wall
+
 
 def hidden(point: Vector, ray: Vector, half_axes: Vector) -> bool:
     """
@@ -52,7 +54,7 @@ def blocked(start: Vector, end: Vector, walls: Array) -> bool:
         along = (fx * ey - fy * ex) / across
         part = (fx * dy - fy * dx) / across
         if (
-            0.0 < along < 1.0
+            0.0 < along < NEARLY
             and 0.0 <= part <= 1.0
             and start[2] + along * (end[2] - start[2]) < walls[k, 4]
         ):
