@@ -1,13 +1,14 @@
 """lta light plan: lamps laid out on a floor plan, their frequencies, and what is covered."""
 
+from pathlib import Path
 import sys
 from typing import Annotated
 
 from lta_analysis.bar import Bar
-from lta_analysis.light.plan.ear import Ear
+from lta_analysis.browser import find_chromium
 from lta_analysis.light.plan.floor import floor_of
-from lta_analysis.light.plan.floor_plan import load_floor_plan
 from lta_analysis.light.plan.gaps import gaps_of
+from lta_analysis.light.plan.given import given
 from lta_analysis.light.plan.handover import handover_of
 from lta_analysis.light.plan.laying import lay_out
 from lta_analysis.light.plan.layout import Layout
@@ -16,6 +17,7 @@ from lta_analysis.light.plan.page import percent, title, write_page
 from lta_analysis.light.plan.scene import scene_text
 from lta_analysis.light.plan.told import plain
 from lta_analysis.out_option import Out
+from lta_analysis.report.pictures import write_pictures
 from lta_analysis.results_folder import (
     all_at_once,
     can_be_made,
@@ -24,9 +26,7 @@ from lta_analysis.results_folder import (
     results_folder,
 )
 from lta_analysis.typed import near, typed
-from lta_config.topics import topic_table
-from lta_sim.vehicle import load_vehicle
-from lta_vlc.demodulation import Demodulation
+from lta_bridge.bag.writer import empty_folder
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 from rich.table import Table
@@ -51,7 +51,15 @@ def plan(
     cell: Annotated[
         float, typer.Option(help='Side of the cells of the floor in metres.', min=0.1, max=10.0)
     ] = 0.5,
+    changes: Annotated[
+        list[str] | None,
+        typer.Option('--set', metavar='PATH=VALUE', help='Plan with another value; repeatable.'),
+    ] = None,
     out: Out = None,
+    pictures: Annotated[
+        Path | None,
+        typer.Option(help='Folder for each picture as PNG; needs a Chromium.', metavar='FOLDER'),
+    ] = None,
     json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
 ) -> None:
     """
@@ -62,6 +70,9 @@ def plan(
     how few there could be at least is told. Each gets a frequency clear of the mains, of the
     other lamps and of their harmonics; then all are heard together.
 
+    With --set a number is tried without a file: 'plan.lamp.height=4 m', 'demodulator.window=1',
+    'vehicle.sensors.diodes.feedback=10 kohm'.
+
     The results are a page with the covered floor, its gaps and the hand-overs from lamp to lamp;
     plan.json, SI units; and scenario.yaml with the lamps and a route along them.
 
@@ -70,13 +81,14 @@ def plan(
     Example: lta light plan warehouse --overlap 2 --lamps 30
     """
     console = Console(stderr=json)
-    content = load_floor_plan(name)
-    flown = load_vehicle(vehicle)
-    floor = floor_of(content, flown, cell)
+    if pictures is not None:
+        find_chromium()  # says what is missing before anything is done
+        empty_folder(pictures)
+    content, ear = given(name, vehicle, margin, changes or ())
+    floor = floor_of(content, ear.vehicle, cell)
     mounts = mounts_of(content)
     target = results_folder(out, f'{content.name}-lamps')
     can_be_made(target)
-    ear = Ear(flown, Demodulation(), topic_table().light, margin)
     columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
     with Bar(console, *columns, begin='light of each place', total=len(mounts)) as bar:
         found = lay_out(
@@ -89,11 +101,14 @@ def plan(
     words = ['light', 'plan', name, '--vehicle', vehicle, '--overlap', str(overlap)]
     words += ['--margin', f'{margin:g}', '--cell', f'{cell:g}']
     words += [] if lamps is None else ['--lamps', str(lamps)]
+    words += [word for change in changes or () for word in ('--set', change)]
     fly = typed('fly', '--vehicle', vehicle, '--scenario', str(near(target / 'scenario.yaml')))
     with all_at_once(target, 'report.html') as part:
         text = keep_json(told, part / 'plan.json')
         (part / 'scenario.yaml').write_text(scene, encoding='utf-8')
         write_page(found, handover, typed(*words), scene, fly, part / 'report.html')
+    if pictures is not None:
+        write_pictures(target / 'report.html', pictures)
     if json:
         sys.stdout.write(text)
     show(found, console)

@@ -102,7 +102,7 @@ def band_of(settings: Demodulation, rate: float, samples: int, mains: float, dut
 
 def clear_of(band: Band, kept: Sequence[float], order: int, most: int) -> list[float]:
     """Return up to `most` frequencies beside the kept ones, the lowest first. [Hz]"""
-    middles = np.arange(1, band.samples // 2 + 1) * band.width
+    middles: Array = np.arange(1.0, band.samples // 2 + 1) * band.width
     free = band.fits(middles)
     for frequency in kept:
         free &= band.apart(frequency, middles, order)
