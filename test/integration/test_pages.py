@@ -97,6 +97,11 @@ def platforms(folder, call):
     (folder / 'out' / 'report.html').rename(folder / 'report.html')
 
 
+def light_plan(folder, call):
+    call('light', 'plan', '--cell', '2', '--lamps', '3', '--out', folder / 'out')
+    (folder / 'out' / 'report.html').rename(folder / 'report.html')
+
+
 def tune(folder, call):
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(limit, 'TRIED', 1)
@@ -128,7 +133,8 @@ def replay(folder, call):
 
 
 PAGES = {
-    made.__name__: made for made in (flight, plot, vehicle, sweep, wind, platforms, tune, replay)
+    made.__name__: made
+    for made in (flight, plot, vehicle, sweep, wind, light_plan, platforms, tune, replay)
 }
 
 

@@ -57,6 +57,12 @@ BAG: Final = Group(
         'export': Verb('bag_export', 'export'),
     },
 )
+LIGHT: Final = Group(
+    'Plan, measure and judge the light link between lamps and drone.',
+    {
+        'plan': Verb('light_plan', 'plan'),
+    },
+)
 VERBS: Final[dict[str, Verb | Group]] = {
     'fly': Verb('fly', 'fly'),
     'simulate': Verb('simulate', 'simulate'),
@@ -69,6 +75,7 @@ VERBS: Final[dict[str, Verb | Group]] = {
     'wind': Verb('wind', 'wind'),
     'platforms': Verb('platforms', 'platforms'),
     'vehicle': Verb('vehicle', 'vehicle'),
+    'light': LIGHT,
     'bag': BAG,
     'compare': Verb('compare', 'compare'),
     'discover': Verb('discover', 'discover', several=('--train', '--confirm', '--holdout')),
