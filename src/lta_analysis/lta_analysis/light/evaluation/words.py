@@ -1,0 +1,45 @@
+"""How the evaluation calls strategies and cases, and writes figures with their intervals."""
+
+from collections.abc import Mapping
+import math
+from typing import Final
+
+from lta_analysis.light.evaluation import pilot
+from lta_analysis.light.evaluation.intervals import Mean
+from lta_analysis.report.outcome import MISSING
+from lta_analysis.sweep.statistics import Share
+
+STRATEGIES: Final[Mapping[str, str]] = {
+    'bag': 'BAG', 'dga': 'DGA', 'des': 'DES', 'homing': 'homing', pilot.NAME: 'pilot',
+}  # fmt: skip
+FACTORS: Final[Mapping[str, str]] = {
+    'as_flown': 'as flown',
+    'start_heading': 'start heading within 30\N{DEGREE SIGN} of the lamp',
+}
+
+
+def strategy(name: str) -> str:
+    """Return what to call a strategy."""
+    return STRATEGIES.get(name, name)
+
+
+def case(name: str, unit: str = '') -> str:
+    """Return what to call a case."""
+    words = FACTORS.get(name, name.replace('_', ' '))
+    return f'{words} {unit}'.strip()
+
+
+def share(value: Share) -> str:
+    """Return a share with its interval, in percent."""
+    if math.isnan(value.value):
+        return MISSING
+    return f'{100 * value.value:.0f} % ({100 * value.low:.0f} to {100 * value.high:.0f})'
+
+
+def amount(value: Mean, digits: int = 1) -> str:
+    """Return a mean with its interval, without its unit."""
+    if math.isnan(value.value):
+        return MISSING
+    if math.isnan(value.low):
+        return f'{value.value:.{digits}f}'
+    return f'{value.value:.{digits}f} ({value.low:.{digits}f} to {value.high:.{digits}f})'
