@@ -45,7 +45,7 @@ def cell(paths, strategy='bag', lost=0, case='as_flown'):
         for seed, path in enumerate(paths)
     }
     rows |= {100 + k: Row(100 + k, 100 + k, {}, 'timeout', '') for k in range(lost)}
-    return Cell(strategy, case, math.nan, 0.0, rows)
+    return Cell(strategy, case, math.nan, 0.0, True, rows)
 
 
 def test_a_mean_has_the_interval_of_all_ways_to_resample_it():

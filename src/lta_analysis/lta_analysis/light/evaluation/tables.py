@@ -26,7 +26,7 @@ def lines(name: str, cells: Sequence[Cell]) -> Lines:
     axis, best = flight_set(name).axis, pilots(cells)
     return [
         [
-            words.case(cell.case, axis.unit if axis and not named(cell) else ''),
+            words.case(cell, axis),
             words.strategy(cell.strategy),
             str(len(cell.rows)) + (f' (+{cell.failed} failed)' if cell.failed else ''),
             words.share(cell.reached),
@@ -37,11 +37,6 @@ def lines(name: str, cells: Sequence[Cell]) -> Lines:
         ]
         for cell in cells
     ]  # fmt: skip
-
-
-def named(cell: Cell) -> bool:
-    """Tell whether the case of a cell has a name instead of a value."""
-    return not cell.case.replace('.', '').replace('e+', '').lstrip('-').isdecimal()
 
 
 def beside_paper(cells: Sequence[Cell]) -> Lines:
@@ -62,7 +57,7 @@ def order_lines(found: Sequence[Found]) -> Lines:
     """Return how paths are ordered in each case of the ablations."""
     return [
         [
-            words.case(each.case),
+            words.factor(each.case),
             *(words.amount(each.paths[name]) for name in paper.ORDER),
             'yes' if each.sure else 'not beyond chance' if each.holds else 'no',
             MISSING if math.isnan(each.share) else f'{100 * each.share:.0f} %',
@@ -81,7 +76,9 @@ def targets(found: Mapping[str, Sequence[Cell]], ours: str) -> Lines:
                 continue
             reached, ratio = cell.reached, cell.against(best.get(cell.case))
             met = reached.value >= SHARE_WANTED and ratio.value <= RATIO_WANTED
-            title = part.title if name == INDOORS else f'{part.title}: {words.case(cell.case)}'
+            title = (
+                part.title if name == INDOORS else f'{part.title}: {words.case(cell, part.axis)}'
+            )
             made.append(
                 [
                     title, words.share(reached), f'{100 * SHARE_WANTED:.0f} %',
