@@ -13,6 +13,7 @@ from lta_analysis.report.outcome import MISSING, number
 
 HEADS: Final = ('case', 'strategy', 'flights', 'reached', 'path [m]', 'time [s]', 'path / pilot')
 PAPER_HEADS: Final = ('strategy', 'path here [m]', 'paper', 'time here [s]', 'paper')
+OUTDOOR_HEADS: Final = ('wind at 10 m', 'strategy', 'reached here', 'paper')
 ORDER_HEADS: Final = ('changed', *map(words.strategy, paper.ORDER), 'order of the paper', 'draws')
 TARGET_HEADS: Final = ('case', 'reached', 'at least', 'path / pilot', 'at most', 'met')
 SHARE_WANTED: Final = 0.95
@@ -51,6 +52,20 @@ def beside_paper(cells: Sequence[Cell]) -> Lines:
         for name, flown in paper.INDOORS.items()
         if name in own
     ]  # fmt: skip
+
+
+def outdoors(cells: Sequence[Cell]) -> Lines:
+    """Return who reached the lamp against the paper's winds, here and there."""
+    return [
+        [
+            f'{cell.place:g} m/s',
+            words.strategy(cell.strategy),
+            words.share(cell.reached),
+            'reached' if cell.strategy in paper.OUTDOORS[cell.place] else 'failed',
+        ]
+        for cell in cells
+        if cell.place in paper.OUTDOORS and cell.strategy in paper.ORDER
+    ]
 
 
 def order_lines(found: Sequence[Found]) -> Lines:
