@@ -10,7 +10,7 @@ MOST: Final = 0.5  # of the seeds, from which a ground counts as flown over
 
 
 def statement(cells: Sequence[Cell]) -> str:
-    """Return from what roughness on each strategy reaches the lamp; '' where that was not flown."""
+    """Return from what roughness on each strategy reaches the lamp; '' where none flew."""
     told = []
     for name in dict.fromkeys(cell.strategy for cell in cells if cell.strategy != pilot.NAME):
         own = [cell for cell in cells if cell.strategy == name]

@@ -27,7 +27,7 @@ def strategy(name: str) -> str:
 
 def factor(name: str) -> str:
     """Return what to call a case that has a name."""
-    return FACTORS.get(name, name.replace('_', ' '))
+    return FACTORS.get(name, name.replace('_', ' ')) or MISSING
 
 
 def case(cell: Cell, axis: Axis | None) -> str:
