@@ -1,6 +1,7 @@
 """The evaluation of strategies: its statistics, its sets, and that it goes on where it was."""
 
 from collections import Counter
+from dataclasses import replace
 import io
 from itertools import product
 import json
@@ -9,7 +10,7 @@ import sys
 
 from lta_analysis import app
 from lta_analysis.ingredients import gather
-from lta_analysis.light.evaluation import order, pilot, scores_page, sets, wind
+from lta_analysis.light.evaluation import grounds, order, pilot, scores_page, sets, wind
 from lta_analysis.light.evaluation.cells import Cell
 from lta_analysis.light.evaluation.findings import Findings
 from lta_analysis.light.evaluation.flying import plan_of, points, tasks
@@ -45,7 +46,7 @@ def cell(paths, strategy='bag', lost=0, case='as_flown'):
         for seed, path in enumerate(paths)
     }
     rows |= {100 + k: Row(100 + k, 100 + k, {}, 'timeout', '') for k in range(lost)}
-    return Cell(strategy, case, math.nan, 0.0, rows)
+    return Cell(strategy, case, math.nan, 0.0, True, rows)
 
 
 def test_a_mean_has_the_interval_of_all_ways_to_resample_it():
@@ -276,3 +277,18 @@ def test_a_set_without_strategies_is_refused(tmp_path, monkeypatch):
     monkeypatch.setitem(SETS, 'none', FlightSet(str(path), 'None', 'None.'))
     with pytest.raises(BadInput, match='must list strategies'):
         plan_of('none')
+
+
+def test_the_ground_over_which_the_papers_wind_is_flown_is_told():
+    def over(place, paths, lost):
+        return replace(cell(paths, lost=lost), place=place, named=False)
+
+    cells = [
+        over(0.3, [], 2),
+        over(0.35, [6.0], 1),
+        over(0.4, [6.0, 7.0], 1),
+        over(0.45, [6.0], 0),
+    ]
+    assert 'BAG over 0.4 m and more' in grounds.statement(cells)
+    assert 'BAG over none of these grounds' in grounds.statement(cells[:2])
+    assert grounds.statement([]) == ''

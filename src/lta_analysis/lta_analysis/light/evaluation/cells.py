@@ -31,6 +31,8 @@ class Cell:
         Where the case lies on the axis of its set; NaN without one.
     wind : float
         Mean wind plus one deviation at the hull, over the top airspeed. [1]
+    named : bool
+        Whether the case has a name instead of a value.
     rows : dict
         The flights that could be flown, by seed.
     failed : int
@@ -42,6 +44,7 @@ class Cell:
     case: str
     place: float
     wind: float
+    named: bool
     rows: Mapping[int, Row]
     failed: int = 0
 
@@ -87,7 +90,8 @@ def cells_of(name: str, plan: Plan, rows: Iterable[Row]) -> list[Cell]:
                 share_of_top(made_of),
             )
         flown = {row.seed: row for row in own if row.outcome != FAILED}
-        found.append(Cell(strategy, case, *known[case], flown, len(own) - len(flown)))
+        by_name = CASE in own[0].values
+        found.append(Cell(strategy, case, *known[case], by_name, flown, len(own) - len(flown)))
     return found
 
 

@@ -7,12 +7,12 @@ import math
 from pathlib import Path
 from typing import Any, Final, final
 
-from lta_analysis.light.evaluation import paper, pilot, words
+from lta_analysis.light.evaluation import grounds, paper, pilot, words
 from lta_analysis.light.evaluation.cells import Cell, pilots
 from lta_analysis.light.evaluation.intervals import Mean
 from lta_analysis.light.evaluation.order import Found, orders, statement
 from lta_analysis.light.evaluation.run import Evaluated
-from lta_analysis.light.evaluation.sets import ABLATIONS, INDOORS, SETS
+from lta_analysis.light.evaluation.sets import ABLATIONS, INDOORS, ROUGHNESS, SETS
 from lta_analysis.sweep.plan import Plan
 from lta_analysis.sweep.statistics import Share
 
@@ -88,6 +88,12 @@ class Findings:
     def statement(self) -> str:
         """What brings about the paper's order of paths."""
         return statement(orders(self.cells.get(INDOORS, [])), self.ablations, words.FACTORS)
+
+    @property
+    def cautions(self) -> list[str]:
+        """What to keep in mind beside the paper's figures."""
+        ground = grounds.statement(self.cells.get(ROUGHNESS, []))
+        return [*([ground] if ground else []), *paper.CAUTIONS]
 
     @property
     def title(self) -> str:

@@ -5,10 +5,10 @@ from html import escape
 from pathlib import Path
 from typing import Final
 
-from lta_analysis.light.evaluation import paper, pictures, pilot, tables, tracks, words
+from lta_analysis.light.evaluation import pictures, pilot, tables, tracks, words
 from lta_analysis.light.evaluation.cells import Cell
 from lta_analysis.light.evaluation.findings import Findings
-from lta_analysis.light.evaluation.sets import ABLATIONS, flight_set, INDOORS
+from lta_analysis.light.evaluation.sets import ABLATIONS, flight_set, INDOORS, WINDS
 from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import Tile
 from lta_analysis.report.pieces import section, tile_html
@@ -44,8 +44,9 @@ def page(found: Findings) -> str:
         pictures='\n'.join(sections(found)),
         order=order_html(found),
         targets=table(tables.TARGET_HEADS, tables.targets(found.cells, found.ours)),
-        paper=table(tables.PAPER_HEADS, tables.beside_paper(found.cells.get(INDOORS, []))),
-        cautions=''.join(f'<p class="note">{escape(each)}</p>' for each in paper.CAUTIONS),
+        paper=table(tables.PAPER_HEADS, tables.beside_paper(found.cells.get(INDOORS, [])))
+        + table(tables.OUTDOOR_HEADS, tables.outdoors(found.cells.get(WINDS, []))),
+        cautions=''.join(f'<p class="note">{escape(each)}</p>' for each in found.cautions),
         results=results(found) + f'<p class="note">{escape(METHOD)}</p>',
         facts=facts(found),
         commands=commands(found),

@@ -195,7 +195,7 @@ def factors(cells: Sequence[Cell]) -> Figure:
     as_shares(figure, 2)
     figure.update_xaxes(
         tickvals=list(range(len(cases))), range=[-0.5, len(cases) - 0.5],
-        ticktext=[wrapped(words.case(case)) for case in cases],
+        ticktext=[wrapped(words.factor(case)) for case in cases],
     )  # fmt: skip
     return figure.update_layout(
         hovermode='closest', showlegend=True, legend=LEGEND, margin={'r': 16, 't': 26, 'b': 64}

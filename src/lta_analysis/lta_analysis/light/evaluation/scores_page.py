@@ -1,9 +1,9 @@
 """docs/navigation_scores.md: every figure of the evaluation, and the command that repeats it."""
 
-from lta_analysis.light.evaluation import paper, tables
+from lta_analysis.light.evaluation import tables
 from lta_analysis.light.evaluation.findings import Findings
 from lta_analysis.light.evaluation.page import METHOD
-from lta_analysis.light.evaluation.sets import flight_set, INDOORS
+from lta_analysis.light.evaluation.sets import flight_set, INDOORS, WINDS
 from lta_analysis.light.evaluation.tables import markdown
 
 
@@ -17,7 +17,8 @@ def page(found: Findings) -> str:
         '![Path, time and success of each strategy](images/evaluate.png)',
         '## Beside the paper',
         markdown(tables.PAPER_HEADS, tables.beside_paper(found.cells.get(INDOORS, []))).rstrip(),
-        *paper.CAUTIONS,
+        markdown(tables.OUTDOOR_HEADS, tables.outdoors(found.cells.get(WINDS, []))).rstrip(),
+        *found.cautions,
         '## What makes the order',
         found.statement,
     ]

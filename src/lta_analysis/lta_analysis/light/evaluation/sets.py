@@ -93,6 +93,7 @@ def ambient(made_of: Ingredients) -> float:
 
 INDOORS: Final = 'indoors'
 WINDS: Final = 'winds'
+ROUGHNESS: Final = 'roughness'
 UNIFORM: Final = 'uniform'
 ABLATIONS: Final = 'ablations'
 SETS: Final[dict[str, FlightSet]] = {
@@ -105,7 +106,7 @@ SETS: Final[dict[str, FlightSet]] = {
         'Wind at 10 m over a roughness of 0.3 m, from the lamp to the start; told to fly 1 m/s.',
         Axis('wind at 10 m', 'm/s', reference_wind),
     ),
-    'roughness': FlightSet(
+    ROUGHNESS: FlightSet(
         'light_roughness', 'The same 8 m/s over other ground',
         'The paper names no roughness; so near the ground it decides what the hull meets.',
         Axis('roughness', 'm', roughness),

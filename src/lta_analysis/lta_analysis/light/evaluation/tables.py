@@ -13,6 +13,7 @@ from lta_analysis.report.outcome import MISSING, number
 
 HEADS: Final = ('case', 'strategy', 'flights', 'reached', 'path [m]', 'time [s]', 'path / pilot')
 PAPER_HEADS: Final = ('strategy', 'path here [m]', 'paper', 'time here [s]', 'paper')
+OUTDOOR_HEADS: Final = ('wind at 10 m', 'strategy', 'reached here', 'paper')
 ORDER_HEADS: Final = ('changed', *map(words.strategy, paper.ORDER), 'order of the paper', 'draws')
 TARGET_HEADS: Final = ('case', 'reached', 'at least', 'path / pilot', 'at most', 'met')
 SHARE_WANTED: Final = 0.95
@@ -26,7 +27,7 @@ def lines(name: str, cells: Sequence[Cell]) -> Lines:
     axis, best = flight_set(name).axis, pilots(cells)
     return [
         [
-            words.case(cell.case, axis.unit if axis and not named(cell) else ''),
+            words.case(cell, axis),
             words.strategy(cell.strategy),
             str(len(cell.rows)) + (f' (+{cell.failed} failed)' if cell.failed else ''),
             words.share(cell.reached),
@@ -37,11 +38,6 @@ def lines(name: str, cells: Sequence[Cell]) -> Lines:
         ]
         for cell in cells
     ]  # fmt: skip
-
-
-def named(cell: Cell) -> bool:
-    """Tell whether the case of a cell has a name instead of a value."""
-    return not cell.case.replace('.', '').replace('e+', '').lstrip('-').isdecimal()
 
 
 def beside_paper(cells: Sequence[Cell]) -> Lines:
@@ -58,11 +54,25 @@ def beside_paper(cells: Sequence[Cell]) -> Lines:
     ]  # fmt: skip
 
 
+def outdoors(cells: Sequence[Cell]) -> Lines:
+    """Return who reached the lamp against the paper's winds, here and there."""
+    return [
+        [
+            f'{cell.place:g} m/s',
+            words.strategy(cell.strategy),
+            words.share(cell.reached),
+            'reached' if cell.strategy in paper.OUTDOORS[cell.place] else 'failed',
+        ]
+        for cell in cells
+        if cell.place in paper.OUTDOORS and cell.strategy in paper.ORDER
+    ]
+
+
 def order_lines(found: Sequence[Found]) -> Lines:
     """Return how paths are ordered in each case of the ablations."""
     return [
         [
-            words.case(each.case),
+            words.factor(each.case),
             *(words.amount(each.paths[name]) for name in paper.ORDER),
             'yes' if each.sure else 'not beyond chance' if each.holds else 'no',
             MISSING if math.isnan(each.share) else f'{100 * each.share:.0f} %',
@@ -81,7 +91,9 @@ def targets(found: Mapping[str, Sequence[Cell]], ours: str) -> Lines:
                 continue
             reached, ratio = cell.reached, cell.against(best.get(cell.case))
             met = reached.value >= SHARE_WANTED and ratio.value <= RATIO_WANTED
-            title = part.title if name == INDOORS else f'{part.title}: {words.case(cell.case)}'
+            title = (
+                part.title if name == INDOORS else f'{part.title}: {words.case(cell, part.axis)}'
+            )
             made.append(
                 [
                     title, words.share(reached), f'{100 * SHARE_WANTED:.0f} %',

@@ -5,7 +5,9 @@ import math
 from typing import Final
 
 from lta_analysis.light.evaluation import pilot
+from lta_analysis.light.evaluation.cells import Cell
 from lta_analysis.light.evaluation.intervals import Mean
+from lta_analysis.light.evaluation.sets import Axis
 from lta_analysis.report.outcome import MISSING
 from lta_analysis.sweep.statistics import Share
 
@@ -23,10 +25,16 @@ def strategy(name: str) -> str:
     return STRATEGIES.get(name, name)
 
 
-def case(name: str, unit: str = '') -> str:
-    """Return what to call a case."""
-    words = FACTORS.get(name, name.replace('_', ' '))
-    return f'{words} {unit}'.strip()
+def factor(name: str) -> str:
+    """Return what to call a case that has a name."""
+    return FACTORS.get(name, name.replace('_', ' ')) or MISSING
+
+
+def case(cell: Cell, axis: Axis | None) -> str:
+    """Return what to call the case of a cell: its name, or its value on the axis of its set."""
+    if axis is None or cell.named:
+        return factor(cell.case)
+    return f'{cell.place:,.6g} {axis.unit}'
 
 
 def share(value: Share) -> str:
