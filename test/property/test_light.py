@@ -30,7 +30,8 @@ TIMES = st.integers(0, 2 * 10**18)
 
 def peaks(readings: np.ndarray) -> Peaks:
     """Return readings that all pass the gate."""
-    return Peaks(readings, np.full(readings.size, 100.0), np.full(readings.size, 150.0))
+    each = np.ones(readings.size)
+    return Peaks(readings, 100.0 * each, 150.0 * each, each)
 
 
 def turned(scene_turn: Rotation, position, attitude: Rotation, lamp_axis) -> np.ndarray:

@@ -109,11 +109,11 @@ class Around:
 
         """
         self.numbers[VOLTAGE] = voltage
-        if self._door is not None:
-            self.numbers[WIND : WIND + 3] = self._door.wind(pose[0])
+        steady = self._steady if self._door is None else self._door.wind(pose[0])
+        self.numbers[WIND : WIND + 3] = steady
         if self._record is not None:
             wind, rate = self._record.at(elapsed, elapsed + self._period)
-            self.numbers[WIND : WIND + 3] = self._steady + wind
+            self.numbers[WIND : WIND + 3] += wind
             self.numbers[WIND_RATE : WIND_RATE + 3] = rate
         if self._turbulent:
             noise = self._chance.standard_normal(3)

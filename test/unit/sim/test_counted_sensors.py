@@ -111,7 +111,7 @@ def heard(listening, pose, k):
     """Return what a ring hears in one block."""
     pairs = [magnitude(listening, i, pose[:3], pose[3:], SEED, k) for i in DIODES]
     amplitude, snr = np.array(pairs).T
-    return Peaks(amplitude, snr, np.zeros_like(snr))
+    return Peaks(amplitude, snr, np.zeros_like(snr), np.ones_like(snr))
 
 
 def test_eddies_are_stationary_at_the_start():

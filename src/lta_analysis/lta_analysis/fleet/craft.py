@@ -28,6 +28,8 @@ from lta_sim.sensors.imu import bounds_of, ImuSettings
 from lta_sim.sensors.pressure import PressureSettings
 from lta_sim.sensors.range import RangeSettings
 from lta_sim.vehicle import Vehicle
+from lta_vlc.diodes import diodes_of
+from lta_vlc.direction import array_of, expected_of
 
 UNHEARD = ('pose', 'pose_time', 'clock')  # channels that decide nothing of a flight
 
@@ -186,6 +188,8 @@ def craft_of(vehicle: Vehicle, scenario: Scenario, policy: Policy, table: TopicT
             rate,
             samples,
         ),
+        array=array_of(diodes_of(vehicle.file.sensors.diodes)),
+        expected=expected_of(policy.prior),
         goal=goal_of(scenario),
         power=power_of(vehicle, scenario, policy),
         place=(x, y, vehicle.standing_height),

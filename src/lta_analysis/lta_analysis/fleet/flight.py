@@ -30,6 +30,7 @@ from lta_sim.counted_sensors import (
 from lta_sim.light.lambertian import lit, place, shine
 from lta_sim.light.surround import day_on
 from lta_sim.stiffness import SPEED_LIMIT
+from lta_vlc.direction import PART
 
 State = tuple[float, ...]
 UP = (0.0, 0.0, 1.0)
@@ -164,6 +165,19 @@ def begun(craft: Craft) -> Tally:
     x, y, _ = craft.place
     away = math.hypot(craft.goal.x - x, craft.goal.y - y)
     return Tally(FLYING, math.nan, math.nan, 0.0, away, 0.0, 0.0, 0.0, 0.0)
+
+
+def error_of(amplitude: float, snr: float) -> float:
+    """Return the standard deviation of a reading by noise, as `lta_vlc.direction`. [counts]"""
+    return PART * amplitude / snr if snr > 0.0 else math.inf
+
+
+def heard(snrs: tuple[float, ...], threshold: float) -> bool:
+    """Tell whether a diode hears the lamp."""
+    for snr in snrs:  # noqa: SIM110 - what compiles
+        if snr >= threshold:
+            return True
+    return False
 
 
 def sighted(found: bool, angle: float, facing: float, interval: float) -> Sight:

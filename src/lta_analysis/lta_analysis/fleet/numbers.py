@@ -10,6 +10,7 @@ from lta_energy.loads import Loads
 from lta_energy.panel import Panel
 from lta_sim.counted_sensors import Sensors
 from lta_sim.light.heard import Listening
+from lta_vlc.readings import Array, Expected
 
 Vector = tuple[float, float, float]
 
@@ -52,6 +53,8 @@ class Craft(NamedTuple):
         Altitudes and speeds.
     sensors, listening, goal, power : Sensors, Listening, Goal, Power
         The world.
+    array, expected : Array, Expected
+        What the drone believes of its diodes and of the lamp.
     place : tuple of float
         Of the hull centre at the start. [m, map]
     heading, spread : float
@@ -71,6 +74,8 @@ class Craft(NamedTuple):
     mission: MissionSettings
     sensors: Sensors
     listening: Listening
+    array: Array
+    expected: Expected
     goal: Goal
     power: Power
     place: Vector

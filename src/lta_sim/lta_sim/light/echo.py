@@ -10,7 +10,7 @@ from functools import lru_cache
 from lta_sim.compiled import compiled
 from lta_sim.light.field import LightField
 from lta_sim.light.gather import thrown_back
-from lta_sim.light.lambertian import Beam, beam_in
+from lta_sim.light.lambertian import Beam, beam
 from lta_sim.light.lamp import Lamp
 from lta_sim.light.surround import Hit, in_door, Surround, surround_of
 import numpy as np
@@ -56,17 +56,17 @@ def on_faces(s: Surround, lamp: Beam, cells: int) -> tuple[float, float]:
 
 
 @lru_cache(maxsize=256)
-def beam(lamp: Lamp, field: LightField) -> Beam:
+def echoing(lamp: Lamp, field: LightField) -> Beam:
     """Return a lamp of a scene as numbers, with what the room throws back."""
-    bare = beam_in(lamp, None, 0.0)
+    bare = beam(lamp)
     if field.room is None or not lamp.flux:
         return bare
     fallen, thrown = compiled(on_faces)[0](surrounding(field), bare, GRID)
     if field.outside is None and fallen > 0.0:
         thrown *= lamp.flux / fallen
-    return beam_in(lamp, field.room, thrown)
+    return beam(lamp, field.room, thrown)
 
 
 def beams(field: LightField) -> NDArray[np.float64]:
     """Return the lamps of a scene, a row each in the order of `Beam`, shape (l, 11)."""
-    return np.array([beam(lamp, field) for lamp in field.lamps])
+    return np.array([echoing(lamp, field) for lamp in field.lamps])

@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 from lta_sim.counted_chance import normals
 from lta_sim.counted_sensors import GAINS, LIGHT
-from lta_sim.light.echo import beam, surrounding
+from lta_sim.light.echo import echoing, surrounding
 from lta_sim.light.field import LightField
 from lta_sim.light.flicker import lamp_wave, mains_wave, Sampling
 from lta_sim.light.gather import DAY, gather, LAMPS, on_diodes, SHARE
@@ -144,7 +144,7 @@ def listening_of(
     mains = amplitude_spectrum(mains_wave(ambient, 0, sampling)[:, None])
     axes = array.planes[:, 3:]
     return Listening(
-        lamp=beam(lamp, field),
+        lamp=echoing(lamp, field),
         eye=Eye(array.response, array.edge),
         planes=tuple(tuple(row) for row in array.planes.tolist()),
         spread=array.gain_spread,

@@ -67,9 +67,9 @@ class Eye(NamedTuple):
     least: float
 
 
-def beam_in(lamp: Lamp, room: Room | None, first: float) -> Beam:
+def beam(lamp: Lamp, room: Room | None = None, thrown: float = 0.0) -> Beam:
     """Return a lamp, of whose light the surfaces of a room throw back so much at once. [lm]"""
-    diffuse = 0.0 if room is None else first / (room.area * (1.0 - room.mean_albedo))
+    diffuse = 0.0 if room is None else thrown / (room.area * (1.0 - room.mean_albedo))
     beyond = 0.0 if room is None else diffuse * room.mean_albedo
     place, axis = lamp.position, lamp.direction
     return Beam(*place, *axis, lamp.intensity, lamp.order, lamp.radius**2, diffuse, beyond)

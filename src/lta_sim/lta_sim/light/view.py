@@ -10,7 +10,7 @@ from typing import final
 
 from lta_sim.compiled import compiled
 from lta_sim.hull import half_axes
-from lta_sim.light.echo import beam, beams, surrounding
+from lta_sim.light.echo import beams, echoing, surrounding
 from lta_sim.light.field import Illuminance, LightField
 from lta_sim.light.gather import DAY, gather, LAMPS, on_diodes, SHARE
 from lta_sim.light.lambertian import Eye, lit, place, shine
@@ -50,7 +50,7 @@ class LightView:
         self._diodes = diodes or vehicle.diodes
         x, y, z = vehicle.file.sensors.panel_position.vector
         self._panel = (x, y, z)
-        self._beams = [beam(lamp, field) for lamp in field.lamps]
+        self._beams = [echoing(lamp, field) for lamp in field.lamps]
         eye = Eye(self._diodes.response, self._diodes.edge)
         self._surround = surrounding(field)
         self._scene = (self._surround, beams(field), eye, half_axes(vehicle.file.hull))
