@@ -112,6 +112,34 @@ def on_diodes(
                     out[first + k, i] += light * part * visible(hull, spot, way, width)
 
 
+def on_the_way(
+    s: Surround,
+    lamps: Rows,
+    eye: Eye,
+    hull: Vector,
+    poses: Array,
+    planes: Rows,
+    out: Array,
+) -> None:
+    """
+    Add what each diode reads directly of each lamp at several poses.
+
+    Parameters
+    ----------
+    s, lamps, eye, hull, planes
+        As `on_diodes`.
+    poses : ndarray, shape (k, 7)
+        Position [m] and quaternion x y z w, body -> map.
+    out : ndarray, shape (k, LAMPS + l, d)
+        As `gather`.
+
+    """
+    for k in range(len(poses)):
+        position = (poses[k, 0], poses[k, 1], poses[k, 2])
+        q = (poses[k, 3], poses[k, 4], poses[k, 5], poses[k, 6])
+        on_diodes(s, lamps, eye, hull, position, q, planes, out[k], LAMPS)
+
+
 def gather(
     s: Surround,
     lamps: Rows,

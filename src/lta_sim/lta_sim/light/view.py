@@ -12,7 +12,7 @@ from lta_sim.compiled import compiled
 from lta_sim.hull import half_axes
 from lta_sim.light.echo import beams, echoing, surrounding
 from lta_sim.light.field import Illuminance, LightField
-from lta_sim.light.gather import DAY, gather, LAMPS, on_diodes, SHARE
+from lta_sim.light.gather import DAY, gather, LAMPS, on_the_way, SHARE
 from lta_sim.light.lambertian import Eye, lit, place, shine
 from lta_sim.light.surround import day_on, within
 from lta_sim.sensors.light_block import AmplifierState, synthesise
@@ -54,7 +54,7 @@ class LightView:
         eye = Eye(self._diodes.response, self._diodes.edge)
         self._surround = surrounding(field)
         self._scene = (self._surround, beams(field), eye, half_axes(vehicle.file.hull))
-        self._gather, self._on_diodes = compiled(gather, on_diodes)
+        self._gather, self._on_the_way = compiled(gather, on_the_way)
         self._poses: list[Pose] = []
         self._around: Array | None = None  # what was gathered at the end of the block before
         self._amplifier: AmplifierState | None = None
@@ -87,8 +87,7 @@ class LightView:
         self._around = after = self._gathered(poses[-1])
         share = np.linspace(0.0, 1.0, len(poses))[:, None, None]
         rows = before + share * (after - before) if len(poses) > 1 else after[None].copy()
-        for row, (x, y, z, i, j, k, w) in zip(rows, poses, strict=True):
-            self._on_diodes(*self._scene, (x, y, z), (i, j, k, w), self._diodes.planes, row, LAMPS)
+        self._on_the_way(*self._scene, np.array(poses), self._diodes.planes, rows)
         ambient = self.field.ambient
         steady = ambient.steady * rows[:, SHARE] + self._daylight_share * rows[:, DAY]
         return Illuminance(rows[:, LAMPS:].swapaxes(0, 1), steady, ambient.mains * rows[:, SHARE])

@@ -5,9 +5,10 @@ Irradiance on a diode's plane times area and responsivity is the photocurrent; t
 resistor, volts. The responsivity is the data sheet's at 650 nm: white light holds shorter waves
 that count for less, so real currents are lower.
 
-Noise is the amplifier's, the converter's and the shot noise sqrt(2 q I B), B = pi/2 f_3dB of the amplifier's pole.
-The data sheet's 300 uV rms (0.1 Hz to 20 kHz, 1 Mohm) is taken as all of the amplifier's noise
-and scaled with the root of the resistor, as a resistor's own noise does: an assumption.
+Noise is the amplifier's, the converter's and the shot noise sqrt(2 q I B), B = pi/2 f_3dB of the
+amplifier's pole. The data sheet's 300 uV rms (0.1 Hz to 20 kHz, 1 Mohm) is taken as all of the
+amplifier's noise and scaled with the root of the resistor, as a resistor's own noise does: an
+assumption.
 
 A reading falls off as a power of the cosine between light and axis, out to the edge of the field
 of view: 1 is a flat plane, 1.2 the package of the OPT101. Gains differ from diode to diode.
