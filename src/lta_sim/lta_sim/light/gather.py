@@ -28,6 +28,7 @@ Rows = Array | tuple[tuple[float, ...], ...]
 # Edges of the rings over the horizon, and below it [deg]; so many pencils in each.
 EDGES = (0.0, 2.0, 4.5, 8.0, 13.0, 20.0, 30.0, 45.0, 65.0, 90.0)
 ROUND = 24
+PARTS = 2  # rays of a pencil, each way
 SUN_RADIUS = 4.7e-3  # rad, as seen from the earth
 DIRECT = 0.5  # rad: wider than this the disc of a lamp is never seen from a vehicle
 # Rows of what is gathered: scratch, the share of light from all sides, daylight, then the lamps.
@@ -196,18 +197,24 @@ def gather(
                     used = used or part > 0.0
                 out[SCRATCH, i] = part
                 out[SHARE, i] += part
-            if used:
-                met, inside = hit(s, point, u)
-                day = daylit(s, inside, up)
+            for ray in range(PARTS * PARTS if used else 0):
+                above = (math.floor(ray / PARTS) + 0.5) / PARTS
+                height = side * (math.sin(low) + above * (math.sin(high) - math.sin(low)))
+                angle = 2.0 * math.pi * (step + (ray % PARTS + 0.5) / PARTS) / ROUND
+                flat = math.sqrt(1.0 - height * height)
+                v = (flat * math.cos(angle), flat * math.sin(angle), height)
+                met, inside = hit(s, point, v)
+                day = daylit(s, inside, height) / (PARTS * PARTS)
                 for i in range(len(planes)):
                     out[DAY, i] += day * out[SCRATCH, i]
                 for k in range(len(lamps)):
-                    lamp = beam_of(lamps[k])
-                    bright = thrown_back(s, met, lamp)
-                    if indoors:
-                        bright += lamp.beyond
+                    bright = thrown_back(s, met, beam_of(lamps[k])) / (PARTS * PARTS)
                     for i in range(len(planes)):
                         out[LAMPS + k, i] += bright * out[SCRATCH, i]
+    if indoors:
+        for k in range(len(lamps)):
+            for i in range(len(planes)):
+                out[LAMPS + k, i] += beam_of(lamps[k]).beyond * out[SHARE, i]
     if sunlit(s, point):
         way = to_body(r, (s.sun_x, s.sun_y, s.sun_z))
         for i in range(len(planes)):

@@ -112,6 +112,18 @@ def crossing(s: Surround, point: Vector, u: Vector) -> tuple[float, float]:
     return max(a, c, e), min(b, d, f)
 
 
+def ahead(s: Surround, point: Vector, u: Vector) -> float:
+    """Return at which distance a ray from within leaves the room's box. [m]"""
+    t = FAR
+    if u[0] != 0.0:
+        t = (math.copysign(s.x, u[0]) - point[0]) / u[0]
+    if u[1] != 0.0:
+        t = min(t, (math.copysign(s.y, u[1]) - point[1]) / u[1])
+    if u[2] != 0.0:
+        t = min(t, ((s.height if u[2] > 0.0 else 0.0) - point[2]) / u[2])
+    return t
+
+
 def clear(s: Surround, point: Vector, u: Vector, distance: float) -> bool:
     """
     Tell whether the way from a point along a ray is free of the walls.
@@ -169,13 +181,14 @@ def hit(s: Surround, point: Vector, u: Vector) -> tuple[Hit, bool]:
     """
     if s.height == 0.0:
         return ground(s, point, u), False
-    enter, leave = crossing(s, point, u)
     x, y, z = point
-    if enter <= NEAR < leave:  # from within
+    if within(s, x, y, z):
+        leave = ahead(s, point, u)
         if in_door(s, x + leave * u[0], y + leave * u[1], z + leave * u[2]):
             return ground(s, point, u), False
         return inner(s, point, u, leave), True
-    if enter > leave or leave <= NEAR:
+    enter, leave = crossing(s, point, u)
+    if s.top == 0.0 or enter > leave or leave <= NEAR:
         return ground(s, point, u), False
     if in_door(s, x + enter * u[0], y + enter * u[1], z + enter * u[2]):
         return inner(s, point, u, leave), True
