@@ -81,7 +81,7 @@ class LampKind(Record):
     """
 
     flux: Annotated[Quantity, si('lm', above=0.0, high=1e7)]
-    half_power_angle: Annotated[Quantity, si('rad', low=math.radians(1.0), high=1.55)]
+    half_power: Annotated[Quantity, si('rad', low=math.radians(1.0), high=1.55)]
     efficacy: Annotated[Quantity, si('lm/W', above=0.0, high=MOST_EFFICACY)]
     duty: Annotated[Quantity, si('1', low=0.01, high=0.99)]
     height: Length
@@ -91,7 +91,7 @@ class LampKind(Record):
     @property
     def order(self) -> float:
         """Lambertian order m, by cos^m of the half-power angle = 1/2."""
-        return -math.log(2.0) / math.log(math.cos(self.half_power_angle.si))
+        return -math.log(2.0) / math.log(math.cos(self.half_power.si))
 
 
 @final

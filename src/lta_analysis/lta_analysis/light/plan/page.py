@@ -36,8 +36,8 @@ METHOD: Final = (
     'and its amplitude is {pure:g} times what the others leave in its search window. Light, '
     "diodes, noise and demodulation are the simulator's. Light passes neither walls nor what "
     "stands on the floor, nor the drone's own hull above the diodes. Left out, each to the safe "
-    'side: reflections from walls and floor. Left out besides: tilt, clipping by a second lamp '
-    'nearby, and what is narrower than a cell of {cell:g} m.'
+    'side: reflections from walls and floor. Left out besides: tilt, and what is narrower than a '
+    'cell of {cell:g} m.'
 )
 
 
@@ -203,7 +203,7 @@ def gaps_html(gaps: Sequence[Gap]) -> str:
 def facts(layout: Layout) -> dict[str, str]:
     """Return where the layout comes from."""
     plan, lamp = layout.plan, layout.plan.lamp
-    angle = math.degrees(lamp.half_power_angle.si)
+    angle = math.degrees(lamp.half_power.si)
     return {
         'vehicle': f'{layout.ear.vehicle.file.name}, hull centre at {plan.altitude.si:g} m',
         'lamps': f'{lamp.flux.si:g} lm, half power at {angle:g}°, at {lamp.height.si:g} m, '
