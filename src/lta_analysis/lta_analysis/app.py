@@ -58,9 +58,10 @@ BAG: Final = Group(
     },
 )
 LIGHT: Final = Group(
-    'Plan, measure and judge the light link between lamps and drone.',
+    'Study the light: where lamps go, and how drones find their way by them.',
     {
         'plan': Verb('light_plan', 'plan'),
+        'evaluate': Verb('light_evaluate', 'evaluate', several=('--sets',)),
     },
 )
 VERBS: Final[dict[str, Verb | Group]] = {
@@ -139,6 +140,8 @@ def add(app: typer.Typer, name: str, verb: Verb | Group, words: Sequence[str]) -
 def repeated(words: Sequence[str]) -> list[str]:
     """Return a command line with `--train A B` as `--train A --train B`, as Click takes it."""
     verb = VERBS.get(words[0]) if words else None
+    if isinstance(verb, Group):
+        verb = verb.verbs.get(words[1]) if len(words) > 1 else None
     several = verb.several if isinstance(verb, Verb) else ()
     out: list[str] = []
     for k, word in enumerate(words):
