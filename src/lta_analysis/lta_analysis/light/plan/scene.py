@@ -88,7 +88,7 @@ def _metres(*numbers: float) -> str:
 
 
 def _radius(layout: Layout, handover: Handover) -> float:
-    """Return how near counts as reached: a flight ends where the hull begins to hide a lamp. [m]"""
+    """Return how near counts as reached: a flight ends where the hull hides a lamp. [m]"""
     ends = [
         math.dist(end, layout.lamps[k].mount.position[:2])
         for k in handover.route
