@@ -68,7 +68,7 @@ def scene_text(layout: Layout, handover: Handover) -> str:
 
 def _lamp(layout: Layout, lamp: Placed, middle: Sequence[float]) -> list[str]:
     kind, (x, y, z) = layout.plan.lamp, lamp.mount.position
-    facing = ', '.join(f'{part:g}' for part in lamp.mount.axis)
+    facing = ', '.join(f'{part + 0.0:g}' for part in lamp.mount.axis)  # no -0
     return [
         f'  {lamp.name}:',
         f'    position: {_metres(x - middle[0], y - middle[1], z)}',
