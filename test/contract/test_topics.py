@@ -45,7 +45,7 @@ NODES = {
 }
 LISTENERS = {'recorder', 'live'}  # subscribe for themselves: raw, to all that the table lists
 FILES = {path.stem: path for path in ROOT.glob('src/*/lta_*/nodes/[!_]*.py')}
-HEADERLESS = {'std_msgs/msg/Bool', 'rosgraph_msgs/msg/Clock'}
+HEADERLESS = {'std_msgs/msg/Bool', 'std_msgs/msg/Float64', 'rosgraph_msgs/msg/Clock'}
 
 each_node = pytest.mark.parametrize('name', NODES)
 each_topic = pytest.mark.parametrize('name', TABLE.topics)

@@ -5,10 +5,11 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_control.strategies import STRATEGIES
-from lta_control.strategies.protocol import Course, CruiseSettings, Sight
+from lta_control.strategies.protocol import Course, Sight
+from lta_control.strategies.settings import StrategySettings
 import pytest
 
-SETTINGS = CruiseSettings()
+SETTINGS = StrategySettings()
 angle = st.floats(-math.pi, math.pi)
 sights = st.lists(
     st.builds(

@@ -15,7 +15,7 @@ import tempfile
 
 from lta_analysis.bag.flight import open_flight
 from lta_analysis.bag.reader import read_bag
-from lta_analysis.loop import Loop, Policy
+from lta_analysis.loop import carried_axes, carried_lamp, Loop, Policy
 from lta_analysis.messages import LoopRecorder
 from lta_analysis.replay.verdict import judged
 from lta_bridge.bag.qos import offered_qos
@@ -23,24 +23,24 @@ from lta_bridge.bag.writer import BagWriter
 from lta_bridge.cdr import serialise
 from lta_bridge.provenance import provenance
 from lta_config.topics import topic_table
-from lta_control.attitude import heading
 from lta_control.gains_file import load_gains
-from lta_control.messages import attitude_of, from_setpoint, to_measured
+from lta_control.messages import from_setpoint, to_measured, to_reckoned
 from lta_control.mission import Mission, mission_step, MissionSettings
+from lta_control.sighting import sighted
 from lta_control.strategies import strategy
-from lta_control.strategies.protocol import Sight
 from lta_graph.ros.node import from_stamp, message_type, to_stamp
 from lta_sim.scenario import load_scenario
 from lta_sim.start_offset import started
 from lta_sim.vehicle import load_vehicle
 from lta_sim.world import World
 from lta_vlc.array import bearing, even_ring
-from lta_vlc.demodulation import demodulate, Demodulation, plan_bins
-from lta_vlc.lamp import bearing_through, lamp_estimate, LampPrior
+from lta_vlc.demodulation import demodulate, Demodulation, NO_WISH, plan_bins
+from lta_vlc.lamp import lamp_estimate, LampPrior
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks, to_block
 import numpy as np
 import pytest
 from rclpy.serialization import deserialize_message
+from std_msgs.msg import Float64
 
 STORED = Path(__file__).with_name('lamp.mcap')
 TABLE = topic_table()
@@ -91,7 +91,7 @@ def answered(folder, demodulation=None, mission=None):
     light, prior = TABLE.light, LampPrior()
     bins = plan_bins(settings, light.sample_rate.si, light.samples)
     odometry, reserves = recorded('odom'), recorded('energy/reserve')
-    headings = {from_stamp(m.header.stamp): heading(attitude_of(m)) for _, m in odometry}
+    motions = {from_stamp(m.header.stamp): to_reckoned(m) for _, m in odometry}
     state, plan = Mission(), strategy('bag')
     with BagWriter(folder, {}) as writer:
         for name in ANSWERS:
@@ -106,24 +106,25 @@ def answered(folder, demodulation=None, mission=None):
                 max((m for m in odometry if m[0] <= now), key=lambda m: m[0])[1]
             )
             known = [m.data for t, m in reserves if t <= now - TABLE.control_ns]
-            sight = Sight(
-                seen=found is not None,
-                bearing=0.0 if found is None else bearing_through(found.angle, prior),
-                heading=headings[begun + TABLE['photodiodes'].period_ns // 2],
-                amplitudes=tuple(peaks.amplitude.astype(np.float32).tolist()),
-                interval=TABLE['photodiodes'].period_ns * 1e-9,
+            lamp = None if found is None else lamp_estimate(found, prior)
+            sight = sighted(
+                None if lamp is None else carried_lamp(lamp),
+                carried_axes(ring),
+                tuple(peaks.amplitude.astype(np.float32).tolist()),
+                motions[begun + TABLE['photodiodes'].period_ns // 2],
+                TABLE['photodiodes'].period_ns * 1e-9,
             )
             altitude = None if measured is None or not known else measured.altitude
             reserve = bool(known) and known[-1]
             asked, state = mission_step(mission, plan, state, sight, altitude, reserve)
             pose, velocity = from_setpoint(to_stamp(begun), asked)
-            lamp = None if found is None else lamp_estimate(found, prior)
             for name, message in (
                 ('light/peaks', from_peaks(image.header, peaks, ring)),
                 ('light/bearing', from_bearing(image.header, found)),
                 ('light/estimate', from_lamp(image.header, lamp)),
                 ('setpoint/pose', pose),
                 ('setpoint/velocity', velocity),
+                ('light/beacon', Float64(data=NO_WISH)),
             ):
                 writer.write(f'/lta1/{name}', serialise(message), now)
     return folder
@@ -146,7 +147,7 @@ def test_the_recorded_decisions_are_those_of_today(tmp_path):
     found = verdict(answered(tmp_path / 'bag'))
     assert {'platform', 'commit'} <= set(found.elsewhere)
     assert found.word in ('identical', 'same'), found.to_dict()
-    assert [topic.count for topic in found.topics] == [80] * 5
+    assert [topic.count for topic in found.topics] == [80] * len(ANSWERS)
     assert {each.name: each.changed for each in found.decisions} == {
         'lamp seen': 0, 'heading': 0, 'altitude': 0, 'speed': 0,
     }  # fmt: skip

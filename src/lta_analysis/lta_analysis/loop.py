@@ -7,6 +7,7 @@ the graph sends as a message goes through what the message makes of it (`lta_con
 that both fly the same flight to the last bit.
 """
 
+from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 import math
@@ -23,14 +24,15 @@ from lta_control.laws import LAWS
 from lta_control.laws.protocol import Feedback, Law
 from lta_control.mission import course_step, Mission, mission_step, MissionSettings
 from lta_control.pilot import Pilot
-from lta_control.strategies.protocol import Sight, Strategy
+from lta_control.sighting import Lamp, Reckoned, sighted
+from lta_control.strategies.protocol import Strategy
 from lta_energy import monitor
 from lta_sim.readings import Outcome, Readings
 from lta_sim.vehicle import Vehicle
 from lta_sim.world import World
-from lta_vlc.array import Bearing, bearing, even_ring
-from lta_vlc.demodulation import demodulate, Demodulation, Peaks, plan_bins
-from lta_vlc.lamp import bearing_through, lamp_estimate, LampEstimate, LampPrior
+from lta_vlc.array import Bearing, bearing, even_ring, Ring
+from lta_vlc.demodulation import Bins, bins_of, demodulate, Demodulation, NO_WISH, Peaks
+from lta_vlc.lamp import lamp_estimate, LampEstimate, LampPrior
 import numpy as np
 from numpy.typing import NDArray
 
@@ -106,6 +108,8 @@ class Loop:
         What the newest light block said, and what the navigator made of it; None before it.
     setpoint : Setpoint or None
         What the controller acts on.
+    beacon : float
+        Frequency that the navigator wants heard next; 0 for the demodulator's own. [Hz]
     energy : Energy or None
         The newest turn of the meters.
 
@@ -126,9 +130,7 @@ class Loop:
         self.autopilot = autopilot_of(policy, vehicle, dt)
         self._cell = vehicle.battery
         self._ring = even_ring(vehicle.diodes.count)
-        self._bins = plan_bins(
-            policy.demodulation, table.light.sample_rate.si, table.light.samples
-        )
+        self._axes = carried_axes(self._ring)
         ranger = world.range_settings
         self._reach = carried.single(ranger.minimum), carried.single(ranger.maximum)
         self.readings = Readings(world.stamp_ns)
@@ -136,9 +138,10 @@ class Loop:
         self.light: Light | None = None
         self.asked: Setpoint | None = None
         self.setpoint: Setpoint | None = None
+        self.beacon = NO_WISH
         self.energy: Energy | None = None
         self.mission = Mission()
-        self._headings: list[float] = []
+        self._reckoned: deque[Reckoned] = deque(maxlen=self._half_block + 1)
 
     @property
     def estimate(self) -> Estimate:
@@ -197,7 +200,7 @@ class Loop:
         if self._plan is not None:
             self.duties = self._plan.shaken(self.world.elapsed, self.duties, self._reversible)
             self.autopilot.instead(self.duties)
-        self._headings.append(self.autopilot.heading)
+        self._reckoned.append(self.autopilot.reckoned)
 
     def _distance(self, readings: Readings) -> float:
         """Return the newest range as its message carries it, NaN where there is none. [m]"""
@@ -211,17 +214,13 @@ class Loop:
 
     def _navigate(self, stamp_ns: int, block: NDArray[np.uint16]) -> None:
         """Look at the light, and steer by it or by the scenario's course."""
-        peaks = demodulate(block, self._bins)
+        peaks = demodulate(block, self._bins(self.beacon))
         found = bearing(peaks, self._ring, self.policy.demodulation.threshold)
         prior = self.policy.prior
         self.light = Light(peaks, found, prior)
-        sight = Sight(
-            seen=found is not None,
-            bearing=0.0 if found is None else bearing_through(found.angle, prior),
-            heading=self._headings[-1 - self._half_block],
-            amplitudes=tuple(peaks.amplitude.astype(np.float32).tolist()),
-            interval=self._block,
-        )
+        amplitudes = tuple(peaks.amplitude.astype(np.float32).tolist())
+        lamp = None if self.light.lamp is None else carried_lamp(self.light.lamp)
+        sight = sighted(lamp, self._axes, amplitudes, self._reckoned[0], self._block)
         measured, energy = self.measured(), self.energy
         altitude = None if measured is None or energy is None else measured.altitude
         reserve = energy is not None and energy.estimate.reserve
@@ -229,9 +228,17 @@ class Loop:
             time = (stamp_ns - self._table.start_ns) * 1e-9
             self.asked = course_step(self._plan, time, sight.heading, altitude, reserve)
             return
+        policy, route = self.policy, self.world.scenario.route_beacons
         self.asked, self.mission = mission_step(
-            self.policy.mission, self.policy.strategy, self.mission, sight, altitude, reserve
-        )
+            policy.mission, policy.strategy, self.mission, sight, altitude, reserve,
+            max(len(route), 1),
+        )  # fmt: skip
+        self.beacon = route[self.mission.asked][1] if route else NO_WISH
+
+    def _bins(self, beacon: float) -> Bins:
+        """Return where a beacon is looked for; 0 is the one of the settings. [Hz]"""
+        light = self._table.light
+        return bins_of(self.policy.demodulation, beacon, light.sample_rate.si, light.samples)
 
     def _count(self, readings: Readings) -> None:
         """Keep the energy books of one turn of the meters."""
@@ -250,6 +257,19 @@ class Loop:
         self.energy = Energy(
             reading, monitor.update(self.policy.energy, self._cell, before, reading)
         )
+
+
+def carried_lamp(lamp: LampEstimate) -> Lamp:
+    """Return a lamp as its message carries it."""
+    x, y, z = lamp.position.tolist()
+    (xx, xy, _), (_, yy, _), _ = lamp.covariance.tolist()
+    return Lamp(x, y, z, (xx, xy, yy))
+
+
+def carried_axes(ring: Ring) -> tuple[tuple[float, float], ...]:
+    """Return the axes of diodes as their message carries them."""
+    rows = np.array([ring.cosines, ring.sines], dtype=np.float32).T
+    return tuple((x, y) for x, y in rows.tolist())
 
 
 def autopilot_of(policy: Policy, vehicle: Vehicle, dt: float) -> Autopilot | Pilot:

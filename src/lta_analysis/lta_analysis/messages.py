@@ -21,7 +21,7 @@ from lta_sim.readings import Readings
 from lta_vlc.array import even_ring
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks
 from sensor_msgs.msg import BatteryState
-from std_msgs.msg import Header
+from std_msgs.msg import Float64, Header
 
 Write = Callable[[str, Any], None]
 
@@ -105,6 +105,7 @@ class LoopRecorder:
         pose, velocity = from_setpoint(stamp, asked)
         self._write('setpoint/pose', pose)
         self._write('setpoint/velocity', velocity)
+        self._write('light/beacon', Float64(data=self._loop.beacon))
 
     def _write_energy(self, readings: Readings, energy: Energy) -> None:
         """Write what the meters say and what the energy monitor makes of it."""

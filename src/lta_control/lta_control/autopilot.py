@@ -16,6 +16,7 @@ from lta_control.control import TILT_LIMIT
 from lta_control.estimator import Estimate, EstimatorSettings
 from lta_control.flat import Array, compiled, Layout
 from lta_control.onboard import Drone, Heard, Onboard, onboard_step
+from lta_control.sighting import Reckoned
 from lta_control.vehicle_side import body_of, rotors_of, surge_drag_of
 from lta_sim.vehicle import Vehicle
 import numpy as np
@@ -27,6 +28,7 @@ ESTIMATE = Layout(Estimate())
 ESTIMATED, DUTIES = MEMORY.place('estimate'), MEMORY.place('duties')
 MEASURED, SETPOINT = MEMORY.place('measured'), MEMORY.place('setpoint')
 HEADING, READY = MEMORY.place('measured.heading').start, MEMORY.place('estimate.ready').start
+PLACE, SPEED = MEMORY.place('estimate.position').start, MEMORY.place('measured.speed').start
 GUIDED = MEMORY.place('guided').start
 
 
@@ -123,6 +125,12 @@ class Autopilot:
     def heading(self) -> float:
         """Estimated yaw. [rad]."""
         return self._memory.item(HEADING)
+
+    @property
+    def reckoned(self) -> Reckoned:
+        """Heading, dead-reckoned position and airspeed, as a message would carry them."""
+        item = self._memory.item
+        return Reckoned(item(HEADING), item(PLACE), item(PLACE + 1), item(SPEED), item(SPEED + 1))
 
     @property
     def measured(self) -> Measured | None:

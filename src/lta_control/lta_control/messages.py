@@ -3,13 +3,14 @@
 import math
 
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import PoseStamped, TwistStamped
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, TwistStamped
 from lta_control import carried
-from lta_control.attitude import Quaternion, up_in_body
+from lta_control.attitude import heading, Quaternion, up_in_body
 from lta_control.cascade import Measured, Setpoint
 from lta_control.estimator import Estimate, Inputs
 from lta_control.laws.protocol import Motion
 from lta_control.per_rotor import PerRotor, slots
+from lta_control.sighting import Lamp, Reckoned
 from lta_graph.inbox import Step
 from nav_msgs.msg import Odometry
 import numpy as np
@@ -141,8 +142,33 @@ def from_duties(stamp: Time, names: list[str], duties: tuple[float, ...]) -> Joi
     return message
 
 
-def to_amplitudes(message: PointCloud2) -> tuple[float, ...]:
-    """Return the amplitude of each diode."""
-    offset = next(field.offset for field in message.fields if field.name == 'amplitude')
+def to_reckoned(message: Odometry) -> Reckoned:
+    """Return how the drone takes itself to move."""
+    place, speed = message.pose.pose.position, message.twist.twist.linear
+    return Reckoned(heading(attitude_of(message)), place.x, place.y, speed.x, speed.y)
+
+
+def to_lamp(message: PoseWithCovarianceStamped) -> Lamp | None:
+    """Return the lamp in the body frame, None where it is not seen."""
+    place, covariance = message.pose.pose.position, message.pose.covariance
+    if covariance[0] == UNKNOWN:
+        return None
+    spread = float(covariance[0]), float(covariance[1]), float(covariance[7])
+    return Lamp(place.x, place.y, place.z, spread)
+
+
+def to_diodes(
+    message: PointCloud2 | None,
+) -> tuple[tuple[tuple[float, float], ...], tuple[float, ...]]:
+    """
+    Return axis and amplitude of each diode for the beacon that is wanted.
+
+    It is the first row of the cloud; those of other beacons follow.
+    """
+    if message is None or message.width == 0:
+        return (), ()
+    places = {field.name: field.offset // 4 for field in message.fields}
     words = np.frombuffer(message.data, dtype='<f4').reshape(-1, message.point_step // 4)
-    return tuple(words[:, offset // 4].tolist())
+    row = words[: message.width]
+    axes = tuple((x, y) for x, y in row[:, [places['x'], places['y']]].tolist())
+    return axes, tuple(row[:, places['amplitude']].tolist())

@@ -23,6 +23,7 @@ from lta_control.flat import Array, compiled, Layout
 from lta_control.laws.frames import turned
 from lta_control.laws.protocol import Command, Feedback, Heard, Law, Motion
 from lta_control.per_rotor import NONE, slots
+from lta_control.sighting import Reckoned
 from lta_control.vehicle_side import body_of
 from lta_sim.vehicle import Vehicle
 import numpy as np
@@ -211,6 +212,13 @@ class Pilot:
     def heading(self) -> float:
         """Yaw by the estimate. [rad]."""
         return heading(self.estimate.attitude)
+
+    @property
+    def reckoned(self) -> Reckoned:
+        """Heading, dead-reckoned position and airspeed, as of `Autopilot`."""
+        own = self.estimate
+        surge, sway, _ = velocity(own)
+        return Reckoned(heading(own.attitude), *own.position, surge, sway)
 
     @property
     def estimate(self) -> Estimate:

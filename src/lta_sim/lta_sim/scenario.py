@@ -73,7 +73,12 @@ class Goal(Record):
 
 
 class Scenario(Record):
-    """A whole scenario file; with a course, that is flown, and nobody looks for the lamp."""
+    """
+    A whole scenario file.
+
+    With a course, that is flown, and nobody looks for the lamp. With a route, its lamps are sought
+    one after the other, by name.
+    """
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
     name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
@@ -85,6 +90,7 @@ class Scenario(Record):
     start: Start
     goal: Goal
     course: Course | None = None
+    route: tuple[str, ...] = ()
 
     @model_validator(mode='after')
     def _inside(self) -> Self:
@@ -97,6 +103,14 @@ class Scenario(Record):
             raise ValueError(f'has its start at {start_x, start_y} m, outside the room')
         if math.hypot(x - start_x, y - start_y) <= self.goal.radius.si:
             raise ValueError('starts within its goal; move the start or make the radius smaller')
+        unknown_names = [name for name in self.route if name not in dict(self.beacons)]
+        if unknown_names:
+            raise ValueError(
+                f'has the lamps {", ".join(unknown_names)} on its route, which are not there; '
+                f'known: {", ".join(name for name, _ in self.beacons)}'
+            )
+        if self.route and self.course is not None:
+            raise ValueError('has a route and a course; leave one of them out')
         if self.course is not None and self.course.rows[-1].at.si >= self.goal.time_limit.si:
             raise ValueError(
                 f'ends after {self.goal.time_limit.si:g} s, before the last row of its course; '
@@ -108,6 +122,17 @@ class Scenario(Record):
     def wind_file(self) -> Path | None:
         """The recorded wind; beside the scenario file where that was read by name or path."""
         return None if self.air.recorded is None else Path(self.air.recorded)
+
+    @property
+    def beacons(self) -> tuple[tuple[str, float], ...]:
+        """Every lamp's name and the frequency at which it flickers. [Hz]"""
+        return (('lamp', self.lamp.frequency.si),)
+
+    @property
+    def route_beacons(self) -> tuple[tuple[str, float], ...]:
+        """The lamps of the route as `beacons`, in order; none without a route."""
+        known = dict(self.beacons)
+        return tuple((name, known[name]) for name in self.route)
 
     @property
     def light_field(self) -> LightField:
@@ -145,6 +170,11 @@ def load_scenario(name: str) -> Scenario:
 def course_in(name: str) -> Course | None:
     """Return the course of a scenario by name or path; None without one, or without a name."""
     return load_scenario(name).course if name else None
+
+
+def route_in(name: str) -> tuple[tuple[str, float], ...]:
+    """Return the route of a scenario by name or path; empty without one, or without a name."""
+    return load_scenario(name).route_beacons if name else ()
 
 
 def beside(content: Any, folder: Path) -> Any:  # noqa: ANN401 - what YAML holds

@@ -8,6 +8,7 @@ threshold: they are settings here.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import final
 
 from lta_config.errors import BadInput
@@ -17,6 +18,7 @@ from lta_vlc.spectrum import amplitude_spectrum, target_bin
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+NO_WISH = 0.0  # Hz, of a beacon: the one of the settings
 QUIET_BINS = 16  # the mean of so many Rayleigh distributed magnitudes is known to 13 %
 
 
@@ -90,6 +92,17 @@ class Bins:
     quiet: NDArray[np.intp]
     width: float
     samples: int
+
+
+@lru_cache(maxsize=64)
+def bins_of(settings: Demodulation, beacon: float, sample_rate: float, samples: int) -> Bins:
+    """
+    Return where a beacon is looked for, `NO_WISH` being that of the settings; see `plan_bins`.
+
+    Whoever flies a route asks for one beacon after the other.
+    """
+    wanted = settings if beacon == NO_WISH else settings.model_copy(update={'frequency': beacon})
+    return plan_bins(wanted, sample_rate, samples)
 
 
 def plan_bins(settings: Demodulation, sample_rate: float, samples: int) -> Bins:

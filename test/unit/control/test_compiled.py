@@ -18,7 +18,8 @@ from lta_control.estimator import Estimate, estimator_step, EstimatorSettings, I
 from lta_control.per_rotor import slots
 from lta_control.rest import Biases, Rest
 from lta_control.strategies import STRATEGIES
-from lta_control.strategies.protocol import Course, CruiseSettings, Sight
+from lta_control.strategies.protocol import Course, Sight
+from lta_control.strategies.settings import StrategySettings
 from lta_control.vehicle_side import body_of, rotors_of
 from lta_sim.extract import Extract
 from lta_sim.vehicle import load_vehicle
@@ -112,12 +113,14 @@ def test_the_attitude_filter_compiles():
 
 @pytest.mark.parametrize('name', STRATEGIES)
 def test_every_strategy_compiles(name):
-    strategy, settings = STRATEGIES[name], CruiseSettings()
+    strategy, settings = STRATEGIES[name], StrategySettings()
     start, steer = compiled(strategy.start), compiled(strategy.steer)
     memory = strategy.start(0.7)
     assert start(0.7) == memory
     for seen in (True, False, False, True):
-        sight = Sight(seen, 0.3 if seen else 0.0, -1.2, (1.0, 2.0, 3.0, 4.0), 0.1)
+        light = (0.02, 800.0, 0.1) if seen else (0.0, 0.0, 0.0)
+        bearing, place = 0.3 if seen else 0.0, (0.4, -0.2)
+        sight = Sight(seen, bearing, -1.2, (1.0, 2.0, 3.0, 4.0), 0.1, *light, place, (0.5, 0.1))
         fast = steer(plain(settings), memory, sight)
         course, memory = strategy.steer(settings, memory, sight)
         assert numbers(fast) == numbers((course, memory))

@@ -69,7 +69,7 @@ def test_landing_asks_for_less_than_where_the_gear_stands():
 
 def test_phases_only_go_forward():
     order = list(Phase)
-    assert order == ['rest', 'climb', 'seek', 'land']
+    assert order == ['rest', 'climb', 'seek', 'arrived', 'land']
     inputs = list(itertools.product((SEEN, BLIND), (None, 0.1, 0.42, 0.47, 3.0), (False, True)))
     for phase, (sight, altitude, reserve) in itertools.product(order, inputs):
         memory = () if phase is Phase.REST else (0.7,)

@@ -3,10 +3,11 @@
 from lta_config.errors import BadInput
 from lta_control.strategies import strategy
 from lta_control.strategies.bearing_angle import STRATEGY
-from lta_control.strategies.protocol import Course, CruiseSettings, Sight
+from lta_control.strategies.protocol import Course, Sight
+from lta_control.strategies.settings import StrategySettings
 import pytest
 
-SETTINGS = CruiseSettings(speed=0.4, search_rate=0.2)
+SETTINGS = StrategySettings(speed=0.4, search_rate=0.2)
 SEEN = Sight(seen=True, bearing=-0.5, heading=2.0, amplitudes=(1.0,) * 8, interval=0.1)
 BLIND = SEEN._replace(seen=False, bearing=0.0)
 

@@ -36,7 +36,7 @@ LIFTED = 0.01  # m above where it stood: the drone has left the ground, as in th
 
 FLYING, REACHED, TIMEOUT, ESCAPED = 0, 1, 2, 3
 RAN_AWAY = 4  # beyond the outcomes: the numbers, see `stiffness.watch`
-REST, CLIMB, SEEK, LAND = 0, 1, 2, 3  # as `mission.Phase`
+REST, CLIMB, SEEK, LAND = 0, 1, 2, 4  # as `mission.Phase`; BAG never arrives
 
 
 def full(charge: float) -> Charge:
@@ -164,8 +164,10 @@ def begun(craft: Craft) -> Tally:
 
 
 def sighted(found: bool, angle: float, facing: float, interval: float) -> Sight:
-    """Return what a light block says; the amplitudes themselves are left out."""
-    return Sight(found, angle, facing, (0.0,), interval)
+    """Return what a light block says, as far as BAG looks at it."""
+    return Sight(
+        found, angle, facing, (0.0,), interval, 0.0, 0.0, 0.0, (0.0, 0.0), (0.0, 0.0)
+    )  # fmt: skip
 
 
 def judge(goal: Goal, x: float, y: float, z: float, elapsed: float) -> int:

@@ -1,34 +1,37 @@
 """The navigator node: from what the light says to heading, altitude and speed."""
 
 from collections import deque
-import math
 
 from lta_config.settings import setting
-from lta_control.attitude import heading
 from lta_control.cascade import Setpoint
 from lta_control.messages import (
-    attitude_of,
     from_setpoint,
-    to_amplitudes,
+    to_diodes,
+    to_lamp,
     to_measured,
-    UNKNOWN,
+    to_reckoned,
 )
 from lta_control.mission import course_step, Mission, mission_step, MissionSettings
-from lta_control.strategies import strategy
+from lta_control.sighting import Reckoned, sighted
+from lta_control.strategies import check_route, strategy
 from lta_control.strategies.protocol import Sight
 from lta_graph.health import Level
 from lta_graph.inbox import Step
 from lta_graph.ros.node import from_stamp, GraphNode, run
 from lta_graph.ros.parameters import Parameters
-from lta_sim.scenario import course_in
+from lta_sim.scenario import course_in, route_in
+from lta_vlc.demodulation import NO_WISH
 from nav_msgs.msg import Odometry
+from std_msgs.msg import Float64
 
 
 class NavigatorParameters(MissionSettings):
     """The mission and its strategy."""
 
     strategy: str = setting('bag', 'Navigation strategy.', fixed=True)
-    scenario: str = setting('', 'Scenario whose course is flown, if it has one.', fixed=True)
+    scenario: str = setting(
+        '', 'Scenario whose course or route is flown, if it has one.', fixed=True
+    )
 
 
 class Navigator(GraphNode):
@@ -36,17 +39,20 @@ class Navigator(GraphNode):
 
     def __init__(self) -> None:
         super().__init__('navigator')
+        self._pose = self.output('setpoint/pose')
+        self._velocity = self.output('setpoint/velocity')
+        self._beacon = self.output('light/beacon')
         self._settings = Parameters(self, NavigatorParameters)
         self._strategy = strategy(self._settings.value.strategy)
         self._course = course_in(self._settings.value.scenario)
+        self._route = route_in(self._settings.value.scenario)
+        check_route(self._strategy, len(self._route))
         self._begun_ns: int | None = None
         self._mission = Mission()
         self._reserve: bool | None = None  # unknown: stay down
         light = self.table['photodiodes']
         self._block_ns = light.period_ns
         self._history: deque[Odometry] = deque(maxlen=3 * self._block_ns // self.table.control_ns)
-        self._pose = self.output('setpoint/pose')
-        self._velocity = self.output('setpoint/velocity')
         inputs = self.table.read_by('navigator')
         self.listen(inputs, trigger='light/estimate', on_step=self._on_step)
 
@@ -63,6 +69,12 @@ class Navigator(GraphNode):
         pose, velocity = from_setpoint(estimate.header.stamp, setpoint)
         self._pose.publish(pose)
         self._velocity.publish(velocity)
+        self._beacon.publish(Float64(data=self._wish))
+
+    @property
+    def _wish(self) -> float:
+        """The frequency to listen for next. [Hz]"""
+        return self._route[self._mission.asked][1] if self._route else NO_WISH
 
     def _steered(self, step: Step, altitude: float | None) -> Setpoint:
         """Return what to hold, and say what for."""
@@ -73,26 +85,41 @@ class Navigator(GraphNode):
             self.health.report('mission', Level.OK, 'course')
             return course_step(self._course, time, sight.heading, altitude, reserve)
         setpoint, self._mission = mission_step(
-            self._settings.value, self._strategy, self._mission, sight, altitude, reserve
-        )
-        self.health.report('mission', Level.OK, str(self._mission.phase))
+            self._settings.value, self._strategy, self._mission, sight, altitude, reserve,
+            max(len(self._route), 1),
+        )  # fmt: skip
+        self._tell_mission()
         return setpoint
 
+    def _tell_mission(self) -> None:
+        """Say what the drone is doing, and which lamp it is about."""
+        mission = self._mission
+        if not self._route:
+            self.health.report('mission', Level.OK, str(mission.phase))
+            return
+        (here, _), (wanted, frequency) = self._route[mission.leg], self._route[mission.asked]
+        level, text = Level.OK, f'{mission.phase}: {here}'
+        if mission.refused:
+            following, beat = self._route[mission.leg + 1]
+            level = Level.WARN
+            text = f'{following} at {beat:g} Hz is not heard; staying at {here}'
+        self.health.report(
+            'mission', level, text, lamp=here, listening_for=f'{wanted} at {frequency:g} Hz'
+        )
+
     def _sight(self, step: Step) -> Sight:
-        """Return the light with the heading at the middle of its block."""
-        estimate, peaks = step.last('light/estimate'), step.last('light/peaks')
-        lamp = estimate.pose.pose.position
-        seen = estimate.pose.covariance[0] != UNKNOWN
+        """Return the light with the drone's motion at the middle of its block."""
         middle = step.stamp_ns + self._block_ns // 2
         then = min(
             self._history, key=lambda m: abs(from_stamp(m.header.stamp) - middle), default=None
         )
-        return Sight(
-            seen=seen,
-            bearing=math.atan2(lamp.y, lamp.x) if seen else 0.0,
-            heading=0.0 if then is None else heading(attitude_of(then)),
-            amplitudes=() if peaks is None else to_amplitudes(peaks),
-            interval=self._block_ns * 1e-9,
+        axes, amplitudes = to_diodes(step.last('light/peaks'))
+        return sighted(
+            to_lamp(step.last('light/estimate')),
+            axes,
+            amplitudes,
+            Reckoned(0.0, 0.0, 0.0, 0.0, 0.0) if then is None else to_reckoned(then),
+            self._block_ns * 1e-9,
         )
 
 

@@ -1,10 +1,20 @@
 """Navigation strategies by name."""
 
-from lta_config.errors import unknown
+from lta_config.errors import BadInput, unknown
 from lta_control.strategies import bearing_angle
 from lta_control.strategies.protocol import Strategy
 
 STRATEGIES: dict[str, Strategy] = {'bag': bearing_angle.STRATEGY}
+
+
+def check_route(strategy: Strategy, lamps: int) -> None:
+    """Refuse a strategy on a route of several lamps that never says that it has arrived."""
+    if lamps > 1 and not strategy.arrives:
+        able = [name for name, known in STRATEGIES.items() if known.arrives]
+        raise BadInput(
+            f'The strategy {strategy.name} never says that it has arrived, and the route has '
+            f'{lamps} lamps; take {" or ".join(able)}.'
+        )
 
 
 def strategy(name: str) -> Strategy:

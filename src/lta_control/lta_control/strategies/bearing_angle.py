@@ -5,7 +5,12 @@ With no lamp in sight it stops and turns, so that the light is found from any st
 the last heading asked for.
 """
 
-from lta_control.strategies.protocol import Course, CruiseSettings, Memory, Sight, Strategy
+from typing import TYPE_CHECKING
+
+from lta_control.strategies.protocol import Course, Memory, Sight, Strategy
+
+if TYPE_CHECKING:
+    from lta_control.strategies.settings import StrategySettings
 
 
 def start(heading: float) -> Memory:
@@ -13,12 +18,12 @@ def start(heading: float) -> Memory:
     return (heading,)
 
 
-def steer(settings: CruiseSettings, memory: Memory, sight: Sight) -> tuple[Course, Memory]:
+def steer(settings: 'StrategySettings', memory: Memory, sight: Sight) -> tuple[Course, Memory]:
     """Return the heading of the lamp at cruise speed, or a slow turn on the spot."""
     heading, speed = sight.heading + sight.bearing, settings.speed
     if not sight.seen:
         heading, speed = memory[0] + settings.search_rate * sight.interval, 0.0
-    return Course(heading, speed), (heading,)
+    return Course(heading, speed, False), (heading,)
 
 
 STRATEGY = Strategy('bag', start, steer)

@@ -2,9 +2,12 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import final, NamedTuple
+from typing import final, NamedTuple, TYPE_CHECKING
 
 from lta_config.settings import setting, Settings
+
+if TYPE_CHECKING:
+    from lta_control.strategies.settings import StrategySettings
 
 Memory = tuple[float, ...]
 
@@ -25,6 +28,17 @@ class Sight(NamedTuple):
         Light at the beacon's frequency by diode. [ADC counts]
     interval : float
         Time since the last sight. [s]
+    deviation : float
+        Standard deviation of the bearing. [rad]
+    strength : float
+        Light on a diode that faces the lamp, without the pedestal; 0 where it is not seen.
+        [ADC counts]
+    elevation : float
+        Of the lamp over the horizon of the body; 0 where it is not known. [rad]
+    position : tuple of float
+        x and y by dead reckoning through the air: wind does not show in it. [m, odom]
+    drift : tuple of float
+        Estimated airspeed forward and to the left. [m/s, body]
 
     """
 
@@ -33,13 +47,31 @@ class Sight(NamedTuple):
     heading: float
     amplitudes: tuple[float, ...]
     interval: float
+    deviation: float = 0.0
+    strength: float = 0.0
+    elevation: float = 0.0
+    position: tuple[float, float] = (0.0, 0.0)
+    drift: tuple[float, float] = (0.0, 0.0)
 
 
 class Course(NamedTuple):
-    """Where to go: a heading in the odom frame [rad] and a forward airspeed [m/s]."""
+    """
+    Where to go.
+
+    Attributes
+    ----------
+    heading : float
+        In the odom frame. [rad]
+    speed : float
+        Forward airspeed. [m/s]
+    arrived : bool
+        Whether the strategy takes itself to be at the lamp.
+
+    """
 
     heading: float
     speed: float
+    arrived: bool = False
 
 
 class CruiseSettings(Settings):
@@ -64,12 +96,16 @@ class Strategy:
     name : str
         Name in launch files.
     start : callable
-        `start(heading) -> memory` before the first sight.
+        `start(heading) -> memory` before the first sight; the first number of every memory is the
+        heading that was asked for last.
     steer : callable
         `steer(settings, memory, sight) -> (course, memory)`.
+    arrives : bool
+        Whether it ever says that it has arrived, as a route needs.
 
     """
 
     name: str
     start: Callable[[float], Memory]
-    steer: Callable[[CruiseSettings, Memory, Sight], tuple[Course, Memory]]
+    steer: Callable[['StrategySettings', Memory, Sight], tuple[Course, Memory]]
+    arrives: bool = False

@@ -6,7 +6,7 @@ from lta_graph.inbox import Step
 from lta_graph.ros.node import GraphNode, run
 from lta_graph.ros.parameters import Parameters
 from lta_vlc.array import Bearing, bearing, even_ring, Ring
-from lta_vlc.demodulation import Bins, demodulate, Demodulation, Peaks, plan_bins
+from lta_vlc.demodulation import Bins, bins_of, demodulate, Demodulation, NO_WISH, Peaks
 from lta_vlc.lamp import lamp_estimate, LampEstimate, LampPrior
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks, to_block
 import numpy as np
@@ -27,6 +27,7 @@ class Demodulator(GraphNode):
 
     def __init__(self) -> None:
         super().__init__('demodulator')
+        self._wanted = NO_WISH
         self._settings = Parameters(
             self, DemodulatorParameters, changed=self._plan, check=self._bins_of
         )
@@ -35,11 +36,12 @@ class Demodulator(GraphNode):
         self._bearing = self.output('light/bearing')
         self._estimate = self.output('light/estimate')
         self._refused = 0
-        self.listen(['photodiodes'], trigger='photodiodes', on_step=self._on_step)
+        inputs = self.table.read_by('demodulator')
+        self.listen(inputs, trigger='photodiodes', on_step=self._on_step)
 
     def _bins_of(self, settings: DemodulatorParameters) -> Bins:
         light = self.table.light
-        return plan_bins(settings, light.sample_rate.si, light.samples)
+        return bins_of(settings, self._wanted, light.sample_rate.si, light.samples)
 
     def _plan(self, settings: DemodulatorParameters) -> None:
         self._bins = self._bins_of(settings)
@@ -47,6 +49,9 @@ class Demodulator(GraphNode):
     def _on_step(self, step: Step) -> None:
         message: Image = step.last('photodiodes')
         try:
+            for wish in step.messages['light/beacon']:
+                self._wanted = wish.data
+                self._plan(self._settings.value)
             block = to_block(message)
             peaks = demodulate(block, self._bins)
         except ValueError as error:

@@ -1,0 +1,104 @@
+r"""
+What a strategy sees: from what the demodulator says of one block to a `Sight`.
+
+The node takes the numbers out of messages, a loop in one process out of what the messages would
+carry; both end here. The lamp comes as a point with a covariance that is long on the ray of its
+bearing (`lta_vlc.lamp.lamp_estimate`). To first order the variance across that ray is
+:math:`(d^2 + \sigma_d^2)\,\sigma^2`, d the distance of the point, :math:`\sigma_d` its deviation
+along the ray and :math:`\sigma` that of the bearing, which is so got back.
+
+The strength is what a diode that faces the lamp would read. With an even ring of N cosine diodes
+:math:`|\sum M_i n_i| = N M / 4` at every bearing (`lta_vlc.array`), and a pedestal that is the
+same for all cancels.
+"""
+
+import math
+from typing import NamedTuple
+
+from lta_control.strategies.protocol import Sight
+
+Spread = tuple[float, float, float]
+
+
+class Reckoned(NamedTuple):
+    """How the drone takes itself to move at one instant."""
+
+    heading: float  # [rad, odom]
+    x: float  # dead reckoned through the air [m, odom]
+    y: float
+    forward: float  # airspeed [m/s, body]
+    left: float
+
+
+class Lamp(NamedTuple):
+    """A lamp in the body frame: where [m], and the xx, xy and yy of its covariance [m2]."""
+
+    x: float
+    y: float
+    z: float
+    spread: Spread
+
+
+def sighted(
+    lamp: Lamp | None,
+    axes: tuple[tuple[float, float], ...],
+    amplitudes: tuple[float, ...],
+    reckoned: Reckoned,
+    interval: float,
+) -> Sight:
+    """
+    Return what the light of one block says.
+
+    Parameters
+    ----------
+    lamp : Lamp or None
+        Where the lamp seems to be; None where it is not seen.
+    axes : tuple of tuple of float
+        Of the diodes along body x and y.
+    amplitudes : tuple of float
+        Of the diodes. [ADC counts]
+    reckoned : Reckoned
+        The drone at the middle of the block.
+    interval : float
+        Time since the last sight. [s]
+
+    """
+    bearing = deviation = strength = elevation = 0.0
+    if lamp is not None:
+        away = math.hypot(lamp.x, lamp.y)
+        bearing, elevation = math.atan2(lamp.y, lamp.x), math.atan2(lamp.z, away)
+        deviation = bearing_deviation(lamp)
+        strength = facing_strength(axes, amplitudes)
+    return Sight(
+        lamp is not None,
+        bearing,
+        reckoned.heading,
+        amplitudes,
+        interval,
+        deviation,
+        strength,
+        elevation,
+        (reckoned.x, reckoned.y),
+        (reckoned.forward, reckoned.left),
+    )
+
+
+def bearing_deviation(lamp: Lamp) -> float:
+    """Return the standard deviation of a lamp's bearing. [rad]"""
+    squared = lamp.x * lamp.x + lamp.y * lamp.y
+    if squared <= 0.0:
+        return math.pi
+    xx, xy, yy = lamp.spread
+    x, y = lamp.x, lamp.y
+    along = (x * x * xx + 2.0 * x * y * xy + y * y * yy) / squared
+    across = (y * y * xx - 2.0 * x * y * xy + x * x * yy) / squared
+    return math.sqrt(max(across, 0.0) / (squared + max(along, 0.0)))
+
+
+def facing_strength(axes: tuple[tuple[float, float], ...], amplitudes: tuple[float, ...]) -> float:
+    """Return what a diode that faces the lamp would read. [ADC counts]"""
+    forward = left = 0.0
+    for (x, y), amplitude in zip(axes, amplitudes, strict=True):
+        forward += amplitude * x
+        left += amplitude * y
+    return 4.0 * math.hypot(forward, left) / max(len(axes), 1)

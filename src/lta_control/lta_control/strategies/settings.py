@@ -1,0 +1,7 @@
+"""What can be set of the strategies: one line each, beside what all of them share."""
+
+from lta_control.strategies.protocol import CruiseSettings
+
+
+class StrategySettings(CruiseSettings):
+    """The cruise, and what each strategy has of its own."""
