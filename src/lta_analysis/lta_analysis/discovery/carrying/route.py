@@ -205,9 +205,10 @@ def _warned(found: Study, sentence: str) -> Study:
 
 def within_tolerances(share: float) -> str:
     """Return in words that tolerances leave only a share of the squared error."""
+    taken = f'{100.0 * (1.0 - share):.0f} %'
     return (
-        f'Forecasts name nothing: tolerances of the vehicle file alone take {100 - 100 * share:.0f} '
-        '% of the squared error in regimes left out, and no name can be told from them.'
+        f'Forecasts name nothing: tolerances of the vehicle file alone take {taken} of the squared '
+        'error in regimes left out, and no name can be told from them.'
     )
 
 
