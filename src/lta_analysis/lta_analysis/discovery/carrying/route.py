@@ -207,8 +207,8 @@ def within_tolerances(share: float) -> str:
     """Return in words that tolerances leave only a share of the squared error."""
     taken = f'{100.0 * (1.0 - share):.0f} %'
     return (
-        f'Forecasts name nothing: tolerances of the vehicle file alone take {taken} of the squared '
-        'error in regimes left out, and no name can be told from them.'
+        f'Forecasts name nothing: tolerances of the vehicle file alone take {taken} of the '
+        'squared error in regimes left out, and no name can be told from them.'
     )
 
 
