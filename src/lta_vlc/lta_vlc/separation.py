@@ -13,9 +13,9 @@ if TYPE_CHECKING:
 MAINS_HARMONICS = 10  # of the flicker at twice the mains' frequency: those of lamps and dimmers
 
 
-def mains_bins(mains: float, sample_rate: float, samples: int) -> list[int]:
+def mains_flicker(mains: float, sample_rate: float) -> list[float]:
     """
-    Return the bins in which lamps on the mains flicker.
+    Return the frequencies at which lamps on the mains appear to flicker. [Hz]
 
     Parameters
     ----------
@@ -23,12 +23,10 @@ def mains_bins(mains: float, sample_rate: float, samples: int) -> list[int]:
         Frequency of the mains; 0 where there are none. [Hz]
     sample_rate : float
         Samples a second. [Hz]
-    samples : int
-        Samples in a block.
 
     """
-    flicker = [2.0 * mains * order for order in range(1, MAINS_HARMONICS + 1) if mains]
-    return [target_bin(folded(each, sample_rate), sample_rate, samples) for each in flicker]
+    orders = range(1, MAINS_HARMONICS + 1) if mains > 0.0 else ()
+    return [folded(2.0 * mains * order, sample_rate) for order in orders]
 
 
 def folded(frequency: float, sample_rate: float) -> float:
@@ -77,10 +75,9 @@ def check_beacons(
                     f'Harmonic {order} of the beacon at {one:g} Hz falls on the beacon at '
                     f'{other:g} Hz; choose another frequency.'
                 )
-    hum = mains_bins(settings.mains, sample_rate, samples)
-    for order, place in enumerate(hum, start=1):
+    for order, flicker in enumerate(mains_flicker(settings.mains, sample_rate), start=1):
         for beacon in beacons:
-            if abs(place - places[beacon]) <= window:
+            if abs(target_bin(flicker, sample_rate, samples) - places[beacon]) <= window:
                 raise BadInput(
                     f'The beacon at {beacon:g} Hz is sought within {window} bins of {width:g} Hz, '
                     f'where lamps on the mains flicker, at {2.0 * settings.mains * order:g} Hz; '
