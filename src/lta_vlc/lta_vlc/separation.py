@@ -10,6 +10,7 @@ from lta_vlc.spectrum import target_bin
 if TYPE_CHECKING:
     from lta_vlc.demodulation import Demodulation
 
+HARMONICS = 3, 5  # of a lamp that is on for half of the time; weaker ones `lta light plan` avoids
 MAINS_HARMONICS = 10  # of the flicker at twice the mains' frequency: those of lamps and dimmers
 
 
@@ -54,8 +55,8 @@ def check_beacons(
     Raises
     ------
     BadInput
-        If two are sought in the same bins, or if a harmonic of one or the flicker of the mains
-        falls where another is sought, folded back by the sampling as it may be.
+        If two are sought in the same bins, or if a strong harmonic of one or the flicker of the
+        mains falls where another is sought, folded back by the sampling as it may be.
 
     """
     window, width = settings.window, sample_rate / samples
@@ -68,7 +69,7 @@ def check_beacons(
                 f'{apart:g} Hz; choose others, take longer blocks or a narrower window.'
             )
     for one, other in permutations(beacons, 2):
-        for order in range(2, settings.harmonics + 1):
+        for order in HARMONICS:
             harmonic = target_bin(folded(order * one, sample_rate), sample_rate, samples)
             if abs(harmonic - places[other]) <= window:
                 raise BadInput(

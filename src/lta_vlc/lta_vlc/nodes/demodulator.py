@@ -1,13 +1,16 @@
 """The demodulator node: from ADC blocks to peaks and a bearing."""
 
 from lta_config.settings import setting
+from lta_config.vehicle_file import load_vehicle_file
 from lta_graph.health import Level
 from lta_graph.inbox import Step
 from lta_graph.ros.node import GraphNode, run
 from lta_graph.ros.parameters import Parameters
-from lta_vlc.array import Bearing, bearing, even_ring, Ring
+from lta_vlc.array import Bearing, bearing
 from lta_vlc.condition import conditions, WANTED
 from lta_vlc.demodulation import Demodulation, Hearing, Peaks
+from lta_vlc.diodes import diodes_of
+from lta_vlc.direction import DirectionFinder
 from lta_vlc.lamp import lamp_estimate, LampEstimate, LampPrior
 from lta_vlc.listener import Listener
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks, to_block
@@ -19,6 +22,7 @@ from std_msgs.msg import Header
 class DemodulatorParameters(Demodulation):
     """The beacon to listen for, and what is known of its lamp."""
 
+    vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
     prior: LampPrior = setting(LampPrior(), 'The lamp before it is seen.')
 
 
@@ -37,6 +41,10 @@ class Demodulator(GraphNode):
         self._listener.prepare()  # who listens must answer at once
         self._sequence = Sequence(self.table['photodiodes'].period_ns)
         self._refused = 0
+        # After the outputs: what is published before somebody listens is lost in real time.
+        entry = load_vehicle_file(self._settings.value.vehicle).sensors.diodes
+        self._diodes = diodes_of(entry)
+        self._finder = DirectionFinder(self._diodes)
         inputs = self.table.read_by('demodulator')
         self.listen(inputs, trigger='photodiodes', on_step=self._on_step)
 
@@ -54,18 +62,19 @@ class Demodulator(GraphNode):
             for wish in step.messages['light/beacon']:
                 self._listener.want(wish.data)
             block = to_block(message)
+            self._diodes.check(block.shape[1])
             hearing = self._listener.hear(block)
         except ValueError as error:
             self._refused += 1
             self.health.report(WANTED, Level.ERROR, str(error), blocks_refused=self._refused)
             if self.lockstep:  # whoever waits for the answer would wait for ever
-                self._publish(message.header, (), Ring((), ()), None, None)
+                self._publish(message.header, (), None, None)
             return
-        settings = self._settings.value
-        ring = even_ring(block.shape[1])
-        towards = bearing(hearing.peaks[0], ring, settings.threshold)
-        lamp = None if towards is None else lamp_estimate(towards, settings.prior)
-        self._publish(message.header, hearing.peaks, ring, towards, lamp)
+        settings, peaks = self._settings.value, hearing.peaks[0]
+        towards = bearing(peaks, self._diodes.ring, settings.threshold)
+        found = self._finder.find(peaks, settings.threshold, settings.prior)
+        lamp = None if found is None else lamp_estimate(found, settings.prior)
+        self._publish(message.header, hearing.peaks, towards, lamp)
         self._tell(hearing)
 
     def _tell(self, hearing: Hearing) -> None:
@@ -83,12 +92,11 @@ class Demodulator(GraphNode):
         self,
         header: Header,
         peaks: tuple[Peaks, ...],
-        ring: Ring,
         towards: Bearing | None,
         lamp: LampEstimate | None,
     ) -> None:
         self._bearing.publish(from_bearing(header, towards))
-        self._peaks.publish(from_peaks(header, peaks, ring))
+        self._peaks.publish(from_peaks(header, peaks, self._diodes.axes))
         self._estimate.publish(from_lamp(header, lamp))
 
 
