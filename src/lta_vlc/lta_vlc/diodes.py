@@ -1,7 +1,7 @@
 """What the drone believes of its photodiodes, from its vehicle file; any arrangement of them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import math
 from typing import final
 
@@ -108,5 +108,21 @@ def _spread_out(axes: Sequence[Axis], radius: float) -> tuple[Axis, ...]:
 
 
 def diodes_of(entry: DiodesEntry) -> Diodes:
-    """Return the diodes of a vehicle file's `sensors.diodes`, as the drone believes them."""
-    return ring_of(entry.count, entry.radius.si)
+    """
+    Return the diodes of a vehicle file's `sensors.diodes`, as the drone believes them.
+
+    It knows which are dead, and how far the gains spread, but not the gains.
+    """
+    count, radius, dead = entry.count, entry.radius.si, set(entry.dead)
+    even = ring_of(count, radius, entry.response.si, entry.gain_spread.si)
+    gains = tuple(0.0 if k in dead else 1.0 for k in range(count))
+    if entry.axes is None:
+        return replace(even, gains=gains)
+    axes = tuple(_unit(*axis) for axis in entry.axes.value)
+    return replace(even, axes=axes, places=_spread_out(axes, radius), gains=gains)
+
+
+def _unit(x: float, y: float, z: float) -> Axis:
+    """Return an axis of length 1; files give a few digits."""
+    length = math.sqrt(x * x + y * y + z * z)
+    return x / length, y / length, z / length

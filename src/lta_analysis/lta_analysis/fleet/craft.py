@@ -19,8 +19,8 @@ from lta_control.strategies import bearing_angle
 from lta_sim.counted_sensors import Axes, Sensors, Six
 from lta_sim.effects import EFFECTS
 from lta_sim.effects.protocol import MeasurementEffect
-from lta_sim.heard_lamp import listening_of
 from lta_sim.in_scene import model_in
+from lta_sim.light.heard import listening_of
 from lta_sim.model import Model
 from lta_sim.scenario import Scenario
 from lta_sim.sensors.imu import bounds_of, ImuSettings
@@ -104,6 +104,11 @@ def check(vehicle: Vehicle, scenario: Scenario, policy: Policy) -> Model:
         raise BadInput(
             f'A batch lets go of the drone at once, and the scenario {scenario.name} holds it for '
             f'{scenario.start.held.si:g} s; leave --device out.'
+        )
+    if len(scenario.lamps) > 1:
+        raise BadInput(
+            f'A batch knows one lamp, and the scenario {scenario.name} has '
+            f'{len(scenario.lamps)}; leave --device out.'
         )
     if scenario.wind_file is not None:
         raise BadInput(

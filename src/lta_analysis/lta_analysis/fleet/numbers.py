@@ -9,7 +9,7 @@ from lta_energy.battery import Battery
 from lta_energy.loads import Loads
 from lta_energy.panel import Panel
 from lta_sim.counted_sensors import Sensors
-from lta_sim.heard_lamp import Listening
+from lta_sim.light.heard import Listening
 from lta_vlc.readings import Array, Expected
 
 Vector = tuple[float, float, float]

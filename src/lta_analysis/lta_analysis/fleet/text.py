@@ -15,13 +15,14 @@ from lta_analysis.fleet.targets import Rhythm, STEP, Target
 from lta_control.attitude import heading
 from lta_control.flat import Layout, PREFIX
 from lta_control.onboard import Onboard, onboard_step
-from lta_sim import counted_sensors, heard_lamp
+from lta_sim import counted_sensors
 from lta_sim.compose import Form, kernel_source
 from lta_sim.effects import EFFECTS, initial_memory
 from lta_sim.extract import Extract
 from lta_sim.gpu import STATES
 from lta_sim.kernel import LAYOUT
 from lta_sim.layout import indented, tuple_of
+from lta_sim.light import heard
 from lta_sim.state import ACTUATORS, RIGID
 from lta_vlc.fit import fit
 
@@ -29,7 +30,7 @@ BEGIN = Layout(Onboard())
 LIGHT = 'light'  # before the names of the fit, which has constants of its own
 CORES: tuple[Callable[..., Any], ...] = (
     onboard_step,
-    heard_lamp.magnitude,
+    heard.magnitude,
     counted_sensors.draw_errors,
     counted_sensors.eddies,
     counted_sensors.range_reading,
