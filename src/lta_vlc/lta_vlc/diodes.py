@@ -6,7 +6,7 @@ import math
 from typing import final
 
 from lta_config.errors import BadInput
-from lta_config.vehicle_file import Diodes as DiodesEntry
+from lta_config.vehicle_diodes import Diodes as DiodesEntry
 from lta_vlc.array import azimuths, Ring
 
 Axis = tuple[float, float, float]
