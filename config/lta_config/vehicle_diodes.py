@@ -51,7 +51,7 @@ class Diodes(Record):
     feedback: Annotated[Quantity, si('ohm', above=0.0, sourced=True)]
     axes: Axes | None = None
     response: Annotated[Quantity, si('1', low=0.1, high=20.0, sourced=True)] = _given(
-        1.2, '1', 'exponent of the cosine, from memory of the plot in the ' + DATA_SHEET
+        1.2, '1', 'assumed: exponent of the cosine, from memory of the plot in the ' + DATA_SHEET
     )
     field_of_view: Annotated[Quantity, si('rad', above=0.0, high=math.pi, sourced=True)] = _given(
         180.0, 'deg', 'nothing in front of the package'

@@ -35,10 +35,11 @@ from lta_sim.start_offset import started
 from lta_sim.vehicle import load_vehicle
 from lta_sim.world import World
 from lta_vlc.array import bearing
-from lta_vlc.demodulation import demodulate, Demodulation, NO_WISH, plan_bins
+from lta_vlc.demodulation import Demodulation, NO_WISH
 from lta_vlc.diodes import diodes_of
 from lta_vlc.direction import DirectionFinder
 from lta_vlc.lamp import lamp_estimate, LampPrior
+from lta_vlc.listener import Listener
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks, to_block
 import numpy as np
 import pytest
@@ -93,7 +94,7 @@ def answered(folder, demodulation=None, mission=None):
     """Return the bag that the cores of both nodes make of the stored one, without a graph."""
     settings, mission = demodulation or Demodulation(), mission or MissionSettings()
     light, prior = TABLE.light, LampPrior()
-    bins = plan_bins(settings, light.sample_rate.si, light.samples)
+    listener = Listener(settings, light.sample_rate.si, light.samples)
     odometry, reserves = recorded('odom'), recorded('energy/reserve')
     motions = {from_stamp(m.header.stamp): to_reckoned(m) for _, m in odometry}
     state, plan, finder = Mission(), strategy('bag'), DirectionFinder(DIODES)
@@ -102,7 +103,8 @@ def answered(folder, demodulation=None, mission=None):
             writer.add_topic(f'/lta1/{name}', TABLE[name].type, QOS)
         for now, image in recorded('photodiodes'):
             block = to_block(image)
-            peaks = demodulate(block, bins)
+            hearing = listener.hear(block)
+            peaks = hearing.peaks[0]
             towards = bearing(peaks, DIODES.ring, settings.threshold)
             found = finder.find(peaks, settings.threshold, prior)
             begun = from_stamp(image.header.stamp)
@@ -123,7 +125,7 @@ def answered(folder, demodulation=None, mission=None):
             asked, state = mission_step(mission, plan, state, sight, altitude, reserve)
             pose, velocity = from_setpoint(to_stamp(begun), asked)
             for name, message in (
-                ('light/peaks', from_peaks(image.header, peaks, DIODES.axes)),
+                ('light/peaks', from_peaks(image.header, hearing.peaks, DIODES.axes)),
                 ('light/bearing', from_bearing(image.header, towards)),
                 ('light/estimate', from_lamp(image.header, lamp)),
                 ('setpoint/pose', pose),

@@ -32,11 +32,12 @@ from lta_sim.readings import Outcome, Readings
 from lta_sim.vehicle import Vehicle
 from lta_sim.world import World
 from lta_vlc.array import Bearing, bearing, Ring
-from lta_vlc.demodulation import Bins, bins_of, demodulate, Demodulation, NO_WISH, Peaks
+from lta_vlc.demodulation import Demodulation, Hearing, NO_WISH, Peaks
 from lta_vlc.diodes import diodes_of
 from lta_vlc.direction import Direction, DirectionFinder
 from lta_vlc.fit import fit
 from lta_vlc.lamp import lamp_estimate, LampEstimate, LampPrior
+from lta_vlc.listener import Listener
 import numpy as np
 from numpy.typing import NDArray
 
@@ -71,8 +72,8 @@ class Light:
 
     Parameters
     ----------
-    peaks : Peaks
-        What each diode sees.
+    hearing : Hearing
+        What each diode sees of each lamp.
     bearing : Bearing or None
         The paper's, None where no diode is believed or the ring is evenly lit.
     direction : Direction or None
@@ -82,10 +83,15 @@ class Light:
 
     """
 
-    peaks: Peaks
+    hearing: Hearing
     bearing: Bearing | None
     direction: Direction | None
     lamp: LampEstimate | None
+
+    @property
+    def peaks(self) -> Peaks:
+        """What the diodes see of the lamp that is wanted."""
+        return self.hearing.peaks[0]
 
 
 @final
@@ -147,6 +153,9 @@ class Loop:
         self._ring = diodes.ring
         self._finder = DirectionFinder(diodes, compiled(fit)[0], np.array)
         self._axes = carried_axes(self._ring)
+        self._listener = Listener(
+            policy.demodulation, table.light.sample_rate.si, table.light.samples
+        )
         ranger = world.range_settings
         self._reach = carried.single(ranger.minimum), carried.single(ranger.maximum)
         self.readings = Readings(world.stamp_ns)
@@ -230,11 +239,13 @@ class Loop:
 
     def _navigate(self, stamp_ns: int, block: NDArray[np.uint16]) -> None:
         """Look at the light, and steer by it or by the scenario's course."""
-        peaks = demodulate(block, self._bins(self.beacon))
+        self._listener.want(self.beacon)
+        hearing = self._listener.hear(block)
+        peaks = hearing.peaks[0]
         threshold, prior = self.policy.demodulation.threshold, self.policy.prior
         found = self._finder.find(peaks, threshold, prior)
         where = None if found is None else lamp_estimate(found, prior)
-        self.light = Light(peaks, bearing(peaks, self._ring, threshold), found, where)
+        self.light = Light(hearing, bearing(peaks, self._ring, threshold), found, where)
         amplitudes = tuple(peaks.amplitude.astype(np.float32).tolist())
         lamp = None if where is None else carried_lamp(where)
         sight = sighted(lamp, self._axes, amplitudes, self._reckoned[0], self._block)
@@ -251,11 +262,6 @@ class Loop:
             max(len(route), 1),
         )  # fmt: skip
         self.beacon = route[self.mission.asked][1] if route else NO_WISH
-
-    def _bins(self, beacon: float) -> Bins:
-        """Return where a beacon is looked for; 0 is the one of the settings. [Hz]"""
-        light = self._table.light
-        return bins_of(self.policy.demodulation, beacon, light.sample_rate.si, light.samples)
 
     def _count(self, readings: Readings) -> None:
         """Keep the energy books of one turn of the meters."""

@@ -100,7 +100,7 @@ class LoopRecorder:
         self._write('photodiodes', sensed.light_block(stamp, block[1]))
         header = Header(stamp=stamp, frame_id=self._table['photodiodes'].frame)
         self._write('light/bearing', from_bearing(header, light.bearing))
-        self._write('light/peaks', from_peaks(header, light.peaks, self._axes))
+        self._write('light/peaks', from_peaks(header, light.hearing.peaks, self._axes))
         self._write('light/estimate', from_lamp(header, light.lamp))
         pose, velocity = from_setpoint(stamp, asked)
         self._write('setpoint/pose', pose)

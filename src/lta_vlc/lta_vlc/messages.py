@@ -36,23 +36,20 @@ def to_block(message: Image) -> NDArray[np.uint16]:
     return np.frombuffer(message.data, dtype='<u2').reshape(message.height, message.width)
 
 
-def from_peaks(header: Header, peaks: Peaks, axes: Sequence[Axis]) -> PointCloud2:
-    """Return one point a diode that was heard: axis, amplitude, SNR and frequency."""
-    count = peaks.amplitude.size
-    columns = (
-        *np.array(axes[:count]).reshape(-1, 3).T,
-        peaks.amplitude,
-        peaks.snr,
-        peaks.frequency,
-    )
-    message = PointCloud2(header=header, height=1, width=count, is_dense=True)
+def from_peaks(header: Header, peaks: tuple[Peaks, ...], axes: Sequence[Axis]) -> PointCloud2:
+    """Return a row of points a beacon, a point a diode: axis, amplitude, SNR and frequency."""
+    count = peaks[0].amplitude.size if peaks else 0
+    message = PointCloud2(header=header, height=len(peaks), width=count, is_dense=True)
     message.fields = [
         PointField(name=name, offset=4 * index, datatype=PointField.FLOAT32, count=1)
         for index, name in enumerate(FIELDS)
     ]
     message.point_step = 4 * len(FIELDS)
     message.row_step = message.point_step * count
-    data = np.stack([np.asarray(column, dtype='<f4') for column in columns], axis=1)
+    data = np.zeros((len(peaks), count, len(FIELDS)), dtype='<f4')
+    for row, each in zip(data, peaks, strict=True):
+        row[:, :3] = axes
+        row[:, 3], row[:, 4], row[:, 5] = each.amplitude, each.snr, each.frequency
     message.data = array.array('B', data.tobytes())
     return message
 

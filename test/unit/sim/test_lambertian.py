@@ -5,7 +5,7 @@ import math
 from lta_sim.compiled import compiled
 from lta_sim.light.ambient import Ambient
 from lta_sim.light.field import illuminance, LightField
-from lta_sim.light.lambertian import beam, beams, COSINE, lit, on_diodes
+from lta_sim.light.lambertian import beam, beams, Eye, lit, on_diodes
 from lta_sim.light.lamp import direct, Lamp
 from lta_sim.light.room import even, Room
 from lta_sim.rigid_body import rotation
@@ -49,7 +49,7 @@ def test_a_ring_is_lit_as_by_the_arrays():
     expected = illuminance(field, *RING.place(flight[:, :3], turns)).modulated
     for function in (on_diodes, compiled(on_diodes)[0]):
         out = np.empty((1, 11, 8))
-        function(beams(field), COSINE, flight, RING.planes, out)
+        function(beams(field), Eye(1.0, 0.0), flight, RING.planes, out)
         np.testing.assert_allclose(out, expected, rtol=1e-12)
 
 

@@ -69,9 +69,6 @@ class Eye(NamedTuple):
     least: float
 
 
-COSINE = Eye(1.0, 0.0)  # a flat plane, or an ideal photodiode
-
-
 def beam(lamp: Lamp, room: Room | None) -> Beam:
     """Return a lamp with the room's echo of it."""
     diffuse = 0.0 if room is None else room.diffuse(lamp.flux)
@@ -156,7 +153,7 @@ def lit(lamp: Beam, point: Vector, normal: Vector) -> float:
 
     """
     light, towards = shine(lamp, point)
-    return light * seen(COSINE, normal, towards) + lamp.diffuse
+    return light * seen(Eye(1.0, 0.0), normal, towards) + lamp.diffuse
 
 
 def read(lamp: Beam, eye: Eye, point: Vector, axis: Vector) -> float:
