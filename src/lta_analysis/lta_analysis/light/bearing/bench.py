@@ -12,8 +12,7 @@ from lta_sim.compiled import compiled
 from lta_sim.light.view import LightView
 from lta_sim.sensors.photodiode import PhotodiodeArray
 from lta_vlc.array import bearing
-from lta_vlc.bins import plan_bins
-from lta_vlc.demodulation import demodulate
+from lta_vlc.demodulation import demodulate, plan_bins
 from lta_vlc.diodes import diodes_of
 from lta_vlc.direction import DirectionFinder
 from lta_vlc.fit import fit
