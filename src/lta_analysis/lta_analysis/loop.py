@@ -73,7 +73,7 @@ class Light:
     Parameters
     ----------
     hearing : Hearing
-        What each diode sees of each lamp.
+        What each diode sees of each beacon.
     bearing : Bearing or None
         The paper's, None where no diode is believed or the ring is evenly lit.
     direction : Direction or None

@@ -1,7 +1,7 @@
 """What the drone believes of its photodiodes, from its vehicle file; any arrangement of them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 import math
 from typing import final
 
@@ -90,8 +90,28 @@ def ring_of(count: int, radius: float = 0.0, response: float = 1.0, spread: floa
         As in `Diodes`.
 
     """
-    axes = tuple((math.cos(angle), math.sin(angle), 0.0) for angle in azimuths(count))
+    axes = _level(count)
     return Diodes(axes, _spread_out(axes, radius), response, (1.0,) * count, spread)
+
+
+def diodes_of(entry: DiodesEntry) -> Diodes:
+    """Return the diodes of a vehicle file's `sensors.diodes`, as the drone believes them."""
+    axes = _level(entry.count) if entry.axes is None else tuple(map(_unit, entry.axes.value))
+    gains = tuple(0.0 if index in entry.dead else 1.0 for index in range(entry.count))
+    places = _spread_out(axes, entry.radius.si)
+    return Diodes(axes, places, entry.response.si, gains, entry.gain_spread.si)
+
+
+def _level(count: int) -> tuple[Axis, ...]:
+    """Return the axes of an even ring, the first forward."""
+    return tuple((math.cos(angle), math.sin(angle), 0.0) for angle in azimuths(count))
+
+
+def _unit(axis: Sequence[float]) -> Axis:
+    """Return an axis that a file gives to three digits or so at length 1."""
+    x, y, z = axis
+    length = math.hypot(x, y, z)
+    return x / length, y / length, z / length
 
 
 def _spread_out(axes: Sequence[Axis], radius: float) -> tuple[Axis, ...]:
@@ -105,24 +125,3 @@ def _spread_out(axes: Sequence[Axis], radius: float) -> tuple[Axis, ...]:
         )
         for axis in axes
     )
-
-
-def diodes_of(entry: DiodesEntry) -> Diodes:
-    """
-    Return the diodes of a vehicle file's `sensors.diodes`, as the drone believes them.
-
-    It knows which are dead, and how far the gains spread, but not the gains.
-    """
-    count, radius, dead = entry.count, entry.radius.si, set(entry.dead)
-    even = ring_of(count, radius, entry.response.si, entry.gain_spread.si)
-    gains = tuple(0.0 if k in dead else 1.0 for k in range(count))
-    if entry.axes is None:
-        return replace(even, gains=gains)
-    axes = tuple(_unit(*axis) for axis in entry.axes.value)
-    return replace(even, axes=axes, places=_spread_out(axes, radius), gains=gains)
-
-
-def _unit(x: float, y: float, z: float) -> Axis:
-    """Return an axis of length 1; files give a few digits."""
-    length = math.sqrt(x * x + y * y + z * z)
-    return x / length, y / length, z / length

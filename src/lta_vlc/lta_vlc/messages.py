@@ -38,7 +38,7 @@ def to_block(message: Image) -> NDArray[np.uint16]:
 
 def from_peaks(header: Header, peaks: tuple[Peaks, ...], axes: Sequence[Axis]) -> PointCloud2:
     """Return a row of points a beacon, a point a diode: axis, amplitude, SNR and frequency."""
-    count = peaks[0].amplitude.size if peaks else 0
+    count = len(axes)
     message = PointCloud2(header=header, height=len(peaks), width=count, is_dense=True)
     message.fields = [
         PointField(name=name, offset=4 * index, datatype=PointField.FLOAT32, count=1)
