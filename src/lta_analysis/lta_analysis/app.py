@@ -62,6 +62,7 @@ LIGHT: Final = Group(
     {
         'plan': Verb('light_plan', 'plan'),
         'evaluate': Verb('light_evaluate', 'evaluate', several=('--sets',)),
+        'bearing': Verb('light_bearing', 'bearing'),
     },
 )
 VERBS: Final[dict[str, Verb | Group]] = {
