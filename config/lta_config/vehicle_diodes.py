@@ -72,6 +72,9 @@ class Diodes(Record):
     full_scale: Annotated[Quantity, si('V', above=0.0, high=100.0, sourced=True)] = _given(
         3.3, 'V', 'Teensy 4.1'
     )
+    converter_noise: Annotated[Quantity, si('1', low=0.0, high=100.0, sourced=True)] = _given(
+        1.0, '1', 'assumed: rms, in steps; some 10 effective bits of 12'
+    )
     clock_error: Annotated[Quantity, si('1', low=-0.01, high=0.01, sourced=True)] = _given(
         0.0, '1', 'a right clock'
     )

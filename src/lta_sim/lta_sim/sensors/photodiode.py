@@ -5,9 +5,10 @@ Irradiance on a diode's plane times area and responsivity is the photocurrent; t
 resistor, volts. The responsivity is the data sheet's at 650 nm: white light holds shorter waves
 that count for less, so real currents are lower.
 
-Noise is the amplifier's and the shot noise sqrt(2 q I B), B = pi/2 f_3dB of the amplifier's pole.
-The data sheet's 300 uV rms (0.1 Hz to 20 kHz, 1 Mohm) is taken as all of the amplifier's noise
-and scaled with the root of the resistor, as a resistor's own noise does: an assumption.
+Noise is the amplifier's, the converter's and the shot noise sqrt(2 q I B), B = pi/2 f_3dB of the
+amplifier's pole. The data sheet's 300 uV rms (0.1 Hz to 20 kHz, 1 Mohm) is taken as all of the
+amplifier's noise and scaled with the root of the resistor, as a resistor's own noise does: an
+assumption.
 
 A reading falls off as a power of the cosine between light and axis, out to the edge of the field
 of view: 1 is a flat plane, 1.2 the package of the OPT101. Gains differ from diode to diode.
@@ -79,6 +80,8 @@ class PhotodiodeArray(Record):
         Resolution of the converter.
     adc_range : float
         Voltage of the converter at full scale. [V]
+    adc_noise : float
+        Standard deviation of the converter's own noise, in its steps.
     clock_error : float
         Part by which the converter samples too fast.
     jitter : float
@@ -104,6 +107,7 @@ class PhotodiodeArray(Record):
     # The converter of the Teensy 4.1.
     adc_bits: Annotated[int, Field(ge=1, le=16)] = 12
     adc_range: Positive = 3.3
+    adc_noise: NotNegative = 0.0
     clock_error: Finite = 0.0
     jitter: NotNegative = 0.0
 
@@ -184,7 +188,9 @@ def noise_volts(array: PhotodiodeArray, volts: Array | float) -> Array:
 
 
 def noise_terms(array: PhotodiodeArray) -> tuple[float, float]:
-    """Return the variance of the amplifier's noise [V2] and that of the shot noise by volt [V]."""
+    """Return the variance of noise without light [V2] and that of the shot noise by volt [V]."""
+    step = array.adc_range / 2**array.adc_bits
     amplifier = array.noise**2 * array.feedback_resistance / NOISE_RESISTANCE
+    amplifier += (array.adc_noise * step) ** 2
     noise_bandwidth = math.pi / 2.0 * array.bandwidth
     return amplifier, 2.0 * ELEMENTARY_CHARGE * noise_bandwidth * array.feedback_resistance
