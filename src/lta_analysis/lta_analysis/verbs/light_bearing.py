@@ -8,7 +8,7 @@ from typing import Annotated
 
 from lta_analysis.bar import Bar
 from lta_analysis.light.bearing.page import far, rows, write_page
-from lta_analysis.light.bearing.places import PLACES
+from lta_analysis.light.bearing.places import made_of, PLACES
 from lta_analysis.light.bearing.run import Asked, judge, to_json
 from lta_analysis.out_option import folder
 from lta_analysis.results_folder import keep_json, page_line, results_folder
@@ -80,6 +80,7 @@ def bearing(
     for name in asked.places:
         if name not in PLACES:
             raise unknown('place', name, list(PLACES))
+        made_of(PLACES[name], vehicle, 1)
     target = empty_folder(results_folder(out, 'bearing'))
     columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
     with Bar(console, *columns, begin='bearing', total=asked.total) as bar:

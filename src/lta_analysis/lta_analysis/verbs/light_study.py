@@ -6,7 +6,7 @@ import sys
 from typing import Annotated
 
 from lta_analysis.bar import Bar
-from lta_analysis.light.bearing.places import PLACES
+from lta_analysis.light.bearing.places import made_of, PLACES
 from lta_analysis.light.bearing.study import COUNTS, DIRECTIONS, READINGS, study, verdicts
 from lta_analysis.light.bearing.study_page import claims, DEFECT, rows, write_page
 from lta_analysis.out_option import folder
@@ -46,6 +46,8 @@ def light_study(
     Example: lta light study --seed 7
     """
     console = Console(stderr=json)
+    for place in PLACES.values():
+        made_of(place, vehicle, 1)
     target = empty_folder(results_folder(out, 'study'))
     columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
     total = len(PLACES) * len(COUNTS) * DIRECTIONS

@@ -1,8 +1,7 @@
-"""Where bearings are judged: a scene, and the diodes that are fitted for its light."""
+"""Where bearings are judged."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any, Final, final
+from dataclasses import dataclass
+from typing import Final, final
 
 from lta_analysis.ingredients import gather, Ingredients
 
@@ -13,7 +12,7 @@ DIODES: Final = 'vehicle.sensors.diodes'
 @dataclass(frozen=True, slots=True)
 class Place:
     """
-    A scene with some of its numbers replaced.
+    A scene by the name of what it stands for.
 
     Parameters
     ----------
@@ -23,34 +22,20 @@ class Place:
         Its file.
     about : str
         What is special about it.
-    changes : mapping
-        Values by path, as in a sweep.
 
     """
 
     name: str
     scenario: str
     about: str
-    changes: Mapping[str, Any] = field(default_factory=dict)
 
 
 PLACES: Final[dict[str, Place]] = {
     'indoor': Place('indoor', 'lamp_room', 'the shared room, whose surfaces reflect'),
-    'outdoor': Place(
-        'outdoor',
-        'windy_field',
-        'a field in daylight of 80 klux, its diodes fitted for it',
-        {
-            'scenario.ambient.steady': '80000 lx',
-            # Full scale at some 110 klux, so that daylight does not saturate.
-            f'{DIODES}.feedback': '1.5 kohm',
-        },
-    ),
+    'outdoor': Place('outdoor', 'sunny_field', 'a field in full daylight, 80 klux on the ground'),
 }
 
 
 def made_of(place: Place, vehicle: str, count: int) -> Ingredients:
     """Return vehicle and scene of a place with a number of diodes in an even ring."""
-    return gather(vehicle, place.scenario, 'bag', '').with_values(
-        {**place.changes, f'{DIODES}.count': count}
-    )
+    return gather(vehicle, place.scenario, 'bag', '').with_values({f'{DIODES}.count': count})

@@ -1,8 +1,8 @@
 """
 The paper's study of the number of photodiodes, with both estimators.
 
-The lamp stands 3 m away, 45 degrees off its axis; the ring turns through 16 directions, and each is read 50 times; the
-paper gives medians. One vehicle each: its gains are drawn once, by the seed.
+The lamp stands 3 m away, 45 degrees off its axis; the ring turns through 16 directions, and each
+is read 50 times; the paper gives medians. One vehicle each: its gains are drawn once, by the seed.
 
 What the paper says of it, and where that cannot hold: with ideal cosine diodes the weighted mean
 is exact for any even ring of four or more, whatever the pedestal (`lta_vlc.array`); equal diodes
@@ -47,9 +47,9 @@ class Claim:
 
 
 CLAIMS: Final = (
-    Claim('indoor', 16, '16 diodes: below 2 degrees everywhere', math.radians(2.0), 16),
-    Claim('indoor', 8, '8 diodes: 12 directions below 4 degrees', math.radians(4.0), 12),
-    Claim('indoor', 8, '8 diodes: the other four below 8 degrees', math.radians(8.0), 16),
+    Claim('indoor', 16, '16 diodes below 2 degrees', math.radians(2.0), 16),
+    Claim('indoor', 8, '8 diodes below 4 degrees', math.radians(4.0), 12),
+    Claim('indoor', 8, '8 diodes below 8 degrees', math.radians(8.0), 16),
 )
 
 
@@ -137,12 +137,13 @@ def within(errors: Sequence[float], limit: float) -> int:
 
 def verdicts(found: Sequence[Studied]) -> list[tuple[str, str, str]]:
     """Return each claim of the paper, and what became of it by its own estimator and by ours."""
-    told = []
-    for claim in CLAIMS:
-        for each in found:
-            if (each.place, each.count) == (claim.place, claim.count):
-                told.append((claim.sentence, *(
-                    f'{within(errors, claim.limit)} of {DIRECTIONS}'
-                    for errors in (each.paper, each.ours)
-                )))  # fmt: skip
-    return told
+    rings = {(each.place, each.count): each for each in found}
+    return [counted(claim, rings[claim.place, claim.count]) for claim in CLAIMS]
+
+
+def counted(claim: Claim, ring: Studied) -> tuple[str, str, str]:
+    """Return a claim of the paper, and in how many directions both estimators keep it."""
+    paper, ours = (
+        f'{within(errors, claim.limit)} of {DIRECTIONS}' for errors in (ring.paper, ring.ours)
+    )
+    return f'{claim.sentence}: {claim.at_least} of {DIRECTIONS}', paper, ours
