@@ -293,7 +293,8 @@ def test_daylight_comes_in_through_the_door():
     y, z = np.meshgrid((np.arange(200) + 0.5) / 100.0 - 1.0, (np.arange(220) + 0.5) / 100.0 - 1.1)
     window = 3.93**2 / (3.93**2 + y * y + z * z) ** 2 / math.pi * 1e-4
     expected = (window * np.where(z > 0.0, 15_000.0, 0.2 * DAYLIGHT.level)).sum()
-    assert day[0] == pytest.approx(expected, rel=0.1)
+    # Rays are 7.5 degrees apart, the door is 27 degrees wide.
+    assert day[0] == pytest.approx(expected, rel=0.13)
     assert day[4] == 0.0
     beyond = gathered(field, (8.0, 1.0, 1.4), eye=FLAT, hull=NO_HULL)[DAY]
     assert beyond[0] > 50_000.0

@@ -22,6 +22,7 @@ from lta_sim.effects.protocol import MeasurementEffect
 from lta_sim.hull import half_axes
 from lta_sim.in_scene import model_in
 from lta_sim.light.heard import listening_of
+from lta_sim.light.setting import set_for
 from lta_sim.model import Model
 from lta_sim.scenario import Scenario
 from lta_sim.sensors.imu import bounds_of, ImuSettings
@@ -182,7 +183,7 @@ def craft_of(vehicle: Vehicle, scenario: Scenario, policy: Policy, table: TopicT
         sensors=sensors_of(vehicle, scenario.air.pressure.si),
         listening=listening_of(
             scenario.light_field,
-            vehicle.diodes,
+            set_for(scenario.light_field, vehicle),
             half_axes(vehicle.file.hull),
             policy.demodulation,
             rate,

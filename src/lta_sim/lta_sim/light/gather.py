@@ -11,6 +11,7 @@ Plain functions of numbers and arrays, which compile. Left out: the shade that t
 surfaces, and daylight that a room throws on.
 """
 
+import itertools
 import math
 
 from lta_sim.effects.protocol import Quaternion, Vector
@@ -25,14 +26,45 @@ Array = NDArray[np.float64]
 Row = Array | tuple[float, ...]
 Rows = Array | tuple[tuple[float, ...], ...]
 
-# Edges of the rings over the horizon, and below it [deg]; so many pencils in each.
+# Edges of the rings over the horizon, and below it [deg]; pencils in each; rays of one each way.
 EDGES = (0.0, 2.0, 4.5, 8.0, 13.0, 20.0, 30.0, 45.0, 65.0, 90.0)
-ROUND = 24
-PARTS = 2  # rays of a pencil, each way
+ROUND, PARTS = 24, 2
 SUN_RADIUS = 4.7e-3  # rad, as seen from the earth
 DIRECT = 0.5  # rad: wider than this the disc of a lamp is never seen from a vehicle
 # Rows of what is gathered: scratch, the share of light from all sides, daylight, then the lamps.
 SCRATCH, SHARE, DAY, LAMPS = range(4)
+
+
+def rings() -> tuple[tuple[float, ...], ...]:
+    """
+    Return the rings of pencils.
+
+    Returns
+    -------
+    tuple of tuple of float
+        Of each ring: the solid angle of a pencil over pi, half its height [rad], then sine and
+        cosine of the elevation of its middle and of its rays.
+
+    """
+    found = []
+    for low, high in itertools.pairwise(EDGES):
+        below, above = math.sin(math.radians(low)), math.sin(math.radians(high))
+        size = 2.0 / ROUND * (above - below)
+        shares = (0.5, *((k + 0.5) / PARTS for k in range(PARTS)))
+        for side in (1.0, -1.0):
+            ups = [side * (below + share * (above - below)) for share in shares]
+            ways = [number for up in ups for number in (up, math.sqrt(1.0 - up * up))]
+            found.append((size, 0.5 * math.radians(high - low), *ways))
+    return tuple(found)
+
+
+def around(count: int) -> tuple[tuple[float, float], ...]:
+    """Return cosine and sine of the middles of so many parts of a turn."""
+    turns = [2.0 * math.pi * (k + 0.5) / count for k in range(count)]
+    return tuple((math.cos(turn), math.sin(turn)) for turn in turns)
+
+
+RINGS, PENCILS, RAYS = rings(), around(ROUND), around(ROUND * PARTS)
 
 
 def beam_of(row: Row) -> Beam:
@@ -176,35 +208,24 @@ def gather(
     x, y, z = to_map(r, centre)
     point = (position[0] + x, position[1] + y, position[2] + z)
     indoors = within(s, point[0], point[1], point[2])
-    rings = len(EDGES) - 1
-    for ring in range(2 * rings):
-        edge = ring % rings
-        low, high = math.radians(EDGES[edge]), math.radians(EDGES[edge + 1])
-        side = 1.0 if ring < rings else -1.0
-        size = (math.sin(high) - math.sin(low)) * 2.0 * math.pi / ROUND / math.pi
-        up = side * 0.5 * (math.sin(low) + math.sin(high))
-        level = math.sqrt(1.0 - up * up)
+    for ring in RINGS:
         for step in range(ROUND):
-            turn = 2.0 * math.pi * (step + 0.5) / ROUND
-            u = (level * math.cos(turn), level * math.sin(turn), up)
-            way = to_body(r, u)
+            c, d = PENCILS[step]
+            way = to_body(r, (ring[3] * c, ring[3] * d, ring[2]))
             used = False
             for i in range(len(planes)):
                 part = seen(eye, (planes[i][3], planes[i][4], planes[i][5]), way)
                 if part > 0.0:
                     spot = (planes[i][0], planes[i][1], planes[i][2])
-                    part *= size * visible(hull, spot, way, 0.5 * (high - low))
+                    part *= ring[0] * visible(hull, spot, way, ring[1])
                     used = used or part > 0.0
                 out[SCRATCH, i] = part
                 out[SHARE, i] += part
             for ray in range(PARTS * PARTS if used else 0):
-                above = (math.floor(ray / PARTS) + 0.5) / PARTS
-                height = side * (math.sin(low) + above * (math.sin(high) - math.sin(low)))
-                angle = 2.0 * math.pi * (step + (ray % PARTS + 0.5) / PARTS) / ROUND
-                flat = math.sqrt(1.0 - height * height)
-                v = (flat * math.cos(angle), flat * math.sin(angle), height)
-                met, inside = hit(s, point, v)
-                day = daylit(s, inside, height) / (PARTS * PARTS)
+                row = 4 + 2 * (ray // PARTS)
+                c, d = RAYS[PARTS * step + ray % PARTS]
+                met, inside = hit(s, point, (ring[row + 1] * c, ring[row + 1] * d, ring[row]))
+                day = daylit(s, inside, ring[row]) / (PARTS * PARTS)
                 for i in range(len(planes)):
                     out[DAY, i] += day * out[SCRATCH, i]
                 for k in range(len(lamps)):

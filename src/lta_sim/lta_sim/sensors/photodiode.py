@@ -29,6 +29,7 @@ from pydantic import Field
 
 Array = NDArray[np.float64]
 ELEMENTARY_CHARGE = 1.602176634e-19  # C, exact in SI
+ROOM = 0.5  # of the converter's range that steady light may take
 NOISE_RESISTANCE = 1e6  # ohm, at which the data sheet gives the noise
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
@@ -66,6 +67,8 @@ class PhotodiodeArray(Record):
         Diodes that read nothing, from 0.
     feedback_resistance : float
         Feedback resistor of the amplifiers. [ohm]
+    resistors : tuple of float
+        Those that may be selected instead, the largest first. [ohm]
     area : float
         Sensitive area of a diode. [m2]
     responsivity : float
@@ -99,6 +102,7 @@ class PhotodiodeArray(Record):
     gains: tuple[NotNegative, ...] = ()
     dead: tuple[Annotated[int, Field(ge=0)], ...] = ()
     feedback_resistance: Positive
+    resistors: tuple[Positive, ...] = ()
     area: Positive = 5.2e-6
     responsivity: Positive = 0.45
     dark_offset: NotNegative = 7.5e-3
@@ -133,6 +137,16 @@ class PhotodiodeArray(Record):
         factors = np.array(self.gains) if self.gains else np.ones(self.count)
         factors[list(self.dead)] = 0.0
         return factors
+
+    def selected(self, irradiance: float) -> 'PhotodiodeArray':
+        """Return these diodes with the largest resistor that steady light leaves room. [W/m2]"""
+        volts = [
+            resistor * self.area * self.responsivity * irradiance for resistor in self.resistors
+        ]
+        for resistor, reached in zip(self.resistors, volts, strict=True):
+            if reached <= ROOM * self.adc_range or resistor == self.resistors[-1]:
+                return self.model_copy(update={'feedback_resistance': resistor})
+        return self
 
     def drawn(self, chance: np.random.Generator) -> 'PhotodiodeArray':
         """Return these diodes with gains drawn by their spread, none below zero."""
