@@ -102,6 +102,11 @@ def platforms(folder, call):
     (folder / 'out' / 'report.html').rename(folder / 'report.html')
 
 
+def light_plan(folder, call):
+    call('light', 'plan', '--cell', '2', '--lamps', '3', '--out', folder / 'out')
+    (folder / 'out' / 'report.html').rename(folder / 'report.html')
+
+
 def evaluate(folder, call):
     (folder / 'near.yaml').write_text(yaml.safe_dump(NEAR))
     near = FlightSet(str(folder / 'near.yaml'), 'Near', 'From close by.')
@@ -145,7 +150,7 @@ def replay(folder, call):
 
 PAGES = {
     made.__name__: made
-    for made in (flight, plot, vehicle, sweep, wind, platforms, evaluate, tune, replay)
+    for made in (flight, plot, vehicle, sweep, wind, light_plan, platforms, evaluate, tune, replay)
 }
 
 

@@ -58,8 +58,9 @@ BAG: Final = Group(
     },
 )
 LIGHT: Final = Group(
-    'Study the light: what a lamp does, and how drones find their way by it.',
+    'Study the light: where lamps go, and how drones find their way by them.',
     {
+        'plan': Verb('light_plan', 'plan'),
         'evaluate': Verb('light_evaluate', 'evaluate', several=('--sets',)),
     },
 )
@@ -75,8 +76,8 @@ VERBS: Final[dict[str, Verb | Group]] = {
     'wind': Verb('wind', 'wind'),
     'platforms': Verb('platforms', 'platforms'),
     'vehicle': Verb('vehicle', 'vehicle'),
-    'bag': BAG,
     'light': LIGHT,
+    'bag': BAG,
     'compare': Verb('compare', 'compare'),
     'discover': Verb('discover', 'discover', several=('--train', '--confirm', '--holdout')),
     'challenge': Verb('challenge', 'challenge'),
