@@ -46,7 +46,7 @@ class HomingSettings(Settings):
         0.95, 'Fastest airspeed to ask for.', unit='m/s', low=0.05, high=20.0
     )
     brightness: float = setting(
-        4000.0, 'Strength of the lamp at one metre.', unit='counts', low=1.0, high=1e9
+        2100.0, 'Strength of the lamp at one metre.', unit='counts', low=1.0, high=1e9
     )
     unsure: float = setting(
         0.5, 'Standard deviation of its logarithm.', unit='1', low=0.01, high=5.0
@@ -109,6 +109,11 @@ def start(heading: float) -> Homing:
     none = (0.0, 0.0, 0.0, 0.0, 0.0)
     fix = Fix(0.0, 0.0, 0.0, 0.0, 0.0, (none, none, none, none, none))
     return Homing(heading, False, fix, False, (0.0, 0.0), 0.0, 0.0, 0.0, False)
+
+
+def watch(settings: 'StrategySettings', memory: Homing, sight: Sight) -> Homing:
+    """Return the memory after a sight from a drone that climbs: wind is felt at once."""
+    return followed(settings.homing, memory, sight)
 
 
 def steer(settings: 'StrategySettings', memory: Homing, sight: Sight) -> tuple[Course, Homing]:
@@ -199,4 +204,4 @@ def searching(settings: 'StrategySettings', m: Homing, interval: float) -> tuple
     return m.heading + settings.search_rate * interval * turn / m.searched, settings.speed
 
 
-STRATEGY = Strategy('homing', start, steer, arrives=True)
+STRATEGY = Strategy('homing', start, steer, watch, arrives=True)

@@ -99,6 +99,9 @@ class Strategy:
         `start(heading) -> memory` before the first sight.
     steer : callable
         `steer(settings, memory, sight) -> (course, memory)`.
+    watch : callable, optional
+        `watch(settings, memory, sight) -> memory` while the drone climbs: what it learns before it
+        may steer. It keeps the heading.
     arrives : bool
         Whether it ever says that it has arrived, as a route needs.
 
@@ -107,4 +110,5 @@ class Strategy:
     name: str
     start: Callable[[float], Memory]
     steer: Callable[['StrategySettings', Any, Sight], tuple[Course, Memory]]
+    watch: Callable[['StrategySettings', Any, Sight], Memory] | None = None
     arrives: bool = False
