@@ -8,8 +8,8 @@ wind it flies faster. Near the lamp the speed over the ground falls with the ran
 second, and inside `arrival` it is 0: the drone has arrived and holds its place against the wind.
 
 What does not fit is not followed: a bearing that is itself uncertain, one that is far off the
-filter's, and one that is much weaker than the lamp would be from there, as an echo is whose lamp is
-hidden. While there is no light that fits, the filter goes on by dead reckoning for `hold`; then
+filter's, and one that is much weaker than the lamp would be from there, as an echo is whose lamp
+is hidden. While there is no light that fits, the filter goes on by dead reckoning for `hold`; then
 the drone searches, by a turn on the spot and then in circles that widen. A light that is as strong
 as the lamp but elsewhere for `doubt` is taken for the lamp: the filter was wrong. So is any light
 that is found after a search of a whole turn.
@@ -43,7 +43,7 @@ class HomingSettings(Settings):
     """What homing knows of lamp, wind and drone beforehand, and how patient it is."""
 
     top_speed: float = setting(
-        0.95, 'Fastest airspeed to ask for.', unit='m/s', low=0.05, high=20.0
+        1.05, 'Fastest airspeed to ask for.', unit='m/s', low=0.05, high=20.0
     )
     brightness: float = setting(
         2100.0, 'Strength of the lamp at one metre.', unit='counts', low=1.0, high=1e9
@@ -55,13 +55,23 @@ class HomingSettings(Settings):
         0.03, 'Standard deviation of one bearing beyond its own.', unit='rad', low=1e-4, high=1.0
     )
     strength_noise: float = setting(
-        0.3, "Standard deviation of one strength's logarithm.", unit='1', low=0.01, high=5.0
+        0.15, "Standard deviation of one strength's logarithm.", unit='1', low=0.01, high=5.0
     )
     wind: float = setting(
         0.4, 'Standard deviation of the drift to expect.', unit='m/s', low=0.0, high=10.0
     )
     gusts: float = setting(
-        0.1, 'How much the drift changes in a second.', unit='m/s', low=0.0, high=5.0
+        0.03, 'How much the drift changes in a second.', unit='m/s', low=0.0, high=5.0
+    )
+    settling: float = setting(
+        6.0,
+        'Time in which the drone learns its airspeed once it flies: gusts seem larger till then.',
+        unit='s',
+        low=0.1,
+        high=60.0,
+    )
+    unsettled: float = setting(
+        0.6, 'How much the drift changes in a second at first.', unit='m/s', low=0.0, high=5.0
     )
     gate: float = setting(
         4.0, 'Standard deviations beyond which a sight does not fit.', unit='1', low=1.0, high=20.0
@@ -98,6 +108,7 @@ class Homing(NamedTuple):
     fix: Fix
     begun: bool  # whether `place` is known
     place: tuple[float, float]  # dead reckoned, at the last sight [m]
+    flown: float  # time since the first sight [s]
     lost: float  # time without light that fits [s]
     doubted: float  # time with a strong light elsewhere [s]
     searched: float  # time of search [s]
@@ -108,7 +119,7 @@ def start(heading: float) -> Homing:
     """Return the memory before the first sight: nothing is known."""
     none = (0.0, 0.0, 0.0, 0.0, 0.0)
     fix = Fix(0.0, 0.0, 0.0, 0.0, 0.0, (none, none, none, none, none))
-    return Homing(heading, False, fix, False, (0.0, 0.0), 0.0, 0.0, 0.0, False)
+    return Homing(heading, False, fix, False, (0.0, 0.0), 0.0, 0.0, 0.0, 0.0, False)
 
 
 def watch(settings: 'StrategySettings', memory: Homing, sight: Sight) -> Homing:
@@ -136,25 +147,26 @@ def _searched(m: Homing, heading: float, searched: float) -> Homing:
     """Return a memory with what was asked for."""
     arrived = m.arrived and searched <= 0.0
     return Homing(
-        heading, m.known, m.fix, m.begun, m.place, m.lost, m.doubted, searched, arrived
+        heading, m.known, m.fix, m.begun, m.place, m.flown, m.lost, m.doubted, searched, arrived
     )  # fmt: skip
 
 
-def optics_of(own: HomingSettings) -> Optics:
-    """Return what the filter knows beforehand."""
+def optics_of(own: HomingSettings, flown: float) -> Optics:
+    """Return what the filter knows beforehand, some time after the first sight. [s]"""
+    gusts = math.hypot(own.gusts, own.unsettled * math.exp(-flown / own.settling))
     return Optics(
         math.log(own.brightness),
         own.unsure,
         own.bearing_noise,
         own.strength_noise,
         own.wind,
-        own.gusts,
+        gusts,
     )
 
 
 def followed(own: HomingSettings, m: Homing, sight: Sight) -> Homing:
     """Return the memory with what one more sight tells, if it fits."""
-    optics, dt = optics_of(own), sight.interval
+    optics, dt = optics_of(own, m.flown), sight.interval
     fix, known, lost, doubted = m.fix, m.known, m.lost + dt, m.doubted
     if m.known:
         moved_x, moved_y = sight.position[0] - m.place[0], sight.position[1] - m.place[1]
@@ -174,7 +186,8 @@ def followed(own: HomingSettings, m: Homing, sight: Sight) -> Homing:
     limit = own.arrival * (STAY if m.arrived else 1.0)
     arrived = known and away <= limit
     return Homing(
-        m.heading, known, fix, True, sight.position, lost, doubted, m.searched, arrived
+        m.heading, known, fix, True, sight.position, m.flown + dt, lost, doubted, m.searched,
+        arrived,
     )  # fmt: skip
 
 

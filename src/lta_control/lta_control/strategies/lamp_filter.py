@@ -15,8 +15,8 @@ the strength. The drift is the wind, and whatever the airspeed estimate is wrong
 lets go in wind that is all of the wind, for some seconds.
 
 Across the line to the lamp the bearings tell the drift. Along it they tell nothing, and strengths
-tell the time to go, r / (v + w), alone: what r itself is comes from the brightness, which the drone
-knows beforehand within a factor (`Optics`).
+tell the time to go, r / (v + w), alone: what r itself is comes from the brightness, which the
+drone knows beforehand within a factor (`Optics`).
 """
 
 import math
