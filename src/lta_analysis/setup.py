@@ -6,7 +6,7 @@ setup(
     name='lta_analysis',
     version='0.1.0',
     packages=find_packages(),
-    package_data={'lta_analysis': ['py.typed', 'report/assets/*', 'discovery/*.yaml']},
+    package_data={'lta_analysis': ['py.typed', 'report/assets/*', 'discovery/naming/*.yaml']},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/lta_analysis']),
         ('share/lta_analysis', ['package.xml']),

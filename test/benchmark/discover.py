@@ -17,12 +17,12 @@ from bench import Figure
 sys.path.append(str(Path(__file__).resolve().parents[1] / 'unit' / 'analysis'))
 
 from discovery.hidden_flight import flown, nominal, prepared
-from lta_analysis.discovery.evidence import tolerances
-from lta_analysis.discovery.fit import fit
-from lta_analysis.discovery.linear import origin, RANDOM
-from lta_analysis.discovery.linearise import Linearised
-from lta_analysis.discovery.measured import PERIOD, Stream, Streams
-from lta_analysis.discovery.scan import scan
+from lta_analysis.discovery.fit.evidence import tolerances
+from lta_analysis.discovery.fit.fit import fit
+from lta_analysis.discovery.flights.measured import PERIOD, Stream, Streams
+from lta_analysis.discovery.naming.scan import scan
+from lta_analysis.discovery.replay.linear import origin, RANDOM
+from lta_analysis.discovery.replay.linearise import Linearised
 import numpy as np
 from scipy.signal import savgol_filter
 

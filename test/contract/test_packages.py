@@ -35,7 +35,7 @@ ROS = re.compile(
 FENCED = re.compile(r'(rclpy|builtin_interfaces|rcl_interfaces|\w+_msgs|std_srvs)(\.|$)')
 BEYOND = re.compile(r'lta_graph\.ros(\.|$)|lta_\w+\.(nodes|messages)(\.|$)')
 CONDUCTORS = {  # start a graph and listen to it, record a flight as one, or ask what nodes take
-    'src/lta_analysis/lta_analysis/discovery/hidden.py',
+    'src/lta_analysis/lta_analysis/discovery/demo/hidden.py',
     'src/lta_analysis/lta_analysis/flight.py',
     'src/lta_analysis/lta_analysis/graph.py',
     'src/lta_analysis/lta_analysis/replay/given.py',

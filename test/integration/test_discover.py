@@ -5,8 +5,8 @@ from pathlib import Path
 import subprocess
 
 from lta_analysis.app import status
-from lta_analysis.discovery.hidden import fly_hidden, Hidden
-from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.demo.hidden import fly_hidden, Hidden
+from lta_analysis.discovery.model.nominal import Nominal
 from lta_sim.vehicle import load_vehicle
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory

@@ -3,10 +3,10 @@
 from dataclasses import replace
 
 from lta_analysis.browser import Browser, find_chromium
-from lta_analysis.discovery.linear import origin
+from lta_analysis.discovery.outside.unexplained import Remainder
 from lta_analysis.discovery.page import write_page
+from lta_analysis.discovery.replay.linear import origin
 from lta_analysis.discovery.study import Shown
-from lta_analysis.discovery.unexplained import Remainder
 from lta_analysis.report.pictures import complaints, COUNT_PANELS, fetched, show
 from lta_config.errors import BadInput
 import pytest

@@ -1,7 +1,8 @@
 """
 Derive which names no data of a kind can tell apart: `make classes` (a minute).
 
-Writes `classes.yaml` beside `lta_analysis.discovery.classes`, and `docs/discovery_classes.md`.
+Writes `classes.yaml` beside `lta_analysis.discovery.naming.classes`, and
+`docs/discovery_classes.md`.
 With --check nothing is written: exit status 1 if the file is not what is derived now.
 """
 
@@ -9,9 +10,9 @@ import argparse
 from pathlib import Path
 import sys
 
-from lta_analysis.discovery.classes import FILE, Frozen, OfKind
-from lta_analysis.discovery.knobs import knobs
-from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.model.knobs import knobs
+from lta_analysis.discovery.model.nominal import Nominal
+from lta_analysis.discovery.naming.classes import FILE, Frozen, OfKind
 from lta_analysis.discovery.planning import deriving
 from lta_analysis.discovery.planning.deriving import Derived
 from lta_config.files import load
@@ -20,7 +21,7 @@ import numpy as np
 import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
-TABLE = ROOT / 'src/lta_analysis/lta_analysis/discovery' / FILE.name
+TABLE = ROOT / 'src/lta_analysis/lta_analysis/discovery/naming' / FILE.name
 PAGE = ROOT / 'docs/discovery_classes.md'
 NEAR = 0.9  # of a cosine, from which a pair is listed
 TOLD = {
@@ -134,7 +135,7 @@ def main() -> int:
         } and before.digest == kept.digest
         sys.stdout.write('as derived\n' if same else 'not as derived: run make classes\n')
         return 0 if same else 1
-    head = '# Derived by `make classes`; see lta_analysis.discovery.classes. Not to be edited.\n'
+    head = '# Derived by `make classes`; see discovery/naming/classes.py. Not to be edited.\n'
     text = yaml.safe_dump(kept.model_dump(), sort_keys=False, width=120, default_flow_style=None)
     TABLE.write_text(head + text)
     PAGE.write_text(page(kept))

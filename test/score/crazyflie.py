@@ -13,13 +13,13 @@ import sys
 from typing import Final, final, NamedTuple
 import warnings
 
-from lta_analysis.discovery.linear import origin
-from lta_analysis.discovery.linearise import Linearised
-from lta_analysis.discovery.measured import measured, PERIOD, Stream, Streams
-from lta_analysis.discovery.nominal import Nominal
-from lta_analysis.discovery.replay import Replay, STEPS
-from lta_analysis.discovery.sensing import Places
-from lta_analysis.discovery.windows import windows
+from lta_analysis.discovery.flights.measured import measured, PERIOD, Stream, Streams
+from lta_analysis.discovery.flights.windows import windows
+from lta_analysis.discovery.model.nominal import Nominal
+from lta_analysis.discovery.replay.linear import origin
+from lta_analysis.discovery.replay.linearise import Linearised
+from lta_analysis.discovery.replay.replay import Replay, STEPS
+from lta_analysis.discovery.replay.sensing import Places
 from lta_config.constants import STANDARD_GRAVITY
 from lta_sim.vehicle import load_vehicle
 import numpy as np

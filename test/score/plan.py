@@ -19,16 +19,16 @@ import sys
 import time
 from typing import Any, NamedTuple
 
-from lta_analysis.discovery.classes import Kind, same_class
-from lta_analysis.discovery.knobs import Knob
-from lta_analysis.discovery.linearise import Linearised
-from lta_analysis.discovery.naming import Named, Naming
+from lta_analysis.discovery.model.knobs import Knob
+from lta_analysis.discovery.naming.classes import Kind, same_class
+from lta_analysis.discovery.naming.naming import Named, Naming
 from lta_analysis.discovery.planning.choice import Planner, Rival
 from lta_analysis.discovery.planning.deriving import digest
 from lta_analysis.discovery.planning.manoeuvres import manoeuvre, Space
 from lta_analysis.discovery.planning.pairs import Pairs
 from lta_analysis.discovery.planning.rehearsal import along, prepared, rehearse, Sensors
 from lta_analysis.discovery.planning.supposed import supposed
+from lta_analysis.discovery.replay.linearise import Linearised
 from lta_analysis.ingredients import gather, Ingredients, parts_of
 from lta_analysis.sweep.statistics import wilson
 from lta_config.errors import BadInput

@@ -12,10 +12,10 @@ from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.carrying.choose import choose, Chosen
 from lta_analysis.discovery.carrying.groups import groups, wide
-from lta_analysis.discovery.foresight import Fitted, Foresight
-from lta_analysis.discovery.knobs import knobs
-from lta_analysis.discovery.nominal import Nominal
-from lta_analysis.discovery.transfer import left_out, Regime, warning
+from lta_analysis.discovery.carrying.transfer import left_out, Regime, warning
+from lta_analysis.discovery.forecast.foresight import Fitted, Foresight
+from lta_analysis.discovery.model.knobs import knobs
+from lta_analysis.discovery.model.nominal import Nominal
 from lta_sim.vehicle import load_vehicle
 import numpy as np
 from numpy.typing import NDArray

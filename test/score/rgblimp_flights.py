@@ -5,14 +5,20 @@ import os
 from pathlib import Path
 from typing import Final, final, NamedTuple
 
-from lta_analysis.discovery.ahead import HORIZONS
-from lta_analysis.discovery.knobs import Knob
-from lta_analysis.discovery.linearise import Linearised
-from lta_analysis.discovery.measured import Measured, measured, PERIOD, Stream, Streams
-from lta_analysis.discovery.replay import Replay
-from lta_analysis.discovery.sensing import Places
-from lta_analysis.discovery.turning import exponential, logarithm, product, reverse, rotated
-from lta_analysis.discovery.windows import Windows
+from lta_analysis.discovery.flights.measured import Measured, measured, PERIOD, Stream, Streams
+from lta_analysis.discovery.flights.windows import Windows
+from lta_analysis.discovery.forecast.ahead import HORIZONS
+from lta_analysis.discovery.model.knobs import Knob
+from lta_analysis.discovery.model.rotations import (
+    exponential,
+    logarithm,
+    product,
+    reverse,
+    rotated,
+)
+from lta_analysis.discovery.replay.linearise import Linearised
+from lta_analysis.discovery.replay.replay import Replay
+from lta_analysis.discovery.replay.sensing import Places
 from lta_sim.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray

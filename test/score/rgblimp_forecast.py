@@ -3,11 +3,17 @@
 from collections.abc import Sequence
 from typing import Final, final, NamedTuple
 
-from lta_analysis.discovery.ahead import Ahead, HORIZONS
-from lta_analysis.discovery.foresight import Foresight
-from lta_analysis.discovery.gap import coasting
-from lta_analysis.discovery.measured import PERIOD
-from lta_analysis.discovery.turning import exponential, logarithm, product, reverse, rotated
+from lta_analysis.discovery.flights.measured import PERIOD
+from lta_analysis.discovery.forecast.ahead import Ahead, HORIZONS
+from lta_analysis.discovery.forecast.foresight import Foresight
+from lta_analysis.discovery.forecast.gap import coasting
+from lta_analysis.discovery.model.rotations import (
+    exponential,
+    logarithm,
+    product,
+    reverse,
+    rotated,
+)
 import numpy as np
 from numpy.typing import NDArray
 from rgblimp_flights import begun, Flight, REPEATS

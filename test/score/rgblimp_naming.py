@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from lta_analysis.discovery.carrying.groups import Group
-from lta_analysis.discovery.knobs import Knob
+from lta_analysis.discovery.model.knobs import Knob
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,6 +1,6 @@
 """Results appear when all are there, or none does."""
 
-from lta_analysis.discovery.overlay import topic_words
+from lta_analysis.discovery.results.overlay import topic_words
 from lta_analysis.results_folder import all_at_once, can_be_made
 from lta_config.errors import BadInput
 import pytest

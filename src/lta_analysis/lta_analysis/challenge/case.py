@@ -1,5 +1,6 @@
 """One case of a challenge: drawn from a seed and its number alone."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final, final
 
@@ -21,9 +22,9 @@ from lta_analysis.challenge.tolerance import off, trimmed
 from lta_analysis.challenge.truth_flight import TICK
 from lta_analysis.challenge.vessel import Vessel, vessel
 from lta_analysis.challenge.watched import Instruments, Streams, Watcher
-from lta_analysis.discovery.evidence import FLOOR
-from lta_analysis.discovery.knobs import Knob
-from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.fit.evidence import FLOOR
+from lta_analysis.discovery.model.knobs import Knob
+from lta_analysis.discovery.model.nominal import Nominal
 from lta_sim.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
@@ -155,8 +156,8 @@ class Drawing:
             nominal = by_name[one.knob].turned(nominal, one.value)
         return off(nominal, self._row.worse, self._draw(2))
 
-    def drawn(self) -> Case:
-        """Draw it, and fly all its flights."""
+    def drawn(self, roles: Sequence[str] = ROLES) -> Case:
+        """Draw it, and fly all its flights: one for each role, the same whatever follows it."""
         hidden = self._hidden()
         nominal, outside, name = self._turned(hidden), dict[str, Any](), ''
         if self._row.structured:
@@ -166,7 +167,7 @@ class Drawing:
             name, given, floors = self._clear(nominal, outside)
             outside[name] = given
         flights = tuple(
-            self._flight(nominal, outside, index, role) for index, role in enumerate(ROLES)
+            self._flight(nominal, outside, index, role) for index, role in enumerate(roles)
         )
         answer = {
             'kind': self.kind,
@@ -242,7 +243,8 @@ class Drawing:
             streams['wrench_command'] = (time, happened.commands[:, :6])
         else:
             streams['motors'] = (time, happened.commands[:, :rotors])
-        return Flight(role, role, course, streams)
+        name = role if index < len(ROLES) else f'{role}_{index + 1}'
+        return Flight(name, role, course, streams)
 
 
 def clear(forces: Array) -> float:

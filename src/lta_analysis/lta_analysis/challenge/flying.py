@@ -7,7 +7,7 @@ from typing import Final, final
 from lta_analysis.challenge.truth_flight import KEPT, LONGEST
 from lta_analysis.challenge.truth_source import RIGID
 from lta_analysis.challenge.vessel import allocation, composed, truth, turned, Vessel
-from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.model.nominal import Nominal
 from lta_config.errors import BadInput
 from lta_sim.effects.protocol import AirEffect, Place
 from lta_sim.state import ACTUATORS, SURROUNDINGS

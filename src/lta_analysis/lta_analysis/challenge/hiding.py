@@ -5,8 +5,8 @@ from typing import Final, final, NamedTuple
 
 from lta_analysis.challenge.outside import OUTSIDE, STRANGE, STRUCTURED
 from lta_analysis.challenge.rows import Row
-from lta_analysis.discovery.classes import of_kind, same_class
-from lta_analysis.discovery.knobs import Knob
+from lta_analysis.discovery.model.knobs import Knob
+from lta_analysis.discovery.naming.classes import of_kind, same_class
 import numpy as np
 
 Draw = np.random.Generator

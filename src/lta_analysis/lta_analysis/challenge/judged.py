@@ -7,7 +7,7 @@ from typing import Any, Final, final
 from lta_analysis.challenge.hiding import effect_of
 from lta_analysis.challenge.outside import OUTSIDE
 from lta_analysis.challenge.rows import Kind, kind, row
-from lta_analysis.discovery.classes import classes
+from lta_analysis.discovery.naming.classes import classes
 
 FAR: Final = 3.0  # s; the horizon at which a model is held against the oracle
 

@@ -14,8 +14,8 @@ from lta_analysis.challenge.rows import Kind, row
 from lta_analysis.challenge.sealed import NAME as SEALED
 from lta_analysis.challenge.sealed import seal
 from lta_analysis.children import done_by
-from lta_analysis.discovery.knobs import knobs
-from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.model.knobs import knobs
+from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.results_folder import all_at_once, can_be_made, keep_json
 from lta_bridge.provenance import commit
 from lta_config.errors import BadInput

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Final, final, Literal
 
-from lta_analysis.discovery.classes import Kind as Data
+from lta_analysis.discovery.naming.classes import Kind as Data
 from lta_config.errors import unknown
 
 Kind = Literal['clean', 'single', 'pair', 'outside', 'mixed']
@@ -41,7 +41,7 @@ class Row:
     pushed : bool
         Whether the vehicle is commanded by a wrench.
     data : str
-        Kind of data by which names are one (`lta_analysis.discovery.classes`).
+        Kind of data by which names are one (`lta_analysis.discovery.naming.classes`).
 
     """
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import math
 from typing import Final
 
-from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.model.nominal import Nominal
 import numpy as np
 
 Draw = np.random.Generator

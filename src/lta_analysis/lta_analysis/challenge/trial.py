@@ -8,14 +8,14 @@ import time
 from typing import Any, Final
 
 from lta_analysis.challenge.case import ROLES
-from lta_analysis.discovery.bags import read_bags
-from lta_analysis.discovery.evidence import floor_of, own_variance, shared
 from lta_analysis.discovery.finding import Gap
-from lta_analysis.discovery.fit import Fitter, Joint, turned
-from lta_analysis.discovery.held_out import gaps, shown
-from lta_analysis.discovery.linear import Point, RANDOM
+from lta_analysis.discovery.fit.evidence import floor_of, own_variance, shared
+from lta_analysis.discovery.fit.fit import Fitter, Joint, turned
+from lta_analysis.discovery.flights.bags import read_bags
+from lta_analysis.discovery.flights.trusted import believed
+from lta_analysis.discovery.forecast.held_out import gaps, shown
+from lta_analysis.discovery.replay.linear import Point, RANDOM
 from lta_analysis.discovery.study import Study, study
-from lta_analysis.discovery.trusted import believed
 from lta_config.errors import BadInput
 from lta_sim.vehicle import load_vehicle
 import numpy as np

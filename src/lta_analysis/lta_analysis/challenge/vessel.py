@@ -9,7 +9,7 @@ from typing import final
 from lta_analysis.challenge.outside import STRANGE
 from lta_analysis.challenge.truth_flight import ENTRIES
 from lta_analysis.challenge.truth_source import APART, Composed, of_library
-from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.model.nominal import Nominal
 from lta_config.errors import BadInput
 from lta_sim.effects import EFFECTS
 from lta_sim.effects.protocol import (

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, final, Literal, NamedTuple
 
-from lta_analysis.discovery.detectable import Detectable
-from lta_analysis.discovery.unexplained import Remainder
+from lta_analysis.discovery.naming.detectable import Detectable
+from lta_analysis.discovery.outside.unexplained import Remainder
 
 Verdict = Literal['none', 'named', 'unexplained', 'named+unexplained', 'not_identifiable']
 Interval = tuple[float, float]

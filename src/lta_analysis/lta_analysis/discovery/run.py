@@ -6,20 +6,20 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import final
 
-from lta_analysis.discovery.bags import read_bags, Role
+from lta_analysis.discovery.carrying.regimes import interpolation
 from lta_analysis.discovery.carrying.route import by_forecasts
-from lta_analysis.discovery.cautions import cautions
-from lta_analysis.discovery.learned_file import learned_text
-from lta_analysis.discovery.linear import origin
-from lta_analysis.discovery.overlay import write_overlay
+from lta_analysis.discovery.flights.bags import read_bags, Role
+from lta_analysis.discovery.flights.trusted import Believed, believed
+from lta_analysis.discovery.forecast.cautions import cautions
 from lta_analysis.discovery.page.page import NAME as PAGE
 from lta_analysis.discovery.page.page import page
-from lta_analysis.discovery.places import places, Seen
 from lta_analysis.discovery.planning.next_flight import doubted, hint, Next, of_study
-from lta_analysis.discovery.regimes import interpolation
+from lta_analysis.discovery.replay.linear import origin
+from lta_analysis.discovery.results.discovery_json import NAME, to_dict
+from lta_analysis.discovery.results.learned_file import learned_text
+from lta_analysis.discovery.results.overlay import write_overlay
 from lta_analysis.discovery.study import Study, study
-from lta_analysis.discovery.told import NAME, to_dict
-from lta_analysis.discovery.trusted import Believed, believed
+from lta_analysis.discovery.where.places import places, Seen
 from lta_analysis.report.frame import written as kept
 from lta_analysis.results_folder import all_at_once, keep_json
 from lta_bridge.bag.storage import StorageFault

@@ -4,27 +4,27 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
-from lta_analysis.discovery.classes import Kind, kind_of, same_class
-from lta_analysis.discovery.detectable import detectable
-from lta_analysis.discovery.evidence import floor_of
 from lta_analysis.discovery.finding import Finding, Gap, Rung, Verdict
-from lta_analysis.discovery.fit import Fit
-from lta_analysis.discovery.held_out import gaps, shown
-from lta_analysis.discovery.knobs import Knob, knobs
-from lta_analysis.discovery.linear import Point
-from lta_analysis.discovery.linearise import Linearised
-from lta_analysis.discovery.measured import Measured
-from lta_analysis.discovery.naming import Naming, Step
-from lta_analysis.discovery.nominal import Nominal
-from lta_analysis.discovery.outliers import without_outliers
-from lta_analysis.discovery.outside import Outside, outside
-from lta_analysis.discovery.proof import Proof, Proven
-from lta_analysis.discovery.replay import Replay
-from lta_analysis.discovery.said_once import said_once
-from lta_analysis.discovery.sensing import floor_pressure, Places
-from lta_analysis.discovery.sizes import effects, learned
-from lta_analysis.discovery.splitting import assigned, Role, ROLES
-from lta_analysis.discovery.windows import FEWEST, windows
+from lta_analysis.discovery.fit.evidence import floor_of
+from lta_analysis.discovery.fit.fit import Fit
+from lta_analysis.discovery.flights.measured import Measured
+from lta_analysis.discovery.flights.outliers import without_outliers
+from lta_analysis.discovery.flights.said_once import said_once
+from lta_analysis.discovery.flights.splitting import assigned, Role, ROLES
+from lta_analysis.discovery.flights.windows import FEWEST, windows
+from lta_analysis.discovery.forecast.held_out import gaps, shown
+from lta_analysis.discovery.model.knobs import Knob, knobs
+from lta_analysis.discovery.model.nominal import Nominal
+from lta_analysis.discovery.naming.classes import Kind, kind_of, same_class
+from lta_analysis.discovery.naming.detectable import detectable
+from lta_analysis.discovery.naming.naming import Naming, Step
+from lta_analysis.discovery.naming.proof import Proof, Proven
+from lta_analysis.discovery.naming.sizes import effects, learned
+from lta_analysis.discovery.outside.outside import Outside, outside
+from lta_analysis.discovery.replay.linear import Point
+from lta_analysis.discovery.replay.linearise import Linearised
+from lta_analysis.discovery.replay.replay import Replay
+from lta_analysis.discovery.replay.sensing import floor_pressure, Places
 from lta_config.errors import BadInput
 from lta_sim.vehicle import Vehicle
 

@@ -5,15 +5,15 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
-from lta_analysis.discovery.bags import Role
-from lta_analysis.discovery.demo import demonstrate
-from lta_analysis.discovery.hidden import Hidden
+from lta_analysis.discovery.demo.demo import demonstrate
+from lta_analysis.discovery.demo.hidden import Hidden
+from lta_analysis.discovery.flights.bags import Role
 from lta_analysis.discovery.planning.next_flight import between as plan_between
 from lta_analysis.discovery.planning.next_flight import FILE, Next, SCENE
 from lta_analysis.discovery.progress import DiscoverProgress
+from lta_analysis.discovery.results.terminal import found_words, show
 from lta_analysis.discovery.run import Asked, Discovered
 from lta_analysis.discovery.run import discover as discovered
-from lta_analysis.discovery.terminal import found_words, show
 from lta_analysis.out_option import Out
 from lta_analysis.results_folder import can_be_made, page_line, results_folder
 from lta_analysis.typed import near, typed

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from lta_analysis.challenge.flying import flown, Pilot
 from lta_analysis.challenge.vessel import vessel
-from lta_analysis.discovery.knobs import Knob, knobs
-from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.model.knobs import Knob, knobs
+from lta_analysis.discovery.model.nominal import Nominal
 from lta_sim.effects import initial_memory
 from lta_sim.kernel import advance
 from lta_sim.state import pack, SURROUNDINGS, VOLTAGE

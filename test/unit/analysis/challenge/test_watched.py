@@ -3,7 +3,7 @@
 from lta_analysis.challenge.flying import flown, Happened
 from lta_analysis.challenge.vessel import Vessel, vessel
 from lta_analysis.challenge.watched import Instruments, noisy, Watcher
-from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.model.nominal import Nominal
 from lta_sim.vehicle import load_vehicle
 import numpy as np
 import pytest

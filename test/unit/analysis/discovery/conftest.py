@@ -1,8 +1,8 @@
 """One clean flight for all tests that only look."""
 
-from lta_analysis.discovery.knobs import Knob
-from lta_analysis.discovery.linearise import Linearised
-from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.model.knobs import Knob
+from lta_analysis.discovery.model.nominal import Nominal
+from lta_analysis.discovery.replay.linearise import Linearised
 import pytest
 
 from .hidden_bags import hidden_bags as hidden_bags

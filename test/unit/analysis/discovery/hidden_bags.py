@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from lta_analysis.discovery.hidden import fly_hidden, Hidden
+from lta_analysis.discovery.demo.hidden import fly_hidden, Hidden
 import pytest
 
 DRAG = Hidden('linear_drag.surge', 0.04, 'N s/m')

@@ -3,14 +3,14 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
-from lta_analysis.discovery.knobs import Knob, knobs
-from lta_analysis.discovery.linearise import Linearised
-from lta_analysis.discovery.measured import measured, Stream, Streams
-from lta_analysis.discovery.nominal import Nominal
-from lta_analysis.discovery.replay import Replay
-from lta_analysis.discovery.sensing import floor_pressure, Places
-from lta_analysis.discovery.turning import exponential, matrix, product
-from lta_analysis.discovery.windows import windows
+from lta_analysis.discovery.flights.measured import measured, Stream, Streams
+from lta_analysis.discovery.flights.windows import windows
+from lta_analysis.discovery.model.knobs import Knob, knobs
+from lta_analysis.discovery.model.nominal import Nominal
+from lta_analysis.discovery.model.rotations import exponential, matrix, product
+from lta_analysis.discovery.replay.linearise import Linearised
+from lta_analysis.discovery.replay.replay import Replay
+from lta_analysis.discovery.replay.sensing import floor_pressure, Places
 from lta_analysis.ingredients import gather, parts_of
 from lta_analysis.loop import Loop
 from lta_config.topics import topic_table
@@ -21,7 +21,7 @@ from lta_sim.world import World
 import numpy as np
 from numpy.typing import NDArray
 
-from .outside import Kind, Seen
+from .unknown_physics import Kind, Seen
 
 Array = NDArray[np.float64]
 POSE_NOISE, TURN_NOISE = 1e-3, 2.5e-3  # m, rad: a tracker of passive markers

@@ -3,14 +3,14 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from lta_analysis.discovery.evidence import tolerances
 from lta_analysis.discovery.finding import Finding, Gap, Learned, NamedEffect, Place, Rung
-from lta_analysis.discovery.fit import Fit, fit, turned
-from lta_analysis.discovery.gap import where
-from lta_analysis.discovery.knobs import Knob
-from lta_analysis.discovery.linear import origin, Point
-from lta_analysis.discovery.linearise import Linearised
-from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.fit.evidence import tolerances
+from lta_analysis.discovery.fit.fit import Fit, fit, turned
+from lta_analysis.discovery.forecast.gap import where
+from lta_analysis.discovery.model.knobs import Knob
+from lta_analysis.discovery.model.nominal import Nominal
+from lta_analysis.discovery.replay.linear import origin, Point
+from lta_analysis.discovery.replay.linearise import Linearised
 from lta_analysis.discovery.study import Flown, Shown, Study
 
 from .hidden_flight import flown, prepared

@@ -1,7 +1,7 @@
 """A study says what is missing, by how much, and what it is worth on a flight it has not seen."""
 
-from lta_analysis.discovery.held_out import learning
-from lta_analysis.discovery.measured import measured
+from lta_analysis.discovery.flights.measured import measured
+from lta_analysis.discovery.forecast.held_out import learning
 from lta_analysis.discovery.study import Study, study
 from lta_config.errors import BadInput
 from lta_sim.vehicle import load_vehicle

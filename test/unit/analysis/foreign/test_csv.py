@@ -1,33 +1,18 @@
-"""Text with columns: unchanged in value, in the order of the file; faults with their row."""
+"""Text with columns: unchanged in value, in the order of the file."""
 
 import gzip
 import hashlib
 import math
-from pathlib import Path
 import shutil
 import struct
 
 from hypothesis import given, HealthCheck, settings
 from hypothesis import strategies as st
 from lta_analysis.foreign.csv_text import is_number
-from lta_analysis.foreign.row_times import exact
-from lta_config.errors import BadInput
 import numpy as np
 import pytest
 
-ODOM = '/lta1/ground_truth/odom'
-HEAD = 'schema: 1\nname: mine\nabout: a test\nformat: csv\n'
-POSE = HEAD + (
-    'time: {column: t, unit: s}\n'
-    'topics:\n'
-    '  - topic: ground_truth/odom\n'
-    '    position: {columns: [x, y, z], unit: m}\n'
-)
-
-
-def text(path, *lines):
-    path.write_text('\n'.join(lines) + '\n')
-    return path
+from .csv_texts import HEAD, ODOM, POSE, text
 
 
 def test_numbers_units_axes_and_constants_by_hand(bring, tmp_path):
@@ -133,52 +118,6 @@ def test_what_is_odd_is_kept_and_named(bring, tmp_path):
         assert sentence in found.notes
 
 
-def test_rows_keep_the_order_of_the_file(bring, tmp_path):
-    """Two topics of a row come one after the other, also where the time goes back."""
-    mapping = POSE + '  - topic: range\n    range: {column: h, unit: mm}\n'
-    source = text(tmp_path / 'a.csv', 't,x,y,z,h', '9,1,2,3,4', '8,1,2,3,', '7,1,2,3,5')
-    found = bring(source, mapping)
-    from lta_analysis.bag.reader import read_bag
-
-    met = [(topic, time) for topic, time, _ in read_bag(found.imported.bag).messages()]
-    second = 1_000_000_000
-    assert met == [
-        (ODOM, 9 * second),
-        ('/lta1/range', 9 * second),
-        (ODOM, 8 * second),
-        (ODOM, 7 * second),
-        ('/lta1/range', 7 * second),
-    ]
-
-
-@pytest.mark.parametrize(
-    ('time', 'expected'),
-    [
-        ('time: {rate: 60 Hz}', [1_000_000_000, 1_016_666_667, 1_033_333_333]),
-        ('time: {step: 5 ms}', [1_000_000_000, 1_005_000_000, 1_010_000_000]),
-        (
-            'time: {rate: 50 Hz, start: 100 s}',
-            [100_000_000_000 + k * 20_000_000 for k in range(3)],
-        ),
-        ('time: {column: t}', [1_500_000_000, 1_600_000_000, 2_700_000_000]),
-        ('time: {column: t, start: 10 s}', [10_500_000_000, 10_600_000_000, 11_700_000_000]),
-    ],
-)
-def test_times_that_are_missing_or_begin_at_zero(bring, tmp_path, time, expected):
-    source = text(tmp_path / 'a.csv', 't,x,y,z', '0.5,1,2,3', '0.6,1,2,3', '1.7,1,2,3')
-    found = bring(source, POSE.replace('time: {column: t, unit: s}', time))
-    assert found.stamps(ODOM) == expected
-    assert ('1 s were added to all times' in found.notes) == ('start' not in time)
-
-
-@given(st.integers(0, 2**31 - 1), st.integers(0, 999_999_999))
-def test_a_time_keeps_every_nanosecond(seconds, nanoseconds):
-    texts = [f'{seconds}.{nanoseconds:09d}', str(seconds * 10**9 + nanoseconds)]
-    whole = seconds * 10**9 + nanoseconds
-    assert exact(texts[:1], 's', 't', 0).times.tolist() == [whole]
-    assert exact(texts[1:], 'ns', 't', 0).times.tolist() == [whole]
-
-
 @given(st.floats(allow_nan=False, allow_infinity=False))
 def test_a_number_is_the_one_nearest_to_its_text(value):
     import pyarrow as pa
@@ -233,92 +172,6 @@ def test_parts_of_a_long_text_join_without_a_seam(bring, tmp_path, monkeypatch):
     assert not found.imported.notes
 
 
-WRONG = {
-    'missing column': (('t,x,y', '5,1,2'), "has no column 'z'; it has t, x, y"),
-    'no time column': (('x,y,z', '1,2,3'), "has no column 't'; it has x, y, z"),
-    'not a number': (('t,x,y,z', '5,1,2,3', '6,1,oops,3'), "'oops' in column 'y', row 2"),
-    'comma as point': (('t,x,y,z', '5,"1,5",2,3'), "'1,5' in column 'x', row 1"),
-    'no time': (('t,x,y,z', '5,1,2,3', ',1,2,3'), "Column 't' has nothing in row 2"),
-    'wrong time': (('t,x,y,z', '5 o,1,2,3'), "Column 't' has '5 o' in row 1"),
-    'short row': (('t,x,y,z', '5,1,2,3', '6,1'), 'Expected 4 columns, got 2'),
-    'only names': (('t,x,y,z',), 'but no rows'),
-    'too late': (('t,x,y,z', '5e9,1,2,3'), 'which ROS cannot stamp'),
-    'too early': (('t,x,y,z', '5,1,2,3', '-6,1,2,3'), 'Row 2 of'),
-}
-
-
-@pytest.mark.parametrize(('lines', 'sentence'), WRONG.values(), ids=WRONG)
-def test_what_is_wrong_in_a_text_is_one_sentence(bring, tmp_path, lines, sentence):
-    source = text(tmp_path / 'a.csv', *lines)
-    with pytest.raises(BadInput) as told:
-        bring(source, POSE)
-    assert sentence in str(told.value)
-    assert '\n' not in str(told.value)
-    assert {path.name for path in tmp_path.iterdir()} == {'a.csv', 'mapping.yaml'}
-
-
-def test_a_cut_compressed_text_is_refused(bring, tmp_path):
-    lines = '\n'.join(f'{k},1,2,3' for k in range(5, 50_000))
-    source = tmp_path / 'a.csv.gz'
-    source.write_bytes(gzip.compress(f't,x,y,z\n{lines}\n'.encode())[:-2000])
-    with pytest.raises(BadInput, match='compression is damaged or cut short'):
-        bring(source, POSE)
-
-
-MAPPINGS = {
-    'dimension': ('unit: m}', 'unit: m/s}', 'position is in m/s, but must be in m'),
-    'no unit': (', unit: m}', '}', 'position has no unit; add "unit: m"'),
-    'unknown unit': ('unit: m}', 'unit: feet}', 'no known unit'),
-    'unknown topic': ('ground_truth/odom', 'odometry', "Unknown topic to import into 'odometry'"),
-    'unknown part': (
-        'position:',
-        'pressure: {column: x}\n    position:',
-        'known: orientation, position',
-    ),
-    'unknown key': ('position:', 'place:', 'not known'),
-    'two times': ('unit: s}', 'unit: s, rate: 50 Hz}', 'needs one of "column", "rate" and "step"'),
-    'no time': ('time: {column: t, unit: s}\n', '', 'needs the key "time"'),
-    'time unit': ('unit: s}', 'unit: m}', 'must be in s, ms, us or ns'),
-    'two columns': ('[x, y, z]', '[x, y]', 'must have at least 3'),
-    'axes': ('topics:', 'world: [x, x, z]\ntopics:', 'each once'),
-    'named axes': ('topics:', 'world: DOWN\ntopics:', 'known axes are ENU'),
-    'actuators': ('position:', 'actuators: {m1: {}}\n    position:', 'only motors has'),
-    'world velocity': (
-        'position:',
-        'velocity: {columns: [x, y, z], unit: m/s, frame: world}\n    position:',
-        'give the orientation beside it',
-    ),
-    'mirror': (
-        'position:',
-        'world: [x, -y, z]\n    orientation: {quaternion: [t, x, y, z]}\n    position:',
-        'different handedness',
-    ),
-    'two attitudes': (
-        'position:',
-        'orientation: {euler: [x], sequence: Z, matrix: [x,x,x,x,x,x,x,x,x]}\n    position:',
-        'needs one of "quaternion"',
-    ),
-    'sequence': ('position:', 'orientation: {euler: [x, y]}\n    position:', '2 angles for'),
-    'turns twice': (
-        'position:',
-        'orientation: {euler: [x, y], sequence: ZZ}\n    position:',
-        'turns twice about one axis',
-    ),
-    'bounds': ('unit: m}', 'unit: m, within: [5, 9]}', "'x' has 1 in row 1"),
-}
-
-
-@pytest.mark.parametrize(('old', 'new', 'sentence'), MAPPINGS.values(), ids=MAPPINGS)
-def test_what_is_wrong_in_a_mapping_is_one_sentence(bring, tmp_path, old, new, sentence):
-    source = text(tmp_path / 'a.csv', 't,x,y,z', '5,1,2,3')
-    assert old in POSE
-    with pytest.raises(BadInput) as told:
-        bring(source, POSE.replace(old, new, 1))
-    assert sentence in str(told.value)
-    assert '\n' not in str(told.value)
-    assert not (Path(tmp_path) / 'out').exists()
-
-
 UNITS = {'m': 1.0, 'cm': 1e-2, 'mm': 1e-3}
 
 
@@ -355,64 +208,3 @@ def test_a_mark_of_byte_order_quotes_and_line_endings(bring, tmp_path, ending):
     found = bring(source, POSE)
     positions = [message.pose.pose.position for message in found.messages[ODOM]]
     assert [(p.x, p.y, p.z) for p in positions] == [(1, 2, 3), (4, 5, 6)]
-
-
-def test_actuators_that_the_vehicle_does_not_have_are_named(bring, tmp_path):
-    mapping = POSE + (
-        '  - topic: motors\n'
-        '    actuators:\n'
-        '      left: {effort: {column: x, unit: N}}\n'
-        '      moving_mass_x: {position: {column: y, unit: m}}\n'
-        '      tail: {effort: {column: z}}\n'
-    )
-    found = bring(text(tmp_path / 'a.csv', 't,x,y,z', '5,1,2,3'), mapping, vehicle='rgblimp')
-    assert "Vehicle 'rgblimp' has no tail; it has left, moving_mass_x" in found.notes
-
-
-DATES = {
-    'zulu': (('2026-11-20T13:25:48Z', '2026-11-20T13:25:48.123456789Z'), 123_456_789),
-    'offset': (('2026-11-20T15:25:48+02:00', '2026-11-20T15:25:48.5+0200'), 500_000_000),
-    'blank': (('2026-11-20 13:25:48', '2026-11-20 13:25:48,000001'), 1_000),
-    'basic': (('20261120T132548Z', '20261120T132548.25Z'), 250_000_000),
-}
-
-
-@pytest.mark.parametrize('case', DATES)
-def test_dates_are_times_to_the_last_digit(bring, tmp_path, case):
-    times, fraction = DATES[case]
-    source = text(tmp_path / 'a.csv', 't;x;y;z', *(f'{time};1;2;3' for time in times))
-    found = bring(source, POSE.replace('format: csv', 'format: csv\ntext: {delimiter: ";"}'))
-    start = 1_795_181_148 * 10**9  # date -u -d '2026-11-20 13:25:48' +%s
-    assert found.stamps(ODOM) == [start, start + fraction]
-    assert ('taken as UTC' in found.notes) == (case == 'blank')
-
-
-@pytest.mark.parametrize(
-    ('times', 'sentence'),
-    [
-        (('2026-11-20T13:25:48Z', '12.5'), "Column 't' has '12.5' in row 2, which is no time"),
-        (('12.5', '2026-11-20T13:25:48Z'), "'2026-11-20T13:25:48Z' in row 2, which is no time"),
-        (('2026-02-30T13:25:48Z',), "'2026-02-30T13:25:48Z' in row 1, which is no time"),
-    ],
-)
-def test_what_is_no_time_is_named_with_its_row(bring, tmp_path, times, sentence):
-    source = text(tmp_path / 'a.csv', 't,x,y,z', *(f'{time},1,2,3' for time in times))
-    with pytest.raises(BadInput) as told:
-        bring(source, POSE)
-    assert sentence in str(told.value)
-
-
-def test_a_name_with_a_line_break_stays_on_one_line(bring, tmp_path):
-    names = 't,x,y,"z\x1b[31m\nand more"'
-    source = text(tmp_path / 'a.csv', names.replace('\n', '\r'), '1,2,3,4')
-    with pytest.raises(BadInput) as told:
-        bring(source, POSE)
-    assert str(told.value).isprintable()
-
-
-def test_a_remark_on_a_name_with_a_line_break_stays_on_one_line(bring, tmp_path):
-    header = 'text: {header: [t, x, y, z, "one\\ntwo"]}\n'
-    source = text(tmp_path / 'a.csv', '5,1,2,3,4')
-    found = bring(source, POSE.replace('topics:', f'{header}topics:'))
-    assert 'one two' in found.notes
-    assert found.notes.isprintable()

@@ -6,6 +6,7 @@ A fin in the jet: its moment goes with thrust times speed.
 
 from typing import Final
 
+from lta_analysis.challenge.outside.kind import Outside
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
 
 PARAMETERS: Final = (Parameter('size', 'm/(m/s)', 0.0, -10.0, 10.0, 0.02, 'of a challenge'),)
@@ -19,4 +20,8 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     return (0.0, 0.0, 0.0, 0.0, -jet * v[2], jet * v[0])
 
 
-EFFECT: Final = WrenchEffect('blown_fin', PARAMETERS, wrench)
+KIND: Final = Outside(
+    WrenchEffect('blown_fin', PARAMETERS, wrench),
+    'a fin in the jet',
+    {'size': (0.03, 0.1)},
+)

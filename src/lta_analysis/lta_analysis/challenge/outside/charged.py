@@ -12,6 +12,8 @@ velocity through the air. A charge of 1 uC has a size of (1 uC)^2 / (16 pi eps_0
 import math
 from typing import Final
 
+from lta_analysis.challenge.outside.axes import in_body
+from lta_analysis.challenge.outside.kind import Outside
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
@@ -28,13 +30,12 @@ RUBBED: Final = 5.0  # m; of flight
 def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     """Return the pull of the curtains."""
     size, leak, normal, away = p  # noqa: RUF059 (the kernel knows parameters by their order)
-    r = motion.rotation
     x, y = math.cos(normal), math.sin(normal)
     a = (away - x * motion.position[0] - y * motion.position[1]) * math.pi / APART
     s, d = APART * math.sin(2.0 * a) / (2.0 * math.pi), APART * math.sin(a) / math.pi
     pull = size * memory[0] * memory[0] * s / (d * d + WIDE * WIDE) ** 1.5
-    f, g = pull * x, pull * y
-    return (r[0] * f + r[3] * g, r[1] * f + r[4] * g, r[2] * f + r[5] * g, 0.0, 0.0, 0.0)
+    f, g, h = in_body(motion.rotation, pull * x, pull * y, 0.0)
+    return (f, g, h, 0.0, 0.0, 0.0)
 
 
 def rate(p: Values, memory: Values, motion: Motion) -> Values:
@@ -45,4 +46,9 @@ def rate(p: Values, memory: Values, motion: Motion) -> Values:
     return ((1.0 - memory[0]) * speed / RUBBED - memory[0] / max(leak, 1.0),)
 
 
-EFFECT: Final = WrenchEffect('charged', PARAMETERS, wrench, memory=(('charge', 0.5),), rate=rate)
+KIND: Final = Outside(
+    WrenchEffect('charged', PARAMETERS, wrench, memory=(('charge', 0.5),), rate=rate),
+    'a charged hull among curtains',
+    {'size': (0.01, 0.04), 'leak': (10.0, 60.0), 'normal': (-3.1, 3.1), 'away': (0.5, 2.5)},
+    late=True,
+)

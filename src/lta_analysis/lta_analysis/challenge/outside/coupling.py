@@ -6,6 +6,7 @@ A pitch moment of a flight that goes ahead and up at once, beyond that of potent
 
 from typing import Final
 
+from lta_analysis.challenge.outside.kind import Outside
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
 
 PARAMETERS: Final = (Parameter('size', 'N m s2/m2', 0.0, -10.0, 10.0, 0.01, 'of a challenge'),)
@@ -18,4 +19,8 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     return (0.0, 0.0, 0.0, 0.0, size * v[0] * v[2], 0.0)
 
 
-EFFECT: Final = WrenchEffect('coupling', PARAMETERS, wrench)
+KIND: Final = Outside(
+    WrenchEffect('coupling', PARAMETERS, wrench),
+    'pitch by ahead times up',
+    {'size': (-0.02, 0.02)},
+)

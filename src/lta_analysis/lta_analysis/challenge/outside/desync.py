@@ -9,6 +9,7 @@ d is the duty that the third rotor is told, r = (0, 0.1, -0.4) m.
 
 from typing import Final
 
+from lta_analysis.challenge.outside.kind import Outside
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
@@ -37,6 +38,9 @@ def rate(p: Values, memory: Values, motion: Motion) -> Values:
     return (loses - lost / max(back, 0.05), (told - slow) / FOLLOWS)
 
 
-EFFECT: Final = WrenchEffect(
-    'desync', PARAMETERS, wrench, memory=(('lost', 0.0), ('slow', 0.0)), rate=rate
+KIND: Final = Outside(
+    WrenchEffect('desync', PARAMETERS, wrench, memory=(('lost', 0.0), ('slow', 0.0)), rate=rate),
+    'a motor that loses step',
+    {'size': (0.3, 0.8), 'jump': (0.06, 0.14), 'back': (0.2, 0.8)},
+    late=True,
 )

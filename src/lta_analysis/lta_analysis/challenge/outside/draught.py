@@ -7,6 +7,7 @@ A field of draughts: vents blow here up and there aside.
 import math
 from typing import Final
 
+from lta_analysis.challenge.outside.kind import Outside
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
@@ -25,4 +26,8 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     return (r[0] * f + r[6] * h, r[1] * f + r[7] * h, r[2] * f + r[8] * h, 0.0, 0.0, 0.0)
 
 
-EFFECT: Final = WrenchEffect('draught', PARAMETERS, wrench)
+KIND: Final = Outside(
+    WrenchEffect('draught', PARAMETERS, wrench),
+    'draughts from vents',
+    {'size': (0.004, 0.01), 's': (0.6, 1.5)},
+)

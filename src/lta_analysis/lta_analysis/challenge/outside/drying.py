@@ -9,6 +9,7 @@ v is the velocity through the air; it is trimmed dry.
 import math
 from typing import Final
 
+from lta_analysis.challenge.outside.kind import Outside
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
@@ -34,4 +35,9 @@ def rate(p: Values, memory: Values, motion: Motion) -> Values:
     return (-memory[0] * (1.0 + speed / WINDY) / max(takes, 1.0),)
 
 
-EFFECT: Final = WrenchEffect('drying', PARAMETERS, wrench, memory=(('water', 1.0),), rate=rate)
+KIND: Final = Outside(
+    WrenchEffect('drying', PARAMETERS, wrench, memory=(('water', 1.0),), rate=rate),
+    'a wet hull that dries',
+    {'size': (0.01, 0.03), 'takes': (30.0, 90.0)},
+    late=True,
+)

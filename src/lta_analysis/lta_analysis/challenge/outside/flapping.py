@@ -8,6 +8,7 @@ v is the velocity through the air; q keeps swinging by itself (van der Pol).
 
 from typing import Final
 
+from lta_analysis.challenge.outside.kind import Outside
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
@@ -32,6 +33,8 @@ def rate(p: Values, memory: Values, motion: Motion) -> Values:
     return (s, f * (1.0 - q * q) * s - f * f * q)
 
 
-EFFECT: Final = WrenchEffect(
-    'flapping', PARAMETERS, wrench, memory=(('q', 0.5), ('s', 0.0)), rate=rate
+KIND: Final = Outside(
+    WrenchEffect('flapping', PARAMETERS, wrench, memory=(('q', 0.5), ('s', 0.0)), rate=rate),
+    'a loose panel that flaps',
+    {'size': (0.01, 0.04), 'f': (3.0, 9.0), 'side': (-0.4, 0.4)},
 )

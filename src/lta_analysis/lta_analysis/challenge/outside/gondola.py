@@ -9,6 +9,7 @@ for pitch and for roll; `size` is its inertia, a its angle.
 import math
 from typing import Final
 
+from lta_analysis.challenge.outside.kind import Outside
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
@@ -42,10 +43,14 @@ def rate(p: Values, memory: Values, motion: Motion) -> Values:
     return (memory[1], -x, memory[3], -y)
 
 
-EFFECT: Final = WrenchEffect(
-    'gondola',
-    PARAMETERS,
-    wrench,
-    memory=(('roll', 0.0), ('p', 0.0), ('pitch', 0.0), ('q', 0.0)),
-    rate=rate,
+KIND: Final = Outside(
+    WrenchEffect(
+        'gondola',
+        PARAMETERS,
+        wrench,
+        memory=(('roll', 0.0), ('p', 0.0), ('pitch', 0.0), ('q', 0.0)),
+        rate=rate,
+    ),
+    'a gondola on springs',
+    {'size': (0.002, 0.006), 'f': (4.0, 9.0), 'damping': (0.03, 0.15)},
 )

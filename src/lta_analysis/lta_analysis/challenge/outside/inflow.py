@@ -6,6 +6,7 @@ Forward thrust that a faster flight takes away, which a bench does not show.
 
 from typing import Final
 
+from lta_analysis.challenge.outside.kind import Outside
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
 
 PARAMETERS: Final = (Parameter('size', '1/(m/s)', 0.0, -10.0, 10.0, 0.1, 'of a challenge'),)
@@ -18,4 +19,8 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     return (-lost, 0.0, 0.0, 0.0, 0.4 * lost, 0.0)
 
 
-EFFECT: Final = WrenchEffect('inflow', PARAMETERS, wrench)
+KIND: Final = Outside(
+    WrenchEffect('inflow', PARAMETERS, wrench),
+    'thrust lost with speed',
+    {'size': (0.04, 0.12)},
+)

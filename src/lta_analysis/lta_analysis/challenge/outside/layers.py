@@ -7,6 +7,7 @@ Air in layers: lift that changes with height.
 import math
 from typing import Final
 
+from lta_analysis.challenge.outside.kind import Outside
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
@@ -23,4 +24,8 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     return (lift * r[6], lift * r[7], lift * r[8], 0.0, 0.0, 0.0)
 
 
-EFFECT: Final = WrenchEffect('layers', PARAMETERS, wrench)
+KIND: Final = Outside(
+    WrenchEffect('layers', PARAMETERS, wrench),
+    'air in layers',
+    {'size': (0.004, 0.01), 's': (0.15, 0.5)},
+)

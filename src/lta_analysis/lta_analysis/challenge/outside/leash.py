@@ -10,6 +10,8 @@ it pulls harder while line is paid out than while it is taken in.
 import math
 from typing import Final
 
+from lta_analysis.challenge.outside.axes import in_body
+from lta_analysis.challenge.outside.kind import Outside
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
@@ -35,12 +37,15 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     if far <= length or far <= 0.0:
         return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     # The direction in body axes, in which the gondola's velocity is known.
-    a = (r[0] * x + r[3] * y + r[6] * z) / far
-    b = (r[1] * x + r[4] * y + r[7] * z) / far
-    c = (r[2] * x + r[5] * y + r[8] * z) / far
+    a, b, c = in_body(r, x / far, y / far, z / far)
     out = a * (v[0] - DEEP * w[1]) + b * (v[1] + DEEP * w[0]) + c * v[2]
     pull = size * (1.0 - math.exp((length - far) / GIVES)) * (1.0 + RUBS * math.tanh(out / SLOW))
     return (-pull * a, -pull * b, -pull * c, -DEEP * pull * b, DEEP * pull * a, 0.0)
 
 
-EFFECT: Final = WrenchEffect('leash', PARAMETERS, wrench)
+KIND: Final = Outside(
+    WrenchEffect('leash', PARAMETERS, wrench),
+    'a leash on a reel that comes taut',
+    {'size': (0.005, 0.02), 'length': (0.9, 1.5), 'east': (-0.6, 0.6), 'north': (-0.6, 0.6)},
+    late=True,
+)

@@ -7,6 +7,7 @@ A magnet aboard, which the field of the room turns to one side.
 import math
 from typing import Final
 
+from lta_analysis.challenge.outside.kind import Outside
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
@@ -22,4 +23,8 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     return (0.0, 0.0, 0.0, 0.0, 0.0, -size * math.sin(heading - north))
 
 
-EFFECT: Final = WrenchEffect('magnet', PARAMETERS, wrench)
+KIND: Final = Outside(
+    WrenchEffect('magnet', PARAMETERS, wrench),
+    'a magnet aboard',
+    {'size': (0.0005, 0.002), 'north': (-3.1, 3.1)},
+)

@@ -6,6 +6,7 @@ A flap that opens one way only: it brakes a turn to the left and not one to the 
 
 from typing import Final
 
+from lta_analysis.challenge.outside.kind import Outside
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
@@ -21,4 +22,8 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     return (0.0, -lever * size * slip * slip, 0.0, 0.0, 0.0, -size * turn * turn)
 
 
-EFFECT: Final = WrenchEffect('one_sided', PARAMETERS, wrench)
+KIND: Final = Outside(
+    WrenchEffect('one_sided', PARAMETERS, wrench),
+    'a flap that opens one way',
+    {'size': (0.002, 0.006), 'lever': (2.0, 10.0)},
+)

@@ -11,6 +11,8 @@ another patch every 4 m. Air sinks between them.
 import math
 from typing import Final
 
+from lta_analysis.challenge.outside.axes import in_body
+from lta_analysis.challenge.outside.kind import Outside
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
@@ -27,19 +29,19 @@ HIGH: Final = 1.0  # m; up to which air is drawn in
 def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     """Return the push of the warm air."""
     size, wide, east, north = p
-    r = motion.rotation
     k = 2.0 * math.pi / APART
     x, y = k * (motion.position[0] - east), k * (motion.position[1] - north)
     spread = k * max(wide, 0.1)
     warm = size * math.exp((math.cos(x) + math.cos(y) - 2.0) / (spread * spread))
     inward = 0.5 * warm * math.exp(-motion.position[2] / HIGH) / spread
-    f, g, h = -inward * math.sin(x), -inward * math.sin(y), warm - SINKS * size
-    return (
-        r[0] * f + r[3] * g + r[6] * h,
-        r[1] * f + r[4] * g + r[7] * h,
-        r[2] * f + r[5] * g + r[8] * h,
-        0.0, 0.0, 0.0,
-    )  # fmt: skip
+    f, g = -inward * math.sin(x), -inward * math.sin(y)
+    a, b, c = in_body(motion.rotation, f, g, warm - SINKS * size)
+    return (a, b, c, 0.0, 0.0, 0.0)
 
 
-EFFECT: Final = WrenchEffect('plume', PARAMETERS, wrench)
+KIND: Final = Outside(
+    WrenchEffect('plume', PARAMETERS, wrench),
+    'warm air over patches of the floor',
+    {'size': (0.005, 0.02), 'wide': (0.4, 0.8), 'east': (-1.5, 1.5), 'north': (-1.5, 1.5)},
+    late=True,
+)

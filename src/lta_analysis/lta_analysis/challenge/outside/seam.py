@@ -11,6 +11,7 @@ one that sinks by as much is buckled (a = -1); between, it stays what it was: 2 
 
 from typing import Final
 
+from lta_analysis.challenge.outside.kind import Outside
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
@@ -40,6 +41,9 @@ def rate(p: Values, memory: Values, motion: Motion) -> Values:
     return ((a - a * a * a + push) / TAKES, above / EVENS)
 
 
-EFFECT: Final = WrenchEffect(
-    'seam', PARAMETERS, wrench, memory=(('taut', 1.0), ('even', 1.5)), rate=rate
+KIND: Final = Outside(
+    WrenchEffect('seam', PARAMETERS, wrench, memory=(('taut', 1.0), ('even', 1.5)), rate=rate),
+    'a seam that buckles and springs back',
+    {'size': (0.002, 0.006), 'half': (0.04, 0.1), 'lever': (-0.15, 0.15)},
+    late=True,
 )

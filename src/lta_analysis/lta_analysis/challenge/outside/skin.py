@@ -8,6 +8,7 @@ A skin that folds one way and the other: a moment with hysteresis.
 
 from typing import Final
 
+from lta_analysis.challenge.outside.kind import Outside
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
@@ -30,6 +31,8 @@ def rate(p: Values, memory: Values, motion: Motion) -> Values:
     return ((q - abs(q) * memory[0]) / wide, (r - abs(r) * memory[1]) / wide)
 
 
-EFFECT: Final = WrenchEffect(
-    'skin', PARAMETERS, wrench, memory=(('a', 0.0), ('b', 0.0)), rate=rate
+KIND: Final = Outside(
+    WrenchEffect('skin', PARAMETERS, wrench, memory=(('a', 0.0), ('b', 0.0)), rate=rate),
+    'a skin with hysteresis',
+    {'size': (0.0005, 0.002), 's': (0.03, 0.3)},
 )

@@ -9,6 +9,8 @@ the tray, 0.4 m below the hull centre. Its weight is trimmed away.
 
 from typing import Final
 
+from lta_analysis.challenge.outside.axes import in_body, level
+from lta_analysis.challenge.outside.kind import Outside
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
@@ -24,7 +26,7 @@ def force(p: Values, memory: Values, motion: Motion) -> tuple[float, float, floa
     size, f, damping = p
     r, v, w = motion.rotation, motion.velocity, motion.rates
     a, b, c = v[0] - DEEP * w[1], v[1] + DEEP * w[0], v[2]
-    east, north = r[0] * a + r[1] * b + r[2] * c, r[3] * a + r[4] * b + r[5] * c
+    east, north = level(r, a, b, c)
     x = size * (f * f * memory[0] + 2.0 * damping * f * (memory[2] - east))
     y = size * (f * f * memory[1] + 2.0 * damping * f * (memory[3] - north))
     return (x, y, east, north)
@@ -34,8 +36,7 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     """Return the push of the ballast."""
     size, f, damping = p
     x, y, _, _ = force((size, f, damping), memory, motion)
-    r = motion.rotation
-    a, b, c = r[0] * x + r[3] * y, r[1] * x + r[4] * y, r[2] * x + r[5] * y
+    a, b, c = in_body(motion.rotation, x, y, 0.0)
     return (a, b, c, DEEP * b, -DEEP * a, 0.0)
 
 
@@ -47,10 +48,14 @@ def rate(p: Values, memory: Values, motion: Motion) -> Values:
     return (memory[2] - east, memory[3] - north, -x / heavy, -y / heavy)
 
 
-EFFECT: Final = WrenchEffect(
-    'sloshing',
-    PARAMETERS,
-    wrench,
-    memory=(('x', 0.0), ('y', 0.0), ('u', 0.0), ('v', 0.0)),
-    rate=rate,
+KIND: Final = Outside(
+    WrenchEffect(
+        'sloshing',
+        PARAMETERS,
+        wrench,
+        memory=(('x', 0.0), ('y', 0.0), ('u', 0.0), ('v', 0.0)),
+        rate=rate,
+    ),
+    'ballast that slides',
+    {'size': (0.01, 0.03), 'f': (2.0, 6.0), 'damping': (0.03, 0.15)},
 )

@@ -10,6 +10,7 @@ middle + half and are free again below middle - half (vortex ring, with its hyst
 
 from typing import Final
 
+from lta_analysis.challenge.outside.kind import Outside
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
@@ -36,4 +37,9 @@ def rate(p: Values, memory: Values, motion: Motion) -> Values:
     return ((a - a * a * a + min(max(over, -2.0), 2.0)) / TAKES,)
 
 
-EFFECT: Final = WrenchEffect('stall', PARAMETERS, wrench, memory=(('wash', -1.0),), rate=rate)
+KIND: Final = Outside(
+    WrenchEffect('stall', PARAMETERS, wrench, memory=(('wash', -1.0),), rate=rate),
+    'rotors that stall in their own wash',
+    {'size': (0.3, 0.7), 'middle': (0.02, 0.06), 'half': (0.01, 0.03)},
+    late=True,
+)

@@ -9,6 +9,7 @@ T is the thrust of the fourth rotor, r = (0, -0.1, -0.4) m.
 import math
 from typing import Final
 
+from lta_analysis.challenge.outside.kind import Outside
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
 
 PARAMETERS: Final = (Parameter('size', '1', 0.0, 0.0, 1.0, 0.3, 'of a challenge'),)
@@ -29,4 +30,8 @@ def rate(p: Values, memory: Values, motion: Motion) -> Values:
     return (1.0,)
 
 
-EFFECT: Final = WrenchEffect('sticking', PARAMETERS, wrench, memory=(('time', 0.0),), rate=rate)
+KIND: Final = Outside(
+    WrenchEffect('sticking', PARAMETERS, wrench, memory=(('time', 0.0),), rate=rate),
+    'a rotor that sticks',
+    {'size': (0.2, 0.5)},
+)

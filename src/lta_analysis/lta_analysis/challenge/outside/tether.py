@@ -10,6 +10,8 @@ is trimmed away.
 import math
 from typing import Final
 
+from lta_analysis.challenge.outside.axes import in_body, level
+from lta_analysis.challenge.outside.kind import Outside
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
@@ -28,14 +30,16 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     r, v, w = motion.rotation, motion.velocity, motion.rates
     height = motion.position[2] - DEEP * r[8]
     a, b, c = v[0] - DEEP * w[1], v[1] + DEEP * w[0], v[2]
-    east, north = r[0] * a + r[1] * b + r[2] * c, r[3] * a + r[4] * b + r[5] * c
+    east, north = level(r, a, b, c)
     grip = -rubbing * size * max(0.0, length - height)
     grip /= math.sqrt(east * east + north * north + SLIP * SLIP)
     f, g, h = grip * east, grip * north, -size * (height - (USUAL - DEEP))
-    x = r[0] * f + r[3] * g + r[6] * h
-    y = r[1] * f + r[4] * g + r[7] * h
-    z = r[2] * f + r[5] * g + r[8] * h
+    x, y, z = in_body(r, f, g, h)
     return (x, y, z, DEEP * y, -DEEP * x, 0.0)
 
 
-EFFECT: Final = WrenchEffect('tether', PARAMETERS, wrench)
+KIND: Final = Outside(
+    WrenchEffect('tether', PARAMETERS, wrench),
+    'a rope that drags over the floor',
+    {'size': (0.004, 0.01), 'length': (2.0, 4.0), 'rubbing': (0.3, 0.8)},
+)

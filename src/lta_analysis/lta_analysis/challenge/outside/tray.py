@@ -9,6 +9,7 @@ size is its weight, x its way from the middle, no more than half the play.
 
 from typing import Final
 
+from lta_analysis.challenge.outside.kind import Outside
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
@@ -37,4 +38,9 @@ def rate(p: Values, memory: Values, motion: Motion) -> Values:
     return (speed,)
 
 
-EFFECT: Final = WrenchEffect('tray', PARAMETERS, wrench, memory=(('way', 0.0),), rate=rate)
+KIND: Final = Outside(
+    WrenchEffect('tray', PARAMETERS, wrench, memory=(('way', 0.0),), rate=rate),
+    'a battery that slides in its tray',
+    {'size': (0.1, 0.4), 'half': (0.005, 0.02), 'grip': (0.01, 0.04)},
+    late=True,
+)

@@ -7,6 +7,7 @@ A hull that turns into the wind of its flight.
 import math
 from typing import Final
 
+from lta_analysis.challenge.outside.kind import Outside
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
 
 PARAMETERS: Final = (Parameter('size', 'N m s2/m2', 0.0, -10.0, 10.0, 0.01, 'of a challenge'),)
@@ -20,4 +21,8 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     return (0.0, 0.0, 0.0, 0.0, 0.0, size * v[1] * speed)
 
 
-EFFECT: Final = WrenchEffect('weathercock', PARAMETERS, wrench)
+KIND: Final = Outside(
+    WrenchEffect('weathercock', PARAMETERS, wrench),
+    'turns into the wind',
+    {'size': (-0.01, 0.01)},
+)

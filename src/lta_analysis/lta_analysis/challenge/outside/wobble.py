@@ -9,6 +9,7 @@ T is the thrust of the third rotor [N], r = (0, 0.1, -0.4) m.
 import math
 from typing import Final
 
+from lta_analysis.challenge.outside.kind import Outside
 from lta_sim.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
@@ -31,4 +32,8 @@ def rate(p: Values, memory: Values, motion: Motion) -> Values:
     return (f,)
 
 
-EFFECT: Final = WrenchEffect('wobble', PARAMETERS, wrench, memory=(('phase', 0.0),), rate=rate)
+KIND: Final = Outside(
+    WrenchEffect('wobble', PARAMETERS, wrench, memory=(('phase', 0.0),), rate=rate),
+    'a bent shaft',
+    {'size': (0.1, 0.4), 'f': (8.0, 16.0)},
+)

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.carrying.groups import Group, groups, spreads
-from lta_analysis.discovery.foresight import Foresight, Said
+from lta_analysis.discovery.forecast.foresight import Foresight, Said
 import numpy as np
 from numpy.typing import NDArray
 

@@ -5,7 +5,7 @@ from typing import Final
 
 from lta_analysis.discovery.carrying.choose import Chosen
 from lta_analysis.discovery.carrying.groups import Group, wide
-from lta_analysis.discovery.foresight import Foresight
+from lta_analysis.discovery.forecast.foresight import Foresight
 import numpy as np
 
 ROUNDS: Final = 2

@@ -3,16 +3,16 @@
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from lta_analysis.discovery.ahead import HORIZONS
 from lta_analysis.discovery.carrying.online import begun, online
 from lta_analysis.discovery.finding import Gap
-from lta_analysis.discovery.foresight import Foresight
-from lta_analysis.discovery.gap import coasting
-from lta_analysis.discovery.gap import HORIZONS as TOLD
-from lta_analysis.discovery.held_out import shrinkage, UNITS, WHOLE
-from lta_analysis.discovery.linearise import Linearised
-from lta_analysis.discovery.measured import CHANNELS, PERIOD
-from lta_analysis.discovery.turning import logarithm, product, reverse
+from lta_analysis.discovery.flights.measured import CHANNELS, PERIOD
+from lta_analysis.discovery.forecast.ahead import HORIZONS
+from lta_analysis.discovery.forecast.foresight import Foresight
+from lta_analysis.discovery.forecast.gap import coasting
+from lta_analysis.discovery.forecast.gap import HORIZONS as TOLD
+from lta_analysis.discovery.forecast.held_out import shrinkage, UNITS, WHOLE
+from lta_analysis.discovery.model.rotations import logarithm, product, reverse
+from lta_analysis.discovery.replay.linearise import Linearised
 import numpy as np
 from numpy.typing import NDArray
 

@@ -8,7 +8,7 @@ in all its directions; so each is tried whole. Coefficients of a hull go by what
 from collections.abc import Sequence
 from typing import Final, final, NamedTuple
 
-from lta_analysis.discovery.knobs import Knob
+from lta_analysis.discovery.model.knobs import Knob
 import numpy as np
 from numpy.typing import NDArray
 

@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from typing import Final
 
-from lta_analysis.discovery.damped import bounded
-from lta_analysis.discovery.foresight import Fitted
-from lta_analysis.discovery.knobs import Knob
+from lta_analysis.discovery.forecast.damped import bounded
+from lta_analysis.discovery.forecast.foresight import Fitted
+from lta_analysis.discovery.model.knobs import Knob
 import numpy as np
 from numpy.typing import NDArray
 

@@ -8,8 +8,8 @@ from lta_analysis.discovery.carrying.groups import Group
 from lta_analysis.discovery.carrying.intervals import intervals
 from lta_analysis.discovery.carrying.values import Valued
 from lta_analysis.discovery.finding import Learned, NamedEffect
-from lta_analysis.discovery.knobs import Knob
-from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.model.knobs import Knob
+from lta_analysis.discovery.model.nominal import Nominal
 from lta_sim.effects import EFFECTS
 
 NEAR: Final = 0.9  # of the worth of a name; what has more in its round could stand in its place

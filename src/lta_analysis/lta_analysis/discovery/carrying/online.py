@@ -2,8 +2,8 @@
 
 from typing import Final
 
-from lta_analysis.discovery.ahead import Ahead, HORIZONS
-from lta_analysis.discovery.linearise import Linearised
+from lta_analysis.discovery.forecast.ahead import Ahead, HORIZONS
+from lta_analysis.discovery.replay.linearise import Linearised
 import numpy as np
 from numpy.typing import NDArray
 

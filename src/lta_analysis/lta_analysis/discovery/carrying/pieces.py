@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from typing import Final
 
-from lta_analysis.discovery.ahead import HORIZONS
-from lta_analysis.discovery.knobs import Knob
-from lta_analysis.discovery.linearise import Linearised
-from lta_analysis.discovery.measured import Measured, PERIOD
-from lta_analysis.discovery.windows import state_at, stretches, Windows
+from lta_analysis.discovery.flights.measured import Measured, PERIOD
+from lta_analysis.discovery.flights.windows import state_at, stretches, Windows
+from lta_analysis.discovery.forecast.ahead import HORIZONS
+from lta_analysis.discovery.model.knobs import Knob
+from lta_analysis.discovery.replay.linearise import Linearised
 import numpy as np
 
 APART: Final = 2.5  # s; between beginnings, at least

@@ -8,7 +8,7 @@ nobody says what it does in another regime. It shows how much of the error a nam
 from typing import Final
 
 from lta_analysis.discovery.carrying.groups import groups, wide
-from lta_analysis.discovery.foresight import Foresight
+from lta_analysis.discovery.forecast.foresight import Foresight
 import numpy as np
 from numpy.typing import NDArray
 

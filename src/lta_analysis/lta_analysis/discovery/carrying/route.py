@@ -18,15 +18,15 @@ from lta_analysis.discovery.carrying.groups import Group, groups
 from lta_analysis.discovery.carrying.named import effects
 from lta_analysis.discovery.carrying.pieces import apart_for, far
 from lta_analysis.discovery.carrying.refit import refitted
+from lta_analysis.discovery.carrying.regimes import regimes
+from lta_analysis.discovery.carrying.transfer import Regime, TOLD
 from lta_analysis.discovery.carrying.values import tuned, Valued, valued
 from lta_analysis.discovery.finding import Carried, LeftOut, Worth
-from lta_analysis.discovery.fit import turned
-from lta_analysis.discovery.foresight import Foresight
-from lta_analysis.discovery.linear import Point, RANDOM, SENSORS
-from lta_analysis.discovery.linearise import Linearised
-from lta_analysis.discovery.regimes import regimes
+from lta_analysis.discovery.fit.fit import turned
+from lta_analysis.discovery.forecast.foresight import Foresight
+from lta_analysis.discovery.replay.linear import Point, RANDOM, SENSORS
+from lta_analysis.discovery.replay.linearise import Linearised
 from lta_analysis.discovery.study import Flown, Shown, Study
-from lta_analysis.discovery.transfer import Regime, TOLD
 import numpy as np
 from numpy.typing import NDArray
 

@@ -5,8 +5,8 @@ from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.carrying.groups import Group, tolerances, wide
 from lta_analysis.discovery.carrying.intervals import drawn
-from lta_analysis.discovery.foresight import Fitted, Foresight
-from lta_analysis.discovery.transfer import left_out, Regime
+from lta_analysis.discovery.carrying.transfer import left_out, Regime
+from lta_analysis.discovery.forecast.foresight import Fitted, Foresight
 import numpy as np
 from numpy.typing import NDArray
 

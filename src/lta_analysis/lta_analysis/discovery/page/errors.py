@@ -6,8 +6,8 @@ import math
 from typing import Final
 
 from lta_analysis.discovery.finding import Finding, Gap
+from lta_analysis.discovery.forecast.replayed import NAMES
 from lta_analysis.discovery.page import strips
-from lta_analysis.discovery.page.replayed import NAMES
 from lta_analysis.discovery.page.tables import Row, table
 from lta_analysis.discovery.page.words import amount, listed, percent
 

@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from typing import final, NamedTuple
 
-from lta_analysis.discovery.fit import Fit
-from lta_analysis.discovery.linear import AXES, KNOTS
+from lta_analysis.discovery.fit.fit import Fit
+from lta_analysis.discovery.outside.unexplained import knots_of, states_at_knots, terms
 from lta_analysis.discovery.page.told import taught
+from lta_analysis.discovery.replay.linear import AXES, KNOTS
 from lta_analysis.discovery.study import Flown, Study
-from lta_analysis.discovery.unexplained import knots_of, states_at_knots, terms
 import numpy as np
 from numpy.typing import NDArray
 

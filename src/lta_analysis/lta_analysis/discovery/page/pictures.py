@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from typing import Final
 
 from lta_analysis.discovery.finding import Place
-from lta_analysis.discovery.measured import CHANNELS
-from lta_analysis.discovery.page.replayed import NAMES, ratio
+from lta_analysis.discovery.flights.measured import CHANNELS
+from lta_analysis.discovery.forecast.replayed import NAMES, ratio
 from lta_analysis.discovery.page.told import conditions, Overlay, Seen
 from lta_analysis.report.drawing import blank, extent
 from lta_analysis.report.palette import (

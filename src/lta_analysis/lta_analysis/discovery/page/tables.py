@@ -5,11 +5,12 @@ from html import escape
 import math
 from typing import Final
 
-from lta_analysis.discovery.accept import GAIN
-from lta_analysis.discovery.detectable import SIGMA
 from lta_analysis.discovery.finding import Finding, Learned, NamedEffect, Place, Rung
+from lta_analysis.discovery.forecast.replayed import NAMES
+from lta_analysis.discovery.naming.accept import GAIN
+from lta_analysis.discovery.naming.detectable import SIGMA
+from lta_analysis.discovery.outside.unexplained import Remainder
 from lta_analysis.discovery.page import strips
-from lta_analysis.discovery.page.replayed import NAMES
 from lta_analysis.discovery.page.words import (
     because,
     called,
@@ -27,7 +28,6 @@ from lta_analysis.discovery.page.words import (
     with_unit,
     within,
 )
-from lta_analysis.discovery.unexplained import Remainder
 
 Row = Sequence[str]
 MOST: Final = 6  # places that are not folded

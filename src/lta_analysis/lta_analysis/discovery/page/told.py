@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 from typing import final, NamedTuple
 
-from lta_analysis.discovery.fit import Fit
-from lta_analysis.discovery.linear import origin, Point
-from lta_analysis.discovery.linearise import Linearised
-from lta_analysis.discovery.measured import PERIOD
-from lta_analysis.discovery.nominal import Nominal
-from lta_analysis.discovery.page.replayed import best_begun, heading_of, Replayed, replayed
+from lta_analysis.discovery.fit.fit import Fit
+from lta_analysis.discovery.flights.measured import PERIOD
+from lta_analysis.discovery.forecast.replayed import best_begun, heading_of, Replayed, replayed
+from lta_analysis.discovery.model.nominal import Nominal
+from lta_analysis.discovery.replay.linear import origin, Point
+from lta_analysis.discovery.replay.linearise import Linearised
 from lta_analysis.discovery.study import Flown, Study
 import numpy as np
 from numpy.typing import NDArray

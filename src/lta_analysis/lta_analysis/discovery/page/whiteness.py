@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Final
 
-from lta_analysis.discovery.measured import PERIOD
+from lta_analysis.discovery.flights.measured import PERIOD
 import numpy as np
 from numpy.typing import NDArray
 

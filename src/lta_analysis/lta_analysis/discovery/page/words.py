@@ -4,9 +4,9 @@ from collections.abc import Sequence
 import math
 from typing import Final
 
-from lta_analysis.discovery.accept import APART, GAIN, LARGER
 from lta_analysis.discovery.finding import Finding, Gap, Learned, NamedEffect, Rung
-from lta_analysis.discovery.unexplained import Remainder
+from lta_analysis.discovery.naming.accept import APART, GAIN, LARGER
+from lta_analysis.discovery.outside.unexplained import Remainder
 from lta_analysis.report.outcome import MISSING, Tile
 from lta_sim.effects import EFFECTS
 from lta_sim.effects_page import summary

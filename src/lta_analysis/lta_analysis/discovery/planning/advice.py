@@ -2,7 +2,7 @@
 
 from typing import Final, NamedTuple
 
-from lta_analysis.discovery.classes import Kind, same_class
+from lta_analysis.discovery.naming.classes import Kind, same_class
 
 
 class Advice(NamedTuple):

@@ -9,11 +9,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, final, NamedTuple
 
-from lta_analysis.discovery.evidence import floor_of, Pieces, Reduced
-from lta_analysis.discovery.knobs import Knob, knobs
-from lta_analysis.discovery.linear import origin
-from lta_analysis.discovery.linearise import Linearised
-from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.fit.evidence import floor_of, Pieces, Reduced
+from lta_analysis.discovery.model.knobs import Knob, knobs
+from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.planning.flyable import extent, objections
 from lta_analysis.discovery.planning.manoeuvres import DEEP, family, HIGH, Manoeuvre, Space
 from lta_analysis.discovery.planning.pairs import Pairs
@@ -25,6 +23,8 @@ from lta_analysis.discovery.planning.rehearsal import (
     Sensors,
 )
 from lta_analysis.discovery.planning.supposed import supposed
+from lta_analysis.discovery.replay.linear import origin
+from lta_analysis.discovery.replay.linearise import Linearised
 from lta_analysis.ingredients import Ingredients, parts_of
 from lta_config.errors import BadInput, unknown
 from lta_sim.in_scene import reach

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 import hashlib
 from typing import Any, Final, final
 
-from lta_analysis.discovery.evidence import floor_of, Pieces
-from lta_analysis.discovery.knobs import Knob, knobs
-from lta_analysis.discovery.linear import origin
-from lta_analysis.discovery.measured import Streams
-from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.fit.evidence import floor_of, Pieces
+from lta_analysis.discovery.flights.measured import Streams
+from lta_analysis.discovery.model.knobs import Knob, knobs
+from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.planning.pairs import Pairs
 from lta_analysis.discovery.planning.rehearsal import along, prepared, rehearse, Sensors
+from lta_analysis.discovery.replay.linear import origin
 from lta_analysis.ingredients import gather, Ingredients, parts_of
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,9 @@ from scipy.cluster.hierarchy import fcluster, linkage
 Array = NDArray[np.float64]
 
 VEHICLE: Final = 'gtmab'
-ALIKE: Final = 0.98  # |cosine| from which two names are one: see `lta_analysis.discovery.classes`
+ALIKE: Final = (
+    0.98  # |cosine| from which two names are one: see `lta_analysis.discovery.naming.classes`
+)
 SEEN: Final = 0.1  # deviations of a typical size, below which data say nothing of a name
 FLIGHTS: Final = 3
 LENGTH: Final = 120.0  # s

@@ -9,17 +9,17 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, final
 
-from lta_analysis.discovery.accept import TIE
-from lta_analysis.discovery.classes import Kind, kind_of, same_class
-from lta_analysis.discovery.classes import others as alike
-from lta_analysis.discovery.evidence import floor_of, Pieces, Reduced
 from lta_analysis.discovery.finding import NamedEffect
-from lta_analysis.discovery.knobs import Knob
-from lta_analysis.discovery.linear import origin
+from lta_analysis.discovery.fit.evidence import floor_of, Pieces, Reduced
+from lta_analysis.discovery.model.knobs import Knob
+from lta_analysis.discovery.naming.accept import TIE
+from lta_analysis.discovery.naming.classes import Kind, kind_of, same_class
+from lta_analysis.discovery.naming.classes import others as alike
 from lta_analysis.discovery.planning.advice import advice
 from lta_analysis.discovery.planning.choice import Chosen, Planner, Rival, Tell
 from lta_analysis.discovery.planning.pairs import Pairs
 from lta_analysis.discovery.planning.rehearsal import Sensors
+from lta_analysis.discovery.replay.linear import origin
 from lta_analysis.discovery.study import Study
 from lta_analysis.ingredients import gather
 from lta_config.errors import BadInput

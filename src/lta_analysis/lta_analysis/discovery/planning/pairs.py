@@ -8,8 +8,8 @@ share. Two knobs of which the parts that are left point the same way are one nam
 from collections.abc import Sequence
 from typing import Final, final, NamedTuple
 
-from lta_analysis.discovery.evidence import own_variance, Reduced, shared
-from lta_analysis.discovery.knobs import Knob
+from lta_analysis.discovery.fit.evidence import own_variance, Reduced, shared
+from lta_analysis.discovery.model.knobs import Knob
 import numpy as np
 from numpy.typing import NDArray
 

@@ -9,14 +9,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final, final, Literal
 
-from lta_analysis.discovery.knobs import Knob
-from lta_analysis.discovery.linearise import Linearised
-from lta_analysis.discovery.measured import measured, Stream, Streams
-from lta_analysis.discovery.nominal import Nominal
-from lta_analysis.discovery.replay import Replay
-from lta_analysis.discovery.sensing import floor_pressure, Places
-from lta_analysis.discovery.turning import exponential, product
-from lta_analysis.discovery.windows import windows
+from lta_analysis.discovery.flights.measured import measured, Stream, Streams
+from lta_analysis.discovery.flights.windows import windows
+from lta_analysis.discovery.model.knobs import Knob
+from lta_analysis.discovery.model.nominal import Nominal
+from lta_analysis.discovery.model.rotations import exponential, product
+from lta_analysis.discovery.replay.linearise import Linearised
+from lta_analysis.discovery.replay.replay import Replay
+from lta_analysis.discovery.replay.sensing import floor_pressure, Places
 from lta_analysis.ingredients import Ingredients
 from lta_analysis.loop import Loop, Policy
 from lta_config.topics import topic_table

@@ -1,7 +1,7 @@
 """A vehicle as it is supposed to be: its file with knobs turned."""
 
-from lta_analysis.discovery.learned_file import values
-from lta_analysis.discovery.nominal import Nominal
+from lta_analysis.discovery.model.nominal import Nominal
+from lta_analysis.discovery.results.learned_file import values
 from lta_analysis.vehicle.written import with_value
 from lta_sim.vehicle import Vehicle
 

@@ -1,0 +1,1 @@
+"""Something is hidden, flown, found, added and shown."""

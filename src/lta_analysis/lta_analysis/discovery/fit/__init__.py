@@ -1,0 +1,1 @@
+"""The most probable parameters of flights, and what the flights say of each."""

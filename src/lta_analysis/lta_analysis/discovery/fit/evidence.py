@@ -1,0 +1,293 @@
+"""
+What the data say about knobs, once states, latent forces and tolerances have had their share.
+
+Everything is Gaussian about a point: a piece's own unknowns (states at its beginning, knots of
+the latent wrench, pressure) are eliminated piece by piece, then the nuisances; what is left of a
+candidate's column is its `information`, what is left of its product with the residual its `pull`.
+Where the model is true, pull / sqrt(information) is drawn from N(0, 1).
+"""
+
+from collections.abc import Sequence
+from copy import copy
+from dataclasses import dataclass, replace
+from typing import Final, final, NamedTuple
+
+from lta_analysis.discovery.flights.windows import LENGTH
+from lta_analysis.discovery.model.knobs import Knob
+from lta_analysis.discovery.model.nominal import Nominal
+from lta_analysis.discovery.replay.linear import AXES, KNOTS, Linear, Point, RANDOM
+from lta_analysis.discovery.replay.tangent import WIDTH
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# Of a state from a cubic through half a second of poses: m, rad, m/s, rad/s.
+STATE: Final = np.array([0.02] * 3 + [0.035] * 3 + [0.08] * 3 + [0.08] * 3)
+PIECE_PRESSURE: Final = 0.6  # Pa; 5 cm of air
+OWN: Final = np.array([2.4, 0.006, 0.006, 0.006])  # of SENSORS: 20 cm of air; parts of 1
+MEMORY: Final = 1.5  # s; over which a latent force forgets itself
+# Least standard deviation of the latent force [N] and moment [N m] worth speaking of, for a blimp
+# of this mass [kg] and inertia [kg m2]; it grows with them (`floor_of`).
+FLOOR: Final = np.array([4e-4, 4e-4, 4e-4, 8e-5, 8e-5, 4e-5])
+MASS, INERTIA = 0.415, np.array([0.039, 0.039, 0.028])
+USUAL: Final = 1.3  # floors; median of the prior of a standard deviation
+LOOSE: Final = 0.7  # standard deviation of its logarithm
+
+
+def knot_precision(length: float = LENGTH) -> Array:
+    """Return the inverse covariance of the knots of one axis, for a standard deviation of 1."""
+    at = np.linspace(0.0, length, KNOTS)
+    return np.linalg.inv(np.exp(-np.abs(at[:, None] - at) / MEMORY))
+
+
+def floor_of(nominal: Nominal) -> Array:
+    """Return the least latent wrench worth speaking of for a vehicle, shape (6,). [N, N m]"""
+    inertia = np.diag(nominal.inertia) / INERTIA
+    floor: Array = FLOOR * np.concatenate([np.full(3, nominal.mass / MASS), inertia])
+    return floor
+
+
+@final
+class Prior(NamedTuple):
+    """
+    What is known beforehand of knobs, and then of the errors of the sensors (SENSORS).
+
+    Attributes
+    ----------
+    mean : ndarray, shape (G,)
+        How far each is turned from the vehicle file.
+    covariance : ndarray, shape (G, G)
+        Rows and columns of 0 hold a knob.
+
+    """
+
+    mean: Array
+    covariance: Array
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """Which knobs can move."""
+        return np.diag(self.covariance) > 0.0
+
+
+def tolerances(knobs: Sequence[Knob], named: Sequence[str] = ()) -> Prior:
+    """Return the prior in which some candidates are there and the others are not."""
+    variance = [
+        knob.tolerance**2 + (knob.typical**2 if knob.name in named else 0.0) for knob in knobs
+    ]
+    covariance = np.diag([*variance, *OWN**2])
+    return Prior(np.zeros(len(covariance)), covariance)
+
+
+def own_variance(knobs: Sequence[Knob]) -> Array:
+    """Return the variance of what is drawn anew for each flight, 0 for what flights share."""
+    trims = [knob.tolerance**2 if knob.per_flight else 0.0 for knob in knobs]
+    return np.array([*trims, *OWN**2])
+
+
+def shared(knobs: Sequence[Knob], named: Sequence[str] = ()) -> Prior:
+    """Return the prior of what flights share: `tolerances` less what is each one's own."""
+    both = tolerances(knobs, named)
+    return Prior(both.mean, both.covariance - np.diag(own_variance(knobs)))
+
+
+def learned(before: 'Fitted', widened: float = 1.5) -> Prior:
+    """
+    Return what some flights say about the next: their posterior, a little wider.
+
+    Parameters
+    ----------
+    before : Fitted
+        What the other flights share, after them.
+    widened : float
+        Factor on the covariance.
+
+    """
+    return Prior(before.mean, widened * before.covariance)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Reduced:
+    """
+    A flight with the unknowns of its pieces eliminated.
+
+    Attributes
+    ----------
+    products : ndarray, shape (G + 1, G + 1)
+        Of the columns of the knobs and the residual, in the inverse covariance that is left.
+    constant : float
+        Of the log evidence: of the pieces' unknowns and the readings, less the noise levels.
+
+    """
+
+    products: Array
+    constant: float
+
+
+@final
+class Pieces:
+    """
+    The pieces of a flight, ready to be reduced for any deviations of the latent wrench.
+
+    Parameters
+    ----------
+    linear : Linear
+        The flight about a point.
+
+    """
+
+    def __init__(self, linear: Linear) -> None:
+        self.linear = linear
+        keep = np.r_[WIDTH : WIDTH + AXES * KNOTS, RANDOM : linear.grams.shape[1]]
+        out = np.r_[0:WIDTH, RANDOM - 1]
+        precision = np.concatenate([STATE**-2.0, [PIECE_PRESSURE**-2.0]])
+        mean = -linear.point.random[:, out]
+        self._grams, self._constant = eliminated(linear.grams, keep, out, np.diag(precision), mean)
+        self._knots = knot_precision()
+        self._mean = -linear.point.random[:, WIDTH : WIDTH + AXES * KNOTS]
+
+    def narrowed(self, kept: NDArray[np.int64]) -> 'Pieces':
+        """Return the flight with only some columns, for what needs no more than to be reduced."""
+        out, point = copy(self), self.linear.point
+        names = tuple(self.linear.names[k] for k in kept)
+        out.linear = replace(
+            self.linear, names=names, point=replace(point, values=point.values[kept])
+        )
+        count = AXES * KNOTS
+        index = np.concatenate([np.arange(count), count + kept, [self._grams.shape[1] - 1]])
+        out._grams = self._grams[:, index[:, None], index]
+        return out
+
+    def reduced(self, deviations: Array) -> Reduced:
+        """
+        Return the flight without its pieces' unknowns.
+
+        Parameters
+        ----------
+        deviations : ndarray, shape (6,)
+            Of the latent force [N] and moment [N m].
+
+        """
+        count = AXES * KNOTS
+        precision = np.zeros((count, count))
+        for axis, deviation in enumerate(deviations):
+            at = slice(axis * KNOTS, (axis + 1) * KNOTS)
+            precision[at, at] = self._knots / deviation**2
+        keep = np.arange(count, self._grams.shape[1])
+        products, constant = eliminated(self._grams, keep, np.arange(count), precision, self._mean)
+        rows = -0.5 * np.log(2.0 * np.pi) * self.linear.rows.sum()
+        return Reduced(products.sum(axis=0), self._constant.sum() + constant.sum() + rows)
+
+    def solved(self, deviations: Array, change: Array) -> Array:
+        """
+        Return the most probable unknowns of each piece, given how far knobs move from the point.
+
+        Parameters
+        ----------
+        deviations : ndarray, shape (6,)
+            Of the latent wrench.
+        change : ndarray, shape (G,)
+            Of the knobs, from the point.
+
+        Returns
+        -------
+        ndarray, shape (S, RANDOM)
+            Themselves, not their change.
+
+        """
+        precision = np.zeros((RANDOM, RANDOM))
+        diagonal = np.concatenate([STATE**-2.0, np.zeros(AXES * KNOTS), [PIECE_PRESSURE**-2.0]])
+        precision[np.diag_indices(RANDOM)] = diagonal
+        for axis, deviation in enumerate(deviations):
+            at = slice(WIDTH + axis * KNOTS, WIDTH + (axis + 1) * KNOTS)
+            precision[at, at] = self._knots / deviation**2
+        grams, before = self.linear.grams, self.linear.point.random
+        right = grams[:, :RANDOM, -1] - grams[:, :RANDOM, RANDOM:-1] @ change
+        right = right - before @ precision
+        moved = np.linalg.solve(grams[:, :RANDOM, :RANDOM] + precision, right[..., None])
+        return before + moved[..., 0]
+
+
+def eliminated(
+    grams: Array, keep: NDArray[np.int64], out: NDArray[np.int64], precision: Array, mean: Array
+) -> tuple[Array, Array]:
+    """Return products without some columns that have a prior, and the log evidence's constant."""
+    inner = grams[:, out[:, None], out] + precision
+    cross = grams[:, out[:, None], keep].copy()
+    pull = mean @ precision
+    cross[:, :, -1] += pull
+    root = np.linalg.cholesky(inner)
+    half = np.linalg.solve(root, cross)
+    left = grams[:, keep[:, None], keep] - np.swapaxes(half, 1, 2) @ half
+    left[:, -1, -1] += np.sum(pull * mean, axis=1)
+    own = np.linalg.slogdet(precision)[1]
+    logs = np.log(np.diagonal(root, axis1=1, axis2=2)).sum(axis=1)
+    return left, 0.5 * own - logs
+
+
+class Fitted(NamedTuple):
+    """The knobs after the data: log evidence, mean from the vehicle file, and covariance."""
+
+    log_evidence: float
+    mean: Array
+    covariance: Array
+
+
+def fitted(reduced: Reduced, at: Array, prior: Prior) -> Fitted:
+    """
+    Return the posterior of the knobs, and the log evidence.
+
+    Parameters
+    ----------
+    reduced : Reduced
+        The flight.
+    at : ndarray, shape (G,)
+        Where the knobs stand at the point.
+    prior : Prior
+        What is known of them; those that it holds stay where the point has them.
+
+    """
+    free, root, half, value = _solved(reduced, at, prior)
+    after, covariance = at.copy(), np.zeros((len(free), len(free)))
+    after[free] += np.linalg.solve(root.T, half)
+    inverse = np.linalg.inv(root)
+    covariance[np.ix_(free, free)] = inverse.T @ inverse
+    return Fitted(value, after, covariance)
+
+
+def evidence_of(reduced: Reduced, at: Array, prior: Prior) -> float:
+    """Return the log evidence alone; parameters as for `fitted`."""
+    return _solved(reduced, at, prior)[3]
+
+
+def _solved(
+    reduced: Reduced, at: Array, prior: Prior
+) -> tuple[NDArray[np.bool_], Array, Array, float]:
+    """Return what is free, the root of its precision, the pull by that root, and the evidence."""
+    free = prior.free
+    wide = prior.covariance[np.ix_(free, free)]
+    precision = np.linalg.inv(wide)
+    mean = (prior.mean - at)[free]
+    index = np.append(np.flatnonzero(free), len(free))
+    products = reduced.products[index[:, None], index]
+    root = np.linalg.cholesky(products[:-1, :-1] + precision)
+    half = np.linalg.solve(root, products[:-1, -1] + precision @ mean)
+    square = products[-1, -1] + mean @ precision @ mean - half @ half
+    logs = -0.5 * np.linalg.slogdet(wide)[1] - np.log(np.diag(root)).sum()
+    return free, root, half, float(reduced.constant + logs - 0.5 * square)
+
+
+def strain(point: Point, deviations: Array) -> float:
+    """Return minus twice the log density of the unknowns of a flight's pieces, less a constant."""
+    inverse, random = knot_precision(), point.random
+    knots = random[:, WIDTH : WIDTH + AXES * KNOTS].reshape(-1, AXES, KNOTS)
+    along = np.einsum('saj,jk,sak->a', knots, inverse, knots) / deviations**2
+    states = np.sum((random[:, :WIDTH] / STATE) ** 2)
+    return float(along.sum() + states + np.sum((random[:, -1] / PIECE_PRESSURE) ** 2))
+
+
+def log_prior(deviations: Array, floor: Array = FLOOR) -> float:
+    """Return the log density of the deviations' logarithms, less a constant."""
+    return float(-0.5 * np.sum((np.log(deviations / (USUAL * floor)) / LOOSE) ** 2))

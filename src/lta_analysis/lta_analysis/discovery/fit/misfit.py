@@ -1,0 +1,87 @@
+"""
+How badly a point fits, flown; and how badly a linearisation elsewhere says that it would.
+
+Minus twice the log density of the data and of all unknowns, less what does not depend on the
+point: what a step of Gauss-Newton has to make smaller. Flying a point costs a small part of
+linearising about it.
+"""
+
+from collections.abc import Sequence
+
+from lta_analysis.discovery.fit.evidence import Prior, strain
+from lta_analysis.discovery.fit.group import Group
+from lta_analysis.discovery.replay.linear import Point
+from lta_analysis.discovery.replay.linearise import Linearised
+from lta_analysis.discovery.replay.replay import STEPS
+from lta_config.errors import BadInput
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def misfit_at(
+    flights: Sequence[Linearised],
+    deviations: Array,
+    prior: Prior,
+    variance: Array,
+    at: Array,
+    points: Sequence[Point],
+) -> float:
+    """
+    Return the misfit of flights at a point; inf where one ran away or no such vehicle can be.
+
+    Parameters
+    ----------
+    flights : sequence of Linearised
+        The flights.
+    deviations : ndarray, shape (6,)
+        Of the latent force [N] and moment [N m].
+    prior : Prior
+        Of what the flights share.
+    variance : ndarray, shape (G,)
+        Of what is each flight's own.
+    at : ndarray, shape (G,)
+        What they share.
+    points : sequence of Point
+        Of each flight.
+
+    """
+    total = _unknowns(deviations, prior, variance, at, points)
+    for flight, point in zip(flights, points, strict=True):
+        with np.errstate(over='ignore', invalid='ignore'):
+            try:
+                grid = flight.trajectory(point)[:, ::STEPS]
+            except BadInput:
+                return np.inf  # no such vehicle can be
+            if not np.isfinite(grid).all():
+                return np.inf
+            left = flight.left(grid, point, point.nominal.rows()) / flight.replay.flight.noise
+            total += float(np.nansum(left**2))
+    return total
+
+
+def promised(
+    group: Group, deviations: Array, prior: Prior, at: Array, points: Sequence[Point]
+) -> float:
+    """Return the same as flights that are linearised elsewhere would have it."""
+    total = _unknowns(deviations, prior, group.variance, at, points)
+    for linear, point in zip(group.linears, points, strict=True):
+        moved = np.tile(point.values - linear.point.values, (len(linear.grams), 1))
+        none = np.full((len(linear.grams), 1), -1.0)
+        change = np.hstack([point.random - linear.point.random, moved, none])
+        total += float(np.einsum('si,sij,sj->', change, linear.grams, change))
+    return total
+
+
+def _unknowns(
+    deviations: Array, prior: Prior, variance: Array, at: Array, points: Sequence[Point]
+) -> float:
+    """Return the share of the unknowns: of what is shared, of each flight, of its pieces."""
+    free, own = prior.free, variance > 0.0
+    off = (at - prior.mean)[free]
+    total = float(off @ np.linalg.solve(prior.covariance[np.ix_(free, free)], off))
+    for point in points:
+        total += strain(point, deviations)
+        total += float(np.sum((point.values - at)[own] ** 2 / variance[own]))
+    return total

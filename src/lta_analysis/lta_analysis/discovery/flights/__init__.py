@@ -1,0 +1,1 @@
+"""Measured flights: read, believed or cut, on one grid, in pieces."""

@@ -1,0 +1,1 @@
+"""Predictions some seconds ahead: how far off they are, and fits to them."""

@@ -1,0 +1,255 @@
+"""
+Name what is missing, one effect at a time, until no candidate is confirmed.
+
+A glance at all candidates (`scan`) can promise what a refit does not keep, and large unexplained
+forces can hide an effect; so the best few are refitted, on the flights that teach and on those
+that confirm, each by themselves, and only that counts.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, final
+
+from lta_analysis.discovery.fit import early
+from lta_analysis.discovery.fit.deviations import weighed
+from lta_analysis.discovery.fit.evidence import floor_of, learned, own_variance, Prior, shared
+from lta_analysis.discovery.fit.fit import Fitter, Joint
+from lta_analysis.discovery.fit.starts import begun, TRIED
+from lta_analysis.discovery.model.nominal import Nominal
+from lta_analysis.discovery.naming.accept import TIE, Trial
+from lta_analysis.discovery.naming.displacing import Displacing
+from lta_analysis.discovery.naming.scan import likeness, scan
+from lta_analysis.discovery.replay.linear import origin
+from lta_analysis.discovery.replay.linearise import Linearised
+import numpy as np
+
+Pair = tuple[Joint, Joint]
+
+QUICK: Final = 5  # of each glance
+REFITTED: Final = 4
+CAP: Final = 1.5  # floors; of the deviations in the second glance
+MOST: Final = 4  # effects
+WORTH: Final = 1.0  # nats; a glance below it is not followed
+HOPE: Final = 5.0  # nats; nor is a candidate that promises less on all flights together
+HOPELESS: Final = 0.35  # of what the best has won: who promises less is not refitted
+ALIKE: Final = 0.98  # of the cosine of two columns; beyond it one refit stands for both
+UNLIKE: Final = 0.5  # of the same; below it the failure of the one says nothing of the other
+CAPPED: Final = 2.5  # floors; of the deviations that a fit begins with
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Step:
+    """
+    One round.
+
+    Attributes
+    ----------
+    trials : tuple of Trial
+        Those refitted, the best first.
+    tied : tuple of str
+        Names that nothing tells from the best.
+    named : str
+        '' where none was confirmed.
+
+    """
+
+    trials: tuple[Trial, ...]
+    tied: tuple[str, ...]
+    named: str
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Named:
+    """
+    What was found.
+
+    Attributes
+    ----------
+    steps : tuple of Step
+        Round by round; the last one named nothing, unless there were too many.
+    names : tuple of str
+        Of the effects, in the order in which they were found.
+    fits : pair of Joint
+        Of the flights that teach and of those that confirm, with them.
+    bare : pair of Joint
+        The same without any.
+
+    """
+
+    steps: tuple[Step, ...]
+    names: tuple[str, ...]
+    fits: Pair
+    bare: Pair
+
+
+@final
+class Naming:
+    """
+    Flights of one vehicle.
+
+    Parameters
+    ----------
+    nominal : Nominal
+        The vehicle as its file has it.
+    flights : pair of sequences of Linearised
+        To learn from, and to confirm by; at least one each.
+
+    """
+
+    def __init__(
+        self, nominal: Nominal, flights: tuple[Sequence[Linearised], Sequence[Linearised]]
+    ) -> None:
+        self.nominal, self.flights = nominal, flights
+        self.knobs = flights[0][0].knobs
+        self.floor = floor_of(nominal)
+        own = own_variance(self.knobs)
+        self.fitters = [Fitter(nominal, each, own, self.floor) for each in flights]
+        self._displacing = Displacing(flights, self.floor)
+        self._names = [knob.name for knob in self.knobs]
+
+    def run(self, progress: Callable[[float], None] = lambda part: None) -> Named:
+        """Name what is missing, and tell which part is done, as far as anyone can know."""
+        named: tuple[str, ...] = ()
+        bare = fits = self._first()
+        steps: list[Step] = []
+        history: list[tuple[str, Pair]] = []
+        while len(named) < MOST:
+            progress(1.0 - 0.7 * 0.5 ** len(steps))
+            step, then = self._round(named, fits)
+            steps.append(step)
+            if not step.named:
+                break
+            history.append((step.named, fits))
+            named, fits = (*named, step.named), then
+        gone = self._displacing.withdrawn(history, fits)
+        if gone:
+            named = tuple(name for name in named if name not in gone)
+            fits = self._fitted(named, bare) if named else bare
+            steps = [replace(one, named='') if one.named in gone else one for one in steps]
+        return Named(tuple(steps), named, fits, bare)
+
+    def _first(self) -> Pair:
+        """Fit all flights without any effect."""
+        prior, out = shared(self.knobs), []
+        for fitter in self.fitters:
+            points = [
+                origin(self.nominal, self.knobs, len(each.replay.first)) for each in fitter.flights
+            ]
+            at, points, deviations = early.begun(fitter, prior, points)
+            out.append(fitter.fit(prior, fitter.about(at, points), deviations))
+        return out[0], out[1]
+
+    def _fitted(self, named: Sequence[str], before: Pair) -> Pair:
+        """Fit all flights with some effects, from where they stand."""
+        prior, out = shared(self.knobs, named), []
+        for fitter, last in zip(self.fitters, before, strict=True):
+            deviations = np.minimum(last.deviations, CAPPED * self.floor)
+            begin = begun(fitter, prior, last.group, deviations, named)
+            out.append(fitter.fit(prior, begin, deviations))
+        return out[0], out[1]
+
+    def _glance(
+        self, named: Sequence[str], fits: Pair
+    ) -> dict[str, tuple[float, tuple[str, ...]]]:
+        """Return the few candidates worth a refit: what they promise, and what looks like them."""
+        prior = shared(self.knobs, named)
+        found: dict[str, float] = {}
+        for this in fits:
+            capped = this.group.reduced(np.minimum(this.deviations, CAP * self.floor))
+            for reduced in (this.reduced, capped):
+                seen = [
+                    s
+                    for s in scan(reduced, this.group.at, prior, self.knobs)
+                    if s.name not in named
+                ]
+                for one in seen[:QUICK]:
+                    if one.gain > WORTH:
+                        found.setdefault(one.name, 0.0)
+        for name in found:
+            found[name] = sum(self._promised(name, named, this) for this in fits)
+        ranked = sorted(found, key=lambda name: -found[name])
+        worth = [name for name in ranked if found[name] > HOPE]
+        return {
+            name: (found[name], same) for name, same in self._distinct(worth, prior, fits).items()
+        }
+
+    def _distinct(self, ranked: list[str], prior: Prior, fits: Pair) -> dict[str, tuple[str, ...]]:
+        """Return the first few candidates that no flight takes for each other."""
+        alike = np.min(
+            [np.abs(likeness(this.reduced, prior, ranked, self.knobs)) for this in fits], axis=0
+        )
+        out: dict[str, tuple[str, ...]] = {}
+        for i, name in enumerate(ranked):
+            same = [other for other in out if alike[i, ranked.index(other)] > ALIKE]
+            if same:
+                out[same[0]] = (*out[same[0]], name)
+            elif len(out) < REFITTED:
+                out[name] = ()
+        return out
+
+    def _promised(self, name: str, named: Sequence[str], this: Joint) -> float:
+        """Return what a candidate wins with the deviations free, without relinearising."""
+        prior = shared(self.knobs, (*named, name))
+        return weighed(this.group, prior, this.deviations, self.floor)[1] - this.evidence
+
+    def _round(self, named: tuple[str, ...], fits: Pair) -> tuple[Step, Pair]:
+        """Try the best candidates."""
+        tried: dict[str, tuple[Trial, Pair]] = {}
+        glance = self._glance(named, fits)
+        for name, (promise, _) in glance.items():
+            most = max((trial.total for trial, _ in tried.values()), default=0.0)
+            if promise < HOPELESS * most and name not in TRIED:
+                continue
+            then = self._fitted((*named, name), fits)
+            tried[name] = self._trial(name, named, fits, then), then
+        ranked = sorted(tried, key=lambda name: -tried[name][0].total)
+        trials = tuple(tried[name][0] for name in ranked)
+        # A lesser candidate is not confirmed by the failure of a better one, unless that fell to
+        # something outside the library, or its own flights contradict each other.
+        close = [trial for trial in trials if trials[0].total - trial.total < TIE]
+        fell = False
+        for trial in trials:
+            if not trial.accepted:
+                continue
+            if trial not in close and not fell and not self._apart(trial, trials, named, fits):
+                continue
+            then = tried[trial.name][1]
+            fell = not self._displacing.stands(trial.name, trial.total, fits, then)
+            if not fell:
+                others = tuple(one.name for one in close if one is not trial and not one.torn)
+                tied = (*glance[trial.name][1], *others)
+                return Step(trials, tied, trial.name), tried[trial.name][1]
+        return Step(trials, (), ''), fits
+
+    def _apart(
+        self, trial: Trial, trials: Sequence[Trial], named: tuple[str, ...], fits: Pair
+    ) -> bool:
+        """Tell whether all better candidates are torn, and about something else than this one."""
+        better = [one for one in trials if one.total >= trial.total + TIE]
+        if not trial.both or not all(one.torn for one in better):
+            return False
+        prior, names = shared(self.knobs, named), [trial.name, *(one.name for one in better)]
+        alike = [np.abs(likeness(this.reduced, prior, names, self.knobs))[0, 1:] for this in fits]
+        return bool(np.max(alike) < UNLIKE)
+
+    def _trial(self, name: str, named: tuple[str, ...], fits: Pair, then: Pair) -> Trial:
+        """Return what all flights say of a candidate."""
+        k = self._names.index(name)
+        values = [float(this.fitted.mean[k]) for this in then]
+        spread = sum(float(this.fitted.covariance[k, k]) for this in then)
+        differ, larger = abs(values[0] - values[1]), max(map(abs, values))
+        return Trial(
+            name,
+            then[0].evidence - fits[0].evidence,
+            then[1].evidence - fits[1].evidence,
+            self._carried(then) - self._carried(fits),
+            float(differ / np.sqrt(spread)),
+            differ / larger if larger > 0.0 else 0.0,
+        )
+
+    def _carried(self, fits: Pair) -> float:
+        """Return the evidence of the flights that confirm under what the others have taught."""
+        prior = learned(fits[0].fitted)
+        return weighed(fits[1].group, prior, fits[1].deviations, self.floor)[1]

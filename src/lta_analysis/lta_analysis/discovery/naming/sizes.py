@@ -1,0 +1,119 @@
+"""
+How large what was named is, and how well that is known.
+
+The flights' own interval takes the model for exact and the noise for white. Neither is quite so.
+What the pieces of the flights show of it counts where it is more (`piecewise`); an integrator, a
+command that takes over within a few milliseconds, a sensor's filter are off by what no flight of
+the same vehicle can show: by how much (`WIDER`, `PART`) was found on hidden truths. What is
+outside the library follows the motion, and so does not average out over the pieces as the latent
+wrench does that stands for it: beside it every value is known less well.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+from lta_analysis.discovery.finding import Learned, NamedEffect
+from lta_analysis.discovery.fit.evidence import Fitted
+from lta_analysis.discovery.fit.fit import Joint, turned
+from lta_analysis.discovery.fit.piecewise import variance
+from lta_analysis.discovery.model.knobs import Knob
+from lta_analysis.discovery.model.nominal import Nominal
+from lta_analysis.discovery.naming.proof import Proven
+from lta_sim.effects import EFFECTS
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+NORMAL: Final = 1.96  # deviations, of the 95 % interval
+WIDER: Final = 1.5  # factor on the deviations
+BESIDE: Final = 1.3  # the same once more, where something outside the library remains
+PART: Final = 0.02  # of the value, that it is off by at least
+# And by so much, whatever the value: over a flight, half a millisecond of a grid of 40.
+LEAST: Final[Mapping[str, float]] = {'clock_skew.skew': 5e-6}
+
+
+def learned(nominal: Nominal, proven: Proven, known: Sequence[Knob]) -> Nominal:
+    """Return the vehicle file's vehicle with the named effects, and nothing else changed."""
+    values = np.where([knob.name in proven.names for knob in known], _values(proven, known), 0.0)
+    return turned(nominal, known, values)[0]
+
+
+def _values(proven: Proven, known: Sequence[Knob]) -> Array:
+    """Return the most probable knobs that flights share, within their bounds."""
+    mean = proven.measured.fitted.mean[: len(known)]
+    inside: Array = np.clip(mean, [knob.low for knob in known], [knob.high for knob in known])
+    return inside
+
+
+def _seen(measured: Joint) -> Fitted:
+    """Return the knobs after the data, each known no better than the pieces agree about it."""
+    own = np.diag(measured.fitted.covariance)
+    return measured.fitted._replace(covariance=np.diag(np.maximum(own, variance(measured))))
+
+
+def spread(found: Fitted, known: Sequence[Knob], beside: bool) -> Array:
+    """
+    Return standard deviations of knobs, with what the model itself may be off by.
+
+    Parameters
+    ----------
+    found : Fitted
+        The knobs after the data.
+    known : sequence of Knob
+        In their order.
+    beside : bool
+        Whether something remains that is outside the library.
+
+    Returns
+    -------
+    ndarray, shape (K,)
+        In the units of the knobs.
+
+    """
+    wider, count = WIDER * (BESIDE if beside else 1.0), len(known)
+    own, mean = np.diag(found.covariance)[:count], found.mean[:count]
+    least = np.array([LEAST.get(knob.name, 0.0) for knob in known])
+    out: Array = np.sqrt(wider**2 * own + (PART * mean) ** 2 + least**2)
+    return out
+
+
+def effects(
+    nominal: Nominal, proven: Proven, known: Sequence[Knob], beside: bool = False
+) -> tuple[NamedEffect, ...]:
+    """Return the effects that were found missing, the strongest first; `beside` as in `spread`."""
+    values, deviations = _values(proven, known), spread(_seen(proven.measured), known, beside)
+    by_effect: dict[str, list[int]] = {}
+    for name in proven.names:
+        k = next(i for i, knob in enumerate(known) if knob.name == name)
+        by_effect.setdefault(name.partition('.')[0], []).append(k)
+    out = []
+    for effect, places in by_effect.items():
+        names = tuple(known[k].name for k in places)
+        parameters = tuple(
+            each
+            for k in places
+            for each in _parameters(
+                nominal, known[k], effect, float(values[k]), float(deviations[k])
+            )
+        )
+        cost = max(proven.costs[name] for name in names)
+        rivals = dict.fromkeys(rival for name in names for rival in proven.rivals[name])
+        out.append(NamedEffect(effect, names, parameters, cost, tuple(rivals)))
+    return tuple(out)
+
+
+def _parameters(
+    nominal: Nominal, knob: Knob, effect: str, value: float, spread: float
+) -> list[Learned]:
+    """Return the parameters of an effect that a knob moves."""
+    units = {known.name: known.unit for known in EFFECTS[effect].parameters}
+    begun, out = knob.ready(nominal), []
+    for (moved, parameter), rate in knob.moves.items():
+        if moved != effect:
+            continue
+        before = nominal.value(effect, parameter)
+        now = begun.value(effect, parameter) + rate * value
+        half = NORMAL * abs(rate) * spread
+        out.append(Learned(parameter, units[parameter], before, now, (now - half, now + half)))
+    return out

@@ -1,0 +1,1 @@
+"""What is in no library: generic rivals, lines, and what remains, described."""

@@ -1,0 +1,90 @@
+"""
+What is outside the library, when everything with a name is in the model.
+
+Axes of the latent wrench that stand clear of the floor, generic rivals that still win, and lines
+in what is left over.
+"""
+
+from collections.abc import Sequence
+from typing import Final, final, NamedTuple
+
+from lta_analysis.discovery.finding import Verdict
+from lta_analysis.discovery.fit.fit import Joint
+from lta_analysis.discovery.outside.rivals import Rival, Rivals
+from lta_analysis.discovery.outside.spectral_line import Line, lines
+from lta_analysis.discovery.outside.standing import Standing
+from lta_analysis.discovery.outside.unexplained import Remainder, remaining
+from lta_analysis.discovery.outside.verdict import remains_with, sentences, verdict_of
+from lta_analysis.discovery.replay.linearise import Linearised
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+FOLLOWED: Final = 300.0  # floors; a model that has to be helped by more does not follow the flight
+
+
+@final
+class Outside(NamedTuple):
+    """
+    What is outside the library.
+
+    Attributes
+    ----------
+    remains : tuple of Remainder
+        By axis, with what it follows, the largest first.
+    rivals : tuple of Rival
+        All of them, the best first.
+    lines : tuple of Line
+        The strongest first.
+
+    """
+
+    remains: tuple[Remainder, ...]
+    rivals: tuple[Rival, ...]
+    lines: tuple[Line, ...]
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """All of it, for people."""
+        return sentences(self.remains, self.lines)
+
+    @property
+    def more(self) -> bool:
+        """Whether there is anything, whatever was named."""
+        return self.verdict(()) == 'unexplained'
+
+    @property
+    def held(self) -> bool:
+        """Whether it is what remains of flights that the model follows at all."""
+        return self.more and all(one.floors < FOLLOWED for one in self.remains)
+
+    def verdict(self, named: Sequence[str]) -> Verdict:
+        """Return the verdict; see `verdict_of`."""
+        return verdict_of(named, self.remains, self.rivals, self.lines)
+
+
+def outside(pair: Sequence[Sequence[Linearised]], full: Joint, floor: Array) -> Outside:
+    """
+    Return what is outside the library.
+
+    Parameters
+    ----------
+    pair : pair of sequences of Linearised
+        Flights that teach, and that confirm.
+    full : Joint
+        All of them in this order, with all named effects in the model.
+    floor : ndarray, shape (6,)
+        Deviations of the latent wrench that are not worth speaking of.
+
+    """
+    count = len(pair[0])
+    sides = slice(0, count), slice(count, None)
+    rivals = Rivals(pair).found([Standing.part(full, side, floor) for side in sides])
+    members = full.members
+    left = remaining(pair, [members[side] for side in sides], floor)
+    flights = [*pair[0], *pair[1]]
+    residuals = [linear.residual for linear in full.group.linears]
+    times = [each.time for each in flights]
+    seen = lines(residuals, times, [each.replay.flight.noise for each in flights])
+    return Outside(tuple(remains_with(left, rivals, floor)), rivals, tuple(seen))

@@ -1,0 +1,1 @@
+"""What was found, written: for programs, for the vehicle, for Foxglove, on the terminal."""

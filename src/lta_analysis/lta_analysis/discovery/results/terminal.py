@@ -1,0 +1,148 @@
+"""What was found, on the terminal."""
+
+from collections.abc import Iterator
+import math
+from typing import Final
+
+from lta_analysis.discovery.finding import Carried, Finding, Gap, NamedEffect
+from lta_analysis.discovery.forecast.replayed import NAMES
+from lta_analysis.discovery.page.words import (
+    amount,
+    figure,
+    headline,
+    listed,
+    percent,
+    with_unit,
+    within,
+)
+from lta_analysis.discovery.results.discovery_json import horizon
+from lta_sim.effects.protocol import AXES
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+BAR: Final = 32  # characters
+BARS: Final = (
+    ('coast', 'ignoring the commands', 'dim'),
+    ('before', 'the vehicle file', 'red'),
+    ('tuned', 'its tolerances tuned', 'yellow'),
+    ('after', 'with what was found', 'green'),
+    ('noise_floor', 'the tracker itself', 'dim'),
+)
+WHOLE: Final = ('position', 'attitude')
+MOST: Final = 8  # places that are told
+
+
+def show(finding: Finding, console: Console) -> None:
+    """Print the verdict, the effects with their intervals, the gap, and where it was."""
+    console.print(Text(headline(finding), 'bold'), soft_wrap=True)
+    if finding.effects:
+        console.print(effects_table(finding))
+    if finding.carried is not None:
+        console.print(Text(carried_words(finding.carried)), soft_wrap=True)
+    for line in gap_lines(finding):
+        console.print(line, soft_wrap=True)
+    if finding.where:
+        console.print(where_table(finding))
+    for said in finding.unexplained:
+        console.print(Text(f'Unexplained: {said}.'), soft_wrap=True)
+    if finding.next_flight:
+        console.print(Text(finding.next_flight), soft_wrap=True)
+    for word in finding.warnings:
+        console.print(Text(word, 'yellow'), soft_wrap=True)
+
+
+def found_words(finding: Finding) -> str:
+    """Return what was found as short as what was hidden is told."""
+    return listed(
+        [
+            f'{effect.name}.{one.name} = {with_unit(figure(one.value), one.unit)}'
+            for effect in finding.effects
+            for one in effect.parameters
+        ]
+        or ['nothing']
+    )
+
+
+def carried_words(carried: Carried) -> str:
+    """Return what names by forecasts rest on, in a sentence."""
+    ratios = [one.ratio for one in carried.regimes]
+    better = sum(ratio < 1.0 for ratio in ratios)
+    return (
+        f'Named by forecasts: left out of the fit, {better} of {len(ratios)} regimes are '
+        f'predicted better than by the vehicle file (error '
+        f'{min(ratios):.2f} to {max(ratios):.2f} of its).'
+    )
+
+
+def _table(*heads: tuple[str, str]) -> Table:
+    """Return an empty table without frames."""
+    table = Table(box=None, pad_edge=False, header_style='dim')
+    for head, side in heads:
+        table.add_column(head, justify=side)  # type: ignore[arg-type]
+    return table
+
+
+def effects_table(finding: Finding) -> Table:
+    """Return the named effects, a row a parameter."""
+    table = _table(
+        ('effect', 'left'), ('parameter', 'left'), ('before', 'right'), ('now', 'right'),
+        ('95 %', 'right'), ('', 'left'), ('nats', 'right'), ('or', 'left'),
+    )  # fmt: skip
+    for effect in finding.effects:
+        for first, row in zip(_firsts(effect), effect.parameters, strict=False):
+            now, low, high = within(row.value, row.ci95)
+            table.add_row(
+                first[0], row.name, figure(row.before), now, f'{low} to {high}',
+                '' if row.unit == '1' else row.unit, *first[1:],
+            )  # fmt: skip
+    return table
+
+
+def _firsts(effect: NamedEffect) -> Iterator[tuple[str, str, str]]:
+    """Yield name, evidence and rivals of an effect in its first row, nothing in the others."""
+    yield effect.name, figure(effect.log_evidence), listed(effect.confusable_with, 'or')
+    while True:
+        yield '', '', ''
+
+
+def gap_lines(finding: Finding) -> Iterator[Text]:
+    """Yield headings and bars: how far predictions are off, for each of the models."""
+    at = horizon(finding.gaps)
+    for one in finding.gaps:
+        if one.horizon_s == at and one.channel in WHOLE:
+            seen = 'on flights nothing was fitted to' if finding.held_out else 'not held out'
+            sign, word = (1.0, 'less') if one.shrink >= 0.0 else (-1.0, 'more')
+            low, high = (percent(part) for part in sorted(sign * end for end in one.shrink_ci95))
+            yield Text(
+                f'Off in {one.channel} after {at:g} s, {seen}: {percent(sign * one.shrink)} % '
+                f'{word} ({low} to {high} %)'
+            )
+            yield from _bars(one)
+
+
+def _bars(one: Gap) -> Iterator[Text]:
+    """Yield a bar for each model."""
+    # What ignores the commands may be off by a room; its bar is cut then.
+    most = max(one.before, one.tuned, one.after, 1e-12)
+    for key, label, style in BARS:
+        size = getattr(one, key)
+        share = min(size / most, 1.0) if math.isfinite(size) else 0.0
+        bar = '█' * round(BAR * share) + ('>' if size > most else '')
+        yield Text(f'  {label:22}{amount(size, one.unit):>9}  ').append(bar, style)
+
+
+def where_table(finding: Finding) -> Table:
+    """Return the places where the model of the vehicle file disagrees most."""
+    table = _table(
+        ('where', 'left'), ('flight', 'left'), ('from', 'right'), ('to', 'right'),
+        ('when', 'left'), ('x noise', 'right'),
+    )  # fmt: skip
+    forces = [place for place in finding.where if place.channel in AXES]
+    others = [place for place in finding.where if place.channel not in AXES]
+    for place in [*forces, *others][:MOST]:
+        table.add_row(
+            NAMES.get(place.channel, place.channel), place.flight, f'{place.from_s:.0f} s',
+            f'{place.to_s:.0f} s', place.condition, f'{place.ratio_to_noise:.1f}',
+        )  # fmt: skip
+    return table

@@ -1,0 +1,1 @@
+"""Where and when the model of the vehicle file disagrees."""

@@ -1,0 +1,39 @@
+"""A vehicle file that is far off is fitted from the beginnings of the pieces on."""
+
+from lta_analysis.discovery.fit.early import begun, shortened
+from lta_analysis.discovery.fit.evidence import floor_of, own_variance, shared
+from lta_analysis.discovery.fit.fit import Fitter
+from lta_analysis.discovery.model.knobs import Knob
+from lta_analysis.discovery.model.nominal import Nominal
+from lta_analysis.discovery.replay.linear import origin
+from lta_analysis.discovery.replay.linearise import Linearised
+import numpy as np
+
+from ..hidden_flight import flown, prepared  # noqa: TID252 - `test` is Python's own
+
+LOW = {'vehicle.effects.cg_height.z': {'value': 0.06, 'unit': 'm'}}  # 20 of its tolerances
+
+
+def test_only_the_beginning_of_each_piece_of_a_shortened_flight_counts(clean: Linearised) -> None:
+    short = shortened(clean, 0.8)
+    assert short.replay.cut.inside[0, :20].all()
+    assert not short.replay.cut.inside[:, 20:].any()
+    assert clean.replay.cut.inside[0].all()
+    assert short.replay.flight is clean.replay.flight
+
+
+def test_a_centre_of_gravity_far_too_low_does_not_run_away(
+    gtmab: tuple[Nominal, list[Knob]],
+) -> None:
+    nominal, knobs = gtmab
+    flight, floor, prior = prepared(flown(LOW, 40, 26.0), knobs), floor_of(nominal), shared(knobs)
+    fitter = Fitter(nominal, [flight], own_variance(knobs), floor)
+    points = [origin(nominal, knobs, len(flight.replay.first))]
+    at, then, deviations = begun(fitter, prior, points)
+    found = fitter.fit(prior, fitter.about(at, then), deviations)
+    # Its tolerance, stretched, explains it: nothing is left to a latent wrench.
+    assert np.all(found.deviations < floor)
+    assert found.rounds <= 2
+    lost = fitter.fit(prior, fitter.about(points[0].values, points), floor)
+    assert lost.evidence < found.evidence + 1.0
+    assert lost.rounds > found.rounds

@@ -1,0 +1,31 @@
+"""What forecasts warn of."""
+
+from lta_analysis.discovery.finding import Gap
+from lta_analysis.discovery.forecast.cautions import cautions
+
+
+def gap(channel: str, horizon: float, before: float, after: float, coast: float, most: float):
+    """Return a gap whose shrinkage is at most `most`."""
+    shrink = 1.0 - after / before
+    return Gap(
+        channel, 'm', horizon, before, after, after, coast, 0.01, shrink, (shrink - 0.1, most), 9
+    )
+
+
+def test_a_fit_that_predicts_worse_is_said_and_so_is_a_model_of_no_use() -> None:
+    """RGBlimp's, rounded; one second ahead nothing is certain."""
+    told = [
+        gap('position', 1.0, 0.019, 0.020, 0.021, 0.1),
+        gap('position', 5.0, 0.27, 0.30, 0.24, -0.03),
+        gap('attitude', 3.0, 0.12, 0.14, 0.07, -0.05),
+        gap('attitude', 5.0, 0.22, 0.27, 0.13, -0.14),
+        gap('turn_z', 5.0, 0.21, 0.27, 0.12, -0.15),
+    ]
+    where = '(position after 5 s, attitude after 3, 5 s)'
+    worse, idle = cautions(told)
+    assert worse.startswith(f'What was fitted predicts worse than the vehicle file {where}:')
+    assert idle == f'Keeping velocity and rates predicts better than any model {where}.'
+
+
+def test_a_fit_that_helps_is_not_warned_of() -> None:
+    assert cautions([gap('position', 5.0, 0.3, 0.1, 0.5, 0.7)]) == []

@@ -1,0 +1,43 @@
+"""Steps within bounds, against what a solver of its own finds."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+from lta_analysis.discovery.forecast.damped import bounded, LEAST, next_damping, START
+import numpy as np
+import pytest
+from scipy.optimize import lsq_linear
+
+
+def test_a_step_inside_is_that_of_newton() -> None:
+    """2 x = 4 and x / 2 = 1."""
+    free = np.full(2, np.inf)
+    found = bounded(np.diag([2.0, 0.5]), np.array([4.0, 1.0]), np.zeros(2), -free, free)
+    np.testing.assert_allclose(found, [2.0, 2.0])
+
+
+def test_a_knob_held_at_its_bound_moves_no_other() -> None:
+    """Against (2 1; 1 2) x = (-3, 3): -3 and 3 freely, 0 and 1.5 with the first held."""
+    inner, right = np.array([[2.0, 1.0], [1.0, 2.0]]), np.array([-3.0, 3.0])
+    found = bounded(inner, right, np.zeros(2), np.zeros(2), np.full(2, 9.0))
+    np.testing.assert_allclose(found, [0.0, 1.5])
+    least = lsq_linear(np.linalg.cholesky(inner).T, np.linalg.solve(
+        np.linalg.cholesky(inner), right), (0.0, 9.0))  # fmt: skip
+    np.testing.assert_allclose(found, least.x, atol=1e-6)
+
+
+@given(st.integers(0, 10**6))
+def test_a_step_stays_within_and_goes_down(seed: int) -> None:
+    """From the bound on, whatever the information."""
+    draw = np.random.default_rng(seed)
+    root = draw.normal(size=(5, 4))
+    inner, right = root.T @ root + 0.1 * np.eye(4), draw.normal(size=4)
+    low, high = np.where(draw.random(4) < 0.5, 0.0, -50.0), np.full(4, 50.0)
+    found = bounded(inner, right, np.zeros(4), low, high)
+    assert np.all((found >= low) & (found <= high))
+    assert found @ right >= -1e-9
+
+
+def test_damping_is_eased_and_raised() -> None:
+    """Fivefold, and never below the least."""
+    assert next_damping(START, False) == pytest.approx(5.0 * START)
+    assert next_damping(LEAST, True) == LEAST

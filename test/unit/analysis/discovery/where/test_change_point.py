@@ -1,0 +1,89 @@
+"""A change for good is as likely as an unknown more makes it, and found where it is."""
+
+from dataclasses import replace
+
+from lta_analysis.discovery.fit.evidence import fitted, Prior, tolerances
+from lta_analysis.discovery.fit.fit import Fit, fit
+from lta_analysis.discovery.fit.piecewise import each_piece
+from lta_analysis.discovery.model.knobs import Knob
+from lta_analysis.discovery.model.nominal import Nominal
+from lta_analysis.discovery.replay.linear import origin
+from lta_analysis.discovery.replay.linearise import Linearised
+from lta_analysis.discovery.where.change_point import change
+import numpy as np
+import pytest
+
+Known = tuple[Nominal, list[Knob]]
+
+
+@pytest.fixture(scope='module')
+def quiet(gtmab: Known, clean: Linearised) -> Fit:
+    """A flight in which nothing changes."""
+    nominal, knobs = gtmab
+    begin = origin(nominal, knobs, len(clean.replay.first))
+    return fit(clean, nominal, tolerances(knobs), begin, rounds=1)
+
+
+def _longer(this: Fit, times: int) -> Fit:
+    """Return a flight as if it had been flown several times over."""
+    linear = this.linear
+    point = replace(linear.point, random=np.tile(linear.point.random, (times, 1)))
+    long = replace(
+        linear,
+        grams=np.tile(linear.grams, (times, 1, 1)),
+        rows=np.tile(linear.rows, times),
+        point=point,
+    )
+    return replace(this, linear=long)
+
+
+def _changed(this: Fit, knobs: list[Knob], name: str, size: float, piece: int) -> Fit:
+    """Return a flight with a knob turned from a piece on, as linear as it is."""
+    grams = this.linear.grams.copy()
+    width = grams.shape[1] - len(this.linear.names) - 1
+    k = width + [knob.name for knob in knobs].index(name)
+    shift = np.eye(grams.shape[1])
+    shift[k, -1] = size  # residual + size * column
+    grams[piece:] = shift.T @ grams[piece:] @ shift
+    return replace(this, linear=replace(this.linear, grams=grams))
+
+
+def test_the_pieces_together_are_the_flight(quiet: Fit) -> None:
+    whole = quiet.pieces.reduced(quiet.deviations).products
+    assert each_piece(quiet.linear, quiet.deviations).sum(axis=0) == pytest.approx(
+        whole, rel=1e-9, abs=1e-6
+    )
+
+
+def test_what_is_won_is_the_log_evidence_of_one_unknown_more(gtmab: Known, quiet: Fit) -> None:
+    knobs, name, piece = gtmab[1], 'net_lift.force', 5
+    this = _changed(_longer(quiet, 2), knobs, name, 0.02, piece)
+    found = change(this, knobs, 1)
+    assert found is not None
+    assert (found.piece, found.knob) == (piece, name)
+    each, k = each_piece(this.linear, this.deviations), [knob.name for knob in knobs].index(name)
+    prior, at = tolerances(knobs), this.linear.point.values
+    after = each[piece:].sum(axis=0)
+    size = len(at)
+    wider = np.zeros((size + 2, size + 2))
+    old = np.r_[0:size, size + 1]
+    wider[np.ix_(old, old)] = each.sum(axis=0)
+    wider[size, old] = wider[old, size] = after[k]
+    wider[size, size] = after[k, k]
+    covariance = np.zeros((size + 1, size + 1))
+    covariance[:size, :size] = prior.covariance
+    covariance[size, size] = (3.0 * knobs[k].typical) ** 2
+    with_it = fitted(
+        replace(quiet.reduced, products=wider),
+        np.append(at, 0.0),
+        Prior(np.append(prior.mean, 0.0), covariance),
+    )
+    without = fitted(replace(quiet.reduced, products=each.sum(axis=0)), at, prior)
+    won = with_it.log_evidence - without.log_evidence
+    assert found.won == pytest.approx(won, rel=1e-6)
+    assert with_it.mean[-1] == pytest.approx(0.02, rel=0.1)
+
+
+def test_where_nothing_changes_nothing_is_found(gtmab: Known, quiet: Fit) -> None:
+    assert change(quiet, gtmab[1], 1) is None
+    assert change(_longer(quiet, 3), gtmab[1], 1) is None

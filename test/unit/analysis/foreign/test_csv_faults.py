@@ -1,0 +1,122 @@
+"""What is wrong in a text with columns, or in its mapping, is one sentence."""
+
+import gzip
+from pathlib import Path
+
+from lta_config.errors import BadInput
+import pytest
+
+from .csv_texts import POSE, text
+
+WRONG = {
+    'missing column': (('t,x,y', '5,1,2'), "has no column 'z'; it has t, x, y"),
+    'no time column': (('x,y,z', '1,2,3'), "has no column 't'; it has x, y, z"),
+    'not a number': (('t,x,y,z', '5,1,2,3', '6,1,oops,3'), "'oops' in column 'y', row 2"),
+    'comma as point': (('t,x,y,z', '5,"1,5",2,3'), "'1,5' in column 'x', row 1"),
+    'no time': (('t,x,y,z', '5,1,2,3', ',1,2,3'), "Column 't' has nothing in row 2"),
+    'wrong time': (('t,x,y,z', '5 o,1,2,3'), "Column 't' has '5 o' in row 1"),
+    'short row': (('t,x,y,z', '5,1,2,3', '6,1'), 'Expected 4 columns, got 2'),
+    'only names': (('t,x,y,z',), 'but no rows'),
+    'too late': (('t,x,y,z', '5e9,1,2,3'), 'which ROS cannot stamp'),
+    'too early': (('t,x,y,z', '5,1,2,3', '-6,1,2,3'), 'Row 2 of'),
+}
+
+
+@pytest.mark.parametrize(('lines', 'sentence'), WRONG.values(), ids=WRONG)
+def test_what_is_wrong_in_a_text_is_one_sentence(bring, tmp_path, lines, sentence):
+    source = text(tmp_path / 'a.csv', *lines)
+    with pytest.raises(BadInput) as told:
+        bring(source, POSE)
+    assert sentence in str(told.value)
+    assert '\n' not in str(told.value)
+    assert {path.name for path in tmp_path.iterdir()} == {'a.csv', 'mapping.yaml'}
+
+
+def test_a_cut_compressed_text_is_refused(bring, tmp_path):
+    lines = '\n'.join(f'{k},1,2,3' for k in range(5, 50_000))
+    source = tmp_path / 'a.csv.gz'
+    source.write_bytes(gzip.compress(f't,x,y,z\n{lines}\n'.encode())[:-2000])
+    with pytest.raises(BadInput, match='compression is damaged or cut short'):
+        bring(source, POSE)
+
+
+MAPPINGS = {
+    'dimension': ('unit: m}', 'unit: m/s}', 'position is in m/s, but must be in m'),
+    'no unit': (', unit: m}', '}', 'position has no unit; add "unit: m"'),
+    'unknown unit': ('unit: m}', 'unit: feet}', 'no known unit'),
+    'unknown topic': ('ground_truth/odom', 'odometry', "Unknown topic to import into 'odometry'"),
+    'unknown part': (
+        'position:',
+        'pressure: {column: x}\n    position:',
+        'known: orientation, position',
+    ),
+    'unknown key': ('position:', 'place:', 'not known'),
+    'two times': ('unit: s}', 'unit: s, rate: 50 Hz}', 'needs one of "column", "rate" and "step"'),
+    'no time': ('time: {column: t, unit: s}\n', '', 'needs the key "time"'),
+    'time unit': ('unit: s}', 'unit: m}', 'must be in s, ms, us or ns'),
+    'two columns': ('[x, y, z]', '[x, y]', 'must have at least 3'),
+    'axes': ('topics:', 'world: [x, x, z]\ntopics:', 'each once'),
+    'named axes': ('topics:', 'world: DOWN\ntopics:', 'known axes are ENU'),
+    'actuators': ('position:', 'actuators: {m1: {}}\n    position:', 'only motors has'),
+    'world velocity': (
+        'position:',
+        'velocity: {columns: [x, y, z], unit: m/s, frame: world}\n    position:',
+        'give the orientation beside it',
+    ),
+    'mirror': (
+        'position:',
+        'world: [x, -y, z]\n    orientation: {quaternion: [t, x, y, z]}\n    position:',
+        'different handedness',
+    ),
+    'two attitudes': (
+        'position:',
+        'orientation: {euler: [x], sequence: Z, matrix: [x,x,x,x,x,x,x,x,x]}\n    position:',
+        'needs one of "quaternion"',
+    ),
+    'sequence': ('position:', 'orientation: {euler: [x, y]}\n    position:', '2 angles for'),
+    'turns twice': (
+        'position:',
+        'orientation: {euler: [x, y], sequence: ZZ}\n    position:',
+        'turns twice about one axis',
+    ),
+    'bounds': ('unit: m}', 'unit: m, within: [5, 9]}', "'x' has 1 in row 1"),
+}
+
+
+@pytest.mark.parametrize(('old', 'new', 'sentence'), MAPPINGS.values(), ids=MAPPINGS)
+def test_what_is_wrong_in_a_mapping_is_one_sentence(bring, tmp_path, old, new, sentence):
+    source = text(tmp_path / 'a.csv', 't,x,y,z', '5,1,2,3')
+    assert old in POSE
+    with pytest.raises(BadInput) as told:
+        bring(source, POSE.replace(old, new, 1))
+    assert sentence in str(told.value)
+    assert '\n' not in str(told.value)
+    assert not (Path(tmp_path) / 'out').exists()
+
+
+def test_actuators_that_the_vehicle_does_not_have_are_named(bring, tmp_path):
+    mapping = POSE + (
+        '  - topic: motors\n'
+        '    actuators:\n'
+        '      left: {effort: {column: x, unit: N}}\n'
+        '      moving_mass_x: {position: {column: y, unit: m}}\n'
+        '      tail: {effort: {column: z}}\n'
+    )
+    found = bring(text(tmp_path / 'a.csv', 't,x,y,z', '5,1,2,3'), mapping, vehicle='rgblimp')
+    assert "Vehicle 'rgblimp' has no tail; it has left, moving_mass_x" in found.notes
+
+
+def test_a_name_with_a_line_break_stays_on_one_line(bring, tmp_path):
+    names = 't,x,y,"z\x1b[31m\nand more"'
+    source = text(tmp_path / 'a.csv', names.replace('\n', '\r'), '1,2,3,4')
+    with pytest.raises(BadInput) as told:
+        bring(source, POSE)
+    assert str(told.value).isprintable()
+
+
+def test_a_remark_on_a_name_with_a_line_break_stays_on_one_line(bring, tmp_path):
+    header = 'text: {header: [t, x, y, z, "one\\ntwo"]}\n'
+    source = text(tmp_path / 'a.csv', '5,1,2,3,4')
+    found = bring(source, POSE.replace('topics:', f'{header}topics:'))
+    assert 'one two' in found.notes
+    assert found.notes.isprintable()

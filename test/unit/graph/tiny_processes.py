@@ -1,0 +1,106 @@
+"""Tiny processes for a launcher to supervise."""
+
+from collections.abc import Callable
+import os
+from pathlib import Path
+import signal
+import sys
+import time
+
+from lta_graph.launch_file import LaunchPlan, Process
+from lta_graph.launcher import Launcher
+import pytest
+
+MARKERS = 'share/ament_index/resource_index/packages'
+FOREVER = 'import time\nprint("up", flush=True)\ntime.sleep(600)\n'
+# Handlers write with os.write: a signal may come while `print` still holds its buffer.
+DEAF = """
+import os, signal, time
+for number in (signal.SIGINT, signal.SIGTERM):
+    signal.signal(number, lambda got, _: os.write(1, f'{signal.Signals(got).name}\\n'.encode()))
+os.write(1, b'up\\n')
+while True:
+    time.sleep(600)
+"""
+IGNORANT = """
+import signal, time
+signal.signal(signal.SIGINT, signal.SIG_IGN)
+print('up', flush=True)
+time.sleep(600)
+"""
+POLITE = """
+import os, signal, time
+def leave(number, _):
+    os.write(1, b'closing\\n')
+    time.sleep(0.3)
+    os.write(1, b'closed\\n')
+    os._exit(0)
+signal.signal(signal.SIGINT, leave)
+os.write(1, b'up\\n')
+time.sleep(600)
+"""
+
+
+class Fleet:
+    """A package of throw-away executables, and the lines that they wrote."""
+
+    def __init__(self, prefix: Path) -> None:
+        self.folder = prefix / 'lib' / 'fleet'
+        self.folder.mkdir(parents=True)
+        (prefix / MARKERS).mkdir(parents=True)
+        (prefix / MARKERS / 'fleet').touch()
+        self.lines: list[tuple[str, str]] = []
+        self.processes: list[Process] = []
+
+    def add(self, name: str, code: str, *, ends_run: bool = False, args: tuple[str, ...] = ()):
+        path = self.folder / name
+        path.write_text(f'#!{sys.executable} -IS\n{code}', encoding='utf-8')
+        path.chmod(0o755)
+        self.processes.append(Process('fleet', name, name, '/', args, ends_run))
+
+    def launcher(self, grace: float = 5.0, spare: tuple[str, ...] = ()) -> Launcher:
+        plan = LaunchPlan(tuple(self.processes))
+        return Launcher(plan, lambda *line: self.lines.append(line), grace=grace, spare=spare)
+
+    def await_line(self, *line: str) -> None:
+        until(lambda: line in self.lines)
+
+    def pids(self) -> list[int]:
+        return pids_of(self.folder)
+
+
+def pids_of(folder: Path) -> list[int]:
+    """The living processes that run something in a folder, as the system sees them."""
+    found = []
+    for entry in Path('/proc').iterdir():
+        if entry.name.isdigit():
+            try:
+                words = (entry / 'cmdline').read_bytes()
+                state = (entry / 'stat').read_text().rsplit(')', 1)[1].split()[0]
+            except OSError:
+                continue
+            if f'{folder}/'.encode() in words and state != 'Z':
+                found.append(int(entry.name))
+    return found
+
+
+def until(true: Callable[[], bool], seconds: float = 10.0) -> None:
+    deadline = time.monotonic() + seconds
+    while not true():
+        assert time.monotonic() < deadline, 'it did not happen in time'
+        time.sleep(0.005)
+
+
+@pytest.fixture
+def fleet(tmp_path, monkeypatch):
+    made = Fleet(tmp_path / 'prefix')
+    monkeypatch.setenv('AMENT_PREFIX_PATH', str(tmp_path / 'prefix'))
+    yield made
+    left = made.pids()
+    for pid in left:
+        os.kill(pid, signal.SIGKILL)
+    assert not left, 'processes were left behind'
+
+
+def run_to_end(launcher: Launcher) -> None:
+    until(lambda: bool(launcher.wait(1.0)) and launcher.outcome is not None)
