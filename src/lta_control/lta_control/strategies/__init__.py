@@ -1,11 +1,12 @@
 """Navigation strategies by name."""
 
 from lta_config.errors import BadInput, unknown
-from lta_control.strategies import bearing_angle, homing
+from lta_control.strategies import bearing_angle, dither, gradient, homing
 from lta_control.strategies.protocol import Strategy
 
 STRATEGIES: dict[str, Strategy] = {
-    made.name: made for made in (bearing_angle.STRATEGY, homing.STRATEGY)
+    made.name: made
+    for made in (bearing_angle.STRATEGY, dither.STRATEGY, gradient.STRATEGY, homing.STRATEGY)
 }
 
 
