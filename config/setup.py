@@ -7,6 +7,7 @@ from setuptools import find_packages, setup
 FOLDERS = (
     'comparisons',
     'control',
+    'floor_plans',
     'imports',
     'launch',
     'manoeuvres',

@@ -33,6 +33,7 @@ FOLDERS = {
     'manoeuvre': 'manoeuvres',
     'comparison': 'comparisons',
     'import mapping': 'imports',
+    'floor plan': 'floor_plans',
 }
 
 

@@ -82,6 +82,7 @@ UNITS: dict[str, tuple[str, float]] = {
     'lm': ('lm', 1.0),
     'lm/W': ('lm/W', 1.0),
     'ppm': ('1', 1e-6),
+    'ppm/s': ('1/s', 1e-6),
 }
 
 UNSOURCED = 'has no source; add "source: ..." (measured, datasheet, assumed...)'

@@ -4,6 +4,9 @@ The sweep file: which flights to fly, with what varied how.
 `vary` names any parameter of any file by its path. A list is a grid: every value with every value
 of the other lists. A distribution is drawn once a sample: the same draws, and the same seeds, at
 every point of the grid, so that its points differ by nothing else.
+
+`cases` are values that belong together, under a name: the grid has every case with every value.
+A path of one word is a whole file, or the strategy: `scenario: [lamp_room, windy_field]`.
 """
 
 from collections.abc import Mapping
@@ -14,6 +17,7 @@ from pydantic import AliasChoices, Discriminator, Field, model_validator, Tag
 
 Value = Any  # '4 g', '[0, 0, 1] m/s', {value: 4, unit: g}, 0.5, true, a name
 Values = Annotated[list[Value], Field(min_length=1, max_length=10_000)]
+CASE = 'case'  # what the names of cases are called where flights are told
 
 
 class Normal(Record):
@@ -54,6 +58,9 @@ def _kind(how: object) -> str:
     return 'values' if isinstance(how, list) else 'distribution'
 
 
+Case = Mapping[str, Value]
+
+
 class Seeds(Record):
     """Seeds of the flights: so many, counted from the first."""
 
@@ -74,13 +81,14 @@ class SweepFile(Record):
     seeds: Seeds = Seeds()
     samples: Annotated[int, Field(ge=1, le=10_000_000)] | None = None
     settings: Annotated[Mapping[str, Value], Field(validation_alias=AliasChoices('set'))] = {}
+    cases: Mapping[Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')], Case] = {}
     vary: Mapping[
         str,
         Annotated[
             Annotated[Values, Tag('values')] | Annotated[Distribution, Tag('distribution')],
             Discriminator(_kind),
         ],
-    ]
+    ] = {}
 
     @model_validator(mode='after')
     def _samples_where_drawn(self) -> Self:
@@ -95,6 +103,9 @@ class SweepFile(Record):
         both = sorted(self.vary.keys() & self.settings.keys())
         if both:
             raise ValueError(f'both sets and varies {", ".join(both)}; do one of it')
+        cases = {path for case in self.cases.values() for path in case}
+        if both := sorted(self.vary.keys() & cases):
+            raise ValueError(f'varies {", ".join(both)}, which its cases set; do one of it')
         return self
 
     @property

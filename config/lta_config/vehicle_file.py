@@ -15,13 +15,13 @@ from lta_config.vehicle_body import (
     Fraction,
     Hull,
     Layer,
-    Length,
     Measured,
     MovingMass,
     Part,
     Place,
     Trim,
 )
+from lta_config.vehicle_diodes import Diodes
 from lta_config.vehicle_version import upgraded
 from pydantic import AliasChoices, Field, model_validator
 
@@ -125,15 +125,6 @@ class Aero(Record):
     quadratic_drag: QuadraticDrag
     thrust_allocation: Mapping[str, RotorColumn] = Field(default_factory=dict)
     coupling: Coupling | None = None
-
-
-class Diodes(Record):
-    """The ring of photodiodes, the first facing forward."""
-
-    count: Annotated[int, Field(ge=1, le=64)]
-    radius: Length
-    height: Annotated[Quantity, si('m', low=-5.0, high=5.0, sourced=True)]
-    feedback: Annotated[Quantity, si('ohm', above=0.0, sourced=True)]
 
 
 class Sensors(Record):

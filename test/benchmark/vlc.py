@@ -1,16 +1,17 @@
 """
 Measure the light's way from ADC block to lamp estimate, in seconds of light a second.
 
-All that the demodulator node does but its messages: spectrum, peaks, bearing and lamp of blocks of
-100 ms at 10 kS/s, with the paper's 8 diodes and with 16.
+All that the demodulator node does but its messages: spectrum, peaks, direction and lamp of blocks
+of 100 ms at 10 kS/s, with the paper's 8 diodes and with 16.
 """
 
 from collections.abc import Callable
 import time
 
 from bench import Figure
-from lta_vlc.array import bearing, even_ring
 from lta_vlc.demodulation import demodulate, Demodulation, plan_bins
+from lta_vlc.diodes import ring_of
+from lta_vlc.direction import DirectionFinder
 from lta_vlc.lamp import lamp_estimate, LampPrior
 import numpy as np
 
@@ -33,13 +34,13 @@ def blocks(diodes: int) -> np.ndarray:
 
 def pace(diodes: int) -> Callable[[], float]:
     """Return how to measure the pace with that many diodes. [s/s]"""
-    taken, ring = blocks(diodes), even_ring(diodes)
+    taken, finder = blocks(diodes), DirectionFinder(ring_of(diodes, 0.07))
     bins, prior = plan_bins(SETTINGS, SAMPLE_RATE, SAMPLES), LampPrior()
 
     def measure() -> float:
         begin = time.perf_counter()
         for block in taken:
-            towards = bearing(demodulate(block, bins), ring, SETTINGS.threshold)
+            towards = finder.find(demodulate(block, bins), SETTINGS.threshold, prior)
             if towards is None:
                 raise AssertionError('the beacon is in every block')
             lamp_estimate(towards, prior)

@@ -8,6 +8,7 @@ from lta_analysis import app
 from lta_analysis.bag.flight import open_flight
 from lta_analysis.bag.reader import read_bag
 from lta_analysis.browser import Browser, find_chromium
+from lta_analysis.light.evaluation.sets import FlightSet, SETS
 from lta_analysis.replay.order import Order
 from lta_analysis.replay.page import write_page as write_replay
 from lta_analysis.replay.verdict import judged
@@ -33,6 +34,10 @@ PLATFORMS = {
     'schema': 1, 'name': 'few', 'about': 'One climb.', 'scenario': 'hall', 'seeds': 1,
     'manoeuvres': ['climb'], 'contestants': {'gtmab': {'vehicle': 'gtmab', 'title': 'GT-MAB'}},
     'ablations': {}, 'limits': {},
+}  # fmt: skip
+NEAR = {
+    **SWEEP, 'vary': {'strategy': ['bag']}, 'cases': {'as_flown': {}, 'cold': {}},
+    'set': {'scenario.start.position.0': '2.2 m', 'scenario.goal.time_limit': '12 s'},
 }  # fmt: skip
 LAMP = Path(__file__).resolve().parents[1] / 'replay/lamp.mcap'
 PAPER_WIDTH = 718  # px of A4 with margins of 1 cm at 96 a inch
@@ -97,6 +102,22 @@ def platforms(folder, call):
     (folder / 'out' / 'report.html').rename(folder / 'report.html')
 
 
+def light_plan(folder, call):
+    call('light', 'plan', '--cell', '2', '--lamps', '3', '--out', folder / 'out')
+    (folder / 'out' / 'report.html').rename(folder / 'report.html')
+
+
+def evaluate(folder, call):
+    (folder / 'near.yaml').write_text(yaml.safe_dump(NEAR))
+    near = FlightSet(str(folder / 'near.yaml'), 'Near', 'From close by.')
+    with pytest.MonkeyPatch.context() as patched:
+        for name in ('indoors', 'ablations'):
+            patched.setitem(SETS, name, near)
+        words = ('--sets', 'indoors', 'ablations', '--seeds', '1', '--workers', '1')
+        call('light', 'evaluate', *words, '--out', folder / 'out')
+    (folder / 'out' / 'report.html').rename(folder / 'report.html')
+
+
 def tune(folder, call):
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(limit, 'TRIED', 1)
@@ -128,7 +149,8 @@ def replay(folder, call):
 
 
 PAGES = {
-    made.__name__: made for made in (flight, plot, vehicle, sweep, wind, platforms, tune, replay)
+    made.__name__: made
+    for made in (flight, plot, vehicle, sweep, wind, light_plan, platforms, evaluate, tune, replay)
 }
 
 

@@ -4,7 +4,10 @@ import math
 
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from lta_sim.light_field import Ambient, illuminance, Lamp, LightField, Room
+from lta_sim.light.ambient import Ambient
+from lta_sim.light.field import illuminance, LightField
+from lta_sim.light.lamp import Lamp
+from lta_sim.light.room import even, Room
 from lta_sim.sensors.light_block import synthesise
 from lta_sim.sensors.photodiode import PhotodiodeArray
 from lta_vlc.array import azimuths, bearing, even_ring, Ring
@@ -27,7 +30,8 @@ TIMES = st.integers(0, 2 * 10**18)
 
 def peaks(readings: np.ndarray) -> Peaks:
     """Return readings that all pass the gate."""
-    return Peaks(readings, np.full(readings.size, 100.0), np.full(readings.size, 150.0))
+    each = np.ones(readings.size)
+    return Peaks(readings, 100.0 * each, 150.0 * each, each)
 
 
 def turned(scene_turn: Rotation, position, attitude: Rotation, lamp_axis) -> np.ndarray:
@@ -39,9 +43,9 @@ def turned(scene_turn: Rotation, position, attitude: Rotation, lamp_axis) -> np.
         SquareWave(150.0),
         300.0,
     )
-    field = LightField(lamp, Ambient(300.0, 300.0, 20.0), Room((10.0, 8.0, 3.0), 0.5))
+    field = LightField((lamp,), Ambient(300.0, 300.0, 20.0), Room((10.0, 8.0, 3.0), even(0.5)))
     place = RING.place(scene_turn.apply(position), (scene_turn * attitude).as_matrix())
-    return illuminance(field, *place).modulated
+    return illuminance(field, *place).modulated[0]
 
 
 @given(
@@ -72,7 +76,7 @@ def test_turning_lamp_and_drone_together_leaves_the_counts(yaw, distance):
             SquareWave(150.0),
             300.0,
         )
-        field = LightField(lamp, Ambient(300.0, 100.0, 10.0))
+        field = LightField((lamp,), Ambient(300.0, 100.0, 10.0))
         place = RING.place(np.array([[0.0, 0.0, 1.3]]), about.as_matrix()[None])
         light = illuminance(field, *place)
         block, _ = synthesise(RING, field, light, 10**18, 1e4, 1000, np.random.default_rng(3))

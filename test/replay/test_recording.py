@@ -23,6 +23,7 @@ from lta_bridge.bag.writer import BagWriter
 from lta_bridge.cdr import serialise
 from lta_bridge.provenance import provenance
 from lta_config.topics import topic_table
+from lta_config.vehicle_file import load_vehicle_file
 from lta_control.gains_file import load_gains
 from lta_control.messages import from_setpoint, to_measured, to_reckoned
 from lta_control.mission import Mission, mission_step, MissionSettings
@@ -33,9 +34,12 @@ from lta_sim.scenario import load_scenario
 from lta_sim.start_offset import started
 from lta_sim.vehicle import load_vehicle
 from lta_sim.world import World
-from lta_vlc.array import bearing, even_ring
-from lta_vlc.demodulation import demodulate, Demodulation, NO_WISH, plan_bins
+from lta_vlc.array import bearing
+from lta_vlc.demodulation import Demodulation, NO_WISH
+from lta_vlc.diodes import diodes_of
+from lta_vlc.direction import DirectionFinder
 from lta_vlc.lamp import lamp_estimate, LampPrior
+from lta_vlc.listener import Listener
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks, to_block
 import numpy as np
 import pytest
@@ -44,6 +48,7 @@ from std_msgs.msg import Float64
 
 STORED = Path(__file__).with_name('lamp.mcap')
 TABLE = topic_table()
+DIODES = diodes_of(load_vehicle_file('gtmab').sensors.diodes)
 NODES = ('demodulator', 'navigator')
 ANSWERS = [name for node in NODES for name in TABLE.published_by(node)]
 KEPT = ['photodiodes', 'odom', 'energy/reserve', *ANSWERS]
@@ -89,18 +94,19 @@ def answered(folder, demodulation=None, mission=None):
     """Return the bag that the cores of both nodes make of the stored one, without a graph."""
     settings, mission = demodulation or Demodulation(), mission or MissionSettings()
     light, prior = TABLE.light, LampPrior()
-    bins = plan_bins(settings, light.sample_rate.si, light.samples)
+    listener = Listener(settings, light.sample_rate.si, light.samples)
     odometry, reserves = recorded('odom'), recorded('energy/reserve')
     motions = {from_stamp(m.header.stamp): to_reckoned(m) for _, m in odometry}
-    state, plan = Mission(), strategy('bag')
+    state, plan, finder = Mission(), strategy('bag'), DirectionFinder(DIODES)
     with BagWriter(folder, {}) as writer:
         for name in ANSWERS:
             writer.add_topic(f'/lta1/{name}', TABLE[name].type, QOS)
         for now, image in recorded('photodiodes'):
             block = to_block(image)
-            ring = even_ring(block.shape[1])
-            peaks = demodulate(block, bins)
-            found = bearing(peaks, ring, settings.threshold)
+            hearing = listener.hear(block)
+            peaks = hearing.peaks[0]
+            towards = bearing(peaks, DIODES.ring, settings.threshold)
+            found = finder.find(peaks, settings.threshold, prior)
             begun = from_stamp(image.header.stamp)
             measured = to_measured(
                 max((m for m in odometry if m[0] <= now), key=lambda m: m[0])[1]
@@ -109,7 +115,7 @@ def answered(folder, demodulation=None, mission=None):
             lamp = None if found is None else lamp_estimate(found, prior)
             sight = sighted(
                 None if lamp is None else carried_lamp(lamp),
-                carried_axes(ring),
+                carried_axes(DIODES.ring),
                 tuple(peaks.amplitude.astype(np.float32).tolist()),
                 motions[begun + TABLE['photodiodes'].period_ns // 2],
                 TABLE['photodiodes'].period_ns * 1e-9,
@@ -119,8 +125,8 @@ def answered(folder, demodulation=None, mission=None):
             asked, state = mission_step(mission, plan, state, sight, altitude, reserve)
             pose, velocity = from_setpoint(to_stamp(begun), asked)
             for name, message in (
-                ('light/peaks', from_peaks(image.header, peaks, ring)),
-                ('light/bearing', from_bearing(image.header, found)),
+                ('light/peaks', from_peaks(image.header, hearing.peaks, DIODES.axes)),
+                ('light/bearing', from_bearing(image.header, towards)),
                 ('light/estimate', from_lamp(image.header, lamp)),
                 ('setpoint/pose', pose),
                 ('setpoint/velocity', velocity),

@@ -57,6 +57,13 @@ BAG: Final = Group(
         'export': Verb('bag_export', 'export'),
     },
 )
+LIGHT: Final = Group(
+    'Study the light: where lamps go, and how drones find their way by them.',
+    {
+        'plan': Verb('light_plan', 'plan'),
+        'evaluate': Verb('light_evaluate', 'evaluate', several=('--sets',)),
+    },
+)
 VERBS: Final[dict[str, Verb | Group]] = {
     'fly': Verb('fly', 'fly'),
     'simulate': Verb('simulate', 'simulate'),
@@ -69,6 +76,7 @@ VERBS: Final[dict[str, Verb | Group]] = {
     'wind': Verb('wind', 'wind'),
     'platforms': Verb('platforms', 'platforms'),
     'vehicle': Verb('vehicle', 'vehicle'),
+    'light': LIGHT,
     'bag': BAG,
     'compare': Verb('compare', 'compare'),
     'discover': Verb('discover', 'discover', several=('--train', '--confirm', '--holdout')),
@@ -132,6 +140,8 @@ def add(app: typer.Typer, name: str, verb: Verb | Group, words: Sequence[str]) -
 def repeated(words: Sequence[str]) -> list[str]:
     """Return a command line with `--train A B` as `--train A --train B`, as Click takes it."""
     verb = VERBS.get(words[0]) if words else None
+    if isinstance(verb, Group):
+        verb = verb.verbs.get(words[1]) if len(words) > 1 else None
     several = verb.several if isinstance(verb, Verb) else ()
     out: list[str] = []
     for k, word in enumerate(words):

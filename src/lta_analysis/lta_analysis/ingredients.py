@@ -2,11 +2,12 @@
 What a flight is made of: its files as they are read, with single parameters replaced.
 
 The first word of a parameter's path says which file or settings it belongs to: `vehicle`,
-`scenario` and `gains` are files, the rest are what each node's own parameters are called.
+`scenario` and `gains` are files, the rest are what each node's own parameters are called. One of
+the files' words alone, or `strategy`, is the name of another file or strategy.
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, final
 
@@ -14,7 +15,7 @@ from lta_analysis.loop import Loop, Policy
 from lta_config.errors import BadInput, unknown
 from lta_config.files import checked, find, load_yaml
 from lta_config.override import held as held_at
-from lta_config.override import override, quantity_in
+from lta_config.override import override, quantity_in, shown
 from lta_config.quantity import UNITS
 from lta_config.settings import Settings
 from lta_config.topics import topic_table
@@ -45,6 +46,7 @@ SETTINGS: dict[str, type[Settings]] = {
     'energy_monitor': MonitorSettings,
 }
 GAINS = 'gtmab'  # of a vehicle that names none
+NAMED = ('strategy', *FILES)  # paths of one word: what they name is replaced as a whole
 ROOTS = (*FILES, *(name for name in SETTINGS if name not in FILES))
 
 
@@ -62,27 +64,45 @@ class Ingredients:
         Navigation strategy.
     contents : mapping
         What each file or node's settings hold, by root, as YAML has it.
-    changed : tuple of str
-        Paths that have been replaced.
+    replaced : mapping
+        Parameters that have been replaced, by path.
 
     """
 
     names: Mapping[str, str]
     strategy: str
     contents: Mapping[str, Any]
-    changed: tuple[str, ...] = ()
+    replaced: Mapping[str, Any] = field(default_factory=dict)
 
     def with_values(self, values: Mapping[str, Any]) -> 'Ingredients':
-        """Return these with parameters replaced, by path; `BadInput` where that cannot be."""
+        """
+        Return these with parameters replaced, by path; `BadInput` where that cannot be.
+
+        Where a file is replaced, what had been replaced in the one before is replaced in it.
+        """
+        other = {path: value for path, value in values.items() if path in NAMED}
+        if other:
+            rest = {path: value for path, value in values.items() if path not in NAMED}
+            return self._of_others(other).with_values({**self.replaced, **rest})
         contents = dict(self.contents)
         for path, value in values.items():
             root, below = split(path)
             contents[root] = override(contents[root], below, value, root)
-        paths = dict.fromkeys((*self.changed, *values))
-        return replace(self, contents=contents, changed=tuple(paths))
+        return replace(self, contents=contents, replaced={**self.replaced, **values})
+
+    def _of_others(self, names: Mapping[str, Any]) -> 'Ingredients':
+        """Return these as they are read, made of other files or another strategy."""
+        for path, name in names.items():
+            if not isinstance(name, str):
+                raise BadInput(f'{path} is {shown(name)}, but must be a name or a file.')
+        own = {} if 'vehicle' not in names else {'gains': ''}  # another vehicle, its own gains
+        named = {'strategy': self.strategy, **self.names, **own, **names}
+        return gather(named['vehicle'], named['scenario'], named['strategy'], named['gains'])
 
     def held(self, path: str) -> Any:  # noqa: ANN401 - what YAML holds
         """Return what stands at a path; None for an effect's parameter that no file names."""
+        if path in NAMED:
+            return {'strategy': self.strategy, **self.names}[path]
         root, below = split(path)
         return held_at(self.contents[root], below, root)
 
@@ -91,6 +111,8 @@ class Ingredients:
         found = quantity_in(self.held(path))
         if found is not None:
             return UNITS.get(found['unit'], (found['unit'],))[0]
+        if path in NAMED:
+            return ''
         root, below = split(path)
         models = settings_of(self.contents['vehicle'])
         return declared_unit(models[root], below.split('.')) if root in models else ''
@@ -100,7 +122,7 @@ def split(path: str) -> tuple[str, str]:
     """Return the root of a path and the rest."""
     root, _, below = path.partition('.')
     if root not in ROOTS or not below:
-        raise unknown('parameter', path, [f'{name}. ...' for name in ROOTS])
+        raise unknown('parameter', path, [*NAMED, *(f'{name}. ...' for name in ROOTS)])
     return root, below
 
 
@@ -210,7 +232,7 @@ def loop_of(made_of: Ingredients, seed: int) -> Loop:
 def _checked(model: type[Any], made_of: Ingredients, root: str) -> Any:  # noqa: ANN401 - a model
     """Return one part, checked; the sentence names the file, and what was replaced in it."""
     where = str(find(root, made_of.names[root])) if root in FILES else f'the settings of {root}'
-    replaced = [path for path in made_of.changed if path.startswith(f'{root}.')]
+    replaced = [path for path in made_of.replaced if path.startswith(f'{root}.')]
     if replaced:
         where += f' with {", ".join(replaced)} set'
     return checked(model, made_of.contents[root], where)
@@ -220,7 +242,7 @@ def write_files(made_of: Ingredients, folder: Path) -> dict[str, str]:
     """Write the files in which something was replaced; return all files' names by root."""
     names = dict(made_of.names)
     for root in FILES:
-        if any(path.startswith(f'{root}.') for path in made_of.changed):
+        if any(path.startswith(f'{root}.') for path in made_of.replaced):
             content = made_of.contents[root]
             if root == 'gains':
                 content = {'/**/controller': {'ros__parameters': {'gains': content}}}

@@ -27,12 +27,17 @@ from lta_control.pilot import Pilot
 from lta_control.sighting import Lamp, Reckoned, sighted
 from lta_control.strategies.protocol import Strategy
 from lta_energy import monitor
+from lta_sim.compiled import compiled
 from lta_sim.readings import Outcome, Readings
 from lta_sim.vehicle import Vehicle
 from lta_sim.world import World
-from lta_vlc.array import Bearing, bearing, even_ring, Ring
-from lta_vlc.demodulation import Bins, bins_of, demodulate, Demodulation, NO_WISH, Peaks
+from lta_vlc.array import Bearing, bearing, Ring
+from lta_vlc.demodulation import Demodulation, Hearing, NO_WISH, Peaks
+from lta_vlc.diodes import diodes_of
+from lta_vlc.direction import Direction, DirectionFinder
+from lta_vlc.fit import fit
 from lta_vlc.lamp import lamp_estimate, LampEstimate, LampPrior
+from lta_vlc.listener import Listener
 import numpy as np
 from numpy.typing import NDArray
 
@@ -62,16 +67,31 @@ class Policy:
 @final
 @dataclass(frozen=True, slots=True)
 class Light:
-    """What one light block says; its bearing and lamp are None where no lamp is heard."""
+    """
+    What one light block says.
 
-    peaks: Peaks
+    Parameters
+    ----------
+    hearing : Hearing
+        What each diode sees of each beacon.
+    bearing : Bearing or None
+        The paper's, None where no diode is believed or the ring is evenly lit.
+    direction : Direction or None
+        The fit's, None where there is none.
+    lamp : LampEstimate or None
+        What the drone steers by: the lamp in the body frame, by the fit.
+
+    """
+
+    hearing: Hearing
     bearing: Bearing | None
-    prior: LampPrior
+    direction: Direction | None
+    lamp: LampEstimate | None
 
     @property
-    def lamp(self) -> LampEstimate | None:
-        """The lamp in the body frame; it is worked out when somebody asks."""
-        return None if self.bearing is None else lamp_estimate(self.bearing, self.prior)
+    def peaks(self) -> Peaks:
+        """What the diodes see of the lamp that is wanted."""
+        return self.hearing.peaks[0]
 
 
 @final
@@ -129,8 +149,13 @@ class Loop:
         dt = table.control_ns * 1e-9
         self.autopilot = autopilot_of(policy, vehicle, dt)
         self._cell = vehicle.battery
-        self._ring = even_ring(vehicle.diodes.count)
+        diodes = diodes_of(vehicle.file.sensors.diodes)
+        self._ring = diodes.ring
+        self._finder = DirectionFinder(diodes, compiled(fit)[0], np.array)
         self._axes = carried_axes(self._ring)
+        self._listener = Listener(
+            policy.demodulation, table.light.sample_rate.si, table.light.samples
+        )
         ranger = world.range_settings
         self._reach = carried.single(ranger.minimum), carried.single(ranger.maximum)
         self.readings = Readings(world.stamp_ns)
@@ -214,12 +239,15 @@ class Loop:
 
     def _navigate(self, stamp_ns: int, block: NDArray[np.uint16]) -> None:
         """Look at the light, and steer by it or by the scenario's course."""
-        peaks = demodulate(block, self._bins(self.beacon))
-        found = bearing(peaks, self._ring, self.policy.demodulation.threshold)
-        prior = self.policy.prior
-        self.light = Light(peaks, found, prior)
+        self._listener.want(self.beacon)
+        hearing = self._listener.hear(block)
+        peaks = hearing.peaks[0]
+        threshold, prior = self.policy.demodulation.threshold, self.policy.prior
+        found = self._finder.find(peaks, threshold, prior)
+        where = None if found is None else lamp_estimate(found, prior)
+        self.light = Light(hearing, bearing(peaks, self._ring, threshold), found, where)
         amplitudes = tuple(peaks.amplitude.astype(np.float32).tolist())
-        lamp = None if self.light.lamp is None else carried_lamp(self.light.lamp)
+        lamp = None if where is None else carried_lamp(where)
         sight = sighted(lamp, self._axes, amplitudes, self._reckoned[0], self._block)
         measured, energy = self.measured(), self.energy
         altitude = None if measured is None or energy is None else measured.altitude
@@ -234,11 +262,6 @@ class Loop:
             max(len(route), 1),
         )  # fmt: skip
         self.beacon = route[self.mission.asked][1] if route else NO_WISH
-
-    def _bins(self, beacon: float) -> Bins:
-        """Return where a beacon is looked for; 0 is the one of the settings. [Hz]"""
-        light = self._table.light
-        return bins_of(self.policy.demodulation, beacon, light.sample_rate.si, light.samples)
 
     def _count(self, readings: Readings) -> None:
         """Keep the energy books of one turn of the meters."""
@@ -261,9 +284,7 @@ class Loop:
 
 def carried_lamp(lamp: LampEstimate) -> Lamp:
     """Return a lamp as its message carries it."""
-    x, y, z = lamp.position.tolist()
-    (xx, xy, _), (_, yy, _), _ = lamp.covariance.tolist()
-    return Lamp(x, y, z, (xx, xy, yy))
+    return Lamp(lamp.x, lamp.y, lamp.z, (lamp.xx, lamp.xy, lamp.yy))
 
 
 def carried_axes(ring: Ring) -> tuple[tuple[float, float], ...]:

@@ -18,7 +18,7 @@ from lta_graph.ros.node import to_stamp
 from lta_graph.ros.qos import profile
 from lta_sim import messages as sensed
 from lta_sim.readings import Readings
-from lta_vlc.array import even_ring
+from lta_vlc.diodes import diodes_of
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks
 from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Float64, Header
@@ -52,7 +52,7 @@ class LoopRecorder:
         self._books = Bookkeeping(table, lockstep=True)
         self._names = {}
         self._rotors = loop.world.vehicle.rotor_names
-        self._ring = even_ring(loop.world.vehicle.diodes.count)
+        self._axes = diodes_of(loop.world.vehicle.file.sensors.diodes).axes
         self._cell = Battery.of(loop.world.vehicle.file.energy)
         for name, topic in table.topics.items():
             if topic.recorded and topic.repeatable:
@@ -100,7 +100,7 @@ class LoopRecorder:
         self._write('photodiodes', sensed.light_block(stamp, block[1]))
         header = Header(stamp=stamp, frame_id=self._table['photodiodes'].frame)
         self._write('light/bearing', from_bearing(header, light.bearing))
-        self._write('light/peaks', from_peaks(header, light.peaks, self._ring))
+        self._write('light/peaks', from_peaks(header, light.hearing.peaks, self._axes))
         self._write('light/estimate', from_lamp(header, light.lamp))
         pose, velocity = from_setpoint(stamp, asked)
         self._write('setpoint/pose', pose)

@@ -7,7 +7,7 @@ from typing import final
 from lta_sim.effects import initial_memory, turbulence
 from lta_sim.in_scene import record_of
 from lta_sim.kernel import LAYOUT
-from lta_sim.light_view import LightView, Pose
+from lta_sim.light.view import LightView, Pose
 from lta_sim.scenario import Scenario
 from lta_sim.state import IRRADIANCE, NOISE, RIGID, SURROUNDINGS, VOLTAGE, WIND, WIND_RATE
 import numpy as np

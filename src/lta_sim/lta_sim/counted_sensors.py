@@ -21,7 +21,7 @@ Vector = tuple[float, float, float]
 Six = tuple[float, float, float, float, float, float]
 
 # Streams of chance.
-START, ERRORS, IMU, RANGE, PRESSURE, LIGHT, TURBULENCE, EDDIES = range(8)
+START, ERRORS, IMU, RANGE, PRESSURE, LIGHT, TURBULENCE, EDDIES, GAINS = range(9)
 # Added to a number below 2^51 and taken away again it leaves the nearest whole one, halves even.
 WHOLE = 6755399441055744.0
 

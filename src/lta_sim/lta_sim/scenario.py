@@ -1,9 +1,11 @@
 """
 The scenario file: the world a flight happens in, its start and its goal.
 
+A scene has one lamp under `lamp`, or several by name under `lamps`; the goal is the first of them.
 Map frame: origin on the floor at the centre of the room, ENU, z up.
 """
 
+from collections.abc import Mapping
 import math
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -11,48 +13,14 @@ from typing import Annotated, Any, Literal, Self
 from lta_config.course import Course
 from lta_config.files import checked, find, load_yaml, Record
 from lta_config.quantity import Quantity, si
-from lta_sim.light_field import Ambient, Lamp, LightField, MOST_EFFICACY, Room
+from lta_sim.light.field import LightField
 from lta_sim.scenario_air import Air
-from lta_vlc.modulation import SquareWave
+from lta_sim.scenario_light import AmbientScene, LampScene, RoomShape
 from pydantic import AliasChoices, Field, model_validator
 
-Point = Annotated[Quantity, si('m', low=-1000.0, high=1000.0, length=3)]
-Efficacy = Annotated[Quantity, si('lm/W', above=0.0, high=MOST_EFFICACY)]
 Fraction = Annotated[Quantity, si('1', low=0.0, high=1.0)]
+Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
 NOT_HELD = Quantity(value=0.0, unit='s')
-
-
-class RoomShape(Record):
-    """
-    A box around the origin, standing on the floor.
-
-    Light is reflected by its faces. `solid` walls and ceiling hold a hull back; where they are
-    `open`, a drone that flies through them has escaped.
-    """
-
-    size: Annotated[Quantity, si('m', above=0.0, high=1000.0, length=3)]
-    albedo: Annotated[float, Field(ge=0.0, lt=1.0)]
-    walls: Literal['solid', 'open'] = 'open'
-
-
-class LampScene(Record):
-    """The beacon."""
-
-    position: Point
-    facing: Annotated[Quantity, si('1', length=3)]
-    flux: Annotated[Quantity, si('lm', low=0.0, high=1e7)]
-    frequency: Annotated[Quantity, si('Hz', above=0.0, high=1e5)]
-    duty: Annotated[Quantity, si('1', above=0.0, high=0.999)]
-    efficacy: Efficacy
-
-
-class AmbientScene(Record):
-    """All light that is not the beacon's."""
-
-    steady: Annotated[Quantity, si('lx', low=0.0, high=2e5)]
-    mains_amplitude: Annotated[Quantity, si('lx', low=0.0, high=2e5)]
-    mains_frequency: Annotated[Quantity, si('Hz', above=0.0, high=1e4)]
-    efficacy: Efficacy
 
 
 class Start(Record):
@@ -85,7 +53,10 @@ class Scenario(Record):
     about: str
     room: RoomShape
     air: Air
-    lamp: LampScene
+    alone: Annotated[LampScene | None, Field(validation_alias='lamp')] = None
+    several: Annotated[Mapping[Name, LampScene], Field(validation_alias='lamps')] = Field(
+        default_factory=dict
+    )
     ambient: AmbientScene
     start: Start
     goal: Goal
@@ -93,11 +64,21 @@ class Scenario(Record):
     route: tuple[str, ...] = ()
 
     @model_validator(mode='after')
+    def _lit(self) -> Self:
+        if (self.alone is None) == (not self.several):
+            raise ValueError(
+                'needs one lamp under lamp, or several by name under lamps, and not both'
+            )
+        return self
+
+    @model_validator(mode='after')
     def _inside(self) -> Self:
         length, width, height = self.room.size.vector
-        x, y, z = self.lamp.position.vector
-        if abs(x) > length / 2 or abs(y) > width / 2 or not 0 <= z <= height:
-            raise ValueError(f'has its lamp at {x, y, z} m, outside the room')
+        for name, lamp in self.lamps.items():
+            x, y, z = lamp.position.vector
+            if abs(x) > length / 2 or abs(y) > width / 2 or not 0 <= z <= height:
+                raise ValueError(f'has its {name} at {x, y, z} m, outside the room')
+        x, y, _ = self.lamp.position.vector
         start_x, start_y = self.start.position.vector
         if abs(start_x) > length / 2 or abs(start_y) > width / 2:
             raise ValueError(f'has its start at {start_x, start_y} m, outside the room')
@@ -124,9 +105,19 @@ class Scenario(Record):
         return None if self.air.recorded is None else Path(self.air.recorded)
 
     @property
+    def lamps(self) -> Mapping[str, LampScene]:
+        """All lamps by name; one alone is called `lamp`."""
+        return self.several if self.alone is None else {'lamp': self.alone}
+
+    @property
+    def lamp(self) -> LampScene:
+        """The first lamp, which is the goal."""
+        return next(iter(self.lamps.values()))
+
+    @property
     def beacons(self) -> tuple[tuple[str, float], ...]:
-        """Every lamp's name and the frequency at which it flickers. [Hz]"""
-        return (('lamp', self.lamp.frequency.si),)
+        """Name and nominal frequency of each lamp. [Hz]"""
+        return tuple((name, lamp.frequency.si) for name, lamp in self.lamps.items())
 
     @property
     def route_beacons(self) -> tuple[tuple[str, float], ...]:
@@ -137,28 +128,11 @@ class Scenario(Record):
     @property
     def light_field(self) -> LightField:
         """The light of the scene; `BadInput` where the light itself cannot be."""
-        lamp, ambient = self.lamp, self.ambient
         return LightField(
-            lamp=Lamp(
-                position=_three(lamp.position),
-                axis=_three(lamp.facing),
-                flux=lamp.flux.si,
-                wave=SquareWave(lamp.frequency.si, lamp.duty.si),
-                efficacy=lamp.efficacy.si,
-            ),
-            room=Room(_three(self.room.size), self.room.albedo),
-            ambient=Ambient(
-                efficacy=ambient.efficacy.si,
-                steady=ambient.steady.si,
-                mains=ambient.mains_amplitude.si,
-                mains_frequency=ambient.mains_frequency.si,
-            ),
+            tuple(lamp.lamp for lamp in self.lamps.values()),
+            self.ambient.ambient,
+            self.room.room,
         )
-
-
-def _three(quantity: Quantity) -> tuple[float, float, float]:
-    x, y, z = quantity.vector
-    return x, y, z
 
 
 def load_scenario(name: str) -> Scenario:

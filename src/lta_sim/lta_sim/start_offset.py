@@ -33,7 +33,8 @@ def started(scenario: Scenario, x: float, y: float) -> Scenario:
         update={'position': Quantity(value=place, unit='m', source=scenario.start.position.source)}
     )
     fields = {name: getattr(scenario, name) for name in Scenario.model_fields}
-    fields['schema'] = fields.pop('schema_version')
+    for name, key in (('schema_version', 'schema'), ('alone', 'lamp'), ('several', 'lamps')):
+        fields[key] = fields.pop(name)  # as the file has it
     try:
         return Scenario.model_validate({**fields, 'start': start})
     except ValidationError as error:

@@ -189,13 +189,24 @@ class Vehicle:
 
     @cached_property
     def diodes(self) -> PhotodiodeArray:
-        """The ring of photodiodes."""
+        """The photodiodes, all with their nominal gain."""
         ring = self.file.sensors.diodes
         return PhotodiodeArray(
             count=ring.count,
             depth=-ring.height.si,
             radius=ring.radius.si,
+            axes=tuple((x, y, z) for x, y, z in ring.axes.value) if ring.axes else (),
+            response=ring.response.si,
+            field_of_view=ring.field_of_view.si,
+            gain_spread=ring.gain_spread.si,
+            dead=tuple(ring.dead),
             feedback_resistance=ring.feedback.si,
+            bandwidth=ring.bandwidth.si,
+            noise=ring.noise.si,
+            adc_bits=ring.bits,
+            adc_range=ring.full_scale.si,
+            clock_error=ring.clock_error.si,
+            jitter=ring.jitter.si,
         )
 
     @cached_property

@@ -18,7 +18,7 @@ from lta_sim.command_link import CommandLink
 from lta_sim.craft import Craft, LAYOUT
 from lta_sim.effects import EFFECTS
 from lta_sim.in_scene import model_in
-from lta_sim.light_view import LightView, Pose
+from lta_sim.light.view import LightView, Pose
 from lta_sim.measurement import Chain, chains
 from lta_sim.readings import Outcome, Readings, Vector
 from lta_sim.referee import Referee
@@ -34,7 +34,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 # New ones go to the end: the place in this list is part of the seed.
 STILL = np.zeros(RIGID)  # how the state of a drone changes that is held
-STREAMS = ('start', 'imu', 'range', 'pressure', 'photodiodes', 'battery', 'panel', 'turbulence')
+STREAMS = (
+    'start', 'imu', 'range', 'pressure', 'photodiodes', 'battery', 'panel', 'turbulence', 'diodes',
+)  # fmt: skip
 SENSED = ('pressure', 'photodiodes', 'battery', 'ground_truth/odom', 'illuminance')
 
 
@@ -98,7 +100,8 @@ class World:
         self._range_ns = table['range'].period_ns
         self._rhythm = {name: (table[name].latency_ns, table[name].period_ns) for name in SENSED}
         self._shape = (table.light.sample_rate.si, table.light.samples)
-        self._light = LightView(scenario.light_field, self.vehicle)
+        diodes = self.vehicle.diodes.drawn(self._chance['diodes'])
+        self._light = LightView(scenario.light_field, self.vehicle, diodes)
         self._imu_place = _three(sensors.imu_position.vector)
         self._range_place = _three(sensors.range_position.vector)
         self._referee = Referee(scenario)

@@ -3,29 +3,36 @@ From a block of samples to each diode's peak and signal-to-noise ratio, as the p
 
 The magnitude spectrum of the block is searched for its highest bin within a few bins of
 k_target = round(f_mod N_FFT / f_sample); its ratio to the mean of all bins outside the windows
-around the beacon's harmonics is the SNR. The paper prints neither rate, block length, window nor
-threshold: they are settings here.
+around the beacons' harmonics is the SNR. The paper prints neither rate, block length, window nor
+threshold: they are settings here. What the paper does not have: several beacons at once, each by
+its frequency, and frequency and amplitude between the bins (`lta_vlc.tone`).
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import final
+import math
+from typing import Annotated, final
 
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
-from lta_vlc.snr import quiet_bins, signal_to_noise
-from lta_vlc.spectrum import amplitude_spectrum, target_bin
+from lta_vlc.bins import Bins, plan_beacons
+from lta_vlc.faults import Fault, FAULTS, sample_faults, SPOILT, tone_faults
+from lta_vlc.samples import look
+from lta_vlc.snr import signal_to_noise
+from lta_vlc.spectrum import magnitudes, transform
+from lta_vlc.survey import survey
+from lta_vlc.tone import read_tones
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from pydantic import Field
 
-NO_WISH = 0.0  # Hz, of a beacon: the one of the settings
-QUIET_BINS = 16  # the mean of so many Rayleigh distributed magnitudes is known to 13 %
+NO_WISH = 0.0  # Hz, of a wanted beacon: the first of the settings
+Frequency = Annotated[float, Field(ge=1.0, le=100_000.0)]
 
 
 @final
 class Demodulation(Settings):
     """
-    Which beacon to listen for, and how.
+    Which beacons to listen for, and how.
 
     In white noise alone a diode passes the threshold T in a share (2 window + 1) exp(-pi T^2 / 4)
     of the blocks: 0.4 % at T = 3 and a window of 2, never at 6, which leaves room for noise that
@@ -33,8 +40,9 @@ class Demodulation(Settings):
     """
 
     frequency: float = setting(
-        150.0, 'Frequency at which the beacon flickers', unit='Hz', low=1.0, high=100_000.0
+        150.0, 'Frequency at which the first beacon flickers', unit='Hz', low=1.0, high=100_000.0
     )
+    others: tuple[Frequency, ...] = setting((), 'Frequencies of further beacons', unit='Hz')
     window: int = setting(
         2, 'Bins searched and masked on either side of a harmonic', unit='1', low=0, high=100
     )
@@ -44,6 +52,21 @@ class Demodulation(Settings):
     threshold: float = setting(
         6.0, 'SNR from which a diode is believed', unit='1', low=1.0, high=1000.0
     )
+    mains: float = setting(
+        50.0,
+        'Frequency of the mains, whose lamps flicker at twice that; 0 where there are none',
+        unit='Hz',
+        low=0.0,
+        high=400.0,
+    )
+    full_scale: float = setting(
+        4095.0, 'Largest reading of the ADC', unit='counts', low=1.0, high=65_535.0
+    )
+
+    @property
+    def beacons(self) -> tuple[float, ...]:
+        """The frequencies of all beacons, the first one first. [Hz]"""
+        return (self.frequency, *self.others)
 
 
 @final
@@ -57,107 +80,49 @@ class Peaks:
     amplitude : ndarray of float64, shape (d,)
         Amplitude of the beacon's fundamental, in the unit of the samples.
     snr : ndarray of float64, shape (d,)
-        Peak over the mean of the quiet bins; 0 for a flat line.
+        Highest bin over the mean of the quiet bins; 0 for a diode that is spoilt by a fault.
     frequency : ndarray of float64, shape (d,)
-        Frequency of the bin in which the peak stands. [Hz]
+        Where each diode by itself has the peak. [Hz]
+    noise : ndarray of float64, shape (d,)
+        Mean magnitude of the quiet bins, in the unit of the samples. White noise of this mean
+        moves an amplitude by sqrt(2/pi) of it, one standard deviation.
 
     """
 
     amplitude: NDArray[np.float64]
     snr: NDArray[np.float64]
     frequency: NDArray[np.float64]
+    noise: NDArray[np.float64]
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Bins:
+class Hearing:
     """
-    Where one beacon is looked for in blocks of one length.
+    What one block says.
 
     Parameters
     ----------
-    first, last : int
-        Closed range of bins in which its peak is sought.
-    quiet : ndarray of int
-        Bins whose mean is the noise.
-    width : float
-        Width of a bin. [Hz]
-    samples : int
-        Samples in a block.
+    peaks : tuple of Peaks
+        What is seen of each beacon, the one that is wanted first.
+    frequencies : tuple of float
+        Of each beacon, as all diodes together have it. [Hz]
+    faults : tuple of Fault, one a diode
+        What is wrong with each diode.
+    level : ndarray of float64, shape (d,)
+        Mean of each diode: steady light, in the unit of the samples.
 
     """
 
-    first: int
-    last: int
-    quiet: NDArray[np.intp]
-    width: float
-    samples: int
-
-
-@lru_cache(maxsize=64)
-def bins_of(settings: Demodulation, beacon: float, sample_rate: float, samples: int) -> Bins:
-    """
-    Return where a beacon is looked for, `NO_WISH` being that of the settings; see `plan_bins`.
-
-    Whoever flies a route asks for one beacon after the other.
-    """
-    wanted = settings if beacon == NO_WISH else settings.model_copy(update={'frequency': beacon})
-    return plan_bins(wanted, sample_rate, samples)
-
-
-def plan_bins(settings: Demodulation, sample_rate: float, samples: int) -> Bins:
-    """
-    Return where a beacon stands in blocks of a given rate and length.
-
-    Parameters
-    ----------
-    settings : Demodulation
-        The beacon.
-    sample_rate : float
-        Samples a second of each diode. [Hz]
-    samples : int
-        Samples in a block.
-
-    Raises
-    ------
-    BadInput
-        If the beacon is at or above the Nyquist frequency, too near to zero, or if the block is
-        too short to tell it from its harmonics.
-
-    """
-    beacon = f'The beacon at {settings.frequency:g} Hz'
-    if not settings.frequency < sample_rate / 2:
-        raise BadInput(
-            f'{beacon} cannot be seen at {sample_rate:g} samples/s; sample at more than twice '
-            'its frequency.'
-        )
-    target = target_bin(settings.frequency, sample_rate, samples)
-    first, last = target - settings.window, target + settings.window
-    block = f'a block of {samples} samples at {sample_rate:g} samples/s'
-    if first < 1:
-        raise BadInput(
-            f'{beacon} stands in bin {target} of {block}, too near to zero for a window of '
-            f'{settings.window} bins; take longer blocks or a narrower window.'
-        )
-    if last > samples // 2:
-        raise BadInput(
-            f'{beacon} stands in bin {target} of {block}, too near to the Nyquist frequency for '
-            f'a window of {settings.window} bins; sample faster or narrow the window.'
-        )
-    quiet = quiet_bins(
-        settings.frequency, sample_rate, samples, settings.window, settings.harmonics
-    )
-    if quiet.size < QUIET_BINS:
-        raise BadInput(
-            f'{beacon} and its harmonics leave {quiet.size} bins of {block} to measure the noise '
-            f'in, but {QUIET_BINS} are needed; take longer blocks or a narrower window.'
-        )
-    return Bins(first, last, quiet, sample_rate / samples, samples)
+    peaks: tuple[Peaks, ...]
+    frequencies: tuple[float, ...]
+    faults: tuple[Fault, ...]
+    level: NDArray[np.float64]
 
 
 def find_peaks(spectrum: NDArray[np.float64], bins: Bins) -> Peaks:
     """
-    Return each diode's peak and SNR for one beacon.
+    Return each diode's peak and SNR for one beacon, by whole bins: the paper's.
 
     Parameters
     ----------
@@ -169,32 +134,64 @@ def find_peaks(spectrum: NDArray[np.float64], bins: Bins) -> Peaks:
     """
     searched = spectrum[bins.first : bins.last + 1]
     highest, peak = searched.argmax(axis=0), searched.max(axis=0)
-    # The mean of the quiet bins, each diode's next to each other: a third of the time.
-    noise = np.add.reduce(spectrum.T.take(bins.quiet, axis=1), axis=1) / bins.quiet.size
-    return Peaks(peak, signal_to_noise(peak, noise), (bins.first + highest) * bins.width)
+    noise = spectrum[bins.quiet].mean(axis=0)
+    frequency = (bins.first + highest) * bins.width
+    return Peaks(peak, signal_to_noise(peak, noise), frequency, noise)
 
 
-def demodulate(block: ArrayLike, bins: Bins) -> Peaks:
+def hear(block: ArrayLike, beacons: tuple[Bins, ...], full_scale: float = math.inf) -> Hearing:
     """
-    Return what each diode sees of a beacon in one block.
+    Return what one block says of each beacon and each diode.
 
     Parameters
     ----------
     block : array_like, shape (n, d)
         Samples in time order, one column a diode: ADC counts or any linear unit.
-    bins : Bins
-        Where the beacon stands in such a block.
+    beacons : tuple of Bins
+        Where the beacons stand in such a block, all with the same quiet bins.
+    full_scale : float
+        The ADC's largest reading, in the unit of the samples.
 
     Raises
     ------
     BadInput
-        If the block is not two-dimensional or not of the length that `bins` was planned for.
+        If the block is not two-dimensional or not of the length that was planned for.
 
     """
-    shape = np.shape(block)
-    if len(shape) != 2 or shape[0] != bins.samples:
+    bins, samples = beacons[0], np.asarray(block)
+    if samples.ndim != 2 or samples.shape[0] != bins.samples or samples.shape[1] == 0:
         raise BadInput(
-            f'A light block has the shape {shape}, but {bins.samples} samples by diodes are '
-            'expected; give both ends the same block length.'
+            f'A light block has the shape {samples.shape}, but {bins.samples} samples by diodes '
+            'are expected; give both ends the same block length.'
         )
-    return find_peaks(amplitude_spectrum(block), bins)
+    waves = np.array(samples.T, dtype=np.float64, order='C')
+    looked = look(waves, full_scale)
+    faults = sample_faults(looked)
+    sound = (faults & SPOILT.value) == 0
+    weight = sound.astype(np.float64)
+    spectrum = transform(waves)
+    size = magnitudes(spectrum, bins.samples)
+    ranges = np.array([(one.first, one.last) for one in beacons])
+    found = survey(size, ranges, bins.quiet, bins.unlit, weight)
+    faults |= tone_faults(found)
+    snr = np.where(sound, signal_to_noise(found.peak, found.noise), 0.0)
+    tones = read_tones(spectrum, found.highest, weight, bins.samples)
+    return Hearing(
+        tuple(
+            Peaks(*one, found.noise)
+            for one in zip(tones.amplitude, snr, tones.own * bins.width, strict=True)
+        ),
+        tuple((tones.frequency * bins.width).tolist()),
+        tuple(FAULTS[fault] for fault in faults.tolist()),
+        looked.level,
+    )
+
+
+def plan_bins(settings: Demodulation, sample_rate: float, samples: int) -> Bins:
+    """Return where the first beacon alone stands; see `plan_beacons`."""
+    return plan_beacons((settings.frequency,), settings, sample_rate, samples)[0]
+
+
+def demodulate(block: ArrayLike, bins: Bins) -> Peaks:
+    """Return what each diode sees of one beacon in one block; see `hear`."""
+    return hear(block, (bins,)).peaks[0]

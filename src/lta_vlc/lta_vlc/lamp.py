@@ -1,22 +1,22 @@
-"""Where the lamp is in the body frame, as far as one bearing tells."""
+"""Where the lamp is in the body frame, as far as one direction tells."""
 
-from dataclasses import dataclass
 import math
-from typing import final
+from typing import final, NamedTuple, TYPE_CHECKING
 
 from lta_config.settings import setting, Settings
-from lta_vlc.array import Bearing
-import numpy as np
-from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from lta_vlc.direction import Direction
+
+OFF_AXIS = 0.8  # mean cosine at which a Lambertian beam leaves a lamp that is flown to
+OFF_AXIS_DEVIATION = 0.15  # relative, of a range by strength: the beam's angle is not known
 
 
 @final
 class LampPrior(Settings):
-    """What is known of the lamp before it is seen: one bearing tells neither range nor height."""
+    """What is known of the lamp before it is seen: one direction does not tell its range."""
 
-    distance: float = setting(
-        4.0, 'Expected horizontal distance to the lamp', unit='m', low=0.1, high=100.0
-    )
+    distance: float = setting(4.0, 'Expected distance to the lamp', unit='m', low=0.1, high=100.0)
     distance_deviation: float = setting(
         3.0, 'Standard deviation of that distance', unit='m', low=0.0, high=100.0
     )
@@ -27,83 +27,88 @@ class LampPrior(Settings):
         low=0.0,
         high=100.0,
     )
-    bearing_deviation: float = setting(
-        0.05,
-        'Standard deviation of the bearing from all that is not noise: reflections, unequal '
-        'diodes, tilt, turning within a block',
-        unit='rad',
+    intensity: float = setting(
+        0.0,
+        'Reading of a nominal diode that faces the lamp, 1 m away on its axis; 0 where it was not '
+        'measured',
+        unit='counts',
         low=0.0,
-        high=3.15,
+        high=1e9,
     )
 
 
 @final
-@dataclass(frozen=True, slots=True)
-class LampEstimate:
+class LampEstimate(NamedTuple):
     """
-    The lamp in the body frame.
+    The lamp in the body frame FLU.
+
+    Attributes
+    ----------
+    x, y, z : float
+        Position. [m]
+    xx, xy, xz, yy, yz, zz : float
+        Its covariance. [m2]
+
+    """
+
+    x: float
+    y: float
+    z: float
+    xx: float
+    xy: float
+    xz: float
+    yy: float
+    yz: float
+    zz: float
+
+
+def range_of(direction: 'Direction', prior: LampPrior) -> tuple[float, float]:
+    """
+    Return the distance to the lamp and its standard deviation. [m]
+
+    By the inverse square from the strength where the lamp's was measured, else as expected.
+    """
+    if not prior.intensity > 0.0:
+        return prior.distance, prior.distance_deviation
+    distance = math.sqrt(prior.intensity * OFF_AXIS / direction.strength)
+    relative = 0.5 * direction.strength_deviation / direction.strength
+    return distance, distance * math.sqrt(OFF_AXIS_DEVIATION**2 + relative**2)
+
+
+def lamp_estimate(direction: 'Direction', prior: LampPrior) -> LampEstimate:
+    """
+    Return the lamp as a point on the ray of its direction, uncertain mostly along that ray.
 
     Parameters
     ----------
-    position : ndarray of float64, shape (3,)
-        Position. [m, body FLU]
-    covariance : ndarray of float64, shape (3, 3)
-        Its covariance. [m^2, body FLU]
-
-    """
-
-    position: NDArray[np.float64]
-    covariance: NDArray[np.float64]
-
-
-def ray_of(angle: float) -> tuple[float, float]:
-    """Return the unit vector of a bearing. [rad]"""
-    return math.cos(angle), math.sin(angle)
-
-
-def bearing_through(angle: float, prior: LampPrior) -> float:
-    """
-    Return the bearing of the lamp that the message of `lamp_estimate` gives back. [rad]
-
-    The message carries a point: the last bit of the angle is not kept. A loop that sends no
-    messages takes it through the same arithmetic.
-    """
-    x, y = ray_of(angle)
-    return math.atan2(prior.distance * y, prior.distance * x)
-
-
-def lamp_estimate(bearing: Bearing, prior: LampPrior) -> LampEstimate:
-    """
-    Return the lamp as a point on the ray of its bearing, uncertain mostly along that ray.
-
-    Parameters
-    ----------
-    bearing : Bearing
-        Direction and its deviation from noise.
+    direction : Direction
+        Direction and its covariance.
     prior : LampPrior
-        Distance and height, which the bearing does not tell, and the rest of its error.
-
-    Returns
-    -------
-    LampEstimate
-        Mean at the prior distance and at the drone's own height.
+        The lamp before it is seen.
 
     Notes
     -----
-    To first order in the angle the error across the ray is distance times angle, so its variance
-    is (distance^2 + distance_deviation^2) times that of the angle. Not the exact moments of a
-    sector: for an angle known worse than half a radian the true region is bent.
+    To first order in the angles the error across the ray is distance times angle, so its variance
+    is (distance^2 + its variance) times that of the angle. Not the exact moments of a sector: for
+    an angle known worse than half a radian the true region is bent.
 
     """
-    ray = np.array([*ray_of(bearing.angle), 0.0])
-    left = np.array([-ray[1], ray[0], 0.0])
-    up = np.array([0.0, 0.0, 1.0])
-    along = prior.distance_deviation**2
-    angle = bearing.deviation**2 + prior.bearing_deviation**2
-    across = (prior.distance**2 + along) * angle
-    covariance = (
-        along * np.outer(ray, ray)
-        + across * np.outer(left, left)
-        + prior.height_deviation**2 * np.outer(up, up)
-    )
-    return LampEstimate(prior.distance * ray, covariance)
+    x, y, z = direction.x, direction.y, direction.z
+    distance, deviation = range_of(direction, prior)
+    along = deviation * deviation
+    level = math.sqrt(x * x + y * y)
+    a, b = -y / level, x / level  # to the left of the ray
+    d, e = -z * x / level, -z * y / level  # and, with `level`, upwards
+    square = distance * distance + along
+    left = square * direction.azimuth_variance * level * level
+    up = square * direction.elevation_variance
+    both = square * direction.cross_variance * level
+    return LampEstimate(
+        distance * x, distance * y, distance * z,
+        along * x * x + left * a * a + up * d * d + 2.0 * both * a * d,
+        along * x * y + left * a * b + up * d * e + both * (a * e + b * d),
+        along * x * z + up * d * level + both * a * level,
+        along * y * y + left * b * b + up * e * e + 2.0 * both * b * e,
+        along * y * z + up * e * level + both * b * level,
+        along * z * z + up * level * level,
+    )  # fmt: skip

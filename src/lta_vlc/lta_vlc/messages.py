@@ -1,10 +1,12 @@
 """Light blocks, peaks and bearings as ROS messages, and back."""
 
 import array
+from collections.abc import Sequence
 
 from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3Stamped
-from lta_vlc.array import Bearing, Ring
+from lta_vlc.array import Bearing
 from lta_vlc.demodulation import Peaks
+from lta_vlc.diodes import Axis
 from lta_vlc.lamp import LampEstimate
 import numpy as np
 from numpy.typing import NDArray
@@ -34,25 +36,20 @@ def to_block(message: Image) -> NDArray[np.uint16]:
     return np.frombuffer(message.data, dtype='<u2').reshape(message.height, message.width)
 
 
-def from_peaks(header: Header, peaks: Peaks, ring: Ring) -> PointCloud2:
-    """Return one point a diode: axis, amplitude, SNR and frequency."""
-    count = len(ring.cosines)
-    columns = (
-        ring.cosines,
-        ring.sines,
-        (0.0,) * count,
-        peaks.amplitude,
-        peaks.snr,
-        peaks.frequency,
-    )
-    message = PointCloud2(header=header, height=1, width=count, is_dense=True)
+def from_peaks(header: Header, peaks: tuple[Peaks, ...], axes: Sequence[Axis]) -> PointCloud2:
+    """Return a row of points a beacon, a point a diode: axis, amplitude, SNR and frequency."""
+    count = len(axes)
+    message = PointCloud2(header=header, height=len(peaks), width=count, is_dense=True)
     message.fields = [
         PointField(name=name, offset=4 * index, datatype=PointField.FLOAT32, count=1)
         for index, name in enumerate(FIELDS)
     ]
     message.point_step = 4 * len(FIELDS)
     message.row_step = message.point_step * count
-    data = np.stack([np.asarray(column, dtype='<f4') for column in columns], axis=1)
+    data = np.zeros((len(peaks), count, len(FIELDS)), dtype='<f4')
+    for row, each in zip(data, peaks, strict=True):
+        row[:, :3] = axes
+        row[:, 3], row[:, 4], row[:, 5] = each.amplitude, each.snr, each.frequency
     message.data = array.array('B', data.tobytes())
     return message
 
@@ -73,7 +70,8 @@ def from_lamp(header: Header, lamp: LampEstimate | None) -> PoseWithCovarianceSt
         covariance[0, 0] = UNKNOWN
     else:
         position = message.pose.pose.position
-        position.x, position.y, position.z = lamp.position.tolist()
-        covariance[:3, :3] = lamp.covariance
+        position.x, position.y, position.z = lamp[:3]
+        covariance[np.triu_indices(3)] = lamp[3:]
+        covariance[np.tril_indices(3)] = covariance.T[np.tril_indices(3)]
     message.pose.covariance = covariance.ravel()
     return message

@@ -1,20 +1,22 @@
 """The paper's signal-to-noise ratio: the beacon's peak over the mean of the quiet bins."""
 
+from collections.abc import Sequence
+
 from lta_vlc.spectrum import target_bin
 import numpy as np
 from numpy.typing import NDArray
 
 
 def quiet_bins(
-    frequency: float, sample_rate: float, samples: int, window: int, harmonics: int
+    frequencies: Sequence[float], sample_rate: float, samples: int, window: int, harmonics: int
 ) -> NDArray[np.intp]:
     """
-    Return the bins that hold neither the beacon nor its harmonics.
+    Return the bins that hold neither a beacon nor its harmonics.
 
     Parameters
     ----------
-    frequency : float
-        Frequency of the beacon. [Hz]
+    frequencies : sequence of float
+        Frequencies of all beacons. [Hz]
     sample_rate : float
         Samples a second. [Hz]
     samples : int
@@ -32,11 +34,12 @@ def quiet_bins(
     """
     bins = np.arange(samples // 2 + 1)
     quiet = bins > 0
-    for order in range(1, harmonics + 1):
-        centre = target_bin(order * frequency, sample_rate, samples)
-        if centre - window > samples // 2:
-            break
-        quiet &= np.abs(bins - centre) > window
+    for frequency in frequencies:
+        for order in range(1, harmonics + 1):
+            centre = target_bin(order * frequency, sample_rate, samples)
+            if centre - window > samples // 2:
+                break
+            quiet[max(0, centre - window) : centre + window + 1] = False
     return np.flatnonzero(quiet)
 
 

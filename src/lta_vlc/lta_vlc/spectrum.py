@@ -1,4 +1,4 @@
-"""The magnitude spectrum of a block of samples, and the bin in which a beacon stands."""
+"""The spectrum of a block of samples, and the bin in which a beacon stands."""
 
 import math
 
@@ -23,6 +23,45 @@ def target_bin(frequency: float, sample_rate: float, samples: int) -> int:
     return math.floor(frequency * samples / sample_rate + 0.5)
 
 
+def transform(waves: NDArray[np.float64]) -> NDArray[np.complex128]:
+    """
+    Return the Fourier transform of each diode's wave, without a window, as in the paper.
+
+    Parameters
+    ----------
+    waves : ndarray of float64, shape (d, n)
+        Samples in time order.
+
+    Returns
+    -------
+    ndarray of complex128, shape (d, n // 2 + 1)
+        Times 2/n, so that a sine of amplitude A in the middle of a bin has the magnitude A.
+
+    """
+    spectrum = np.fft.rfft(waves, axis=1)
+    spectrum *= 2.0 / waves.shape[1]
+    return spectrum
+
+
+def magnitudes(spectrum: NDArray[np.complex128], samples: int) -> NDArray[np.float64]:
+    """
+    Return the amplitude of each frequency, shape (d, n // 2 + 1).
+
+    Parameters
+    ----------
+    spectrum : ndarray of complex128, shape (d, n // 2 + 1)
+        From `transform`.
+    samples : int
+        Samples in the block.
+
+    """
+    magnitude = np.abs(spectrum)
+    if samples % 2 == 0:
+        # The highest bin of an even block has no mirror image to share its energy with.
+        magnitude[:, -1] *= 0.5
+    return magnitude
+
+
 def amplitude_spectrum(block: ArrayLike) -> NDArray[np.float64]:
     """
     Return the magnitude of each frequency in a block.
@@ -39,18 +78,12 @@ def amplitude_spectrum(block: ArrayLike) -> NDArray[np.float64]:
 
     Notes
     -----
-    Calibrated: a sine of amplitude A in the middle of a bin reads A. The mean is taken out
-    before the transform, so row 0 is zero and a constant block reads exactly zero throughout,
-    which rounding would spoil. No window, as in the paper: a sine between two bins reads less,
-    down to 2/pi of its amplitude, and leaks into its neighbours.
+    Calibrated: a sine of amplitude A in the middle of a bin reads A. A sine between two bins reads
+    less, down to 2/pi of its amplitude, and leaks into its neighbours: `lta_vlc.tone` reads it.
+    The mean is taken out before the transform, so that row 0 is zero and a constant block reads
+    exactly zero throughout, which rounding would spoil.
 
     """
-    samples = np.array(np.asarray(block).T, dtype=np.float64, order='C')
-    count = samples.shape[1]
-    samples -= np.add.reduce(samples, axis=1, keepdims=True) / count  # the mean, in less time
-    magnitude = np.abs(np.fft.rfft(samples, axis=1))
-    magnitude *= 2.0 / count
-    if count % 2 == 0:
-        # The highest bin of an even block has no mirror image to share its energy with.
-        magnitude[:, -1] *= 0.5
-    return magnitude.T
+    waves = np.array(np.asarray(block).T, dtype=np.float64, order='C')
+    waves -= np.add.reduce(waves, axis=1, keepdims=True) / waves.shape[1]  # the mean, in less time
+    return magnitudes(transform(waves), waves.shape[1]).T

@@ -7,6 +7,7 @@ from lta_analysis.ingredients import gather, loop_of, spoken
 from lta_analysis.sweep.draws import draw
 from lta_analysis.sweep.plan import Plan, si_of
 from lta_config.errors import BadInput
+from lta_config.files import find
 from lta_config.override import assignment
 from lta_config.sentence import sentence
 from lta_config.sweep_file import Distribution, load_sweep, SweepFile
@@ -43,6 +44,44 @@ def test_a_grid_is_every_value_with_every_value():
         found.append((round(1e3 * values[HEAVY]), values[WIND], job.seed))
     assert found == list(itertools.product((1, 2, 3), (0.0, 0.1), (5, 6, 7, 8)))
     assert plan.units == {HEAVY: 'kg', WIND: 'm/s'}
+
+
+def test_cases_are_values_that_belong_together():
+    """Each case with each value; a file that a case names keeps what the sweep sets."""
+    cases = {'room': {}, 'field': {'scenario': 'windy_field', 'mission.speed': 1.0}}
+    limit = 'scenario.goal.time_limit'
+    plan = Plan(file(cases=cases, vary={HEAVY: ['1 g', '2 g']}, set={limit: '30 s'}))
+    plan.check()
+    assert plan.units == {'case': '', HEAVY: 'kg'}
+    jobs = [plan.job(k) for k in range(plan.count)]
+    assert [job.values['case'] for job in jobs] == ['room', 'room', 'field', 'field']
+    loops = [loop_of(plan.base.with_values(job.changes), 1) for job in jobs]
+    scenes = [loop.world.scenario for loop in loops]
+    assert [scene.name for scene in scenes] == ['lamp_room'] * 2 + ['windy_field'] * 2
+    assert [scene.goal.time_limit.si for scene in scenes] == [30.0] * 4
+    assert [loop.policy.mission.speed for loop in loops] == [0.5, 0.5, 1.0, 1.0]
+    grams = [1e3 * loop.world.vehicle.file.trim.heaviness.si for loop in loops]
+    assert grams == pytest.approx([1.0, 2.0, 1.0, 2.0])
+
+
+def test_whole_files_and_strategies_can_be_varied():
+    vary = {'strategy': ['bag'], 'scenario': ['lamp_room', 'breeze'], 'vehicle': ['gtmab', 'skye']}
+    plan = Plan(file(vary=vary))
+    assert plan.units == {'strategy': '', 'scenario': '', 'vehicle': ''}
+    made = plan.base.with_values(plan.job(3).changes)
+    assert (made.names['scenario'], made.names['vehicle']) == ('breeze', 'skye')
+    assert made.names['gains'] == 'skye'  # its own, since the sweep's are another vehicle's
+
+
+def test_what_a_named_file_holds_decides_the_sweep(tmp_path):
+    """An edited scenario of a case makes another sweep, so that no old flight passes for a new."""
+    path = tmp_path / 'own.yaml'
+    text = find('scenario', 'lamp_room').read_text()
+    found = []
+    for content in (text, text, text.replace('time_limit: 60 s', 'time_limit: 61 s')):
+        path.write_text(content)
+        found.append(Plan(file(cases={'own': {'scenario': str(path)}})).identity)
+    assert found[0] == found[1] != found[2]
 
 
 def test_an_effect_that_no_file_names_can_be_varied():
@@ -127,6 +166,8 @@ def test_gains_have_the_units_that_they_are_declared_with():
         ({'drone.trim.heavy': ['1 g']}, "Unknown parameter 'drone.trim.heavy'; known: "),
         ({HEAVY: ['1 g', '2 m']}, 'vehicle.trim.heaviness is in m, but must be in g or its like'),
         ({HEAVY: ['2 kg']}, 'With vehicle.trim.heaviness at 2.0 kg: '),
+        ({'strategy': ['bag', 'bog']}, "With strategy at bog: Unknown strategy 'bog'"),
+        ({'scenario': ['3 m']}, 'With scenario at 3.0 m: scenario is 3.0 m, but must be a name'),
         ({'gains.heading_kp': [11.0]}, 'heading_kp is 11.0, but must be at most 10'),
         ({'vehicle.effects.motor_lag.sideways': ['1 s']}, 'sideways'),
         ({HEAVY: {'uniform': {'low': '2 g', 'high': '1 g'}}}, 'the low end must be below'),
@@ -153,6 +194,7 @@ def test_what_cannot_be_flown_is_said_before_the_first_flight(vary, words):
         ({'vary': {HEAVY: {'uniform': {'low': 1, 'high': 2}}}}, 'add "samples"'),
         ({'samples': 3, 'seeds': {'count': 3}}, 'leave count out'),
         ({'vary': {HEAVY: ['1 g']}, 'set': {HEAVY: '2 g'}}, 'both sets and varies'),
+        ({'vary': {HEAVY: ['1 g']}, 'cases': {'a': {HEAVY: '2 g'}}}, 'which its cases set'),
         ({'vary': {HEAVY: {'choice': [1], 'normal': {'mean': 1, 'deviation': 1}}}}, 'needs one'),
     ],
 )

@@ -22,7 +22,7 @@ from lta_bridge.live.shapes import (
     ORIGIN,
 )
 from lta_bridge.live.track import MOST, Track
-from lta_sim.light_field import direct
+from lta_sim.light.lamp import direct
 from lta_sim.scenario import load_scenario
 from lta_sim.vehicle import load_vehicle
 import numpy as np

@@ -314,6 +314,55 @@ def test_what_does_not_go_together_is_one_sentence(tmp_path, changes, sentence):
     assert refused(tmp_path, *changes.items()).startswith(sentence)
 
 
+SQUARE = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]
+RING = 'sensors.diodes'
+
+
+def test_diodes_may_look_anywhere(tmp_path):
+    content = copy.deepcopy(GTMAB)
+    put(content, f'{RING}.count', 4)
+    put(content, f'{RING}.axes', {'value': SQUARE, 'source': 'test'})
+    put(content, f'{RING}.dead', [2])
+    path = tmp_path / 'vehicle.yaml'
+    path.write_text(yaml.safe_dump(content, sort_keys=False))
+    diodes = load_vehicle_file(str(path)).sensors.diodes
+    assert diodes.axes.value == SQUARE
+    assert diodes.dead == [2]
+    assert (diodes.response.si, diodes.gain_spread.si) == (1.2, pytest.approx(0.02))
+    assert diodes.bandwidth.si == 14e3
+
+
+@pytest.mark.parametrize(
+    ('changes', 'sentence'),
+    [
+        (
+            [(f'{RING}.axes', {'value': SQUARE, 'source': 'test'})],
+            'sensors.diodes has 4 axes for 8 diodes; give each diode one.',
+        ),
+        (
+            [(f'{RING}.axes', {'value': [[1.0, 1.0, 0.0]] * 8, 'source': 'test'})],
+            'sensors.diodes.axes has an axis of length 1.41 for the diode 0; divide it by that.',
+        ),
+        (
+            [(f'{RING}.axes', {'value': [[math.nan, 1.0, 0.0]] * 8, 'source': 'test'})],
+            'sensors.diodes.axes has an axis of length nan for the diode 0; divide it by that.',
+        ),
+        (
+            [(f'{RING}.dead', [8])],
+            'sensors.diodes names the dead diode 8, but has 8, counted from 0; correct the '
+            'number.',
+        ),
+        (
+            [(f'{RING}.field_of_view', {'value': 181, 'unit': 'deg', 'source': 'test'})],
+            'sensors.diodes.field_of_view is 181 deg, but must be above 0 and at most 180 deg.',
+        ),
+        ([(f'{RING}.bits', 17)], 'sensors.diodes.bits is 17, but must be at most 16.'),
+    ],
+)
+def test_what_are_no_diodes_is_one_sentence(tmp_path, changes, sentence):
+    assert refused(tmp_path, *changes) == sentence
+
+
 def version_1():
     """Return GT-MAB as version 1 of the format had it."""
     old = copy.deepcopy(GTMAB) | {'schema': 1}

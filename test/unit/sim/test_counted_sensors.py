@@ -7,8 +7,8 @@ from lta_analysis.fleet.craft import sensors_of
 from lta_config.topics import topic_table
 from lta_sim import counted_sensors as counted
 from lta_sim.counted_chance import normals
-from lta_sim.heard_lamp import listening_of, magnitude
-from lta_sim.light_view import LightView
+from lta_sim.light.heard import listening_of, magnitude
+from lta_sim.light.view import LightView
 from lta_sim.scenario import load_scenario
 from lta_sim.sensors import imu, pressure, range
 from lta_sim.vehicle import load_vehicle
@@ -80,17 +80,19 @@ def test_the_lamp_is_heard_as_through_blocks(distance):
     """
     Magnitude, SNR and bearing of many blocks against the chain of ADC and transform.
 
-    The nose is elsewhere in each: a drone that stands still rounds alike in every block.
+    The nose is elsewhere in each, and the noise hides the steps of the converter: lamp and mains
+    repeat within a block, and with less noise its roundings do so too.
     """
     scene, light = load_scenario('lamp_room'), topic_table().light
     rate, settings, chance = light.sample_rate.si, Demodulation(), np.random.default_rng(3)
     bins = plan_bins(settings, rate, light.samples)
-    listening = listening_of(scene.light_field, VEHICLE.diodes, settings, rate, light.samples)
+    diodes = VEHICLE.diodes.model_copy(update={'noise': 1e-3, 'gain_spread': 0.0})
+    listening = listening_of(scene.light_field, diodes, settings, rate, light.samples)
     x = scene.light_field.lamp.position[0] - distance
     told = []
     for k, half in enumerate(chance.uniform(0.1, 0.2, BLOCKS).tolist()):
         pose = (x, 0.0, 0.5, 0.0, 0.0, math.sin(half), math.cos(half))
-        view = LightView(scene.light_field, VEHICLE)
+        view = LightView(scene.light_field, VEHICLE, diodes)
         view.pass_by(pose)
         block = view.block(k * 10**8, rate, light.samples, chance)
         silent = listening._replace(variance=0.0, shot=0.0)
@@ -101,7 +103,7 @@ def test_the_lamp_is_heard_as_through_blocks(distance):
     off, own, amplitude, snr, own_amplitude, own_snr = np.array(told).T
     np.testing.assert_allclose(own_amplitude.mean(), amplitude.mean(), rtol=2e-3)
     np.testing.assert_allclose(own_snr.mean(), snr.mean(), rtol=0.03)
-    assert abs(off.mean()) < 5e-5  # rad
+    assert abs(off.mean()) < 4 * off.std() / math.sqrt(BLOCKS)  # of what scatters by chance
     np.testing.assert_allclose(own.std(), off.std(), rtol=4 / math.sqrt(2 * BLOCKS))
 
 
@@ -109,7 +111,7 @@ def heard(listening, pose, k):
     """Return what a ring hears in one block."""
     pairs = [magnitude(listening, i, pose[:3], pose[3:], SEED, k) for i in DIODES]
     amplitude, snr = np.array(pairs).T
-    return Peaks(amplitude, snr, np.zeros_like(snr))
+    return Peaks(amplitude, snr, np.zeros_like(snr), np.ones_like(snr))
 
 
 def test_eddies_are_stationary_at_the_start():

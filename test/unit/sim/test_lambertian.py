@@ -1,10 +1,13 @@
-"""The scalar light against the arrays of `light_field`, and compiled code against plain Python."""
+"""The scalar light against the arrays of `light.field`, and compiled code against plain Python."""
 
 import math
 
 from lta_sim.compiled import compiled
-from lta_sim.lambertian import beam, lit, on_planes
-from lta_sim.light_field import Ambient, direct, illuminance, Lamp, LightField, Room
+from lta_sim.light.ambient import Ambient
+from lta_sim.light.field import illuminance, LightField
+from lta_sim.light.lambertian import beam, beams, Eye, lit, on_diodes
+from lta_sim.light.lamp import direct, Lamp
+from lta_sim.light.room import even, Room
 from lta_sim.rigid_body import rotation
 from lta_sim.sensors.light_block import count
 from lta_sim.sensors.photodiode import PhotodiodeArray
@@ -13,7 +16,7 @@ import numpy as np
 import pytest
 
 LAMP = Lamp((3.5, 0.5, 1.0), (-2.0, 0.3, 0.1), 10_000.0, SquareWave(150.0), 300.0, order=1.7)
-ROOM = Room((10.0, 8.0, 3.0), 0.5)
+ROOM = Room((10.0, 8.0, 3.0), even(0.5))
 RING = PhotodiodeArray(count=8, depth=0.33, radius=0.07, feedback_resistance=1e5)
 
 
@@ -26,7 +29,7 @@ def poses(count, seed=1):
 
 def test_one_plane_is_that_of_the_arrays():
     rng = np.random.default_rng(4)
-    lamp = beam(LightField(LAMP, Ambient(300.0)))
+    lamp = beam(LAMP, None)
     for point in rng.uniform(-4.0, 4.0, (200, 3)):
         normal = rng.standard_normal(3)
         normal /= np.linalg.norm(normal)
@@ -35,25 +38,26 @@ def test_one_plane_is_that_of_the_arrays():
 
 
 def test_at_the_lamp_itself_there_is_no_more_than_the_echo():
-    lamp = beam(LightField(LAMP, Ambient(300.0), ROOM))
+    lamp = beam(LAMP, ROOM)
     assert lit(lamp, LAMP.position, (1.0, 0.0, 0.0)) == ROOM.diffuse(10_000.0)
 
 
 def test_a_ring_is_lit_as_by_the_arrays():
-    field = LightField(LAMP, Ambient(300.0), ROOM)
+    field = LightField((LAMP,), Ambient(300.0), ROOM)
     flight = poses(11)
     turns = np.array([rotation(tuple(pose[3:])) for pose in flight]).reshape(-1, 3, 3)
     expected = illuminance(field, *RING.place(flight[:, :3], turns)).modulated
-    for function in (on_planes, compiled(on_planes)[0]):
-        out = np.empty((11, 8))
-        function(beam(field), flight, RING.planes, out)
+    for function in (on_diodes, compiled(on_diodes)[0]):
+        out = np.empty((1, 11, 8))
+        function(beams(field), Eye(1.0, 0.0), flight, RING.planes, out)
         np.testing.assert_allclose(out, expected, rtol=1e-12)
 
 
 def test_compiled_counts_are_those_of_plain_python():
     rng = np.random.default_rng(7)
-    light = [rng.uniform(0.0, most, (11, 8)) for most in (1.5, 0.5, 0.3)]
-    wave, flicker = rng.uniform(0.0, 1.0, 201), np.sin(np.arange(200.0))
+    light = [rng.uniform(0.0, 1.5, (2, 11, 8))]
+    light += [rng.uniform(0.0, most, (11, 8)) for most in (0.5, 0.3)]
+    wave, flicker = rng.uniform(0.0, 0.5, (2, 201)), np.sin(np.arange(200.0))
     keep = 0.2
     numbers = (keep, math.sqrt(1.0 - keep**2), 1e-6, 1e-6, 7.5e-3, 4096 / 3.3, 4095.0)
     told = []
@@ -72,5 +76,6 @@ def test_counts_round_to_the_nearest():
     numbers = (0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 15.0)
     volts = np.array([[2.5, 3.5, 2.51, 14.6, -3.0, 99.0]])
     zero, block = np.zeros_like(volts), np.empty((1, 6), dtype=np.uint16)
-    count(zero, volts, zero, np.zeros(2), np.zeros(1), np.zeros((1, 6)), numbers, zero[0], block)
+    wave, flicker, chance = np.zeros((1, 2)), np.zeros(1), np.zeros((1, 6))
+    count(zero[None], volts, zero, wave, flicker, chance, numbers, zero[0], block)
     assert block.tolist() == [[2, 4, 3, 15, 0, 15]]

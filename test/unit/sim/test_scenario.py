@@ -42,7 +42,7 @@ def test_the_shipped_scene():
     assert field.lamp.efficacy == 300.0
     assert field.ambient.efficacy == 300.0
     assert tuple(field.room.size) == (10.0, 8.0, 3.0)
-    assert field.room.albedo == 0.5
+    assert tuple(field.room.albedo) == (0.5, 0.5, 0.5)
     assert field.ambient.steady == 100.0
     assert field.ambient.mains == 20.0
     assert field.ambient.mains_frequency == 100.0
@@ -65,7 +65,7 @@ def test_density_by_hand(tmp_path):
 @pytest.mark.parametrize(
     ('place', 'value', 'sentence'),
     [
-        ('lamps', [], "the key 'lamps' is not known; remove it or correct its spelling."),
+        ('lights', [], "the key 'lights' is not known; remove it or correct its spelling."),
         ('lamp.power', '1 W', "the key 'lamp.power' is not known; remove it or correct its"),
         ('goal.radius', None, "the key 'goal.radius' is missing; add it."),
         ('schema', 7, 'schema is 7, but must be 1.'),
@@ -141,3 +141,65 @@ def test_a_start_within_the_goal_is_refused(tmp_path):
     path = written(tmp_path, 'start.position', {'value': [2.6, 0.0], 'unit': 'm'})
     with pytest.raises(BadInput, match='starts within its goal; move the start'):
         load_scenario(str(path))
+
+
+def lamps(tmp_path, change):
+    """Return the path of the shipped scene with several lamps."""
+    content = copy.deepcopy(ROOM)
+    first = content.pop('lamp')
+    second = {**first, 'frequency': '210 Hz', 'position': metres(0, 3, 2)}
+    content['lamps'] = {'gate': first, 'shelf': second}
+    change(content)
+    path = tmp_path / 'scene.yaml'
+    path.write_text(yaml.safe_dump(content, sort_keys=False))
+    return str(path)
+
+
+def test_several_lamps_have_names_and_the_first_is_the_goal(tmp_path):
+    scene = load_scenario(lamps(tmp_path, lambda content: None))
+    assert scene.beacons == (('gate', 150.0), ('shelf', 210.0))
+    assert scene.lamp.position.vector == (3.5, 0.0, 1.0)
+    assert [lamp.wave.frequency for lamp in scene.light_field.lamps] == [150.0, 210.0]
+
+
+@pytest.mark.parametrize(
+    ('change', 'sentence'),
+    [
+        (lambda c: c.update(lamp=c['lamps']['gate']), 'one lamp under lamp, or several by name'),
+        (lambda c: c.pop('lamps'), 'one lamp under lamp, or several by name'),
+        (lambda c: c.update(lamps={}), 'one lamp under lamp, or several by name'),
+        (
+            lambda c: c['lamps']['shelf'].update(position=metres(0, 0, 9)),
+            'has its shelf at (0.0, 0.0, 9.0) m, outside the room',
+        ),
+        (
+            lambda c: c['lamps']['shelf'].update(half_power='90 deg'),
+            'lamps.shelf.half_power is 90 deg, but must be from 2.86479 to 88.8085 deg.',
+        ),
+        (
+            lambda c: c['lamps']['shelf'].update(clock_error='2 %'),
+            'lamps.shelf.clock_error is 2 %, but must be from -1 to 1 %.',
+        ),
+        (lambda c: c['room'].update(albedo={'floor': 0.5}), "'room.albedo.walls' is missing"),
+        (
+            lambda c: c['room'].update(albedo={'floor': 1.5, 'walls': 0.5, 'ceiling': 0.5}),
+            'room.albedo.floor is 1.5, but must be below 1.',
+        ),
+        (
+            lambda c: c['ambient'].update(mains_harmonics={'value': [20, 300], 'unit': '%'}),
+            'ambient.mains_harmonics is [20, 300] %, but must be from 0 to 100 %.',
+        ),
+    ],
+)
+def test_a_mistake_in_several_lamps_is_one_sentence(tmp_path, change, sentence):
+    with pytest.raises(BadInput) as caught:
+        load_scenario(lamps(tmp_path, change))
+    assert sentence in str(caught.value)
+
+
+def test_each_kind_of_surface_may_have_its_albedo(tmp_path):
+    given = {'floor': 0.2, 'walls': 0.5, 'ceiling': 0.8}
+    room = load_scenario(str(written(tmp_path, 'room.albedo', given))).light_field.room
+    assert room.albedo._asdict() == given
+    # 80 m2 of floor and of ceiling, 108 m2 of walls.
+    assert room.mean_albedo == pytest.approx((80 * 1.0 + 108 * 0.5) / 268)

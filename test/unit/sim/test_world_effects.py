@@ -6,7 +6,7 @@ from lta_sim import kernel
 from lta_sim.around import Around
 from lta_sim.command_link import CommandLink
 from lta_sim.effects import EFFECTS
-from lta_sim.light_view import LightView
+from lta_sim.light.view import LightView
 from lta_sim.readings import Readings
 from lta_sim.state import IRRADIANCE, NOISE, VOLTAGE, WIND
 import numpy as np

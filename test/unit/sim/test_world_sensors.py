@@ -147,15 +147,15 @@ def test_amplifiers_and_poses_go_on_from_block_to_block(monkeypatch):
         calls.append((light.modulated, rest[-1], after))
         return block, after
 
-    monkeypatch.setattr('lta_sim.light_view.synthesise', spy)
+    monkeypatch.setattr('lta_sim.light.view.synthesise', spy)
     fly(build(seed=5), 41, (0.3, 0.3, 0.5, 0.2))
     assert len(calls) == 4
     assert calls[0][1] is None
     for (light, _, after), (next_light, before, _) in itertools.pairwise(calls):
         assert before is after
-        assert light.shape == next_light.shape == (11, 8)  # both ends of ten control steps
-        np.testing.assert_array_equal(next_light[0], light[-1])
-    assert not np.array_equal(calls[-1][0][0], calls[-1][0][-1])
+        assert light.shape == next_light.shape == (1, 11, 8)  # both ends of ten control steps
+        np.testing.assert_array_equal(next_light[:, 0], light[:, -1])
+    assert not np.array_equal(calls[-1][0][:, 0], calls[-1][0][:, -1])
 
 
 def everything(readings):

@@ -15,7 +15,9 @@ def seen(count: int, angle: float, response) -> Peaks:
     """Return the peaks of a ring that sees a lamp at an angle through an angular response."""
     towards = np.cos(np.array(azimuths(count)) - angle)
     amplitude = response(np.maximum(towards, 0.0))
-    return Peaks(amplitude, np.where(amplitude > 1e-12, SURE, 0.0), np.full(count, 150.0))
+    return Peaks(
+        amplitude, np.where(amplitude > 1e-12, SURE, 0.0), np.full(count, 150.0), np.ones(count)
+    )
 
 
 def difference(a: float, b: float) -> float:
@@ -56,7 +58,9 @@ def test_identical_diodes_make_eight_exact_at_the_papers_angles(step):
 def test_vector_by_hand():
     # Four diodes reading 3, 1, 0, 0: v = (3, 1) / 4.
     ring = even_ring(4)
-    peaks = Peaks(np.array([3.0, 1.0, 0.5, 0.5]), np.array([9.0, 6.0, 5.9, 0.0]), np.zeros(4))
+    peaks = Peaks(
+        np.array([3.0, 1.0, 0.5, 0.5]), np.array([9.0, 6.0, 5.9, 0.0]), np.zeros(4), np.ones(4)
+    )
     found = bearing(peaks, ring, 6.0)
     assert (found.x, found.y) == pytest.approx((0.75, 0.25), abs=1e-15)
     assert found.angle == pytest.approx(math.atan2(1.0, 3.0), abs=1e-15)
@@ -65,7 +69,7 @@ def test_vector_by_hand():
 def test_deviation_by_hand():
     # Readings 1 and 1 forward and left with SNR 10; the gated diode behind reads 0.1.
     ring = Ring((1.0, 0.0, -1.0), (0.0, 1.0, 0.0))
-    peaks = Peaks(np.array([1.0, 1.0, 0.1]), np.array([10.0, 10.0, 1.0]), np.zeros(3))
+    peaks = Peaks(np.array([1.0, 1.0, 0.1]), np.array([10.0, 10.0, 1.0]), np.zeros(3), np.ones(3))
     # Length sqrt(2), all axes at 45 degrees to it: each adds (error / 2)^2.
     each = 0.1 * math.sqrt(2.0 / math.pi)
     hand = 0.5 * math.sqrt(2.0 * each**2 + 0.1**2)
@@ -73,27 +77,29 @@ def test_deviation_by_hand():
 
 
 def test_left_is_positive():
-    peaks = Peaks(np.array([0.0, 1.0, 0.0, 0.0]), np.array([0.0, 99.0, 0.0, 0.0]), np.zeros(4))
+    peaks = Peaks(
+        np.array([0.0, 1.0, 0.0, 0.0]), np.array([0.0, 99.0, 0.0, 0.0]), np.zeros(4), np.ones(4)
+    )
     assert bearing(peaks, even_ring(4), 6.0).angle == pytest.approx(math.pi / 2.0, abs=1e-12)
 
 
 def test_common_pedestal_cancels():
     direct = seen(8, 0.6, lambda c: c)
-    lit = Peaks(direct.amplitude + 5.0, np.full(8, SURE), direct.frequency)
+    lit = Peaks(direct.amplitude + 5.0, np.full(8, SURE), direct.frequency, direct.noise)
     found = bearing(lit, even_ring(8), 6.0)
     assert found.angle == pytest.approx(0.6, abs=1e-12)
     assert math.hypot(found.x, found.y) < 0.1
 
 
 def test_no_bearing_when_every_diode_is_gated():
-    peaks = Peaks(np.ones(8), np.full(8, 5.99), np.zeros(8))
+    peaks = Peaks(np.ones(8), np.full(8, 5.99), np.zeros(8), np.ones(8))
     assert bearing(peaks, even_ring(8), 6.0) is None
 
 
 @pytest.mark.parametrize('level', [0.0, 1e-300, 1.0, 4095.0])
 @pytest.mark.parametrize('count', [4, 8, 16])
 def test_no_bearing_in_even_light(level, count):
-    peaks = Peaks(np.full(count, level), np.full(count, SURE), np.zeros(count))
+    peaks = Peaks(np.full(count, level), np.full(count, SURE), np.zeros(count), np.ones(count))
     assert bearing(peaks, even_ring(count), 6.0) is None
 
 
@@ -125,7 +131,9 @@ def test_deviation_is_that_of_many_noisy_blocks(amplitude, pedestal):
     errors, stated = [], []
     for k in range(trials):
         part = slice(8 * k, 8 * k + 8)
-        each = Peaks(peaks.amplitude[part], peaks.snr[part], peaks.frequency[part])
+        each = Peaks(
+            peaks.amplitude[part], peaks.snr[part], peaks.frequency[part], peaks.noise[part]
+        )
         found = bearing(each, ring, 6.0)
         errors.append(difference(found.angle, angle))
         stated.append(found.deviation)

@@ -47,15 +47,15 @@ def test_square_wave_reads_its_fundamental(duty):
     hand = 1000.0 * 2.0 / math.pi * math.sin(math.pi * duty) * loss
     # What aliases onto the fundamental stands in harmonics 199 and 201: within 1/200^2.
     assert peaks.amplitude[0] == pytest.approx(hand, rel=5e-5)
-    assert peaks.frequency[0] == 150.0
+    assert peaks.frequency[0] == pytest.approx(150.0, abs=1e-3)
 
 
-@pytest.mark.parametrize('drift', [-20.0, -10.0, 10.0, 20.0])
+@pytest.mark.parametrize('drift', [-20.0, -10.0, -3.3, 4.9, 10.0, 20.0])
 def test_drifting_beacon_is_found_within_the_window(drift):
     sine = np.sin(2.0 * math.pi * (150.0 + drift) * TIMES * 1e-9)[:, None]
     peaks = demodulate(100.0 * sine, plan_bins(Demodulation(), RATE, 1000))
-    assert peaks.frequency[0] == 150.0 + drift
-    assert peaks.amplitude[0] == pytest.approx(100.0, rel=1e-9)
+    assert peaks.frequency[0] == pytest.approx(150.0 + drift, abs=1e-4)
+    assert peaks.amplitude[0] == pytest.approx(100.0, rel=1e-5)
 
 
 def test_snr_of_a_sine_in_white_noise():

@@ -2,53 +2,67 @@
 
 import math
 
-from lta_vlc.array import Bearing
-from lta_vlc.lamp import bearing_through, lamp_estimate, LampPrior
+from lta_vlc.direction import Direction
+from lta_vlc.lamp import lamp_estimate, LampPrior, range_of
 import numpy as np
 import pytest
 
-PRIOR = LampPrior(
-    distance=4.0, distance_deviation=3.0, height_deviation=0.5, bearing_deviation=0.04
-)
+PRIOR = LampPrior(distance=4.0, distance_deviation=3.0)
+
+
+def direction(azimuth, elevation, covariance, strength=100.0, deviation=0.0):
+    """Return a direction with a covariance of its azimuth and elevation."""
+    level = math.cos(elevation)
+    (a, b), (_, c) = covariance
+    ray = level * math.cos(azimuth), level * math.sin(azimuth), math.sin(elevation)
+    return Direction(*ray, a, b, c, strength, deviation, 0.0)
+
+
+def matrix(lamp):
+    """Return the covariance of a lamp as a matrix."""
+    return np.array(
+        [[lamp.xx, lamp.xy, lamp.xz], [lamp.xy, lamp.yy, lamp.yz], [lamp.xz, lamp.yz, lamp.zz]]
+    )
 
 
 def test_straight_ahead_by_hand():
-    estimate = lamp_estimate(Bearing(0.5, 0.0, 0.0, 0.03), PRIOR)
-    assert estimate.position == pytest.approx([4.0, 0.0, 0.0])
-    # Along: 3^2. Across: (4^2 + 3^2)(0.03^2 + 0.04^2) = 25 x 0.0025. Up: 0.5^2.
-    assert estimate.covariance == pytest.approx(np.diag([9.0, 0.0625, 0.25]), abs=1e-12)
+    lamp = lamp_estimate(direction(0.0, 0.0, [[0.05**2, 0.0], [0.0, 0.1**2]]), PRIOR)
+    assert lamp[:3] == pytest.approx([4.0, 0.0, 0.0])
+    # Along: 3^2. Left: (4^2 + 3^2) 0.05^2. Up: 25 x 0.1^2.
+    assert matrix(lamp) == pytest.approx(np.diag([9.0, 0.0625, 0.25]), abs=1e-12)
 
 
 def test_to_the_left_by_hand():
-    estimate = lamp_estimate(Bearing(0.0, 0.5, math.pi / 2.0, 0.03), PRIOR)
-    assert estimate.position == pytest.approx([0.0, 4.0, 0.0], abs=1e-12)
-    assert estimate.covariance == pytest.approx(np.diag([0.0625, 9.0, 0.25]), abs=1e-12)
+    lamp = lamp_estimate(direction(math.pi / 2, 0.0, [[0.05**2, 0.0], [0.0, 0.1**2]]), PRIOR)
+    assert lamp[:3] == pytest.approx([0.0, 4.0, 0.0], abs=1e-12)
+    assert matrix(lamp) == pytest.approx(np.diag([0.0625, 9.0, 0.25]), abs=1e-12)
 
 
-@pytest.mark.parametrize('angle', [-2.5, 0.4, 1.1])
-def test_largest_uncertainty_lies_along_the_ray(angle):
-    covariance = lamp_estimate(Bearing(1.0, 0.0, angle, 0.03), PRIOR).covariance
-    values, vectors = np.linalg.eigh(covariance)
-    assert values == pytest.approx([0.0625, 0.25, 9.0], rel=1e-9)
-    ray = np.array([math.cos(angle), math.sin(angle), 0.0])
-    assert abs(vectors[:, 2] @ ray) == pytest.approx(1.0, abs=1e-12)
-
-
-def test_covariance_is_that_of_drawn_lamps():
+@pytest.mark.parametrize(('azimuth', 'elevation'), [(-2.5, 0.0), (0.4, 0.6), (1.1, -0.9)])
+def test_covariance_is_that_of_drawn_lamps(azimuth, elevation):
     generator = np.random.default_rng(31)
-    angle = 0.7 + math.hypot(0.03, 0.04) * generator.standard_normal(200_000)
+    given = np.array([[0.03**2, 0.0004], [0.0004, 0.04**2]])
+    drawn = generator.multivariate_normal([azimuth, elevation], given, 200_000)
     distance = 4.0 + 3.0 * generator.standard_normal(200_000)
-    drawn = np.cov(np.stack([distance * np.cos(angle), distance * np.sin(angle)]))
-    stated = lamp_estimate(Bearing(1.0, 0.0, 0.7, 0.03), PRIOR).covariance[:2, :2]
-    # 200 000 draws know a variance of 9 to 0.03; the bend adds 25 x 0.0025 at most.
-    assert drawn == pytest.approx(stated, abs=0.1)
-    across = np.array([-math.sin(0.7), math.cos(0.7)])
-    assert across @ drawn @ across == pytest.approx(0.0625, rel=0.02)
+    level = np.cos(drawn[:, 1])
+    rays = np.stack(
+        [level * np.cos(drawn[:, 0]), level * np.sin(drawn[:, 0]), np.sin(drawn[:, 1])]
+    )
+    found = np.cov(distance * rays)
+    stated = matrix(lamp_estimate(direction(azimuth, elevation, given), PRIOR))
+    # 200 000 draws know a variance of 9 to 0.03; the bend adds 25 x 0.04^2 at most.
+    assert found == pytest.approx(stated, abs=0.1)
+    ray = np.array(lamp_estimate(direction(azimuth, elevation, given), PRIOR)[:3]) / 4.0
+    left = np.array([-ray[1], ray[0], 0.0]) / math.hypot(ray[0], ray[1])
+    up = np.cross(ray, left)
+    for a, b in ((left, left), (up, up), (left, up)):
+        assert a @ found @ b == pytest.approx(a @ stated @ b, rel=0.03)
 
 
-def test_a_loop_without_messages_rounds_a_bearing_as_the_message_does():
-    """To the last bit: the angle of the point that the message carries."""
-    prior = LampPrior()
-    for angle in np.random.default_rng(5).uniform(-math.pi, math.pi, 300).tolist():
-        x, y, _ = lamp_estimate(Bearing(0.0, 0.0, angle, 0.1), prior).position.tolist()
-        assert bearing_through(angle, prior) == math.atan2(y, x)
+def test_the_range_follows_from_the_strength_where_the_lamp_was_measured():
+    prior = LampPrior(intensity=500.0)
+    # 500 x 0.8 / 100 = 2^2; 5 % of strength are 2.5 % of range, beside 15 % by the beam.
+    distance, deviation = range_of(direction(0.0, 0.0, np.eye(2), 100.0, 5.0), prior)
+    assert distance == pytest.approx(2.0)
+    assert deviation == pytest.approx(2.0 * math.hypot(0.15, 0.025))
+    assert range_of(direction(0.0, 0.0, np.eye(2)), PRIOR) == (4.0, 3.0)

@@ -19,14 +19,16 @@ from lta_control.strategies import bearing_angle
 from lta_sim.counted_sensors import Axes, Sensors, Six
 from lta_sim.effects import EFFECTS
 from lta_sim.effects.protocol import MeasurementEffect
-from lta_sim.heard_lamp import listening_of
 from lta_sim.in_scene import model_in
+from lta_sim.light.heard import listening_of
 from lta_sim.model import Model
 from lta_sim.scenario import Scenario
 from lta_sim.sensors.imu import bounds_of, ImuSettings
 from lta_sim.sensors.pressure import PressureSettings
 from lta_sim.sensors.range import RangeSettings
 from lta_sim.vehicle import Vehicle
+from lta_vlc.diodes import diodes_of
+from lta_vlc.direction import array_of, expected_of
 
 UNHEARD = ('pose', 'pose_time', 'clock')  # channels that decide nothing of a flight
 
@@ -103,6 +105,11 @@ def check(vehicle: Vehicle, scenario: Scenario, policy: Policy) -> Model:
             f'A batch lets go of the drone at once, and the scenario {scenario.name} holds it for '
             f'{scenario.start.held.si:g} s; leave --device out.'
         )
+    if len(scenario.lamps) > 1:
+        raise BadInput(
+            f'A batch knows one lamp, and the scenario {scenario.name} has '
+            f'{len(scenario.lamps)}; leave --device out.'
+        )
     if scenario.wind_file is not None:
         raise BadInput(
             f'A batch does not know recorded wind, which the scenario {scenario.name} has; leave '
@@ -171,6 +178,8 @@ def craft_of(vehicle: Vehicle, scenario: Scenario, policy: Policy, table: TopicT
         listening=listening_of(
             scenario.light_field, vehicle.diodes, policy.demodulation, rate, samples
         ),
+        array=array_of(diodes_of(vehicle.file.sensors.diodes)),
+        expected=expected_of(policy.prior),
         goal=goal_of(scenario),
         power=power_of(vehicle, scenario, policy),
         place=(x, y, vehicle.standing_height),

@@ -2,7 +2,7 @@
 What surrounds the cores in a flight of a batch, as plain functions of numbers and tuples.
 
 The order of things is that of `lta_analysis.loop`; what is different is said here. Chance is
-counted; the lamp is heard as `lta_sim.heard_lamp` says, not through an ADC block; the energy
+counted; the lamp is heard as `lta_sim.light.heard` says, not through an ADC block; the energy
 reserve is that of the true charge; and values pass no message, so that they keep all their bits.
 """
 
@@ -27,8 +27,9 @@ from lta_sim.counted_sensors import (
     pressure_reading,
     START,
 )
-from lta_sim.lambertian import lit, place
+from lta_sim.light.lambertian import lit, place, shine
 from lta_sim.stiffness import SPEED_LIMIT
+from lta_vlc.direction import PART
 
 State = tuple[float, ...]
 UP = (0.0, 0.0, 1.0)
@@ -150,9 +151,7 @@ def drained(craft: Craft, cell: Charge, thrusts: PerRotor, dt: float) -> Charge:
 def irradiance_on_hull(craft: Craft, state: State) -> float:
     """Return the irradiance at the hull centre on a plane that faces the lamp. [W/m2]"""
     lamp = craft.listening.lamp
-    a, b, c = lamp.x - state[0], lamp.y - state[1], lamp.z - state[2]
-    length = max(math.sqrt(a * a + b * b + c * c), 1e-12)
-    light = lit(lamp, (state[0], state[1], state[2]), (a / length, b / length, c / length))
+    light = shine(lamp, (state[0], state[1], state[2]))[0] + lamp.diffuse
     return craft.power.lamp_share * light + craft.power.ambient
 
 
@@ -161,6 +160,19 @@ def begun(craft: Craft) -> Tally:
     x, y, _ = craft.place
     away = math.hypot(craft.goal.x - x, craft.goal.y - y)
     return Tally(FLYING, math.nan, math.nan, 0.0, away, 0.0, 0.0, 0.0, 0.0)
+
+
+def error_of(amplitude: float, snr: float) -> float:
+    """Return the standard deviation of a reading by noise, as `lta_vlc.direction`. [counts]"""
+    return PART * amplitude / snr if snr > 0.0 else math.inf
+
+
+def heard(snrs: tuple[float, ...], threshold: float) -> bool:
+    """Tell whether a diode hears the lamp."""
+    for snr in snrs:  # noqa: SIM110 - what compiles
+        if snr >= threshold:
+            return True
+    return False
 
 
 def sighted(found: bool, angle: float, facing: float, interval: float) -> Sight:

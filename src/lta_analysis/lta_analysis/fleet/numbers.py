@@ -9,7 +9,8 @@ from lta_energy.battery import Battery
 from lta_energy.loads import Loads
 from lta_energy.panel import Panel
 from lta_sim.counted_sensors import Sensors
-from lta_sim.heard_lamp import Listening
+from lta_sim.light.heard import Listening
+from lta_vlc.readings import Array, Expected
 
 Vector = tuple[float, float, float]
 
@@ -51,6 +52,8 @@ class Craft(NamedTuple):
         Altitudes and speeds.
     sensors, listening, goal, power : Sensors, Listening, Goal, Power
         The world.
+    array, expected : Array, Expected
+        What the drone believes of its diodes and of the lamp.
     place : tuple of float
         Of the hull centre at the start. [m, map]
     heading, spread : float
@@ -70,6 +73,8 @@ class Craft(NamedTuple):
     mission: MissionSettings
     sensors: Sensors
     listening: Listening
+    array: Array
+    expected: Expected
     goal: Goal
     power: Power
     place: Vector

@@ -3,10 +3,12 @@
 from dataclasses import dataclass
 from typing import final
 
-from lta_control.allocation import SCRATCH
+from lta_control import allocation
 from lta_sim.compose import ENTRY, INLINE
+from lta_vlc.readings import FIT_SCRATCH
 
 STEP = 2.5e-3  # s, of integration, as in `lta_sim.world`
+SCRATCH = max(allocation.SCRATCH, FIT_SCRATCH)  # used one after the other
 
 
 @final

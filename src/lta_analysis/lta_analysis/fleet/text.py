@@ -15,21 +15,22 @@ from lta_analysis.fleet.targets import Rhythm, STEP, Target
 from lta_control.attitude import heading
 from lta_control.flat import Layout, PREFIX
 from lta_control.onboard import Onboard, onboard_step
-from lta_sim import counted_sensors, heard_lamp
+from lta_sim import counted_sensors
 from lta_sim.compose import Form, kernel_source
 from lta_sim.effects import EFFECTS, initial_memory
 from lta_sim.extract import Extract
 from lta_sim.gpu import STATES
 from lta_sim.kernel import LAYOUT
 from lta_sim.layout import indented, tuple_of
+from lta_sim.light import heard
 from lta_sim.state import ACTUATORS, RIGID
-from lta_vlc.array import weighted_mean
+from lta_vlc.fit import fit
 
 BEGIN = Layout(Onboard())
+LIGHT = 'light'  # before the names of the fit, which has constants of its own
 CORES: tuple[Callable[..., Any], ...] = (
     onboard_step,
-    weighted_mean,
-    heard_lamp.magnitude,
+    heard.magnitude,
     counted_sensors.draw_errors,
     counted_sensors.eddies,
     counted_sensors.range_reading,
@@ -41,6 +42,8 @@ CORES: tuple[Callable[..., Any], ...] = (
     flight.guided,
     flight.guide,
     flight.begun,
+    flight.error_of,
+    flight.heard,
     flight.sighted,
     flight.full,
     flight.shone,
@@ -87,10 +90,9 @@ SENSE = """
         if step > 0 and step % $light == 0:
             position, q = middle[0:3], middle[3:7]
 $heard
-            ring = craft.listening
-            found, _, _, angle, _ = core_weighted_mean(
-                $amplitudes, $snrs, ring.cosines, ring.sines, ring.threshold
-            )
+            lamp = light_fit(craft.array, craft.expected, $amplitudes, $errors, scratch)
+            found = lamp.found and core_heard($snrs, craft.listening.threshold)
+            angle = math.atan2(lamp.y, lamp.x)
             sight = core_sighted(found, angle, facing, $light * $period)
             asked, phase, memory = core_guide(
                 craft.mission, phase, memory, sight, onboard.estimate.ready,
@@ -221,6 +223,7 @@ def _heard(diodes: int) -> dict[str, str]:
         'heard': indented(lines, 3),
         'amplitudes': tuple_of(f'a_{k}' for k in range(diodes)),
         'snrs': tuple_of(f's_{k}' for k in range(diodes)),
+        'errors': tuple_of(f'core_error_of(a_{k}, s_{k})' for k in range(diodes)),
     }
 
 
@@ -257,6 +260,7 @@ def source(
     extract = Extract()
     for core in CORES:
         extract.add(core, PREFIX)
+    extract.add(fit, LIGHT)
     cores = extract.text(target.inline)
     kinds = {**craft.kinds(), **BEGIN.kinds()}
     missing = [

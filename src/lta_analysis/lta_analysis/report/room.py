@@ -3,7 +3,7 @@
 import math
 
 from lta_analysis.report.palette import GLOW, GOOD, INK, LAMP, PAPER, scale, VEIL, WALL
-from lta_sim.light_field import direct
+from lta_sim.light.lamp import direct
 from lta_sim.scenario import Scenario
 import numpy as np
 from plotly.graph_objects import Contour, Figure, Scatter

@@ -6,7 +6,7 @@ worker takes its place. Workers end by themselves when whoever gave them work is
 """
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from multiprocessing import get_context, resource_tracker
 from multiprocessing.connection import Connection, wait
@@ -16,11 +16,11 @@ import signal
 from types import TracebackType
 from typing import final, Protocol, Self
 
-from lta_analysis.ingredients import Ingredients
-from lta_analysis.sweep.flown import failed, fly_job, Row
+from lta_analysis.sweep.flown import failed, Row
 from lta_analysis.sweep.plan import Job
 from lta_config.errors import BadInput
 
+Fly = Callable[[Job], Row]
 CHANCES = 2  # workers that may die over one flight
 STILLBORN = 3  # workers in a row that die before they have flown anything
 
@@ -48,21 +48,21 @@ class Crew(Protocol):
         ...
 
 
-def work(connection: Connection, base: Ingredients) -> None:
+def work(connection: Connection, fly: Fly) -> None:
     """Fly jobs until there are no more, or nobody is there to give any."""
     with suppress(EOFError, OSError):
         while (job := connection.recv()) is not None:
-            connection.send(fly_job(base, job))
+            connection.send(fly(job))
 
 
 @final
 class Worker:
     """One process and the job that it is at."""
 
-    def __init__(self, base: Ingredients) -> None:
+    def __init__(self, fly: Fly) -> None:
         context = get_context('spawn')
         self.connection, theirs = context.Pipe()
-        self.process: SpawnProcess = context.Process(target=work, args=(theirs, base), daemon=True)
+        self.process: SpawnProcess = context.Process(target=work, args=(theirs, fly), daemon=True)
         # The child keeps this mask: a Ctrl-C is for whoever gives the work to answer. Python's
         # tracker of resources takes it off where it starts, with the first child at the latest.
         resource_tracker.ensure_running()
@@ -100,15 +100,16 @@ class LocalCrew:
 
     Parameters
     ----------
-    base : Ingredients
-        What all flights have in common.
+    fly : callable
+        Returns the row of a job, whatever happens; a function that a new process can find, or a
+        `partial` of one.
     size : int
         Workers.
 
     """
 
-    def __init__(self, base: Ingredients, size: int) -> None:
-        self._base = base
+    def __init__(self, fly: Fly, size: int) -> None:
+        self._fly = fly
         self._size = size
         self._workers: list[Worker] = []
         self._losses: dict[int, int] = {}  # by flight
@@ -164,7 +165,7 @@ class LocalCrew:
             if job is None:
                 return any(worker.job is not None for worker in self._workers)
             if idle is None:
-                idle = Worker(self._base)
+                idle = Worker(self._fly)
                 self._workers.append(idle)
             idle.give(job)  # if nobody takes it, its connection says so at the next look
 

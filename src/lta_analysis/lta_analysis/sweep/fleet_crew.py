@@ -96,10 +96,10 @@ class FleetCrew:
         made: list[Made] = []
         which, seeds, flyable = [], [], []
         for job in jobs:
-            name = repr(job.values)
+            name = repr(job.changes)
             if name not in places:
                 try:
-                    made.append(self._make(dict(job.values)))
+                    made.append(self._make(job.changes))
                     places[name] = len(made) - 1
                 except BadInput as error:
                     places[name] = str(error)

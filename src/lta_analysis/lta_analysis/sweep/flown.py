@@ -1,11 +1,13 @@
 """One flight of a sweep, from its job to its row; whatever goes wrong is in the row."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 import math
 import time
 from typing import Any, final
 
 from lta_analysis.ingredients import Ingredients, loop_of
+from lta_analysis.loop import Loop
 from lta_analysis.loop_view import LoopView
 from lta_analysis.report.results import results_of
 from lta_analysis.sweep.plan import Job, si_of
@@ -58,10 +60,15 @@ def failed(job: Job, sentence: str, wall: float = 0.0) -> Row:
 
 
 def fly_job(base: Ingredients, job: Job) -> Row:
-    """Fly one flight to its end; an error of any kind is a failed flight, not the sweep's end."""
+    """Fly one flight to its end; see `flown`."""
+    return flown(job, lambda: loop_of(base.with_values(job.changes), job.seed))
+
+
+def flown(job: Job, begin: Callable[[], Loop]) -> Row:
+    """Fly what begins; an error of any kind is a failed flight, not the end of all others."""
     begun = time.monotonic()
     try:
-        loop = loop_of(base.with_values(job.values), job.seed)
+        loop = begin()
         view = LoopView(loop)
         for _ in loop.flight():
             view.take()

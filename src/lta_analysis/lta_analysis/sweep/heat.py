@@ -16,7 +16,7 @@ MARGIN = {'l': 64, 'r': 24, 't': 12}
 
 def two_lists(plan: Plan) -> tuple[str, str] | None:
     """Return the two parameters of a map, None where the sweep is none."""
-    if len(plan.lists) != 2 or len(plan.file.vary) != 2:
+    if len(plan.lists) != 2 or len(plan.units) != 2:
         return None
     first, second = plan.lists
     fits = all(

@@ -135,7 +135,7 @@ def panels(plan: Plan, rows: Sequence[Row], units: Mapping[str, str]) -> list[st
         about = 'Share of the flights that reached their goal, and the median time of those.'
         found.append(section('heat', words, about, heat(rows, both, units)))
     for k, (path, unit) in enumerate(units.items() if rows else ()):
-        how = plan.file.vary[path]
+        how = plan.file.vary.get(path)
         even_in_log = isinstance(how, Distribution) and how.loguniform is not None
         picture = by_parameter(*in_grams(rows, path, unit), even_in_log)
         found.append(section(f'by-{k}', path, caption, picture))
@@ -158,10 +158,10 @@ def lost_html(plan: Plan, rows: Sequence[Row], *, batch: bool = False) -> str:
     if not lost:
         return '<p class="note">There is none.</p>'
     lost.sort(key=lambda row: (row.outcome != FAILED, row.index))
-    heads = ['flight', 'seed', *plan.file.vary, 'outcome', 'why']
+    heads = ['flight', 'seed', *plan.units, 'outcome', 'why']
     lines = [
         [
-            str(row.index), str(row.seed), *(told(row.values[path]) for path in plan.file.vary),
+            str(row.index), str(row.seed), *(told(row.values[path]) for path in plan.units),
             row.outcome, row.sentence,
         ]
         for row in lost[:LISTED]
@@ -181,12 +181,13 @@ def lost_html(plan: Plan, rows: Sequence[Row], *, batch: bool = False) -> str:
 
 def repeat(plan: Plan, index: int) -> str:
     """Return the command that flies one flight of a sweep again, with a bag."""
-    job, file = plan.job(index), plan.file
-    values = {path: plan.base.held(path) for path in plan.base.changed} | dict(job.values)
-    changes = [word for text in spoken(values) for word in ('--set', text)]
+    job = plan.job(index)
+    made_of = plan.base.with_values(job.changes)
+    names = made_of.names
+    changes = [word for text in spoken(made_of.replaced) for word in ('--set', text)]
     return typed(
-        'simulate', '--vehicle', file.vehicle, '--scenario', file.scenario, '--strategy',
-        file.strategy, '--gains', file.gains, '--seed', str(job.seed), *changes,
+        'simulate', '--vehicle', names['vehicle'], '--scenario', names['scenario'], '--strategy',
+        made_of.strategy, '--gains', names['gains'], '--seed', str(job.seed), *changes,
     )  # fmt: skip
 
 
@@ -195,7 +196,7 @@ def facts(told_of: Told) -> dict[str, str]:
     plan = told_of.plan
     return {
         **told_of.origin,
-        'varied': ', '.join(plan.file.vary) or 'the seed alone',
+        'varied': ', '.join(plan.units) or 'the seed alone',
         'flights': f'{len(told_of.rows)} of {plan.count}',
         'identity': plan.identity[:16],
     }

@@ -6,19 +6,19 @@ follow from k alone.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 import hashlib
 import json
 import math
 from typing import Any, final
 
-from lta_analysis.ingredients import gather, Ingredients, loop_of
+from lta_analysis.ingredients import FILES, gather, Ingredients, loop_of
 from lta_analysis.sweep.draws import draw
 from lta_config.errors import BadInput
 from lta_config.override import quantity_in, shown, value_of
 from lta_config.quantity import Quantity, UNITS
-from lta_config.sweep_file import Distribution, SweepFile
+from lta_config.sweep_file import CASE, Distribution, SweepFile
 
 MOST = 10_000_000  # flights; more do not fit a table that one machine reads
 
@@ -26,11 +26,30 @@ MOST = 10_000_000  # flights; more do not fit a table that one machine reads
 @final
 @dataclass(frozen=True, slots=True)
 class Job:
-    """One flight: its place in the sweep, its seed and its values by path."""
+    """
+    One flight of a sweep.
+
+    Attributes
+    ----------
+    index, seed : int
+        Its place in the sweep, and its seed.
+    values : mapping
+        What is varied, by path; the name of its case, where there are cases.
+    case : mapping
+        What its case sets, by path.
+
+    """
 
     index: int
     seed: int
     values: Mapping[str, Any]
+    case: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def changes(self) -> dict[str, Any]:
+        """What the flight changes of what all have in common, by path."""
+        varied = {path: value for path, value in self.values.items() if path != CASE}
+        return {**self.case, **varied}
 
 
 @final
@@ -55,12 +74,19 @@ class Plan:
         read = gather(file.vehicle, file.scenario, file.strategy, file.gains)
         fixed = {path: value_of(value, path) for path, value in file.settings.items()}
         self.base: Ingredients = read.with_values(fixed)
-        self.units = {path: self.base.unit(path) or self._own_unit(path) for path in file.vary}
-        self.lists = {
+        named = {CASE: ''} if file.cases else {}
+        varied = {path: self.base.unit(path) or self._own_unit(path) for path in file.vary}
+        self.units = named | varied
+        self.cases = {
+            name: {path: value_of(value, path) for path, value in case.items()}
+            for name, case in file.cases.items()
+        }
+        lists = {
             path: [value_of(value, path) for value in how]
             for path, how in file.vary.items()
             if isinstance(how, list)
         }
+        self.lists = ({CASE: list(self.cases)} if named else {}) | lists
         if self.count > MOST:
             raise BadInput(f'The sweep has {self.count} flights; at most {MOST} can be flown.')
 
@@ -75,23 +101,38 @@ class Plan:
         content = {
             'strategy': self.base.strategy,
             'contents': self.base.contents,
+            'named': self._named(),
             'sweep': self.file.model_dump(exclude={'about'}),
         }
         text = json.dumps(content, sort_keys=True, default=str)
         return hashlib.sha256(text.encode()).hexdigest()
 
+    def _named(self) -> dict[str, Any]:
+        """Return what the files hold that are varied as a whole."""
+        ways = self.file.vary.items()
+        drawn = {path: how.choice or [] for path, how in ways if isinstance(how, Distribution)}
+        single = [{path: value} for path in FILES for value in (self.lists | drawn).get(path, ())]
+        given = [*self.cases.values(), *single]
+        whole = {(path, values[path]) for values in given for path in FILES if path in values}
+        return {
+            f'{path} {name}': self.base.with_values({path: name}).contents[path]
+            for path, name in sorted(whole)
+        }
+
     def job(self, index: int) -> Job:
         """Return one flight, from 0; the samples or seeds of a grid point follow each other."""
         point, turn = divmod(index, self.file.draws)
         values = {}
-        for path, how in reversed(list(self.file.vary.items())):
+        for path in reversed(self.units):
+            how = self.file.vary.get(path)
             if isinstance(how, Distribution):
                 values[path] = draw(how, path, self.file.seeds.first, turn)
             else:
                 point, place = divmod(point, len(self.lists[path]))
                 values[path] = self.lists[path][place]
-        ordered = {path: values[path] for path in self.file.vary}
-        return Job(index, self.file.seeds.first + turn, ordered)
+        ordered = {path: values[path] for path in self.units}
+        case = self.cases[ordered[CASE]] if self.cases else {}
+        return Job(index, self.file.seeds.first + turn, ordered, case)
 
     def jobs(self, done: set[int]) -> Iterator[Job]:
         """Yield the flights that are not done yet."""
@@ -112,18 +153,22 @@ class Plan:
 
         """
         loop_of(self.base, self.file.seeds.first)
+        for name, case in self.cases.items():
+            self._check(case, f'In the case {name}')
         for path in self.file.vary:
             for value in self._to_check(path):
-                changed = self.base.with_values({path: value})
-                try:
-                    loop_of(changed, self.file.seeds.first)
-                except BadInput as error:
-                    raise BadInput(f'With {path} at {shown(value)}: {error}') from None
+                self._check({path: value}, f'With {path} at {shown(value)}')
+
+    def _check(self, values: Mapping[str, Any], where: str) -> None:
+        try:
+            loop_of(self.base.with_values(values), self.file.seeds.first)
+        except BadInput as error:
+            raise BadInput(f'{where}: {error}') from None
 
     def _to_check(self, path: str) -> list[Any]:
         how = self.file.vary[path]
         if not isinstance(how, Distribution):
-            return self.lists[path]
+            return list(self.lists[path])
         if how.choice is not None:
             return [value_of(value, path) for value in how.choice]
         drawn = [draw(how, path, self.file.seeds.first, k) for k in range(self.file.draws)]

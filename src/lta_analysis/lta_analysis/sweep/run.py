@@ -1,6 +1,7 @@
 """A sweep from its file to its table and page: checked first, flown, kept whatever happens."""
 
 from dataclasses import dataclass
+from functools import partial
 import hashlib
 import os
 from pathlib import Path
@@ -12,7 +13,7 @@ from lta_analysis.sweep import page, table
 from lta_analysis.sweep.cluster import ClusterCrew
 from lta_analysis.sweep.crew import Crew, LocalCrew
 from lta_analysis.sweep.fleet_crew import FleetCrew
-from lta_analysis.sweep.flown import Row
+from lta_analysis.sweep.flown import fly_job, Row
 from lta_analysis.sweep.log import Log
 from lta_analysis.sweep.plan import Plan
 from lta_analysis.sweep.progress import SweepProgress
@@ -113,7 +114,7 @@ def sweep_once(order: Order, console: Console) -> Swept:
     with Log(folder, identity, order.retry) as log:
         before = len(log.rows)
         crew: Crew = far or LocalCrew(
-            plan.base, min(order.workers or cores(), max(1, plan.count - before))
+            partial(fly_job, plan.base), min(order.workers or cores(), max(1, plan.count - before))
         )
         begun = time.monotonic()
         try:

@@ -20,7 +20,7 @@ def run(
     """
     Run one executable of one package, as "ros2 run" does.
 
-    Example: lta run lta_vlc demodulator --ros-args -r __ns:=/lta1 -p frequency:=175.0
+    Example: lta run lta_vlc demodulator --ros-args -r __ns:=/lta1 -p frequency:=170.0
     """
     path = find_executable(package, name)
     if package.startswith(OURS):

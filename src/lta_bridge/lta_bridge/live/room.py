@@ -17,7 +17,7 @@ from lta_bridge.live.shapes import (
     three,
     Z,
 )
-from lta_sim.light_field import Lamp
+from lta_sim.light.lamp import Lamp
 from lta_sim.scenario import Scenario
 
 MAP: Final = 'map'

@@ -45,6 +45,8 @@ def describe(info: FieldInfo, default: Any) -> ParameterDescriptor:  # noqa: ANN
     descriptor = ParameterDescriptor(
         description=f'{info.description or ""}{f" [{unit}]" if unit else ""}',
         read_only=bool(extra.get('read_only', False)),
+        # An empty list does not tell rclpy what it is a list of.
+        dynamic_typing=isinstance(default, tuple),
     )
     if low is not None and high is not None:
         if isinstance(default, int) and not isinstance(default, bool):

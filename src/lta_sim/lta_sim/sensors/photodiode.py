@@ -9,9 +9,11 @@ Noise is the amplifier's and the shot noise sqrt(2 q I B), B = pi/2 f_3dB of the
 The data sheet's 300 uV rms (0.1 Hz to 20 kHz, 1 Mohm) is taken as all of the amplifier's noise
 and scaled with the root of the resistor, as a resistor's own noise does: an assumption.
 
-Source: OPT101 data sheet, Texas Instruments SBBS002. The angular response is the ideal clipped
-cosine, which the illuminance of the diode's plane already holds; the package's measured one is
-left out, and so are unequal gains and the amplifier's own limits of swing.
+A reading falls off as a power of the cosine between light and axis, out to the edge of the field
+of view: 1 is a flat plane, 1.2 the package of the OPT101. Gains differ from diode to diode.
+
+Source: OPT101 data sheet, Texas Instruments SBBS002; the exponent is from memory of its plot of
+responsivity by angle, to be measured. The amplifier's own limits of swing are left out.
 """
 
 from functools import cached_property
@@ -36,18 +38,31 @@ NotNegative = Annotated[Finite, Field(ge=0.0)]
 @final
 class PhotodiodeArray(Record):
     """
-    A ring of horizontal photodiodes under the hull, the first facing forward.
+    A ring of photodiodes under the hull.
 
-    The ring is the vehicle's; what has a default is the part's own, by its data sheet.
+    The ring is the vehicle's; what has a default is the part's own, by its data sheet, or nothing.
 
     Attributes
     ----------
     count : int
-        Diodes, evenly spread.
+        Diodes.
+    axes : tuple of tuple of float
+        Unit axis of each in the body frame; horizontal, evenly spread and the first forward if
+        left out.
     depth : float
         Height of the ring below the hull centre. [m]
     radius : float
-        Radius of the ring. [m]
+        Radius of the ring: each diode sits so far out along its axis. [m]
+    response : float
+        Exponent of the cosine.
+    field_of_view : float
+        Full angle. [rad]
+    gain_spread : float
+        Standard deviation of the gains, as part of their mean.
+    gains : tuple of float
+        Of each diode, as part of the nominal; all 1 if left out.
+    dead : tuple of int
+        Diodes that read nothing, from 0.
     feedback_resistance : float
         Feedback resistor of the amplifiers. [ohm]
     area : float
@@ -64,12 +79,22 @@ class PhotodiodeArray(Record):
         Resolution of the converter.
     adc_range : float
         Voltage of the converter at full scale. [V]
+    clock_error : float
+        Part by which the converter samples too fast.
+    jitter : float
+        Standard deviation of the sampling instants, the same for all diodes. [s]
 
     """
 
     count: Annotated[int, Field(ge=1, le=64)]
     depth: Finite
     radius: NotNegative
+    axes: tuple[tuple[Finite, Finite, Finite], ...] = ()
+    response: Positive = 1.0
+    field_of_view: Annotated[Positive, Field(le=math.pi)] = math.pi
+    gain_spread: NotNegative = 0.0
+    gains: tuple[NotNegative, ...] = ()
+    dead: tuple[Annotated[int, Field(ge=0)], ...] = ()
     feedback_resistance: Positive
     area: Positive = 5.2e-6
     responsivity: Positive = 0.45
@@ -79,14 +104,36 @@ class PhotodiodeArray(Record):
     # The converter of the Teensy 4.1.
     adc_bits: Annotated[int, Field(ge=1, le=16)] = 12
     adc_range: Positive = 3.3
+    clock_error: Finite = 0.0
+    jitter: NotNegative = 0.0
 
     @cached_property
     def planes(self) -> Array:
         """Places [m] and unit axes of the diodes in the body frame, shape (count, 6)."""
-        angles = np.array(azimuths(self.count))
-        axes = np.stack([np.cos(angles), np.sin(angles), np.zeros(self.count)], axis=-1)
+        if self.axes:
+            axes = np.array(self.axes)
+        else:
+            angles = np.array(azimuths(self.count))
+            axes = np.stack([np.cos(angles), np.sin(angles), np.zeros(self.count)], axis=-1)
         points = self.radius * axes - np.array([0.0, 0.0, self.depth])
         return np.concatenate([points, axes], axis=1)
+
+    @property
+    def edge(self) -> float:
+        """Cosine at the edge of the field of view."""
+        return math.cos(0.5 * self.field_of_view) if self.field_of_view < math.pi else 0.0
+
+    @property
+    def factors(self) -> Array:
+        """Gain of each diode as it is, shape (count,): nothing where it is dead."""
+        factors = np.array(self.gains) if self.gains else np.ones(self.count)
+        factors[list(self.dead)] = 0.0
+        return factors
+
+    def drawn(self, chance: np.random.Generator) -> 'PhotodiodeArray':
+        """Return these diodes with gains drawn by their spread, none below zero."""
+        gains = np.maximum(1.0 + self.gain_spread * chance.standard_normal(self.count), 0.0)
+        return self.model_copy(update={'gains': tuple(gains.tolist())})
 
     def place(self, position: Array, rotation: Array) -> tuple[Array, Array]:
         """

@@ -1,24 +1,26 @@
 """The demodulator node: from ADC blocks to peaks and a bearing."""
 
 from lta_config.settings import setting
+from lta_config.vehicle_file import load_vehicle_file
 from lta_graph.health import Level
 from lta_graph.inbox import Step
 from lta_graph.ros.node import GraphNode, run
 from lta_graph.ros.parameters import Parameters
-from lta_vlc.array import Bearing, bearing, even_ring, Ring
-from lta_vlc.demodulation import Bins, bins_of, demodulate, Demodulation, NO_WISH, Peaks
+from lta_vlc.array import Bearing, bearing
+from lta_vlc.demodulation import Demodulation, Peaks
+from lta_vlc.diodes import diodes_of
+from lta_vlc.direction import DirectionFinder
 from lta_vlc.lamp import lamp_estimate, LampEstimate, LampPrior
+from lta_vlc.listener import Listener
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks, to_block
-import numpy as np
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
-
-NOTHING = Peaks(np.empty(0), np.empty(0), np.empty(0))  # what a block says that cannot be read
 
 
 class DemodulatorParameters(Demodulation):
     """The beacon to listen for, and what is known of its lamp."""
 
+    vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
     prior: LampPrior = setting(LampPrior(), 'The lamp before it is seen.')
 
 
@@ -27,44 +29,48 @@ class Demodulator(GraphNode):
 
     def __init__(self) -> None:
         super().__init__('demodulator')
-        self._wanted = NO_WISH
-        self._settings = Parameters(
-            self, DemodulatorParameters, changed=self._plan, check=self._bins_of
-        )
-        self._plan(self._settings.value)
         self._peaks = self.output('light/peaks')
         self._bearing = self.output('light/bearing')
         self._estimate = self.output('light/estimate')
+        self._settings = Parameters(
+            self, DemodulatorParameters, changed=self._begin, check=self._listener_of
+        )
+        self._begin(self._settings.value)
+        self._listener.prepare()  # who listens must answer at once
         self._refused = 0
+        # After the outputs: what is published before somebody listens is lost in real time.
+        entry = load_vehicle_file(self._settings.value.vehicle).sensors.diodes
+        self._diodes = diodes_of(entry)
+        self._finder = DirectionFinder(self._diodes)
         inputs = self.table.read_by('demodulator')
         self.listen(inputs, trigger='photodiodes', on_step=self._on_step)
 
-    def _bins_of(self, settings: DemodulatorParameters) -> Bins:
+    def _listener_of(self, settings: DemodulatorParameters) -> Listener:
         light = self.table.light
-        return bins_of(settings, self._wanted, light.sample_rate.si, light.samples)
+        return Listener(settings, light.sample_rate.si, light.samples)
 
-    def _plan(self, settings: DemodulatorParameters) -> None:
-        self._bins = self._bins_of(settings)
+    def _begin(self, settings: DemodulatorParameters) -> None:
+        self._listener = self._listener_of(settings)
 
     def _on_step(self, step: Step) -> None:
         message: Image = step.last('photodiodes')
         try:
             for wish in step.messages['light/beacon']:
-                self._wanted = wish.data
-                self._plan(self._settings.value)
+                self._listener.want(wish.data)
             block = to_block(message)
-            peaks = demodulate(block, self._bins)
+            self._diodes.check(block.shape[1])
+            hearing = self._listener.hear(block)
         except ValueError as error:
             self._refused += 1
             self.health.report('light', Level.ERROR, str(error), refused=self._refused)
             if self.lockstep:  # whoever waits for the answer would wait for ever
-                self._publish(message.header, NOTHING, Ring((), ()), None, None)
+                self._publish(message.header, (), None, None)
             return
-        settings = self._settings.value
-        ring = even_ring(block.shape[1])
-        towards = bearing(peaks, ring, settings.threshold)
-        lamp = None if towards is None else lamp_estimate(towards, settings.prior)
-        self._publish(message.header, peaks, ring, towards, lamp)
+        settings, peaks = self._settings.value, hearing.peaks[0]
+        towards = bearing(peaks, self._diodes.ring, settings.threshold)
+        found = self._finder.find(peaks, settings.threshold, settings.prior)
+        lamp = None if found is None else lamp_estimate(found, settings.prior)
+        self._publish(message.header, hearing.peaks, towards, lamp)
         clipped = int((block >= 4095).sum())
         self.health.report(
             'light',
@@ -77,13 +83,12 @@ class Demodulator(GraphNode):
     def _publish(
         self,
         header: Header,
-        peaks: Peaks,
-        ring: Ring,
+        peaks: tuple[Peaks, ...],
         towards: Bearing | None,
         lamp: LampEstimate | None,
     ) -> None:
         self._bearing.publish(from_bearing(header, towards))
-        self._peaks.publish(from_peaks(header, peaks, ring))
+        self._peaks.publish(from_peaks(header, peaks, self._diodes.axes))
         self._estimate.publish(from_lamp(header, lamp))
 
 

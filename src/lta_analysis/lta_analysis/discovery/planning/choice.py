@@ -202,7 +202,7 @@ class Planner:
         nominal = true.knob.turned(self.nominal, true.value)
         content: Any = yaml.safe_load(supposed(self.text, self.vehicle, nominal))
         changed = Ingredients(
-            made.names, made.strategy, {**made.contents, 'vehicle': content}, made.changed
+            made.names, made.strategy, {**made.contents, 'vehicle': content}, made.replaced
         )
         vehicle = parts_of(changed)[0]
         flown, _ = self._fly(made, vehicle)

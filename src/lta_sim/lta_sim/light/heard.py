@@ -6,28 +6,28 @@ the noise. Both follow from the geometry at the middle of the block:
 
     A = |g (clip(r + c E) - clip(r)) + s sqrt(2 / N) (n1 + i n2)|,   m = s sqrt(pi / N) + l c E + h
 
-E is the light of the lamp on the diode [lx], c counts a lux, r the counts of the dark and of
-steady light, g the magnitude of a unit wave behind amplifier, transform and search, l what a unit
-wave leaves in the quiet bins, h what the flicker of the mains leaves there, s2 the variance of a
-sample (amplifier, shot noise, and 1/12 for rounding) and n1, n2 normal. SNR = A / m. g, l and h
-are the demodulator's own (`listening_of`).
+E is the light of the lamp as the diode reads it [lx], c counts a lux, r the counts of the dark
+and of steady light, both times the diode's own gain, g the magnitude of a unit wave behind
+amplifier, transform and search, l what a unit wave leaves in the quiet bins, h what the flicker
+of the mains leaves there, s2 the variance of a sample (amplifier, shot noise, and 1/12 for
+rounding) and n1, n2 normal. SNR = A / m. g, l and h are the demodulator's own (`listening_of`).
 
-Left out: the turning of the drone within a block, the flicker of the mains where it is clipped or
-falls between bins, and the scatter of m itself (some 3 % with 400 quiet bins).
+Left out: other lamps, jitter, the drift of clocks, the turning of the drone within a block, the
+flicker of the mains where it is clipped or falls between bins, and the scatter of m itself (some
+3 % with 400 quiet bins).
 """
 
 import math
 from typing import NamedTuple
 
 from lta_sim.counted_chance import normals
-from lta_sim.counted_sensors import LIGHT
-from lta_sim.lambertian import Beam, beam, lit, place
-from lta_sim.light_field import LightField
+from lta_sim.counted_sensors import GAINS, LIGHT
+from lta_sim.light.field import LightField
+from lta_sim.light.flicker import lamp_wave, mains_wave, Sampling
+from lta_sim.light.lambertian import Beam, beam, Eye, place, read, seen_all_round
 from lta_sim.sensors.photodiode import noise_terms, PhotodiodeArray, sensitivity
 from lta_vlc.demodulation import Demodulation, find_peaks, plan_bins
-from lta_vlc.modulation import cycles, NANOSECONDS
 from lta_vlc.spectrum import amplitude_spectrum
-import numpy as np
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -41,14 +41,20 @@ class Listening(NamedTuple):
     ----------
     lamp : Beam
         The lamp.
+    eye : Eye
+        How a diode's reading falls off to the sides.
     planes : tuple of tuple of float
         Place [m] and axis of each diode, body frame.
+    spread : float
+        Standard deviation of the gains.
+    alive : tuple of float
+        1 for a diode that reads, 0 for a dead one.
     cosines, sines : tuple of float
         Its axis as the drone takes it.
     threshold : float
         SNR from which a diode is believed.
-    counts, rest, top : float
-        Counts a lux of the lamp, those without the lamp, and the largest.
+    counts, dark, steady, top : float
+        Counts a lux of the lamp, those in the dark, those by steady light, and the largest.
     gain, leak : float
         Magnitude of a unit wave at its peak, and its mean over the quiet bins.
     hum : float
@@ -56,19 +62,23 @@ class Listening(NamedTuple):
     duty : float
         Part of the time that the lamp is on.
     variance, shot : float
-        Of a sample without light [counts2], and what a count of light adds.
+        Of a sample in the dark [counts2], and what a count of light adds.
     samples : float
         In a block.
 
     """
 
     lamp: Beam
+    eye: Eye
     planes: tuple[tuple[float, float, float, float, float, float], ...]
+    spread: float
+    alive: tuple[float, ...]
     cosines: tuple[float, ...]
     sines: tuple[float, ...]
     threshold: float
     counts: float
-    rest: float
+    dark: float
+    steady: float
     top: float
     gain: float
     leak: float
@@ -100,33 +110,36 @@ def listening_of(
 
     """
     lamp, ambient = field.lamp, field.ambient
-    times = np.rint(np.arange(samples) * (NANOSECONDS / rate)).astype(np.int64)
-    wave = lamp.wave.lagged(times, 1.0 / (2.0 * math.pi * array.bandwidth))
+    sampling = Sampling(rate * (1.0 + array.clock_error), samples)
+    wave = lamp_wave(lamp, 0, sampling, 1.0 / (2.0 * math.pi * array.bandwidth))[1:]
     bins = plan_bins(settings, rate, samples)
     spectrum = amplitude_spectrum(wave[:, None])
     gain = float(find_peaks(spectrum, bins).amplitude[0])
     scale = 2**array.adc_bits / array.adc_range
     volts = sensitivity(array)
     amplifier, shot = noise_terms(array)
-    lux = volts / ambient.efficacy * scale
-    steady = ambient.steady * lux
-    mains = np.sin(2.0 * math.pi * cycles(times, ambient.mains_frequency, ambient.mains_phase))
-    hum = ambient.mains * lux * float(amplitude_spectrum(mains[:, None])[bins.quiet, 0].mean())
+    eye = Eye(array.response, array.edge)
+    lux = volts / ambient.efficacy * scale * seen_all_round(eye)
+    mains = amplitude_spectrum(mains_wave(ambient, 0, sampling)[:, None])
     axes = array.planes[:, 3:]
     return Listening(
-        lamp=beam(field),
+        lamp=beam(lamp, field.room),
+        eye=eye,
         planes=tuple(tuple(row) for row in array.planes.tolist()),
+        spread=array.gain_spread,
+        alive=tuple(array.factors.tolist()),
         cosines=tuple(axes[:, 0].tolist()),
         sines=tuple(axes[:, 1].tolist()),
         threshold=settings.threshold,
         counts=volts / lamp.efficacy * scale,
-        rest=array.dark_offset * scale + steady,
+        dark=array.dark_offset * scale,
+        steady=ambient.steady * lux,
         top=2.0**array.adc_bits - 1.0,
         gain=gain,
         leak=float(spectrum[bins.quiet, 0].mean()),
-        hum=hum,
+        hum=ambient.mains * lux * float(mains[bins.quiet, 0].mean()),
         duty=lamp.wave.duty,
-        variance=amplifier * scale * scale + shot * scale * steady + 1.0 / 12.0,
+        variance=amplifier * scale * scale + 1.0 / 12.0,
         shot=shot * scale,
         samples=float(samples),
     )
@@ -151,14 +164,19 @@ def magnitude(
 
     """
     x, y, z, i, j, k = listening.planes[diode]
-    point, normal = place(position, q, (x, y, z), (i, j, k))
-    light = listening.counts * lit(listening.lamp, point, normal)
-    top, rest = listening.top, listening.rest
+    point, axis = place(position, q, (x, y, z), (i, j, k))
+    own, _ = normals(seed, GAINS, 0, diode)
+    factor = listening.alive[diode] * max(1.0 + listening.spread * own, 0.0)
+    if factor == 0.0:
+        return 0.0, 0.0
+    light = factor * listening.counts * read(listening.lamp, listening.eye, point, axis)
+    steady = factor * listening.steady
+    top, rest = listening.top, listening.dark + steady
     swing = listening.gain * (min(rest + light, top) - min(rest, top))
-    variance = listening.variance + listening.shot * listening.duty * light
+    variance = listening.variance + listening.shot * (steady + listening.duty * light)
     a, b = normals(seed, LIGHT, step, diode)
     noise = math.sqrt(2.0 * variance / listening.samples)
-    read = math.hypot(swing + noise * a, noise * b)
+    magnitude = math.hypot(swing + noise * a, noise * b)
     quiet = math.sqrt(math.pi * variance / listening.samples) + listening.leak * light
-    quiet += listening.hum
-    return read, read / quiet
+    quiet += listening.hum * factor
+    return magnitude, magnitude / quiet

@@ -1,0 +1,1 @@
+"""What `lta light` does: the light link seen from the ground."""

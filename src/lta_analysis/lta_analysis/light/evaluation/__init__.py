@@ -1,0 +1,1 @@
+"""Navigation strategies compared over scenes and seeds, and beside the paper."""

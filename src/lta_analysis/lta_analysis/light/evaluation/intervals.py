@@ -1,0 +1,58 @@
+"""Means with 95 % intervals by the bootstrap: nothing is asked of a distribution's shape."""
+
+from collections.abc import Sequence
+import math
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+DRAWS: Final = 4000
+SEED: Final = 7
+ENDS: Final = (2.5, 97.5)  # %
+
+
+class Mean(NamedTuple):
+    """A mean, or a ratio of two, with the ends of its 95 % interval and the number of flights."""
+
+    value: float
+    low: float
+    high: float
+    flights: int
+
+
+def resampled(count: int) -> NDArray[np.int64]:
+    """Return which of so many flights each draw takes, shape (DRAWS, count)."""
+    return np.random.default_rng(SEED).integers(count, size=(DRAWS, count))
+
+
+def mean(values: Sequence[float]) -> Mean:
+    """
+    Return a mean with its interval: percentiles of the means of resampled flights.
+
+    Efron and Tibshirani, An Introduction to the Bootstrap (1993), chapter 13. NaN of nothing; no
+    interval of one.
+    """
+    return ratio(values, [1.0] * len(values))
+
+
+def ratio(above: Sequence[float], below: Sequence[float]) -> Mean:
+    """
+    Return the ratio of two means over the same flights, resampled in pairs.
+
+    Parameters
+    ----------
+    above, below : sequence of float
+        One number of each flight.
+
+    """
+    count = len(above)
+    if count == 0:
+        return Mean(math.nan, math.nan, math.nan, 0)
+    top, bottom = np.array(above, dtype=np.float64), np.array(below, dtype=np.float64)
+    value = float(top.mean() / bottom.mean())
+    if count == 1:
+        return Mean(value, math.nan, math.nan, 1)
+    taken = resampled(count)
+    low, high = np.percentile(top[taken].mean(axis=1) / bottom[taken].mean(axis=1), ENDS)
+    return Mean(value, float(low), float(high), count)

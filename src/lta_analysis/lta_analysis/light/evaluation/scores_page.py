@@ -1,0 +1,38 @@
+"""docs/navigation_scores.md: every figure of the evaluation, and the command that repeats it."""
+
+from lta_analysis.light.evaluation import tables
+from lta_analysis.light.evaluation.findings import Findings
+from lta_analysis.light.evaluation.page import METHOD
+from lta_analysis.light.evaluation.sets import flight_set, INDOORS, WINDS
+from lta_analysis.light.evaluation.tables import markdown
+
+
+def page(found: Findings) -> str:
+    """Return the whole page as Markdown."""
+    command = f'lta light evaluate --seeds {found.seeds} --markdown'
+    parts = [
+        '# Scores of navigation',
+        f'Written by `{command}`: {found.count}. What the sets are and how to read them: '
+        '[navigation.md](navigation.md).',
+        '![Path, time and success of each strategy](images/evaluate.png)',
+        '## Beside the paper',
+        markdown(tables.PAPER_HEADS, tables.beside_paper(found.cells.get(INDOORS, []))).rstrip(),
+        markdown(tables.OUTDOOR_HEADS, tables.outdoors(found.cells.get(WINDS, []))).rstrip(),
+        *found.cautions,
+        '## What makes the order',
+        found.statement,
+    ]
+    if found.ablations:
+        parts.append(markdown(tables.ORDER_HEADS, tables.order_lines(found.ablations)).rstrip())
+    wanted = tables.targets(found.cells, found.ours)
+    if wanted:
+        parts += [
+            '## What our strategy was to reach',
+            markdown(tables.TARGET_HEADS, wanted).rstrip(),
+        ]
+    parts += ['## Every figure', METHOD]
+    for name, cells in found.cells.items():
+        part = flight_set(name)
+        head = f'### {part.title}\n\n{part.about} Sweep `{part.file}`.'
+        parts += [head, markdown(tables.HEADS, tables.lines(name, cells)).rstrip()]
+    return '\n\n'.join(parts) + '\n'

@@ -1,0 +1,53 @@
+"""How the evaluation calls strategies and cases, and writes figures with their intervals."""
+
+from collections.abc import Mapping
+import math
+from typing import Final
+
+from lta_analysis.light.evaluation import pilot
+from lta_analysis.light.evaluation.cells import Cell
+from lta_analysis.light.evaluation.intervals import Mean
+from lta_analysis.light.evaluation.sets import Axis
+from lta_analysis.report.outcome import MISSING
+from lta_analysis.sweep.statistics import Share
+
+STRATEGIES: Final[Mapping[str, str]] = {
+    'bag': 'BAG', 'dga': 'DGA', 'des': 'DES', 'homing': 'homing', pilot.NAME: 'pilot',
+}  # fmt: skip
+FACTORS: Final[Mapping[str, str]] = {
+    'as_flown': 'as flown',
+    'start_heading': 'start heading within 30\N{DEGREE SIGN} of the lamp',
+}
+
+
+def strategy(name: str) -> str:
+    """Return what to call a strategy."""
+    return STRATEGIES.get(name, name)
+
+
+def factor(name: str) -> str:
+    """Return what to call a case that has a name."""
+    return FACTORS.get(name, name.replace('_', ' ')) or MISSING
+
+
+def case(cell: Cell, axis: Axis | None) -> str:
+    """Return what to call the case of a cell: its name, or its value on the axis of its set."""
+    if axis is None or cell.named:
+        return factor(cell.case)
+    return f'{cell.place:,.6g} {axis.unit}'
+
+
+def share(value: Share) -> str:
+    """Return a share with its interval, in percent."""
+    if math.isnan(value.value):
+        return MISSING
+    return f'{100 * value.value:.0f} % ({100 * value.low:.0f} to {100 * value.high:.0f})'
+
+
+def amount(value: Mean, digits: int = 1) -> str:
+    """Return a mean with its interval, without its unit."""
+    if math.isnan(value.value):
+        return MISSING
+    if math.isnan(value.low):
+        return f'{value.value:.{digits}f}'
+    return f'{value.value:.{digits}f} ({value.low:.{digits}f} to {value.high:.{digits}f})'

@@ -1,0 +1,110 @@
+"""Polygons on the floor: what lies in them, how far off they are, whether they are simple."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+def edges_of(corners: Array) -> Array:
+    """Return the edges of a polygon of shape (k, 2) as rows x0 y0 x1 y1, shape (k, 4). [m]"""
+    return np.hstack([corners, np.roll(corners, -1, axis=0)])
+
+
+def signed_area(corners: Array) -> float:
+    """Return the area within a simple polygon, positive where it runs counter-clockwise. [m2]"""
+    x, y = corners.T
+    return float(0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
+
+
+def inside(points: Array, corners: Array) -> Mask:
+    """
+    Return which points lie in a polygon, by the even-odd rule.
+
+    Parameters
+    ----------
+    points : ndarray, shape (..., 2)
+        Where. [m]
+    corners : ndarray, shape (k, 2)
+        Of the polygon. [m]
+
+    """
+    x, y = points[..., 0], points[..., 1]
+    odd = np.zeros(x.shape, dtype=bool)
+    for x0, y0, x1, y1 in edges_of(corners):
+        if y0 == y1:
+            continue
+        across = (y0 > y) != (y1 > y)
+        odd ^= across & (x < x0 + (y - y0) * (x1 - x0) / (y1 - y0))
+    return odd
+
+
+def distance(points: Array, edges: Array) -> Array:
+    """
+    Return the distance from points to the nearest of some edges. [m]
+
+    Parameters
+    ----------
+    points : ndarray, shape (..., 2)
+        Where. [m]
+    edges : ndarray, shape (k, 4)
+        As `edges_of` gives them; none are endlessly far away.
+
+    """
+    nearest = np.full(points.shape[:-1], np.inf)
+    for x0, y0, x1, y1 in edges:
+        along = np.array([x1 - x0, y1 - y0])
+        ahead = points - (x0, y0)
+        part = np.clip(ahead @ along / (along @ along), 0.0, 1.0)
+        nearest = np.minimum(nearest, np.linalg.norm(ahead - part[..., None] * along, axis=-1))
+    return nearest
+
+
+def flaw(corners: Array) -> str | None:
+    """Return what keeps corners of shape (k, 2) from being a simple polygon, None if nothing."""
+    edges = edges_of(corners)
+    sides = np.hypot(*(edges[:, 2:] - edges[:, :2]).T)
+    if sides.min() <= 0.0:
+        x, y = corners[int(sides.argmin())]
+        return f'has the corner ({x:g}, {y:g}) m twice in a row; leave one out'
+    count = len(edges)
+    for i in range(count):
+        for j in range(i + 2, count):
+            if (j + 1) % count != i and _meet(edges[i], edges[j]):
+                return (
+                    f'crosses itself: its side {_said(edges[i])} meets {_said(edges[j])}; reorder '
+                    'its corners'
+                )
+    if abs(signed_area(corners)) <= 1e-9 * float(sides.max()) ** 2:
+        return 'encloses no area; move its corners off one line'
+    return None
+
+
+def _said(edge: Array) -> str:
+    """Return an edge in words. [m]"""
+    x0, y0, x1, y1 = edge
+    return f'from ({x0:g}, {y0:g}) to ({x1:g}, {y1:g}) m'
+
+
+def _meet(first: Array, second: Array) -> bool:
+    """Return whether two edges have a point in common."""
+
+    def side(edge: Array, x: float, y: float) -> float:
+        x0, y0, x1, y1 = edge
+        return float(np.sign((x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)))
+
+    def within(edge: Array, x: float, y: float) -> bool:
+        x0, y0, x1, y1 = edge
+        return bool(min(x0, x1) <= x <= max(x0, x1) and min(y0, y1) <= y <= max(y0, y1))
+
+    a, b = side(first, *second[:2]), side(first, *second[2:])
+    c, d = side(second, *first[:2]), side(second, *first[2:])
+    if a * b < 0.0 and c * d < 0.0:
+        return True
+    return (
+        (a == 0.0 and within(first, *second[:2]))
+        or (b == 0.0 and within(first, *second[2:]))
+        or (c == 0.0 and within(second, *first[:2]))
+        or (d == 0.0 and within(second, *first[2:]))
+    )

@@ -1,0 +1,30 @@
+"""Refuse light that cannot be, in one sentence."""
+
+import math
+
+from lta_config.errors import BadInput
+
+MOST_EFFICACY = 683.0  # lm/W, by definition of the lumen, of green light at 555 nm
+
+
+def require(holds: bool, sentence: str) -> None:
+    """Raise `BadInput` with the sentence unless the condition holds."""
+    if not holds:
+        raise BadInput(sentence)
+
+
+def require_efficacy(efficacy: float) -> None:
+    """Refuse a luminous efficacy that no light has. [lm/W]"""
+    require(
+        0.0 < efficacy <= MOST_EFFICACY,
+        f'The light has an efficacy of {efficacy} lm/W; give one above 0 and up to '
+        f'{MOST_EFFICACY:g}.',
+    )
+
+
+def require_lux(what: str, lux: float) -> None:
+    """Refuse negative or endless light. [lx]"""
+    require(
+        math.isfinite(lux) and lux >= 0.0,
+        f'{what} is {lux} lx; give 0 or more.',
+    )

@@ -1,0 +1,127 @@
+"""What the drone believes of its photodiodes, from its vehicle file; any arrangement of them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+import math
+from typing import final
+
+from lta_config.errors import BadInput
+from lta_config.vehicle_diodes import Diodes as DiodesEntry
+from lta_vlc.array import azimuths, Ring
+
+Axis = tuple[float, float, float]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Diodes:
+    """
+    Where each diode sits and looks, and what it makes of light.
+
+    Parameters
+    ----------
+    axes : tuple of tuple of 3 floats
+        Unit axes, body frame.
+    places : tuple of tuple of 3 floats
+        Places relative to the middle of them all. [m, body]
+    response : float
+        Exponent p of the response cos^p to the angle between light and axis.
+    gains : tuple of float
+        What each makes of light, the nominal diode 1; 0 for one that is known to be dead.
+    spread : float
+        Standard deviation of the true gains around these, relative.
+
+    Raises
+    ------
+    BadInput
+        If there is no diode, the numbers do not match, or one is impossible.
+
+    """
+
+    axes: tuple[Axis, ...]
+    places: tuple[Axis, ...]
+    response: float
+    gains: tuple[float, ...]
+    spread: float
+
+    def __post_init__(self) -> None:
+        """Refuse what is no array of diodes."""
+        count = len(self.axes)
+        if not count or not count == len(self.places) == len(self.gains):
+            raise BadInput(
+                f'The drone has {count} diode axes, {len(self.places)} places and '
+                f'{len(self.gains)} gains; give one of each for every diode.'
+            )
+        for axis in self.axes:
+            if not abs(math.hypot(*axis) - 1.0) < 1e-6:
+                raise BadInput(f'The diode axis {axis} is not of length 1; divide it by its own.')
+        if not (math.isfinite(self.response) and self.response > 0.0):
+            raise BadInput(f'The diodes respond by cos^{self.response}; make it positive.')
+        if not all(math.isfinite(gain) and gain >= 0.0 for gain in self.gains):
+            raise BadInput(f'The diodes have the gains {self.gains}; give 0 or more.')
+        if not (math.isfinite(self.spread) and self.spread >= 0.0):
+            raise BadInput(f'The gains are known to {self.spread}; give 0 or more.')
+
+    def check(self, count: int) -> None:
+        """Refuse readings of another number of diodes."""
+        if count != len(self.axes):
+            raise BadInput(
+                f'A light block has {count} diodes, but the vehicle file {len(self.axes)}; '
+                'give the demodulator the vehicle that flies.'
+            )
+
+    @property
+    def ring(self) -> Ring:
+        """What the paper's weighted mean knows of them."""
+        return Ring(tuple(axis[0] for axis in self.axes), tuple(axis[1] for axis in self.axes))
+
+
+def ring_of(count: int, radius: float = 0.0, response: float = 1.0, spread: float = 0.0) -> Diodes:
+    """
+    Return an even, level ring of equal diodes, the first forward.
+
+    Parameters
+    ----------
+    count : int
+        Diodes.
+    radius : float
+        Of the ring. [m]
+    response, spread : float
+        As in `Diodes`.
+
+    """
+    axes = _level(count)
+    return Diodes(axes, _spread_out(axes, radius), response, (1.0,) * count, spread)
+
+
+def diodes_of(entry: DiodesEntry) -> Diodes:
+    """Return the diodes of a vehicle file's `sensors.diodes`, as the drone believes them."""
+    axes = _level(entry.count) if entry.axes is None else tuple(map(_unit, entry.axes.value))
+    gains = tuple(0.0 if index in entry.dead else 1.0 for index in range(entry.count))
+    places = _spread_out(axes, entry.radius.si)
+    return Diodes(axes, places, entry.response.si, gains, entry.gain_spread.si)
+
+
+def _level(count: int) -> tuple[Axis, ...]:
+    """Return the axes of an even ring, the first forward."""
+    return tuple((math.cos(angle), math.sin(angle), 0.0) for angle in azimuths(count))
+
+
+def _unit(axis: Sequence[float]) -> Axis:
+    """Return an axis that a file gives to three digits or so at length 1."""
+    x, y, z = axis
+    length = math.hypot(x, y, z)
+    return x / length, y / length, z / length
+
+
+def _spread_out(axes: Sequence[Axis], radius: float) -> tuple[Axis, ...]:
+    """Return the places of diodes that look outwards from a sphere, less their mean. [m]"""
+    means = [sum(axis[k] for axis in axes) / len(axes) for k in range(3)]
+    return tuple(
+        (
+            radius * (axis[0] - means[0]),
+            radius * (axis[1] - means[1]),
+            radius * (axis[2] - means[2]),
+        )
+        for axis in axes
+    )

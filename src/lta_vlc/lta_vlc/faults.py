@@ -1,0 +1,54 @@
+"""What can be wrong with a diode's samples, seen in the samples themselves."""
+
+from enum import Flag
+
+from lta_vlc.samples import Looked
+from lta_vlc.survey import Survey
+import numpy as np
+from numpy.typing import NDArray
+
+CLIPPED = 0.01  # part of the samples at the end of the scale that spoils a diode
+STRANGE = 6.0  # times the mean of the quiet bins: a tone, not noise (5e-13 a bin in white noise)
+
+
+class Fault(Flag):
+    """
+    Faults of one diode in one block; several may hold at once.
+
+    Attributes
+    ----------
+    SATURATED
+        More than `CLIPPED` of the samples stand at the upper end of the ADC's scale: the peaks
+        are cut, and the amplitude is too low by an unknown part.
+    FLAT
+        All samples are equal: a dead diode or a broken wire.
+    NOT_A_NUMBER
+        A sample is NaN or infinite.
+    ALIASED
+        A tone that no known lamp makes is stronger than every beacon: a lamp of another
+        frequency, or one beyond the Nyquist frequency, folded back. The beacons can still be read.
+
+    """
+
+    NONE = 0
+    SATURATED = 1
+    FLAT = 2
+    NOT_A_NUMBER = 4
+    ALIASED = 8
+
+
+SPOILT = Fault.SATURATED | Fault.FLAT | Fault.NOT_A_NUMBER  # the diode tells nothing of a beacon
+FAULTS = tuple(map(Fault, range(16)))  # by value
+
+
+def sample_faults(looked: Looked) -> NDArray[np.uint8]:
+    """Return the faults that the samples of each diode show, as values of `Fault`."""
+    faults = np.where(looked.full > CLIPPED, Fault.SATURATED.value, 0)
+    faults |= np.where(looked.span == 0.0, Fault.FLAT.value, 0)
+    return np.where(np.isnan(looked.level), Fault.NOT_A_NUMBER.value, faults).astype(np.uint8)
+
+
+def tone_faults(survey: Survey) -> NDArray[np.uint8]:
+    """Return the faults that the spectrum of each diode shows, as values of `Fault`."""
+    strange = survey.loudest > np.maximum(survey.peak.max(axis=0), STRANGE * survey.noise)
+    return np.where(strange, Fault.ALIASED.value, 0).astype(np.uint8)

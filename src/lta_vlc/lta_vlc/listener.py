@@ -1,0 +1,128 @@
+"""What a drone does with one light block after another: hear, and follow the lamps' clocks."""
+
+from functools import lru_cache
+
+from lta_config.errors import BadInput
+from lta_vlc.bins import Bins, plan_beacons
+from lta_vlc.demodulation import Demodulation, hear, Hearing, NO_WISH
+from lta_vlc.separation import check_beacons
+from lta_vlc.tracker import reach, Tracker
+import numpy as np
+from numpy.typing import ArrayLike
+
+STEPS = 16  # of a bin, in which the bins follow a lamp
+MOST = 4  # beacons at once: those wanted last
+
+
+class Listener:
+    """
+    Hear the beacons in one block after another.
+
+    Parameters
+    ----------
+    settings : Demodulation
+        The beacons, and how to listen.
+    sample_rate : float
+        Samples a second of each diode. [Hz]
+    samples : int
+        Samples in a block.
+
+    Raises
+    ------
+    BadInput
+        If a beacon cannot be heard in such blocks, or not be told from another or from the mains.
+
+    Attributes
+    ----------
+    beacons : tuple of float
+        The beacons that are listened for, the wanted one first. [Hz]
+
+    """
+
+    def __init__(self, settings: Demodulation, sample_rate: float, samples: int) -> None:
+        self._settings = settings
+        self._shape = sample_rate, samples
+        self._width = sample_rate / samples
+        self._planned = lru_cache(maxsize=64)(self._plan)
+        self._trackers: dict[float, Tracker] = {}
+        self.beacons: tuple[float, ...] = ()
+        self._listen_for(settings.beacons)
+
+    def _listen_for(self, beacons: tuple[float, ...]) -> None:
+        """Listen for these from now on, or refuse them."""
+        plan_beacons(beacons, self._settings, *self._shape)
+        check_beacons(beacons, self._settings, *self._shape)
+        self.beacons = beacons
+        self._trackers = {one: self._trackers.get(one, Tracker(one)) for one in beacons}
+
+    def prepare(self) -> None:
+        """Compile what hears a block, or load it from disk, before the first one waits for it."""
+        silence = np.zeros((self._shape[1], 1))
+        hear(silence, self._planned(self.beacons, (0,) * len(self.beacons)))
+
+    def want(self, beacon: float) -> None:
+        """
+        Put a beacon first; those of before are listened for besides where they can be.
+
+        Parameters
+        ----------
+        beacon : float
+            Its frequency; `NO_WISH` for the first of the settings. [Hz]
+
+        Raises
+        ------
+        BadInput
+            If it cannot be heard, or not be told from the mains; all stays as it was.
+
+        """
+        wanted = self._settings.frequency if beacon == NO_WISH else beacon
+        before = [one for one in self.beacons if one != wanted]
+        if len(before) < len(self.beacons):
+            self.beacons = (wanted, *before)
+            return
+        self._listen_for((wanted,))
+        for one in before[: MOST - 1]:
+            try:
+                self._listen_for((*self.beacons, one))
+            except BadInput:
+                continue  # it collides with what is wanted more
+
+    def _plan(self, beacons: tuple[float, ...], steps: tuple[int, ...]) -> tuple[Bins, ...]:
+        """Return where beacons are sought so many steps from where they should be."""
+        found = [
+            one + step * self._width / STEPS for one, step in zip(beacons, steps, strict=True)
+        ]
+        return plan_beacons(found, self._settings, *self._shape)
+
+    def hear(self, block: ArrayLike) -> Hearing:
+        """
+        Return what the next block says, and follow the beacons that are heard in it.
+
+        Parameters
+        ----------
+        block : array_like, shape (n, d)
+            Samples in time order, one column a diode: ADC counts.
+
+        Raises
+        ------
+        BadInput
+            If the block is not of the shape that was planned for.
+
+        """
+        errors = [self._trackers[one].error for one in self.beacons]
+        steps = tuple(round(error * STEPS / self._width) for error in errors)
+        hearing = hear(block, self._planned(self.beacons, steps), self._settings.full_scale)
+        apart = (2 * self._settings.window + 1) * self._width
+        for one, peaks, frequency in zip(
+            self.beacons, hearing.peaks, hearing.frequencies, strict=True
+        ):
+            if peaks.snr.max() >= self._settings.threshold:
+                farthest = reach(one, self.beacons, apart)
+                self._trackers[one] = self._trackers[one].heard(frequency, farthest)
+            else:
+                self._trackers[one] = self._trackers[one].missed()
+        return hearing
+
+    def miss(self, blocks: int) -> None:
+        """Note that blocks have not come."""
+        self._trackers = {one: it.missed(blocks) for one, it in self._trackers.items()}

@@ -1,0 +1,68 @@
+"""The frequency of one beacon from block to block, for a lamp whose clock is off or drifts."""
+
+from dataclasses import dataclass, replace
+from typing import final
+
+PULL = 0.25  # part of the way to the newest frequency: a block's noise counts less than half
+REACH = 0.05  # farthest that a lamp's clock is followed, in parts of its frequency
+PATIENCE = 20  # blocks without the beacon after which it is sought where it should be
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Tracker:
+    """
+    Where a beacon is expected in the next block.
+
+    Parameters
+    ----------
+    nominal : float
+        Where it should flicker. [Hz]
+    error : float
+        How far off it has been found. [Hz]
+    silent : int
+        Blocks since it was heard.
+
+    """
+
+    nominal: float
+    error: float = 0.0
+    silent: int = 0
+
+    def heard(self, frequency: float, reach: float) -> 'Tracker':
+        """
+        Return the tracker after a block in which the beacon was heard.
+
+        Parameters
+        ----------
+        frequency : float
+            Where. [Hz]
+        reach : float
+            How far from its nominal frequency it may be followed. [Hz]
+
+        """
+        error = self.error + PULL * (frequency - self.nominal - self.error)
+        return Tracker(self.nominal, min(max(error, -reach), reach))
+
+    def missed(self, blocks: int = 1) -> 'Tracker':
+        """Return the tracker after blocks without the beacon."""
+        silent = self.silent + blocks
+        return replace(self, error=0.0 if silent >= PATIENCE else self.error, silent=silent)
+
+
+def reach(beacon: float, beacons: tuple[float, ...], resolution: float) -> float:
+    """
+    Return how far a beacon is followed: never to where it could be taken for another. [Hz]
+
+    Parameters
+    ----------
+    beacon : float
+        Where it should flicker. [Hz]
+    beacons : tuple of float
+        Where all beacons should. [Hz]
+    resolution : float
+        How far apart two must stay. [Hz]
+
+    """
+    gaps = [abs(other - beacon) - resolution for other in beacons if other != beacon]
+    return max(0.0, min([REACH * beacon, *(gap / 2.0 for gap in gaps)]))

@@ -1,0 +1,297 @@
+"""The fit of a direction: exact without noise, the best there is with it, and honest about it."""
+
+from dataclasses import replace
+import math
+
+from hypothesis import given
+from hypothesis import strategies as st
+from lta_config.errors import BadInput
+from lta_config.vehicle_file import load_vehicle_file
+from lta_sim.compiled import compiled
+from lta_vlc.demodulation import Peaks
+from lta_vlc.diodes import Diodes, diodes_of, ring_of
+from lta_vlc.direction import array_of, DirectionFinder, expected_of, PART
+from lta_vlc.fit import fit
+from lta_vlc.lamp import LampPrior
+from lta_vlc.readings import BEAM, BENDS, Expected, LEANING, REST, SLOPES, unevenness
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+FAR = LampPrior(distance=50.0, distance_deviation=0.0, height_deviation=20.0)
+EXACT = 3e-5  # where the fit stops, 0.002 degrees [rad]
+SMALL = 0.07  # radius of the shipped ring [m]
+
+
+def tetrahedral(count, spread=0.0, response=1.2):
+    """Return diodes that look out at 40 degrees above and below the horizon in turn."""
+    angle = 2.0 * math.pi * np.arange(count) / count
+    lift = np.radians(40.0) * (-1.0) ** np.arange(count)
+    axes = np.stack([np.cos(angle) * np.cos(lift), np.sin(angle) * np.cos(lift), np.sin(lift)], 1)
+    axes = tuple(map(tuple, axes.tolist()))
+    return Diodes(axes, tuple((0.0,) * 3 for _ in axes), response, (1.0,) * count, spread)
+
+
+def readings(diodes, ray, strength=200.0, pedestal=40.0, distance=math.inf):
+    """Return what diodes read of a small lamp, by the inverse square, in an average room."""
+    axes, places = np.array(diodes.axes), np.array(diodes.places)
+    way = np.array(ray) - places / distance
+    away = np.linalg.norm(way, axis=1)
+    cosine = np.maximum(np.einsum('ij,ij->i', axes, way) / away, 0.0)
+    diffuse = pedestal + LEANING * unevenness(strength, pedestal) * (axes @ np.array(ray))
+    return np.array(diodes.gains) * (strength * cosine**diodes.response / away**2 + diffuse)
+
+
+def heard(amplitude, noise=1e-9):
+    """Return readings with as much noise on each diode."""
+    noise = np.full(amplitude.shape, noise / PART)
+    return Peaks(amplitude, amplitude / noise, np.full(amplitude.shape, 150.0), noise)
+
+
+def ray(azimuth, elevation=0.0):
+    """Return a unit vector."""
+    level = math.cos(elevation)
+    return level * math.cos(azimuth), level * math.sin(azimuth), math.sin(elevation)
+
+
+def apart(a, b):
+    """Return the angle from b to a, in [-pi, pi]."""
+    return math.remainder(a - b, math.tau)
+
+
+@pytest.mark.parametrize('response', [1.0, 1.2, 2.0])
+@pytest.mark.parametrize('count', [5, 8, 16])
+@pytest.mark.parametrize('degrees', [-170.0, -90.0, -22.5, 0.0, 11.0, 45.0, 101.3])
+def test_a_level_ring_is_exact_without_noise(count, degrees, response):
+    azimuth, diodes = math.radians(degrees), ring_of(count, 0.0, response)
+    found = DirectionFinder(diodes).find(heard(readings(diodes, ray(azimuth))), 6.0, FAR)
+    assert apart(found.azimuth, azimuth) == pytest.approx(0.0, abs=EXACT)
+    assert found.strength == pytest.approx(200.0, rel=3e-3)
+    assert found.pedestal == pytest.approx(40.0, rel=5e-3)
+
+
+@pytest.mark.parametrize('elevation', [-0.6, 0.1, 0.8])
+@pytest.mark.parametrize('azimuth', [-2.0, 0.3])
+def test_diodes_that_look_up_and_down_tell_the_elevation(azimuth, elevation):
+    diodes = tetrahedral(8)
+    amplitude = readings(diodes, ray(azimuth, elevation), pedestal=0.0)
+    found = DirectionFinder(diodes).find(heard(amplitude), 6.0, FAR)
+    assert apart(found.azimuth, azimuth) == pytest.approx(0.0, abs=EXACT)
+    assert found.elevation == pytest.approx(elevation, abs=1e-4)
+
+
+def test_a_level_ring_leaves_the_elevation_to_what_was_expected():
+    diodes, prior = ring_of(8), LampPrior(distance=4.0, height_deviation=1.0)
+    found = DirectionFinder(diodes).find(heard(readings(diodes, ray(0.2, 0.3))), 6.0, prior)
+    assert found.azimuth == pytest.approx(0.2, abs=3e-4)
+    assert found.elevation == 0.0
+    assert math.sqrt(found.elevation_variance) == pytest.approx(math.atan2(1.0, 4.0), rel=1e-6)
+
+
+@pytest.mark.parametrize('distance', [1.5, 3.0])
+def test_a_lamp_close_by_is_seen_from_where_each_diode_is(distance):
+    diodes = ring_of(8, SMALL, 1.2)
+    amplitude = readings(diodes, ray(0.3), distance=distance)
+    known = LampPrior(distance=distance, distance_deviation=0.0)
+    assert DirectionFinder(diodes).find(heard(amplitude), 6.0, known).azimuth == pytest.approx(
+        0.3, abs=EXACT
+    )
+    blind = replace(diodes, places=((0.0, 0.0, 0.0),) * 8)
+    off = DirectionFinder(blind).find(heard(amplitude), 6.0, known).azimuth - 0.3
+    assert abs(off) > math.radians(0.2)
+
+
+def test_known_gains_and_a_dead_diode_cost_nothing_without_noise():
+    gains = (1.1, 0.9, 1.0, 0.0, 1.2, 0.8, 1.0, 1.05)
+    diodes = replace(ring_of(8, 0.0, 1.2), gains=gains)
+    found = DirectionFinder(diodes).find(heard(readings(diodes, ray(1.0))), 6.0, FAR)
+    assert found.azimuth == pytest.approx(1.0, abs=EXACT)
+
+
+@pytest.mark.parametrize('spoilt', range(8))
+def test_a_spoilt_diode_is_left_out(spoilt):
+    diodes = ring_of(8, 0.0, 1.2)
+    amplitude = readings(diodes, ray(0.3))
+    amplitude[spoilt] = 3000.0
+    peaks = heard(amplitude)
+    peaks.snr[spoilt] = 0.0
+    found = DirectionFinder(diodes).find(peaks, 6.0, FAR)
+    assert found.azimuth == pytest.approx(0.3, abs=1e-5)
+
+
+def test_nothing_is_found_below_the_gate_or_in_even_light():
+    finder = DirectionFinder(ring_of(8))
+    assert finder.find(heard(np.full(8, 40.0)), 6.0, FAR) is None
+    dim = heard(readings(ring_of(8), ray(0.0)), noise=60.0)
+    assert dim.snr.max() < 6.0
+    assert finder.find(dim, 6.0, FAR) is None
+    spoilt = heard(readings(ring_of(8), ray(0.0)))
+    spoilt.snr[:] = 0.0
+    assert finder.find(spoilt, 6.0, FAR) is None
+
+
+ANGLES = st.floats(-math.pi, math.pi)
+NOISY = st.lists(st.floats(-1.0, 1.0), min_size=8, max_size=8).map(np.array)
+
+
+@given(azimuth=ANGLES, noise=NOISY, turns=st.integers(1, 7))
+def test_turning_the_readings_round_the_ring_turns_the_direction(azimuth, noise, turns):
+    finder = DirectionFinder(ring_of(8, SMALL, 1.2, 0.02))
+    amplitude = readings(ring_of(8, SMALL, 1.2), ray(azimuth)) + noise
+    one = finder.find(heard(amplitude, 1.0), 6.0, LampPrior())
+    other = finder.find(heard(np.roll(amplitude, turns), 1.0), 6.0, LampPrior())
+    turned = apart(other.azimuth - one.azimuth, turns * math.pi / 4.0)
+    # Both stop within a step of 1e-5.
+    assert turned == pytest.approx(0.0, abs=1e-5)
+    assert other.azimuth_variance == pytest.approx(one.azimuth_variance, rel=1e-3)
+
+
+@given(azimuth=ANGLES, noise=NOISY, scale=st.floats(1e-3, 1e3))
+def test_a_brighter_lamp_in_as_much_more_noise_is_the_same_direction(azimuth, noise, scale):
+    finder = DirectionFinder(ring_of(8, SMALL, 1.2, 0.02))
+    amplitude = readings(ring_of(8, SMALL, 1.2), ray(azimuth)) + noise
+    one = finder.find(heard(amplitude, 1.0), 6.0, LampPrior())
+    other = finder.find(heard(scale * amplitude, scale), 6.0, LampPrior())
+    assert apart(other.azimuth, one.azimuth) == pytest.approx(0.0, abs=1e-5)
+    assert other.azimuth_variance == pytest.approx(one.azimuth_variance, rel=1e-3)
+    assert other.strength == pytest.approx(scale * one.strength, rel=1e-3)
+
+
+@given(azimuth=ANGLES, noise=NOISY, order=st.permutations(range(8)))
+def test_the_order_of_the_diodes_does_not_matter(azimuth, noise, order):
+    diodes = tetrahedral(8, 0.02)
+    amplitude = readings(diodes, ray(azimuth, 0.2)) + noise
+    other = replace(diodes, axes=tuple(diodes.axes[k] for k in order))
+    one = DirectionFinder(diodes).find(heard(amplitude, 1.0), 6.0, LampPrior())
+    two = DirectionFinder(other).find(heard(amplitude[list(order)], 1.0), 6.0, LampPrior())
+    assert apart(two.azimuth, one.azimuth) == pytest.approx(0.0, abs=1e-5)
+    assert two.covariance == pytest.approx(one.covariance, rel=1e-3, abs=1e-7)
+
+
+def independent(diodes, amplitude, noise, prior, found):
+    """Return azimuth, elevation and strength by scipy, from the docstring of `readings` alone."""
+    axes, places, p = np.array(diodes.axes), np.array(diodes.places), diodes.response
+    expected: Expected = expected_of(prior)
+    uneven = unevenness(found.strength, found.pedestal)
+
+    def direct(azimuth, elevation, strength, near, fall):
+        towards = np.array(ray(azimuth, elevation))
+        left = np.array([-math.sin(azimuth), math.cos(azimuth), 0.0])
+        way = towards - near * places
+        away = np.linalg.norm(way, axis=1)
+        facing = np.maximum(np.einsum('ij,ij->i', axes, way) / away, 0.0) ** p / away**2
+        return strength * facing * (1.0 + near * fall * (places @ left))
+
+    first = (found.azimuth, found.elevation, found.strength, found.pedestal)
+    start = np.array([*first, *(0.0,) * 5, expected.nearness, 0.0])
+    typical = direct(found.azimuth, found.elevation, found.strength, expected.nearness, 0.0)
+    unequal = diodes.spread * (typical + found.pedestal)
+    error = np.sqrt(noise**2 + unequal**2 + (REST * uneven) ** 2)
+
+    def residuals(v):
+        pattern = axes @ v[4:7] + v[7] * (axes[:, 0] ** 2 - axes[:, 1] ** 2)
+        pattern += v[8] * 2.0 * axes[:, 0] * axes[:, 1]
+        model = direct(v[0], v[1], v[2], v[9], v[10]) + v[3] + pattern
+        slope = v[4:7] - LEANING * uneven * np.array(ray(v[0], v[1]))
+        return np.concatenate(
+            [
+                (amplitude - model) / error,
+                [(v[1] - expected.elevation) / expected.elevation_deviation],
+                slope / (SLOPES * uneven),
+                v[7:9] / (BENDS * uneven),
+                [(v[9] - expected.nearness) / expected.nearness_deviation, v[10] / BEAM],
+            ]
+        )
+
+    return least_squares(residuals, start, x_scale=np.maximum(np.abs(start), 0.1)).x
+
+
+@pytest.mark.parametrize('diodes', [ring_of(8, SMALL, 1.2, 0.02), tetrahedral(8, 0.02)])
+def test_another_solver_finds_the_same_minimum(diodes):
+    generator = np.random.default_rng(8)
+    prior, differences = LampPrior(), []
+    for _ in range(20):
+        azimuth, elevation = generator.uniform(-3.0, 3.0), generator.normal(0.0, 0.2)
+        amplitude = readings(diodes, ray(azimuth, elevation), distance=4.0)
+        amplitude = amplitude * generator.normal(1.0, 0.02, 8) + generator.normal(0.0, 0.5, 8)
+        found = DirectionFinder(diodes).find(heard(amplitude, 0.5), 6.0, prior)
+        other = independent(diodes, amplitude, 0.5, prior, found)
+        sigma = np.sqrt(np.diag(found.covariance))
+        off = [apart(other[0], found.azimuth), other[1] - found.elevation]
+        differences.append(np.abs(off) / sigma)
+        assert other[2] == pytest.approx(found.strength, rel=0.02)
+    # The fit takes its slopes over the edge of a diode's view, and weighs by its own model.
+    assert np.max(differences) < 0.4
+    assert np.median(differences) < 0.05
+
+
+def test_the_interval_holds_what_the_light_does_by_its_priors():
+    """Rooms drawn from the priors themselves: the fit linearises, and that is all it may lose."""
+    generator = np.random.default_rng(12)
+    diodes, prior = ring_of(8, SMALL, 1.2, 0.02), LampPrior()
+    expected, axes = expected_of(prior), np.array(diodes.axes)
+    finder = DirectionFinder(diodes, compiled(fit)[0], np.array)
+    inside, trials = 0, 2000
+    for _ in range(trials):
+        azimuth = generator.uniform(-math.pi, math.pi)
+        near = max(expected.nearness + expected.nearness_deviation * generator.normal(), 0.02)
+        amplitude = readings(diodes, ray(azimuth), distance=1.0 / near, pedestal=0.0)
+        left = np.array([-math.sin(azimuth), math.cos(azimuth), 0.0])
+        amplitude *= 1.0 + near * generator.normal() * (np.array(diodes.places) @ left)
+        uneven = unevenness(200.0, 40.0)
+        slope = SLOPES * generator.standard_normal(3) + LEANING * np.array(ray(azimuth))
+        bend = BENDS * generator.standard_normal(2)
+        pattern = axes @ slope + bend[0] * (axes[:, 0] ** 2 - axes[:, 1] ** 2)
+        pattern += bend[1] * 2.0 * axes[:, 0] * axes[:, 1]
+        pattern += REST * generator.standard_normal(8)
+        amplitude = (amplitude + 40.0 + uneven * pattern) * generator.normal(1.0, 0.02, 8)
+        found = finder.find(
+            heard(np.abs(amplitude + generator.normal(0, 0.5, 8)), 0.5), 6.0, prior
+        )
+        inside += abs(apart(found.azimuth, azimuth)) < 1.96 * math.sqrt(found.azimuth_variance)
+    # 2000 trials know a share of 95 % to 0.5 %.
+    assert inside / trials == pytest.approx(0.95, abs=0.015)
+
+
+@pytest.mark.parametrize('count', [4, 8, 16])
+def test_compiled_it_is_the_same_to_the_last_bit(count):
+    generator = np.random.default_rng(count)
+    diodes = ring_of(count, SMALL, 1.2, 0.02)
+    plain, fast = DirectionFinder(diodes), DirectionFinder(diodes, compiled(fit)[0], np.array)
+    for _ in range(50):
+        truth = readings(diodes, ray(generator.uniform(-3.1, 3.1)), distance=3.0)
+        peaks = heard(np.abs(truth + generator.normal(0.0, 2.0, count)), 2.0)
+        peaks.snr[generator.integers(count)] = 0.0
+        assert plain.find(peaks, 6.0, LampPrior()) == fast.find(peaks, 6.0, LampPrior())
+
+
+def test_a_vehicles_diodes_are_those_of_its_file():
+    entry = load_vehicle_file('gtmab').sensors.diodes
+    diodes = diodes_of(entry)
+    assert len(diodes.axes) == entry.count == 8
+    assert diodes.axes[2] == pytest.approx((0.0, 1.0, 0.0), abs=1e-15)
+    assert diodes.places[2] == pytest.approx((0.0, 0.07, 0.0), abs=1e-15)
+    array = array_of(diodes)
+    assert array.rx[0] == pytest.approx(0.07)
+    assert array.gains == (1.0,) * 8
+
+
+@pytest.mark.parametrize(
+    ('wrong', 'sentence'),
+    [
+        ({'axes': ()}, '0 diode axes'),
+        ({'gains': (1.0,)}, '1 gains'),
+        ({'axes': ((0.0, 0.0, 2.0),) * 8}, 'not of length 1'),
+        ({'response': 0.0}, r'cos\^0.0'),
+        ({'gains': (math.nan,) * 8}, 'nan'),
+        ({'spread': -0.1}, '-0.1'),
+    ],
+)
+def test_diodes_that_cannot_be_are_refused(wrong, sentence):
+    with pytest.raises(BadInput, match=sentence):
+        replace(ring_of(8), **wrong)
+
+
+def test_another_number_of_diodes_is_refused():
+    with pytest.raises(BadInput, match='4 diodes, but the vehicle file 8'):
+        ring_of(8).check(4)
