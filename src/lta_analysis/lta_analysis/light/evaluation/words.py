@@ -22,6 +22,14 @@ FACTORS: Final[Mapping[str, str]] = {
     'built': 'feedback of 100 k\N{GREEK CAPITAL LETTER OMEGA}, as built',
     'daylight': 'feedback of 1.5 k\N{GREEK CAPITAL LETTER OMEGA}',
     'start_heading': 'start heading within 30\N{DEGREE SIGN} of the lamp',
+    'not_stopping': 'DGA does not stop to turn',
+    'no_computing': 'DGA computes in no time',
+    'plane_through_origin': "DGA's plane through the origin, as printed",
+    'ideal_cosine': 'diodes with an ideal cosine',
+    'narrow_diodes': 'diodes that look ahead only (cosine to the 4th)',
+    'small_swing': 'DES swings by 0.5 rad',
+    'gradient_alone': 'DES by the gradient alone',
+    'scan_and_gradient': 'DES by scan and gradient',
 }
 
 
