@@ -69,7 +69,7 @@ class Scenario(Record):
     start: Start
     goal: Goal
     course: Course | None = None
-    route: tuple[str, ...] = ()
+    route: Annotated[tuple[str, ...], Field(strict=False)] = ()  # a list in the file
 
     @model_validator(mode='after')
     def _lit(self) -> Self:
