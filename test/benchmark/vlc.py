@@ -96,7 +96,6 @@ def figures() -> list[Figure]:
     both = Demodulation(frequency=BEACONS[0], others=BEACONS[1:], window=WINDOW)
     ears = Listener(both, SAMPLE_RATE, SAMPLES)
     taken = blocks(16, BEACONS)
-    whole_bins = pace(taken, partial(plain, quiet_mask()))
     peer = f'numpy {version("numpy")}, scipy {version("scipy")}'
     return [
         Figure('vlc.realtime', 's/s', pace(blocks(8, BEACONS[:1]), seen(8)), rounds=20),
