@@ -27,7 +27,7 @@ class Referee:
         self._along = scenario.course is not None
 
     def distance(self, x: float, y: float) -> float:
-        """Return the horizontal distance from a place to the lamp that is to be reached next. [m]"""
+        """Return the horizontal distance from a place to the lamp to reach next. [m]"""
         return math.dist(self._stops[0], (x, y))
 
     def judge(self, x: float, y: float, z: float, elapsed: float) -> Outcome:
