@@ -22,7 +22,7 @@ from lta_config.settings import setting, Settings
 from lta_control.strategies.lamp_filter import (
     bearing_deviation,
     begin,
-    dimmed,
+    expected,
     Fix,
     Optics,
     predict,
@@ -76,6 +76,13 @@ class HomingSettings(Settings):
     )
     gate: float = setting(
         4.0, 'Standard deviations beyond which a sight does not fit.', unit='1', low=1.0, high=20.0
+    )
+    echo: float = setting(
+        0.25,
+        'Share of the strength that fits, below which a light is an echo.',
+        unit='1',
+        low=0.0,
+        high=1.0,
     )
     trusted: float = setting(
         0.5, 'Deviation beyond which a bearing is not looked at.', unit='rad', low=0.01, high=3.2
@@ -183,7 +190,7 @@ def followed(own: HomingSettings, m: Homing, sight: Sight) -> Homing:
     if sight.seen and sight.deviation <= own.trusted:
         bearing, strength = sight.heading + sight.bearing, max(sight.strength, 1.0)
         fits = known and surprise(fix, optics, bearing, sight.deviation) <= own.gate
-        strong = not known or dimmed(fix, optics, strength) <= own.gate
+        strong = not known or strength >= own.echo * expected(fix)
         doubted = 0.0 if fits or not strong else doubted + dt
         sought = m.searched > 0.0 and lost > own.hold
         if not known or doubted > own.doubt or (sought and not (fits and strong)):

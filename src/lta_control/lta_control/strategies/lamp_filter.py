@@ -135,11 +135,9 @@ def surprise(fix: Fix, optics: Optics, bearing: float, deviation: float) -> floa
     return abs(error) / math.sqrt(_dot(slopes, _times(fix.rows, slopes)) + noise)
 
 
-def dimmed(fix: Fix, optics: Optics, strength: float) -> float:
-    """Return by how many standard deviations a strength is below what the fix says. [1]"""
-    slopes, error = _by_strength(fix, strength)
-    noise = _strength_noise(fix, optics)
-    return -error / math.sqrt(_dot(slopes, _times(fix.rows, slopes)) + noise)
+def expected(fix: Fix) -> float:
+    """Return the strength that the fix says. [counts]"""
+    return math.exp(fix.brightness) / _squared(fix)
 
 
 def see(fix: Fix, optics: Optics, bearing: float, deviation: float, strength: float) -> Fix:
