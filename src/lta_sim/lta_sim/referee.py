@@ -3,6 +3,7 @@
 import math
 from typing import final
 
+from lta_sim.bounds import Bounds
 from lta_sim.readings import Outcome
 from lta_sim.scenario import Scenario
 
@@ -20,14 +21,17 @@ class Referee:
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        length, width, self._height = scenario.room.size.vector
-        self._sides = (length / 2, width / 2)
+        self._bounds = Bounds(scenario)
         self._stops = [lamp.position.vector[:2] for lamp in scenario.stops]
         self._radius, self._limit = scenario.goal.radius.si, scenario.goal.time_limit.si
         self._along = scenario.course is not None
 
     def distance(self, x: float, y: float) -> float:
+<<<<<<< HEAD
         """Return the horizontal distance from a place to the lamp to reach next. [m]"""
+=======
+        """Return the horizontal distance to the lamp that is to be reached next. [m]"""
+>>>>>>> main
         return math.dist(self._stops[0], (x, y))
 
     def judge(self, x: float, y: float, z: float, elapsed: float) -> Outcome:
@@ -42,11 +46,12 @@ class Referee:
             Time since the start. [s]
 
         """
+        in_bounds = self._bounds.hold(x, y, z)
         if not self._along and self.distance(x, y) <= self._radius:
             if len(self._stops) == 1:
                 return Outcome.REACHED
             del self._stops[0]
-        if not (abs(x) <= self._sides[0] and abs(y) <= self._sides[1] and z <= self._height):
+        if not in_bounds:
             return Outcome.ESCAPED
         if elapsed >= self._limit:
             # Who flies a course to its end was to do nothing else.
