@@ -27,11 +27,7 @@ class Referee:
         self._along = scenario.course is not None
 
     def distance(self, x: float, y: float) -> float:
-<<<<<<< HEAD
-        """Return the horizontal distance from a place to the lamp to reach next. [m]"""
-=======
         """Return the horizontal distance to the lamp that is to be reached next. [m]"""
->>>>>>> main
         return math.dist(self._stops[0], (x, y))
 
     def judge(self, x: float, y: float, z: float, elapsed: float) -> Outcome:
