@@ -20,6 +20,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+# Effects whose force follows the motion, as much of what is outside the library does.
+MOTION: Final = (*PARTS, 'munk_moment', 'cross_flow')
 LOUD: Final = 4.0  # floors; of what remains, to put in question what was named
 SOUND: Final = 40.0  # nats; of a name beside something larger on its axes
 MOST: Final = 0.4  # of a deviation; what may remain where a candidate was most of it
@@ -28,6 +30,11 @@ TOUCHED: Final = 0.15  # of a deviation; a candidate that takes more has to do w
 FREE: Final = 1e3  # floors; a latent force that can be anything
 ALIKE: Final = 0.5  # of a column; what a latent force has to explain of it
 NEARLY: Final = 0.85  # of what the axis explains that explains most
+
+
+def follows(name: str) -> bool:
+    """Tell whether a knob is a word for whatever follows the motion."""
+    return name.partition('.')[0] in MOTION
 
 
 def acts_on(linear: Linear, name: str, floor: Array) -> NDArray[np.bool_]:
@@ -71,9 +78,8 @@ def lesser(name: str, acts: NDArray[np.bool_], before: Array, final: Array) -> b
     follows the motion: a little of it on an axis is no proof of either. Parameters are as for
     `partial`, and the candidate's name.
     """
-    motion = name.partition('.')[0] in PARTS
     explained = np.sqrt(np.maximum(before**2 - final**2, 0.0))
-    return motion and bool(acts.any() and explained[acts].max() < LESSER * final.max())
+    return follows(name) and bool(acts.any() and explained[acts].max() < LESSER * final.max())
 
 
 def minor(name: str, acts: NDArray[np.bool_], before: Array, final: Array) -> bool:
@@ -82,7 +88,7 @@ def minor(name: str, acts: NDArray[np.bool_], before: Array, final: Array) -> bo
 
     Parameters are as for `lesser`.
     """
-    if name.partition('.')[0] not in PARTS or not acts.any():
+    if not follows(name) or not acts.any():
         return False
     explained = np.sqrt(np.maximum(before**2 - final**2, 0.0))
     k = int(np.argmax(np.where(acts, explained, -1.0)))
@@ -116,5 +122,4 @@ def sound(name: str, gains: Sequence[float]) -> bool:
         Log evidence that it has won on each side. [nats]
 
     """
-    motion = name.partition('.')[0] in PARTS
-    return not motion and min(gains) > LARGER and sum(gains) > SOUND
+    return not follows(name) and min(gains) > LARGER and sum(gains) > SOUND

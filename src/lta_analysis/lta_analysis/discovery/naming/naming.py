@@ -15,9 +15,9 @@ from lta_analysis.discovery.fit.deviations import weighed
 from lta_analysis.discovery.fit.evidence import floor_of, learned, own_variance, Prior, shared
 from lta_analysis.discovery.fit.fit import Fitter, Joint
 from lta_analysis.discovery.fit.starts import begun, TRIED
-from lta_analysis.discovery.model.knobs import PARTS
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.naming.accept import APART, TIE, Trial
+from lta_analysis.discovery.naming.beside import follows
 from lta_analysis.discovery.naming.displacing import AGREED, Displacing, HALF, QUARTER
 from lta_analysis.discovery.naming.scan import likeness, scan
 from lta_analysis.discovery.replay.linear import origin
@@ -206,7 +206,7 @@ class Naming:
             return set()
         others = [knob.name for knob in self.knobs if knob.typical > 0.0]
         names = [*failed, *(name for name in others if name not in failed)]
-        motion = {name for name in others if name.partition('.')[0] in PARTS}
+        motion = {name for name in others if follows(name)}
         alike = [np.abs(likeness(this.reduced, prior, names, self.knobs)) for this in fits]
         nearest = np.max(alike, axis=0)[:, : len(failed)].max(axis=1)
         near = zip(names, nearest, strict=True)

@@ -143,6 +143,7 @@ def test_drag_for_a_little_beside_something_large_is_withdrawn() -> None:
     assert lesser('linear_drag.surge', surge, before + 2.0, final + 2.0)  # it hardly changed
     assert not lesser('net_lift.force', surge, before, final)  # it follows no motion
     assert not lesser('added_mass.surge', none, before, final)
+    assert lesser('munk_moment.lost', surge, before, final)
 
 
 def test_a_knob_acts_where_a_force_could_do_the_same(gtmab: Known, clean: Linearised) -> None:
