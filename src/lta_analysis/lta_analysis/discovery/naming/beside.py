@@ -22,11 +22,13 @@ Array = NDArray[np.float64]
 
 # Effects whose force follows the motion, as much of what is outside the library does.
 MOTION: Final = (*PARTS, 'munk_moment', 'cross_flow')
+# And those whose force follows place or time.
+SCENERY: Final = ('steady_wind', 'wind_gradient', 'helium_leak')
 LOUD: Final = 4.0  # floors; of what remains, to put in question what was named
 SOUND: Final = 40.0  # nats; of a name beside something larger on its axes
 MOST: Final = 0.4  # of a deviation; what may remain where a candidate was most of it
 LESSER: Final = 0.5  # of the largest that remains; what a coefficient of motion has to explain
-TOUCHED: Final = 0.15  # of a deviation; a candidate that takes more has to do with it
+TOUCHED: Final = 0.15  # of a deviation; a candidate that changes more has to do with it
 FREE: Final = 1e3  # floors; a latent force that can be anything
 ALIKE: Final = 0.5  # of a column; what a latent force has to explain of it
 NEARLY: Final = 0.85  # of what the axis explains that explains most
@@ -35,6 +37,11 @@ NEARLY: Final = 0.85  # of what the axis explains that explains most
 def follows(name: str) -> bool:
     """Tell whether a knob is a word for whatever follows the motion."""
     return name.partition('.')[0] in MOTION
+
+
+def vague(name: str) -> bool:
+    """Tell whether a knob is a word for whatever follows motion, place or time."""
+    return follows(name) or name.partition('.')[0] in SCENERY
 
 
 def acts_on(linear: Linear, name: str, floor: Array) -> NDArray[np.bool_]:
@@ -103,7 +110,7 @@ def calm(acts: NDArray[np.bool_], floors: Array) -> bool:
 def untouched(before: Array, after: Array) -> bool:
     """Tell whether a candidate leaves all that remains as it was."""
     remains = after > CLEAR
-    return bool(np.all(after[remains] > (1.0 - TOUCHED) * before[remains]))
+    return bool(np.all(np.abs(after - before)[remains] < TOUCHED * before[remains]))
 
 
 def sound(name: str, gains: Sequence[float]) -> bool:

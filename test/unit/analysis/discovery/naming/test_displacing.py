@@ -87,6 +87,7 @@ def test_what_leaves_all_that_remains_as_it_was_has_nothing_to_do_with_it() -> N
     assert untouched(before, after)
     assert untouched(before, after - 1.5 * sway)  # what is calm does not count
     assert not untouched(before, after - 10.0 * pitch)
+    assert not untouched(before, after + 20.0 * pitch)
     assert calm(sway, after)
     assert not calm(sway | pitch, after)
     assert calm(np.zeros(6, dtype=np.bool_), after)  # it is about a sensor
