@@ -3,6 +3,7 @@
 import math
 from typing import final
 
+from lta_sim.bounds import Bounds
 from lta_sim.readings import Outcome
 from lta_sim.scenario import Scenario
 
@@ -20,8 +21,7 @@ class Referee:
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        length, width, self._height = scenario.room.size.vector
-        self._sides = (length / 2, width / 2)
+        self._bounds = Bounds(scenario)
         self._x, self._y, _ = scenario.lamp.position.vector
         self._radius, self._limit = scenario.goal.radius.si, scenario.goal.time_limit.si
         self._along = scenario.course is not None
@@ -42,9 +42,10 @@ class Referee:
             Time since the start. [s]
 
         """
+        in_bounds = self._bounds.hold(x, y, z)
         if not self._along and self.distance(x, y) <= self._radius:
             return Outcome.REACHED
-        if not (abs(x) <= self._sides[0] and abs(y) <= self._sides[1] and z <= self._height):
+        if not in_bounds:
             return Outcome.ESCAPED
         if elapsed >= self._limit:
             # Who flies a course to its end was to do nothing else.

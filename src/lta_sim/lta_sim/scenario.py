@@ -15,7 +15,13 @@ from lta_config.files import checked, find, load_yaml, Record
 from lta_config.quantity import Quantity, si
 from lta_sim.light.field import LightField
 from lta_sim.scenario_air import Air
-from lta_sim.scenario_light import AmbientScene, LampScene, RoomShape
+from lta_sim.scenario_light import (
+    AmbientScene,
+    DaylightScene,
+    LampScene,
+    OutsideScene,
+    RoomShape,
+)
 from pydantic import AliasChoices, Field, model_validator
 
 Fraction = Annotated[Quantity, si('1', low=0.0, high=1.0)]
@@ -58,6 +64,8 @@ class Scenario(Record):
         default_factory=dict
     )
     ambient: AmbientScene
+    daylight: DaylightScene | None = None
+    outside: OutsideScene | None = None
     start: Start
     goal: Goal
     course: Course | None = None
@@ -76,7 +84,8 @@ class Scenario(Record):
         length, width, height = self.room.size.vector
         for name, lamp in self.lamps.items():
             x, y, z = lamp.position.vector
-            if abs(x) > length / 2 or abs(y) > width / 2 or not 0 <= z <= height:
+            indoors = abs(x) <= length / 2 and abs(y) <= width / 2 and 0 <= z <= height
+            if not (indoors or self._beyond(x, y, z)):
                 raise ValueError(f'has its {name} at {x, y, z} m, outside the room')
         x, y, _ = self.lamp.position.vector
         start_x, start_y = self.start.position.vector
@@ -98,6 +107,22 @@ class Scenario(Record):
                 'give it more time'
             )
         return self
+
+    @model_validator(mode='after')
+    def _walls_let_out(self) -> Self:
+        if self.outside is not None and self.room.walls == 'solid':
+            raise ValueError(
+                'has a door in solid walls, which hold every hull; make the walls open: a drone '
+                'that flies through them beside the door has escaped'
+            )
+        return self
+
+    def _beyond(self, x: float, y: float, z: float) -> bool:
+        """Tell whether a place is out of the door and within reach. [m]"""
+        if self.outside is None:
+            return False
+        reach, wall = self.outside.reach.si, self.room.size.vector[0] / 2
+        return wall < x <= wall + reach and abs(y) <= reach and 0.0 <= z <= reach
 
     @property
     def wind_file(self) -> Path | None:
@@ -132,6 +157,8 @@ class Scenario(Record):
             tuple(lamp.lamp for lamp in self.lamps.values()),
             self.ambient.ambient,
             self.room.room,
+            None if self.daylight is None else self.daylight.over(self.room.albedo.floor),
+            None if self.outside is None else self.outside.outside,
         )
 
 
