@@ -63,6 +63,8 @@ LIGHT: Final = Group(
         'link': Verb('light_link', 'link'),
         'plan': Verb('light_plan', 'plan'),
         'evaluate': Verb('light_evaluate', 'evaluate', several=('--sets',)),
+        'bearing': Verb('light_bearing', 'bearing'),
+        'study': Verb('light_study', 'light_study'),
     },
 )
 VERBS: Final[dict[str, Verb | Group]] = {
