@@ -17,8 +17,7 @@ from typing import Final
 
 from lta_analysis.light.plan.rays import Array, on_diode
 from lta_sim.effects.protocol import Vector
-from lta_sim.light.gather import beam_of
-from lta_sim.light.lambertian import Eye
+from lta_sim.light.lambertian import beam_of, Eye
 
 PURE: Final = 2.0
 Numbers = tuple[float, float, float, float, float, float, float, float]
