@@ -132,6 +132,9 @@ def mission_step(
     mission = mission._replace(phase=phase, memory=memory)
     if phase is Phase.SEEK or phase is Phase.ARRIVED:
         return _steered(settings, strategy, mission, sight, lamps)
+    if phase is Phase.CLIMB and strategy.watch is not None:
+        memory = strategy.watch(settings, memory, sight)
+        mission = mission._replace(memory=memory)
     height = settings.landing if phase is Phase.LAND else settings.altitude
     return Setpoint(height, memory[0], 0.0), mission
 

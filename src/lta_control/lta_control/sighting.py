@@ -73,7 +73,7 @@ def sighted(
         lamp is not None,
         bearing,
         reckoned.heading,
-        amplitudes,
+        amplitudes or (0.0,),  # of a block that could not be read
         interval,
         deviation,
         strength,

@@ -11,7 +11,7 @@ from lta_sim.scenario import Scenario
 @final
 class Referee:
     """
-    The end of a flight, by the numbers of its scenario.
+    The end of a flight, by the numbers of its scenario; the lamps of a route count in their order.
 
     Parameters
     ----------
@@ -22,13 +22,13 @@ class Referee:
 
     def __init__(self, scenario: Scenario) -> None:
         self._bounds = Bounds(scenario)
-        self._x, self._y, _ = scenario.lamp.position.vector
+        self._stops = [lamp.position.vector[:2] for lamp in scenario.stops]
         self._radius, self._limit = scenario.goal.radius.si, scenario.goal.time_limit.si
         self._along = scenario.course is not None
 
     def distance(self, x: float, y: float) -> float:
-        """Return the horizontal distance from a place to the lamp. [m]"""
-        return math.hypot(self._x - x, self._y - y)
+        """Return the horizontal distance to the lamp that is to be reached next. [m]"""
+        return math.dist(self._stops[0], (x, y))
 
     def judge(self, x: float, y: float, z: float, elapsed: float) -> Outcome:
         """
@@ -44,7 +44,9 @@ class Referee:
         """
         in_bounds = self._bounds.hold(x, y, z)
         if not self._along and self.distance(x, y) <= self._radius:
-            return Outcome.REACHED
+            if len(self._stops) == 1:
+                return Outcome.REACHED
+            del self._stops[0]
         if not in_bounds:
             return Outcome.ESCAPED
         if elapsed >= self._limit:

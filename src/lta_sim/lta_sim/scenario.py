@@ -69,7 +69,7 @@ class Scenario(Record):
     start: Start
     goal: Goal
     course: Course | None = None
-    route: tuple[str, ...] = ()
+    route: Annotated[tuple[str, ...], Field(strict=False)] = ()  # a list in the file
 
     @model_validator(mode='after')
     def _lit(self) -> Self:
@@ -87,18 +87,18 @@ class Scenario(Record):
             indoors = abs(x) <= length / 2 and abs(y) <= width / 2 and 0 <= z <= height
             if not (indoors or self._beyond(x, y, z)):
                 raise ValueError(f'has its {name} at {x, y, z} m, outside the room')
-        x, y, _ = self.lamp.position.vector
+        unknown_names = [name for name in self.route if name not in self.lamps]
+        if unknown_names:
+            raise ValueError(
+                f'has {", ".join(unknown_names)} on its route, which is none of its lamps; '
+                f'known: {", ".join(self.lamps)}'
+            )
+        x, y, _ = self.stops[0].position.vector
         start_x, start_y = self.start.position.vector
         if abs(start_x) > length / 2 or abs(start_y) > width / 2:
             raise ValueError(f'has its start at {start_x, start_y} m, outside the room')
         if math.hypot(x - start_x, y - start_y) <= self.goal.radius.si:
             raise ValueError('starts within its goal; move the start or make the radius smaller')
-        unknown_names = [name for name in self.route if name not in dict(self.beacons)]
-        if unknown_names:
-            raise ValueError(
-                f'has the lamps {", ".join(unknown_names)} on its route, which are not there; '
-                f'known: {", ".join(name for name, _ in self.beacons)}'
-            )
         if self.route and self.course is not None:
             raise ValueError('has a route and a course; leave one of them out')
         if self.course is not None and self.course.rows[-1].at.si >= self.goal.time_limit.si:
@@ -136,8 +136,14 @@ class Scenario(Record):
 
     @property
     def lamp(self) -> LampScene:
-        """The first lamp, which is the goal."""
-        return next(iter(self.lamps.values()))
+        """The lamp that is the goal: the last of the route, or else the first there is."""
+        return self.stops[-1]
+
+    @property
+    def stops(self) -> tuple[LampScene, ...]:
+        """The lamps to reach, in order."""
+        names = self.route or tuple(self.lamps)[:1]
+        return tuple(self.lamps[name] for name in names)
 
     @property
     def beacons(self) -> tuple[tuple[str, float], ...]:

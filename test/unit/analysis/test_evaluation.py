@@ -46,7 +46,7 @@ def cell(paths, strategy='bag', lost=0, case='as_flown'):
         for seed, path in enumerate(paths)
     }
     rows |= {100 + k: Row(100 + k, 100 + k, {}, 'timeout', '') for k in range(lost)}
-    return Cell(strategy, case, math.nan, 0.0, True, rows)
+    return Cell(strategy, case, '', math.nan, 0.0, rows)
 
 
 def test_a_mean_has_the_interval_of_all_ways_to_resample_it():
@@ -281,7 +281,7 @@ def test_a_set_without_strategies_is_refused(tmp_path, monkeypatch):
 
 def test_the_ground_over_which_the_papers_wind_is_flown_is_told():
     def over(place, paths, lost):
-        return replace(cell(paths, lost=lost), place=place, named=False)
+        return replace(cell(paths, lost=lost), place=place)
 
     cells = [
         over(0.3, [], 2),

@@ -18,6 +18,10 @@ from lta_control.estimator import Estimate, estimator_step, EstimatorSettings, I
 from lta_control.per_rotor import slots
 from lta_control.rest import Biases, Rest
 from lta_control.strategies import STRATEGIES
+from lta_control.strategies.dither import Dither
+from lta_control.strategies.gradient import Gradient
+from lta_control.strategies.homing import Homing
+from lta_control.strategies.lamp_filter import Fix, Optics
 from lta_control.strategies.protocol import Course, Sight
 from lta_control.strategies.settings import StrategySettings
 from lta_control.vehicle_side import body_of, rotors_of
@@ -44,7 +48,12 @@ TUPLES = {
         ControlMemory,
         Course,
         Demand,
+        Dither,
         Estimate,
+        Fix,
+        Gradient,
+        Homing,
+        Optics,
         Rest,
         Slope,
     )

@@ -19,7 +19,7 @@ def test_bag_is_known():
 def test_an_unknown_name_is_refused_with_the_known_ones():
     with pytest.raises(BadInput) as caught:
         strategy('bug')
-    assert str(caught.value) == "Unknown strategy 'bug'; known: bag."
+    assert str(caught.value) == "Unknown strategy 'bug'; known: bag, des, dga, homing."
 
 
 def test_bag_heads_for_the_lamp():

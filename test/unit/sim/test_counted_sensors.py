@@ -105,7 +105,8 @@ def test_the_lamp_is_heard_as_through_blocks(distance):
         told.append((*off, *(number.mean() for p in both[:2] for number in (p.amplitude, p.snr))))
     off, own, amplitude, snr, own_amplitude, own_snr = np.array(told).T
     np.testing.assert_allclose(own_amplitude.mean(), amplitude.mean(), rtol=2e-3)
-    np.testing.assert_allclose(own_snr.mean(), snr.mean(), rtol=0.03)
+    # What leaks and what is noise add up in the model, and as vectors in a bin.
+    np.testing.assert_allclose(own_snr.mean(), snr.mean(), rtol=0.05)
     assert abs(off.mean()) < 4 * off.std() / math.sqrt(BLOCKS)  # of what scatters by chance
     np.testing.assert_allclose(own.std(), off.std(), rtol=4 / math.sqrt(2 * BLOCKS))
 

@@ -1,5 +1,6 @@
 """lta light study: the paper's study of the number of photodiodes, by both estimators."""
 
+from collections.abc import Sequence
 import json as json_text
 from pathlib import Path
 import sys
@@ -74,7 +75,7 @@ def light_study(
     console.print(page_line(near(page)), highlight=False, markup=False, soft_wrap=True)
 
 
-def show(title: str, told: list[tuple[str, ...]], console: Console) -> None:
+def show(title: str, told: Sequence[tuple[str, ...]], console: Console) -> None:
     """Print a table whose first row is its head."""
     printed = Table(
         title=title, title_justify='left', box=None, pad_edge=False, padding=(0, 1, 0, 0)

@@ -1,10 +1,13 @@
 """Navigation strategies by name."""
 
 from lta_config.errors import BadInput, unknown
-from lta_control.strategies import bearing_angle
+from lta_control.strategies import bearing_angle, dither, gradient, homing
 from lta_control.strategies.protocol import Strategy
 
-STRATEGIES: dict[str, Strategy] = {'bag': bearing_angle.STRATEGY}
+STRATEGIES: dict[str, Strategy] = {
+    made.name: made
+    for made in (bearing_angle.STRATEGY, dither.STRATEGY, gradient.STRATEGY, homing.STRATEGY)
+}
 
 
 def check_route(strategy: Strategy, lamps: int) -> None:

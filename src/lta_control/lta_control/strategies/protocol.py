@@ -2,14 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import final, NamedTuple, TYPE_CHECKING
+from typing import Any, final, NamedTuple, TYPE_CHECKING
 
 from lta_config.settings import setting, Settings
 
 if TYPE_CHECKING:
     from lta_control.strategies.settings import StrategySettings
 
-Memory = tuple[float, ...]
+Memory = tuple[Any, ...]  # numbers and tuples of such; the first is the heading asked for last
 
 
 class Sight(NamedTuple):
@@ -96,10 +96,12 @@ class Strategy:
     name : str
         Name in launch files.
     start : callable
-        `start(heading) -> memory` before the first sight; the first number of every memory is the
-        heading that was asked for last.
+        `start(heading) -> memory` before the first sight.
     steer : callable
         `steer(settings, memory, sight) -> (course, memory)`.
+    watch : callable, optional
+        `watch(settings, memory, sight) -> memory` while the drone climbs: what it learns before it
+        may steer. It keeps the heading.
     arrives : bool
         Whether it ever says that it has arrived, as a route needs.
 
@@ -107,5 +109,6 @@ class Strategy:
 
     name: str
     start: Callable[[float], Memory]
-    steer: Callable[['StrategySettings', Memory, Sight], tuple[Course, Memory]]
+    steer: Callable[['StrategySettings', Any, Sight], tuple[Course, Memory]]
+    watch: Callable[['StrategySettings', Any, Sight], Memory] | None = None
     arrives: bool = False

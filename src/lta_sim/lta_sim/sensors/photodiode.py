@@ -29,7 +29,7 @@ from pydantic import Field
 
 Array = NDArray[np.float64]
 ELEMENTARY_CHARGE = 1.602176634e-19  # C, exact in SI
-ROOM = 0.5  # of the converter's range that steady light may take
+ROOM = 0.75  # of the converter's range that steady light may take
 NOISE_RESISTANCE = 1e6  # ohm, at which the data sheet gives the noise
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]

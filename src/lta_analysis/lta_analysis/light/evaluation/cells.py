@@ -26,13 +26,13 @@ class Cell:
     Attributes
     ----------
     strategy, case : str
-        Who flew, and what the case is called: its name, or its value in SI.
+        Who flew, and what the case is called: its name, its values in SI, or both.
+    family : str
+        What cases have in common that differ along the axis only; '' where all have it.
     place : float
         Where the case lies on the axis of its set; NaN without one.
     wind : float
         Mean wind plus one deviation at the hull, over the top airspeed. [1]
-    named : bool
-        Whether the case has a name instead of a value.
     rows : dict
         The flights that could be flown, by seed.
     failed : int
@@ -42,9 +42,9 @@ class Cell:
 
     strategy: str
     case: str
+    family: str
     place: float
     wind: float
-    named: bool
     rows: Mapping[int, Row]
     failed: int = 0
 
@@ -90,16 +90,23 @@ def cells_of(name: str, plan: Plan, rows: Iterable[Row]) -> list[Cell]:
                 share_of_top(made_of),
             )
         flown = {row.seed: row for row in own if row.outcome != FAILED}
-        by_name = CASE in own[0].values
-        found.append(Cell(strategy, case, *known[case], by_name, flown, len(own) - len(flown)))
+        failures = len(own) - len(flown)
+        found.append(Cell(strategy, case, family_of(own[0]), *known[case], flown, failures))
     return found
 
 
 def case_of(row: Row) -> str:
     """Return what the case of a flight is called."""
-    if CASE in row.values:
-        return str(row.values[CASE])
     return ', '.join(told(value) for path, value in row.values.items() if path != STRATEGY)
+
+
+def family_of(row: Row) -> str:
+    """Return the name of a case that has values besides, or a number at the end of its name."""
+    name = str(row.values.get(CASE, ''))
+    if row.values.keys() - {CASE, STRATEGY}:
+        return name
+    word, _, number = name.rpartition('_')
+    return word if number.isdecimal() else ''
 
 
 def ingredients(plan: Plan, row: Row) -> Ingredients:

@@ -119,7 +119,7 @@ def along(cells: Sequence[Cell], axis: Axis) -> Figure:
             seen.add(name)
         as_shares(figure, row)
         if family:
-            figure.update_yaxes(title_text=f'{family}: reached', row=row)
+            figure.update_yaxes(title_text=wrapped(words.factor(family)), row=row)
     if piloted:
         add_ratios(figure, cells, places, axis, len(families) + 1)
     last = len(families) + piloted
@@ -152,16 +152,9 @@ def add_ratios(
 
 
 def families_of(cells: Sequence[Cell]) -> dict[str, list[Cell]]:
-    """Return cells by the word before the number in the names of their cases; '' for values."""
-    found: dict[str, list[Cell]] = {}
-    for cell in cells:
-        word, _, number = cell.case.rpartition('_')
-        if number.isdecimal():
-            found.setdefault(word, []).append(cell)
-    still = [cell for cell in cells if not cell.case.rpartition('_')[2].isdecimal()]
-    if not found:
-        return {'': list(cells)}
-    return {word: [*still, *own] for word, own in found.items()}
+    """Return cells by family; what has none stands in all of them."""
+    names = list(dict.fromkeys(cell.family for cell in cells if cell.family)) or ['']
+    return {name: [cell for cell in cells if cell.family in {name, ''}] for name in names}
 
 
 def by_strategy(cells: Sequence[Cell]) -> dict[str, list[Cell]]:

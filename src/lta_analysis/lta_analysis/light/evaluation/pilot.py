@@ -9,7 +9,8 @@ and n to the left of it, it flies through the air at
 
 so that the track over ground is straight wherever the airspeed V holds against the wind across.
 V is the cruise speed, and all that the controller allows where that leaves less than half of it
-over ground. Its path is what others are measured by.
+over ground. It knows the wind without its eddies: who turns after each of them turns instead of
+flying. Its path is what others are measured by.
 """
 
 import math
@@ -20,6 +21,7 @@ from lta_sim.state import QUATERNION
 from lta_sim.world import World
 
 NAME = 'pilot'
+EDDIES = 5.0  # s; over so much, the wind at the hull is averaged
 LEAST = 0.5  # of the cruise speed, over ground, before the pilot flies faster
 
 
@@ -44,12 +46,15 @@ def pilot(world: World, top: float) -> Strategy:
         towards = math.atan2(lamp_y - float(world.state[1]), lamp_x - float(world.state[0]))
         c, s = math.cos(towards), math.sin(towards)
         x, y, _ = world.wind
+        if len(memory) > 1:
+            share = min(sight.interval / EDDIES, 1.0)
+            x, y = memory[1] + share * (x - memory[1]), memory[2] + share * (y - memory[2])
         along, left = through_air(x * c + y * s, y * c - x * s, settings.speed, top)
         qx, qy, qz, qw = world.state[QUATERNION].tolist()
         # The drone counts its heading from where it began; the pilot sees both.
         turn = towards + math.atan2(left, along) - heading_of((qx, qy, qz, qw))
         heading = sight.heading + math.remainder(turn, math.tau)
-        return Course(heading, math.hypot(along, left)), (heading,)
+        return Course(heading, math.hypot(along, left)), (heading, x, y)
 
     return Strategy(NAME, start, steer)
 

@@ -16,7 +16,20 @@ STRATEGIES: Final[Mapping[str, str]] = {
 }  # fmt: skip
 FACTORS: Final[Mapping[str, str]] = {
     'as_flown': 'as flown',
+    'head': 'head wind',
+    'cross': 'cross wind',
+    'tail': 'tail wind',
+    'built': 'feedback of 100 k\N{GREEK CAPITAL LETTER OMEGA}, as built',
+    'daylight': 'feedback of 1.5 k\N{GREEK CAPITAL LETTER OMEGA}',
     'start_heading': 'start heading within 30\N{DEGREE SIGN} of the lamp',
+    'not_stopping': 'DGA does not stop to turn',
+    'no_computing': 'DGA computes in no time',
+    'plane_through_origin': "DGA's plane through the origin, as printed",
+    'ideal_cosine': 'diodes with an ideal cosine',
+    'narrow_diodes': 'diodes that look ahead only (cosine to the 4th)',
+    'small_swing': 'DES swings by 0.5 rad',
+    'gradient_alone': 'DES by the gradient alone',
+    'scan_and_gradient': 'DES by scan and gradient',
 }
 
 
@@ -32,9 +45,10 @@ def factor(name: str) -> str:
 
 def case(cell: Cell, axis: Axis | None) -> str:
     """Return what to call the case of a cell: its name, or its value on the axis of its set."""
-    if axis is None or cell.named:
+    if axis is None or math.isnan(cell.place):
         return factor(cell.case)
-    return f'{cell.place:,.6g} {axis.unit}'
+    family = f'{factor(cell.family)}, ' if cell.family else ''
+    return f'{family}{cell.place:,.6g} {axis.unit}'
 
 
 def share(value: Share) -> str:

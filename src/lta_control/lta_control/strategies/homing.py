@@ -1,0 +1,220 @@
+r"""
+Homing, LTA's own strategy: fly along the line to the lamp whatever the wind.
+
+`lamp_filter` fuses bearings and strengths with dead reckoning into where the lamp is and how the
+drone drifts. Its way through the air is that of the wind triangle (`wind_triangle`):
+a drone in a cross wind holds its bearing instead of being bent into a dog's curve, and in a head
+wind it flies faster. Near the lamp the speed over the ground falls with the range, `approach` a
+second, and inside `arrival` it is 0: the drone has arrived and holds its place against the wind.
+
+What does not fit is not followed: a bearing that is itself uncertain, one that is far off the
+filter's, and one that is much weaker than the lamp would be from there, as an echo is whose lamp
+is hidden. While there is no light that fits, the filter goes on by dead reckoning for `hold`; then
+the drone searches, by a turn on the spot and then in circles that widen. A light that is as strong
+as the lamp but elsewhere for `doubt` is taken for the lamp: the filter was wrong. So is any light
+that is found after a search of a whole turn.
+"""
+
+import math
+from typing import NamedTuple, TYPE_CHECKING
+
+from lta_config.settings import setting, Settings
+from lta_control.strategies.lamp_filter import (
+    bearing_deviation,
+    begin,
+    dimmed,
+    Fix,
+    Optics,
+    predict,
+    see,
+    surprise,
+)
+from lta_control.strategies.protocol import Course, Sight, Strategy
+from lta_control.strategies.wind_triangle import through_air
+
+if TYPE_CHECKING:
+    from lta_control.strategies.settings import StrategySettings
+
+LEAST_PUSH = 0.1  # m/s forward on the way, where the wind carries the drone there by itself
+STAY = 2.0  # of the arrival range: who has arrived may be blown so far off and has still arrived
+
+
+class HomingSettings(Settings):
+    """What homing knows of lamp, wind and drone beforehand, and how patient it is."""
+
+    top_speed: float = setting(
+        1.05, 'Fastest airspeed to ask for.', unit='m/s', low=0.05, high=20.0
+    )
+    brightness: float = setting(
+        2100.0, 'Strength of the lamp at one metre.', unit='counts', low=1.0, high=1e9
+    )
+    unsure: float = setting(
+        0.5, 'Standard deviation of its logarithm.', unit='1', low=0.01, high=5.0
+    )
+    bearing_noise: float = setting(
+        0.03, 'Standard deviation of one bearing beyond its own.', unit='rad', low=1e-4, high=1.0
+    )
+    strength_noise: float = setting(
+        0.15, "Standard deviation of one strength's logarithm.", unit='1', low=0.01, high=5.0
+    )
+    wind: float = setting(
+        0.4, 'Standard deviation of the drift to expect.', unit='m/s', low=0.0, high=10.0
+    )
+    gusts: float = setting(
+        0.03, 'How much the drift changes in a second.', unit='m/s', low=0.0, high=5.0
+    )
+    settling: float = setting(
+        6.0,
+        'Time in which the drone learns its airspeed once it flies: gusts seem larger till then.',
+        unit='s',
+        low=0.1,
+        high=60.0,
+    )
+    unsettled: float = setting(
+        0.6, 'How much the drift changes in a second at first.', unit='m/s', low=0.0, high=5.0
+    )
+    gate: float = setting(
+        4.0, 'Standard deviations beyond which a sight does not fit.', unit='1', low=1.0, high=20.0
+    )
+    trusted: float = setting(
+        0.5, 'Deviation beyond which a bearing is not looked at.', unit='rad', low=0.01, high=3.2
+    )
+    doubt: float = setting(
+        1.5, 'Time after which a light elsewhere is the lamp.', unit='s', low=0.1, high=60.0
+    )
+    hold: float = setting(
+        8.0, 'Time to fly by dead reckoning without light.', unit='s', low=0.0, high=600.0
+    )
+    certain: float = setting(
+        0.8, 'Deviation of its bearing up to which so.', unit='rad', low=0.05, high=3.2
+    )
+    arrival: float = setting(
+        0.8, 'Horizontal range at which it has arrived.', unit='m', low=0.1, high=100.0
+    )
+    approach: float = setting(
+        0.5,
+        'Speed over the ground per metre to go, near the lamp.',
+        unit='1/s',
+        low=0.05,
+        high=5.0,
+    )
+
+
+class Homing(NamedTuple):
+    """What homing remembers."""
+
+    heading: float  # asked for last [rad]
+    known: bool  # whether there is a fix
+    fix: Fix
+    begun: bool  # whether `place` is known
+    place: tuple[float, float]  # dead reckoned, at the last sight [m]
+    flown: float  # time since the first sight [s]
+    lost: float  # time without light that fits [s]
+    doubted: float  # time with a strong light elsewhere [s]
+    searched: float  # time of search [s]
+    arrived: bool
+
+
+def start(heading: float) -> Homing:
+    """Return the memory before the first sight: nothing is known."""
+    none = (0.0, 0.0, 0.0, 0.0, 0.0)
+    fix = Fix(0.0, 0.0, 0.0, 0.0, 0.0, (none, none, none, none, none))
+    return Homing(heading, False, fix, False, (0.0, 0.0), 0.0, 0.0, 0.0, 0.0, False)
+
+
+def watch(settings: 'StrategySettings', memory: Homing, sight: Sight) -> Homing:
+    """Return the memory after a sight from a drone that climbs: wind is felt at once."""
+    return followed(settings.homing, memory, sight)
+
+
+def steer(settings: 'StrategySettings', memory: Homing, sight: Sight) -> tuple[Course, Homing]:
+    """Return the course through the air that leads along the line to the lamp."""
+    own = settings.homing
+    memory = followed(own, memory, sight)
+    lost = memory.lost > own.hold or (
+        memory.lost > 0.0 and bearing_deviation(memory.fix) > own.certain
+    )
+    if not memory.known or lost:
+        heading, speed = searching(settings, memory, sight.interval)
+        after = _searched(memory, heading, memory.searched + sight.interval)
+        return Course(heading, speed, False), after
+    heading, speed = homeward(settings, memory)
+    after = _searched(memory, heading, 0.0)
+    return Course(heading, speed, after.arrived), after
+
+
+def _searched(m: Homing, heading: float, searched: float) -> Homing:
+    """Return a memory with what was asked for."""
+    arrived = m.arrived and searched <= 0.0
+    return Homing(
+        heading, m.known, m.fix, m.begun, m.place, m.flown, m.lost, m.doubted, searched, arrived
+    )  # fmt: skip
+
+
+def optics_of(own: HomingSettings, flown: float) -> Optics:
+    """Return what the filter knows beforehand, some time after the first sight. [s]"""
+    gusts = math.hypot(own.gusts, own.unsettled * math.exp(-flown / own.settling))
+    return Optics(
+        math.log(own.brightness),
+        own.unsure,
+        own.bearing_noise,
+        own.strength_noise,
+        own.wind,
+        gusts,
+    )
+
+
+def followed(own: HomingSettings, m: Homing, sight: Sight) -> Homing:
+    """Return the memory with what one more sight tells, if it fits."""
+    optics, dt = optics_of(own, m.flown), sight.interval
+    fix, known, lost, doubted = m.fix, m.known, m.lost + dt, m.doubted
+    if m.known:
+        moved_x, moved_y = sight.position[0] - m.place[0], sight.position[1] - m.place[1]
+        fix = predict(optics, fix, moved_x, moved_y, dt)
+    if sight.seen and sight.deviation <= own.trusted:
+        bearing, strength = sight.heading + sight.bearing, max(sight.strength, 1.0)
+        fits = known and surprise(fix, optics, bearing, sight.deviation) <= own.gate
+        strong = not known or dimmed(fix, optics, strength) <= own.gate
+        doubted = 0.0 if fits or not strong else doubted + dt
+        sought = m.searched > 0.0 and lost > own.hold
+        if not known or doubted > own.doubt or (sought and not (fits and strong)):
+            fix, known = begin(optics, bearing, sight.deviation, strength), True
+            lost = doubted = 0.0
+        elif fits and strong:
+            fix, lost = see(fix, optics, bearing, sight.deviation, strength), 0.0
+    away = math.hypot(fix.x, fix.y)
+    limit = own.arrival * (STAY if m.arrived else 1.0)
+    arrived = known and away <= limit
+    return Homing(
+        m.heading, known, fix, True, sight.position, m.flown + dt, lost, doubted, m.searched,
+        arrived,
+    )  # fmt: skip
+
+
+def homeward(settings: 'StrategySettings', m: Homing) -> tuple[float, float]:
+    """Return heading [rad] and airspeed [m/s] along the line to the lamp, or to hold there."""
+    own, fix = settings.homing, m.fix
+    away = max(math.hypot(fix.x, fix.y), 1e-6)
+    over_ground = min(settings.speed, max(own.approach * (away - 0.5 * own.arrival), 0.0))
+    if m.arrived:
+        over_ground = 0.0
+    top = max(own.top_speed, settings.speed)
+    near = own.approach * away < settings.speed
+    return through_air(
+        (fix.x + 1e-9, fix.y),
+        (fix.wind_x, fix.wind_y),
+        over_ground,
+        top,
+        -top if near else LEAST_PUSH,
+    )
+
+
+def searching(settings: 'StrategySettings', m: Homing, interval: float) -> tuple[float, float]:
+    """Return heading [rad] and airspeed [m/s] of a search: a turn, then circles that widen."""
+    turn = 2.0 * math.pi / max(settings.search_rate, 1e-3)
+    if m.searched < turn:
+        return m.heading + settings.search_rate * interval, 0.0
+    return m.heading + settings.search_rate * interval * turn / m.searched, settings.speed
+
+
+STRATEGY = Strategy('homing', start, steer, watch, arrives=True)

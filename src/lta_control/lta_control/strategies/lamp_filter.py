@@ -1,0 +1,211 @@
+r"""
+Where a lamp is and how the drone drifts, from bearings and strengths over time.
+
+An extended Kalman filter (Bar-Shalom, Li and Kirubarajan, Estimation with applications to tracking
+and navigation, 2001, ch. 10) of five numbers: the lamp relative to the drone p, the drift w of the
+drone beyond its own dead reckoning, and the brightness c of the lamp:
+
+.. math::
+
+    p' = -(v + w), \quad w' = \text{noise}, \quad c' = \text{noise},
+    \quad \varphi = \operatorname{atan2}(p_y, p_x), \quad \ln S = c - 2 \ln r
+
+with v the velocity through the air, r the length of p, :math:`\varphi` the bearing in odom and S
+the strength. The drift is the wind, and whatever the airspeed estimate is wrong by: after a hand
+lets go in wind that is all of the wind, for some seconds.
+
+Across the line to the lamp the bearings tell the drift. Along it they tell nothing, and strengths
+tell the time to go, r / (v + w), alone: what r itself is comes from the brightness, which the
+drone knows beforehand within a factor (`Optics`).
+"""
+
+import math
+from typing import NamedTuple
+
+from lta_control.cascade import wrap
+
+Row = tuple[float, float, float, float, float]
+
+NEAREST = 0.4  # m; nearer, a bearing says nothing about where the drone is
+FARTHEST = 50.0  # m; farther, no lamp is seen
+
+
+class Optics(NamedTuple):
+    """What is known of the lamp and of the light beforehand."""
+
+    brightness: float  # logarithm of the strength at one metre [ln counts]
+    unsure: float  # its standard deviation
+    bearing_noise: float  # of one bearing beyond its own deviation [rad]
+    strength_noise: float  # of the logarithm of one strength
+    wind: float  # standard deviation of the drift before anything is seen [m/s]
+    gusts: float  # how much the drift changes in a second [m/s]
+
+
+class Fix(NamedTuple):
+    """The lamp relative to the drone [m, odom], drift [m/s, odom], brightness, covariance."""
+
+    x: float
+    y: float
+    wind_x: float
+    wind_y: float
+    brightness: float
+    rows: tuple[Row, Row, Row, Row, Row]
+
+
+def begin(optics: Optics, bearing: float, deviation: float, strength: float) -> Fix:
+    """
+    Return what a first sight tells.
+
+    Parameters
+    ----------
+    optics : Optics
+        What is known beforehand.
+    bearing, deviation : float
+        Of the lamp, odom frame. [rad]
+    strength : float
+        Above 0. [counts]
+
+    """
+    away = math.exp(0.5 * (optics.brightness - math.log(strength)))
+    away = min(max(away, NEAREST), FARTHEST)
+    cos, sin = math.cos(bearing), math.sin(bearing)
+    slope = 0.5 * away  # of the range by the brightness
+    variance = optics.unsure * optics.unsure
+    along = slope * slope * (variance + optics.strength_noise**2)
+    across = (away * math.hypot(deviation, optics.bearing_noise)) ** 2
+    xx, xy = along * cos * cos + across * sin * sin, (along - across) * cos * sin
+    yy, wind = along * sin * sin + across * cos * cos, optics.wind * optics.wind
+    xb, yb = slope * variance * cos, slope * variance * sin
+    return Fix(
+        away * cos,
+        away * sin,
+        0.0,
+        0.0,
+        optics.brightness,
+        (
+            (xx, xy, 0.0, 0.0, xb),
+            (xy, yy, 0.0, 0.0, yb),
+            (0.0, 0.0, wind, 0.0, 0.0),
+            (0.0, 0.0, 0.0, wind, 0.0),
+            (xb, yb, 0.0, 0.0, variance),
+        ),
+    )
+
+
+def predict(optics: Optics, fix: Fix, moved_x: float, moved_y: float, dt: float) -> Fix:
+    """Return a fix after a way through the air [m, odom] in a time [s]."""
+    r, s = fix.rows, dt
+    a, b = _ahead(_minus(r[0], s, r[2]), s), _ahead(_minus(r[1], s, r[3]), s)
+    c, d, e = _ahead(r[2], s), _ahead(r[3], s), _ahead(r[4], s)
+    gusts = optics.gusts * optics.gusts * dt
+    slip = 0.01 * gusts + 1e-4 * dt
+    faded = 1e-3 * dt
+    rows = (
+        (a[0] + slip, a[1], a[2], a[3], a[4]),
+        (b[0], b[1] + slip, b[2], b[3], b[4]),
+        (c[0], c[1], c[2] + gusts, c[3], c[4]),
+        (d[0], d[1], d[2], d[3] + gusts, d[4]),
+        (e[0], e[1], e[2], e[3], e[4] + faded),
+    )
+    return Fix(
+        fix.x - moved_x - fix.wind_x * dt,
+        fix.y - moved_y - fix.wind_y * dt,
+        fix.wind_x,
+        fix.wind_y,
+        fix.brightness,
+        rows,
+    )
+
+
+def surprise(fix: Fix, optics: Optics, bearing: float, deviation: float) -> float:
+    """Return how many standard deviations a bearing is off what the fix says. [1]"""
+    slopes, error = _by_bearing(fix, bearing)
+    noise = deviation * deviation + optics.bearing_noise**2
+    return abs(error) / math.sqrt(_dot(slopes, _times(fix.rows, slopes)) + noise)
+
+
+def dimmed(fix: Fix, optics: Optics, strength: float) -> float:
+    """Return by how many standard deviations a strength is below what the fix says. [1]"""
+    slopes, error = _by_strength(fix, strength)
+    noise = optics.strength_noise**2
+    return -error / math.sqrt(_dot(slopes, _times(fix.rows, slopes)) + noise)
+
+
+def see(fix: Fix, optics: Optics, bearing: float, deviation: float, strength: float) -> Fix:
+    """Return a fix after one more sight; arguments as of `begin`."""
+    slopes, error = _by_bearing(fix, bearing)
+    fix = _told(fix, slopes, error, deviation * deviation + optics.bearing_noise**2)
+    slopes, error = _by_strength(fix, strength)
+    return _told(fix, slopes, error, optics.strength_noise**2)
+
+
+def bearing_deviation(fix: Fix) -> float:
+    """Return the standard deviation of the bearing that the fix says. [rad]"""
+    slopes, _ = _by_bearing(fix, 0.0)
+    return math.sqrt(max(_dot(slopes, _times(fix.rows, slopes)), 0.0))
+
+
+def _by_bearing(fix: Fix, bearing: float) -> tuple[Row, float]:
+    """Return the slopes of the bearing and what it is beyond the fix's own. [rad]"""
+    squared = max(fix.x * fix.x + fix.y * fix.y, NEAREST * NEAREST)
+    error = wrap(bearing - math.atan2(fix.y, fix.x))
+    return (-fix.y / squared, fix.x / squared, 0.0, 0.0, 0.0), error
+
+
+def _by_strength(fix: Fix, strength: float) -> tuple[Row, float]:
+    """Return the slopes of the strength's logarithm and what it is beyond the fix's own."""
+    squared = max(fix.x * fix.x + fix.y * fix.y, NEAREST * NEAREST)
+    error = math.log(strength) - (fix.brightness - math.log(squared))
+    return (-2.0 * fix.x / squared, -2.0 * fix.y / squared, 0.0, 0.0, 1.0), error
+
+
+def _told(fix: Fix, slopes: Row, error: float, noise: float) -> Fix:
+    """Return a fix after one measured number."""
+    r = fix.rows
+    g = _times(r, slopes)
+    spread = _dot(slopes, g) + noise
+    k = error / spread
+    return Fix(
+        fix.x + k * g[0],
+        fix.y + k * g[1],
+        fix.wind_x + k * g[2],
+        fix.wind_y + k * g[3],
+        fix.brightness + k * g[4],
+        (
+            _minus(r[0], g[0] / spread, g),
+            _minus(r[1], g[1] / spread, g),
+            _minus(r[2], g[2] / spread, g),
+            _minus(r[3], g[3] / spread, g),
+            _minus(r[4], g[4] / spread, g),
+        ),
+    )
+
+
+def _ahead(row: Row, dt: float) -> Row:
+    """Return a row of the covariance with its columns moved on."""
+    return row[0] - dt * row[2], row[1] - dt * row[3], row[2], row[3], row[4]
+
+
+def _minus(row: Row, share: float, other: Row) -> Row:
+    """Return a row less a share of another."""
+    return (
+        row[0] - share * other[0],
+        row[1] - share * other[1],
+        row[2] - share * other[2],
+        row[3] - share * other[3],
+        row[4] - share * other[4],
+    )
+
+
+def _dot(a: Row, b: Row) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4]
+
+
+def _times(rows: tuple[Row, Row, Row, Row, Row], column: Row) -> Row:
+    return (
+        _dot(rows[0], column),
+        _dot(rows[1], column),
+        _dot(rows[2], column),
+        _dot(rows[3], column),
+        _dot(rows[4], column),
+    )
