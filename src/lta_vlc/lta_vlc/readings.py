@@ -17,9 +17,9 @@ the paper's bearing, each an unknown of its own with a prior:
 - the fall t of the lamp's own beam across the diodes, along the horizontal a to the left of u.
 
 The size of the harmonics goes with B = P S / (S + `MIXED` P): the more of the light has been
-thrown about, the more even it is. Their priors are the spread of the first reflections in rooms
-drawn at random, 6 to 14 m long, 5 to 12 m wide, 2.5 to 6 m high, with an albedo of 0.2 to 0.8
-(docs/bearing.md).
+thrown about, the more even it is. Their priors are assumed: about the spread of the first
+reflections in rooms 6 to 14 m long, 5 to 12 m wide, 2.5 to 6 m high, with an albedo of 0.2 to 0.8.
+What they are worth, `lta light bearing` measures (docs/bearing.md).
 
 The variance of a reading is that of its noise, the spread of the gains, and what is left of the
 pedestal's pattern. The slope of f is taken over a few degrees around the edge of a diode's view,
