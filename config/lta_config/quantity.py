@@ -79,6 +79,7 @@ UNITS: dict[str, tuple[str, float]] = {
     'A h': ('C', 3600.0),
     'mA h': ('C', 3.6),
     'lx': ('lx', 1.0),
+    'klx': ('lx', 1e3),
     'lm': ('lm', 1.0),
     'lm/W': ('lm/W', 1.0),
     'ppm': ('1', 1e-6),

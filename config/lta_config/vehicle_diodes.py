@@ -8,8 +8,8 @@ import math
 from typing import Annotated, Any, Self
 
 from lta_config.files import Record
-from lta_config.quantity import Quantity, si
-from pydantic import Field, model_validator
+from lta_config.quantity import misfit, Quantity, si, UNSOURCED
+from pydantic import AfterValidator, Field, model_validator
 
 MOST = 64
 UNIT = 1e-3  # by how much the length of an axis may be off 1
@@ -19,6 +19,18 @@ DATA_SHEET = 'OPT101 data sheet, SBBS002'
 
 def _given(value: float, unit: str, source: str) -> Any:  # noqa: ANN401 - a default of a field
     return Field(default=Quantity(value=value, unit=unit, source=source))
+
+
+def _one_or_more(quantity: Quantity) -> Quantity:
+    """Return resistors of which one is selected before a flight, the largest first."""
+    count = len(quantity.vector)
+    if complaint := misfit(quantity, 'ohm', above=0.0, length=max(count, 1)):
+        raise ValueError(complaint)
+    if not quantity.source:
+        raise ValueError(UNSOURCED)
+    if list(quantity.vector) != sorted(quantity.vector, reverse=True):
+        raise ValueError('lists its resistors in no order; begin with the largest')
+    return quantity
 
 
 class Axes(Record):
@@ -42,13 +54,14 @@ class Diodes(Record):
     """
     The photodiodes, `radius` out along their axes from a point `height` over the hull centre.
 
+    With several resistors under `feedback` the one is selected that suits the light of the scene.
     Without `axes` they look evenly around the horizon, the first forward, counter-clockwise.
     """
 
     count: Annotated[int, Field(ge=1, le=MOST)]
     radius: Annotated[Quantity, si('m', low=0.0, high=20.0, sourced=True)]
     height: Annotated[Quantity, si('m', low=-5.0, high=5.0, sourced=True)]
-    feedback: Annotated[Quantity, si('ohm', above=0.0, sourced=True)]
+    feedback: Annotated[Quantity, AfterValidator(_one_or_more)]
     axes: Axes | None = None
     response: Annotated[Quantity, si('1', low=0.1, high=20.0, sourced=True)] = _given(
         1.2, '1', 'assumed: exponent of the cosine, from memory of the plot in the ' + DATA_SHEET
@@ -71,6 +84,9 @@ class Diodes(Record):
     bits: Annotated[int, Field(ge=1, le=16)] = 12
     full_scale: Annotated[Quantity, si('V', above=0.0, high=100.0, sourced=True)] = _given(
         3.3, 'V', 'Teensy 4.1'
+    )
+    converter_noise: Annotated[Quantity, si('1', low=0.0, high=100.0, sourced=True)] = _given(
+        1.0, '1', 'assumed: rms, in steps; some 10 effective bits of 12'
     )
     clock_error: Annotated[Quantity, si('1', low=-0.01, high=0.01, sourced=True)] = _given(
         0.0, '1', 'a right clock'

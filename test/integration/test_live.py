@@ -27,9 +27,14 @@ from .viewer import Viewer
 
 TABLE = topic_table()
 TOPICS = {name if name.startswith('/') else f'/lta1/{name}' for name in TABLE.topics}
-DUE = '/lta1/replay/due'  # a flight replays nothing
 SCENE, FRAMES = '/lta1/scene', '/lta1/tf'
 GAPS = '/lta1/energy/status'  # whose gaps between numbers the recorder writes as zeros
+# Without a stamp each dates a message by what else it has heard; /diagnostics are any node's.
+UNDATED = {'/diagnostics'} | {
+    name if name.startswith('/') else f'/lta1/{name}'
+    for name, row in TABLE.topics.items()
+    if not row.stamped
+}
 JAZZY = get_typestore(Stores.ROS2_JAZZY)
 
 
@@ -112,7 +117,7 @@ def compare(viewer, bag):
     recorded = {}
     for topic, when, data in bag.messages():
         recorded.setdefault(topic, set()).add((when, data))
-    for topic in TOPICS - {GAPS, DUE, '/clock', '/diagnostics', '/lta1/energy/reserve'}:
+    for topic in TOPICS - {GAPS} - UNDATED:
         assert viewer.messages[topic], topic
         strange = set(viewer.messages[topic]) - recorded[topic]
         best_effort = TABLE[topic.removeprefix('/lta1/')].qos == 'sensor'  # may miss a recorder

@@ -60,8 +60,11 @@ BAG: Final = Group(
 LIGHT: Final = Group(
     'Study the light: where lamps go, and how drones find their way by them.',
     {
+        'link': Verb('light_link', 'link'),
         'plan': Verb('light_plan', 'plan'),
         'evaluate': Verb('light_evaluate', 'evaluate', several=('--sets',)),
+        'bearing': Verb('light_bearing', 'bearing'),
+        'study': Verb('light_study', 'light_study'),
     },
 )
 VERBS: Final[dict[str, Verb | Group]] = {

@@ -25,7 +25,7 @@ from lta_control.estimator import EstimatorSettings
 from lta_control.laws import law
 from lta_control.laws.aboard import CASCADE
 from lta_control.mission import MissionSettings
-from lta_control.strategies import strategy
+from lta_control.strategies import check_route, strategy
 from lta_energy.monitor import MonitorSettings
 from lta_sim import in_scene
 from lta_sim.scenario import beside, Scenario
@@ -216,6 +216,7 @@ def parts_of(made_of: Ingredients) -> tuple[Vehicle, Scenario, Policy]:
         energy=energy,
         law=law(vehicle_file.control.law if vehicle_file.control else CASCADE),
     )
+    check_route(policy.strategy, len(scenario.route))
     vehicle = Vehicle(vehicle_file, scenario.air.density)
     _ = vehicle.hover_duty
     in_scene.check(vehicle, scenario)

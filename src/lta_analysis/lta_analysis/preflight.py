@@ -7,7 +7,7 @@ from lta_config.constants import AIR_DENSITY
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
 from lta_control.laws.aboard import check_aboard
-from lta_control.strategies import strategy
+from lta_control.strategies import check_route, strategy
 from lta_graph.launch_file import LaunchPlan
 from lta_sim import in_scene
 from lta_sim.scenario import load_scenario
@@ -48,7 +48,7 @@ def check_parameters(given: Mapping[str, object]) -> None:
         if scenario is not None:
             in_scene.check(vehicle, scenario)
     if isinstance(name := given.get('strategy'), str):
-        strategy(name)
+        check_route(strategy(name), 1 if scenario is None else len(scenario.route))
     if 'seed' in given and not (type(given['seed']) is int and given['seed'] in SEEDS):
         raise BadInput(
             f'The seed is {given["seed"]}, but must be a whole number from 0 to {SEEDS[-1]}.'

@@ -26,6 +26,23 @@ def memory_at_start(given: Mapping[str, Mapping[str, float]], chance: Generator)
 
 
 @final
+class _Door:
+    """Steady wind in a room and out of its door; a hull between them has its part of each."""
+
+    def __init__(self, scenario: Scenario, radius: float) -> None:
+        self._inside = np.array(scenario.air.wind.vector)
+        beyond = self._inside if scenario.outside is None else scenario.outside.wind.vector
+        self._step = np.array(beyond) - self._inside
+        self._wall, self._radius = scenario.room.size.vector[0] / 2, radius
+
+    def wind(self, x: float) -> NDArray[np.float64]:
+        """Return the wind on a hull whose centre is at some map x. [m/s]"""
+        out = 0.5 + 0.5 * (x - self._wall) / self._radius
+        wind: NDArray[np.float64] = self._inside + min(max(out, 0.0), 1.0) * self._step
+        return wind
+
+
+@final
 class Around:
     """
     The surroundings of one flight; only what an effect looks at is kept up.
@@ -48,6 +65,8 @@ class Around:
         Of turbulence.
     period : float
         Control period. [s]
+    radius : float
+        How far the hull reaches to the sides. [m]
 
     Attributes
     ----------
@@ -63,10 +82,12 @@ class Around:
         light: LightView,
         chance: Generator,
         period: float,
+        radius: float,
     ) -> None:
         self.numbers: NDArray[np.float64] = np.zeros(SURROUNDINGS)
         self._steady = np.array(scenario.air.wind.vector)
         self.numbers[WIND : WIND + 3] = self._steady
+        self._door = None if scenario.outside is None else _Door(scenario, radius)
         self._record = record_of(scenario)
         self._period = period
         self._turbulent, self._warmed = 'turbulence' in given, 'superheat' in given
@@ -88,9 +109,11 @@ class Around:
 
         """
         self.numbers[VOLTAGE] = voltage
+        steady = self._steady if self._door is None else self._door.wind(pose[0])
+        self.numbers[WIND : WIND + 3] = steady
         if self._record is not None:
             wind, rate = self._record.at(elapsed, elapsed + self._period)
-            self.numbers[WIND : WIND + 3] = self._steady + wind
+            self.numbers[WIND : WIND + 3] += wind
             self.numbers[WIND_RATE : WIND_RATE + 3] = rate
         if self._turbulent:
             noise = self._chance.standard_normal(3)

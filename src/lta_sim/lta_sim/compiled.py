@@ -7,6 +7,7 @@ function gives what it gives as plain Python, on every processor.
 """
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 from lta_sim.extract import Extract
@@ -24,7 +25,8 @@ from numba import njit
 DECORATOR = "@njit(error_model='numpy', fastmath=False, cache=True)"
 
 
-def compiled(*functions: Callable[..., Any]) -> list[Callable[..., Any]]:
+@cache
+def compiled(*functions: Callable[..., Any]) -> tuple[Callable[..., Any], ...]:
     """
     Return the functions compiled; each compiles at its first call, unless it is kept on disk.
 
@@ -44,4 +46,4 @@ def compiled(*functions: Callable[..., Any]) -> list[Callable[..., Any]]:
         extract.add(function, function.__module__.rsplit('.', 1)[-1]) for function in functions
     ]
     module = load(HEAD + extract.text(DECORATOR) + '\n')
-    return [getattr(module, name) for name in names]
+    return tuple(getattr(module, name) for name in names)

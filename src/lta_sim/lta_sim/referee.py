@@ -3,6 +3,7 @@
 import math
 from typing import final
 
+from lta_sim.bounds import Bounds
 from lta_sim.readings import Outcome
 from lta_sim.scenario import Scenario
 
@@ -10,7 +11,7 @@ from lta_sim.scenario import Scenario
 @final
 class Referee:
     """
-    The end of a flight, by the numbers of its scenario.
+    The end of a flight, by the numbers of its scenario; the lamps of a route count in their order.
 
     Parameters
     ----------
@@ -20,15 +21,14 @@ class Referee:
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        length, width, self._height = scenario.room.size.vector
-        self._sides = (length / 2, width / 2)
-        self._x, self._y, _ = scenario.lamp.position.vector
+        self._bounds = Bounds(scenario)
+        self._stops = [lamp.position.vector[:2] for lamp in scenario.stops]
         self._radius, self._limit = scenario.goal.radius.si, scenario.goal.time_limit.si
         self._along = scenario.course is not None
 
     def distance(self, x: float, y: float) -> float:
-        """Return the horizontal distance from a place to the lamp. [m]"""
-        return math.hypot(self._x - x, self._y - y)
+        """Return the horizontal distance to the lamp that is to be reached next. [m]"""
+        return math.dist(self._stops[0], (x, y))
 
     def judge(self, x: float, y: float, z: float, elapsed: float) -> Outcome:
         """
@@ -42,9 +42,12 @@ class Referee:
             Time since the start. [s]
 
         """
+        in_bounds = self._bounds.hold(x, y, z)
         if not self._along and self.distance(x, y) <= self._radius:
-            return Outcome.REACHED
-        if not (abs(x) <= self._sides[0] and abs(y) <= self._sides[1] and z <= self._height):
+            if len(self._stops) == 1:
+                return Outcome.REACHED
+            del self._stops[0]
+        if not in_bounds:
             return Outcome.ESCAPED
         if elapsed >= self._limit:
             # Who flies a course to its end was to do nothing else.

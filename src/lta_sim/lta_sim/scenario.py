@@ -15,7 +15,13 @@ from lta_config.files import checked, find, load_yaml, Record
 from lta_config.quantity import Quantity, si
 from lta_sim.light.field import LightField
 from lta_sim.scenario_air import Air
-from lta_sim.scenario_light import AmbientScene, LampScene, RoomShape
+from lta_sim.scenario_light import (
+    AmbientScene,
+    DaylightScene,
+    LampScene,
+    OutsideScene,
+    RoomShape,
+)
 from pydantic import AliasChoices, Field, model_validator
 
 Fraction = Annotated[Quantity, si('1', low=0.0, high=1.0)]
@@ -58,10 +64,12 @@ class Scenario(Record):
         default_factory=dict
     )
     ambient: AmbientScene
+    daylight: DaylightScene | None = None
+    outside: OutsideScene | None = None
     start: Start
     goal: Goal
     course: Course | None = None
-    route: tuple[str, ...] = ()
+    route: Annotated[tuple[str, ...], Field(strict=False)] = ()  # a list in the file
 
     @model_validator(mode='after')
     def _lit(self) -> Self:
@@ -76,20 +84,21 @@ class Scenario(Record):
         length, width, height = self.room.size.vector
         for name, lamp in self.lamps.items():
             x, y, z = lamp.position.vector
-            if abs(x) > length / 2 or abs(y) > width / 2 or not 0 <= z <= height:
+            indoors = abs(x) <= length / 2 and abs(y) <= width / 2 and 0 <= z <= height
+            if not (indoors or self._beyond(x, y, z)):
                 raise ValueError(f'has its {name} at {x, y, z} m, outside the room')
-        x, y, _ = self.lamp.position.vector
+        unknown_names = [name for name in self.route if name not in self.lamps]
+        if unknown_names:
+            raise ValueError(
+                f'has {", ".join(unknown_names)} on its route, which is none of its lamps; '
+                f'known: {", ".join(self.lamps)}'
+            )
+        x, y, _ = self.stops[0].position.vector
         start_x, start_y = self.start.position.vector
         if abs(start_x) > length / 2 or abs(start_y) > width / 2:
             raise ValueError(f'has its start at {start_x, start_y} m, outside the room')
         if math.hypot(x - start_x, y - start_y) <= self.goal.radius.si:
             raise ValueError('starts within its goal; move the start or make the radius smaller')
-        unknown_names = [name for name in self.route if name not in dict(self.beacons)]
-        if unknown_names:
-            raise ValueError(
-                f'has the lamps {", ".join(unknown_names)} on its route, which are not there; '
-                f'known: {", ".join(name for name, _ in self.beacons)}'
-            )
         if self.route and self.course is not None:
             raise ValueError('has a route and a course; leave one of them out')
         if self.course is not None and self.course.rows[-1].at.si >= self.goal.time_limit.si:
@@ -98,6 +107,22 @@ class Scenario(Record):
                 'give it more time'
             )
         return self
+
+    @model_validator(mode='after')
+    def _walls_let_out(self) -> Self:
+        if self.outside is not None and self.room.walls == 'solid':
+            raise ValueError(
+                'has a door in solid walls, which hold every hull; make the walls open: a drone '
+                'that flies through them beside the door has escaped'
+            )
+        return self
+
+    def _beyond(self, x: float, y: float, z: float) -> bool:
+        """Tell whether a place is out of the door and within reach. [m]"""
+        if self.outside is None:
+            return False
+        reach, wall = self.outside.reach.si, self.room.size.vector[0] / 2
+        return wall < x <= wall + reach and abs(y) <= reach and 0.0 <= z <= reach
 
     @property
     def wind_file(self) -> Path | None:
@@ -111,8 +136,14 @@ class Scenario(Record):
 
     @property
     def lamp(self) -> LampScene:
-        """The first lamp, which is the goal."""
-        return next(iter(self.lamps.values()))
+        """The lamp that is the goal: the last of the route, or else the first there is."""
+        return self.stops[-1]
+
+    @property
+    def stops(self) -> tuple[LampScene, ...]:
+        """The lamps to reach, in order."""
+        names = self.route or tuple(self.lamps)[:1]
+        return tuple(self.lamps[name] for name in names)
 
     @property
     def beacons(self) -> tuple[tuple[str, float], ...]:
@@ -132,6 +163,8 @@ class Scenario(Record):
             tuple(lamp.lamp for lamp in self.lamps.values()),
             self.ambient.ambient,
             self.room.room,
+            None if self.daylight is None else self.daylight.over(self.room.albedo.floor),
+            None if self.outside is None else self.outside.outside,
         )
 
 

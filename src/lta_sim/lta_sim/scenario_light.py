@@ -4,13 +4,16 @@ The light of a scenario as people tell it: room, lamps and ambient light.
 What is left out is right, even and without a rise time: a clock error of nothing, no harmonics.
 """
 
+import math
 from typing import Annotated, Any, Literal
 
 from lta_config.files import Record
 from lta_config.quantity import misfit, Quantity, si
 from lta_sim.light.ambient import Ambient
 from lta_sim.light.clock import Clock, MOST_OFFSET
+from lta_sim.light.daylight import Daylight
 from lta_sim.light.lamp import Lamp, order_of
+from lta_sim.light.outside import Outside
 from lta_sim.light.refuse import MOST_EFFICACY
 from lta_sim.light.room import Albedo, Room
 from lta_vlc.modulation import SquareWave
@@ -120,6 +123,51 @@ class AmbientScene(Record):
             mains_frequency=self.mains_frequency.si,
             mains_harmonics=self.mains_harmonics.vector,
         )
+
+
+class DaylightScene(Record):
+    """Sun and sky; the sun on a plane that faces it, the sky on level ground."""
+
+    sun: Annotated[Quantity, si('lx', low=0.0, high=2e5)]
+    azimuth: Annotated[Quantity, si('rad')]
+    elevation: Annotated[Quantity, si('rad', above=0.0, high=math.pi / 2.0)]
+    sky: Annotated[Quantity, si('lx', low=0.0, high=2e5)]
+    efficacy: Efficacy
+
+    def over(self, ground: float) -> Daylight:
+        """Return the light over ground of some albedo."""
+        return Daylight(
+            self.sun.si, self.azimuth.si, self.elevation.si, self.sky.si, ground, self.efficacy.si
+        )
+
+
+class DoorScene(Record):
+    """An opening in the wall at the high end of map x, from the floor up."""
+
+    middle: Annotated[Quantity, si('m', low=-1000.0, high=1000.0)]  # along map y
+    width: Annotated[Quantity, si('m', above=0.0, high=1000.0)]
+    height: Annotated[Quantity, si('m', above=0.0, high=1000.0)]
+
+
+class OutsideScene(Record):
+    """
+    The open beyond a door: its light, its wind, and how far from the wall a flight may go.
+
+    A drone that leaves the room beside the door has escaped.
+    """
+
+    door: DoorScene
+    reach: Annotated[Quantity, si('m', above=0.0, high=1000.0)]
+    daylight: DaylightScene
+    ground: Share
+    wind: Annotated[Quantity, si('m/s', low=-50.0, high=50.0, length=3)]
+
+    @property
+    def outside(self) -> Outside:
+        """The light out there; `BadInput` where it cannot be."""
+        door = self.door
+        daylight = self.daylight.over(self.ground)
+        return Outside(daylight, door.middle.si, door.width.si, door.height.si)
 
 
 def three(quantity: Quantity) -> tuple[float, float, float]:

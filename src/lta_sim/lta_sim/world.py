@@ -17,7 +17,8 @@ from lta_sim.around import Around, memory_at_start
 from lta_sim.command_link import CommandLink
 from lta_sim.craft import Craft, LAYOUT
 from lta_sim.effects import EFFECTS
-from lta_sim.in_scene import model_in
+from lta_sim.in_scene import model_in, reach
+from lta_sim.light.setting import set_for
 from lta_sim.light.view import LightView, Pose
 from lta_sim.measurement import Chain, chains
 from lta_sim.readings import Outcome, Readings, Vector
@@ -86,8 +87,9 @@ class World:
         self.outcome = Outcome.FLYING  # how the flight stands; once decided, it stays
         self._ranges: list[tuple[int, float]] = []
         self._around = Around(
-            self._model.given, scenario, self._light, self._chance['turbulence'], self._period
-        )
+            self._model.given, scenario, self._light, self._chance['turbulence'], self._period,
+            reach(vehicle)[0],
+        )  # fmt: skip
         pose = self._pose()
         self._begin_period(pose)
         self._craft.look()  # loads the compiled kernel now, not in the middle of the first step
@@ -100,8 +102,9 @@ class World:
         self._range_ns = table['range'].period_ns
         self._rhythm = {name: (table[name].latency_ns, table[name].period_ns) for name in SENSED}
         self._shape = (table.light.sample_rate.si, table.light.samples)
-        diodes = self.vehicle.diodes.drawn(self._chance['diodes'])
-        self._light = LightView(scenario.light_field, self.vehicle, diodes)
+        field = scenario.light_field
+        diodes = set_for(field, self.vehicle).drawn(self._chance['diodes'])
+        self._light = LightView(field, self.vehicle, diodes)
         self._imu_place = _three(sensors.imu_position.vector)
         self._range_place = _three(sensors.range_position.vector)
         self._referee = Referee(scenario)

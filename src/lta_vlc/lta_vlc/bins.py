@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import final, TYPE_CHECKING
 
 from lta_config.errors import BadInput
-from lta_vlc.separation import mains_bins
+from lta_vlc.separation import mains_flicker
 from lta_vlc.snr import quiet_bins
 from lta_vlc.spectrum import target_bin
 import numpy as np
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from lta_vlc.demodulation import Demodulation
 
 QUIET_BINS = 16  # the mean of so many Rayleigh distributed magnitudes is known to 13 %
-BESIDE = 1  # bins on either side of the flicker of the mains, whose frequency wanders
+BESIDE = 1.5  # bins on either side of the flicker of the mains, whose frequency wanders
 
 
 @final
@@ -81,7 +81,7 @@ def plan_beacons(
             f'{quiet.size} bins of {block} to measure the noise in, but {QUIET_BINS} are needed; '
             'take longer blocks, a narrower window or fewer harmonics.'
         )
-    hum = np.array(mains_bins(settings.mains, sample_rate, samples), dtype=np.intp)
+    hum = np.array(mains_flicker(settings.mains, sample_rate)) / width
     unlit = quiet[np.abs(quiet[:, None] - hum).min(axis=1, initial=samples) > BESIDE]
     return tuple(Bins(first, last, quiet, unlit, width, samples) for first, last in ranges)
 

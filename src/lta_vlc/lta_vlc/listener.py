@@ -5,7 +5,8 @@ from functools import lru_cache
 from lta_config.errors import BadInput
 from lta_vlc.bins import Bins, plan_beacons
 from lta_vlc.demodulation import Demodulation, hear, Hearing, NO_WISH
-from lta_vlc.separation import check_beacons
+from lta_vlc.presence import Presence
+from lta_vlc.separation import check_beacons, mains_flicker
 from lta_vlc.tracker import reach, Tracker
 import numpy as np
 from numpy.typing import ArrayLike
@@ -36,6 +37,8 @@ class Listener:
     ----------
     beacons : tuple of float
         The beacons that are listened for, the wanted one first. [Hz]
+    presences : dict of float to Presence
+        Whether each is found or lost.
 
     """
 
@@ -45,15 +48,24 @@ class Listener:
         self._width = sample_rate / samples
         self._planned = lru_cache(maxsize=64)(self._plan)
         self._trackers: dict[float, Tracker] = {}
+        self.presences: dict[float, Presence] = {}
         self.beacons: tuple[float, ...] = ()
+        self._check(settings.beacons)
         self._listen_for(settings.beacons)
 
-    def _listen_for(self, beacons: tuple[float, ...]) -> None:
-        """Listen for these from now on, or refuse them."""
+    def _check(self, beacons: tuple[float, ...]) -> None:
+        """Refuse beacons that cannot be heard together."""
         plan_beacons(beacons, self._settings, *self._shape)
         check_beacons(beacons, self._settings, *self._shape)
+
+    def _listen_for(self, beacons: tuple[float, ...]) -> None:
+        """Listen for these from now on; what is known of one that was heard before is kept."""
         self.beacons = beacons
         self._trackers = {one: self._trackers.get(one, Tracker(one)) for one in beacons}
+        self.presences = {one: self.presences.get(one, Presence()) for one in beacons}
+        flicker = mains_flicker(self._settings.mains, self._shape[0])
+        apart = (self._settings.window + 1) * self._width
+        self._reaches = {one: reach(one, beacons, flicker, apart) for one in beacons}
 
     def prepare(self) -> None:
         """Compile what hears a block, or load it from disk, before the first one waits for it."""
@@ -80,19 +92,24 @@ class Listener:
         if len(before) < len(self.beacons):
             self.beacons = (wanted, *before)
             return
-        self._listen_for((wanted,))
+        kept: tuple[float, ...] = (wanted,)
+        self._check(kept)
         for one in before[: MOST - 1]:
             try:
-                self._listen_for((*self.beacons, one))
+                self._check((*kept, one))
             except BadInput:
                 continue  # it collides with what is wanted more
+            kept = (*kept, one)
+        self._listen_for(kept)
 
     def _plan(self, beacons: tuple[float, ...], steps: tuple[int, ...]) -> tuple[Bins, ...]:
         """Return where beacons are sought so many steps from where they should be."""
-        found = [
-            one + step * self._width / STEPS for one, step in zip(beacons, steps, strict=True)
-        ]
-        return plan_beacons(found, self._settings, *self._shape)
+        step = self._width / STEPS
+        found = [one + number * step for one, number in zip(beacons, steps, strict=True)]
+        try:
+            return plan_beacons(found, self._settings, *self._shape)
+        except BadInput:  # followed to where it could not be heard
+            return plan_beacons(beacons, self._settings, *self._shape)
 
     def hear(self, block: ArrayLike) -> Hearing:
         """
@@ -112,17 +129,19 @@ class Listener:
         errors = [self._trackers[one].error for one in self.beacons]
         steps = tuple(round(error * STEPS / self._width) for error in errors)
         hearing = hear(block, self._planned(self.beacons, steps), self._settings.full_scale)
-        apart = (2 * self._settings.window + 1) * self._width
         for one, peaks, frequency in zip(
             self.beacons, hearing.peaks, hearing.frequencies, strict=True
         ):
-            if peaks.snr.max() >= self._settings.threshold:
-                farthest = reach(one, self.beacons, apart)
-                self._trackers[one] = self._trackers[one].heard(frequency, farthest)
-            else:
-                self._trackers[one] = self._trackers[one].missed()
+            heard = bool(peaks.snr.max() >= self._settings.threshold)
+            self.presences[one] = self.presences[one].after(heard)
+            tracker = self._trackers[one]
+            self._trackers[one] = (
+                tracker.heard(frequency, self._reaches[one]) if heard else tracker.missed()
+            )
         return hearing
 
     def miss(self, blocks: int) -> None:
         """Note that blocks have not come."""
-        self._trackers = {one: it.missed(blocks) for one, it in self._trackers.items()}
+        if blocks > 0:
+            self._trackers = {one: it.missed(blocks) for one, it in self._trackers.items()}
+            self.presences = {one: it.after(False, blocks) for one, it in self.presences.items()}

@@ -10,12 +10,13 @@ from lta_vlc.spectrum import target_bin
 if TYPE_CHECKING:
     from lta_vlc.demodulation import Demodulation
 
+HARMONICS = 3, 5  # of a lamp that is on for half of the time; weaker ones `lta light plan` avoids
 MAINS_HARMONICS = 10  # of the flicker at twice the mains' frequency: those of lamps and dimmers
 
 
-def mains_bins(mains: float, sample_rate: float, samples: int) -> list[int]:
+def mains_flicker(mains: float, sample_rate: float) -> list[float]:
     """
-    Return the bins in which lamps on the mains flicker.
+    Return the frequencies at which lamps on the mains appear to flicker. [Hz]
 
     Parameters
     ----------
@@ -23,12 +24,10 @@ def mains_bins(mains: float, sample_rate: float, samples: int) -> list[int]:
         Frequency of the mains; 0 where there are none. [Hz]
     sample_rate : float
         Samples a second. [Hz]
-    samples : int
-        Samples in a block.
 
     """
-    flicker = [2.0 * mains * order for order in range(1, MAINS_HARMONICS + 1) if mains]
-    return [target_bin(folded(each, sample_rate), sample_rate, samples) for each in flicker]
+    orders = range(1, MAINS_HARMONICS + 1) if mains > 0.0 else ()
+    return [folded(2.0 * mains * order, sample_rate) for order in orders]
 
 
 def folded(frequency: float, sample_rate: float) -> float:
@@ -56,8 +55,8 @@ def check_beacons(
     Raises
     ------
     BadInput
-        If two are sought in the same bins, or if a harmonic of one or the flicker of the mains
-        falls where another is sought, folded back by the sampling as it may be.
+        If two are sought in the same bins, or if a strong harmonic of one or the flicker of the
+        mains falls where another is sought, folded back by the sampling as it may be.
 
     """
     window, width = settings.window, sample_rate / samples
@@ -70,17 +69,16 @@ def check_beacons(
                 f'{apart:g} Hz; choose others, take longer blocks or a narrower window.'
             )
     for one, other in permutations(beacons, 2):
-        for order in range(2, settings.harmonics + 1):
+        for order in HARMONICS:
             harmonic = target_bin(folded(order * one, sample_rate), sample_rate, samples)
             if abs(harmonic - places[other]) <= window:
                 raise BadInput(
                     f'Harmonic {order} of the beacon at {one:g} Hz falls on the beacon at '
                     f'{other:g} Hz; choose another frequency.'
                 )
-    hum = mains_bins(settings.mains, sample_rate, samples)
-    for order, place in enumerate(hum, start=1):
+    for order, flicker in enumerate(mains_flicker(settings.mains, sample_rate), start=1):
         for beacon in beacons:
-            if abs(place - places[beacon]) <= window:
+            if abs(target_bin(flicker, sample_rate, samples) - places[beacon]) <= window:
                 raise BadInput(
                     f'The beacon at {beacon:g} Hz is sought within {window} bins of {width:g} Hz, '
                     f'where lamps on the mains flicker, at {2.0 * settings.mains * order:g} Hz; '

@@ -1,5 +1,6 @@
 """The frequency of one beacon from block to block, for a lamp whose clock is off or drifts."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -50,19 +51,22 @@ class Tracker:
         return replace(self, error=0.0 if silent >= PATIENCE else self.error, silent=silent)
 
 
-def reach(beacon: float, beacons: tuple[float, ...], resolution: float) -> float:
+def reach(
+    beacon: float, beacons: Sequence[float], flicker: Sequence[float], apart: float
+) -> float:
     """
-    Return how far a beacon is followed: never to where it could be taken for another. [Hz]
+    Return how far a beacon is followed: never to where it is sought in the bins of another. [Hz]
 
     Parameters
     ----------
     beacon : float
         Where it should flicker. [Hz]
-    beacons : tuple of float
-        Where all beacons should. [Hz]
-    resolution : float
-        How far apart two must stay. [Hz]
+    beacons, flicker : sequence of float
+        Where all beacons should, and where lamps on the mains do. [Hz]
+    apart : float
+        Half the width of the range in which a beacon is sought. [Hz]
 
     """
-    gaps = [abs(other - beacon) - resolution for other in beacons if other != beacon]
-    return max(0.0, min([REACH * beacon, *(gap / 2.0 for gap in gaps)]))
+    ways = [0.5 * abs(other - beacon) - apart for other in beacons if other != beacon]
+    ways += [abs(other - beacon) - apart for other in flicker]
+    return max(0.0, min([REACH * beacon, *ways]))

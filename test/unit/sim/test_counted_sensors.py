@@ -7,7 +7,9 @@ from lta_analysis.fleet.craft import sensors_of
 from lta_config.topics import topic_table
 from lta_sim import counted_sensors as counted
 from lta_sim.counted_chance import normals
-from lta_sim.light.heard import listening_of, magnitude
+from lta_sim.hull import half_axes
+from lta_sim.light.gather import LAMPS, SHARE
+from lta_sim.light.heard import listening_of, magnitude, on_ring
 from lta_sim.light.view import LightView
 from lta_sim.scenario import load_scenario
 from lta_sim.sensors import imu, pressure, range
@@ -20,6 +22,7 @@ import pytest
 SEED, STEP = 11, 7
 BLOCKS = 400
 VEHICLE = load_vehicle('gtmab')
+HULL = half_axes(VEHICLE.file.hull)
 SENSORS = sensors_of(VEHICLE, 101325.0)
 RING = even_ring(VEHICLE.diodes.count)
 DIODES = tuple(np.arange(VEHICLE.diodes.count).tolist())
@@ -75,19 +78,18 @@ def test_the_barometer_is_the_same():
     assert counted.pressure_reading(SENSORS, ERRORS, SEED, STEP, 0.7, 3.0) == expected
 
 
-@pytest.mark.parametrize('distance', [1.0, 2.0, 4.0, 7.0])
+@pytest.mark.parametrize('distance', [1.0, 3.0, 7.0])
 def test_the_lamp_is_heard_as_through_blocks(distance):
     """
     Magnitude, SNR and bearing of many blocks against the chain of ADC and transform.
 
-    The nose is elsewhere in each, and the noise hides the steps of the converter: lamp and mains
-    repeat within a block, and with less noise its roundings do so too.
+    The nose is elsewhere in each: a drone that stands still rounds alike in every block.
     """
     scene, light = load_scenario('lamp_room'), topic_table().light
     rate, settings, chance = light.sample_rate.si, Demodulation(), np.random.default_rng(3)
     bins = plan_bins(settings, rate, light.samples)
-    diodes = VEHICLE.diodes.model_copy(update={'noise': 1e-3, 'gain_spread': 0.0})
-    listening = listening_of(scene.light_field, diodes, settings, rate, light.samples)
+    diodes = VEHICLE.diodes.model_copy(update={'gain_spread': 0.0})
+    listening = listening_of(scene.light_field, diodes, HULL, settings, rate, light.samples)
     x = scene.light_field.lamp.position[0] - distance
     told = []
     for k, half in enumerate(chance.uniform(0.1, 0.2, BLOCKS).tolist()):
@@ -96,20 +98,40 @@ def test_the_lamp_is_heard_as_through_blocks(distance):
         view.pass_by(pose)
         block = view.block(k * 10**8, rate, light.samples, chance)
         silent = listening._replace(variance=0.0, shot=0.0)
-        both = (demodulate(block, bins), heard(listening, pose, k), heard(silent, pose, k))
+        read = readings(LightView(scene.light_field, VEHICLE, diodes), pose)
+        both = (demodulate(block, bins), heard(listening, read, k), heard(silent, read, k))
         angles = [bearing(p, RING, settings.threshold).angle for p in both]
         off = (angles[0] - angles[2], angles[1] - angles[2])
         told.append((*off, *(number.mean() for p in both[:2] for number in (p.amplitude, p.snr))))
     off, own, amplitude, snr, own_amplitude, own_snr = np.array(told).T
     np.testing.assert_allclose(own_amplitude.mean(), amplitude.mean(), rtol=2e-3)
-    np.testing.assert_allclose(own_snr.mean(), snr.mean(), rtol=0.03)
+    # What leaks and what is noise add up in the model, and as vectors in a bin.
+    np.testing.assert_allclose(own_snr.mean(), snr.mean(), rtol=0.05)
     assert abs(off.mean()) < 4 * off.std() / math.sqrt(BLOCKS)  # of what scatters by chance
     np.testing.assert_allclose(own.std(), off.std(), rtol=4 / math.sqrt(2 * BLOCKS))
 
 
-def heard(listening, pose, k):
+def readings(view, pose):
+    """Return what a ring reads at a pose, as `on_ring` writes it."""
+    light = view.illuminance([pose])
+    read = np.zeros((LAMPS + 1, len(DIODES)))
+    read[SHARE] = light.steady[0] / view.field.ambient.steady
+    read[LAMPS] = light.modulated[0, 0]
+    return read
+
+
+def test_a_batch_reads_the_light_of_a_view():
+    scene, pose = load_scenario('lamp_room'), (1.0, 0.5, 0.5, 0.02, -0.03, 0.6, 0.8)
+    listening = listening_of(scene.light_field, VEHICLE.diodes, HULL, Demodulation(), 1e4, 1000)
+    own = np.empty((LAMPS + 1, len(DIODES)))
+    on_ring(listening, pose[:3], pose[3:], own)
+    told = readings(LightView(scene.light_field, VEHICLE), pose)
+    np.testing.assert_allclose(own[[SHARE, LAMPS]], told[[SHARE, LAMPS]], rtol=1e-12)
+
+
+def heard(listening, read, k):
     """Return what a ring hears in one block."""
-    pairs = [magnitude(listening, i, pose[:3], pose[3:], SEED, k) for i in DIODES]
+    pairs = [magnitude(listening, i, read, SEED, k) for i in DIODES]
     amplitude, snr = np.array(pairs).T
     return Peaks(amplitude, snr, np.zeros_like(snr), np.ones_like(snr))
 

@@ -4,8 +4,10 @@ import math
 
 from lta_sim.compiled import compiled
 from lta_sim.light.ambient import Ambient
-from lta_sim.light.field import illuminance, LightField
-from lta_sim.light.lambertian import beam, beams, Eye, lit, on_diodes
+from lta_sim.light.echo import beams, surrounding
+from lta_sim.light.field import LightField
+from lta_sim.light.gather import LAMPS, on_the_way
+from lta_sim.light.lambertian import beam, Eye, lit
 from lta_sim.light.lamp import direct, Lamp
 from lta_sim.light.room import even, Room
 from lta_sim.rigid_body import rotation
@@ -16,6 +18,7 @@ import numpy as np
 import pytest
 
 LAMP = Lamp((3.5, 0.5, 1.0), (-2.0, 0.3, 0.1), 10_000.0, SquareWave(150.0), 300.0, order=1.7)
+OTHER = Lamp((-3.0, 2.0, 2.5), (1.0, -0.5, -0.3), 3000.0, SquareWave(210.0), 300.0)
 ROOM = Room((10.0, 8.0, 3.0), even(0.5))
 RING = PhotodiodeArray(count=8, depth=0.33, radius=0.07, feedback_resistance=1e5)
 
@@ -29,7 +32,7 @@ def poses(count, seed=1):
 
 def test_one_plane_is_that_of_the_arrays():
     rng = np.random.default_rng(4)
-    lamp = beam(LAMP, None)
+    lamp = beam(LAMP)
     for point in rng.uniform(-4.0, 4.0, (200, 3)):
         normal = rng.standard_normal(3)
         normal /= np.linalg.norm(normal)
@@ -38,19 +41,22 @@ def test_one_plane_is_that_of_the_arrays():
 
 
 def test_at_the_lamp_itself_there_is_no_more_than_the_echo():
-    lamp = beam(LAMP, ROOM)
+    lamp = beam(LAMP, ROOM, 5000.0)
     assert lit(lamp, LAMP.position, (1.0, 0.0, 0.0)) == ROOM.diffuse(10_000.0)
 
 
 def test_a_ring_is_lit_as_by_the_arrays():
-    field = LightField((LAMP,), Ambient(300.0), ROOM)
+    field = LightField((LAMP, OTHER), Ambient(300.0))
     flight = poses(11)
     turns = np.array([rotation(tuple(pose[3:])) for pose in flight]).reshape(-1, 3, 3)
-    expected = illuminance(field, *RING.place(flight[:, :3], turns)).modulated
-    for function in (on_diodes, compiled(on_diodes)[0]):
-        out = np.empty((1, 11, 8))
-        function(beams(field), Eye(1.0, 0.0), flight, RING.planes, out)
-        np.testing.assert_allclose(out, expected, rtol=1e-12)
+    place = RING.place(flight[:, :3], turns)
+    for function in (on_the_way, compiled(on_the_way)[0]):
+        out = np.zeros((11, LAMPS + 2, 8))
+        lamps, hull = beams(field), (0.0, 0.0, 0.0)
+        function(surrounding(field), lamps, Eye(1.0, 0.0), hull, flight, RING.planes, out)
+        for k, lamp in enumerate(field.lamps):
+            np.testing.assert_allclose(out[:, LAMPS + k], direct(lamp, *place), rtol=1e-12)
+        assert not out[:, :LAMPS].any()
 
 
 def test_compiled_counts_are_those_of_plain_python():

@@ -3,7 +3,7 @@
 import math
 
 from lta_sim.light.ambient import Ambient
-from lta_sim.light.field import Illuminance, illuminance, LightField
+from lta_sim.light.field import Illuminance, LightField
 from lta_sim.light.lamp import Lamp
 from lta_sim.light.room import even, Room
 from lta_sim.sensors.light_block import synthesise
@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from ..vlc.square_mean import mean_on  # noqa: TID252 - `test` is Python's own
+from .even_light import illuminance
 
 START = 1_763_000_000_000_000_000
 STEP = 3.3 / 4096

@@ -4,7 +4,6 @@ import math
 
 from lta_config.errors import BadInput
 from lta_sim.light.ambient import Ambient
-from lta_sim.light.field import illuminance, LightField
 from lta_sim.light.lamp import direct, Lamp
 from lta_sim.light.room import even, Room
 from lta_vlc.modulation import SquareWave
@@ -93,16 +92,6 @@ def test_echo_is_the_sum_of_all_bounces():
     for bounce in range(1, 200):
         bounced += 10_000.0 * 0.7**bounce / 268.0
     assert room.diffuse(10_000.0) == pytest.approx(bounced, rel=1e-12)
-
-
-def test_parts_are_kept_apart():
-    room = Room((10.0, 8.0, 3.0), even(0.5))
-    field = LightField((LAMP,), Ambient(LED, steady=300.0, mains=20.0), room)
-    points = np.stack([at(7.0), at(7.0)])
-    light = illuminance(field, points, np.stack([TO_LAMP, -TO_LAMP]))
-    assert light.modulated[0] == pytest.approx([64.96 + 37.31, 37.31], abs=0.02)
-    assert light.steady.tolist() == [300.0, 300.0]
-    assert light.mains.tolist() == [20.0, 20.0]
 
 
 def test_many_points_are_as_one_by_one():

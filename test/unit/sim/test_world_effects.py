@@ -204,7 +204,7 @@ def surrounded(effects, seed=1):
     world = build(scene={'air/wind': {'value': [0.4, -0.2, 0.1], 'unit': 'm/s'}})
     light = LightView(world.scenario.light_field, world.vehicle)
     chance = np.random.default_rng(seed)
-    return Around({name: {} for name in effects}, world.scenario, light, chance, 0.01), world
+    return Around({name: {} for name in effects}, world.scenario, light, chance, 0.01, 0.5), world
 
 
 def test_surroundings_hold_wind_and_voltage_and_no_noise_unless_asked():

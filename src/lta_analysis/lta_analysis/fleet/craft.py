@@ -19,8 +19,10 @@ from lta_control.strategies import bearing_angle
 from lta_sim.counted_sensors import Axes, Sensors, Six
 from lta_sim.effects import EFFECTS
 from lta_sim.effects.protocol import MeasurementEffect
+from lta_sim.hull import half_axes
 from lta_sim.in_scene import model_in
 from lta_sim.light.heard import listening_of
+from lta_sim.light.setting import set_for
 from lta_sim.model import Model
 from lta_sim.scenario import Scenario
 from lta_sim.sensors.imu import bounds_of, ImuSettings
@@ -110,6 +112,10 @@ def check(vehicle: Vehicle, scenario: Scenario, policy: Policy) -> Model:
             f'A batch knows one lamp, and the scenario {scenario.name} has '
             f'{len(scenario.lamps)}; leave --device out.'
         )
+    if scenario.outside is not None:
+        raise BadInput(
+            f'A batch knows no door, which the scenario {scenario.name} has; leave --device out.'
+        )
     if scenario.wind_file is not None:
         raise BadInput(
             f'A batch does not know recorded wind, which the scenario {scenario.name} has; leave '
@@ -176,7 +182,12 @@ def craft_of(vehicle: Vehicle, scenario: Scenario, policy: Policy, table: TopicT
         mission=policy.mission,
         sensors=sensors_of(vehicle, scenario.air.pressure.si),
         listening=listening_of(
-            scenario.light_field, vehicle.diodes, policy.demodulation, rate, samples
+            scenario.light_field,
+            set_for(scenario.light_field, vehicle),
+            half_axes(vehicle.file.hull),
+            policy.demodulation,
+            rate,
+            samples,
         ),
         array=array_of(diodes_of(vehicle.file.sensors.diodes)),
         expected=expected_of(policy.prior),
@@ -241,7 +252,8 @@ def goal_of(scenario: Scenario) -> Goal:
 
 def power_of(vehicle: Vehicle, scenario: Scenario, policy: Policy) -> Power:
     """Return the electricity of a vehicle in a scene."""
-    lamp, ambient = scenario.light_field.lamp, scenario.light_field.ambient
+    field = scenario.light_field
+    lamp, ambient = field.lamp, field.ambient
     return Power(
         vehicle.battery,
         vehicle.loads,
@@ -249,6 +261,7 @@ def power_of(vehicle: Vehicle, scenario: Scenario, policy: Policy) -> Power:
         three(vehicle.file.sensors.panel_position.vector),
         lamp.wave.duty / lamp.efficacy,
         ambient.steady / ambient.efficacy,
+        0.0 if field.daylight is None else 1.0 / field.daylight.efficacy,
         policy.energy.reserve,
         scenario.start.charge.si,
     )

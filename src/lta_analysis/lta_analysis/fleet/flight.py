@@ -28,6 +28,7 @@ from lta_sim.counted_sensors import (
     START,
 )
 from lta_sim.light.lambertian import lit, place, shine
+from lta_sim.light.surround import day_on
 from lta_sim.stiffness import SPEED_LIMIT
 from lta_vlc.direction import PART
 
@@ -133,7 +134,9 @@ def shone(craft: Craft, cell: Charge, state: State) -> Charge:
     position, q = (state[0], state[1], state[2]), (state[3], state[4], state[5], state[6])
     power = craft.power
     point, normal = place(position, q, power.panel_place, UP)
-    irradiance = power.lamp_share * lit(craft.listening.lamp, point, normal) + power.ambient
+    listening = craft.listening
+    irradiance = power.lamp_share * lit(listening.lamp, point, normal) + power.ambient
+    irradiance += power.day_share * day_on(listening.around, point, normal)
     harvested = panel_power(irradiance, power.cells.area, power.cells.efficiency)
     return Charge(cell.charge, cell.voltage, cell.current, harvested)
 
@@ -149,10 +152,12 @@ def drained(craft: Craft, cell: Charge, thrusts: PerRotor, dt: float) -> Charge:
 
 
 def irradiance_on_hull(craft: Craft, state: State) -> float:
-    """Return the irradiance at the hull centre on a plane that faces the lamp. [W/m2]"""
+    """Return the irradiance at the hull centre on planes that face each light. [W/m2]"""
     lamp = craft.listening.lamp
     light = shine(lamp, (state[0], state[1], state[2]))[0] + lamp.diffuse
-    return craft.power.lamp_share * light + craft.power.ambient
+    power, s = craft.power, craft.listening.around
+    day = day_on(s, (state[0], state[1], state[2]), (s.sun_x, s.sun_y, s.sun_z))
+    return power.lamp_share * light + power.ambient + power.day_share * day
 
 
 def begun(craft: Craft) -> Tally:

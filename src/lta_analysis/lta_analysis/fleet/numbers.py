@@ -36,6 +36,7 @@ class Power(NamedTuple):
     panel_place: Vector
     lamp_share: float  # W/m2 a lux of the lamp while it is on
     ambient: float  # W/m2
+    day_share: float  # W/m2 a lux of daylight
     reserve: float
     charge: float
 

@@ -5,6 +5,7 @@ from typing import final
 
 from lta_control import allocation
 from lta_sim.compose import ENTRY, INLINE
+from lta_sim.light.gather import LAMPS
 from lta_vlc.readings import FIT_SCRATCH
 
 STEP = 2.5e-3  # s, of integration, as in `lta_sim.world`
@@ -39,9 +40,9 @@ CPU = Target(
 {ENTRY.replace('cache=True', 'nogil=True, cache=True')}
 def fly_some(fixed, constants, seeds, out):
     """Fly some vehicles, a row each."""
-    scratch = np.empty({SCRATCH})
+    scratch, lights = np.empty({SCRATCH}), np.empty(({LAMPS + 1}, $diodes))
     for i in range(seeds.shape[0]):
-        fly(fixed[i], constants[i], seeds[i], scratch, out[i])
+        fly(fixed[i], constants[i], seeds[i], scratch, lights, out[i])
 ''',
 )
 GPU = Target(
@@ -54,6 +55,7 @@ def fly_some(fixed, constants, seeds, out):
     i = cuda.grid(1)
     if i < seeds.shape[0]:
         scratch = cuda.local.array({SCRATCH}, float64)
-        fly(fixed[i], constants[i], seeds[i], scratch, out[i])
+        lights = cuda.local.array(({LAMPS + 1}, $diodes), float64)
+        fly(fixed[i], constants[i], seeds[i], scratch, lights, out[i])
 ''',
 )

@@ -30,6 +30,7 @@ BEGIN = Layout(Onboard())
 LIGHT = 'light'  # before the names of the fit, which has constants of its own
 CORES: tuple[Callable[..., Any], ...] = (
     onboard_step,
+    heard.on_ring,
     heard.magnitude,
     counted_sensors.draw_errors,
     counted_sensors.eddies,
@@ -105,7 +106,7 @@ $heard
 
 FLY = Template('''
 $INLINE
-def fly(fixed, c, seed, scratch, out):
+def fly(fixed, c, seed, scratch, lights, out):
     """Fly one vehicle to the end of its flight."""
     nan = math.nan
     craft = $craft
@@ -216,9 +217,10 @@ def _counts(rhythm: Rhythm) -> dict[str, str]:
 def _heard(diodes: int) -> dict[str, str]:
     """Return the source of what each diode hears."""
     lines = [
-        f'a_{k}, s_{k} = core_magnitude(craft.listening, {k}, position, q, seed, step)'
+        f'a_{k}, s_{k} = core_magnitude(craft.listening, {k}, lights, seed, step)'
         for k in range(diodes)
     ]
+    lines.insert(0, 'core_on_ring(craft.listening, position, q, lights)')
     return {
         'heard': indented(lines, 3),
         'amplitudes': tuple_of(f'a_{k}' for k in range(diodes)),
@@ -278,4 +280,5 @@ def source(
     }
     # Twice: what decides has names of its own.
     glue = Template(FLY.safe_substitute(parts)).substitute(parts)
-    return '\n\n\n'.join((model, '\n'.join(missing), cores, glue, target.entry))
+    entry = Template(target.entry).substitute(diodes=diodes)
+    return '\n\n\n'.join((model, '\n'.join(missing), cores, glue, entry))

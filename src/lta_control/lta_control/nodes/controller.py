@@ -57,6 +57,7 @@ class Controller(GraphNode):
 
     def __init__(self) -> None:
         super().__init__('controller')
+        self._motors = self.output('motors')
         self._settings = Parameters(self, ControllerSettings)
         vehicle = load_vehicle(self._settings.value.vehicle)
         self._drag = surge_drag_of(vehicle)
@@ -74,7 +75,6 @@ class Controller(GraphNode):
         self._last_ns: int | None = None
         self._armed = self._settings.value.armed
         self._stopped = ''
-        self._motors = self.output('motors')
         self.create_service(SetBool, 'arm', self._on_arm)
         self.create_service(Trigger, 'emergency_stop', self._on_emergency_stop)
         self.listen(self.table.read_by('controller'), trigger='odom', on_step=self._on_step)

@@ -25,6 +25,7 @@ class Estimator(GraphNode):
 
     def __init__(self) -> None:
         super().__init__('estimator')
+        self._odom = self.output('odom')
         self._settings = Parameters(self, EstimatorParameters)
         vehicle = load_vehicle(self._settings.value.vehicle)
         self._names = vehicle.rotor_names
@@ -33,7 +34,6 @@ class Estimator(GraphNode):
         self._commanded = self._estimate.duties
         self._last_ns: int | None = None
         self._refused = 0
-        self._odom = self.output('odom')
         self.listen(self.table.read_by('estimator'), trigger='imu', on_step=self._on_step)
 
     def _on_step(self, step: Step) -> None:

@@ -109,8 +109,8 @@ def kept(
     x, y, light = pairs[-1]
     same = math.floor(x / cell) == math.floor(new[0] / cell)
     if count > 0.0 and same and math.floor(y / cell) == math.floor(new[1] / cell):
-        return (*pairs[:-1], (new[0], new[1], 0.5 * (light + new[2]))), 0.0
-    return (*pairs[1:], new), 1.0
+        return pairs[:-1] + ((new[0], new[1], 0.5 * (light + new[2])),), 0.0  # noqa: RUF005 - numba
+    return pairs[1:] + (new,), 1.0  # noqa: RUF005 - numba
 
 
 def steepest(

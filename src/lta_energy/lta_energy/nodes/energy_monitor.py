@@ -26,14 +26,14 @@ class EnergyMonitor(GraphNode):
 
     def __init__(self) -> None:
         super().__init__('energy_monitor')
+        self._battery = self.output('energy/battery')
+        self._status = self.output('energy/status')
+        self._reserve = self.output('energy/reserve')
         self._settings = Parameters(self, EnergyMonitorParameters)
         self._cell = Battery.of(load_vehicle_file(self._settings.value.vehicle).energy)
         self._estimate = Estimate()
         self._panel: BatteryState | None = None
         self._light: Illuminance | None = None
-        self._battery = self.output('energy/battery')
-        self._status = self.output('energy/status')
-        self._reserve = self.output('energy/reserve')
         self.listen(['battery', 'panel', 'illuminance'], 'battery', self._on_step)
 
     def _on_step(self, step: 'Step') -> None:

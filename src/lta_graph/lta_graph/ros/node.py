@@ -102,7 +102,13 @@ class GraphNode(Node):
         self.create_timer(WATCH_PERIOD, self._watch, clock=steady)
 
     def output(self, name: str) -> Publisher:
-        """Return a publisher on a topic of the table."""
+        """
+        Return a publisher on a topic of the table.
+
+        A node makes its outputs first of all. In real time what is said before a reader has found
+        the writer is lost, and the flight begins when the last node listens: the files that are
+        read in between are the time in which they find each other.
+        """
         topic = self.table[name]
         return self.create_publisher(message_type(topic), name, profile(topic, self.lockstep))
 

@@ -1,11 +1,12 @@
 """
-All light of a scene, and what of it falls on a plane.
+All light of a scene.
 
-Map frame. In lux on a small plane at a point, part by part:
+Map frame. On each small plane lie
 
-- direct light of each lamp, by the inverse square (`lamp`);
-- light of the lamps between the walls of a closed room, from all sides (`room`). It flickers too;
-- ambient light, from all sides: a steady part and the flicker of the mains (`ambient`).
+- the direct light of each lamp, by the inverse square (`lamp`), and its echo from the surfaces of
+  a room, the first by place and the rest from all sides (`gather`, `room`): it flickers;
+- ambient light, from all sides: a steady part and the flicker of the mains (`ambient`);
+- sun and sky (`daylight`), over all of the scene or beyond a door (`outside`).
 
 Lux over the luminous efficacy of the light (white LED 300 lm/W, sun 105) is irradiance.
 """
@@ -14,7 +15,9 @@ from dataclasses import dataclass
 from typing import final
 
 from lta_sim.light.ambient import Ambient
-from lta_sim.light.lamp import direct, Lamp
+from lta_sim.light.daylight import Daylight
+from lta_sim.light.lamp import Lamp
+from lta_sim.light.outside import Outside
 from lta_sim.light.refuse import require
 from lta_sim.light.room import Room
 import numpy as np
@@ -34,19 +37,39 @@ class LightField:
     lamps : tuple of Lamp
         The beacons, at least one.
     ambient : Ambient
-        The rest.
+        Light from all sides; in the room only, where there is an outside.
     room : Room or None
-        The closed room around the lamps; None outdoors.
+        What reflects around the lamps; None where nothing does.
+    daylight : Daylight or None
+        Over all of the scene, through whatever surrounds it.
+    outside : Outside or None
+        What is beyond a door of the room.
 
     """
 
     lamps: tuple[Lamp, ...]
     ambient: Ambient
     room: Room | None = None
+    daylight: Daylight | None = None
+    outside: Outside | None = None
 
     def __post_init__(self) -> None:
-        """Refuse a scene without a lamp."""
+        """Refuse a scene without a lamp, and a door to nowhere."""
         require(len(self.lamps) > 0, 'The scene has no lamp; give one.')
+        door = self.outside
+        if door is None:
+            return
+        require(self.room is not None, 'The scene has a door but no room; give one.')
+        require(
+            self.daylight is None,
+            'The scene has daylight in the room and beyond its door; leave the first out.',
+        )
+        _, width, height = self.room.size if self.room is not None else (0.0, 0.0, 0.0)
+        require(
+            abs(door.middle) + 0.5 * door.width <= 0.5 * width and door.height <= height,
+            f'The door of {door.width:g} by {door.height:g} m at y = {door.middle:g} m does not '
+            f'fit into a wall of {width:g} by {height:g} m; move it or make it smaller.',
+        )
 
     @property
     def lamp(self) -> Lamp:
@@ -74,28 +97,3 @@ class Illuminance:
     modulated: Array
     steady: Array
     mains: Array
-
-
-def illuminance(field: LightField, points: Array, normals: Array) -> Illuminance:
-    """
-    Return the light on small planes, part by part.
-
-    Parameters
-    ----------
-    field : LightField
-        The scene.
-    points : ndarray of float64, shape (..., 3)
-        Where. [m, map]
-    normals : ndarray of float64, shape (..., 3)
-        Unit normals of the planes. [map]
-
-    """
-    modulated = np.stack([direct(lamp, points, normals) for lamp in field.lamps])
-    if field.room is not None:
-        modulated += np.reshape(
-            [field.room.diffuse(lamp.flux) for lamp in field.lamps],
-            (len(field.lamps),) + (1,) * (modulated.ndim - 1),
-        )
-    shape = modulated.shape[1:]
-    ambient = field.ambient
-    return Illuminance(modulated, np.full(shape, ambient.steady), np.full(shape, ambient.mains))

@@ -22,13 +22,19 @@ from typing import NamedTuple
 
 from lta_sim.counted_chance import normals
 from lta_sim.counted_sensors import GAINS, LIGHT
+from lta_sim.light.echo import echoing, surrounding
 from lta_sim.light.field import LightField
 from lta_sim.light.flicker import lamp_wave, mains_wave, Sampling
-from lta_sim.light.lambertian import Beam, beam, Eye, place, read, seen_all_round
+from lta_sim.light.gather import DAY, gather, LAMPS, on_diodes, SHARE
+from lta_sim.light.lambertian import Beam, Eye
+from lta_sim.light.surround import Surround
 from lta_sim.sensors.photodiode import noise_terms, PhotodiodeArray, sensitivity
 from lta_vlc.demodulation import Demodulation, find_peaks, plan_bins
 from lta_vlc.spectrum import amplitude_spectrum
+import numpy as np
+from numpy.typing import NDArray
 
+Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
@@ -49,12 +55,18 @@ class Listening(NamedTuple):
         Standard deviation of the gains.
     alive : tuple of float
         1 for a diode that reads, 0 for a dead one.
+    hull : tuple of float
+        Half axes of the hull. [m]
+    around : Surround
+        The scene.
     cosines, sines : tuple of float
         Its axis as the drone takes it.
     threshold : float
         SNR from which a diode is believed.
-    counts, dark, steady, top : float
-        Counts a lux of the lamp, those in the dark, those by steady light, and the largest.
+    counts, dark, top : float
+        Counts a lux of the lamp, those in the dark, and the largest.
+    steady, day : float
+        Counts by ambient light alike from all sides, and counts a lux of daylight.
     gain, leak : float
         Magnitude of a unit wave at its peak, and its mean over the quiet bins.
     hum : float
@@ -73,13 +85,16 @@ class Listening(NamedTuple):
     planes: tuple[tuple[float, float, float, float, float, float], ...]
     spread: float
     alive: tuple[float, ...]
+    hull: Vector
+    around: Surround
     cosines: tuple[float, ...]
     sines: tuple[float, ...]
     threshold: float
     counts: float
     dark: float
-    steady: float
     top: float
+    steady: float
+    day: float
     gain: float
     leak: float
     hum: float
@@ -90,7 +105,12 @@ class Listening(NamedTuple):
 
 
 def listening_of(
-    field: LightField, array: PhotodiodeArray, settings: Demodulation, rate: float, samples: int
+    field: LightField,
+    array: PhotodiodeArray,
+    hull: Vector,
+    settings: Demodulation,
+    rate: float,
+    samples: int,
 ) -> Listening:
     """
     Return what decides what a ring hears of the lamp of a scene.
@@ -101,6 +121,8 @@ def listening_of(
         The scene.
     array : PhotodiodeArray
         The ring.
+    hull : tuple of float
+        Half axes of the hull over it. [m]
     settings : Demodulation
         How the drone listens.
     rate : float
@@ -118,23 +140,25 @@ def listening_of(
     scale = 2**array.adc_bits / array.adc_range
     volts = sensitivity(array)
     amplifier, shot = noise_terms(array)
-    eye = Eye(array.response, array.edge)
-    lux = volts / ambient.efficacy * scale * seen_all_round(eye)
+    lux = volts / ambient.efficacy * scale
     mains = amplitude_spectrum(mains_wave(ambient, 0, sampling)[:, None])
     axes = array.planes[:, 3:]
     return Listening(
-        lamp=beam(lamp, field.room),
-        eye=eye,
+        lamp=echoing(lamp, field),
+        eye=Eye(array.response, array.edge),
         planes=tuple(tuple(row) for row in array.planes.tolist()),
         spread=array.gain_spread,
         alive=tuple(array.factors.tolist()),
+        hull=hull,
+        around=surrounding(field),
         cosines=tuple(axes[:, 0].tolist()),
         sines=tuple(axes[:, 1].tolist()),
         threshold=settings.threshold,
         counts=volts / lamp.efficacy * scale,
         dark=array.dark_offset * scale,
-        steady=ambient.steady * lux,
         top=2.0**array.adc_bits - 1.0,
+        steady=ambient.steady * lux,
+        day=0.0 if field.daylight is None else volts / field.daylight.efficacy * scale,
         gain=gain,
         leak=float(spectrum[bins.quiet, 0].mean()),
         hum=ambient.mains * lux * float(mains[bins.quiet, 0].mean()),
@@ -145,8 +169,55 @@ def listening_of(
     )
 
 
+def on_ring(listening: Listening, position: Vector, q: Quaternion, out: Array) -> None:
+    """
+    Write what the diodes read at a pose, in the rows of `gather`.
+
+    Parameters
+    ----------
+    listening : Listening
+        Lamp and ring.
+    position, q : tuple of float
+        Of the hull at the middle of the block. [m, map]
+    out : ndarray, shape (LAMPS + 1, d)
+        Shares and lux.
+
+    """
+    lamps, eye, hull = (listening.lamp,), listening.eye, listening.hull
+    gather(listening.around, lamps, eye, hull, position, q, listening.planes, out)
+    on_diodes(listening.around, lamps, eye, hull, position, q, listening.planes, out, LAMPS)
+
+
+def expected(listening: Listening, light: float, steady: float) -> tuple[float, float, float]:
+    """
+    Return what a diode reads of the lamp without any chance, and the noise beside it.
+
+    Parameters
+    ----------
+    listening : Listening
+        Lamp and ring.
+    light, steady : float
+        Counts by the lamp while it is on, and by all that is steady.
+
+    Returns
+    -------
+    swing : float
+        Magnitude at the lamp's frequency. [counts]
+    quiet : float
+        Mean magnitude of the quiet bins, without the hum of the mains. [counts]
+    noise : float
+        Standard deviation of each part of the magnitude. [counts]
+
+    """
+    top, rest = listening.top, listening.dark + steady
+    swing = listening.gain * (min(rest + light, top) - min(rest, top))
+    variance = listening.variance + listening.shot * (steady + listening.duty * light)
+    quiet = math.sqrt(math.pi * variance / listening.samples) + listening.leak * light
+    return swing, quiet, math.sqrt(2.0 * variance / listening.samples)
+
+
 def magnitude(
-    listening: Listening, diode: int, position: Vector, q: Quaternion, seed: int, step: int
+    listening: Listening, diode: int, read: Array, seed: int, step: int
 ) -> tuple[float, float]:
     """
     Return the magnitude that a diode reads in one block [counts], and its SNR.
@@ -157,26 +228,20 @@ def magnitude(
         Lamp and ring.
     diode : int
         Which, from 0.
-    position, q : tuple of float
-        Of the hull at the middle of the block. [m, map]
+    read : ndarray
+        From `on_ring`.
     seed, step : int
         Of the flight, and the control step at which the block ends.
 
     """
-    x, y, z, i, j, k = listening.planes[diode]
-    point, axis = place(position, q, (x, y, z), (i, j, k))
     own, _ = normals(seed, GAINS, 0, diode)
     factor = listening.alive[diode] * max(1.0 + listening.spread * own, 0.0)
     if factor == 0.0:
         return 0.0, 0.0
-    light = factor * listening.counts * read(listening.lamp, listening.eye, point, axis)
-    steady = factor * listening.steady
-    top, rest = listening.top, listening.dark + steady
-    swing = listening.gain * (min(rest + light, top) - min(rest, top))
-    variance = listening.variance + listening.shot * (steady + listening.duty * light)
+    share = factor * read[SHARE, diode]
+    steady = share * listening.steady + factor * read[DAY, diode] * listening.day
+    light = factor * listening.counts * read[LAMPS, diode]
+    swing, quiet, noise = expected(listening, light, steady)
     a, b = normals(seed, LIGHT, step, diode)
-    noise = math.sqrt(2.0 * variance / listening.samples)
-    magnitude = math.hypot(swing + noise * a, noise * b)
-    quiet = math.sqrt(math.pi * variance / listening.samples) + listening.leak * light
-    quiet += listening.hum * factor
-    return magnitude, magnitude / quiet
+    told = math.hypot(swing + noise * a, noise * b)
+    return told, told / (quiet + listening.hum * share)

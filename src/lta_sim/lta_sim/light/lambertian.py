@@ -9,14 +9,9 @@ import math
 from typing import NamedTuple
 
 from lta_sim.effects.protocol import Quaternion, Vector
-from lta_sim.light.field import LightField
 from lta_sim.light.lamp import Lamp
 from lta_sim.light.room import Room
-from lta_sim.rigid_body import rotation
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from lta_sim.rigid_body import rotation, to_map
 
 
 class Beam(NamedTuple):
@@ -36,7 +31,9 @@ class Beam(NamedTuple):
     square : float
         Square of its radius. [m2]
     diffuse : float
-        What the room throws back, the same everywhere. [lx]
+        What the room throws back, as if it were the same everywhere. [lx]
+    beyond : float
+        Of that what has been thrown back more than once. [lx]
 
     """
 
@@ -50,6 +47,7 @@ class Beam(NamedTuple):
     order: float
     square: float
     diffuse: float
+    beyond: float
 
 
 class Eye(NamedTuple):
@@ -69,17 +67,12 @@ class Eye(NamedTuple):
     least: float
 
 
-def beam(lamp: Lamp, room: Room | None) -> Beam:
-    """Return a lamp with the room's echo of it."""
-    diffuse = 0.0 if room is None else room.diffuse(lamp.flux)
-    return Beam(
-        *lamp.position, *lamp.direction, lamp.intensity, lamp.order, lamp.radius**2, diffuse
-    )
-
-
-def beams(field: LightField) -> Array:
-    """Return the lamps of a scene, a row each in the order of `Beam`, shape (l, 10)."""
-    return np.array([beam(lamp, field.room) for lamp in field.lamps])
+def beam(lamp: Lamp, room: Room | None = None, thrown: float = 0.0) -> Beam:
+    """Return a lamp, of whose light the surfaces of a room throw back so much at once. [lm]"""
+    diffuse = 0.0 if room is None else thrown / (room.area * (1.0 - room.mean_albedo))
+    beyond = 0.0 if room is None else diffuse * room.mean_albedo
+    place, axis = lamp.position, lamp.direction
+    return Beam(*place, *axis, lamp.intensity, lamp.order, lamp.radius**2, diffuse, beyond)
 
 
 def shine(lamp: Beam, point: Vector) -> tuple[float, Vector]:
@@ -122,17 +115,6 @@ def seen(eye: Eye, axis: Vector, towards: Vector) -> float:
     return part
 
 
-def seen_all_round(eye: Eye) -> float:
-    """
-    Return what a diode reads of light that comes alike from all sides, a cosine's reading being 1.
-
-    The radiance E / pi over the field of view: 2 / (n + 1) (1 - c^(n + 1)).
-    """
-    power = eye.exponent + 1.0
-    part: float = 2.0 * (1.0 - max(eye.least, 0.0) ** power) / power
-    return part
-
-
 def lit(lamp: Beam, point: Vector, normal: Vector) -> float:
     """
     Return the light of the lamp on a small plane while it is on, the room's echo included.
@@ -156,58 +138,8 @@ def lit(lamp: Beam, point: Vector, normal: Vector) -> float:
     return light * seen(Eye(1.0, 0.0), normal, towards) + lamp.diffuse
 
 
-def read(lamp: Beam, eye: Eye, point: Vector, axis: Vector) -> float:
-    """Return the light of the lamp that a diode reads while it is on; as `lit`. [lx]"""
-    light, towards = shine(lamp, point)
-    return light * seen(eye, axis, towards) + lamp.diffuse * seen_all_round(eye)
-
-
 def place(position: Vector, q: Quaternion, point: Vector, axis: Vector) -> tuple[Vector, Vector]:
     """Return a point [m] and an axis of the body in `map`."""
     r = rotation(q)
-    a, b, c = point
-    i, j, k = axis
-    return (
-        position[0] + (r[0] * a + r[1] * b + r[2] * c),
-        position[1] + (r[3] * a + r[4] * b + r[5] * c),
-        position[2] + (r[6] * a + r[7] * b + r[8] * c),
-    ), (
-        r[0] * i + r[1] * j + r[2] * k,
-        r[3] * i + r[4] * j + r[5] * k,
-        r[6] * i + r[7] * j + r[8] * k,
-    )
-
-
-def beam_of(row: Array) -> Beam:
-    """Return a lamp from a row of `beams`."""
-    return Beam(
-        row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9]
-    )  # fmt: skip
-
-
-def on_diodes(lamps: Array, eye: Eye, poses: Array, planes: Array, out: Array) -> None:
-    """
-    Write what the diodes of a body read of the lamps at several poses.
-
-    Parameters
-    ----------
-    lamps : ndarray, shape (l, 10)
-        From `beams`.
-    eye : Eye
-        Of the diodes.
-    poses : ndarray, shape (k, 7)
-        Position [m] and quaternion x y z w, body -> map.
-    planes : ndarray, shape (d, 6)
-        Points [m] and unit axes, body frame.
-    out : ndarray, shape (l, k, d)
-        Illuminance while each lamp is on. [lx]
-
-    """
-    for k in range(poses.shape[0]):
-        position = (poses[k, 0], poses[k, 1], poses[k, 2])
-        q = (poses[k, 3], poses[k, 4], poses[k, 5], poses[k, 6])
-        for i in range(planes.shape[0]):
-            spot = (planes[i, 0], planes[i, 1], planes[i, 2])
-            point, axis = place(position, q, spot, (planes[i, 3], planes[i, 4], planes[i, 5]))
-            for lamp in range(lamps.shape[0]):
-                out[lamp, k, i] = read(beam_of(lamps[lamp]), eye, point, axis)
+    x, y, z = to_map(r, point)
+    return (position[0] + x, position[1] + y, position[2] + z), to_map(r, axis)

@@ -2,14 +2,19 @@
 The light that falls on one vehicle: on its photodiodes, its panel and its hull.
 
 What is called at every step is scalar or compiled; `lta_sim.light.field` says what the light is.
+Direct light is taken at every control step, everything else at the ends of a block.
 """
 
 from collections.abc import Sequence
 from typing import final
 
 from lta_sim.compiled import compiled
+from lta_sim.hull import half_axes
+from lta_sim.light.echo import beams, echoing, surrounding
 from lta_sim.light.field import Illuminance, LightField
-from lta_sim.light.lambertian import beam, beams, Eye, lit, on_diodes, place, seen_all_round, shine
+from lta_sim.light.gather import DAY, gather, LAMPS, on_the_way, SHARE
+from lta_sim.light.lambertian import Eye, lit, place, shine
+from lta_sim.light.surround import day_on, within
 from lta_sim.sensors.light_block import AmplifierState, synthesise
 from lta_sim.sensors.photodiode import PhotodiodeArray
 from lta_sim.vehicle import Vehicle
@@ -17,6 +22,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
+Array = NDArray[np.float64]
 Pose = tuple[float, ...]  # position and quaternion x y z w
 UP = (0.0, 0.0, 1.0)
 
@@ -31,7 +37,7 @@ class LightView:
     field : LightField
         The scene.
     vehicle : Vehicle
-        Where the panel is.
+        Its hull, and where the panel is.
     diodes : PhotodiodeArray, optional
         Its diodes with gains as drawn for this flight; those of its file if left out.
 
@@ -44,12 +50,13 @@ class LightView:
         self._diodes = diodes or vehicle.diodes
         x, y, z = vehicle.file.sensors.panel_position.vector
         self._panel = (x, y, z)
-        self._beams = [beam(lamp, field.room) for lamp in field.lamps]
-        self._lamps = beams(field)
-        self._eye = Eye(self._diodes.response, self._diodes.edge)
-        self._all_round = seen_all_round(self._eye)
-        self._on_diodes = compiled(on_diodes)[0]
+        self._beams = [echoing(lamp, field) for lamp in field.lamps]
+        eye = Eye(self._diodes.response, self._diodes.edge)
+        self._surround = surrounding(field)
+        self._scene = (self._surround, beams(field), eye, half_axes(vehicle.file.hull))
+        self._gather, self._on_the_way = compiled(gather, on_the_way)
         self._poses: list[Pose] = []
+        self._around: Array | None = None  # what was gathered at the end of the block before
         self._amplifier: AmplifierState | None = None
 
     def pass_by(self, pose: Pose) -> None:
@@ -60,17 +67,8 @@ class LightView:
         self, start_ns: int, sample_rate: float, samples: int, chance: Generator
     ) -> NDArray[np.uint16]:
         """Return the block that began at a time and ends now, from the poses since."""
-        ambient = self.field.ambient
-        shape = (len(self._poses), self._diodes.count)
-        lamps = np.empty((len(self._lamps), *shape))
-        poses = np.array(self._poses)
-        self._on_diodes(self._lamps, self._eye, poses, self._diodes.planes, lamps)
+        light = self.illuminance(self._poses)
         self._poses = [self._poses[-1]]
-        light = Illuminance(
-            lamps,
-            np.full(shape, ambient.steady * self._all_round),
-            np.full(shape, ambient.mains * self._all_round),
-        )
         block, self._amplifier = synthesise(
             self._diodes,
             self.field,
@@ -83,22 +81,59 @@ class LightView:
         )
         return block
 
+    def illuminance(self, poses: Sequence[Pose]) -> Illuminance:
+        """Return what the diodes read at some poses, one after the other."""
+        before = self._gathered(poses[0]) if self._around is None else self._around
+        self._around = after = self._gathered(poses[-1])
+        share = np.linspace(0.0, 1.0, len(poses))[:, None, None]
+        rows = before + share * (after - before) if len(poses) > 1 else after[None].copy()
+        self._on_the_way(*self._scene, np.array(poses), self._diodes.planes, rows)
+        ambient = self.field.ambient
+        steady = ambient.steady * rows[:, SHARE] + self._daylight_share * rows[:, DAY]
+        return Illuminance(rows[:, LAMPS:].swapaxes(0, 1), steady, ambient.mains * rows[:, SHARE])
+
+    @property
+    def _daylight_share(self) -> float:
+        """Lux of the ambient light that are worth as many watts as one of daylight."""
+        field = self.field
+        daylight = field.daylight if field.outside is None else field.outside.daylight
+        return 0.0 if daylight is None else field.ambient.efficacy / daylight.efficacy
+
+    def _gathered(self, pose: Pose) -> Array:
+        """Return what is gathered at a pose, with no ambient light beyond a door."""
+        x, y, z, i, j, k, w = pose
+        out = np.empty((LAMPS + len(self._beams), self._diodes.count))
+        self._gather(*self._scene, (x, y, z), (i, j, k, w), self._diodes.planes, out)
+        if not self._indoors(pose):
+            out[SHARE] = 0.0
+        return out
+
+    def _indoors(self, pose: Pose) -> bool:
+        """Tell whether the ambient light is there."""
+        return self.field.outside is None or within(self._surround, *pose[:3])
+
     def on_panel(self, pose: Pose) -> tuple[float, float]:
         """Return illuminance [lx] and irradiance [W/m2] of the panel, mean over the flicker."""
         x, y, z, i, j, k, w = pose
         point, normal = place((x, y, z), (i, j, k, w), self._panel, UP)
-        return self._mean([lit(each, point, normal) for each in self._beams])
+        return self._mean(pose, [lit(each, point, normal) for each in self._beams], normal)
 
     def on_hull(self, pose: Pose) -> float:
-        """Return the irradiance at the hull centre on planes that face each lamp. [W/m2]"""
+        """Return the irradiance at the hull centre on planes that face each light. [W/m2]"""
         x, y, z = pose[:3]
         facing = [shine(each, (x, y, z))[0] + each.diffuse for each in self._beams]
-        return self._mean(facing)[1]
+        s = self._surround
+        return self._mean(pose, facing, (s.sun_x, s.sun_y, s.sun_z))[1]
 
-    def _mean(self, modulated: Sequence[float]) -> tuple[float, float]:
+    def _mean(
+        self, pose: Pose, modulated: Sequence[float], normal: tuple[float, float, float]
+    ) -> tuple[float, float]:
         """Return illuminance and irradiance over the flicker, from each lamp's while it is on."""
         ambient = self.field.ambient
-        lux, watts = ambient.steady, ambient.steady / ambient.efficacy
+        steady = ambient.steady if self._indoors(pose) else 0.0
+        day = day_on(self._surround, (pose[0], pose[1], pose[2]), normal)
+        lux = steady + day
+        watts = (steady + self._daylight_share * day) / ambient.efficacy
         for lamp, light in zip(self.field.lamps, modulated, strict=True):
             lux += light * lamp.wave.duty
             watts += light * (lamp.wave.duty / lamp.efficacy)

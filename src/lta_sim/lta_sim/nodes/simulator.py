@@ -37,6 +37,7 @@ STALE_NS = 300_000_000  # commands older than this stop the motors, as on the re
 SLIP = 50  # control periods of delay that are made up for at once
 SLOW = 0.05  # share of the wall clock that may be lost before it is said
 CLOCK_PERIOD = 0.02  # wall seconds between two /clock
+SETTLED = 1.0  # wall seconds without a newcomer after which a flight begins in real time
 PATIENCE = 20.0  # wall seconds for the graph of one drone to come up
 
 
@@ -72,6 +73,8 @@ class Simulator(GraphNode):
     def work(self) -> None:
         """Wait for the graph, then fly."""
         self._wait_for_graph()
+        if not self.lockstep:
+            self._settle()
         self._began = self._anchor = time.monotonic()
         self.begun = True
         self._publish()
@@ -103,6 +106,23 @@ class Simulator(GraphNode):
                     'start them, or see "lta doctor" on discovery between processes.'
                 )
             time.sleep(0.02)
+
+    def _settle(self) -> None:
+        """
+        Wait until the graph has stayed as it is for a while.
+
+        That we have found everybody does not say that they have found each other; in real time
+        what is said before that is lost.
+        """
+        seen, since = self._ends(), time.monotonic()
+        while self.running and time.monotonic() - since < SETTLED:
+            time.sleep(0.02)
+            if (now := self._ends()) != seen:
+                seen, since = now, time.monotonic()
+
+    def _ends(self) -> list[tuple[int, int]]:
+        """Return how many publish and how many read each topic of the table."""
+        return [(self.count_publishers(n), self.count_subscribers(n)) for n in self.table.topics]
 
     def _on_motors(self, step: Step) -> None:
         for command in step.messages['motors']:

@@ -5,9 +5,10 @@ Irradiance on a diode's plane times area and responsivity is the photocurrent; t
 resistor, volts. The responsivity is the data sheet's at 650 nm: white light holds shorter waves
 that count for less, so real currents are lower.
 
-Noise is the amplifier's and the shot noise sqrt(2 q I B), B = pi/2 f_3dB of the amplifier's pole.
-The data sheet's 300 uV rms (0.1 Hz to 20 kHz, 1 Mohm) is taken as all of the amplifier's noise
-and scaled with the root of the resistor, as a resistor's own noise does: an assumption.
+Noise is the amplifier's, the converter's and the shot noise sqrt(2 q I B), B = pi/2 f_3dB of the
+amplifier's pole. The data sheet's 300 uV rms (0.1 Hz to 20 kHz, 1 Mohm) is taken as all of the
+amplifier's noise and scaled with the root of the resistor, as a resistor's own noise does: an
+assumption.
 
 A reading falls off as a power of the cosine between light and axis, out to the edge of the field
 of view: 1 is a flat plane, 1.2 the package of the OPT101. Gains differ from diode to diode.
@@ -28,6 +29,7 @@ from pydantic import Field
 
 Array = NDArray[np.float64]
 ELEMENTARY_CHARGE = 1.602176634e-19  # C, exact in SI
+ROOM = 0.75  # of the converter's range that steady light may take
 NOISE_RESISTANCE = 1e6  # ohm, at which the data sheet gives the noise
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
@@ -65,6 +67,8 @@ class PhotodiodeArray(Record):
         Diodes that read nothing, from 0.
     feedback_resistance : float
         Feedback resistor of the amplifiers. [ohm]
+    resistors : tuple of float
+        Those that may be selected instead, the largest first. [ohm]
     area : float
         Sensitive area of a diode. [m2]
     responsivity : float
@@ -79,6 +83,8 @@ class PhotodiodeArray(Record):
         Resolution of the converter.
     adc_range : float
         Voltage of the converter at full scale. [V]
+    adc_noise : float
+        Standard deviation of the converter's own noise, in its steps.
     clock_error : float
         Part by which the converter samples too fast.
     jitter : float
@@ -96,6 +102,7 @@ class PhotodiodeArray(Record):
     gains: tuple[NotNegative, ...] = ()
     dead: tuple[Annotated[int, Field(ge=0)], ...] = ()
     feedback_resistance: Positive
+    resistors: tuple[Positive, ...] = ()
     area: Positive = 5.2e-6
     responsivity: Positive = 0.45
     dark_offset: NotNegative = 7.5e-3
@@ -104,6 +111,7 @@ class PhotodiodeArray(Record):
     # The converter of the Teensy 4.1.
     adc_bits: Annotated[int, Field(ge=1, le=16)] = 12
     adc_range: Positive = 3.3
+    adc_noise: NotNegative = 0.0
     clock_error: Finite = 0.0
     jitter: NotNegative = 0.0
 
@@ -129,6 +137,16 @@ class PhotodiodeArray(Record):
         factors = np.array(self.gains) if self.gains else np.ones(self.count)
         factors[list(self.dead)] = 0.0
         return factors
+
+    def selected(self, irradiance: float) -> 'PhotodiodeArray':
+        """Return these diodes with the largest resistor that steady light leaves room. [W/m2]"""
+        volts = [
+            resistor * self.area * self.responsivity * irradiance for resistor in self.resistors
+        ]
+        for resistor, reached in zip(self.resistors, volts, strict=True):
+            if reached <= ROOM * self.adc_range or resistor == self.resistors[-1]:
+                return self.model_copy(update={'feedback_resistance': resistor})
+        return self
 
     def drawn(self, chance: np.random.Generator) -> 'PhotodiodeArray':
         """Return these diodes with gains drawn by their spread, none below zero."""
@@ -184,7 +202,9 @@ def noise_volts(array: PhotodiodeArray, volts: Array | float) -> Array:
 
 
 def noise_terms(array: PhotodiodeArray) -> tuple[float, float]:
-    """Return the variance of the amplifier's noise [V2] and that of the shot noise by volt [V]."""
+    """Return the variance of noise without light [V2] and that of the shot noise by volt [V]."""
+    step = array.adc_range / 2**array.adc_bits
     amplifier = array.noise**2 * array.feedback_resistance / NOISE_RESISTANCE
+    amplifier += (array.adc_noise * step) ** 2
     noise_bandwidth = math.pi / 2.0 * array.bandwidth
     return amplifier, 2.0 * ELEMENTARY_CHARGE * noise_bandwidth * array.feedback_resistance

@@ -7,12 +7,14 @@ from lta_graph.inbox import Step
 from lta_graph.ros.node import GraphNode, run
 from lta_graph.ros.parameters import Parameters
 from lta_vlc.array import Bearing, bearing
-from lta_vlc.demodulation import Demodulation, Peaks
+from lta_vlc.condition import conditions, WANTED
+from lta_vlc.demodulation import Demodulation, Hearing, Peaks
 from lta_vlc.diodes import diodes_of
 from lta_vlc.direction import DirectionFinder
 from lta_vlc.lamp import lamp_estimate, LampEstimate, LampPrior
 from lta_vlc.listener import Listener
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks, to_block
+from lta_vlc.sequence import Sequence
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
@@ -37,6 +39,7 @@ class Demodulator(GraphNode):
         )
         self._begin(self._settings.value)
         self._listener.prepare()  # who listens must answer at once
+        self._sequence = Sequence(self.table['photodiodes'].period_ns)
         self._refused = 0
         # After the outputs: what is published before somebody listens is lost in real time.
         entry = load_vehicle_file(self._settings.value.vehicle).sensors.diodes
@@ -55,6 +58,7 @@ class Demodulator(GraphNode):
     def _on_step(self, step: Step) -> None:
         message: Image = step.last('photodiodes')
         try:
+            self._listener.miss(self._sequence.take(step.stamp_ns))
             for wish in step.messages['light/beacon']:
                 self._listener.want(wish.data)
             block = to_block(message)
@@ -62,7 +66,7 @@ class Demodulator(GraphNode):
             hearing = self._listener.hear(block)
         except ValueError as error:
             self._refused += 1
-            self.health.report('light', Level.ERROR, str(error), refused=self._refused)
+            self.health.report(WANTED, Level.ERROR, str(error), blocks_refused=self._refused)
             if self.lockstep:  # whoever waits for the answer would wait for ever
                 self._publish(message.header, (), None, None)
             return
@@ -71,14 +75,18 @@ class Demodulator(GraphNode):
         found = self._finder.find(peaks, settings.threshold, settings.prior)
         lamp = None if found is None else lamp_estimate(found, settings.prior)
         self._publish(message.header, hearing.peaks, towards, lamp)
-        clipped = int((block >= 4095).sum())
-        self.health.report(
-            'light',
-            Level.OK if towards is not None else Level.WARN,
-            'beacon found' if towards is not None else 'no diode hears the beacon',
-            best_snr=f'{peaks.snr.max():.1f}',
-            clipped_samples=clipped,
-        )
+        self._tell(hearing)
+
+    def _tell(self, hearing: Hearing) -> None:
+        """Say how the light stands."""
+        for fact in conditions(
+            hearing,
+            self._listener.beacons,
+            tuple(self._listener.presences[one] for one in self._listener.beacons),
+            self._sequence.missing,
+            self._refused,
+        ):
+            self.health.report(fact.task, fact.level, fact.message, **fact.values)
 
     def _publish(
         self,

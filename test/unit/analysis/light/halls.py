@@ -18,7 +18,7 @@ outline: {x: {value: [0, 12, 12, 0], unit: m}, y: {value: [0, 0, 12, 12], unit: 
 height: 5 m
 albedo: 0.5
 altitude: 2 m
-lamp: {flux: 10000 lm, half_power_angle: 60 deg, efficacy: 300 lm/W, duty: 50 %, height: 1.67 m,
+lamp: {flux: 10000 lm, half_power: 60 deg, efficacy: 300 lm/W, duty: 50 %, height: 1.67 m,
   facing: sideways, spacing: 3 m}
 ambient: {steady: 100 lx, mains_amplitude: 0 lx, mains_frequency: 100 Hz, efficacy: 300 lm/W}
 """

@@ -19,7 +19,7 @@ from lta_analysis.discovery.carrying.named import effects
 from lta_analysis.discovery.carrying.pieces import apart_for, far
 from lta_analysis.discovery.carrying.refit import refitted
 from lta_analysis.discovery.carrying.regimes import regimes
-from lta_analysis.discovery.carrying.transfer import Regime, TOLD
+from lta_analysis.discovery.carrying.transfer import left, Regime, squared, TOLD
 from lta_analysis.discovery.carrying.values import tuned, Valued, valued
 from lta_analysis.discovery.finding import Carried, LeftOut, Worth
 from lta_analysis.discovery.fit.fit import turned
@@ -98,8 +98,8 @@ def by_forecasts(found: Study, tell: Progress) -> Study:
         return found
     parts = _parts(taught)
     plain, rest = tuned(taught.sight, parts)
-    if _squared(rest) < LOOSE * sum(one.flights * one.before**2 for one in rest):
-        return found  # its numbers are off within their tolerances, which no name can be told from
+    if left(rest) < LOOSE:
+        return _warned(found, within_tolerances(left(rest)))
     names = _standing(taught, parts, rest, found.finding.seed, tell)
     if names.best is None:
         return _unnamed(found, names.lost)
@@ -184,25 +184,32 @@ def _carrying(
     while groups:
         best = valued(sight, groups, parts, seed)
         better = all(one.ratio < 1.0 for one in best.regimes)
-        if better and _squared(best.regimes) < TUNED * _squared(rest):
+        if better and squared(best.regimes) < TUNED * squared(rest):
             beside = tuned(sight, parts, groups)[1]
-            if _squared(beside) < BESIDE * _squared(rest):
+            if squared(beside) < BESIDE * squared(rest):
                 return best, groups
         groups = groups[:-1]
     return None, groups
 
 
-def _squared(regimes: Sequence[Regime]) -> float:
-    """Return the squared error of regimes left out, each by how many flights it has."""
-    return sum(one.flights * one.after**2 for one in regimes)
-
-
 def _unnamed(found: Study, lost: Sequence[Group]) -> Study:
     """Return a study as it was, with what forecasts did not confirm."""
-    if not lost:
-        return found
-    warnings = (*found.finding.warnings, interpolating([one.name for one in lost]))
+    return _warned(found, interpolating([one.name for one in lost])) if lost else found
+
+
+def _warned(found: Study, sentence: str) -> Study:
+    """Return a study with one more warning."""
+    warnings = (*found.finding.warnings, sentence)
     return replace(found, finding=replace(found.finding, warnings=warnings))
+
+
+def within_tolerances(share: float) -> str:
+    """Return in words that tolerances leave only a share of the squared error."""
+    taken = f'{100.0 * (1.0 - share):.0f} %'
+    return (
+        f'Forecasts name nothing: tolerances of the vehicle file alone take {taken} of the '
+        'squared error in regimes left out, and no name can be told from them.'
+    )
 
 
 def interpolating(names: Sequence[str]) -> str:

@@ -47,6 +47,16 @@ class Regime(NamedTuple):
         return self.after / self.before
 
 
+def squared(regimes: Sequence[Regime]) -> float:
+    """Return the squared error of regimes left out, each by how many flights it has."""
+    return sum(one.flights * one.after**2 for one in regimes)
+
+
+def left(regimes: Sequence[Regime]) -> float:
+    """Return which part of the squared error of the vehicle file is left in regimes left out."""
+    return squared(regimes) / sum(one.flights * one.before**2 for one in regimes)
+
+
 def left_out(
     foresight: Foresight,
     fitted: Fitted,

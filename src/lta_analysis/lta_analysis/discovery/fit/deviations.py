@@ -10,43 +10,72 @@ from typing import Final
 
 from lta_analysis.discovery.fit.evidence import evidence_of, log_prior, Prior
 from lta_analysis.discovery.fit.group import Group
+from lta_analysis.discovery.fit.steepness import Steepness, steepness
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
 SMALL: Final = 2.5  # floors; the largest deviations of the second start
-SWEEPS: Final = 4
-STRIDE: Final = 0.5  # of the logarithm of a deviation
+STRIDES: Final = 12
+HALVES: Final = 4  # of a stride that does not help
+LONGEST: Final = 2.0  # of the logarithm of a deviation; a stride
+STRAIGHT: Final = 0.75  # of what a slope promises; on a parabola a stride gains half
+WORTH: Final = 0.01  # nats; a stride that promises less is not made
 LOWEST, HIGHEST = 0.05, 1e3  # floors
 
 
-def best(value: Callable[[Array], float], start: Array, floor: Array) -> tuple[Array, float]:
+def strides(seen: Steepness) -> Array:
+    """
+    Return by how much the logarithms of the deviations should change.
+
+    The evidence is nearer to a parabola in a variance than in its logarithm: where there is too
+    much, a stride is made longer, where there is too little, shorter.
+    """
+    step = np.linalg.solve(seen.bend, seen.slope)
+    out: Array = 0.5 * np.log(np.maximum(1.0 + 2.0 * step, np.exp(-2.0 * LONGEST)))
+    return np.minimum(out, LONGEST)
+
+
+def best(
+    value: Callable[[Array], float],
+    steep: Callable[[Array], Steepness],
+    start: Array,
+    floor: Array,
+) -> tuple[Array, float]:
     """
     Return the deviations of greatest value near a start, and the value.
 
-    Newton steps on the logarithms, axis by axis at once, halved until they help.
+    Fisher's scoring on the logarithms, halved until it helps.
+
+    Parameters
+    ----------
+    value, steep : callable
+        Log evidence of deviations, -inf where there is none, and the same with its slope.
+    start, floor : ndarray, shape (6,)
+        Deviations to begin with, and those that are not worth speaking of.
+
     """
     low, high = np.log(LOWEST * floor), np.log(HIGHEST * floor)
     at = np.clip(np.log(start), low, high)
-    now = value(np.exp(at))
-    for _ in range(SWEEPS):
-        step = np.zeros(len(at))
-        for k in range(len(at)):
-            aside = np.zeros(len(at))
-            aside[k] = STRIDE
-            up, down = value(np.exp(at + aside)), value(np.exp(at - aside))
-            slope, bend = (up - down) / (2 * STRIDE), (up - 2 * now + down) / STRIDE**2
-            step[k] = np.clip(-slope / bend, -2.0, 2.0) if bend < -1e-3 else 1.5 * np.sign(slope)
-        before = now
-        for _ in range(4):
-            trial = np.clip(at + step, low, high)
-            there = value(np.exp(trial))
+    now, part = value(np.exp(at)), 1.0
+    for _ in range(STRIDES if np.isfinite(now) else 0):
+        seen = steep(np.exp(at))
+        step = np.clip(at + part * strides(seen), low, high) - at
+        promised = float(seen.slope @ step)
+        if promised < WORTH:
+            break
+        for _ in range(HALVES):
+            there = value(np.exp(at + step))
             if there > now:
-                at, now = trial, there
                 break
-            step *= 0.5
-        if now - before < 0.05:
+            step, part = 0.5 * step, 0.5 * part
+        else:
+            break
+        gained, at, now = there - now, at + step, there
+        if gained > STRAIGHT * promised:
+            part *= 2.0  # a hillside that hardly bends
+        elif gained < WORTH:
             break
     return np.exp(at), now
 
@@ -79,6 +108,9 @@ def weighed(
             return -np.inf  # so far off that nothing is left of a column but rounding
         return found + log_prior(deviations, floor)
 
+    def steep(deviations: Array) -> Steepness:
+        return steepness(narrow, own, deviations, floor)
+
     starts = [start, *(np.minimum(start, cap * floor) for cap in caps)]
     distinct = [s for k, s in enumerate(starts) if k == 0 or not np.allclose(s, start)]
-    return max((best(value, s, floor) for s in distinct), key=lambda found: found[1])
+    return max((best(value, steep, s, floor) for s in distinct), key=lambda found: found[1])

@@ -127,6 +127,28 @@ class Reduced:
 
 
 @final
+class Solved(NamedTuple):
+    """
+    The latent wrench of a flight's pieces, solved for some deviations.
+
+    Attributes
+    ----------
+    reduced : Reduced
+        The flight without its pieces' unknowns.
+    inverse : ndarray, shape (S, L, L)
+        Covariance of the wrench at the knots, all knobs held.
+    answer : ndarray, shape (S, L, G + 1)
+        How the wrench answers to the knobs; the last is how far it moves from the point where they
+        are held.
+
+    """
+
+    reduced: Reduced
+    inverse: Array
+    answer: Array
+
+
+@final
 class Pieces:
     """
     The pieces of a flight, ready to be reduced for any deviations of the latent wrench.
@@ -170,13 +192,40 @@ class Pieces:
             Of the latent force [N] and moment [N m].
 
         """
-        count = AXES * KNOTS
-        precision = np.zeros((count, count))
+        precision, count = self._precision(deviations), AXES * KNOTS
+        keep = np.arange(count, self._grams.shape[1])
+        products, constant = eliminated(self._grams, keep, np.arange(count), precision, self._mean)
+        return self._summed(products, constant)
+
+    @property
+    def latent(self) -> Array:
+        """The latent wrench at the knots where the flight stands, shape (S, L)."""
+        return -self._mean
+
+    def solution(self, deviations: Array) -> Solved:
+        """Return the same as `reduced`, with what it takes to see how it answers to them."""
+        precision, count = self._precision(deviations), AXES * KNOTS
+        inner = self._grams[:, :count, :count] + precision
+        cross = self._grams[:, :count, count:].copy()
+        pull = self._mean @ precision
+        cross[:, :, -1] += pull
+        inverse = np.asarray(np.linalg.inv(inner), dtype=np.float64)
+        answer = inverse @ cross
+        left = self._grams[:, count:, count:] - np.swapaxes(cross, 1, 2) @ answer
+        left[:, -1, -1] += np.sum(pull * self._mean, axis=1)
+        logs = np.linalg.slogdet(precision)[1] - np.linalg.slogdet(inner)[1]
+        return Solved(self._summed(left, 0.5 * logs), inverse, answer)
+
+    def _precision(self, deviations: Array) -> Array:
+        """Return the inverse covariance of the latent wrench of a piece."""
+        precision = np.zeros((AXES * KNOTS, AXES * KNOTS))
         for axis, deviation in enumerate(deviations):
             at = slice(axis * KNOTS, (axis + 1) * KNOTS)
             precision[at, at] = self._knots / deviation**2
-        keep = np.arange(count, self._grams.shape[1])
-        products, constant = eliminated(self._grams, keep, np.arange(count), precision, self._mean)
+        return precision
+
+    def _summed(self, products: Array, constant: Array) -> Reduced:
+        """Return what all pieces say together."""
         rows = -0.5 * np.log(2.0 * np.pi) * self.linear.rows.sum()
         return Reduced(products.sum(axis=0), self._constant.sum() + constant.sum() + rows)
 
@@ -291,3 +340,9 @@ def strain(point: Point, deviations: Array) -> float:
 def log_prior(deviations: Array, floor: Array = FLOOR) -> float:
     """Return the log density of the deviations' logarithms, less a constant."""
     return float(-0.5 * np.sum((np.log(deviations / (USUAL * floor)) / LOOSE) ** 2))
+
+
+def log_prior_slope(deviations: Array, floor: Array = FLOOR) -> tuple[Array, Array]:
+    """Return the slope of `log_prior` along the logarithms, and minus its bend."""
+    slope: Array = -np.log(deviations / (USUAL * floor)) / LOOSE**2
+    return slope, np.eye(len(floor)) / LOOSE**2

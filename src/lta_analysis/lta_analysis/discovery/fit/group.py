@@ -6,6 +6,7 @@ each, about what is shared where they are candidates themselves. They are elimin
 flight, so that the cost grows with the flights and not with its square.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final, NamedTuple
 
@@ -81,7 +82,12 @@ class Group:
             Of the latent force [N] and moment [N m].
 
         """
-        parts = [self._without_own(each, each.reduced(deviations)) for each in self.pieces]
+        return self.together([each.reduced(deviations) for each in self.pieces])
+
+    def together(self, reduced: Sequence[Reduced]) -> Reduced:
+        """Return what flights say of what they share, each without its pieces' unknowns."""
+        both = zip(self.pieces, reduced, strict=True)
+        parts = [self._without_own(each, alone) for each, alone in both]
         products = np.sum([part.products for part in parts], axis=0)
         return Reduced(products, sum(part.constant for part in parts))
 

@@ -15,9 +15,10 @@ from lta_analysis.discovery.fit.deviations import weighed
 from lta_analysis.discovery.fit.evidence import floor_of, learned, own_variance, Prior, shared
 from lta_analysis.discovery.fit.fit import Fitter, Joint
 from lta_analysis.discovery.fit.starts import begun, TRIED
+from lta_analysis.discovery.model.knobs import PARTS
 from lta_analysis.discovery.model.nominal import Nominal
-from lta_analysis.discovery.naming.accept import TIE, Trial
-from lta_analysis.discovery.naming.displacing import Displacing
+from lta_analysis.discovery.naming.accept import APART, TIE, Trial
+from lta_analysis.discovery.naming.displacing import AGREED, Displacing, HALF, QUARTER
 from lta_analysis.discovery.naming.scan import likeness, scan
 from lta_analysis.discovery.replay.linear import origin
 from lta_analysis.discovery.replay.linearise import Linearised
@@ -34,6 +35,7 @@ HOPE: Final = 5.0  # nats; nor is a candidate that promises less on all flights 
 HOPELESS: Final = 0.35  # of what the best has won: who promises less is not refitted
 ALIKE: Final = 0.98  # of the cosine of two columns; beyond it one refit stands for both
 UNLIKE: Final = 0.5  # of the same; below it the failure of the one says nothing of the other
+CHANCES: Final = 1  # further glances, beside what has failed
 CAPPED: Final = 2.5  # floors; of the deviations that a fit begins with
 
 
@@ -151,18 +153,22 @@ class Naming:
         return out[0], out[1]
 
     def _glance(
-        self, named: Sequence[str], fits: Pair
+        self, named: Sequence[str], fits: Pair, failed: Sequence[str] = ()
     ) -> dict[str, tuple[float, tuple[str, ...]]]:
-        """Return the few candidates worth a refit: what they promise, and what looks like them."""
+        """
+        Return the few candidates worth a refit: what they promise, and what looks like them.
+
+        What looks like one that has failed already is left out, and then coefficients of motion,
+        the words for whatever follows it, as well.
+        """
         prior = shared(self.knobs, named)
+        out = {*named, *self._like(failed, prior, fits)}
         found: dict[str, float] = {}
         for this in fits:
             capped = this.group.reduced(np.minimum(this.deviations, CAP * self.floor))
             for reduced in (this.reduced, capped):
                 seen = [
-                    s
-                    for s in scan(reduced, this.group.at, prior, self.knobs)
-                    if s.name not in named
+                    s for s in scan(reduced, this.group.at, prior, self.knobs) if s.name not in out
                 ]
                 for one in seen[:QUICK]:
                     if one.gain > WORTH:
@@ -194,10 +200,40 @@ class Naming:
         prior = shared(self.knobs, (*named, name))
         return weighed(this.group, prior, this.deviations, self.floor)[1] - this.evidence
 
+    def _like(self, failed: Sequence[str], prior: Prior, fits: Pair) -> set[str]:
+        """Return those that have failed, what some flight takes for one, and words for motion."""
+        if not failed:
+            return set()
+        others = [knob.name for knob in self.knobs if knob.typical > 0.0]
+        names = [*failed, *(name for name in others if name not in failed)]
+        motion = {name for name in others if name.partition('.')[0] in PARTS}
+        alike = [np.abs(likeness(this.reduced, prior, names, self.knobs)) for this in fits]
+        nearest = np.max(alike, axis=0)[:, : len(failed)].max(axis=1)
+        near = zip(names, nearest, strict=True)
+        return {*failed, *motion, *(name for name, cosine in near if cosine > UNLIKE)}
+
     def _round(self, named: tuple[str, ...], fits: Pair) -> tuple[Step, Pair]:
-        """Try the best candidates."""
+        """
+        Try the best candidates.
+
+        What is outside the library fills the glance with what it resembles. Where all that fails,
+        candidates that resemble none of it are tried as well; they must be of another place.
+        """
+        step, then = self._tried(named, fits)
+        trials = step.trials
+        for _ in range(CHANCES):
+            if step.named or not step.trials or not self._displacing.loud(fits):
+                break
+            step, then = self._tried(named, fits, tuple(trial.name for trial in trials))
+            trials = (*trials, *step.trials)
+        return replace(step, trials=trials), then
+
+    def _tried(
+        self, named: tuple[str, ...], fits: Pair, failed: Sequence[str] = ()
+    ) -> tuple[Step, Pair]:
+        """Try the best candidates of a glance, which are none of those that have failed."""
         tried: dict[str, tuple[Trial, Pair]] = {}
-        glance = self._glance(named, fits)
+        glance = self._glance(named, fits, failed)
         for name, (promise, _) in glance.items():
             most = max((trial.total for trial, _ in tried.values()), default=0.0)
             if promise < HOPELESS * most and name not in TRIED:
@@ -213,24 +249,47 @@ class Naming:
         for trial in trials:
             if not trial.accepted:
                 continue
-            if trial not in close and not fell and not self._apart(trial, trials, named, fits):
-                continue
             then = tried[trial.name][1]
-            fell = not self._displacing.stands(trial.name, trial.total, fits, then)
+            if failed and not self._elsewhere(trial, fits, then):
+                continue
+            if not (fell or trial in close or self._lesser(trial, trials, named, fits, failed)):
+                continue
+            part = QUARTER if failed else HALF
+            fell = not self._displacing.stands(trial.name, trial.total, fits, then, part)
             if not fell:
                 others = tuple(one.name for one in close if one is not trial and not one.torn)
                 tied = (*glance[trial.name][1], *others)
-                return Step(trials, tied, trial.name), tried[trial.name][1]
+                return Step(trials, tied, trial.name), then
         return Step(trials, (), ''), fits
 
-    def _apart(
-        self, trial: Trial, trials: Sequence[Trial], named: tuple[str, ...], fits: Pair
+    def _elsewhere(self, trial: Trial, fits: Pair, then: Pair) -> bool:
+        """Tell whether a candidate is sound, and no part of what remains."""
+        sound = trial.both and trial.apart < AGREED
+        return sound and self._displacing.elsewhere(trial.name, fits, then)
+
+    def _lesser(
+        self,
+        trial: Trial,
+        trials: Sequence[Trial],
+        named: tuple[str, ...],
+        fits: Pair,
+        failed: Sequence[str],
     ) -> bool:
-        """Tell whether all better candidates are torn, and about something else than this one."""
-        better = [one for one in trials if one.total >= trial.total + TIE]
-        if not trial.both or not all(one.torn for one in better):
+        """
+        Tell whether a candidate may be named though others win clearly more.
+
+        They have to be about something else, and torn; or, beside what has failed, where it is
+        known that something is outside the library, they may be in any trouble, and need not be
+        about something else where their own flights do not agree on them.
+        """
+        above = [one for one in trials if one.total >= trial.total + TIE]
+        if failed:
+            above = [one for one in above if one.apart < APART]
+        elif not (trial.both and all(one.torn for one in above)):
             return False
-        prior, names = shared(self.knobs, named), [trial.name, *(one.name for one in better)]
+        if not above:
+            return True
+        prior, names = shared(self.knobs, named), [trial.name, *(one.name for one in above)]
         alike = [np.abs(likeness(this.reduced, prior, names, self.knobs))[0, 1:] for this in fits]
         return bool(np.max(alike) < UNLIKE)
 

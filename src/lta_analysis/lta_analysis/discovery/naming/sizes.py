@@ -26,9 +26,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 NORMAL: Final = 1.96  # deviations, of the 95 % interval
-WIDER: Final = 1.5  # factor on the deviations
+WIDER: Final = 1.15  # factor on the deviations
 BESIDE: Final = 1.3  # the same once more, where something outside the library remains
-PART: Final = 0.02  # of the value, that it is off by at least
+PART: Final = 0.01  # of the value, that it is off by at least
 # And by so much, whatever the value: over a flight, half a millisecond of a grid of 40.
 LEAST: Final[Mapping[str, float]] = {'clock_skew.skew': 5e-6}
 

@@ -20,6 +20,7 @@ from lta_sim.effects.protocol import AXES as NAMES
 from lta_sim.state import ROTOR, ROTOR_AXIS, ROTOR_PLACE
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import lfilter
 
 Array = NDArray[np.float64]
 
@@ -141,16 +142,15 @@ def _field(seen: Met, scene: Scene) -> tuple[list[str], Array]:
 def _swung(seen: Met, flown: Array, hertz: float) -> Array:
     """Return place and speed of an oscillator that is shaken, shape (S, n, 2)."""
     omega, dt = 2.0 * math.pi * hertz, float(seen.time[0, 1] - seen.time[0, 0])
-    out = np.zeros((*flown.shape, 2))
-    place = speed = 0.0
     decay = math.exp(-DAMPED * omega * dt)
-    for s in range(len(flown)):
-        if s == 0 or seen.time[s, 0] - seen.time[s - 1, -1] > 2.0 * dt:
-            place = speed = 0.0
-        for k, push in enumerate(flown[s]):
-            speed = decay * (speed - dt * (omega**2 * place + push))
-            place += dt * speed
-            out[s, k] = omega**2 * place, omega * speed
+    back = [1.0, decay * (dt * omega) ** 2 - decay - 1.0, decay]
+    gaps = np.flatnonzero(seen.time[1:, 0] - seen.time[:-1, -1] > 2.0 * dt) + 1
+    out = np.zeros((*flown.shape, 2))
+    for run in np.split(np.arange(len(flown)), gaps):  # at rest after each gap
+        place = lfilter([-decay * dt**2], back, flown[run].ravel())
+        speed = np.diff(place, prepend=0.0) / dt
+        both = np.column_stack([omega**2 * place, omega * speed])
+        out[run] = both.reshape(len(run), -1, 2)
     return out
 
 

@@ -11,7 +11,7 @@ from typing import Final, final, NamedTuple
 from lta_analysis.discovery.finding import Verdict
 from lta_analysis.discovery.fit.fit import Joint
 from lta_analysis.discovery.outside.rivals import Rival, Rivals
-from lta_analysis.discovery.outside.spectral_line import Line, lines
+from lta_analysis.discovery.outside.spectral_line import Line, lines, telling
 from lta_analysis.discovery.outside.standing import Standing
 from lta_analysis.discovery.outside.unexplained import Remainder, remaining
 from lta_analysis.discovery.outside.verdict import remains_with, sentences, verdict_of
@@ -87,4 +87,6 @@ def outside(pair: Sequence[Sequence[Linearised]], full: Joint, floor: Array) -> 
     residuals = [linear.residual for linear in full.group.linears]
     times = [each.time for each in flights]
     seen = lines(residuals, times, [each.replay.flight.noise for each in flights])
-    return Outside(tuple(remains_with(left, rivals, floor)), rivals, tuple(seen))
+    inverse = full.group.linears[0].point.nominal.model().inverse
+    told = telling(seen, np.reshape(inverse, (6, 6)), floor)
+    return Outside(tuple(remains_with(left, rivals, floor)), rivals, told)

@@ -5,7 +5,8 @@ A latent force with knots 0.75 s apart cannot follow a forcing of 2 Hz, so no de
 in the spectrum of the residual it stands over its neighbours, whose running median is the level.
 It is looked for in two ways. Over a whole flight a steady frequency adds up however weak it is;
 one that drifts adds up within the pieces, whose spectra are averaged. Either way all flights
-have to show it, at one frequency.
+have to show it, at one frequency. Whole flights show waves that move nothing; a line is told
+where the force or moment that shakes the vehicle so is worth speaking of.
 """
 
 from collections.abc import Sequence
@@ -27,11 +28,14 @@ BESIDE: Final = 1.0  # Hz, of a whole flight, whose bins are many
 LOWEST: Final = 0.5  # Hz; below it the knots follow
 KNOWN: Final = 0.9  # of the readings of a piece
 NEAR: Final = 1  # bins; by which the frequency may differ between flights
+WORTH: Final = 1.0  # floors; root mean square of the wrench that a line takes
 SURE: Final = 0.01  # chance that noise shows in one flight what another one has
 HALF: Final = np.log(2.0)  # median of the power of noise, by its mean
 SPREAD: Final = 1.3  # windows make neighbours alike, levels are drawn as well
 STEPS: Final = 2  # of a bin of a whole flight
 UNITS: Final = ('m',) * 3 + ('rad',) * 3 + ('rad/s',) * 3 + ('m/s2',) * 3
+TURNS: Final = (1, 2)  # of these four kinds of channel
+ORDERS: Final = (2, 2, 1, 0)  # of the derivative of each that is an acceleration
 LOOKED_AT: Final = CHANNELS[: len(UNITS)]  # range and pressure tell of floor and weather as well
 
 
@@ -57,6 +61,21 @@ class Line(NamedTuple):
     hertz: float
     amplitude: float
     medians: float
+
+    def wrench(self, inverse: Array) -> tuple[int, float]:
+        """
+        Return what shakes a vehicle so: on which axis, and its root mean square. [N, N m]
+
+        Parameters
+        ----------
+        inverse : ndarray, shape (6, 6)
+            Of the matrix of masses and inertias, with those of the air.
+
+        """
+        kind, way = divmod(LOOKED_AT.index(self.channel), 3)
+        axis = way + 3 * (kind in TURNS)
+        rate = (2.0 * np.pi * self.hertz) ** ORDERS[kind]
+        return axis, float(np.sqrt(0.5) * self.amplitude * rate / inverse[axis, axis])
 
     @property
     def unit(self) -> str:
@@ -90,6 +109,28 @@ class Spectrum(NamedTuple):
         """Power by the level, shape (B,)."""
         ratio: Array = self.power / np.maximum(self.level, 1e-300)
         return ratio
+
+
+def telling(seen: Sequence[Line], inverse: Array, floor: Array) -> tuple[Line, ...]:
+    """
+    Return the lines of which the wrench is worth speaking of.
+
+    Parameters
+    ----------
+    seen : sequence of Line
+        By `lines`.
+    inverse : ndarray, shape (6, 6)
+        As for `Line.wrench`.
+    floor : ndarray, shape (6,)
+        Deviations of the latent wrench that are not worth speaking of.
+
+    """
+    out = []
+    for line in seen:
+        axis, size = line.wrench(inverse)
+        if size > WORTH * floor[axis]:
+            out.append(line)
+    return tuple(out)
 
 
 def _levelled(hertz: Array, power: Array, pieces: int, wide: float) -> Spectrum:

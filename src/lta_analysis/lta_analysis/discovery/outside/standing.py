@@ -128,7 +128,9 @@ class _Flight:
         root = np.linalg.cholesky(self._random + precision)
         cross = self._cross.copy()
         cross[:, :, -1] += pull
-        half = np.linalg.solve(root, cross)
+        # Solved once: there are dozens of groups, and each is a product then.
+        back = np.linalg.inv(root)
+        half = back @ cross
         products = self._rest - np.einsum('skg,skh->gh', half, half, optimize=True)
         products[-1, -1] += float(np.sum(pull * mean))
         constant = self._rows + 0.5 * float(np.linalg.slogdet(precision)[1]) * len(root)
@@ -137,7 +139,7 @@ class _Flight:
         found = {}
         for name in names:
             columns = self._columns[name]
-            mine = np.linalg.solve(root, columns.along)
+            mine = back @ columns.along
             aside = columns.aside - np.einsum('skg,skj->gj', half, mine, optimize=True)
             alone = columns.own - np.einsum('ski,skj->ij', mine, mine, optimize=True)
             found[name] = self._shift.T @ aside, alone

@@ -11,8 +11,9 @@ from typing import Annotated, final, Literal, Self
 from lta_analysis.light.plan.polygon import Array, distance, edges_of, flaw, inside
 from lta_config.files import find, load, Record
 from lta_config.quantity import Quantity, si
-from lta_sim.light_field import MOST_EFFICACY
-from lta_sim.scenario import AmbientScene
+from lta_sim.light.lamp import order_of
+from lta_sim.light.refuse import MOST_EFFICACY
+from lta_sim.scenario_light import AmbientScene
 import numpy as np
 from pydantic import AliasChoices, Field, model_validator
 
@@ -81,7 +82,7 @@ class LampKind(Record):
     """
 
     flux: Annotated[Quantity, si('lm', above=0.0, high=1e7)]
-    half_power_angle: Annotated[Quantity, si('rad', low=math.radians(1.0), high=1.55)]
+    half_power: Annotated[Quantity, si('rad', low=math.radians(1.0), high=1.55)]
     efficacy: Annotated[Quantity, si('lm/W', above=0.0, high=MOST_EFFICACY)]
     duty: Annotated[Quantity, si('1', low=0.01, high=0.99)]
     height: Length
@@ -90,8 +91,8 @@ class LampKind(Record):
 
     @property
     def order(self) -> float:
-        """Lambertian order m, by cos^m of the half-power angle = 1/2."""
-        return -math.log(2.0) / math.log(math.cos(self.half_power_angle.si))
+        """Lambertian order."""
+        return order_of(self.half_power.si)
 
 
 @final

@@ -1,7 +1,7 @@
 """
 What a drone over each cell hears of each lamp: light, and the signal-to-noise ratio it comes to.
 
-Light, diodes, amplifier, converter and demodulation are the simulator's (`lta_sim.heard_lamp`).
+Light, diodes, amplifier, converter and demodulation are the simulator's (`lta_sim.light.heard`).
 """
 
 from collections.abc import Callable, Sequence
@@ -14,38 +14,35 @@ from lta_analysis.light.plan.floor_plan import FloorPlan
 from lta_analysis.light.plan.mounts import Mount, Vector
 from lta_analysis.light.plan.polygon import Array, Mask
 from lta_analysis.light.plan.rays import over_cells
-from lta_analysis.light.plan.together import heard_together, ratio
+from lta_analysis.light.plan.together import heard_together, is_full, Numbers, ratio
 from lta_sim.compiled import compiled
-from lta_sim.heard_lamp import Listening, listening_of
 from lta_sim.hull import half_axes
-from lta_sim.lambertian import beam
-from lta_sim.light_field import Ambient, Lamp, LightField
+from lta_sim.light.field import LightField
+from lta_sim.light.heard import Listening, listening_of
+from lta_sim.light.lambertian import beam, Eye
+from lta_sim.light.lamp import Lamp
 from lta_vlc.modulation import SquareWave
 import numpy as np
 
-# How often a lamp reads what others leave in its window: the bearing errs by 12 degrees at most.
-PURE = 5.0
+NEARLY = 1.0 - 1e-9
 HEADINGS = 64  # of a full turn, 5.6 degrees apart
 
 
 def field_of(plan: FloorPlan, mount: Mount, frequency: float) -> LightField:
     """Return the light of one lamp in the hall's ambient light, without any reflection."""
-    lamp, ambient = plan.lamp, plan.ambient
+    lamp = plan.lamp
     return LightField(
-        lamp=Lamp(
-            position=mount.position,
-            axis=mount.axis,
-            flux=lamp.flux.si,
-            wave=SquareWave(frequency, lamp.duty.si),
-            efficacy=lamp.efficacy.si,
-            order=lamp.order,
+        lamps=(
+            Lamp(
+                position=mount.position,
+                axis=mount.axis,
+                flux=lamp.flux.si,
+                wave=SquareWave(frequency, lamp.duty.si),
+                efficacy=lamp.efficacy.si,
+                order=lamp.order,
+            ),
         ),
-        ambient=Ambient(
-            efficacy=ambient.efficacy.si,
-            steady=ambient.steady.si,
-            mains=ambient.mains_amplitude.si,
-            mains_frequency=ambient.mains_frequency.si,
-        ),
+        ambient=plan.ambient.ambient,
     )
 
 
@@ -60,18 +57,25 @@ def listening(plan: FloorPlan, ear: Ear, mount: Mount, frequency: float) -> List
     )
 
 
+def numbers_of(heard: Listening) -> Numbers:
+    """Return what is the same for all lamps, as `ratio` takes it."""
+    return (
+        heard.counts, heard.dark, heard.steady, heard.top, heard.variance, heard.shot,
+        heard.shot * heard.duty, heard.samples,
+    )  # fmt: skip
+
+
 def snr_of(heard: Listening, light: float) -> float:
     """Return the SNR that light of a lamp comes to on a diode, were the lamp alone. [lx]"""
-    own = heard.counts * light
-    return ratio(
-        own, 0.0, 0.0, heard.gain, heard.leak, heard.hum, heard.rest, heard.top, heard.variance,
-        heard.shot * heard.duty, heard.samples,
-    )[1]  # fmt: skip
+    own, numbers = heard.counts * light, numbers_of(heard)
+    if is_full(own, 1.0, numbers):
+        return 0.0
+    return ratio(own, own, 0.0, (heard.gain, heard.leak, heard.hum), 1.0, numbers)
 
 
 def least_light(heard: Listening, needed: float) -> float:
     """Return the light from which the SNR is as needed; infinite if it never is. [lx]"""
-    low, high = 0.0, max(heard.top - heard.rest, 0.0) / heard.counts
+    low, high = 0.0, max(heard.top - heard.dark - heard.steady, 0.0) / heard.counts * NEARLY
     if snr_of(heard, high) < needed:
         return math.inf
     for _ in range(60):
@@ -108,11 +112,11 @@ def light_over(
     """
     (kernel,) = compiled(over_cells)
     cells, planes, hull = _seen_from(plan, ear, floor)
-    headings = headings_of(planes, hull)
+    headings, eye = headings_of(planes, hull), _eye(ear)
     light = np.zeros((len(mounts), 2, len(cells)))
     for k, mount in enumerate(mounts):
-        lamp = beam(field_of(plan, mount, 1.0))
-        kernel(lamp, cells, floor.walls, planes, hull, headings, faintest, light[k])
+        lamp = beam(field_of(plan, mount, 1.0).lamp, None)
+        kernel(lamp, eye, cells, floor.walls, planes, hull, headings, faintest, light[k])
         tick()
     return light
 
@@ -137,31 +141,37 @@ def together(
     (kernel,) = compiled(heard_together)
     cells, planes, hull = _seen_from(plan, ear, floor)
     heard = [listening(plan, ear, *pair) for pair in zip(mounts, tones, strict=True)]
-    one = heard[0]
-    numbers = (one.counts, one.rest, one.top, one.variance, one.shot * one.duty, one.samples)
     window, quiet = crosstalk(ear, tones, plan.lamp.duty.si)
     snr = np.empty(visible.shape)
     kernel(
-        np.array([each.lamp for each in heard]), visible, cells, planes, hull,
-        headings_of(planes, hull), numbers,
-        np.array([(each.gain, each.leak, each.hum) for each in heard]), window, quiet, PURE,
-        np.empty(len(heard)), snr,
+        np.array([each.lamp for each in heard]), _eye(ear), np.ascontiguousarray(visible.T),
+        cells, planes, hull, headings_of(planes, hull), numbers_of(heard[0]),
+        np.array([(each.gain, each.leak, each.hum) for each in heard]), window, quiet,
+        np.empty((len(heard), len(planes))), snr,
     )  # fmt: skip
     return snr
+
+
+def _eye(ear: Ear) -> Eye:
+    return Eye(ear.vehicle.diodes.response, ear.vehicle.diodes.edge)
 
 
 def _seen_from(plan: FloorPlan, ear: Ear, floor: Floor) -> tuple[Array, Array, Vector]:
     """Return the hull centres over the wanted cells, the diodes and half the size of the hull."""
     centres = floor.centres
     cells = np.hstack([centres, np.full((len(centres), 1), plan.altitude.si)])
-    return cells, ear.vehicle.diodes.planes, half_axes(ear.vehicle.file.hull)
+    diodes = ear.vehicle.diodes
+    planes = np.column_stack([diodes.planes, diodes.factors])
+    return cells, planes, half_axes(ear.vehicle.file.hull)
 
 
 def headings_of(planes: Array, hull: Vector) -> Array:
     """Return cosine and sine of the headings to look at: where a turn changes nothing, fewer."""
     turn = 2.0 * math.pi / len(planes)
     cosine, sine = math.cos(turn), math.sin(turn)
-    turned = planes @ np.kron(np.eye(2), [[cosine, sine, 0], [-sine, cosine, 0], [0, 0, 1]])
+    turned = planes.copy()
+    rotation = np.array([[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+    turned[:, :3], turned[:, 3:6] = planes[:, :3] @ rotation, planes[:, 3:6] @ rotation
     alike = hull[0] == hull[1] and np.allclose(np.roll(turned, 1, axis=0), planes, atol=1e-9)
     count, span = (max(HEADINGS // len(planes), 4), turn) if alike else (HEADINGS, 2.0 * math.pi)
     angles = np.arange(count) * (span / count)

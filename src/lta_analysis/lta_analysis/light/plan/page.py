@@ -8,9 +8,9 @@ from typing import Final
 
 from lta_analysis.light.plan.gaps import Gap, gaps_of
 from lta_analysis.light.plan.handover import Handover
-from lta_analysis.light.plan.hearing import PURE
 from lta_analysis.light.plan.layout import Layout
 from lta_analysis.light.plan.pictures import coverage, hand_overs
+from lta_analysis.light.plan.together import PURE
 from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import MISSING, Tile
 from lta_analysis.report.pieces import section, tile_html
@@ -31,13 +31,13 @@ HANDED: Final = (
     'free. Thick: the longest of the shortest routes along them.'
 )
 METHOD: Final = (
-    'A lamp is heard over a cell if, at every heading, its SNR on the diode that faces it most is '
-    'at least {needed:g} ({margin:g} times the threshold of the demodulator), all other lamps on, '
-    'and its amplitude is {pure:g} times what the others leave in its search window. Light, '
-    "diodes, noise and demodulation are the simulator's. Light passes neither walls nor what "
-    "stands on the floor, nor the drone's own hull above the diodes. Left out, each to the safe "
-    'side: reflections from walls and floor. Left out besides: tilt, clipping by a second lamp '
-    'nearby, and what is narrower than a cell of {cell:g} m.'
+    'A lamp is heard over a cell if, at every heading and with all other lamps on, its SNR on its '
+    'best diode is at least {needed:g} ({margin:g} times the threshold of the demodulator), and '
+    'the ring hears it {pure:g} times as loud in its search window as what others leave there. '
+    "Light, diodes, noise and demodulation are the simulator's. Light passes neither walls nor "
+    "what stands on the floor, nor the drone's own hull above the diodes. Left out, to the safe "
+    'side: reflections from walls and floor. Left out besides: tilt, and what is narrower than a '
+    'cell of {cell:g} m.'
 )
 
 
@@ -203,7 +203,7 @@ def gaps_html(gaps: Sequence[Gap]) -> str:
 def facts(layout: Layout) -> dict[str, str]:
     """Return where the layout comes from."""
     plan, lamp = layout.plan, layout.plan.lamp
-    angle = math.degrees(lamp.half_power_angle.si)
+    angle = math.degrees(lamp.half_power.si)
     return {
         'vehicle': f'{layout.ear.vehicle.file.name}, hull centre at {plan.altitude.si:g} m',
         'lamps': f'{lamp.flux.si:g} lm, half power at {angle:g}°, at {lamp.height.si:g} m, '

@@ -1,15 +1,15 @@
 """
 How much light of a lamp the ring of photodiodes gets over every cell, at its worst heading.
 
-Plain functions of numbers, compiled: the light is that of `lta_sim.lambertian`, direct alone. What
-hides a lamp is the drone's own hull above the ring, walls, and whatever stands on the floor; the
-line of sight of all diodes is that of the middle of their ring.
+Plain functions of numbers, compiled: the light is that of `lta_sim.light.lambertian`, direct
+alone. What hides a lamp is the drone's own hull above the ring, walls, and whatever stands on the
+floor; the line of sight of all diodes is that of the middle of their ring.
 """
 
 import math
 
 from lta_sim.effects.protocol import Vector
-from lta_sim.lambertian import Array, Beam, lit
+from lta_sim.light.lambertian import Array, Beam, Eye, read, shine
 
 NEARLY = 1.0 - 1e-6  # of the way to a lamp: it may hang on a wall
 
@@ -63,7 +63,7 @@ def blocked(start: Vector, end: Vector, walls: Array) -> bool:
 
 
 def extremes(
-    lamp: Beam, centre: Vector, planes: Array, half_axes: Vector, headings: Array
+    lamp: Beam, eye: Eye, centre: Vector, planes: Array, half_axes: Vector, headings: Array
 ) -> tuple[float, float]:
     """
     Return the light on the diode that faces a lamp most: at the worst heading and at the best.
@@ -72,10 +72,12 @@ def extremes(
     ----------
     lamp : Beam
         The lamp, without any room.
+    eye : Eye
+        Of the diodes.
     centre : tuple of float
         Hull centre of a drone that flies level. [m]
-    planes : ndarray, shape (d, 6)
-        Places [m] and axes of the diodes, body frame.
+    planes : ndarray, shape (d, 7)
+        Places [m], axes and gains of the diodes, body frame; a dead one has none.
     half_axes : tuple of float
         Of the hull. [m]
     headings : ndarray, shape (h, 2)
@@ -96,7 +98,7 @@ def extremes(
         for k in range(planes.shape[0]):
             u, v, w = x - planes[k, 0], y - planes[k, 1], c - planes[k, 2]
             faces = u * planes[k, 3] + v * planes[k, 4] + w * planes[k, 5]
-            if faces > facing:
+            if faces > facing and planes[k, 6] > 0.0:
                 spot = (planes[k, 0], planes[k, 1], planes[k, 2])
                 if not hidden(spot, (u, v, w), half_axes):
                     chosen, facing = k, faces
@@ -104,8 +106,9 @@ def extremes(
         if chosen >= 0:
             i, j = planes[chosen, 0], planes[chosen, 1]
             p, q = planes[chosen, 3], planes[chosen, 4]
-            light = lit(
+            light = planes[chosen, 6] * read(
                 lamp,
+                eye,
                 (
                     centre[0] + cosine * i - sine * j,
                     centre[1] + sine * i + cosine * j,
@@ -119,6 +122,7 @@ def extremes(
 
 def over_cells(
     lamp: Beam,
+    eye: Eye,
     cells: Array,
     walls: Array,
     planes: Array,
@@ -134,6 +138,8 @@ def over_cells(
     ----------
     lamp : Beam
         The lamp, without any room.
+    eye : Eye
+        Of the diodes.
     cells : ndarray, shape (m, 3)
         Hull centres. [m]
     walls : ndarray, shape (w, 5)
@@ -151,12 +157,8 @@ def over_cells(
         level += planes[k, 2] / planes.shape[0]
     for k in range(cells.shape[0]):
         x, y, z = cells[k, 0], cells[k, 1], cells[k, 2]
-        a, b, c = lamp.x - x, lamp.y - y, lamp.z - z - level
-        far = math.sqrt(a * a + b * b + c * c)
         out[0, k] = out[1, k] = 0.0
-        if far == 0.0:
-            continue
-        eye = (x, y, z + level)
-        bright = lit(lamp, eye, (a / far, b / far, c / far)) >= faintest
-        if bright and not blocked(eye, (lamp.x, lamp.y, lamp.z), walls):
-            out[0, k], out[1, k] = extremes(lamp, (x, y, z), planes, half_axes, headings)
+        ring = (x, y, z + level)
+        bright, _ = shine(lamp, ring)
+        if bright >= faintest and not blocked(ring, (lamp.x, lamp.y, lamp.z), walls):
+            out[0, k], out[1, k] = extremes(lamp, eye, (x, y, z), planes, half_axes, headings)

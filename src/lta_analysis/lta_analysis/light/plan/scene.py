@@ -7,7 +7,7 @@ import math
 from lta_analysis.light.plan.handover import Handover
 from lta_analysis.light.plan.layout import Layout, Placed
 
-GOAL = 1.0  # m from a lamp, horizontally, that counts as reached
+GOAL = 1.0  # m from a lamp, horizontally, that counts as reached, at least
 SLOWEST = 0.2  # m/s along the route, for the time limit
 
 
@@ -60,7 +60,7 @@ def scene_text(layout: Layout, handover: Handover) -> str:
         '  charge: 95 %',
         '',
         'goal:',
-        f'  radius: {GOAL:g} m',
+        f'  radius: {_radius(layout, handover):g} m',
         f'  time_limit: {_time(handover):g} s',
     ]
     return '\n'.join(lines) + '\n'
@@ -68,13 +68,13 @@ def scene_text(layout: Layout, handover: Handover) -> str:
 
 def _lamp(layout: Layout, lamp: Placed, middle: Sequence[float]) -> list[str]:
     kind, (x, y, z) = layout.plan.lamp, lamp.mount.position
-    facing = ', '.join(f'{part:g}' for part in lamp.mount.axis)
+    facing = ', '.join(f'{part + 0.0:g}' for part in lamp.mount.axis)  # no -0
     return [
         f'  {lamp.name}:',
         f'    position: {_metres(x - middle[0], y - middle[1], z)}',
         f'    facing: {{value: [{facing}], unit: "1"}}',
         f'    flux: {kind.flux.si:g} lm',
-        f'    half_power_angle: {math.degrees(kind.half_power_angle.si):g} deg',
+        f'    half_power: {math.degrees(kind.half_power.si):g} deg',
         f'    frequency: {lamp.frequency:g} Hz',
         f'    duty: {100.0 * kind.duty.si:g} %',
         f'    efficacy: {kind.efficacy.si:g} lm/W',
@@ -85,6 +85,16 @@ def _metres(*numbers: float) -> str:
     return (
         f'{{value: [{", ".join(f"{round(float(number), 3):g}" for number in numbers)}], unit: m}}'
     )
+
+
+def _radius(layout: Layout, handover: Handover) -> float:
+    """Return how near counts as reached: a flight ends where the hull hides a lamp. [m]"""
+    ends = [
+        math.dist(end, layout.lamps[k].mount.position[:2])
+        for k in handover.route
+        if (end := handover.arrivals[k]) is not None
+    ]
+    return max([GOAL, *(math.ceil(2.0 * end + 1.0) / 2.0 for end in ends)])
 
 
 def _time(handover: Handover) -> float:

@@ -1,67 +1,124 @@
 """
 How well each lamp is heard over each cell while all lamps are on, as compiled plain functions.
 
-With c counts a lux, E the light of a lamp and F that of all others on one diode, rest r and top t
-of the converter, and the demodulator's g and l (`lta_sim.heard_lamp`):
+With c counts a lux, E the light of a lamp and F that of all others on one diode, and the
+demodulator's g, l and h (`lta_sim.light.heard`):
 
-    A = g (clip(r + c F + c E) - clip(r + c F)),   m = s sqrt(pi / N) + l c E + h + sum q c F
+    A = g c E,   m = s sqrt(pi / N) + l c E + h + sum q c F
 
-q is what a unit wave of another lamp leaves in this one's quiet bins. Where they fill the
-converter, the others count as on all the time. Where they leave more in this lamp's window than a
-part of A, it is not told from them, and not heard on that diode.
+q is what a unit wave of another lamp leaves in this one's quiet bins. As in the demodulator, a
+diode whose converter all lamps together fill is spoilt, and the ring takes for a lamp's tone what
+is strongest in its search window over all sound diodes: so a lamp is not heard where it is not
+`PURE` times as strong there as what the harmonics of others leave.
 """
 
 import math
+from typing import Final
 
 from lta_analysis.light.plan.rays import hidden
 from lta_sim.effects.protocol import Vector
-from lta_sim.lambertian import Array, Beam, lit
+from lta_sim.light.lambertian import Array, beam_of, Eye, read
+
+PURE: Final = 2.0
+Numbers = tuple[float, float, float, float, float, float, float, float]
 
 
 def ratio(
     own: float,
-    others: float,
+    total: float,
     disturbed: float,
-    gain: float,
-    leak: float,
-    hum: float,
-    rest: float,
-    top: float,
-    variance: float,
-    shot: float,
-    samples: float,
-) -> tuple[float, float]:
+    of_lamp: tuple[float, float, float],
+    factor: float,
+    numbers: Numbers,
+) -> float:
     """
-    Return amplitude and SNR that the light of a lamp comes to, without the scatter of blocks.
+    Return the SNR that a lamp comes to on one diode, without the scatter of blocks.
 
     Parameters
     ----------
-    own, others : float
-        Counts of this lamp and of all others while they are on.
+    own, total : float
+        Counts of this lamp and of all lamps while they are on.
     disturbed : float
         What the others leave in the bins that tell the noise. [counts]
-    gain, leak, hum, rest, top, variance, shot, samples : float
-        As `Listening` has them; `shot` is what a count of light adds on average.
+    of_lamp : tuple of 3 floats
+        Gain, leak and hum at the lamp's frequency, as `Listening` has them.
+    factor : float
+        Gain of the diode.
+    numbers : tuple of 8 floats
+        Counts a lux, in the dark, by steady light and at most; variance in the dark, what a count
+        of steady light and one of a lamp add to it, and samples.
 
     """
-    below = min(rest + others, top)
-    swing = gain * (min(rest + others + own, top) - below)
-    noise = math.sqrt(math.pi * (variance + shot * (own + others)) / samples)
-    return swing, swing / (noise + leak * own + hum + disturbed)
+    _, _, steady, _, variance, shot, flicker, samples = numbers
+    gain, leak, hum = of_lamp
+    scatter = variance + shot * factor * steady + flicker * total
+    noise = math.sqrt(math.pi * scatter / samples) + leak * own + hum * factor
+    return gain * own / (noise + disturbed)
+
+
+def is_full(total: float, factor: float, numbers: Numbers) -> bool:
+    """Return whether the counts of all lamps fill a diode's converter; parameters as `ratio`."""
+    return numbers[1] + factor * numbers[2] + total > numbers[3]
+
+
+def on_ring(
+    lamps: Array,
+    eye: Eye,
+    visible: Array,
+    cell: Vector,
+    planes: Array,
+    half_axes: Vector,
+    cosine: float,
+    sine: float,
+    counts: float,
+    light: Array,
+) -> None:
+    """
+    Write the light of all lamps on all diodes of a drone.
+
+    Parameters
+    ----------
+    lamps, eye, planes, half_axes
+        As `heard_together` takes them.
+    visible : ndarray of bool, shape (l,)
+        Which lamps no wall hides.
+    cell : tuple of 3 floats
+        Hull centre. [m]
+    cosine, sine : float
+        Of its heading.
+    counts : float
+        A lux.
+    light : ndarray, shape (l, d)
+        What is written. [counts]
+
+    """
+    for d in range(planes.shape[0]):
+        x, y, z = planes[d, 0], planes[d, 1], planes[d, 2]
+        i, j, k = planes[d, 3], planes[d, 4], planes[d, 5]
+        point = (cell[0] + cosine * x - sine * y, cell[1] + sine * x + cosine * y, cell[2] + z)
+        axis = (cosine * i - sine * j, sine * i + cosine * j, k)
+        for n in range(lamps.shape[0]):
+            light[n, d] = 0.0
+            if visible[n]:
+                lamp = beam_of(lamps[n])
+                u, v, w = lamp.x - point[0], lamp.y - point[1], lamp.z - point[2]
+                ray = (cosine * u + sine * v, cosine * v - sine * u, w)
+                if not hidden((x, y, z), ray, half_axes):
+                    light[n, d] = planes[d, 6] * counts * read(lamp, eye, point, axis)
 
 
 def heard_together(
     lamps: Array,
+    eye: Eye,
     visible: Array,
     cells: Array,
     planes: Array,
     half_axes: Vector,
     headings: Array,
-    numbers: tuple[float, float, float, float, float, float],
+    numbers: Numbers,
     each: Array,
     window: Array,
     quiet: Array,
-    pure: float,
     light: Array,
     out: Array,
 ) -> None:
@@ -72,78 +129,53 @@ def heard_together(
     ----------
     lamps : ndarray, shape (l, 10)
         In the order of `Beam`, without any room.
-    visible : ndarray of bool, shape (l, m)
+    eye : Eye
+        Of the diodes.
+    visible : ndarray of bool, shape (m, l)
         Which lamp no wall hides from which cell.
     cells : ndarray, shape (m, 3)
         Hull centres. [m]
     planes, half_axes, headings
         As `rays.extremes` takes them.
-    numbers : tuple of 6 floats
-        Counts a lux, rest, top, variance, what a count of light adds to it, and samples.
+    numbers : tuple of 8 floats
+        As `ratio` takes them.
     each : ndarray, shape (l, 3)
         Gain, leak and hum at each lamp's frequency.
     window, quiet : ndarray, shape (l, l)
         From `crosstalk`.
-    pure : float
-        How often its amplitude a lamp must read what others leave in its window.
-    light : ndarray, shape (l,)
-        Room for the light of the lamps on one diode.
+    light : ndarray, shape (l, d)
+        Room for the light of all lamps on all diodes.
     out : ndarray, shape (l, m)
         The SNR.
 
     """
-    counts, rest, top, variance, shot, samples = numbers
     count = lamps.shape[0]
-    best = light.copy()
     for m in range(cells.shape[0]):
-        for k in range(count):
-            out[k, m] = math.inf if visible[k, m] else 0.0
+        cell = (cells[m, 0], cells[m, 1], cells[m, 2])
+        for n in range(count):
+            out[n, m] = math.inf if visible[m, n] else 0.0
         for h in range(headings.shape[0]):
-            cosine, sine = headings[h, 0], headings[h, 1]
-            for k in range(count):
-                best[k] = 0.0
-            for d in range(planes.shape[0]):
-                spot = (planes[d, 0], planes[d, 1], planes[d, 2])
-                axis = (planes[d, 3], planes[d, 4], planes[d, 5])
-                point = (
-                    cells[m, 0] + cosine * spot[0] - sine * spot[1],
-                    cells[m, 1] + sine * spot[0] + cosine * spot[1],
-                    cells[m, 2] + spot[2],
-                )
-                normal = (
-                    cosine * axis[0] - sine * axis[1],
-                    sine * axis[0] + cosine * axis[1],
-                    axis[2],
-                )
-                total = 0.0
-                for k in range(count):
-                    light[k] = 0.0
-                    if visible[k, m]:
-                        lamp = lamps[k]
-                        x, y, z = lamp[0] - point[0], lamp[1] - point[1], lamp[2] - point[2]
-                        if x * normal[0] + y * normal[1] + z * normal[2] > 0.0:
-                            ray = (cosine * x + sine * y, cosine * y - sine * x, z)
-                            if not hidden(spot, ray, half_axes):
-                                light[k] = counts * lit(beam_of(lamp), point, normal)
-                    total += light[k]
-                for k in range(count):
-                    if light[k] > 0.0:
-                        disturbed, spilt = 0.0, 0.0
-                        for j in range(count):
-                            disturbed += quiet[k, j] * light[j]
-                            spilt += window[k, j] * light[j]
-                        swing, snr = ratio(
-                            light[k], total - light[k], disturbed, each[k, 0], each[k, 1],
-                            each[k, 2], rest, top, variance, shot, samples,
-                        )  # fmt: skip
-                        if swing >= pure * spilt and snr > best[k]:
-                            best[k] = snr
-            for k in range(count):
-                out[k, m] = min(out[k, m], best[k])
-
-
-def beam_of(row: Array) -> Beam:
-    """Return a lamp from its numbers, in the order of `Beam`."""
-    return Beam(
-        row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9]
-    )  # fmt: skip
+            on_ring(
+                lamps, eye, visible[m], cell, planes, half_axes, headings[h, 0], headings[h, 1],
+                numbers[0], light,
+            )  # fmt: skip
+            for n in range(count):
+                if out[n, m] == 0.0:
+                    continue
+                best, power, spilt_power = 0.0, 0.0, 0.0
+                for d in range(planes.shape[0]):
+                    total, disturbed, spilt = 0.0, 0.0, 0.0
+                    for j in range(count):
+                        total += light[j, d]
+                        disturbed += quiet[n, j] * light[j, d]
+                        spilt += window[n, j] * light[j, d]
+                    own, factor = light[n, d], planes[d, 6]
+                    if is_full(total, factor, numbers):
+                        continue
+                    of_lamp = (each[n, 0], each[n, 1], each[n, 2])
+                    best = max(best, ratio(own, total, disturbed, of_lamp, factor, numbers))
+                    power += (of_lamp[0] * own) ** 2
+                    spilt_power += spilt**2
+                if power < PURE**2 * spilt_power:
+                    best = 0.0
+                out[n, m] = min(out[n, m], best)

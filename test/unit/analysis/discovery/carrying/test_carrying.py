@@ -8,7 +8,6 @@ from lta_analysis.discovery.carrying.groups import Group, groups
 from lta_analysis.discovery.carrying.intervals import drawn, intervals
 from lta_analysis.discovery.carrying.online import online
 from lta_analysis.discovery.carrying.pieces import APART, far
-from lta_analysis.discovery.carrying.route import due, interpolating
 from lta_analysis.discovery.carrying.values import valued
 from lta_analysis.discovery.finding import Carried, Finding, Gap, LeftOut, NamedEffect, Worth
 from lta_analysis.discovery.flights.measured import PERIOD
@@ -17,12 +16,10 @@ from lta_analysis.discovery.forecast.ahead import Ahead, HORIZONS
 from lta_analysis.discovery.forecast.foresight import Foresight
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
-from lta_analysis.discovery.outside.unexplained import Remainder
 from lta_analysis.discovery.page.carried import carried
 from lta_analysis.discovery.replay.linearise import Linearised
 from lta_analysis.discovery.results.discovery_json import to_dict
 from lta_analysis.discovery.results.terminal import carried_words
-from lta_analysis.discovery.study import Flown, Study
 import numpy as np
 import pytest
 
@@ -121,32 +118,6 @@ def test_a_lift_is_learned_from_what_is_over() -> None:
     assert np.abs(left[1]).max() < 1e-3 * np.abs(seen.left[1]).max()
 
 
-@pytest.mark.parametrize(
-    ('verdict', 'alike', 'flights', 'asked'),
-    [
-        ('none', 12.5, 9, False),
-        ('named', 12.5, 9, False),
-        ('unexplained', 12.5, 3, False),
-        ('unexplained', 12.5, 4, True),
-        ('unexplained', 1.0, 4, False),
-        ('unexplained', 1.0, 8, True),
-        ('not_identifiable', 12.5, 4, True),
-    ],
-)
-def test_forecasts_are_asked_where_readings_have_no_name(
-    gtmab: Known, clean: Linearised, verdict, alike, flights, asked
-) -> None:
-    bare = Linearised(clean.replay.in_pieces(clean.replay.cut), gtmab[1], clean.places)
-    noise = np.where(np.arange(14) < 6, 1e-3, np.inf)
-    bare.replay.flight = replace(clean.replay.flight, noise=noise, alike=alike)
-    left = (Remainder('heave', 0.02, 30.0, (), 0.0),)
-    finding = Finding(verdict, (), (), (), (), False, left, (), 1, {}, 'gtmab')
-    flown = [Flown(f'{k}', 'train', bare) for k in range(flights)]
-    assert due(Study(finding, gtmab[0], gtmab[0], flown, [])) is asked
-    seeing = [Flown(f'{k}', 'train', clean) for k in range(flights)]
-    assert not due(Study(finding, gtmab[0], gtmab[0], seeing, []))
-
-
 CARRIED = Carried(
     (Worth('added inertia', 0.028),),
     (LeftOut('slow', 5, 0.95), LeftOut('fast', 4, 0.8)),
@@ -178,7 +149,3 @@ def test_programs_and_people_are_told_what_names_rest_on() -> None:
     assert '0.61' in page  # 0.17 of 0.28 m
     assert to_dict(replace(told(), carried=None))['carried'] is None
     assert carried(replace(told(), carried=None)) == ''
-
-
-def test_what_only_interpolates_is_said_so() -> None:
-    assert interpolating(['side force']).startswith('side force: interpolation only')

@@ -6,15 +6,16 @@ from lta_analysis.discovery.fit.evidence import FLOOR, own_variance, shared
 from lta_analysis.discovery.fit.fit import Fitter
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
-from lta_analysis.discovery.naming.displacing import (
+from lta_analysis.discovery.naming.beside import (
     acts_on,
-    bar,
-    displaced,
-    Displacing,
+    calm,
     lesser,
     minor,
     partial,
+    sound,
+    untouched,
 )
+from lta_analysis.discovery.naming.displacing import bar, displaced, Displacing
 from lta_analysis.discovery.naming.naming import Naming
 from lta_analysis.discovery.naming.proof import Proof
 from lta_analysis.discovery.outside.outside import outside
@@ -72,6 +73,32 @@ def test_a_part_of_something_larger_is_withdrawn() -> None:
     assert not partial(np.zeros(6, dtype=np.bool_), large, large)  # it is about a sensor
 
 
+def test_a_name_that_both_sides_find_may_stand_beside_something_larger() -> None:
+    assert sound('net_lift.force', (222.0, 157.0))
+    assert not sound('net_lift.force', (148.0, 5.0))  # one side hardly knows of it
+    assert not sound('net_lift.force', (14.0, 11.0))
+    assert not sound('linear_drag.surge', (222.0, 157.0))  # the word for whatever follows motion
+
+
+def test_what_leaves_all_that_remains_as_it_was_has_nothing_to_do_with_it() -> None:
+    before = np.array([10.4, 2.0, 3.9, 6.5, 66.3, 51.9])
+    after = np.array([10.0, 2.0, 3.9, 6.4, 62.2, 49.7])
+    pitch, sway = np.arange(6) == 4, np.arange(6) == 1
+    assert untouched(before, after)
+    assert untouched(before, after - 1.5 * sway)  # what is calm does not count
+    assert not untouched(before, after - 10.0 * pitch)
+    assert calm(sway, after)
+    assert not calm(sway | pitch, after)
+    assert calm(np.zeros(6, dtype=np.bool_), after)  # it is about a sensor
+
+
+def test_less_is_asked_of_what_has_nothing_to_do_with_a_rival() -> None:
+    least, before, after = bar('tracker_delay.delay', 124.0), {'roll': 340.0}, {'roll': 264.0}
+    assert displaced(124.0, least, before, after) == 'roll'
+    assert displaced(124.0, least, before, after, part=0.25) == ''
+    assert displaced(124.0, least, before, {'roll': 220.0}, part=0.25) == 'roll'
+
+
 def test_a_coefficient_of_motion_that_leaves_more_than_it_explains_is_minor() -> None:
     before = np.array([0.4, 0.4, 0.4, 1.3, 3.3, 5.4])
     final = np.array([0.3, 0.4, 0.4, 1.3, 2.9, 4.7])
@@ -99,6 +126,12 @@ def test_a_name_that_won_little_is_withdrawn_beside_anything(
     assert gone(20.0, 3.0) == ('helium_leak.rate',)
     assert gone(20.0, 2.0) == ()  # nothing remains
     assert gone(28.0, 3.0) == ()  # it won enough
+
+    def of_a_sensor(won: float, floors: float) -> tuple[str, ...]:
+        then = replace(joint, evidence=joint.evidence + 0.5 * won, deviations=floors * FLOOR)
+        return displacing.withdrawn([('range_offset.offset', (joint, joint))], (then, then))
+
+    assert of_a_sensor(12.0, 3.0) == ()  # no force could say the same
 
 
 def test_drag_for_a_little_beside_something_large_is_withdrawn() -> None:

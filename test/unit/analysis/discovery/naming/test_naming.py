@@ -1,6 +1,6 @@
 """Hidden effects get their names from two flights, and clean flights get none."""
 
-from lta_analysis.discovery.fit.evidence import tolerances
+from lta_analysis.discovery.fit.evidence import shared, tolerances
 from lta_analysis.discovery.fit.fit import fit
 from lta_analysis.discovery.forecast.gap import where
 from lta_analysis.discovery.model.knobs import Knob
@@ -87,5 +87,12 @@ def test_only_what_is_unlike_a_torn_candidate_gets_past_it(gtmab: Known) -> None
         ('linear_drag.surge', 'quadratic_drag.surge', False),
     ):
         trial, better = Trial(name, *sound), Trial(other, *torn)
-        assert naming._apart(trial, [better, trial], (), bare) == past
-        assert not naming._apart(trial, [better._replace(replicated=9.0), trial], (), bare)
+        assert naming._lesser(trial, [better, trial], (), bare, ()) == past
+        assert not naming._lesser(trial, [better._replace(replicated=9.0), trial], (), bare, ())
+        agreed = better._replace(replicated=9.0, apart=1.0)  # beside what has failed already
+        assert naming._lesser(trial, [agreed, trial], (), bare, ('cg_offset.x',)) == past
+        assert naming._lesser(trial, [better, trial], (), bare, ('cg_offset.x',))
+    prior = shared(naming.knobs)
+    left = naming._like(['linear_drag.surge'], prior, bare)
+    assert {'linear_drag.surge', 'quadratic_drag.surge', 'rotational_drag.yaw'} <= left
+    assert not {'gyro_bias.z', 'net_lift.force'} & left

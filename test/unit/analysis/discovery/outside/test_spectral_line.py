@@ -1,7 +1,7 @@
 """A forcing that knots cannot follow is a line; noise of any colour has none."""
 
 from lta_analysis.discovery.flights.measured import CHANNELS, PERIOD
-from lta_analysis.discovery.outside.spectral_line import lines, spectrum
+from lta_analysis.discovery.outside.spectral_line import Line, lines, spectrum, telling
 import numpy as np
 import pytest
 
@@ -83,3 +83,27 @@ def test_what_only_the_pressure_shows_is_the_weather() -> None:
     for flight in flights:
         flight[:, :, 13] += _wave(0.9, 1.5)
     assert lines(flights, TIMES, noise) == []
+
+
+INVERSE = np.diag([2.0, 2.0, 2.0, 20.0, 20.0, 25.0])  # 1/kg, 1/(kg m2)
+FLOOR = np.array([4e-4, 4e-4, 4e-4, 8e-5, 8e-5, 4e-5])
+
+
+@pytest.mark.parametrize(
+    ('channel', 'axis', 'amplitude'),
+    [  # what a force of 1 mN (rms) at 2 Hz makes of half a kilogramme, or 1 mN m of 0.05 kg m2
+        ('fz', 2, 2e-3),
+        ('q', 4, 20e-3 / (4.0 * np.pi)),
+        ('turn_x', 3, 20e-3 / (4.0 * np.pi) ** 2),
+        ('y', 1, 2e-3 / (4.0 * np.pi) ** 2),
+    ],
+)
+def test_a_line_takes_a_wrench(channel: str, axis: int, amplitude: float) -> None:
+    line = Line(channel, 2.0, np.sqrt(2.0) * amplitude, 12.0)
+    assert line.wrench(INVERSE) == (axis, pytest.approx(1e-3))
+
+
+def test_a_line_that_moves_nothing_is_not_told() -> None:
+    faint, strong = Line('q', 0.5, 0.0004, 30.0), Line('q', 2.0, 0.004, 6.0)
+    assert telling([faint, strong], INVERSE, FLOOR) == (strong,)
+    assert telling([faint], INVERSE, 0.1 * FLOOR) == (faint,)

@@ -1,0 +1,1 @@
+"""How well a drone knows the direction to a lamp: ours beside the paper's."""

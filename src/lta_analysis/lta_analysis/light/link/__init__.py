@@ -1,0 +1,1 @@
+"""The link from a lamp to the photodiodes by distance: lux and signal-to-noise ratio."""

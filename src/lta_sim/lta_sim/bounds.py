@@ -1,0 +1,37 @@
+"""Where a flight may go: in the room, and out of its door as far as the scene reaches."""
+
+from typing import final
+
+from lta_sim.scenario import Scenario
+
+
+@final
+class Bounds:
+    """
+    The bounds of a scene, for one flight from its start.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Room and door.
+
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        length, width, self._height = scenario.room.size.vector
+        self._x, self._y = length / 2, width / 2
+        self._outside = scenario.outside
+        self._indoors = True  # every start is
+
+    def hold(self, x: float, y: float, z: float) -> bool:
+        """Tell whether a hull centre is in bounds; call it at every step. [m, map]"""
+        indoors = abs(x) <= self._x and abs(y) <= self._y and z <= self._height
+        outside, crossed = self._outside, indoors != self._indoors
+        self._indoors = indoors
+        if outside is None:
+            return indoors
+        door, reach = outside.door, outside.reach.si
+        if crossed:
+            aside = abs(y - door.middle.si)
+            return aside <= door.width.si / 2 and z <= door.height.si and x > 0.0
+        return indoors or (x <= self._x + reach and abs(y) <= reach and z <= reach)

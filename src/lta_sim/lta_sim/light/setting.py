@@ -1,0 +1,26 @@
+"""
+The feedback resistor that a person selects for the light of a scene before the flight.
+
+By the steady light on the ring as it stands in the open or, in a scene with a door, beyond it.
+"""
+
+from lta_sim.hull import half_axes
+from lta_sim.light.field import LightField
+from lta_sim.light.view import LightView
+from lta_sim.sensors.photodiode import PhotodiodeArray
+from lta_sim.vehicle import Vehicle
+
+ABOVE = 1.0  # m over the ground
+
+
+def set_for(field: LightField, vehicle: Vehicle) -> PhotodiodeArray:
+    """Return the diodes of a vehicle with the resistor for the light of a scene."""
+    if len(vehicle.diodes.resistors) < 2:
+        return vehicle.diodes
+    x = 0.0
+    if field.outside is not None and field.room is not None:
+        x = field.room.size[0] / 2 + 2.0 * max(half_axes(vehicle.file.hull)) + ABOVE
+    pose = (x, 0.0, ABOVE, 0.0, 0.0, 0.0, 1.0)
+    light = LightView(field, vehicle).illuminance([pose])
+    lux = float((light.steady + light.mains).max())
+    return vehicle.diodes.selected(lux / field.ambient.efficacy)

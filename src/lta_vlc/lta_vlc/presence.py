@@ -1,0 +1,31 @@
+"""Whether a beacon is found or lost: not by one block, so that nothing flickers."""
+
+from typing import NamedTuple
+
+FOUND = 2  # blocks in a row with the beacon after which it is found
+LOST = 5  # blocks in a row without it after which it is lost
+
+
+class Presence(NamedTuple):
+    """
+    How a beacon stands.
+
+    Attributes
+    ----------
+    found : bool
+        Whether it is taken to be there.
+    against : int
+        Blocks in a row that say otherwise.
+
+    """
+
+    found: bool = False
+    against: int = 0
+
+    def after(self, heard: bool, blocks: int = 1) -> 'Presence':
+        """Return how it stands after blocks in which it was heard, or not."""
+        if heard == self.found:
+            return Presence(self.found)
+        against = self.against + blocks
+        enough = FOUND if heard else LOST
+        return Presence(heard) if against >= enough else Presence(self.found, against)

@@ -1,0 +1,58 @@
+"""Whether light blocks go on from one another: their stamps must, by the length of a block."""
+
+from lta_config.errors import BadInput
+
+ANEW = 10  # blocks by which time goes back when it begins anew, as in a recording played again
+
+
+class Sequence:
+    """
+    The blocks of one array in time order.
+
+    Parameters
+    ----------
+    period_ns : int
+        From the first sample of a block to that of the next. [ns]
+
+    Attributes
+    ----------
+    missing : int
+        Blocks that have not come so far.
+
+    """
+
+    def __init__(self, period_ns: int) -> None:
+        self._period = period_ns
+        self._newest: int | None = None
+        self.missing = 0
+
+    def take(self, stamp_ns: int) -> int:
+        """
+        Return how many blocks are missing before this one.
+
+        Parameters
+        ----------
+        stamp_ns : int
+            Time of its first sample. [ns]
+
+        Raises
+        ------
+        BadInput
+            If it is older than the newest one, or overlaps with it by more than half.
+
+        """
+        before, period = self._newest, self._period
+        if before is None or stamp_ns <= before - ANEW * period:
+            self._newest = stamp_ns
+            return 0
+        gap = stamp_ns - before
+        if 2 * gap < period:
+            raise BadInput(
+                f'A light block of {stamp_ns * 1e-9:.3f} s comes after that of '
+                f'{before * 1e-9:.3f} s, though a block lasts {period * 1e-9:g} s; '
+                'send each once, in time order.'
+            )
+        self._newest = stamp_ns
+        missing = (gap + period // 2) // period - 1
+        self.missing += missing
+        return missing

@@ -1,0 +1,147 @@
+"""The demodulator over real DDS: how soon it answers, and what it says of wrong blocks."""
+
+import signal
+import statistics
+import time
+
+from lta_config.files import share
+from lta_config.topics import topic_table
+from lta_graph.ros.node import from_stamp, to_stamp
+from lta_sim.messages import light_block
+import numpy as np
+import pytest
+from std_msgs.msg import Float64
+
+from .peer import PATIENCE, Peer, start
+
+NODE = 'lta_vlc.nodes.demodulator'
+PERIOD = topic_table()['photodiodes'].period_ns
+LATENCY = 2e-3  # s from block in to bearing out, with DDS both ways
+BLOCKS = 60
+
+
+class Listening(Peer):
+    """A vehicle that sends blocks and hears what the demodulator makes of them."""
+
+    def __init__(self, domain_id, diodes=8):
+        super().__init__(domain_id)
+        self.bearings, self.facts = {}, {}
+        chance = np.random.default_rng(1)
+        light = np.outer(np.arange(1000) * 0.015 % 1.0 < 0.5, np.arange(diodes) == 0)
+        self.block = (800.0 + 200.0 * light + chance.normal(0.0, 3.0, light.shape)).astype(
+            np.uint16
+        )
+        self.hear('light/bearing', self._hear_bearing)
+        self.hear('/diagnostics', self._hear_facts)
+
+    def _hear_bearing(self, message):
+        self.bearings[from_stamp(message.header.stamp)] = time.perf_counter(), message.vector
+
+    def _hear_facts(self, message):
+        for status in message.status:
+            values = {pair.key: pair.value for pair in status.values}
+            self.facts[status.name] = (status.message, values)
+
+    def send(self, k, message=None):
+        """Send the block that begins k blocks after the first second; return its stamp."""
+        stamp = 1_000_000_000 + k * PERIOD
+        message = message or light_block(to_stamp(stamp), self.block)
+        message.header.stamp = to_stamp(stamp)
+        self.publisher('photodiodes').publish(message)
+        return stamp
+
+    def light(self):
+        """Return message and values of the light."""
+        return self.facts.get('demodulator: light', ('', {}))
+
+
+@pytest.fixture
+def vehicle(domain_id):
+    with Listening(domain_id) as made:
+        yield made
+
+
+def ended(process):
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=PATIENCE)
+    assert (process.returncode, errors) == (0, '')
+
+
+def vehicle_of(folder, diodes):
+    """Return a vehicle file with that many diodes."""
+    text = (share() / 'vehicles' / 'gtmab.yaml').read_text(encoding='utf-8')
+    assert text.count('    count: 8\n') == 1
+    path = folder / 'many.yaml'
+    path.write_text(text.replace('    count: 8\n', f'    count: {diodes}\n'), encoding='utf-8')
+    return path
+
+
+@pytest.mark.parametrize('diodes', [8, 16])
+def test_a_block_is_answered_within_two_milliseconds(domain_id, tmp_path, diodes):
+    with Listening(domain_id, diodes) as peer:
+        process = start(NODE, '-p', f'vehicle:={vehicle_of(tmp_path, diodes)}')
+        took = []
+        for k in range(BLOCKS):
+            begin = time.perf_counter()
+            stamp = peer.send(k)
+            peer.until(lambda stamp=stamp: stamp in peer.bearings)
+            arrived, vector = peer.bearings[stamp]
+            took.append(arrived - begin)
+            assert vector.x > 0.9
+        ended(process)
+    assert statistics.median(took) < LATENCY
+
+
+def test_the_light_is_told_with_its_faults(vehicle):
+    process = start(NODE)
+    for k in range(3):
+        stamp = vehicle.send(k)
+        vehicle.until(lambda stamp=stamp: stamp in vehicle.bearings)
+    vehicle.until(lambda: vehicle.light()[0] == 'beacon found')
+    values = vehicle.light()[1]
+    assert float(values['best_snr']) > 100.0
+    assert abs(float(values['frequency_error_Hz'])) < 0.1
+    assert (values['saturated_diodes'], values['flat_diodes']) == ('0', '0')
+
+    vehicle.block[:, 3] = 4095  # saturated throughout, and flat with it
+    vehicle.block[::2, 4] = 4095
+    vehicle.block[:, 5] = 7
+    stamp = vehicle.send(7)  # four blocks later than it should be
+    vehicle.until(lambda: vehicle.light()[1].get('blocks_missing') == '4')
+    values = vehicle.light()[1]
+    assert (values['saturated_diodes'], values['flat_diodes']) == ('2', '2')
+    assert vehicle.bearings[stamp][1].x > 0.9  # and none of them pulls
+
+    short = light_block(to_stamp(0), vehicle.block[:999])
+    torn = light_block(to_stamp(0), vehicle.block)
+    torn.data = torn.data[:-2]
+    few = light_block(to_stamp(0), np.ascontiguousarray(vehicle.block[:, :7]))
+    for k, message, sentence in (
+        (8, short, '1000 samples by diodes are expected'),
+        (9, torn, 'has 15998 bytes'),
+        (10, few, '8'),
+        (10, None, 'comes after that of 2.000 s'),
+    ):
+        vehicle.send(k, message)
+        vehicle.until(lambda sentence=sentence: sentence in vehicle.light()[0])
+    assert vehicle.light()[1]['blocks_refused'] == '4'
+    ended(process)
+
+
+def test_the_wanted_beacon_is_the_one_that_is_estimated(vehicle):
+    process = start(NODE)
+    behind = np.outer(np.arange(1000) * 0.025 % 1.0 < 0.5, np.arange(8) == 4)
+    vehicle.block += (300 * behind).astype(np.uint16)
+    stamp = vehicle.send(0)
+    vehicle.until(lambda: stamp in vehicle.bearings)
+    assert vehicle.bearings[stamp][1].x > 0.9
+    vehicle.publisher('light/beacon').publish(Float64(data=250.0))
+
+    def turned():
+        newest = vehicle.send(1 + len(vehicle.bearings))
+        vehicle.until(lambda: newest in vehicle.bearings)
+        return vehicle.bearings[newest][1].x < -0.9
+
+    vehicle.until(turned)
+    vehicle.until(lambda: 'demodulator: beacon at 150 Hz' in vehicle.facts)
+    ended(process)

@@ -1,0 +1,342 @@
+"""Reflections, shade, daylight and a door against sums over patches and rays, and by hand."""
+
+import math
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from lta_config.errors import BadInput
+from lta_sim.compiled import compiled
+from lta_sim.light.ambient import Ambient
+from lta_sim.light.daylight import Daylight
+from lta_sim.light.echo import beams, echoing, on_faces, surrounding
+from lta_sim.light.field import LightField
+from lta_sim.light.gather import DAY, gather, LAMPS, on_the_way, SHARE
+from lta_sim.light.lambertian import beam, Eye
+from lta_sim.light.lamp import direct, Lamp
+from lta_sim.light.outside import Outside
+from lta_sim.light.room import Albedo, even, Room
+from lta_sim.light.shade import visible
+from lta_sim.light.surround import clear, day_on, hit, surround_of
+from lta_sim.sensors.photodiode import PhotodiodeArray
+from lta_vlc.modulation import SquareWave
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+LED = 300.0
+SIZE = (10.0, 8.0, 3.0)
+ROOM = Room(SIZE, Albedo(0.3, 0.5, 0.7))
+LAMP = Lamp((3.5, 0.0, 1.0), (-1.0, 0.0, 0.0), 10_000.0, SquareWave(150.0), LED)
+RING = PhotodiodeArray(count=8, depth=0.33, radius=0.07, feedback_resistance=1e5)
+HULL = (0.5, 0.5, 0.3)
+NO_HULL = (0.0, 0.0, 0.0)
+EYE, FLAT = Eye(1.2, 0.0), Eye(1.0, 0.0)
+DARK = Ambient(LED)
+DAYLIGHT = Daylight(90_000.0, math.radians(30.0), math.radians(45.0), 15_000.0, 0.2, 105.0)
+OUTSIDE = Outside(DAYLIGHT, 1.0, 2.0, 2.2)
+GATHER, ON_THE_WAY, ON_FACES = (compiled(f)[0] for f in (gather, on_the_way, on_faces))
+
+
+def gathered(field, position, q=(0.0, 0.0, 0.0, 1.0), eye=EYE, hull=HULL, ring=RING):
+    out = np.empty((LAMPS + len(field.lamps), ring.count))
+    GATHER(surrounding(field), beams(field), eye, hull, position, q, ring.planes, out)
+    return out
+
+
+def hidden(points, directions, hull):
+    """Tell which rays meet the ellipsoid, by the quadratic they solve; both (..., 3), body."""
+    p, u = points / np.array(hull), directions / np.array(hull)
+    a, b, c = (u * u).sum(-1), (p * u).sum(-1), (p * p).sum(-1) - 1.0
+    return (b < 0.0) & (b * b > a * c)
+
+
+def patches(room, pitch):
+    """Return centres, normals, areas and albedos of small squares on all faces."""
+    length, width, height = room.size
+    found = []
+    faces = [
+        ((0, 1), 2, 0.0, 1.0, room.albedo.floor),
+        ((0, 1), 2, height, -1.0, room.albedo.ceiling),
+        ((1, 2), 0, length / 2, -1.0, room.albedo.walls),
+        ((1, 2), 0, -length / 2, 1.0, room.albedo.walls),
+        ((0, 2), 1, width / 2, -1.0, room.albedo.walls),
+        ((0, 2), 1, -width / 2, 1.0, room.albedo.walls),
+    ]
+    for (a, b), axis, level, normal, albedo in faces:
+        low = np.array([-length / 2, -width / 2, 0.0])
+        counts = [round(room.size[k] / pitch) for k in (a, b)]
+        grids = [
+            low[k] + (np.arange(n) + 0.5) * room.size[k] / n
+            for k, n in zip((a, b), counts, strict=True)
+        ]
+        across, up = np.meshgrid(*grids, indexing='ij')
+        centres, normals = np.zeros((across.size, 3)), np.zeros((across.size, 3))
+        centres[:, a], centres[:, b], centres[:, axis] = across.ravel(), up.ravel(), level
+        normals[:, axis] = normal
+        area = room.size[a] * room.size[b] / across.size
+        found.append((centres, normals, np.full(across.size, area), np.full(across.size, albedo)))
+    return (np.concatenate(part) for part in zip(*found, strict=True))
+
+
+def first_echo(room, position, turn, eye, hull, ring=RING, pitch=0.04):
+    """Return what diodes read of light thrown back once: a sum over small patches."""
+    centres, normals, areas, albedos = patches(room, pitch)
+    lux = direct(LAMP, centres, normals)
+    told = []
+    for row in ring.planes:
+        ray = centres - (position + turn @ row[:3])
+        distance = np.linalg.norm(ray, axis=1)
+        u = ray / distance[:, None]
+        leaving = np.maximum(-(u * normals).sum(1), 0.0)
+        cosine = np.maximum(u @ (turn @ row[3:]), 0.0)
+        open_ = ~hidden(row[:3], u @ turn, hull) if hull[0] else np.ones(len(u), dtype=bool)
+        bright = albedos * lux / math.pi * areas * leaving / distance**2
+        told.append((bright * cosine**eye.exponent * open_).sum())
+    return np.array(told)
+
+
+def poses(count):
+    rng = np.random.default_rng(5)
+    for _ in range(count):
+        place = rng.uniform((-4.0, -3.0, 0.8), (2.0, 3.0, 1.6))
+        turn = Rotation.from_euler('zyx', rng.uniform((-3.1, -0.1, -0.1), (3.1, 0.1, 0.1)))
+        yield place, turn
+
+
+@pytest.mark.parametrize('hull', [HULL, NO_HULL])
+def test_echo_by_place_is_the_sum_over_patches(hull):
+    """Within 3 % of the mean echo of a ring and 6 % on each diode, tilted and turned."""
+    field = LightField((LAMP,), DARK, ROOM)
+    for place, turn in poses(4):
+        out = gathered(field, tuple(place), tuple(turn.as_quat()), hull=hull)
+        own = out[LAMPS] - echoing(LAMP, field).beyond * out[SHARE]
+        expected = first_echo(ROOM, place, turn.as_matrix(), EYE, hull)
+        assert own.mean() == pytest.approx(expected.mean(), rel=0.03)
+        assert np.abs(own - expected).max() < 0.06 * expected.mean()
+
+
+def test_light_from_all_sides_by_quadrature():
+    """2 / (n + 1) (1 - c^(n + 1)) of it, without a hull."""
+    field = LightField((LAMP,), DARK, ROOM)
+    for eye in (Eye(1.0, 0.0), EYE, Eye(2.0, 0.5)):
+        share = gathered(field, (0.0, 0.0, 1.0), eye=eye, hull=NO_HULL)[SHARE]
+        whole = 2.0 / (eye.exponent + 1.0) * (1.0 - eye.least ** (eye.exponent + 1.0))
+        assert share.mean() == pytest.approx(whole, rel=0.01)
+        assert np.ptp(share) < 0.02 * whole
+
+
+def test_the_hull_hides_what_rays_meet():
+    """The share of light from all sides under a hull, by rays spread evenly over the sphere."""
+    k = np.arange(40_000) + 0.5
+    up, turn = 1.0 - 2.0 * k / k.size, k * math.pi * (3.0 - math.sqrt(5.0))
+    level = np.sqrt(1.0 - up * up)
+    u = np.stack([level * np.cos(turn), level * np.sin(turn), up], axis=1)
+    share = gathered(LightField((LAMP,), DARK, ROOM), (0.0, 0.0, 1.0))[SHARE]
+    for own, row in zip(share, RING.planes, strict=True):
+        cosine = np.maximum(u @ row[3:], 0.0) ** EYE.exponent
+        expected = 4.0 * (cosine * ~hidden(row[:3], u, HULL)).mean()
+        assert own == pytest.approx(expected, rel=0.02)
+
+
+def test_shade_of_a_ball_by_hand():
+    """From 2 radii under a ball its edge is 30 degrees off the vertical."""
+    ball, point = (0.4, 0.4, 0.4), (0.0, 0.0, -0.8)
+    for off, expected in ((29.0, 0.0), (29.9, 0.45), (30.0, 0.5), (30.1, 0.55), (31.0, 1.0)):
+        angle = math.radians(off)
+        towards = (math.sin(angle), 0.0, math.cos(angle))
+        part = visible(ball, point, towards, math.radians(1.0))
+        assert part == pytest.approx(expected, abs=6e-3)  # the edge to first order
+    assert visible(ball, point, (0.0, 0.0, 1.0), 1e-3) == 0.0
+    assert visible(ball, point, (0.0, 0.0, -1.0), 1e-3) == 1.0
+    assert visible((0.0, 0.0, 0.0), point, (0.0, 0.0, 1.0), 1e-3) == 1.0
+
+
+UNIT = st.tuples(*[st.floats(-1.0, 1.0)] * 3).filter(lambda v: math.hypot(*v) > 0.1)
+
+
+@settings(max_examples=200)
+@given(point=UNIT, towards=UNIT, width=st.floats(1e-4, 0.2))
+def test_shade_is_that_of_the_ray_apart_from_its_edge(point, towards, width):
+    p, u = np.array(point), np.array(towards) / math.hypot(*towards)
+    p = p * (1.2 / np.linalg.norm(p / np.array(HULL)))  # a fifth outside
+    part = visible(HULL, tuple(p), tuple(u), width)
+    assert 0.0 <= part <= 1.0
+    if part in (0.0, 1.0):
+        return
+    # At the edge: turned by somewhat more than the width both ways it is dark and bright.
+    axis = np.cross(u, p)
+    turned = [
+        Rotation.from_rotvec(axis / np.linalg.norm(axis) * 4.0 * k * width).apply(u)
+        for k in (-1.0, 1.0)
+    ]
+    seen = [bool(hidden(p, v, HULL)) for v in turned]
+    assert sorted(seen) == [False, True]
+
+
+@pytest.mark.parametrize('place', [(3.5, 0.0, 1.0), (-2.0, 3.0, 2.9), (4.9, -3.9, 0.1)])
+def test_all_the_light_falls_on_the_faces(place):
+    """Direct flux on six faces is the lamp's, to what the grid leaves out."""
+    lamp = Lamp(place, (-1.0, 0.2, -0.3), 10_000.0, SquareWave(150.0), LED)
+    fallen, _ = ON_FACES(surround_of(ROOM, None, None), beam(lamp), 256)
+    assert fallen == pytest.approx(10_000.0, rel=0.02)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    albedo=st.tuples(*[st.floats(0.0, 0.95)] * 3),
+    place=st.tuples(st.floats(-4.0, 4.0), st.floats(-3.0, 3.0), st.floats(0.5, 2.5)),
+    axis=UNIT,
+)
+def test_energy_balances(albedo, place, axis):
+    """What the surfaces swallow of direct, once and more often thrown back light is the flux."""
+    room = Room(SIZE, Albedo(*albedo))
+    lamp = Lamp(place, axis, 10_000.0, SquareWave(150.0), LED)
+    echo = echoing(lamp, LightField((lamp,), DARK, room))
+    first = room.area * echo.diffuse * (1.0 - room.mean_albedo)
+    swallowed = (10_000.0 - first) + (1.0 - room.mean_albedo) * room.area * echo.diffuse
+    assert swallowed == pytest.approx(10_000.0, rel=1e-12)
+    assert min(albedo) * 10_000.0 * (1 - 1e-9) <= first <= max(albedo) * 10_000.0 * (1 + 1e-9)
+
+
+def test_even_walls_echo_as_sumpner_says():
+    room = Room(SIZE, even(0.5))
+    echo = echoing(LAMP, LightField((LAMP,), DARK, room))
+    assert echo.diffuse == pytest.approx(37.3134, abs=1e-4)
+    assert echo.beyond == pytest.approx(37.3134 / 2.0, abs=1e-4)
+
+
+def test_echo_of_a_ring_averages_to_the_rooms():
+    """Over places and directions in a bare room the once reflected light is rho Phi / A."""
+    room = Room(SIZE, even(0.5))
+    field = LightField((LAMP,), DARK, room)
+    centres, normals, areas, _ = patches(room, 1.0)
+    axes = tuple(tuple(row) for row in np.eye(3).tolist() + (-np.eye(3)).tolist())
+    ring = PhotodiodeArray(count=6, depth=0.0, radius=0.0, feedback_resistance=1e5, axes=axes)
+    total = 0.0
+    for centre, normal, area in zip(centres, normals, areas, strict=True):
+        out = gathered(field, tuple(centre + 1e-3 * normal), eye=FLAT, hull=NO_HULL, ring=ring)
+        facing = int(np.argmax(np.array(axes) @ normal))
+        total += area * (out[LAMPS, facing] - 18.6567 * out[SHARE, facing])
+    # Of 10 000 lm half goes on, and all of that arrives.
+    assert total == pytest.approx(5000.0, rel=0.03)
+
+
+def test_daylight_in_the_open_by_hand():
+    """A plane in the open: the sun's cosine, the sky over and the ground under it."""
+    s = surround_of(None, DAYLIGHT, None)
+    level = 90_000.0 * math.sin(math.radians(45.0)) + 15_000.0
+    assert DAYLIGHT.level == pytest.approx(level)
+    assert day_on(s, (0.0, 0.0, 1.0), (0.0, 0.0, 1.0)) == pytest.approx(level)
+    away = (-math.cos(math.radians(30.0)), -math.sin(math.radians(30.0)), 0.0)
+    assert day_on(s, (0.0, 0.0, 1.0), away) == pytest.approx(7500.0 + 0.1 * level)
+    ring = gathered(
+        LightField((LAMP,), DARK, None, DAYLIGHT), (0.0, 0.0, 1.0), eye=FLAT, hull=NO_HULL
+    )
+    sun = 90_000.0 * math.cos(math.radians(45.0)) * math.cos(math.radians(30.0))
+    assert ring[DAY, 0] == pytest.approx(sun + 7500.0 + 0.1 * level, rel=5e-3)
+
+
+def test_the_hull_hides_the_sun():
+    field = LightField((LAMP,), DARK, None, DAYLIGHT)
+    shaded, free = gathered(field, (0.0, 0.0, 1.0)), gathered(field, (0.0, 0.0, 1.0), hull=NO_HULL)
+    assert free[DAY].max() > 50_000.0
+    # Under the hull the ground is left, a fifth of 78.6 klx on the lower half of a diode's view.
+    assert 5000.0 < shaded[DAY].max() < 12_000.0
+
+
+BUILDING = surround_of(ROOM, None, OUTSIDE)
+
+
+@pytest.mark.parametrize(
+    ('begin', 'end', 'free'),
+    [
+        ((0.0, 1.0, 1.0), (9.0, 1.0, 1.0), True),
+        ((0.0, 1.0, 1.0), (9.0, 1.0, 3.5), False),
+        ((0.0, -1.0, 1.0), (9.0, -1.0, 1.0), False),
+        ((0.0, -1.0, 1.0), (4.0, 3.0, 2.0), True),
+        ((6.0, 1.0, 1.0), (9.0, -5.0, 2.0), True),
+        ((9.0, 0.5, 0.5), (-4.0, 1.4, 1.5), True),
+        ((9.0, 3.5, 1.0), (-9.0, 3.5, 1.0), False),
+        ((9.0, 1.0, 1.0), (-9.0, 1.0, 1.0), False),
+        ((0.0, 5.0, 1.0), (9.0, 5.0, 1.0), True),
+    ],
+)
+def test_the_way_is_free_through_the_door_only(begin, end, free):
+    ray = np.subtract(end, begin)
+    distance = float(np.linalg.norm(ray))
+    u = tuple((ray / distance).tolist())
+    assert clear(BUILDING, begin, u, distance) is free
+    back = tuple((-ray / distance).tolist())
+    assert clear(BUILDING, end, back, distance) is free
+    assert clear(surround_of(ROOM, None, None), begin, u, distance)
+
+
+def test_what_a_ray_meets():
+    met, indoors = hit(BUILDING, (0.0, 0.5, 1.0), (1.0, 0.0, 0.0))
+    assert (indoors, met[:3]) == (False, (0.0, 0.0, 1e9))  # through the door, the sky
+    met, indoors = hit(BUILDING, (0.0, -2.0, 1.0), (1.0, 0.0, 0.0))
+    assert (indoors, met) == (True, (5.0, -2.0, 1.0, -1.0, 0.0, 0.0, 0.5))
+    down = (math.cos(0.2), 0.0, -math.sin(0.2))
+    met, indoors = hit(BUILDING, (4.0, 1.0, 1.0), down)
+    assert (indoors, met.albedo) == (False, 0.2)  # the ground beyond the door
+    assert met.x == pytest.approx(4.0 + 1.0 / math.tan(0.2))
+    met, indoors = hit(BUILDING, (8.0, 1.0, 1.0), (-1.0, 0.0, 0.0))
+    assert (indoors, met.x, met.albedo) == (True, -5.0, 0.5)
+    met, indoors = hit(BUILDING, (8.0, -2.0, 1.0), (-1.0, 0.0, 0.0))
+    assert (indoors, met.x, met.albedo) == (True, 5.0, 0.0)  # the wall from without
+
+
+def test_daylight_comes_in_through_the_door():
+    """Inside the door is a window: sky over the horizon and ground under it, through its area."""
+    field = LightField((LAMP,), DARK, ROOM, None, OUTSIDE)
+    day = gathered(field, (1.0, 1.0, 1.1 + RING.depth), eye=FLAT, hull=NO_HULL)[DAY]
+    y, z = np.meshgrid((np.arange(200) + 0.5) / 100.0 - 1.0, (np.arange(220) + 0.5) / 100.0 - 1.1)
+    window = 3.93**2 / (3.93**2 + y * y + z * z) ** 2 / math.pi * 1e-4
+    expected = (window * np.where(z > 0.0, 15_000.0, 0.2 * DAYLIGHT.level)).sum()
+    # Rays are 7.5 degrees apart, the door is 27 degrees wide.
+    assert day[0] == pytest.approx(expected, rel=0.13)
+    assert day[4] == 0.0
+    beyond = gathered(field, (8.0, 1.0, 1.4), eye=FLAT, hull=NO_HULL)[DAY]
+    assert beyond[0] > 50_000.0
+
+
+def test_a_lamp_beyond_the_door_is_seen_through_it():
+    lamp = Lamp((9.0, 1.0, 1.0), (-1.0, 0.0, 0.0), 10_000.0, SquareWave(150.0), LED)
+    field = LightField((lamp,), DARK, ROOM, None, OUTSIDE)
+    lit = np.zeros((2, LAMPS + 1, 8))
+    flight = np.array([[0.0, 1.0, 1.3, 0, 0, 0, 1], [0.0, -3.0, 1.3, 0, 0, 0, 1]], dtype=float)
+    ON_THE_WAY(surrounding(field), beams(field), EYE, NO_HULL, flight, RING.planes, lit)
+    assert lit[0, LAMPS, 0] == pytest.approx(10_000.0 / math.pi / 8.93**2, rel=0.01)
+    assert not lit[1].any()
+    first = echoing(lamp, field).diffuse * ROOM.area * (1.0 - ROOM.mean_albedo)
+    # A door of 2 by 2.2 m at 4 m lets 2 x 2.2 / 16 / pi of the light in, less at its edges.
+    assert 0.5 * 0.05 * 10_000.0 * 0.5 < first < 0.0875 * 10_000.0 * 0.7
+
+
+def test_turning_by_one_diode_shifts_the_readings():
+    """Turning the drone by one diode shifts the readings by one."""
+    field = LightField((LAMP,), DARK, ROOM)
+    step = Rotation.from_euler('z', math.pi / 4)
+    still = gathered(field, (0.0, 1.0, 1.0))
+    turned = gathered(field, (0.0, 1.0, 1.0), tuple(step.as_quat()))
+    np.testing.assert_allclose(turned, np.roll(still, -1, axis=1), rtol=2e-2, atol=0.1)
+
+
+@pytest.mark.parametrize(
+    ('make', 'sentence'),
+    [
+        (lambda: Daylight(-1.0, 0.0, 0.5, 0.0, 0.2, 105.0), 'light of the sun is -1.0 lx'),
+        (lambda: Daylight(1e5, 0.0, 0.0, 0.0, 0.2, 105.0), 'stands at 0 degrees'),
+        (lambda: Daylight(1e5, 0.0, 0.5, 0.0, 1.0, 105.0), 'albedo of 1.0'),
+        (lambda: Outside(DAYLIGHT, 0.0, 0.0, 2.0), '0.0 m wide'),
+        (lambda: LightField((LAMP,), DARK, None, None, OUTSIDE), 'a door but no room'),
+        (lambda: LightField((LAMP,), DARK, ROOM, DAYLIGHT, OUTSIDE), 'leave the first out'),
+        (
+            lambda: LightField((LAMP,), DARK, ROOM, None, Outside(DAYLIGHT, 3.5, 2.0, 2.0)),
+            'does not fit into a wall of 8 by 3 m',
+        ),
+    ],
+)
+def test_what_cannot_be_is_refused(make, sentence):
+    with pytest.raises(BadInput, match=sentence):
+        make()

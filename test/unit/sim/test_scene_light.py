@@ -1,0 +1,87 @@
+"""Scenes in the sun and with a door: the resistor for their light, wind and bounds at the door."""
+
+from lta_config.errors import BadInput
+from lta_config.files import find, load_yaml
+from lta_config.topics import topic_table
+from lta_sim.bounds import Bounds
+from lta_sim.light.setting import set_for
+from lta_sim.light.view import LightView
+from lta_sim.scenario import load_scenario, Scenario
+from lta_sim.state import WIND
+from lta_sim.vehicle import load_vehicle
+from lta_sim.world import World
+from lta_vlc.demodulation import demodulate, Demodulation, plan_bins
+import numpy as np
+from pydantic import ValidationError
+import pytest
+
+from .lamp_room import edited
+
+GTMAB = load_vehicle('gtmab')
+DOOR = load_yaml(find('scenario', 'hall_door'))
+
+
+@pytest.mark.parametrize(
+    ('scene', 'resistor'), [('lamp_room', 1e5), ('sunny_field', 1e4), ('hall_door', 1e4)]
+)
+def test_the_resistor_suits_the_light(scene, resistor):
+    assert set_for(load_scenario(scene).light_field, GTMAB).feedback_resistance == resistor
+
+
+@pytest.mark.parametrize('scene', ['lamp_room', 'sunny_field'])
+def test_the_lamp_is_heard_at_seven_metres(scene):
+    """SNR above 10 in a room with mains, and at 80 klx."""
+    field = load_scenario(scene).light_field
+    view = LightView(field, GTMAB, set_for(field, GTMAB))
+    view.pass_by((-3.5, 0.0, 0.5, 0.0, 0.0, 0.0, 1.0))
+    block = view.block(10**9, 1e4, 1000, np.random.default_rng(1))
+    snr = demodulate(block, plan_bins(Demodulation(), 1e4, 1000)).snr
+    assert snr.argmax() == 0
+    assert snr.max() > 30.0
+    assert block.max() < 4095
+
+
+def test_the_sunny_field_has_80_klx():
+    assert load_scenario('sunny_field').light_field.daylight.level == pytest.approx(80e3, rel=0.01)
+
+
+def test_who_leaves_by_the_door_is_in_bounds():
+    def flown(*way):
+        bounds = Bounds(load_scenario('hall_door'))
+        return [bounds.hold(x, y, z) for x, y, z in way]
+
+    assert flown((0, 0, 1), (4.9, 0, 1), (5.1, 0, 1), (24, -19, 5)) == [True] * 4
+    assert flown((4.9, 0, 1), (5.1, 0, 1), (4.9, 0, 1)) == [True] * 3
+    assert flown((4.9, 2.1, 1), (5.1, 2.1, 1)) == [True, False]
+    assert flown((4.9, 0, 3.6), (5.1, 0, 3.6)) == [True, False]
+    assert flown((-4.9, 0, 1), (-5.1, 0, 1)) == [True, False]
+    assert flown((5.1, 0, 1), (25.1, 0, 1)) == [True, False]
+
+
+def test_the_wind_steps_at_the_door_over_the_width_of_the_hull():
+    scenario = load_scenario('hall_door')
+    world = World(GTMAB, scenario, topic_table(), 1)
+    told = []
+    for x in (0.0, 4.5, 5.0, 5.25, 5.5, 9.0):
+        world._around.refresh((x, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), 3.7, 0.0)
+        told.append(world._around.numbers[WIND + 1])
+    assert told == pytest.approx([0.0, 0.0, -0.1, -0.15, -0.2, -0.2])
+
+
+@pytest.mark.parametrize(
+    ('changes', 'sentence'),
+    [
+        ({'room/walls': 'solid'}, 'has a door in solid walls'),
+        ({'lamp/position': {'value': [26, 0, 1], 'unit': 'm'}}, 'outside the room'),
+        ({'outside/door/width': '0 m'}, 'must be above 0 m'),
+    ],
+)
+def test_a_mistake_at_the_door_is_one_sentence(changes, sentence):
+    with pytest.raises(ValidationError, match=sentence):
+        Scenario.model_validate(edited(DOOR, changes))
+
+
+def test_a_door_must_fit_its_wall():
+    scene = Scenario.model_validate(edited(DOOR, {'outside/door/middle': '3 m'}))
+    with pytest.raises(BadInput, match='does not fit into a wall of 8 by 4 m'):
+        _ = scene.light_field

@@ -1,0 +1,62 @@
+"""Which beacons are refused, and with what sentence."""
+
+from lta_config.errors import BadInput
+from lta_vlc.demodulation import Demodulation
+from lta_vlc.listener import Listener
+from lta_vlc.separation import check_beacons, folded, mains_flicker
+import pytest
+
+
+@pytest.mark.parametrize(
+    ('frequency', 'appears'),
+    [(150.0, 150.0), (5000.0, 5000.0), (6000.0, 4000.0), (10_000.0, 0.0), (10_150.0, 150.0)],
+)
+def test_sampling_folds_frequencies(frequency, appears):
+    assert folded(frequency, 10_000.0) == pytest.approx(appears)
+
+
+def test_lamps_on_the_mains_flicker_at_twice_its_frequency():
+    assert mains_flicker(60.0, 10_000.0) == [120.0 * k for k in range(1, 11)]
+    assert mains_flicker(0.0, 10_000.0) == []
+    assert mains_flicker(50.0, 250.0)[:4] == [100.0, 50.0, 50.0, 100.0]
+
+
+@pytest.mark.parametrize(
+    ('settings', 'sentence'),
+    [
+        ({'others': (190.0,)}, r'150 and 190 Hz are closer than the resolution of 50 Hz'),
+        ({'others': (150.0,)}, 'closer than the resolution'),
+        ({'others': (450.0,)}, 'Harmonic 3 of the beacon at 150 Hz falls on .* at 450 Hz'),
+        (
+            {'others': (3280.0,)},
+            'Harmonic 3 of the beacon at 3280 Hz .* at 150 Hz',
+        ),  # 9840, folded
+        ({'frequency': 310.0}, 'sought within 2 bins of 10 Hz, .* the mains flicker, at 300 Hz'),
+        ({'frequency': 175.0}, 'at 200 Hz; choose another'),
+        ({'frequency': 230.0, 'mains': 60.0}, 'at 240 Hz'),
+        ({'others': (6000.0,)}, 'at 6000 Hz cannot be seen'),
+    ],
+)
+def test_what_cannot_be_told_apart_is_refused_at_the_start(settings, sentence):
+    with pytest.raises(BadInput, match=sentence):
+        Listener(Demodulation(**settings), 10_000.0, 1000)
+
+
+@pytest.mark.parametrize(
+    'settings',
+    [
+        {'others': (250.0, 350.0)},
+        {'others': (200.0,), 'mains': 0.0},
+        {'frequency': 310.0, 'mains': 60.0},
+        {'frequency': 150.0, 'others': (180.0,), 'window': 1},
+    ],
+)
+def test_what_can_be_told_apart_is_taken(settings):
+    Listener(Demodulation(**settings), 10_000.0, 1000)
+
+
+def test_many_beacons_leave_no_bins_for_the_noise():
+    settings = Demodulation(frequency=150.0, others=(2e2, 2.5e2, 3.5e2), window=0, mains=0.0)
+    with pytest.raises(BadInput, match='250, 350 Hz and their harmonics leave 2 bins'):
+        Listener(settings, 800.0, 16)
+    check_beacons((150.0, 250.0), settings, 10_000.0, 1000)
