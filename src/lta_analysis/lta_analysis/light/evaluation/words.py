@@ -22,6 +22,7 @@ FACTORS: Final[Mapping[str, str]] = {
     'built': 'feedback of 100 k\N{GREEK CAPITAL LETTER OMEGA}, as built',
     'daylight': 'feedback of 1.5 k\N{GREEK CAPITAL LETTER OMEGA}',
     'start_heading': 'start heading within 30\N{DEGREE SIGN} of the lamp',
+    'open_walls': 'no walls: who leaves the room has failed',
     'not_stopping': 'DGA does not stop to turn',
     'no_computing': 'DGA computes in no time',
     'plane_through_origin': "DGA's plane through the origin, as printed",
