@@ -174,9 +174,9 @@ def _listened(
         if time < wait:
             return mission
         return mission._replace(asked=mission.leg + 1, turns=0, heard=0)
-    if heard * sight.interval >= settings.heard:
-        fresh = strategy.start(sight.heading)
-        return Mission(Phase.SEEK, fresh, mission.asked, mission.asked, turns, heard)
+    if heard * sight.interval >= settings.heard and strategy.onward is not None:
+        memory = strategy.onward(mission.memory)
+        return Mission(Phase.SEEK, memory, mission.asked, mission.asked, turns, heard)
     if time >= settings.patience:
         return mission._replace(asked=mission.leg, turns=0, heard=0, refused=True)
     return mission

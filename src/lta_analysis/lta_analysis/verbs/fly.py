@@ -17,14 +17,17 @@ from lta_analysis.results_folder import page_line
 from lta_analysis.typed import near, typed
 from lta_bridge.live.address import PORT
 from lta_config.errors import BadInput
+from lta_control.strategies import STRATEGIES
 from rich.console import Console
 import typer
+
+KNOWN = ', '.join(STRATEGIES)
 
 
 def fly(
     vehicle: Annotated[str, typer.Option(help='Vehicle name or file.')] = 'gtmab',
     scenario: Annotated[str, typer.Option(help='Scenario name or file.')] = 'lamp_room',
-    strategy: Annotated[str, typer.Option(help='Navigation strategy.')] = 'bag',
+    strategy: Annotated[str, typer.Option(help=f'Navigation strategy: {KNOWN}.')] = 'bag',
     seed: Annotated[int, typer.Option(help='Seed of all chance.', min=0, max=2**31 - 1)] = 1,
     time: Annotated[
         Literal['lockstep', 'realtime'] | None,

@@ -9,14 +9,17 @@ from lta_analysis.progress import FlightProgress
 from lta_analysis.report.page import write_page
 from lta_analysis.simulate import simulate_once, Simulated
 from lta_analysis.verbs.fly import printed, show_files, told
+from lta_control.strategies import STRATEGIES
 from rich.console import Console
 import typer
+
+KNOWN = ', '.join(STRATEGIES)
 
 
 def simulate(
     vehicle: Annotated[str, typer.Option(help='Vehicle name or file.')] = 'gtmab',
     scenario: Annotated[str, typer.Option(help='Scenario name or file.')] = 'lamp_room',
-    strategy: Annotated[str, typer.Option(help='Navigation strategy.')] = 'bag',
+    strategy: Annotated[str, typer.Option(help=f'Navigation strategy: {KNOWN}.')] = 'bag',
     gains: Annotated[
         str, typer.Option(help="Controller's gains, name or file; the vehicle's own by default.")
     ] = '',

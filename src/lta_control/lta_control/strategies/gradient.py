@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 PAIRS = 40
 NONE = (0.0, 0.0, 0.0)
+EMPTY = (NONE,) * PAIRS
 Pair = tuple[float, float, float]
 
 
@@ -76,7 +77,7 @@ class Gradient(NamedTuple):
 def start(heading: float) -> Gradient:
     """Return the memory before the first light."""
     return Gradient(
-        heading, 0.0, 0.0, 0.0, heading, heading, 0.0, False, 0.0, (NONE,) * PAIRS
+        heading, 0.0, 0.0, 0.0, heading, heading, 0.0, False, 0.0, EMPTY
     )  # fmt: skip
 
 

@@ -22,7 +22,7 @@ from lta_config.settings import setting, Settings
 from lta_control.strategies.lamp_filter import (
     bearing_deviation,
     begin,
-    dimmed,
+    expected,
     Fix,
     Optics,
     predict,
@@ -35,6 +35,7 @@ from lta_control.strategies.wind_triangle import through_air
 if TYPE_CHECKING:
     from lta_control.strategies.settings import StrategySettings
 
+BRIEFLY = 0.5  # s without light that change nothing
 LEAST_PUSH = 0.1  # m/s forward on the way, where the wind carries the drone there by itself
 STAY = 2.0  # of the arrival range: who has arrived may be blown so far off and has still arrived
 
@@ -75,6 +76,13 @@ class HomingSettings(Settings):
     )
     gate: float = setting(
         4.0, 'Standard deviations beyond which a sight does not fit.', unit='1', low=1.0, high=20.0
+    )
+    echo: float = setting(
+        0.25,
+        'Share of the strength that fits, below which a light is an echo.',
+        unit='1',
+        low=0.0,
+        high=1.0,
     )
     trusted: float = setting(
         0.5, 'Deviation beyond which a bearing is not looked at.', unit='rad', low=0.01, high=3.2
@@ -120,6 +128,14 @@ def start(heading: float) -> Homing:
     none = (0.0, 0.0, 0.0, 0.0, 0.0)
     fix = Fix(0.0, 0.0, 0.0, 0.0, 0.0, (none, none, none, none, none))
     return Homing(heading, False, fix, False, (0.0, 0.0), 0.0, 0.0, 0.0, 0.0, False)
+
+
+def onward(memory: Homing) -> Homing:
+    """Return the memory on the way to another lamp: the wind is the same."""
+    return Homing(
+        memory.heading, False, memory.fix, memory.begun, memory.place, memory.flown, 0.0, 0.0, 0.0,
+        False,
+    )  # fmt: skip
 
 
 def watch(settings: 'StrategySettings', memory: Homing, sight: Sight) -> Homing:
@@ -174,11 +190,12 @@ def followed(own: HomingSettings, m: Homing, sight: Sight) -> Homing:
     if sight.seen and sight.deviation <= own.trusted:
         bearing, strength = sight.heading + sight.bearing, max(sight.strength, 1.0)
         fits = known and surprise(fix, optics, bearing, sight.deviation) <= own.gate
-        strong = not known or dimmed(fix, optics, strength) <= own.gate
+        strong = not known or strength >= own.echo * expected(fix)
         doubted = 0.0 if fits or not strong else doubted + dt
         sought = m.searched > 0.0 and lost > own.hold
         if not known or doubted > own.doubt or (sought and not (fits and strong)):
-            fix, known = begin(optics, bearing, sight.deviation, strength), True
+            drift = fix.wind_x, fix.wind_y
+            fix, known = begin(optics, bearing, sight.deviation, strength, drift), True
             lost = doubted = 0.0
         elif fits and strong:
             fix, lost = see(fix, optics, bearing, sight.deviation, strength), 0.0
@@ -196,9 +213,12 @@ def homeward(settings: 'StrategySettings', m: Homing) -> tuple[float, float]:
     own, fix = settings.homing, m.fix
     away = max(math.hypot(fix.x, fix.y), 1e-6)
     over_ground = min(settings.speed, max(own.approach * (away - 0.5 * own.arrival), 0.0))
+    top = max(own.top_speed, settings.speed)
     if m.arrived:
         over_ground = 0.0
-    top = max(own.top_speed, settings.speed)
+    if m.lost > BRIEFLY:  # the farther without light, the slower
+        over_ground *= max(1.0 - m.lost / max(own.hold, BRIEFLY), 0.0)
+        top = settings.speed
     near = own.approach * away < settings.speed
     return through_air(
         (fix.x + 1e-9, fix.y),
@@ -217,4 +237,4 @@ def searching(settings: 'StrategySettings', m: Homing, interval: float) -> tuple
     return m.heading + settings.search_rate * interval * turn / m.searched, settings.speed
 
 
-STRATEGY = Strategy('homing', start, steer, watch, arrives=True)
+STRATEGY = Strategy('homing', start, steer, watch, onward)

@@ -28,6 +28,10 @@ Row = tuple[float, float, float, float, float]
 
 NEAREST = 0.4  # m; nearer, a bearing says nothing about where the drone is
 FARTHEST = 50.0  # m; farther, no lamp is seen
+ASIDE = 0.1  # m by which a lamp seems to stand elsewhere: it and the diodes are no points
+OVER = 0.8  # m by which it may stand higher or lower than the diodes
+SLIP = 0.01  # m, of dead reckoning in a second
+FADING = 0.15  # of the logarithm of the brightness in a second: a lamp seen from another side
 
 
 class Optics(NamedTuple):
@@ -52,7 +56,13 @@ class Fix(NamedTuple):
     rows: tuple[Row, Row, Row, Row, Row]
 
 
-def begin(optics: Optics, bearing: float, deviation: float, strength: float) -> Fix:
+def begin(
+    optics: Optics,
+    bearing: float,
+    deviation: float,
+    strength: float,
+    drift: tuple[float, float],
+) -> Fix:
     """
     Return what a first sight tells.
 
@@ -64,6 +74,8 @@ def begin(optics: Optics, bearing: float, deviation: float, strength: float) -> 
         Of the lamp, odom frame. [rad]
     strength : float
         Above 0. [counts]
+    drift : tuple of float
+        As far as it is known. [m/s, odom]
 
     """
     away = math.exp(0.5 * (optics.brightness - math.log(strength)))
@@ -79,8 +91,8 @@ def begin(optics: Optics, bearing: float, deviation: float, strength: float) -> 
     return Fix(
         away * cos,
         away * sin,
-        0.0,
-        0.0,
+        drift[0],
+        drift[1],
         optics.brightness,
         (
             (xx, xy, 0.0, 0.0, xb),
@@ -98,8 +110,7 @@ def predict(optics: Optics, fix: Fix, moved_x: float, moved_y: float, dt: float)
     a, b = _ahead(_minus(r[0], s, r[2]), s), _ahead(_minus(r[1], s, r[3]), s)
     c, d, e = _ahead(r[2], s), _ahead(r[3], s), _ahead(r[4], s)
     gusts = optics.gusts * optics.gusts * dt
-    slip = 0.01 * gusts + 1e-4 * dt
-    faded = 1e-3 * dt
+    slip, faded = SLIP * SLIP * dt, FADING * FADING * dt
     rows = (
         (a[0] + slip, a[1], a[2], a[3], a[4]),
         (b[0], b[1] + slip, b[2], b[3], b[4]),
@@ -120,23 +131,21 @@ def predict(optics: Optics, fix: Fix, moved_x: float, moved_y: float, dt: float)
 def surprise(fix: Fix, optics: Optics, bearing: float, deviation: float) -> float:
     """Return how many standard deviations a bearing is off what the fix says. [1]"""
     slopes, error = _by_bearing(fix, bearing)
-    noise = deviation * deviation + optics.bearing_noise**2
+    noise = _bearing_noise(fix, optics, deviation)
     return abs(error) / math.sqrt(_dot(slopes, _times(fix.rows, slopes)) + noise)
 
 
-def dimmed(fix: Fix, optics: Optics, strength: float) -> float:
-    """Return by how many standard deviations a strength is below what the fix says. [1]"""
-    slopes, error = _by_strength(fix, strength)
-    noise = optics.strength_noise**2
-    return -error / math.sqrt(_dot(slopes, _times(fix.rows, slopes)) + noise)
+def expected(fix: Fix) -> float:
+    """Return the strength that the fix says. [counts]"""
+    return math.exp(fix.brightness) / _squared(fix)
 
 
 def see(fix: Fix, optics: Optics, bearing: float, deviation: float, strength: float) -> Fix:
     """Return a fix after one more sight; arguments as of `begin`."""
     slopes, error = _by_bearing(fix, bearing)
-    fix = _told(fix, slopes, error, deviation * deviation + optics.bearing_noise**2)
+    fix = _told(fix, slopes, error, _bearing_noise(fix, optics, deviation))
     slopes, error = _by_strength(fix, strength)
-    return _told(fix, slopes, error, optics.strength_noise**2)
+    return _told(fix, slopes, error, _strength_noise(fix, optics))
 
 
 def bearing_deviation(fix: Fix) -> float:
@@ -145,16 +154,31 @@ def bearing_deviation(fix: Fix) -> float:
     return math.sqrt(max(_dot(slopes, _times(fix.rows, slopes)), 0.0))
 
 
+def _squared(fix: Fix) -> float:
+    """Return the square of the range. [m2]"""
+    return max(fix.x * fix.x + fix.y * fix.y, NEAREST * NEAREST)
+
+
+def _bearing_noise(fix: Fix, optics: Optics, deviation: float) -> float:
+    """Return the variance of a bearing. [rad2]"""
+    return deviation * deviation + optics.bearing_noise**2 + ASIDE * ASIDE / _squared(fix)
+
+
+def _strength_noise(fix: Fix, optics: Optics) -> float:
+    """Return the variance of a strength's logarithm: near a lamp its height counts."""
+    return optics.strength_noise**2 + (OVER * OVER / _squared(fix)) ** 2
+
+
 def _by_bearing(fix: Fix, bearing: float) -> tuple[Row, float]:
     """Return the slopes of the bearing and what it is beyond the fix's own. [rad]"""
-    squared = max(fix.x * fix.x + fix.y * fix.y, NEAREST * NEAREST)
+    squared = _squared(fix)
     error = wrap(bearing - math.atan2(fix.y, fix.x))
     return (-fix.y / squared, fix.x / squared, 0.0, 0.0, 0.0), error
 
 
 def _by_strength(fix: Fix, strength: float) -> tuple[Row, float]:
     """Return the slopes of the strength's logarithm and what it is beyond the fix's own."""
-    squared = max(fix.x * fix.x + fix.y * fix.y, NEAREST * NEAREST)
+    squared = _squared(fix)
     error = math.log(strength) - (fix.brightness - math.log(squared))
     return (-2.0 * fix.x / squared, -2.0 * fix.y / squared, 0.0, 0.0, 1.0), error
 

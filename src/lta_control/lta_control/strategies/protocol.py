@@ -102,8 +102,9 @@ class Strategy:
     watch : callable, optional
         `watch(settings, memory, sight) -> memory` while the drone climbs: what it learns before it
         may steer. It keeps the heading.
-    arrives : bool
-        Whether it ever says that it has arrived, as a route needs.
+    onward : callable, optional
+        `onward(memory) -> memory` when the drone has arrived and is to go to another lamp; only
+        who ever says that it has arrived has it, and can fly a route.
 
     """
 
@@ -111,4 +112,9 @@ class Strategy:
     start: Callable[[float], Memory]
     steer: Callable[['StrategySettings', Any, Sight], tuple[Course, Memory]]
     watch: Callable[['StrategySettings', Any, Sight], Memory] | None = None
-    arrives: bool = False
+    onward: Callable[[Any], Memory] | None = None
+
+    @property
+    def arrives(self) -> bool:
+        """Whether it ever says that it has arrived."""
+        return self.onward is not None

@@ -56,11 +56,11 @@ def test_it_is_heard_as_far_as_the_light_it_takes():
 def test_the_light_needed_by_hand():
     # 100 kohm: 5.2 mm2 x 0.45 A/W x 100 kohm x 4096 / 3.3 V, by 300 lm/W: 0.968 counts/lx. The
     # fundamental of the wave is 2/pi of that. White noise of variance s2 has a mean magnitude of
-    # s sqrt(pi / 1000): 300 uV/sqrt(10), shot noise of 100 lx, 1/12 for rounding.
+    # s sqrt(pi / 1000): 300 uV/sqrt(10), shot noise of 100 lx, a step of the converter's own, and
+    # 1/12 for rounding. Ambient light counts as on a plane: the safe side.
     counts = 5.2e-6 * 0.45 * 1e5 / 300.0 * 4096 / 3.3
-    steady = 100.0 * 2.0 / (RESPONSE + 1.0)  # from all sides
-    shot = 2.0 * 1.602e-19 * (math.pi / 2 * 14e3) * 1e5 * (steady * counts) * 4096 / 3.3
-    variance = (300e-6 * 4096 / 3.3) ** 2 / 10.0 + 1.0 / 12.0 + shot
+    shot = 2.0 * 1.602e-19 * (math.pi / 2 * 14e3) * 1e5 * (100.0 * counts) * 4096 / 3.3
+    variance = (300e-6 * 4096 / 3.3) ** 2 / 10.0 + 1.0 + 1.0 / 12.0 + shot
     by_hand = 12.0 * math.sqrt(math.pi * variance / 1000.0) / (2.0 / math.pi * counts)
     who = ear()
     found = least_light(listening(hall(), who, Mount((0, 6, 1.67), (1, 0, 0)), 150.0), who.needed)
@@ -75,8 +75,7 @@ def test_the_snr_is_that_of_blocks_that_are_made_and_demodulated():
     settings = who.demodulation.model_copy(update={'frequency': 530.0})
     bins = plan_bins(settings, 1e4, 1000)
     for lux in (2.0, 20.0, 200.0):
-        round_ = 2.0 / (RESPONSE + 1.0)
-        ambient = (np.full((1, 8), part * round_) for part in (300.0, 40.0))
+        ambient = (np.full((1, 8), part) for part in (300.0, 40.0))
         given = Illuminance(np.full((1, 1, 8), lux), *ambient)
         chance = np.random.default_rng(1)
         snrs, state = [], None
@@ -87,7 +86,8 @@ def test_the_snr_is_that_of_blocks_that_are_made_and_demodulated():
             )
             snrs.append(demodulate(block, bins).snr)
         expected = snr_of(listening(plan, who, lamp, 530.0), lux)
-        assert np.mean(snrs) == pytest.approx(expected, rel=0.05)
+        # What leaks and what is noise add up in the model, and as vectors in a bin.
+        assert expected == pytest.approx(np.mean(snrs), rel=0.07)
 
 
 def test_the_hull_hides_what_is_steeper_than_its_tangent():

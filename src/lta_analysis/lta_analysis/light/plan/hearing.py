@@ -51,6 +51,7 @@ def listening(plan: FloorPlan, ear: Ear, mount: Mount, frequency: float) -> List
     return listening_of(
         field_of(plan, mount, frequency),
         ear.vehicle.diodes,
+        half_axes(ear.vehicle.file.hull),
         ear.demodulation.model_copy(update={'frequency': frequency}),
         ear.light.sample_rate.si,
         ear.light.samples,

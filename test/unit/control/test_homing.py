@@ -1,0 +1,119 @@
+"""Homing on lights made by hand: it follows what fits, waits, searches, arrives."""
+
+import itertools
+import math
+
+from lta_control.strategies.homing import onward, start, steer, STRATEGY, watch
+from lta_control.strategies.protocol import Sight
+from lta_control.strategies.settings import StrategySettings
+import pytest
+
+SETTINGS = StrategySettings()
+OWN = SETTINGS.homing
+LAMP = (7.0, 0.0)
+
+
+def sight(x, y, lamp=LAMP, share=1.0, heading=0.0):
+    """Return what is seen of a lamp from a place, in still air; share is that of its light."""
+    away = math.hypot(lamp[0] - x, lamp[1] - y)
+    bearing = math.atan2(lamp[1] - y, lamp[0] - x) - heading
+    strength = share * OWN.brightness / away**2
+    return Sight(True, bearing, heading, (0.0,), 0.1, 0.02, strength, 0.0, (x, y), (0.4, 0.0))
+
+
+def blind(x, y):
+    return Sight(False, 0.0, 0.0, (0.0,), 0.1, 0.0, 0.0, 0.0, (x, y), (0.4, 0.0))
+
+
+def flown(sights, memory=None):
+    courses, memory = [], start(0.0) if memory is None else memory
+    for seen in sights:
+        course, memory = steer(SETTINGS, memory, seen)
+        courses.append(course)
+    return courses, memory
+
+
+def approach(seconds):
+    """Return sights on the way to the lamp, at 0.4 m/s in still air."""
+    return [sight(0.04 * k, 0.0) for k in range(round(10 * seconds))]
+
+
+def test_it_flies_to_the_lamp():
+    courses, memory = flown(approach(5.0))
+    assert courses[0].heading == pytest.approx(0.0)
+    assert all(0.3 < course.speed < 0.7 for course in courses)
+    assert (memory.fix.x, memory.fix.y) == (pytest.approx(5.04, rel=0.1), pytest.approx(0.0))
+
+
+def test_a_short_loss_of_light_changes_nothing():
+    _, memory = flown(approach(5.0))
+    courses, _ = flown([blind(2.0 + 0.04 * k, 0.0) for k in range(30)], memory)
+    assert all(course.heading == pytest.approx(0.0, abs=0.05) for course in courses)
+    assert all(course.speed > 0.0 for course in courses)
+
+
+def test_after_a_long_one_it_turns_and_then_flies_circles_that_widen():
+    _, memory = flown(approach(3.0))
+    courses, memory = flown([blind(1.2, 0.0)] * round(10 * OWN.hold + 10), memory)
+    turn = round(10 * 2.0 * math.pi / SETTINGS.search_rate)
+    courses, memory = flown([blind(1.2, 0.0)] * (3 * turn), memory)
+    on_the_spot, circles = courses[: turn - 20], courses[turn + 10 :]
+    assert all(course.speed == 0.0 for course in on_the_spot)
+    assert all(course.speed == SETTINGS.speed for course in circles)
+    steps = [b.heading - a.heading for a, b in itertools.pairwise(circles)]
+    assert steps == sorted(steps, reverse=True)
+    assert steps[0] > 2.0 * steps[-1] > 0.0
+
+
+def test_an_echo_is_not_chased():
+    """The lamp is hidden, and a wall to the left throws back a twentieth of its light."""
+    _, memory = flown(approach(4.0))
+    echoes = [sight(1.6, 0.0, lamp=(1.6, 5.0), share=0.05)] * 50
+    courses, _ = flown(echoes, memory)
+    assert all(abs(course.heading) < 0.1 for course in courses)
+
+
+def test_a_bearing_that_is_itself_uncertain_is_not_looked_at():
+    _, memory = flown(approach(4.0))
+    unsure = sight(1.6, 0.0, lamp=(1.6, 5.0))._replace(deviation=1.01 * OWN.trusted)
+    courses, _ = flown([unsure] * 30, memory)
+    assert all(abs(course.heading) < 0.1 for course in courses)
+
+
+def test_a_light_as_strong_that_stays_elsewhere_is_the_lamp():
+    _, memory = flown(approach(4.0))
+    other = sight(1.6, 0.0, lamp=(1.6, 5.0))
+    courses, _ = flown([other] * round(10 * OWN.doubt - 2), memory)
+    assert all(abs(course.heading) < 0.2 for course in courses)
+    courses, _ = flown([other] * round(10 * OWN.doubt + 10), memory)
+    assert courses[-1].heading == pytest.approx(math.pi / 2, abs=0.4)
+
+
+def test_it_arrives_slows_down_and_stays():
+    courses, memory = flown([sight(0.04 * k, 0.0) for k in range(160)])
+    assert courses[-1].arrived
+    assert courses[-1].speed < 0.2
+    first = next(k for k, course in enumerate(courses) if course.arrived)
+    assert 7.0 - 0.04 * first == pytest.approx(OWN.arrival, abs=0.15)
+    assert courses[first - 1].speed < 0.5 * courses[0].speed
+    courses, _ = flown([sight(5.9, 0.0)] * 20, memory)
+    assert courses[-1].arrived  # blown off a little it has still arrived
+
+
+def test_wind_is_learnt_in_the_climb_and_kept_for_the_next_lamp():
+    """The air carries the drone to the right while it believes to stand."""
+    memory = start(0.5)
+    for k in range(60):
+        seen = sight(0.0, -0.03 * k)._replace(position=(0.0, 0.0))
+        memory = watch(SETTINGS, memory, seen)
+    assert memory.heading == 0.5
+    assert memory.fix.wind_y == pytest.approx(-0.3, abs=0.05)
+    after = onward(memory)
+    assert not after.known
+    courses, after = flown([sight(0.0, -1.8)._replace(position=(0.0, 0.0))], after)
+    assert after.fix.wind_y == memory.fix.wind_y
+    assert courses[0].heading > math.atan2(1.8, 7.0) + 0.3  # it leans into the wind at once
+
+
+def test_it_can_fly_a_route():
+    assert STRATEGY.arrives

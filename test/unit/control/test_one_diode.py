@@ -1,0 +1,109 @@
+"""DES and DGA: one diode, by hand."""
+
+import math
+
+from lta_control.strategies import dither, gradient
+from lta_control.strategies.dither import Dither, DitherSettings
+from lta_control.strategies.gradient import GradientSettings, kept, NONE, PAIRS, steepest
+from lta_control.strategies.protocol import Sight
+from lta_control.strategies.settings import StrategySettings
+import numpy as np
+import pytest
+
+
+def light(amplitude, heading=0.0):
+    return Sight(True, 0.0, heading, (amplitude, 0.0), 0.1)
+
+
+def test_des_swings_about_its_estimate():
+    settings = StrategySettings()
+    memory, headings = dither.start(0.2), []
+    for _ in range(420):
+        course, memory = dither.steer(settings, memory, light(100.0))
+        headings.append(course.heading)
+    assert max(headings) - 0.2 == pytest.approx(math.pi / 2, abs=0.01)
+    assert min(headings) - 0.2 == pytest.approx(-math.pi / 2, abs=0.01)
+    assert headings[104] == pytest.approx(0.2 + math.pi / 2 * math.cos(0.3 * 10.5))
+    assert memory.estimate == 0.2  # even light says nothing
+
+
+def turned(own, before, after, heading):
+    """Return by how much the estimate moves when light changes at a heading; it stood at 0."""
+    settings = StrategySettings(des=own)
+    memory = Dither(0.0, 0.0, 0.0, True, math.log(before + own.floor), math.log(100.0))
+    return dither.steer(settings, memory, light(after, heading))[1].estimate
+
+
+def test_des_scans_by_level_and_climbs_by_rate():
+    """Two halves of one gain: light that is there on the left, light that grows on the left."""
+    scan, climb = DitherSettings(scan=0.3, gradient=0.0), DitherSettings(scan=0.0, gradient=1.0)
+    assert turned(scan, 200.0, 200.0, 0.5) > 0.0 > turned(scan, 200.0, 200.0, -0.5)
+    assert turned(climb, 200.0, 200.0, 0.5) == 0.0
+    grown = math.log(205.0 / 105.0) * math.sin(0.5)
+    assert turned(climb, 100.0, 200.0, 0.5) == pytest.approx(grown)
+    assert turned(climb, 100.0, 200.0, -0.5) == pytest.approx(-grown)
+    mean = math.log(100.0) + 0.1 / 15.0 * (math.log(205.0) - math.log(100.0))
+    level = 0.3 * 0.1 * (math.log(205.0) - mean) * math.sin(0.5)
+    assert turned(scan, 200.0, 200.0, 0.5) == pytest.approx(level)
+
+
+def plane(a, b, c, places):
+    pairs = [(float(x), float(y), float(a * x + b * y + c)) for x, y in places]
+    return (NONE,) * (PAIRS - len(pairs)) + tuple(pairs)
+
+
+def test_dga_finds_the_slope_of_a_plane():
+    places = np.random.default_rng(2).normal(3.0, 0.5, (20, 2))
+    own = GradientSettings(ridge=1e-9)
+    found = steepest(own, plane(-3.0, 4.0, 50.0, places), 20.0, 9.0)
+    assert found == pytest.approx(math.atan2(4.0, -3.0), abs=1e-6)
+
+
+def test_the_paper_s_plane_without_a_constant_points_away_from_the_origin():
+    """Light of 50 counts at 3 m, 3 m is all slope to it: 45 degrees, whatever the truth is."""
+    places = np.random.default_rng(2).normal(3.0, 0.3, (20, 2))
+    own = GradientSettings(ridge=1e-9, centred=False)
+    found = steepest(own, plane(-0.3, 0.3, 50.0, places), 20.0, 9.0)
+    assert found == pytest.approx(math.pi / 4, abs=0.2)
+    right = steepest(own, plane(-0.3, 0.3, 0.0, places), 20.0, 9.0)
+    assert right == pytest.approx(math.atan2(0.3, -0.3), abs=1e-6)  # a plane that is 0 there
+
+
+def test_places_on_a_line_give_the_slope_along_it():
+    own = GradientSettings()
+    places = [(0.05 * k, 0.0) for k in range(20)]
+    assert steepest(own, plane(2.0, 5.0, 9.0, places), 20.0, 9.0) == pytest.approx(0.0)
+    assert steepest(own, plane(0.0, 0.0, 9.0, places), 20.0, 9.0) == 9.0
+
+
+def test_a_cell_of_the_map_keeps_one_pair():
+    pairs, more = kept((NONE,) * PAIRS, 0.0, (0.001, 0.001, 10.0), 0.02)
+    assert more == 1.0
+    pairs, more = kept(pairs, 1.0, (0.015, 0.001, 20.0), 0.02)
+    assert (more, pairs[-1]) == (0.0, (0.015, 0.001, 15.0))
+    pairs, more = kept(pairs, 1.0, (0.021, 0.001, 20.0), 0.02)
+    assert (more, pairs[-2:]) == (1.0, ((0.015, 0.001, 15.0), (0.021, 0.001, 20.0)))
+
+
+def test_dga_reckons_with_what_it_commands():
+    """It believes to fly at the speed that it asks for, along the heading of the turn before."""
+    settings = StrategySettings(dga=GradientSettings(arc=0.0))
+    memory = gradient.start(math.pi / 2)
+    for _ in range(11):
+        _, memory = gradient.steer(settings, memory, light(10.0, math.pi / 2))
+    assert (memory.x, memory.y) == (pytest.approx(0.0, abs=1e-12), pytest.approx(0.5))
+
+
+def test_dga_computes_late_and_stops_for_a_sharp_turn():
+    """A light that lies behind is turned to one computing time after it could be known."""
+    own = GradientSettings(arc=0.0, least=10.0, computing=1.0)
+    settings, memory, courses = StrategySettings(dga=own), gradient.start(0.0), []
+    for k in range(60):
+        course, memory = gradient.steer(settings, memory, light(1000.0 - 10.0 * k))
+        courses.append(course)
+    asked = [k for k, course in enumerate(courses) if abs(course.heading) > 3.0]
+    assert 9 + 10 <= asked[0] <= 9 + 12
+    assert courses[asked[0] - 1].speed == settings.speed
+    assert all(course.speed == 0.0 for course in courses[asked[0] :])  # it never comes round
+    course, _ = gradient.steer(settings, memory, light(500.0, math.pi))
+    assert course.speed == settings.speed

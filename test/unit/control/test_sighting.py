@@ -1,0 +1,43 @@
+"""What a strategy sees is what the demodulator said."""
+
+import math
+
+from lta_control.sighting import facing_strength, Lamp, Reckoned, sighted
+import pytest
+
+STILL = Reckoned(0.3, 1.0, 2.0, 0.4, -0.1)
+
+
+def lamp_at(angle, distance, along, deviation):
+    """Return a lamp as light/estimate tells it: long on its ray, narrow across."""
+    c, s = math.cos(angle), math.sin(angle)
+    across = (distance**2 + along**2) * deviation**2
+    xx, yy = along**2 * c * c + across * s * s, along**2 * s * s + across * c * c
+    return Lamp(distance * c, distance * s, 1.0, (xx, (along**2 - across) * c * s, yy))
+
+
+@pytest.mark.parametrize('angle', [-3.0, -1.0, 0.0, 0.7, 2.5])
+def test_bearing_and_deviation_come_back_out_of_the_estimate(angle):
+    seen = sighted(lamp_at(angle, 4.0, 3.0, 0.05), ((1.0, 0.0),), (5.0,), STILL, 0.1)
+    assert seen.seen
+    assert seen.bearing == pytest.approx(angle)
+    assert seen.deviation == pytest.approx(0.05)
+    assert seen.elevation == pytest.approx(math.atan2(1.0, 4.0))
+    assert (seen.heading, seen.position, seen.drift) == (0.3, (1.0, 2.0), (0.4, -0.1))
+
+
+@pytest.mark.parametrize('count', [4, 8, 16])
+def test_strength_is_that_of_a_diode_that_faces_the_lamp(count):
+    """Cosine diodes and a pedestal of 30 counts, at bearings between the diodes."""
+    axes = [(math.cos(k * math.tau / count), math.sin(k * math.tau / count)) for k in range(count)]
+    for bearing in (0.0, 0.2, 1.9):
+        x, y = math.cos(bearing), math.sin(bearing)
+        read = tuple(30.0 + 200.0 * max(a * x + b * y, 0.0) for a, b in axes)
+        assert facing_strength(tuple(axes), read) == pytest.approx(200.0)
+
+
+def test_without_a_lamp_nothing_is_seen():
+    seen = sighted(None, (), (), STILL, 0.1)
+    assert not seen.seen
+    assert (seen.bearing, seen.strength, seen.deviation) == (0.0, 0.0, 0.0)
+    assert seen.amplitudes == (0.0,)  # of a block that could not be read: a diode in the dark
