@@ -96,17 +96,11 @@ def figures() -> list[Figure]:
     both = Demodulation(frequency=BEACONS[0], others=BEACONS[1:], window=WINDOW)
     ears = Listener(both, SAMPLE_RATE, SAMPLES)
     taken = blocks(16, BEACONS)
+    whole_bins = pace(taken, partial(plain, quiet_mask()))
     peer = f'numpy {version("numpy")}, scipy {version("scipy")}'
     return [
         Figure('vlc.realtime', 's/s', pace(blocks(8, BEACONS[:1]), seen(8)), rounds=20),
         Figure('vlc.realtime_16', 's/s', pace(blocks(16, BEACONS[:1]), seen(16)), rounds=20),
         Figure('vlc.demodulation', 's/s', pace(taken, ears.hear), rounds=20),
-        Figure(
-            'vlc.plain',
-            's/s',
-            pace(taken, partial(plain, quiet_mask())),
-            20,
-            of='vlc.demodulation',
-            peer=peer,
-        ),
+        Figure('vlc.plain', 's/s', whole_bins, rounds=20, of='vlc.demodulation', peer=peer),
     ]

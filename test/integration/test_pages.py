@@ -96,6 +96,27 @@ def wind(folder, call):
     (folder / 'out' / 'report.html').rename(folder / 'report.html')
 
 
+def bearing(folder, call):
+    call(
+        'light',
+        'bearing',
+        '--diodes',
+        '8',
+        '--range',
+        '3',
+        '--poses',
+        '3',
+        '--out',
+        folder / 'out',
+    )
+    (folder / 'out' / 'report.html').rename(folder / 'report.html')
+
+
+def study(folder, call):
+    call('light', 'study', '--readings', '1', '--out', folder / 'out')
+    (folder / 'out' / 'report.html').rename(folder / 'report.html')
+
+
 def platforms(folder, call):
     (folder / 'few.yaml').write_text(yaml.safe_dump(PLATFORMS))
     call('platforms', folder / 'few.yaml', '--workers', '1', '--out', folder / 'out')
@@ -150,8 +171,11 @@ def replay(folder, call):
 
 PAGES = {
     made.__name__: made
-    for made in (flight, plot, vehicle, sweep, wind, light_plan, platforms, evaluate, tune, replay)
-}
+    for made in (
+        flight, plot, vehicle, sweep, wind, light_plan, bearing, study, platforms, evaluate, tune,
+        replay,
+    )
+}  # fmt: skip
 
 
 def typed(*words):

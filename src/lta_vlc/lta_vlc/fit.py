@@ -2,8 +2,8 @@
 The fit of a direction to what the diodes read: weighted least squares with priors.
 
 Gauss-Newton on the tangent plane of the direction, over all unknowns of `lta_vlc.readings`. The
-covariance is the inverse of the normal matrix: it holds what the light may do by the priors, not
-noise alone.
+covariance is the inverse of the normal matrix, it holds what the light may do by the priors, not
+noise alone; and it grows where the readings follow no such model.
 
 Plain numbers and sequences: compiled for loops and fleets as it stands, plain in the node, equal
 to the last bit.
@@ -19,6 +19,7 @@ from lta_vlc.readings import (
     Expected,
     FAINT,
     FALL,
+    MISFIT,
     NEARNESS,
     NORMAL,
     normal_equations,
@@ -106,7 +107,7 @@ def fit(
         renewed(scratch, top)
         if length < DONE:
             break
-    return concluded(scratch, x, y, z)
+    return concluded(scratch, x, y, z, strangeness(scratch, errors))
 
 
 def blind() -> Fit:
@@ -114,7 +115,21 @@ def blind() -> Fit:
     return Fit(False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-def concluded(scratch: Scratch, x: float, y: float, z: float) -> Fit:
+def strangeness(scratch: Scratch, errors: Numbers) -> float:
+    """
+    Return by how much the readings are further off than they may be, as a variance; at least 1.
+
+    Of readings that follow the model the misfit, priors included, is as large as they are many. A
+    lamp that is half behind the hull is in no model: then the covariance grows with the misfit.
+    """
+    count = 0
+    for i in range(len(errors)):
+        if errors[i] < math.inf:
+            count += 1
+    return max(1.0, scratch[MISFIT] / count)
+
+
+def concluded(scratch: Scratch, x: float, y: float, z: float, strange: float) -> Fit:
     """Return a direction with its covariance, which the last corner of the factor holds."""
     level = math.sqrt(x * x + y * y)
     last = NORMAL + UNKNOWNS * AZIMUTH
@@ -129,8 +144,9 @@ def concluded(scratch: Scratch, x: float, y: float, z: float) -> Fit:
     turned = -(scratch[last + STRENGTH] * strong + scratch[last + ELEVATION] * lifted) * side
     return Fit(
         True, x, y, z,
-        (side / level) ** 2, both * side / level, upward * upward + both * both,
-        scratch[VALUES + STRENGTH], strong * strong + lifted * lifted + turned * turned,
+        strange * (side / level) ** 2, strange * both * side / level,
+        strange * (upward * upward + both * both), scratch[VALUES + STRENGTH],
+        strange * (strong * strong + lifted * lifted + turned * turned),
         scratch[VALUES + PEDESTAL],
     )  # fmt: skip
 

@@ -17,9 +17,9 @@ the paper's bearing, each an unknown of its own with a prior:
 - the fall t of the lamp's own beam across the diodes, along the horizontal a to the left of u.
 
 The size of the harmonics goes with B = P S / (S + `MIXED` P): the more of the light has been
-thrown about, the more even it is. Their priors are the spread of the first reflections in rooms
-drawn at random, 6 to 14 m long, 5 to 12 m wide, 2.5 to 6 m high, with an albedo of 0.2 to 0.8
-(docs/bearing.md).
+thrown about, the more even it is. Their priors are assumed: about the spread of the first
+reflections in rooms 6 to 14 m long, 5 to 12 m wide, 2.5 to 6 m high, with an albedo of 0.2 to 0.8.
+What they are worth, `lta light bearing` measures (docs/bearing.md).
 
 The variance of a reading is that of its noise, the spread of the gains, and what is left of the
 pedestal's pattern. The slope of f is taken over a few degrees around the edge of a diode's view,
@@ -49,10 +49,11 @@ ROW = 0
 PULLS = ROW + UNKNOWNS
 NORMAL = PULLS + UNKNOWNS
 VALUES = NORMAL + UNKNOWNS * UNKNOWNS
-FIT_SCRATCH = VALUES + ELEVATION
+MISFIT = VALUES + ELEVATION
+FIT_SCRATCH = MISFIT + 1
 
 MIXED = 2.5
-SLOPES, BENDS, REST = 0.37, 0.12, 0.02  # standard deviations, parts of B
+SLOPES, BENDS, REST = 0.37, 0.13, 0.02  # standard deviations, parts of B
 LEANING = 0.2  # mean of the slope towards the lamp, part of B: the ground below it is brightest
 BARE = 0.005  # least pedestal that is taken for certain to be possible, part of S
 BEAM = 1.0  # standard deviation of t: the tangent of the angle at which the beam leaves the lamp
@@ -117,9 +118,10 @@ def normal_equations(
     z: float,
     faint: float,
 ) -> None:
-    """Write normal matrix (lower half) and right side at a direction and the present values."""
+    """Write normal matrix (lower half), right side and misfit at a direction and the values."""
     for j in range(PULLS, VALUES):
         scratch[j] = 0.0
+    scratch[MISFIT] = 0.0
     strength, pedestal = scratch[VALUES + STRENGTH], scratch[VALUES + PEDESTAL]
     uneven = unevenness(strength, pedestal)
     for i in range(len(readings)):
@@ -135,6 +137,7 @@ def normal_equations(
         variance = errors[i] * errors[i] + unequal * unequal + rough * rough + faint * faint
         weight = gain * gain / variance
         missing = readings[i] / gain - model
+        scratch[MISFIT] += weight * missing * missing
         for j in range(UNKNOWNS):
             part = weight * scratch[ROW + j]
             scratch[PULLS + j] += part * missing
@@ -161,6 +164,7 @@ def prior_on(scratch: Scratch, unknown: int, off: float, deviation: float) -> No
     weight = 1.0 / (deviation * deviation)
     scratch[NORMAL + (UNKNOWNS + 1) * unknown] += weight
     scratch[PULLS + unknown] -= weight * off
+    scratch[MISFIT] += weight * off * off
 
 
 def slopes_of(array: Array, i: int, x: float, y: float, z: float, scratch: Scratch) -> float:

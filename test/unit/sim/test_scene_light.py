@@ -73,7 +73,7 @@ def test_the_wind_steps_at_the_door_over_the_width_of_the_hull():
     [
         ({'room/walls': 'solid'}, 'has a door in solid walls'),
         ({'lamp/position': {'value': [26, 0, 1], 'unit': 'm'}}, 'outside the room'),
-        ({'outside/door/width': '0 m'}, 'must be above 0 m'),
+        ({'outside/door/width': '0 m'}, 'must be above 0 and'),
     ],
 )
 def test_a_mistake_at_the_door_is_one_sentence(changes, sentence):

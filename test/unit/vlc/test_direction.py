@@ -295,3 +295,14 @@ def test_diodes_that_cannot_be_are_refused(wrong, sentence):
 def test_another_number_of_diodes_is_refused():
     with pytest.raises(BadInput, match='4 diodes, but the vehicle file 8'):
         ring_of(8).check(4)
+
+
+def test_readings_that_follow_no_model_widen_the_interval():
+    """A lamp half behind the hull: a diode that should be lit reads as if it looked away."""
+    diodes = ring_of(8, SMALL, 1.2, 0.02)
+    amplitude = readings(diodes, ray(0.3), distance=4.0)
+    whole = DirectionFinder(diodes).find(heard(amplitude, 0.5), 6.0, LampPrior())
+    amplitude[0] = amplitude[4]
+    shaded = DirectionFinder(diodes).find(heard(amplitude, 0.5), 6.0, LampPrior())
+    assert whole.azimuth == pytest.approx(0.3, abs=0.02)
+    assert shaded.azimuth_variance > 4.0 * whole.azimuth_variance

@@ -15,15 +15,11 @@ import itertools
 import math
 
 from lta_sim.effects.protocol import Quaternion, Vector
-from lta_sim.light.lambertian import Beam, Eye, seen, shine
+from lta_sim.light.lambertian import Array, Beam, beam_of, Eye, seen, shine
 from lta_sim.light.shade import visible
 from lta_sim.light.surround import clear, daylit, Hit, hit, sunlit, Surround, within
 from lta_sim.rigid_body import rotation, to_body, to_map
-import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Row = Array | tuple[float, ...]
 Rows = Array | tuple[tuple[float, ...], ...]
 
 # Edges of the rings over the horizon, and below it [deg]; pencils in each; rays of one each way.
@@ -65,13 +61,6 @@ def around(count: int) -> tuple[tuple[float, float], ...]:
 
 
 RINGS, PENCILS, RAYS = rings(), around(ROUND), around(ROUND * PARTS)
-
-
-def beam_of(row: Row) -> Beam:
-    """Return a lamp from its numbers in a row."""
-    return Beam(
-        row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10]
-    )  # fmt: skip
 
 
 def thrown_back(s: Surround, met: Hit, lamp: Beam) -> float:

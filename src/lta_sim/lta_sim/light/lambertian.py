@@ -12,6 +12,11 @@ from lta_sim.effects.protocol import Quaternion, Vector
 from lta_sim.light.lamp import Lamp
 from lta_sim.light.room import Room
 from lta_sim.rigid_body import rotation, to_map
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Row = Array | tuple[float, ...]
 
 
 class Beam(NamedTuple):
@@ -136,6 +141,19 @@ def lit(lamp: Beam, point: Vector, normal: Vector) -> float:
     """
     light, towards = shine(lamp, point)
     return light * seen(Eye(1.0, 0.0), normal, towards) + lamp.diffuse
+
+
+def read(lamp: Beam, eye: Eye, point: Vector, axis: Vector) -> float:
+    """Return what a diode reads of the direct light of a lamp while it is on. [lx]"""
+    light, towards = shine(lamp, point)
+    return light * seen(eye, axis, towards)
+
+
+def beam_of(row: Row) -> Beam:
+    """Return a lamp from its numbers in a row."""
+    return Beam(
+        row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10]
+    )  # fmt: skip
 
 
 def place(position: Vector, q: Quaternion, point: Vector, axis: Vector) -> tuple[Vector, Vector]:

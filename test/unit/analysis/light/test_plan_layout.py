@@ -213,8 +213,6 @@ def test_a_file_that_cannot_be_is_refused(changes, words):
         ({}, {'cell': 0.01}, 'choose larger ones with --cell'),
         ({'forbidden': {'all': rectangle(-1, -1, 13, 13)}}, {}, 'has no place for a lamp'),
         ({'lamp': {'facing': 'down', 'height': '4.5 m', 'flux': '1 lm'}}, {}, 'hears no lamp of'),
-        ({'ambient': content()['ambient'] | {'steady': '50000 lx'}}, {},
-         '50000 lx fills the converter'),
         ({'lamp': {'spacing': '0.25 m', 'facing': 'down', 'height': '4 m'},
           'outline': rectangle(0, 0, 120, 12)}, {}, r'raise lamp\.spacing'),
     ],

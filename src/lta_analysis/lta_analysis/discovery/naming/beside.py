@@ -20,14 +20,28 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+# Effects whose force follows the motion, as much of what is outside the library does.
+MOTION: Final = (*PARTS, 'munk_moment', 'cross_flow')
+# And those whose force follows place or time.
+SCENERY: Final = ('steady_wind', 'wind_gradient', 'helium_leak')
 LOUD: Final = 4.0  # floors; of what remains, to put in question what was named
 SOUND: Final = 40.0  # nats; of a name beside something larger on its axes
 MOST: Final = 0.4  # of a deviation; what may remain where a candidate was most of it
 LESSER: Final = 0.5  # of the largest that remains; what a coefficient of motion has to explain
-TOUCHED: Final = 0.15  # of a deviation; a candidate that takes more has to do with it
+TOUCHED: Final = 0.15  # of a deviation; a candidate that changes more has to do with it
 FREE: Final = 1e3  # floors; a latent force that can be anything
 ALIKE: Final = 0.5  # of a column; what a latent force has to explain of it
 NEARLY: Final = 0.85  # of what the axis explains that explains most
+
+
+def follows(name: str) -> bool:
+    """Tell whether a knob is a word for whatever follows the motion."""
+    return name.partition('.')[0] in MOTION
+
+
+def vague(name: str) -> bool:
+    """Tell whether a knob is a word for whatever follows motion, place or time."""
+    return follows(name) or name.partition('.')[0] in SCENERY
 
 
 def acts_on(linear: Linear, name: str, floor: Array) -> NDArray[np.bool_]:
@@ -71,9 +85,8 @@ def lesser(name: str, acts: NDArray[np.bool_], before: Array, final: Array) -> b
     follows the motion: a little of it on an axis is no proof of either. Parameters are as for
     `partial`, and the candidate's name.
     """
-    motion = name.partition('.')[0] in PARTS
     explained = np.sqrt(np.maximum(before**2 - final**2, 0.0))
-    return motion and bool(acts.any() and explained[acts].max() < LESSER * final.max())
+    return follows(name) and bool(acts.any() and explained[acts].max() < LESSER * final.max())
 
 
 def minor(name: str, acts: NDArray[np.bool_], before: Array, final: Array) -> bool:
@@ -82,7 +95,7 @@ def minor(name: str, acts: NDArray[np.bool_], before: Array, final: Array) -> bo
 
     Parameters are as for `lesser`.
     """
-    if name.partition('.')[0] not in PARTS or not acts.any():
+    if not follows(name) or not acts.any():
         return False
     explained = np.sqrt(np.maximum(before**2 - final**2, 0.0))
     k = int(np.argmax(np.where(acts, explained, -1.0)))
@@ -97,7 +110,7 @@ def calm(acts: NDArray[np.bool_], floors: Array) -> bool:
 def untouched(before: Array, after: Array) -> bool:
     """Tell whether a candidate leaves all that remains as it was."""
     remains = after > CLEAR
-    return bool(np.all(after[remains] > (1.0 - TOUCHED) * before[remains]))
+    return bool(np.all(np.abs(after - before)[remains] < TOUCHED * before[remains]))
 
 
 def sound(name: str, gains: Sequence[float]) -> bool:
@@ -116,5 +129,4 @@ def sound(name: str, gains: Sequence[float]) -> bool:
         Log evidence that it has won on each side. [nats]
 
     """
-    motion = name.partition('.')[0] in PARTS
-    return not motion and min(gains) > LARGER and sum(gains) > SOUND
+    return not follows(name) and min(gains) > LARGER and sum(gains) > SOUND

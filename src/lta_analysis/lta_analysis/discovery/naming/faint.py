@@ -19,10 +19,10 @@ from lta_analysis.discovery.naming.naming import Step
 from lta_analysis.discovery.naming.scan import likeness, scan, Seen
 import numpy as np
 
-GAIN: Final = 5.0  # nats; of all flights together
+GAIN: Final = 4.5  # nats; of all flights together
 # The same of what hides in a tolerance: all flights of a vehicle that is merely off by much lean
 # the same way, so that their agreement is no witness.
-WITHIN: Final = 6.5
+WITHIN: Final = 6.0
 LEANS: Final = 1.0  # deviations; by which each side has to pull, the same way as the other
 APART: Final = 3.0  # deviations; by which the two values may differ
 CALM: Final = 2.0  # floors; a latent wrench below it hides nothing that pushes

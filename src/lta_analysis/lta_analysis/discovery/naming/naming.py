@@ -15,9 +15,9 @@ from lta_analysis.discovery.fit.deviations import weighed
 from lta_analysis.discovery.fit.evidence import floor_of, learned, own_variance, Prior, shared
 from lta_analysis.discovery.fit.fit import Fitter, Joint
 from lta_analysis.discovery.fit.starts import begun, TRIED
-from lta_analysis.discovery.model.knobs import PARTS
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.naming.accept import APART, TIE, Trial
+from lta_analysis.discovery.naming.beside import vague
 from lta_analysis.discovery.naming.displacing import AGREED, Displacing, HALF, QUARTER
 from lta_analysis.discovery.naming.scan import likeness, scan
 from lta_analysis.discovery.replay.linear import origin
@@ -36,6 +36,7 @@ HOPELESS: Final = 0.35  # of what the best has won: who promises less is not ref
 ALIKE: Final = 0.98  # of the cosine of two columns; beyond it one refit stands for both
 UNLIKE: Final = 0.5  # of the same; below it the failure of the one says nothing of the other
 CHANCES: Final = 1  # further glances, beside what has failed
+EVEN: Final = 0.2  # of what it wins on one side, that a candidate of these wins on the other
 CAPPED: Final = 2.5  # floors; of the deviations that a fit begins with
 
 
@@ -158,8 +159,8 @@ class Naming:
         """
         Return the few candidates worth a refit: what they promise, and what looks like them.
 
-        What looks like one that has failed already is left out, and then coefficients of motion,
-        the words for whatever follows it, as well.
+        What looks like one that has failed already is left out, and then the words for whatever
+        follows motion, place or time as well.
         """
         prior = shared(self.knobs, named)
         out = {*named, *self._like(failed, prior, fits)}
@@ -201,16 +202,16 @@ class Naming:
         return weighed(this.group, prior, this.deviations, self.floor)[1] - this.evidence
 
     def _like(self, failed: Sequence[str], prior: Prior, fits: Pair) -> set[str]:
-        """Return those that have failed, what some flight takes for one, and words for motion."""
+        """Return those that have failed, what some flight takes for one, and vague words."""
         if not failed:
             return set()
         others = [knob.name for knob in self.knobs if knob.typical > 0.0]
         names = [*failed, *(name for name in others if name not in failed)]
-        motion = {name for name in others if name.partition('.')[0] in PARTS}
+        words = {name for name in others if vague(name)}
         alike = [np.abs(likeness(this.reduced, prior, names, self.knobs)) for this in fits]
         nearest = np.max(alike, axis=0)[:, : len(failed)].max(axis=1)
         near = zip(names, nearest, strict=True)
-        return {*failed, *motion, *(name for name, cosine in near if cosine > UNLIKE)}
+        return {*failed, *words, *(name for name, cosine in near if cosine > UNLIKE)}
 
     def _round(self, named: tuple[str, ...], fits: Pair) -> tuple[Step, Pair]:
         """
@@ -264,7 +265,8 @@ class Naming:
 
     def _elsewhere(self, trial: Trial, fits: Pair, then: Pair) -> bool:
         """Tell whether a candidate is sound, and no part of what remains."""
-        sound = trial.both and trial.apart < AGREED
+        least, most = sorted((trial.gain, trial.replicated))
+        sound = trial.both and least > EVEN * most and trial.apart < AGREED
         return sound and self._displacing.elsewhere(trial.name, fits, then)
 
     def _lesser(

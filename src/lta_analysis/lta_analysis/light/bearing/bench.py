@@ -9,6 +9,7 @@ from lta_analysis.light.bearing.poses import Pose
 from lta_config.topics import topic_table
 from lta_control.cascade import wrap
 from lta_sim.compiled import compiled
+from lta_sim.light.setting import set_for
 from lta_sim.light.view import LightView
 from lta_sim.sensors.photodiode import PhotodiodeArray
 from lta_vlc.array import bearing
@@ -70,12 +71,13 @@ class Bench:
         believed = diodes_of(self._vehicle.file.sensors.diodes)
         self._ring = believed.ring
         self._finder = DirectionFinder(believed, compiled(fit)[0], np.array)
+        self._diodes = set_for(self.scenario.light_field, self._vehicle)
         self._middle = self._vehicle.diodes.planes[:, :3].mean(axis=0)
         self._lamp = np.array(self.scenario.lamp.position.vector)
 
     def drawn(self, chance: Generator) -> PhotodiodeArray:
         """Return the diodes of one such vehicle, their gains by chance."""
-        return self._vehicle.diodes.drawn(chance)
+        return self._diodes.drawn(chance)
 
     def read(self, pose: Pose, diodes: PhotodiodeArray, chance: Generator) -> Reading:
         """

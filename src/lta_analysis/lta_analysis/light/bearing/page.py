@@ -37,6 +37,7 @@ METHOD: Final = (
     'lamp. "Holds" is the part of the true bearings within the fit\'s own 95 % interval. A level '
     'ring does not tell the elevation: what is said of it is what was expected.'
 )
+TICKS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)  # degrees
 HEAD: Final = (
     'place', 'diodes', 'range [m]', 'SNR',
     'paper [°]', 'paper 95 % [°]', 'fit [°]', 'fit 95 % [°]', 'stated [°]', 'holds [%]',
@@ -174,7 +175,10 @@ def errors(found: Sequence[Judged]) -> Figure:
             )
         )  # fmt: skip
     figure.update_xaxes(tickvals=list(range(len(found))), ticktext=names, tickfont={'size': 10})
-    figure.update_yaxes(title_text='error of the bearing [°]', type='log', dtick='D2')
+    figure.update_yaxes(
+        title_text='error of the bearing [°]', type='log', tickvals=TICKS,
+        ticktext=[f'{each:g}' for each in TICKS],
+    )  # fmt: skip
     return figure.update_layout(margin={'b': 70})
 
 

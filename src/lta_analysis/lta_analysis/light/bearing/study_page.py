@@ -38,8 +38,8 @@ DEFECT: Final = (
     'exact for 4, 8 and 16 diodes at every angle, and equal diodes of any response make eight '
     'exact at all 16 test angles, so that the errors it prints need a response that is no cosine, '
     'unequal gains and reflections; these are simulated here. Steady sunlight adds nothing at the '
-    "lamp's frequency but noise: where outdoors is better than indoors, it is because nothing "
-    'reflects.'
+    "lamp's frequency but noise: where outdoors is better than indoors, it is because only the "
+    'ground reflects.'
 )
 METHOD: Final = (
     f'The lamp is {DISTANCE:g} m away, 45 degrees off its axis; the hull stands level, half a '

@@ -98,10 +98,11 @@ class Findings:
     @property
     def title(self) -> str:
         """What came out, in a sentence."""
-        name = INDOORS if INDOORS in self.cells else next(iter(self.cells))
-        cells = [cell for cell in self.cells[name] if cell.rows and cell.strategy != pilot.NAME]
-        if not cells:
+        flown = [name for name, own in self.cells.items() if any(cell.rows for cell in own)]
+        if not flown:
             return 'No flight could be flown.'
+        name = INDOORS if INDOORS in flown else flown[0]
+        cells = [cell for cell in self.cells[name] if cell.rows and cell.strategy != pilot.NAME]
         told = ', '.join(
             f'{words.strategy(cell.strategy)} {100 * cell.reached.value:.0f} %'
             for cell in cells

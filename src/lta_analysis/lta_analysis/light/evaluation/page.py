@@ -55,7 +55,7 @@ def page(found: Findings) -> str:
 
 def tiles(found: Findings) -> list[Tile]:
     """Return how each strategy does indoors, or in the first set there is."""
-    name = next(iter(found.cells))
+    name = next((each for each, own in found.cells.items() if own), next(iter(found.cells)))
     return [
         Tile(
             words.strategy(cell.strategy), f'{100 * cell.reached.value:.0f}', '%',

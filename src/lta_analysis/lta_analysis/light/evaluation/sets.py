@@ -124,6 +124,10 @@ SETS: Final[dict[str, FlightSet]] = {
         'light_ambient', 'From dark to full sun', 'From 7 m, on an open field in still air.',
         Axis('ambient light', 'lx', ambient, decades=True), piloted=False,
     ),
+    'door': FlightSet(
+        'light_door', 'Out of a building',
+        'At the door wind and sunlight step; the lamp stands 3 m outside.',
+    ),
     ABLATIONS: FlightSet(
         'light_ablations', 'What makes the order',
         'Indoors, one factor changed at a time, the seeds the same.', piloted=False,

@@ -23,6 +23,8 @@ def share_of_top(made_of: Ingredients) -> float:
     vehicle, scenario, policy = parts_of(made_of)
     air = scenario.air
     mean = math.hypot(*air.wind.vector)
+    if scenario.outside is not None:
+        mean = max(mean, math.hypot(*scenario.outside.wind.vector))
     if (profile := air.profile) is not None:
         mean += profile.wind.si * wind_limits.share_at_hull(
             vehicle, policy.mission.altitude, profile.height.si, profile.roughness.si

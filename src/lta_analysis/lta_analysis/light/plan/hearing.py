@@ -11,16 +11,19 @@ from lta_analysis.light.plan.crosstalk import crosstalk
 from lta_analysis.light.plan.ear import Ear
 from lta_analysis.light.plan.floor import Floor
 from lta_analysis.light.plan.floor_plan import FloorPlan
+from lta_analysis.light.plan.frequencies import LOWEST
 from lta_analysis.light.plan.mounts import Mount, Vector
 from lta_analysis.light.plan.polygon import Array, Mask
 from lta_analysis.light.plan.rays import over_cells
-from lta_analysis.light.plan.together import heard_together, is_full, Numbers, ratio
+from lta_analysis.light.plan.together import heard_together, is_full, Numbers
 from lta_sim.compiled import compiled
 from lta_sim.hull import half_axes
 from lta_sim.light.field import LightField
-from lta_sim.light.heard import Listening, listening_of
+from lta_sim.light.gather import LAMPS, SHARE
+from lta_sim.light.heard import expected, Listening, listening_of, on_ring
 from lta_sim.light.lambertian import beam, Eye
 from lta_sim.light.lamp import Lamp
+from lta_sim.light.setting import set_for
 from lta_vlc.modulation import SquareWave
 import numpy as np
 
@@ -48,9 +51,11 @@ def field_of(plan: FloorPlan, mount: Mount, frequency: float) -> LightField:
 
 def listening(plan: FloorPlan, ear: Ear, mount: Mount, frequency: float) -> Listening:
     """Return what decides how a lamp is heard at a frequency."""
+    field = field_of(plan, mount, frequency)
     return listening_of(
-        field_of(plan, mount, frequency),
-        ear.vehicle.diodes,
+        field,
+        set_for(field, ear.vehicle),
+        half_axes(ear.vehicle.file.hull),
         ear.demodulation.model_copy(update={'frequency': frequency}),
         ear.light.sample_rate.si,
         ear.light.samples,
@@ -65,22 +70,38 @@ def numbers_of(heard: Listening) -> Numbers:
     )  # fmt: skip
 
 
-def snr_of(heard: Listening, light: float) -> float:
-    """Return the SNR that light of a lamp comes to on a diode, were the lamp alone. [lx]"""
-    own, numbers = heard.counts * light, numbers_of(heard)
-    if is_full(own, 1.0, numbers):
+def snr_of(heard: Listening, share: float, light: float) -> float:
+    """
+    Return the SNR that a lamp comes to on a diode, were it alone.
+
+    Parameters
+    ----------
+    heard : Listening
+        The lamp.
+    share : float
+        What the diode reads of light that comes alike from all sides.
+    light : float
+        What it reads of the lamp. [lx]
+
+    """
+    own, steady = heard.counts * light, share * heard.steady
+    if is_full(own, share, numbers_of(heard)):
         return 0.0
-    return ratio(own, own, 0.0, (heard.gain, heard.leak, heard.hum), 1.0, numbers)
+    swing, quiet, _ = expected(heard, own, steady)
+    return swing / (quiet + heard.hum * share)
 
 
-def least_light(heard: Listening, needed: float) -> float:
+def least_light(heard: Listening, share: float, needed: float) -> float:
     """Return the light from which the SNR is as needed; infinite if it never is. [lx]"""
-    low, high = 0.0, max(heard.top - heard.dark - heard.steady, 0.0) / heard.counts * NEARLY
-    if snr_of(heard, high) < needed:
+    low, high = (
+        0.0,
+        max(heard.top - heard.dark - share * heard.steady, 0.0) / heard.counts * NEARLY,
+    )
+    if snr_of(heard, share, high) < needed:
         return math.inf
     for _ in range(60):
         middle = 0.5 * (low + high)
-        low, high = (low, middle) if snr_of(heard, middle) >= needed else (middle, high)
+        low, high = (low, middle) if snr_of(heard, share, middle) >= needed else (middle, high)
     return high
 
 
@@ -115,7 +136,7 @@ def light_over(
     headings, eye = headings_of(planes, hull), _eye(ear)
     light = np.zeros((len(mounts), 2, len(cells)))
     for k, mount in enumerate(mounts):
-        lamp = beam(field_of(plan, mount, 1.0).lamp, None)
+        lamp = beam(field_of(plan, mount, 1.0).lamp)
         kernel(lamp, eye, cells, floor.walls, planes, hull, headings, faintest, light[k])
         tick()
     return light
@@ -156,12 +177,21 @@ def _eye(ear: Ear) -> Eye:
     return Eye(ear.vehicle.diodes.response, ear.vehicle.diodes.edge)
 
 
+def shares(plan: FloorPlan, ear: Ear) -> Array:
+    """Return which part each diode reads of light that comes alike from all sides."""
+    nowhere = Mount((0.0, 0.0, plan.lamp.height.si), (1.0, 0.0, 0.0))
+    heard = listening(plan, ear, nowhere, LOWEST)
+    out = np.empty((LAMPS + 1, len(heard.planes)))
+    on_ring(heard, (0.0, 0.0, plan.altitude.si), (0.0, 0.0, 0.0, 1.0), out)
+    return np.asarray(out[SHARE])
+
+
 def _seen_from(plan: FloorPlan, ear: Ear, floor: Floor) -> tuple[Array, Array, Vector]:
     """Return the hull centres over the wanted cells, the diodes and half the size of the hull."""
     centres = floor.centres
     cells = np.hstack([centres, np.full((len(centres), 1), plan.altitude.si)])
     diodes = ear.vehicle.diodes
-    planes = np.column_stack([diodes.planes, diodes.factors])
+    planes = np.column_stack([diodes.planes, diodes.factors, shares(plan, ear)])
     return cells, planes, half_axes(ear.vehicle.file.hull)
 
 

@@ -9,7 +9,7 @@ from lta_analysis.light.plan.ear import Ear
 from lta_analysis.light.plan.floor import Floor
 from lta_analysis.light.plan.floor_plan import FloorPlan
 from lta_analysis.light.plan.frequencies import Band, band_of, frequencies
-from lta_analysis.light.plan.hearing import least_light, light_over, listening, together
+from lta_analysis.light.plan.hearing import least_light, light_over, listening, shares, together
 from lta_analysis.light.plan.layout import Layout, Placed
 from lta_analysis.light.plan.mounts import Mount
 from lta_config.errors import BadInput
@@ -63,7 +63,8 @@ def lay_out(
         plan.ambient.mains_frequency.si, plan.lamp.duty.si,
     )  # fmt: skip
     first = frequencies(band, [], 1)[0][0]
-    least = least_light(listening(plan, ear, mounts[0], first), ear.needed)
+    heard, share = listening(plan, ear, mounts[0], first), float(shares(plan, ear).mean())
+    least = least_light(heard, share, ear.needed)
     light = light_over(plan, ear, floor, mounts, least, tick)
     alone = light[:, 0] >= least
     if not alone.any():

@@ -9,33 +9,56 @@ floor; the line of sight of all diodes is that of the middle of their ring.
 import math
 
 from lta_sim.effects.protocol import Vector
-from lta_sim.light.lambertian import Array, Beam, Eye, read, shine
+from lta_sim.light.lambertian import Beam, Eye, seen, shine
+from lta_sim.light.shade import visible
+import numpy as np
+from numpy.typing import NDArray
 
+Array = NDArray[np.float64]
 NEARLY = 1.0 - 1e-6  # of the way to a lamp: it may hang on a wall
 
 
-def hidden(point: Vector, ray: Vector, half_axes: Vector) -> bool:
+def on_diode(
+    lamp: Beam,
+    eye: Eye,
+    cosine: float,
+    sine: float,
+    centre: Vector,
+    spot: Vector,
+    axis: Vector,
+    half_axes: Vector,
+) -> float:
     """
-    Return whether the hull stands between a point outside it and what lies along a ray.
+    Return the light that a diode of a level drone reads of a lamp past its own hull. [lx]
 
     Parameters
     ----------
-    point : tuple of float
-        Where one looks from, body frame. [m]
-    ray : tuple of float
-        Along which one looks, of any length but zero. [body]
+    lamp : Beam
+        The lamp, without any room.
+    eye : Eye
+        Of the diode.
+    cosine, sine : float
+        Of the heading.
+    centre : tuple of float
+        Hull centre. [m]
+    spot, axis : tuple of float
+        Place [m] and axis of the diode, body frame.
     half_axes : tuple of float
-        Of the hull, an ellipsoid around the origin; zeros where there is none. [m]
+        Of the hull. [m]
 
     """
-    a, b, c = half_axes
-    if a <= 0.0 or b <= 0.0 or c <= 0.0:
-        return False
-    x, y, z = point[0] / a, point[1] / b, point[2] / c
-    u, v, w = ray[0] / a, ray[1] / b, ray[2] / c
-    towards = x * u + y * v + z * w
-    outside = x * x + y * y + z * z - 1.0
-    return towards < 0.0 and towards * towards >= outside * (u * u + v * v + w * w)
+    x, y, z = spot
+    light, (a, b, c) = shine(
+        lamp, (centre[0] + cosine * x - sine * y, centre[1] + sine * x + cosine * y, centre[2] + z)
+    )
+    towards = (cosine * a + sine * b, cosine * b - sine * a, c)
+    part = seen(eye, axis, towards)
+    if light <= 0.0 or part <= 0.0:
+        return 0.0
+    # As small as it is from so far: the light told, the lamp is that bright at the distance.
+    u, v, w = lamp.x - centre[0], lamp.y - centre[1], lamp.z - centre[2]
+    width = math.sqrt(lamp.square / (u * u + v * v + w * w + lamp.square))
+    return light * part * visible(half_axes, spot, towards, width)
 
 
 def blocked(start: Vector, end: Vector, walls: Array) -> bool:
@@ -66,7 +89,7 @@ def extremes(
     lamp: Beam, eye: Eye, centre: Vector, planes: Array, half_axes: Vector, headings: Array
 ) -> tuple[float, float]:
     """
-    Return the light on the diode that faces a lamp most: at the worst heading and at the best.
+    Return the light on the diode that reads most of a lamp: at the worst heading and the best.
 
     Parameters
     ----------
@@ -76,8 +99,9 @@ def extremes(
         Of the diodes.
     centre : tuple of float
         Hull centre of a drone that flies level. [m]
-    planes : ndarray, shape (d, 7)
-        Places [m], axes and gains of the diodes, body frame; a dead one has none.
+    planes : ndarray, shape (d, 8)
+        Places [m] and axes of the diodes, body frame; their gains, none where one is dead; and
+        which part each reads of light that comes alike from all sides.
     half_axes : tuple of float
         Of the hull. [m]
     headings : ndarray, shape (h, 2)
@@ -90,33 +114,17 @@ def extremes(
 
     """
     least, most = math.inf, 0.0
-    a, b, c = lamp.x - centre[0], lamp.y - centre[1], lamp.z - centre[2]
     for h in range(headings.shape[0]):
-        cosine, sine = headings[h, 0], headings[h, 1]
-        x, y = cosine * a + sine * b, cosine * b - sine * a  # of the lamp, body frame
-        chosen, facing = -1, 0.0
+        best = 0.0
         for k in range(planes.shape[0]):
-            u, v, w = x - planes[k, 0], y - planes[k, 1], c - planes[k, 2]
-            faces = u * planes[k, 3] + v * planes[k, 4] + w * planes[k, 5]
-            if faces > facing and planes[k, 6] > 0.0:
+            if planes[k, 6] > 0.0:
                 spot = (planes[k, 0], planes[k, 1], planes[k, 2])
-                if not hidden(spot, (u, v, w), half_axes):
-                    chosen, facing = k, faces
-        light = 0.0
-        if chosen >= 0:
-            i, j = planes[chosen, 0], planes[chosen, 1]
-            p, q = planes[chosen, 3], planes[chosen, 4]
-            light = planes[chosen, 6] * read(
-                lamp,
-                eye,
-                (
-                    centre[0] + cosine * i - sine * j,
-                    centre[1] + sine * i + cosine * j,
-                    centre[2] + planes[chosen, 2],
-                ),
-                (cosine * p - sine * q, sine * p + cosine * q, planes[chosen, 5]),
-            )
-        least, most = min(least, light), max(most, light)
+                axis = (planes[k, 3], planes[k, 4], planes[k, 5])
+                light = on_diode(
+                    lamp, eye, headings[h, 0], headings[h, 1], centre, spot, axis, half_axes
+                )
+                best = max(best, planes[k, 6] * light)
+        least, most = min(least, best), max(most, best)
     return least, most
 
 

@@ -15,9 +15,9 @@ is strongest in its search window over all sound diodes: so a lamp is not heard 
 import math
 from typing import Final
 
-from lta_analysis.light.plan.rays import hidden
+from lta_analysis.light.plan.rays import Array, on_diode
 from lta_sim.effects.protocol import Vector
-from lta_sim.light.lambertian import Array, beam_of, Eye, read
+from lta_sim.light.lambertian import beam_of, Eye
 
 PURE: Final = 2.0
 Numbers = tuple[float, float, float, float, float, float, float, float]
@@ -43,7 +43,7 @@ def ratio(
     of_lamp : tuple of 3 floats
         Gain, leak and hum at the lamp's frequency, as `Listening` has them.
     factor : float
-        Gain of the diode.
+        Gain of the diode, times what it reads of light from all sides.
     numbers : tuple of 8 floats
         Counts a lux, in the dark, by steady light and at most; variance in the dark, what a count
         of steady light and one of a lamp add to it, and samples.
@@ -93,18 +93,13 @@ def on_ring(
 
     """
     for d in range(planes.shape[0]):
-        x, y, z = planes[d, 0], planes[d, 1], planes[d, 2]
-        i, j, k = planes[d, 3], planes[d, 4], planes[d, 5]
-        point = (cell[0] + cosine * x - sine * y, cell[1] + sine * x + cosine * y, cell[2] + z)
-        axis = (cosine * i - sine * j, sine * i + cosine * j, k)
+        spot = (planes[d, 0], planes[d, 1], planes[d, 2])
+        axis = (planes[d, 3], planes[d, 4], planes[d, 5])
         for n in range(lamps.shape[0]):
             light[n, d] = 0.0
-            if visible[n]:
-                lamp = beam_of(lamps[n])
-                u, v, w = lamp.x - point[0], lamp.y - point[1], lamp.z - point[2]
-                ray = (cosine * u + sine * v, cosine * v - sine * u, w)
-                if not hidden((x, y, z), ray, half_axes):
-                    light[n, d] = planes[d, 6] * counts * read(lamp, eye, point, axis)
+            if visible[n] and planes[d, 6] > 0.0:
+                lux = on_diode(beam_of(lamps[n]), eye, cosine, sine, cell, spot, axis, half_axes)
+                light[n, d] = planes[d, 6] * counts * lux
 
 
 def heard_together(
@@ -127,7 +122,7 @@ def heard_together(
 
     Parameters
     ----------
-    lamps : ndarray, shape (l, 10)
+    lamps : ndarray, shape (l, 11)
         In the order of `Beam`, without any room.
     eye : Eye
         Of the diodes.
@@ -169,7 +164,7 @@ def heard_together(
                         total += light[j, d]
                         disturbed += quiet[n, j] * light[j, d]
                         spilt += window[n, j] * light[j, d]
-                    own, factor = light[n, d], planes[d, 6]
+                    own, factor = light[n, d], planes[d, 6] * planes[d, 7]
                     if is_full(total, factor, numbers):
                         continue
                     of_lamp = (each[n, 0], each[n, 1], each[n, 2])

@@ -87,6 +87,7 @@ def test_what_leaves_all_that_remains_as_it_was_has_nothing_to_do_with_it() -> N
     assert untouched(before, after)
     assert untouched(before, after - 1.5 * sway)  # what is calm does not count
     assert not untouched(before, after - 10.0 * pitch)
+    assert not untouched(before, after + 20.0 * pitch)
     assert calm(sway, after)
     assert not calm(sway | pitch, after)
     assert calm(np.zeros(6, dtype=np.bool_), after)  # it is about a sensor
@@ -143,6 +144,7 @@ def test_drag_for_a_little_beside_something_large_is_withdrawn() -> None:
     assert lesser('linear_drag.surge', surge, before + 2.0, final + 2.0)  # it hardly changed
     assert not lesser('net_lift.force', surge, before, final)  # it follows no motion
     assert not lesser('added_mass.surge', none, before, final)
+    assert lesser('munk_moment.lost', surge, before, final)
 
 
 def test_a_knob_acts_where_a_force_could_do_the_same(gtmab: Known, clean: Linearised) -> None:

@@ -95,4 +95,5 @@ def test_only_what_is_unlike_a_torn_candidate_gets_past_it(gtmab: Known) -> None
     prior = shared(naming.knobs)
     left = naming._like(['linear_drag.surge'], prior, bare)
     assert {'linear_drag.surge', 'quadratic_drag.surge', 'rotational_drag.yaw'} <= left
+    assert {'steady_wind.x', 'helium_leak.rate'} <= left
     assert not {'gyro_bias.z', 'net_lift.force'} & left

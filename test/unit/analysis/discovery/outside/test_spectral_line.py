@@ -107,3 +107,12 @@ def test_a_line_that_moves_nothing_is_not_told() -> None:
     faint, strong = Line('q', 0.5, 0.0004, 30.0), Line('q', 2.0, 0.004, 6.0)
     assert telling([faint, strong], INVERSE, FLOOR) == (strong,)
     assert telling([faint], INVERSE, 0.1 * FLOOR) == (faint,)
+
+
+def test_what_the_knots_follow_is_no_line() -> None:
+    flights, noise = [_left(1), _left(2)], [np.ones(len(CHANNELS))] * 2
+    for hertz, found in ((0.5, []), (1.0, ['q'])):
+        moved = [flight.copy() for flight in flights]
+        for flight in moved:
+            flight[:, :, CHANNELS.index('q')] += _wave(hertz, 1.5)
+        assert [one.channel for one in lines(moved, TIMES, noise)] == found
