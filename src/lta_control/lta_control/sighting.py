@@ -63,6 +63,8 @@ def sighted(
         Time since the last sight. [s]
 
     """
+    # A diode whose samples say nothing is as good as one in the dark.
+    amplitudes = tuple(a if math.isfinite(a) else 0.0 for a in amplitudes)
     bearing = deviation = strength = elevation = 0.0
     if lamp is not None:
         away = math.hypot(lamp.x, lamp.y)

@@ -39,7 +39,8 @@ def picture(view: View) -> Figure:
 
 def amplitudes(time: Array, azimuth: Array, amplitude: Array) -> Heatmap:
     """Return the amplitude of the lamp's light as a map of time and direction, log scale."""
-    shown = np.log10(np.maximum(amplitude, FAINTEST)).astype(np.float32)
+    known = np.nan_to_num(amplitude, nan=FAINTEST, posinf=FAINTEST, neginf=FAINTEST)
+    shown = np.log10(np.maximum(known, FAINTEST)).astype(np.float32)
     low, high = np.floor(shown.min()), np.ceil(shown.max())
     ticks = np.arange(low, high + 1)
     return Heatmap(
