@@ -89,7 +89,7 @@ def test_a_block_is_answered_within_two_milliseconds(domain_id, tmp_path, diodes
             took.append(arrived - begin)
             assert vector.x > 0.4
         ended(process)
-    # The tenth part that other work on the machine delayed least; `make bench` has the median.
+    # The tenth part that other work on the machine delayed least.
     assert statistics.quantiles(took, n=10)[0] < LATENCY
 
 

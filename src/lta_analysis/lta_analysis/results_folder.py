@@ -48,7 +48,12 @@ def all_at_once(folder: Path, last: str) -> Iterator[Path]:
 
     """
     new, part = not folder.exists(), folder / PART
-    part.mkdir(parents=True)
+    try:
+        part.mkdir(parents=True)
+    except OSError as error:
+        raise BadInput(
+            f"'{folder}' cannot be made ({error.strerror}); choose another folder with --out."
+        ) from error
     try:
         yield part
         for one in sorted(part.iterdir(), key=lambda one: one.name == last):

@@ -53,3 +53,12 @@ def test_flights_whose_names_differ_by_a_sign_have_topics_of_their_own():
     assert topic_words(['a-b', 'a b', '1', 'Ä', 'Ö']) == [
         'a_b', 'a_b_2', 'flight_1', 'flight_', 'flight__2',
     ]  # fmt: skip
+
+
+def test_a_folder_that_cannot_be_made_is_refused(tmp_path):
+    (tmp_path / 'file').write_text('')
+    with (
+        pytest.raises(BadInput, match='cannot be made'),
+        all_at_once(tmp_path / 'file' / 'a', 'b'),
+    ):
+        pass
