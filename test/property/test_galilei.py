@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from .test_effects import begin, kind, laws, memories, motions, of, parameters, thrusts, vectors
+from .test_effects import kind, laws, memories, motions, of, parameters, thrusts, vectors
+from .test_effects_together import begin
 
 # The floor has no heading, so that its contact counts as free of places; but it stands still.
 GROUNDED = {'floor_contact'}

@@ -22,9 +22,9 @@ def plan(*words, package='lta_sim'):
         ),
         (
             'scenario:="moon"',
-            "Unknown scenario 'moon'; known: breeze, gusty_hall, hall, lamp_room, windy_field.",
+            f"Unknown scenario 'moon'; known: {', '.join(known('scenarios'))}.",
         ),
-        ('strategy:="luck"', "Unknown strategy 'luck'; known: bag."),
+        ('strategy:="luck"', "Unknown strategy 'luck'; known: bag, des, dga, homing."),
         ('seed:=-1', 'The seed is -1, but must be a whole number from 0 to 2147483647.'),
         ('seed:="1"', 'The seed is 1, but must be a whole number from 0 to 2147483647.'),
         ('seed:=true', 'The seed is True, but must be a whole number from 0 to 2147483647.'),

@@ -219,7 +219,7 @@ def test_whoever_owes_the_oldest_answer_is_named():
 def test_a_cast_is_every_topic_of_its_roles_and_refuses_what_cannot_be():
     cast = cast_of(TABLE, ['navigator'], supporting(TABLE, ['navigator']))
     assert set(supporting(TABLE, ['navigator'])) == {'demodulator', 'estimator', 'energy_monitor'}
-    assert cast.answers == ('setpoint/pose', 'setpoint/velocity')
+    assert cast.answers == ('setpoint/pose', 'setpoint/velocity', 'light/beacon')
     assert {'light/peaks', 'odom', 'energy/reserve', 'imu'} <= set(cast.played)
     assert 'motors' not in cast.played
     assert cast.absent(TABLE, ['light/peaks', 'odom']) == ['light/estimate', 'energy/reserve']
