@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 import time
 
+from lta_config.files import known
 import pytest
 import yaml
 
@@ -14,9 +15,12 @@ COMMANDS = {
     'vehicle': (['fly', '--vehicle', 'zeppelin'], "Unknown vehicle 'zeppelin'; known: beavis, "),
     'scenario': (
         ['fly', '--scenario', 'moon'],
-        "Unknown scenario 'moon'; known: breeze, gusty_hall, hall, lamp_room, windy_field.",
+        f"Unknown scenario 'moon'; known: {', '.join(known('scenarios'))}.",
     ),
-    'strategy': (['fly', '--strategy', 'luck'], "Unknown strategy 'luck'; known: bag."),
+    'strategy': (
+        ['fly', '--strategy', 'luck'],
+        "Unknown strategy 'luck'; known: bag, des, dga, homing.",
+    ),
     'vehicle path': (['fly', '--vehicle', 'no/such.yaml'], 'There is no vehicle file'),
     'seed': (['fly', '--seed', '-1'], "Invalid value for '--seed'"),
     'seed too large': (['fly', '--seed', str(2**31)], "Invalid value for '--seed'"),
