@@ -142,9 +142,10 @@ def concluded(scratch: Scratch, x: float, y: float, z: float, strange: float) ->
     strong = 1.0 / scratch[above - UNKNOWNS + STRENGTH]
     lifted = -scratch[above + STRENGTH] * strong * upward
     turned = -(scratch[last + STRENGTH] * strong + scratch[last + ELEVATION] * lifted) * side
+    turn = side / level  # multiplied by itself: a power is another number in the last bit
     return Fit(
         True, x, y, z,
-        strange * (side / level) ** 2, strange * both * side / level,
+        strange * turn * turn, strange * both * side / level,
         strange * (upward * upward + both * both), scratch[VALUES + STRENGTH],
         strange * (strong * strong + lifted * lifted + turned * turned),
         scratch[VALUES + PEDESTAL],
