@@ -154,7 +154,7 @@ def scenario(tmp_path: Path):
         text = (ROOT / 'config/scenarios/lamp_room.yaml').read_text()
         changed = text.replace('radius: 1.0 m', f'radius: {radius}')
         changed = changed.replace('time_limit: 60 s', f'time_limit: {time_limit}')
-        changed = changed.replace('albedo:', f'walls: {walls}\n  albedo:')
+        changed = changed.replace('walls: open', f'walls: {walls}')
         path = tmp_path / f'{radius}-{time_limit}.yaml'.replace(' ', '')
         path.write_text(changed)
         return path

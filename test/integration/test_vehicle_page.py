@@ -70,7 +70,7 @@ def test_only_what_is_assumed_is_left_on_demand(session, pages):
     rows = """[...document.querySelectorAll('table.numbers tbody tr')].filter(
       (row) => row.checkVisibility()).length"""
     show(session, pages / 'gtmab.html', 'light', 1280)
-    assert session.evaluate(rows) == 89
+    assert session.evaluate(rows) == 98
     session.evaluate("document.getElementById('only').focus()")
     for kind in ('keyDown', 'keyUp'):
         session.call(
