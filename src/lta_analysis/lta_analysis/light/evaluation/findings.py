@@ -115,7 +115,8 @@ class Findings:
     def about(self) -> str:
         """What was done, in two sentences."""
         return (
-            f'Navigation strategies over {len(self.cells)} sets of scenes, {self.seeds} '
+            f'Navigation strategies over {len(self.cells)} '
+            f'set{"s" if len(self.cells) > 1 else ""} of scenes, {self.seeds} '
             f'seed{"s" if self.seeds > 1 else ""} each, the same for all. {self.statement}'
         )
 

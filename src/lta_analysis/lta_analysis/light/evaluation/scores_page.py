@@ -3,13 +3,14 @@
 from lta_analysis.light.evaluation import tables
 from lta_analysis.light.evaluation.findings import Findings
 from lta_analysis.light.evaluation.page import METHOD
-from lta_analysis.light.evaluation.sets import flight_set, INDOORS, WINDS
+from lta_analysis.light.evaluation.sets import flight_set, INDOORS, SETS, WINDS
 from lta_analysis.light.evaluation.tables import markdown
 
 
 def page(found: Findings) -> str:
     """Return the whole page as Markdown."""
-    command = f'lta light evaluate --seeds {found.seeds} --markdown'
+    some = '' if len(found.cells) == len(SETS) else f' --sets {" ".join(found.cells)}'
+    command = f'lta light evaluate --seeds {found.seeds}{some} --markdown'
     parts = [
         '# Scores of navigation',
         f'Written by `{command}`: {found.count}. What the sets are and how to read them: '
@@ -17,7 +18,11 @@ def page(found: Findings) -> str:
         '![Path, time and success of each strategy](images/evaluate.png)',
         '## Beside the paper',
         markdown(tables.PAPER_HEADS, tables.beside_paper(found.cells.get(INDOORS, []))).rstrip(),
-        markdown(tables.OUTDOOR_HEADS, tables.outdoors(found.cells.get(WINDS, []))).rstrip(),
+        *(
+            markdown(tables.OUTDOOR_HEADS, tables.outdoors(found.cells[name])).rstrip()
+            for name in found.cells
+            if name == WINDS
+        ),
         *found.cautions,
         '## What makes the order',
         found.statement,
