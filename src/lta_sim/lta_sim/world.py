@@ -105,6 +105,7 @@ class World:
         field = scenario.light_field
         diodes = set_for(field, self.vehicle).drawn(self._chance['diodes'])
         self._light = LightView(field, self.vehicle, diodes)
+        self._light.prepare(*self._shape)
         self._imu_place = _three(sensors.imu_position.vector)
         self._range_place = _three(sensors.range_position.vector)
         self._referee = Referee(scenario)

@@ -59,6 +59,13 @@ class LightView:
         self._around: Array | None = None  # what was gathered at the end of the block before
         self._amplifier: AmplifierState | None = None
 
+    def prepare(self, sample_rate: float, samples: int) -> None:
+        """Compile what makes a block, or load it from disk, before the first one is waited for."""
+        kept = self._poses, self._around, self._amplifier
+        self._poses = [(0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)] * 2
+        self.block(0, sample_rate, samples, np.random.default_rng(0))
+        self._poses, self._around, self._amplifier = kept
+
     def pass_by(self, pose: Pose) -> None:
         """Take note of the pose at a control step: the next block is seen from there."""
         self._poses.append(pose)
