@@ -4,6 +4,7 @@ from collections.abc import Callable
 from contextlib import ExitStack
 
 from lta_analysis.blame import Lookout
+from lta_analysis.preflight import prepare
 from lta_analysis.session import Session
 from lta_analysis.viewers import invite, refuse_taken_ports, viewers
 from lta_graph.child import Ended
@@ -43,6 +44,7 @@ def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> 
         spare = viewers(plan)
         refuse_taken_ports(plan)
         invite(plan, say)
+        prepare(plan)
         launcher = stack.enter_context(Launcher(plan, on_line, spare=spare))
         while (outcome := launcher.outcome) is None:
             facts = listener.poll(LOOK)
