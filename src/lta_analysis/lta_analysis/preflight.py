@@ -15,6 +15,8 @@ from lta_sim.scenario import load_scenario
 from lta_sim.start_offset import started
 from lta_sim.vehicle import load_vehicle
 from lta_sim.world import World
+from lta_vlc.demodulation import Demodulation
+from lta_vlc.listener import Listener
 
 OURS = 'lta_'
 SEEDS = range(2**31)
@@ -42,11 +44,18 @@ def prepare(plan: LaunchPlan) -> None:
 
     A node that compiles says nothing for so long that it would be taken for one that hangs.
     """
+    table = topic_table()
+    light, block = table.light, table['photodiodes'].period_ns // table.control_ns
     for process in plan.processes:
         if process.package.startswith(OURS) and process.executable == 'simulator':
             given = parameters(process.arguments)
             scene = load_scenario(str(given['scenario']))
-            World(load_vehicle(str(given['vehicle']), scene.air.density), scene, topic_table(), 1)
+            vehicle = load_vehicle(str(given['vehicle']), scene.air.density)
+            world = World(vehicle, scene, table, seed=1)
+            for _ in range(block + 2):  # to the first light block and past it
+                world.sense()
+                world.advance((0.0,) * len(vehicle.rotor_names), None)
+            Listener(Demodulation(), light.sample_rate.si, light.samples).prepare()
 
 
 def check_parameters(given: Mapping[str, object]) -> None:
