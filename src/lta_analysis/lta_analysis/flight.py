@@ -31,7 +31,7 @@ from lta_sim.scenario import load_scenario
 from lta_sim.vehicle import load_vehicle
 
 ROBOT = 'lta1'
-PATIENCE = 60.0  # wall seconds that the graph may stand still: the first flight compiles
+PATIENCE = 30.0  # wall seconds that the graph may stand still: the first flight compiles
 LOOK = 0.05  # wall seconds between looks at the processes and the diagnostics
 
 
