@@ -10,10 +10,12 @@ from lta_sim.light.ambient import Ambient
 from lta_sim.light.daylight import Daylight
 from lta_sim.light.echo import beams, echoing, on_faces, surrounding
 from lta_sim.light.field import LightField
-from lta_sim.light.gather import DAY, gather, LAMPS, on_the_way, SHARE
+from lta_sim.light.gather import gather
 from lta_sim.light.lambertian import beam, Eye
 from lta_sim.light.lamp import direct, Lamp
 from lta_sim.light.outside import Outside
+from lta_sim.light.passage import on_the_way
+from lta_sim.light.pencils import DAY, LAMPS, scratch_for, SHARE
 from lta_sim.light.room import Albedo, even, Room
 from lta_sim.light.shade import visible
 from lta_sim.light.surround import clear, day_on, hit, surround_of
@@ -39,7 +41,8 @@ GATHER, ON_THE_WAY, ON_FACES = (compiled(f)[0] for f in (gather, on_the_way, on_
 
 def gathered(field, position, q=(0.0, 0.0, 0.0, 1.0), eye=EYE, hull=HULL, ring=RING):
     out = np.empty((LAMPS + len(field.lamps), ring.count))
-    GATHER(surrounding(field), beams(field), eye, hull, position, q, ring.planes, out)
+    scratch = np.empty(scratch_for(len(field.lamps)))
+    GATHER(surrounding(field), beams(field), eye, hull, position, q, ring.planes, out, scratch)
     return out
 
 
@@ -303,11 +306,14 @@ def test_daylight_comes_in_through_the_door():
 def test_a_lamp_beyond_the_door_is_seen_through_it():
     lamp = Lamp((9.0, 1.0, 1.0), (-1.0, 0.0, 0.0), 10_000.0, SquareWave(150.0), LED)
     field = LightField((lamp,), DARK, ROOM, None, OUTSIDE)
-    lit = np.zeros((2, LAMPS + 1, 8))
+    none, lit = np.zeros((LAMPS + 1, 8)), np.empty((1, 2, 8))
     flight = np.array([[0.0, 1.0, 1.3, 0, 0, 0, 1], [0.0, -3.0, 1.3, 0, 0, 0, 1]], dtype=float)
-    ON_THE_WAY(surrounding(field), beams(field), EYE, NO_HULL, flight, RING.planes, lit)
-    assert lit[0, LAMPS, 0] == pytest.approx(10_000.0 / math.pi / 8.93**2, rel=0.01)
-    assert not lit[1].any()
+    ON_THE_WAY(
+        surrounding(field), beams(field), EYE, NO_HULL, flight, RING.planes, none, none,
+        (0.0, 0.0, 0.0), lit, np.empty((2, 8)), np.empty((2, 8)),
+    )  # fmt: skip
+    assert lit[0, 0, 0] == pytest.approx(10_000.0 / math.pi / 8.93**2, rel=0.01)
+    assert not lit[0, 1].any()
     first = echoing(lamp, field).diffuse * ROOM.area * (1.0 - ROOM.mean_albedo)
     # A door of 2 by 2.2 m at 4 m lets 2 x 2.2 / 16 / pi of the light in, less at its edges.
     assert 0.5 * 0.05 * 10_000.0 * 0.5 < first < 0.0875 * 10_000.0 * 0.7
