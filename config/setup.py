@@ -11,6 +11,7 @@ FOLDERS = (
     'imports',
     'launch',
     'manoeuvres',
+    'mounts',
     'scenarios',
     'sweeps',
     'vehicles',
