@@ -35,6 +35,7 @@ FOLDERS = {
     'comparison': 'comparisons',
     'import mapping': 'imports',
     'floor plan': 'floor_plans',
+    'cell': 'cells',
 }
 
 
