@@ -95,7 +95,17 @@ def mounted(
         **content,
         'name': f'{content.get("name", "vehicle")}_{mount.name}',
         'layers': {**layers, mount.layer: parts},
+        'energy': _harvesting(content.get('energy'), mount),
     }
+
+
+def _harvesting(energy: Any, mount: Mount) -> Any:  # noqa: ANN401 - what YAML holds
+    """Return the energy block with its array on the first panel; it knows one plane alone."""
+    if not isinstance(energy, Mapping) or not isinstance(energy.get('array'), Mapping):
+        return energy
+    part, facing = next(iter(mount.panels.items()))
+    normal = {'value': list(facing.normal.vector), 'unit': '1', 'source': f'mount {mount.name}'}
+    return {**energy, 'array': {**energy['array'], 'part': part, 'normal': normal}}
 
 
 def _moved(held: Mapping[str, Any], part: Part, ahead: float) -> dict[str, Any]:

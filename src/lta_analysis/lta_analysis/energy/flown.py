@@ -75,8 +75,7 @@ def fly(loop: Loop, until: Callable[[Loop], bool]) -> Flown:
         quaternion = (state[3], state[4], state[5], state[6])
         u, v, _ = to_world(quaternion, (state[7], state[8], state[9]))
         power = sum(
-            rotor_power(thrust, loads.rotor_offset, loads.rotor_slope)
-            for thrust in world.thrusts
+            rotor_power(thrust, loads.rotor_offset, loads.rotor_slope) for thrust in world.thrusts
         )
         rows.append(
             (world.elapsed, state[2], math.hypot(u, v), pitch(quaternion), power,

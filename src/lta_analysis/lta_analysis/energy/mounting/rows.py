@@ -1,28 +1,16 @@
 """The comparison of mounts as tables of text: what follows from the place, flights, light."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-import math
-from typing import Any, Final, final
+from typing import Any, Final
 
 from lta_analysis.energy.mounting.lit import LIGHTS
 from lta_analysis.energy.mounting.run import Study, Tried
 from lta_analysis.energy.mounting.straight import over
+from lta_analysis.energy.tables import Table
 from lta_analysis.report.outcome import MISSING, number
 from lta_analysis.vehicle.weighing import DEGREES
 
 GRAMS: Final = 1e3
 CENTIMETRES: Final = 1e2
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Table:
-    """A heading, the heads of its columns, and its rows; the first cell of a row names it."""
-
-    heading: str
-    heads: Sequence[str]
-    rows: Sequence[Sequence[str]]
 
 
 def tables(study: Study) -> list[Table]:
@@ -63,7 +51,7 @@ def flown(entries: dict[str, Tried]) -> Table:
     """Return the flights."""
     heads = ('mount', 'lean at rest [°]', 'swing after lift-off [±°]', 'pitch on the way [±°]',
              'its rms [°]', 'hovering [mW]', 'flying [mW]',
-             'out of place by, for the paper’s ±2.5° [cm]')  # fmt: skip
+             'out of place for ±2.5° [cm]')  # fmt: skip
     rows = []
     for name, each in entries.items():
         told = [
@@ -83,7 +71,7 @@ def within(each: Tried, key: str, digits: int, factor: float) -> str:
     found = over(each.flights, key)
     off = number(found.off, digits, factor)
     text = number(found.mean, digits, factor)
-    return text if not float(off) else f'{text} \N{PLUS-MINUS SIGN} {off}'
+    return text if not float(off) else f'{text}\N{PLUS-MINUS SIGN}{off}'
 
 
 def lighted(study: Study) -> Table:
@@ -91,8 +79,9 @@ def lighted(study: Study) -> Table:
     heads = ['mount', *(f'{light.name} [%]' for light in LIGHTS)]
     rows = []
     for name, found in study.light.items():
-        rows.append([f'{name}, in series', *(number(each.series, 0, 100.0) for each in found.values())])
-        rows.append([f'{name}, each alone', *(number(each.apart, 0, 100.0) for each in found.values())])
+        for words, key in (('in series', 'series'), ('each alone', 'apart')):
+            cells = [number(getattr(each, key), 0, 100.0) for each in found.values()]
+            rows.append([f'{name}, {words}', *cells])
     return Table('Light on the panels', heads, rows)
 
 
@@ -125,6 +114,6 @@ def _plain(each: Tried) -> dict[str, Any]:
         'inertia': body.inertia.tolist(), 'lean_by_hand': each.fitted.lean,
         'stiffness': each.swing.stiffness, 'period_by_hand': each.swing.period,
         'period': each.release.period, 'damping_by_hand': each.swing.ratio,
-        'damping': each.release.damping, 'misplacement_for_2.5_deg': each.misplacement,
-        **{key: over(each.flights, key).mean for key in keys if math.isfinite(over(each.flights, key).mean)},
+        'damping': each.release.damping, 'misplacement_for_paper': each.misplacement,
+        **{key: over(each.flights, key).mean for key in keys},
     }  # fmt: skip
