@@ -142,6 +142,13 @@ def stored_energy(charge: float, capacity: float) -> float:
     return area * capacity / INTERVALS
 
 
+def mean_open_circuit(before: float, after: float) -> float:
+    """Return the mean resting voltage between two states of charge, exactly. [V]"""
+    if int(before * INTERVALS) == int(after * INTERVALS):
+        return 0.5 * (open_circuit_voltage(before) + open_circuit_voltage(after))
+    return (stored_energy(after, 1.0) - stored_energy(before, 1.0)) / (after - before)
+
+
 def relaxation_energy(cell: Battery, relaxation: float) -> float:
     """Return what the capacitor of the RC pair holds at a relaxation voltage [V]. [J]"""
     if cell.relaxation_resistance <= 0.0:
@@ -242,7 +249,10 @@ def advance(
     cell: Battery, charge: float, relaxation: float, power: float, dt: float
 ) -> tuple[float, float, float, float]:
     """
-    Take up a constant power for a while: one midpoint step, of second order in dt.
+    Take up a constant power for a while: one midpoint step.
+
+    The power is met to second order in dt; voltage, current and what the cell then holds agree
+    exactly, so that books balance at any step. The current ends where the cell is empty or full.
 
     Parameters
     ----------
@@ -268,7 +278,9 @@ def advance(
     begin = current_at(open_circuit_voltage(charge) + relaxation, power, resistance)
     middle = open_circuit_voltage(count(charge, begin, capacity, 0.5 * dt))
     middle += relax(cell, relaxation, begin, dt)[1]
-    current = current_at(middle, power, resistance)
-    voltage = terminal_voltage(middle, current, resistance)
-    relaxed, _ = relax(cell, relaxation, current, dt)
-    return count(charge, current, capacity, dt), relaxed, voltage, current
+    wanted = current_at(middle, power, resistance)
+    after = count(charge, wanted, capacity, dt)
+    current = (after - charge) * capacity / dt if after <= 0.0 or after >= 1.0 else wanted
+    relaxed, mean = relax(cell, relaxation, current, dt)
+    voltage = terminal_voltage(mean_open_circuit(charge, after) + mean, current, resistance)
+    return after, relaxed, voltage, current

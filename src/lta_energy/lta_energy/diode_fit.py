@@ -14,6 +14,7 @@ import numpy as np
 
 THERMAL = 0.025692579  # V, k T / q at 25 degC
 STEPS = 200  # of bisection
+MARGIN = 1e-6  # keeps the equations apart
 
 
 class Diode(NamedTuple):
@@ -51,8 +52,8 @@ def diode_of(cell: CellFile) -> Diode:
 
     """
     data = cell.electrical
-    # Beyond it the junction would be above the open-circuit voltage at the maximum.
-    low, high = 0.0, (data.open_circuit.si - data.voltage.si) / data.current.si
+    # From `high` on the junction would be above the open-circuit voltage at the maximum.
+    low, high = 0.0, (1.0 - MARGIN) * (data.open_circuit.si - data.voltage.si) / data.current.si
     if _excess(data, low) < 0.0:
         raise BadInput(
             f'The cell {cell.name} has a curve too square for its ideality of '
@@ -79,9 +80,10 @@ def _through(data: Electrical, resistance: float) -> Diode:
     voltages = np.array([0.0, data.open_circuit.si, data.voltage.si])
     currents = np.array([data.short_circuit.si, 0.0, data.current.si])
     junction = voltages + resistance * currents
-    matrix = np.stack([np.ones(3), -np.expm1(junction / a), -junction], axis=1)
-    light, saturation, shunt = np.linalg.solve(matrix, currents).tolist()
-    return Diode(light, saturation, a, resistance, shunt)
+    dark = np.expm1(junction / a)
+    matrix = np.stack([np.ones(3), -dark / dark[1], -junction], axis=1)
+    light, open_, shunt = np.linalg.solve(matrix, currents).tolist()
+    return Diode(light, open_ / float(dark[1]), a, resistance, shunt)
 
 
 def _excess(data: Electrical, resistance: float) -> float:
