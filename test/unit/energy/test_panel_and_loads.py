@@ -77,13 +77,3 @@ def test_demand_does_not_depend_on_the_order_of_rotors(thrusts):
 def test_panel_and_rotor_compile_to_the_same():
     assert numba.njit(loads.rotor_power)(0.1, 0.027, 23.96) == loads.rotor_power(0.1, 0.027, 23.96)
     assert numba.njit(panel.power)(200.0, 0.01, 0.2) == panel.power(200.0, 0.01, 0.2)
-
-
-def test_navigation_takes_what_the_paper_prints_beyond_hovering():
-    """1523 to 1544 mW of BAG, DES and DGA, less 1333 mW of hovering."""
-    still = (0.0,) * 4
-    sensing = loads.demand(LOADS, still, True, True) - loads.demand(LOADS, still, True)
-    assert sensing == pytest.approx(0.190)
-    beyond = [sensing + loads.computing_of(ENERGY, name) for name in ('bag', 'des', 'dga')]
-    assert beyond == pytest.approx([0.190, 0.2005, 0.211])
-    assert loads.computing_of(ENERGY, 'nobody') == 0.0
