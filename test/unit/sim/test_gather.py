@@ -1,5 +1,6 @@
 """Reflections, shade, daylight and a door against sums over patches and rays, and by hand."""
 
+from dataclasses import replace
 import math
 
 from hypothesis import given, settings
@@ -15,7 +16,17 @@ from lta_sim.light.lambertian import beam, Eye
 from lta_sim.light.lamp import direct, Lamp
 from lta_sim.light.outside import Outside
 from lta_sim.light.passage import on_the_way
-from lta_sim.light.pencils import DAY, LAMPS, scratch_for, SHARE
+from lta_sim.light.pencils import (
+    BROUGHT,
+    brought,
+    DAY,
+    LAMPS,
+    RINGS,
+    ROUND,
+    scratch_for,
+    SHARE,
+    turned,
+)
 from lta_sim.light.room import Albedo, even, Room
 from lta_sim.light.shade import visible
 from lta_sim.light.surround import clear, day_on, hit, surround_of
@@ -116,6 +127,26 @@ def test_echo_by_place_is_the_sum_over_patches(hull):
         expected = first_echo(ROOM, place, turn.as_matrix(), EYE, hull)
         assert own.mean() == pytest.approx(expected.mean(), rel=0.03)
         assert np.abs(own - expected).max() < 0.06 * expected.mean()
+
+
+@pytest.mark.parametrize('order', [1.0, 1.7])
+@pytest.mark.parametrize('place', [(3.5, 0.0, 1.0), (-5.0, 1.0, 2.0), (0.0, 0.0, 3.0)])
+def test_several_pencils_at_once_bring_what_each_does_alone(order, place):
+    """A room with a door that nothing fits through is looked at ray by ray."""
+    lamp = beam(replace(LAMP, position=place, axis=(-0.3, 0.5, -0.8), order=order))
+    closed = surround_of(ROOM, None, None)
+    for point in ((0.0, 0.0, 1.0), (-4.9, 3.9, 0.01), (7.0, 0.0, 1.0)):
+        told = []
+        for s in (closed, closed._replace(top=1e-9)):
+            scratch = np.zeros(scratch_for(1))
+            turned(scratch)
+            rows = []
+            for ring in RINGS:
+                brought(s, (lamp,), point, ring, scratch)
+                rows.append(scratch[BROUGHT + ROUND * LAMPS :].copy())
+            told.append(np.array(rows))
+        assert told[0].any() == (point[0] < 5.0)
+        np.testing.assert_allclose(told[0], told[1], rtol=1e-9, atol=1e-12)
 
 
 def test_light_from_all_sides_by_quadrature():

@@ -16,9 +16,7 @@ from lta_sim.light.pencils import (
     brought,
     COSINE,
     DAY,
-    FREE,
     LAMPS,
-    PART,
     RINGS,
     ROUND,
     Rows,
@@ -26,6 +24,8 @@ from lta_sim.light.pencils import (
     SHARE,
     SINE,
     turned,
+    UNHIDDEN,
+    WEIGHT,
 )
 from lta_sim.light.shade import past, visible
 from lta_sim.light.surround import sunlit, Surround, within
@@ -55,14 +55,14 @@ def let_in(
     for step in range(ROUND):
         c, d = scratch[COSINE + step], scratch[SINE + step]
         way = to_body(r, (ring[3] * c, ring[3] * d, ring[2]))
-        scratch[FREE + step] = past(hull, spot, way, ring[1]) if hull[0] > 0.0 else 1.0
-        scratch[PART + step] = axis[0] * way[0] + axis[1] * way[1] + axis[2] * way[2]
+        scratch[UNHIDDEN + step] = past(hull, spot, way, ring[1]) if hull[0] > 0.0 else 1.0
+        scratch[WEIGHT + step] = axis[0] * way[0] + axis[1] * way[1] + axis[2] * way[2]
     used = False
     for step in range(ROUND):
-        cosine, free = scratch[PART + step], scratch[FREE + step]
-        scratch[PART + step] = 0.0
+        cosine, free = scratch[WEIGHT + step], scratch[UNHIDDEN + step]
+        scratch[WEIGHT + step] = 0.0
         if cosine > eye.least and cosine > 0.0 and free > 0.0:
-            scratch[PART + step] = ring[0] * free * cosine**eye.exponent
+            scratch[WEIGHT + step] = ring[0] * free * cosine**eye.exponent
             used = True
     return used
 
@@ -136,7 +136,7 @@ def gather(
             axis = (planes[i][3], planes[i][4], planes[i][5])
             if let_in(eye, hull, r, spot, axis, ring, scratch):
                 for row in range(len(out)):
-                    out[row, i] += product(scratch, PART, BROUGHT + ROUND * row)
+                    out[row, i] += product(scratch, WEIGHT, BROUGHT + ROUND * row)
     if within(s, point[0], point[1], point[2]):
         for k in range(len(lamps)):
             for i in range(len(planes)):

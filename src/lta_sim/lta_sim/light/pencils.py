@@ -10,7 +10,7 @@ What is written as a loop over the pencils of a ring the compiler does for sever
 is why powers and whatever branches stand apart.
 """
 
-from collections.abc import MutableSequence
+from collections.abc import MutableSequence, Sequence
 import itertools
 import math
 
@@ -28,7 +28,7 @@ LEAST = 1e-300
 # Where in a ring's scratch the numbers of its pencils stand: cosines and sines of the azimuths of
 # their middles, what a diode lets in and what its hull leaves free, and what is brought. Constant
 # places, so that the compiler sees what does not overlap.
-COSINE, SINE, PART, FREE, BROUGHT = (ROUND * row for row in range(5))
+COSINE, SINE, WEIGHT, UNHIDDEN, BROUGHT = (ROUND * row for row in range(5))
 # Rows of what is brought and gathered: light alike from all sides, daylight, then the lamps.
 SHARE, DAY, LAMPS = range(3)
 
@@ -56,13 +56,15 @@ def rings() -> tuple[tuple[float, ...], ...]:
     return tuple(found)
 
 
-def beside() -> tuple[tuple[float, float], ...]:
-    """Return cosine and sine of the azimuth of each ray of a pencil from its middle."""
-    turns = [2.0 * math.pi / ROUND * ((ray + 0.5) / PARTS - 0.5) for ray in range(PARTS)]
-    return tuple((math.cos(turn), math.sin(turn)) for turn in turns)
+def turns(parts: Sequence[float]) -> tuple[tuple[float, float], ...]:
+    """Return cosine and sine of parts of the width of a pencil around the vertical."""
+    angles = [2.0 * math.pi * part / ROUND for part in parts]
+    return tuple((math.cos(angle), math.sin(angle)) for angle in angles)
 
 
-RINGS, BESIDE = rings(), beside()
+RINGS = rings()
+PENCILS = turns([step + 0.5 for step in range(ROUND)])  # the middle of each
+BESIDE = turns([(ray + 0.5) / PARTS - 0.5 for ray in range(PARTS)])  # a ray from the middle
 
 
 def scratch_for(lamps: int) -> int:
@@ -73,8 +75,7 @@ def scratch_for(lamps: int) -> int:
 def turned(scratch: Scratch) -> None:
     """Write where the pencils stand around the vertical."""
     for step in range(ROUND):
-        turn = 2.0 * math.pi * (step + 0.5) / ROUND
-        scratch[COSINE + step], scratch[SINE + step] = math.cos(turn), math.sin(turn)
+        scratch[COSINE + step], scratch[SINE + step] = PENCILS[step]
 
 
 def thrown_back(s: Surround, met: Hit, lamp: Beam) -> float:
@@ -146,7 +147,7 @@ def brought(
                 side = BESIDE[ray % PARTS]
                 around(s, beam_of(lamps[k]), point, ring[up], ring[up + 1], side, scratch)
                 for step in range(ROUND):
-                    scratch[BROUGHT + ROUND * (LAMPS + k) + step] += scratch[PART + step]
+                    scratch[BROUGHT + ROUND * (LAMPS + k) + step] += scratch[WEIGHT + step]
 
 
 def ray_of(c: float, d: float, up: float, level: float, side: tuple[float, float]) -> Vector:
@@ -163,14 +164,14 @@ def around(
     side: tuple[float, float],
     scratch: Scratch,
 ) -> None:
-    """Write what one ray of each pencil brings of a lamp in a room without a door, at PART."""
+    """Write what one ray of each pencil brings of a lamp in a room without a door, at WEIGHT."""
     for step in range(ROUND):
         u = ray_of(scratch[COSINE + step], scratch[SINE + step], up, level, side)
         light, square = even(inner(s, point, u, ahead(s, point, u)), lamp)
-        scratch[PART + step], scratch[FREE + step] = light / (PARTS * PARTS), square
+        scratch[WEIGHT + step], scratch[UNHIDDEN + step] = light / (PARTS * PARTS), square
     if lamp.order != 1.0:
         for step in range(ROUND):
-            scratch[PART + step] *= scratch[FREE + step] ** (0.5 * lamp.order - 0.5)
+            scratch[WEIGHT + step] *= scratch[UNHIDDEN + step] ** (0.5 * lamp.order - 0.5)
 
 
 def through_a_door(
