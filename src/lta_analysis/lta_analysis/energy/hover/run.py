@@ -69,7 +69,7 @@ class Comparison:
 
 
 def ingredients(vehicle: str, battery: Any | None = None) -> Ingredients:  # noqa: ANN401 - YAML
-    """Return what a hover is made of: a full cell, and another file's battery where one is given."""
+    """Return what a hover is made of: a full cell, of another file where one is given."""
     made_of = gather(vehicle, SCENE, 'bag', '')
     scene, body = made_of.contents['scenario'], made_of.contents['vehicle']
     contents = {
@@ -81,9 +81,7 @@ def ingredients(vehicle: str, battery: Any | None = None) -> Ingredients:  # noq
     return replace(made_of, contents=contents)
 
 
-def compare(
-    first: str, second: str, seconds: float, tick: Callable[[float], None]
-) -> Comparison:
+def compare(first: str, second: str, seconds: float, tick: Callable[[float], None]) -> Comparison:
     """
     Return two drones that hover on the same cell.
 
@@ -100,10 +98,12 @@ def compare(
     own = ingredients(first)
     battery = own.contents['vehicle']['energy']['battery']
     cell = parts_of(own)[0].battery
-    hovers = [
-        hovering(made_of, seconds, tick) for made_of in (own, ingredients(second, battery))
-    ]
-    return Comparison(seconds, *hovers, on_paper(cell, seconds))
+    return Comparison(
+        seconds=seconds,
+        first=hovering(own, seconds, tick),
+        second=hovering(ingredients(second, battery), seconds, tick),
+        paper=on_paper(cell, seconds),
+    )
 
 
 def on_paper(cell: Battery, seconds: float) -> dict[str, Trace]:
