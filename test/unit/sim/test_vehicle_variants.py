@@ -131,6 +131,7 @@ def weighed(**more):
     """Return GT-MAB as weighed: 400 g, 10 cm below the hull centre."""
     return [
         ('layers', {}),
+        ('energy.array', None),
         (
             'measured',
             {
