@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import math
 from typing import final
 
+from lta_config.compiled import compiled
 from lta_config.settings import Settings
 from lta_config.topics import TopicTable
 from lta_control import carried
@@ -27,7 +28,6 @@ from lta_control.pilot import Pilot
 from lta_control.sighting import Lamp, Reckoned, sighted
 from lta_control.strategies.protocol import Strategy
 from lta_energy import monitor
-from lta_sim.compiled import compiled
 from lta_sim.readings import Outcome, Readings
 from lta_sim.vehicle import Vehicle
 from lta_sim.world import World
