@@ -57,6 +57,8 @@ UNITS: dict[str, tuple[str, float]] = {
     'N m s': ('N m s', 1.0),
     'N m s2': ('N m s2', 1.0),
     'N/N': ('1', 1.0),
+    'g/cm2': ('kg/m2', 10.0),
+    's/cm2': ('s/m2', 1e4),
     'kg m2': ('kg m2', 1.0),
     'kg/m3': ('kg/m3', 1.0),
     'K': ('K', 1.0),
