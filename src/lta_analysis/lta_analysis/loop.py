@@ -27,6 +27,8 @@ from lta_control.pilot import Pilot
 from lta_control.sighting import Lamp, Reckoned, sighted
 from lta_control.strategies.protocol import Strategy
 from lta_energy import monitor
+from lta_energy.belief import numbers_of
+from lta_energy.reading import Reading, Whereabouts
 from lta_sim.compiled import compiled
 from lta_sim.readings import Outcome, Readings
 from lta_sim.vehicle import Vehicle
@@ -99,7 +101,7 @@ class Light:
 class Energy:
     """What the meters have said, and what is known since."""
 
-    reading: monitor.Reading
+    reading: Reading
     estimate: monitor.Estimate
 
 
@@ -148,7 +150,7 @@ class Loop:
         vehicle = known or Vehicle(world.vehicle.file)
         dt = table.control_ns * 1e-9
         self.autopilot = autopilot_of(policy, vehicle, dt)
-        self._cell = vehicle.battery
+        self._cell = numbers_of(vehicle.file.energy)
         diodes = diodes_of(vehicle.file.sensors.diodes)
         self._ring = diodes.ring
         self._finder = DirectionFinder(diodes, compiled(fit)[0], np.array)
@@ -263,18 +265,29 @@ class Loop:
         )  # fmt: skip
         self.beacon = route[self.mission.asked][1] if route else NO_WISH
 
+    def _where(self) -> Whereabouts | None:
+        """Return distance from the start and speed as odom carries them; None while learning."""
+        if self.measured() is None:
+            return None
+        reckoned = self._reckoned[-1]
+        return Whereabouts(
+            math.hypot(reckoned.x, reckoned.y), math.hypot(reckoned.forward, reckoned.left)
+        )
+
     def _count(self, readings: Readings) -> None:
         """Keep the energy books of one turn of the meters."""
         nothing = math.nan, math.nan
         voltage, current = map(carried.single, readings.battery or nothing)
         panel_voltage, panel_current = map(carried.single, readings.panel or nothing)
         lux = readings.illuminance
-        reading = monitor.Reading(
+        reading = Reading(
             stamp_ns=readings.stamp_ns,
             voltage=voltage,
             current=current,
-            harvest=panel_voltage * panel_current,
+            panel_voltage=panel_voltage,
+            panel_current=panel_current,
             illuminance=math.nan if lux is None else lux,
+            where=self._where(),
         )
         before = monitor.Estimate() if self.energy is None else self.energy.estimate
         self.energy = Energy(

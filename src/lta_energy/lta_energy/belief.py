@@ -23,7 +23,7 @@ import math
 from typing import NamedTuple
 
 from lta_config.settings import setting, Settings
-from lta_config.vehicle_file import Energy
+from lta_config.vehicle_energy import Energy
 from lta_energy.battery import Battery, open_circuit_voltage, state_of_charge
 
 CHARGE, RELAXATION, RESISTANCE, INVERSE, CHART = range(5)
@@ -37,18 +37,21 @@ Row = tuple[float, float, float, float, float]
 
 
 class CellNumbers(NamedTuple):
-    """A cell as its file has it. [C, ohm, ohm, s]"""
+    """A cell as its file has it. [C, ohm, ohm, s], and the voltage at which it is empty [V]"""
 
     capacity: float
     resistance: float
     relaxation_resistance: float
     relaxation_time: float
+    cut_off: float
 
 
 def numbers_of(energy: Energy) -> CellNumbers:
     """Return the cell of a vehicle file as the filter takes it."""
     cell = Battery.of(energy)
-    return CellNumbers(cell.capacity, cell.resistance, 0.0, 0.0)
+    return CellNumbers(
+        cell.capacity, cell.resistance, 0.0, 0.0, energy.battery.discharge_cutoff.si
+    )
 
 
 class BeliefSettings(Settings):

@@ -50,9 +50,6 @@ class MonitorSettings(ReserveSettings):
     outlook: float = setting(
         120.0, 'Time constant of the power in the time to empty.', unit='s', low=0.0, high=3600.0
     )
-    cut_off: float = setting(
-        3.0, 'Voltage at which the cell is empty.', unit='V', low=2.0, high=3.6
-    )
     belief: BeliefSettings = setting(BeliefSettings(), 'How far cells may differ.')
     way: WaySettings = setting(WaySettings(), 'The way home.')
 
@@ -143,7 +140,7 @@ def update(
     last = before.last
     dt = 0.0 if last is None else (reading.stamp_ns - last.stamp_ns) * 1e-9
     if last is not None and dt <= 0.0:
-        watch = watched(before.watch, Seen(reading, last, dt, cell, settings.cut_off))
+        watch = watched(before.watch, Seen(reading, last, dt, cell))
         return _decided(settings, cell, before._replace(watch=watch))
     expected = _expected(settings, cell, before, reading, dt)
     seen_belief, surprise = expected, None
@@ -152,7 +149,7 @@ def update(
             settings.belief, cell, expected, reading.voltage, reading.current
         )
     off = 0.0 if surprise is None else abs(surprise.innovation) / surprise.deviation
-    watch = watched(before.watch, Seen(reading, last, dt, cell, settings.cut_off, off))
+    watch = watched(before.watch, Seen(reading, last, dt, cell, off))
     belief = expected if watch.spoilt else seen_belief
     another = watch.latches[SWAPPED].on and not before.watch.latches[SWAPPED].on
     if (belief is None and not watch.spoilt) or (another and reading.usable):
@@ -258,7 +255,7 @@ def time_to_empty(settings: MonitorSettings, cell: CellNumbers, estimate: Estima
     if estimate.belief is None:
         return outlook.UNKNOWN
     spread = load.deviation(estimate.load, settings.smoothing, settings.outlook)
-    return outlook.to_empty(cell, estimate.belief, estimate.load.mean, spread, settings.cut_off)
+    return outlook.to_empty(cell, estimate.belief, estimate.load.mean, spread)
 
 
 def time_to_full(settings: MonitorSettings, cell: CellNumbers, estimate: Estimate) -> Time:

@@ -28,10 +28,10 @@ UNKNOWN = Time(math.nan, math.nan)
 NEVER = Time(math.inf, math.inf)
 
 
-def empty_charge(cell: CellNumbers, belief: Belief, power: float, cut_off: float) -> float:
-    """Return the charge at which a power [W] pulls the cell down to its cut-off [V]. [1]"""
+def empty_charge(cell: CellNumbers, belief: Belief, power: float) -> float:
+    """Return the charge at which a power [W] pulls the cell down to its cut-off. [1]"""
     resistance = belief.mean[RESISTANCE] * (cell.resistance + cell.relaxation_resistance)
-    return state_of_charge(cut_off + resistance * max(power, 0.0) / cut_off)
+    return state_of_charge(cell.cut_off + resistance * max(power, 0.0) / cell.cut_off)
 
 
 def energy_between(cell: CellNumbers, belief: Belief, low: float, high: float) -> float:
@@ -40,9 +40,7 @@ def energy_between(cell: CellNumbers, belief: Belief, low: float, high: float) -
     return stored_energy(high, capacity) - stored_energy(low, capacity)
 
 
-def to_empty(
-    cell: CellNumbers, belief: Belief, power: float, deviation: float, cut_off: float
-) -> Time:
+def to_empty(cell: CellNumbers, belief: Belief, power: float, deviation: float) -> Time:
     """
     Return how long the cell lasts.
 
@@ -54,13 +52,11 @@ def to_empty(
         What is known of it.
     power, deviation : float
         Mean power out of its chemistry, and the standard deviation of that. [W]
-    cut_off : float
-        Voltage at which it is empty. [V]
 
     """
     if power <= 0.0:
         return NEVER
-    energy = energy_between(cell, belief, empty_charge(cell, belief, power, cut_off), belief.charge)
+    energy = energy_between(cell, belief, empty_charge(cell, belief, power), belief.charge)
     return _time(cell, belief, max(energy, 0.0), power, deviation, 1.0)
 
 

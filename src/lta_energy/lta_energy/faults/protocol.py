@@ -23,8 +23,6 @@ class Seen(NamedTuple):
         Time between their stamps; 0 at the first, negative where stamps go back. [s]
     cell : CellNumbers
         The cell as its file has it.
-    cut_off : float
-        Voltage at which it counts as empty. [V]
     surprise : float
         How many standard deviations the voltage was off what was expected; 0 where nothing was.
 
@@ -34,7 +32,6 @@ class Seen(NamedTuple):
     before: Reading | None
     dt: float
     cell: CellNumbers
-    cut_off: float
     surprise: float = 0.0
 
 
