@@ -107,9 +107,7 @@ def unknown(settings: BeliefSettings, cell: CellNumbers) -> Belief:
         settings.capacity_spread,
         settings.chart_error,
     )
-    rows = [
-        tuple(deviations[i] ** 2 if i == j else 0.0 for j in range(SIZE)) for i in range(SIZE)
-    ]
+    rows = [tuple(deviations[i] ** 2 if i == j else 0.0 for j in range(SIZE)) for i in range(SIZE)]
     return Belief((0.5, 0.0, 1.0, 1.0, 0.0), tuple(rows))  # type: ignore[arg-type]
 
 
@@ -161,13 +159,9 @@ def predict(
         0.0,
         settings.chart_error**2 * -math.expm1(-2.0 * moved),
     )
-    return Belief(
-        mean,
-        tuple(
-            tuple(x + noise[i] if i == j else x for j, x in enumerate(row))
-            for i, row in enumerate(rows)
-        ),  # type: ignore[arg-type]
-    )
+    for place, added in enumerate(noise):
+        rows[place][place] += added
+    return Belief(mean, tuple(map(tuple, rows)))  # type: ignore[arg-type]
 
 
 def _moved(

@@ -127,9 +127,7 @@ def _of_cell(cell: CellNumbers, estimate: Estimate) -> dict[str, float]:
     }
 
 
-def _of_way(
-    settings: MonitorSettings, estimate: Estimate, reading: Reading
-) -> dict[str, float]:
+def _of_way(settings: MonitorSettings, estimate: Estimate, reading: Reading) -> dict[str, float]:
     """Return how far home is, what is left beyond it and the reserve, and how far that brings."""
     stock, travel = estimate.stock, estimate.travel
     spare = math.nan if stock is None else stock.spare

@@ -242,9 +242,7 @@ def _decided(settings: MonitorSettings, cell: CellNumbers, after: Estimate) -> E
         return after
     where = None if after.last is None else after.last.where
     away = 0.0 if where is None else where.distance
-    stock = reserve.stock(
-        settings, cell, belief, way_home.energy_home(settings.way, travel, away)
-    )
+    stock = reserve.stock(settings, cell, belief, way_home.energy_home(settings.way, travel, away))
     low = reserve.reached(settings, after.low, stock)
     doubtful = belief.deviation > settings.doubt
     return after._replace(stock=stock, low=low, reserve=low or doubtful or after.urgent)

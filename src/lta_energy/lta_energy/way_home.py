@@ -16,9 +16,7 @@ from lta_energy.reading import Whereabouts
 class WaySettings(Settings):
     """What is assumed of the way home until it has been measured, and for what nobody measures."""
 
-    power: float = setting(
-        1.4, 'Power of flight until measured.', unit='W', low=0.0, high=1000.0
-    )
+    power: float = setting(1.4, 'Power of flight until measured.', unit='W', low=0.0, high=1000.0)
     speed: float = setting(0.5, 'Airspeed until measured.', unit='m/s', low=0.05, high=30.0)
     moving: float = setting(
         0.1, 'Airspeed from which the drone counts as moving.', unit='m/s', low=0.01, high=10.0

@@ -4,7 +4,10 @@ from lta_energy.faults.dropout import NOTHING
 from lta_energy.faults.protocol import Detector, Memory, Seen
 from lta_graph.health import Level
 
-LOWEST, HIGHEST = 2.0, 4.45  # V; a LiPo cell is ruined below, and 0.25 V above full it is in danger
+LOWEST, HIGHEST = (
+    2.0,
+    4.45,
+)  # V; a LiPo cell is ruined below, and 0.25 V above full it is in danger
 
 
 def _sees(memory: Memory, seen: Seen) -> tuple[bool, Memory]:

@@ -30,7 +30,9 @@ def _says_missing(seen: Seen) -> str:
     return 'the power of the panel is not measured and counts as 0 W'
 
 
-DETECTOR = Detector('panel short', _short, _says_short, Level.WARN, spoils=False, rise=1.0, fall=2.0)
+DETECTOR = Detector(
+    'panel short', _short, _says_short, Level.WARN, spoils=False, rise=1.0, fall=2.0
+)
 MISSING = Detector(
     'panel not measured', _missing, _says_missing, Level.WARN, spoils=False, rise=0.0, fall=1.0
 )

@@ -33,7 +33,7 @@ DETECTORS: tuple[Detector, ...] = (
     panel_short.DETECTOR,
     frozen.PANEL,
 )
-BY_NAME = {detector.name: detector for detector in DETECTORS}
+UNTOUCHED = tuple(detector.start for detector in DETECTORS)
 SWAPPED = DETECTORS.index(swapped.DETECTOR)
 
 
@@ -62,10 +62,10 @@ class Watch(NamedTuple):
 
     """
 
-    memories: tuple[Memory, ...] = tuple(detector.start for detector in DETECTORS)
-    latches: tuple[Latch, ...] = tuple(Latch() for _ in DETECTORS)
-    seen: tuple[bool, ...] = tuple(False for _ in DETECTORS)
-    sentences: tuple[str, ...] = tuple('' for _ in DETECTORS)
+    memories: tuple[Memory, ...] = UNTOUCHED
+    latches: tuple[Latch, ...] = (Latch(),) * len(DETECTORS)
+    seen: tuple[bool, ...] = (False,) * len(DETECTORS)
+    sentences: tuple[str, ...] = ('',) * len(DETECTORS)
 
     @property
     def spoilt(self) -> bool:
