@@ -1,4 +1,4 @@
-"""What the energy makes of a mission in the air: land, fly back to the start, or on to the lamp."""
+"""What the energy makes of a mission in the air: land, fly back to the start, or go on."""
 
 import math
 

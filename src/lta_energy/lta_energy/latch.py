@@ -1,4 +1,4 @@
-"""A yes or no with hysteresis in time: it takes a while to say yes, and a while to take it back."""
+"""A yes or no with hysteresis in time: it takes a while to say yes, and to take it back."""
 
 from typing import NamedTuple
 

@@ -5,6 +5,7 @@ A meter with half a count of noise repeats a reading about every second time, so
 repeats for 5 s at 10 Hz has a chance of 1e-15. A panel in the dark really reads zero.
 """
 
+from lta_energy.faults.dropout import NOTHING
 from lta_energy.faults.protocol import Detector, Memory, Seen
 from lta_graph.health import Level
 
@@ -22,6 +23,8 @@ def _cell(memory: Memory, seen: Seen) -> tuple[bool, Memory]:
         return False, memory
     voltage, current = memory
     now, before = seen.reading, seen.before
+    if abs(now.voltage) < NOTHING:  # nothing is measured: that has a name of its own
+        return False, (0.0, 0.0)
     voltage = _longer(voltage, now.voltage, before.voltage, seen.dt)
     current = _longer(current, now.current, before.current, seen.dt)
     return max(voltage, current) >= LONGEST, (voltage, current)

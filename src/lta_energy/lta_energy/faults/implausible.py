@@ -17,8 +17,8 @@ def _sees(memory: Memory, seen: Seen) -> tuple[bool, Memory]:
 
 def _says(seen: Seen) -> str:
     return (
-        f'{seen.reading.voltage:.2f} V is no voltage of a LiPo cell ({LOWEST:g} to {HIGHEST:g} V): '
-        'check the power meter and its unit'
+        f'{seen.reading.voltage:.2f} V is no voltage of a LiPo cell '
+        f'({LOWEST:g} to {HIGHEST:g} V): check the power meter and its unit'
     )
 
 

@@ -1,4 +1,4 @@
-"""What a detector of bad readings is: one condition, how long it must last, and what it is called."""
+"""What a detector of bad readings is: a condition, how long it must last, and its name."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -12,7 +12,7 @@ from lta_energy.faults.protocol import Detector, Memory, Seen
 from lta_graph.health import Level
 
 DOUBTFUL_POWER = 0.05  # W; ten times what the meters' offsets can amount to
-MEMORY = 20.0  # s
+MEMORY = 10.0  # s
 EXCITED = 0.02  # A2; a step of 0.14 A, whose slope a voltage noise of 3 mV blurs by 0.02 ohm
 AGAINST = -0.5  # of the resistance
 

@@ -26,8 +26,8 @@ DETECTORS: tuple[Detector, ...] = (
     frozen.DETECTOR,
     implausible.DETECTOR,
     reversed_sign.DETECTOR,
-    swapped.DETECTOR,
     brown_out.DETECTOR,
+    swapped.DETECTOR,
     gap.DETECTOR,
     panel_short.MISSING,
     panel_short.DETECTOR,
@@ -96,21 +96,19 @@ class Watch(NamedTuple):
 
 
 def watched(watch: Watch, seen: Seen) -> Watch:
-    """Return what the detectors know after one more reading."""
-    rows = [
-        _one(detector, memory, latch, sentence, seen)
-        for detector, memory, latch, sentence in zip(
-            DETECTORS, watch.memories, watch.latches, watch.sentences, strict=True
-        )
-    ]
+    """
+    Return what the detectors know after one more reading.
+
+    A reading in which one finds a grave fault surprises nobody further down the list.
+    """
+    rows = []
+    for detector, memory, latch, sentence in zip(
+        DETECTORS, watch.memories, watch.latches, watch.sentences, strict=True
+    ):
+        condition, now = detector.sees(memory, seen)
+        kept = latched(latch, condition, max(seen.dt, 0.0), detector.rise, detector.fall)
+        rows.append((now, kept, condition, detector.says(seen) if condition else sentence))
+        if condition and detector.level >= Level.ERROR:
+            seen = seen._replace(surprise=0.0)
     memories, latches, conditions, sentences = zip(*rows, strict=True)
     return Watch(memories, latches, conditions, sentences)
-
-
-def _one(
-    detector: Detector, memory: Memory, latch: Latch, sentence: str, seen: Seen
-) -> tuple[Memory, Latch, bool, str]:
-    """Return one detector's memory, latch, condition and sentence."""
-    condition, memory = detector.sees(memory, seen)
-    latch = latched(latch, condition, max(seen.dt, 0.0), detector.rise, detector.fall)
-    return memory, latch, condition, detector.says(seen) if condition else sentence

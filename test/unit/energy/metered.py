@@ -1,0 +1,102 @@
+"""
+A cell of one's own behind the simulator's meters, for the monitor to look at.
+
+The circuit is written out here a second time; only the chart of the resting voltage is shared.
+"""
+
+import math
+
+from .flight_load import PERIOD, stored
+from lta_energy.battery import open_circuit_voltage
+from lta_energy.belief import CellNumbers
+from lta_energy.monitor import Estimate, MonitorSettings, update
+from lta_energy.reading import Reading
+from lta_sim.sensors import power
+import numpy as np
+
+SETTINGS = MonitorSettings()
+CELL = CellNumbers(900.0, 0.15, 0.094, 33.0, 3.0)
+START = 1_000_000_000
+LOAD = stored()
+# How far a cell may be from its file: capacity, both resistances together (cold, age), that of the
+# pair besides, and its time constant, relative; its resting voltage from the chart [V].
+TOLERANCE = (0.05, 0.3, 0.1, 0.3, 0.0)
+
+
+class Metered:
+    """
+    A cell that feeds flights one after the other.
+
+    Parameters
+    ----------
+    seed : int
+        Of its charge, the meters' errors and noise, and where in a flight it begins.
+    charge : tuple of float
+        Bounds of the charge at the start.
+    off : bool
+        Whether the cell differs from its file.
+    period : float
+        Between two readings. [s]
+
+    """
+
+    def __init__(self, seed, charge=(0.3, 1.0), off=False, period=PERIOD):
+        self.rng = rng = np.random.default_rng(seed)
+        self.charge = rng.uniform(*charge)
+        self.relaxation = rng.uniform(-0.03, 0.0)
+        share = np.array(TOLERANCE) * rng.uniform(-1.0, 1.0, 5) * off
+        capacity, series, pair, time = (1.0 + share[:4]).tolist()
+        self.cell = CellNumbers(
+            capacity * CELL.capacity,
+            series * CELL.resistance,
+            series * pair * CELL.relaxation_resistance,
+            time * CELL.relaxation_time,
+            CELL.cut_off,
+        )
+        self.chart = share[4]
+        self.settings = power.PowerMeterSettings()
+        self.errors = power.draw(self.settings, rng)
+        self.turn = int(rng.integers(len(LOAD)))
+        self.every = round(period / PERIOD)
+        self.stamp = START
+        self.voltage = self.current = 0.0
+
+    def step(self, watts=None):
+        """Feed the load for one period of it; the exact solution of the RC pair."""
+        watts = LOAD[self.turn % len(LOAD)] if watts is None else watts
+        self.turn += 1
+        capacity, series, pair, time, _ = self.cell
+        inner = open_circuit_voltage(self.charge) + self.chart + self.relaxation
+        # R I^2 + E I + P = 0, the smaller root
+        self.current = (-inner + math.sqrt(inner**2 - 4.0 * series * watts)) / (2.0 * series)
+        self.voltage = inner + series * self.current
+        kept = math.exp(-PERIOD / time)
+        self.relaxation = kept * self.relaxation + (1.0 - kept) * pair * self.current
+        self.charge = self.charge + self.current * PERIOD / capacity
+        self.stamp += round(PERIOD * 1e9)
+
+    def reading(self, watts=None, **other):
+        """Return the next turn of the meters."""
+        for _ in range(self.every):
+            self.step(watts)
+        volts, amperes = power.measure(
+            self.settings, self.errors, self.voltage, self.current, self.rng
+        )
+        return Reading(self.stamp, volts, amperes, **{'panel_voltage': 4.4, 'panel_current': 0.0} | other)
+
+    def lasts(self):
+        """Return how long it goes on until it is empty. [s]"""
+        begun = self.stamp
+        while self.charge > 0.0:
+            self.step()
+            if self.voltage < self.cell.cut_off:
+                break
+        return (self.stamp - begun) * 1e-9
+
+
+def follow(readings, settings=SETTINGS, estimate=None):
+    """Return what the monitor knows after some readings."""
+    estimate = estimate or Estimate()
+    for reading in readings:
+        estimate = update(settings, CELL, estimate, reading)
+    return estimate
