@@ -15,6 +15,7 @@ DOUBTFUL_POWER = 0.05  # W; ten times what the meters' offsets can amount to
 MEMORY = 10.0  # s
 EXCITED = 0.02  # A2; a step of 0.14 A, whose slope a voltage noise of 3 mV blurs by 0.02 ohm
 AGAINST = -0.5  # of the resistance
+NOISE = 0.02  # V
 
 
 def _sees(memory: Memory, seen: Seen) -> tuple[bool, Memory]:
@@ -36,8 +37,9 @@ def _changes(memory: Memory, seen: Seen) -> tuple[float, float]:
         return squares, products
     kept = math.exp(-seen.dt / MEMORY)
     current = now.current - before.current
-    most = 2.0 * seen.cell.resistance * abs(current)  # what is more comes from something else
-    voltage = min(max(now.voltage - before.voltage, -most), most)
+    voltage = now.voltage - before.voltage
+    if abs(voltage) > 2.0 * seen.cell.resistance * abs(current) + NOISE:  # something else's doing
+        return kept * squares, kept * products
     return kept * squares + current * current, kept * products + voltage * current
 
 
