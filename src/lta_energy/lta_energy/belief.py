@@ -70,7 +70,11 @@ class BeliefSettings(Settings):
         0.010, 'Of one reading and of the circuit behind it.', unit='V', low=1e-4, high=0.2
     )
     recent_current: float = setting(
-        0.5, 'That a cell of unknown past may have just given.', unit='A', low=0.0, high=50.0
+        0.2,
+        'That a cell of unknown past may have just given; assumed.',
+        unit='A',
+        low=0.0,
+        high=50.0,
     )
 
 

@@ -2,6 +2,8 @@
 
 from typing import NamedTuple
 
+ROUNDING = 1e-6  # s; of a sum of differences of stamps
+
 
 class Latch(NamedTuple):
     """Whether it is on, and how long its condition has said otherwise. [s]"""
@@ -30,6 +32,6 @@ def latched(latch: Latch, condition: bool, dt: float, rise: float, fall: float) 
     if condition == latch.on:
         return Latch(latch.on, 0.0)
     since = latch.since + dt
-    if since >= (rise if condition else fall):
+    if since + ROUNDING >= (rise if condition else fall):
         return Latch(condition, 0.0)
     return Latch(latch.on, since)

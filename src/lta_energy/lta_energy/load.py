@@ -63,5 +63,4 @@ def deviation(load: Load, quick: float, slow: float) -> float:
 
 def _weight(dt: float, time: float, age: float) -> float:
     """Return the share of the newest in a mean over a time, or over all of a younger age."""
-    span = min(time, age)
-    return -math.expm1(-dt / span) if span > 0.0 else 1.0
+    return max(-math.expm1(-dt / time), dt / age) if time > 0.0 and age > 0.0 else 1.0

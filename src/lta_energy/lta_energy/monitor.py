@@ -38,6 +38,7 @@ CRITICAL_VOLTAGE = 3.2  # V under load; Bitcraze's low-battery limit
 RECOVERED_VOLTAGE = 3.3  # V
 CRITICAL_RISE, CRITICAL_FALL = 0.3, 5.0  # s
 BETWEEN = 0.3  # of a change of the current: how unsure its mean between two readings is (uniform)
+EMPTY = 0.02  # of the charge at either end, where cells leave the chart
 QUIET = 1e-3  # A; two counts of the meter and its offset
 
 
@@ -148,7 +149,7 @@ def update(
         seen_belief, surprise = look(
             settings.belief, cell, expected, reading.voltage, reading.current
         )
-    off = 0.0 if surprise is None else abs(surprise.innovation) / surprise.deviation
+    off = _surprising(expected, surprise)
     watch = watched(before.watch, Seen(reading, last, dt, cell, off))
     belief = expected if watch.spoilt else seen_belief
     another = watch.latches[SWAPPED].on and not before.watch.latches[SWAPPED].on
@@ -175,6 +176,15 @@ def _expected(
         current = 0.5 * (before.good.current + reading.current)
         unsure = BETWEEN * abs(reading.current - before.good.current) + QUIET
     return predict(settings.belief, cell, belief, current, unsure, dt)
+
+
+def _surprising(expected: Belief | None, surprise: Surprise | None) -> float:
+    """Return by how many deviations a voltage was off; beyond the ends of the chart by none."""
+    if expected is None or surprise is None:
+        return 0.0
+    end = EMPTY if surprise.innovation < 0.0 else 1.0 - EMPTY
+    beyond = expected.charge < end if surprise.innovation < 0.0 else expected.charge > end
+    return 0.0 if beyond else abs(surprise.innovation) / surprise.deviation
 
 
 def _blind_current(before: Estimate, belief: Belief) -> tuple[float, float]:

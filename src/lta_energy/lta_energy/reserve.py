@@ -21,7 +21,7 @@ class ReserveSettings(Settings):
         1.0, 'Standard deviations of the charge that are not counted on.', low=0.0, high=5.0
     )
     doubt: float = setting(
-        0.12, 'Standard deviation from which the charge is doubtful.', low=0.01, high=0.3
+        0.15, 'Standard deviation from which the charge is doubtful.', low=0.01, high=0.3
     )
 
 

@@ -6,13 +6,14 @@ The circuit is written out here a second time; only the chart of the resting vol
 
 import math
 
-from .flight_load import PERIOD, stored
 from lta_energy.battery import open_circuit_voltage
 from lta_energy.belief import CellNumbers
 from lta_energy.monitor import Estimate, MonitorSettings, update
 from lta_energy.reading import Reading
 from lta_sim.sensors import power
 import numpy as np
+
+from .flight_load import PERIOD, stored
 
 SETTINGS = MonitorSettings()
 CELL = CellNumbers(900.0, 0.15, 0.094, 33.0, 3.0)
@@ -82,7 +83,9 @@ class Metered:
         volts, amperes = power.measure(
             self.settings, self.errors, self.voltage, self.current, self.rng
         )
-        return Reading(self.stamp, volts, amperes, **{'panel_voltage': 4.4, 'panel_current': 0.0} | other)
+        return Reading(
+            self.stamp, volts, amperes, **{'panel_voltage': 4.4, 'panel_current': 0.0} | other
+        )
 
     def lasts(self):
         """Return how long it goes on until it is empty. [s]"""

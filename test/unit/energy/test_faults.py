@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lta_energy import alarms
 from lta_energy.faults.watch import DETECTORS
-from lta_energy.latch import Latch, latched
+from lta_energy.latch import Latch, latched, ROUNDING
 from lta_energy.monitor import Estimate, update
 from lta_graph.health import Level
 import pytest
@@ -107,9 +107,7 @@ def test_a_reversed_current_is_seen_in_bright_light_by_the_resistance():
     _, clean = series(lit=True)
 
     def change(reading):
-        return replace(
-            reading, panel_current=5 * reading.panel_current, current=-reading.current
-        )
+        return replace(reading, panel_current=5 * reading.panel_current, current=-reading.current)
 
     estimate = follow(clean(200, change))
     assert 'reversed current' in names(estimate)
@@ -188,16 +186,16 @@ def test_each_detector_has_its_name():
     assert len({detector.name for detector in DETECTORS}) == len(DETECTORS) == 12
 
 
-@given(
-    st.lists(st.booleans(), max_size=60), st.floats(0.0, 1.0), st.floats(0.0, 1.0)
-)
+@given(st.lists(st.booleans(), max_size=60), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 def test_a_latch_changes_only_when_its_condition_has_lasted(conditions, rise, fall):
     latch, lasted = Latch(), 0.0
     for condition in conditions:
         before = latch
         latch = latched(latch, condition, 0.1, rise, fall)
         lasted = lasted + 0.1 if condition != before.on else 0.0
-        assert (latch.on != before.on) == (lasted > 0.0 and lasted >= (rise if condition else fall))
+        assert (latch.on != before.on) == (
+            lasted > 0.0 and lasted + ROUNDING >= (rise if condition else fall)
+        )
         if latch.on != before.on:
             assert latch.on is condition
             lasted = 0.0

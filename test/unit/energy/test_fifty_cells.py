@@ -6,9 +6,10 @@ graph; `test/score/energy_monitor.py` measures all of it at ten.
 """
 
 from lta_energy.monitor import Estimate, time_to_empty, update
-from .metered import CELL, follow, Metered, SETTINGS
 import numpy as np
 import pytest
+
+from .metered import CELL, follow, Metered, SETTINGS
 
 SEEDS = range(50)
 TEN_MINUTES = 600  # readings
