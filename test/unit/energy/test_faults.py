@@ -1,4 +1,4 @@
-"""Bad readings: each fault is put into a clean series, and must be named; clean series stay clean."""
+"""Bad readings: each fault is put into a clean series and must be named; no other may be."""
 
 from dataclasses import replace
 import math
@@ -165,7 +165,7 @@ def test_a_fault_is_taken_back_only_after_a_while():
 @pytest.mark.parametrize('seed', range(20))
 @pytest.mark.parametrize('lit', [False, True])
 def test_clean_flights_raise_no_alarm(seed, lit):
-    """A minute each; a cell that differs from its file, from rest or from the middle of a flight."""
+    """A minute each of a cell that differs from its file, from the middle of some flight."""
     cell, estimate = Metered(seed, (0.35, 1.0), off=True), Estimate()
     for _ in range(600):
         light = abs(cell.rng.normal(0.2, 1e-3)) if lit else 0.0

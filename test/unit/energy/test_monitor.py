@@ -60,10 +60,8 @@ def test_the_books_by_hand():
 
 
 def test_the_books_of_a_cell_like_its_file_balance_to_a_thousandth():
-    cell, series = Metered(3, (0.6, 0.9)), []
-    for _ in range(600):
-        series.append(cell.reading())
-    books = follow(series).books
+    cell = Metered(3, (0.6, 0.9))
+    books = follow(cell.reading() for _ in range(600)).books
     assert abs(books.imbalance) < 2e-3 * books.consumed
 
 

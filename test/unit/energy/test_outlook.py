@@ -25,7 +25,7 @@ def known(charge=0.5, inverse=1.0, deviation=0.0, unsure=0.0, together=0.0):
 
 
 def test_time_to_empty_by_hand():
-    # Half of the cell holds 900 C * 37.225 V / 20; empty is where 2 W still leave 3.0 V: below 0 %.
+    # Half of the cell holds 900 C * 37.225 V / 20; 2 W leave it above 3.0 V down to 0 %.
     time = outlook.to_empty(CELL, known(), 2.0, 0.0)
     assert time == (pytest.approx(1675.125 / 2.0), 0.0)
     small = outlook.to_empty(CELL, known(inverse=1.25), 2.0, 0.0)
