@@ -1,8 +1,9 @@
 """
 The monitor over 50 cells of unknown charge that feed flights, through the simulator's meters.
 
-The cells differ from their file by the tolerances in `metered`. Readings come once a second here, which leaves the filter less to work with than the ten of the
-graph; `test/score/energy_monitor.py` measures all of it at ten.
+The cells differ from their file by the tolerances in `metered`. Readings come once a second here,
+which leaves the filter less to work with than the ten of the graph; `test/score/energy_monitor.py`
+measures all of it at ten.
 """
 
 from lta_energy.monitor import Estimate, time_to_empty, update
