@@ -12,6 +12,7 @@ FOLDERS = (
     'imports',
     'launch',
     'manoeuvres',
+    'mounts',
     'scenarios',
     'sweeps',
     'vehicles',

@@ -82,7 +82,7 @@ class World:
         self._link = CommandLink(vehicle.reversible, self._model.given, acting['command_time'])
         self.command = self._craft.command
         self.command[:] = self._link.idle
-        self.supply = Supply(vehicle, scenario.start.charge.si, self._chance)
+        self.supply = Supply(vehicle, scenario.start.charge.si, self._chance, scenario.faults)
         self.steps = 0
         self.outcome = Outcome.FLYING  # how the flight stands; once decided, it stays
         self._ranges: list[tuple[int, float]] = []
@@ -92,7 +92,14 @@ class World:
         )  # fmt: skip
         pose = self._pose()
         self._begin_period(pose)
-        self._craft.look()  # loads the compiled kernel now, not in the middle of the first step
+        self._load()
+
+    def _load(self) -> None:
+        """Compile the kernels, or load them from disk, now and not in the middle of a step."""
+        self._craft.look()
+        self._craft.advance(self._period, 0)
+        self._imu.prepare(self.state, self._craft.rate)
+        self._light.prepare(*self._shape)
 
     def _keep_what_stays(self, table: TopicTable) -> None:
         """Take numbers out of files once, not at every step."""
@@ -105,7 +112,6 @@ class World:
         field = scenario.light_field
         diodes = set_for(field, self.vehicle).drawn(self._chance['diodes'])
         self._light = LightView(field, self.vehicle, diodes)
-        self._light.prepare(*self._shape)
         self._imu_place = _three(sensors.imu_position.vector)
         self._range_place = _three(sensors.range_position.vector)
         self._referee = Referee(scenario)
@@ -145,7 +151,7 @@ class World:
     @property
     def charge(self) -> float:
         """State of charge of the cell, 0 to 1. [1]."""
-        return self.supply.charge
+        return self.supply.flow.charge
 
     @property
     def duties(self) -> Array:
@@ -177,6 +183,12 @@ class World:
         """Velocity of the air at the hull, all effects included. [m/s, map]."""
         self._craft.look()
         return _three(self._craft.wind.tolist())
+
+    @property
+    def thrusts(self) -> tuple[float, ...]:
+        """Present thrust of each rotor. [N]."""
+        self._craft.look()
+        return tuple(self._craft.thrusts[: self._rotors].tolist())
 
     def wrenches(self) -> dict[str, Array]:
         """Return the present wrench of each effect, body frame. [N, N m]."""
@@ -225,9 +237,9 @@ class World:
                 self._light.block(begun, *self._shape, self._chance['photodiodes']),
             )
         if self._due('battery'):
-            readings.illuminance, irradiance = self._light.on_panel(self._pose())
+            readings.illuminance, _ = self._light.on_panel(self._pose())
             readings.battery = self.supply.meter_battery()
-            readings.panel = self.supply.meter_panel(irradiance)
+            readings.panel = self.supply.meter_panel()
         self._tracker.watch(self.steps * self._control_ns, tuple(self.state[:RIGID].tolist()))
         if self._due('ground_truth/odom'):
             readings.truth = self._tracker.says(self._ahead)
@@ -260,6 +272,8 @@ class World:
             `BadInput`, if the numbers ran away in this period.
 
         """
+        if not self.supply.flow.fed:
+            duties = (0.0,) * self._rotors
         command = self._link.compose(duties, mass_place)
         now, end = self.stamp_ns, self.stamp_ns + self._control_ns
         for until, obeyed in self._link.spans(now, end, self.elapsed, command):
