@@ -29,7 +29,7 @@ from lta_control.reserve import Order, order_of, ReserveSettings, Word
 from lta_control.sighting import Lamp, Reckoned, sighted
 from lta_control.strategies.protocol import Strategy
 from lta_energy import monitor
-from lta_energy.belief import numbers_of
+from lta_energy.aboard import Aboard
 from lta_energy.reading import Reading, Whereabouts
 from lta_sim.compiled import compiled
 from lta_sim.readings import Outcome, Readings
@@ -154,7 +154,7 @@ class Loop:
         vehicle = known or Vehicle(world.vehicle.file)
         dt = table.control_ns * 1e-9
         self.autopilot = autopilot_of(policy, vehicle, dt)
-        self._cell = numbers_of(vehicle.file.energy)
+        self._aboard = Aboard.of(vehicle.file.energy)
         diodes = diodes_of(vehicle.file.sensors.diodes)
         self._ring = diodes.ring
         self._finder = DirectionFinder(diodes, compiled(fit)[0], np.array)
@@ -303,7 +303,7 @@ class Loop:
         )
         before = monitor.Estimate() if self.energy is None else self.energy.estimate
         self.energy = Energy(
-            reading, monitor.update(self.policy.energy, self._cell, before, reading)
+            reading, monitor.update(self.policy.energy, self._aboard, before, reading)
         )
 
 

@@ -2,7 +2,7 @@
 
 import math
 
-from lta_energy.belief import CellNumbers
+from lta_energy.battery import Battery
 from lta_energy.monitor import Estimate, MonitorSettings, time_to_empty, time_to_full
 from lta_energy.outlook import Time
 from lta_graph.health import Level
@@ -11,7 +11,7 @@ Verdict = tuple[Level, str]
 LONGEST = 360_000.0  # s; a hundred hours: what lasts longer is not worth a figure
 
 
-def battery(settings: MonitorSettings, cell: CellNumbers, estimate: Estimate) -> Verdict:
+def battery(settings: MonitorSettings, cell: Battery, estimate: Estimate) -> Verdict:
     """
     Return how the energy stands, and by its level what it asks for.
 
@@ -34,7 +34,7 @@ def battery(settings: MonitorSettings, cell: CellNumbers, estimate: Estimate) ->
     return Level.OK, f'{percent} left{_lasts(settings, cell, estimate)}'
 
 
-def _lasts(settings: MonitorSettings, cell: CellNumbers, estimate: Estimate) -> str:
+def _lasts(settings: MonitorSettings, cell: Battery, estimate: Estimate) -> str:
     """Return how long it lasts or takes, in words."""
     empty, full = time_to_empty(settings, cell, estimate), time_to_full(settings, cell, estimate)
     if empty.mean < LONGEST:

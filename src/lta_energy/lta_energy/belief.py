@@ -23,7 +23,6 @@ import math
 from typing import NamedTuple
 
 from lta_config.settings import setting, Settings
-from lta_config.vehicle_energy import Energy
 from lta_energy.battery import Battery, open_circuit_voltage, state_of_charge
 
 CHARGE, RELAXATION, RESISTANCE, INVERSE, CHART = range(5)
@@ -34,24 +33,6 @@ NARROW, WIDE = 0.01, 0.2  # the half chord
 SLOW = 1e-5  # growth of the charge's deviation by what the meter's offset does [1/sqrt(s)]
 
 Row = tuple[float, float, float, float, float]
-
-
-class CellNumbers(NamedTuple):
-    """A cell as its file has it. [C, ohm, ohm, s], and the voltage at which it is empty [V]"""
-
-    capacity: float
-    resistance: float
-    relaxation_resistance: float
-    relaxation_time: float
-    cut_off: float
-
-
-def numbers_of(energy: Energy) -> CellNumbers:
-    """Return the cell of a vehicle file as the filter takes it."""
-    cell = Battery.of(energy)
-    return CellNumbers(
-        cell.capacity, cell.resistance, 0.0, 0.0, energy.battery.discharge_cutoff.si
-    )
 
 
 class BeliefSettings(Settings):
@@ -102,7 +83,7 @@ class Surprise(NamedTuple):
     deviation: float
 
 
-def unknown(settings: BeliefSettings, cell: CellNumbers) -> Belief:
+def unknown(settings: BeliefSettings, cell: Battery) -> Belief:
     """Return the belief before any reading: any charge."""
     deviations = (
         UNIFORM,
@@ -117,7 +98,7 @@ def unknown(settings: BeliefSettings, cell: CellNumbers) -> Belief:
 
 def predict(
     settings: BeliefSettings,
-    cell: CellNumbers,
+    cell: Battery,
     belief: Belief,
     current: float,
     deviation: float,
@@ -130,7 +111,7 @@ def predict(
     ----------
     settings : BeliefSettings
         How far cells differ.
-    cell : CellNumbers
+    cell : Battery
         The cell's file.
     belief : Belief
         Before.
@@ -188,7 +169,7 @@ def _moved(
 
 
 def look(
-    settings: BeliefSettings, cell: CellNumbers, belief: Belief, voltage: float, current: float
+    settings: BeliefSettings, cell: Battery, belief: Belief, voltage: float, current: float
 ) -> tuple[Belief, Surprise]:
     """
     Return the belief with a reading, and how surprising that was.
@@ -197,7 +178,7 @@ def look(
     ----------
     settings : BeliefSettings
         The noise of a reading.
-    cell : CellNumbers
+    cell : Battery
         The cell's file.
     belief : Belief
         Before.
@@ -208,9 +189,7 @@ def look(
     return _corrected(settings, cell, belief, belief.charge, voltage, current)
 
 
-def first_look(
-    settings: BeliefSettings, cell: CellNumbers, voltage: float, current: float
-) -> Belief:
+def first_look(settings: BeliefSettings, cell: Battery, voltage: float, current: float) -> Belief:
     """Return the belief after a first reading; it is linearised where the voltage points to."""
     pointed = state_of_charge(voltage - cell.resistance * current)
     start = unknown(settings, cell)
@@ -219,7 +198,7 @@ def first_look(
 
 def _corrected(
     settings: BeliefSettings,
-    cell: CellNumbers,
+    cell: Battery,
     belief: Belief,
     at: float,
     voltage: float,

@@ -4,7 +4,9 @@ import math
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from lta_energy import alarms
-from lta_energy.belief import CellNumbers, INVERSE, RESISTANCE
+from lta_energy.aboard import Aboard
+from lta_energy.battery import Battery
+from lta_energy.belief import INVERSE, RESISTANCE
 from lta_energy.monitor import Estimate, MonitorSettings, time_to_empty, time_to_full
 from lta_energy.reading import Reading, Whereabouts
 from lta_energy.way_home import reach
@@ -43,7 +45,7 @@ def to_whereabouts(odom: Odometry) -> Whereabouts | None:
     return Whereabouts(math.hypot(place.x, place.y), math.hypot(speed.x, speed.y))
 
 
-def from_charge(cell: CellNumbers, estimate: Estimate, measured: BatteryState) -> BatteryState:
+def from_charge(cell: Battery, estimate: Estimate, measured: BatteryState) -> BatteryState:
     """Return the measured battery with the estimated charge; REP-147 signs, NaN if unknown."""
     capacity = cell.capacity / SECONDS_PER_HOUR
     return BatteryState(
@@ -85,15 +87,15 @@ def _health(estimate: Estimate) -> int:
 
 
 def figures(
-    settings: MonitorSettings, cell: CellNumbers, estimate: Estimate, reading: Reading
+    settings: MonitorSettings, aboard: Aboard, estimate: Estimate, reading: Reading
 ) -> dict[str, float]:
     """Return the books as named numbers; each name ends with its unit."""
-    books = estimate.books
+    books, cell = estimate.books, aboard.cell
     empty = time_to_empty(settings, cell, estimate)
     full = time_to_full(settings, cell, estimate)
     return {
         'power_in_W': reading.harvest,
-        'power_out_W': reading.income - reading.power,
+        'power_out_W': aboard.given(reading.harvest) - reading.power,
         'power_net_W': reading.power,
         'harvested_J': books.harvested,
         'consumed_J': books.consumed,
@@ -112,7 +114,7 @@ def figures(
     }
 
 
-def _of_cell(cell: CellNumbers, estimate: Estimate) -> dict[str, float]:
+def _of_cell(cell: Battery, estimate: Estimate) -> dict[str, float]:
     """Return what the filter makes of the cell itself, and how far off its last voltage was."""
     if estimate.belief is None:
         resistance = capacity = math.nan
@@ -140,15 +142,15 @@ def _of_way(settings: MonitorSettings, estimate: Estimate, reading: Reading) -> 
 
 def from_books(
     settings: MonitorSettings,
-    cell: CellNumbers,
+    aboard: Aboard,
     estimate: Estimate,
     reading: Reading,
     measured: BatteryState,
 ) -> DiagnosticArray:
     """Return books and faults as two diagnostic statuses, stamped as the battery was measured."""
-    level, sentence = alarms.battery(settings, cell, estimate)
+    level, sentence = alarms.battery(settings, aboard.cell, estimate)
     trust, faults = alarms.meters(estimate)
-    numbers = figures(settings, cell, estimate, reading)
+    numbers = figures(settings, aboard, estimate, reading)
     array = DiagnosticArray()
     array.header.stamp = measured.header.stamp
     array.status = [

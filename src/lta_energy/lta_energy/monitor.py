@@ -11,11 +11,11 @@ from typing import NamedTuple
 
 from lta_config.settings import setting
 from lta_energy import load, outlook, reserve, way_home
-from lta_energy.battery import open_circuit_voltage
+from lta_energy.aboard import Aboard
+from lta_energy.battery import Battery, open_circuit_voltage
 from lta_energy.belief import (
     Belief,
     BeliefSettings,
-    CellNumbers,
     first_look,
     look,
     predict,
@@ -121,7 +121,7 @@ class Estimate(NamedTuple):
 
 
 def update(
-    settings: MonitorSettings, cell: CellNumbers, before: Estimate, reading: Reading
+    settings: MonitorSettings, aboard: Aboard, before: Estimate, reading: Reading
 ) -> Estimate:
     """
     Return what is known after one more reading.
@@ -130,15 +130,15 @@ def update(
     ----------
     settings : MonitorSettings
         The reserve and the smoothing.
-    cell : CellNumbers
-        The cell, as the monitor believes it to be.
+    aboard : Aboard
+        Cell and charger, as their file has them.
     before : Estimate
         What was known.
     reading : Reading
         The meters.
 
     """
-    last = before.last
+    last, cell = before.last, aboard.cell
     dt = 0.0 if last is None else (reading.stamp_ns - last.stamp_ns) * 1e-9
     if last is not None and dt <= 0.0:
         watch = watched(before.watch, Seen(reading, last, dt, cell))
@@ -160,12 +160,12 @@ def update(
         critical=_critical(before.critical, reading, dt),
     )  # fmt: skip
     if not watch.spoilt:
-        after = _counted(settings, cell, after, reading, dt)
+        after = _counted(settings, aboard, after, reading, dt)
     return _decided(settings, cell, after)
 
 
 def _expected(
-    settings: MonitorSettings, cell: CellNumbers, before: Estimate, reading: Reading, dt: float
+    settings: MonitorSettings, cell: Battery, before: Estimate, reading: Reading, dt: float
 ) -> Belief | None:
     """Return what is believed of the cell before the newest voltage is looked at."""
     belief = before.belief
@@ -202,7 +202,7 @@ def _critical(before: Latch, reading: Reading, dt: float) -> Latch:
 
 
 def _counted(
-    settings: MonitorSettings, cell: CellNumbers, after: Estimate, reading: Reading, dt: float
+    settings: MonitorSettings, aboard: Aboard, after: Estimate, reading: Reading, dt: float
 ) -> Estimate:
     """Return the estimate with a good reading in load, books and way."""
     belief = after.belief
@@ -216,36 +216,40 @@ def _counted(
     return after._replace(
         load=load.smoothed(after.load, power, dt, settings.smoothing, settings.outlook),
         travel=way_home.seen(settings.way, after.travel, reading.where, power, dt),
-        books=_entered(after.books, cell, belief, after.good, reading),
+        books=_entered(after.books, aboard, belief, after.good, reading),
         good=reading,
     )
 
 
 def _entered(
-    books: Books, cell: CellNumbers, belief: Belief, last: Reading, reading: Reading
+    books: Books, aboard: Aboard, belief: Belief, last: Reading, reading: Reading
 ) -> Books:
     """
     Return the books after the time between two good readings.
 
-    Stored is what flowed into the chemistry by the current and the resting voltage, lost what the
-    resistances turned into heat; what is left over says how far model and meters disagree.
+    Stored is what flowed into the chemistry by the current and the resting voltage, lost what
+    charger and resistances turned into heat; what is left over says how far model and meters
+    disagree.
     """
     dt = (reading.stamp_ns - last.stamp_ns) * 1e-9
     current = 0.5 * (last.current + reading.current)
     squared = 0.5 * (last.current**2 + reading.current**2)
     harvest = 0.5 * (last.income + reading.income)
+    given = 0.5 * (aboard.given(last.harvest) + aboard.given(reading.harvest))
     return enter(
         books,
         harvest=harvest,
-        load=harvest - 0.5 * (last.power + reading.power),
-        loss=belief.mean[RESISTANCE] * cell.resistance * squared
+        load=given - 0.5 * (last.power + reading.power),
+        loss=harvest
+        - given
+        + belief.mean[RESISTANCE] * aboard.cell.resistance * squared
         + belief.mean[RELAXATION] * current,
         stored=open_circuit_voltage(belief.charge) * current * dt,
         dt=dt,
     )
 
 
-def _decided(settings: MonitorSettings, cell: CellNumbers, after: Estimate) -> Estimate:
+def _decided(settings: MonitorSettings, cell: Battery, after: Estimate) -> Estimate:
     """Return the estimate with the decision about the reserve."""
     belief, travel = after.belief, after.travel
     if belief is None or travel is None:
@@ -258,7 +262,7 @@ def _decided(settings: MonitorSettings, cell: CellNumbers, after: Estimate) -> E
     return after._replace(stock=stock, low=low, reserve=low or doubtful or after.urgent)
 
 
-def time_to_empty(settings: MonitorSettings, cell: CellNumbers, estimate: Estimate) -> Time:
+def time_to_empty(settings: MonitorSettings, cell: Battery, estimate: Estimate) -> Time:
     """Return how long the charge lasts at the mean load; infinite while nothing is drained."""
     if estimate.belief is None:
         return outlook.UNKNOWN
@@ -266,7 +270,7 @@ def time_to_empty(settings: MonitorSettings, cell: CellNumbers, estimate: Estima
     return outlook.to_empty(cell, estimate.belief, estimate.load.mean, spread)
 
 
-def time_to_full(settings: MonitorSettings, cell: CellNumbers, estimate: Estimate) -> Time:
+def time_to_full(settings: MonitorSettings, cell: Battery, estimate: Estimate) -> Time:
     """Return how long the cell takes until it is full; infinite while it is not charged."""
     if estimate.belief is None:
         return outlook.UNKNOWN

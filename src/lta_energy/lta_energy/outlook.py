@@ -13,8 +13,8 @@ Full is by the same rule and leaves out that a charger tapers its current off at
 import math
 from typing import NamedTuple
 
-from lta_energy.battery import open_circuit_voltage, state_of_charge, stored_energy
-from lta_energy.belief import Belief, CellNumbers, CHARGE, INVERSE, RESISTANCE
+from lta_energy.battery import Battery, open_circuit_voltage, state_of_charge, stored_energy
+from lta_energy.belief import Belief, CHARGE, INVERSE, RESISTANCE
 
 
 class Time(NamedTuple):
@@ -28,25 +28,27 @@ UNKNOWN = Time(math.nan, math.nan)
 NEVER = Time(math.inf, math.inf)
 
 
-def empty_charge(cell: CellNumbers, belief: Belief, power: float) -> float:
+def empty_charge(cell: Battery, belief: Belief, power: float) -> float:
     """Return the charge at which a power [W] pulls the cell down to its cut-off. [1]"""
     resistance = belief.mean[RESISTANCE] * (cell.resistance + cell.relaxation_resistance)
-    return state_of_charge(cell.cut_off + resistance * max(power, 0.0) / cell.cut_off)
+    return state_of_charge(
+        cell.discharge_cutoff + resistance * max(power, 0.0) / cell.discharge_cutoff
+    )
 
 
-def energy_between(cell: CellNumbers, belief: Belief, low: float, high: float) -> float:
+def energy_between(cell: Battery, belief: Belief, low: float, high: float) -> float:
     """Return what the cell stores between two charges; negative where low is above high. [J]"""
     capacity = cell.capacity / belief.mean[INVERSE]
     return stored_energy(high, capacity) - stored_energy(low, capacity)
 
 
-def to_empty(cell: CellNumbers, belief: Belief, power: float, deviation: float) -> Time:
+def to_empty(cell: Battery, belief: Belief, power: float, deviation: float) -> Time:
     """
     Return how long the cell lasts.
 
     Parameters
     ----------
-    cell : CellNumbers
+    cell : Battery
         The cell's file.
     belief : Belief
         What is known of it.
@@ -60,7 +62,7 @@ def to_empty(cell: CellNumbers, belief: Belief, power: float, deviation: float) 
     return _time(cell, belief, max(energy, 0.0), power, deviation, 1.0)
 
 
-def to_full(cell: CellNumbers, belief: Belief, power: float, deviation: float) -> Time:
+def to_full(cell: Battery, belief: Belief, power: float, deviation: float) -> Time:
     """Return how long the cell takes until it is full; as `to_empty`, power being negative."""
     if power >= 0.0:
         return NEVER
@@ -69,7 +71,7 @@ def to_full(cell: CellNumbers, belief: Belief, power: float, deviation: float) -
 
 
 def _time(
-    cell: CellNumbers, belief: Belief, energy: float, power: float, deviation: float, sign: float
+    cell: Battery, belief: Belief, energy: float, power: float, deviation: float, sign: float
 ) -> Time:
     """Return energy by power; a larger charge makes it longer (sign 1) or shorter (-1)."""
     p, inverse = belief.spread, belief.mean[INVERSE]

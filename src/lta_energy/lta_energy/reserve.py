@@ -3,8 +3,8 @@
 from typing import NamedTuple
 
 from lta_config.settings import setting, Settings
-from lta_energy.battery import open_circuit_voltage
-from lta_energy.belief import Belief, CellNumbers, INVERSE
+from lta_energy.battery import Battery, open_circuit_voltage
+from lta_energy.belief import Belief, INVERSE
 from lta_energy.outlook import energy_between
 
 
@@ -45,7 +45,7 @@ class Stock(NamedTuple):
     spare: float
 
 
-def stock(settings: ReserveSettings, cell: CellNumbers, belief: Belief, home: float) -> Stock:
+def stock(settings: ReserveSettings, cell: Battery, belief: Belief, home: float) -> Stock:
     """Return how a charge stands against the reserve and the energy of the way home. [J]"""
     sure = belief.charge - settings.caution * belief.deviation
     full = open_circuit_voltage(belief.charge) * cell.capacity / belief.mean[INVERSE]

@@ -6,9 +6,10 @@ The circuit is written out here a second time; only the chart of the resting vol
 
 import math
 
-from lta_energy.battery import open_circuit_voltage
-from lta_energy.belief import CellNumbers
+from lta_energy.aboard import Aboard
+from lta_energy.battery import Battery, open_circuit_voltage
 from lta_energy.monitor import Estimate, MonitorSettings, update
+from lta_energy.power_path import Charger
 from lta_energy.reading import Reading
 from lta_sim.sensors import power
 import numpy as np
@@ -16,7 +17,8 @@ import numpy as np
 from .flight_load import PERIOD, stored
 
 SETTINGS = MonitorSettings()
-CELL = CellNumbers(900.0, 0.15, 0.094, 33.0, 3.0)
+CELL = Battery(capacity=900.0, resistance=0.15, relaxation_resistance=0.094, relaxation_time=33.0)
+ABOARD = Aboard(CELL, Charger(tracking=1.0, conversion=1.0, idle=0.0))
 START = 1_000_000_000
 LOAD = stored()
 # How far a cell may be from its file: capacity, both resistances together (cold, age), that of the
@@ -47,12 +49,11 @@ class Metered:
         self.relaxation = rng.uniform(-0.03, 0.0)
         share = np.array(TOLERANCE) * rng.uniform(-1.0, 1.0, 5) * off
         capacity, series, pair, time = (1.0 + share[:4]).tolist()
-        self.cell = CellNumbers(
-            capacity * CELL.capacity,
-            series * CELL.resistance,
-            series * pair * CELL.relaxation_resistance,
-            time * CELL.relaxation_time,
-            CELL.cut_off,
+        self.cell = Battery(
+            capacity=capacity * CELL.capacity,
+            resistance=series * CELL.resistance,
+            relaxation_resistance=series * pair * CELL.relaxation_resistance,
+            relaxation_time=time * CELL.relaxation_time,
         )
         self.chart = share[4]
         self.settings = power.PowerMeterSettings()
@@ -66,14 +67,14 @@ class Metered:
         """Feed the load for one period of it; the exact solution of the RC pair."""
         watts = LOAD[self.turn % len(LOAD)] if watts is None else watts
         self.turn += 1
-        capacity, series, pair, time, _ = self.cell
+        series, pair = self.cell.resistance, self.cell.relaxation_resistance
         inner = open_circuit_voltage(self.charge) + self.chart + self.relaxation
         # R I^2 + E I + P = 0, the smaller root
         self.current = (-inner + math.sqrt(inner**2 - 4.0 * series * watts)) / (2.0 * series)
         self.voltage = inner + series * self.current
-        kept = math.exp(-PERIOD / time)
+        kept = math.exp(-PERIOD / self.cell.relaxation_time)
         self.relaxation = kept * self.relaxation + (1.0 - kept) * pair * self.current
-        self.charge = self.charge + self.current * PERIOD / capacity
+        self.charge = self.charge + self.current * PERIOD / self.cell.capacity
         self.stamp += round(PERIOD * 1e9)
 
     def reading(self, watts=None, **other):
@@ -92,7 +93,7 @@ class Metered:
         begun = self.stamp
         while self.charge > 0.0:
             self.step()
-            if self.voltage < self.cell.cut_off:
+            if self.voltage < self.cell.discharge_cutoff:
                 break
         return (self.stamp - begun) * 1e-9
 
@@ -101,5 +102,5 @@ def follow(readings, settings=SETTINGS, estimate=None):
     """Return what the monitor knows after some readings."""
     estimate = estimate or Estimate()
     for reading in readings:
-        estimate = update(settings, CELL, estimate, reading)
+        estimate = update(settings, ABOARD, estimate, reading)
     return estimate

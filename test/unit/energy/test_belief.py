@@ -5,13 +5,13 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_energy import belief
-from lta_energy.battery import open_circuit_voltage
-from lta_energy.belief import BeliefSettings, CellNumbers, first_look, look, predict, unknown
+from lta_energy.battery import Battery, open_circuit_voltage
+from lta_energy.belief import BeliefSettings, first_look, look, predict, unknown
 import numpy as np
 import pytest
 
 SETTINGS = BeliefSettings()
-CELL = CellNumbers(900.0, 0.15, 0.094, 33.0, 3.0)
+CELL = Battery(capacity=900.0, resistance=0.15, relaxation_resistance=0.094, relaxation_time=33.0)
 
 
 def spread(state):

@@ -12,7 +12,7 @@ from lta_energy.monitor import Estimate, update
 from lta_graph.health import Level
 import pytest
 
-from .metered import CELL, follow, Metered, SETTINGS
+from .metered import ABOARD, CELL, follow, Metered, SETTINGS
 
 BEFORE, AFTER = 400, 100  # readings: 40 s of clean flight, and 10 s of the fault
 
@@ -43,7 +43,7 @@ def flown(change, lit=False):
     assert names(estimate) == set()
     named = set()
     for reading in clean(AFTER, change):
-        estimate = update(SETTINGS, CELL, estimate, reading)
+        estimate = update(SETTINGS, ABOARD, estimate, reading)
         named |= names(estimate)
     return named, estimate
 
@@ -170,7 +170,7 @@ def test_clean_flights_raise_no_alarm(seed, lit):
     for _ in range(600):
         light = abs(cell.rng.normal(0.2, 1e-3)) if lit else 0.0
         reading = cell.reading(panel_current=light, illuminance=5e4 * lit)
-        estimate = update(SETTINGS, CELL, estimate, reading)
+        estimate = update(SETTINGS, ABOARD, estimate, reading)
         assert names(estimate) == set(), seed
 
 
@@ -178,7 +178,7 @@ def test_the_electronics_alone_raise_no_alarm():
     """Ten minutes of rest at 28 mA: the meter repeats itself often, but not for 5 s."""
     cell, estimate = Metered(3), Estimate()
     for _ in range(6000):
-        estimate = update(SETTINGS, CELL, estimate, cell.reading(0.119))
+        estimate = update(SETTINGS, ABOARD, estimate, cell.reading(0.119))
         assert names(estimate) == set()
 
 

@@ -10,7 +10,7 @@ from lta_energy.monitor import Estimate, time_to_empty, update
 import numpy as np
 import pytest
 
-from .metered import CELL, follow, Metered, SETTINGS
+from .metered import ABOARD, CELL, follow, Metered, SETTINGS
 
 SEEDS = range(50)
 TEN_MINUTES = 600  # readings
@@ -34,7 +34,7 @@ def test_the_time_to_empty_is_known_to_ten_percent_at_half_charge():
     for seed in SEEDS:
         cell, estimate = Metered(seed, (0.55, 0.75), off=True, period=1.0), Estimate()
         while cell.charge > 0.5:
-            estimate = update(SETTINGS, CELL, estimate, cell.reading())
+            estimate = update(SETTINGS, ABOARD, estimate, cell.reading())
         told, true = time_to_empty(SETTINGS, CELL, estimate), cell.lasts()
         assert told.mean == pytest.approx(true, rel=0.10), seed
         scores.append((told.mean - true) / told.deviation)

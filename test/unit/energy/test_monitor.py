@@ -4,16 +4,14 @@ from dataclasses import replace
 import math
 
 from lta_energy import alarms, battery
-from lta_energy.belief import CellNumbers
 from lta_energy.monitor import Estimate, MonitorSettings, time_to_empty, time_to_full, update
 from lta_energy.reading import Reading, Whereabouts
 from lta_graph.health import Level
 import pytest
 
-from .metered import Metered
+from .metered import ABOARD, CELL, Metered
 
 SETTINGS = MonitorSettings()
-CELL = CellNumbers(900.0, 0.15, 0.094, 33.0, 3.0)
 TENTH = 100_000_000
 
 
@@ -28,10 +26,10 @@ def readings(*pairs, harvest=0.0, where=None):
     ]  # fmt: skip
 
 
-def follow(series, settings=SETTINGS, cell=CELL):
+def follow(series, settings=SETTINGS):
     estimate = Estimate()
     for reading in series:
-        estimate = update(settings, cell, estimate, reading)
+        estimate = update(settings, ABOARD, estimate, reading)
     return estimate
 
 
@@ -84,7 +82,7 @@ def test_the_times_follow_the_power():
 def test_an_unknown_charge_counts_as_reserve_reached():
     unknown = Estimate()
     for reading in readings((math.nan, -0.1), (3.9, math.nan), (0.0, 0.0)):
-        unknown = update(SETTINGS, CELL, unknown, reading)
+        unknown = update(SETTINGS, ABOARD, unknown, reading)
         assert (unknown.reserve, unknown.urgent) == (True, True)
         assert math.isnan(unknown.charge)
     known = follow(readings(*[resting(0.9)] * 50))
@@ -119,7 +117,7 @@ def test_a_low_voltage_must_recover_before_it_is_taken_back():
     said = []
     for k, volts in enumerate([3.15] * 5 + [3.25] * 30 + [3.35] * 60):
         reading = Reading(stamp + (k + 1) * TENTH, volts, -0.1 - 1e-6 * k, 4.4, 0.0)
-        estimate = update(SETTINGS, CELL, estimate, reading)
+        estimate = update(SETTINGS, ABOARD, estimate, reading)
         said.append(estimate.critical.on)
     assert said.index(True) == 2  # 0.3 s
     assert said.index(False, 3) == 5 + 30 + 49  # 5 s above 3.3 V
@@ -127,7 +125,7 @@ def test_a_low_voltage_must_recover_before_it_is_taken_back():
 
 def test_a_reading_of_the_past_changes_nothing():
     estimate = follow(readings(*[(3.9, -0.1)] * 10))
-    after = update(SETTINGS, CELL, estimate, replace(estimate.last, stamp_ns=TENTH))
+    after = update(SETTINGS, ABOARD, estimate, replace(estimate.last, stamp_ns=TENTH))
     assert (after.belief, after.books, after.last) == (
         estimate.belief, estimate.books, estimate.last,
     )  # fmt: skip

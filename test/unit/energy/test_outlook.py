@@ -3,8 +3,8 @@
 import math
 
 from lta_energy import load, outlook, reserve, way_home
-from lta_energy.battery import open_circuit_voltage, stored_energy
-from lta_energy.belief import Belief, CellNumbers
+from lta_energy.battery import Battery, open_circuit_voltage, stored_energy
+from lta_energy.belief import Belief
 from lta_energy.load import Load, smoothed
 from lta_energy.reading import Whereabouts
 from lta_energy.reserve import ReserveSettings, Stock
@@ -12,7 +12,7 @@ from lta_energy.way_home import Travel, WaySettings
 import numpy as np
 import pytest
 
-CELL = CellNumbers(900.0, 0.15, 0.094, 33.0, 3.0)
+CELL = Battery(capacity=900.0, resistance=0.15, relaxation_resistance=0.094, relaxation_time=33.0)
 NONE = (0.0,) * 5
 
 

@@ -6,13 +6,13 @@ from lta_graph.health import Level
 
 
 def _sees(memory: Memory, seen: Seen) -> tuple[bool, Memory]:
-    return NOTHING <= seen.reading.voltage <= seen.cell.cut_off, memory
+    return NOTHING <= seen.reading.voltage <= seen.cell.discharge_cutoff, memory
 
 
 def _says(seen: Seen) -> str:
     return (
         f'brown-out: the cell gives {seen.reading.voltage:.2f} V under '
-        f'{-seen.reading.current:.2f} A, and its cut-off is {seen.cell.cut_off:.2f} V'
+        f'{-seen.reading.current:.2f} A, and its cut-off is {seen.cell.discharge_cutoff:.2f} V'
     )
 
 

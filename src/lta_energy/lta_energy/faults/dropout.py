@@ -12,8 +12,8 @@ def _sees(memory: Memory, seen: Seen) -> tuple[bool, Memory]:
 
 def _says(seen: Seen) -> str:
     return (
-        f'the cell reads {seen.reading.voltage:.2f} V while the drone runs: '
-        'check the wires of the power meter'
+        f'the cell reads {seen.reading.voltage:.2f} V: a brown-out that cut the supply, or a wire '
+        'of the power meter'
     )
 
 

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import final, NamedTuple
 
-from lta_energy.belief import CellNumbers
+from lta_energy.battery import Battery
 from lta_energy.reading import Reading
 from lta_graph.health import Level
 
@@ -21,7 +21,7 @@ class Seen(NamedTuple):
         The newest turn of the meters and the one before it; None at the first.
     dt : float
         Time between their stamps; 0 at the first, negative where stamps go back. [s]
-    cell : CellNumbers
+    cell : Battery
         The cell as its file has it.
     surprise : float
         How many standard deviations the voltage was off what was expected; 0 where nothing was.
@@ -31,7 +31,7 @@ class Seen(NamedTuple):
     reading: Reading
     before: Reading | None
     dt: float
-    cell: CellNumbers
+    cell: Battery
     surprise: float = 0.0
 
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from lta_config.settings import setting
 from lta_config.vehicle_file import load_vehicle_file
 from lta_energy import alarms, messages
-from lta_energy.belief import numbers_of
+from lta_energy.aboard import Aboard
 from lta_energy.monitor import Estimate, MonitorSettings, update
 from lta_graph.ros.node import GraphNode, run
 from lta_graph.ros.parameters import Parameters
@@ -31,7 +31,7 @@ class EnergyMonitor(GraphNode):
         self._status = self.output('energy/status')
         self._reserve = self.output('energy/reserve')
         self._settings = Parameters(self, EnergyMonitorParameters)
-        self._cell = numbers_of(load_vehicle_file(self._settings.value.vehicle).energy)
+        self._aboard = Aboard.of(load_vehicle_file(self._settings.value.vehicle).energy)
         self._estimate = Estimate()
         self._panel: BatteryState | None = None
         self._light: Illuminance | None = None
@@ -44,13 +44,13 @@ class EnergyMonitor(GraphNode):
         self._panel = step.last('panel') or self._panel
         self._light = step.last('illuminance') or self._light
         self._odom = step.last('odom') or self._odom
-        settings, cell = self._settings.value, self._cell
+        settings, aboard = self._settings.value, self._aboard
         reading = messages.to_reading(measured, self._panel, self._light, self._odom)
-        self._estimate = estimate = update(settings, cell, self._estimate, reading)
-        self._battery.publish(messages.from_charge(cell, estimate, measured))
-        self._status.publish(messages.from_books(settings, cell, estimate, reading, measured))
+        self._estimate = estimate = update(settings, aboard, self._estimate, reading)
+        self._battery.publish(messages.from_charge(aboard.cell, estimate, measured))
+        self._status.publish(messages.from_books(settings, aboard, estimate, reading, measured))
         self._reserve.publish(messages.from_reserve(estimate))
-        self.health.report('battery', *alarms.battery(settings, cell, estimate))
+        self.health.report('battery', *alarms.battery(settings, aboard.cell, estimate))
         self.health.report('meters', *alarms.meters(estimate))
         self.health.report('way', *alarms.way(estimate))
 
