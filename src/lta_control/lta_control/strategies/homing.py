@@ -35,7 +35,6 @@ from lta_control.strategies.wind_triangle import through_air
 if TYPE_CHECKING:
     from lta_control.strategies.settings import StrategySettings
 
-BRIEFLY = 0.5  # s without light that change nothing
 LEAST_PUSH = 0.1  # m/s forward on the way, where the wind carries the drone there by itself
 STAY = 2.0  # of the arrival range: who has arrived may be blown so far off and has still arrived
 
@@ -216,9 +215,6 @@ def homeward(settings: 'StrategySettings', m: Homing) -> tuple[float, float]:
     top = max(own.top_speed, settings.speed)
     if m.arrived:
         over_ground = 0.0
-    if m.lost > BRIEFLY:  # the farther without light, the slower
-        over_ground *= max(1.0 - m.lost / max(own.hold, BRIEFLY), 0.0)
-        top = settings.speed
     near = own.approach * away < settings.speed
     return through_air(
         (fix.x + 1e-9, fix.y),
