@@ -5,12 +5,14 @@ from pathlib import Path
 from setuptools import find_packages, setup
 
 FOLDERS = (
+    'cells',
     'comparisons',
     'control',
     'floor_plans',
     'imports',
     'launch',
     'manoeuvres',
+    'mounts',
     'scenarios',
     'sweeps',
     'vehicles',

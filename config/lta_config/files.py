@@ -31,9 +31,11 @@ FOLDERS = {
     'launch file': 'launch',
     'sweep': 'sweeps',
     'manoeuvre': 'manoeuvres',
+    'mount': 'mounts',
     'comparison': 'comparisons',
     'import mapping': 'imports',
     'floor plan': 'floor_plans',
+    'cell': 'cells',
 }
 
 
