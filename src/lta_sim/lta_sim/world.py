@@ -123,7 +123,9 @@ class World:
         self._rhythm = {name: (table[name].latency_ns, table[name].period_ns) for name in SENSED}
         self._shape = (table.light.sample_rate.si, table.light.samples)
         field = scenario.light_field
-        diodes = set_for(field, self.vehicle).drawn(self._chance['diodes'])
+        selected = set_for(field, self.vehicle)
+        self.diode_scale = selected.scale  # the drone is told what was selected
+        diodes = selected.drawn(self._chance['diodes'])
         self._light = LightView(field, self.vehicle, diodes)
         self._imu_place = _three(sensors.imu_position.vector)
         self._range_place = _three(sensors.range_position.vector)
