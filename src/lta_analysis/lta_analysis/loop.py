@@ -255,7 +255,8 @@ class Loop:
         self.light = Light(hearing, bearing(peaks, self._ring, threshold), found, where)
         amplitudes = tuple(peaks.amplitude.astype(np.float32).tolist())
         lamp = None if where is None else carried_lamp(where)
-        sight = sighted(lamp, self._axes, amplitudes, self._reckoned[0], self._block)
+        scale = self.world.diode_scale
+        sight = sighted(lamp, self._axes, amplitudes, self._reckoned[0], self._block, scale)
         measured, energy = self.measured(), self.energy
         altitude = None if measured is None or energy is None else measured.altitude
         order = self._order(stamp_ns)
