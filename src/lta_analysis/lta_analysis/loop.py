@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import math
 from typing import final
 
+from lta_config.compiled import compiled
 from lta_config.settings import Settings
 from lta_config.topics import TopicTable
 from lta_control import carried
@@ -32,7 +33,6 @@ from lta_energy.aboard import Aboard
 from lta_energy.estimate import Estimate as Known
 from lta_energy.monitor import MonitorSettings, update
 from lta_energy.reading import Reading, Whereabouts
-from lta_sim.compiled import compiled
 from lta_sim.readings import Outcome, Readings
 from lta_sim.vehicle import Vehicle
 from lta_sim.world import World
