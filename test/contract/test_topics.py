@@ -248,6 +248,20 @@ def test_the_launch_file_starts_every_node_under_its_name(source):
 
 
 @pytest.mark.usefixtures('installed')
+def test_the_light_board_is_started_where_there_is_one():
+    assert 'teensy_bridge' not in [process.name for process in load(LAUNCH, {}).processes]
+    plan = load(LAUNCH, {'light_board': 'true', 'light_port': 'udp://0.0.0.0:14550'})
+    (bridge,) = [process for process in plan.processes if process.name == 'teensy_bridge']
+    assert (bridge.executable, bridge.package) == ('teensy_bridge', 'lta_bridge')
+    words = dict(word.split(':=', 1) for word in bridge.arguments if re.match(r'\w+:=', word))
+    own = {key for key, _, _ in [*leaves(GraphSettings()), *leaves(TeensyBridgeSettings())]}
+    assert words.keys() <= own | {'__node', '__ns'}
+    assert yaml.safe_load(words['port']) == 'udp://0.0.0.0:14550'
+    given = {item.name: item.default for item in arguments(LAUNCH)}
+    assert given['light_port'] == TeensyBridgeSettings().port
+
+
+@pytest.mark.usefixtures('installed')
 def test_every_text_of_the_launch_file_stays_a_text():
     """Names may look like numbers, dates or truths; only what is meant as such becomes one."""
     texts = {'vehicle': '1', 'scenario': 'yes', 'bag': '2026-11-20'}
