@@ -151,7 +151,7 @@ def test_only_an_active_bridge_publishes_and_each_transition_reports(bench, tmp_
     assert bench.blocks == []
     assert bench.change(Transition.TRANSITION_ACTIVATE)
     bench.until(lambda: bench.node.count_publishers('/lta1/photodiodes'))
-    bench.send(bench.board.light(light))
+    bench.send(bench.board.light(light[:900]))  # ends one block and no more
     bench.until(lambda: len(bench.blocks) == 1)
     assert bench.change(Transition.TRANSITION_DEACTIVATE)
     bench.told('is not published')
@@ -171,6 +171,15 @@ def test_a_pulled_cable_is_told_and_put_back(bench, tmp_path):
     with bench.hold:
         bench.cable.plug()
     assert bench.told('light comes')['unplugged'] == '1'
+    ended(process)
+
+
+def test_a_second_source_of_light_is_told(bench, tmp_path):
+    process = start(BRIDGE, '-p', f'port:={tmp_path}/ttyACM0')
+    bench.told('light comes')
+    assert 'teensy_bridge: others' not in bench.facts
+    bench.publisher('photodiodes')
+    bench.until(lambda: '1 more publish' in bench.facts.get('teensy_bridge: others', (0, ''))[1])
     ended(process)
 
 
