@@ -8,6 +8,7 @@ FOLDERS = (
     'cells',
     'comparisons',
     'control',
+    'crazyflies',
     'floor_plans',
     'imports',
     'launch',

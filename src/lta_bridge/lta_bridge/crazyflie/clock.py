@@ -85,16 +85,16 @@ class DeviceClock:
         return device + round(self._offset + self._slope * (device - self._from))
 
     def _learn(self, device: int, difference: int) -> None:
-        """Keep the fastest packet of each window, and lay the line under them."""
-        if not self._lows or device - self._lows[-1][0] >= WINDOW_NS:
-            self._lows.append((device, difference))
-        elif difference < self._lows[-1][1]:
-            self._lows[-1] = (self._lows[-1][0], difference)
-        elif len(self._lows) > 1:
+        """Keep the fastest packet of each window, and the line under all of them."""
+        if self._lows and device - self._lows[-1][0] < WINDOW_NS:
+            self._lows[-1] = (self._lows[-1][0], min(difference, self._lows[-1][1]))
+            below = difference - self._slope * (device - self._from)
+            self._offset = min(self._offset, below)
             return
+        self._lows.append((device, difference))
         times, lows = np.array(self._lows, dtype=np.float64).T
-        self._from = int(times[-1])
-        times = times - times[-1]
+        self._from = device
+        times -= device
         slope = 0.0
         if len(lows) >= ENOUGH:
             slope = float(np.clip(np.polyfit(times, lows - lows[-1], 1)[0], -FASTEST, FASTEST))

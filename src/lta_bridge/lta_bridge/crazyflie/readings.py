@@ -59,9 +59,7 @@ def motion(values: Values) -> Motion:
 def air(values: Values) -> Air:
     """Return a block of pressure and range: mbar to Pa, mm to m."""
     distance = MILLIMETRE * values['range.zrange']
-    return Air(
-        MILLIBAR * values['baro.pressure'], math.inf if distance >= NO_RETURN else distance
-    )
+    return Air(MILLIBAR * values['baro.pressure'], math.inf if distance >= NO_RETURN else distance)
 
 
 def attitude(values: Values) -> tuple[float, float, float, float]:

@@ -18,6 +18,7 @@ SILENT: Final = 0.5  # s: age of the newest log packet from which the link count
 RAMP: Final = 0.5  # s from full command to none
 ASKING: Final = 1.0  # s for the supervisor to confirm that it is armed
 AGAIN: Final = 0.1  # s between two requests without answer
+HANDING: Final = 0.3  # s in which the hand-over is told again: no answer says that it came
 SETTLING: Final = 10.0  # s for the firmware to land what was handed over
 STOPS: Final = 10  # emergency stops that are sent: nobody confirms one
 
@@ -265,7 +266,9 @@ def _landing(
     landed = not seen.word & Bit.FLYING
     if (landed and gone > RAMP + AGAIN) or gone > RAMP + SETTLING:
         return _down(state, now, state.why), Order(arm=False)
-    return state, Order(hand_over=True)
+    if gone < RAMP + HANDING and now - state.asked_at >= AGAIN:
+        return state._replace(asked_at=now), Order(hand_over=True)
+    return state, QUIET
 
 
 STEPS: Final = {

@@ -74,7 +74,9 @@ def test_units_and_signs():
     )
     # FLU: pitch about +y puts the nose down, so nose up is a negative turn.
     assert nose_up == pytest.approx((0.0, -math.sqrt(0.5), 0.0, math.sqrt(0.5)))
-    told = readings.motors({**{f'motor.m{n}': 13107.0 * n for n in range(1, 5)}, 'supervisor.info': 2})
+    told = readings.motors(
+        {**{f'motor.m{n}': 13107.0 * n for n in range(1, 5)}, 'supervisor.info': 2}
+    )
     assert told.duties == pytest.approx((0.2, 0.4, 0.6, 0.8))
 
 

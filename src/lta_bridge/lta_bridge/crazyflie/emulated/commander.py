@@ -1,4 +1,4 @@
-"""What the emulated Crazyflie is told to do: setpoints, landing, and duties over the app channel."""
+"""What the emulated Crazyflie is told: setpoints, landing, and duties over the app channel."""
 
 import math
 import struct
@@ -8,7 +8,7 @@ from lta_bridge.crazyflie.duties_packet import Duties, is_newer, unpacked
 from lta_bridge.crazyflie.emulated.supervisor import LEVEL_OUT
 
 GENERIC = {
-    # id: layout, and the sign by which its yaw rate is turned (older packets count it the other way)
+    # id: layout, and the sign of its yaw rate, which older packets count the other way
     5: ('<ffff', -1.0),
     10: ('<ffff', 1.0),
 }

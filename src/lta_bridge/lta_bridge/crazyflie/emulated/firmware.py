@@ -20,6 +20,7 @@ from lta_bridge.crazyflie.emulated.variables import LOG, PARAMETERS
 
 NAME = b'Bitcraze Crazyflie'.ljust(30, b'\0')
 FULL_RATIO = 65535
+FULL, LOW = 4.0, 3.2  # V of a charged cell, and below which the firmware says low power
 
 
 @final
@@ -50,11 +51,9 @@ class Firmware:
         limits = bytes([BLOCKS, VARIABLES])
         self._contents = Contents(LOG, limits), Contents(PARAMETERS)
         self.log = LogBlocks(self._contents[0])
-        self.voltage = 4.0
+        self.voltage: float | None = None  # of the cell, for tests; the body's own otherwise
         self._protocol, self._boot_ms, self._drift = protocol, boot_ms, drift
         self._values: Mapping[str, float] = {}
-        self.heard: list[Packet] = []
-        self.turning_unarmed = False
 
     def milliseconds(self, now: float) -> int:
         """Return what its own clock says. [ms]"""
@@ -142,19 +141,20 @@ class Firmware:
         turning = any(duty > 0.0 for duty in self.body.duties)
         commander = self.commander
         self.supervisor.watch(now, turning, commander.age(now), commander.stopped)
-        self._values = {**self.body.read(), **self._own(now)}
+        sensed = self.body.read()
+        self._values = {**sensed, **self._own(now, sensed.get('pm.vbat', FULL))}
         data = self.log.due(self.milliseconds(now), lambda name: self._values.get(name, 0.0))
         return [Packet(5, 2, packet) for packet in data]
 
-    def _own(self, now: float) -> dict[str, float]:
+    def _own(self, now: float, sensed: float) -> dict[str, float]:
         motors = {
             f'motor.m{number}': FULL_RATIO * duty
             for number, duty in enumerate(self.body.duties, start=1)
         }
-        low = self.voltage < 3.2
+        voltage = sensed if self.voltage is None else self.voltage
         return {
             **motors,
             'supervisor.info': float(self.supervisor.word(now)),
-            'pm.vbat': self.voltage,
-            'pm.state': 3.0 if low else 0.0,
+            'pm.vbat': voltage,
+            'pm.state': 3.0 if voltage < LOW else 0.0,
         }

@@ -23,5 +23,6 @@ PARAMETERS = (
     Parameter('stabilizer.stop', 0x08, 0),
     Parameter('motorPowerSet.enable', 0x08, 0),
     *(Parameter(f'motorPowerSet.m{number}', 0x09, 0) for number in range(1, 5)),
+    Parameter('lta.app', 0x08 | READ_ONLY, 1),
     Parameter('firmware.revision0', 0x0A | READ_ONLY, 0x2026_0800),
 )
