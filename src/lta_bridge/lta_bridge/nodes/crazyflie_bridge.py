@@ -31,7 +31,6 @@ from std_srvs.srv import SetBool, Trigger
 
 LEAVE = 15.0  # s at most to land before the link is let go
 DEAD = 2.0  # s of silence after which the link is made anew: blocks may be gone (firmware #428)
-OUTPUTS = ('imu', 'range', 'pressure', 'battery')
 
 
 class BridgeSettings(Settings):
@@ -57,7 +56,12 @@ class CrazyflieBridge(LifecycleNodeMixin, GraphNode):
         if self.lockstep:
             raise BadInput('A real Crazyflie flies in real time: leave time:=lockstep out.')
         check(BLOCKS)
-        self._outputs = {name: self.output(name) for name in OUTPUTS}
+        self._outputs = {
+            'imu': self.output('imu'),
+            'range': self.output('range'),
+            'pressure': self.output('pressure'),
+            'battery': self.output('battery'),
+        }
         settings = self._settings = Parameters(self, BridgeSettings).value
         self._names = load_vehicle(settings.vehicle).rotor_names
         link = self._link = CflibLink(settings.uri, BLOCKS, self._graph_ns)
