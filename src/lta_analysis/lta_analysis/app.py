@@ -70,6 +70,8 @@ LIGHT: Final = Group(
 ENERGY: Final = Group(
     'What flights cost and panels bring, beside the paper and a multirotor.',
     {
+        'budget': Verb('energy_budget', 'budget'),
+        'hover': Verb('energy_hover', 'hover'),
         'mounting': Verb('energy_mounting', 'mounting'),
     },
 )
