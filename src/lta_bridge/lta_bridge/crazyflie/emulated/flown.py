@@ -5,12 +5,12 @@ import math
 from typing import Any, final
 
 from lta_bridge.crazyflie.emulated.commander import Hover, Wish
+from lta_bridge.crazyflie.emulated.controlled import Controlled
 from lta_bridge.crazyflie.link import order_of
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.crazyflie_file import CrazyflieFile
 from lta_config.topics import TopicTable
 from lta_control.cascade import Setpoint
-from lta_control.laws.aboard import Aboard
 from lta_control.laws.protocol import Motion
 from lta_sim.world import World
 
@@ -50,9 +50,7 @@ class Flown:
         self._start_ns = table.start_ns
         vehicle = world.vehicle
         self._order = order_of(file.motors, vehicle.rotor_names)
-        control = vehicle.file.control
-        by_setpoint = file.command == 'setpoint' and control is not None
-        self._law = Aboard(control.law, vehicle) if by_setpoint and control else None
+        self._law = Controlled(vehicle) if file.command == 'setpoint' else None
         self.duties: tuple[float, ...] = (0.0,) * len(self._order)
         self._values: dict[str, float] = {}
         self._wanted = Setpoint(0.0, 0.0, 0.0)
@@ -73,7 +71,7 @@ class Flown:
         late = now - self._behind - self._world.elapsed
         if late > SLIP * self._dt:
             self._behind += late - self._dt
-        while self._world.elapsed + self._dt <= now - self._behind:
+        while self._world.elapsed + self._dt <= now - self._behind + 1e-9:
             self._step(wish)
 
     def _step(self, wish: Wish) -> None:
@@ -103,7 +101,7 @@ class Flown:
         else:
             heading = _yaw(turn) + hover.yaw_rate
             self._wanted = Setpoint(hover.height, heading, hover.forward)
-        return self._law.step(motion, self._wanted, self._dt).duties
+        return self._law.step(motion, self._wanted, self._dt)
 
     def _sense(self) -> None:
         readings = self._world.sense_motion()
