@@ -36,6 +36,7 @@ FOLDERS = {
     'import mapping': 'imports',
     'floor plan': 'floor_plans',
     'cell': 'cells',
+    'cell table': 'cell_tables',
     'crazyflie': 'crazyflies',
 }
 
