@@ -115,7 +115,7 @@ class Bridge(RuleBasedStateMachine):
 
 
 TestBridge = Bridge.TestCase
-TestBridge.settings = settings(max_examples=150, stateful_step_count=30, deadline=None)
+TestBridge.settings = settings(max_examples=60, stateful_step_count=25, deadline=None)
 
 
 @given(seen=seen, gap=st.floats(0.0, 0.1))
