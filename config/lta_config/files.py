@@ -37,6 +37,7 @@ FOLDERS = {
     'floor plan': 'floor_plans',
     'cell': 'cells',
     'cell table': 'cell_tables',
+    'crazyflie': 'crazyflies',
 }
 
 
