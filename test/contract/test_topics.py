@@ -9,6 +9,7 @@ from lta_bridge.nodes.crazyflie_bridge import BridgeSettings
 from lta_bridge.nodes.live import LiveSettings
 from lta_bridge.nodes.player import PlayerSettings
 from lta_bridge.nodes.recorder import RecorderSettings
+from lta_bridge.nodes.teensy_bridge import TeensyBridgeSettings
 from lta_bridge.playback.cast import cast_of, roles
 from lta_config.settings import Settings
 from lta_config.topics import Topic, topic_table
@@ -52,6 +53,8 @@ NODES = {
     'recorder': RecorderSettings,
     'live': LiveSettings,
 }
+# Plays a part of the vehicle beside whoever plays the rest.
+BRIDGES = {'teensy_bridge': TeensyBridgeSettings}
 # Subscribe for themselves: raw, to all that the table lists, or as users of what others decide.
 LISTENERS = {'recorder', 'live', 'crazyflie_bridge'}
 PARTIAL = {'crazyflie_bridge'}  # a real drone says less than the simulator
@@ -109,7 +112,14 @@ def read(node):
 
 
 def test_every_node_is_known_here():
-    assert set(FILES) == set(NODES)
+    assert set(FILES) == {*NODES, *BRIDGES}
+
+
+@pytest.mark.parametrize('name', BRIDGES)
+def test_a_bridge_plays_a_part_of_the_vehicle(name):
+    assert published(name) <= set(TABLE.published_by('vehicle'))
+    assert published(name)
+    assert read(name) <= set(TABLE.read_by('vehicle'))
 
 
 @each_node
@@ -202,9 +212,9 @@ def test_a_light_block_is_as_long_as_it_says():
     assert TABLE['photodiodes'].period_ns == TABLE['photodiodes'].latency_ns == block
 
 
-@each_node
+@pytest.mark.parametrize('name', [*NODES, *BRIDGES])
 def test_every_parameter_is_described(name):
-    settings = NODES[name]()
+    settings = {**NODES, **BRIDGES}[name]()
     for key, info, value in [*leaves(GraphSettings()), *leaves(settings)]:
         descriptor = describe(info, value)
         assert descriptor.description.split('[')[0].strip(), key
@@ -246,6 +256,20 @@ def test_the_launch_file_starts_every_node_under_its_name(source):
         assert process.namespace == '/lta1'
         assert FILES[process.name].parts[-4] == process.package
     assert [p.name for p in plan.processes if p.on_exit_shutdown] == [SOURCES[source]]
+
+
+@pytest.mark.usefixtures('installed')
+def test_the_light_board_is_started_where_there_is_one():
+    assert 'teensy_bridge' not in [process.name for process in load(LAUNCH, {}).processes]
+    plan = load(LAUNCH, {'light_board': 'true', 'light_port': 'udp://0.0.0.0:14550'})
+    (bridge,) = [process for process in plan.processes if process.name == 'teensy_bridge']
+    assert (bridge.executable, bridge.package) == ('teensy_bridge', 'lta_bridge')
+    words = dict(word.split(':=', 1) for word in bridge.arguments if re.match(r'\w+:=', word))
+    own = {key for key, _, _ in [*leaves(GraphSettings()), *leaves(TeensyBridgeSettings())]}
+    assert words.keys() <= own | {'__node', '__ns'}
+    assert yaml.safe_load(words['port']) == 'udp://0.0.0.0:14550'
+    given = {item.name: item.default for item in arguments(LAUNCH)}
+    assert given['light_port'] == TeensyBridgeSettings().port
 
 
 @pytest.mark.usefixtures('installed')
