@@ -18,6 +18,7 @@ from lta_bridge.crazyflie.safety import (
     tick,
 )
 from lta_bridge.crazyflie.supervisor import Bit, trouble
+import pytest
 
 PERIOD = 0.02
 LIMITS = Limits()
@@ -192,13 +193,15 @@ def test_a_word_older_than_the_request_confirms_nothing():
     assert state.stage is Stage.READY
 
 
-def test_an_emergency_stop_is_sent_ten_times_from_any_stage():
+@pytest.mark.parametrize(('word', 'expected'), [(Bit.LOCKED, STOPS), (Bit.ARMED, 3 * STOPS)])
+def test_an_emergency_stop_is_sent_ten_times_and_until_the_drone_is_not_armed(word, expected):
+    seen = FIT._replace(word=int(word))
     for stage in Stage:
         state, sent = State(stage), 0
         for turn in range(3 * STOPS):
-            state, order = tick(state, turn * PERIOD, FIT, Asked(stop=turn == 0), LIMITS)
+            state, order = tick(state, turn * PERIOD, seen, Asked(stop=turn == 0), LIMITS)
             sent += order.stop
-        assert (state.stage, sent) == (Stage.STOPPED, STOPS)
+        assert (state.stage, sent) == (Stage.STOPPED, expected)
 
 
 def test_refusals_name_the_remedy():

@@ -44,6 +44,9 @@ class Bookkeeping:
         Whether the first message of every topic is known: in real time a recorder may join late.
     clock : callable
         Returns wall time. [s]
+    begun_ns : int or None
+        Graph time at the start, which dates what is heard before any stamp; that of a simulated
+        flight by default. [ns]
 
     Attributes
     ----------
@@ -55,12 +58,16 @@ class Bookkeeping:
     """
 
     def __init__(
-        self, table: TopicTable, lockstep: bool, clock: Callable[[], float] = time.monotonic
+        self,
+        table: TopicTable,
+        lockstep: bool,
+        clock: Callable[[], float] = time.monotonic,
+        begun_ns: int | None = None,
     ) -> None:
         self._clock = clock
         self._table = table
         self._lockstep = lockstep
-        self._now = table.start_ns
+        self._now = table.start_ns if begun_ns is None else begun_ns
         self._dated = lockstep  # whether the present is known
         self._ahead_since: float | None = None
         self._last: dict[str, int] = {}

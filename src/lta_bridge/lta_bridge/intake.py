@@ -30,6 +30,8 @@ class Intake:
         Namespaces, at least one, '' where the robot has none.
     writer : BackgroundWriter
         Where the messages go.
+    begun_ns : int or None
+        As for `Bookkeeping`.
 
     Attributes
     ----------
@@ -39,12 +41,17 @@ class Intake:
     """
 
     def __init__(
-        self, table: TopicTable, lockstep: bool, robots: Sequence[str], writer: BackgroundWriter
+        self,
+        table: TopicTable,
+        lockstep: bool,
+        robots: Sequence[str],
+        writer: BackgroundWriter,
+        begun_ns: int | None = None,
     ) -> None:
         self._table = table
         self._robots = robots
-        self._books = {name: Bookkeeping(table, lockstep) for name in robots}
-        self._common = Bookkeeping(table, lockstep)
+        self._books = {name: Bookkeeping(table, lockstep, begun_ns=begun_ns) for name in robots}
+        self._common = Bookkeeping(table, lockstep, begun_ns=begun_ns)
         self._writer = writer
         self.latest = time.monotonic()
 

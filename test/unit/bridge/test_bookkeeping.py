@@ -139,3 +139,9 @@ def test_whatever_comes_has_a_log_time(messages):
     times = [books.log_time(name, data) for name, data in messages]
     assert all(START <= when < 2**63 for when in times)
     assert sum(books.counts.values()) == len(messages)
+
+
+def test_a_real_drone_is_dated_from_the_time_of_day():
+    """What comes before any stamp, such as diagnostics, would else stretch the bag to 1970."""
+    books = Bookkeeping(TABLE, lockstep=False, begun_ns=10**18)
+    assert books.log_time('/diagnostics', bytes(20)) == 10**18

@@ -179,7 +179,10 @@ def tick(
     if asked.stop:
         state = State(Stage.STOPPED, now, state.began, 'emergency stop', STOPS)
     if state.stage is Stage.STOPPED:
-        return state._replace(stops=max(0, state.stops - 1)), Order(stop=state.stops > 0)
+        # Nobody answers a stop; who still says that it is armed has not heard one.
+        unheard = seen.linked and bool(seen.word & Bit.ARMED)
+        stop = state.stops > 0 or unheard
+        return state._replace(stops=max(0, state.stops - 1)), Order(stop=stop)
     if not seen.linked:
         return _down(state, now, 'no link'), QUIET
     if trouble(seen.word):

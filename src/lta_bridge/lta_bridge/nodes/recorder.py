@@ -109,7 +109,9 @@ class Recorder(GraphNode):
                     raise BadInput(str(fault)) from None
                 unfinished.callback(self._writer.close)  # ... and closed, whoever ends it here
             whole = self.lockstep and not self.replayed  # a recording may begin anywhere
-            self._intake = Intake(self.table, whole, robots, self._writer)
+            real = self.get_parameter('source').value == 'crazyflie'
+            begun_ns = self.get_clock().now().nanoseconds if real else None
+            self._intake = Intake(self.table, whole, robots, self._writer, begun_ns)
             everything = told.topics.split() == [EVERYTHING]
             self._taps = Taps(self, self._receiver, self._wants if everything else None)
             for name, type_name in topics.items():

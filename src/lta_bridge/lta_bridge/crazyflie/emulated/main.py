@@ -1,6 +1,7 @@
 """`lta run lta_bridge crazyflie_emulated`: a Crazyflie to try the bridge on, without one."""
 
 import argparse
+import signal
 import sys
 import threading
 
@@ -39,6 +40,8 @@ def main(words: list[str] | None = None) -> None:
         sys.stdout.write(f'An emulated Crazyflie answers at {server.uri}; Ctrl-C ends it.\n')
         sys.stdout.flush()
         try:
+            # `lta run` holds Ctrl-C back while Python starts; one that came meanwhile comes now.
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
             threading.Event().wait()
         except KeyboardInterrupt:
             return
