@@ -183,8 +183,19 @@ def on_ring(listening: Listening, position: Vector, q: Quaternion, out: Array) -
         Shares and lux.
 
     """
+    echoes(listening, position, q, out)
+    direct(listening, position, q, out)
+
+
+def echoes(listening: Listening, position: Vector, q: Quaternion, out: Array) -> None:
+    """Write what the diodes read of all but the lamp's direct light; arguments as `on_ring`."""
     lamps, eye, hull = (listening.lamp,), listening.eye, listening.hull
     gather(listening.around, lamps, eye, hull, position, q, listening.planes, out)
+
+
+def direct(listening: Listening, position: Vector, q: Quaternion, out: Array) -> None:
+    """Add what the diodes read of the lamp's direct light; arguments as `on_ring`."""
+    lamps, eye, hull = (listening.lamp,), listening.eye, listening.hull
     on_diodes(listening.around, lamps, eye, hull, position, q, listening.planes, out, LAMPS)
 
 
