@@ -34,6 +34,7 @@ FOLDERS = {
     'comparison': 'comparisons',
     'import mapping': 'imports',
     'floor plan': 'floor_plans',
+    'cell': 'cells',
 }
 
 

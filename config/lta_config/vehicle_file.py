@@ -12,7 +12,6 @@ from typing import Annotated, Any, Literal
 from lta_config.files import find, load, Record
 from lta_config.quantity import Quantity, si
 from lta_config.vehicle_body import (
-    Fraction,
     Hull,
     Layer,
     Measured,
@@ -22,12 +21,14 @@ from lta_config.vehicle_body import (
     Trim,
 )
 from lta_config.vehicle_diodes import Diodes
+from lta_config.vehicle_energy import Energy
 from lta_config.vehicle_version import upgraded
 from pydantic import AliasChoices, Field, model_validator
 
-Power = Annotated[Quantity, si('W', low=0.0, sourced=True)]
 Force = Annotated[Quantity, si('1', low=-1.5, high=1.5, length=3, sourced=True)]
 Moment = Annotated[Quantity, si('m', low=-5.0, high=5.0, length=3, sourced=True)]
+Vector = tuple[float, float, float]
+UP = (0.0, 0.0, 1.0)
 ROTORS = 8  # places for rotors in the model
 
 
@@ -132,28 +133,14 @@ class Sensors(Record):
 
     imu_position: Place
     range_position: Place
-    panel_position: Place
+    panel_position: Place | None = None  # where no part of the array says it
     diodes: Diodes
-
-
-class Energy(Record):
-    """Battery, consumers and panel."""
-
-    capacity: Annotated[Quantity, si('C', above=0.0, sourced=True)]
-    resistance: Annotated[Quantity, si('ohm', low=0.0, sourced=True)]
-    idle: Power
-    transmitting: Power
-    rotor_idle: Power
-    rotor_power: Annotated[Quantity, si('W/N', low=0.0, sourced=True)]
-    panel_area: Annotated[Quantity, si('m2', low=0.0, sourced=True)]
-    panel_efficiency: Fraction
-    panel_voltage: Annotated[Quantity, si('V', above=0.0, sourced=True)]
 
 
 class VehicleFile(Record):
     """A whole vehicle file."""
 
-    schema_version: Annotated[Literal[2], Field(validation_alias=AliasChoices('schema'))]
+    schema_version: Annotated[Literal[3], Field(validation_alias=AliasChoices('schema'))]
     name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
     about: str
     control: Control | None = None
@@ -174,9 +161,28 @@ class VehicleFile(Record):
         """All parts by name, layer by layer."""
         return {name: part for layer in self.layers.values() for name, part in layer.items()}
 
+    @property
+    def panel_place(self) -> Vector:
+        """Where light is harvested and measured, from the hull centre. [m]."""
+        array, position = self.energy.array, self.sensors.panel_position
+        part = array.part if array else None
+        place = self.parts[part].position if part else position
+        assert place is not None  # or the file was refused
+        x, y, z = place.vector
+        return x, y, z
+
+    @property
+    def panel_normal(self) -> Vector:
+        """Where the panel looks, unit length, body frame."""
+        if self.energy.array is None:
+            return UP
+        x, y, z = self.energy.array.normal.vector
+        length = math.hypot(x, y, z)
+        return x / length, y / length, z / length
+
     @model_validator(mode='before')
     @classmethod
-    def _from_version_1(cls, content: Any) -> Any:  # noqa: ANN401 - whatever the file held
+    def _from_older_versions(cls, content: Any) -> Any:  # noqa: ANN401 - whatever the file held
         return upgraded(content)
 
     @model_validator(mode='after')
@@ -232,6 +238,21 @@ class VehicleFile(Record):
             raise ValueError(
                 'has trim.ballast none and a trim.heaviness, which only ballast could bring '
                 'about; remove one'
+            )
+        return self
+
+    @model_validator(mode='after')
+    def _panel_has_one_place(self) -> 'VehicleFile':
+        part = self.energy.array.part if self.energy.array else None
+        if part is not None and part not in self.parts:
+            raise ValueError(
+                f'has no part {part}, which energy.array.part names; '
+                f'parts: {", ".join(self.parts)}'
+            )
+        if (part is None) == (self.sensors.panel_position is None):
+            raise ValueError(
+                'needs the place of its panel once: either energy.array.part or '
+                'sensors.panel_position'
             )
         return self
 

@@ -1,19 +1,31 @@
 """
-Vehicle files of version 1, read as version 2.
+Vehicle files of older versions, read as the present one.
 
 Version 1 had its parts in one list, balloons only, and a column of B for every rotor instead of an
 axis. Its parts become one layer, `parts`, and each rotor points where its column is largest.
+Version 2 had a flat energy block (`vehicle_version_energy`).
 """
 
 from typing import Any
+
+from lta_config.vehicle_version_energy import nested
 
 AXES = 'xyz'
 
 
 def upgraded(content: Any) -> Any:  # noqa: ANN401 - whatever the file held
-    """Return what a version 1 file says as version 2, and anything else as it is."""
-    if not isinstance(content, dict) or content.get('schema') != 1:
+    """Return what a file of version 1 or 2 says as version 3, and anything else as it is."""
+    if not isinstance(content, dict):
         return content
+    if content.get('schema') == 1:
+        content = _from_version_1(content)
+    if content.get('schema') == 2:
+        content = {**content, 'schema': 3, 'energy': nested(content.get('energy'))}
+    return content
+
+
+def _from_version_1(content: dict[str, Any]) -> dict[str, Any]:
+    """Return what a version 1 file says as version 2."""
     content = {**content, 'schema': 2}
     if 'parts' in content:
         content['layers'] = {'parts': content.pop('parts')}

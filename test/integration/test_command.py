@@ -58,8 +58,8 @@ VEHICLES = {
     'negative mass': ('value: 116.8', 'value: -116.8', 'must be above 0 and at most'),
     'not a number': ('value: 116.8', 'value: .nan', 'not a finite number'),
     'no number': ('value: 116.8', 'value: heavy', 'heavy'),
-    'not yaml': ('schema: 2', 'schema: [2', 'is not valid YAML'),
-    'newer schema': ('schema: 2', 'schema: 99', '99'),
+    'not yaml': ('schema: 3', 'schema: [2', 'is not valid YAML'),
+    'newer schema': ('schema: 3', 'schema: 99', '99'),
 }
 
 

@@ -147,5 +147,5 @@ def test_a_node_that_never_comes_back_is_given_up_and_leaves(lta, flying, tmp_pa
     flying(1.0)
     os.kill(flight.node('estimator'), signal.SIGSTOP)
     assert flight.end() == 1
-    assert 'The graph has stood still for 30 s and is stopped.' in flight.text
+    assert 'The graph has stood still for 10 s and is stopped.' in flight.text
     assert lta.left() == []

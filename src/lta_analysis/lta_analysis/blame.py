@@ -1,17 +1,18 @@
 """Who holds the graph up, told only once it is sure."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 import time
 from typing import final
 
 from lta_graph.health import Fact
-from lta_graph.suspicion import culprits
+from lta_graph.suspicion import culprits, role_of
 
 FLIGHT = 'simulator: flight'  # the fact on how a simulated flight stands
 PLAYBACK = 'player: playback'  # and on how a replay does
 GOING = {FLIGHT: 'flying', PLAYBACK: 'playing'}  # their outcomes until they end
 SETTLE = 0.5  # wall seconds; nodes look at their inputs at different moments
 DISCOVERY = 4.0  # wall seconds; while some nodes have not been found yet, the others mislead
+START = 8.0  # wall seconds that nodes take to load on a busy machine; longer is worth a word
 
 
 @final
@@ -74,13 +75,17 @@ class Lookout:
         self._say = say
         self._blame = Blame()
         self._named: list[str] = []
+        self._begun = time.monotonic()
+        self._excused = False
 
     @property
     def standing(self) -> float:
         """For how long somebody has held the graph up. [wall s]"""
         return self._blame.standing
 
-    def look(self, facts: Mapping[str, Fact], silent: list[str], all_heard: bool) -> None:
+    def look(
+        self, facts: Mapping[str, Fact], silent: list[str], unheard: Collection[str] = ()
+    ) -> None:
         """
         Look at what the nodes say, and name the culprits when they are others than before.
 
@@ -88,16 +93,31 @@ class Lookout:
         ----------
         facts : mapping of str to Fact
             The newest facts, as `DiagnosticsListener` has them.
-        silent, all_heard
-            As for `Blame.look`.
+        silent : list of str
+            Nodes that run and are no longer heard, or have not been for too long.
+        unheard : collection of str
+            Nodes that run and have not been heard yet: they load, and hold nobody up.
 
         """
-        blamed = self._blame.look(culprits(facts.values()), silent, all_heard)
+        loading = {role_of(node) for node in unheard} - {role_of(node) for node in silent}
+        waited = culprits(facts.values())
+        self._excuse([role for role in waited if role in loading])
+        suspects = [role for role in waited if role not in loading]
+        blamed = self._blame.look(suspects, silent, not unheard)
         # Once a flight is over its simulator stops, and all its nodes wait for that in vain.
         blamed = [name for name in blamed if flying(facts, name)]
         if blamed and blamed != self._named:
             self._say(f'Nothing comes from {", ".join(blamed)}.')
         self._named = blamed
+
+    def _excuse(self, loading: list[str]) -> None:
+        """Say once for whom the others wait while they load, when that takes long."""
+        if loading and not self._excused and time.monotonic() - self._begun > START:
+            self._excused = True
+            self._say(
+                f'Waiting for {", ".join(loading)} to load; '
+                'the first flight compiles the model, which can take a minute.'
+            )
 
 
 def flying(facts: Mapping[str, Fact], node: str) -> bool:

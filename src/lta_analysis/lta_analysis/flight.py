@@ -31,7 +31,7 @@ from lta_sim.scenario import load_scenario
 from lta_sim.vehicle import load_vehicle
 
 ROBOT = 'lta1'
-PATIENCE = 30.0  # wall seconds that the graph may stand still: the first flight compiles
+PATIENCE = 10.0  # wall seconds that the graph may stand still
 LOOK = 0.05  # wall seconds between looks at the processes and the diagnostics
 
 
@@ -152,7 +152,7 @@ def watch(
                 watcher.say(f'{end.sentence}{why}; the flight goes on.')
         show(facts, watcher)
         running = [name for name in launcher.running if name not in spare]
-        lookout.look(facts, listener.silent(running), listener.hears(running))
+        lookout.look(facts, listener.silent(running), listener.unheard(running))
         if lookout.standing > PATIENCE:
             watcher.say(f'The graph has stood still for {PATIENCE:.0f} s and is stopped.')
             return

@@ -4,7 +4,6 @@ from collections.abc import Callable
 from contextlib import ExitStack
 
 from lta_analysis.blame import Lookout
-from lta_analysis.preflight import prepare
 from lta_analysis.session import Session
 from lta_analysis.viewers import invite, refuse_taken_ports, viewers
 from lta_graph.child import Ended
@@ -44,15 +43,15 @@ def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> 
         spare = viewers(plan)
         refuse_taken_ports(plan)
         invite(plan, say)
-        prepare(plan)
         launcher = stack.enter_context(Launcher(plan, on_line, spare=spare))
         while (outcome := launcher.outcome) is None:
             facts = listener.poll(LOOK)
             # Of a node that is not ours nothing is ever heard: that is no fault of it.
             running = [name for name in launcher.running if name not in spare]
-            heard = [name for name in running if listener.hears([name])]
+            unheard = listener.unheard(running)
+            heard = [name for name in running if name not in unheard]
             silent = listener.silent(heard) if listener.settled(running) else []
-            lookout.look(facts, silent, len(heard) == len(running))
+            lookout.look(facts, silent, unheard)
             for end in launcher.poll():
                 say(f'{end.sentence}.')
         return outcome

@@ -6,7 +6,6 @@ from itertools import pairwise
 from lta_config.constants import AIR_DENSITY
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
-from lta_config.topics import topic_table
 from lta_control.laws.aboard import check_aboard
 from lta_control.strategies import check_route, strategy
 from lta_graph.launch_file import LaunchPlan
@@ -14,9 +13,6 @@ from lta_sim import in_scene
 from lta_sim.scenario import load_scenario
 from lta_sim.start_offset import started
 from lta_sim.vehicle import load_vehicle
-from lta_sim.world import World
-from lta_vlc.demodulation import Demodulation
-from lta_vlc.listener import Listener
 
 OURS = 'lta_'
 SEEDS = range(2**31)
@@ -36,26 +32,6 @@ def check(plan: LaunchPlan) -> None:
         if process.package.startswith(OURS):
             for given in by_robot(parameters(process.arguments)):
                 check_parameters(given)
-
-
-def prepare(plan: LaunchPlan) -> None:
-    """
-    Compile what simulates a flight, where that is not on the disk yet: half a minute, once.
-
-    A node that compiles says nothing for so long that it would be taken for one that hangs.
-    """
-    table = topic_table()
-    light, block = table.light, table['photodiodes'].period_ns // table.control_ns
-    for process in plan.processes:
-        if process.package.startswith(OURS) and process.executable == 'simulator':
-            given = parameters(process.arguments)
-            scene = load_scenario(str(given['scenario']))
-            vehicle = load_vehicle(str(given['vehicle']), scene.air.density)
-            world = World(vehicle, scene, table, seed=1)
-            for _ in range(block + 2):  # to the first light block and past it
-                world.sense()
-                world.advance((0.0,) * len(vehicle.rotor_names), None)
-            Listener(Demodulation(), light.sample_rate.si, light.samples).prepare()
 
 
 def check_parameters(given: Mapping[str, object]) -> None:

@@ -9,7 +9,7 @@ temperature or ageing yet.
 from typing import Annotated, final, Self
 
 from lta_config.files import Record
-from lta_config.vehicle_file import Energy
+from lta_config.vehicle_energy import Energy
 from pydantic import Field
 
 # Resting voltage in steps of 5 % from empty to full: the chart that hobby LiPo cells are sold with
@@ -41,7 +41,7 @@ class Battery(Record):
     @classmethod
     def of(cls, energy: Energy) -> Self:
         """Return the cell of a vehicle file."""
-        return cls(capacity=energy.capacity.si, resistance=energy.resistance.si)
+        return cls(capacity=energy.battery.capacity.si, resistance=energy.battery.resistance.si)
 
 
 def open_circuit_voltage(charge: float) -> float:

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import Annotated, final, Self
 
 from lta_config.files import Record
-from lta_config.vehicle_file import Energy
+from lta_config.vehicle_energy import Energy
 from pydantic import Field
 
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
@@ -42,10 +42,10 @@ class Loads(Record):
     def of(cls, energy: Energy) -> Self:
         """Return the consumers of a vehicle file."""
         return cls(
-            idle=energy.idle.si,
-            transmitting=energy.transmitting.si,
-            rotor_offset=energy.rotor_idle.si,
-            rotor_slope=energy.rotor_power.si,
+            idle=energy.loads.idle.si,
+            transmitting=energy.loads.transmitting.si,
+            rotor_offset=energy.loads.rotor_idle.si,
+            rotor_slope=energy.loads.rotor_power.si,
         )
 
 

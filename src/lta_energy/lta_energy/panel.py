@@ -8,8 +8,10 @@ single-diode model takes the place of `power` later; the charger is taken as los
 from typing import Annotated, final, Self
 
 from lta_config.files import Record
-from lta_config.vehicle_file import Energy
+from lta_config.vehicle_energy import Energy
 from pydantic import Field
+
+STANDARD = 1000.0  # W/m2, for which the rated power of a cell stands
 
 
 @final
@@ -35,10 +37,14 @@ class Panel(Record):
     @classmethod
     def of(cls, energy: Energy) -> Self:
         """Return the panel of a vehicle file."""
+        array = energy.array
+        if array is None:
+            return cls(area=0.0, efficiency=0.0, voltage=1.0)
+        cell = array.cell_file
         return cls(
-            area=energy.panel_area.si,
-            efficiency=energy.panel_efficiency.si,
-            voltage=energy.panel_voltage.si,
+            area=array.series * array.parallel * cell.area,
+            efficiency=cell.rated / (STANDARD * cell.area),
+            voltage=array.series * cell.electrical.voltage.si,
         )
 
 

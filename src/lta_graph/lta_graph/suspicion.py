@@ -28,8 +28,14 @@ def culprits(facts: Iterable[Fact]) -> list[str]:
     for fact in facts:
         node, _, task = fact.task.partition(': ')
         if task == INPUTS and fact.level == Level.ERROR:
-            robot, slash, name = node.rpartition('/')
-            waiting.add(robot + slash + VEHICLE.get(name, name))
+            robot, slash, _ = node.rpartition('/')
+            waiting.add(role_of(node))
             roles = set(fact.values.get('suspects', '').split(',')) - {''}
             suspects |= {item[1:] if item[0] == '/' else robot + slash + item for item in roles}
     return sorted(suspects - waiting)
+
+
+def role_of(node: str) -> str:
+    """Return the role that a node plays, with its robot's name before it as the node has it."""
+    robot, slash, name = node.rpartition('/')
+    return robot + slash + VEHICLE.get(name, name)

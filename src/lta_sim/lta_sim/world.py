@@ -92,7 +92,14 @@ class World:
         )  # fmt: skip
         pose = self._pose()
         self._begin_period(pose)
-        self._craft.look()  # loads the compiled kernel now, not in the middle of the first step
+        self._load()
+
+    def _load(self) -> None:
+        """Compile the kernels, or load them from disk, now and not in the middle of a step."""
+        self._craft.look()
+        self._craft.advance(self._period, 0)
+        self._imu.prepare(self.state, self._craft.rate)
+        self._light.prepare(*self._shape)
 
     def _keep_what_stays(self, table: TopicTable) -> None:
         """Take numbers out of files once, not at every step."""
@@ -105,7 +112,6 @@ class World:
         field = scenario.light_field
         diodes = set_for(field, self.vehicle).drawn(self._chance['diodes'])
         self._light = LightView(field, self.vehicle, diodes)
-        self._light.prepare(*self._shape)
         self._imu_place = _three(sensors.imu_position.vector)
         self._range_place = _three(sensors.range_position.vector)
         self._referee = Referee(scenario)

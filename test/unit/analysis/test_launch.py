@@ -57,7 +57,7 @@ def test_whoever_falls_silent_is_named_once():
     said = []
     lookout = Lookout(said.append)
     for silent in ([], ['estimator'], ['estimator'], [], ['navigator']):
-        lookout.look({}, silent, all_heard=True)
+        lookout.look({}, silent)
     assert said == ['Nothing comes from estimator.', 'Nothing comes from navigator.']
 
 
@@ -65,9 +65,9 @@ def test_after_the_flight_nobody_is_named_though_the_graph_stands(clock):
     said = []
     lookout = Lookout(said.append)
     over = Fact(FLIGHT, Level.OK, 'reached', {'outcome': 'reached'})
-    lookout.look({FLIGHT: over}, [], all_heard=True)
+    lookout.look({FLIGHT: over}, [])
     clock[0] += 3.0
-    lookout.look({FLIGHT: over}, ['simulator'], all_heard=True)
+    lookout.look({FLIGHT: over}, ['simulator'])
     assert said == []
     assert lookout.standing == 3.0
 
@@ -80,10 +80,27 @@ def test_a_robot_that_is_there_is_not_blamed_for_standing_and_the_other_still_is
         f'lta1/{FLIGHT}': Fact(f'lta1/{FLIGHT}', Level.OK, '', {'outcome': 'reached'}),
         f'lta2/{FLIGHT}': Fact(f'lta2/{FLIGHT}', Level.OK, '', {'outcome': 'flying'}),
     }
-    lookout.look(facts, ['lta1/simulator'], all_heard=True)
-    lookout.look(facts, ['lta1/simulator', 'lta2/estimator'], all_heard=True)
-    lookout.look(facts, ['recorder'], all_heard=True)
+    lookout.look(facts, ['lta1/simulator'])
+    lookout.look(facts, ['lta1/simulator', 'lta2/estimator'])
+    lookout.look(facts, ['recorder'])
     assert said == ['Nothing comes from lta2/estimator.', 'Nothing comes from recorder.']
+
+
+def test_who_still_loads_is_excused_and_named_only_once_it_has_spoken(clock):
+    said = []
+    lookout = Lookout(said.append)
+    waits = Fact('estimator: inputs', Level.ERROR, '', {'suspects': 'vehicle'})
+    for _ in range(60):
+        lookout.look({waits.task: waits}, [], unheard=['simulator'])
+        clock[0] += 1.0
+    assert lookout.standing == 0.0
+    (sentence,) = said
+    assert sentence.startswith('Waiting for vehicle to load; the first flight compiles')
+    for _ in range(3):
+        lookout.look({waits.task: waits}, [])
+        clock[0] += 1.0
+    assert said[1:] == ['Nothing comes from vehicle.']
+    assert lookout.standing == 3.0
 
 
 def test_the_domain_is_held_in_the_name_of_all():

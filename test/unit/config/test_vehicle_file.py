@@ -59,7 +59,8 @@ def test_every_number_of_a_platform_has_unit_and_source(name):
     assert len(found) > 40
     # A count and the version of the format are no measurements.
     bare = {place for place, given in found.items() if not isinstance(given, dict)}
-    assert bare == {'schema', 'sensors.diodes.count'}
+    counts = {'schema', 'sensors.diodes.count', 'energy.array.series', 'energy.array.parallel'}
+    assert bare == counts & found.keys()
     for place, given in found.items():
         if isinstance(given, dict):
             assert given['unit'], place
@@ -97,7 +98,7 @@ def grams(value, **more):
             {},
             'the file has no parts in layers and was not measured as a whole; add either.',
         ),
-        ('schema', 3, 'schema is 3, but must be 2.'),
+        ('schema', 4, 'schema is 4, but must be 3.'),
         ('name', 'GT MAB', "name is 'GT MAB', but must match ^[a-z][a-z0-9_]*$."),
         (
             f'{BATTERY}.mass',
@@ -363,9 +364,83 @@ def test_what_are_no_diodes_is_one_sentence(tmp_path, changes, sentence):
     assert refused(tmp_path, *changes) == sentence
 
 
+FLAT = {
+    'capacity': {'value': 250, 'unit': 'mA h', 'source': 'test'},
+    'resistance': {'value': 0.15, 'unit': 'ohm', 'source': 'test'},
+    'idle': {'value': 97, 'unit': 'mW', 'source': 'test'},
+    'transmitting': {'value': 23, 'unit': 'mW', 'source': 'test'},
+    'rotor_idle': {'value': 27, 'unit': 'mW', 'source': 'test'},
+    'rotor_power': {'value': 23.96, 'unit': 'W/N', 'source': 'test'},
+    'panel_area': {'value': 139, 'unit': 'cm2', 'source': 'test'},
+    'panel_efficiency': {'value': 20, 'unit': '%', 'source': 'test'},
+    'panel_voltage': {'value': 4.4, 'unit': 'V', 'source': 'test'},
+}
+
+
+def version_2():
+    """Return GT-MAB as version 2 of the format had it."""
+    old = copy.deepcopy(GTMAB) | {'schema': 2, 'energy': copy.deepcopy(FLAT)}
+    old['sensors']['panel_position'] = copy.deepcopy(
+        old['layers']['top']['solar_panels']['position']
+    )
+    return old
+
+
+def test_version_2_is_read(tmp_path):
+    path = tmp_path / 'old.yaml'
+    path.write_text(yaml.safe_dump(version_2(), sort_keys=False))
+    old, new = load_vehicle_file(str(path)), load_vehicle_file('gtmab')
+    assert old.parts == new.parts
+    assert old.panel_place == new.panel_place == (0.0, 0.0, 0.302)
+    assert old.panel_normal == new.panel_normal == (0.0, 0.0, 1.0)
+    energy = old.energy
+    assert (energy.battery.capacity.si, energy.battery.resistance.si) == (900.0, 0.15)
+    assert energy.battery.relaxation_resistance.si == 0.0
+    assert energy.battery.charge_current.si == pytest.approx(0.25)  # 1 C
+    assert energy.loads.rotor_power.si == 23.96
+    # 139 cm2 of 20 % give 2.78 W in 1000 W/m2, and so do 139 cells of 1 cm2.
+    assert energy.array.parallel == 139
+    assert energy.array.parallel * energy.array.cell_file.rated == pytest.approx(2.78)
+    assert (energy.charger.tracking.si, energy.charger.idle.si) == (1.0, 0.0)
+
+
+def test_version_2_without_a_panel_has_none(tmp_path):
+    old = version_2()
+    old['energy']['panel_area']['value'] = 0
+    path = tmp_path / 'old.yaml'
+    path.write_text(yaml.safe_dump(old, sort_keys=False))
+    energy = load_vehicle_file(str(path)).energy
+    assert energy.array is None
+    assert energy.charger is None
+
+
+@pytest.mark.parametrize(
+    ('changes', 'sentence'),
+    [
+        (
+            [('energy.array.part', 'sail')],
+            'has no part sail, which energy.array.part names; parts: envelope, ',
+        ),
+        ([('energy.array.part', None)], 'needs the place of its panel once: either '),
+        ([('energy.charger', None)], 'energy has an array and no charger; add it, or remove'),
+        ([('energy.array.cell', 'duracell')], "Unknown cell 'duracell'; known: anysolar, "),
+        ([('energy.array.normal.value', [0, 0, 2])], 'energy.array.normal is [0, 0, 2]'),
+        ([('energy.array.normal.value', [0, 0, 0.5])], 'has a normal of length 0.5; divide'),
+        ([('energy.array.series', 0)], 'energy.array.series is 0, but must be at least 1'),
+        (
+            [('energy.battery.discharge_cutoff.value', 4.3)],
+            'has a discharge_cutoff of 4.3 V and a charge_cutoff of 4.2 V',
+        ),
+        ([('energy.battery.capacity.unit', 'g')], 'battery.capacity is in g, but must be in C'),
+    ],
+)
+def test_what_is_no_energy_is_one_sentence(tmp_path, changes, sentence):
+    assert sentence in refused(tmp_path, *changes)
+
+
 def version_1():
     """Return GT-MAB as version 1 of the format had it."""
-    old = copy.deepcopy(GTMAB) | {'schema': 1}
+    old = version_2() | {'schema': 1}
     old['parts'] = {n: part for layer in old.pop('layers').values() for n, part in layer.items()}
     del old['hull']['shape'], old['control']
     for rotor in old['rotors'].values():
@@ -382,7 +457,7 @@ def test_version_1_is_read(tmp_path):
     for name, rotor in new.rotors.items():
         assert old.rotors[name].axis.vector == rotor.axis.vector
         assert old.rotors[name].position == rotor.position
-    for key in ('trim', 'hull', 'thrust_curve', 'aero', 'effects', 'sensors', 'energy'):
+    for key in ('trim', 'hull', 'thrust_curve', 'aero', 'effects'):
         assert getattr(old, key) == getattr(new, key)
 
 

@@ -14,10 +14,10 @@ LOADS = loads.Loads.of(ENERGY)
 
 
 def test_a_panel_of_138_8_square_centimetres_by_hand():
-    # 60 klux of white LED are 200 W/m^2: * 0.013884 m^2 * 0.20 = 0.55536 W.
+    # Rated 2 * 4.46 V * 0.28 A in 1000 W/m2; 60 klux of white LED are 200 W/m2.
     cells = panel.Panel.of(ENERGY)
-    assert panel.power(200.0, cells.area, cells.efficiency) == pytest.approx(0.55536, rel=1e-12)
-    assert cells.voltage == 4.4
+    assert panel.power(200.0, cells.area, cells.efficiency) == pytest.approx(0.49952, rel=1e-12)
+    assert cells.voltage == pytest.approx(8.92)
 
 
 def test_darkness_gives_nothing():

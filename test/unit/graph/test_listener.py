@@ -2,7 +2,7 @@
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_graph.ros import listener
-from lta_graph.ros.listener import DiagnosticsListener, DISCOVERY, SILENCE
+from lta_graph.ros.listener import DiagnosticsListener, DISCOVERY, LOADING, SILENCE
 import pytest
 
 
@@ -32,7 +32,7 @@ def test_of_several_robots_each_fact_has_its_robot_s_name():
         'lta2/estimator: state',
         'recorder: state',
     }
-    assert both.hears(['lta1/estimator', 'lta2/estimator', 'recorder'])
+    assert both.unheard(['lta1/estimator', 'lta2/estimator', 'recorder', 'other']) == ['other']
     assert set(one.facts) == {'estimator: state'}
 
 
@@ -58,3 +58,7 @@ def test_one_that_never_speaks_does_not_keep_silence_meaningless_for_ever(clock)
     assert not ears.settled(['estimator', 'theirs'])
     clock[0] += SILENCE + 0.01
     assert ears.settled(['estimator', 'theirs'])
+    ears._hear(said('lta1/estimator'))
+    assert ears.silent(['estimator', 'theirs']) == []
+    clock[0] += LOADING
+    assert ears.silent(['theirs']) == ['theirs']

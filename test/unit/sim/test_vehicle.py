@@ -152,8 +152,8 @@ def test_what_the_controllers_get(gtmab):
     assert (gtmab.loads.idle, gtmab.loads.transmitting) == pytest.approx((0.097, 0.023))
     assert (gtmab.loads.rotor_offset, gtmab.loads.rotor_slope) == pytest.approx((0.027, 23.96))
     assert gtmab.panel.area == pytest.approx(0.013884)
-    assert gtmab.panel.efficiency == pytest.approx(0.2)
-    assert gtmab.panel.voltage == 4.4
+    assert gtmab.panel.efficiency == pytest.approx(2.4976 / 13.884)
+    assert gtmab.panel.voltage == pytest.approx(8.92)
     ring = gtmab.diodes
     assert (ring.count, ring.depth, ring.radius) == (8, pytest.approx(0.33), pytest.approx(0.07))
     assert ring.feedback_resistance == pytest.approx(1e5)

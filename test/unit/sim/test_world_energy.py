@@ -7,6 +7,8 @@ import pytest
 
 from .lamp_room import build, fly, OFF
 
+RATED = 2 * 4.46 * 0.28 / 1000.0  # W of two ANYSOLAR panels per W/m2
+
 
 def consumed(duty, steps):
     world = build(seed=2, scene={'ambient/steady': '0 lx', 'ambient/mains_amplitude': '0 lx'})
@@ -22,7 +24,7 @@ def test_the_battery_drains_by_what_the_loads_draw(duty):
     # By hand: 97 + 23 mW, and of each turning rotor 27 mW + 23.96 W/N of 0.0915 u^2 + 0.0677 u.
     thrust = 0.0915 * duty**2 + 0.0677 * duty
     power = 0.120 + 4 * (0.027 + 23.96 * thrust) * (duty > 0)
-    harvest = 0.2 * 0.013884 * world.sense().illuminance / 300.0
+    harvest = RATED * world.sense().illuminance / 300.0
     assert harvest < 0.01 * power
     resting = open_circuit_voltage(world.charge)
     # (E - 0.15 I) I = P for 5 s of 900 C.
@@ -37,12 +39,12 @@ def test_light_on_the_panel_charges():
     bright = build(seed=2, scene={'ambient/steady': '100000 lx'})
     before = bright.charge
     readings = fly(bright, 200)
-    # 100 klx / 300 lm/W * 0.013884 m2 * 20 % = 0.93 W, less 0.12 W drawn.
+    # 100 klx / 300 lm/W * 2.4976 W / 1000 W/m2 = 0.83 W, less 0.12 W drawn.
     lux = readings[10].illuminance
     assert lux == pytest.approx(1e5, rel=0.05)
-    harvest = lux / 300.0 * 0.013884 * 0.2
-    assert readings[10].panel[1] == pytest.approx(harvest / 4.4, abs=0.002)
-    assert readings[10].panel[0] == pytest.approx(4.4, abs=0.02)
+    harvest = lux / 300.0 * RATED
+    assert readings[10].panel[1] == pytest.approx(harvest / 8.92, abs=0.002)
+    assert readings[10].panel[0] == pytest.approx(8.92, abs=0.04)
     gained = (harvest - 0.12) / (open_circuit_voltage(before) + 0.03) * 2.0 / 900.0
     assert bright.charge - before == pytest.approx(gained, rel=0.02)
 
@@ -58,8 +60,8 @@ def test_the_panel_gives_more_of_the_sun_than_of_leds():
         world.advance(OFF)
         return world.supply.harvested
 
-    # 50 klx / 105 lm/W * 0.013884 m2 * 20 %.
-    assert harvest('105 lm/W') == pytest.approx(1.32229, rel=1e-5)
+    # 50 klx / 105 lm/W * 2.4976 W / 1000 W/m2.
+    assert harvest('105 lm/W') == pytest.approx(1.18933, rel=1e-5)
     assert harvest('105 lm/W') / harvest('300 lm/W') == pytest.approx(300 / 105, rel=1e-12)
 
 

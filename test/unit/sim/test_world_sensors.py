@@ -147,8 +147,9 @@ def test_amplifiers_and_poses_go_on_from_block_to_block(monkeypatch):
         calls.append((light.modulated, rest[-1], after))
         return block, after
 
+    world = build(seed=5)
     monkeypatch.setattr('lta_sim.light.view.synthesise', spy)
-    fly(build(seed=5), 41, (0.3, 0.3, 0.5, 0.2))
+    fly(world, 41, (0.3, 0.3, 0.5, 0.2))
     assert len(calls) == 4
     assert calls[0][1] is None
     for (light, _, after), (next_light, before, _) in itertools.pairwise(calls):

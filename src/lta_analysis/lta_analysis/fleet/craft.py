@@ -258,7 +258,7 @@ def power_of(vehicle: Vehicle, scenario: Scenario, policy: Policy) -> Power:
         vehicle.battery,
         vehicle.loads,
         vehicle.panel,
-        three(vehicle.file.sensors.panel_position.vector),
+        vehicle.file.panel_place,
         lamp.wave.duty / lamp.efficacy,
         ambient.steady / ambient.efficacy,
         0.0 if field.daylight is None else 1.0 / field.daylight.efficacy,

@@ -101,7 +101,7 @@ def watch(launcher: Launcher, listener: DiagnosticsListener, watcher: Watcher) -
         if (fact := facts.get(PLAYBACK)) is not None:
             watcher.at(float(fact.values['time_s']), float(fact.values['pace']))
         running = launcher.running
-        lookout.look(facts, listener.silent(running), listener.hears(running))
+        lookout.look(facts, listener.silent(running), listener.unheard(running))
         if lookout.standing > PATIENCE:
             watcher.say(f'The graph has stood still for {PATIENCE:.0f} s and is stopped.')
             return

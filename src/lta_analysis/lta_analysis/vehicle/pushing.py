@@ -102,7 +102,7 @@ def _hovering(vehicle: Vehicle) -> Iterator[Figure]:
         cell,
         2,
     )
-    energy = vehicle.file.energy.capacity.si * NOMINAL
+    energy = vehicle.file.energy.battery.capacity.si * NOMINAL
     yield Figure(
         'hover_time',
         ROTORS,

@@ -29,7 +29,7 @@ def sensor_frames(vehicle: Vehicle) -> list[Frame]:
     return [
         Frame(BASE, 'imu_link', three(sensors.imu_position.vector), LEVEL),
         Frame(BASE, 'range_link', three(sensors.range_position.vector), DOWN),
-        Frame(BASE, 'panel_link', three(sensors.panel_position.vector), UP),
+        Frame(BASE, 'panel_link', vehicle.file.panel_place, UP),
     ]
 
 

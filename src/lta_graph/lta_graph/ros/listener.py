@@ -15,6 +15,7 @@ from rclpy.node import Node
 
 DEPTH = 100  # messages of all nodes together that may wait until the next look
 DISCOVERY = 10.0  # wall seconds after the first node in which DDS finds all, on a busy machine
+LOADING = 120.0  # and in which all have spoken: on a new machine they compile the model first
 SILENCE = 0.85  # wall seconds after which a node is missed: two of its reports, and some delay
 
 
@@ -100,12 +101,12 @@ class DiagnosticsListener:
         return sorted(
             name
             for name in nodes
-            if now - self._heard.get(name, begun + DISCOVERY - SILENCE) > SILENCE
+            if now - self._heard.get(name, begun + LOADING - SILENCE) > SILENCE
         )
 
-    def hears(self, nodes: Iterable[str]) -> bool:
-        """Tell whether all of some nodes have been heard: DDS may take seconds to find them."""
-        return self._heard.keys() >= set(nodes)
+    def unheard(self, nodes: Iterable[str]) -> list[str]:
+        """Return which of some nodes have not been heard yet: they load, or are still sought."""
+        return sorted(set(nodes) - self._heard.keys())
 
     def settled(self, nodes: Iterable[str]) -> bool:
         """
@@ -116,6 +117,6 @@ class DiagnosticsListener:
         """
         now = time.monotonic()
         patient = self._begun is not None and now - self._begun > DISCOVERY
-        if self._complete is None and (patient or self.hears(nodes)):
+        if self._complete is None and (patient or not self.unheard(nodes)):
             self._complete = now
         return self._complete is not None and now - self._complete > SILENCE

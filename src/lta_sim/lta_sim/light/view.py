@@ -48,8 +48,7 @@ class LightView:
     ) -> None:
         self.field = field
         self._diodes = diodes or vehicle.diodes
-        x, y, z = vehicle.file.sensors.panel_position.vector
-        self._panel = (x, y, z)
+        self._panel = vehicle.file.panel_place
         self._beams = [echoing(lamp, field) for lamp in field.lamps]
         eye = Eye(self._diodes.response, self._diodes.edge)
         self._surround = surrounding(field)

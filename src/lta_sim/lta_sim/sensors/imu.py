@@ -265,6 +265,13 @@ class Imu:
         self._on_force, self._on_rates = on_force, on_rates
         self._feel, self._tell, self._sample = compiled(_feel, _tell, _sample)
 
+    def prepare(self, state: Array, rate: Array) -> None:
+        """Compile what a reading calls, or load it from disk; no chance is used up."""
+        truth, told = np.empty(6), np.zeros(6)
+        self._feel(state, rate, self._place, truth)
+        self._tell(truth, self._errors, told)
+        self._sample(state, rate, self._place, truth, self._errors, told)
+
     def read(self, state: Array, rate: Array, elapsed: float) -> tuple[Vector, Vector]:
         """
         Return specific force [m/s^2] and angular rate [rad/s] as the sensor tells them.

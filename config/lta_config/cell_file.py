@@ -1,0 +1,73 @@
+"""
+The cell file: one solar panel as it is sold, with what its data sheet says at standard conditions.
+
+Standard conditions are 1000 W/m2 of sunlight (AM 1.5) and cells at 25 degC. `lta_energy` derives
+the single-diode model from these numbers.
+"""
+
+from functools import cache
+from typing import Annotated, Literal
+
+from lta_config.files import find, load, Record
+from lta_config.quantity import Quantity, si
+from pydantic import AliasChoices, Field, model_validator
+
+Volts = Annotated[Quantity, si('V', above=0.0, high=1000.0, sourced=True)]
+Amperes = Annotated[Quantity, si('A', above=0.0, high=100.0, sourced=True)]
+Drift = Annotated[Quantity, si('1/K', low=-0.1, high=0.1, sourced=True)]
+
+
+class Electrical(Record):
+    """
+    The data sheet at standard conditions.
+
+    `ideality` is that of one junction, of which `junctions` are in series; `warming` is how much
+    warmer than the air the cells are per irradiance.
+    """
+
+    open_circuit: Volts
+    short_circuit: Amperes
+    voltage: Volts  # at maximum power
+    current: Amperes  # at maximum power
+    junctions: Annotated[int, Field(ge=1, le=1000)]
+    ideality: Annotated[Quantity, si('1', low=0.5, high=5.0, sourced=True)]
+    voltage_drift: Drift  # of the open-circuit voltage, relative
+    current_drift: Drift  # of the short-circuit current, relative
+    warming: Annotated[Quantity, si('K m2/W', low=0.0, high=0.2, sourced=True)]
+
+    @model_validator(mode='after')
+    def _within_its_corner(self) -> 'Electrical':
+        if not self.voltage.si < self.open_circuit.si:
+            raise ValueError('has its maximum power at or above the open-circuit voltage')
+        if not self.current.si < self.short_circuit.si:
+            raise ValueError('has its maximum power at or above the short-circuit current')
+        return self
+
+
+class CellFile(Record):
+    """A whole cell file."""
+
+    schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
+    name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
+    about: str
+    technology: Literal['crystalline', 'amorphous', 'organic']
+    size: Annotated[Quantity, si('m', above=0.0, high=10.0, length=3, sourced=True)]
+    mass: Annotated[Quantity, si('kg', above=0.0, high=10.0, sourced=True)]
+    electrical: Electrical
+
+    @property
+    def area(self) -> float:
+        """Of its face, by the outer size. [m2]."""
+        length, width, _ = self.size.vector
+        return length * width
+
+    @property
+    def rated(self) -> float:
+        """Power at standard conditions. [W]."""
+        return self.electrical.voltage.si * self.electrical.current.si
+
+
+@cache
+def load_cell_file(name: str) -> CellFile:
+    """Return a cell file by shipped name or path; anything wrong is a `BadInput` sentence."""
+    return load(CellFile, find('cell', name))

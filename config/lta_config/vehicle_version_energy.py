@@ -1,0 +1,75 @@
+"""
+The flat energy block of vehicle files of version 2, read as the present one.
+
+It had a cell without relaxation, age or cut-offs, and a panel of one efficiency in any light,
+charged without loss. The panel becomes as many generic cells of 1 cm2 as give the same power at
+standard conditions; what it did not have becomes what does nothing.
+"""
+
+from typing import Any
+
+from lta_config.quantity import UNITS
+
+GENERIC = 'monocrystalline'  # in config/cells: 20 % of 1 cm2
+GENERIC_POWER = 0.020  # W at standard conditions
+STANDARD = 1000.0  # W/m2
+SECONDS_PER_HOUR = 3600.0
+SOURCE = 'assumed: version 2 of the file had none'
+
+
+def nested(energy: Any) -> Any:  # noqa: ANN401 - whatever the file held
+    """Return a flat energy block with its battery, array, charger and loads."""
+    if not isinstance(energy, dict) or 'battery' in energy or 'loads' in energy:
+        return energy
+    rest = dict(energy)
+    battery = {key: rest.pop(key) for key in ('capacity', 'resistance') if key in rest}
+    loads = {
+        key: rest.pop(key)
+        for key in ('idle', 'transmitting', 'rotor_idle', 'rotor_power')
+        if key in rest
+    }
+    panel = [_si(rest.pop(f'panel_{key}', None)) for key in ('area', 'efficiency', 'voltage')]
+    return {**rest, 'battery': {**battery, **_at_rest(battery)}, 'loads': loads, **_array(*panel)}
+
+
+def _at_rest(battery: dict[str, Any]) -> dict[str, Any]:
+    """Return what makes a cell of capacity and resistance alone: new, unwatched, at once."""
+    capacity = _si(battery.get('capacity')) or 1.0
+    return {
+        'relaxation_resistance': _assumed(0.0, 'ohm'),
+        'relaxation_time': _assumed(1.0, 's'),
+        'temperature': _assumed(25.0, 'degC'),
+        'age': _assumed(0.0, '1'),
+        'discharge_cutoff': _assumed(3.0, 'V'),
+        'charge_cutoff': _assumed(4.2, 'V'),
+        'charge_current': _assumed(capacity / SECONDS_PER_HOUR, 'A'),
+    }
+
+
+def _array(area: float | None, efficiency: float | None, _: float | None) -> dict[str, Any]:
+    """Return array and charger that give the power of a panel; nothing where there was none."""
+    count = round((area or 0.0) * (efficiency or 0.0) * STANDARD / GENERIC_POWER)
+    if count == 0:
+        return {}
+    lossless = _assumed(1.0, '1')
+    return {
+        'array': {
+            'cell': GENERIC, 'series': 1, 'parallel': count,
+            'normal': _assumed([0.0, 0.0, 1.0], '1'),
+        },
+        'charger': {'tracking': lossless, 'conversion': lossless, 'idle': _assumed(0.0, 'W')},
+    }  # fmt: skip
+
+
+def _assumed(value: float | list[float], unit: str) -> dict[str, Any]:
+    return {'value': value, 'unit': unit, 'source': SOURCE}
+
+
+def _si(quantity: Any) -> float | None:  # noqa: ANN401 - whatever the file held
+    """Return a quantity in SI if it is one; the checks of the block say what is wrong with it."""
+    if not isinstance(quantity, dict):
+        return None
+    value, unit = quantity.get('value'), quantity.get('unit')
+    if isinstance(value, bool) or not isinstance(value, int | float) or unit not in UNITS:
+        return None
+    return value * UNITS[unit][1]
