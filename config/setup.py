@@ -11,6 +11,8 @@ FOLDERS = (
     'floor_plans',
     'imports',
     'launch',
+    'light_days',
+    'missions',
     'manoeuvres',
     'scenarios',
     'sweeps',
