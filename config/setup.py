@@ -14,6 +14,7 @@ FOLDERS = (
     'light_days',
     'missions',
     'manoeuvres',
+    'mounts',
     'scenarios',
     'sweeps',
     'vehicles',

@@ -31,6 +31,7 @@ FOLDERS = {
     'launch file': 'launch',
     'sweep': 'sweeps',
     'manoeuvre': 'manoeuvres',
+    'mount': 'mounts',
     'comparison': 'comparisons',
     'import mapping': 'imports',
     'floor plan': 'floor_plans',

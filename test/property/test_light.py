@@ -9,9 +9,10 @@ from lta_sim.light.field import Illuminance, LightField
 from lta_sim.light.lamp import direct, Lamp
 from lta_sim.sensors.light_block import synthesise
 from lta_sim.sensors.photodiode import PhotodiodeArray
-from lta_vlc.array import azimuths, bearing, even_ring, Ring
+from lta_vlc.array import bearing
 from lta_vlc.demodulation import demodulate, Demodulation, Peaks, plan_bins
 from lta_vlc.modulation import cycles, SquareWave
+from lta_vlc.ring import azimuths, even_ring, Ring
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

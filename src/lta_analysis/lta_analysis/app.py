@@ -67,6 +67,12 @@ LIGHT: Final = Group(
         'study': Verb('light_study', 'light_study'),
     },
 )
+ENERGY: Final = Group(
+    'What flights cost and panels bring, beside the paper and a multirotor.',
+    {
+        'mounting': Verb('energy_mounting', 'mounting'),
+    },
+)
 VERBS: Final[dict[str, Verb | Group]] = {
     'fly': Verb('fly', 'fly'),
     'simulate': Verb('simulate', 'simulate'),
@@ -80,6 +86,7 @@ VERBS: Final[dict[str, Verb | Group]] = {
     'platforms': Verb('platforms', 'platforms'),
     'vehicle': Verb('vehicle', 'vehicle'),
     'light': LIGHT,
+    'energy': ENERGY,
     'bag': BAG,
     'compare': Verb('compare', 'compare'),
     'discover': Verb('discover', 'discover', several=('--train', '--confirm', '--holdout')),

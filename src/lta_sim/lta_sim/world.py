@@ -184,6 +184,12 @@ class World:
         self._craft.look()
         return _three(self._craft.wind.tolist())
 
+    @property
+    def thrusts(self) -> tuple[float, ...]:
+        """Present thrust of each rotor. [N]."""
+        self._craft.look()
+        return tuple(self._craft.thrusts[: self._rotors].tolist())
+
     def wrenches(self) -> dict[str, Array]:
         """Return the present wrench of each effect, body frame. [N, N m]."""
         self._craft.look()

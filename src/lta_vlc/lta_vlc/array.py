@@ -22,26 +22,10 @@ import math
 from typing import final
 
 from lta_vlc.demodulation import Peaks
+from lta_vlc.ring import Ring
 
 # Sensor noise is far above this; a shorter vector is rounding around a perfectly even ring.
 SHORTEST = 1e-9
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Ring:
-    """
-    The horizontal axes of the diodes in the body frame.
-
-    Parameters
-    ----------
-    cosines, sines : tuple of float, one a diode
-        Components of the axes along body x (forward) and y (left).
-
-    """
-
-    cosines: tuple[float, ...]
-    sines: tuple[float, ...]
 
 
 @final
@@ -66,17 +50,6 @@ class Bearing:
     y: float
     angle: float
     deviation: float
-
-
-def azimuths(count: int) -> tuple[float, ...]:
-    """Return the azimuths of `count` diodes spread evenly, the first forward. [rad]"""
-    return tuple(2.0 * math.pi * i / count for i in range(count))
-
-
-def even_ring(count: int) -> Ring:
-    """Return a ring of `count` evenly spread diodes, the first forward."""
-    angles = azimuths(count)
-    return Ring(tuple(map(math.cos, angles)), tuple(map(math.sin, angles)))
 
 
 def weighted_mean(

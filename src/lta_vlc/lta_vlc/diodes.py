@@ -7,7 +7,7 @@ from typing import final
 
 from lta_config.errors import BadInput
 from lta_config.vehicle_diodes import Diodes as DiodesEntry
-from lta_vlc.array import azimuths, Ring
+from lta_vlc.ring import azimuths, Ring
 
 Axis = tuple[float, float, float]
 

@@ -27,7 +27,8 @@ from lta_control.strategies.settings import StrategySettings
 from lta_control.vehicle_side import body_of, rotors_of
 from lta_sim.extract import Extract
 from lta_sim.vehicle import load_vehicle
-from lta_vlc.array import even_ring, weighted_mean
+from lta_vlc.array import weighted_mean
+from lta_vlc.ring import even_ring
 import numba
 import numpy as np
 import pytest

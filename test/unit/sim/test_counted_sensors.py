@@ -14,8 +14,9 @@ from lta_sim.light.view import LightView
 from lta_sim.scenario import load_scenario
 from lta_sim.sensors import imu, pressure, range
 from lta_sim.vehicle import load_vehicle
-from lta_vlc.array import bearing, even_ring
+from lta_vlc.array import bearing
 from lta_vlc.demodulation import demodulate, Demodulation, Peaks, plan_bins
+from lta_vlc.ring import even_ring
 import numpy as np
 import pytest
 

@@ -8,9 +8,10 @@ from lta_sim.light.lamp import Lamp
 from lta_sim.light.room import even, Room
 from lta_sim.sensors.light_block import synthesise
 from lta_sim.sensors.photodiode import noise_volts, PhotodiodeArray
-from lta_vlc.array import bearing, even_ring
+from lta_vlc.array import bearing
 from lta_vlc.demodulation import demodulate, Demodulation, plan_bins
 from lta_vlc.modulation import SquareWave
+from lta_vlc.ring import even_ring
 import numpy as np
 import pytest
 

@@ -2,8 +2,9 @@
 
 import math
 
-from lta_vlc.array import azimuths, bearing, even_ring, Ring, weighted_mean
+from lta_vlc.array import bearing, weighted_mean
 from lta_vlc.demodulation import demodulate, Demodulation, Peaks, plan_bins
+from lta_vlc.ring import azimuths, even_ring, Ring
 import numba
 import numpy as np
 import pytest

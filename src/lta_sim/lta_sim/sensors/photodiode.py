@@ -22,7 +22,7 @@ import math
 from typing import Annotated, final
 
 from lta_config.files import Record
-from lta_vlc.array import azimuths
+from lta_vlc.ring import azimuths
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field

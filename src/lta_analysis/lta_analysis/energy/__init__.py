@@ -1,0 +1,1 @@
+"""What flights cost: the power budget, hovering against a multirotor, and where panels sit."""

@@ -1,0 +1,66 @@
+"""Tables of text for the pages about energy, and the same on a terminal."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+from typing import final
+
+from rich.console import Console
+from rich.table import Table as Printed
+from rich.text import Text
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A heading, the heads of its columns, and its rows; the first cell of a row names it."""
+
+    heading: str
+    heads: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    note: str = ''
+
+
+def turned(table: Table) -> Table:
+    """Return a table with rows and columns exchanged, for a narrow terminal."""
+    rows = [
+        [head, *(row[place] for row in table.rows)]
+        for place, head in enumerate(table.heads[1:], start=1)
+    ]
+    heads = [table.heads[0], *(row[0] for row in table.rows)]
+    return Table(table.heading, heads, rows, table.note)
+
+
+def table_html(table: Table) -> str:
+    """Return a table in a panel of its own."""
+    head = ''.join(f'<th scope="col">{escape(each)}</th>' for each in table.heads)
+    lines = []
+    for first, *rest in table.rows:
+        cells = ''.join(f'<td>{escape(cell)}</td>' for cell in rest)
+        lines.append(f'<tr><th scope="row">{escape(first)}</th>{cells}</tr>')
+    words = escape(table.heading)
+    note = f'<p class="note">{escape(table.note)}</p>' if table.note else ''
+    return (
+        f'<section class="panel told" aria-label="{words}"><h2>{words}</h2>'
+        f'<div class="wide"><table><caption class="hidden">{words}</caption>'
+        f'<thead><tr>{head}</tr></thead><tbody>{"".join(lines)}</tbody></table></div>'
+        f'{note}</section>'
+    )
+
+
+def show(table: Table, console: Console) -> None:
+    """Print a table."""
+    printed = Printed(
+        title=table.heading, title_justify='left', title_style='bold', box=None, pad_edge=False,
+        padding=(0, 2, 0, 0),
+    )  # fmt: skip
+    for place, head in enumerate(table.heads):
+        printed.add_column(
+            Text(head), justify='left' if place == 0 else 'right', no_wrap=place == 0
+        )
+    for row in table.rows:
+        printed.add_row(*map(Text, row))
+    console.print(printed)
+    if table.note:
+        console.print(table.note, style='dim', highlight=False, markup=False)
+    console.print()

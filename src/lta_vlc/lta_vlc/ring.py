@@ -1,0 +1,33 @@
+"""Photodiodes around a vehicle: where each one looks in the horizontal plane of the body."""
+
+from dataclasses import dataclass
+import math
+from typing import final
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Ring:
+    """
+    The horizontal axes of the diodes in the body frame.
+
+    Parameters
+    ----------
+    cosines, sines : tuple of float, one a diode
+        Components of the axes along body x (forward) and y (left).
+
+    """
+
+    cosines: tuple[float, ...]
+    sines: tuple[float, ...]
+
+
+def azimuths(count: int) -> tuple[float, ...]:
+    """Return the azimuths of `count` diodes spread evenly, the first forward. [rad]"""
+    return tuple(2.0 * math.pi * i / count for i in range(count))
+
+
+def even_ring(count: int) -> Ring:
+    """Return a ring of `count` evenly spread diodes, the first forward."""
+    angles = azimuths(count)
+    return Ring(tuple(map(math.cos, angles)), tuple(map(math.sin, angles)))
