@@ -80,6 +80,7 @@ VERBS: Final[dict[str, Verb | Group]] = {
     'launch': Verb('launch', 'launch', {'allow_interspersed_args': True}),
     'call': Verb('call', 'call'),
     'run': Verb('run', 'run', {'ignore_unknown_options': True, 'allow_interspersed_args': False}),
+    'mission': Verb('mission', 'mission'),
     'sweep': Verb('sweep', 'sweep'),
     'tune': Verb('tune', 'tune'),
     'wind': Verb('wind', 'wind'),

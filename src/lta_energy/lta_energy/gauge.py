@@ -1,5 +1,5 @@
 """
-The drone's own idea of its charge over a day: coulombs counted, and corrected by a resting voltage.
+The drone's own idea of its charge over a day: coulombs counted, corrected by resting voltages.
 
 A Kalman filter of one number. Counting drifts by the errors of the current's meter; the voltage of
 a cell that hardly works tells the charge by the slope of its resting voltage. It never sees the

@@ -80,9 +80,7 @@ class LightOfDays:
     def at(self, time: float) -> Light:
         """Return the light at a time since the first midnight. [s]"""
         k = self._minute(time)
-        return Light(
-            float(self.sun[k]), float(self.lamps[k]), float(self.beacon[k]), self.duty
-        )
+        return Light(float(self.sun[k]), float(self.lamps[k]), float(self.beacon[k]), self.duty)
 
     def expected(self, time: float) -> Light:
         """Return the light that was to be expected at a time. [s]"""

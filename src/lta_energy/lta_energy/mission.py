@@ -243,9 +243,7 @@ class Life:
         diary, begin = self.diary, self.now
         light = self._light.at(begin)
         number = len(diary.flights)
-        landing = self._fly(
-            Departure(begin, self._store, self._gauge.charge, light, number)
-        )
+        landing = self._fly(Departure(begin, self._store, self._gauge.charge, light, number))
         flight = landing.flight
         self._store = landing.store
         deviation = self._gauge.deviation + abs(flight.before - flight.after) * 0.003

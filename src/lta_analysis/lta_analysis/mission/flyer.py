@@ -1,8 +1,9 @@
 """
 One flight of a mission: round the beacons and home, leg by leg, on the compiled model.
 
-The drone turns home when its own count of the charge comes to the reserve, and lands where it is
-at half of that. At home a dock catches it: whoever passes the perch within its reach is home.
+The drone turns home when its own count of the charge comes to the reserve or a beacon is not found
+in time, and lands where it is at half of the reserve. At home a dock catches it: whoever passes the
+perch within its reach is home.
 """
 
 from dataclasses import dataclass
@@ -33,6 +34,7 @@ from lta_energy.mission import Departure, Flight, Landing
 import numpy as np
 
 SEARCH = 60.0  # s allowed for a leg beyond three times its straight way at cruise speed
+HOMEWARD = 900.0  # s: whoever cannot find home seeks it while the charge lasts
 ENDINGS = {EMPTY: 'empty', ESCAPED: 'escaped', STOPPED: 'stopped', RESERVE: 'away', LATE: 'lost'}
 BESIDE = 0.3  # m beside its lantern, so that the drone sees it as it stands
 
@@ -141,7 +143,7 @@ class Flyer:
         """Fly to the perch until the dock catches the drone; return how that ended."""
         perch, leg = self._mission.perch, self._leg
         x, y, _ = self._scenes.lamp(perch).position
-        left = self._limit(going, perch)
+        left = HOMEWARD
         while left > 0.0:
             begun = going.memory.step
             going_home = leg._replace(limit=left, reserve=0.5 * leg.reserve)

@@ -1,5 +1,5 @@
 """
-Write the text of one leg: kernel, sensors, estimator, control, homing and cell, to be gone on with.
+Write the text of one leg: kernel, sensors, estimator, control, homing and cell, to be continued.
 
 The parts are those of a flight of a batch (`lta_analysis.fleet.text`); what the leg has of its own
 is that it begins with what the leg before left, and leaves the same to the next.

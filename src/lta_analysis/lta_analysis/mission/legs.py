@@ -85,7 +85,5 @@ class Pilot:
 
         """
         numbers, after = MEMORY.write(memory), state.copy()
-        self._fly(
-            self._fixed, constants, self._leg.write(leg), numbers, after, seed & 0xFFFFFFFF
-        )
+        self._fly(self._fixed, constants, self._leg.write(leg), numbers, after, seed & 0xFFFFFFFF)
         return MEMORY.read(numbers), after

@@ -60,7 +60,9 @@ def laden(made_of: Ingredients, payload: Payload) -> Ingredients:
         'size': {'value': [2, 2, 1], 'unit': 'cm', 'source': source},
     }
     layers = {**given, 'inspection': {'payload': part}}
-    return replace(made_of, contents={**made_of.contents, 'vehicle': {**vehicle, 'layers': layers}})
+    return replace(
+        made_of, contents={**made_of.contents, 'vehicle': {**vehicle, 'layers': layers}}
+    )
 
 
 @final
@@ -147,5 +149,3 @@ def made_of(model: Any, craft: Craft, vehicle: Vehicle) -> Made:  # noqa: ANN401
     form: list[str] = []
     take(bare(craft), numbers, form)
     return Made(model, numbers, ''.join(form), craft, vehicle.file.name)
-
-
