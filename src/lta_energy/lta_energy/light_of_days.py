@@ -116,7 +116,7 @@ def light_of(day: LightDay, days: int, seed: int) -> LightOfDays:
         Of the clouds.
 
     """
-    times = (np.arange(days * MINUTES) + 0.5) * MINUTE
+    times: Array = np.arange(0.5, days * MINUTES) * MINUTE
     nothing = np.zeros(len(times))
     clear = nothing if day.sun is None else clear_day(day.sun, times)
     sun, mean = clear, 1.0
@@ -158,16 +158,18 @@ def clear_day(sun: Sun, times: Array) -> Array:
 
 def through(clouds: Clouds, chance: Generator) -> Array:
     """Return what the clouds of one day let through, minute by minute. [1]"""
-    cover = float(chance.uniform(*clouds.cover.vector))
+    low, high = clouds.cover.vector
+    cover = float(chance.uniform(low, high))
     share = np.ones(MINUTES)
     if cover <= 0.0:
         return share
     length = clouds.length.si / MINUTE
     gap = length * (1.0 - cover) / cover
+    low, high = clouds.through.vector
     at = 0.0 if chance.random() < cover else chance.exponential(gap)
     while at < MINUTES:
         end = at + chance.exponential(length)
-        share[int(at) : math.ceil(end)] = chance.uniform(*clouds.through.vector)
+        share[int(at) : math.ceil(end)] = chance.uniform(low, high)
         at = end + chance.exponential(gap)
     return share
 

@@ -112,16 +112,16 @@ def safe(known: Known) -> bool:
     return holds(known) - known.need - SURE * known.spread >= least(known)
 
 
-def fixed(rest: float) -> Schedule:
-    """Return the naive schedule: awake in the hours of work, rest so many times the flight."""
+def fixed(rest: float, *, asleep: bool = False) -> Schedule:
+    """Return the naive schedule: rest so many times the flight, awake in the hours of work."""
 
     def schedule(known: Known) -> Wish:
         if not at_work(known):
             return Wish(False, begins(known), True)
         ready = known.landed + rest * known.lasted
         if known.time < ready:
-            return Wish(False, ready)
-        return Wish(True) if safe(known) else Wish(False, known.time + 60.0)
+            return Wish(False, ready, asleep)
+        return Wish(True) if safe(known) else Wish(False, known.time + LOOK, asleep)
 
     return schedule
 

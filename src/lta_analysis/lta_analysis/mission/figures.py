@@ -122,5 +122,7 @@ def to_json(diary: Diary) -> dict[str, Any]:
 
 def from_json(content: Mapping[str, Any]) -> Diary:
     """Return the diary that `to_json` wrote."""
-    flights = [Flight(*each[:4], Flow(*each[4]), *each[5:]) for each in content['flights']]
-    return Diary(**{**content, 'flights': flights, 'flow': Flow(*content['flow'])})
+    flights = [
+        Flight._make(each)._replace(flow=Flow._make(each[4])) for each in content['flights']
+    ]
+    return Diary(**{**content, 'flights': flights, 'flow': Flow._make(content['flow'])})

@@ -2,8 +2,8 @@
 One flight of a mission: round the beacons and home, leg by leg, on the compiled model.
 
 The drone turns home when its own count of the charge comes to the reserve or a beacon is not found
-in time, and lands where it is at half of the reserve. At home a dock catches it: whoever passes the
-perch within its reach is home.
+in time, and lands where it is at half of the reserve. At home a dock catches it: whoever passes
+the perch within its reach is home.
 """
 
 from dataclasses import dataclass

@@ -13,12 +13,12 @@ from lta_sim.sensors.power import draw, PowerMeterSettings
 import numpy as np
 
 CRUISE: Final = 2.2  # W: what a flight is taken to draw before the first was flown
-AWARE, NAIVE = 'by light', 'duty cycle'
+AWARE, NAIVE, DOZING = 'by light', 'duty cycle', 'duty cycle, asleep'
 
 
 def schedule_of(name: str, mission: MissionFile) -> Schedule:
     """Return a schedule by its name."""
-    return by_light if name == AWARE else fixed(mission.duty.rest)
+    return by_light if name == AWARE else fixed(mission.duty.rest, asleep=name == DOZING)
 
 
 def upkeep_of(mission: MissionFile, scenes: Scenes, seed: int) -> Upkeep:

@@ -36,7 +36,7 @@ METHOD: Final = (
     'compiled 6-DoF model with estimator, cascade and homing, the cell drained every hundredth of '
     'a second by what the rotors draw; the beacon is heard as geometry and noise, not as an ADC '
     'block.',
-    'The duty cycle stays awake in its hours and rests a fixed multiple of the last flight. The '
+    'A duty cycle rests a fixed multiple of the last flight, awake in its hours or asleep. The '
     'schedule by light knows the clear sky, the mean of clouds and the timers, and its own count '
     'of the charge; it flies when that is safe and the night is provided for, or the cell would '
     'be full, and sleeps in between. Both refuse a flight that might not leave the reserve.',

@@ -12,7 +12,7 @@ from lta_energy.mission import ALOFT, ASLEEP, AWAY, OUT, PERCHED
 import numpy as np
 from plotly.graph_objects import Bar, Figure, Scatter
 
-COLOURS = (TRUTH, ESTIMATE)
+COLOURS = (TRUTH, ESTIMATE, GOOD)
 STATES = {
     PERCHED: ('perched, awake', LAMP), ASLEEP: ('asleep', SOFT), ALOFT: ('in flight', TRUTH),
     AWAY: ('waits to be fetched', ESTIMATE), OUT: ('empty', ESTIMATE),

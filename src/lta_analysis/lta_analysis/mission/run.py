@@ -11,7 +11,7 @@ from typing import Final, final, NamedTuple
 
 from lta_analysis.light.evaluation.intervals import Mean, mean, ratio
 from lta_analysis.mission.figures import Figures, figures_of, from_json, to_json
-from lta_analysis.mission.lived import AWARE, life_of, NAIVE
+from lta_analysis.mission.lived import AWARE, DOZING, life_of, NAIVE
 from lta_analysis.mission.scene import Scenes
 from lta_analysis.results_folder import keep_json
 from lta_config.errors import BadInput
@@ -20,7 +20,7 @@ from lta_config.mission_file import load_mission, MissionFile
 from lta_energy.light_of_days import light_of, LightOfDays
 from lta_energy.mission import Diary
 
-SCHEDULES: Final = (AWARE, NAIVE)
+SCHEDULES: Final = (AWARE, NAIVE, DOZING)
 KEPT: Final = 'lives_of.json'  # in the folder of the results: what its lives are of
 
 
@@ -133,7 +133,7 @@ def one(
     order: Order, folder: Path, schedule: str, seed: int, told: Callable[[float], None]
 ) -> Diary:
     """Return one life, from its file where it has been lived already."""
-    path = folder / f'{schedule.replace(" ", "_")}_{seed}.json'
+    path = folder / f'{schedule.replace(",", "").replace(" ", "_")}_{seed}.json'
     life, light = life_of(order.mission, order.day, order.scenes, schedule, order.days, seed)
     if path.exists():
         told(light.end)

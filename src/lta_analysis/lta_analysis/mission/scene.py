@@ -140,7 +140,7 @@ def brightness(listening: Listening, lamp: Lamp) -> float:
     """Return the strength of a lantern from one metre off, as homing takes it. [counts]"""
     order = lamp.order
     lux = lamp.flux * (order + 1.0) / (2.0 * math.pi) * math.cos(OFF_AXIS) ** order
-    return listening.gain * listening.counts * lux
+    return float(listening.gain * listening.counts * lux)
 
 
 def made_of(model: Any, craft: Craft, vehicle: Vehicle) -> Made:  # noqa: ANN401 - a Model

@@ -29,9 +29,9 @@ def mission(
     ] = 1,
     seed: Annotated[int, typer.Option(help='The first seed.', min=0)] = 1,
     schedule: Annotated[
-        Literal['both', 'by light', 'duty cycle'],
-        typer.Option(help='Ours, which looks at the light, the naive one, or both.'),
-    ] = 'both',
+        Literal['all', 'by light', 'duty cycle', 'duty cycle, asleep'],
+        typer.Option(help='Ours, which looks at the light, a naive one, or all.'),
+    ] = 'all',
     out: Out = None,
     pictures: Pictures = None,
     json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
@@ -41,8 +41,8 @@ def mission(
 
     A mission file says which beacons the drone visits, in which light it charges, and what it
     keeps. Each flight is flown by the compiled model and control; the time between goes in steps
-    of half a minute. Two schedules live the same days: ours, which looks at the light to come and
-    at its own count of the charge, and a fixed duty cycle.
+    of half a minute. Three schedules live the same days: ours, which looks at the light to come
+    and at its own count of the charge, and a fixed duty cycle that stays awake or sleeps between.
 
     The results are a page, mission.json (SI units), and the diary of each life. The same command
     with the same --out goes on where it was stopped.
@@ -53,7 +53,7 @@ def mission(
     """
     console = Console(stderr=json)
     can_be_taken(pictures)
-    schedules = SCHEDULES if schedule == 'both' else (schedule,)
+    schedules = SCHEDULES if schedule == 'all' else (schedule,)
     order = order_of(name, days, range(seed, seed + seeds), schedules)
     folder = results_folder(out, f'mission-{order.mission.name}')
     columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
@@ -84,7 +84,8 @@ def mission(
         write_pictures(page, pictures)
     if json:
         sys.stdout.write(json_text.dumps({**content, 'page': str(page)}, indent=1) + '\n')
-    for table in tables(order, lives):
-        show(turned(table), console)
+    schedules_table, ratios = tables(order, lives)
+    show(turned(schedules_table), console)
+    show(ratios, console)
     lines = [title(order, lives), page_line(near(page))]
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)
