@@ -83,8 +83,8 @@ class LightOfDays:
         return Light(float(self.sun[k]), float(self.lamps[k]), float(self.beacon[k]), self.duty)
 
     def expected(self, time: float) -> Light:
-        """Return the light that was to be expected at a time. [s]"""
-        k = self._minute(time)
+        """Return the light that is to be expected at a time, of these days or later. [s]"""
+        k = int(time / MINUTE) % MINUTES  # all days are of one date
         sun = self.mean * float(self.clear[k])
         return Light(sun, float(self.lamps[k]), float(self.beacon[k]), self.duty)
 
@@ -169,7 +169,7 @@ def through(clouds: Clouds, chance: Generator) -> Array:
     at = 0.0 if chance.random() < cover else chance.exponential(gap)
     while at < MINUTES:
         end = at + chance.exponential(length)
-        share[int(at) : math.ceil(end)] = chance.uniform(low, high)
+        share[round(at) : round(end)] = chance.uniform(low, high)
         at = end + chance.exponential(gap)
     return share
 
