@@ -21,8 +21,9 @@ class Electrical(Record):
     """
     The data sheet at standard conditions.
 
-    `ideality` is that of one junction, of which `junctions` are in series; `warming` is how much
-    warmer than the air the cells are per irradiance.
+    `ideality` is that of one junction, of which `junctions` are in series; `gap` is the width of
+    its band gap, from which follows what warmth costs; `warming` is how much warmer than the air
+    the cells are per irradiance.
     """
 
     open_circuit: Volts
@@ -31,7 +32,7 @@ class Electrical(Record):
     current: Amperes  # at maximum power
     junctions: Annotated[int, Field(ge=1, le=1000)]
     ideality: Annotated[Quantity, si('1', low=0.5, high=5.0, sourced=True)]
-    voltage_drift: Drift  # of the open-circuit voltage, relative
+    gap: Annotated[Quantity, si('eV', low=0.5, high=4.0, sourced=True)]
     current_drift: Drift  # of the short-circuit current, relative
     warming: Annotated[Quantity, si('K m2/W', low=0.0, high=0.2, sourced=True)]
 

@@ -76,6 +76,7 @@ UNITS: dict[str, tuple[str, float]] = {
     'ohm': ('ohm', 1.0),
     'kohm': ('ohm', 1e3),
     'Mohm': ('ohm', 1e6),
+    'eV': ('eV', 1.0),
     'W': ('W', 1.0),
     'mW': ('W', 1e-3),
     'W/N': ('W/N', 1.0),

@@ -4,6 +4,7 @@ The `energy` block of a vehicle file: cell, solar array, charger and consumers.
 Where the array sits is said once: it is a part of the vehicle, in its layers.
 """
 
+from collections.abc import Mapping
 import math
 from typing import Annotated
 
@@ -83,11 +84,17 @@ class Charger(Record):
 
 
 class Loads(Record):
-    """Consumers; `transmitting` and `sensing` come on top of `idle`."""
+    """
+    Consumers; what follows comes on top of `idle`.
+
+    `transmitting` is the radio, `sensing` what looks at the light and finds lamps in it, and
+    `computing` what a navigation strategy, by its name, takes beyond that.
+    """
 
     idle: Power
     transmitting: Power
     sensing: Power | None = None
+    computing: Mapping[str, Power] = Field(default_factory=dict)
     rotor_idle: Power
     rotor_power: Annotated[Quantity, si('W/N', low=0.0, sourced=True)]
 

@@ -70,6 +70,7 @@ LIGHT: Final = Group(
 ENERGY: Final = Group(
     'What flights cost and panels bring, beside the paper and a multirotor.',
     {
+        'budget': Verb('energy_budget', 'budget'),
         'mounting': Verb('energy_mounting', 'mounting'),
     },
 )

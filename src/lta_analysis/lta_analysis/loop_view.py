@@ -19,7 +19,7 @@ from lta_analysis.report.view import (
     Track,
 )
 from lta_control.autopilot import ESTIMATE
-from lta_control.flat import Array
+from lta_sim.flat import Array
 from lta_sim.state import POSITION, QUATERNION, VELOCITY
 import numpy as np
 

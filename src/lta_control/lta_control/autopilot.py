@@ -14,10 +14,10 @@ from lta_control.attitude import Vector
 from lta_control.cascade import CascadeGains, Measured, Setpoint
 from lta_control.control import TILT_LIMIT
 from lta_control.estimator import Estimate, EstimatorSettings
-from lta_control.flat import Array, compiled, Layout
 from lta_control.onboard import Drone, Heard, Onboard, onboard_step
 from lta_control.sighting import Reckoned
 from lta_control.vehicle_side import body_of, rotors_of, surge_drag_of
+from lta_sim.flat import Array, compiled, Layout
 from lta_sim.vehicle import Vehicle
 import numpy as np
 

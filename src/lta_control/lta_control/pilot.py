@@ -19,12 +19,12 @@ from lta_control.carried import velocity
 from lta_control.cascade import Measured, Setpoint
 from lta_control.control import landed, TILT_LIMIT
 from lta_control.estimator import Body, Estimate, estimator_step, EstimatorSettings, Inputs
-from lta_control.flat import Array, compiled, Layout
 from lta_control.laws.frames import turned
 from lta_control.laws.protocol import Command, Feedback, Heard, Law, Motion
 from lta_control.per_rotor import NONE, slots
 from lta_control.sighting import Reckoned
 from lta_control.vehicle_side import body_of
+from lta_sim.flat import Array, compiled, Layout
 from lta_sim.vehicle import Vehicle
 import numpy as np
 

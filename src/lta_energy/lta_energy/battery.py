@@ -1,11 +1,15 @@
 """
-One LiPo cell: open-circuit voltage by state of charge behind a series resistance.
+One LiPo cell: open-circuit voltage by state of charge, a series resistance and one RC pair.
 
-Signs as in sensor_msgs/BatteryState: a positive current or power charges the cell. The functions
-take and return scalars and make nothing on the heap, so that numba compiles them. No relaxation,
-temperature or ageing yet.
+    V = E(charge) + U + R I          charge' = I / capacity          U' = (R1 I - U) / tau
+
+Signs as in sensor_msgs/BatteryState: a positive current or power charges the cell. What changes is
+the charge and the relaxation voltage U; the cell keeps its temperature and age. The functions take
+and return scalars and make nothing on the heap, so that numba compiles them. Limits of voltage and
+current are not here: see `lta_energy.power_path`.
 """
 
+import math
 from typing import Annotated, final, Self
 
 from lta_config.files import Record
@@ -20,28 +24,75 @@ OPEN_CIRCUIT = (
 )  # fmt: skip
 INTERVALS = len(OPEN_CIRCUIT) - 1
 
+WORN = 0.2  # loss of capacity at which a cell counts as worn out, its resistance doubled (USABC)
+ACTIVATION = 18.8e3  # J/mol of both resistances; assumed: they double from 25 to 0 degC
+GAS_CONSTANT = 8.314462618  # J/(mol K)
+COLD_LOSS = 0.006  # of the capacity by kelvin below 25 degC; assumed: 15 % at 0 degC
+ZERO_CELSIUS = 273.15  # K
+ROOM = 25.0  # degC, for which the numbers of a file stand
+
+NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+
 
 @final
 class Battery(Record):
     """
-    One cell.
+    One cell, as warm and as old as it is. Without more than the first two it relaxes at once.
 
     Attributes
     ----------
     capacity : float
         Charge of the full cell. [C]
     resistance : float
-        Series resistance. [ohm]
+        Series resistance R. [ohm]
+    relaxation_resistance : float
+        Resistance R1 of the RC pair. [ohm]
+    relaxation_time : float
+        Time constant tau of the RC pair. [s]
+    discharge_cutoff : float
+        Voltage under load below which the supply fails. [V]
+    charge_cutoff : float
+        Voltage that charging does not exceed. [V]
+    charge_current : float
+        Current that charging does not exceed. [A]
 
     """
 
-    capacity: Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
-    resistance: Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+    capacity: Positive
+    resistance: NotNegative
+    relaxation_resistance: NotNegative = 0.0
+    relaxation_time: Positive = 1.0
+    discharge_cutoff: Positive = 3.0
+    charge_cutoff: Positive = 4.2
+    charge_current: Positive = 1000.0
 
     @classmethod
     def of(cls, energy: Energy) -> Self:
         """Return the cell of a vehicle file."""
-        return cls(capacity=energy.battery.capacity.si, resistance=energy.battery.resistance.si)
+        data = energy.battery
+        worse = (1.0 + data.age.si / WORN) * resistance_by_cold(data.temperature.si)
+        left = (1.0 - data.age.si) * capacity_by_cold(data.temperature.si)
+        return cls(
+            capacity=data.capacity.si * left,
+            resistance=data.resistance.si * worse,
+            relaxation_resistance=data.relaxation_resistance.si * worse,
+            relaxation_time=data.relaxation_time.si,
+            discharge_cutoff=data.discharge_cutoff.si,
+            charge_cutoff=data.charge_cutoff.si,
+            charge_current=data.charge_current.si,
+        )
+
+
+def resistance_by_cold(celsius: float) -> float:
+    """Return the resistance at a temperature [degC] by that at 25 degC (Arrhenius). [1]"""
+    there, here = 1.0 / (celsius + ZERO_CELSIUS), 1.0 / (ROOM + ZERO_CELSIUS)
+    return math.exp(ACTIVATION / GAS_CONSTANT * (there - here))
+
+
+def capacity_by_cold(celsius: float) -> float:
+    """Return the capacity at a temperature [degC] by that at 25 degC; warmth adds none. [1]"""
+    return 1.0 - COLD_LOSS * max(ROOM - celsius, 0.0)
 
 
 def open_circuit_voltage(charge: float) -> float:
@@ -77,7 +128,7 @@ def stored_energy(charge: float, capacity: float) -> float:
     Returns
     -------
     float
-        Energy above empty, before losses in the resistance. [J]
+        Energy above empty, before losses in the resistances. [J]
 
     """
     place = min(max(charge, 0.0), 1.0) * INTERVALS
@@ -89,6 +140,20 @@ def stored_energy(charge: float, capacity: float) -> float:
     rise = OPEN_CIRCUIT[below + 1] - OPEN_CIRCUIT[below]
     area += rest * (OPEN_CIRCUIT[below] + 0.5 * rest * rise)
     return area * capacity / INTERVALS
+
+
+def mean_open_circuit(before: float, after: float) -> float:
+    """Return the mean resting voltage between two states of charge, exactly. [V]"""
+    if int(before * INTERVALS) == int(after * INTERVALS):
+        return 0.5 * (open_circuit_voltage(before) + open_circuit_voltage(after))
+    return (stored_energy(after, 1.0) - stored_energy(before, 1.0)) / (after - before)
+
+
+def relaxation_energy(cell: Battery, relaxation: float) -> float:
+    """Return what the capacitor of the RC pair holds at a relaxation voltage [V]. [J]"""
+    if cell.relaxation_resistance <= 0.0:
+        return 0.0
+    return 0.5 * cell.relaxation_time / cell.relaxation_resistance * relaxation * relaxation
 
 
 def terminal_voltage(open_circuit: float, current: float, resistance: float) -> float:
@@ -103,7 +168,7 @@ def current_at(open_circuit: float, power: float, resistance: float) -> float:
     Parameters
     ----------
     open_circuit : float
-        Resting voltage E. [V]
+        Voltage E behind the series resistance. [V]
     power : float
         Power P into the cell; negative where it is drawn. [W]
     resistance : float
@@ -113,7 +178,7 @@ def current_at(open_circuit: float, power: float, resistance: float) -> float:
     -------
     float
         The smaller root of R I^2 + E I = P, in the form that holds for R = 0. Beyond the largest
-        power the cell can give, E^2 / 4R, it is the current of that power: a brown-out. [A]
+        power the cell can give, E^2 / 4R, it is the current of that power. [A]
 
     """
     root: float = max(0.0, open_circuit * open_circuit + 4.0 * resistance * power) ** 0.5
@@ -140,31 +205,82 @@ def count(charge: float, current: float, capacity: float, dt: float) -> float:
     return min(max(charge + current * dt / capacity, 0.0), 1.0)
 
 
-def advance(
-    charge: float, power: float, capacity: float, resistance: float, dt: float
-) -> tuple[float, float, float]:
+def relax(cell: Battery, relaxation: float, current: float, dt: float) -> tuple[float, float]:
     """
-    Take up a constant power for a while: one midpoint step, of second order in dt.
+    Return the relaxation voltage after a constant current, and its mean on the way. [V]
 
     Parameters
     ----------
+    cell : Battery
+        The cell.
+    relaxation : float
+        Relaxation voltage before. [V]
+    current : float
+        Positive charges. [A]
+    dt : float
+        Time, above 0. [s]
+
+    """
+    final_ = cell.relaxation_resistance * current
+    x = dt / cell.relaxation_time
+    gone = -math.expm1(-x)
+    return (
+        relaxation + (final_ - relaxation) * gone,
+        final_ + (relaxation - final_) * gone / x,
+    )
+
+
+def heat(cell: Battery, relaxation: float, current: float, dt: float) -> float:
+    """Return the mean heat in both resistances; parameters as `relax`. [W]"""
+    warmth = cell.resistance * current * current
+    if cell.relaxation_resistance <= 0.0:
+        return warmth
+    last = cell.relaxation_resistance * current
+    first, x = relaxation - last, dt / cell.relaxation_time
+    square = (
+        last * last
+        - 2.0 * last * first * math.expm1(-x) / x
+        - 0.5 * first * first * math.expm1(-2.0 * x) / x
+    )
+    return warmth + square / cell.relaxation_resistance
+
+
+def advance(
+    cell: Battery, charge: float, relaxation: float, power: float, dt: float
+) -> tuple[float, float, float, float]:
+    """
+    Take up a constant power for a while: one midpoint step.
+
+    The power is met to second order in dt; voltage, current and what the cell then holds agree
+    exactly, so that books balance at any step. The current ends where the cell is empty or full.
+
+    Parameters
+    ----------
+    cell : Battery
+        The cell.
     charge : float
         State of charge. [1]
+    relaxation : float
+        Relaxation voltage. [V]
     power : float
         Power into the cell; negative where it is drawn. [W]
-    capacity, resistance : float
-        Charge of the full cell [C] and series resistance [ohm].
     dt : float
         Time step. [s]
 
     Returns
     -------
     tuple of float
-        State of charge after the step [1], mean terminal voltage [V] and current [A].
+        State of charge [1] and relaxation voltage [V] after the step, mean terminal voltage [V]
+        and current [A].
 
     """
-    begin = current_at(open_circuit_voltage(charge), power, resistance)
+    resistance, capacity = cell.resistance, cell.capacity
+    begin = current_at(open_circuit_voltage(charge) + relaxation, power, resistance)
     middle = open_circuit_voltage(count(charge, begin, capacity, 0.5 * dt))
-    current = current_at(middle, power, resistance)
-    voltage = terminal_voltage(middle, current, resistance)
-    return count(charge, current, capacity, dt), voltage, current
+    middle += relax(cell, relaxation, begin, dt)[1]
+    wanted = current_at(middle, power, resistance)
+    after = count(charge, wanted, capacity, dt)
+    current = (after - charge) * capacity / dt if after <= 0.0 or after >= 1.0 else wanted
+    relaxed, mean = relax(cell, relaxation, current, dt)
+    voltage = terminal_voltage(mean_open_circuit(charge, after) + mean, current, resistance)
+    return after, relaxed, voltage, current

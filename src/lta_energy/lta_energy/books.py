@@ -17,7 +17,7 @@ class Books:
     consumed : float
         By electronics and rotors.
     lost : float
-        As heat in the cell's resistance.
+        As heat in cell and charger.
     stored : float
         Change of what the cell holds; negative when it has been emptied.
 
@@ -45,7 +45,7 @@ def enter(
     books : Books
         The books before.
     harvest, load, loss : float
-        Mean power from the panel, to the loads, and in the cell's resistance. [W]
+        Mean power from the panel, to the loads, and lost as heat. [W]
     stored : float
         Change of the cell's energy. [J]
     dt : float

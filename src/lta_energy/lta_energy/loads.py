@@ -2,7 +2,8 @@
 What the drone consumes: electronics and rotors.
 
 A turning rotor takes a power that is affine in its thrust. That fits Bitcraze's bench table of
-four 7 mm coreless motors with an rmse of 63 mW of all four.
+four 7 mm coreless motors with an rmse of 63 mW of all four. `lta_energy.rotor` has the same by
+duty and voltage.
 """
 
 from collections.abc import Sequence
@@ -30,6 +31,8 @@ class Loads(Record):
         A turning rotor at vanishing thrust. [W]
     rotor_slope : float
         Rotor power by thrust. [W/N]
+    sensing : float
+        What looks at the light and finds lamps in it. [W]
 
     """
 
@@ -37,6 +40,7 @@ class Loads(Record):
     transmitting: NotNegative
     rotor_offset: NotNegative
     rotor_slope: NotNegative
+    sensing: NotNegative = 0.0
 
     @classmethod
     def of(cls, energy: Energy) -> Self:
@@ -46,7 +50,14 @@ class Loads(Record):
             transmitting=energy.loads.transmitting.si,
             rotor_offset=energy.loads.rotor_idle.si,
             rotor_slope=energy.loads.rotor_power.si,
+            sensing=0.0 if energy.loads.sensing is None else energy.loads.sensing.si,
         )
+
+
+def computing_of(energy: Energy, strategy: str) -> float:
+    """Return what a strategy computes with beyond sensing; 0 where the file says nothing. [W]"""
+    found = energy.loads.computing.get(strategy)
+    return 0.0 if found is None else found.si
 
 
 def rotor_power(thrust: float, offset: float, slope: float) -> float:
@@ -71,7 +82,9 @@ def rotor_power(thrust: float, offset: float, slope: float) -> float:
     return offset + slope * abs(thrust) if thrust != 0.0 else 0.0
 
 
-def demand(loads: Loads, thrusts: Sequence[float], transmitting: bool) -> float:
+def demand(
+    loads: Loads, thrusts: Sequence[float], transmitting: bool, sensing: bool = False
+) -> float:
     """
     Return the power that the whole drone draws.
 
@@ -83,6 +96,8 @@ def demand(loads: Loads, thrusts: Sequence[float], transmitting: bool) -> float:
         Thrust of each rotor. [N]
     transmitting : bool
         Whether the radio sends.
+    sensing : bool
+        Whether the light is looked at.
 
     Returns
     -------
@@ -93,4 +108,5 @@ def demand(loads: Loads, thrusts: Sequence[float], transmitting: bool) -> float:
     rotors, offset, slope = 0.0, loads.rotor_offset, loads.rotor_slope
     for thrust in thrusts:
         rotors += rotor_power(thrust, offset, slope)
-    return loads.idle + (loads.transmitting if transmitting else 0.0) + rotors
+    electronics = loads.idle + (loads.transmitting if transmitting else 0.0)
+    return electronics + (loads.sensing if sensing else 0.0) + rotors

@@ -15,6 +15,7 @@ from lta_config.files import checked, find, load_yaml, Record
 from lta_config.quantity import Quantity, si
 from lta_sim.light.field import LightField
 from lta_sim.scenario_air import Air
+from lta_sim.scenario_faults import Faults
 from lta_sim.scenario_light import (
     AmbientScene,
     DaylightScene,
@@ -68,6 +69,7 @@ class Scenario(Record):
     outside: OutsideScene | None = None
     start: Start
     goal: Goal
+    faults: Faults = Faults()
     course: Course | None = None
     route: Annotated[tuple[str, ...], Field(strict=False)] = ()  # a list in the file
 

@@ -18,6 +18,7 @@ from lta_config.vehicle_file import load_vehicle_file, VehicleFile
 from lta_energy.battery import Battery
 from lta_energy.loads import Loads
 from lta_energy.panel import Panel
+from lta_energy.power_path import Charger
 from lta_sim import declared, hover, hull, propulsion, stiffness
 from lta_sim.balance import Array, Balance, gas_lump, Lump, part_lump
 from lta_sim.model import Model
@@ -225,6 +226,11 @@ class Vehicle:
     def panel(self) -> Panel:
         """The solar panels."""
         return Panel.of(self.file.energy)
+
+    @cached_property
+    def charger(self) -> Charger:
+        """What lies between panels and cell."""
+        return Charger.of(self.file.energy)
 
     def effects(self) -> dict[str, dict[str, float]]:
         """Return the parameters of every effect that is on, in SI."""

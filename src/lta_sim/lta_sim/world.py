@@ -82,7 +82,7 @@ class World:
         self._link = CommandLink(vehicle.reversible, self._model.given, acting['command_time'])
         self.command = self._craft.command
         self.command[:] = self._link.idle
-        self.supply = Supply(vehicle, scenario.start.charge.si, self._chance)
+        self.supply = Supply(vehicle, scenario.start.charge.si, self._chance, scenario.faults)
         self.steps = 0
         self.outcome = Outcome.FLYING  # how the flight stands; once decided, it stays
         self._ranges: list[tuple[int, float]] = []
@@ -151,7 +151,7 @@ class World:
     @property
     def charge(self) -> float:
         """State of charge of the cell, 0 to 1. [1]."""
-        return self.supply.charge
+        return self.supply.flow.charge
 
     @property
     def duties(self) -> Array:
@@ -237,9 +237,9 @@ class World:
                 self._light.block(begun, *self._shape, self._chance['photodiodes']),
             )
         if self._due('battery'):
-            readings.illuminance, irradiance = self._light.on_panel(self._pose())
+            readings.illuminance, _ = self._light.on_panel(self._pose())
             readings.battery = self.supply.meter_battery()
-            readings.panel = self.supply.meter_panel(irradiance)
+            readings.panel = self.supply.meter_panel()
         self._tracker.watch(self.steps * self._control_ns, tuple(self.state[:RIGID].tolist()))
         if self._due('ground_truth/odom'):
             readings.truth = self._tracker.says(self._ahead)
@@ -272,6 +272,8 @@ class World:
             `BadInput`, if the numbers ran away in this period.
 
         """
+        if not self.supply.flow.fed:
+            duties = (0.0,) * self._rotors
         command = self._link.compose(duties, mass_place)
         now, end = self.stamp_ns, self.stamp_ns + self._control_ns
         for until, obeyed in self._link.spans(now, end, self.elapsed, command):

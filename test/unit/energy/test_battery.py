@@ -1,19 +1,21 @@
-"""The cell: its curve, its drop, its limits, and that no energy gets lost."""
-
-from types import FunctionType
+"""The cell: its curve, its drop, its relaxation, its age, and that no energy gets lost."""
 
 from hypothesis import given
 from hypothesis import strategies as st
+from lta_config.quantity import Quantity
+from lta_config.settings import plain
 from lta_config.vehicle_file import load_vehicle_file
 from lta_energy import battery
-from lta_energy.books import Books, enter
-import numba
+from lta_sim.compiled import compiled
 import numpy as np
 from pydantic import ValidationError
 import pytest
-from scipy.integrate import quad
+from scipy.integrate import quad, solve_ivp
 
 CELL = battery.Battery(capacity=900.0, resistance=0.13)
+PAIR = battery.Battery(
+    capacity=900.0, resistance=0.15, relaxation_resistance=0.09, relaxation_time=33.0
+)
 charges = st.floats(0.0, 1.0)
 
 
@@ -101,46 +103,88 @@ def test_counting_by_hand():
     assert battery.count(0.95, 0.9, 900.0, 100.0) == 1.0
 
 
-def test_the_energy_books_balance_to_one_in_a_thousand_million():
-    charge, books, harvest = 0.9, Books(), 0.4
-    capacity, resistance, dt = CELL.capacity, CELL.resistance, 0.01
-    begin = battery.stored_energy(charge, capacity)
-    for k in range(20000):
-        load = 1.5 + np.sin(0.01 * k).item()
-        before = battery.stored_energy(charge, capacity)
-        charge, _, current = battery.advance(charge, harvest - load, capacity, resistance, dt)
-        stored = battery.stored_energy(charge, capacity) - before
-        books = enter(books, harvest, load, resistance * current**2, stored, dt)
-    assert books.stored == pytest.approx(battery.stored_energy(charge, capacity) - begin, rel=1e-9)
-    assert books.stored < -200.0
-    assert books.harvested == pytest.approx(80.0, rel=1e-12)
-    assert abs(books.imbalance) < 1e-9 * books.consumed
-
-
 def test_advance_is_of_second_order():
     def after(dt):
-        charge = 0.62  # 0.62 to 0.64 lies between two knots of the curve
+        charge, relaxation = 0.62, 0.0  # 0.62 to 0.64 lies between two knots of the curve
         for _ in range(round(32.0 / dt)):
-            charge = battery.advance(charge, 1.5, 900.0, 0.13, dt)[0]
-        return charge
+            charge, relaxation, *_ = battery.advance(PAIR, charge, relaxation, 1.5, dt)
+        return charge, relaxation
 
     exact = after(0.125)
-    assert (after(8.0) - exact) / (after(4.0) - exact) == pytest.approx(4.0, rel=0.05)
+    for place, ratio in ((0, 4.0), (1, 4.0)):
+        errors = [after(dt)[place] - exact[place] for dt in (4.0, 2.0)]
+        assert errors[0] / errors[1] == pytest.approx(ratio, rel=0.1)
 
 
 def test_a_constant_power_empties_the_cell_when_its_energy_is_spent():
+    ideal = battery.Battery(capacity=900.0, resistance=0.0)
     charge, time = 1.0, 0.0
     while charge > 0.0:
-        charge, _, _ = battery.advance(charge, -1.333, CELL.capacity, 0.0, 1.0)
+        charge, *_ = battery.advance(ideal, charge, 0.0, -1.333, 1.0)
         time += 1.0
     assert time == pytest.approx(900.0 * 3.85825 / 1.333, abs=1.5)
 
 
+def test_a_step_of_current_relaxes_by_hand():
+    # -0.5 A through 0.09 ohm: -45 mV in the end, 63.2 % of it after one time constant.
+    after, mean = battery.relax(PAIR, 0.0, -0.5, 33.0)
+    assert after == pytest.approx(-0.045 * 0.6321206, rel=1e-6)
+    assert mean == pytest.approx(-0.045 * 0.3678794, rel=1e-6)
+    # And back, without a current.
+    assert battery.relax(PAIR, after, 0.0, 66.0)[0] == pytest.approx(after * 0.1353353, rel=1e-6)
+
+
+@given(st.floats(-0.2, 0.2), st.floats(-3.0, 3.0), st.floats(0.01, 600.0))
+def test_the_heat_is_what_the_pair_does_not_keep(relaxation, current, dt):
+    after, mean = battery.relax(PAIR, relaxation, current, dt)
+    kept = battery.relaxation_energy(PAIR, after) - battery.relaxation_energy(PAIR, relaxation)
+    given_ = (mean * current + PAIR.resistance * current**2) * dt
+    found = battery.heat(PAIR, relaxation, current, dt) * dt
+    assert found == pytest.approx(given_ - kept, rel=1e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize(('celsius', 'ratio'), [(25.0, 1.0), (0.0, 2.0), (45.0, 0.62)])
+def test_cold_raises_the_resistance(celsius, ratio):
+    # 18.8 kJ/mol: twice at 0 degC; exp(2261.2 K (1 / 318.15 K - 1 / 298.15 K)) at 45 degC.
+    assert battery.resistance_by_cold(celsius) == pytest.approx(ratio, rel=0.01)
+
+
+def test_a_worn_and_cold_cell_by_hand():
+    file = load_vehicle_file('gtmab').energy
+    worn = Quantity(value=20.0, unit='%', source='test')
+    cold = Quantity(value=0.0, unit='degC', source='test')
+    data = file.battery.model_copy(update={'age': worn, 'temperature': cold})
+    cell = battery.Battery.of(file.model_copy(update={'battery': data}))
+    assert cell.capacity == pytest.approx(900.0 * 0.8 * 0.85)
+    assert cell.resistance == pytest.approx(0.15 * 2.0 * 2.0, rel=0.01)
+    assert cell.relaxation_resistance / cell.resistance == pytest.approx(0.627, rel=1e-3)
+
+
+@pytest.mark.parametrize('power', [-1.333, 0.9])
+def test_ten_minutes_are_those_of_an_ordinary_differential_equation(power):
+    """Scipy solves the circuit from its equations, with the current from their roots."""
+
+    def rates(_, state):
+        charge, relaxation = state
+        open_ = np.interp(charge, np.linspace(0.0, 1.0, 21), battery.OPEN_CIRCUIT) + relaxation
+        roots = np.roots([0.15, open_, -power])
+        current = roots[np.argmin(np.abs(roots))].real
+        return current / 900.0, (0.09 * current - relaxation) / 33.0
+
+    exact = solve_ivp(rates, (0.0, 600.0), (0.5, 0.0), rtol=1e-9, atol=1e-12, max_step=5.0).y[
+        :, -1
+    ]
+    charge, relaxation = 0.5, 0.0
+    for _ in range(600):
+        charge, relaxation, *_ = battery.advance(PAIR, charge, relaxation, power, 1.0)
+    assert charge == pytest.approx(exact[0], abs=1e-6)
+    assert relaxation == pytest.approx(exact[1], abs=1e-6)
+
+
 def test_the_cell_compiles_to_the_same():
-    names = ('open_circuit_voltage', 'terminal_voltage', 'current_at', 'count', 'state_of_charge')
-    compiled = {name: numba.njit(getattr(battery, name)) for name in (*names, 'stored_energy')}
-    code = battery.advance.__code__
-    advance = numba.njit(FunctionType(code, {**vars(battery), **compiled}, 'advance'))
-    assert advance(0.8, -1.5, 900.0, 0.13, 0.01) == battery.advance(0.8, -1.5, 900.0, 0.13, 0.01)
-    assert compiled['state_of_charge'](3.9) == battery.state_of_charge(3.9)
-    assert compiled['stored_energy'](0.37, 900.0) == battery.stored_energy(0.37, 900.0)
+    given_ = (plain(PAIR), 0.8, -0.01, -1.5, 0.01)
+    (advance,) = compiled(battery.advance)
+    assert advance(*given_) == battery.advance(*given_)
+    stored, state = compiled(battery.stored_energy, battery.state_of_charge)
+    assert state(3.9) == battery.state_of_charge(3.9)
+    assert stored(0.37, 900.0) == battery.stored_energy(0.37, 900.0)

@@ -128,7 +128,7 @@ def test_a_flight_through_real_meters_is_known_to_two_percent():
         errors, charge, estimate = power.draw(meter, rng), 0.8, Estimate()
         for k in range(1200):
             load = 0.12 if k < 20 else 1.4
-            charge, voltage, current = battery.advance(charge, -load, 900.0, 0.13, 0.1)
+            charge, _, voltage, current = battery.advance(CELL, charge, 0.0, -load, 0.1)
             volts, amperes = power.measure(meter, errors, voltage, current, rng)
             reading = Reading(SECOND + k * 100_000_000, volts, amperes, 0.0)
             estimate = update(SETTINGS, CELL, estimate, reading)

@@ -11,7 +11,6 @@ from lta_config.errors import BadInput
 from lta_config.topics import TopicTable
 from lta_control.autopilot import drone_of
 from lta_control.cascade import CascadeGains
-from lta_control.flat import bare
 from lta_control.laws import LAWS
 from lta_control.laws.aboard import CASCADE
 from lta_control.per_rotor import NONE, slots
@@ -19,15 +18,18 @@ from lta_control.strategies import bearing_angle
 from lta_sim.counted_sensors import Axes, Sensors, Six
 from lta_sim.effects import EFFECTS
 from lta_sim.effects.protocol import MeasurementEffect
+from lta_sim.flat import bare
 from lta_sim.hull import half_axes
 from lta_sim.in_scene import model_in
 from lta_sim.light.heard import listening_of
+from lta_sim.light.panel_light import plane_of
 from lta_sim.light.setting import set_for
 from lta_sim.model import Model
 from lta_sim.scenario import Scenario
 from lta_sim.sensors.imu import bounds_of, ImuSettings
 from lta_sim.sensors.pressure import PressureSettings
 from lta_sim.sensors.range import RangeSettings
+from lta_sim.supply_step import Parts
 from lta_sim.vehicle import Vehicle
 from lta_vlc.diodes import diodes_of
 from lta_vlc.direction import array_of, expected_of
@@ -255,10 +257,11 @@ def power_of(vehicle: Vehicle, scenario: Scenario, policy: Policy) -> Power:
     field = scenario.light_field
     lamp, ambient = field.lamp, field.ambient
     return Power(
-        vehicle.battery,
+        Parts(vehicle.battery, vehicle.charger, vehicle.panel),
         vehicle.loads,
-        vehicle.panel,
-        vehicle.file.panel_place,
+        plane_of(
+            half_axes(vehicle.file.hull), vehicle.file.panel_place, vehicle.file.panel_normal
+        ),
         lamp.wave.duty / lamp.efficacy,
         ambient.steady / ambient.efficacy,
         0.0 if field.daylight is None else 1.0 / field.daylight.efficacy,

@@ -8,7 +8,7 @@ reserve is that of the true charge; and values pass no message, so that they kee
 
 import math
 
-from lta_analysis.fleet.numbers import Charge, Craft, Goal, Tally, Vector
+from lta_analysis.fleet.numbers import Craft, Goal, Tally, Vector
 from lta_control.attitude import heading
 from lta_control.cascade import Setpoint, wrap
 from lta_control.mission import MissionSettings
@@ -16,9 +16,8 @@ from lta_control.onboard import Heard, Onboard
 from lta_control.per_rotor import PerRotor
 from lta_control.strategies.bearing_angle import start, steer
 from lta_control.strategies.protocol import Memory, Sight
-from lta_energy.battery import advance, open_circuit_voltage
 from lta_energy.loads import demand
-from lta_energy.panel import power as panel_power
+from lta_energy.power_path import at_rest
 from lta_sim.counted_chance import uniforms
 from lta_sim.counted_sensors import (
     Errors,
@@ -27,13 +26,14 @@ from lta_sim.counted_sensors import (
     pressure_reading,
     START,
 )
-from lta_sim.light.lambertian import lit, place, shine
+from lta_sim.light.lambertian import shine
+from lta_sim.light.panel_light import day_on_panel, lamp_on
 from lta_sim.light.surround import day_on
 from lta_sim.stiffness import SPEED_LIMIT
+from lta_sim.supply_step import Account, Meantime, supplied
 from lta_vlc.direction import PART
 
 State = tuple[float, ...]
-UP = (0.0, 0.0, 1.0)
 LIFTED = 0.01  # m above where it stood: the drone has left the ground, as in the results
 
 FLYING, REACHED, TIMEOUT, ESCAPED = 0, 1, 2, 3
@@ -41,9 +41,9 @@ RAN_AWAY = 4  # beyond the outcomes: the numbers, see `stiffness.watch`
 REST, CLIMB, SEEK, LAND = 0, 1, 2, 4  # as `mission.Phase`; BAG never arrives
 
 
-def full(charge: float) -> Charge:
-    """Return a cell at rest in the dark at a state of charge."""
-    return Charge(charge, open_circuit_voltage(charge), 0.0, 0.0)
+def full(charge: float) -> Account:
+    """Return a supply at rest in the dark, with its cell at a state of charge."""
+    return Account(at_rest(charge), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def pose_at_start(craft: Craft, seed: int) -> State:
@@ -129,26 +129,22 @@ def guide(
     return Setpoint(height, memory[0], 0.0), phase, memory
 
 
-def shone(craft: Craft, cell: Charge, state: State) -> Charge:
-    """Return the cell with the light that the panel now has."""
+def shone(craft: Craft, state: State) -> float:
+    """Return the light that the panel now has. [W/m2]"""
     position, q = (state[0], state[1], state[2]), (state[3], state[4], state[5], state[6])
-    power = craft.power
-    point, normal = place(position, q, power.panel_place, UP)
-    listening = craft.listening
-    irradiance = power.lamp_share * lit(listening.lamp, point, normal) + power.ambient
-    irradiance += power.day_share * day_on(listening.around, point, normal)
-    harvested = panel_power(irradiance, power.cells.area, power.cells.efficiency)
-    return Charge(cell.charge, cell.voltage, cell.current, harvested)
+    power, lamp, around = craft.power, craft.listening.lamp, craft.listening.around
+    bright = power.lamp_share * lamp_on(power.panel, around, lamp, position, q)
+    day = power.day_share * day_on_panel(power.panel, around, position, q)
+    return bright + day + power.panel.share * power.ambient
 
 
-def drained(craft: Craft, cell: Charge, thrusts: PerRotor, dt: float) -> Charge:
-    """Return the cell after a control period with such thrusts. [N, s]"""
-    power = craft.power
-    asked = demand(power.loads, thrusts, True)
-    charge, voltage, current = advance(
-        cell.charge, cell.harvested - asked, power.cell.capacity, power.cell.resistance, dt
-    )
-    return Charge(charge, voltage, current, cell.harvested)
+def drained(
+    craft: Craft, supply: Account, irradiance: float, thrusts: PerRotor, dt: float
+) -> Account:
+    """Return the supply after a control period in such light [W/m2] with such thrusts. [N, s]"""
+    asked = demand(craft.power.loads, thrusts, True)
+    meantime = Meantime(irradiance, asked, dt, False, False)
+    return supplied(craft.power.parts, supply, meantime, 0.0)
 
 
 def irradiance_on_hull(craft: Craft, state: State) -> float:
@@ -210,7 +206,7 @@ def flown(
     tally: Tally,
     before: tuple[float, float],
     state: State,
-    cell: Charge,
+    supply: Account,
     elapsed: float,
     dt: float,
 ) -> Tally:
@@ -219,7 +215,7 @@ def flown(
     goal = craft.goal
     lift_off, energy = tally.lift_off, tally.energy
     if math.isfinite(lift_off):
-        energy -= cell.voltage * cell.current * dt
+        energy -= supply.flow.voltage * supply.flow.current * dt
     elif z > craft.place[2] + LIFTED:
         lift_off = elapsed
     return Tally(

@@ -11,7 +11,7 @@ from lta_analysis.fleet.craft import Made, rhythm_of
 from lta_analysis.fleet.targets import CPU, GPU
 from lta_analysis.fleet.text import FIGURES, source
 from lta_config.topics import topic_table
-from lta_control.flat import Layout
+from lta_sim.flat import Layout
 from lta_sim.gpu import cuda_here, THREADS
 from lta_sim.kernel import LAYOUT
 from lta_sim.kernel_cache import load

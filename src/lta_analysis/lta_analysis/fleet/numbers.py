@@ -5,11 +5,11 @@ from typing import NamedTuple
 from lta_control.mission import MissionSettings
 from lta_control.onboard import Drone
 from lta_control.per_rotor import PerRotor
-from lta_energy.battery import Battery
 from lta_energy.loads import Loads
-from lta_energy.panel import Panel
 from lta_sim.counted_sensors import Sensors
 from lta_sim.light.heard import Listening
+from lta_sim.light.panel_light import Plane
+from lta_sim.supply_step import Parts
 from lta_vlc.readings import Array, Expected
 
 Vector = tuple[float, float, float]
@@ -28,12 +28,11 @@ class Goal(NamedTuple):
 
 
 class Power(NamedTuple):
-    """The electricity: cell, loads and panel of `lta_energy`, and where the panel is."""
+    """The electricity: what feeds the vehicle, its loads, and its panel."""
 
-    cell: Battery
+    parts: Parts
     loads: Loads
-    cells: Panel
-    panel_place: Vector
+    panel: Plane
     lamp_share: float  # W/m2 a lux of the lamp while it is on
     ambient: float  # W/m2
     day_share: float  # W/m2 a lux of daylight
@@ -85,15 +84,6 @@ class Craft(NamedTuple):
     lowest: PerRotor
     mass_place: Vector
     duties: PerRotor
-
-
-class Charge(NamedTuple):
-    """The cell: its charge, voltage and current, and what the panel brings. [1, V, A, W]"""
-
-    charge: float
-    voltage: float
-    current: float
-    harvested: float
 
 
 class Tally(NamedTuple):

@@ -13,12 +13,12 @@ from lta_analysis.fleet import flight
 from lta_analysis.fleet.kept import Kept
 from lta_analysis.fleet.targets import Rhythm, STEP, Target
 from lta_control.attitude import heading
-from lta_control.flat import Layout, PREFIX
 from lta_control.onboard import Onboard, onboard_step
 from lta_sim import counted_sensors
 from lta_sim.compose import Form, kernel_source
 from lta_sim.effects import EFFECTS, initial_memory
 from lta_sim.extract import Extract
+from lta_sim.flat import Layout, PREFIX
 from lta_sim.gpu import STATES
 from lta_sim.kernel import LAYOUT
 from lta_sim.layout import indented, tuple_of
@@ -97,7 +97,7 @@ $heard
             sight = core_sighted(found, angle, facing, $light * $period)
             asked, phase, memory = core_guide(
                 craft.mission, phase, memory, sight, onboard.estimate.ready,
-                onboard.measured.altitude, cell.charge <= craft.power.reserve,
+                onboard.measured.altitude, supply.flow.charge <= craft.power.reserve,
             )
             told = True
             began = (step - $light) * $period
@@ -112,7 +112,7 @@ def fly(fixed, c, seed, scratch, lights, out):
     craft = $craft
     errors = core_draw_errors(craft.sensors, seed)
     state = core_pose_at_start(craft, seed)$memory
-    cell = core_full(craft.power.charge)
+    supply, irradiance = core_full(craft.power.charge), 0.0
     tally = core_begun(craft)
     begin = $begin
     onboard = $onboard
@@ -125,8 +125,10 @@ def fly(fixed, c, seed, scratch, lights, out):
     noise, warmth, step, ticks = (0.0, 0.0, 0.0), 0.0, 0, 0
     while tally.outcome == 0:
 $before
-        surroundings = craft.wind + noise + (warmth, cell.voltage, 0.0, 0.0, 0.0)
+        surroundings = craft.wind + noise + (warmth, supply.flow.voltage, 0.0, 0.0, 0.0)
 $decide
+        if not supply.flow.fed:
+            duties = $still
         command = core_command_of(craft, duties)
         x, y = state[0], state[1]
         for _ in range($substeps):
@@ -144,11 +146,11 @@ $decide
                     craft.sensors, errors, seed, ticks // $ranges, state
                 )
         if step % $light == 0:
-            cell = core_shone(craft, cell, state)
+            irradiance = core_shone(craft, state)
         thrusts = thrusts_of(state, fixed, command, surroundings)
-        cell = core_drained(craft, cell, thrusts, $period)
+        supply = core_drained(craft, supply, irradiance, thrusts, $period)
         step += 1
-        tally = core_flown(craft, tally, (x, y), state, cell, step * $period, $period)
+        tally = core_flown(craft, tally, (x, y), state, supply, step * $period, $period)
     results = $results
     for k in range(len(results)):
         out[k] = results[k]
@@ -161,7 +163,7 @@ FIGURES = (
 RESULTS = (
     '1.0 * tally.outcome', 'step * $period',
     *(f'tally.{name}' for name in FIGURES[2:10]),
-    'cell.charge', 'state[0]', 'state[1]', 'state[2]', '1.0 * onboard.stopped',
+    'supply.flow.charge', 'state[0]', 'state[1]', 'state[2]', '1.0 * onboard.stopped',
 )  # fmt: skip
 
 

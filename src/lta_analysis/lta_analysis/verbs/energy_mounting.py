@@ -7,8 +7,9 @@ from typing import Annotated
 from lta_analysis.energy.mounting import verdict
 from lta_analysis.energy.mounting.page import write_page
 from lta_analysis.energy.mounting.rows import plain, tables
-from lta_analysis.energy.mounting.run import Order, Study, study
+from lta_analysis.energy.mounting.run import Order, study
 from lta_analysis.energy.tables import show, turned
+from lta_analysis.energy.watched import watched
 from lta_analysis.out_option import Out
 from lta_analysis.pictures_option import can_be_taken, Pictures
 from lta_analysis.report.pictures import write_pictures
@@ -17,7 +18,6 @@ from lta_analysis.typed import near, typed
 from lta_bridge.bag.writer import empty_folder
 from lta_config.files import find, load_yaml
 from rich.console import Console
-from rich.progress import Progress
 import typer
 import yaml
 
@@ -61,7 +61,7 @@ def mounting(
     order = Order(load_yaml(find('vehicle', vehicle)), names, misplaced / 100.0, seeds)
     todo = seeds * sum(map(len, order.fits().values()))
     target = empty_folder(results_folder(out, 'mounting'))
-    found = watched(order, todo, console)
+    found = watched(lambda tick: study(order, tick), todo, console)
     content = keep_json(plain(found), target / 'mounting.json')
     for each in (found.own or found.shared).values():
         text = yaml.safe_dump(dict(each.fitted.content), sort_keys=False)
@@ -85,10 +85,3 @@ def mounting(
         show(turned(table), console)
     lines = [*verdict.sentences(found), verdict.title(found), page_line(near(page))]
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)
-
-
-def watched(order: Order, todo: int, console: Console) -> Study:
-    """Return the comparison, with a bar on a terminal."""
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
-        task = progress.add_task('flying', total=todo)
-        return study(order, lambda: progress.advance(task))

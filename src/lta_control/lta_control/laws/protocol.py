@@ -2,7 +2,7 @@
 What a control law is: from where the vehicle is and should be to what its rotors do.
 
 A law is plain functions of scalars and tuples, memory handed in and out, so that it runs as it
-stands in a node and compiled in a loop (`lta_control.flat`).
+stands in a node and compiled in a loop (`lta_sim.flat`).
 """
 
 from collections.abc import Callable

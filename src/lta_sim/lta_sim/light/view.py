@@ -13,7 +13,8 @@ from lta_sim.hull import half_axes
 from lta_sim.light.echo import beams, echoing, surrounding
 from lta_sim.light.field import Illuminance, LightField
 from lta_sim.light.gather import DAY, gather, LAMPS, on_the_way, SHARE
-from lta_sim.light.lambertian import Eye, lit, place, shine
+from lta_sim.light.lambertian import Eye, shine
+from lta_sim.light.panel_light import day_on_panel, lamp_on, plane_of
 from lta_sim.light.surround import day_on, within
 from lta_sim.sensors.light_block import AmplifierState, synthesise
 from lta_sim.sensors.photodiode import PhotodiodeArray
@@ -24,7 +25,6 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Pose = tuple[float, ...]  # position and quaternion x y z w
-UP = (0.0, 0.0, 1.0)
 
 
 @final
@@ -48,11 +48,12 @@ class LightView:
     ) -> None:
         self.field = field
         self._diodes = diodes or vehicle.diodes
-        self._panel = vehicle.file.panel_place
         self._beams = [echoing(lamp, field) for lamp in field.lamps]
         eye = Eye(self._diodes.response, self._diodes.edge)
         self._surround = surrounding(field)
-        self._scene = (self._surround, beams(field), eye, half_axes(vehicle.file.hull))
+        hull = half_axes(vehicle.file.hull)
+        self._scene = (self._surround, beams(field), eye, hull)
+        self._panel = plane_of(hull, vehicle.file.panel_place, vehicle.file.panel_normal)
         self._gather, self._on_the_way = compiled(gather, on_the_way)
         self._poses: list[Pose] = []
         self._around: Array | None = None  # what was gathered at the end of the block before
@@ -121,23 +122,27 @@ class LightView:
     def on_panel(self, pose: Pose) -> tuple[float, float]:
         """Return illuminance [lx] and irradiance [W/m2] of the panel, mean over the flicker."""
         x, y, z, i, j, k, w = pose
-        point, normal = place((x, y, z), (i, j, k, w), self._panel, UP)
-        return self._mean(pose, [lit(each, point, normal) for each in self._beams], normal)
+        s, panel, position, q = self._surround, self._panel, (x, y, z), (i, j, k, w)
+        modulated = [lamp_on(panel, s, each, position, q) for each in self._beams]
+        return self._mean(pose, modulated, day_on_panel(panel, s, position, q), panel.share)
 
     def on_hull(self, pose: Pose) -> float:
         """Return the irradiance at the hull centre on planes that face each light. [W/m2]"""
         x, y, z = pose[:3]
         facing = [shine(each, (x, y, z))[0] + each.diffuse for each in self._beams]
         s = self._surround
-        return self._mean(pose, facing, (s.sun_x, s.sun_y, s.sun_z))[1]
+        return self._mean(pose, facing, day_on(s, (x, y, z), (s.sun_x, s.sun_y, s.sun_z)))[1]
 
     def _mean(
-        self, pose: Pose, modulated: Sequence[float], normal: tuple[float, float, float]
+        self, pose: Pose, modulated: Sequence[float], day: float, share: float = 1.0
     ) -> tuple[float, float]:
-        """Return illuminance and irradiance over the flicker, from each lamp's while it is on."""
+        """
+        Return illuminance and irradiance over the flicker.
+
+        From each lamp's light while it is on, daylight [lx], and the share of ambient light.
+        """
         ambient = self.field.ambient
-        steady = ambient.steady if self._indoors(pose) else 0.0
-        day = day_on(self._surround, (pose[0], pose[1], pose[2]), normal)
+        steady = share * ambient.steady if self._indoors(pose) else 0.0
         lux = steady + day
         watts = (steady + self._daylight_share * day) / ambient.efficacy
         for lamp, light in zip(self.field.lamps, modulated, strict=True):

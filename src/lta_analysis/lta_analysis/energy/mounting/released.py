@@ -108,9 +108,9 @@ def released(
         x, y, z, w = craft.state[QUATERNION].tolist()
         tilts[k] = math.atan2(2.0 * (x * z - w * y), w * w - x * x - y * y + z * z)
         craft.advance(STEP, SHOWN)
-    return Release(
-        np.arange(count + 1) * STEP * SHOWN, np.asarray(np.unwrap(tilts), dtype=np.float64)
-    )
+    times: Array = np.linspace(0.0, count * STEP * SHOWN, count + 1)
+    unwrapped: Array = np.unwrap(tilts).astype(np.float64)
+    return Release(times, unwrapped)
 
 
 def growth(vehicle: Vehicle, height: float, inertia: float) -> float:

@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 Nested = TypeVar('Nested', bound=tuple[Any, ...])
 
 PREFIX = 'core'
-HEAD = '''"""A core with an entry that takes arrays, written by lta_control.flat: do not edit."""
+HEAD = '''"""A core with an entry that takes arrays, written by lta_sim.flat: do not edit."""
 
 from collections import namedtuple
 import math

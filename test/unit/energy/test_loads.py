@@ -1,9 +1,9 @@
-"""What comes in and what goes out, by hand and against published figures."""
+"""What goes out, by hand and against published figures."""
 
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.vehicle_file import load_vehicle_file
-from lta_energy import loads, panel
+from lta_energy import loads
 import numba
 import numpy as np
 from pydantic import ValidationError
@@ -11,26 +11,6 @@ import pytest
 
 ENERGY = load_vehicle_file('gtmab').energy
 LOADS = loads.Loads.of(ENERGY)
-
-
-def test_a_panel_of_138_8_square_centimetres_by_hand():
-    # Rated 2 * 4.46 V * 0.28 A in 1000 W/m2; 60 klux of white LED are 200 W/m2.
-    cells = panel.Panel.of(ENERGY)
-    assert panel.power(200.0, cells.area, cells.efficiency) == pytest.approx(0.49952, rel=1e-12)
-    assert cells.voltage == pytest.approx(8.92)
-
-
-def test_darkness_gives_nothing():
-    assert panel.power(0.0, 0.01, 0.2) == 0.0
-    assert panel.power(-1.0, 0.01, 0.2) == 0.0
-
-
-@pytest.mark.parametrize(
-    'change', [{'area': -0.01}, {'area': np.inf}, {'efficiency': 1.01}, {'voltage': 0.0}]
-)
-def test_what_is_no_panel_is_refused(change):
-    with pytest.raises(ValidationError, match=next(iter(change))):
-        panel.Panel(**{'area': 0.01, 'efficiency': 0.2, 'voltage': 4.4, **change})
 
 
 @pytest.mark.parametrize('name', ['idle', 'transmitting', 'rotor_offset', 'rotor_slope'])
@@ -74,6 +54,5 @@ def test_demand_does_not_depend_on_the_order_of_rotors(thrusts):
     assert forwards == pytest.approx(expected, rel=1e-12)
 
 
-def test_panel_and_rotor_compile_to_the_same():
+def test_a_rotor_compiles_to_the_same():
     assert numba.njit(loads.rotor_power)(0.1, 0.027, 23.96) == loads.rotor_power(0.1, 0.027, 23.96)
-    assert numba.njit(panel.power)(200.0, 0.01, 0.2) == panel.power(200.0, 0.01, 0.2)

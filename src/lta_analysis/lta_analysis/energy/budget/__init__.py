@@ -1,0 +1,1 @@
+"""What each thing that the drone does takes, measured on flights, beside the seed paper."""

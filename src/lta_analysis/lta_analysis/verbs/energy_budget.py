@@ -1,0 +1,60 @@
+"""lta energy budget: what each task of a drone takes, beside the paper."""
+
+import json as json_text
+import sys
+from typing import Annotated
+
+from lta_analysis.energy.budget.page import notes, table, title, why, write_page
+from lta_analysis.energy.budget.run import budget as find_budget
+from lta_analysis.energy.budget.run import count, plain
+from lta_analysis.energy.tables import show
+from lta_analysis.energy.watched import watched
+from lta_analysis.out_option import Out
+from lta_analysis.pictures_option import can_be_taken, Pictures
+from lta_analysis.report.pictures import write_pictures
+from lta_analysis.results_folder import keep_json, page_line, results_folder
+from lta_analysis.typed import near, typed
+from lta_bridge.bag.writer import empty_folder
+from rich.console import Console
+import typer
+
+
+def budget(
+    vehicle: Annotated[str, typer.Option(help='Whose budget.')] = 'gtmab',
+    beside: Annotated[
+        str, typer.Option(help='Multirotor that hovers on power alone.')
+    ] = 'multirotor',
+    seeds: Annotated[int, typer.Option(help='Flights of each.', min=1, max=100)] = 3,
+    out: Out = None,
+    pictures: Pictures = None,
+    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
+) -> None:
+    """
+    Tell what each task takes: standing, taking off, hovering, flying, finding a lamp.
+
+    Measured in simulated flights, the rotors apart from the electronics, beside the figures of the
+    seed paper and a multirotor that hovers. Where they differ, what would make ours the paper's:
+    more weight, a draught, worse rotors. Rotors by duty and voltage stand beside Bitcraze's bench.
+
+    Exit status 0: done. 2: bad input.
+
+    Example: lta energy budget --seeds 1
+    """
+    console = Console(stderr=json)
+    can_be_taken(pictures)
+    target = empty_folder(results_folder(out, 'budget'))
+    found = watched(lambda tick: find_budget(vehicle, beside, seeds, tick), count(seeds), console)
+    content = keep_json(plain(found), target / 'budget.json')
+    again = typed(
+        'energy', 'budget', '--vehicle', vehicle, '--beside', beside, '--seeds', str(seeds)
+    )
+    commands = {'Find it again': again, 'What it means on a cell': typed('energy', 'hover')}
+    page = write_page(found, commands, target / 'report.html')
+    if pictures is not None:
+        write_pictures(page, pictures)
+    if json:
+        sys.stdout.write(json_text.dumps({**json_text.loads(content), 'page': str(page)}) + '\n')
+    for each in (table(found), why(found)):
+        show(each, console)
+    lines = [*notes(found), title(found), page_line(near(page))]
+    console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

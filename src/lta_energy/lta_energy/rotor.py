@@ -1,0 +1,83 @@
+"""
+A small brushed rotor by duty and voltage.
+
+Under pulse-width modulation the motor sees the mean voltage v = duty x voltage, and
+
+    thrust = A v^2 + B v,   power = offset + slope thrust,   current = power / voltage
+
+with A and B fitted here to Bitcraze's bench table (`BENCH`: four 7 mm coreless motors with 47 mm
+propellers): 2.8 mN rms a rotor, 15 mW rms for the power by thrust. Bitcraze's own polynomials by
+voltage (platform_defaults_cf2.h) miss that table by 10 to 13 mN. A vehicle's own curve is by duty
+alone; with the effect `battery_sag` at 3.5 V it is 3.2 mN rms off the table, without it 2.9 mN.
+"""
+
+from typing import final, NamedTuple
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_energy.loads import rotor_power
+
+A = 8.64139e-3  # N/V2, least squares over BENCH
+B = 1.665601e-2  # N/V
+
+
+@final
+class Bench(NamedTuple):
+    """One row of the bench: current of all [A], lift of four rotors [g], voltage [V], duty."""
+
+    current: float
+    lift: float
+    voltage: float
+    duty: float
+
+    @property
+    def thrust(self) -> float:
+        """Thrust of one rotor. [N]"""
+        return self.lift * 1e-3 * STANDARD_GRAVITY / 4.0
+
+    @property
+    def power(self) -> float:
+        """Power of everything, the electronics of the Crazyflie included. [W]"""
+        return self.current * self.voltage
+
+
+# Bitcraze, crazyflie-firmware, docs/functional-areas/pwm-to-thrust.md.
+BENCH = tuple(
+    Bench(*row)
+    for row in (
+        (0.24, 0.0, 4.01, 0.0), (0.37, 1.6, 3.98, 0.0625), (0.56, 4.8, 3.95, 0.125),
+        (0.75, 7.9, 3.92, 0.1875), (0.94, 10.9, 3.88, 0.25), (1.15, 13.9, 3.84, 0.3125),
+        (1.37, 17.3, 3.80, 0.375), (1.59, 21.0, 3.76, 0.4325), (1.83, 24.4, 3.71, 0.5),
+        (2.11, 28.6, 3.67, 0.5625), (2.39, 32.8, 3.65, 0.625), (2.71, 37.3, 3.62, 0.6875),
+        (3.06, 41.7, 3.56, 0.75), (3.46, 46.0, 3.48, 0.8125), (3.88, 51.9, 3.40, 0.875),
+        (4.44, 57.9, 3.30, 0.9375),
+    )
+)  # fmt: skip
+
+
+def thrust_at(duty: float, voltage: float) -> float:
+    """Return the thrust of one rotor at a duty and a voltage of the battery [V]. [N]"""
+    mean = duty * voltage
+    return (A * abs(mean) + B) * mean
+
+
+def duty_for(thrust: float, voltage: float) -> float:
+    """Return the duty at which one rotor gives a thrust [N] at a voltage [V]; above 1: none."""
+    mean: float = (-B + (B * B + 4.0 * A * abs(thrust)) ** 0.5) / (2.0 * A)
+    return mean / voltage if thrust >= 0.0 else -mean / voltage
+
+
+def power_at(duty: float, voltage: float, offset: float, slope: float) -> float:
+    """
+    Return the electrical power of one rotor.
+
+    Parameters
+    ----------
+    duty : float
+        Of either sign.
+    voltage : float
+        Of the battery under load. [V]
+    offset, slope : float
+        As `lta_energy.loads.rotor_power`. [W], [W/N]
+
+    """
+    return rotor_power(thrust_at(duty, voltage), offset, slope)

@@ -1,0 +1,28 @@
+"""What fails during a flight, and when: part of a scenario file."""
+
+from typing import Annotated
+
+from lta_config.files import Record
+from lta_config.quantity import Quantity, si
+
+When = Annotated[Quantity, si('s', low=0.0, high=86400.0)]
+
+
+class Faults(Record):
+    """
+    Faults of the supply, each from a time after the start on.
+
+    `panel_short`: the array is shorted and gives current without voltage. `brown_out`: the supply
+    fails once; it comes back as after any brown-out, when light has charged the cell a little.
+    """
+
+    panel_short: When | None = None
+    brown_out: When | None = None
+
+    def shorted(self, elapsed: float) -> bool:
+        """Tell whether the array is shorted at a time after the start. [s]"""
+        return self.panel_short is not None and elapsed >= self.panel_short.si
+
+    def cut(self, before: float, elapsed: float) -> bool:
+        """Tell whether the supply is cut off between two times after the start. [s]"""
+        return self.brown_out is not None and before <= self.brown_out.si < elapsed

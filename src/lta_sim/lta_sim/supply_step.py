@@ -1,0 +1,88 @@
+"""The electricity of one control period as numbers: what `lta_sim.flat` compiles for `Supply`."""
+
+from typing import Any, NamedTuple
+
+from lta_energy.battery import Battery
+from lta_energy.panel import max_power, Panel
+from lta_energy.power_path import Charger, feed, Flow
+
+
+class Parts(NamedTuple):
+    """What feeds a vehicle."""
+
+    cell: Battery
+    charger: Charger
+    array: Panel
+
+
+class Meantime(NamedTuple):
+    """
+    What a control period brings.
+
+    Attributes
+    ----------
+    irradiance : float
+        On the array's plane. [W/m2]
+    asked : float
+        What the loads want. [W]
+    dt : float
+        How long it is. [s]
+    shorted, cut : bool
+        Whether the array is shorted, and the supply cut off, by a fault.
+
+    """
+
+    irradiance: float
+    asked: float
+    dt: float
+    shorted: bool
+    cut: bool
+
+
+class Account(NamedTuple):
+    """
+    How the supply stands.
+
+    Attributes
+    ----------
+    flow : Flow
+        Cell and powers of the last control period.
+    irradiance : float
+        For which the largest power stands. [W/m2]
+    voltage, current : float
+        The array at its largest power. [V, A]
+    harvested, consumed, lost : float
+        Energy since the start. [J]
+
+    """
+
+    flow: Flow
+    irradiance: float
+    voltage: float
+    current: float
+    harvested: float
+    consumed: float
+    lost: float
+
+
+def supplied(parts: Parts, before: Account, meantime: Meantime, scratch: Any) -> Account:  # noqa: ANN401
+    """Return how the supply stands a control period later; `scratch` is not needed."""
+    voltage, current = before.voltage, before.current
+    if meantime.irradiance != before.irradiance:
+        voltage, current = max_power(parts.array, meantime.irradiance)
+    now, dt = before.flow, meantime.dt
+    begin = Flow(
+        now.charge, now.relaxation, now.voltage, now.current, now.harvested, now.consumed,
+        now.lost, now.fed and not meantime.cut,
+    )  # fmt: skip
+    available = 0.0 if meantime.shorted else voltage * current
+    flow = feed(parts.cell, parts.charger, begin, available, meantime.asked, dt)
+    return Account(
+        flow,
+        meantime.irradiance,
+        voltage,
+        current,
+        before.harvested + flow.harvested * dt,
+        before.consumed + flow.consumed * dt,
+        before.lost + flow.lost * dt,
+    )

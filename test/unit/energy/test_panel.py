@@ -1,0 +1,131 @@
+"""The array: the data sheet comes back, pvlib says the same, strings add up."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+from lta_config.cell_file import load_cell_file
+from lta_config.errors import BadInput
+from lta_config.files import find, known, load_yaml
+from lta_config.settings import plain
+from lta_config.vehicle_file import load_vehicle_file
+from lta_energy.diode_fit import diode_of
+from lta_energy.panel import AIR_TEMPERATURE, current_at, curve, max_power, Panel
+from lta_sim.compiled import compiled
+import pytest
+import yaml
+
+CELLS = known('cells')
+LIGHT = st.floats(0.1, 1200.0)
+pvsystem = pytest.importorskip('pvlib').pvsystem
+
+
+def pvlib_curve(panel, irradiance):
+    light, saturation, thermal, series, shunt = curve(panel, irradiance)
+    return pvsystem.singlediode(light, saturation, series, 1.0 / shunt, thermal)
+
+
+@pytest.mark.parametrize('name', CELLS)
+def test_the_diode_has_the_points_of_the_data_sheet(name):
+    data, diode = load_cell_file(name).electrical, diode_of(load_cell_file(name))
+    light, saturation, thermal, series, shunt = diode
+    found = pvsystem.singlediode(light, saturation, series, 1.0 / shunt, thermal)
+    assert found['i_sc'] == pytest.approx(data.short_circuit.si, rel=1e-9)
+    assert found['v_oc'] == pytest.approx(data.open_circuit.si, rel=1e-9)
+    assert found['v_mp'] == pytest.approx(data.voltage.si, rel=1e-5)
+    assert found['p_mp'] == pytest.approx(data.voltage.si * data.current.si, rel=1e-9)
+
+
+@pytest.mark.parametrize('name', CELLS)
+@pytest.mark.parametrize('irradiance', [1.0, 60.0, 267.0, 1000.0])
+def test_pvlib_finds_the_same_point_of_largest_power(name, irradiance):
+    panel = Panel.wired(name, 2, 3)
+    voltage, current = max_power(panel, irradiance)
+    theirs = pvlib_curve(panel, irradiance)
+    assert voltage * current == pytest.approx(theirs['p_mp'], rel=1e-9)
+    assert voltage == pytest.approx(theirs['v_mp'], rel=1e-5)
+    assert current_at(panel, irradiance, 0.0) == pytest.approx(theirs['i_sc'], rel=1e-9)
+    middle = 0.9 * theirs['v_mp']
+    there = pvsystem.i_from_v(middle, *_arguments(panel, irradiance))
+    assert current_at(panel, irradiance, middle) == pytest.approx(there, rel=1e-9)
+
+
+def _arguments(panel, irradiance):
+    light, saturation, thermal, series, shunt = curve(panel, irradiance)
+    return light, saturation, series, 1.0 / shunt, thermal
+
+
+@pytest.mark.parametrize(('name', 'irradiance'), [('anysolar', 800.0), ('powerfilm_small', 300.0)])
+def test_warmth_is_pvlibs(name, irradiance):
+    file, diode = load_cell_file(name), diode_of(load_cell_file(name))
+    data = file.electrical
+    light, saturation, _, _, thermal = pvsystem.calcparams_pvsyst(
+        irradiance, AIR_TEMPERATURE - 273.15 + data.warming.si * irradiance,
+        data.current_drift.si * diode.light, data.ideality.si, 0.0, diode.light,
+        diode.saturation, 100.0, 100.0, diode.series, data.junctions, EgRef=data.gap.si,
+    )  # fmt: skip
+    ours = curve(Panel.wired(name, 1, 1), irradiance)
+    assert ours[0] == pytest.approx(light, rel=1e-6)
+    assert ours[1] == pytest.approx(saturation, rel=1e-5)
+    assert ours[2] == pytest.approx(thermal, rel=1e-6)
+
+
+def test_silicon_loses_a_quarter_of_a_percent_of_voltage_a_kelvin():
+    panel = Panel.wired('anysolar', 1, 1).model_copy(update={'warming': 0.0})
+    warm = panel.model_copy(update={'warming': 0.01})  # 10 K at 1000 W/m2
+    cool, hot = pvlib_curve(panel, 1000.0)['v_oc'], pvlib_curve(warm, 1000.0)['v_oc']
+    assert (hot / cool - 1.0) / 10.0 == pytest.approx(-0.0027, abs=0.0005)
+
+
+@given(LIGHT, st.integers(1, 5), st.integers(1, 5))
+def test_strings_add_up(irradiance, series, parallel):
+    voltage, current = max_power(Panel.wired('anysolar', 1, 1), irradiance)
+    volts, amperes = max_power(Panel.wired('anysolar', series, parallel), irradiance)
+    assert volts == pytest.approx(series * voltage, rel=1e-6)
+    assert amperes == pytest.approx(parallel * current, rel=1e-6)
+
+
+@given(LIGHT, LIGHT)
+def test_more_light_gives_more(one, other):
+    low, high = sorted((one, other))
+    panel = Panel.wired('adafruit', 1, 1).model_copy(update={'warming': 0.0})
+    powers = [volts * amperes for volts, amperes in (max_power(panel, x) for x in (low, high))]
+    assert powers[0] <= powers[1]
+
+
+def test_dim_light_gives_less_than_in_proportion():
+    panel = Panel.wired('anysolar', 1, 1).model_copy(update={'warming': 0.0})
+    powers = [volts * amperes for volts, amperes in (max_power(panel, x) for x in (1.0, 1000.0))]
+    # The open circuit loses 0.226 V ln 1000 = 1.56 V of its 5.53 V; the rest is lost in shape.
+    assert powers[0] == pytest.approx(0.75e-3 * powers[1], rel=0.01)
+
+
+def test_darkness_gives_nothing():
+    panel = Panel.wired('anysolar', 2, 1)
+    assert max_power(panel, 0.0) == (0.0, 0.0)
+    assert max_power(panel, -1.0) == (0.0, 0.0)
+    assert current_at(panel, 0.0, 0.0) == 0.0
+    assert max_power(Panel.of(load_vehicle_file('sblimp').energy), 500.0) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ('key', 'value', 'sentence'),
+    [
+        ('ideality', 3.5, 'has a curve too square for its ideality of 3.5'),
+        ('current', 297.0, 'has its maximum power at or above the short-circuit current'),
+        ('voltage', 5.6, 'has its maximum power at or above the open-circuit voltage'),
+        ('voltage', 2.2, 'has a curve that no diode with an ideality of 1.1 has'),
+    ],
+)
+def test_what_is_no_cell_is_one_sentence(tmp_path, key, value, sentence):
+    content = load_yaml(find('cell', 'anysolar'))
+    content['electrical'][key]['value'] = value
+    path = tmp_path / 'cell.yaml'
+    path.write_text(yaml.safe_dump(content))
+    with pytest.raises(BadInput, match=sentence):
+        diode_of(load_cell_file(str(path)))
+
+
+def test_the_array_compiles_to_the_same():
+    panel = plain(Panel.wired('anysolar', 2, 1))
+    brightest, at = compiled(max_power, current_at)
+    assert brightest(panel, 60.0) == max_power(panel, 60.0)
+    assert at(panel, 60.0, 3.0) == current_at(panel, 60.0, 3.0)

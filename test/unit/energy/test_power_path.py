@@ -1,0 +1,101 @@
+"""The power path: losses by hand, charging to the end, brown-out, and books that balance."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+from lta_config.vehicle_file import load_vehicle_file
+from lta_energy.battery import Battery
+from lta_energy.power_path import at_rest, Charger, feed, held, output
+import pytest
+
+ENERGY = load_vehicle_file('gtmab').energy
+CELL, CHARGER = Battery.of(ENERGY), Charger.of(ENERGY)
+POWERS = st.floats(0.0, 4.0)
+
+
+def follow(flow, steps, dt, available=0.0, asked=0.0, cell=CELL, charger=CHARGER):
+    """Return flow and energies [J] after so many steps."""
+    begun, harvested, consumed, lost = held(cell, flow), 0.0, 0.0, 0.0
+    for _ in range(steps):
+        flow = feed(cell, charger, flow, available, asked, dt)
+        harvested += flow.harvested * dt
+        consumed += flow.consumed * dt
+        lost += flow.lost * dt
+    return flow, harvested, consumed, lost, held(cell, flow) - begun
+
+
+def test_the_charger_by_hand():
+    # 1 W * 0.95 * 0.85 - 22 mW; below 27.2 mW it is off.
+    assert output(CHARGER, 1.0) == pytest.approx(0.7855)
+    assert output(CHARGER, 0.027) == 0.0
+    flow = feed(CELL, CHARGER, at_rest(0.5), 1.0, 0.12, 0.01)
+    assert flow.harvested == pytest.approx(0.95)
+    assert flow.consumed == pytest.approx(0.12, rel=1e-6)
+    assert flow.voltage * flow.current == pytest.approx(0.7855 - 0.12, rel=1e-6)
+    dim = feed(CELL, CHARGER, at_rest(0.5), 0.027, 0.12, 0.01)
+    assert (dim.harvested, dim.consumed) == (0.0, pytest.approx(0.12))
+
+
+@given(
+    st.lists(st.tuples(POWERS, POWERS), min_size=1, max_size=12),
+    st.floats(0.0, 1.0),
+    st.sampled_from([0.01, 1.0, 60.0]),
+)
+def test_the_books_balance(minutes, charge, dt):
+    begun, flow, came, went = held(CELL, at_rest(charge)), at_rest(charge), 0.0, 0.0
+    for available, asked in minutes:
+        flow = feed(CELL, CHARGER, flow, available, asked, dt)
+        came += flow.harvested * dt
+        went += (flow.consumed + flow.lost) * dt
+    stored = held(CELL, flow) - begun
+    assert abs(came - went - stored) <= 1e-9 * (came + went) + 1e-9
+
+
+def test_an_empty_cell_is_charged_at_one_c_and_then_at_constant_voltage():
+    flow, peak = at_rest(0.1), 0.0
+    for _ in range(8 * 360):
+        flow = feed(CELL, CHARGER, flow, 4.0, 0.0, 10.0)
+        peak = max(peak, flow.voltage)
+        assert flow.current <= 0.25 * (1 + 1e-9)
+    assert peak == pytest.approx(4.2, abs=0.01)
+    assert flow.charge == pytest.approx(1.0, abs=1e-3)
+    assert flow.current < 0.25 / 20.0
+    # Light that nobody takes is not harvested: what still comes in runs the charger.
+    assert flow.harvested == pytest.approx(0.022 / 0.85, abs=0.02)
+
+
+def test_the_phase_of_constant_current_lasts_as_long_as_by_hand():
+    # 0.25 A until E + 0.25 A * 0.244 ohm = 4.2 V: at E = 4.139 V, charge 0.936; 0.336 of 1 h.
+    flow, time = at_rest(0.6), 0.0
+    while flow.current > 0.2499 or time == 0.0:
+        flow = feed(CELL, CHARGER, flow, 4.0, 0.0, 1.0)
+        time += 1.0
+    assert time / 3600.0 == pytest.approx(0.336, abs=0.005)
+
+
+def test_a_brown_out_cuts_the_loads_off_until_light_has_charged_the_cell():
+    # 3.4 V behind 0.15 ohm falls below 3 V at 2.7 A, 8 W.
+    sag = feed(CELL, CHARGER, at_rest(0.02), 0.0, 9.0, 0.01)
+    assert not sag.fed
+    dark, _, consumed, *_ = follow(sag, 1000, 1.0, available=0.0, asked=0.1)
+    assert (dark.fed, consumed) == (False, 0.0)
+    light, _, consumed, *_ = follow(dark, 600, 1.0, available=0.5, asked=0.1)
+    assert light.charge > 0.05
+    assert light.fed
+    assert consumed > 0.0
+
+
+def test_an_empty_cell_fails():
+    flow, _, consumed, *_ = follow(at_rest(0.01), 1000, 1.0, asked=0.12)
+    assert not flow.fed
+    # 9 C from 3.27 to 3.34 V.
+    assert consumed == pytest.approx(9.0 * 3.304, rel=0.01)
+
+
+def test_without_an_array_nothing_is_harvested():
+    none = Charger.of(load_vehicle_file('sblimp').energy)
+    _, harvested, consumed, lost, stored = follow(
+        at_rest(0.5), 100, 1.0, available=5.0, asked=0.12, charger=none
+    )
+    assert harvested == 0.0
+    assert consumed == pytest.approx(12.0)
+    assert stored == pytest.approx(-12.0 - lost, rel=1e-4)

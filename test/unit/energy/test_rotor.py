@@ -1,0 +1,67 @@
+"""A rotor by duty and voltage, against every row of Bitcraze's bench."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+from lta_config.vehicle_file import load_vehicle_file
+from lta_energy import loads, rotor
+import numba
+import numpy as np
+import pytest
+
+LOADS = loads.Loads.of(load_vehicle_file('gtmab').energy)
+IDLE = rotor.BENCH[0].power
+DUTY = st.floats(0.01, 1.0)
+VOLTAGE = st.floats(3.0, 4.2)
+
+
+def test_the_bench_is_the_table_of_16_rows_that_is_published():
+    assert len(rotor.BENCH) == 16
+    assert rotor.BENCH[8].power == pytest.approx(1.83 * 3.71)
+    assert rotor.BENCH[8].thrust == pytest.approx(24.4e-3 * 9.80665 / 4)
+
+
+@pytest.mark.parametrize('row', rotor.BENCH, ids=lambda row: f'{100 * row.duty:g}%')
+def test_each_row_by_duty_and_voltage(row):
+    assert rotor.thrust_at(row.duty, row.voltage) == pytest.approx(row.thrust, abs=8e-3)
+    power = 4 * rotor.power_at(row.duty, row.voltage, LOADS.rotor_offset, LOADS.rotor_slope)
+    assert IDLE + power == pytest.approx(row.power, rel=0.09)
+
+
+def test_the_fit_is_the_least_squares_one():
+    rows = rotor.BENCH
+    mean = np.array([row.duty * row.voltage for row in rows])
+    thrust = np.array([row.thrust for row in rows])
+    (a, b), *_ = np.linalg.lstsq(np.c_[mean**2, mean], thrust, rcond=None)
+    assert (a, b) == pytest.approx((rotor.A, rotor.B), rel=1e-5)
+    rms = np.sqrt(np.mean((rotor.A * mean**2 + rotor.B * mean - thrust) ** 2))
+    assert rms == pytest.approx(2.84e-3, abs=0.01e-3)
+
+
+def test_the_files_line_through_power_and_thrust_is_the_least_squares_one():
+    lift = np.array([4 * row.thrust for row in rotor.BENCH])
+    power = np.array([row.power for row in rotor.BENCH])
+    slope, offset = np.polyfit(lift, power, 1)
+    assert LOADS.rotor_slope == pytest.approx(slope, rel=1e-3)
+    assert 4 * LOADS.rotor_offset == pytest.approx(offset - IDLE, abs=2e-3)
+
+
+@given(DUTY, VOLTAGE)
+def test_the_duty_for_a_thrust_gives_that_thrust(duty, voltage):
+    thrust = rotor.thrust_at(duty, voltage)
+    assert rotor.duty_for(thrust, voltage) == pytest.approx(duty, rel=1e-9)
+    assert rotor.duty_for(-thrust, voltage) == -rotor.duty_for(thrust, voltage)
+
+
+@given(DUTY, VOLTAGE, VOLTAGE)
+def test_less_voltage_is_less_power_at_a_duty_and_the_same_at_a_thrust(duty, one, other):
+    low, high = sorted((one, other))
+    numbers = LOADS.rotor_offset, LOADS.rotor_slope
+    assert rotor.power_at(duty, low, *numbers) <= rotor.power_at(duty, high, *numbers)
+    thrust = rotor.thrust_at(duty, low)
+    again = rotor.power_at(rotor.duty_for(thrust, high), high, *numbers)
+    assert again == pytest.approx(rotor.power_at(duty, low, *numbers), rel=1e-9)
+
+
+def test_it_compiles_to_the_same():
+    assert numba.njit(rotor.thrust_at)(0.4, 3.7) == rotor.thrust_at(0.4, 3.7)
+    assert numba.njit(rotor.duty_for)(0.05, 3.7) == rotor.duty_for(0.05, 3.7)
