@@ -72,6 +72,7 @@ ENERGY: Final = Group(
     {
         'budget': Verb('energy_budget', 'budget'),
         'mounting': Verb('energy_mounting', 'mounting'),
+        'breakeven': Verb('energy_breakeven', 'breakeven'),
     },
 )
 VERBS: Final[dict[str, Verb | Group]] = {

@@ -1,26 +1,17 @@
 """
-One step of cell, panel and loads together, with what it does to the books.
+Cell, charger and loads of a mission over a while, with what it does to the books.
 
-The only place where a mission meets the electricity: on the perch in steps of many seconds, in
-flight in control periods, compiled. Plain scalars and tuples. Signs as in `battery`.
+The only place where a mission on the perch meets the power path (`lta_energy.power_path`); in
+flight the same goes through `lta_sim.supply_step`.
 """
 
 from typing import NamedTuple
 
-from lta_energy.battery import advance, Battery, open_circuit_voltage, stored_energy
-
-BROWN_OUT = 3.0  # V at the terminals: below it the controller of a one-cell drone resets (assumed)
-
-
-class Store(NamedTuple):
-    """The cell: state of charge, terminal voltage and current. [1, V, A]"""
-
-    charge: float
-    voltage: float
-    current: float
+from lta_energy.battery import Battery
+from lta_energy.power_path import at_rest, Charger, feed, Flow, held, output
 
 
-class Flow(NamedTuple):
+class Spent(NamedTuple):
     """Energy since some start: harvested, left unharvested, consumed, lost as heat. [J]"""
 
     harvested: float
@@ -29,58 +20,48 @@ class Flow(NamedTuple):
     lost: float
 
 
-NO_FLOW = Flow(0.0, 0.0, 0.0, 0.0)
+NOTHING = Spent(0.0, 0.0, 0.0, 0.0)
+
+__all__ = ['NOTHING', 'Charger', 'Flow', 'Spent', 'added', 'at_rest', 'fed', 'held', 'output']
 
 
-def resting(charge: float) -> Store:
-    """Return a cell at rest at a state of charge."""
-    return Store(charge, open_circuit_voltage(charge), 0.0)
-
-
-def held(cell: Battery, store: Store) -> float:
-    """Return what a cell holds. [J]"""
-    return stored_energy(store.charge, cell.capacity)
+def added(one: Spent, other: Spent) -> Spent:
+    """Return the sum of two."""
+    return Spent(*(a + b for a, b in zip(one, other, strict=True)))
 
 
 def fed(
-    cell: Battery, store: Store, flow: Flow, income: float, asked: float, dt: float
-) -> tuple[Store, Flow]:
+    cell: Battery,
+    charger: Charger,
+    store: Flow,
+    spent: Spent,
+    available: float,
+    asked: float,
+    dt: float,
+) -> tuple[Flow, Spent]:
     """
-    Return cell and flow after a while at constant powers.
-
-    A full cell takes no more: the charger leaves the rest of the light unharvested. An empty one
-    gives what it can, so that less is consumed than was asked for.
+    Return the power path and the books after a while at constant light and load.
 
     Parameters
     ----------
-    cell : Battery
-        Its numbers.
-    store, flow : Store, Flow
+    cell, charger : Battery, Charger
+        Their numbers.
+    store, spent : Flow, Spent
         Before.
-    income, asked : float
-        Power that the charger could give, and what the loads want. [W]
+    available : float
+        Largest power of the array. [W]
+    asked : float
+        What the loads want. [W]
     dt : float
         Time. [s]
 
     """
-    capacity, resistance = cell.capacity, cell.resistance
-    charge, voltage, current = advance(store.charge, income - asked, capacity, resistance, dt)
-    taken = income
-    if current > 0.0 and store.charge + current * dt / capacity > 1.0:
-        current = (1.0 - store.charge) * capacity / dt
-        voltage = open_circuit_voltage(0.5 * (store.charge + 1.0)) + resistance * current
-        charge, taken = 1.0, min(asked + voltage * current, income)
-    elif current < 0.0 and charge <= 0.0:
-        current = -store.charge * capacity / dt
-        voltage = open_circuit_voltage(0.5 * store.charge) + resistance * current
-    return Store(charge, voltage, current), Flow(
-        flow.harvested + taken * dt,
-        flow.curtailed + (income - taken) * dt,
-        flow.consumed + (taken - voltage * current) * dt,
-        flow.lost + resistance * current * current * dt,
+    store = feed(cell, charger, store, available, asked, dt)
+    working = output(charger, available) > 0.0
+    tracked = available * charger.tracking if working else store.harvested
+    return store, Spent(
+        spent.harvested + store.harvested * dt,
+        spent.curtailed + (tracked - store.harvested) * dt,
+        spent.consumed + store.consumed * dt,
+        spent.lost + store.lost * dt,
     )
-
-
-def browned_out(store: Store) -> bool:
-    """Tell whether the cell can no longer feed the drone."""
-    return store.voltage < BROWN_OUT or store.charge <= 0.0

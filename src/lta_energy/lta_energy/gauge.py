@@ -43,7 +43,7 @@ def gauged(cell: Battery, gauge: Gauge, voltage: float, current: float, dt: floa
     gauge = carried_on(cell, gauge, current, dt)
     if abs(current) > QUIET:
         return gauge
-    resting = voltage - cell.resistance * current
+    resting = voltage - (cell.resistance + cell.relaxation_resistance) * current
     told = state_of_charge(resting)
     span = open_circuit_voltage(told + NARROW) - open_circuit_voltage(told - NARROW)
     noise = VOLTAGE * 2.0 * NARROW / max(span, 1e-3)

@@ -10,18 +10,17 @@ from dataclasses import dataclass, field
 import math
 from typing import final, NamedTuple
 
-from lta_energy.battery import Battery, stored_energy
-from lta_energy.circuit import browned_out, fed, Flow, held, NO_FLOW, resting, Store
+from lta_energy.battery import Battery
+from lta_energy.circuit import added, at_rest, fed, held, NOTHING, output, Spent
 from lta_energy.gauge import Gauge, gauged
-from lta_energy.harvest import harvest
+from lta_energy.harvest import Harvest
 from lta_energy.light_of_days import Light, LightOfDays
-from lta_energy.panel import Panel
+from lta_energy.power_path import Charger, Flow
 from lta_energy.schedule import Known, Schedule, Wish
 
 STEP = 30.0  # s on the perch
 HOUR = 3600.0
 BLIND = 0.05  # standard deviation of the charge that a drone knows at first
-WAKING = 0.05  # state of charge at which a drone that had gone out starts again (assumed)
 
 PERCHED, ASLEEP, ALOFT, AWAY, OUT = range(5)
 
@@ -38,7 +37,7 @@ class Flight(NamedTuple):
         Beacons of the round that were reached.
     path : float
         Horizontal. [m]
-    flow : Flow
+    spent : Spent
         Energy.
     before, after : float
         True state of charge.
@@ -56,7 +55,7 @@ class Flight(NamedTuple):
     duration: float
     visits: int
     path: float
-    flow: Flow
+    spent: Spent
     before: float
     after: float
     told: float
@@ -65,19 +64,19 @@ class Flight(NamedTuple):
 
 
 class Departure(NamedTuple):
-    """How a flight begins: when [s], true charge and voltage state, told charge, light, number."""
+    """How a flight begins: when [s], power path, the drone's own charge, light, number."""
 
     time: float
-    store: Store
+    store: Flow
     told: float
     light: Light
     number: int
 
 
 class Landing(NamedTuple):
-    """What a flight leaves: the cell, and the flight."""
+    """What a flight leaves: the power path, and the flight."""
 
-    store: Store
+    store: Flow
     flight: Flight
 
 
@@ -92,7 +91,7 @@ class Upkeep:
 
     Parameters
     ----------
-    cell, panel : Battery, Panel
+    cell, charger, harvest : Battery, Charger, Harvest
         The electricity.
     awake, asleep : float
         Loads. [W]
@@ -110,7 +109,8 @@ class Upkeep:
     """
 
     cell: Battery
-    panel: Panel
+    charger: Charger
+    harvest: Harvest
     awake: float
     asleep: float
     work: tuple[float, float]
@@ -133,7 +133,7 @@ class Diary:
         One after the other.
     time, charge, told, deviation, state : list
         Minute by minute: s, true and told state of charge, its deviation, and what the drone does.
-    flow : Flow
+    spent : Spent
         Energy, flights included. [J]
     begun, ended : float
         What the cell held. [J]
@@ -150,7 +150,7 @@ class Diary:
     told: list[float] = field(default_factory=list)
     deviation: list[float] = field(default_factory=list)
     state: list[int] = field(default_factory=list)
-    flow: Flow = NO_FLOW
+    spent: Spent = NOTHING
     begun: float = 0.0
     ended: float = 0.0
     outages: int = 0
@@ -159,9 +159,9 @@ class Diary:
     @property
     def imbalance(self) -> float:
         """What the books do not account for, by what was harvested or consumed. [1]"""
-        flow = self.flow
-        rest = flow.harvested - flow.consumed - flow.lost - (self.ended - self.begun)
-        return rest / max(flow.harvested, flow.consumed, 1e-9)
+        spent = self.spent
+        rest = spent.harvested - spent.consumed - spent.lost - (self.ended - self.begun)
+        return rest / max(spent.harvested, spent.consumed, 1e-9)
 
     @property
     def failures(self) -> int:
@@ -200,7 +200,7 @@ class Life:
         self._upkeep, self._light, self._schedule, self._fly = upkeep, light, schedule, fly
         self._guess = guess
         self.now = 0.0
-        self._store = resting(upkeep.charge)
+        self._store = at_rest(upkeep.charge)
         self._gauge = Gauge(upkeep.charge, BLIND)
         self._seen = 1.0
         self._out = False
@@ -224,7 +224,7 @@ class Life:
     def _known(self) -> Known:
         """Return what a schedule may look at."""
         flown = [f for f in self.diary.flights if f.ending == 'home'][-20:]
-        needs = [f.flow.consumed + f.flow.lost - f.flow.harvested for f in flown]
+        needs = [f.spent.consumed + f.spent.lost - f.spent.harvested for f in flown]
         need, spread, lasts = self._guess[0], 0.1 * self._guess[0], self._guess[1]
         if needs:
             need = sum(needs) / len(needs)
@@ -233,7 +233,7 @@ class Life:
         last = self.diary.flights[-1] if self.diary.flights else None
         up = self._upkeep
         return Known(
-            self.now, self._gauge, up.cell, up.panel, self._light, self._seen, up.awake,
+            self.now, self._gauge, up.cell, self._income, self._light, self._seen, up.awake,
             up.asleep, up.work, up.reserve, need, spread, lasts,
             last.start + last.duration if last else -math.inf, last.duration if last else 0.0,
         )  # fmt: skip
@@ -249,7 +249,7 @@ class Life:
         deviation = self._gauge.deviation + abs(flight.before - flight.after) * 0.003
         self._gauge = Gauge(flight.told, deviation)
         diary.flights.append(flight)
-        diary.flow = Flow(*(a + b for a, b in zip(diary.flow, flight.flow, strict=True)))
+        diary.spent = added(diary.spent, flight.spent)
         self.now = begin + flight.duration
         self._note(ALOFT, begin)
         self._note(ALOFT, self.now)
@@ -277,9 +277,8 @@ class Life:
         while self.now < until - 1e-6:
             dt = min(STEP, until - self.now)
             light = self._light.at(self.now)
-            income = harvest(up.panel, light)
-            self._store, self.diary.flow = fed(
-                up.cell, self._store, self.diary.flow, income, load, dt
+            self._store, self.diary.spent = fed(
+                up.cell, up.charger, self._store, self.diary.spent, up.harvest(light), load, dt
             )
             store = self._store
             metered = up.gain * store.current + up.offset
@@ -287,11 +286,14 @@ class Life:
             self._look(light, dt)
             self._note(state, self.now)
             self.now += dt
-            if not self._out and browned_out(store):
+            if not (self._out or store.fed):
                 self._out, self.diary.outages = True, self.diary.outages + 1
                 return
-        if self._out and self._store.charge > WAKING:
-            self._out = False
+        self._out = not self._store.fed
+
+    def _income(self, light: Light) -> float:
+        """Return what the charger can give in some light. [W]"""
+        return output(self._upkeep.charger, self._upkeep.harvest(light))
 
     def _look(self, light: Light, dt: float) -> None:
         """Keep in mind how the light compares with what was to be expected."""
@@ -310,8 +312,3 @@ class Life:
         diary.told.append(self._gauge.charge)
         diary.deviation.append(self._gauge.deviation)
         diary.state.append(state)
-
-
-def capacity(cell: Battery) -> float:
-    """Return what a full cell holds. [J]"""
-    return stored_energy(1.0, cell.capacity)

@@ -12,9 +12,7 @@ from typing import NamedTuple
 from lta_config.light_day_file import DAY
 from lta_energy.battery import Battery, stored_energy
 from lta_energy.gauge import Gauge
-from lta_energy.harvest import harvest
-from lta_energy.light_of_days import LightOfDays
-from lta_energy.panel import Panel
+from lta_energy.light_of_days import Light, LightOfDays
 
 SURE = 2.0  # standard deviations of charge and of a flight's need that a take-off allows for
 LOOK = 300.0  # s between two looks of the energy-aware schedule while it waits
@@ -32,8 +30,10 @@ class Known(NamedTuple):
         Since the first midnight. [s]
     gauge : Gauge
         Charge as the drone knows it.
-    cell, panel : Battery, Panel
-        As the drone believes them.
+    cell : Battery
+        As the drone believes it.
+    income : callable
+        What the charger can give in some light. [W]
     light : LightOfDays
         Of which only `expected` is looked at.
     seen : float
@@ -56,7 +56,7 @@ class Known(NamedTuple):
     time: float
     gauge: Gauge
     cell: Battery
-    panel: Panel
+    income: Callable[[Light], float]
     light: LightOfDays
     seen: float
     awake: float
@@ -173,4 +173,4 @@ def coming(known: Known, time: float) -> float:
     # The sky as it is now says little about the sky in some hours.
     weight = math.exp(-(time - known.time) / 7200.0)
     seen = 1.0 + weight * (known.seen - 1.0)
-    return harvest(known.panel, light._replace(sun=seen * light.sun))
+    return known.income(light._replace(sun=seen * light.sun))

@@ -69,11 +69,11 @@ def test_it_lands_where_it_is_told_to(pilot, made, scenes):
 def test_the_books_of_a_flight_balance(pilot, made, scenes):
     cell = scenes.vehicle.battery
     memory, state = begun(pilot, scenes)
-    before = held(cell, memory.store)
+    before = held(cell, memory.supply.flow)
     memory, state = go_on(pilot, made, LEG._replace(payload=0.05), memory, state)
-    flow = memory.flow
-    rest = flow.harvested - flow.consumed - flow.lost - (held(cell, memory.store) - before)
-    assert abs(rest) < 1e-3 * flow.consumed
+    books, now = memory.supply, memory.supply.flow
+    rest = books.harvested - books.consumed - books.lost - (held(cell, now) - before)
+    assert abs(rest) < 1e-6 * books.consumed
 
 
 def test_a_payload_draws_what_it_draws_while_it_dwells(pilot, made, scenes):
@@ -82,7 +82,7 @@ def test_a_payload_draws_what_it_draws_while_it_dwells(pilot, made, scenes):
     for watts in (0.0, 0.073):
         leg = LEG._replace(kind=DWELL, limit=10.0, payload=watts)
         memory, _ = go_on(pilot, made, leg, arrived, there)
-        spent.append(memory.flow.consumed - arrived.flow.consumed)
+        spent.append(memory.supply.consumed - arrived.supply.consumed)
     assert spent[1] - spent[0] == pytest.approx(0.73, rel=0.05)
 
 

@@ -44,7 +44,7 @@ def starts(count: int, lamp: tuple[float, float, float]) -> Iterator[Start]:
 
 
 def by_leg(scenes: Scenes, beacon: str, start: Start, seed: int) -> tuple[float, float]:
-    """Return energy out of the cell [J] and time [s] of a leg."""
+    """Return the energy consumed [J] and time [s] of a leg."""
     made = scenes.made(beacon, DARK, 1.0)
     length, width, height = scenes.scenario.room.size.vector
     leg = Leg(GO, LIMIT, 0.0, 0.0, 1.0, 0.0, length / 2, width / 2, height)
@@ -53,7 +53,7 @@ def by_leg(scenes: Scenes, beacon: str, start: Start, seed: int) -> tuple[float,
     state = pilot.standing(start.x, start.y, height, start.heading, seed)
     memory = at_rest(start.charge, start.charge)
     memory, _ = pilot.fly(pilot.constants(made), leg, memory, state, seed)
-    return memory.flow.consumed - memory.flow.harvested, memory.step * 0.01
+    return memory.supply.consumed, memory.step * 0.01
 
 
 def loop_of(scenes: Scenes, beacon: str, start: Start, seed: int) -> Loop:
@@ -83,12 +83,10 @@ def loop_of(scenes: Scenes, beacon: str, start: Start, seed: int) -> Loop:
 
 def by_loop(scenes: Scenes, beacon: str, start: Start, seed: int) -> tuple[float, float]:
     """Return the same as `by_leg` of the full loop."""
-    loop, energy = loop_of(scenes, beacon, start, seed), 0.0
+    loop = loop_of(scenes, beacon, start, seed)
     while loop.mission.phase is not Phase.ARRIVED and loop.world.elapsed < LIMIT:
         loop.step()
-        voltage, current = loop.world.supply.electrics
-        energy -= voltage * current * 0.01
-    return energy, loop.world.elapsed
+    return loop.world.supply.books.consumed, loop.world.elapsed
 
 
 def compare(

@@ -10,7 +10,7 @@ the diodes hear of the beacon; ADC blocks are left out.
 import math
 from typing import NamedTuple
 
-from lta_analysis.fleet.flight import sane
+from lta_analysis.fleet.flight import full, sane
 from lta_analysis.fleet.numbers import Craft
 from lta_control.attitude import heading
 from lta_control.cascade import Setpoint
@@ -21,16 +21,13 @@ from lta_control.sighting import Reckoned
 from lta_control.strategies.homing import Homing, start, steer, watch
 from lta_control.strategies.protocol import Sight
 from lta_energy.battery import count
-from lta_energy.circuit import browned_out, fed, Flow, NO_FLOW, resting, Store
 from lta_energy.loads import demand
-from lta_energy.panel import power as panel_power
-from lta_sim.light.lambertian import lit, place
-from lta_sim.light.surround import day_on
+from lta_energy.power_path import Flow
+from lta_sim.supply_step import Account, Meantime, supplied
 from lta_vlc.fit import Fit
 
 State = tuple[float, ...]
 Amplitudes = tuple[float, ...]
-UP = (0.0, 0.0, 1.0)
 MOVED = 1.0  # m: so far what the room throws back is taken to stay the same
 TURNED = math.cos(0.5 * 0.35) ** 2  # and so far it is turned by 0.35 rad
 ON_FOOT = 0.02  # m above where it stands: the drone is on the ground
@@ -92,10 +89,10 @@ class Aloft(NamedTuple):
         What the drone made of its motion then.
     distance : float
         Newest range. [m]
-    store, flow : Store, Flow
-        The cell, and energy since take-off.
-    harvest : float
-        What the panel brings. [W]
+    supply : Account
+        The power path, and energy since take-off.
+    irradiance : float
+        On the panel. [W/m2]
     charge : float
         As the drone counts it.
     step, ticks, begun : int
@@ -118,9 +115,8 @@ class Aloft(NamedTuple):
     middle: tuple[float, float, float, float, float, float, float]
     reckoned: Reckoned
     distance: float
-    store: Store
-    flow: Flow
-    harvest: float
+    supply: Account
+    irradiance: float
     charge: float
     step: int
     ticks: int
@@ -132,11 +128,17 @@ class Aloft(NamedTuple):
 
 def at_rest(charge: float, counted: float) -> Aloft:
     """Return what is remembered on the ground before take-off, by true and counted charge."""
-    onboard, store = Onboard(), resting(charge)
+    return standing(full(charge).flow, counted)
+
+
+def standing(store: Flow, counted: float) -> Aloft:
+    """Return the same of a drone whose power path has been at work."""
+    onboard = Onboard()
     return Aloft(
         onboard, start(0.0), onboard.setpoint, False, False, REST,
-        (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0), Reckoned(0.0, 0.0, 0.0, 0.0, 0.0), math.nan, store,
-        NO_FLOW, 0.0, counted, 0, 0, 0, 0.0, store.voltage, FLYING,
+        (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0), Reckoned(0.0, 0.0, 0.0, 0.0, 0.0), math.nan,
+        Account(store, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), 0.0, counted, 0, 0, 0, 0.0, store.voltage,
+        FLYING,
     )  # fmt: skip
 
 
@@ -162,7 +164,7 @@ def elsewhere(pose: State, gathered: State) -> bool:
     return same * same < TURNED
 
 
-def facing(cosines: Amplitudes, sines: Amplitudes, amplitudes: Amplitudes) -> float:
+def strength_of(cosines: Amplitudes, sines: Amplitudes, amplitudes: Amplitudes) -> float:
     """Return what a diode that faces the lamp would read, as `sighting`. [counts]"""
     forward = left = 0.0
     for k in range(len(amplitudes)):
@@ -208,28 +210,18 @@ def led(
     return (settings.altitude, homing.heading, 0.0), phase, homing
 
 
-def lit_panel(craft: Craft, state: State) -> float:
-    """Return what the panel brings at a pose. [W]"""
-    position, q = (state[0], state[1], state[2]), (state[3], state[4], state[5], state[6])
-    power = craft.power
-    point, normal = place(position, q, power.panel_place, UP)
-    listening = craft.listening
-    irradiance = power.lamp_share * lit(listening.lamp, point, normal) + power.ambient
-    irradiance += power.day_share * day_on(listening.around, point, normal)
-    return panel_power(irradiance, power.cells.area, power.cells.efficiency)
-
-
 def paid(
-    craft: Craft, leg: Leg, store: Store, flow: Flow, harvest: float, thrusts: PerRotor, dt: float
-) -> tuple[Store, Flow]:
-    """Return cell and flow after a control period with such thrusts. [N, s]"""
+    craft: Craft, leg: Leg, supply: Account, irradiance: float, thrusts: PerRotor, dt: float
+) -> Account:
+    """Return the supply after a control period in such light with such thrusts. [W/m2, N, s]"""
     asked = demand(craft.power.loads, thrusts, True) + leg.payload
-    return fed(craft.power.cell, store, flow, harvest, asked, dt)
+    meantime = Meantime(irradiance, asked, dt, False, False)
+    return supplied(craft.power.parts, supply, meantime, 0.0)
 
 
 def counted(craft: Craft, leg: Leg, charge: float, current: float, dt: float) -> float:
     """Return the charge as the drone counts it, by a meter with its errors."""
-    return count(charge, leg.gain * current + leg.offset, craft.power.cell.capacity, dt)
+    return count(charge, leg.gain * current + leg.offset, craft.power.parts.cell.capacity, dt)
 
 
 def judged(
@@ -239,12 +231,12 @@ def judged(
     onboard: Onboard,
     homing: Homing,
     phase: int,
-    store: Store,
+    fed: bool,
     charge: float,
     spent: float,
 ) -> int:
     """Return how a leg stands after so many seconds."""
-    if browned_out(store):
+    if not fed:
         return EMPTY
     inside = abs(state[0]) <= leg.half_length and abs(state[1]) <= leg.half_width
     if not (inside and state[2] <= leg.height):

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, Final, final
 
-from lta_energy.circuit import Flow
+from lta_energy.circuit import Spent
 from lta_energy.light_of_days import LightOfDays
 from lta_energy.mission import ASLEEP, Diary, Flight
 
@@ -73,9 +73,9 @@ class Figures:
 
 def figures_of(diary: Diary, beacons: int) -> Figures:
     """Return the figures of a diary; `beacons` is the length of the round."""
-    flights, flow = diary.flights, diary.flow
+    flights, flow = diary.flights, diary.spent
     flown = sum(each.duration for each in flights)
-    spent = sum(each.flow.consumed for each in flights)
+    spent = sum(each.spent.consumed for each in flights)
     failures = Counter(FAILED[each.ending] for each in flights if each.ending != 'home')
     failures.update({'came home in the dark': diary.dark, 'empty on the perch': diary.outages})
     apart = [abs(a - b) for a, b in zip(diary.charge, diary.told, strict=True)]
@@ -123,6 +123,6 @@ def to_json(diary: Diary) -> dict[str, Any]:
 def from_json(content: Mapping[str, Any]) -> Diary:
     """Return the diary that `to_json` wrote."""
     flights = [
-        Flight._make(each)._replace(flow=Flow._make(each[4])) for each in content['flights']
+        Flight._make(each)._replace(spent=Spent._make(each[4])) for each in content['flights']
     ]
-    return Diary(**{**content, 'flights': flights, 'flow': Flow._make(content['flow'])})
+    return Diary(**{**content, 'flights': flights, 'spent': Spent._make(content['spent'])})

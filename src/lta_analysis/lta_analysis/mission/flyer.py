@@ -12,7 +12,6 @@ from typing import final
 
 from lta_analysis.mission.aloft import (
     Aloft,
-    at_rest,
     DONE,
     DWELL,
     EMPTY,
@@ -23,12 +22,14 @@ from lta_analysis.mission.aloft import (
     LATE,
     Leg,
     RESERVE,
+    standing,
     STOPPED,
 )
 from lta_analysis.mission.legs import Array, Pilot
 from lta_analysis.mission.scene import Scenes
 from lta_config.mission_file import MissionFile
 from lta_control.strategies.homing import onward
+from lta_energy.circuit import Spent
 from lta_energy.light_of_days import Light, LightOfDays
 from lta_energy.mission import Departure, Flight, Landing
 import numpy as np
@@ -102,13 +103,13 @@ class Flyer:
             outcome = self._home(going)
         if outcome in (RESERVE, LATE):
             self._fly(going, self._mission.perch, self._leg._replace(kind=LAND, limit=60.0))
-        memory = going.memory
+        memory, supply = going.memory, going.memory.supply
         flight = Flight(
-            departure.time, memory.step * 0.01, going.visits, memory.path, memory.flow,
-            departure.store.charge, memory.store.charge, memory.charge, memory.lowest,
-            ENDINGS.get(outcome, 'home'),
+            departure.time, memory.step * 0.01, going.visits, memory.path,
+            Spent(supply.harvested, 0.0, supply.consumed, supply.lost), departure.store.charge,
+            supply.flow.charge, memory.charge, memory.lowest, ENDINGS.get(outcome, 'home'),
         )  # fmt: skip
-        return Landing(memory.store, flight)
+        return Landing(supply.flow, flight)
 
     def _begin(self, departure: Departure) -> Going:
         """Return a drone beside its lantern, its nose where the last flight left it."""
@@ -117,7 +118,7 @@ class Flyer:
         x, y, _ = self._scenes.lamp(self._mission.perch).position
         z = self._scenes.vehicle.standing_height
         state = self._pilot.standing(x + BESIDE, y, z, heading, seed)
-        memory = at_rest(departure.store.charge, departure.told)._replace(store=departure.store)
+        memory = standing(departure.store, departure.told)
         light = departure.light
         sun, lamps, _ = self._light.efficacies
         return Going(memory, state, light, light.sun * sun + light.lamps * lamps, seed)

@@ -13,12 +13,12 @@ from lta_analysis.fleet import flight
 from lta_analysis.fleet.targets import CPU, Rhythm, SCRATCH, STEP, Target
 from lta_analysis.fleet.text import assembled, counts, heard_by, LIGHT, surrounded
 from lta_analysis.mission import aloft
-from lta_control.flat import Layout, PREFIX
 from lta_control.onboard import onboard_step
 from lta_sim import counted_sensors
 from lta_sim.compose import ENTRY
 from lta_sim.effects import initial_memory
 from lta_sim.extract import Extract
+from lta_sim.flat import Layout, PREFIX
 from lta_sim.kernel import LAYOUT
 from lta_sim.layout import tuple_of
 from lta_sim.light import heard
@@ -39,12 +39,12 @@ CORES: tuple[Callable[..., Any], ...] = (
     flight.heard,
     flight.irradiance_on_hull,
     flight.sense,
+    flight.shone,
     flight.true_force,
     aloft.counted,
     aloft.elsewhere,
-    aloft.facing,
+    aloft.strength_of,
     aloft.judged,
-    aloft.lit_panel,
     aloft.nowhere,
     aloft.paid,
     aloft.reckoned_of,
@@ -66,14 +66,14 @@ def fly(fixed, c, g, m, s, seed, scratch, lights, echoes):
     state = $state
     errors = core_draw_errors(craft.sensors, seed)
     onboard, homing, asked, told, fresh, phase, middle, reckoned, distance = memory[0:9]
-    cell, flow, harvest, charge, step, ticks, begun, path, lowest, outcome = memory[9:19]
+    supply, irradiance, charge, step, ticks, begun, path, lowest, outcome = memory[9:18]
     if step == 0:
         distance = core_range_reading(craft.sensors, errors, seed, 0, state)
     noise, warmth = (0.0, 0.0, 0.0), 0.0
     command, gathered = core_command_of(craft, onboard.duties), core_nowhere()
     while outcome == 0:
 $before
-        surroundings = craft.wind + noise + (warmth, cell.voltage, 0.0, 0.0, 0.0)
+        surroundings = craft.wind + noise + (warmth, supply.flow.voltage, 0.0, 0.0, 0.0)
         force = core_true_force(craft, state, rates(state, fixed, command, surroundings))
         rates_now = (state[10], state[11], state[12])
         heard = core_sense(
@@ -98,7 +98,7 @@ $heard
             lamp = light_fit(craft.array, craft.expected, amplitudes, $errors, scratch)
             found = lamp.found and core_heard($snrs, craft.listening.threshold)
             listening = craft.listening
-            strength = core_facing(listening.cosines, listening.sines, amplitudes)
+            strength = core_strength_of(listening.cosines, listening.sines, amplitudes)
             sight = homing_seen(lamp, found, strength, reckoned, $light * $period)
             wish, phase, homing = homing_led(
                 craft.mission, leg.kind, phase, homing, sight, onboard.estimate.ready,
@@ -123,19 +123,20 @@ $heard
                     craft.sensors, errors, seed, ticks // $ranges, state
                 )
         if step % $light == 0:
-            harvest = core_lit_panel(craft, state)
+            irradiance = core_shone(craft, state)
         thrusts = thrusts_of(state, fixed, command, surroundings)
-        cell, flow = core_paid(craft, leg, cell, flow, harvest, thrusts, $period)
-        charge = core_counted(craft, leg, charge, cell.current, $period)
-        lowest = min(lowest, cell.voltage)
+        supply = core_paid(craft, leg, supply, irradiance, thrusts, $period)
+        charge = core_counted(craft, leg, charge, supply.flow.current, $period)
+        lowest = min(lowest, supply.flow.voltage)
         step += 1
         path += math.hypot(state[0] - x, state[1] - y)
         outcome = core_judged(
-            craft, leg, state, onboard, homing, phase, cell, charge, (step - begun) * $period
+            craft, leg, state, onboard, homing, phase, supply.flow.fed, charge,
+            (step - begun) * $period,
         )
     after = core_Aloft(
-        onboard, homing, asked, told, fresh, phase, middle, reckoned, distance, cell, flow,
-        harvest, charge, step, ticks, begun, path, lowest, outcome,
+        onboard, homing, asked, told, fresh, phase, middle, reckoned, distance, supply,
+        irradiance, charge, step, ticks, begun, path, lowest, outcome,
     )
 $kept
     for k in range(len(state)):

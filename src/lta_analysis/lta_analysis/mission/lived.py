@@ -6,6 +6,7 @@ from lta_analysis.mission.flyer import Flyer
 from lta_analysis.mission.scene import Scenes
 from lta_config.light_day_file import LightDay
 from lta_config.mission_file import MissionFile
+from lta_energy.harvest import Harvest
 from lta_energy.light_of_days import light_of, LightOfDays
 from lta_energy.mission import Diary, Life, Upkeep
 from lta_energy.schedule import by_light, fixed, Schedule
@@ -27,9 +28,9 @@ def upkeep_of(mission: MissionFile, scenes: Scenes, seed: int) -> Upkeep:
     meter = draw(PowerMeterSettings(), np.random.default_rng(np.random.SeedSequence([seed, 219])))
     begin, end = mission.work.vector
     return Upkeep(
-        vehicle.battery, vehicle.panel, vehicle.loads.idle, mission.asleep.si, (begin, end),
-        mission.reserve.si, mission.charge.si, mission.fetched.si, meter.current_gain,
-        meter.current_offset,
+        vehicle.battery, vehicle.charger, Harvest(vehicle.panel), vehicle.loads.idle,
+        mission.asleep.si, (begin, end), mission.reserve.si, mission.charge.si,
+        mission.fetched.si, meter.current_gain, meter.current_offset,
     )  # fmt: skip
 
 

@@ -20,6 +20,7 @@ from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import Tile
 from lta_analysis.report.pieces import section, tile_html
 from lta_bridge.provenance import commit
+from lta_energy.harvest import Harvest
 
 DAY: Final = (
     'Above: light on the level panel, a beacon that flickers by its mean. Below: what the cell '
@@ -140,7 +141,7 @@ def tables(order: Order, lives: Sequence[Told]) -> list[Table]:
     """Return all tables of the page."""
     vehicle, first = order.scenes.vehicle, main(lives)
     power = first.figures.in_flight or paper.NAVIGATE
-    ratios = paper.ratios(vehicle.panel, vehicle.loads.idle, power)
+    ratios = paper.ratios(Harvest(vehicle.panel), vehicle.charger, vehicle.loads.idle, power)
     return [schedules(order, lives), paper.table(ratios)]
 
 

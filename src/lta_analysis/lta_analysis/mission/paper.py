@@ -9,9 +9,9 @@ against a power P implies a net charging power of P / r.
 from typing import Final, NamedTuple
 
 from lta_analysis.energy.tables import Table
-from lta_energy.harvest import harvest
+from lta_energy.harvest import Harvest
 from lta_energy.light_of_days import DARK
-from lta_energy.panel import Panel
+from lta_energy.power_path import Charger, output
 
 LUX: Final = 80e3
 LED, SUN = 300.0, 110.0  # lm/W
@@ -36,14 +36,14 @@ class Ratio(NamedTuple):
     minutes: float
 
 
-def ratios(panel: Panel, idle: float, flight: float) -> list[Ratio]:
+def ratios(harvest: Harvest, charger: Charger, idle: float, flight: float) -> list[Ratio]:
     """
     Return the paper's ratios and those of a panel under 80 klx of three kinds.
 
     Parameters
     ----------
-    panel : Panel
-        The panel.
+    harvest, charger : Harvest, Charger
+        The array and what comes behind it.
     idle : float
         Drawn on the perch. [W]
     flight : float
@@ -61,7 +61,7 @@ def ratios(panel: Panel, idle: float, flight: float) -> list[Ratio]:
         Ratio('paper: 18 minutes an hour', NAVIGATE * 0.3, HOUR / 18.0, 18.0),
     ]
     for name, light in lights.items():
-        net = harvest(panel, light) - idle
+        net = output(charger, harvest(light)) - idle
         found.append(Ratio(name, net, flight / net, HOUR * net / flight))
     return found
 

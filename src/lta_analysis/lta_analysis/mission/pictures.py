@@ -141,7 +141,7 @@ def books_picture(lives: Sequence[Told]) -> Figure:
 
 def flights_of(life: Told) -> float:
     """Return what the flights of a mission consumed. [J]"""
-    return sum(each.flow.consumed for each in life.diary.flights)
+    return sum(each.spent.consumed for each in life.diary.flights)
 
 
 def timed(figure: Figure, light: LightOfDays, rows: int = 1) -> Figure:

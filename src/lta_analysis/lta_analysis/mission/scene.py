@@ -16,9 +16,9 @@ from lta_config.errors import BadInput, unknown
 from lta_config.mission_file import MissionFile, Payload
 from lta_config.topics import topic_table
 from lta_control.cascade import CascadeGains
-from lta_control.flat import bare
 from lta_control.strategies.bearing_angle import STRATEGY as BAG
 from lta_energy.light_of_days import Light
+from lta_sim.flat import bare
 from lta_sim.hull import half_axes
 from lta_sim.light.field import LightField
 from lta_sim.light.heard import Listening, listening_of
