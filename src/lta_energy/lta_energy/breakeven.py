@@ -27,7 +27,7 @@ class Lamp(NamedTuple):
 
 LAMPS: Final[Mapping[str, Lamp]] = {
     'white LED': Lamp(300.0, 1.0),
-    'beacon, white LED at 50 %': Lamp(300.0, 0.5),
+    'flickering LED': Lamp(300.0, 0.5),
     'sun': Lamp(110.0, 1.0),
 }
 
