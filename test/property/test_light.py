@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from lta_sim.light.ambient import Ambient
 from lta_sim.light.field import Illuminance, LightField
 from lta_sim.light.lamp import direct, Lamp
-from lta_sim.sensors.light_block import synthesise
+from lta_sim.sensors.light_block import Board
 from lta_sim.sensors.photodiode import PhotodiodeArray
 from lta_vlc.array import bearing
 from lta_vlc.demodulation import demodulate, Demodulation, Peaks, plan_bins
@@ -79,7 +79,7 @@ def test_turning_lamp_and_drone_together_leaves_the_counts(yaw, distance):
         place = RING.place(np.array([[0.0, 0.0, 1.3]]), about.as_matrix()[None])
         even = np.ones((1, 8))
         light = Illuminance(direct(lamp, *place)[None], 100.0 * even, 10.0 * even)
-        block, _ = synthesise(RING, field, light, 10**18, 1e4, 1000, np.random.default_rng(3))
+        block, _ = Board(RING, field, 1e4, 1000).block(light, 10**18, np.random.default_rng(3))
         blocks.append(block.astype(int))
     # Rounding may tip a sample that stands between two counts, never more.
     assert np.abs(blocks[1] - blocks[0]).max() <= 1

@@ -71,6 +71,7 @@ ENERGY: Final = Group(
     'What flights cost and panels bring, beside the paper and a multirotor.',
     {
         'budget': Verb('energy_budget', 'budget'),
+        'hover': Verb('energy_hover', 'hover'),
         'mounting': Verb('energy_mounting', 'mounting'),
         'breakeven': Verb('energy_breakeven', 'breakeven'),
     },

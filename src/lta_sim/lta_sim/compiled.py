@@ -10,6 +10,7 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any
 
+from lta_sim.compose import ENTRY, INLINE
 from lta_sim.extract import Extract
 from lta_sim.kernel_cache import load
 
@@ -22,7 +23,6 @@ from numba import njit
 
 
 '''
-DECORATOR = "@njit(error_model='numpy', fastmath=False, cache=True)"
 
 
 @cache
@@ -45,5 +45,5 @@ def compiled(*functions: Callable[..., Any]) -> tuple[Callable[..., Any], ...]:
     names = [
         extract.add(function, function.__module__.rsplit('.', 1)[-1]) for function in functions
     ]
-    module = load(HEAD + extract.text(DECORATOR) + '\n')
+    module = load(HEAD + extract.text(INLINE, ENTRY, names) + '\n')
     return tuple(getattr(module, name) for name in names)

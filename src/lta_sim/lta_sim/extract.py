@@ -7,7 +7,7 @@ function nor of anything that it calls, in whichever file, can leave old physics
 
 import ast
 import builtins
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 import copy
 from functools import cache
 import inspect
@@ -131,9 +131,11 @@ class Extract:
             text in piece for own, piece in self._pieces.items() if own.startswith(f'{prefix}_')
         )
 
-    def text(self, decorator: str) -> str:
-        """Return all pieces, the functions under `decorator`."""
+    def text(self, decorator: str, entry: str = '', entries: Collection[str] = ()) -> str:
+        """Return all pieces, the functions under `decorator`, some under `entry` instead."""
         return '\n\n\n'.join(
-            f'{decorator}\n{piece}' if piece.startswith('def ') else piece
-            for piece in self._pieces.values()
+            f'{entry if own in entries else decorator}\n{piece}'
+            if piece.startswith('def ')
+            else piece
+            for own, piece in self._pieces.items()
         )

@@ -1,7 +1,8 @@
-"""Light on small planes with a room's whole echo the same everywhere: simple scenes for tests."""
+"""Simple light for tests: a room's whole echo the same everywhere, and blocks of given light."""
 
 from lta_sim.light.field import Illuminance
 from lta_sim.light.lamp import direct
+from lta_sim.sensors.light_block import Board
 import numpy as np
 
 
@@ -12,3 +13,8 @@ def illuminance(field, points, normals):
     modulated = np.stack([direct(lamp, points, normals) + more for lamp, more in lamps])
     even = np.ones(modulated.shape[1:])
     return Illuminance(modulated, field.ambient.steady * even, field.ambient.mains * even)
+
+
+def synthesise(array, field, light, start, sample_rate, samples, generator, state=None):
+    """Return one block of a board that is made for it, and the state after it."""
+    return Board(array, field, sample_rate, samples).block(light, start, generator, state)

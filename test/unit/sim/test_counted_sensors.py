@@ -8,8 +8,8 @@ from lta_config.topics import topic_table
 from lta_sim import counted_sensors as counted
 from lta_sim.counted_chance import normals
 from lta_sim.hull import half_axes
-from lta_sim.light.gather import LAMPS, SHARE
 from lta_sim.light.heard import listening_of, magnitude, on_ring
+from lta_sim.light.pencils import LAMPS, scratch_for, SHARE
 from lta_sim.light.view import LightView
 from lta_sim.scenario import load_scenario
 from lta_sim.sensors import imu, pressure, range
@@ -125,7 +125,7 @@ def test_a_batch_reads_the_light_of_a_view():
     scene, pose = load_scenario('lamp_room'), (1.0, 0.5, 0.5, 0.02, -0.03, 0.6, 0.8)
     listening = listening_of(scene.light_field, VEHICLE.diodes, HULL, Demodulation(), 1e4, 1000)
     own = np.empty((LAMPS + 1, len(DIODES)))
-    on_ring(listening, pose[:3], pose[3:], own)
+    on_ring(listening, pose[:3], pose[3:], own, np.empty(scratch_for(1)))
     told = readings(LightView(scene.light_field, VEHICLE), pose)
     np.testing.assert_allclose(own[[SHARE, LAMPS]], told[[SHARE, LAMPS]], rtol=1e-12)
 

@@ -1,5 +1,6 @@
 """Reflections, shade, daylight and a door against sums over patches and rays, and by hand."""
 
+from dataclasses import replace
 import math
 
 from hypothesis import given, settings
@@ -10,10 +11,22 @@ from lta_sim.light.ambient import Ambient
 from lta_sim.light.daylight import Daylight
 from lta_sim.light.echo import beams, echoing, on_faces, surrounding
 from lta_sim.light.field import LightField
-from lta_sim.light.gather import DAY, gather, LAMPS, on_the_way, SHARE
+from lta_sim.light.gather import gather
 from lta_sim.light.lambertian import beam, Eye
 from lta_sim.light.lamp import direct, Lamp
 from lta_sim.light.outside import Outside
+from lta_sim.light.passage import on_the_way
+from lta_sim.light.pencils import (
+    BROUGHT,
+    brought,
+    DAY,
+    LAMPS,
+    RINGS,
+    ROUND,
+    scratch_for,
+    SHARE,
+    turned,
+)
 from lta_sim.light.room import Albedo, even, Room
 from lta_sim.light.shade import visible
 from lta_sim.light.surround import clear, day_on, hit, surround_of
@@ -39,7 +52,8 @@ GATHER, ON_THE_WAY, ON_FACES = (compiled(f)[0] for f in (gather, on_the_way, on_
 
 def gathered(field, position, q=(0.0, 0.0, 0.0, 1.0), eye=EYE, hull=HULL, ring=RING):
     out = np.empty((LAMPS + len(field.lamps), ring.count))
-    GATHER(surrounding(field), beams(field), eye, hull, position, q, ring.planes, out)
+    scratch = np.empty(scratch_for(len(field.lamps)))
+    GATHER(surrounding(field), beams(field), eye, hull, position, q, ring.planes, out, scratch)
     return out
 
 
@@ -113,6 +127,26 @@ def test_echo_by_place_is_the_sum_over_patches(hull):
         expected = first_echo(ROOM, place, turn.as_matrix(), EYE, hull)
         assert own.mean() == pytest.approx(expected.mean(), rel=0.03)
         assert np.abs(own - expected).max() < 0.06 * expected.mean()
+
+
+@pytest.mark.parametrize('order', [1.0, 1.7])
+@pytest.mark.parametrize('place', [(3.5, 0.0, 1.0), (-5.0, 1.0, 2.0), (0.0, 0.0, 3.0)])
+def test_several_pencils_at_once_bring_what_each_does_alone(order, place):
+    """A room with a door that nothing fits through is looked at ray by ray."""
+    lamp = beam(replace(LAMP, position=place, axis=(-0.3, 0.5, -0.8), order=order))
+    closed = surround_of(ROOM, None, None)
+    for point in ((0.0, 0.0, 1.0), (-4.9, 3.9, 0.01), (7.0, 0.0, 1.0)):
+        told = []
+        for s in (closed, closed._replace(top=1e-9)):
+            scratch = np.zeros(scratch_for(1))
+            turned(scratch)
+            rows = []
+            for ring in RINGS:
+                brought(s, (lamp,), point, ring, scratch)
+                rows.append(scratch[BROUGHT + ROUND * LAMPS :].copy())
+            told.append(np.array(rows))
+        assert told[0].any() == (point[0] < 5.0)
+        np.testing.assert_allclose(told[0], told[1], rtol=1e-9, atol=1e-12)
 
 
 def test_light_from_all_sides_by_quadrature():
@@ -303,11 +337,14 @@ def test_daylight_comes_in_through_the_door():
 def test_a_lamp_beyond_the_door_is_seen_through_it():
     lamp = Lamp((9.0, 1.0, 1.0), (-1.0, 0.0, 0.0), 10_000.0, SquareWave(150.0), LED)
     field = LightField((lamp,), DARK, ROOM, None, OUTSIDE)
-    lit = np.zeros((2, LAMPS + 1, 8))
+    none, lit = np.zeros((LAMPS + 1, 8)), np.empty((1, 2, 8))
     flight = np.array([[0.0, 1.0, 1.3, 0, 0, 0, 1], [0.0, -3.0, 1.3, 0, 0, 0, 1]], dtype=float)
-    ON_THE_WAY(surrounding(field), beams(field), EYE, NO_HULL, flight, RING.planes, lit)
-    assert lit[0, LAMPS, 0] == pytest.approx(10_000.0 / math.pi / 8.93**2, rel=0.01)
-    assert not lit[1].any()
+    ON_THE_WAY(
+        surrounding(field), beams(field), EYE, NO_HULL, flight, RING.planes, none, none,
+        (0.0, 0.0, 0.0), lit, np.empty((2, 8)), np.empty((2, 8)),
+    )  # fmt: skip
+    assert lit[0, 0, 0] == pytest.approx(10_000.0 / math.pi / 8.93**2, rel=0.01)
+    assert not lit[0, 1].any()
     first = echoing(lamp, field).diffuse * ROOM.area * (1.0 - ROOM.mean_albedo)
     # A door of 2 by 2.2 m at 4 m lets 2 x 2.2 / 16 / pi of the light in, less at its edges.
     assert 0.5 * 0.05 * 10_000.0 * 0.5 < first < 0.0875 * 10_000.0 * 0.7

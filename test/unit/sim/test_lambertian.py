@@ -6,9 +6,10 @@ from lta_sim.compiled import compiled
 from lta_sim.light.ambient import Ambient
 from lta_sim.light.echo import beams, surrounding
 from lta_sim.light.field import LightField
-from lta_sim.light.gather import LAMPS, on_the_way
 from lta_sim.light.lambertian import beam, Eye, lit
 from lta_sim.light.lamp import direct, Lamp
+from lta_sim.light.passage import on_the_way
+from lta_sim.light.pencils import DAY, LAMPS, SHARE
 from lta_sim.light.room import even, Room
 from lta_sim.rigid_body import rotation
 from lta_sim.sensors.light_block import count
@@ -51,12 +52,18 @@ def test_a_ring_is_lit_as_by_the_arrays():
     turns = np.array([rotation(tuple(pose[3:])) for pose in flight]).reshape(-1, 3, 3)
     place = RING.place(flight[:, :3], turns)
     for function in (on_the_way, compiled(on_the_way)[0]):
-        out = np.zeros((11, LAMPS + 2, 8))
-        lamps, hull = beams(field), (0.0, 0.0, 0.0)
-        function(surrounding(field), lamps, Eye(1.0, 0.0), hull, flight, RING.planes, out)
-        for k, lamp in enumerate(field.lamps):
-            np.testing.assert_allclose(out[:, LAMPS + k], direct(lamp, *place), rtol=1e-12)
-        assert not out[:, :LAMPS].any()
+        before, later, lit = np.zeros((4, 8)), np.zeros((4, 8)), np.empty((2, 11, 8))
+        later[SHARE], later[DAY], later[LAMPS] = 0.5, 30.0, 4.0
+        steady, mains = np.empty((11, 8)), np.empty((11, 8))
+        function(
+            surrounding(field), beams(field), Eye(1.0, 0.0), (0.0, 0.0, 0.0), flight, RING.planes,
+            before, later, (100.0, 20.0, 2.0), lit, steady, mains,
+        )  # fmt: skip
+        part = np.linspace(0.0, 1.0, 11)[:, None]  # what is gathered changes evenly on the way
+        np.testing.assert_allclose(lit[0], direct(LAMP, *place) + 4.0 * part, rtol=1e-12)
+        np.testing.assert_allclose(lit[1], direct(OTHER, *place), rtol=1e-12)
+        np.testing.assert_allclose(steady, np.broadcast_to(110.0 * part, (11, 8)), rtol=1e-12)
+        np.testing.assert_allclose(mains, np.broadcast_to(10.0 * part, (11, 8)), rtol=1e-12)
 
 
 def test_compiled_counts_are_those_of_plain_python():
@@ -70,7 +77,7 @@ def test_compiled_counts_are_those_of_plain_python():
     for function in (count, compiled(count)[0]):
         chance = np.random.default_rng(8).standard_normal((200, 8))
         volts, block = np.full(8, 0.3), np.empty((200, 8), dtype=np.uint16)
-        function(*light, wave, flicker, chance, numbers, volts, block)
+        function(*light, wave, flicker, chance, numbers, volts, block, np.empty((2, 8)))
         told.append((volts.tobytes(), block.tobytes()))
         assert block.min() < 400
         assert block.max() > 1000
@@ -83,5 +90,6 @@ def test_counts_round_to_the_nearest():
     volts = np.array([[2.5, 3.5, 2.51, 14.6, -3.0, 99.0]])
     zero, block = np.zeros_like(volts), np.empty((1, 6), dtype=np.uint16)
     wave, flicker, chance = np.zeros((1, 2)), np.zeros(1), np.zeros((1, 6))
-    count(zero[None], volts, zero, wave, flicker, chance, numbers, zero[0], block)
+    scratch = np.empty((2, 6))
+    count(zero[None], volts, zero, wave, flicker, chance, numbers, zero[0], block, scratch)
     assert block.tolist() == [[2, 4, 3, 15, 0, 15]]

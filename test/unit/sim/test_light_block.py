@@ -6,7 +6,6 @@ from lta_sim.light.ambient import Ambient
 from lta_sim.light.field import Illuminance, LightField
 from lta_sim.light.lamp import Lamp
 from lta_sim.light.room import even, Room
-from lta_sim.sensors.light_block import synthesise
 from lta_sim.sensors.photodiode import noise_volts, PhotodiodeArray
 from lta_vlc.array import bearing
 from lta_vlc.demodulation import demodulate, Demodulation, plan_bins
@@ -16,7 +15,7 @@ import numpy as np
 import pytest
 
 from ..vlc.square_mean import mean_on  # noqa: TID252 - `test` is Python's own
-from .even_light import illuminance
+from .even_light import illuminance, synthesise
 
 START = 1_763_000_000_000_000_000
 STEP = 3.3 / 4096

@@ -10,12 +10,12 @@ from lta_sim.light.field import Illuminance, LightField
 from lta_sim.light.flicker import lamp_wave, mains_wave, Sampling
 from lta_sim.light.lambertian import beam, Eye, seen, shine
 from lta_sim.light.lamp import Lamp, order_of
-from lta_sim.sensors.light_block import synthesise
 from lta_sim.sensors.photodiode import PhotodiodeArray
 from lta_vlc.modulation import SquareWave
 import numpy as np
 import pytest
 
+from .even_light import synthesise
 from .lamp_room import build, fly
 
 LED = 300.0

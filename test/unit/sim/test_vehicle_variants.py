@@ -131,6 +131,8 @@ def weighed(**more):
     """Return GT-MAB as weighed: 400 g, 10 cm below the hull centre."""
     return [
         ('layers', {}),
+        ('energy.array.part', None),
+        ('sensors.panel_position', given([0, 0, 30.2], 'cm')),
         (
             'measured',
             {

@@ -4,7 +4,7 @@ import itertools
 import math
 
 from lta_sim import kernel
-from lta_sim.sensors.light_block import synthesise
+from lta_sim.sensors.light_block import Board
 import numpy as np
 import pytest
 
@@ -140,15 +140,15 @@ def test_the_lamp_is_in_the_light(rested):
 
 
 def test_amplifiers_and_poses_go_on_from_block_to_block(monkeypatch):
-    calls = []
+    world = build(seed=5)
+    calls, own = [], Board.block
 
-    def spy(array, field, light, *rest):
-        block, after = synthesise(array, field, light, *rest)
-        calls.append((light.modulated, rest[-1], after))
+    def spy(board, light, start, generator, state):
+        block, after = own(board, light, start, generator, state)
+        calls.append((light.modulated, state, after))
         return block, after
 
-    world = build(seed=5)
-    monkeypatch.setattr('lta_sim.light.view.synthesise', spy)
+    monkeypatch.setattr(Board, 'block', spy)
     fly(world, 41, (0.3, 0.3, 0.5, 0.2))
     assert len(calls) == 4
     assert calls[0][1] is None

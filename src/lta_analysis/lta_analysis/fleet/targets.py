@@ -5,11 +5,12 @@ from typing import final
 
 from lta_control import allocation
 from lta_sim.compose import ENTRY, INLINE
-from lta_sim.light.gather import LAMPS
+from lta_sim.light.pencils import LAMPS, scratch_for
 from lta_vlc.readings import FIT_SCRATCH
 
 STEP = 2.5e-3  # s, of integration, as in `lta_sim.world`
 SCRATCH = max(allocation.SCRATCH, FIT_SCRATCH)  # used one after the other
+PENCILS = scratch_for(1)
 
 
 @final
@@ -41,8 +42,9 @@ CPU = Target(
 def fly_some(fixed, constants, seeds, out):
     """Fly some vehicles, a row each."""
     scratch, lights = np.empty({SCRATCH}), np.empty(({LAMPS + 1}, $diodes))
+    pencils = np.empty({PENCILS})
     for i in range(seeds.shape[0]):
-        fly(fixed[i], constants[i], seeds[i], scratch, lights, out[i])
+        fly(fixed[i], constants[i], seeds[i], scratch, lights, pencils, out[i])
 ''',
 )
 GPU = Target(
@@ -56,6 +58,7 @@ def fly_some(fixed, constants, seeds, out):
     if i < seeds.shape[0]:
         scratch = cuda.local.array({SCRATCH}, float64)
         lights = cuda.local.array(({LAMPS + 1}, $diodes), float64)
-        fly(fixed[i], constants[i], seeds[i], scratch, lights, out[i])
+        pencils = cuda.local.array({PENCILS}, float64)
+        fly(fixed[i], constants[i], seeds[i], scratch, lights, pencils, out[i])
 ''',
 )

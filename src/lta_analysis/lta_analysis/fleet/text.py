@@ -106,7 +106,7 @@ $heard
 
 FLY = Template('''
 $INLINE
-def fly(fixed, c, seed, scratch, lights, out):
+def fly(fixed, c, seed, scratch, lights, pencils, out):
     """Fly one vehicle to the end of its flight."""
     nan = math.nan
     craft = $craft
@@ -222,7 +222,7 @@ def heard_by(diodes: int) -> dict[str, str]:
         f'a_{k}, s_{k} = core_magnitude(craft.listening, {k}, lights, seed, step)'
         for k in range(diodes)
     ]
-    lines.insert(0, 'core_on_ring(craft.listening, position, q, lights)')
+    lines.insert(0, 'core_on_ring(craft.listening, position, q, lights, pencils)')
     return {
         'heard': indented(lines, 3),
         'amplitudes': tuple_of(f'a_{k}' for k in range(diodes)),

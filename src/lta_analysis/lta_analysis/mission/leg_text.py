@@ -10,7 +10,7 @@ from string import Template
 from typing import Any
 
 from lta_analysis.fleet import flight
-from lta_analysis.fleet.targets import CPU, Rhythm, SCRATCH, STEP, Target
+from lta_analysis.fleet.targets import CPU, PENCILS, Rhythm, SCRATCH, STEP, Target
 from lta_analysis.fleet.text import assembled, counts, heard_by, LIGHT, surrounded
 from lta_analysis.mission import aloft
 from lta_control.onboard import onboard_step
@@ -22,7 +22,7 @@ from lta_sim.flat import Layout, PREFIX
 from lta_sim.kernel import LAYOUT
 from lta_sim.layout import tuple_of
 from lta_sim.light import heard
-from lta_sim.light.gather import LAMPS
+from lta_sim.light.pencils import LAMPS
 from lta_sim.state import RIGID
 from lta_vlc.fit import fit
 
@@ -58,7 +58,7 @@ OWN: dict[str, tuple[Callable[..., Any], ...]] = {
 
 LEG = Template('''
 $INLINE
-def fly(fixed, c, g, m, s, seed, scratch, lights, echoes):
+def fly(fixed, c, g, m, s, seed, scratch, lights, echoes, pencils):
     """Fly one leg; what is remembered stands in m, the state of the model in s."""
     craft = $craft
     leg = $leg
@@ -90,7 +90,7 @@ $before
             position, q = middle[0:3], middle[3:7]
             if core_elsewhere(middle, gathered):
                 gathered = middle
-                hearing_echoes(craft.listening, position, q, echoes)
+                hearing_echoes(craft.listening, position, q, echoes, pencils)
             lights[:] = echoes
             hearing_direct(craft.listening, position, q, lights)
 $heard
@@ -151,7 +151,8 @@ ON_CPU = Target(
 def fly_leg(fixed, c, g, m, s, seed):
     """Fly one leg and write what is remembered over what was."""
     scratch, lights = np.empty({SCRATCH}), np.empty(({LAMPS + 1}, $diodes))
-    fly(fixed, c, g, m, s, seed, scratch, lights, np.empty_like(lights))
+    echoes, pencils = np.empty_like(lights), np.empty({PENCILS})
+    fly(fixed, c, g, m, s, seed, scratch, lights, echoes, pencils)
 ''',
 )
 

@@ -9,9 +9,9 @@ from functools import lru_cache
 
 from lta_sim.compiled import compiled
 from lta_sim.light.field import LightField
-from lta_sim.light.gather import thrown_back
 from lta_sim.light.lambertian import Beam, beam
 from lta_sim.light.lamp import Lamp
+from lta_sim.light.pencils import thrown_back
 from lta_sim.light.surround import Hit, in_door, Surround, surround_of
 import numpy as np
 from numpy.typing import NDArray

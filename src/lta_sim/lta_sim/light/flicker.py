@@ -15,8 +15,9 @@ import math
 from typing import final
 
 from lta_sim.light.ambient import Ambient
+from lta_sim.light.clock import RIGHT
 from lta_sim.light.lamp import Lamp
-from lta_vlc.modulation import cycles, NANOSECONDS, SquareWave
+from lta_vlc.modulation import cycles, NANOSECONDS
 import numpy as np
 from numpy.typing import NDArray
 
@@ -72,52 +73,93 @@ def lamp_wave(
 
     """
     wave = lamp.clock.around(lamp.wave, start)
-    if shaken is None:
-        begin = _turn(start, wave.frequency)
-        return _kept_wave(wave, lamp.rise, begin, sampling, time_constant)
     times = start + sampling.offsets()
-    times[1:] += np.rint(shaken * NANOSECONDS).astype(np.int64)
-    return _wave(wave, lamp.rise, times, time_constant)
-
-
-def mains_wave(ambient: Ambient, start: int, sampling: Sampling) -> Array:
-    """Return the mains' flicker at the samples of a block, the fundamental's amplitude being 1."""
-    return _kept_flicker(ambient, _turn(start, ambient.mains_frequency), sampling)
-
-
-def _wave(wave: SquareWave, rise: float, times: NDArray[np.int64], time_constant: float) -> Array:
-    """Return the wave of a lamp with a rise time behind a pole."""
+    if shaken is not None:
+        times[1:] += np.rint(shaken * NANOSECONDS).astype(np.int64)
     behind = wave.lagged(times, time_constant)
-    if not rise:
+    if not lamp.rise:
         return behind
-    own = rise / TEN_TO_NINETY
+    own = lamp.rise / TEN_TO_NINETY
     if abs(own / time_constant - 1.0) < APART:
         own = time_constant * (1.0 + APART)
     return (own * wave.lagged(times, own) - time_constant * behind) / (own - time_constant)
 
 
-def _turn(start: int, frequency: float) -> int:
-    """Return the first time from zero on with the phase of `start`: all a wave sees of it. [ns]"""
-    top, bottom = frequency.as_integer_ratio()
-    bottom *= NANOSECONDS
-    return start % (bottom // math.gcd(top, bottom))
-
-
-@lru_cache(maxsize=64)
-def _kept_wave(
-    wave: SquareWave, rise: float, start: int, sampling: Sampling, time_constant: float
-) -> Array:
-    values = _wave(wave, rise, start + sampling.offsets(), time_constant)
-    values.setflags(write=False)
-    return values
-
-
-@lru_cache(maxsize=64)
-def _kept_flicker(ambient: Ambient, start: int, sampling: Sampling) -> Array:
+def mains_wave(ambient: Ambient, start: int, sampling: Sampling) -> Array:
+    """Return the mains' flicker at the samples of a block, the fundamental's amplitude being 1."""
     times = start + sampling.offsets()[1:]
     turn = 2.0 * math.pi * cycles(times, ambient.mains_frequency, ambient.mains_phase)
     values: Array = np.sin(turn)
     for k, part in enumerate(ambient.mains_harmonics):
         values = values + part * np.sin((k + 2) * turn)
-    values.setflags(write=False)
     return values
+
+
+def repeats(frequency: float) -> int:
+    """Return after how many whole nanoseconds a wave looks the same again. [ns]"""
+    top, bottom = frequency.as_integer_ratio()
+    bottom *= NANOSECONDS
+    return bottom // math.gcd(top, bottom)
+
+
+@final
+class Waves:
+    """
+    The waves of all lamps and of the mains, block by block.
+
+    Parameters
+    ----------
+    lamps : tuple of Lamp
+        The lamps.
+    ambient : Ambient
+        The mains.
+    sampling : Sampling
+        The samples of a block.
+    time_constant : float
+        Of the amplifier. [s]
+
+    """
+
+    def __init__(
+        self,
+        lamps: tuple[Lamp, ...],
+        ambient: Ambient,
+        sampling: Sampling,
+        time_constant: float,
+    ) -> None:
+        self._lamps, self._ambient = lamps, ambient
+        self._sampling, self._time_constant = sampling, time_constant
+        frequencies = *(lamp.wave.frequency for lamp in lamps), ambient.mains_frequency
+        self._turns = tuple(map(repeats, frequencies))
+        self._steady = all(lamp.clock == RIGHT for lamp in lamps)
+        self._kept = lru_cache(maxsize=64)(self._made)
+
+    def at(self, start: int, shaken: Array | None = None) -> tuple[Array, Array]:
+        """
+        Return the waves of a block.
+
+        Parameters
+        ----------
+        start : int
+            Time of the first sample. [ns]
+        shaken : ndarray of float64, shape (n,), optional
+            By how much each sample is late. [s]
+
+        Returns
+        -------
+        lamps : ndarray of float64, shape (l, n + 1)
+            See `lamp_wave`.
+        mains : ndarray of float64, shape (n,)
+            See `mains_wave`.
+
+        """
+        if shaken is None and self._steady:
+            return self._kept(tuple(start % turn for turn in self._turns))
+        return self._made((start,) * len(self._turns), shaken)
+
+    def _made(self, starts: tuple[int, ...], shaken: Array | None = None) -> tuple[Array, Array]:
+        """Return the waves from a start each."""
+        sampling, behind = self._sampling, self._time_constant
+        lamps = zip(self._lamps, starts[:-1], strict=True)
+        waves = [lamp_wave(lamp, start, sampling, behind, shaken) for lamp, start in lamps]
+        return np.stack(waves), mains_wave(self._ambient, starts[-1], sampling)

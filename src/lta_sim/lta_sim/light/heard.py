@@ -25,8 +25,10 @@ from lta_sim.counted_sensors import GAINS, LIGHT
 from lta_sim.light.echo import echoing, surrounding
 from lta_sim.light.field import LightField
 from lta_sim.light.flicker import lamp_wave, mains_wave, Sampling
-from lta_sim.light.gather import DAY, gather, LAMPS, on_diodes, SHARE
+from lta_sim.light.gather import gather
 from lta_sim.light.lambertian import Beam, Eye
+from lta_sim.light.passage import on_diodes
+from lta_sim.light.pencils import DAY, LAMPS, SHARE
 from lta_sim.light.surround import Surround
 from lta_sim.sensors.photodiode import noise_terms, PhotodiodeArray, sensitivity
 from lta_vlc.demodulation import Demodulation, find_peaks, plan_bins
@@ -169,7 +171,9 @@ def listening_of(
     )
 
 
-def on_ring(listening: Listening, position: Vector, q: Quaternion, out: Array) -> None:
+def on_ring(
+    listening: Listening, position: Vector, q: Quaternion, out: Array, scratch: Array
+) -> None:
     """
     Write what the diodes read at a pose, in the rows of `gather`.
 
@@ -181,16 +185,20 @@ def on_ring(listening: Listening, position: Vector, q: Quaternion, out: Array) -
         Of the hull at the middle of the block. [m, map]
     out : ndarray, shape (LAMPS + 1, d)
         Shares and lux.
+    scratch : sequence of float
+        `scratch_for(1)` numbers to write on.
 
     """
-    echoes(listening, position, q, out)
+    echoes(listening, position, q, out, scratch)
     direct(listening, position, q, out)
 
 
-def echoes(listening: Listening, position: Vector, q: Quaternion, out: Array) -> None:
+def echoes(
+    listening: Listening, position: Vector, q: Quaternion, out: Array, scratch: Array
+) -> None:
     """Write what the diodes read of all but the lamp's direct light; arguments as `on_ring`."""
     lamps, eye, hull = (listening.lamp,), listening.eye, listening.hull
-    gather(listening.around, lamps, eye, hull, position, q, listening.planes, out)
+    gather(listening.around, lamps, eye, hull, position, q, listening.planes, out, scratch)
 
 
 def direct(listening: Listening, position: Vector, q: Quaternion, out: Array) -> None:

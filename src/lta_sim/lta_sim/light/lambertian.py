@@ -108,7 +108,10 @@ def shine(lamp: Beam, point: Vector) -> tuple[float, Vector]:
     towards = (x / distance, y / distance, z / distance)
     if leaving <= 0.0:
         return 0.0, towards
-    return lamp.intensity * (leaving / distance) ** lamp.order / (squared + lamp.square), towards
+    cosine = leaving / distance
+    if lamp.order != 1.0:  # to the power 1 it is itself, which costs nothing
+        cosine = cosine**lamp.order
+    return lamp.intensity * cosine / (squared + lamp.square), towards
 
 
 def seen(eye: Eye, axis: Vector, towards: Vector) -> float:

@@ -23,7 +23,8 @@ Vector = tuple[float, float, float]
 
 def order_of(half_power: float) -> float:
     """Return the Lambertian order of a lamp with a half-power angle. [rad]"""
-    return -math.log(2.0) / math.log(math.cos(half_power))
+    # Rounded: 60 degrees are the order 1 exactly, which needs no power.
+    return round(-math.log(2.0) / math.log(math.cos(half_power)), 12)
 
 
 @final

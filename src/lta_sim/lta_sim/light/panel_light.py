@@ -8,8 +8,10 @@ leaves a share, which is the same at any pose.
 from typing import NamedTuple
 
 from lta_sim.effects.protocol import Quaternion, Vector
-from lta_sim.light.gather import PENCILS, RINGS, straight, SUN_RADIUS
+from lta_sim.light.gather import SUN_RADIUS
 from lta_sim.light.lambertian import Beam, Eye, seen
+from lta_sim.light.passage import straight
+from lta_sim.light.pencils import PENCILS, RINGS
 from lta_sim.light.shade import visible
 from lta_sim.light.surround import day_on, sunlit, Surround
 from lta_sim.rigid_body import rotation, to_body, to_map
@@ -39,7 +41,7 @@ class Plane(NamedTuple):
 
 
 def plane_of(hull: Vector, spot: Vector, normal: Vector) -> Plane:
-    """Return a panel; the share is summed over the pencils of rays of `lta_sim.light.gather`."""
+    """Return a panel; the share is summed over the pencils of `lta_sim.light.pencils`."""
     free = whole = 0.0
     for size, half_height, up, out, *_ in RINGS:
         for c, d in PENCILS:

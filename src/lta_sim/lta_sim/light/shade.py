@@ -32,17 +32,16 @@ def visible(half_axes: Vector, point: Vector, towards: Vector, half_width: float
         Half its angular width, above 0. [rad]
 
     """
+    return past(half_axes, point, towards, half_width) if half_axes[0] > 0.0 else 1.0
+
+
+def past(half_axes: Vector, point: Vector, towards: Vector, half_width: float) -> float:
+    """Return what `visible` does where there is a hull, without a branch."""
     a, b, c = half_axes
-    if a <= 0.0:
-        return 1.0
     x, y, z = point[0] / a, point[1] / b, point[2] / c
     i, j, k = towards[0] / a, towards[1] / b, towards[2] / c
     along = x * i + y * j + z * k
-    if along >= 0.0:
-        return 1.0
     outside = x * x + y * y + z * z - 1.0
-    if outside <= 0.0:
-        return 0.0
     inside = along * along - (i * i + j * j + k * k) * outside
     p, q, r = (
         2.0 * (along * x - outside * i) / a,
@@ -51,4 +50,7 @@ def visible(half_axes: Vector, point: Vector, towards: Vector, half_width: float
     )
     ahead = p * towards[0] + q * towards[1] + r * towards[2]
     across = math.sqrt(max(p * p + q * q + r * r - ahead * ahead, LEAST))
-    return min(max(0.5 - 0.5 * inside / (across * half_width), 0.0), 1.0)
+    part = min(max(0.5 - 0.5 * inside / (across * half_width), 0.0), 1.0)
+    if outside <= 0.0:  # within the hull
+        part = 0.0
+    return 1.0 if along >= 0.0 else part

@@ -12,11 +12,13 @@ from lta_sim.compiled import compiled
 from lta_sim.hull import half_axes
 from lta_sim.light.echo import beams, echoing, surrounding
 from lta_sim.light.field import Illuminance, LightField
-from lta_sim.light.gather import DAY, gather, LAMPS, on_the_way, SHARE
+from lta_sim.light.gather import gather
 from lta_sim.light.lambertian import Eye, shine
 from lta_sim.light.panel_light import day_on_panel, lamp_on, plane_of
+from lta_sim.light.passage import on_the_way
+from lta_sim.light.pencils import LAMPS, scratch_for, SHARE
 from lta_sim.light.surround import day_on, within
-from lta_sim.sensors.light_block import AmplifierState, synthesise
+from lta_sim.sensors.light_block import AmplifierState, Board
 from lta_sim.sensors.photodiode import PhotodiodeArray
 from lta_sim.vehicle import Vehicle
 import numpy as np
@@ -56,7 +58,11 @@ class LightView:
         self._panel = plane_of(hull, vehicle.file.panel_place, vehicle.file.panel_normal)
         self._gather, self._on_the_way = compiled(gather, on_the_way)
         self._poses: list[Pose] = []
+        self._scratch = np.empty(scratch_for(len(self._beams)))
         self._around: Array | None = None  # what was gathered at the end of the block before
+        ambient = field.ambient
+        self._ambient = ambient.steady, ambient.mains, self._daylight_share
+        self._board: Board | None = None
         self._amplifier: AmplifierState | None = None
 
     def prepare(self, sample_rate: float, samples: int) -> None:
@@ -76,28 +82,23 @@ class LightView:
         """Return the block that began at a time and ends now, from the poses since."""
         light = self.illuminance(self._poses)
         self._poses = [self._poses[-1]]
-        block, self._amplifier = synthesise(
-            self._diodes,
-            self.field,
-            light,
-            start_ns,
-            sample_rate,
-            samples,
-            chance,
-            self._amplifier,
-        )
+        board = self._board
+        if board is None or board.sampling != (sample_rate, samples):
+            board = self._board = Board(self._diodes, self.field, sample_rate, samples)
+        block, self._amplifier = board.block(light, start_ns, chance, self._amplifier)
         return block
 
     def illuminance(self, poses: Sequence[Pose]) -> Illuminance:
         """Return what the diodes read at some poses, one after the other."""
         before = self._gathered(poses[0]) if self._around is None else self._around
         self._around = after = self._gathered(poses[-1])
-        share = np.linspace(0.0, 1.0, len(poses))[:, None, None]
-        rows = before + share * (after - before) if len(poses) > 1 else after[None].copy()
-        self._on_the_way(*self._scene, np.array(poses), self._diodes.planes, rows)
-        ambient = self.field.ambient
-        steady = ambient.steady * rows[:, SHARE] + self._daylight_share * rows[:, DAY]
-        return Illuminance(rows[:, LAMPS:].swapaxes(0, 1), steady, ambient.mains * rows[:, SHARE])
+        shape = len(poses), self._diodes.count
+        light = Illuminance(np.empty((len(self._beams), *shape)), np.empty(shape), np.empty(shape))
+        self._on_the_way(
+            *self._scene, np.array(poses), self._diodes.planes, before, after, self._ambient,
+            light.modulated, light.steady, light.mains,
+        )  # fmt: skip
+        return light
 
     @property
     def _daylight_share(self) -> float:
@@ -110,7 +111,9 @@ class LightView:
         """Return what is gathered at a pose, with no ambient light beyond a door."""
         x, y, z, i, j, k, w = pose
         out = np.empty((LAMPS + len(self._beams), self._diodes.count))
-        self._gather(*self._scene, (x, y, z), (i, j, k, w), self._diodes.planes, out)
+        self._gather(
+            *self._scene, (x, y, z), (i, j, k, w), self._diodes.planes, out, self._scratch
+        )
         if not self._indoors(pose):
             out[SHARE] = 0.0
         return out

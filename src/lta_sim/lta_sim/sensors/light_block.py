@@ -14,15 +14,13 @@ One block of converter counts from the light on a ring of photodiodes.
 All diodes are sampled at the same instant.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
 import math
 from typing import final
 
 from lta_sim.compiled import compiled
 from lta_sim.light.field import Illuminance, LightField
-from lta_sim.light.flicker import lamp_wave, mains_wave, Sampling
+from lta_sim.light.flicker import Sampling, Waves
 from lta_sim.sensors.photodiode import noise_terms, PhotodiodeArray, sensitivity
 import numpy as np
 from numpy.typing import NDArray
@@ -48,18 +46,10 @@ class AmplifierState:
     volts: Array
 
 
-def synthesise(
-    array: PhotodiodeArray,
-    field: LightField,
-    light: Illuminance,
-    start: int,
-    sample_rate: float,
-    samples: int,
-    generator: np.random.Generator,
-    state: AmplifierState | None = None,
-) -> tuple[NDArray[np.uint16], AmplifierState]:
+@final
+class Board:
     """
-    Return one block of converter counts.
+    Diodes, amplifiers and converter in the light of a scene.
 
     Parameters
     ----------
@@ -67,66 +57,93 @@ def synthesise(
         The diodes.
     field : LightField
         When its lamps are on, and the mains' frequency and phase.
-    light : Illuminance
-        Light as the diodes read it at instants evenly spread over the block, arrays of shape
-        (k, d), with that of each lamp apart (l, k, d): the first at `start`, the last one sample
-        after the block's last. Between them it is taken to change linearly; a single instant
-        holds throughout.
-    start : int
-        Time of the first sample. [ns]
     sample_rate : float
         Samples a second of each diode. [Hz]
     samples : int
-        Samples in the block.
-    generator : numpy.random.Generator
-        Source of the noise; `samples` times d normal deviates are drawn, and `samples` more if
-        the instants jitter.
-    state : AmplifierState or None
-        Where the block before ended; None for amplifiers that have long been on.
-
-    Returns
-    -------
-    block : ndarray of uint16, shape (samples, d)
-        Counts in time order, one column a diode.
-    state : AmplifierState
-        For the next block.
+        Samples in a block.
 
     """
-    time_constant = 1.0 / (2.0 * math.pi * array.bandwidth)
-    keep = math.exp(-1.0 / (sample_rate * time_constant))
-    lamps, ambient = field.lamps, field.ambient
-    sampling = Sampling(sample_rate * (1.0 + array.clock_error), samples)
-    shaken = generator.standard_normal(samples) * array.jitter if array.jitter else None
-    wave = np.stack([lamp_wave(each, start, sampling, time_constant, shaken) for each in lamps])
-    flicker = mains_wave(ambient, start, sampling)
-    volts_by_watts = sensitivity(array) * array.factors
-    bright = volts_by_watts / np.array([[[lamp.efficacy]] for lamp in lamps])
-    dim = volts_by_watts / ambient.efficacy
-    modulated, steady, crest = light.modulated * bright, light.steady * dim, light.mains * dim
-    if state is None:
-        rest = crest[0] * flicker[0] + steady[0]
-        state = AmplifierState(wave[:, 0] @ modulated[:, 0] + rest)
-    volts = state.volts.copy()
-    steps = 2**array.adc_bits
-    numbers = (
-        keep,
-        math.sqrt(1.0 - keep * keep),
-        *noise_terms(array),
-        array.dark_offset,
-        steps / array.adc_range,
-        steps - 1.0,
-    )
-    chance = generator.standard_normal((samples, volts.size))
-    block = np.empty((samples, volts.size), dtype=np.uint16)
-    _compiled()(modulated, steady, crest, wave, flicker, chance, numbers, volts, block)
-    block[:, list(array.dead)] = 0
-    return block, AmplifierState(volts)
 
+    def __init__(
+        self, array: PhotodiodeArray, field: LightField, sample_rate: float, samples: int
+    ) -> None:
+        self.sampling = sample_rate, samples
+        self._time_constant = 1.0 / (2.0 * math.pi * array.bandwidth)
+        keep = math.exp(-1.0 / (sample_rate * self._time_constant))
+        self._waves = Waves(
+            field.lamps,
+            field.ambient,
+            Sampling(sample_rate * (1.0 + array.clock_error), samples),
+            self._time_constant,
+        )
+        volts = sensitivity(array) * array.factors
+        self._bright = volts / np.array([[[lamp.efficacy]] for lamp in field.lamps])
+        self._dim = volts / field.ambient.efficacy
+        steps = 2**array.adc_bits
+        self._numbers = (
+            keep,
+            math.sqrt(1.0 - keep * keep),
+            *noise_terms(array),
+            array.dark_offset,
+            steps / array.adc_range,
+            steps - 1.0,
+        )
+        self._jitter, self._dead = array.jitter, list(array.dead)
+        self._chance = np.empty((samples, array.count))
+        self._scratch = np.empty((2, array.count))
+        self._count = compiled(count)[0]
 
-@cache
-def _compiled() -> Callable[..., None]:
-    """Return `count`, compiled."""
-    return compiled(count)[0]
+    def block(
+        self,
+        light: Illuminance,
+        start: int,
+        generator: np.random.Generator,
+        state: AmplifierState | None = None,
+    ) -> tuple[NDArray[np.uint16], AmplifierState]:
+        """
+        Return one block of converter counts.
+
+        Parameters
+        ----------
+        light : Illuminance
+            Light as the diodes read it at instants evenly spread over the block, arrays of shape
+            (k, d), with that of each lamp apart (l, k, d): the first at `start`, the last one
+            sample after the block's last. Between them it is taken to change linearly; a single
+            instant holds throughout.
+        start : int
+            Time of the first sample. [ns]
+        generator : numpy.random.Generator
+            Source of the noise; samples times d normal deviates are drawn, and as many as there
+            are samples before them if the instants jitter.
+        state : AmplifierState or None
+            Where the block before ended; None for amplifiers that have long been on.
+
+        Returns
+        -------
+        block : ndarray of uint16, shape (samples, d)
+            Counts in time order, one column a diode.
+        state : AmplifierState
+            For the next block.
+
+        """
+        samples = self.sampling[1]
+        shaken = generator.standard_normal(samples) * self._jitter if self._jitter else None
+        wave, flicker = self._waves.at(start, shaken)
+        modulated, steady = light.modulated * self._bright, light.steady * self._dim
+        crest = light.mains * self._dim
+        if state is None:
+            rest = crest[0] * flicker[0] + steady[0]
+            state = AmplifierState(wave[:, 0] @ modulated[:, 0] + rest)
+        volts = state.volts.copy()
+        generator.standard_normal(out=self._chance)
+        block = np.empty(self._chance.shape, dtype=np.uint16)
+        self._count(
+            modulated, steady, crest, wave, flicker, self._chance, self._numbers, volts, block,
+            self._scratch,
+        )  # fmt: skip
+        if self._dead:
+            block[:, self._dead] = 0
+        return block, AmplifierState(volts)
 
 
 def count(
@@ -139,6 +156,7 @@ def count(
     numbers: tuple[float, ...],
     volts: Array,
     block: NDArray[np.uint16],
+    scratch: Array,
 ) -> None:
     """
     Write the counts of one block, sample by sample; for the compiler.
@@ -154,7 +172,7 @@ def count(
     flicker : ndarray of float64, shape (n,)
         The mains' wave.
     chance : ndarray of float64, shape (n, d)
-        Normal deviates; what each sample adds to the volts takes their place.
+        Normal deviates.
     numbers : tuple of float
         What the pole keeps from sample to sample and the root of 1 less its square, the two terms
         of the noise, offset in the dark [V], counts by volt, largest count.
@@ -162,32 +180,34 @@ def count(
         Output at the sample before the block; left at that of its last. [V]
     block : ndarray of uint16, shape (n, d)
         The counts.
+    scratch : ndarray of float64, shape (2, d)
+        To write on.
 
     """
     keep, fresh, amplifier, shot, dark, scale, top = numbers
     last = steady.shape[0] - 1
     pitch = last / block.shape[0]
+    level, rise = scratch[0], scratch[1]
     for n in range(block.shape[0]):
         at = n * pitch
         low = int(at)
         high = min(low + 1, last)
         b = at - low
         a = 1.0 - b
-        ripple = flicker[n]
-        for i in range(block.shape[1]):
+        # Each loop over the diodes is short and straight: the compiler does several at once.
+        for i in range(volts.size):
             rest = a * steady[low, i] + b * steady[high, i]
-            rest += (a * mains[low, i] + b * mains[high, i]) * ripple
-            level, rise = rest, rest * (1.0 - keep)
-            for k in range(modulated.shape[0]):
-                # A lamp's lagged wave itself solves the pole: what it adds in a sample is exact.
+            rest += (a * mains[low, i] + b * mains[high, i]) * flicker[n]
+            level[i], rise[i] = rest, rest * (1.0 - keep)
+        for k in range(modulated.shape[0]):
+            # A lamp's lagged wave itself solves the pole: what it adds in a sample is exact.
+            now, more = wave[k, n + 1], wave[k, n + 1] - keep * wave[k, n]
+            for i in range(volts.size):
                 lamp = a * modulated[k, low, i] + b * modulated[k, high, i]
-                level += lamp * wave[k, n + 1]
-                rise += lamp * (wave[k, n + 1] - keep * wave[k, n])
-            noise = math.sqrt(amplifier + shot * level) * fresh
-            chance[n, i] = rise + noise * chance[n, i]
-    # Apart from the above, which the compiler does for several diodes at once.
-    for n in range(block.shape[0]):
-        for i in range(block.shape[1]):
-            volts[i] = keep * volts[i] + chance[n, i]
-            level = min(max((volts[i] + dark) * scale, 0.0), top)
-            block[n, i] = int((level + WHOLE) - WHOLE)
+                level[i] += lamp * now
+                rise[i] += lamp * more
+        for i in range(volts.size):
+            noise = math.sqrt(amplifier + shot * level[i]) * fresh
+            volts[i] = keep * volts[i] + (rise[i] + noise * chance[n, i])
+            counts = min(max((volts[i] + dark) * scale, 0.0), top)
+            block[n, i] = int((counts + WHOLE) - WHOLE)

@@ -15,7 +15,7 @@ from lta_analysis.light.plan.laying import _unheard
 from lta_analysis.light.plan.mounts import Mount
 from lta_analysis.light.plan.rays import blocked
 from lta_sim.light.field import Illuminance
-from lta_sim.sensors.light_block import synthesise
+from lta_sim.sensors.light_block import Board
 from lta_vlc.demodulation import demodulate, plan_bins
 import numpy as np
 import pytest
@@ -101,11 +101,9 @@ def test_the_snr_is_that_of_blocks_that_are_made_and_demodulated():
         given = Illuminance(np.full((1, 1, 8), lux), *ambient)
         chance = np.random.default_rng(1)
         snrs, state = [], None
+        board = Board(who.vehicle.diodes, field_of(plan, lamp, 530.0), 1e4, 1000)
         for k in range(20):
-            field = field_of(plan, lamp, 530.0)
-            block, state = synthesise(
-                who.vehicle.diodes, field, given, k * 100_000_000, 1e4, 1000, chance, state
-            )
+            block, state = board.block(given, k * 100_000_000, chance, state)
             snrs.append(demodulate(block, bins).snr)
         expected = snr_of(listening(plan, who, lamp, 530.0), share, lux)
         # Noise and what waves leave in its bins add as squares do: their sum is on the safe side.

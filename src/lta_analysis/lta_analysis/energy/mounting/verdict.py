@@ -6,9 +6,11 @@ import math
 from lta_analysis.energy.mounting.run import Study
 from lta_analysis.energy.mounting.straight import over
 from lta_analysis.vehicle.weighing import DEGREES
+from lta_energy.panel import max_power
+from lta_energy.power_path import output
+from lta_sim.vehicle import Vehicle
 
 IRRADIANCE = 80e3 / 300.0  # W/m2: 80 klux (seed paper) of a white LED of 300 lm/W
-STANDARD = 1000.0  # W/m2, for which a cell is rated
 
 
 def gained(study: Study) -> dict[str, float]:
@@ -30,14 +32,17 @@ def power(study: Study) -> dict[str, float]:
 
 
 def harvest(study: Study, light: str) -> dict[str, float]:
-    """Return what reaches the cell at 80 klux of white LED from a direction, by mount. [W]"""
-    body = next(iter(study.shared.values())).fitted.vehicle
-    array, charger = body.file.energy.array, body.file.energy.charger
-    if array is None or charger is None:
-        return dict.fromkeys(study.light, 0.0)
-    rated = array.series * array.parallel * array.cell_file.rated
-    through = charger.tracking.si * charger.conversion.si * IRRADIANCE / STANDARD
-    return {name: rated * through * found[light].series for name, found in study.light.items()}
+    """Return what the charger gives at 80 klux of white LED from a direction, by mount. [W]"""
+    return {
+        name: _given(each.fitted.vehicle, IRRADIANCE * study.light[name][light].series)
+        for name, each in study.shared.items()
+    }
+
+
+def _given(vehicle: Vehicle, irradiance: float) -> float:
+    """Return what array and charger give; the darkest panel's light stands for all. [W]"""
+    voltage, current = max_power(vehicle.panel, irradiance)
+    return output(vehicle.charger, voltage * current)
 
 
 def best(study: Study) -> str:
@@ -78,7 +83,7 @@ def sentences(study: Study) -> list[str]:
     )
     told.extend(
         ranked(f'Harvest at 80 klux of white LED, {light}', harvest(study, light), 1e3, 'mW', 0)
-        + ', by the rating of the cells and the losses of the charger.'
+        + ', behind the charger.'
         for light in ('overhead', 'overcast sky')
     )
     askew = {name: over(each.flights, 'swing').mean for name, each in study.misplaced.items()}

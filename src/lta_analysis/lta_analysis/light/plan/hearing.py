@@ -19,10 +19,10 @@ from lta_analysis.light.plan.together import heard_together, is_full, Numbers
 from lta_sim.compiled import compiled
 from lta_sim.hull import half_axes
 from lta_sim.light.field import LightField
-from lta_sim.light.gather import LAMPS, SHARE
 from lta_sim.light.heard import expected, Listening, listening_of, on_ring
 from lta_sim.light.lambertian import beam, Eye
 from lta_sim.light.lamp import Lamp
+from lta_sim.light.pencils import LAMPS, scratch_for, SHARE
 from lta_sim.light.setting import set_for
 from lta_vlc.modulation import SquareWave
 import numpy as np
@@ -182,7 +182,8 @@ def shares(plan: FloorPlan, ear: Ear) -> Array:
     nowhere = Mount((0.0, 0.0, plan.lamp.height.si), (1.0, 0.0, 0.0))
     heard = listening(plan, ear, nowhere, LOWEST)
     out = np.empty((LAMPS + 1, len(heard.planes)))
-    on_ring(heard, (0.0, 0.0, plan.altitude.si), (0.0, 0.0, 0.0, 1.0), out)
+    scratch = np.empty(scratch_for(1))
+    on_ring(heard, (0.0, 0.0, plan.altitude.si), (0.0, 0.0, 0.0, 1.0), out, scratch)
     return np.asarray(out[SHARE])
 
 

@@ -1,0 +1,61 @@
+"""lta energy hover: two drones hover on identical cells."""
+
+import json as json_text
+import sys
+from typing import Annotated
+
+from lta_analysis.energy import paper
+from lta_analysis.energy.hover.page import notes, plain, table, title, write_page
+from lta_analysis.energy.hover.run import compare
+from lta_analysis.energy.tables import show
+from lta_analysis.out_option import Out
+from lta_analysis.pictures_option import can_be_taken, Pictures
+from lta_analysis.report.pictures import write_pictures
+from lta_analysis.results_folder import keep_json, page_line, results_folder
+from lta_analysis.typed import near, typed
+from lta_bridge.bag.writer import empty_folder
+from rich.console import Console
+from rich.progress import Progress
+import typer
+
+
+def hover(
+    vehicle: Annotated[str, typer.Option(help='Whose cell both take.')] = 'gtmab',
+    beside: Annotated[str, typer.Option(help='Who hovers beside it.')] = 'multirotor',
+    seconds: Annotated[
+        float, typer.Option(help='How long.', min=1.0, max=7200.0)
+    ] = paper.HOVER_TIME,
+    out: Out = None,
+    pictures: Pictures = None,
+    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
+) -> None:
+    """
+    Hover for 450 s on identical cells: a drone that gas carries, and a multirotor.
+
+    Both fly in the closed loop on the first one's cell, full at the start. Its voltage over time
+    stands beside the same cell under the powers that the seed paper prints: 1333 mW, and thrice
+    that for a standard drone. Whose supply fails falls out at that time.
+
+    Exit status 0: done, whoever lasted. 2: bad input.
+
+    Example: lta energy hover --seconds 60
+    """
+    console = Console(stderr=json)
+    can_be_taken(pictures)
+    target = empty_folder(results_folder(out, 'hover'))
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
+        task = progress.add_task('hovering', total=2.0 * seconds)
+        found = compare(vehicle, beside, seconds, lambda s: progress.advance(task, s))
+    content = keep_json(plain(found), target / 'hover.json')
+    again = typed(
+        'energy', 'hover', '--vehicle', vehicle, '--beside', beside, '--seconds', f'{seconds:g}'
+    )
+    commands = {'Find it again': again, 'What the rest takes': typed('energy', 'budget')}
+    page = write_page(found, commands, target / 'report.html')
+    if pictures is not None:
+        write_pictures(page, pictures)
+    if json:
+        sys.stdout.write(json_text.dumps({**json_text.loads(content), 'page': str(page)}) + '\n')
+    show(table(found), console)
+    lines = [*notes(found), title(found), page_line(near(page))]
+    console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

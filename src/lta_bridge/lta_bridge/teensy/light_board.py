@@ -1,0 +1,164 @@
+"""
+The light board as the bridge knows it: bytes in, blocks in our time out, questions due.
+
+Knows no transport and no ROS: whoever has a link hands bytes in and sends what is due.
+"""
+
+from collections.abc import Iterator
+from typing import final, NamedTuple
+
+from lta_bridge.teensy.blocks import Blocks
+from lta_bridge.teensy.clock import BoardClock, Exchange
+from lta_bridge.teensy.dialect import (
+    HEARTBEAT,
+    LTA_LIGHT_BLOCK,
+    LTA_LIGHT_PEAKS,
+    LTA_LIGHT_STATUS,
+    TIMESYNC,
+)
+from lta_bridge.teensy.framing import Framing
+from lta_bridge.teensy.message import Message
+from lta_config.topics import Light
+import numpy as np
+from numpy.typing import NDArray
+
+DIALECT = 1  # the version of our messages
+SYSTEM, COMPONENT = 255, 191  # MAVLink: a ground station, its onboard computer
+BEAT_NS = 1_000_000_000  # between heartbeats
+ASK_NS = 250_000_000  # between questions for the time
+ANSWER_NS = 1_000_000_000  # after which an answer says nothing any more
+QUESTIONS = 8  # kept until they are answered
+CONTROLLER, NO_AUTOPILOT, ACTIVE, PROTOCOL = 18, 8, 4, 3  # of MAVLink's common.xml
+
+
+class LightBlock(NamedTuple):
+    """One ADC block, shape (samples, diodes), and our time of its first sample. [ns]"""
+
+    stamp_ns: int
+    samples: NDArray[np.uint16]
+
+
+@final
+class LightBoard:
+    """
+    The board at the other end of a link.
+
+    Parameters
+    ----------
+    light : Light
+        What a block is, by the topic table.
+    diodes : int
+        How many the vehicle has.
+
+    Attributes
+    ----------
+    framing, clock, blocks
+        What came, the board's clock, and the rows.
+    undated : int
+        Blocks that came before the board's time was known, and were left.
+    heard_ns : int
+        When the last good frame came; 0 before. [ns]
+    overruns : int
+        Rows that the board itself had to leave.
+    peaks : int
+        Peaks that the board found itself; nothing is published of them.
+    wrong : str
+        Why its blocks cannot be used, in one sentence; empty where they can.
+
+    """
+
+    def __init__(self, light: Light, diodes: int) -> None:
+        self._light, self._diodes = light, diodes
+        self._sent = 0
+        self._asked: list[int] = []
+        self._next_beat = self._next_ask = 0
+        self._replies = b''
+        self.framing = Framing()
+        self.clock = BoardClock()
+        self.blocks = Blocks(light.samples, light.sample_rate.si)
+        self.undated = self.heard_ns = self.overruns = self.peaks = 0
+        self.wrong = ''
+
+    def take(self, data: bytes, now_ns: int) -> Iterator[LightBlock]:
+        """Take any part of the stream, when it came [ns], and yield the blocks it completes."""
+        for frame in self.framing.take(data):
+            self.heard_ns = now_ns
+            if frame.message is LTA_LIGHT_BLOCK:
+                yield from self._take_rows(frame.record)
+            elif frame.message is TIMESYNC:
+                self._take_time(frame.record, now_ns)
+            elif frame.message is LTA_LIGHT_STATUS:
+                self._take_status(frame.record)
+            elif frame.message is LTA_LIGHT_PEAKS:
+                self.peaks += 1
+
+    def due(self, now_ns: int) -> bytes:
+        """Return what is to be sent now: a heartbeat, a question for the time, answers."""
+        out, self._replies = self._replies, b''
+        if now_ns >= self._next_beat:
+            self._next_beat = now_ns + BEAT_NS
+            out += self._frame(
+                HEARTBEAT,
+                type=CONTROLLER,
+                autopilot=NO_AUTOPILOT,
+                system_status=ACTIVE,
+                mavlink_version=PROTOCOL,
+            )
+        if now_ns >= self._next_ask:
+            self._next_ask = now_ns + ASK_NS
+            self._asked = [*self._asked[1 - QUESTIONS :], now_ns]
+            out += self._frame(TIMESYNC, ts1=now_ns)
+        return out
+
+    def _frame(self, message: Message, **values: int) -> bytes:
+        self._sent += 1
+        return message.frame(self._sent - 1, SYSTEM, COMPONENT, **values)
+
+    def _take_rows(self, record: np.void) -> Iterator[LightBlock]:
+        diodes, rows = int(record['diodes']), int(record['rows'])
+        if not 0 < diodes * rows <= len(record['samples']):
+            self.wrong = f'The light board sends {rows} rows of {diodes} diodes in one message.'
+            return
+        if diodes != self._diodes:
+            self.wrong = (
+                f'The light board has {diodes} diodes and the vehicle file {self._diodes}; '
+                'fly the vehicle that it is on.'
+            )
+            return
+        samples = record['samples'][: diodes * rows].reshape(rows, diodes)
+        for block in self.blocks.take(_ns(record), int(record['sequence']), samples):
+            if self.wrong:
+                continue
+            if self.clock.known:
+                yield LightBlock(self.clock.ours(block.board_ns), block.samples)
+            else:
+                self.undated += 1
+
+    def _take_time(self, record: np.void, now_ns: int) -> None:
+        board, asked = int(record['tc1']), int(record['ts1'])
+        if board == 0:  # the other asks
+            self._replies += self._frame(TIMESYNC, tc1=now_ns, ts1=asked)
+        elif asked in self._asked and 0 <= now_ns - asked < ANSWER_NS:
+            self._asked.remove(asked)
+            self.clock.add(Exchange(asked, board, now_ns))
+
+    def _take_status(self, record: np.void) -> None:
+        self.overruns = int(record['overruns'])
+        dialect, rate = int(record['dialect']), float(record['sample_rate'])
+        wanted = self._light.sample_rate.si
+        if dialect != DIALECT:
+            self.wrong = (
+                f'The light board speaks version {dialect} of its messages and this bridge '
+                f'version {DIALECT}; build both from one commit.'
+            )
+        elif not abs(rate - wanted) <= 1e-3 * wanted:
+            self.wrong = (
+                f'The light board samples at {rate:g} Hz and topics.yaml says {wanted:g} Hz; '
+                'give both the same.'
+            )
+        elif int(record['diodes']) == self._diodes:
+            self.wrong = ''
+
+
+def _ns(record: np.void) -> int:
+    return int(record['time_usec']) * 1000

@@ -1,0 +1,97 @@
+"""Keeps a link open: reads it in a thread, opens it again when it is gone, and says how it is."""
+
+from collections.abc import Callable
+import threading
+import time
+from typing import final
+
+from lta_bridge.teensy.light_board import LightBlock, LightBoard
+from lta_bridge.teensy.port import open_port, Port, Unplugged
+from lta_config.errors import BadInput
+
+GATHER = 1e-3  # s between reads: a wake-up for each frame would cost more than the frame
+IDLE = 0.05  # s that a read waits for bytes
+BACK_OFF = (0.1, 0.2, 0.5, 1.0)  # s before opening again; the last goes on
+
+
+@final
+class Reader:
+    """
+    A thread that reads one board.
+
+    Parameters
+    ----------
+    address : str
+        As for `open_port`.
+    board : LightBoard
+        Gets what comes; belongs to the thread until it ends.
+    publish : callable
+        Gets each block, in the thread.
+    clock : callable
+        Our time. [ns]
+
+    Attributes
+    ----------
+    unplugged : int
+        How often the link was gone.
+    trouble : str
+        Why there is no link now; empty where there is one.
+
+    Raises
+    ------
+    BadInput
+        If the link cannot be opened at first.
+
+    """
+
+    def __init__(
+        self,
+        address: str,
+        board: LightBoard,
+        publish: Callable[[LightBlock], None],
+        clock: Callable[[], int],
+    ) -> None:
+        self._address, self.board, self._publish, self._clock = address, board, publish, clock
+        self.unplugged = 0
+        self.trouble = ''
+        self._port: Port | None = open_port(address)
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, name='light board', daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """End the thread and give the link back."""
+        self._ended.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        failures = 0
+        while not self._ended.is_set():
+            try:
+                if self._port is None:
+                    self._port = open_port(self._address)
+                    self.trouble = ''
+                self._exchange(self._port)
+                failures = 0
+            except (Unplugged, BadInput) as error:
+                self._lose(str(error))
+                self._ended.wait(BACK_OFF[min(failures, len(BACK_OFF) - 1)])
+                failures += 1
+        if self._port is not None:
+            self._port.close()
+
+    def _exchange(self, port: Port) -> None:
+        """Send what is due, take what has come, and let a little gather."""
+        if due := self.board.due(self._clock()):
+            port.write(due)
+        if data := port.read(IDLE):
+            for block in self.board.take(data, self._clock()):
+                self._publish(block)
+        time.sleep(GATHER)
+
+    def _lose(self, why: str) -> None:
+        if self._port is not None:
+            self._port.close()
+            self._port = None
+            self.unplugged += 1
+        self.trouble = why

@@ -1,0 +1,87 @@
+"""The board's clock: offset and drift out of delayed answers."""
+
+from copy import deepcopy
+
+from hypothesis import given
+from hypothesis import strategies as st
+from lta_bridge.teensy.clock import BoardClock, Exchange
+import numpy as np
+import pytest
+
+BOOT = 1_700_000_000_123_456_789  # ns of our time
+
+
+def board_of(ours, drift):
+    """Return the time of a board whose seconds are longer than ours by a part."""
+    return round((ours - BOOT) / (1.0 + drift))
+
+
+def synchronised(drift, seconds=30, mean=2e-4, seed=1, boot=BOOT):
+    """Return a clock after questions at 4 Hz; delays are 0.1 ms and an exponential each way."""
+    chance = np.random.default_rng(seed)
+    clock = BoardClock()
+    for k in range(4 * seconds):
+        asked = boot + 5_000_000_000 + k * 250_000_000
+        there, back = (1e9 * (1e-4 + chance.exponential(mean, 2))).astype(int)
+        clock.add(Exchange(asked, board_of(asked + int(there), drift), asked + int(there + back)))
+    return clock
+
+
+DRIFT = 40e-6
+SETTLED = synchronised(DRIFT)
+
+
+@pytest.mark.parametrize('drift', [0.0, 40e-6, -75e-6])
+@pytest.mark.parametrize('seed', [1, 2, 3])
+def test_offset_and_drift_are_found_through_jitter(drift, seed):
+    clock = synchronised(drift, seed=seed)
+    assert clock.drift == pytest.approx(drift, abs=2e-6)
+    now = BOOT + 35_000_000_000
+    assert clock.ours(board_of(now, drift)) == pytest.approx(now, abs=40_000)
+    assert 5e-6 < clock.uncertainty < 60e-6
+    assert clock.restarts == 0
+
+
+def test_without_jitter_they_are_exact():
+    clock = synchronised(50e-6, mean=0.0)
+    now = BOOT + 36_000_000_000
+    # The prior of the drift pulls 30 s of answers by less than a part in ten thousand of it.
+    assert clock.ours(board_of(now, 50e-6)) == pytest.approx(now, abs=100)
+
+
+def test_the_first_answer_is_enough_for_an_offset():
+    clock = BoardClock()
+    assert not clock.known
+    clock.add(Exchange(1_000, 500_000, 3_000))
+    assert clock.known
+    assert clock.ours(500_000) == 2_000
+    assert clock.ours(500_000 + 1_000_000_000) == 1_000_002_000
+    assert clock.round_trip == 2_000
+
+
+def test_one_way_delay_shifts_by_half_of_it():
+    """What no exchange of messages can see: the promise of the docstring, held to its figure."""
+    clock = BoardClock()
+    for k in range(100):
+        asked = BOOT + k * 250_000_000
+        clock.add(Exchange(asked, board_of(asked + 100_000, 0.0), asked + 1_100_000))
+    assert clock.ours(0) - BOOT == pytest.approx(450_000, abs=10)
+
+
+def test_a_reset_board_begins_anew():
+    clock = synchronised(40e-6)
+    later = BOOT + 40_000_000_000
+    clock.add(Exchange(later, 1_000_000, later + 400_000))
+    assert clock.restarts == 1
+    assert clock.ours(1_000_000) == later + 200_000
+
+
+@given(st.integers(0, 50_000_000))
+def test_a_slow_answer_neither_restarts_nor_moves_the_clock(delay):
+    clock = deepcopy(SETTLED)
+    now = BOOT + 36_000_000_000
+    before = clock.ours(board_of(now, DRIFT))
+    there = now + 100_000 + delay
+    clock.add(Exchange(now, board_of(there, DRIFT), there + 100_000))
+    assert clock.restarts == 0
+    assert clock.ours(board_of(now, DRIFT)) == pytest.approx(before, abs=40_000)

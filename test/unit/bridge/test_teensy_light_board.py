@@ -1,0 +1,113 @@
+"""The light board through the bridge's core: light in, the same light out in our time."""
+
+from lta_bridge.teensy.emulator import EmulatedBoard, Faults
+from lta_bridge.teensy.light_board import LightBoard
+from lta_config.topics import topic_table
+import numpy as np
+import pytest
+
+LIGHT = topic_table().light
+BOOT = 1_700_000_000_000_000_000
+SECONDS = 3
+SAMPLES = np.random.default_rng(1).integers(0, 4096, (10_000 * SECONDS, 8)).astype(np.uint16)
+
+
+def flown(board, samples=SAMPLES, start=BOOT + 2_000_000_000, link=None):
+    """Let a board send its light, ten times a second; return the bridge and its blocks."""
+    link = link or LightBoard(LIGHT, 8)
+    found = []
+    for k in range(len(samples) // 1000):
+        now = start + k * 100_000_000
+        answer = board.answer(link.due(now), now + 150_000)
+        status = board.status() if k % 10 == 0 else b''
+        light = board.light(samples[1000 * k : 1000 * (k + 1)])
+        found += link.take(answer, now + 300_000)
+        found += link.take(status + light, now + 100_000_000)
+    return link, found
+
+
+def test_the_light_is_that_of_the_board_sample_by_sample_in_our_time():
+    board = EmulatedBoard(BOOT, drift=30e-6)
+    link, found = flown(board)
+    assert len(found) == 10 * SECONDS
+    for k, block in enumerate(found):
+        assert (block.samples == SAMPLES[1000 * k : 1000 * (k + 1)]).all()
+        assert block.stamp_ns == pytest.approx(board.our_ns(1000 * k), abs=100_000)
+    assert (link.blocks.lost, link.framing.crc_errors, link.undated, link.wrong) == (0, 0, 0, '')
+
+
+def test_the_drift_of_the_board_is_told():
+    link, _ = flown(EmulatedBoard(BOOT, drift=60e-6), np.tile(SAMPLES, (5, 1)))
+    # Its clock is too fast by 60 ppm, so our seconds are fewer.
+    assert link.clock.drift == pytest.approx(-60e-6, abs=3e-6)
+
+
+@pytest.mark.parametrize('fault', ['drop', 'corrupt', 'cut'])
+def test_losses_are_counted_by_the_board_s_own_numbers(fault):
+    board = EmulatedBoard(BOOT, faults=Faults(**{fault: 70}))
+    link, found = flown(board)
+    hit = board.sent // 70
+    assert link.blocks.lost == 15 * hit
+    assert link.framing.crc_errors == (0 if fault == 'drop' else hit)
+    assert len(found) < 10 * SECONDS
+    every = SAMPLES[:, 0].astype(int)
+    for block in found:  # what is published has no gap
+        first = np.flatnonzero(every[: len(every) - 999] == block.samples[0, 0])
+        assert any((SAMPLES[at : at + 1000] == block.samples).all() for at in first)
+
+
+def test_foreign_messages_are_no_loss():
+    link, found = flown(EmulatedBoard(BOOT, faults=Faults(foreign=3)))
+    assert link.framing.unknown > 600
+    assert (link.blocks.lost, len(found)) == (0, 10 * SECONDS)
+
+
+def test_a_board_that_was_reset_is_followed():
+    link, _ = flown(EmulatedBoard(BOOT))
+    again = EmulatedBoard(BOOT + 60_000_000_000)
+    link, after = flown(again, start=BOOT + 61_000_000_000, link=link)
+    assert (link.clock.restarts, link.blocks.restarts) == (1, 1)
+    assert len(after) >= 10 * SECONDS - 1
+    assert after[0].stamp_ns == pytest.approx(BOOT + 60_000_000_000, abs=8_000_000)
+
+
+def test_without_the_board_s_time_there_is_no_block():
+    board, link = EmulatedBoard(BOOT), LightBoard(LIGHT, 8)
+    assert list(link.take(board.light(SAMPLES[:2010]), BOOT)) == []
+    assert link.undated == 2
+
+
+@pytest.mark.parametrize(
+    ('board', 'diodes', 'sentence'),
+    [
+        (EmulatedBoard(BOOT, dialect=9), 8, 'speaks version 9 of its messages'),
+        (EmulatedBoard(BOOT, sample_rate=8e3), 8, 'samples at 8000 Hz and topics.yaml says 10000'),
+        (EmulatedBoard(BOOT), 16, 'has 8 diodes and the vehicle file 16'),
+    ],
+)
+def test_what_cannot_be_used_is_one_sentence_and_no_block(board, diodes, sentence):
+    link, found = flown(board, link=LightBoard(LIGHT, diodes))
+    assert found == []
+    assert sentence in link.wrong
+    assert link.wrong.endswith('.')
+
+
+def test_only_answers_to_our_own_questions_are_believed():
+    board, link = EmulatedBoard(BOOT), LightBoard(LIGHT, 8)
+    question = link.due(BOOT)
+    answer = board.answer(question, BOOT)
+    assert list(link.take(answer, BOOT + 2_000_000_000)) == []
+    assert not link.clock.known  # two seconds late
+    stranger = LightBoard(LIGHT, 8).due(BOOT + 77)
+    assert list(link.take(board.answer(stranger, BOOT), BOOT + 100)) == []
+    assert not link.clock.known
+
+
+def test_a_board_that_asks_gets_our_time():
+    link = LightBoard(LIGHT, 8)
+    link.due(BOOT)
+    assert list(link.take(LightBoard(LIGHT, 8).due(123_456), BOOT + 1_000)) == []
+    asker = LightBoard(LIGHT, 8)
+    asker.due(123_456)
+    assert list(asker.take(link.due(BOOT + 1_000), 124_456)) == []
+    assert asker.clock.ours(BOOT + 1_000) == 123_956
