@@ -26,7 +26,9 @@ from lta_config.topics import topic_table
 from lta_config.vehicle_file import load_vehicle_file
 from lta_control.gains_file import load_gains
 from lta_control.messages import from_setpoint, to_measured, to_reckoned
-from lta_control.mission import Mission, mission_step, MissionSettings
+from lta_control.mission import mission_step, MissionSettings
+from lta_control.phases import Mission
+from lta_control.reserve import Order
 from lta_control.sighting import sighted
 from lta_control.strategies import strategy
 from lta_graph.ros.node import from_stamp, message_type, to_stamp
@@ -51,7 +53,7 @@ TABLE = topic_table()
 DIODES = diodes_of(load_vehicle_file('gtmab').sensors.diodes)
 NODES = ('demodulator', 'navigator')
 ANSWERS = [name for node in NODES for name in TABLE.published_by(node)]
-KEPT = ['photodiodes', 'odom', 'energy/reserve', *ANSWERS]
+KEPT = ['photodiodes', 'odom', 'energy/reserve', 'energy/status', *ANSWERS]
 START = 4.0, 1.0  # m beside the scenario's start
 STEPS, SEED = 801, 4  # 8 s
 LARGEST = 750_000  # bytes; noise does not compress
@@ -121,8 +123,8 @@ def answered(folder, demodulation=None, mission=None):
                 TABLE['photodiodes'].period_ns * 1e-9,
             )
             altitude = None if measured is None or not known else measured.altitude
-            reserve = bool(known) and known[-1]
-            asked, state = mission_step(mission, plan, state, sight, altitude, reserve)
+            order = Order.RESERVE if known and known[-1] else Order.FLY
+            asked, state = mission_step(mission, plan, state, sight, altitude, order)
             pose, velocity = from_setpoint(to_stamp(begun), asked)
             for name, message in (
                 ('light/peaks', from_peaks(image.header, hearing.peaks, DIODES.axes)),

@@ -25,6 +25,8 @@ from lta_control.estimator import EstimatorSettings
 from lta_control.laws import law
 from lta_control.laws.aboard import CASCADE
 from lta_control.mission import MissionSettings
+from lta_control.obedience import check_reserve
+from lta_control.reserve import ReserveSettings
 from lta_control.strategies import check_route, strategy
 from lta_energy.monitor import MonitorSettings
 from lta_sim import in_scene
@@ -40,6 +42,7 @@ FILES = ('vehicle', 'scenario', 'gains')
 SETTINGS: dict[str, type[Settings]] = {
     'gains': CascadeGains,
     'mission': MissionSettings,
+    'reserve': ReserveSettings,
     'estimator': EstimatorSettings,
     'demodulator': Demodulation,
     'prior': LampPrior,
@@ -203,7 +206,7 @@ def parts_of(made_of: Ingredients) -> tuple[Vehicle, Scenario, Policy]:
     scenario = _checked(Scenario, made_of, 'scenario')
     vehicle_file = _checked(VehicleFile, made_of, 'vehicle')
     models = settings_of(made_of.contents['vehicle'])
-    gains, mission, estimator, demodulation, prior, energy = (
+    gains, mission, reserve, estimator, demodulation, prior, energy = (
         _checked(model, made_of, root) for root, model in models.items()
     )
     policy = Policy(
@@ -214,9 +217,11 @@ def parts_of(made_of: Ingredients) -> tuple[Vehicle, Scenario, Policy]:
         demodulation=demodulation,
         prior=prior,
         energy=energy,
+        reserve=reserve,
         law=law(vehicle_file.control.law if vehicle_file.control else CASCADE),
     )
     check_route(policy.strategy, len(scenario.route))
+    check_reserve(policy.reserve, policy.strategy)
     vehicle = Vehicle(vehicle_file, scenario.air.density)
     _ = vehicle.hover_duty
     in_scene.check(vehicle, scenario)

@@ -22,11 +22,15 @@ from lta_control.control import TILT_LIMIT
 from lta_control.estimator import Estimate, EstimatorSettings
 from lta_control.laws import LAWS
 from lta_control.laws.protocol import Feedback, Law
-from lta_control.mission import course_step, Mission, mission_step, MissionSettings
+from lta_control.mission import course_step, mission_step, MissionSettings
+from lta_control.phases import Mission
 from lta_control.pilot import Pilot
+from lta_control.reserve import Order, order_of, ReserveSettings, Word
 from lta_control.sighting import Lamp, Reckoned, sighted
 from lta_control.strategies.protocol import Strategy
 from lta_energy import monitor
+from lta_energy.aboard import Aboard
+from lta_energy.reading import Reading, Whereabouts
 from lta_sim.compiled import compiled
 from lta_sim.readings import Outcome, Readings
 from lta_sim.vehicle import Vehicle
@@ -60,6 +64,7 @@ class Policy:
     demodulation: Demodulation = field(default_factory=Demodulation)
     prior: LampPrior = field(default_factory=LampPrior)
     energy: monitor.MonitorSettings = field(default_factory=monitor.MonitorSettings)
+    reserve: ReserveSettings = field(default_factory=ReserveSettings)
     tilt_limit: float = TILT_LIMIT  # beyond it the motors stop [rad]
     law: Law = LAWS['cascade']
     course: Callable[[float], Setpoint] | None = None
@@ -100,7 +105,7 @@ class Light:
 class Energy:
     """What the meters have said, and what is known since."""
 
-    reading: monitor.Reading
+    reading: Reading
     estimate: monitor.Estimate
 
 
@@ -149,7 +154,7 @@ class Loop:
         vehicle = known or Vehicle(world.vehicle.file)
         dt = table.control_ns * 1e-9
         self.autopilot = autopilot_of(policy, vehicle, dt)
-        self._cell = vehicle.battery
+        self._aboard = Aboard.of(vehicle.file.energy)
         diodes = diodes_of(vehicle.file.sensors.diodes)
         self._ring = diodes.ring
         self._finder = DirectionFinder(diodes, compiled(fit)[0], np.array)
@@ -252,17 +257,34 @@ class Loop:
         sight = sighted(lamp, self._axes, amplitudes, self._reckoned[0], self._block)
         measured, energy = self.measured(), self.energy
         altitude = None if measured is None or energy is None else measured.altitude
-        reserve = energy is not None and energy.estimate.reserve
+        order = self._order(stamp_ns)
         if self._plan is not None:
             time = (stamp_ns - self._table.start_ns) * 1e-9
-            self.asked = course_step(self._plan, time, sight.heading, altitude, reserve)
+            self.asked = course_step(self._plan, time, sight.heading, altitude, order)
             return
         policy, route = self.policy, self.world.scenario.route_beacons
         self.asked, self.mission = mission_step(
-            policy.mission, policy.strategy, self.mission, sight, altitude, reserve,
-            max(len(route), 1),
+            policy.mission, policy.strategy, self.mission, sight, altitude, order,
+            max(len(route), 1), policy.reserve,
         )  # fmt: skip
         self.beacon = route[self.mission.asked][1] if route else NO_WISH
+
+    def _order(self, stamp_ns: int) -> Order:
+        """Return what the energy of the turn before allows, as the navigator takes it."""
+        if self.energy is None:
+            return Order.DOWN
+        estimate = self.energy.estimate
+        word = Word(stamp_ns, estimate.reserve, estimate.urgent)
+        return order_of(self.policy.reserve, word, stamp_ns)
+
+    def _where(self) -> Whereabouts | None:
+        """Return distance from the start and speed as odom carries them; None while learning."""
+        if self.measured() is None:
+            return None
+        reckoned = self._reckoned[-1]
+        return Whereabouts(
+            math.hypot(reckoned.x, reckoned.y), math.hypot(reckoned.forward, reckoned.left)
+        )
 
     def _count(self, readings: Readings) -> None:
         """Keep the energy books of one turn of the meters."""
@@ -270,16 +292,18 @@ class Loop:
         voltage, current = map(carried.single, readings.battery or nothing)
         panel_voltage, panel_current = map(carried.single, readings.panel or nothing)
         lux = readings.illuminance
-        reading = monitor.Reading(
+        reading = Reading(
             stamp_ns=readings.stamp_ns,
             voltage=voltage,
             current=current,
-            harvest=panel_voltage * panel_current,
+            panel_voltage=panel_voltage,
+            panel_current=panel_current,
             illuminance=math.nan if lux is None else lux,
+            where=self._where(),
         )
         before = monitor.Estimate() if self.energy is None else self.energy.estimate
         self.energy = Energy(
-            reading, monitor.update(self.policy.energy, self._cell, before, reading)
+            reading, monitor.update(self.policy.energy, self._aboard, before, reading)
         )
 
 

@@ -11,8 +11,7 @@ from lta_bridge.cdr import serialise
 from lta_config.topics import robot_topic, TopicTable
 from lta_control.cascade import Setpoint
 from lta_control.messages import from_duties, from_estimate, from_setpoint
-from lta_energy import alarms
-from lta_energy.battery import Battery
+from lta_energy.aboard import Aboard
 from lta_energy.messages import from_books, from_charge, from_reserve
 from lta_graph.ros.node import to_stamp
 from lta_graph.ros.qos import profile
@@ -53,7 +52,7 @@ class LoopRecorder:
         self._names = {}
         self._rotors = loop.world.vehicle.rotor_names
         self._axes = diodes_of(loop.world.vehicle.file.sensors.diodes).axes
-        self._cell = Battery.of(loop.world.vehicle.file.energy)
+        self._aboard = Aboard.of(loop.world.vehicle.file.energy)
         for name, topic in table.topics.items():
             if topic.recorded and topic.repeatable:
                 offered = profile(topic, lockstep=True)
@@ -120,7 +119,7 @@ class LoopRecorder:
         reading, estimate = energy.reading, energy.estimate
         # The monitor answers the message, which carries 32 bits.
         measured.voltage, measured.current = reading.voltage, reading.current
-        verdict = alarms.battery(loop.policy.energy, self._cell, estimate)
-        self._write('energy/battery', from_charge(self._cell, estimate, measured))
-        self._write('energy/status', from_books(self._cell, estimate, reading, verdict, measured))
+        self._write('energy/battery', from_charge(self._aboard.cell, estimate, measured))
+        status = from_books(loop.policy.energy, self._aboard, estimate, reading, measured)
+        self._write('energy/status', status)
         self._write('energy/reserve', from_reserve(estimate))

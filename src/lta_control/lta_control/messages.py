@@ -10,7 +10,9 @@ from lta_control.cascade import Measured, Setpoint
 from lta_control.estimator import Estimate, Inputs
 from lta_control.laws.protocol import Motion
 from lta_control.per_rotor import PerRotor, slots
+from lta_control.reserve import Word
 from lta_control.sighting import Lamp, Reckoned
+from lta_graph.health import Level
 from lta_graph.inbox import Step
 from nav_msgs.msg import Odometry
 import numpy as np
@@ -146,6 +148,18 @@ def to_reckoned(message: Odometry) -> Reckoned:
     """Return how the drone takes itself to move."""
     place, speed = message.pose.pose.position, message.twist.twist.linear
     return Reckoned(heading(attitude_of(message)), place.x, place.y, speed.x, speed.y)
+
+
+def heard_word(before: Word | None, step: Step) -> Word | None:
+    """Return what the energy monitor said last, dated by the step in which it came."""
+    reserve, status = step.last('energy/reserve'), step.last('energy/status')
+    if reserve is None:
+        return before
+    if status is None or not status.status:
+        urgent, why = (False, '') if before is None else (before.urgent, before.why)
+        return Word(step.stamp_ns, reserve.data, urgent, why)
+    energy = status.status[0]
+    return Word(step.stamp_ns, reserve.data, energy.level >= bytes([Level.ERROR]), energy.message)
 
 
 def to_lamp(message: PoseWithCovarianceStamped) -> Lamp | None:

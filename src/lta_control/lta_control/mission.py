@@ -6,29 +6,22 @@ several lamps the drone seeks the next one when it has arrived at one. It listen
 while it still holds its place, and goes only when that lamp is heard for a while; otherwise it
 listens to the lamp where it is again, stays, and asks once more later.
 
+With the energy reserve reached it lands, returns to its start or goes on to the lamp, as `reserve`
+says; on the ground it stays there. What it may not do it does not begin again: it lands for good.
+
 What is heard belongs to the beacon that was asked for a turn ago (`topics.yaml`, light/beacon).
 """
 
-from enum import StrEnum
-from typing import final, NamedTuple
+from typing import final
 
 from lta_config.course import Course
 from lta_config.settings import setting
 from lta_control.cascade import Setpoint
-from lta_control.strategies.protocol import Memory, Sight, Strategy
+from lta_control.obedience import homeward, obeyed
+from lta_control.phases import Mission, Phase, SWITCHING
+from lta_control.reserve import Order, ReserveSettings
+from lta_control.strategies.protocol import Sight, Strategy
 from lta_control.strategies.settings import StrategySettings
-
-SWITCHING = 2  # turns from asking for another beacon until what is heard is surely its light
-
-
-class Phase(StrEnum):
-    """What the drone is doing."""
-
-    REST = 'rest'
-    CLIMB = 'climb'
-    SEEK = 'seek'
-    ARRIVED = 'arrived'
-    LAND = 'land'
 
 
 @final
@@ -57,46 +50,15 @@ class MissionSettings(StrategySettings):
     )
 
 
-class Mission(NamedTuple):
-    """
-    How far the drone has come.
-
-    Attributes
-    ----------
-    phase : Phase
-        What it is doing.
-    memory : tuple of float
-        The strategy's, once it has begun.
-    leg : int
-        Which lamp of its route it seeks or stays at, from 0.
-    asked : int
-        Which one it listens for: `leg`, or the next.
-    turns : int
-        Light blocks since it began to listen for that one.
-    heard : int
-        How many of them, at the end and without a gap, had the lamp in sight.
-    refused : bool
-        Whether it stays because the next lamp was not heard.
-
-    """
-
-    phase: Phase = Phase.REST
-    memory: Memory = ()
-    leg: int = 0
-    asked: int = 0
-    turns: int = SWITCHING
-    heard: int = 0
-    refused: bool = False
-
-
 def mission_step(
     settings: MissionSettings,
     strategy: Strategy,
     mission: Mission,
     sight: Sight,
     altitude: float | None,
-    reserve: bool,
+    order: Order,
     lamps: int = 1,
+    reserve: ReserveSettings = ReserveSettings(),  # noqa: B008 - frozen
 ) -> tuple[Setpoint, Mission]:
     """
     Return what the controller should hold, and the mission as it now stands.
@@ -114,22 +76,29 @@ def mission_step(
     altitude : float or None
         Estimated; None while it is too early to take off: the estimator is learning its biases,
         or nothing is known of the energy. [m]
-    reserve : bool
-        Whether the energy reserve is reached.
+    order : Order
+        What the energy allows.
     lamps : int
         On the route.
+    reserve : ReserveSettings
+        What to do when the energy reserve is reached.
 
     """
     phase, memory = mission.phase, mission.memory
-    if altitude is None:
+    if altitude is None or (phase is Phase.REST and order is not Order.FLY):
         return Setpoint(0.0, sight.heading, 0.0), mission
     if phase is Phase.REST:
         phase, memory = Phase.CLIMB, strategy.start(sight.heading)
+        mission = mission._replace(start=sight.position)
     if phase is Phase.CLIMB and altitude > settings.altitude - settings.reached:
         phase = Phase.SEEK
-    if reserve:
-        phase = Phase.LAND
     mission = mission._replace(phase=phase, memory=memory)
+    mission = obeyed(reserve, settings.speed, mission, sight, order)
+    phase, memory = mission.phase, mission.memory
+    if phase is Phase.HOME:
+        heading = homeward(mission.start, sight.position)
+        mission = mission._replace(memory=(heading, *memory[1:]))
+        return Setpoint(settings.altitude, heading, settings.speed), mission
     if phase is Phase.SEEK or phase is Phase.ARRIVED:
         return _steered(settings, strategy, mission, sight, lamps)
     if phase is Phase.CLIMB and strategy.watch is not None:
@@ -176,14 +145,17 @@ def _listened(
         return mission._replace(asked=mission.leg + 1, turns=0, heard=0)
     if heard * sight.interval >= settings.heard and strategy.onward is not None:
         memory = strategy.onward(mission.memory)
-        return Mission(Phase.SEEK, memory, mission.asked, mission.asked, turns, heard)
+        leg = mission.asked
+        return mission._replace(
+            phase=Phase.SEEK, memory=memory, leg=leg, turns=turns, heard=heard, refused=False
+        )
     if time >= settings.patience:
         return mission._replace(asked=mission.leg, turns=0, heard=0, refused=True)
     return mission
 
 
 def course_step(
-    course: Course, time: float, heading: float, altitude: float | None, reserve: bool
+    course: Course, time: float, heading: float, altitude: float | None, order: Order
 ) -> Setpoint:
     """
     Return what the controller should hold on a course that is flown instead of a search.
@@ -196,13 +168,13 @@ def course_step(
         Since the first light. [s]
     heading : float
         Of the drone, which it keeps on the floor. [rad]
-    altitude, reserve
-        As of `mission_step`; with the reserve reached the drone comes down where it is.
+    altitude, order
+        As of `mission_step`; what the energy does not allow ends where the drone is.
 
     """
     if altitude is None:
         return Setpoint(0.0, heading, 0.0)
     asked = course.asked(time)
-    if reserve:
+    if order is not Order.FLY:
         return Setpoint(0.0, asked.heading, 0.0)
     return Setpoint(asked.altitude, asked.heading, asked.speed)

@@ -3,43 +3,62 @@
 import math
 
 from lta_energy.battery import Battery
-from lta_energy.monitor import Estimate, MonitorSettings, Reading, time_to_empty
+from lta_energy.monitor import Estimate, MonitorSettings, time_to_empty, time_to_full
+from lta_energy.outlook import Time
 from lta_graph.health import Level
 
-CRITICAL_VOLTAGE = 3.2  # V under load; Bitcraze's low-battery limit
-DOUBTFUL_POWER = 0.05  # W; ten times what the meters' offsets can amount to
-LONGEST_GAP = 1.0  # s; the current is taken as straight between two readings
-
 Verdict = tuple[Level, str]
+LONGEST = 360_000.0  # s; a hundred hours: what lasts longer is not worth a figure
 
 
 def battery(settings: MonitorSettings, cell: Battery, estimate: Estimate) -> Verdict:
-    """Return how the cell stands."""
-    if estimate.last is None:
-        return Level.WARN, 'no usable reading of the battery yet; the reserve counts as reached'
-    percent = f'{estimate.charge:.0%}'
-    if estimate.last.voltage <= CRITICAL_VOLTAGE:
+    """
+    Return how the energy stands, and by its level what it asks for.
+
+    ERROR is: come down now, do not take off; WARN: the reserve is reached.
+    """
+    if faults := [fault for fault in estimate.watch.faults if fault.level >= Level.ERROR]:
+        return Level.ERROR, faults[0].sentence
+    if estimate.belief is None or estimate.last is None or estimate.stock is None:
+        return Level.ERROR, 'no usable reading of the battery yet; the reserve counts as reached'
+    percent = f'{estimate.charge:.0%} +- {estimate.deviation:.0%}'
+    if estimate.critical.on:
         return Level.ERROR, f'the battery gives only {estimate.last.voltage:.2f} V: land now'
-    if estimate.reserve:
-        return Level.WARN, f'battery low: {percent} left, reserve {settings.reserve:.0%}'
-    left = time_to_empty(cell, estimate)
-    lasts = f', {left / 60.0:.0f} min at this power' if math.isfinite(left) else ''
-    return Level.OK, f'{percent} left{lasts}'
-
-
-def meters(estimate: Estimate, reading: Reading) -> Verdict:
-    """Return whether the readings can be believed."""
-    if not reading.usable:
-        return Level.ERROR, 'voltage or current is not a number: check the power meter'
-    if reading.power > reading.income + DOUBTFUL_POWER:
-        return Level.ERROR, (
-            f'the cell takes up {reading.power:.2f} W but the panel gives '
-            f'{reading.income:.2f} W: check the sign of the current'
+    if estimate.low:
+        return Level.WARN, (
+            f'reserve reached: {percent} left, reserve {settings.reserve:.0%}, '
+            f'way home {estimate.stock.home:.1%}'
         )
-    if not math.isfinite(reading.harvest):
-        return Level.WARN, 'the power of the panel is not measured and counts as 0 W'
-    if estimate.gap > LONGEST_GAP:
-        return Level.WARN, f'{estimate.gap:.1f} s without a reading: the charge is less certain'
-    if not estimate.rested:
-        return Level.WARN, 'the first voltage was read under load: the charge is less certain'
-    return Level.OK, 'readings are plausible'
+    if estimate.reserve:
+        return Level.WARN, f'the charge is doubtful: {percent}; the reserve counts as reached'
+    return Level.OK, f'{percent} left{_lasts(settings, cell, estimate)}'
+
+
+def _lasts(settings: MonitorSettings, cell: Battery, estimate: Estimate) -> str:
+    """Return how long it lasts or takes, in words."""
+    empty, full = time_to_empty(settings, cell, estimate), time_to_full(settings, cell, estimate)
+    if empty.mean < LONGEST:
+        return f', {_minutes(empty)} at this power'
+    return f', full in {_minutes(full)}' if full.mean < LONGEST else ''
+
+
+def _minutes(time: Time) -> str:
+    return f'{time.mean / 60.0:.0f} +- {math.ceil(time.deviation / 60.0)} min'
+
+
+def meters(estimate: Estimate) -> Verdict:
+    """Return whether the readings can be believed."""
+    faults = estimate.watch.faults
+    if not faults:
+        return Level.OK, 'readings are plausible'
+    level = max(fault.level for fault in faults)
+    return level, '; '.join(f'{fault.name}: {fault.sentence}' for fault in faults)
+
+
+def way(estimate: Estimate) -> Verdict:
+    """Return how far home is, and what is left beyond the way there and the reserve."""
+    stock = estimate.stock
+    if stock is None or estimate.last is None or estimate.last.where is None:
+        return Level.OK, 'where the drone is, is not known; the way home counts as none'
+    text = f'home is {estimate.last.where.distance:.1f} m away, {stock.spare:.0f} J to spare'
+    return (Level.WARN if stock.spare <= 0.0 else Level.OK), text

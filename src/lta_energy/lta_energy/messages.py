@@ -3,17 +3,26 @@
 import math
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from lta_energy import alarms
+from lta_energy.aboard import Aboard
 from lta_energy.battery import Battery
-from lta_energy.monitor import Estimate, Reading, time_to_empty
-from lta_graph.health import Level
+from lta_energy.belief import INVERSE, RESISTANCE
+from lta_energy.monitor import Estimate, MonitorSettings, time_to_empty, time_to_full
+from lta_energy.reading import Reading, Whereabouts
+from lta_energy.way_home import reach
+from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, Illuminance
 from std_msgs.msg import Bool
 
 SECONDS_PER_HOUR = 3600.0
+UNKNOWN = -1.0  # in the first element of a covariance: the estimator is still learning
 
 
 def to_reading(
-    battery: BatteryState, panel: BatteryState | None, light: Illuminance | None
+    battery: BatteryState,
+    panel: BatteryState | None,
+    light: Illuminance | None,
+    odom: Odometry | None,
 ) -> Reading:
     """Return the meters' messages as a reading; NaN where no message has come yet."""
     stamp = battery.header.stamp
@@ -21,9 +30,19 @@ def to_reading(
         stamp_ns=stamp.sec * 1_000_000_000 + stamp.nanosec,
         voltage=battery.voltage,
         current=battery.current,
-        harvest=math.nan if panel is None else panel.voltage * panel.current,
+        panel_voltage=math.nan if panel is None else panel.voltage,
+        panel_current=math.nan if panel is None else panel.current,
         illuminance=math.nan if light is None else light.illuminance,
+        where=None if odom is None else to_whereabouts(odom),
     )
+
+
+def to_whereabouts(odom: Odometry) -> Whereabouts | None:
+    """Return distance from the start and speed; None while the estimator is learning."""
+    if odom.pose.covariance[0] == UNKNOWN:
+        return None
+    place, speed = odom.pose.pose.position, odom.twist.twist.linear
+    return Whereabouts(math.hypot(place.x, place.y), math.hypot(speed.x, speed.y))
 
 
 def from_charge(cell: Battery, estimate: Estimate, measured: BatteryState) -> BatteryState:
@@ -39,7 +58,7 @@ def from_charge(cell: Battery, estimate: Estimate, measured: BatteryState) -> Ba
         design_capacity=capacity,
         percentage=estimate.charge,
         power_supply_status=_flow(measured.current),
-        power_supply_health=BatteryState.POWER_SUPPLY_HEALTH_UNKNOWN,
+        power_supply_health=_health(estimate),
         power_supply_technology=BatteryState.POWER_SUPPLY_TECHNOLOGY_LIPO,
         present=True,
         cell_voltage=[measured.voltage],
@@ -58,12 +77,25 @@ def _flow(current: float) -> int:
     return int(BatteryState.POWER_SUPPLY_STATUS_UNKNOWN)
 
 
-def figures(cell: Battery, estimate: Estimate, reading: Reading) -> dict[str, float]:
+def _health(estimate: Estimate) -> int:
+    """Return the health that the faults mean; nobody measures more of it."""
+    if estimate.critical.on:
+        return int(BatteryState.POWER_SUPPLY_HEALTH_DEAD)
+    if estimate.watch.doubtful:
+        return int(BatteryState.POWER_SUPPLY_HEALTH_UNSPEC_FAILURE)
+    return int(BatteryState.POWER_SUPPLY_HEALTH_UNKNOWN)
+
+
+def figures(
+    settings: MonitorSettings, aboard: Aboard, estimate: Estimate, reading: Reading
+) -> dict[str, float]:
     """Return the books as named numbers; each name ends with its unit."""
-    books = estimate.books
+    books, cell = estimate.books, aboard.cell
+    empty = time_to_empty(settings, cell, estimate)
+    full = time_to_full(settings, cell, estimate)
     return {
         'power_in_W': reading.harvest,
-        'power_out_W': reading.income - reading.power,
+        'power_out_W': aboard.given(reading.harvest) - reading.power,
         'power_net_W': reading.power,
         'harvested_J': books.harvested,
         'consumed_J': books.consumed,
@@ -71,21 +103,54 @@ def figures(cell: Battery, estimate: Estimate, reading: Reading) -> dict[str, fl
         'stored_J': books.stored,
         'imbalance_J': books.imbalance,
         'state_of_charge_1': estimate.charge,
-        'time_to_empty_s': time_to_empty(cell, estimate),
+        'state_of_charge_sigma_1': estimate.deviation,
+        'time_to_empty_s': empty.mean,
+        'time_to_empty_sigma_s': empty.deviation,
+        'time_to_full_s': full.mean,
+        'time_to_full_sigma_s': full.deviation,
+        **_of_cell(cell, estimate),
+        **_of_way(settings, estimate, reading),
         'illuminance_lx': reading.illuminance,
     }
 
 
+def _of_cell(cell: Battery, estimate: Estimate) -> dict[str, float]:
+    """Return what the filter makes of the cell itself, and how far off its last voltage was."""
+    if estimate.belief is None:
+        resistance = capacity = math.nan
+    else:
+        resistance = cell.resistance * estimate.belief.mean[RESISTANCE]
+        capacity = cell.capacity / estimate.belief.mean[INVERSE]
+    surprise = estimate.surprise
+    return {
+        'resistance_ohm': resistance,
+        'capacity_C': capacity,
+        'innovation_V': math.nan if surprise is None else surprise.innovation,
+    }
+
+
+def _of_way(settings: MonitorSettings, estimate: Estimate, reading: Reading) -> dict[str, float]:
+    """Return how far home is, what is left beyond it and the reserve, and how far that brings."""
+    stock, travel = estimate.stock, estimate.travel
+    spare = math.nan if stock is None else stock.spare
+    return {
+        'home_m': math.nan if reading.where is None else reading.where.distance,
+        'spare_J': spare,
+        'reach_m': math.nan if travel is None else reach(settings.way, travel, spare),
+    }
+
+
 def from_books(
-    cell: Battery,
+    settings: MonitorSettings,
+    aboard: Aboard,
     estimate: Estimate,
     reading: Reading,
-    verdict: tuple[Level, str],
     measured: BatteryState,
 ) -> DiagnosticArray:
-    """Return the books as one diagnostic status, stamped as the battery was measured."""
-    level, sentence = verdict
-    numbers = figures(cell, estimate, reading)
+    """Return books and faults as two diagnostic statuses, stamped as the battery was measured."""
+    level, sentence = alarms.battery(settings, aboard.cell, estimate)
+    trust, faults = alarms.meters(estimate)
+    numbers = figures(settings, aboard, estimate, reading)
     array = DiagnosticArray()
     array.header.stamp = measured.header.stamp
     array.status = [
@@ -94,7 +159,8 @@ def from_books(
             name='energy',
             message=sentence,
             values=[KeyValue(key=key, value=f'{value:.9g}') for key, value in numbers.items()],
-        )
+        ),
+        DiagnosticStatus(level=bytes([trust]), name='meters', message=faults),
     ]
     return array
 

@@ -1,194 +1,278 @@
 """
-What a drone can know of its energy from its meters: charge, books, time to empty, reserve.
+What a drone can know of its energy from its meters: charge, books, times, reserve, faults.
 
-The state of charge starts from the first voltage, corrected for the drop over the resistance, and
-then follows the current alone (coulomb counting, trapezoidal). It never looks at the truth.
+One reading goes through: what the filter expects of it, whether a detector spoils it, the filter
+or, without it, a guess that the load went on as before; then books, load, way home and reserve. It
+never looks at the truth.
 """
 
-from dataclasses import dataclass, replace
 import math
-from typing import final
+from typing import NamedTuple
 
-from lta_config.settings import setting, Settings
-from lta_energy.battery import (
-    Battery,
-    count,
-    open_circuit_voltage,
-    state_of_charge,
-    stored_energy,
+from lta_config.settings import setting
+from lta_energy import load, outlook, reserve, way_home
+from lta_energy.aboard import Aboard
+from lta_energy.battery import Battery, open_circuit_voltage
+from lta_energy.belief import (
+    Belief,
+    BeliefSettings,
+    first_look,
+    look,
+    predict,
+    RELAXATION,
+    RESISTANCE,
+    Surprise,
 )
 from lta_energy.books import Books, enter
+from lta_energy.faults.gap import LONGEST
+from lta_energy.faults.protocol import Seen
+from lta_energy.faults.watch import SWAPPED, Watch, watched
+from lta_energy.latch import Latch, latched
+from lta_energy.load import Load
+from lta_energy.outlook import Time
+from lta_energy.reading import Reading
+from lta_energy.reserve import ReserveSettings, Stock
+from lta_energy.way_home import Travel, WaySettings
+
+CRITICAL_VOLTAGE = 3.2  # V under load; Bitcraze's low-battery limit
+RECOVERED_VOLTAGE = 3.3  # V
+CRITICAL_RISE, CRITICAL_FALL = 0.3, 5.0  # s
+BETWEEN = 0.3  # of a change of the current: how unsure its mean between two readings is (uniform)
+EMPTY = 0.02  # of the charge at either end, where cells leave the chart
+QUIET = 1e-3  # A; two counts of the meter and its offset
 
 
-class MonitorSettings(Settings):
+class MonitorSettings(ReserveSettings):
     """When to come down, and how the readings are taken."""
 
-    reserve: float = setting(
-        0.25, 'State of charge at which the reserve is reached.', low=0.0, high=0.9
-    )
-    hysteresis: float = setting(
-        0.05, 'Charge above the reserve that takes the alarm back.', low=0.0, high=0.1
-    )
     smoothing: float = setting(
-        5.0, 'Time constant of the power in the time to empty.', unit='s', low=0.0, high=600.0
+        5.0, 'Time constant of the power that is shown.', unit='s', low=0.0, high=600.0
     )
-    rest_current: float = setting(
-        0.1, 'Largest current at which a cell counts as resting.', unit='A', low=0.0, high=10.0
+    outlook: float = setting(
+        120.0, 'Time constant of the power in the time to empty.', unit='s', low=0.0, high=3600.0
     )
+    belief: BeliefSettings = setting(BeliefSettings(), 'How far cells may differ.')
+    way: WaySettings = setting(WaySettings(), 'The way home.')
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class Reading:
-    """
-    One turn of the meters; NaN is what is not measured.
-
-    Attributes
-    ----------
-    stamp_ns : int
-        When. [ns]
-    voltage, current : float
-        Cell; a positive current charges. [V, A]
-    harvest : float
-        Power of the panel. [W]
-    illuminance : float
-        Light at the panel. [lx]
-
-    """
-
-    stamp_ns: int
-    voltage: float
-    current: float
-    harvest: float = math.nan
-    illuminance: float = math.nan
-
-    @property
-    def usable(self) -> bool:
-        """Whether the cell's voltage and current are numbers; the charge needs no more."""
-        return math.isfinite(self.voltage) and math.isfinite(self.current)
-
-    @property
-    def income(self) -> float:
-        """Power of the panel as the books take it: 0 where it is not measured. [W]"""
-        return self.harvest if math.isfinite(self.harvest) else 0.0
-
-    @property
-    def power(self) -> float:
-        """Power into the cell at its terminals. [W]"""
-        return self.voltage * self.current
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Estimate:
+class Estimate(NamedTuple):
     """
     What is known after a reading.
 
     Attributes
     ----------
-    charge : float
-        State of charge, NaN before the first usable reading. [1]
-    drain : float
-        Smoothed power that leaves the cell's chemistry, losses included. [W]
+    belief : Belief or None
+        Of the cell; None before the first usable reading.
+    load : Load
+        Power that leaves the cell's chemistry, losses included.
+    travel : Travel or None
+        What flying takes.
+    stock : Stock or None
+        The charge against reserve and way home.
+    low : bool
+        Whether the reserve is reached by the charge, with hysteresis.
     reserve : bool
-        Whether the reserve is reached; an unknown charge counts as reached.
-    rested : bool
-        Whether the first voltage was that of a resting cell.
+        Whether it counts as reached: by the charge, or because the energy is doubtful.
+    critical : Latch
+        Whether the voltage is so low that nothing but landing is left.
+    watch : Watch
+        What the detectors of bad readings know.
+    surprise : Surprise or None
+        How far the newest voltage was off what was expected.
     gap : float
         Time since the reading before. [s]
     last : Reading or None
-        The last usable reading.
+        The newest reading.
+    good : Reading or None
+        The newest one that no detector spoilt.
     books : Books
-        Energy since the first usable reading.
+        Energy since the first good reading.
 
     """
 
-    charge: float = math.nan
-    drain: float = 0.0
+    belief: Belief | None = None
+    load: Load = Load()
+    travel: Travel | None = None
+    stock: Stock | None = None
+    low: bool = False
     reserve: bool = True
-    rested: bool = False
+    critical: Latch = Latch()
+    watch: Watch = Watch()
+    surprise: Surprise | None = None
     gap: float = 0.0
     last: Reading | None = None
-    books: Books = Books()  # noqa: RUF009 - frozen
+    good: Reading | None = None
+    books: Books = Books()
+
+    @property
+    def charge(self) -> float:
+        """State of charge, NaN before the first usable reading. [1]"""
+        return math.nan if self.belief is None else self.belief.charge
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation of the state of charge. [1]"""
+        return math.nan if self.belief is None else self.belief.deviation
+
+    @property
+    def urgent(self) -> bool:
+        """Whether to come down at once: a cell that gives way, or readings that mean nothing."""
+        return self.belief is None or self.critical.on or self.watch.doubtful
 
 
 def update(
-    settings: MonitorSettings, cell: Battery, before: Estimate, reading: Reading
+    settings: MonitorSettings, aboard: Aboard, before: Estimate, reading: Reading
 ) -> Estimate:
     """
-    Return what is known after one more reading; an unusable or older one changes nothing.
+    Return what is known after one more reading.
 
     Parameters
     ----------
     settings : MonitorSettings
         The reserve and the smoothing.
-    cell : Battery
-        The cell, as the monitor believes it to be.
+    aboard : Aboard
+        Cell and charger, as their file has them.
     before : Estimate
         What was known.
     reading : Reading
         The meters.
 
     """
+    last, cell = before.last, aboard.cell
+    dt = 0.0 if last is None else (reading.stamp_ns - last.stamp_ns) * 1e-9
+    if last is not None and dt <= 0.0:
+        watch = watched(before.watch, Seen(reading, last, dt, cell))
+        return _decided(settings, cell, before._replace(watch=watch))
+    expected = _expected(settings, cell, before, reading, dt)
+    seen_belief, surprise = expected, None
+    if expected is not None and reading.usable:
+        seen_belief, surprise = look(
+            settings.belief, cell, expected, reading.voltage, reading.current
+        )
+    off = _surprising(expected, surprise)
+    watch = watched(before.watch, Seen(reading, last, dt, cell, off))
+    belief = expected if watch.spoilt else seen_belief
+    another = watch.latches[SWAPPED].on and not before.watch.latches[SWAPPED].on
+    if (belief is None and not watch.spoilt) or (another and reading.usable):
+        belief = first_look(settings.belief, cell, reading.voltage, reading.current)
+    after = before._replace(
+        belief=belief, watch=watch, surprise=surprise, gap=dt, last=reading,
+        critical=_critical(before.critical, reading, dt),
+    )  # fmt: skip
+    if not watch.spoilt:
+        after = _counted(settings, aboard, after, reading, dt)
+    return _decided(settings, cell, after)
+
+
+def _expected(
+    settings: MonitorSettings, cell: Battery, before: Estimate, reading: Reading, dt: float
+) -> Belief | None:
+    """Return what is believed of the cell before the newest voltage is looked at."""
+    belief = before.belief
+    if belief is None or before.good is None:
+        return belief
+    current, unsure = _blind_current(before, belief)
+    if before.good is before.last and reading.usable and dt <= LONGEST:
+        current = 0.5 * (before.good.current + reading.current)
+        unsure = BETWEEN * abs(reading.current - before.good.current) + QUIET
+    return predict(settings.belief, cell, belief, current, unsure, dt)
+
+
+def _surprising(expected: Belief | None, surprise: Surprise | None) -> float:
+    """Return by how many deviations a voltage was off; beyond the ends of the chart by none."""
+    if expected is None or surprise is None:
+        return 0.0
+    end = EMPTY if surprise.innovation < 0.0 else 1.0 - EMPTY
+    beyond = expected.charge < end if surprise.innovation < 0.0 else expected.charge > end
+    return 0.0 if beyond else abs(surprise.innovation) / surprise.deviation
+
+
+def _blind_current(before: Estimate, belief: Belief) -> tuple[float, float]:
+    """Return the current to expect while no reading tells, and how unsure that is. [A]"""
+    current = -before.load.quick / open_circuit_voltage(belief.charge)
+    return current, abs(current) + QUIET
+
+
+def _critical(before: Latch, reading: Reading, dt: float) -> Latch:
+    """Return whether the voltage is critical; it must recover before that is taken back."""
     if not reading.usable:
         return before
-    if before.last is None:
-        return _begin(settings, cell, reading)
-    dt = (reading.stamp_ns - before.last.stamp_ns) * 1e-9
-    if dt <= 0.0:
-        return before
-    last = before.last
-    charge = count(before.charge, 0.5 * (last.current + reading.current), cell.capacity, dt)
+    limit = RECOVERED_VOLTAGE if before.on else CRITICAL_VOLTAGE
+    return latched(before, reading.voltage <= limit, dt, CRITICAL_RISE, CRITICAL_FALL)
+
+
+def _counted(
+    settings: MonitorSettings, aboard: Aboard, after: Estimate, reading: Reading, dt: float
+) -> Estimate:
+    """Return the estimate with a good reading in load, books and way."""
+    belief = after.belief
+    if belief is None:
+        return after
+    power = -open_circuit_voltage(belief.charge) * reading.current
+    if after.good is None or after.travel is None:
+        return after._replace(
+            load=load.first(power), travel=way_home.begun(settings.way), good=reading
+        )
+    return after._replace(
+        load=load.smoothed(after.load, power, dt, settings.smoothing, settings.outlook),
+        travel=way_home.seen(settings.way, after.travel, reading.where, power, dt),
+        books=_entered(after.books, aboard, belief, after.good, reading),
+        good=reading,
+    )
+
+
+def _entered(
+    books: Books, aboard: Aboard, belief: Belief, last: Reading, reading: Reading
+) -> Books:
+    """
+    Return the books after the time between two good readings.
+
+    Stored is what flowed into the chemistry by the current and the resting voltage, lost what
+    charger and resistances turned into heat; what is left over says how far model and meters
+    disagree.
+    """
+    dt = (reading.stamp_ns - last.stamp_ns) * 1e-9
+    current = 0.5 * (last.current + reading.current)
+    squared = 0.5 * (last.current**2 + reading.current**2)
     harvest = 0.5 * (last.income + reading.income)
-    books = enter(
-        before.books,
+    given = 0.5 * (aboard.given(last.harvest) + aboard.given(reading.harvest))
+    return enter(
+        books,
         harvest=harvest,
-        load=harvest - 0.5 * (last.power + reading.power),
-        loss=0.5 * cell.resistance * (last.current**2 + reading.current**2),
-        stored=stored_energy(charge, cell.capacity) - stored_energy(before.charge, cell.capacity),
+        load=given - 0.5 * (last.power + reading.power),
+        loss=harvest
+        - given
+        + belief.mean[RESISTANCE] * aboard.cell.resistance * squared
+        + belief.mean[RELAXATION] * current,
+        stored=open_circuit_voltage(belief.charge) * current * dt,
         dt=dt,
     )
-    weight = -math.expm1(-dt / settings.smoothing) if settings.smoothing else 1.0
-    drain = before.drain + weight * (_drain(charge, reading) - before.drain)
-    reserve = _reserve(settings, before.reserve, charge)
-    return replace(
-        before, charge=charge, drain=drain, reserve=reserve, gap=dt, last=reading, books=books
-    )
 
 
-def _begin(settings: MonitorSettings, cell: Battery, reading: Reading) -> Estimate:
-    """Return the estimate of a first reading: the charge by the resting voltage."""
-    charge = state_of_charge(reading.voltage - cell.resistance * reading.current)
-    return Estimate(
-        charge=charge,
-        drain=_drain(charge, reading),
-        reserve=_reserve(settings, False, charge),
-        rested=abs(reading.current) <= settings.rest_current,
-        last=reading,
-    )
+def _decided(settings: MonitorSettings, cell: Battery, after: Estimate) -> Estimate:
+    """Return the estimate with the decision about the reserve."""
+    belief, travel = after.belief, after.travel
+    if belief is None or travel is None:
+        return after
+    where = None if after.last is None else after.last.where
+    away = 0.0 if where is None else where.distance
+    stock = reserve.stock(settings, cell, belief, way_home.energy_home(settings.way, travel, away))
+    low = reserve.reached(settings, after.low, stock)
+    doubtful = belief.deviation > settings.doubt
+    return after._replace(stock=stock, low=low, reserve=low or doubtful or after.urgent)
 
 
-def _drain(charge: float, reading: Reading) -> float:
-    return -open_circuit_voltage(charge) * reading.current
+def time_to_empty(settings: MonitorSettings, cell: Battery, estimate: Estimate) -> Time:
+    """Return how long the charge lasts at the mean load; infinite while nothing is drained."""
+    if estimate.belief is None:
+        return outlook.UNKNOWN
+    spread = load.deviation(estimate.load, settings.smoothing, settings.outlook)
+    return outlook.to_empty(cell, estimate.belief, estimate.load.mean, spread)
 
 
-def _reserve(settings: MonitorSettings, before: bool, charge: float) -> bool:
-    """Tell whether the reserve is reached, with hysteresis."""
-    return charge <= settings.reserve + (settings.hysteresis if before else 0.0)
-
-
-def time_to_empty(cell: Battery, estimate: Estimate) -> float:
-    """
-    Return how long the charge lasts at the smoothed drain. [s]
-
-    Returns
-    -------
-    float
-        Infinite while nothing is drained; NaN before the first usable reading.
-
-    """
-    if math.isnan(estimate.charge):
-        return math.nan
-    if estimate.drain <= 0.0:
-        return math.inf
-    return stored_energy(estimate.charge, cell.capacity) / estimate.drain
+def time_to_full(settings: MonitorSettings, cell: Battery, estimate: Estimate) -> Time:
+    """Return how long the cell takes until it is full; infinite while it is not charged."""
+    if estimate.belief is None:
+        return outlook.UNKNOWN
+    spread = load.deviation(estimate.load, settings.smoothing, settings.outlook)
+    return outlook.to_full(cell, estimate.belief, estimate.load.mean, spread)

@@ -19,7 +19,9 @@ from lta_config.errors import BadInput
 from lta_config.override import assignment
 from lta_config.topics import topic_table
 from lta_control.cascade import Setpoint
-from lta_control.mission import Mission, mission_step, MissionSettings, Phase
+from lta_control.mission import mission_step, MissionSettings
+from lta_control.phases import Mission, Phase
+from lta_control.reserve import Order
 from lta_control.strategies.bearing_angle import STRATEGY
 from lta_control.strategies.protocol import Sight
 from lta_sim.in_scene import reach
@@ -69,7 +71,12 @@ def test_the_mission_is_the_mission():
         sight = Sight(bool(chance.random() < 0.5), bearing, heading, (0.0,), 0.1)
         ready, reserve = bool(chance.random() < 0.7), bool(chance.random() < 0.02)
         expected, mission = mission_step(
-            settings, STRATEGY, mission, sight, altitude / 3 if ready else None, reserve
+            settings,
+            STRATEGY,
+            mission,
+            sight,
+            altitude / 3 if ready else None,
+            Order.RESERVE if reserve else Order.FLY,
         )
         told, phase, memory = flight.guide(
             settings, phase, memory, sight, ready, altitude / 3, reserve

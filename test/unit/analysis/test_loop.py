@@ -14,8 +14,9 @@ from lta_control.autopilot import drone_of, MEMORY
 from lta_control.cascade import Setpoint, wrap
 from lta_control.estimator import EstimatorSettings
 from lta_control.gains_file import load_gains
-from lta_control.mission import MissionSettings, Phase
+from lta_control.mission import MissionSettings
 from lta_control.onboard import Heard, Onboard, onboard_step
+from lta_control.phases import Phase
 from lta_control.strategies import strategy
 from lta_control.strategies.bearing_angle import STRATEGY
 from lta_sim.readings import Outcome

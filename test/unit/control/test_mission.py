@@ -3,7 +3,9 @@
 import itertools
 
 from lta_control.cascade import Setpoint
-from lta_control.mission import Mission, mission_step, MissionSettings, Phase
+from lta_control.mission import mission_step, MissionSettings
+from lta_control.phases import Mission, Phase
+from lta_control.reserve import Order
 from lta_control.strategies import strategy
 from lta_control.strategies.protocol import Sight
 import pytest
@@ -14,15 +16,15 @@ SEEN = Sight(seen=True, bearing=0.4, heading=1.0, amplitudes=(0.0,) * 8, interva
 BLIND = SEEN._replace(seen=False, bearing=0.0)
 
 
-def go(mission=Mission(), sight=SEEN, altitude=0.42, reserve=False):  # noqa: B008 - immutable
-    return mission_step(SETTINGS, BAG, mission, sight, altitude, reserve)
+def go(mission=Mission(), sight=SEEN, altitude=0.42, order=Order.FLY):  # noqa: B008 - immutable
+    return mission_step(SETTINGS, BAG, mission, sight, altitude, order)
 
 
 def test_at_rest_it_asks_for_nothing():
     setpoint, mission = go(altitude=None)
     assert setpoint == Setpoint(0.0, 1.0, 0.0)
     assert mission == Mission(Phase.REST, ())
-    assert go(altitude=None, reserve=True)[1] == mission
+    assert go(altitude=None, order=Order.RESERVE)[1] == mission
 
 
 def test_it_climbs_on_the_heading_it_stood_on():
@@ -48,13 +50,20 @@ def test_sinking_does_not_start_another_climb():
     assert go(Mission(Phase.SEEK, (1.0,)), altitude=0.1)[1].phase is Phase.SEEK
 
 
-@pytest.mark.parametrize('phase', [Phase.REST, Phase.CLIMB, Phase.SEEK, Phase.LAND])
+@pytest.mark.parametrize('order', [Order.RESERVE, Order.DOWN])
+@pytest.mark.parametrize('phase', [Phase.CLIMB, Phase.SEEK, Phase.LAND])
 @pytest.mark.parametrize('altitude', [0.42, 0.5])
-def test_the_reserve_lands_it(phase, altitude):
-    memory = () if phase is Phase.REST else (0.7,)
-    setpoint, mission = go(Mission(phase, memory), altitude=altitude, reserve=True)
+def test_the_reserve_lands_it(phase, altitude, order):
+    setpoint, mission = go(Mission(phase, (0.7,)), altitude=altitude, order=order)
     assert mission.phase is Phase.LAND
-    assert setpoint == Setpoint(0.3, 1.0 if phase is Phase.REST else 0.7, 0.0)
+    assert setpoint == Setpoint(0.3, 0.7, 0.0)
+
+
+@pytest.mark.parametrize('order', [Order.RESERVE, Order.DOWN])
+def test_it_does_not_take_off_on_the_reserve_and_does_when_it_is_taken_back(order):
+    setpoint, mission = go(order=order)
+    assert (setpoint, mission) == (Setpoint(0.0, 1.0, 0.0), Mission())
+    assert go(mission)[1].phase is Phase.CLIMB
 
 
 def test_it_goes_on_landing_when_the_reserve_recovers():
@@ -68,10 +77,10 @@ def test_landing_asks_for_less_than_where_the_gear_stands():
 
 
 def test_phases_only_go_forward():
-    order = list(Phase)
-    assert order == ['rest', 'climb', 'seek', 'arrived', 'land']
-    inputs = list(itertools.product((SEEN, BLIND), (None, 0.1, 0.42, 0.47, 3.0), (False, True)))
-    for phase, (sight, altitude, reserve) in itertools.product(order, inputs):
+    phases = list(Phase)
+    assert phases == ['rest', 'climb', 'seek', 'arrived', 'home', 'land']
+    inputs = list(itertools.product((SEEN, BLIND), (None, 0.1, 0.42, 0.47, 3.0), tuple(Order)))
+    for phase, (sight, altitude, order) in itertools.product(phases, inputs):
         memory = () if phase is Phase.REST else (0.7,)
-        _, after = go(Mission(phase, memory), sight, altitude, reserve)
-        assert order.index(after.phase) >= order.index(phase)
+        _, after = go(Mission(phase, memory), sight, altitude, order)
+        assert phases.index(after.phase) >= phases.index(phase)

@@ -1,7 +1,9 @@
 """A mission along a route: it hands over when the next lamp is heard, and stays when it is not."""
 
 from lta_config.errors import BadInput
-from lta_control.mission import Mission, mission_step, MissionSettings, Phase, SWITCHING
+from lta_control.mission import mission_step, MissionSettings
+from lta_control.phases import Mission, Phase, SWITCHING
+from lta_control.reserve import Order
 from lta_control.strategies import check_route, strategy
 from lta_control.strategies.protocol import Course, Sight, Strategy
 import pytest
@@ -24,7 +26,7 @@ def fly(sights, mission=None, lamps=2):
     mission = mission or Mission(Phase.SEEK, (0.0, 0.0))
     rows = []
     for sight in sights:
-        _, mission = mission_step(SETTINGS, THERE, mission, sight, 0.5, False, lamps)
+        _, mission = mission_step(SETTINGS, THERE, mission, sight, 0.5, Order.FLY, lamps)
         rows.append(mission)
     return rows
 
@@ -76,7 +78,7 @@ def test_a_single_lamp_is_never_left():
 
 def test_the_reserve_lands_it_on_a_route_too():
     mission = fly([SEEN] * 3)[-1]
-    asked, mission = mission_step(SETTINGS, THERE, mission, SEEN, 0.5, True, 2)
+    asked, mission = mission_step(SETTINGS, THERE, mission, SEEN, 0.5, Order.RESERVE, 2)
     assert mission.phase is Phase.LAND
     assert (asked.altitude, asked.speed) == (SETTINGS.landing, 0.0)
 

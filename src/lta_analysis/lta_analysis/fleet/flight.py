@@ -38,7 +38,7 @@ LIFTED = 0.01  # m above where it stood: the drone has left the ground, as in th
 
 FLYING, REACHED, TIMEOUT, ESCAPED = 0, 1, 2, 3
 RAN_AWAY = 4  # beyond the outcomes: the numbers, see `stiffness.watch`
-REST, CLIMB, SEEK, LAND = 0, 1, 2, 4  # as `mission.Phase`; BAG never arrives
+REST, CLIMB, SEEK, LAND = 0, 1, 2, 5  # as `phases.Phase`; BAG never arrives
 
 
 def full(charge: float) -> Account:
@@ -114,7 +114,7 @@ def guide(
     reserve: bool,
 ) -> tuple[Setpoint, int, Memory]:
     """Return what to hold, and the mission: `mission.mission_step` with a number for a phase."""
-    if not ready:
+    if not ready or (phase == REST and reserve):
         return Setpoint(0.0, sight.heading, 0.0), phase, memory
     if phase == REST:
         phase, memory = CLIMB, start(sight.heading)

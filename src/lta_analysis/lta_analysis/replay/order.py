@@ -21,6 +21,7 @@ from lta_sim.vehicle import load_vehicle
 ROBOT = 'lta1'  # where the bag has no namespace
 OWNERS = {  # whose parameters they are, that `lta simulate --set` calls by these names
     'mission': ('navigator', ''),
+    'reserve': ('navigator', 'reserve.'),
     'estimator': ('estimator', ''),
     'demodulator': ('demodulator', ''),
     'prior': ('demodulator', 'prior.'),

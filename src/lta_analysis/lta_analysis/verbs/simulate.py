@@ -41,8 +41,9 @@ def simulate(
     --set replaces one parameter of a file by its path: vehicle.trim.heaviness=4 g,
     scenario.air.wind=[0.2, 0, 0] m/s, scenario.air.wind.0=0.2 m/s (one of several numbers, from
     0), gains.heading_kp=0.5; and of a node: mission.altitude=0.8. Roots are vehicle, scenario,
-    gains, mission, estimator, demodulator, prior (of the lamp) and energy_monitor. Changed files
-    are kept beside the bag. The drone is told of what is changed, as if it stood in its files.
+    gains, mission, reserve (what to do at it), estimator, demodulator, prior (of the lamp) and
+    energy_monitor. Changed files are kept beside the bag. The drone is told of what is changed,
+    as if it stood in its files.
 
     Exit status 0: the drone reached its goal. 1: it did not. 2: bad input, nothing was flown.
 

@@ -6,12 +6,16 @@ from lta_config.settings import setting
 from lta_control.cascade import Setpoint
 from lta_control.messages import (
     from_setpoint,
+    heard_word,
     to_diodes,
     to_lamp,
     to_measured,
     to_reckoned,
 )
-from lta_control.mission import course_step, Mission, mission_step, MissionSettings
+from lta_control.mission import course_step, mission_step, MissionSettings
+from lta_control.obedience import check_reserve
+from lta_control.phases import Mission, Phase
+from lta_control.reserve import because, Order, order_of, ReserveSettings, Word
 from lta_control.sighting import Reckoned, sighted
 from lta_control.strategies import check_route, strategy
 from lta_control.strategies.protocol import Sight
@@ -32,6 +36,7 @@ class NavigatorParameters(MissionSettings):
     scenario: str = setting(
         '', 'Scenario whose course or route is flown, if it has one.', fixed=True
     )
+    reserve: ReserveSettings = setting(ReserveSettings(), 'What the energy makes of it.')
 
 
 class Navigator(GraphNode):
@@ -49,7 +54,8 @@ class Navigator(GraphNode):
         check_route(self._strategy, len(self._route))
         self._begun_ns: int | None = None
         self._mission = Mission()
-        self._reserve: bool | None = None  # unknown: stay down
+        check_reserve(self._settings.value.reserve, self._strategy)
+        self._word: Word | None = None  # of the energy; unknown: stay down
         light = self.table['photodiodes']
         self._block_ns = light.period_ns
         self._history: deque[Odometry] = deque(maxlen=3 * self._block_ns // self.table.control_ns)
@@ -58,13 +64,12 @@ class Navigator(GraphNode):
 
     def _on_step(self, step: Step) -> None:
         self._history.extend(step.messages['odom'])
-        for message in step.messages['energy/reserve']:
-            self._reserve = message.data
+        self._word = heard_word(self._word, step)
         if not self._history and not self.lockstep:
             return  # the first light may come before the first estimate; in lockstep all answer
         estimate = step.last('light/estimate')
         measured = to_measured(self._history[-1]) if self._history else None
-        altitude = None if measured is None or self._reserve is None else measured.altitude
+        altitude = None if measured is None or self._word is None else measured.altitude
         setpoint = self._steered(step, altitude)
         pose, velocity = from_setpoint(estimate.header.stamp, setpoint)
         self._pose.publish(pose)
@@ -78,24 +83,36 @@ class Navigator(GraphNode):
 
     def _steered(self, step: Step, altitude: float | None) -> Setpoint:
         """Return what to hold, and say what for."""
-        sight, reserve = self._sight(step), bool(self._reserve)
+        sight, settings = self._sight(step), self._settings.value
+        order = order_of(settings.reserve, self._word, step.stamp_ns)
         if self._course is not None:
             self._begun_ns = step.stamp_ns if self._begun_ns is None else self._begun_ns
             time = (step.stamp_ns - self._begun_ns) * 1e-9
-            self.health.report('mission', Level.OK, 'course')
-            return course_step(self._course, time, sight.heading, altitude, reserve)
+            self._tell('course', order, step.stamp_ns)
+            return course_step(self._course, time, sight.heading, altitude, order)
         setpoint, self._mission = mission_step(
-            self._settings.value, self._strategy, self._mission, sight, altitude, reserve,
-            max(len(self._route), 1),
+            settings, self._strategy, self._mission, sight, altitude, order,
+            max(len(self._route), 1), settings.reserve,
         )  # fmt: skip
-        self._tell_mission()
+        self._tell_mission(order, step.stamp_ns)
         return setpoint
 
-    def _tell_mission(self) -> None:
+    def _tell(self, doing: str, order: Order, now_ns: int) -> None:
+        """Say what the drone is doing, and where the energy forbids more, why."""
+        if order is Order.FLY:
+            self.health.report('mission', Level.OK, doing)
+            return
+        why = because(self._settings.value.reserve, self._word, now_ns)
+        resting = self._mission.phase is Phase.REST and self._course is None
+        text = f'no take-off: {why}' if resting else f'{doing}: {why}'
+        level = Level.ERROR if order is Order.DOWN else Level.WARN
+        self.health.report('mission', level, text)
+
+    def _tell_mission(self, order: Order, now_ns: int) -> None:
         """Say what the drone is doing, and which lamp it is about."""
         mission = self._mission
-        if not self._route:
-            self.health.report('mission', Level.OK, str(mission.phase))
+        if not self._route or order is not Order.FLY:
+            self._tell(str(mission.phase), order, now_ns)
             return
         (here, _), (wanted, frequency) = self._route[mission.leg], self._route[mission.asked]
         level, text = Level.OK, f'{mission.phase}: {here}'

@@ -5,13 +5,14 @@ from typing import TYPE_CHECKING
 from lta_config.settings import setting
 from lta_config.vehicle_file import load_vehicle_file
 from lta_energy import alarms, messages
-from lta_energy.battery import Battery
+from lta_energy.aboard import Aboard
 from lta_energy.monitor import Estimate, MonitorSettings, update
 from lta_graph.ros.node import GraphNode, run
 from lta_graph.ros.parameters import Parameters
 
 if TYPE_CHECKING:
     from lta_graph.inbox import Step
+    from nav_msgs.msg import Odometry
     from sensor_msgs.msg import BatteryState, Illuminance
 
 
@@ -30,25 +31,28 @@ class EnergyMonitor(GraphNode):
         self._status = self.output('energy/status')
         self._reserve = self.output('energy/reserve')
         self._settings = Parameters(self, EnergyMonitorParameters)
-        self._cell = Battery.of(load_vehicle_file(self._settings.value.vehicle).energy)
+        self._aboard = Aboard.of(load_vehicle_file(self._settings.value.vehicle).energy)
         self._estimate = Estimate()
         self._panel: BatteryState | None = None
         self._light: Illuminance | None = None
-        self.listen(['battery', 'panel', 'illuminance'], 'battery', self._on_step)
+        self._odom: Odometry | None = None
+        inputs = self.table.read_by('energy_monitor')
+        self.listen(inputs, 'battery', self._on_step)
 
     def _on_step(self, step: 'Step') -> None:
         measured = step.last('battery')
         self._panel = step.last('panel') or self._panel
         self._light = step.last('illuminance') or self._light
-        settings, cell = self._settings.value, self._cell
-        reading = messages.to_reading(measured, self._panel, self._light)
-        self._estimate = estimate = update(settings, cell, self._estimate, reading)
-        verdict = alarms.battery(settings, cell, estimate)
-        self._battery.publish(messages.from_charge(cell, estimate, measured))
-        self._status.publish(messages.from_books(cell, estimate, reading, verdict, measured))
+        self._odom = step.last('odom') or self._odom
+        settings, aboard = self._settings.value, self._aboard
+        reading = messages.to_reading(measured, self._panel, self._light, self._odom)
+        self._estimate = estimate = update(settings, aboard, self._estimate, reading)
+        self._battery.publish(messages.from_charge(aboard.cell, estimate, measured))
+        self._status.publish(messages.from_books(settings, aboard, estimate, reading, measured))
         self._reserve.publish(messages.from_reserve(estimate))
-        self.health.report('battery', *verdict)
-        self.health.report('meters', *alarms.meters(estimate, reading))
+        self.health.report('battery', *alarms.battery(settings, aboard.cell, estimate))
+        self.health.report('meters', *alarms.meters(estimate))
+        self.health.report('way', *alarms.way(estimate))
 
 
 def main(args: list[str] | None = None) -> None:

@@ -1,0 +1,68 @@
+"""What the energy makes of a mission in the air: land, fly back to the start, or go on."""
+
+import math
+
+from lta_config.errors import BadInput
+from lta_control.phases import Mission, Phase
+from lta_control.reserve import Order, ReserveSettings
+from lta_control.strategies.protocol import Sight, Strategy
+
+Place = tuple[float, float]
+
+
+def check_reserve(settings: ReserveSettings, strategy: Strategy) -> None:
+    """Raise `BadInput` where a strategy cannot do what is asked of it at the reserve."""
+    if settings.action == 'perch' and not strategy.arrives:
+        raise BadInput(
+            f'The strategy {strategy.name} never says that it has arrived, so that it cannot '
+            'perch at the reserve; choose homing, or land or return.'
+        )
+
+
+def obeyed(
+    settings: ReserveSettings, speed: float, mission: Mission, sight: Sight, order: Order
+) -> Mission:
+    """
+    Return a mission in the air with what the energy makes of it.
+
+    A flight back is never taken up anew, and ends in a landing wherever it has led: it is flown by
+    dead reckoning, which the wind carries away.
+
+    Parameters
+    ----------
+    settings : ReserveSettings
+        What to do at the reserve.
+    speed : float
+        Airspeed of the flight back. [m/s]
+    mission : Mission
+        As it stands.
+    sight : Sight
+        Where the drone takes itself to be.
+    order : Order
+        What the energy allows.
+
+    """
+    if mission.phase is Phase.HOME:
+        mission = mission._replace(left=mission.left - sight.interval)
+        near = away(mission.start, sight.position) <= settings.home
+        over = near or mission.left <= 0.0 or order is Order.DOWN
+        return mission._replace(phase=Phase.LAND) if over else mission
+    if order is Order.FLY or mission.phase is Phase.LAND:
+        return mission
+    if order is Order.RESERVE and mission.phase is not Phase.CLIMB:
+        if settings.action == 'perch' and mission.phase is Phase.SEEK:
+            return mission
+        if settings.action == 'return' and speed > 0.0:
+            left = settings.patience * away(mission.start, sight.position) / speed
+            return mission._replace(phase=Phase.HOME, left=left)
+    return mission._replace(phase=Phase.LAND)
+
+
+def homeward(start: Place, place: Place) -> float:
+    """Return the heading to the start. [rad, odom]"""
+    return math.atan2(start[1] - place[1], start[0] - place[0])
+
+
+def away(start: Place, place: Place) -> float:
+    """Return the distance from the start. [m]"""
+    return math.hypot(start[0] - place[0], start[1] - place[1])

@@ -1,0 +1,15 @@
+"""A voltage or current of the cell that is no number."""
+
+from lta_energy.faults.protocol import Detector, Memory, Seen
+from lta_graph.health import Level
+
+
+def _sees(memory: Memory, seen: Seen) -> tuple[bool, Memory]:
+    return not seen.reading.usable, memory
+
+
+def _says(seen: Seen) -> str:
+    return 'voltage or current of the cell is not a number: check the power meter'
+
+
+DETECTOR = Detector('not a number', _sees, _says, Level.ERROR, spoils=True, rise=0.0, fall=2.0)

@@ -1,0 +1,37 @@
+"""A yes or no with hysteresis in time: it takes a while to say yes, and to take it back."""
+
+from typing import NamedTuple
+
+ROUNDING = 1e-6  # s; of a sum of differences of stamps
+
+
+class Latch(NamedTuple):
+    """Whether it is on, and how long its condition has said otherwise. [s]"""
+
+    on: bool = False
+    since: float = 0.0
+
+
+def latched(latch: Latch, condition: bool, dt: float, rise: float, fall: float) -> Latch:
+    """
+    Return the latch after some time.
+
+    Parameters
+    ----------
+    latch : Latch
+        As it was.
+    condition : bool
+        What is seen now.
+    dt : float
+        Time since it was last seen. [s]
+    rise, fall : float
+        How long a condition must last to switch on, and its absence to switch off; 0 is at once.
+        [s]
+
+    """
+    if condition == latch.on:
+        return Latch(latch.on, 0.0)
+    since = latch.since + dt
+    if since + ROUNDING >= (rise if condition else fall):
+        return Latch(condition, 0.0)
+    return Latch(latch.on, since)

@@ -1,0 +1,118 @@
+"""The reserve obeyed: what the navigator believes, and landing, returning and perching on it."""
+
+import math
+
+from lta_config.errors import BadInput
+from lta_control.cascade import Setpoint
+from lta_control.mission import mission_step, MissionSettings
+from lta_control.obedience import check_reserve
+from lta_control.phases import Mission, Phase
+from lta_control.reserve import because, Order, order_of, ReserveSettings, Word
+from lta_control.strategies import strategy
+from lta_control.strategies.protocol import Course, Sight, Strategy
+import pytest
+
+SECOND = 1_000_000_000
+SETTINGS = MissionSettings(speed=0.5)
+LAND, RETURN, PERCH = (ReserveSettings(action=word) for word in ('land', 'return', 'perch'))
+SIGHT = Sight(seen=True, bearing=0.0, heading=0.2, amplitudes=(0.0,), interval=0.1)
+
+
+def arriving(settings, memory, sight):
+    """Seek for three turns, then be there."""
+    heading, turns = memory
+    return Course(0.7, 0.5, turns >= 3), (heading, turns + 1)
+
+
+SEEKER = Strategy('seeker', lambda heading: (heading, 0), arriving, onward=lambda memory: memory)
+
+
+def go(mission, order, reserve, position=(0.0, 0.0), altitude=0.5):
+    sight = SIGHT._replace(position=position)
+    return mission_step(SETTINGS, SEEKER, mission, sight, altitude, order, 1, reserve)
+
+
+def airborne(position=(0.0, 0.0)):
+    """Return a mission that has taken off somewhere and seeks."""
+    return go(Mission(), Order.FLY, LAND, position)[1]
+
+
+@pytest.mark.parametrize(
+    ('word', 'order', 'why'),
+    [
+        (None, Order.DOWN, 'nothing has been heard of the energy'),
+        (Word(9 * SECOND, False, False), Order.FLY, ''),
+        (Word(9 * SECOND, True, False, '20% left'), Order.RESERVE, '20% left'),
+        (Word(9 * SECOND, True, False), Order.RESERVE, 'the energy reserve is reached'),
+        (Word(9 * SECOND, True, True, 'brown-out'), Order.DOWN, 'brown-out'),
+        # 1.0 s is the default: the word of 9 s is good for 10 s, and not for a moment longer.
+        (Word(9 * SECOND - 1, False, False), Order.DOWN, 'for 1.0 s'),
+        (Word(4 * SECOND, False, False, 'all well'), Order.DOWN, 'for 6.0 s'),
+    ],
+)
+def test_what_the_energy_allows(word, order, why):
+    assert order_of(LAND, word, 10 * SECOND) is order
+    if order is not Order.FLY:
+        assert why in because(LAND, word, 10 * SECOND)
+
+
+@pytest.mark.parametrize('reserve', [LAND, RETURN, PERCH])
+@pytest.mark.parametrize('order', [Order.RESERVE, Order.DOWN])
+def test_it_never_takes_off_on_it(reserve, order):
+    setpoint, mission = go(Mission(), order, reserve)
+    assert mission.phase is Phase.REST
+    assert setpoint == Setpoint(0.0, 0.2, 0.0)
+
+
+@pytest.mark.parametrize('reserve', [LAND, RETURN, PERCH])
+def test_what_is_urgent_lands_it_at_once(reserve):
+    assert go(airborne(), Order.DOWN, reserve)[1].phase is Phase.LAND
+    mission = airborne()._replace(phase=Phase.HOME, left=60.0)
+    assert go(mission, Order.DOWN, reserve, (3.0, 0.0))[1].phase is Phase.LAND
+
+
+def test_it_returns_to_where_it_took_off_and_lands_there():
+    mission = airborne((1.0, 1.0))
+    assert mission.start == (1.0, 1.0)
+    setpoint, mission = go(mission, Order.RESERVE, RETURN, (4.0, 5.0))
+    assert mission.phase is Phase.HOME
+    # 5 m at 0.5 m/s take 10 s, and it has twice that.
+    assert mission.left == pytest.approx(20.0)
+    assert setpoint == Setpoint(SETTINGS.altitude, math.atan2(-4.0, -3.0), 0.5)
+    # The reserve may be taken back on the way: it goes home all the same.
+    setpoint, mission = go(mission, Order.FLY, RETURN, (1.0, 3.0))
+    assert mission.phase is Phase.HOME
+    assert setpoint.heading == pytest.approx(-math.pi / 2)
+    setpoint, mission = go(mission, Order.RESERVE, RETURN, (1.0, 1.49))
+    assert mission.phase is Phase.LAND
+    assert setpoint.altitude == SETTINGS.landing
+
+
+def test_a_return_that_does_not_come_nearer_ends_in_a_landing():
+    mission, turns = go(airborne(), Order.RESERVE, RETURN, (5.0, 0.0))[1], 0
+    while mission.phase is Phase.HOME:
+        mission, turns = go(mission, Order.RESERVE, RETURN, (5.0, 0.0))[1], turns + 1
+    assert mission.phase is Phase.LAND
+    assert turns == pytest.approx(200, abs=1)
+
+
+def test_who_perches_goes_on_to_the_lamp_and_comes_down_there():
+    mission, phases = airborne(), []
+    for _ in range(5):
+        setpoint, mission = go(mission, Order.RESERVE, PERCH)
+        phases.append(mission.phase)
+    assert phases == [Phase.SEEK, Phase.SEEK, Phase.ARRIVED, Phase.LAND, Phase.LAND]
+    assert setpoint.altitude == SETTINGS.landing
+
+
+def test_a_climb_is_broken_off():
+    mission = Mission(Phase.CLIMB, (0.2, 0))
+    for reserve in (LAND, RETURN, PERCH):
+        assert go(mission, Order.RESERVE, reserve, altitude=0.3)[1].phase is Phase.LAND
+
+
+def test_only_who_arrives_can_perch():
+    check_reserve(PERCH, strategy('homing'))
+    check_reserve(RETURN, strategy('bag'))
+    with pytest.raises(BadInput, match='bag never says that it has arrived'):
+        check_reserve(PERCH, strategy('bag'))

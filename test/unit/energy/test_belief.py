@@ -1,0 +1,119 @@
+"""The filter of one cell: by hand where one number decides, against numpy's algebra elsewhere."""
+
+import math
+
+from hypothesis import given
+from hypothesis import strategies as st
+from lta_energy import belief
+from lta_energy.battery import Battery, open_circuit_voltage
+from lta_energy.belief import BeliefSettings, first_look, look, predict, unknown
+import numpy as np
+import pytest
+
+SETTINGS = BeliefSettings()
+CELL = Battery(capacity=900.0, resistance=0.15, relaxation_resistance=0.094, relaxation_time=33.0)
+
+
+def spread(state):
+    return np.array(state.spread)
+
+
+def test_nothing_is_known_before_the_first_reading():
+    state = unknown(SETTINGS, CELL)
+    assert state.charge == 0.5
+    assert state.deviation == pytest.approx(1.0 / math.sqrt(12.0))  # uniform from 0 to 1
+
+
+@pytest.mark.parametrize('charge', [0.07, 0.3, 0.62, 0.97])
+def test_a_first_reading_at_rest_finds_the_charge_and_how_sure_it_is(charge):
+    state = first_look(SETTINGS, CELL, open_circuit_voltage(charge), 0.0)
+    slope = belief.chord(charge, belief.NARROW)
+    # The chart, the noise and what may still relax from 0.2 A, over the slope; beside 0.29.
+    voltage = math.sqrt(0.010**2 + 0.010**2 + (0.094 * 0.2) ** 2)
+    alone = voltage / slope
+    assert state.deviation == pytest.approx(1.0 / math.hypot(1.0 / alone, math.sqrt(12.0)))
+    assert state.charge == pytest.approx(charge, abs=0.5 * state.deviation)
+
+
+def test_counting_by_hand():
+    state = first_look(SETTINGS, CELL, 3.84, 0.0)
+    after = predict(SETTINGS, CELL, state, -0.9, 0.0, 10.0)
+    factor = state.mean[belief.INVERSE]
+    assert after.charge == pytest.approx(state.charge - factor * 9.0 / 900.0, rel=1e-12)
+    kept = math.exp(-10.0 / 33.0)
+    pulled = -0.9 * 0.094 * state.mean[belief.RESISTANCE]
+    assert after.mean[belief.RELAXATION] == pytest.approx(
+        kept * state.mean[belief.RELAXATION] + (1.0 - kept) * pulled, rel=1e-12
+    )
+
+
+readings = st.lists(
+    st.tuples(st.floats(-2.0, 1.0), st.floats(3.3, 4.2), st.floats(0.05, 30.0)),
+    min_size=1, max_size=12,
+)  # fmt: skip
+
+
+@given(readings)
+def test_it_is_a_kalman_filter(series):
+    """The same steps by matrices, as in any book."""
+    state = first_look(SETTINGS, CELL, 3.8, -0.1)
+    for current, voltage, dt in series:
+        step, kept = current * dt / CELL.capacity, math.exp(-dt / CELL.relaxation_time)
+        faded = math.exp(-abs(step) / belief.CORRELATED)
+        f = np.diag([1.0, kept, 1.0, 1.0, faded])
+        f[0, 3] = step
+        f[1, 2] = (1.0 - kept) * CELL.relaxation_resistance * current
+        q = np.diag(
+            [
+                (0.01 * dt / CELL.capacity) ** 2 + belief.SLOW**2 * dt,
+                ((1.0 - kept) * CELL.relaxation_resistance * 0.01) ** 2,
+                0.0,
+                0.0,
+                SETTINGS.chart_error**2 * (1.0 - faded**2),
+            ]
+        )
+        ahead = predict(SETTINGS, CELL, state, current, 0.01, dt)
+        np.testing.assert_allclose(spread(ahead), f @ spread(state) @ f.T + q, atol=1e-12)
+
+        half = min(max(ahead.deviation, belief.NARROW), belief.WIDE)
+        h = np.array([belief.chord(ahead.charge, half), 1.0, CELL.resistance * current, 0.0, 1.0])
+        p, mean = spread(ahead), np.array(ahead.mean)
+        s = h @ p @ h + SETTINGS.voltage_noise**2
+        expected = open_circuit_voltage(ahead.charge) + h[1:] @ mean[1:]
+        state, surprise = look(SETTINGS, CELL, ahead, voltage, current)
+        assert surprise.innovation == pytest.approx(voltage - expected, abs=1e-12)
+        assert surprise.deviation == pytest.approx(math.sqrt(s))
+        after = mean + p @ h / s * (voltage - expected)
+        after[0] = min(max(after[0], 0.0), 1.0)
+        np.testing.assert_allclose(state.mean, after, atol=1e-9)
+        np.testing.assert_allclose(spread(state), p - np.outer(p @ h, h @ p) / s, atol=1e-12)
+
+
+@given(readings)
+def test_a_covariance_stays_one(series):
+    state = first_look(SETTINGS, CELL, 3.8, -0.1)
+    for current, voltage, dt in series:
+        state = predict(SETTINGS, CELL, state, current, 0.01, dt)
+        state, _ = look(SETTINGS, CELL, state, voltage, current)
+        np.testing.assert_allclose(spread(state), spread(state).T, atol=1e-12)
+        assert np.linalg.eigvalsh(spread(state)).min() > -1e-12
+        assert 0.0 <= state.charge <= 1.0
+
+
+def test_no_number_of_readings_averages_an_error_of_the_chart_away():
+    state = first_look(SETTINGS, CELL, 3.9, 0.0)
+    for _ in range(5000):
+        state = predict(SETTINGS, CELL, state, 0.0, 0.0, 0.1)
+        state, _ = look(SETTINGS, CELL, state, 3.9, 0.0)
+    slope = belief.chord(state.charge, belief.NARROW)
+    assert state.deviation > 0.8 * SETTINGS.chart_error / slope  # the prior tells a little
+
+
+def test_what_is_not_measured_is_less_and_less_known():
+    state, deviations = first_look(SETTINGS, CELL, 3.9, -0.1), []
+    for _ in range(5):
+        state = predict(SETTINGS, CELL, state, -0.4, 0.4, 60.0)
+        deviations.append(state.deviation)
+    assert deviations == sorted(deviations)
+    # 0.4 A of doubt for each of five minutes: 24 C a minute, independent.
+    assert deviations[-1] > math.sqrt(5.0) * 24.0 / 900.0

@@ -1,0 +1,201 @@
+"""Bad readings: each fault is put into a clean series and must be named; no other may be."""
+
+from dataclasses import replace
+import math
+
+from hypothesis import given
+from hypothesis import strategies as st
+from lta_energy import alarms
+from lta_energy.faults.watch import DETECTORS
+from lta_energy.latch import Latch, latched, ROUNDING
+from lta_energy.monitor import Estimate, update
+from lta_graph.health import Level
+import pytest
+
+from .metered import ABOARD, CELL, follow, Metered, SETTINGS
+
+BEFORE, AFTER = 400, 100  # readings: 40 s of clean flight, and 10 s of the fault
+
+
+def series(seed=1, charge=(0.6, 0.9), lit=False):
+    """Return a function that gives clean readings, in the dark or in bright light."""
+    cell = Metered(seed, charge)
+
+    def clean(n, change=lambda reading: reading):
+        return [
+            change(cell.reading(panel_current=cell.rng.normal(0.2, 1e-3), illuminance=4e4))
+            if lit
+            else change(cell.reading(illuminance=200.0))
+            for _ in range(n)
+        ]
+
+    return cell, clean
+
+
+def names(estimate):
+    return {fault.name for fault in estimate.watch.faults}
+
+
+def flown(change, lit=False):
+    """Return what was named at any time of a fault, and the last estimate."""
+    _, clean = series(lit=lit)
+    estimate = follow(clean(BEFORE))
+    assert names(estimate) == set()
+    named = set()
+    for reading in clean(AFTER, change):
+        estimate = update(SETTINGS, ABOARD, estimate, reading)
+        named |= names(estimate)
+    return named, estimate
+
+
+def frozen(attribute):
+    held = {}
+
+    def change(reading):
+        held.setdefault('value', getattr(reading, attribute))
+        return replace(reading, **{attribute: held['value']})
+
+    return change
+
+
+NUMBER = {
+    'not a number': lambda r: replace(r, voltage=math.nan),
+    'dropout': lambda r: replace(r, voltage=0.0, current=0.0),
+    'implausible': lambda r: replace(r, voltage=10.0 * r.voltage),
+    'reversed current': lambda r: replace(r, current=-r.current),
+    'frozen': frozen('current'),
+    'brown-out': lambda r: replace(r, voltage=r.voltage - 1.0),
+}
+
+
+@pytest.mark.parametrize('name', NUMBER)
+def test_a_fault_of_the_battery_is_named_and_ends_the_flight(name):
+    named, estimate = flown(NUMBER[name])
+    assert name in named
+    assert named == {name}
+    assert estimate.reserve
+    assert estimate.urgent
+    level, sentence = alarms.meters(estimate)
+    assert level is Level.ERROR
+    assert sentence.startswith(name)
+    assert alarms.battery(SETTINGS, CELL, estimate)[0] is Level.ERROR
+
+
+PANEL = {
+    'panel short': lambda r: replace(r, panel_voltage=0.02),
+    'panel not measured': lambda r: replace(r, panel_voltage=math.nan),
+    'panel frozen': frozen('panel_current'),
+}
+
+
+@pytest.mark.parametrize('name', PANEL)
+def test_a_fault_of_the_panel_is_named_and_the_flight_goes_on(name):
+    named, estimate = flown(PANEL[name], lit=True)
+    assert named == {name}
+    assert not estimate.reserve
+    assert not estimate.urgent
+    assert alarms.meters(estimate)[0] is Level.WARN
+
+
+def test_a_voltage_that_stands_still_is_frozen_too():
+    assert 'frozen' in flown(frozen('voltage'))[0]
+
+
+def test_a_reversed_current_is_seen_in_bright_light_by_the_resistance():
+    """The panel gives more than the motors take, so that power alone tells nothing."""
+
+    _, clean = series(lit=True)
+
+    def change(reading):
+        return replace(reading, panel_current=5 * reading.panel_current, current=-reading.current)
+
+    estimate = follow(clean(200, change))
+    assert 'reversed current' in names(estimate)
+    assert 'the voltage falls when the cell is charged' in alarms.meters(estimate)[1]
+
+
+def test_another_cell_is_noticed_and_its_charge_estimated_anew():
+    cell, clean = series(charge=(0.85, 0.9))
+    estimate = follow(clean(BEFORE))
+    cell.charge, cell.relaxation = 0.35, 0.0
+    estimate = follow(clean(3), estimate=estimate)
+    assert 'swapped' in names(estimate)
+    assert estimate.urgent
+    estimate = follow(clean(600), estimate=estimate)
+    assert names(estimate) == set()
+    assert estimate.charge == pytest.approx(cell.charge, abs=0.05)
+
+
+def test_a_gap_makes_the_charge_less_certain():
+    cell, clean = series()
+    before = follow(clean(BEFORE))
+    for _ in range(600):
+        cell.step()
+    estimate = follow(clean(1), estimate=before)
+    assert names(estimate) == {'gap'}
+    assert estimate.gap == pytest.approx(60.1)
+    assert estimate.charge == pytest.approx(cell.charge, abs=0.03)
+    blind = follow([replace(clean(1)[0], stamp_ns=cell.stamp, voltage=math.nan)], estimate=before)
+    assert blind.deviation > before.deviation
+
+
+def test_stamps_that_stand_still_are_told_after_the_third():
+    _, clean = series()
+    estimate = follow(clean(BEFORE))
+    again = estimate.last
+    for count, told in ((2, set()), (1, {'clock'})):
+        estimate = follow([again] * count, estimate=estimate)
+        assert names(estimate) == told
+    assert estimate.reserve
+    assert names(follow(clean(21), estimate=estimate)) == set()
+
+
+def test_a_fault_is_taken_back_only_after_a_while():
+    _, clean = series()
+    estimate = follow(clean(BEFORE))
+    estimate = follow([replace(clean(1)[0], voltage=0.0)], estimate=estimate)
+    assert names(estimate) == {'dropout'}
+    estimate = follow(clean(19), estimate=estimate)
+    assert names(estimate) == {'dropout'}
+    estimate = follow(clean(2), estimate=estimate)
+    assert names(estimate) == set()
+    assert not estimate.reserve
+
+
+@pytest.mark.parametrize('seed', range(20))
+@pytest.mark.parametrize('lit', [False, True])
+def test_clean_flights_raise_no_alarm(seed, lit):
+    """A minute each of a cell that differs from its file, from the middle of some flight."""
+    cell, estimate = Metered(seed, (0.35, 1.0), off=True), Estimate()
+    for _ in range(600):
+        light = abs(cell.rng.normal(0.2, 1e-3)) if lit else 0.0
+        reading = cell.reading(panel_current=light, illuminance=5e4 * lit)
+        estimate = update(SETTINGS, ABOARD, estimate, reading)
+        assert names(estimate) == set(), seed
+
+
+def test_the_electronics_alone_raise_no_alarm():
+    """Ten minutes of rest at 28 mA: the meter repeats itself often, but not for 5 s."""
+    cell, estimate = Metered(3), Estimate()
+    for _ in range(6000):
+        estimate = update(SETTINGS, ABOARD, estimate, cell.reading(0.119))
+        assert names(estimate) == set()
+
+
+def test_each_detector_has_its_name():
+    assert len({detector.name for detector in DETECTORS}) == len(DETECTORS) == 12
+
+
+@given(st.lists(st.booleans(), max_size=60), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
+def test_a_latch_changes_only_when_its_condition_has_lasted(conditions, rise, fall):
+    latch, lasted = Latch(), 0.0
+    for condition in conditions:
+        before = latch
+        latch = latched(latch, condition, 0.1, rise, fall)
+        lasted = lasted + 0.1 if condition != before.on else 0.0
+        assert (latch.on != before.on) == (
+            lasted > 0.0 and lasted + ROUNDING >= (rise if condition else fall)
+        )
+        if latch.on != before.on:
+            assert latch.on is condition
+            lasted = 0.0

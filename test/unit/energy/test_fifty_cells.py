@@ -1,0 +1,41 @@
+"""
+The monitor over 50 cells of unknown charge that feed flights, through the simulator's meters.
+
+The cells differ from their file by the tolerances in `metered`. Readings come once a second here,
+which leaves the filter less to work with than the ten of the graph; `test/score/energy_monitor.py`
+measures all of it at ten.
+"""
+
+from lta_energy.monitor import Estimate, time_to_empty, update
+import numpy as np
+import pytest
+
+from .metered import ABOARD, CELL, follow, Metered, SETTINGS
+
+SEEDS = range(50)
+TEN_MINUTES = 600  # readings
+
+
+def test_the_charge_is_known_to_five_percent_after_ten_minutes():
+    errors, alarms = [], set()
+    for seed in SEEDS:
+        cell = Metered(seed, off=True, period=1.0)
+        estimate = follow(cell.reading() for _ in range(TEN_MINUTES))
+        errors.append((estimate.charge - cell.charge) / estimate.deviation)
+        assert estimate.charge == pytest.approx(cell.charge, abs=0.05), seed
+        alarms |= set(estimate.watch.faults)
+    assert alarms == set()
+    # What it says of its own error is neither too little nor far too much.
+    assert 0.02 < np.mean(np.square(errors)) < 2.0
+
+
+def test_the_time_to_empty_is_known_to_ten_percent_at_half_charge():
+    scores = []
+    for seed in SEEDS:
+        cell, estimate = Metered(seed, (0.55, 0.75), off=True, period=1.0), Estimate()
+        while cell.charge > 0.5:
+            estimate = update(SETTINGS, ABOARD, estimate, cell.reading())
+        told, true = time_to_empty(SETTINGS, CELL, estimate), cell.lasts()
+        assert told.mean == pytest.approx(true, rel=0.10), seed
+        scores.append((told.mean - true) / told.deviation)
+    assert 0.005 < np.mean(np.square(scores)) < 2.0

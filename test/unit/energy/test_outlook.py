@@ -1,0 +1,141 @@
+"""Times, way home and reserve: by hand, and their deviations by chance."""
+
+import math
+
+from lta_energy import load, outlook, reserve, way_home
+from lta_energy.battery import Battery, open_circuit_voltage, stored_energy
+from lta_energy.belief import Belief
+from lta_energy.load import Load, smoothed
+from lta_energy.reading import Whereabouts
+from lta_energy.reserve import ReserveSettings, Stock
+from lta_energy.way_home import Travel, WaySettings
+import numpy as np
+import pytest
+
+CELL = Battery(capacity=900.0, resistance=0.15, relaxation_resistance=0.094, relaxation_time=33.0)
+NONE = (0.0,) * 5
+
+
+def known(charge=0.5, inverse=1.0, deviation=0.0, unsure=0.0, together=0.0):
+    """Return a belief of some charge and inverse capacity."""
+    rows = [list(NONE) for _ in range(5)]
+    rows[0][0], rows[3][3] = deviation**2, unsure**2
+    rows[0][3] = rows[3][0] = together
+    return Belief((charge, 0.0, 1.0, inverse, 0.0), tuple(map(tuple, rows)))
+
+
+def test_time_to_empty_by_hand():
+    # Half of the cell holds 900 C * 37.225 V / 20; 2 W leave it above 3.0 V down to 0 %.
+    time = outlook.to_empty(CELL, known(), 2.0, 0.0)
+    assert time == (pytest.approx(1675.125 / 2.0), 0.0)
+    small = outlook.to_empty(CELL, known(inverse=1.25), 2.0, 0.0)
+    assert small.mean == pytest.approx(0.8 * time.mean)
+
+
+def test_a_heavy_load_leaves_some_of_the_charge_behind():
+    # 9 W at 3.0 V are 3 A: 0.732 V over 0.244 ohm. The cell must rest at 3.732 V, 20 %.
+    power = 9.0
+    assert outlook.empty_charge(CELL, known(), power) == pytest.approx(0.205, abs=1e-9)
+    left = stored_energy(0.5, 900.0) - stored_energy(0.205, 900.0)
+    assert outlook.to_empty(CELL, known(), power, 0.0).mean == pytest.approx(left / power)
+    assert outlook.to_empty(CELL, known(0.1), power, 0.0).mean == 0.0
+
+
+def test_time_to_full_by_hand():
+    missing = stored_energy(1.0, 900.0) - stored_energy(0.5, 900.0)
+    assert outlook.to_full(CELL, known(), -0.5, 0.0) == (pytest.approx(missing / 0.5), 0.0)
+    assert outlook.to_full(CELL, known(), 0.5, 0.0) == outlook.NEVER
+    assert outlook.to_empty(CELL, known(), -0.5, 0.0) == outlook.NEVER
+
+
+@pytest.mark.parametrize('charging', [False, True])
+def test_the_deviation_of_a_time_is_that_of_a_thousand_cells(charging):
+    rng = np.random.default_rng(1)
+    covariance = np.array([[0.02**2, 0.3 * 0.02 * 0.05], [0.3 * 0.02 * 0.05, 0.05**2]])
+    cells = rng.multivariate_normal([0.5, 1.0], covariance, 2000)
+    power = (-1.0 if charging else 1.0) * rng.normal(2.0, 0.1, 2000)
+    time = outlook.to_full if charging else outlook.to_empty
+    times = [
+        time(CELL, known(charge, inverse), watts, 0.0).mean
+        for (charge, inverse), watts in zip(cells.tolist(), power.tolist(), strict=True)
+    ]
+    belief = known(0.5, 1.0, 0.02, 0.05, covariance[0, 1])
+    told = time(CELL, belief, -2.0 if charging else 2.0, 0.1)
+    assert told.mean == pytest.approx(np.mean(times), rel=0.01)
+    assert told.deviation == pytest.approx(np.std(times), rel=0.06)
+
+
+def test_a_young_load_is_the_plain_mean_and_an_old_one_forgets():
+    now = load.first(9.0)
+    for watts in (1.0, 3.0, 5.0):
+        now = smoothed(now, watts, 2.0, 0.0, 120.0)
+    assert now.mean == pytest.approx(3.0)
+    assert now.quick == 5.0
+    for _ in range(114):
+        now = smoothed(now, 3.0, 1.0, 5.0, 120.0)
+    later = smoothed(now, 4.0, 12.0, 5.0, 120.0)
+    assert later.quick == pytest.approx(4.0 - math.exp(-12.0 / 5.0) * (4.0 - now.quick))
+    assert later.mean - now.mean == pytest.approx(-math.expm1(-0.1) * (later.quick - now.mean))
+
+
+def test_the_deviation_of_a_mean_load_is_what_chance_gives():
+    """Ornstein-Uhlenbeck power of 20 s through both filters, beside the spread of its means."""
+    rng, quick, slow, dt = np.random.default_rng(2), 20.0, 400.0, 2.0
+    kept = math.exp(-dt / quick)
+    means, told = [], []
+    for _ in range(60):
+        power, now = 2.0 + 0.5 * rng.standard_normal(), load.first(2.0)
+        for _ in range(1500):
+            power = (
+                2.0 + kept * (power - 2.0) + 0.5 * math.sqrt(1 - kept**2) * rng.standard_normal()
+            )
+            now = smoothed(now, power, dt, 1e-9, slow)
+        means.append(now.mean)
+        told.append(load.deviation(now, quick, slow))
+    assert np.mean(means) == pytest.approx(2.0, abs=0.05)
+    assert np.mean(told) == pytest.approx(np.std(means), rel=0.25)
+
+
+def test_the_way_home_by_hand():
+    settings = WaySettings(head_wind=0.1)
+    # 8 m at 0.5 - 0.1 m/s take 20 s at 1.5 W; 60 J bring the drone 40 s, or 16 m.
+    travel = Travel(1.5, 0.5)
+    assert way_home.energy_home(settings, travel, 8.0) == pytest.approx(30.0)
+    assert way_home.reach(settings, travel, 60.0) == pytest.approx(16.0)
+    assert way_home.reach(settings, travel, -1.0) == 0.0
+    # It never comes to a stand in the books: 0.05 m/s over the ground at least.
+    assert way_home.energy_home(settings, Travel(1.5, 0.1), 1.0) == pytest.approx(30.0)
+
+
+def test_what_flying_takes_is_learnt_while_the_drone_moves():
+    settings = WaySettings(smoothing=10.0)
+    travel = way_home.begun(settings)
+    assert way_home.seen(settings, travel, None, 9.0, 1.0) == travel
+    assert way_home.seen(settings, travel, Whereabouts(3.0, 0.05), 9.0, 1.0) == travel
+    travel = way_home.seen(settings, travel, Whereabouts(3.0, 1.0), 2.4, 10.0)
+    share = 1.0 - math.exp(-1.0)
+    assert travel == pytest.approx((1.4 + share * 1.0, 0.5 + share * 0.5))
+
+
+def test_the_reserve_counts_what_is_sure_and_the_way_home():
+    settings = ReserveSettings(reserve=0.25, caution=2.0)
+    home = 34.56  # J: 1 % of a cell at 3.84 V and 900 C
+    stock = reserve.stock(settings, CELL, known(0.5, deviation=0.02), home)
+    assert stock.sure == pytest.approx(0.46)
+    assert stock.home == pytest.approx(0.01)
+    spare = stored_energy(0.46, 900.0) - stored_energy(0.25, 900.0) - home
+    assert stock.spare == pytest.approx(spare)
+    assert open_circuit_voltage(0.5) == 3.84
+
+
+def test_the_reserve_has_hysteresis():
+    settings, before = ReserveSettings(reserve=0.25, hysteresis=0.05), False
+    for sure, expected in (
+        (0.27, False), (0.261, False), (0.259, True), (0.30, True), (0.309, True), (0.311, False),
+    ):  # fmt: skip
+        before = reserve.reached(settings, before, Stock(sure, 0.01, 0.0))
+        assert before is expected, sure
+
+
+def test_no_load_says_nothing():
+    assert load.deviation(Load(), 5.0, 120.0) == 0.0
