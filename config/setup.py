@@ -5,6 +5,7 @@ from pathlib import Path
 from setuptools import find_packages, setup
 
 FOLDERS = (
+    'cell_tables',
     'cells',
     'comparisons',
     'control',

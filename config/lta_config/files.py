@@ -38,6 +38,7 @@ FOLDERS = {
     'light of the day': 'light_days',
     'mission': 'missions',
     'cell': 'cells',
+    'cell table': 'cell_tables',
 }
 
 

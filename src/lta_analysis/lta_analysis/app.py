@@ -89,6 +89,7 @@ VERBS: Final[dict[str, Verb | Group]] = {
     'wind': Verb('wind', 'wind'),
     'platforms': Verb('platforms', 'platforms'),
     'vehicle': Verb('vehicle', 'vehicle'),
+    'cells': Verb('cells', 'cells'),
     'light': LIGHT,
     'energy': ENERGY,
     'bag': BAG,

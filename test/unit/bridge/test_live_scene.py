@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lta_bridge.live.craft import bearing, body, thrust
 from lta_bridge.live.encoding import frame_transforms, scene_update
-from lta_bridge.live.frames import sensor_frames, vehicle_frame
+from lta_bridge.live.frames import sensor_frames, towards, vehicle_frame
 from lta_bridge.live.room import half_power, lamp, standing, walls
 from lta_bridge.live.scene import Scene, State
 from lta_bridge.live.shapes import (
@@ -275,3 +275,9 @@ def test_frames_are_written_as_foxglove_publishes_them():
     assert (transform[2], transform[3]) == ([b'map'], [b'base_link'])
     assert numbers(transform[4][0], 3) == (1.0, -2.0, 0.5)
     assert numbers(transform[5][0], 4) == (0.0, 0.0, 1.0, 0.0)
+
+
+@pytest.mark.parametrize('axis', [(0, 0, 1), (0, -1, 0), (1, 0, 0), (-1, 0, 0), (0.6, 0, -0.8)])
+def test_a_panel_looks_where_its_normal_points(axis):
+    turned = Rotation.from_quat(towards(axis)).apply((1.0, 0.0, 0.0))
+    assert turned == pytest.approx(axis, abs=1e-12)

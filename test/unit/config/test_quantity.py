@@ -33,6 +33,9 @@ SI = {'1', 'm', 'm2', 'kg', 's', 'Hz', 'rad', 'N', 'Pa', 'V', 'A', 'ohm', 'W', '
         ('50 %', '1', 0.5),
         ('3 N s2/m2', 'N s2/m2', 3.0),
         ('20 degC', 'degC', 20.0),
+        ('0.34 g/cm2', 'kg/m2', 3.4),  # 0.34e-3 kg on 1e-4 m2
+        ('0.089 s/cm2', 's/m2', 890.0),
+        ('0.05 %/K', '1/K', 5e-4),
     ],
 )
 def test_text_is_read_into_si(text, unit, value):

@@ -423,7 +423,7 @@ def test_version_2_without_a_panel_has_none(tmp_path):
         ),
         ([('energy.array.part', None)], 'needs the place of its panel once: either '),
         ([('energy.charger', None)], 'energy has an array and no charger; add it, or remove'),
-        ([('energy.array.cell', 'duracell')], "Unknown cell 'duracell'; known: anysolar, "),
+        ([('energy.array.cell', 'duracell')], "Unknown cell 'duracell'; known: adafruit, "),
         ([('energy.array.normal.value', [0, 0, 2])], 'energy.array.normal is [0, 0, 2]'),
         ([('energy.array.normal.value', [0, 0, 0.5])], 'has a normal of length 0.5; divide'),
         ([('energy.array.series', 0)], 'energy.array.series is 0, but must be at least 1'),

@@ -10,7 +10,7 @@ from lta_sim.vehicle import Vehicle
 
 _HALF = math.sqrt(0.5)
 DOWN: Turn = (0.0, _HALF, 0.0, _HALF)  # turns x down, as a range finder's must point
-UP: Turn = (0.0, -_HALF, 0.0, _HALF)  # turns x up, as a light sensor's must point
+BACK: Turn = (0.0, 0.0, 1.0, 0.0)  # turns x backwards
 
 
 @final
@@ -23,13 +23,22 @@ class Frame(NamedTuple):
     turn: Turn
 
 
+def towards(axis: Three) -> Turn:
+    """Return the shortest turn of x, where a light sensor must point, to a unit axis."""
+    x, y, z = axis
+    length = math.sqrt(2.0 + 2.0 * x)
+    if length < 1e-6:
+        return BACK
+    return (0.0, -z / length, y / length, 0.5 * length)
+
+
 def sensor_frames(vehicle: Vehicle) -> list[Frame]:
     """Return the frames of the sensors, which stand still in the vehicle's."""
     sensors = vehicle.file.sensors
     return [
         Frame(BASE, 'imu_link', three(sensors.imu_position.vector), LEVEL),
         Frame(BASE, 'range_link', three(sensors.range_position.vector), DOWN),
-        Frame(BASE, 'panel_link', vehicle.file.panel_place, UP),
+        Frame(BASE, 'panel_link', vehicle.file.panel_place, towards(vehicle.file.panel_normal)),
     ]
 
 

@@ -61,6 +61,7 @@ class Simulator(GraphNode):
         self._duties = [0.0] * len(vehicle.rotor_names)
         self._lowest = [-1.0 if reversible else 0.0 for reversible in vehicle.reversible]
         self._refused = False
+        self._fed = True
         self._commanded_ns = 0
         self._began = self._anchor = self._clocked = 0.0
         self._lost = 0.0  # wall seconds of delay that were let go
@@ -215,8 +216,24 @@ class Simulator(GraphNode):
         if not self._company.lets(self._world.stamp_ns + self.table.control_ns):
             return False
         self._world.advance(self._duties)
+        self._watch_supply()
         self._publish()
         return True
+
+    def _watch_supply(self) -> None:
+        """Say when the supply fails, which stops the motors, and when it comes back."""
+        if self._fed == self._world.supply.flow.fed:
+            return
+        self._fed = not self._fed
+        if self._fed:
+            self.health.report('supply', Level.OK, 'light has brought the supply back')
+        else:
+            self.health.report(
+                'supply',
+                Level.ERROR,
+                'browned out: the cell is empty or sagged below its cut-off; the motors are off '
+                'until light has charged it',
+            )
 
     def _ended(self) -> bool:
         """Tell whether to stop: one control step after a light block, when all have answered."""

@@ -1,0 +1,1 @@
+"""Solar cells beside each other: the seed paper's figure, the fair one, and arrays of them."""
