@@ -7,6 +7,8 @@ from lta_analysis.mission.scene import brightness, Scenes
 from lta_config.mission_file import load_mission
 from lta_energy.circuit import held
 from lta_energy.light_of_days import DARK
+from lta_sim.light import heard
+from lta_sim.light.pencils import LAMPS, scratch_for
 import numpy as np
 import pytest
 
@@ -112,3 +114,14 @@ def test_flights_cost_what_the_full_loop_says(scenes):
     ours, full = np.array(rows).T
     assert ours.sum() == pytest.approx(full.sum(), rel=0.02)
     np.testing.assert_allclose(ours, full, rtol=0.03)
+
+
+def test_what_a_room_throws_back_of_a_lantern_is_a_number(scenes, made):
+    """Its light falls off slower than by the cosine: half power at 85 degrees."""
+    listening = made.craft.listening
+    out, scratch = np.zeros((LAMPS + 1, 8)), np.zeros(scratch_for(1))
+    heard.on_ring(listening, (0.0, -2.0, 1.3), (0.0, 0.0, 0.0, 1.0), out, scratch)
+    assert scenes.lamp('aisle').order < 0.3
+    assert np.isfinite(out).all()
+    assert out[LAMPS].max() == pytest.approx(out[LAMPS, 0])  # the diode that faces it
+    assert 30.0 < out[LAMPS, 0] < 300.0

@@ -17,7 +17,7 @@ from lta_analysis.mission.legs import Array, Pilot
 from lta_analysis.mission.scene import Scenes
 from lta_config.quantity import Quantity
 from lta_config.topics import topic_table
-from lta_control.mission import Phase
+from lta_control.phases import Phase
 from lta_energy.light_of_days import DARK
 from lta_sim.world import World
 import numpy as np
