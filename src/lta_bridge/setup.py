@@ -22,6 +22,7 @@ setup(
             'live = lta_bridge.nodes.live:main',
             'player = lta_bridge.nodes.player:main',
             'recorder = lta_bridge.nodes.recorder:main',
+            'teensy_bridge = lta_bridge.nodes.teensy_bridge:main',
         ]
     },
 )

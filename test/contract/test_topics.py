@@ -8,6 +8,7 @@ import re
 from lta_bridge.nodes.live import LiveSettings
 from lta_bridge.nodes.player import PlayerSettings
 from lta_bridge.nodes.recorder import RecorderSettings
+from lta_bridge.nodes.teensy_bridge import TeensyBridgeSettings
 from lta_bridge.playback.cast import cast_of, roles
 from lta_config.settings import Settings
 from lta_config.topics import Topic, topic_table
@@ -43,6 +44,9 @@ NODES = {
     'recorder': RecorderSettings,
     'live': LiveSettings,
 }
+BRIDGES = {
+    'teensy_bridge': TeensyBridgeSettings
+}  # each plays a part of the vehicle, and is started alone
 LISTENERS = {'recorder', 'live'}  # subscribe for themselves: raw, to all that the table lists
 FILES = {path.stem: path for path in ROOT.glob('src/*/lta_*/nodes/[!_]*.py')}
 HEADERLESS = {'std_msgs/msg/Bool', 'std_msgs/msg/Float64', 'rosgraph_msgs/msg/Clock'}
@@ -98,7 +102,14 @@ def read(node):
 
 
 def test_every_node_is_known_here():
-    assert set(FILES) == set(NODES)
+    assert set(FILES) == {*NODES, *BRIDGES}
+
+
+@pytest.mark.parametrize('name', BRIDGES)
+def test_a_bridge_plays_a_part_of_the_vehicle(name):
+    assert published(name) <= set(TABLE.published_by('vehicle'))
+    assert published(name)
+    assert read(name) <= set(TABLE.read_by('vehicle'))
 
 
 @each_node
@@ -190,9 +201,9 @@ def test_a_light_block_is_as_long_as_it_says():
     assert TABLE['photodiodes'].period_ns == TABLE['photodiodes'].latency_ns == block
 
 
-@each_node
+@pytest.mark.parametrize('name', [*NODES, *BRIDGES])
 def test_every_parameter_is_described(name):
-    settings = NODES[name]()
+    settings = {**NODES, **BRIDGES}[name]()
     for key, info, value in [*leaves(GraphSettings()), *leaves(settings)]:
         descriptor = describe(info, value)
         assert descriptor.description.split('[')[0].strip(), key

@@ -128,6 +128,14 @@ def light_plan(folder, call):
     (folder / 'out' / 'report.html').rename(folder / 'report.html')
 
 
+def light_link(folder, call):
+    call(
+        'light', 'link', '--scenario', 'lamp_room', '--distance', '3', '--distance', '7',
+        '--blocks', '2', '--out', folder / 'out',
+    )  # fmt: skip
+    (folder / 'out' / 'report.html').rename(folder / 'report.html')
+
+
 def evaluate(folder, call):
     (folder / 'near.yaml').write_text(yaml.safe_dump(NEAR))
     near = FlightSet(str(folder / 'near.yaml'), 'Near', 'From close by.')
@@ -172,8 +180,8 @@ def replay(folder, call):
 PAGES = {
     made.__name__: made
     for made in (
-        flight, plot, vehicle, sweep, wind, light_plan, bearing, study, platforms, evaluate, tune,
-        replay,
+        flight, plot, vehicle, sweep, wind, light_plan, light_link, bearing, study, platforms,
+        evaluate, tune, replay,
     )
 }  # fmt: skip
 

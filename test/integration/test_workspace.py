@@ -94,7 +94,10 @@ def free_port() -> int:
         return int(probe.getsockname()[1])
 
 
-NEEDS = {'player': ('-p', f'bag:={ROOT / "test/replay/lamp.mcap"}')}  # without which it refuses
+NEEDS = {  # without which it refuses
+    'player': ('-p', f'bag:={ROOT / "test/replay/lamp.mcap"}'),
+    'teensy_bridge': ('-p', 'autostart:=false'),
+}
 NODES = [pair for pair in declared() if pair != ('lta_analysis', 'lta')]
 
 

@@ -232,7 +232,8 @@ def loop_of(made_of: Ingredients, seed: int) -> Loop:
     """Return a flight that is about to begin; `BadInput` if something of it cannot be."""
     vehicle, scenario, policy = parts_of(made_of)
     table = topic_table()
-    return Loop(World(vehicle, scenario, table, seed), table, policy)
+    world = World(vehicle, scenario, table, seed, made_of.strategy)
+    return Loop(world, table, policy)
 
 
 def _checked(model: type[Any], made_of: Ingredients, root: str) -> Any:  # noqa: ANN401 - a model

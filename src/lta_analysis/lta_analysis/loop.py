@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import math
 from typing import final
 
+from lta_config.compiled import compiled
 from lta_config.settings import Settings
 from lta_config.topics import TopicTable
 from lta_control import carried
@@ -31,7 +32,6 @@ from lta_control.strategies.protocol import Strategy
 from lta_energy import monitor
 from lta_energy.aboard import Aboard
 from lta_energy.reading import Reading, Whereabouts
-from lta_sim.compiled import compiled
 from lta_sim.readings import Outcome, Readings
 from lta_sim.vehicle import Vehicle
 from lta_sim.world import World
@@ -254,7 +254,8 @@ class Loop:
         self.light = Light(hearing, bearing(peaks, self._ring, threshold), found, where)
         amplitudes = tuple(peaks.amplitude.astype(np.float32).tolist())
         lamp = None if where is None else carried_lamp(where)
-        sight = sighted(lamp, self._axes, amplitudes, self._reckoned[0], self._block)
+        scale = self.world.diode_scale
+        sight = sighted(lamp, self._axes, amplitudes, self._reckoned[0], self._block, scale)
         measured, energy = self.measured(), self.energy
         altitude = None if measured is None or energy is None else measured.altitude
         order = self._order(stamp_ns)

@@ -53,7 +53,8 @@ def obeyed(
         if settings.action == 'perch' and mission.phase is Phase.SEEK:
             return mission
         if settings.action == 'return' and speed > 0.0:
-            left = settings.patience * away(mission.start, sight.position) / speed
+            way = away(mission.start, sight.position)
+            left = settings.turning + settings.patience * way / speed
             return mission._replace(phase=Phase.HOME, left=left)
     return mission._replace(phase=Phase.LAND)
 

@@ -47,6 +47,9 @@ class ReserveSettings(Settings):
         low=1.0,
         high=20.0,
     )
+    turning: float = setting(
+        20.0, 'Time to coast and turn, on top of that.', unit='s', low=0.0, high=600.0
+    )
 
 
 class Word(NamedTuple):

@@ -45,6 +45,7 @@ def sighted(
     amplitudes: tuple[float, ...],
     reckoned: Reckoned,
     interval: float,
+    scale: float = 1.0,
 ) -> Sight:
     """
     Return what the light of one block says.
@@ -61,6 +62,8 @@ def sighted(
         The drone at the middle of the block.
     interval : float
         Time since the last sight. [s]
+    scale : float
+        What a diode reads over what it would by the largest of its resistors. [1]
 
     """
     # A diode whose samples say nothing is as good as one in the dark.
@@ -70,7 +73,7 @@ def sighted(
         away = math.hypot(lamp.x, lamp.y)
         bearing, elevation = math.atan2(lamp.y, lamp.x), math.atan2(lamp.z, away)
         deviation = bearing_deviation(lamp)
-        strength = facing_strength(axes, amplitudes)
+        strength = facing_strength(axes, amplitudes) / scale
     return Sight(
         lamp is not None,
         bearing,

@@ -31,8 +31,6 @@ class Loads(Record):
         A turning rotor at vanishing thrust. [W]
     rotor_slope : float
         Rotor power by thrust. [W/N]
-    sensing : float
-        What looks at the light and finds lamps in it. [W]
 
     """
 
@@ -40,7 +38,6 @@ class Loads(Record):
     transmitting: NotNegative
     rotor_offset: NotNegative
     rotor_slope: NotNegative
-    sensing: NotNegative = 0.0
 
     @classmethod
     def of(cls, energy: Energy) -> Self:
@@ -50,14 +47,23 @@ class Loads(Record):
             transmitting=energy.loads.transmitting.si,
             rotor_offset=energy.loads.rotor_idle.si,
             rotor_slope=energy.loads.rotor_power.si,
-            sensing=0.0 if energy.loads.sensing is None else energy.loads.sensing.si,
         )
 
 
-def computing_of(energy: Energy, strategy: str) -> float:
-    """Return what a strategy computes with beyond sensing; 0 where the file says nothing. [W]"""
-    found = energy.loads.computing.get(strategy)
-    return 0.0 if found is None else found.si
+def navigating(energy: Energy, strategy: str) -> float:
+    """
+    Return what finding lamps takes beside controller and radio: sensing and computing. [W]
+
+    Parameters
+    ----------
+    energy : Energy
+        Of the vehicle's file; what it does not say takes nothing.
+    strategy : str
+        Navigation strategy by name; '' where nobody looks.
+
+    """
+    given = (energy.loads.sensing, energy.loads.computing.get(strategy))
+    return sum(power.si for power in given if power is not None) if strategy else 0.0
 
 
 def rotor_power(thrust: float, offset: float, slope: float) -> float:
@@ -82,9 +88,7 @@ def rotor_power(thrust: float, offset: float, slope: float) -> float:
     return offset + slope * abs(thrust) if thrust != 0.0 else 0.0
 
 
-def demand(
-    loads: Loads, thrusts: Sequence[float], transmitting: bool, sensing: bool = False
-) -> float:
+def demand(loads: Loads, thrusts: Sequence[float], transmitting: bool) -> float:
     """
     Return the power that the whole drone draws.
 
@@ -96,8 +100,6 @@ def demand(
         Thrust of each rotor. [N]
     transmitting : bool
         Whether the radio sends.
-    sensing : bool
-        Whether the light is looked at.
 
     Returns
     -------
@@ -108,5 +110,4 @@ def demand(
     rotors, offset, slope = 0.0, loads.rotor_offset, loads.rotor_slope
     for thrust in thrusts:
         rotors += rotor_power(thrust, offset, slope)
-    electronics = loads.idle + (loads.transmitting if transmitting else 0.0)
-    return electronics + (loads.sensing if sensing else 0.0) + rotors
+    return loads.idle + (loads.transmitting if transmitting else 0.0) + rotors

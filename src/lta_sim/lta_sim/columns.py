@@ -10,7 +10,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import final
 
-from lta_sim.layout import FIXED, indented, Layout, OWN, Stage, step, tuple_of, VARIABLES
+from lta_config.compiled import OWN
+from lta_sim.layout import FIXED, indented, Layout, Stage, step, tuple_of, VARIABLES
 from lta_sim.state import ACTUATORS
 
 # Of the functions of the stages.

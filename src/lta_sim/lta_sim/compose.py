@@ -12,10 +12,11 @@ from dataclasses import dataclass
 from string import Template
 from typing import final
 
+from lta_config.compiled import ENTRY, INLINE
+from lta_config.extract import Extract
 from lta_sim import rigid_body
 from lta_sim.effects.protocol import Effect, KernelEffect
-from lta_sim.extract import Extract
-from lta_sim.layout import Access, Layout, OWN
+from lta_sim.layout import Access, Layout
 from lta_sim.row import ENTRIES, Row
 from lta_sim.stages import stages
 
@@ -29,10 +30,6 @@ from collections import namedtuple
 import math
 
 '''
-
-# Nothing is reordered and a division by zero gives inf: all forms of the model agree to the bit.
-INLINE = f'@njit({OWN})'
-ENTRY = "@njit(error_model='numpy', fastmath=False, cache=True)"
 
 
 @final

@@ -4,9 +4,9 @@ from functools import cache
 from types import ModuleType
 from typing import final
 
+from lta_config.kernel_cache import load
 from lta_sim.compose import kernel_source, layout_of
 from lta_sim.effects import EFFECTS
-from lta_sim.kernel_cache import load
 from lta_sim.model import Model
 from lta_sim.row import places
 import numpy as np

@@ -11,10 +11,10 @@ from collections.abc import Callable, Iterator
 from functools import cache
 from typing import Any, cast, final, Generic, TypeVar
 
+from lta_config.compiled import ENTRY, INLINE
+from lta_config.extract import Extract
+from lta_config.kernel_cache import load
 from lta_config.settings import plain
-from lta_sim.compose import ENTRY, INLINE
-from lta_sim.extract import Extract
-from lta_sim.kernel_cache import load
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel

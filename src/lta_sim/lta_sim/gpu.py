@@ -11,12 +11,12 @@ from string import Template
 from types import ModuleType
 
 from lta_config.errors import BadInput
+from lta_config.kernel_cache import load
 from lta_sim.columns import Columns
 from lta_sim.compose import Form, kernel_source
 from lta_sim.effects import EFFECTS
 from lta_sim.fleet import columns, Fleet
 from lta_sim.kernel import LAYOUT
-from lta_sim.kernel_cache import load
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

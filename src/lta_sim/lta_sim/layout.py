@@ -12,10 +12,6 @@ from typing import final, Protocol
 from lta_sim.effects.protocol import ActuatorEffect, KernelEffect, WrenchEffect
 from lta_sim.state import ACTUATORS, BODY, COMMAND, RIGID, SURROUNDINGS
 
-# What only the kernel itself calls needs no way in from Python, which takes long to compile.
-# Nothing is reordered and a division by zero gives inf: all forms of the model agree to the bit.
-OWN = "error_model='numpy', fastmath=False, no_cpython_wrapper=True, no_cfunc_wrapper=True"
-
 # What stages hand on to each other: how many numbers of each.
 VARIABLES = {'r': 9, 'ground': 3, 'wind': 3, 'flow': 3, 'airspeed': 3, 'u': ACTUATORS, 'total': 6}
 

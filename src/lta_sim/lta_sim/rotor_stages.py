@@ -5,8 +5,8 @@ A loop is a eighth of the text to compile, and one vehicle's rotors go through v
 as well.
 """
 
+from lta_config.extract import Extract
 from lta_sim.effects.protocol import ActuatorEffect, no_rotor_rate
-from lta_sim.extract import Extract
 from lta_sim.layout import Access, Layout, Stage, tuple_of
 from lta_sim.state import ACTUATORS
 

@@ -10,6 +10,9 @@ class SimulatorSettings(Settings):
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
     scenario: str = setting('lamp_room', 'Scenario name or file.', fixed=True)
     seed: int = setting(1, 'Seed of all chance.', low=0, high=2**31 - 1, fixed=True)
+    strategy: str = setting(
+        '', 'By which the drone finds lamps, for what that takes; empty: nobody looks.', fixed=True
+    )
     offset_x: float = setting(
         0.0, "Start, east of the scenario's.", unit='m', low=-FAR, high=FAR, fixed=True
     )

@@ -8,8 +8,8 @@ vehicles side by side in arrays.
 
 from typing import final
 
+from lta_config.extract import Extract
 from lta_sim.effects.protocol import ActuatorEffect, AirEffect, no_rate, WrenchEffect
-from lta_sim.extract import Extract
 from lta_sim.layout import Access, Layout, Stage, tuple_of
 from lta_sim.rotor_stages import actuators, obey
 from lta_sim.state import WIND, WIND_RATE

@@ -34,14 +34,22 @@ class Supply:
         Chance of the meters of `battery` and `panel`.
     faults : Faults
         What fails on the way.
+    looking : float
+        What the drone finds lamps with, beside controller and radio. [W]
 
     """
 
     def __init__(
-        self, vehicle: Vehicle, charge: float, chance: Mapping[str, Generator], faults: Faults
+        self,
+        vehicle: Vehicle,
+        charge: float,
+        chance: Mapping[str, Generator],
+        faults: Faults,
+        looking: float = 0.0,
     ) -> None:
         self._parts = Parts(vehicle.battery, vehicle.charger, vehicle.panel)
         self._loads, self._chance, self._faults = vehicle.loads, chance, faults
+        self._looking = looking
         self._meter = power.PowerMeterSettings()
         self.meters = {
             name: power.draw(self._meter, chance[name]) for name in ('battery', 'panel')
@@ -79,7 +87,7 @@ class Supply:
 
     def drain(self, thrusts: Sequence[float], seconds: float) -> None:
         """Feed rotors of such thrusts [N] and the rest from the cell and what the array brings."""
-        asked = loads.demand(self._loads, thrusts, transmitting=True)
+        asked = loads.demand(self._loads, thrusts, transmitting=True) + self._looking
         before, self._elapsed = self._elapsed, self._elapsed + seconds
         shorted = self._faults.shorted(before)
         cut = self._faults.cut(before, self._elapsed)

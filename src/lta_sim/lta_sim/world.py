@@ -12,6 +12,7 @@ from typing import final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.topics import TopicTable
+from lta_energy.loads import navigating
 from lta_sim import stiffness
 from lta_sim.around import Around, memory_at_start
 from lta_sim.command_link import CommandLink
@@ -56,6 +57,8 @@ class World:
         When each sensor is due.
     seed : int
         Of all chance.
+    strategy : str
+        By which the drone finds lamps, for what that takes; '' where nobody looks.
 
     Raises
     ------
@@ -64,7 +67,14 @@ class World:
 
     """
 
-    def __init__(self, vehicle: Vehicle, scenario: Scenario, table: TopicTable, seed: int) -> None:
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        scenario: Scenario,
+        table: TopicTable,
+        seed: int,
+        strategy: str = '',
+    ) -> None:
         self.vehicle = vehicle
         self.scenario = scenario
         self._chance = {
@@ -82,7 +92,10 @@ class World:
         self._link = CommandLink(vehicle.reversible, self._model.given, acting['command_time'])
         self.command = self._craft.command
         self.command[:] = self._link.idle
-        self.supply = Supply(vehicle, scenario.start.charge.si, self._chance, scenario.faults)
+        self.supply = Supply(
+            vehicle, scenario.start.charge.si, self._chance, scenario.faults,
+            navigating(vehicle.file.energy, strategy),
+        )  # fmt: skip
         self.steps = 0
         self.outcome = Outcome.FLYING  # how the flight stands; once decided, it stays
         self._ranges: list[tuple[int, float]] = []
@@ -110,7 +123,9 @@ class World:
         self._rhythm = {name: (table[name].latency_ns, table[name].period_ns) for name in SENSED}
         self._shape = (table.light.sample_rate.si, table.light.samples)
         field = scenario.light_field
-        diodes = set_for(field, self.vehicle).drawn(self._chance['diodes'])
+        selected = set_for(field, self.vehicle)
+        self.diode_scale = selected.scale  # the drone is told what was selected
+        diodes = selected.drawn(self._chance['diodes'])
         self._light = LightView(field, self.vehicle, diodes)
         self._imu_place = _three(sensors.imu_position.vector)
         self._range_place = _three(sensors.range_position.vector)

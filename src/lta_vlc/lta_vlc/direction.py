@@ -93,6 +93,11 @@ class DirectionFinder:
         self._numbers = numbers
         self._scratch = np.zeros(FIT_SCRATCH) if core is not fit else [0.0] * FIT_SCRATCH
 
+    def prepare(self) -> None:
+        """Compile the fit, or load it from disk, before the first block waits for it."""
+        dark = np.zeros(len(self._array.gains))
+        self.find(Peaks(dark, dark + 1.0, dark, dark), 1.0, LampPrior())
+
     def find(self, peaks: Peaks, threshold: float, prior: LampPrior) -> Direction | None:
         """
         Return the direction, or None where no diode hears the lamp or all read the same.

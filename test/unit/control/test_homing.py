@@ -52,6 +52,20 @@ def test_a_short_loss_of_light_changes_nothing():
     assert all(course.speed > 0.0 for course in courses)
 
 
+def test_against_wind_it_flies_the_last_metre_blind_as_fast_as_before():
+    """The hull hides the lamp; who slowed down would be blown back, as 0.85 m/s would do here."""
+    wind, memory = -0.85, start(0.0)
+    for k in range(300):
+        seen = sight(0.0085 * k, 0.0)._replace(position=(0.0935 * k, 0.0))
+        course, memory = steer(SETTINGS, memory, seen)
+    assert memory.fix.wind_x == pytest.approx(wind, abs=0.05)
+    hidden = [blind(0.0, 0.0)._replace(position=(0.0935 * k, 0.0)) for k in range(300, 370)]
+    courses, memory = flown(hidden, memory)
+    assert memory.lost == pytest.approx(7.0)
+    assert all(later.speed == pytest.approx(course.speed, abs=0.01) for later in courses)
+    assert course.speed == pytest.approx(OWN.top_speed)
+
+
 def test_after_a_long_one_it_turns_and_then_flies_circles_that_widen():
     _, memory = flown(approach(3.0))
     courses, memory = flown([blind(1.2, 0.0)] * round(10 * OWN.hold + 10), memory)
@@ -71,6 +85,29 @@ def test_an_echo_is_not_chased():
     echoes = [sight(1.6, 0.0, lamp=(1.6, 5.0), share=0.05)] * 50
     courses, _ = flown(echoes, memory)
     assert all(abs(course.heading) < 0.1 for course in courses)
+
+
+def test_an_echo_is_not_taken_for_the_lamp_before_a_whole_turn():
+    """There is nothing else for longer than `hold`: it looks all around before it follows."""
+    _, memory = flown(approach(4.0))
+    echo = sight(1.6, 0.0, lamp=(1.6, 5.0), share=0.05)
+    _, memory = flown([echo] * round(10 * (OWN.hold + 5.0)), memory)
+    assert memory.searched > 0.0
+    assert abs(math.atan2(memory.fix.y, memory.fix.x)) < 0.1
+    turn = round(20.0 * math.pi / SETTINGS.search_rate)
+    _, memory = flown([echo] * turn, memory)
+    assert math.atan2(memory.fix.y, memory.fix.x) == pytest.approx(math.pi / 2, abs=0.2)
+
+
+def test_a_far_stronger_light_on_the_same_bearing_is_another_lamp():
+    """It followed an echo, and the lamp comes out behind it: 50 times what fits."""
+    _, memory = flown(approach(4.0))
+    fitting = memory.fix
+    lamp = sight(1.6, 0.0, lamp=(2.36, 0.0))
+    _, memory = flown([lamp] * round(10 * OWN.doubt - 2), memory)
+    assert memory.fix.brightness == pytest.approx(fitting.brightness, abs=1e-6)
+    _, memory = flown([lamp] * 5, memory)
+    assert math.hypot(memory.fix.x, memory.fix.y) == pytest.approx(0.76, rel=0.1)
 
 
 def test_a_bearing_that_is_itself_uncertain_is_not_looked_at():

@@ -76,8 +76,8 @@ def test_it_returns_to_where_it_took_off_and_lands_there():
     assert mission.start == (1.0, 1.0)
     setpoint, mission = go(mission, Order.RESERVE, RETURN, (4.0, 5.0))
     assert mission.phase is Phase.HOME
-    # 5 m at 0.5 m/s take 10 s, and it has twice that.
-    assert mission.left == pytest.approx(20.0)
+    # 5 m at 0.5 m/s take 10 s, and it has twice that, and 20 s to turn.
+    assert mission.left == pytest.approx(40.0)
     assert setpoint == Setpoint(SETTINGS.altitude, math.atan2(-4.0, -3.0), 0.5)
     # The reserve may be taken back on the way: it goes home all the same.
     setpoint, mission = go(mission, Order.FLY, RETURN, (1.0, 3.0))
@@ -93,7 +93,7 @@ def test_a_return_that_does_not_come_nearer_ends_in_a_landing():
     while mission.phase is Phase.HOME:
         mission, turns = go(mission, Order.RESERVE, RETURN, (5.0, 0.0))[1], turns + 1
     assert mission.phase is Phase.LAND
-    assert turns == pytest.approx(200, abs=1)
+    assert turns == pytest.approx(400, abs=1)
 
 
 def test_who_perches_goes_on_to_the_lamp_and_comes_down_there():

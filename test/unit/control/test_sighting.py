@@ -36,6 +36,14 @@ def test_strength_is_that_of_a_diode_that_faces_the_lamp(count):
         assert facing_strength(tuple(axes), read) == pytest.approx(200.0)
 
 
+def test_strength_is_told_by_the_largest_resistor():
+    """A diode that reads 2 % of what it could by another resistor."""
+    axes, read = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)), (4.0, 0.0, 0.0, 0.0)
+    seen = sighted(lamp_at(0.0, 4.0, 3.0, 0.05), axes, read, STILL, 0.1, 0.02)
+    assert seen.strength == pytest.approx(200.0)
+    assert seen.amplitudes == read
+
+
 def test_without_a_lamp_nothing_is_seen():
     seen = sighted(None, (), (), STILL, 0.1)
     assert not seen.seen

@@ -1,18 +1,33 @@
 """What finding a lamp takes beyond hovering, against the paper's figures."""
 
+from lta_config.topics import topic_table
 from lta_config.vehicle_file import load_vehicle_file
 from lta_energy import loads
+from lta_sim.scenario import load_scenario
+from lta_sim.vehicle import load_vehicle
+from lta_sim.world import World
 import pytest
 
 ENERGY = load_vehicle_file('gtmab').energy
-LOADS = loads.Loads.of(ENERGY)
 
 
 def test_navigation_takes_what_the_paper_prints_beyond_hovering():
     """1523 to 1544 mW of BAG, DES and DGA, less 1333 mW of hovering."""
-    still = (0.0,) * 4
-    sensing = loads.demand(LOADS, still, True, True) - loads.demand(LOADS, still, True)
-    assert sensing == pytest.approx(0.190)
-    beyond = [sensing + loads.computing_of(ENERGY, name) for name in ('bag', 'des', 'dga')]
+    beyond = [loads.navigating(ENERGY, name) for name in ('bag', 'des', 'dga')]
     assert beyond == pytest.approx([0.190, 0.2005, 0.211])
-    assert loads.computing_of(ENERGY, 'nobody') == 0.0
+
+
+def test_who_does_not_look_takes_nothing_and_an_unknown_strategy_senses_alone():
+    assert loads.navigating(ENERGY, '') == 0.0
+    assert loads.navigating(ENERGY, 'mine') == pytest.approx(0.190)
+    assert loads.navigating(load_vehicle_file('multirotor').energy, 'bag') == 0.0
+
+
+@pytest.mark.parametrize('strategy', ['', 'bag', 'dga'])
+def test_the_cell_of_a_flight_feeds_what_lamps_are_found_with(strategy):
+    world = World(load_vehicle('gtmab'), load_scenario('lamp_room'), topic_table(), 1, strategy)
+    for _ in range(100):
+        world.advance((0.0,) * 4)
+    assert world.supply.books.consumed == pytest.approx(
+        0.120 + loads.navigating(ENERGY, strategy), rel=1e-6
+    )

@@ -3,13 +3,13 @@
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.cell_file import load_cell_file
+from lta_config.compiled import compiled
 from lta_config.errors import BadInput
 from lta_config.files import find, known, load_yaml
 from lta_config.settings import plain
 from lta_config.vehicle_file import load_vehicle_file
 from lta_energy.diode_fit import diode_of
 from lta_energy.panel import AIR_TEMPERATURE, current_at, curve, max_power, Panel
-from lta_sim.compiled import compiled
 import pytest
 import yaml
 

@@ -5,10 +5,10 @@ from math import hypot
 import os
 
 from lta_config.errors import BadInput
+from lta_config.extract import Extract
 from lta_sim.compose import kernel_source
 from lta_sim.effects import EFFECTS, linear_drag, quadratic_drag
 from lta_sim.effects.protocol import KernelEffect, Motion
-from lta_sim.extract import Extract
 import pytest
 
 PAIR = (2.0, 3.0)

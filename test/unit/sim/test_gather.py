@@ -5,8 +5,8 @@ import math
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from lta_config.compiled import compiled
 from lta_config.errors import BadInput
-from lta_sim.compiled import compiled
 from lta_sim.light.ambient import Ambient
 from lta_sim.light.daylight import Daylight
 from lta_sim.light.echo import beams, echoing, on_faces, surrounding

@@ -6,7 +6,7 @@ import subprocess
 import sys
 import textwrap
 
-from lta_sim.kernel_cache import cache_root, load, store
+from lta_config.kernel_cache import cache_root, load, store
 import pytest
 
 TINY = 'def answer():\n    return 42\n'

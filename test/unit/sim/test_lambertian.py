@@ -2,7 +2,7 @@
 
 import math
 
-from lta_sim.compiled import compiled
+from lta_config.compiled import compiled
 from lta_sim.light.ambient import Ambient
 from lta_sim.light.echo import beams, surrounding
 from lta_sim.light.field import LightField

@@ -4,7 +4,7 @@ from lta_config.errors import BadInput
 from lta_config.files import find, load_yaml
 from lta_config.topics import topic_table
 from lta_sim.bounds import Bounds
-from lta_sim.light.setting import set_for
+from lta_sim.light.setting import scale_in, set_for
 from lta_sim.light.view import LightView
 from lta_sim.scenario import load_scenario, Scenario
 from lta_sim.state import WIND
@@ -26,6 +26,12 @@ DOOR = load_yaml(find('scenario', 'hall_door'))
 )
 def test_the_resistor_suits_the_light(scene, resistor):
     assert set_for(load_scenario(scene).light_field, GTMAB).feedback_resistance == resistor
+    assert scale_in(scene, 'gtmab') == resistor / 1e5
+
+
+def test_with_one_resistor_or_no_scene_there_is_nothing_to_tell():
+    assert scale_in('sunny_field', 'skye') == 1.0
+    assert scale_in('', 'gtmab') == 1.0
 
 
 @pytest.mark.parametrize('scene', ['lamp_room', 'sunny_field'])

@@ -173,3 +173,30 @@ def test_the_books_balance_in_every_scenario(name):
     books = world.supply.books
     assert books.consumed > 3 * 0.12
     assert abs(books.imbalance) < 1e-9 * books.consumed
+
+
+def test_a_relaxing_cell_weakens_the_rotors():
+    """The RC pair feeds the sag: half a minute costs more voltage than the charge."""
+    sag = {
+        'voltage': {'value': 3.7, 'unit': 'V', 'source': 'test'},
+        'sensitivity': {'value': 1.0, 'unit': '1', 'source': 'test'},
+    }
+    world = build(seed=2, vehicle={'effects/battery_sag': sag}, scene={'start/held': '60 s'})
+    duties = (0.4, 0.4, 0.0, 0.0)
+    for _ in range(100):
+        world.advance(duties)
+    first, charge = world.supply.flow, world.charge
+    thrust = world.thrusts[0]
+    for _ in range(3000):
+        world.advance(duties)
+    last = world.supply.flow
+    # 0.094 ohm of the mean current, 60 % of the way after 30 s of 33 s.
+    relaxed = 0.094 * 0.5 * (first.current + last.current) * 0.6
+    assert last.relaxation == pytest.approx(relaxed, rel=0.05)
+    empties = open_circuit_voltage(world.charge) - open_circuit_voltage(charge)
+    drop = last.voltage - first.voltage
+    assert drop == pytest.approx(empties + last.relaxation - first.relaxation, abs=0.003)
+    # T = a u^2 + b u of the duty that the voltage leaves.
+    duty = 0.4 * last.voltage / 3.7
+    assert world.thrusts[0] == pytest.approx(0.0915 * duty**2 + 0.0677 * duty, rel=1e-3)
+    assert world.thrusts[0] < thrust

@@ -6,6 +6,7 @@ import hashlib
 import json
 from typing import Any, Final
 
+from lta_config.extract import Extract
 from lta_config.files import find
 from lta_sim.effects import EFFECTS
 from lta_sim.effects.protocol import (
@@ -16,7 +17,6 @@ from lta_sim.effects.protocol import (
     InertiaEffect,
     MeasurementEffect,
 )
-from lta_sim.extract import Extract
 import yaml
 
 LENGTH: Final = 12

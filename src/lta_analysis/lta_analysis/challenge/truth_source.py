@@ -7,6 +7,7 @@ from string import Template
 from typing import Final, final
 
 from lta_analysis.challenge.truth_equations import TEMPLATE
+from lta_config.extract import Extract
 from lta_sim.effects import EFFECTS
 from lta_sim.effects.protocol import (
     ActuatorEffect,
@@ -18,7 +19,6 @@ from lta_sim.effects.protocol import (
     Place,
     WrenchEffect,
 )
-from lta_sim.extract import Extract
 from lta_sim.state import ACTUATORS
 
 # Written here, or not in a free flight of a vehicle with a plain hull.

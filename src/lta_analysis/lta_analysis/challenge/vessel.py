@@ -11,6 +11,7 @@ from lta_analysis.challenge.truth_flight import ENTRIES
 from lta_analysis.challenge.truth_source import APART, Composed, of_library
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_config.errors import BadInput
+from lta_config.kernel_cache import load
 from lta_sim.effects import EFFECTS
 from lta_sim.effects.protocol import (
     AXES,
@@ -21,7 +22,6 @@ from lta_sim.effects.protocol import (
     Rigid,
     Values,
 )
-from lta_sim.kernel_cache import load
 from lta_sim.state import BODY
 import numpy as np
 from numpy.typing import NDArray

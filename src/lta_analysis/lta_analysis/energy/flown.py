@@ -61,7 +61,8 @@ def loop_on(made_of: Ingredients, course: Course | None, seed: int) -> Loop:
     """Return a flight along a course, or by its own strategy, that is about to begin."""
     vehicle, scenario, policy = parts_of(made_of)
     table = topic_table()
-    world = World(vehicle, scenario, table, seed)
+    looking = made_of.strategy if course is None else ''
+    world = World(vehicle, scenario, table, seed, looking)
     return Loop(world, table, replace(policy, course=course))
 
 

@@ -15,6 +15,7 @@ from lta_control.laws import LAWS
 from lta_control.laws.aboard import CASCADE
 from lta_control.per_rotor import NONE, slots
 from lta_control.strategies import bearing_angle
+from lta_energy.loads import navigating
 from lta_sim.counted_sensors import Axes, Sensors, Six
 from lta_sim.effects import EFFECTS
 from lta_sim.effects.protocol import MeasurementEffect
@@ -259,6 +260,7 @@ def power_of(vehicle: Vehicle, scenario: Scenario, policy: Policy) -> Power:
     return Power(
         Parts(vehicle.battery, vehicle.charger, vehicle.panel),
         vehicle.loads,
+        navigating(vehicle.file.energy, policy.strategy.name),
         plane_of(
             half_axes(vehicle.file.hull), vehicle.file.panel_place, vehicle.file.panel_normal
         ),

@@ -142,7 +142,7 @@ def drained(
     craft: Craft, supply: Account, irradiance: float, thrusts: PerRotor, dt: float
 ) -> Account:
     """Return the supply after a control period in such light [W/m2] with such thrusts. [N, s]"""
-    asked = demand(craft.power.loads, thrusts, True)
+    asked = demand(craft.power.loads, thrusts, True) + craft.power.looking
     meantime = Meantime(irradiance, asked, dt, False, False)
     return supplied(craft.power.parts, supply, meantime, 0.0)
 

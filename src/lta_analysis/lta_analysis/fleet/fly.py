@@ -10,11 +10,11 @@ from typing import Any, Literal
 from lta_analysis.fleet.craft import Made, rhythm_of
 from lta_analysis.fleet.targets import CPU, GPU
 from lta_analysis.fleet.text import FIGURES, source
+from lta_config.kernel_cache import load
 from lta_config.topics import topic_table
 from lta_sim.flat import Layout
 from lta_sim.gpu import cuda_here, THREADS
 from lta_sim.kernel import LAYOUT
-from lta_sim.kernel_cache import load
 import numpy as np
 from numpy.typing import NDArray
 

@@ -32,6 +32,7 @@ class Power(NamedTuple):
 
     parts: Parts
     loads: Loads
+    looking: float  # W, what lamps are found with
     panel: Plane
     lamp_share: float  # W/m2 a lux of the lamp while it is on
     ambient: float  # W/m2

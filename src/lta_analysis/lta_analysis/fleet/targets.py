@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import final
 
+from lta_config.compiled import ENTRY, INLINE
 from lta_control import allocation
-from lta_sim.compose import ENTRY, INLINE
 from lta_sim.light.pencils import LAMPS, scratch_for
 from lta_vlc.readings import FIT_SCRATCH
 

@@ -12,12 +12,12 @@ from typing import Any
 from lta_analysis.fleet import flight
 from lta_analysis.fleet.kept import Kept
 from lta_analysis.fleet.targets import Rhythm, STEP, Target
+from lta_config.extract import Extract
 from lta_control.attitude import heading
 from lta_control.onboard import Onboard, onboard_step
 from lta_sim import counted_sensors
 from lta_sim.compose import Form, kernel_source
 from lta_sim.effects import EFFECTS, initial_memory
-from lta_sim.extract import Extract
 from lta_sim.flat import Layout, PREFIX
 from lta_sim.gpu import STATES
 from lta_sim.kernel import LAYOUT

@@ -12,6 +12,7 @@ exchange of messages can tell that from an offset.
 from collections import deque
 from typing import final, NamedTuple
 
+FEW = 4  # answers before a time is told: the first may have been long under way
 KEPT = 128  # exchanges: half a minute at 4 Hz, in which a crystal's temperature stays
 CRYSTAL = 100e-6  # standard deviation of a crystal's drift: twice a common part's 50 ppm
 QUICK = 0.25  # of the quickest round trip: how far a middle is believed at best
@@ -64,8 +65,8 @@ class BoardClock:
 
     @property
     def known(self) -> bool:
-        """Whether the board has answered."""
-        return bool(self._kept)
+        """Whether the board has answered often enough."""
+        return len(self._kept) >= FEW
 
     @property
     def round_trip(self) -> int:

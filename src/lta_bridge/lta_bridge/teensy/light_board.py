@@ -26,6 +26,7 @@ DIALECT = 1  # the version of our messages
 SYSTEM, COMPONENT = 255, 191  # MAVLink: a ground station, its onboard computer
 BEAT_NS = 1_000_000_000  # between heartbeats
 ASK_NS = 250_000_000  # between questions for the time
+EAGER_NS = 20_000_000  # between them before it is known
 ANSWER_NS = 1_000_000_000  # after which an answer says nothing any more
 QUESTIONS = 8  # kept until they are answered
 CONTROLLER, NO_AUTOPILOT, ACTIVE, PROTOCOL = 18, 8, 4, 3  # of MAVLink's common.xml
@@ -105,7 +106,7 @@ class LightBoard:
                 mavlink_version=PROTOCOL,
             )
         if now_ns >= self._next_ask:
-            self._next_ask = now_ns + ASK_NS
+            self._next_ask = now_ns + (ASK_NS if self.clock.known else EAGER_NS)
             self._asked = [*self._asked[1 - QUESTIONS :], now_ns]
             out += self._frame(TIMESYNC, ts1=now_ns)
         return out

@@ -23,6 +23,7 @@ from lta_graph.health import Level
 from lta_graph.inbox import Step
 from lta_graph.ros.node import from_stamp, GraphNode, run
 from lta_graph.ros.parameters import Parameters
+from lta_sim.light.setting import scale_in
 from lta_sim.scenario import course_in, route_in
 from lta_vlc.demodulation import NO_WISH
 from nav_msgs.msg import Odometry
@@ -32,6 +33,7 @@ from std_msgs.msg import Float64
 class NavigatorParameters(MissionSettings):
     """The mission and its strategy."""
 
+    vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
     strategy: str = setting('bag', 'Navigation strategy.', fixed=True)
     scenario: str = setting(
         '', 'Scenario whose course or route is flown, if it has one.', fixed=True
@@ -52,6 +54,9 @@ class Navigator(GraphNode):
         self._course = course_in(self._settings.value.scenario)
         self._route = route_in(self._settings.value.scenario)
         check_route(self._strategy, len(self._route))
+        self._scale = 1.0
+        if self._strategy.ranges:
+            self._scale = scale_in(self._settings.value.scenario, self._settings.value.vehicle)
         self._begun_ns: int | None = None
         self._mission = Mission()
         check_reserve(self._settings.value.reserve, self._strategy)
@@ -137,6 +142,7 @@ class Navigator(GraphNode):
             amplitudes,
             Reckoned(0.0, 0.0, 0.0, 0.0, 0.0) if then is None else to_reckoned(then),
             self._block_ns * 1e-9,
+            self._scale,
         )
 
 

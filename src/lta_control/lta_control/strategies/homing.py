@@ -5,14 +5,18 @@ Homing, LTA's own strategy: fly along the line to the lamp whatever the wind.
 drone drifts. Its way through the air is that of the wind triangle (`wind_triangle`):
 a drone in a cross wind holds its bearing instead of being bent into a dog's curve, and in a head
 wind it flies faster. Near the lamp the speed over the ground falls with the range, `approach` a
-second, and inside `arrival` it is 0: the drone has arrived and holds its place against the wind.
+second; inside `arrival` the drone has arrived, and it holds its place against the wind at half of
+that, since what it takes for the range may be somewhat less than it is.
 
 What does not fit is not followed: a bearing that is itself uncertain, one that is far off the
 filter's, and one that is much weaker than the lamp would be from there, as an echo is whose lamp
 is hidden. While there is no light that fits, the filter goes on by dead reckoning for `hold`; then
-the drone searches, by a turn on the spot and then in circles that widen. A light that is as strong
-as the lamp but elsewhere for `doubt` is taken for the lamp: the filter was wrong. So is any light
-that is found after a search of a whole turn.
+the drone searches, by a turn on the spot and then in circles that widen. A light that is no weaker
+than the lamp but elsewhere, or far stronger, for `doubt` is taken for the lamp: the filter was
+wrong. So is any light that is found after a search of a whole turn.
+
+Near a lamp that stands higher than the diodes the drone's own hull hides it. It flies on by dead
+reckoning as before, against the wind as before: the last metre is flown blind.
 """
 
 import math
@@ -35,7 +39,6 @@ from lta_control.strategies.wind_triangle import through_air
 if TYPE_CHECKING:
     from lta_control.strategies.settings import StrategySettings
 
-BRIEFLY = 0.5  # s without light that change nothing
 LEAST_PUSH = 0.1  # m/s forward on the way, where the wind carries the drone there by itself
 STAY = 2.0  # of the arrival range: who has arrived may be blown so far off and has still arrived
 
@@ -47,7 +50,11 @@ class HomingSettings(Settings):
         1.05, 'Fastest airspeed to ask for.', unit='m/s', low=0.05, high=20.0
     )
     brightness: float = setting(
-        2100.0, 'Strength of the lamp at one metre.', unit='counts', low=1.0, high=1e9
+        2100.0,
+        'Strength of the lamp at one metre, by the largest resistor.',
+        unit='counts',
+        low=1.0,
+        high=1e9,
     )
     unsure: float = setting(
         0.5, 'Standard deviation of its logarithm.', unit='1', low=0.01, high=5.0
@@ -79,7 +86,7 @@ class HomingSettings(Settings):
     )
     echo: float = setting(
         0.25,
-        'Share of the strength that fits, below which a light is an echo.',
+        'Share of the strength that fits, below which a light is an echo; one over it: too much.',
         unit='1',
         low=0.0,
         high=1.0,
@@ -140,16 +147,15 @@ def onward(memory: Homing) -> Homing:
 
 def watch(settings: 'StrategySettings', memory: Homing, sight: Sight) -> Homing:
     """Return the memory after a sight from a drone that climbs: wind is felt at once."""
-    return followed(settings.homing, memory, sight)
+    return followed(settings, memory, sight)
 
 
 def steer(settings: 'StrategySettings', memory: Homing, sight: Sight) -> tuple[Course, Homing]:
     """Return the course through the air that leads along the line to the lamp."""
     own = settings.homing
-    memory = followed(own, memory, sight)
-    lost = memory.lost > own.hold or (
-        memory.lost > 0.0 and bearing_deviation(memory.fix) > own.certain
-    )
+    memory = followed(settings, memory, sight)
+    unsure = memory.searched > 0.0 or bearing_deviation(memory.fix) > own.certain
+    lost = memory.lost > own.hold or (memory.lost > 0.0 and unsure)
     if not memory.known or lost:
         heading, speed = searching(settings, memory, sight.interval)
         after = _searched(memory, heading, memory.searched + sight.interval)
@@ -180,24 +186,26 @@ def optics_of(own: HomingSettings, flown: float) -> Optics:
     )
 
 
-def followed(own: HomingSettings, m: Homing, sight: Sight) -> Homing:
+def followed(settings: 'StrategySettings', m: Homing, sight: Sight) -> Homing:
     """Return the memory with what one more sight tells, if it fits."""
-    optics, dt = optics_of(own, m.flown), sight.interval
+    own, dt = settings.homing, sight.interval
+    optics = optics_of(own, m.flown)
     fix, known, lost, doubted = m.fix, m.known, m.lost + dt, m.doubted
     if m.known:
         moved_x, moved_y = sight.position[0] - m.place[0], sight.position[1] - m.place[1]
         fix = predict(optics, fix, moved_x, moved_y, dt)
     if sight.seen and sight.deviation <= own.trusted:
         bearing, strength = sight.heading + sight.bearing, max(sight.strength, 1.0)
-        fits = known and surprise(fix, optics, bearing, sight.deviation) <= own.gate
-        strong = not known or strength >= own.echo * expected(fix)
-        doubted = 0.0 if fits or not strong else doubted + dt
-        sought = m.searched > 0.0 and lost > own.hold
-        if not known or doubted > own.doubt or (sought and not (fits and strong)):
+        there = known and surprise(fix, optics, bearing, sight.deviation) <= own.gate
+        share = strength / expected(fix) if known else 1.0
+        fits = there and own.echo <= share <= 1.0 / own.echo
+        doubted = 0.0 if fits or share < own.echo else doubted + dt
+        sought = m.searched > whole_turn(settings)
+        if not known or doubted > own.doubt or (sought and not fits):
             drift = fix.wind_x, fix.wind_y
             fix, known = begin(optics, bearing, sight.deviation, strength, drift), True
             lost = doubted = 0.0
-        elif fits and strong:
+        elif fits:
             fix, lost = see(fix, optics, bearing, sight.deviation, strength), 0.0
     away = math.hypot(fix.x, fix.y)
     limit = own.arrival * (STAY if m.arrived else 1.0)
@@ -214,11 +222,6 @@ def homeward(settings: 'StrategySettings', m: Homing) -> tuple[float, float]:
     away = max(math.hypot(fix.x, fix.y), 1e-6)
     over_ground = min(settings.speed, max(own.approach * (away - 0.5 * own.arrival), 0.0))
     top = max(own.top_speed, settings.speed)
-    if m.arrived:
-        over_ground = 0.0
-    if m.lost > BRIEFLY:  # the farther without light, the slower
-        over_ground *= max(1.0 - m.lost / max(own.hold, BRIEFLY), 0.0)
-        top = settings.speed
     near = own.approach * away < settings.speed
     return through_air(
         (fix.x + 1e-9, fix.y),
@@ -229,12 +232,17 @@ def homeward(settings: 'StrategySettings', m: Homing) -> tuple[float, float]:
     )
 
 
+def whole_turn(settings: 'StrategySettings') -> float:
+    """Return how long a turn on the spot takes. [s]"""
+    return 2.0 * math.pi / max(settings.search_rate, 1e-3)
+
+
 def searching(settings: 'StrategySettings', m: Homing, interval: float) -> tuple[float, float]:
     """Return heading [rad] and airspeed [m/s] of a search: a turn, then circles that widen."""
-    turn = 2.0 * math.pi / max(settings.search_rate, 1e-3)
+    turn = whole_turn(settings)
     if m.searched < turn:
         return m.heading + settings.search_rate * interval, 0.0
     return m.heading + settings.search_rate * interval * turn / m.searched, settings.speed
 
 
-STRATEGY = Strategy('homing', start, steer, watch, onward)
+STRATEGY = Strategy('homing', start, steer, watch, onward, ranges=True)

@@ -136,8 +136,8 @@ def surprise(fix: Fix, optics: Optics, bearing: float, deviation: float) -> floa
 
 
 def expected(fix: Fix) -> float:
-    """Return the strength that the fix says. [counts]"""
-    return math.exp(fix.brightness) / _squared(fix)
+    """Return the strength that the fix says, of a lamp somewhat higher or lower. [counts]"""
+    return math.exp(fix.brightness) / (fix.x * fix.x + fix.y * fix.y + OVER * OVER)
 
 
 def see(fix: Fix, optics: Optics, bearing: float, deviation: float, strength: float) -> Fix:

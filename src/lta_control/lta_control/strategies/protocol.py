@@ -31,8 +31,8 @@ class Sight(NamedTuple):
     deviation : float
         Standard deviation of the bearing. [rad]
     strength : float
-        Light on a diode that faces the lamp, without the pedestal; 0 where it is not seen.
-        [ADC counts]
+        Light on a diode that faces the lamp, without the pedestal, whichever resistor is selected;
+        0 where it is not seen. [ADC counts by the largest resistor]
     elevation : float
         Of the lamp over the horizon of the body; 0 where it is not known. [rad]
     position : tuple of float
@@ -105,6 +105,8 @@ class Strategy:
     onward : callable, optional
         `onward(memory) -> memory` when the drone has arrived and is to go to another lamp; only
         who ever says that it has arrived has it, and can fly a route.
+    ranges : bool
+        Whether it looks at `Sight.strength`, for which the selected resistor must be known.
 
     """
 
@@ -113,6 +115,7 @@ class Strategy:
     steer: Callable[['StrategySettings', Any, Sight], tuple[Course, Memory]]
     watch: Callable[['StrategySettings', Any, Sight], Memory] | None = None
     onward: Callable[[Any], Memory] | None = None
+    ranges: bool = False
 
     @property
     def arrives(self) -> bool:

@@ -7,7 +7,7 @@ faces: there the sum only says how it is shared among them.
 
 from functools import lru_cache
 
-from lta_sim.compiled import compiled
+from lta_config.compiled import compiled
 from lta_sim.light.field import LightField
 from lta_sim.light.lambertian import Beam, beam
 from lta_sim.light.lamp import Lamp

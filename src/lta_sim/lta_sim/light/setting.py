@@ -1,14 +1,16 @@
 """
 The feedback resistor that a person selects for the light of a scene before the flight.
 
-By the steady light on the ring as it stands in the open or, in a scene with a door, beyond it.
+By the steady light on the ring as it stands in the open or, in a scene with a door, beyond it. Who
+selects it tells the drone as well: it could not say how bright a lamp is otherwise.
 """
 
 from lta_sim.hull import half_axes
 from lta_sim.light.field import LightField
 from lta_sim.light.view import LightView
+from lta_sim.scenario import load_scenario
 from lta_sim.sensors.photodiode import PhotodiodeArray
-from lta_sim.vehicle import Vehicle
+from lta_sim.vehicle import load_vehicle, Vehicle
 
 ABOVE = 1.0  # m over the ground
 
@@ -24,3 +26,20 @@ def set_for(field: LightField, vehicle: Vehicle) -> PhotodiodeArray:
     light = LightView(field, vehicle).illuminance([pose])
     lux = float((light.steady + light.mains).max())
     return vehicle.diodes.selected(lux / field.ambient.efficacy)
+
+
+def scale_in(scenario: str, vehicle: str) -> float:
+    """
+    Return what a diode reads in a scenario over what it would by the largest resistor. [1]
+
+    Parameters
+    ----------
+    scenario : str
+        Name or path; 1 without one.
+    vehicle : str
+        Name or path.
+
+    """
+    if not scenario:
+        return 1.0
+    return set_for(load_scenario(scenario).light_field, load_vehicle(vehicle)).scale

@@ -8,7 +8,7 @@ Direct light is taken at every control step, everything else at the ends of a bl
 from collections.abc import Sequence
 from typing import final
 
-from lta_sim.compiled import compiled
+from lta_config.compiled import compiled
 from lta_sim.hull import half_axes
 from lta_sim.light.echo import beams, echoing, surrounding
 from lta_sim.light.field import Illuminance, LightField

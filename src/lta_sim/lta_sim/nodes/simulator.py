@@ -50,7 +50,9 @@ class Simulator(GraphNode):
         offset = self._settings.offset_x, self._settings.offset_y
         scenario = started(load_scenario(self._settings.scenario), *offset)
         vehicle = load_vehicle(self._settings.vehicle, scenario.air.density)
-        self._world = World(vehicle, scenario, self.table, self._settings.seed)
+        self._world = World(
+            vehicle, scenario, self.table, self._settings.seed, self._settings.strategy
+        )
         names = self.table.published_by('vehicle')
         if not self._settings.clock:
             names.remove('/clock')

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import math
 from typing import final
 
+from lta_config.compiled import compiled
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
-from lta_sim.compiled import compiled
 from lta_sim.measurement import Chain, read
 from lta_sim.rigid_body import rotation
 import numpy as np

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import math
 from typing import final
 
-from lta_sim.compiled import compiled
+from lta_config.compiled import compiled
 from lta_sim.light.field import Illuminance, LightField
 from lta_sim.light.flicker import Sampling, Waves
 from lta_sim.sensors.photodiode import noise_terms, PhotodiodeArray, sensitivity

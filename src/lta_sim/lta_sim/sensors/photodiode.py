@@ -138,6 +138,11 @@ class PhotodiodeArray(Record):
         factors[list(self.dead)] = 0.0
         return factors
 
+    @property
+    def scale(self) -> float:
+        """Reading by the selected resistor over that by the largest. [1]"""
+        return self.feedback_resistance / max(self.resistors, default=self.feedback_resistance)
+
     def selected(self, irradiance: float) -> 'PhotodiodeArray':
         """Return these diodes with the largest resistor that steady light leaves room. [W/m2]"""
         volts = [

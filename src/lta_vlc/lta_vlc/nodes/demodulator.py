@@ -1,5 +1,6 @@
 """The demodulator node: from ADC blocks to peaks and a bearing."""
 
+from lta_config.compiled import compiled
 from lta_config.settings import setting
 from lta_config.vehicle_file import load_vehicle_file
 from lta_graph.health import Level
@@ -11,10 +12,12 @@ from lta_vlc.condition import conditions, WANTED
 from lta_vlc.demodulation import Demodulation, Hearing, Peaks
 from lta_vlc.diodes import diodes_of
 from lta_vlc.direction import DirectionFinder
+from lta_vlc.fit import fit
 from lta_vlc.lamp import lamp_estimate, LampEstimate, LampPrior
 from lta_vlc.listener import Listener
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks, to_block
 from lta_vlc.sequence import Sequence
+import numpy as np
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
@@ -38,13 +41,14 @@ class Demodulator(GraphNode):
             self, DemodulatorParameters, changed=self._begin, check=self._listener_of
         )
         self._begin(self._settings.value)
-        self._listener.prepare()  # who listens must answer at once
         self._sequence = Sequence(self.table['photodiodes'].period_ns)
         self._refused = 0
         # After the outputs: what is published before somebody listens is lost in real time.
         entry = load_vehicle_file(self._settings.value.vehicle).sensors.diodes
         self._diodes = diodes_of(entry)
-        self._finder = DirectionFinder(self._diodes)
+        self._finder = DirectionFinder(self._diodes, compiled(fit)[0], np.array)
+        self._listener.prepare()  # who listens must answer at once
+        self._finder.prepare()
         inputs = self.table.read_by('demodulator')
         self.listen(inputs, trigger='photodiodes', on_step=self._on_step)
 

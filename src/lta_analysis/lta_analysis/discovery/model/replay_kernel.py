@@ -15,7 +15,9 @@ from types import ModuleType
 from typing import Final, final
 
 from lta_analysis.discovery.model.replay_entries import CHAIN, FLY
-from lta_sim.compose import ENTRY, Form, INLINE, kernel_source, layout_of
+from lta_config.compiled import ENTRY, INLINE
+from lta_config.kernel_cache import load
+from lta_sim.compose import Form, kernel_source, layout_of
 from lta_sim.effects import EFFECTS
 from lta_sim.effects.protocol import (
     ActuatorEffect,
@@ -28,7 +30,6 @@ from lta_sim.effects.protocol import (
     Wrench,
     WrenchEffect,
 )
-from lta_sim.kernel_cache import load
 from lta_sim.layout import Access, Layout, Stage
 from lta_sim.row import ENTRIES, places, Row
 

@@ -16,7 +16,8 @@ from lta_analysis.ingredients import gather, Ingredients
 from lta_analysis.loop import Loop
 from lta_config.topics import topic_table
 from lta_control.cascade import Setpoint
-from lta_energy.loads import computing_of, Loads
+from lta_energy.loads import Loads
+from lta_energy.loads import navigating as looking
 from lta_sim.readings import Outcome
 
 SCENE, LAMP_SCENE = 'hall', 'lamp_room'
@@ -120,17 +121,15 @@ def task(name: str, electronics: float, flown: Sequence[Flown]) -> Task:
 def navigating(vehicle: str, strategy: str, seeds: int, tick: Callable[[], None]) -> Task:
     """Return what it takes to find a lamp by a strategy, from lift-off to the end."""
     made_of: Ingredients = gather(vehicle, LAMP_SCENE, strategy, '')
-    flown, loads, computing = [], None, 0.0
+    flown, electronics = [], 0.0
     for seed in range(1, seeds + 1):
         loop = loop_on(made_of, None, seed)
-        loads = loop.world.vehicle.loads
-        computing = computing_of(loop.world.vehicle.file.energy, strategy)
+        loads, energy = loop.world.vehicle.loads, loop.world.vehicle.file.energy
+        electronics = loads.idle + loads.transmitting + looking(energy, strategy)
         whole = fly(loop, over)
         up = whole.time[whole.height > whole.height[0] + MOVED]
         flown.append(whole.between(float(up[0]) if len(up) else 0.0, math.inf))
         tick()
-    assert loads is not None  # there is at least one seed
-    electronics = loads.idle + loads.transmitting + loads.sensing + computing
     return task(f'navigating, {strategy.upper()}', electronics, flown)
 
 

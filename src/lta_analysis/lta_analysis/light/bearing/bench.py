@@ -6,9 +6,9 @@ from typing import final
 
 from lta_analysis.ingredients import Ingredients, parts_of
 from lta_analysis.light.bearing.poses import Pose
+from lta_config.compiled import compiled
 from lta_config.topics import topic_table
 from lta_control.cascade import wrap
-from lta_sim.compiled import compiled
 from lta_sim.light.setting import set_for
 from lta_sim.light.view import LightView
 from lta_sim.sensors.photodiode import PhotodiodeArray

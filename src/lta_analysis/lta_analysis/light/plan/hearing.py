@@ -16,7 +16,7 @@ from lta_analysis.light.plan.mounts import Mount, Vector
 from lta_analysis.light.plan.polygon import Array, Mask
 from lta_analysis.light.plan.rays import over_cells
 from lta_analysis.light.plan.together import heard_together, is_full, Numbers
-from lta_sim.compiled import compiled
+from lta_config.compiled import compiled
 from lta_sim.hull import half_axes
 from lta_sim.light.field import LightField
 from lta_sim.light.heard import expected, Listening, listening_of, on_ring

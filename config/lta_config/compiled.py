@@ -10,11 +10,10 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any
 
-from lta_sim.compose import ENTRY, INLINE
-from lta_sim.extract import Extract
-from lta_sim.kernel_cache import load
+from lta_config.extract import Extract
+from lta_config.kernel_cache import load
 
-HEAD = '''"""Functions taken out of their modules by lta_sim.compiled; edits here are lost."""
+HEAD = '''"""Functions taken out of their modules by lta_config.compiled; edits here are lost."""
 
 from collections import namedtuple
 import math
@@ -23,6 +22,13 @@ from numba import njit
 
 
 '''
+
+
+# What only compiled code calls needs no way in from Python, which takes long to compile.
+# Nothing is reordered and a division by zero gives inf: all forms agree to the bit.
+OWN = "error_model='numpy', fastmath=False, no_cpython_wrapper=True, no_cfunc_wrapper=True"
+INLINE = f'@njit({OWN})'
+ENTRY = "@njit(error_model='numpy', fastmath=False, cache=True)"
 
 
 @cache

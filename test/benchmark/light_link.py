@@ -1,0 +1,138 @@
+"""
+Measure the light board's bridge: an emulated board sends 8 diodes at 10 kS/s over a terminal.
+
+The way of a block is from the frame with its last sample, handed to the terminal, to the message
+of `photodiodes` in another process. `python test/benchmark/light_link.py SECONDS` prints all
+figures of one long run: the way's median and 99 %, what was lost, the bridge's share of a core.
+"""
+
+from functools import cache
+import os
+from pathlib import Path
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from typing import NamedTuple
+
+from bench import Figure
+from lta_bridge.teensy.emulator import Cable, EmulatedBoard
+from lta_config.topics import topic_table
+from lta_graph.ros.node import message_type
+from lta_graph.ros.qos import profile
+import numpy as np
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.signals import SignalHandlerOptions
+from record import cpu
+
+TABLE = topic_table()
+BRIDGE = 'from lta_bridge.nodes.teensy_bridge import main; main()'
+FRAME = 15  # rows of 8 diodes
+SHORT = 10.0  # s of a run of `make bench`
+LEAD = 1.0  # s before what counts: discovery, and the board's clock
+
+
+class Run(NamedTuple):
+    """The ways of all blocks [s], blocks that never came, and the share of a core."""
+
+    ways: 'np.ndarray[tuple[int], np.dtype[np.float64]]'
+    lost: int
+    share: float
+
+
+class Board(threading.Thread):
+    """An emulated board that keeps real time, frame by frame."""
+
+    def __init__(self, folder: Path, seconds: float) -> None:
+        super().__init__(daemon=True)
+        self.cable = Cable(folder / 'tty')
+        self._rate, self._frames = TABLE.light.sample_rate.si, int(seconds * 1e4 / FRAME)
+        self.ended: dict[int, float] = {}  # when a block's last row was handed over
+        self.live = threading.Event()
+
+    def run(self) -> None:
+        """Send until all is sent; count rows from when somebody listens."""
+        board = EmulatedBoard(time.time_ns())
+        while not self.live.is_set():
+            self.cable.write(board.answer(self.cable.read(0.01), time.time_ns()))
+        samples = np.random.default_rng(1).integers(0, 4096, (FRAME, 8)).astype(np.uint16)
+        begun, length = time.monotonic(), TABLE.light.samples
+        self.cable.write(board.status())
+        for turn in range(self._frames):
+            left = begun + (turn + 1) * FRAME / self._rate - time.monotonic()
+            asked = self.cable.read(max(0.0, left))
+            if asked:
+                self.cable.write(board.answer(asked, time.time_ns()))
+                time.sleep(max(0.0, begun + (turn + 1) * FRAME / self._rate - time.monotonic()))
+            rows = (turn + 1) * FRAME
+            samples[:, 0] = (rows - FRAME) // length % 4096  # which block, for the other end
+            if rows // length > (rows - FRAME) // length:
+                self.ended[rows // length - 1] = time.monotonic()
+            self.cable.write(board.light(samples))
+
+
+def measure(seconds: float) -> Run:
+    """Return what one run of the bridge gives."""
+    os.environ.setdefault('ROS_DOMAIN_ID', '97')
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    with tempfile.TemporaryDirectory() as name:
+        board = Board(Path(name), seconds)
+        words = ['-p', f'port:={name}/tty', '-r', '__ns:=/lta1']
+        bridge = subprocess.Popen([sys.executable, '-c', BRIDGE, '--ros-args', *words])
+        node, came = rclpy.create_node('watch', namespace='/lta1'), []
+        row = TABLE['photodiodes']
+        node.create_subscription(
+            message_type(row),
+            'photodiodes',
+            lambda _: came.append(time.monotonic()),
+            profile(row, lockstep=False),
+        )
+        executor = SingleThreadedExecutor()
+        executor.add_node(node)
+        board.start()
+        while not node.count_publishers('/lta1/photodiodes'):
+            executor.spin_once(0.1)
+        until = time.monotonic() + LEAD
+        while time.monotonic() < until:
+            executor.spin_once(0.1)
+        begun, before = time.monotonic(), cpu(bridge.pid)
+        board.live.set()
+        while board.is_alive():
+            executor.spin_once(0.1)
+        share = (cpu(bridge.pid) - before) / (time.monotonic() - begun)
+        until = time.monotonic() + 0.5
+        while time.monotonic() < until:
+            executor.spin_once(0.1)
+        bridge.send_signal(signal.SIGINT)
+        bridge.wait()
+        node.destroy_node()
+        rclpy.shutdown()
+    ended = [board.ended[k] for k in sorted(board.ended)]
+    lost = len(ended) - len(came)
+    ways = np.array(came) - np.array(ended) if lost == 0 else np.array([np.nan])
+    return Run(ways, lost, share)
+
+
+@cache
+def _short() -> Run:
+    return measure(SHORT)
+
+
+def figures() -> list[Figure]:
+    """Return what `make bench` shows."""
+    return [
+        Figure('light_link.way', 'ms', lambda: 1e3 * float(np.median(_short().ways)), 1, min),
+        Figure('light_link.core', '%', lambda: 100.0 * _short().share, 1, min),
+    ]
+
+
+if __name__ == '__main__':
+    run = measure(float(sys.argv[1]))
+    middle, late, worst = 1e3 * np.quantile(run.ways, (0.5, 0.99, 1.0))
+    sys.stdout.write(
+        f'{len(run.ways)} blocks, {run.lost} lost; {100 * run.share:.1f} % of a core; '
+        f'way median {middle:.2f} ms, 99 % {late:.2f} ms, longest {worst:.2f} ms\n'
+    )

@@ -1,0 +1,107 @@
+"""The navigator over real DDS obeys the energy monitor, and comes down when that falls silent."""
+
+import signal
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from lta_config.topics import topic_table
+from lta_graph.ros.node import to_stamp
+from nav_msgs.msg import Odometry
+import pytest
+from std_msgs.msg import Bool
+
+from .peer import PATIENCE, Peer, start
+
+PERIOD = topic_table()['light/estimate'].period_ns
+RESTING, ALOFT, LANDING = 0.0, 0.5, 0.3  # m; what the navigator asks for
+OK, WARN, ERROR = b'\x00', b'\x01', b'\x02'
+
+
+class Drone(Peer):
+    """Estimator, demodulator and energy monitor at once, which hears what the navigator asks."""
+
+    def __init__(self, domain_id):
+        super().__init__(domain_id)
+        self.asked, self.facts, self.turns = [], {}, 0
+        self.hear('setpoint/pose', lambda message: self.asked.append(message.pose.position.z))
+        self.hear('/diagnostics', self._hear_facts)
+
+    def _hear_facts(self, message):
+        self.facts |= {status.name: status.message for status in message.status}
+
+    @property
+    def mission(self):
+        return self.facts.get('navigator: mission', '')
+
+    def energy(self, reserve, level=OK, sentence='90% left'):
+        """Say what the energy monitor says."""
+        status = DiagnosticStatus(level=level, name='energy', message=sentence)
+        self.publisher('energy/status').publish(DiagnosticArray(status=[status]))
+        self.publisher('energy/reserve').publish(Bool(data=reserve))
+
+    def turn(self):
+        """Send one light block in which no lamp is seen; return the altitude asked for."""
+        stamp = to_stamp(1_000_000_000 + self.turns * PERIOD)
+        self.turns += 1
+        odom = Odometry()
+        odom.header.stamp = stamp
+        odom.pose.pose.position.z, odom.pose.pose.orientation.w = ALOFT, 1.0
+        self.publisher('odom').publish(odom)
+        light = PoseWithCovarianceStamped()
+        light.header.stamp = stamp
+        light.pose.covariance[0] = -1.0
+        self.publisher('light/estimate').publish(light)
+        self.until(lambda: len(self.asked) == self.turns)
+        return self.asked[-1]
+
+    def until_asked(self, altitude, **energy):
+        """Go on until an altitude is asked for: words of the energy and light may overtake."""
+        for _ in range(50):
+            if energy:
+                self.energy(**energy)
+            if self.turn() == altitude:
+                return
+        raise AssertionError(f'{altitude} m is not asked for, but {self.asked}; {self.facts}')
+
+
+@pytest.fixture
+def drone(domain_id):
+    process = start('lta_control.nodes.navigator')
+    with Drone(domain_id) as made:
+        for name in ('odom', 'light/estimate', 'energy/status', 'energy/reserve'):
+            made.until(lambda name=name: made.publisher(name).get_subscription_count())
+        yield made
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=PATIENCE)
+    assert (process.returncode, errors) == (0, '')
+
+
+def test_it_waits_for_good_energy_flies_and_obeys_the_reserve(drone):
+    assert drone.turn() == RESTING  # nothing has been heard of the energy
+    drone.until(lambda: 'no take-off: nothing has been heard of the energy' in drone.mission)
+    low = {'reserve': True, 'level': WARN, 'sentence': 'reserve reached: 20% +- 2% left'}
+    drone.energy(**low)
+    for _ in range(10):
+        assert drone.turn() == RESTING
+    drone.until(lambda: 'no take-off: reserve reached: 20% +- 2% left' in drone.mission)
+    drone.until_asked(ALOFT, reserve=False)
+    drone.until_asked(LANDING, **low)
+    drone.until(lambda: drone.mission == 'land: reserve reached: 20% +- 2% left')
+    drone.energy(reserve=False)
+    assert drone.turn() == LANDING  # for good
+
+
+def test_it_comes_down_when_the_energy_falls_silent(drone):
+    drone.until_asked(ALOFT, reserve=False)
+    asked = [drone.turn() for _ in range(14)]  # 1.4 s; what is older than 1 s is not believed
+    assert asked[:9] == [ALOFT] * 9
+    assert asked[-1] == LANDING
+    drone.until(lambda: 'nothing has been heard of the energy for' in drone.mission)
+
+
+def test_it_does_not_take_off_on_old_words(drone):
+    drone.energy(reserve=False)
+    drone.energy(reserve=True, level=ERROR, sentence='frozen')
+    for _ in range(15):
+        assert drone.turn() == RESTING
+    drone.until(lambda: 'no take-off: nothing has been heard of the energy for' in drone.mission)

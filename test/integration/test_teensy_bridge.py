@@ -1,0 +1,177 @@
+"""Simulated light through an emulated board, its cable, the bridge and the demodulator."""
+
+import signal
+import threading
+import time
+
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
+from lta_bridge.teensy.emulator import Cable, EmulatedBoard
+from lta_config.vehicle_file import load_vehicle_file
+from lta_graph.health import Level
+from lta_graph.ros.node import from_stamp
+from lta_sim.scenario import load_scenario
+from lta_sim.vehicle import load_vehicle
+from lta_sim.world import World
+from lta_vlc.array import bearing
+from lta_vlc.demodulation import Demodulation
+from lta_vlc.diodes import diodes_of
+from lta_vlc.listener import Listener
+from lta_vlc.messages import to_block
+import pytest
+
+from .peer import PATIENCE, Peer, start, TABLE
+
+BRIDGE, DEMODULATOR = 'lta_bridge.nodes.teensy_bridge', 'lta_vlc.nodes.demodulator'
+BLOCKS = 8
+TASK = 'teensy_bridge: light board'
+
+
+def simulated_light():
+    """Return the blocks of a turning drone, as its simulator makes them."""
+    scenario = load_scenario('lamp_room')
+    world = World(load_vehicle('gtmab', scenario.air.density), scenario, TABLE, seed=1)
+    found = []
+    while len(found) < BLOCKS:
+        readings = world.sense()
+        if readings.block is not None:
+            found.append(readings.block[1])
+        world.advance((0.3, 0.3, 0.6, 0.0))
+    return found
+
+
+class Bench(Peer):
+    """A board on a cable, and what the graph makes of it."""
+
+    def __init__(self, domain_id, folder, **board):
+        super().__init__(domain_id)
+        self.cable = Cable(folder / 'ttyACM0')
+        self.board = EmulatedBoard(time.time_ns(), **board)
+        self.hold, self._running = threading.Lock(), True
+        # A thread: an answer that waits for its turn of the graph's would tell a time long gone.
+        self._answering = threading.Thread(target=self._answer)
+        self._answering.start()
+        self.blocks, self.bearings, self.facts = [], {}, {}
+        self.hear('photodiodes', self.blocks.append)
+        self.hear('light/bearing', self._hear_bearing)
+        self.hear('/diagnostics', self._hear_facts)
+
+    def _hear_bearing(self, message):
+        self.bearings[from_stamp(message.header.stamp)] = (message.vector.x, message.vector.y)
+
+    def _hear_facts(self, message):
+        for status in message.status:
+            values = {pair.key: pair.value for pair in status.values}
+            self.facts[status.name] = (status.level[0], status.message, values)
+
+    def _answer(self):
+        while self._running:
+            with self.hold:
+                asked = self.cable.read(0.005)
+                self.cable.write(self.board.answer(asked, time.time_ns()))
+            time.sleep(0.001)  # whoever else wants the cable has it now
+
+    def send(self, data):
+        """Send whole frames."""
+        with self.hold:
+            self.cable.write(data)
+
+    def end(self):
+        """Pull the cable for good."""
+        self._running = False
+        self._answering.join()
+        self.cable.pull()
+
+    def told(self, word):
+        """Wait until the bridge says something; return the figures with it."""
+        self.until(lambda: word in self.facts.get(TASK, (0, '', {}))[1])
+        return self.facts[TASK][2]
+
+    def change(self, transition):
+        """Ask for a transition, and return whether it was made."""
+        wanted = Transition(id=transition)
+        return self.ask(ChangeState, 'teensy_bridge/change_state', transition=wanted).success
+
+
+@pytest.fixture
+def bench(domain_id, tmp_path):
+    with Bench(domain_id, tmp_path) as made:
+        yield made
+        made.end()
+
+
+def ended(process):
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 0
+    assert 'Traceback' not in errors
+
+
+def test_the_bearing_is_that_of_the_simulated_light(bench, tmp_path):
+    light = simulated_light()
+    nodes = [start(BRIDGE, '-p', f'port:={tmp_path}/ttyACM0'), start(DEMODULATOR)]
+    bench.told('light comes')
+    bench.until(lambda: 'demodulator: state' in bench.facts)
+    bench.until(lambda: bench.node.count_subscribers('/lta1/photodiodes') == 2)
+    for k, samples in enumerate(light):
+        bench.send(bench.board.light(samples))
+        # What fills no frame comes with the next block.
+        bench.until(lambda k=k: len(bench.bearings) >= k)
+    figures = bench.told('light comes')
+    assert figures['rows_lost'] == '0'
+    for process in nodes:
+        ended(process)
+
+    listener = Listener(Demodulation(), TABLE.light.sample_rate.si, TABLE.light.samples)
+    ring = diodes_of(load_vehicle_file('gtmab').sensors.diodes).ring
+    stamps = [from_stamp(block.header.stamp) for block in bench.blocks]
+    for samples, block, stamp in zip(light, bench.blocks, stamps, strict=False):
+        assert (to_block(block) == samples).all()
+        towards = bearing(listener.hear(samples).peaks[0], ring, Demodulation().threshold)
+        assert bench.bearings[stamp] == ((towards.x, towards.y) if towards else (0.0, 0.0))
+    assert len(bench.blocks) == BLOCKS - 1
+    assert any(x or y for x, y in bench.bearings.values())
+    known = 5_000_000 + 1e6 * float(figures['round_trip_ms'])
+    for k, stamp in enumerate(stamps):
+        assert stamp == pytest.approx(bench.board.our_ns(1000 * k), abs=known)
+
+
+def test_only_an_active_bridge_publishes_and_each_transition_reports(bench, tmp_path):
+    process = start(BRIDGE, '-p', f'port:={tmp_path}/ttyACM0', '-p', 'autostart:=false')
+    light = simulated_light()[0]
+    bench.until(lambda: 'not configured' in bench.facts.get(TASK, (0, '', {}))[1])
+    assert bench.change(Transition.TRANSITION_CONFIGURE)
+    bench.told('light comes and is not published')
+    bench.send(bench.board.light(light) + bench.board.light(light))
+    bench.until(lambda: bench.facts[TASK][2].get('blocks') == '1')
+    assert bench.blocks == []
+    assert bench.change(Transition.TRANSITION_ACTIVATE)
+    bench.until(lambda: bench.node.count_publishers('/lta1/photodiodes'))
+    bench.send(bench.board.light(light))
+    bench.until(lambda: len(bench.blocks) == 1)
+    assert bench.change(Transition.TRANSITION_DEACTIVATE)
+    bench.told('is not published')
+    assert bench.change(Transition.TRANSITION_CLEANUP)
+    bench.until(lambda: 'not configured' in bench.facts[TASK][1])
+    assert len(bench.blocks) == 1
+    ended(process)
+
+
+def test_a_pulled_cable_is_told_and_put_back(bench, tmp_path):
+    process = start(BRIDGE, '-p', f'port:={tmp_path}/ttyACM0')
+    bench.told('light comes')
+    with bench.hold:
+        bench.cable.pull()
+    bench.until(lambda: 'plug the light board in' in bench.facts[TASK][1])
+    assert bench.facts[TASK][0] == Level.ERROR
+    with bench.hold:
+        bench.cable.plug()
+    assert bench.told('light comes')['unplugged'] == '1'
+    ended(process)
+
+
+def test_a_port_that_is_not_there_is_one_sentence(tmp_path):
+    process = start(BRIDGE, '-p', f'port:={tmp_path}/nothing')
+    _, errors = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 2
+    assert errors.splitlines()[-1].startswith(f'There is no serial port {tmp_path}/nothing; plug')

@@ -1,0 +1,138 @@
+"""The firmware's portable part, compiled here, against the bridge over a pseudo terminal."""
+
+import math
+from pathlib import Path
+import shutil
+import subprocess
+import sys
+import time
+
+from lta_bridge.teensy.clock import Exchange
+from lta_bridge.teensy.dialect import LTA_LIGHT_PEAKS, TIMESYNC
+from lta_bridge.teensy.emulator import Cable
+from lta_bridge.teensy.framing import Framing
+from lta_bridge.teensy.light_board import LightBoard
+from lta_config.topics import topic_table
+from lta_vlc.modulation import SquareWave
+import numpy as np
+import pytest
+
+FIRMWARE = Path(__file__).resolve().parents[3] / 'firmware/light_board'
+LIGHT = topic_table().light
+RATE = LIGHT.sample_rate.si
+DRIFT = 80e-6
+
+pytestmark = pytest.mark.skipif(
+    not (shutil.which('gcc') and shutil.which('make')), reason='the firmware needs gcc and make'
+)
+
+
+@pytest.fixture(scope='module')
+def built(tmp_path_factory):
+    """Return the folder of the host's programs."""
+    build = tmp_path_factory.mktemp('firmware')
+    words = ['make', '-s', '-C', FIRMWARE, f'BUILD={build}', f'PYTHON={sys.executable}', 'CC=gcc']
+    done = subprocess.run(words, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return build
+
+
+def run(built, folder, samples, rate, drift, peak=0.0):
+    """Run the board over a cable; yield what it sends and when, until it has sent all."""
+    (folder / 'rows').write_bytes(samples.astype('<u2').tobytes())
+    cable = Cable(folder / 'tty')
+    words = [folder / 'tty', folder / 'rows', samples.shape[1], rate, drift, peak]
+    board = subprocess.Popen(
+        [built / 'light_board', *map(str, words)], stderr=subprocess.PIPE, text=True
+    )
+    while True:
+        alive = board.poll() is None
+        data = cable.read(0.005)
+        yield cable, data
+        if not alive and not data:
+            break
+    told = board.communicate()[1]
+    cable.pull()
+    assert (board.returncode, told) == (0, f'{len(samples)} rows, 0 overruns\n')
+
+
+@pytest.mark.parametrize('diodes', [8, 16])
+def test_every_sample_comes_through_in_order(built, tmp_path, diodes):
+    samples = np.random.default_rng(1).integers(0, 4096, (6000, diodes)).astype(np.uint16)
+    link, blocks = LightBoard(LIGHT, diodes), []
+    for cable, data in run(built, tmp_path, samples, RATE, DRIFT):
+        cable.write(link.due(time.monotonic_ns()))
+        blocks += link.take(data, time.monotonic_ns())
+    assert (link.blocks.lost, link.framing.crc_errors, link.framing.unknown) == (0, 0, 0)
+    assert link.blocks.rows == 6000 - 6000 % (120 // diodes)
+    assert len(blocks) + link.undated == link.blocks.rows // 1000
+    assert blocks
+    for k, block in enumerate(blocks, start=link.undated):
+        assert (block.samples == samples[1000 * k : 1000 * (k + 1)]).all()
+    apart = np.diff([block.stamp_ns for block in blocks]) / 1e8
+    assert np.median(apart) == pytest.approx(1.0, abs=2e-3)
+    assert link.wrong == ''
+
+
+def test_its_answers_tell_its_clock(built, tmp_path):
+    """A second of questions: a clock that is 2 % fast is seen through any scheduler."""
+    framing, answers = Framing(), []
+    for cable, data in run(built, tmp_path, np.zeros((10_000, 8), np.uint16), RATE, 0.02):
+        now = time.monotonic_ns()
+        told = [frame.record for frame in framing.take(data) if frame.message is TIMESYNC]
+        answers += [Exchange(int(r['ts1']), int(r['tc1']), now) for r in told]
+        cable.write(TIMESYNC.frame(0, 255, 191, ts1=time.monotonic_ns()))
+    quick = sorted(answers, key=lambda answer: answer.round_trip)[: len(answers) // 2]
+    assert len(quick) > 10
+    first = quick[0]
+    ours = [1e-9 * (answer.middle - first.middle) for answer in quick]
+    board = [1e-9 * (answer.board - first.board) for answer in quick]
+    assert np.polyfit(ours, board, 1)[0] == pytest.approx(1.02, abs=5e-3)
+
+
+def test_peaks_are_those_of_the_wave(built, tmp_path):
+    """A square wave of height h has a fundamental of 2 h / pi sin(pi duty); the rest is known."""
+    times = (np.arange(3000) * 1e9 / RATE).astype(np.int64)
+    wave = SquareWave(150.0).values(times)
+    heights = np.array([0, 10, 40, 160, 640, 1000, 2000, 3000])
+    samples = 500 + np.outer(wave, heights)
+    framing, peaks = Framing(), []
+    for _, data in run(built, tmp_path, samples, RATE, 0.0, peak=150.0):
+        peaks += [f.record for f in framing.take(data) if f.message is LTA_LIGHT_PEAKS]
+    assert [int(p['sequence']) for p in peaks] == [0, 1000, 2000]
+    for record in peaks:
+        window = samples[int(record['sequence']) :][:1000].astype(float)
+        turns = 2j * math.pi * 150.0 / RATE * np.arange(1000)
+        expected = 2e-3 * np.abs(np.exp(-turns) @ (window - window.mean(axis=0)))
+        assert record['amplitude'][:8] == pytest.approx(expected, rel=2e-4, abs=2e-3)
+        assert record['amplitude'][:8] == pytest.approx(2.0 / math.pi * heights, rel=2e-3)
+        rest = np.sqrt(window.var(axis=0) - 0.5 * expected**2)
+        assert record['noise'][:8] == pytest.approx(rest, rel=1e-3, abs=1e-2)
+        assert (record['diodes'], record['window']) == (8, 1000)
+        assert not record['amplitude'][8:].any()
+
+
+@pytest.mark.parametrize(('frequency', 'duty'), [(150.0, 0.5), (437.3, 0.25)])
+def test_the_lamp_keeps_frequency_and_duty(built, frequency, duty):
+    """Its timer is 50 ppm fast and knows it: by true time the wave is the simulator's."""
+    ticks, rate, drift = 400_000, 100e3, 50e-6
+    words = [built / 'lamp', frequency, duty, rate, drift, ticks]
+    out = subprocess.run([str(word) for word in words], capture_output=True, check=True).stdout
+    found = np.frombuffer(out, np.uint8)
+    begins = np.flatnonzero(np.diff(found.astype(int)) == 1)
+    cycles = (len(begins) - 1) / (begins[-1] - begins[0]) * rate * (1.0 + drift)
+    assert cycles == pytest.approx(frequency, rel=1e-5)
+    assert found.mean() == pytest.approx(duty, abs=1e-4)
+    # Midway between ticks, where rounding cannot decide.
+    moments = ((np.arange(ticks) + 0.5) / (rate * (1.0 + drift)) * 1e9).astype(np.int64)
+    expected = SquareWave(frequency, duty).values(moments)
+    edges = 2 * frequency * ticks / rate
+    assert np.count_nonzero(expected != found) <= edges
+
+
+def test_a_lamp_that_does_not_know_its_drift_is_off_by_it(built):
+    words = [built / 'lamp', 1000.0, 0.5, 100e3 * (1.0 - 1e-3), 0.0, 200_000]
+    out = subprocess.run([str(word) for word in words], capture_output=True, check=True).stdout
+    begins = np.flatnonzero(np.diff(np.frombuffer(out, np.uint8).astype(int)) == 1)
+    cycles = (len(begins) - 1) / (begins[-1] - begins[0]) * 100e3
+    assert cycles == pytest.approx(1001.0, rel=1e-5)
