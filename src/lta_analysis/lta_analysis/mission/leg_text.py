@@ -13,11 +13,11 @@ from lta_analysis.fleet import flight
 from lta_analysis.fleet.targets import CPU, PENCILS, Rhythm, SCRATCH, STEP, Target
 from lta_analysis.fleet.text import assembled, counts, heard_by, LIGHT, surrounded
 from lta_analysis.mission import aloft
+from lta_config.compiled import ENTRY
+from lta_config.extract import Extract
 from lta_control.onboard import onboard_step
 from lta_sim import counted_sensors
-from lta_sim.compose import ENTRY
 from lta_sim.effects import initial_memory
-from lta_sim.extract import Extract
 from lta_sim.flat import Layout, PREFIX
 from lta_sim.kernel import LAYOUT
 from lta_sim.layout import tuple_of

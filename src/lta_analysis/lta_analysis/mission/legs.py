@@ -7,11 +7,11 @@ from typing import Any, final
 from lta_analysis.fleet.craft import Made, rhythm_of
 from lta_analysis.mission.aloft import Aloft, at_rest, Leg
 from lta_analysis.mission.leg_text import remembered, source
+from lta_config.kernel_cache import load
 from lta_config.topics import topic_table
 from lta_sim.counted_sensors import eddies
 from lta_sim.flat import Layout
 from lta_sim.kernel import LAYOUT
-from lta_sim.kernel_cache import load
 from lta_sim.state import pack, RIGID
 import numpy as np
 from numpy.typing import NDArray
