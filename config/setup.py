@@ -9,6 +9,7 @@ FOLDERS = (
     'cells',
     'comparisons',
     'control',
+    'crazyflies',
     'floor_plans',
     'imports',
     'launch',

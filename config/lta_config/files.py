@@ -39,6 +39,7 @@ FOLDERS = {
     'mission': 'missions',
     'cell': 'cells',
     'cell table': 'cell_tables',
+    'crazyflie': 'crazyflies',
 }
 
 

@@ -19,6 +19,8 @@ setup(
     license='Apache-2.0',
     entry_points={
         'console_scripts': [
+            'crazyflie_bridge = lta_bridge.nodes.crazyflie_bridge:main',
+            'crazyflie_emulated = lta_bridge.crazyflie.emulated.main:main',
             'live = lta_bridge.nodes.live:main',
             'player = lta_bridge.nodes.player:main',
             'recorder = lta_bridge.nodes.recorder:main',

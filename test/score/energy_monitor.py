@@ -18,7 +18,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / 'unit'))
 
 from energy import metered
 from energy.metered import ABOARD, CELL, follow, Metered, SETTINGS
-from lta_energy.monitor import Estimate, time_to_empty, update
+from lta_energy.estimate import Estimate
+from lta_energy.monitor import time_to_empty, update
 
 KINDS = {
     'as its file': (0.0, 0.0, 0.0, 0.0, 0.0),

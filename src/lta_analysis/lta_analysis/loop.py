@@ -29,8 +29,9 @@ from lta_control.pilot import Pilot
 from lta_control.reserve import Order, order_of, ReserveSettings, Word
 from lta_control.sighting import Lamp, Reckoned, sighted
 from lta_control.strategies.protocol import Strategy
-from lta_energy import monitor
 from lta_energy.aboard import Aboard
+from lta_energy.estimate import Estimate as Known
+from lta_energy.monitor import MonitorSettings, update
 from lta_energy.reading import Reading, Whereabouts
 from lta_sim.readings import Outcome, Readings
 from lta_sim.vehicle import Vehicle
@@ -63,7 +64,7 @@ class Policy:
     mission: MissionSettings = field(default_factory=MissionSettings)
     demodulation: Demodulation = field(default_factory=Demodulation)
     prior: LampPrior = field(default_factory=LampPrior)
-    energy: monitor.MonitorSettings = field(default_factory=monitor.MonitorSettings)
+    energy: MonitorSettings = field(default_factory=MonitorSettings)
     reserve: ReserveSettings = field(default_factory=ReserveSettings)
     tilt_limit: float = TILT_LIMIT  # beyond it the motors stop [rad]
     law: Law = LAWS['cascade']
@@ -106,7 +107,7 @@ class Energy:
     """What the meters have said, and what is known since."""
 
     reading: Reading
-    estimate: monitor.Estimate
+    estimate: Known
 
 
 @final
@@ -302,10 +303,8 @@ class Loop:
             illuminance=math.nan if lux is None else lux,
             where=self._where(),
         )
-        before = monitor.Estimate() if self.energy is None else self.energy.estimate
-        self.energy = Energy(
-            reading, monitor.update(self.policy.energy, self._aboard, before, reading)
-        )
+        before = Known() if self.energy is None else self.energy.estimate
+        self.energy = Energy(reading, update(self.policy.energy, self._aboard, before, reading))
 
 
 def carried_lamp(lamp: LampEstimate) -> Lamp:

@@ -3,7 +3,8 @@
 import math
 
 from lta_energy.battery import Battery
-from lta_energy.monitor import Estimate, MonitorSettings, time_to_empty, time_to_full
+from lta_energy.estimate import Estimate
+from lta_energy.monitor import MonitorSettings, time_to_empty, time_to_full
 from lta_energy.outlook import Time
 from lta_graph.health import Level
 

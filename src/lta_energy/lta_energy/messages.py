@@ -7,7 +7,8 @@ from lta_energy import alarms
 from lta_energy.aboard import Aboard
 from lta_energy.battery import Battery
 from lta_energy.belief import INVERSE, RESISTANCE
-from lta_energy.monitor import Estimate, MonitorSettings, time_to_empty, time_to_full
+from lta_energy.estimate import Estimate
+from lta_energy.monitor import MonitorSettings, time_to_empty, time_to_full
 from lta_energy.reading import Reading, Whereabouts
 from lta_energy.way_home import reach
 from nav_msgs.msg import Odometry

@@ -10,7 +10,7 @@ from lta_analysis.report.panels import light, path
 from lta_analysis.report.panels.registry import PANELS
 from lta_analysis.report.rays import graded
 from lta_analysis.report.room import CELL, glow, MOST_CELLS
-from lta_analysis.report.view import View
+from lta_analysis.report.view import of_wanted, View
 from lta_sim.scenario import load_scenario
 from lta_vlc.spectrum import amplitude_spectrum
 import numpy as np
@@ -150,3 +150,17 @@ def test_single_blocks_are_those_of_the_whole_topic(view):
     last = len(every.time) - 1
     np.testing.assert_array_equal(view.blocks((last, 0, 0)), every.samples[[last, 0, 0]])
     assert view.flight.blocks('photodiodes', [last]).time.tolist() == [every.time[-1]]
+
+
+def test_of_two_beacons_the_wanted_one_is_drawn():
+    """Two diodes; the second block has a second beacon behind the first, which is stronger."""
+    none = np.nan
+    fields = {
+        'x': np.array([[1.0, -1.0, none, none], [1.0, -1.0, 1.0, -1.0]]),
+        'y': np.array([[0.0, 0.0, none, none], [0.0, 0.0, 0.0, 0.0]]),
+        'z': np.array([[0.0, 0.0, none, none], [0.0, 0.0, 0.0, 0.0]]),
+        'snr': np.array([[5.0, 2.0, none, none], [7.0, 3.0, 90.0, 80.0]]),
+    }
+    assert of_wanted(fields)['snr'].tolist() == [[5.0, 2.0], [7.0, 3.0]]
+    one = {name: values[:1, :2] for name, values in fields.items()}
+    assert of_wanted(one)['snr'].tolist() == [[5.0, 2.0]]

@@ -1,7 +1,8 @@
 """
-The load of one flight: what `lta simulate --seed 3` draws from its cell, every 0.1 s. [W]
+The load of one flight: what `lta simulate --seed 3` drew from its cell, every 0.1 s. [W]
 
-`python test/unit/energy/flight_load.py --write` stores it anew.
+`python test/unit/energy/flight_load.py --write` stores it anew; the figures in docs/energy.md are
+those of the load that is stored.
 """
 
 from pathlib import Path

@@ -8,7 +8,8 @@ import math
 
 from lta_energy.aboard import Aboard
 from lta_energy.battery import Battery, open_circuit_voltage
-from lta_energy.monitor import Estimate, MonitorSettings, update
+from lta_energy.estimate import Estimate
+from lta_energy.monitor import MonitorSettings, update
 from lta_energy.power_path import Charger
 from lta_energy.reading import Reading
 from lta_sim.sensors import power

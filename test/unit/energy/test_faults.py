@@ -6,9 +6,10 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_energy import alarms
+from lta_energy.estimate import Estimate
 from lta_energy.faults.watch import DETECTORS
 from lta_energy.latch import Latch, latched, ROUNDING
-from lta_energy.monitor import Estimate, update
+from lta_energy.monitor import update
 from lta_graph.health import Level
 import pytest
 

@@ -4,7 +4,8 @@ from dataclasses import replace
 import math
 
 from lta_energy import alarms, battery
-from lta_energy.monitor import Estimate, MonitorSettings, time_to_empty, time_to_full, update
+from lta_energy.estimate import Estimate
+from lta_energy.monitor import MonitorSettings, time_to_empty, time_to_full, update
 from lta_energy.reading import Reading, Whereabouts
 from lta_graph.health import Level
 import pytest

@@ -126,6 +126,19 @@ def pointed(vectors: Array) -> Array:
     return angle
 
 
+def of_wanted(fields: dict[str, Array]) -> dict[str, Array]:
+    """
+    Return the points of the wanted beacon, which come first in each cloud.
+
+    On a route a cloud has a row of diodes for each beacon that is listened for, so that its points
+    begin again with the first diode's axis; clouds of fewer beacons end in NaN.
+    """
+    axes = np.stack([fields['x'], fields['y'], fields['z']], axis=-1)
+    again = np.flatnonzero((axes[:, 1:] == axes[:, :1]).all(axis=-1).any(axis=0))
+    diodes = int(again[0]) + 1 if len(again) else axes.shape[1]
+    return {name: values[:, :diodes] for name, values in fields.items()}
+
+
 def half_block() -> float:
     """Return the time from the first sample of a light block to its middle. [s]"""
     light = topic_table().light
@@ -264,9 +277,9 @@ class View:
 
     @cached_property
     def peaks(self) -> Points:
-        """Amplitude [counts] and SNR of each diode, at the middle of its block."""
+        """Amplitude [counts] and SNR of each diode for the wanted lamp, mid-block."""
         points = self.flight.points('light/peaks')
-        return Points(points.time + self.half_block, points.fields)
+        return Points(points.time + self.half_block, of_wanted(points.fields))
 
     @cached_property
     def bearing(self) -> Arrow:

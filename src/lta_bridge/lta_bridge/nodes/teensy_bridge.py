@@ -18,6 +18,8 @@ from lta_sim.messages import light_block
 from lta_vlc.diodes import diodes_of
 from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
 
+RIVALS = 'others'
+
 
 class TeensyBridgeSettings(Settings):
     """Where the board hangs, and on which vehicle."""
@@ -44,6 +46,7 @@ class TeensyBridge(LifecycleNodeMixin, GraphNode):
         self._reader: Reader | None = None
         self._active = False
         self._refusal = ''
+        self._rivalled = False
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Open the link."""
@@ -95,6 +98,13 @@ class TeensyBridge(LifecycleNodeMixin, GraphNode):
         if self._reader is not None or not self._refusal:
             fact = condition(self._reader, self._now_ns(), self._active)
             self.health.report(fact.task, fact.level, fact.message, **fact.values)
+        if (others := self.count_publishers(self._photodiodes.topic_name) - 1) > 0:
+            self.health.report(
+                RIVALS, Level.ERROR, f'{others} more publish photodiodes; stop all but one'
+            )
+        elif self._rivalled:
+            self.health.report(RIVALS, Level.OK, 'nobody else publishes photodiodes')
+        self._rivalled |= others > 0
         super().publish_health()
 
     def _publish(self, block: LightBlock) -> None:

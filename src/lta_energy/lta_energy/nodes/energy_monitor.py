@@ -6,7 +6,8 @@ from lta_config.settings import setting
 from lta_config.vehicle_file import load_vehicle_file
 from lta_energy import alarms, messages
 from lta_energy.aboard import Aboard
-from lta_energy.monitor import Estimate, MonitorSettings, update
+from lta_energy.estimate import Estimate
+from lta_energy.monitor import MonitorSettings, update
 from lta_graph.ros.node import GraphNode, run
 from lta_graph.ros.parameters import Parameters
 

@@ -47,8 +47,10 @@ class GraphSettings(Settings):
     time: Literal['realtime', 'lockstep'] = setting(
         'realtime', 'Pace: the wall clock, or as fast as the graph answers.', fixed=True
     )
-    source: Literal['sim', 'replay'] = setting(
-        'sim', 'What plays the vehicle: a simulator, or the player of a recording.', fixed=True
+    source: Literal['sim', 'replay', 'crazyflie'] = setting(
+        'sim',
+        'What plays the vehicle: a simulator, the player of a recording, or a real one.',
+        fixed=True,
     )
 
 

@@ -1,0 +1,35 @@
+#include "lta_duties.h"
+
+#define SIZE (2 + 2 * LTA_MOTORS + 2)
+
+static uint16_t u16(const uint8_t *data) { return (uint16_t)(data[0] | data[1] << 8); }
+
+bool lta_duties_hold(const lta_duties_t *duties, uint32_t now_ms) {
+  /* Unsigned difference: right across the wrap of the tick after 49.7 days. */
+  return now_ms - duties->since_ms < duties->hold_ms;
+}
+
+bool lta_duties_take(lta_duties_t *duties, const uint8_t *data, size_t size, uint32_t now_ms) {
+  if (size != SIZE || data[0] != LTA_MARK) {
+    return false;
+  }
+  const uint8_t ahead = (uint8_t)(data[1] - duties->sequence);
+  if (lta_duties_hold(duties, now_ms) && (ahead == 0 || ahead >= 128)) {
+    return false; /* doubled, or overtaken on the way */
+  }
+  for (int motor = 0; motor < LTA_MOTORS; motor++) {
+    const float duty = (float)(int16_t)u16(data + 2 + 2 * motor) / LTA_FULL;
+    duties->duty[motor] = duty < 0.0f ? 0.0f : duty > 1.0f ? 1.0f : duty;
+  }
+  duties->sequence = data[1];
+  duties->since_ms = now_ms;
+  duties->hold_ms = u16(data + 2 + 2 * LTA_MOTORS);
+  return true;
+}
+
+void lta_duties_now(const lta_duties_t *duties, uint32_t now_ms, float out[LTA_MOTORS]) {
+  const bool holds = lta_duties_hold(duties, now_ms);
+  for (int motor = 0; motor < LTA_MOTORS; motor++) {
+    out[motor] = holds ? duties->duty[motor] : 0.0f;
+  }
+}

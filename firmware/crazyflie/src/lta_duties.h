@@ -1,0 +1,27 @@
+/* Duties from the ground and for how long they hold; plain C, no firmware headers. */
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define LTA_MOTORS 4
+#define LTA_MARK 0x4C
+#define LTA_FULL 32767
+
+typedef struct {
+  float duty[LTA_MOTORS]; /* 0 to 1; these rotors do not reverse */
+  uint32_t since_ms;      /* when the newest packet came */
+  uint32_t hold_ms;       /* for how long it holds; 0: nothing holds */
+  uint8_t sequence;
+} lta_duties_t;
+
+/* Take a packet, `<BB4hH`: mark, sequence, duties in 1/32767, time-out in ms.
+ * Returns whether it counts: of the right size and mark, and no older than what holds. */
+bool lta_duties_take(lta_duties_t *duties, const uint8_t *data, size_t size, uint32_t now_ms);
+
+/* Tell whether the newest packet still holds. */
+bool lta_duties_hold(const lta_duties_t *duties, uint32_t now_ms);
+
+/* Write what the motors shall do: the duties while they hold, nothing otherwise. */
+void lta_duties_now(const lta_duties_t *duties, uint32_t now_ms, float out[LTA_MOTORS]);

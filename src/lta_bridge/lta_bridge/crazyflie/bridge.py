@@ -1,0 +1,218 @@
+"""
+The Crazyflie bridge without ROS and cflib: packets to readings, commands to orders.
+
+Two threads meet here: one hands in what the link tells, the other ticks. A lock keeps them apart.
+"""
+
+from collections.abc import Sequence
+import math
+import threading
+from typing import Final, final, NamedTuple
+
+from lta_bridge.crazyflie import duties_packet, readings, safety
+from lta_bridge.crazyflie.clock import DeviceClock
+from lta_bridge.crazyflie.link import Link, LogPacket, order_of
+from lta_config.crazyflie_file import CrazyflieFile
+
+RATE: Final = 50.0  # Hz of ticks; the firmware wants setpoints at 10 Hz or more
+HOLD_MS: Final = 200  # for which duties hold aboard without newer ones
+TURN_GAIN: Final = 1.5  # 1/s from heading error to yaw rate: about 0.7 s to turn in
+FASTEST_TURN: Final = 1.0  # rad/s
+POWER_OFF: Final = 3  # pm.state from which the firmware itself calls the cell low
+
+
+class Asked(NamedTuple):
+    """
+    What the graph commands: duties by rotor, or speed [m/s], turn [rad] and height [m].
+
+    `turn` is how far the heading that is wanted lies to the left of the present one.
+    """
+
+    stamp_ns: int
+    duties: tuple[float, ...] = ()
+    speed: float = 0.0
+    turn: float = 0.0
+    height: float = 0.0
+
+
+class Where(NamedTuple):
+    """Where the estimator takes the drone to be: height and way from the start. [m]"""
+
+    height: float = math.nan
+    distance: float = math.nan
+
+
+class Stamped(NamedTuple):
+    """A reading with its graph time. [ns]"""
+
+    stamp_ns: int
+    reading: readings.Motion | readings.Air | readings.Motors | readings.Power | None
+
+
+@final
+class Bridge:
+    """
+    One Crazyflie's side of the graph.
+
+    Parameters
+    ----------
+    link : Link
+        Where orders go.
+    file : CrazyflieFile
+        Command, wiring and limits.
+    rotors : sequence of str
+        The vehicle's, in the order of `motors`.
+    command : str
+        'setpoint' or 'motors'; the file's where empty.
+
+    Attributes
+    ----------
+    clock : DeviceClock
+        Of the drone.
+    state : safety.State
+        Where the bridge stands.
+    attitude : tuple or None
+        The firmware's own, x y z w; None before it came.
+    power, motors : Power, Motors or None
+        The newest.
+    latency : float
+        Of the newest ping, 95th percentile of the round trip. [s]
+
+    """
+
+    def __init__(
+        self, link: Link, file: CrazyflieFile, rotors: Sequence[str], command: str = ''
+    ) -> None:
+        self._link, self._lock = link, threading.Lock()
+        self.command = command or file.command
+        self._order = order_of(file.motors, rotors)
+        self._rotors = len(rotors)
+        limit = file.limits
+        self.limits = safety.Limits(
+            limit.voltage.si, limit.time.si, limit.height.si, limit.distance.si
+        )
+        self.clock = DeviceClock()
+        self.state = safety.State()
+        self.attitude: tuple[float, float, float, float] | None = None
+        self.power: readings.Power | None = None
+        self.motors: readings.Motors | None = None
+        self.latency = math.nan
+        self._word_ns: int | None = None
+        self._asked: Asked | None = None
+        self._where = Where()
+        self._sequence = 0
+        self.packets = 0
+
+    def forget(self) -> None:
+        """Begin anew with a new connection: nothing of the old one counts."""
+        with self._lock:
+            self.clock = DeviceClock()
+            self.attitude, self.power, self.motors, self._word_ns = None, None, None, None
+            self._asked = None
+
+    def pinged(self, latency: float) -> None:
+        """Take a round trip; the way here is at most half of it. [s]"""
+        self.latency = latency
+
+    def heard(self, packet: LogPacket) -> Stamped:
+        """Return what a log packet says, with its graph time."""
+        with self._lock:
+            self.packets += 1
+            stamp = self.clock.stamp(packet.stamp_ms, packet.arrival_ns)
+            values = packet.values
+            if not all(map(math.isfinite, values.values())):
+                return Stamped(stamp, None)
+            match packet.block:
+                case 'imu':
+                    return Stamped(stamp, readings.motion(values))
+                case 'air':
+                    return Stamped(stamp, readings.air(values))
+                case 'attitude':
+                    self.attitude = readings.attitude(values)
+                case 'motors':
+                    self.motors = readings.motors(values)
+                    self._word_ns = packet.arrival_ns
+                    return Stamped(stamp, self.motors)
+                case 'power':
+                    self.power = readings.power(values)
+                    return Stamped(stamp, self.power)
+            return Stamped(stamp, None)
+
+    def commanded(self, asked: Asked) -> None:
+        """Take a command of the graph; one that is no number or of other rotors is none."""
+        numbers = (*asked.duties, asked.speed, asked.turn, asked.height)
+        fits = len(asked.duties) == self._rotors if self.command == 'motors' else True
+        if fits and all(map(math.isfinite, numbers)):
+            self._asked = asked
+
+    def placed(self, where: Where) -> None:
+        """Take where the estimator takes the drone to be."""
+        self._where = where
+
+    def seen(self, now_ns: int, linked: bool, active: bool) -> safety.Seen:
+        """Return what is known. [ns]"""
+        asked, motors, power = self._asked, self.motors, self.power
+        low = power is not None and power.state == POWER_OFF
+        return safety.Seen(
+            linked=linked,
+            active=active,
+            word=0 if motors is None else motors.word,
+            silence=math.inf if self._word_ns is None else 1e-9 * (now_ns - self._word_ns),
+            command_age=math.inf if asked is None else 1e-9 * (now_ns - asked.stamp_ns),
+            voltage=math.nan if power is None else 0.0 if low else power.voltage,
+            height=self._where.height,
+            distance=self._where.distance,
+        )
+
+    def tick(
+        self, now: float, now_ns: int, linked: bool, active: bool, asked: safety.Asked
+    ) -> safety.Order:
+        """
+        Decide, and send.
+
+        Parameters
+        ----------
+        now : float
+            On a clock that only goes on. [s]
+        now_ns : int
+            Graph time. [ns]
+        linked, active : bool
+            Whether the link is up and the node active.
+        asked : safety.Asked
+            By people, since the last tick.
+
+        """
+        with self._lock:
+            seen = self.seen(now_ns, linked, active)
+            self.state, order = safety.tick(self.state, now, seen, asked, self.limits)
+            self._send(order)
+            return order
+
+    def refusal(self, now_ns: int, linked: bool, active: bool) -> str:
+        """Return why arming would be refused now; empty where it would not."""
+        return safety.refusal(self.state, self.seen(now_ns, linked, active), self.limits)
+
+    def _send(self, order: safety.Order) -> None:
+        if order.stop:
+            self._link.stop()
+        if order.arm is not None:
+            self._link.arm(order.arm)
+        if self.command == 'motors':
+            self._send_duties(order)
+        elif order.drive and self._asked is not None:
+            asked = self._asked
+            rate = max(-FASTEST_TURN, min(FASTEST_TURN, TURN_GAIN * asked.turn))
+            self._link.hover(order.drive * asked.speed, order.drive * rate, asked.height)
+        if order.hand_over:
+            self._link.hand_over(land=self.command == 'setpoint')
+
+    def _send_duties(self, order: safety.Order) -> None:
+        """Send duties while commands stream, and none that hold for no time when handing over."""
+        if not (order.stream or order.hand_over):
+            return
+        duties = (0.0,) * len(self._order)
+        if order.drive and self._asked is not None:
+            duties = tuple(order.drive * self._asked.duties[place] for place in self._order)
+        self._sequence += 1
+        hold = HOLD_MS if order.stream else 0
+        self._link.duties(duties_packet.packed(self._sequence, duties, hold))

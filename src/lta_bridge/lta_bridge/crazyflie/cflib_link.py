@@ -1,0 +1,217 @@
+"""
+The link by Bitcraze's cflib (GPL, an optional extra): the one place that imports it.
+
+cflib waits for ever where a datagram is lost while it connects, says nothing when a peer falls
+silent, and blocks while it closes. So every wait here has a deadline, each attempt has an object
+of its own, and liveness is judged elsewhere, by what arrives (docs/hardware.md).
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+import logging
+import math
+from queue import Empty, SimpleQueue
+import threading
+import time
+from typing import Any, Final, final
+import warnings
+
+from lta_bridge.crazyflie.link import check_uri, Event, LinkFailed, LogPacket, Lost, OLDEST, Ping
+from lta_bridge.crazyflie.log_table import Block
+from lta_config.errors import BadInput
+
+try:
+    import cflib.crazyflie
+    import cflib.crazyflie.log
+    import cflib.crtp
+except ImportError:  # told when a link is made, with the remedy
+    CFLIB = False
+else:
+    CFLIB = True
+
+LANDING: Final = 3.0  # s for the firmware's own landing
+DRIVERS = threading.Lock()
+
+
+def _drivers() -> None:
+    """Register cflib's link drivers once, in whatever thread comes first."""
+    with DRIVERS:
+        if not cflib.crtp.CLASSES:
+            cflib.crtp.init_drivers(enable_serial_driver=True)
+            # What goes wrong is told in one sentence by who asked; cflib logs whole tracebacks.
+            logging.getLogger('cflib').setLevel(logging.CRITICAL)
+
+
+@final
+class CflibLink:
+    """
+    One Crazyflie by cflib; see `lta_bridge.crazyflie.link.Link`.
+
+    Parameters
+    ----------
+    uri : str
+        Where it is.
+    blocks : sequence of Block
+        What to log.
+    clock : callable
+        Graph time. [ns]
+
+    Raises
+    ------
+    BadInput
+        If cflib is not installed or the URI names no Crazyflie.
+
+    """
+
+    def __init__(self, uri: str, blocks: Sequence[Block], clock: Callable[[], int]) -> None:
+        check_uri(uri)
+        if not CFLIB:
+            raise BadInput(
+                'A Crazyflie needs cflib, which is not installed: .venv/bin/pip install -c '
+                'constraints.txt -r requirements-hardware.txt.'
+            )
+        _drivers()
+        self._uri, self._blocks, self._clock = uri, blocks, clock
+        self._drone: Any = None
+        self.events: SimpleQueue[Event] = SimpleQueue()
+        self.protocol = -1
+
+    def open(self, deadline: float) -> None:
+        """Connect, and ask for all log blocks."""
+        until = time.monotonic() + deadline
+        drone = self._drone = cflib.crazyflie.Crazyflie()
+        outcome: SimpleQueue[str] = SimpleQueue()
+        drone.fully_connected.add_callback(lambda _: outcome.put(''))
+        for caller in (drone.connection_failed, drone.connection_lost):
+            caller.add_callback(lambda _, why: outcome.put(_first_line(why)))
+        drone.connection_lost.add_callback(self._guarded(drone, self._lost))
+        drone.link_statistics.latency_updated.add_callback(self._guarded(drone, self._ping))
+        drone.open_link(self._uri)
+        try:
+            why = outcome.get(timeout=deadline)
+        except Empty:
+            why = f'no Crazyflie answered at {self._uri} within {deadline:.0f} s'
+        self.protocol = drone.platform.get_protocol_version()
+        if not why and self.protocol < OLDEST:
+            why = f'the firmware speaks protocol {self.protocol}, older than {OLDEST}: update it'
+        try:
+            if why:
+                raise LinkFailed(why)
+            self._log(drone, until)
+        except LinkFailed:
+            self.close()
+            raise
+
+    def _guarded(self, drone: object, heed: Callable[..., None]) -> Callable[..., None]:
+        """Return a callback that is deaf to every drone object but the present one."""
+
+        def callback(*words: object) -> None:
+            if self._drone is drone:
+                heed(*words)
+
+        return callback
+
+    def _lost(self, _: str, why: str) -> None:
+        self.events.put(Lost(_first_line(why)))
+
+    def _ping(self, latency_ms: float) -> None:
+        self.events.put(Ping(1e-3 * latency_ms))
+
+    def _log(self, drone: Any, until: float) -> None:  # noqa: ANN401 - untyped library
+        """Start every block; all must be confirmed by a deadline."""
+        outcomes: SimpleQueue[tuple[str, str]] = SimpleQueue()
+        for block in self._blocks:
+            config = cflib.crazyflie.log.LogConfig(block.name, block.period_ms)
+            for name, kind in block.variables.items():
+                config.add_variable(name, kind)
+            heed = partial(self._packet, block.name)
+            config.data_received_cb.add_callback(self._guarded(drone, heed))
+            config.started_cb.add_callback(lambda one, _: outcomes.put((one.name, '')))
+            config.error_cb.add_callback(lambda one, why: outcomes.put((one.name, str(why))))
+            try:
+                drone.log.add_config(config)
+                config.start()
+            except (KeyError, AttributeError) as error:
+                raise LinkFailed(f'log block {block.name} cannot be had: {error}') from None
+        waiting = {block.name for block in self._blocks}
+        while waiting:
+            try:
+                name, why = outcomes.get(timeout=max(0.0, until - time.monotonic()))
+            except Empty:
+                raise LinkFailed(
+                    f'log blocks did not start: {", ".join(sorted(waiting))}'
+                ) from None
+            if why:
+                raise LinkFailed(f'log block {name} was refused: {why}')
+            waiting.discard(name)
+
+    def _packet(self, name: str, stamp_ms: int, values: Mapping[str, float], _: object) -> None:
+        self.events.put(LogPacket(name, stamp_ms, values, self._clock()))
+
+    def close(self) -> None:
+        """Disconnect; cflib takes up to two seconds, and first sends a thrust of zero."""
+        drone, self._drone = self._drone, None
+        if drone is not None:
+            drone.close_link()
+
+    def parameter(self, name: str) -> float | None:
+        """Return the value that was read when the link came up, or since."""
+        group, _, word = name.partition('.')
+        text = self._drone.param.values.get(group, {}).get(word)
+        return None if text is None else float(text)
+
+    def write(self, name: str, value: float, deadline: float) -> None:
+        """Set a parameter and wait for the value to come back."""
+        group, _, word = name.partition('.')
+        echoes: SimpleQueue[float] = SimpleQueue()
+        param = self._drone.param
+        heed = lambda _, text: echoes.put(float(text))  # noqa: E731 - removed by the same name
+        param.add_update_callback(group, word, heed)
+        try:
+            param.set_value(name, value if value % 1.0 else int(value))
+            if echoes.get(timeout=deadline) != value:
+                raise LinkFailed(f'parameter {name} did not become {value:g}')
+        except AttributeError:  # cflib's word for one that is read-only
+            raise LinkFailed(f'parameter {name} cannot be written') from None
+        except Empty:
+            raise LinkFailed(f'parameter {name} was not confirmed in {deadline:.0f} s') from None
+        finally:
+            param.remove_update_callback(group, word, heed)
+
+    def arm(self, on: bool) -> None:
+        """Ask to arm or disarm; firmware before protocol 12 is asked on its own port."""
+        with warnings.catch_warnings(action='ignore'):
+            self._sends('supervisor', 'send_arming_request', on)
+
+    def stop(self) -> None:
+        """Send one emergency stop."""
+        with warnings.catch_warnings(action='ignore'):
+            self._sends('supervisor', 'send_emergency_stop')
+
+    def hover(self, forward: float, yaw_rate: float, height: float) -> None:
+        """Send a hover setpoint; cflib takes degrees a second."""
+        self._sends(
+            'commander', 'send_hover_setpoint', forward, 0.0, math.degrees(yaw_rate), height
+        )
+
+    def duties(self, payload: bytes) -> None:
+        """Send a packet on the app channel."""
+        self._sends('appchannel', 'send_packet', payload)
+
+    def hand_over(self, land: bool) -> None:
+        """Let go of the commander, and have the high-level one land."""
+        self._sends('commander', 'send_notify_setpoint_stop')
+        if land:
+            self._sends('high_level_commander', 'land', 0.0, LANDING)
+
+    def _sends(self, part: str, method: str, *words: object) -> None:
+        """Send where there is a link; it may go at any moment."""
+        drone = self._drone
+        if drone is not None:
+            getattr(getattr(drone, part), method)(*words)
+
+
+def _first_line(text: str) -> str:
+    """Return what cflib says without its traceback."""
+    lines = [line.strip() for line in str(text).splitlines() if line.strip()]
+    return lines[0] if lines else 'the link failed'

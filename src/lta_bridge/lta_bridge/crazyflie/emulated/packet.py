@@ -1,0 +1,39 @@
+"""One CRTP packet: a header of port and channel, and up to 30 bytes."""
+
+from typing import NamedTuple
+
+MOST = 30  # bytes of payload
+
+
+class Packet(NamedTuple):
+    """
+    A packet without its link.
+
+    Attributes
+    ----------
+    port, channel : int
+        0 to 15, 0 to 3.
+    data : bytes
+        Payload, at most 30 bytes.
+
+    """
+
+    port: int
+    channel: int
+    data: bytes = b''
+
+    def packed(self) -> bytes:
+        """Return the datagram; bits 2 and 3 of the header are zero, as the firmware sends them."""
+        return bytes([self.port << 4 | self.channel]) + self.data[:MOST]
+
+    def answer(self, data: bytes) -> 'Packet':
+        """Return a reply on the same port and channel."""
+        return Packet(self.port, self.channel, data)
+
+
+def unpacked(datagram: bytes) -> Packet | None:
+    """Return the packet in a datagram; None where it is empty or too long."""
+    if not 1 <= len(datagram) <= 1 + MOST:
+        return None
+    header = datagram[0]
+    return Packet(header >> 4, header & 3, datagram[1:])

@@ -1,0 +1,103 @@
+"""
+Keep a link up from a thread of its own: connect, check, wait for the loss, and again.
+
+Opening and closing block, so they never happen in a callback of the node. Each failure is told
+once and followed by a pause that doubles.
+"""
+
+from collections.abc import Mapping
+import threading
+from typing import Final, final
+
+from lta_bridge.crazyflie.link import Link, LinkFailed
+from lta_config.crazyflie_file import Expected
+
+DEADLINE: Final = 8.0  # s for one attempt; a TOC of 700 entries over the radio takes about five
+CONFIRM: Final = 2.0  # s for one parameter
+FIRST, LONGEST = 0.5, 8.0  # s of pause after a failure
+
+
+def agree(link: Link, expected: Mapping[str, Expected]) -> None:
+    """
+    Bring parameters to what the vehicle needs.
+
+    Raises
+    ------
+    LinkFailed
+        If one is missing, or differs and may not or cannot be written.
+
+    """
+    for name, want in expected.items():
+        value = link.parameter(name)
+        if value is None:
+            raise LinkFailed(f'the firmware has no parameter {name} ({want.why})')
+        if value != want.value:
+            if not want.write:
+                raise LinkFailed(f'{name} is {value:g}, not {want.value:g} ({want.why})')
+            link.write(name, want.value, CONFIRM)
+
+
+@final
+class Keeper:
+    """
+    Hold one link open until told to let go.
+
+    Parameters
+    ----------
+    link : Link
+        Opened and closed from here alone.
+    expected : mapping
+        Parameters by name.
+
+    Attributes
+    ----------
+    up : bool
+        Whether the link is open and its parameters are as expected.
+    why : str
+        Why it is not.
+    attempts : int
+        How often it was tried.
+
+    """
+
+    def __init__(self, link: Link, expected: Mapping[str, Expected]) -> None:
+        self._link, self._expected = link, expected
+        self.up, self.why, self.attempts = False, 'connecting', 0
+        self._leave = threading.Event()
+        self._again = threading.Event()
+        self._thread = threading.Thread(target=self._work, name='crazyflie_link', daemon=True)
+        self._thread.start()
+
+    def lost(self, why: str) -> None:
+        """Give this connection up and make a new one."""
+        self.up, self.why = False, why
+        self._again.set()
+
+    def close(self, deadline: float = 5.0) -> bool:
+        """Let go; return whether that was done within a deadline. [s]"""
+        self.up = False
+        self._leave.set()
+        self._again.set()
+        self._thread.join(deadline)
+        return not self._thread.is_alive()
+
+    def _work(self) -> None:
+        pause = FIRST
+        while not self._leave.is_set():
+            self._again.clear()
+            self.attempts += 1
+            try:
+                self._link.open(DEADLINE)
+                agree(self._link, self._expected)
+            except LinkFailed as error:
+                self.why = str(error)
+                self._link.close()
+                self._leave.wait(pause)
+                pause = min(2.0 * pause, LONGEST)
+                continue
+            pause = FIRST
+            if not self._again.is_set():
+                self.up, self.why = True, ''
+            self._again.wait()
+            self.up = False
+            self._link.close()

@@ -1,0 +1,117 @@
+"""What a bridge needs of a link to a Crazyflie, and what a link tells; no library named."""
+
+from collections.abc import Mapping, Sequence
+from queue import SimpleQueue
+from typing import NamedTuple, Protocol
+
+from lta_config.errors import BadInput
+
+SCHEMES = ('radio', 'usb', 'udp', 'tcp', 'serial')
+OLDEST = 9  # protocol: the first with today's setpoint packets (cflib, commander.py)
+
+
+class LogPacket(NamedTuple):
+    """Block name, stamp of 24 bits [ms], values by `group.name`, arrival in graph time [ns]."""
+
+    block: str
+    stamp_ms: int
+    values: Mapping[str, float]
+    arrival_ns: int
+
+
+class Ping(NamedTuple):
+    """95th percentile of the round trip. [s]"""
+
+    latency: float
+
+
+class Lost(NamedTuple):
+    """The link is gone, and why."""
+
+    why: str
+
+
+Event = LogPacket | Ping | Lost
+
+
+class LinkFailed(RuntimeError):
+    """A link did not come up, or a parameter did not do as told; worth another try."""
+
+
+class Link(Protocol):
+    """One connection at a time; `open` and `close` block and are called from one thread."""
+
+    events: SimpleQueue[Event]
+
+    def open(self, deadline: float) -> None:
+        """Connect, and ask for all log blocks; `LinkFailed` after a deadline. [s]"""
+        ...
+
+    def close(self) -> None:
+        """Disconnect; nothing is sent afterwards."""
+        ...
+
+    def parameter(self, name: str) -> float | None:
+        """Return the value of a parameter; None where the firmware has none of that name."""
+        ...
+
+    def write(self, name: str, value: float, deadline: float) -> None:
+        """Set a parameter, confirmed by the Crazyflie's own word; `LinkFailed` otherwise. [s]"""
+        ...
+
+    def arm(self, on: bool) -> None:
+        """Ask to arm or disarm."""
+        ...
+
+    def stop(self) -> None:
+        """Send one emergency stop."""
+        ...
+
+    def hover(self, forward: float, yaw_rate: float, height: float) -> None:
+        """Send a speed [m/s], yaw rate [rad/s] and height [m]."""
+        ...
+
+    def duties(self, payload: bytes) -> None:
+        """Send a packet to the app aboard."""
+        ...
+
+    def hand_over(self, land: bool) -> None:
+        """Say that no more setpoints come; where asked, land."""
+        ...
+
+
+def check_uri(uri: str) -> None:
+    """
+    Refuse what cannot name a Crazyflie.
+
+    Raises
+    ------
+    BadInput
+        With an example.
+
+    """
+    scheme, found, rest = uri.partition('://')
+    if not found or scheme not in SCHEMES or not rest:
+        raise BadInput(
+            f"The URI '{uri}' names no Crazyflie; give one such as radio://0/80/2M/E7E7E7E7E7, "
+            'usb://0 or udp://127.0.0.1:19850.'
+        )
+
+
+def order_of(motors: Mapping[str, str], names: Sequence[str]) -> tuple[int, ...]:
+    """
+    Return for M1 to M4 the place of its rotor among the vehicle's.
+
+    Raises
+    ------
+    BadInput
+        If a motor is wired to a rotor that the vehicle does not have.
+
+    """
+    for motor, rotor in motors.items():
+        if rotor not in names:
+            raise BadInput(
+                f'Motor {motor} is wired to {rotor}, which the vehicle lacks; it has '
+                f'{", ".join(names)}.'
+            )
+    return tuple(names.index(rotor) for rotor in motors.values())

@@ -1,0 +1,85 @@
+"""
+What is read of a Crazyflie, how often, and in which packets: the one table.
+
+Names, types and units are the firmware's. A block is one packet: at most 26 bytes of values every
+10 to 2540 ms in steps of 10, 16 blocks and 128 variables in all (firmware, log.c).
+"""
+
+from typing import Final, NamedTuple
+
+from lta_config.errors import BadInput
+
+SIZES: Final = {'float': 4, 'uint8_t': 1, 'uint16_t': 2, 'int8_t': 1, 'uint32_t': 4}
+MOST_BYTES: Final = 26
+MOST_BLOCKS: Final = 16
+MOST_VARIABLES: Final = 128
+SHORTEST_MS, LONGEST_MS, STEP_MS = 10, 2540, 10
+
+
+class Block(NamedTuple):
+    """
+    One packet.
+
+    Attributes
+    ----------
+    name : str
+        Unique.
+    period_ms : int
+        Time between two. [ms]
+    variables : dict
+        `group.name` to the type it is fetched as.
+
+    """
+
+    name: str
+    period_ms: int
+    variables: dict[str, str]
+
+
+def _all(kind: str, *names: str) -> dict[str, str]:
+    return dict.fromkeys(names, kind)
+
+
+BLOCKS: Final = (
+    Block('imu', 10, _all('float', *(f'{s}.{a}' for s in ('acc', 'gyro') for a in 'xyz'))),
+    Block('air', 20, _all('float', 'baro.pressure') | _all('uint16_t', 'range.zrange')),
+    Block(
+        'attitude', 20, _all('float', *(f'stateEstimate.{a}' for a in ('roll', 'pitch', 'yaw')))
+    ),
+    Block(
+        'motors',
+        50,
+        _all('uint16_t', *(f'motor.m{number}' for number in range(1, 5)), 'supervisor.info'),
+    ),
+    Block('power', 100, _all('float', 'pm.vbat') | _all('int8_t', 'pm.state')),
+)
+
+
+def check(blocks: tuple[Block, ...]) -> None:
+    """
+    Refuse a table that no Crazyflie can serve.
+
+    Raises
+    ------
+    BadInput
+        If a block is too large, its period cannot be told, or there are too many.
+
+    """
+    for block in blocks:
+        size = sum(SIZES[kind] for kind in block.variables.values())
+        if size > MOST_BYTES:
+            raise BadInput(
+                f'Log block {block.name} has {size} bytes and a packet carries {MOST_BYTES}: '
+                'split it.'
+            )
+        if block.period_ms % STEP_MS or not SHORTEST_MS <= block.period_ms <= LONGEST_MS:
+            raise BadInput(
+                f'Log block {block.name} has a period of {block.period_ms} ms: choose a multiple '
+                f'of {STEP_MS} from {SHORTEST_MS} to {LONGEST_MS}.'
+            )
+    count = sum(len(block.variables) for block in blocks)
+    if len(blocks) > MOST_BLOCKS or count > MOST_VARIABLES:
+        raise BadInput(
+            f'{len(blocks)} log blocks with {count} variables: a Crazyflie serves {MOST_BLOCKS} '
+            f'and {MOST_VARIABLES}; leave some out.'
+        )

@@ -1,0 +1,65 @@
+"""Readings of a Crazyflie as ROS messages, and commands of the graph as the bridge takes them."""
+
+import math
+
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import PoseStamped, TwistStamped
+from lta_bridge.crazyflie.bridge import Asked, Where
+from lta_bridge.crazyflie.readings import Air, Motion
+from lta_control.attitude import heading
+from lta_control.cascade import wrap
+from lta_control.messages import attitude_of, to_setpoint
+from lta_sim import messages
+from lta_sim.sensors.imu import bounds_of, ImuSettings
+from lta_sim.sensors.pressure import PressureSettings
+from lta_sim.sensors.range import RangeSettings
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import BatteryState, FluidPressure, Imu, JointState, Range
+
+ATTITUDE_SIGMA = 0.05  # rad, of the firmware's own attitude: an assumption
+IMU_NOISE = bounds_of(ImuSettings()).noise
+RANGE = RangeSettings()
+
+
+def imu(stamp: Time, motion: Motion, attitude: tuple[float, float, float, float] | None) -> Imu:
+    """Return specific force and rates, and the firmware's attitude where it has come."""
+    message = messages.imu(stamp, motion.force, motion.rates, IMU_NOISE)
+    if attitude is not None:
+        q = message.orientation
+        q.x, q.y, q.z, q.w = attitude
+        for axis in range(3):
+            message.orientation_covariance[4 * axis] = ATTITUDE_SIGMA**2
+    return message
+
+
+def air(stamp: Time, felt: Air) -> tuple[Range, FluidPressure]:
+    """Return distance and pressure."""
+    return (
+        messages.range_(stamp, felt.distance, RANGE),
+        messages.pressure(stamp, felt.pressure, PressureSettings().noise),
+    )
+
+
+def battery(stamp: Time, voltage: float) -> BatteryState:
+    """Return the cell's voltage; a Crazyflie does not measure its current."""
+    return messages.branch(stamp, voltage, math.nan, 'battery')
+
+
+def to_duties(message: JointState, names: list[str], stamp_ns: int) -> Asked | None:
+    """Return duties by rotor; None where they are for other rotors."""
+    if list(message.name) != names or len(message.effort) != len(names):
+        return None
+    return Asked(stamp_ns, duties=tuple(message.effort))
+
+
+def to_hover(pose: PoseStamped, velocity: TwistStamped, odom: Odometry, stamp_ns: int) -> Asked:
+    """Return speed, height, and how far to turn from where the estimator sees the nose."""
+    asked = to_setpoint(pose, velocity)
+    turn = wrap(asked.heading - heading(attitude_of(odom)))
+    return Asked(stamp_ns, speed=asked.speed, turn=turn, height=asked.altitude)
+
+
+def to_where(odom: Odometry) -> Where:
+    """Return height and way from the start by the estimate."""
+    p = odom.pose.pose.position
+    return Where(p.z, math.hypot(p.x, p.y))

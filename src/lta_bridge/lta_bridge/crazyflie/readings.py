@@ -1,0 +1,80 @@
+"""
+What log packets mean: the firmware's units and signs to ours (SI, FLU body).
+
+The firmware's accelerometer and gyroscope are FLU; its `stateEstimate.pitch` counts nose up
+positive, so it changes sign for FLU (crazyflie-firmware, stabilizer_types.h: "pitch is inverted").
+"""
+
+from collections.abc import Mapping
+import math
+from typing import Final, NamedTuple
+
+from lta_config.constants import STANDARD_GRAVITY
+from scipy.spatial.transform import Rotation
+
+MILLIBAR: Final = 100.0  # Pa
+MILLIMETRE: Final = 1e-3  # m
+FULL_RATIO: Final = 65535.0
+NO_RETURN: Final = 5.0  # m: the firmware takes more for an outlier (zranger2.c)
+POWER: Final = {0: 'battery', 1: 'charging', 2: 'charged', 3: 'low', 4: 'shutting down'}
+
+Values = Mapping[str, float]
+
+
+class Motion(NamedTuple):
+    """Specific force [m/s2] and angular rate [rad/s], body FLU."""
+
+    force: tuple[float, float, float]
+    rates: tuple[float, float, float]
+
+
+class Air(NamedTuple):
+    """Pressure [Pa] and downward distance [m]; infinite where nothing returned."""
+
+    pressure: float
+    distance: float
+
+
+class Motors(NamedTuple):
+    """Duty of M1 to M4, 0 to 1, and the supervisor's word."""
+
+    duties: tuple[float, ...]
+    word: int
+
+
+class Power(NamedTuple):
+    """Cell voltage [V] and the firmware's power state by its number."""
+
+    voltage: float
+    state: int
+
+
+def motion(values: Values) -> Motion:
+    """Return an IMU block: g to m/s2, deg/s to rad/s."""
+    fx, fy, fz = (STANDARD_GRAVITY * values[f'acc.{axis}'] for axis in 'xyz')
+    wx, wy, wz = (math.radians(values[f'gyro.{axis}']) for axis in 'xyz')
+    return Motion((fx, fy, fz), (wx, wy, wz))
+
+
+def air(values: Values) -> Air:
+    """Return a block of pressure and range: mbar to Pa, mm to m."""
+    distance = MILLIMETRE * values['range.zrange']
+    return Air(MILLIBAR * values['baro.pressure'], math.inf if distance >= NO_RETURN else distance)
+
+
+def attitude(values: Values) -> tuple[float, float, float, float]:
+    """Return the firmware's attitude as a quaternion x y z w, body FLU to its start frame."""
+    roll, pitch, yaw = (values[f'stateEstimate.{angle}'] for angle in ('roll', 'pitch', 'yaw'))
+    x, y, z, w = Rotation.from_euler('ZYX', [yaw, -pitch, roll], degrees=True).as_quat().tolist()
+    return x, y, z, w
+
+
+def motors(values: Values) -> Motors:
+    """Return a motor block: ratios to duties."""
+    duties = tuple(values[f'motor.m{number}'] / FULL_RATIO for number in range(1, 5))
+    return Motors(duties, int(values['supervisor.info']))
+
+
+def power(values: Values) -> Power:
+    """Return a power block."""
+    return Power(values['pm.vbat'], int(values['pm.state']))

@@ -1,0 +1,276 @@
+"""
+The Crazyflie bridge node: plays the vehicle with a real one.
+
+A lifecycle node. Configure opens the link and keeps it up, activate accepts commands, deactivate
+lands and disarms, and nothing arms but the service `crazyflie_bridge/arm`. What may turn when is
+decided in `lta_bridge.crazyflie.safety`; this node converts, publishes and tells.
+"""
+
+import threading
+import time
+from typing import Any, Literal
+
+from lta_bridge.crazyflie import messages, readings
+from lta_bridge.crazyflie.bridge import Bridge, RATE, Stamped
+from lta_bridge.crazyflie.cflib_link import CflibLink
+from lta_bridge.crazyflie.keeper import Keeper
+from lta_bridge.crazyflie.link import Lost, Ping
+from lta_bridge.crazyflie.log_table import BLOCKS, check
+from lta_bridge.crazyflie.safety import Asked, SILENT, Stage
+from lta_config.crazyflie_file import load_crazyflie
+from lta_config.errors import BadInput
+from lta_config.settings import setting, Settings
+from lta_graph.health import Level
+from lta_graph.ros.node import from_stamp, GraphNode, message_type, run, to_stamp
+from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.qos import profile
+from lta_sim.vehicle import load_vehicle
+from rclpy.clock import Clock, ClockType
+from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
+from std_srvs.srv import SetBool, Trigger
+
+LEAVE = 15.0  # s at most to land before the link is let go
+DEAD = 2.0  # s of silence after which the link is made anew: blocks may be gone (firmware #428)
+
+
+class BridgeSettings(Settings):
+    """Which Crazyflie, and how it is commanded."""
+
+    uri: str = setting('radio://0/80/2M/E7E7E7E7E7', 'Where the Crazyflie is.', fixed=True)
+    vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
+    crazyflie: str = setting('', "Crazyflie file; the vehicle's where empty.", fixed=True)
+    command: Literal['', 'setpoint', 'motors'] = setting(
+        '', "What is sent: setpoints, or duties for the app; the file's where empty.", fixed=True
+    )
+    autostart: bool = setting(
+        True, 'Whether to configure and activate by itself; it never arms.', fixed=True
+    )
+
+
+class CrazyflieBridge(LifecycleNodeMixin, GraphNode):
+    """Publish what a Crazyflie senses, and send it what the graph commands."""
+
+    def __init__(self) -> None:
+        GraphNode.__init__(self, 'crazyflie_bridge', role='vehicle')
+        LifecycleNodeMixin.__init__(self)
+        if self.lockstep:
+            raise BadInput('A real Crazyflie flies in real time: leave time:=lockstep out.')
+        check(BLOCKS)
+        self._outputs = {
+            'imu': self.output('imu'),
+            'range': self.output('range'),
+            'pressure': self.output('pressure'),
+            'battery': self.output('battery'),
+        }
+        settings = self._settings = Parameters(self, BridgeSettings).value
+        self._names = load_vehicle(settings.vehicle).rotor_names
+        link = self._link = CflibLink(settings.uri, BLOCKS, self._graph_ns)
+        file = self._file = load_crazyflie(settings.crazyflie or settings.vehicle)
+        self._bridge = Bridge(link, file, self._names, settings.command)
+        self._keeper: Keeper | None = None
+        self._active, self._asked = False, Asked()
+        self._was_up, self._connected = False, 0.0
+        self._pose: Any = None
+        self._odom: Any = None
+        self.create_service(SetBool, '~/arm', self._on_arm)
+        self.create_service(Trigger, '~/emergency_stop', self._on_emergency_stop)
+        self._subscribe()
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(1.0 / RATE, self._tick, clock=steady)
+        threading.Thread(target=self._pump, name='crazyflie_pump', daemon=True).start()
+
+    def _subscribe(self) -> None:
+        self.listen(self.table.read_by('vehicle'), trigger='motors', on_step=self._on_motors)
+        for name, heed in (
+            ('odom', self._on_odom),
+            ('setpoint/pose', self._on_pose),
+            ('setpoint/velocity', self._on_velocity),
+        ):
+            row = self.table[name]
+            self.create_subscription(message_type(row), name, heed, profile(row, lockstep=False))
+
+    def _graph_ns(self) -> int:
+        return self.get_clock().now().nanoseconds
+
+    @property
+    def _up(self) -> bool:
+        return self._keeper is not None and self._keeper.up
+
+    # Transitions.
+
+    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Open the link, and keep it open."""
+        self._keeper = Keeper(self._link, self._file.parameters)
+        return super().on_configure(state)
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Accept commands; still nothing turns before somebody arms."""
+        self._active = True
+        return super().on_activate(state)
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Land where it flies, and disarm."""
+        self._active = False
+        self._settle()
+        return super().on_deactivate(state)
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Let the link go."""
+        self._let_go()
+        return super().on_cleanup(state)
+
+    def _settle(self) -> None:
+        """Tick until nothing turns: landing is the state machine's own way down."""
+        until = time.monotonic() + LEAVE
+        busy = (Stage.READY, Stage.ARMING, Stage.FLYING, Stage.LANDING)
+        while self._bridge.state.stage in busy and time.monotonic() < until:
+            self._tick()
+            time.sleep(1.0 / RATE)
+
+    def _let_go(self) -> None:
+        """Disarm, and close the link; closing sends a thrust of zero, so it comes last."""
+        self._active = False
+        self._settle()
+        if self._keeper is not None:
+            if self._keeper.up:
+                self._link.arm(False)
+            self._keeper.close()
+            self._keeper = None
+
+    def work(self) -> None:
+        """Start by itself where that is wanted, and work."""
+        if self._settings.autostart:
+            self.trigger_configure()
+            self.trigger_activate()
+        super().work()
+
+    def close(self) -> None:
+        """Land, disarm and let go, on every way out but SIGKILL."""
+        self._let_go()
+        super().close()
+
+    # What people ask.
+
+    def _on_arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+        """Arm or disarm, and answer with what the supervisor's own word says."""
+        why = self._bridge.refusal(self._graph_ns(), self._up, self._active)
+        if not (request.data and why):
+            self._asked = self._asked._replace(arm=request.data)
+            self._tick()
+            while self._bridge.state.stage is Stage.ARMING:
+                time.sleep(1.0 / RATE)
+                self._tick()
+            why = self._bridge.state.why
+        stage = self._bridge.state.stage
+        armed = stage in (Stage.READY, Stage.FLYING)
+        response.success = armed == request.data
+        response.message = stage.value if armed or not why else f'{stage.value}: {why}'
+        return response
+
+    def _on_emergency_stop(
+        self, _: Trigger.Request, response: Trigger.Response
+    ) -> Trigger.Response:
+        self._asked = self._asked._replace(stop=True)
+        self._tick()
+        response.success, response.message = True, self._bridge.state.why
+        return response
+
+    # What the graph commands.
+
+    def _on_motors(self, step: Any) -> None:  # noqa: ANN401 - a Step of ROS messages
+        if self._bridge.command == 'motors':
+            newest = step.messages['motors'][-1]
+            asked = messages.to_duties(newest, self._names, from_stamp(newest.header.stamp))
+            if asked is not None:
+                self._bridge.commanded(asked)
+
+    def _on_odom(self, odom: Any) -> None:  # noqa: ANN401 - a generated class
+        self._odom = odom
+        self._bridge.placed(messages.to_where(odom))
+
+    def _on_pose(self, pose: Any) -> None:  # noqa: ANN401 - a generated class
+        self._pose = pose
+
+    def _on_velocity(self, velocity: Any) -> None:  # noqa: ANN401 - a generated class
+        """Take a setpoint; its age counts from when its light block ended."""
+        if (
+            self._bridge.command == 'setpoint'
+            and self._pose is not None
+            and self._odom is not None
+        ):
+            oldest = min(from_stamp(half.header.stamp) for half in (self._pose, velocity))
+            ended = oldest + self.table['setpoint/velocity'].latency_ns
+            self._bridge.commanded(messages.to_hover(self._pose, velocity, self._odom, ended))
+
+    # The steady work.
+
+    def _tick(self) -> None:
+        up, now_ns = self._up, self._graph_ns()
+        if up and not self._was_up:
+            self._bridge.forget()
+            self._connected = time.monotonic()
+        self._was_up = up
+        asked, self._asked = self._asked, Asked()
+        self._bridge.tick(time.monotonic(), now_ns, up, self._active, asked)
+        if up and time.monotonic() - self._connected > DEAD:
+            silence = self._bridge.seen(now_ns, up, self._active).silence
+            if silence > DEAD and self._keeper is not None:
+                self._keeper.lost(f'nothing was heard for {silence:.1f} s')
+
+    def _pump(self) -> None:
+        """Publish what the link tells as it comes."""
+        while True:
+            event = self._link.events.get()
+            if isinstance(event, Lost):
+                if self._keeper is not None:
+                    self._keeper.lost(event.why)
+            elif isinstance(event, Ping):
+                self._bridge.pinged(event.latency)
+            else:
+                self._publish(self._bridge.heard(event))
+
+    def _publish(self, told: Stamped) -> None:
+        stamp, out = to_stamp(told.stamp_ns), self._outputs
+        match told.reading:
+            case readings.Motion() as motion:
+                out['imu'].publish(messages.imu(stamp, motion, self._bridge.attitude))
+            case readings.Air() as felt:
+                distance, pressure = messages.air(stamp, felt)
+                out['range'].publish(distance)
+                out['pressure'].publish(pressure)
+            case readings.Power() as power:
+                out['battery'].publish(messages.battery(stamp, power.voltage))
+
+    def publish_health(self) -> None:
+        """Tell how the link and the drone stand."""
+        bridge, keeper = self._bridge, self._keeper
+        seen = bridge.seen(self._graph_ns(), self._up, self._active)
+        why = 'not configured' if keeper is None else keeper.why
+        self.health.report(
+            'link',
+            Level.OK if self._up and seen.silence < SILENT else Level.ERROR,
+            'connected' if self._up else why,
+            protocol=self._link.protocol,
+            silence_s=f'{seen.silence:.3f}',
+            latency_s=f'{bridge.latency:.4f}',
+            drift_ppm=f'{1e6 * bridge.clock.drift:.1f}',
+            packets=bridge.packets,
+            attempts=0 if keeper is None else keeper.attempts,
+        )
+        state = bridge.state
+        duties = () if bridge.motors is None else bridge.motors.duties
+        self.health.report(
+            'safety',
+            Level.ERROR if state.stage is Stage.STOPPED else Level.OK,
+            f'{state.stage.value}: {state.why}' if state.why else state.stage.value,
+            word=seen.word,
+            command=bridge.command,
+            voltage=f'{seen.voltage:.2f}',
+            motors=' '.join(f'{duty:.2f}' for duty in duties),
+        )
+        super().publish_health()
+
+
+def main(args: list[str] | None = None) -> None:
+    """Run the node until it is told to stop."""
+    run(CrazyflieBridge, args)

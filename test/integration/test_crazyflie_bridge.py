@@ -1,0 +1,149 @@
+"""The bridge node between a graph and an emulated Crazyflie, over UDP and by unmodified cflib."""
+
+import signal
+import time
+
+from lta_bridge.crazyflie.emulated.body import Bench
+from lta_bridge.crazyflie.emulated.firmware import Firmware
+from lta_bridge.crazyflie.emulated.server import Server
+from lta_config.topics import topic_table
+from lta_graph.ros.node import from_stamp, message_type
+from lta_sim.vehicle import load_vehicle
+import numpy as np
+import pytest
+from std_srvs.srv import SetBool, Trigger
+
+from .peer import Peer, start
+
+TABLE = topic_table()
+ROTORS = load_vehicle('gtmab').rotor_names
+DUTIES = [0.1, 0.2, 0.3, 0.4]
+ARM, STOP = 'crazyflie_bridge/arm', 'crazyflie_bridge/emergency_stop'
+
+
+@pytest.fixture
+def drone():
+    with Server(Firmware(Bench(), drift=30e-6)) as server:
+        yield server
+
+
+@pytest.fixture
+def bridge(drone):
+    node = start('lta_bridge.nodes.crazyflie_bridge', '-p', f'uri:={drone.uri}')
+    yield node
+    if node.poll() is None:
+        node.send_signal(signal.SIGINT)
+        node.communicate(timeout=30)
+
+
+@pytest.fixture
+def peer(domain_id):
+    with Peer(domain_id) as peer:
+        yield peer
+
+
+def commanding(peer):
+    """Return a function that sends one command, for `until`."""
+    motors = peer.publisher('motors')
+
+    def send():
+        message = message_type(TABLE['motors'])(name=ROTORS, effort=DUTIES)
+        message.header.stamp = peer.node.get_clock().now().to_msg()
+        motors.publish(message)
+
+    return send
+
+
+def safety(facts):
+    fact = facts.get('crazyflie_bridge: safety')
+    return '' if fact is None else fact.message
+
+
+def turning(drone):
+    return drone.firmware.body.duties
+
+
+def fly(peer, drone):
+    """Bring the motors to turn by arming and commanding."""
+    heard = []
+    peer.hear('battery', heard.append)
+    peer.until(lambda: heard)
+    send = commanding(peer)
+    assert turning(drone) == (0.0,) * 4
+    armed = peer.ask(SetBool, ARM, data=True)
+    assert armed.success, armed.message
+
+    def flown():
+        send()
+        return turning(drone) == pytest.approx(DUTIES, abs=1e-3)
+
+    peer.until(flown)
+    return send
+
+
+def test_sensors_come_in_our_units_within_milliseconds(peer, drone, bridge):
+    late, seen = [], {}
+
+    def on_imu(message):
+        now = peer.node.get_clock().now().nanoseconds
+        late.append(1e-6 * (now - from_stamp(message.header.stamp)))
+        seen['imu'] = message
+
+    peer.hear('imu', on_imu)
+    for name in ('range', 'pressure', 'battery'):
+        peer.hear(name, lambda message, name=name: seen.__setitem__(name, message))
+    peer.until(lambda: len(late) > 300 and len(seen) == 4)
+    assert seen['imu'].linear_acceleration.z == pytest.approx(9.80665)
+    assert seen['range'].range == pytest.approx(0.45)
+    assert seen['pressure'].fluid_pressure == pytest.approx(101325.0)
+    assert seen['battery'].voltage == pytest.approx(4.0)
+    assert np.median(late) < 5.0
+    assert drone.firmware.parameters.values['supervisor.landedTimeout'] == 60000
+
+
+def test_motors_turn_only_armed_and_ramp_down_when_commands_stop(peer, drone, bridge, hear):
+    heard = []
+    peer.hear('battery', heard.append)
+    peer.until(lambda: heard)
+    send = commanding(peer)
+    for _ in range(20):  # commands alone turn nothing
+        send()
+        peer.until(lambda: True)
+    assert turning(drone) == (0.0,) * 4
+    fly(peer, drone)
+    stopped = time.monotonic()
+    peer.until(lambda: turning(drone) == (0.0,) * 4)
+    assert time.monotonic() - stopped < 3.0
+    hear(lambda facts: 'disarmed: the newest command' in safety(facts))
+    assert not drone.firmware.supervisor.armed
+    assert not drone.firmware.supervisor.locked
+
+
+def test_an_emergency_stop_locks_and_is_not_flown_out_of(peer, drone, bridge):
+    send = fly(peer, drone)
+    assert peer.ask(Trigger, STOP).success
+    peer.until(lambda: drone.firmware.supervisor.locked)
+    send()
+    assert turning(drone) == (0.0,) * 4
+    refused = peer.ask(SetBool, ARM, data=True)
+    assert not refused.success
+    assert 'emergency stop' in refused.message
+
+
+def test_a_silent_drone_is_let_down_and_found_again(peer, drone, bridge, hear):
+    fly(peer, drone)
+    drone.down.silent = True
+    hear(lambda facts: 'said nothing' in safety(facts) or 'no link' in safety(facts))
+    peer.until(lambda: turning(drone) == (0.0,) * 4)
+    drone.down.silent = False
+    fly(peer, drone)
+
+
+def test_leaving_in_flight_comes_down_and_disarms(peer, drone, bridge):
+    fly(peer, drone)
+    bridge.send_signal(signal.SIGINT)
+    _, text = bridge.communicate(timeout=30)
+    assert bridge.returncode == 0, text
+    assert turning(drone) == (0.0,) * 4
+    assert not drone.firmware.supervisor.armed
+    assert not drone.firmware.supervisor.locked

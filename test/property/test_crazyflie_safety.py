@@ -1,0 +1,214 @@
+"""No sequence of events lets motors turn without arming, its confirmation and fresh commands."""
+
+import math
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import invariant, rule, RuleBasedStateMachine
+from lta_bridge.crazyflie.safety import (
+    Asked,
+    Limits,
+    Order,
+    RAMP,
+    Seen,
+    Stage,
+    STALE,
+    State,
+    STOPS,
+    tick,
+)
+from lta_bridge.crazyflie.supervisor import Bit, trouble
+
+PERIOD = 0.02
+LIMITS = Limits()
+
+words = st.sampled_from(
+    [0, Bit.CAN_BE_ARMED, Bit.ARMED, Bit.ARMED | Bit.FLYING, Bit.LOCKED, Bit.TUMBLED, Bit.CRASHED]
+)
+ages = st.one_of(st.floats(0.0, 1.0), st.just(math.inf))
+seen = st.builds(
+    Seen,
+    linked=st.booleans(),
+    active=st.booleans(),
+    word=words,
+    silence=ages,
+    command_age=ages,
+    voltage=st.one_of(st.floats(2.5, 4.2), st.just(math.nan)),
+    height=st.one_of(st.floats(0.0, 8.0), st.just(math.nan)),
+    distance=st.floats(0.0, 100.0),
+)
+asked = st.builds(Asked, arm=st.sampled_from([None, True, False]), stop=st.booleans())
+FIT = Seen(True, True, int(Bit.ARMED), 0.0, 0.0, 4.0, 1.0, 1.0)
+
+
+class Bridge(RuleBasedStateMachine):
+    """The bridge under whatever may happen, watched by what must never."""
+
+    def __init__(self):
+        super().__init__()
+        self.state, self.order, self.now, self.seen = State(), Order(), 0.0, Seen()
+        self.asked_to_arm = self.confirmed = self.stopped = False
+        self.fresh_at = -math.inf
+        self.drive = 0.0
+
+    def step(self, seen, asked, dt=PERIOD):
+        self.now += dt
+        before, self.drive = self.state, self.order.drive
+        self.asked_to_arm |= bool(asked.arm)
+        self.stopped |= asked.stop
+        self.fresh_at = max(self.fresh_at, self.now - seen.command_age)
+        self.state, self.order = tick(self.state, self.now, seen, asked, LIMITS)
+        self.seen = seen
+        if before.stage is Stage.ARMING and self.state.stage is Stage.READY:
+            self.confirmed = bool(seen.word & Bit.ARMED)
+        if self.state.stage is Stage.DISARMED:
+            self.confirmed = False
+
+    @rule(seen=seen, asked=asked, dt=st.floats(0.001, 3.0))
+    def anything(self, seen, asked, dt):
+        self.step(seen, asked, dt)
+
+    @rule(count=st.integers(1, 60), age=st.floats(0.0, 0.2))
+    def a_good_flight(self, count, age):
+        self.step(FIT, Asked(arm=True))
+        for _ in range(count):
+            self.step(FIT._replace(command_age=age), Asked())
+
+    @rule(count=st.integers(1, 80), part=seen)
+    def commands_stop(self, count, part):
+        for turn in range(count):
+            self.step(part._replace(command_age=STALE + turn * PERIOD), Asked())
+
+    @invariant()
+    def motors_turn_only_when_they_may(self):
+        order = self.order
+        if order.drive == 0.0:
+            return
+        assert self.asked_to_arm
+        assert self.confirmed
+        assert not self.stopped
+        assert self.seen.linked
+        assert not trouble(self.seen.word)
+        assert self.state.stage in (Stage.FLYING, Stage.LANDING)
+        assert order.stream
+        if self.state.stage is Stage.FLYING:
+            assert self.seen.command_age <= STALE
+            assert self.seen.word & Bit.ARMED
+
+    @invariant()
+    def a_ramp_only_falls(self):
+        if self.state.stage is Stage.LANDING and self.order.drive:
+            assert self.order.drive <= self.drive or self.state.since == self.now
+
+    @invariant()
+    def nothing_is_armed_that_nobody_asked_for(self):
+        if not self.asked_to_arm:
+            assert self.order.arm is not True
+            assert self.state.stage in (Stage.DISARMED, Stage.STOPPED)
+
+    @invariant()
+    def a_stop_is_for_good(self):
+        if self.stopped:
+            assert self.state.stage is Stage.STOPPED
+            assert not self.order.stream
+            assert self.order.arm is None
+
+
+TestBridge = Bridge.TestCase
+TestBridge.settings = settings(max_examples=60, stateful_step_count=25, deadline=None)
+
+
+@given(seen=seen, gap=st.floats(0.0, 0.1))
+@settings(max_examples=200)
+def test_stale_commands_end_in_rest_within_the_ramp(seen, gap):
+    """Whatever else is known, the drive is gone when the newest command is this old."""
+    state = State(Stage.FLYING)
+    now = 0.0
+    while now < STALE + RAMP + 2 * PERIOD + gap:
+        state, order = tick(state, now, seen._replace(command_age=now), Asked(), LIMITS)
+        now += PERIOD
+    assert order.drive == 0.0
+
+
+def flying():
+    return State(Stage.FLYING, began=0.0)
+
+
+def test_every_limit_lands():
+    for change in (
+        {'active': False},
+        {'silence': 0.6},
+        {'voltage': 3.1},
+        {'height': 4.1},
+        {'distance': 51.0},
+        {'command_age': 0.3},
+    ):
+        state, order = tick(flying(), 1.0, FIT._replace(**change), Asked(), LIMITS)
+        assert state.stage is Stage.LANDING, change
+        assert order.stream
+    state, _ = tick(flying(), 601.0, FIT, Asked(), LIMITS)
+    assert (state.stage, state.why) == (Stage.LANDING, 'the flight has lasted 600 s')
+
+
+def test_the_ramp_falls_in_a_line_and_then_it_hands_over_and_disarms():
+    state, _ = tick(flying(), 1.0, FIT, Asked(arm=False), LIMITS)
+    seen = FIT._replace(word=int(Bit.ARMED | Bit.FLYING))
+    state, order = tick(state, 1.1, seen, Asked(), LIMITS)
+    assert abs(order.drive - 0.8) < 1e-9  # 0.1 s of 0.5 s
+    state, order = tick(state, 1.5, seen, Asked(), LIMITS)
+    assert order == Order(hand_over=True)
+    state, order = tick(state, 4.0, FIT, Asked(), LIMITS)
+    assert (state.stage, state.why, order) == (Stage.DISARMED, 'asked to', Order(arm=False))
+
+
+def test_a_hiccup_is_flown_through_and_a_landing_that_was_asked_for_is_not():
+    state, _ = tick(flying(), 1.0, FIT._replace(command_age=0.3), Asked(), LIMITS)
+    state, order = tick(state, 1.2, FIT, Asked(), LIMITS)
+    assert (state.stage, order.drive) == (Stage.FLYING, 1.0)
+    state, _ = tick(flying(), 1.0, FIT, Asked(arm=False), LIMITS)
+    state, order = tick(state, 1.2, FIT, Asked(), LIMITS)
+    assert (state.stage, round(order.drive, 9)) == (Stage.LANDING, 0.6)
+
+
+def test_arming_is_asked_again_until_it_is_confirmed_and_given_up_after_a_second():
+    state, order = tick(State(), 0.0, FIT._replace(word=1), Asked(arm=True), LIMITS)
+    requests = int(order.arm is True)
+    now = 0.0
+    while state.stage is Stage.ARMING:
+        now += PERIOD
+        state, order = tick(state, now, FIT._replace(word=1), Asked(), LIMITS)
+        requests += order.arm is True
+    assert 1.0 < now < 1.0 + 2 * PERIOD
+    assert requests == 10  # at 0.0, 0.1 ... 0.9 s
+    assert order.arm is False
+    assert 'did not confirm' in state.why
+
+
+def test_a_word_older_than_the_request_confirms_nothing():
+    state, _ = tick(State(), 0.0, FIT, Asked(arm=True), LIMITS)
+    state, _ = tick(state, 0.02, FIT._replace(silence=0.03), Asked(), LIMITS)
+    assert state.stage is Stage.ARMING
+    state, _ = tick(state, 0.04, FIT._replace(silence=0.01), Asked(), LIMITS)
+    assert state.stage is Stage.READY
+
+
+def test_an_emergency_stop_is_sent_ten_times_from_any_stage():
+    for stage in Stage:
+        state, sent = State(stage), 0
+        for turn in range(3 * STOPS):
+            state, order = tick(state, turn * PERIOD, FIT, Asked(stop=turn == 0), LIMITS)
+            sent += order.stop
+        assert (state.stage, sent) == (Stage.STOPPED, STOPS)
+
+
+def test_refusals_name_the_remedy():
+    for change, word in (
+        ({'linked': False}, 'no link'),
+        ({'active': False}, 'activate'),
+        ({'voltage': 3.0}, 'charge'),
+        ({'word': int(Bit.LOCKED)}, 'off and on'),
+        ({'silence': 1.0}, 'said nothing'),
+    ):
+        state, order = tick(State(), 0.0, FIT._replace(**change), Asked(arm=True), LIMITS)
+        assert order.arm is None
+        assert word in state.why

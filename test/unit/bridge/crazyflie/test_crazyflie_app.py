@@ -1,0 +1,126 @@
+"""The app of firmware/crazyflie, compiled by the host's compiler and driven by a clock of ours."""
+
+import ctypes
+from pathlib import Path
+import shutil
+import subprocess
+
+from hypothesis import given
+from hypothesis import strategies as st
+from lta_bridge.crazyflie import duties_packet
+import pytest
+
+FOLDER = Path(__file__).resolve().parents[4] / 'firmware/crazyflie'
+COMPILER = shutil.which('cc') or shutil.which('gcc')
+STRICT = ('-std=c11', '-Wall', '-Wextra', '-Werror', '-Wconversion', '-O1')
+
+pytestmark = pytest.mark.skipif(COMPILER is None, reason='needs a C compiler')
+
+
+class Control(ctypes.Structure):
+    """As in stubs/firmware.h."""
+
+    _fields_ = (('forces', ctypes.c_float * 4), ('mode', ctypes.c_int))
+
+
+class App:
+    """The app in its stubs."""
+
+    def __init__(self, library):
+        self.library = library
+        self._now = ctypes.c_uint32.in_dll(library, 'host_now_ms')
+        self._size = ctypes.c_size_t.in_dll(library, 'host_size')
+        self._packet = (ctypes.c_uint8 * 31).in_dll(library, 'host_packet')
+
+    def count(self, name):
+        return ctypes.c_int.in_dll(self.library, f'host_{name}').value
+
+    def at(self, now_ms, packet=b''):
+        """Let the app look once, at a time; return the forces that it then asks for."""
+        self._now.value = now_ms & 0xFFFFFFFF
+        self._packet[: len(packet)] = packet
+        self._size.value = len(packet)
+        self.library.ltaAppStep()
+        self._now.value = now_ms & 0xFFFFFFFF
+        control = Control()
+        self.library.controllerOutOfTree(ctypes.byref(control), None, None, None, 0)
+        assert control.mode == 2  # controlModeForce: four forces, one a motor
+        return pytest.approx(tuple(control.forces), abs=1e-4)
+
+
+@pytest.fixture(scope='module')
+def library(tmp_path_factory):
+    target = tmp_path_factory.mktemp('app') / 'app.so'
+    sources = [*FOLDER.glob('src/*.c'), FOLDER / 'stubs/host.c']
+    command = [
+        COMPILER,
+        *STRICT,
+        '-shared',
+        '-fPIC',
+        f'-I{FOLDER / "stubs"}',
+        f'-I{FOLDER / "src"}',
+    ]
+    subprocess.run([*command, *map(str, sources), '-o', str(target)], check=True)
+    return target
+
+
+@pytest.fixture
+def app(library, tmp_path):
+    copy = shutil.copy(library, tmp_path / 'own.so')  # a library of its own has its own memory
+    return App(ctypes.CDLL(copy))
+
+
+OFF = (0.0, 0.0, 0.0, 0.0)
+SOME = (0.25, 0.5, 0.75, 1.0)
+
+
+def test_duties_hold_for_their_time_out_and_then_the_motors_stop(app):
+    assert app.at(1000) == OFF
+    assert app.at(1000, duties_packet.packed(1, SOME, 200)) == SOME
+    assert app.at(1199) == SOME
+    assert app.at(1200) == OFF
+
+
+def test_the_commander_is_fed_until_the_drone_counts_as_landed(app):
+    app.at(900)
+    assert app.count('setpoints') == 0
+    app.at(1000, duties_packet.packed(1, SOME, 200))
+    for now in range(1020, 3680, 20):  # 0.2 s of duties, then 2.5 s; a look takes 20 ms
+        app.at(now)
+    assert (app.count('setpoints'), app.count('relaxed')) == (134, 0)
+    app.at(3680)
+    app.at(9000)
+    assert (app.count('setpoints'), app.count('relaxed')) == (134, 1)
+
+
+def test_the_clock_may_wrap_and_a_first_packet_may_have_any_number(app):
+    begun = 2**32 - 100
+    assert app.at(begun, duties_packet.packed(200, SOME, 150)) == SOME
+    assert app.at(begun + 149) == SOME
+    assert app.at(begun + 150) == OFF
+
+
+def test_doubled_and_overtaken_packets_do_not_count(app):
+    app.at(0, duties_packet.packed(255, SOME, 200))
+    assert app.at(10, duties_packet.packed(254, OFF, 200)) == SOME
+    assert app.at(20, duties_packet.packed(255, OFF, 200)) == SOME
+    assert app.at(30, duties_packet.packed(256, (0.1,) * 4, 200)) == (0.1,) * 4
+    assert app.at(500, duties_packet.packed(3, SOME, 200)) == SOME  # nothing held any more
+    assert app.at(1000, duties_packet.packed(2, OFF, 200)) == OFF
+
+
+def test_no_time_at_all_hands_over_at_once(app):
+    app.at(0, duties_packet.packed(1, SOME, 200))
+    assert app.at(10, duties_packet.packed(2, SOME, 0)) == OFF
+
+
+def test_rotors_that_do_not_reverse_stand_still_instead(app):
+    assert app.at(0, duties_packet.packed(1, (-1.0, -0.5, 0.5, 2.0), 200)) == (0, 0, 0.5, 1)
+
+
+@given(data=st.binary(max_size=31))
+def test_whatever_else_comes_turns_nothing(library, data):
+    app = App(ctypes.CDLL(str(library)))
+    told = duties_packet.unpacked(data)
+    forces = app.at(100_000, data)
+    assert told is not None or forces == OFF

@@ -1,0 +1,106 @@
+"""Clock, log table, units and packets of the Crazyflie bridge, against hand calculation."""
+
+import math
+
+from lta_bridge.crazyflie import duties_packet, readings
+from lta_bridge.crazyflie.clock import DeviceClock
+from lta_bridge.crazyflie.emulated.variables import LOG
+from lta_bridge.crazyflie.log_table import Block, BLOCKS, check
+from lta_config.errors import BadInput
+import numpy as np
+import pytest
+
+MS = 1_000_000
+
+
+def fly(clock, seconds, drift=0.0, boot_ms=0, latency=None, seed=1):
+    """Return the error of each stamp of packets every 10 ms, sent when stamped. [ms]"""
+    chance = np.random.default_rng(seed)
+    errors = []
+    for turn in range(round(100 * seconds)):
+        device_ms = boot_ms + 10 * turn
+        true_ns = 10**18 + round(10 * turn * MS / (1.0 + drift))
+        late = round(MS * (2.0 + chance.exponential(3.0) if latency is None else latency))
+        told = clock.stamp(device_ms & 0xFFFFFF, true_ns + late)
+        assert told <= true_ns + late
+        errors.append((told - true_ns) / MS)
+    return np.array(errors)
+
+
+def test_stamps_are_those_of_the_fastest_packets():
+    """The fastest of 100 packets a second is late by 2 ms and 0.03 ms on average."""
+    clock = DeviceClock()
+    clock.one_way_ns = 2 * MS
+    errors = fly(clock, 20.0)
+    assert np.abs(errors[500:]).max() < 0.5
+
+
+def test_the_drift_of_a_crystal_is_found():
+    clock = DeviceClock()
+    errors = fly(clock, 60.0, drift=40e-6, latency=2.0)
+    assert clock.drift == pytest.approx(40e-6, abs=2e-6)
+    assert np.abs(errors[1000:] - 2.0).max() < 0.1
+
+
+def test_the_stamp_wraps_after_four_and_a_half_hours():
+    errors = fly(DeviceClock(), 10.0, boot_ms=(1 << 24) - 5000, latency=2.0)
+    assert errors == pytest.approx(2.0, abs=1e-6)
+
+
+def test_late_and_swapped_packets_keep_their_own_stamps():
+    clock = DeviceClock()
+    stamps = [clock.stamp(ms, 10**18 + 1_000 * MS) for ms in (1000, 990, 995)]
+    assert [stamps[0] - one for one in stamps] == [0, 10 * MS, 5 * MS]
+
+
+def test_a_reboot_begins_anew():
+    clock = DeviceClock()
+    fly(clock, 3.0, boot_ms=600_000, latency=1.0)
+    told = clock.stamp(100, 10**18 + 4_000 * MS)
+    assert told == 10**18 + 4_000 * MS
+    assert clock.restarts == 1
+
+
+def test_units_and_signs():
+    values = {'acc.x': 0.5, 'acc.y': 0.0, 'acc.z': 1.0, 'gyro.x': 180.0, 'gyro.y': -90.0}
+    moved = readings.motion({**values, 'gyro.z': 0.0})
+    assert moved.force == pytest.approx((4.903325, 0.0, 9.80665))
+    assert moved.rates == pytest.approx((math.pi, -math.pi / 2, 0.0))
+    felt = readings.air({'baro.pressure': 1013.25, 'range.zrange': 450})
+    assert felt == pytest.approx((101325.0, 0.45))
+    assert readings.air({'baro.pressure': 1.0, 'range.zrange': 8190}).distance == math.inf
+    nose_up = readings.attitude(
+        {'stateEstimate.roll': 0.0, 'stateEstimate.pitch': 90.0, 'stateEstimate.yaw': 0.0}
+    )
+    # FLU: pitch about +y puts the nose down, so nose up is a negative turn.
+    assert nose_up == pytest.approx((0.0, -math.sqrt(0.5), 0.0, math.sqrt(0.5)))
+    told = readings.motors(
+        {**{f'motor.m{n}': 13107.0 * n for n in range(1, 5)}, 'supervisor.info': 2}
+    )
+    assert told.duties == pytest.approx((0.2, 0.4, 0.6, 0.8))
+
+
+def test_the_table_fits_a_crazyflie_that_knows_its_variables():
+    check(BLOCKS)
+    known = {variable.name for variable in LOG}
+    assert {name for block in BLOCKS for name in block.variables} <= known
+    size = 7 * 4
+    with pytest.raises(BadInput, match=f'has {size} bytes and a packet carries 26'):
+        check((Block('big', 10, {f'a.{n}': 'float' for n in range(7)}),))
+    for period in (0, 15, 2550):
+        with pytest.raises(BadInput, match='choose a multiple of 10'):
+            check((Block('odd', period, {'a.b': 'float'}),))
+    with pytest.raises(BadInput, match='17 log blocks'):
+        check(tuple(Block(f'b{n}', 10, {'a.b': 'float'}) for n in range(17)))
+
+
+def test_duties_on_the_wire():
+    data = duties_packet.packed(259, (1.0, -1.0, 0.5, math.nan), 250)
+    assert data == bytes.fromhex('4c 03 ff7f 0180 0040 0000 fa00')
+    told = duties_packet.unpacked(data)
+    assert (told.sequence, told.timeout_ms) == (3, 250)
+    assert duties_packet.unpacked(data[:-1]) is None
+    assert duties_packet.unpacked(b'\0' + data[1:]) is None
+    assert duties_packet.is_newer(0, 255)
+    assert not duties_packet.is_newer(255, 0)
+    assert not duties_packet.is_newer(7, 7)
