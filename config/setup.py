@@ -13,6 +13,8 @@ FOLDERS = (
     'floor_plans',
     'imports',
     'launch',
+    'light_days',
+    'missions',
     'manoeuvres',
     'mounts',
     'scenarios',

@@ -35,6 +35,8 @@ FOLDERS = {
     'comparison': 'comparisons',
     'import mapping': 'imports',
     'floor plan': 'floor_plans',
+    'light of the day': 'light_days',
+    'mission': 'missions',
     'cell': 'cells',
     'cell table': 'cell_tables',
     'crazyflie': 'crazyflies',

@@ -34,6 +34,7 @@ UNITS: dict[str, tuple[str, float]] = {
     'us': ('s', 1e-6),
     'ns': ('s', 1e-9),
     'min': ('s', 60.0),
+    'h': ('s', 3600.0),
     'Hz': ('Hz', 1.0),
     'kHz': ('Hz', 1e3),
     '1/s': ('1/s', 1.0),

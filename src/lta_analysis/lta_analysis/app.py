@@ -73,6 +73,7 @@ ENERGY: Final = Group(
         'budget': Verb('energy_budget', 'budget'),
         'hover': Verb('energy_hover', 'hover'),
         'mounting': Verb('energy_mounting', 'mounting'),
+        'breakeven': Verb('energy_breakeven', 'breakeven'),
     },
 )
 VERBS: Final[dict[str, Verb | Group]] = {
@@ -82,6 +83,7 @@ VERBS: Final[dict[str, Verb | Group]] = {
     'launch': Verb('launch', 'launch', {'allow_interspersed_args': True}),
     'call': Verb('call', 'call'),
     'run': Verb('run', 'run', {'ignore_unknown_options': True, 'allow_interspersed_args': False}),
+    'mission': Verb('mission', 'mission'),
     'sweep': Verb('sweep', 'sweep'),
     'tune': Verb('tune', 'tune'),
     'wind': Verb('wind', 'wind'),

@@ -5,7 +5,7 @@ One text for the processor and for a GPU; they differ in decorators and in how a
 vehicle. The kernel holds only the effects that some vehicle of the batch has on.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from string import Template
 from typing import Any
 
@@ -167,7 +167,7 @@ RESULTS = (
 )  # fmt: skip
 
 
-def _surrounded(names: Sequence[str]) -> str:
+def surrounded(names: Sequence[str]) -> str:
     """Return the lines that keep up what some effect looks at."""
     lines = ['pass']
     if 'turbulence' in names:
@@ -198,12 +198,12 @@ def _beginning(names: Sequence[str]) -> dict[str, str]:
         'begin': tuple_of(map(repr, BEGIN.write(Onboard()).tolist())),
         'onboard': BEGIN.expression('begin'),
         'still': tuple_of(['0.0'] * ACTUATORS),
-        'before': _surrounded(names),
+        'before': surrounded(names),
         'results': tuple_of(RESULTS),
     }
 
 
-def _counts(rhythm: Rhythm) -> dict[str, str]:
+def counts(rhythm: Rhythm) -> dict[str, str]:
     """Return the source of when what is due."""
     return {
         'dt': repr(STEP),
@@ -216,7 +216,7 @@ def _counts(rhythm: Rhythm) -> dict[str, str]:
     }
 
 
-def _heard(diodes: int) -> dict[str, str]:
+def heard_by(diodes: int) -> dict[str, str]:
     """Return the source of what each diode hears."""
     lines = [
         f'a_{k}, s_{k} = core_magnitude(craft.listening, {k}, lights, seed, step)'
@@ -259,28 +259,61 @@ def source(
         Whether the drone decides; otherwise it keeps `Craft.duties`.
 
     """
-    form = Form(target.imports, target.inline, '', Kept(), MODEL)
-    model = kernel_source({name: EFFECTS[name] for name in names}, form)
     extract = Extract()
     for core in CORES:
         extract.add(core, PREFIX)
     extract.add(fit, LIGHT)
-    cores = extract.text(target.inline)
+    parts = {
+        'craft': craft.expression('c'),
+        'decide': SENSE if closed else '        pass',
+        **_beginning(names),
+        **counts(rhythm),
+        **heard_by(diodes),
+    }
     kinds = {**craft.kinds(), **BEGIN.kinds()}
+    return assembled(names, extract, kinds, target, FLY, parts, {'diodes': diodes})
+
+
+def assembled(
+    names: Sequence[str],
+    extract: Extract,
+    kinds: Mapping[str, tuple[str, ...]],
+    target: Target,
+    glue: Template,
+    parts: Mapping[str, str],
+    entry: Mapping[str, Any],
+) -> str:
+    """
+    Return a text put together from the model, its cores and what calls them.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Effects of the kernel, in registry order.
+    extract : Extract
+        The cores.
+    kinds : mapping
+        Fields of each named tuple that the glue makes.
+    target : Target
+        What it is compiled for.
+    glue : Template
+        What calls the cores.
+    parts : mapping of str to str
+        What `glue` names, but for the decorator.
+    entry : mapping
+        What the entry of `target` names.
+
+    """
+    form = Form(target.imports, target.inline, '', Kept(), MODEL)
+    model = kernel_source({name: EFFECTS[name] for name in names}, form)
+    cores = extract.text(target.inline)
     missing = [
         f'{PREFIX}_{kind} = namedtuple({kind!r}, {fields!r})'
         for kind, fields in kinds.items()
         if f'{PREFIX}_{kind} = ' not in cores
     ]
-    parts = {
-        'INLINE': target.inline,
-        'craft': craft.expression('c'),
-        'decide': SENSE if closed else '        pass',
-        **_beginning(names),
-        **_counts(rhythm),
-        **_heard(diodes),
-    }
+    parts = {'INLINE': target.inline, **parts}
     # Twice: what decides has names of its own.
-    glue = Template(FLY.safe_substitute(parts)).substitute(parts)
-    entry = Template(target.entry).substitute(diodes=diodes)
-    return '\n\n\n'.join((model, '\n'.join(missing), cores, glue, entry))
+    text = Template(glue.safe_substitute(parts)).substitute(parts)
+    call = Template(target.entry).substitute(entry)
+    return '\n\n\n'.join((model, '\n'.join(missing), cores, text, call))

@@ -189,8 +189,21 @@ def on_ring(
         `scratch_for(1)` numbers to write on.
 
     """
+    echoes(listening, position, q, out, scratch)
+    direct(listening, position, q, out)
+
+
+def echoes(
+    listening: Listening, position: Vector, q: Quaternion, out: Array, scratch: Array
+) -> None:
+    """Write what the diodes read of all but the lamp's direct light; arguments as `on_ring`."""
     lamps, eye, hull = (listening.lamp,), listening.eye, listening.hull
     gather(listening.around, lamps, eye, hull, position, q, listening.planes, out, scratch)
+
+
+def direct(listening: Listening, position: Vector, q: Quaternion, out: Array) -> None:
+    """Add what the diodes read of the lamp's direct light; arguments as `on_ring`."""
+    lamps, eye, hull = (listening.lamp,), listening.eye, listening.hull
     on_diodes(listening.around, lamps, eye, hull, position, q, listening.planes, out, LAMPS)
 
 

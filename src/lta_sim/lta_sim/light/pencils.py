@@ -31,6 +31,7 @@ LEAST = 1e-300
 COSINE, SINE, WEIGHT, UNHIDDEN, BROUGHT = (ROUND * row for row in range(5))
 # Rows of what is brought and gathered: light alike from all sides, daylight, then the lamps.
 SHARE, DAY, LAMPS = range(3)
+TINY = 1e-300
 
 
 def rings() -> tuple[tuple[float, ...], ...]:
@@ -171,7 +172,9 @@ def around(
         scratch[WEIGHT + step], scratch[UNHIDDEN + step] = light / (PARTS * PARTS), square
     if lamp.order != 1.0:
         for step in range(ROUND):
-            scratch[WEIGHT + step] *= scratch[UNHIDDEN + step] ** (0.5 * lamp.order - 0.5)
+            # Behind the lamp both are 0, and a lantern's exponent is below 0.
+            square = max(scratch[UNHIDDEN + step], TINY)
+            scratch[WEIGHT + step] *= square ** (0.5 * lamp.order - 0.5)
 
 
 def through_a_door(

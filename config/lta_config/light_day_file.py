@@ -1,0 +1,88 @@
+"""
+The file of a day's light on a perch: sun through glass with clouds, lamps on timers.
+
+Times are solar time of the place, from midnight. What a lamp gives is its illuminance on the panel
+as the drone stands; a beacon's is that while it is on.
+"""
+
+from collections.abc import Mapping
+import math
+from typing import Annotated, Literal, Self
+
+from lta_config.files import find, load, Record
+from lta_config.quantity import Quantity, si
+from pydantic import AliasChoices, Field, model_validator
+
+DAY = 86400.0  # s
+Share = Annotated[Quantity, si('1', low=0.0, high=1.0, sourced=True)]
+Shares = Annotated[Quantity, si('1', low=0.0, high=1.0, length=2, sourced=True)]
+Efficacy = Annotated[Quantity, si('lm/W', above=0.0, high=683.0, sourced=True)]
+Lux = Annotated[Quantity, si('lx', low=0.0, high=2e5, sourced=True)]
+STEADY = Quantity(value=1.0, unit='1', source='not flickering')
+
+
+class Clouds(Record):
+    """
+    Clouds as they pass one after the other.
+
+    `cover` is the part of a day that is clouded, drawn evenly between two bounds for each day;
+    `through` is what a cloud lets through, drawn for each cloud; `length` is how long it shades,
+    on average, of an exponential distribution.
+    """
+
+    cover: Shares
+    through: Shares
+    length: Annotated[Quantity, si('s', above=0.0, high=DAY, sourced=True)]
+
+    @model_validator(mode='after')
+    def _rising(self) -> Self:
+        for name in ('cover', 'through'):
+            low, high = getattr(self, name).vector
+            if low > high:
+                raise ValueError(f'has the bounds of {name} in the wrong order; swap them')
+        return self
+
+
+class Sun(Record):
+    """Sun and sky on the level panel: a clear day by latitude and date, glass, clouds."""
+
+    latitude: Annotated[Quantity, si('rad', low=-math.pi / 2, high=math.pi / 2, sourced=True)]
+    day: Annotated[int, Field(ge=1, le=366)]
+    through: Share
+    efficacy: Efficacy
+    clouds: Clouds
+
+
+class TimedLamp(Record):
+    """A lamp over the perch, on between two times of the day; from the later over midnight."""
+
+    light: Lux
+    efficacy: Efficacy
+    duty: Share = STEADY
+    hours: Annotated[Quantity, si('s', low=0.0, high=DAY, length=2, sourced=True)]
+
+
+class LightDay(Record):
+    """A whole file of a day's light."""
+
+    schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
+    name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
+    about: str
+    sun: Sun | None = None
+    lamps: Mapping[Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')], TimedLamp] = {}
+
+    @model_validator(mode='after')
+    def _lit(self) -> Self:
+        if self.sun is None and not self.lamps:
+            raise ValueError('has neither sun nor lamps; nothing would ever charge')
+        flickering = [name for name, lamp in self.lamps.items() if lamp.duty.si < 1.0]
+        if len(flickering) > 1:
+            raise ValueError(
+                f'has several lamps that flicker ({", ".join(flickering)}); keep one beacon'
+            )
+        return self
+
+
+def load_light_day(name: str) -> LightDay:
+    """Return a light of the day by shipped name or path; anything wrong is a `BadInput`."""
+    return load(LightDay, find('light of the day', name))

@@ -1,0 +1,1 @@
+"""Missions over days: perch and charge, fly when light and reserve allow, come back in time."""

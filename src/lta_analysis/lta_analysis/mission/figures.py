@@ -1,0 +1,128 @@
+"""What a mission came to, in numbers, and as JSON and back."""
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, Final, final
+
+from lta_energy.circuit import Spent
+from lta_energy.light_of_days import LightOfDays
+from lta_energy.mission import ASLEEP, Diary, Flight
+
+FAILED: Final = {
+    'empty': 'empty in flight',
+    'away': 'landed away at half the reserve',
+    'lost': 'did not find home',
+    'escaped': 'left the room',
+    'stopped': 'stopped its motors',
+}
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Figures:
+    """
+    The figures of one mission; energies in J, times in s.
+
+    Attributes
+    ----------
+    flights, rounds, visits : int
+        Flights, those that reached every beacon, and beacons reached.
+    flown, longest : float
+        Time in the air, and the longest flight.
+    failures : mapping of str to int
+        What went wrong, by kind.
+    harvested, curtailed, consumed, lost, stored : float
+        The books.
+    imbalance : float
+        What they do not account for, by what was harvested or consumed. [1]
+    in_flight : float
+        Mean power drawn in flight. [W]
+    lowest_charge, lowest_voltage : float
+        Of flights, by the truth. [1, V]
+    gauge_error : float
+        Largest error of the drone's own charge. [1]
+    asleep : float
+        Share of the time. [1]
+
+    """
+
+    flights: int
+    rounds: int
+    visits: int
+    flown: float
+    longest: float
+    failures: Mapping[str, int]
+    harvested: float
+    curtailed: float
+    consumed: float
+    lost: float
+    stored: float
+    imbalance: float
+    in_flight: float
+    lowest_charge: float | None
+    lowest_voltage: float | None
+    gauge_error: float
+    asleep: float
+
+    @property
+    def failed(self) -> int:
+        """How many things went wrong."""
+        return sum(self.failures.values())
+
+
+def figures_of(diary: Diary, beacons: int) -> Figures:
+    """Return the figures of a diary; `beacons` is the length of the round."""
+    flights, flow = diary.flights, diary.spent
+    flown = sum(each.duration for each in flights)
+    spent = sum(each.spent.consumed for each in flights)
+    failures = Counter(FAILED[each.ending] for each in flights if each.ending != 'home')
+    failures.update({'came home in the dark': diary.dark, 'empty on the perch': diary.outages})
+    apart = [abs(a - b) for a, b in zip(diary.charge, diary.told, strict=True)]
+    return Figures(
+        flights=len(flights),
+        rounds=sum(each.visits == beacons for each in flights),
+        visits=sum(each.visits for each in flights),
+        flown=flown,
+        longest=max((each.duration for each in flights), default=0.0),
+        failures={name: count for name, count in failures.items() if count},
+        harvested=flow.harvested,
+        curtailed=flow.curtailed,
+        consumed=flow.consumed,
+        lost=flow.lost,
+        stored=diary.ended - diary.begun,
+        imbalance=diary.imbalance,
+        in_flight=spent / flown if flown else 0.0,
+        lowest_charge=min((each.after for each in flights), default=None),
+        lowest_voltage=min((each.lowest for each in flights), default=None),
+        gauge_error=max(apart, default=0.0),
+        asleep=share_of(diary, ASLEEP),
+    )
+
+
+def share_of(diary: Diary, state: int) -> float:
+    """Return the share of the time that the drone spent in a state. [1]"""
+    spans = zip(diary.time[:-1], diary.time[1:], diary.state[:-1], strict=True)
+    whole = max(diary.time[-1] - diary.time[0], 1.0) if diary.time else 1.0
+    return sum(end - begin for begin, end, own in spans if own == state) / whole
+
+
+def by_hour(diary: Diary, light: LightOfDays) -> list[float]:
+    """Return the minutes flown in each hour of the mission."""
+    hours = [0.0] * round(light.end / 3600.0)
+    for flight in diary.flights:
+        hours[min(int(flight.start / 3600.0), len(hours) - 1)] += flight.duration / 60.0
+    return hours
+
+
+def to_json(diary: Diary) -> dict[str, Any]:
+    """Return a diary as JSON has it."""
+    return asdict(diary)
+
+
+def from_json(content: Mapping[str, Any]) -> Diary:
+    """Return the diary that `to_json` wrote."""
+    flights = [
+        Flight._make(each)._replace(spent=Spent._make(each[4])) for each in content['flights']
+    ]
+    return Diary(**{**content, 'flights': flights, 'spent': Spent._make(content['spent'])})

@@ -1,0 +1,314 @@
+"""
+A mission over days: perch and charge, fly when the schedule says so, keep the books.
+
+Time on the perch goes in steps of half a minute; flights are flown by whoever is given as `fly`,
+step by step. Both draw on the same cell (`lta_energy.circuit`).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+import math
+from typing import final, NamedTuple
+
+from lta_energy.battery import Battery
+from lta_energy.circuit import added, at_rest, fed, held, NOTHING, output, Spent
+from lta_energy.gauge import Gauge, gauged
+from lta_energy.harvest import Harvest
+from lta_energy.light_of_days import Light, LightOfDays
+from lta_energy.power_path import Charger, Flow
+from lta_energy.schedule import Known, Schedule, Wish
+
+STEP = 30.0  # s on the perch
+HOUR = 3600.0
+BLIND = 0.05  # standard deviation of the charge that a drone knows at first
+
+PERCHED, ASLEEP, ALOFT, AWAY, OUT = range(5)
+
+
+class Flight(NamedTuple):
+    """
+    One flight.
+
+    Attributes
+    ----------
+    start, duration : float
+        Since the first midnight, and in the air. [s]
+    visits : int
+        Beacons of the round that were reached.
+    path : float
+        Horizontal. [m]
+    spent : Spent
+        Energy.
+    before, after : float
+        True state of charge.
+    told : float
+        The drone's own, after it.
+    lowest : float
+        Voltage. [V]
+    ending : str
+        'home', or how it failed: 'empty', 'away' (landed elsewhere at the reserve), 'lost' (did
+        not find the next beacon in time), 'escaped', 'stopped'.
+
+    """
+
+    start: float
+    duration: float
+    visits: int
+    path: float
+    spent: Spent
+    before: float
+    after: float
+    told: float
+    lowest: float
+    ending: str
+
+
+class Departure(NamedTuple):
+    """How a flight begins: when [s], power path, the drone's own charge, light, number."""
+
+    time: float
+    store: Flow
+    told: float
+    light: Light
+    number: int
+
+
+class Landing(NamedTuple):
+    """What a flight leaves: the power path, and the flight."""
+
+    store: Flow
+    flight: Flight
+
+
+Fly = Callable[[Departure], Landing]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Upkeep:
+    """
+    What is drawn and kept on the perch.
+
+    Parameters
+    ----------
+    cell, charger, harvest : Battery, Charger, Harvest
+        The electricity.
+    awake, asleep : float
+        Loads. [W]
+    work : tuple of float
+        Hours of work. [s of the day]
+    reserve : float
+        State of charge that flights must leave.
+    charge : float
+        At the first midnight.
+    fetched : float
+        Time until somebody brings a drone back that did not come home. [s]
+    gain, offset : float
+        Errors of the current's meter: factor, and A.
+
+    """
+
+    cell: Battery
+    charger: Charger
+    harvest: Harvest
+    awake: float
+    asleep: float
+    work: tuple[float, float]
+    reserve: float
+    charge: float
+    fetched: float
+    gain: float = 1.0
+    offset: float = 0.0
+
+
+@final
+@dataclass(slots=True)
+class Diary:
+    """
+    What has happened.
+
+    Attributes
+    ----------
+    flights : list of Flight
+        One after the other.
+    time, charge, told, deviation, state : list
+        Minute by minute: s, true and told state of charge, its deviation, and what the drone does.
+    spent : Spent
+        Energy, flights included. [J]
+    begun, ended : float
+        What the cell held. [J]
+    outages : int
+        How often the cell was empty on the perch.
+    dark : int
+        Flights that ended without light on the panel.
+
+    """
+
+    flights: list[Flight] = field(default_factory=list)
+    time: list[float] = field(default_factory=list)
+    charge: list[float] = field(default_factory=list)
+    told: list[float] = field(default_factory=list)
+    deviation: list[float] = field(default_factory=list)
+    state: list[int] = field(default_factory=list)
+    spent: Spent = NOTHING
+    begun: float = 0.0
+    ended: float = 0.0
+    outages: int = 0
+    dark: int = 0
+
+    @property
+    def imbalance(self) -> float:
+        """What the books do not account for, by what was harvested or consumed. [1]"""
+        spent = self.spent
+        rest = spent.harvested - spent.consumed - spent.lost - (self.ended - self.begun)
+        return rest / max(spent.harvested, spent.consumed, 1e-9)
+
+    @property
+    def failures(self) -> int:
+        """Flights that did not come home or came home in the dark, and outages on the perch."""
+        return sum(each.ending != 'home' for each in self.flights) + self.dark + self.outages
+
+
+@final
+class Life:
+    """
+    One mission.
+
+    Parameters
+    ----------
+    upkeep : Upkeep
+        What it has and needs on the perch.
+    light : LightOfDays
+        On the perch.
+    schedule : Schedule
+        When it flies.
+    fly : Fly
+        How.
+    guess : tuple of float
+        What a flight is taken to need before the first [J], and how long [s].
+
+    """
+
+    def __init__(
+        self,
+        upkeep: Upkeep,
+        light: LightOfDays,
+        schedule: Schedule,
+        fly: Fly,
+        guess: tuple[float, float],
+    ) -> None:
+        self._upkeep, self._light, self._schedule, self._fly = upkeep, light, schedule, fly
+        self._guess = guess
+        self.now = 0.0
+        self._store = at_rest(upkeep.charge)
+        self._gauge = Gauge(upkeep.charge, BLIND)
+        self._seen = 1.0
+        self._out = False
+        self.diary = Diary(begun=held(upkeep.cell, self._store))
+        self.diary.ended = self.diary.begun
+
+    def live(self, told: Callable[[float], None] = lambda _: None) -> Diary:
+        """Return the diary of all days; `told` hears of each stretch's end. [s]"""
+        while self.now < self._light.end:
+            wish = self._schedule(self._known())
+            if self._out:
+                self._perch(self.now + STEP, 0.0, OUT)
+            elif wish.fly:
+                self._go()
+            else:
+                self._rest(wish)
+            told(self.now)
+        self.diary.ended = held(self._upkeep.cell, self._store)
+        return self.diary
+
+    def _known(self) -> Known:
+        """Return what a schedule may look at."""
+        flown = [f for f in self.diary.flights if f.ending == 'home'][-20:]
+        needs = [f.spent.consumed + f.spent.lost - f.spent.harvested for f in flown]
+        need, spread, lasts = self._guess[0], 0.1 * self._guess[0], self._guess[1]
+        if needs:
+            need = sum(needs) / len(needs)
+            spread = max(math.sqrt(sum((n - need) ** 2 for n in needs) / len(needs)), 0.05 * need)
+            lasts = max(f.duration for f in flown)
+        last = self.diary.flights[-1] if self.diary.flights else None
+        up = self._upkeep
+        return Known(
+            self.now, self._gauge, up.cell, self._income, self._light, self._seen, up.awake,
+            up.asleep, up.work, up.reserve, need, spread, lasts,
+            last.start + last.duration if last else -math.inf, last.duration if last else 0.0,
+        )  # fmt: skip
+
+    def _go(self) -> None:
+        """Fly once, and be fetched if need be."""
+        diary, begin = self.diary, self.now
+        light = self._light.at(begin)
+        number = len(diary.flights)
+        landing = self._fly(Departure(begin, self._store, self._gauge.charge, light, number))
+        flight = landing.flight
+        self._store = landing.store
+        deviation = self._gauge.deviation + abs(flight.before - flight.after) * 0.003
+        self._gauge = Gauge(flight.told, deviation)
+        diary.flights.append(flight)
+        diary.spent = added(diary.spent, flight.spent)
+        self.now = begin + flight.duration
+        self._note(ALOFT, begin)
+        self._note(ALOFT, self.now)
+        if not sum(self._light.expected(self.now)[:3]) > 0.0:
+            diary.dark += 1
+        if flight.ending != 'home':
+            self._wait(self.now + self._upkeep.fetched)
+
+    def _wait(self, until: float) -> None:
+        """Lie somewhere in the dark, switched off, until it is fetched."""
+        self._note(AWAY, self.now)
+        self.now = min(until, self._light.end)
+        self._note(AWAY, self.now)
+
+    def _rest(self, wish: Wish) -> None:
+        """Stay on the perch as long as is wished, a minute at least."""
+        up = self._upkeep
+        until = max(wish.until, self.now + 2 * STEP)
+        load = up.asleep if wish.asleep else up.awake
+        self._perch(min(until, self._light.end), load, ASLEEP if wish.asleep else PERCHED)
+
+    def _perch(self, until: float, load: float, state: int) -> None:
+        """Charge until a time; a cell that goes out ends it."""
+        up = self._upkeep
+        while self.now < until - 1e-6:
+            dt = min(STEP, until - self.now)
+            light = self._light.at(self.now)
+            self._store, self.diary.spent = fed(
+                up.cell, up.charger, self._store, self.diary.spent, up.harvest(light), load, dt
+            )
+            store = self._store
+            metered = up.gain * store.current + up.offset
+            self._gauge = gauged(up.cell, self._gauge, store.voltage, metered, dt)
+            self._look(light, dt)
+            self._note(state, self.now)
+            self.now += dt
+            if not (self._out or store.fed):
+                self._out, self.diary.outages = True, self.diary.outages + 1
+                return
+        self._out = not self._store.fed
+
+    def _income(self, light: Light) -> float:
+        """Return what the charger can give in some light. [W]"""
+        return output(self._upkeep.charger, self._upkeep.harvest(light))
+
+    def _look(self, light: Light, dt: float) -> None:
+        """Keep in mind how the light compares with what was to be expected."""
+        due = self._light.expected(self.now).sun
+        if due > 1.0:
+            self._seen += (light.sun / due - self._seen) * min(dt / HOUR, 1.0)
+
+    def _note(self, state: int, time: float) -> None:
+        """Write the trace, once a minute and at every change."""
+        diary = self.diary
+        same = bool(diary.state) and diary.state[-1] == state
+        if same and state != ALOFT and time - diary.time[-1] < 60.0:
+            return
+        diary.time.append(time)
+        diary.charge.append(self._store.charge)
+        diary.told.append(self._gauge.charge)
+        diary.deviation.append(self._gauge.deviation)
+        diary.state.append(state)

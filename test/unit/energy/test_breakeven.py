@@ -1,0 +1,40 @@
+"""Where light and load break even: by the law of lux, and against the array itself."""
+
+import math
+
+from lta_config.vehicle_file import load_vehicle_file
+from lta_energy.breakeven import break_even, income, LAMPS
+from lta_energy.harvest import Harvest
+from lta_energy.panel import max_power, Panel
+from lta_energy.power_path import Charger
+import pytest
+
+ENERGY = load_vehicle_file('gtmab').energy
+CHARGER, HARVEST = Charger.of(ENERGY), Harvest(Panel.of(ENERGY))
+
+
+def lux(lamp, load):
+    return break_even(HARVEST, CHARGER, LAMPS[lamp], load)
+
+
+def test_the_charger_gives_the_load_there_and_less_below():
+    for name, lamp in LAMPS.items():
+        found = lux(name, 0.097)
+        assert income(HARVEST, CHARGER, lamp, found) == pytest.approx(0.097, rel=1e-9)
+        assert income(HARVEST, CHARGER, lamp, 0.99 * found) < 0.097
+
+
+def test_the_same_lux_of_the_sun_go_further_by_their_efficacy():
+    assert lux('white LED', 0.12) / lux('sun', 0.12) == pytest.approx(300.0 / 110.0, rel=1e-6)
+    assert 1.9 < lux('flickering LED', 0.12) / lux('white LED', 0.12) < 2.0
+
+
+def test_idling_by_hand():
+    """97 + 22 mW behind 85 % and 95 %: 147.4 mW of the array."""
+    needed = (0.097 + 0.022) / (0.85 * 0.95)
+    voltage, current = max_power(Panel.of(ENERGY), lux('sun', 0.097) / 110.0)
+    assert voltage * current == pytest.approx(needed, rel=5e-4)
+
+
+def test_what_no_light_feeds_never_breaks_even():
+    assert lux('white LED', 1.333) == math.inf

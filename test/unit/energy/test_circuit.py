@@ -1,0 +1,64 @@
+"""Cell, panel and loads in one step: the books balance whatever happens."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+from lta_config.vehicle_file import load_vehicle_file
+from lta_energy.battery import Battery
+from lta_energy.circuit import at_rest, fed, held, NOTHING
+from lta_energy.harvest import Harvest
+from lta_energy.light_of_days import DARK
+from lta_energy.panel import max_power, Panel
+from lta_energy.power_path import Charger
+import pytest
+
+ENERGY = load_vehicle_file('gtmab').energy
+CELL, CHARGER, PANEL = Battery.of(ENERGY), Charger.of(ENERGY), Panel.of(ENERGY)
+HARVEST = Harvest(PANEL)
+
+
+@given(
+    charge=st.floats(0.0, 1.0),
+    available=st.floats(0.0, 3.0),
+    asked=st.floats(0.0, 3.0),
+    steps=st.integers(1, 30),
+)
+def test_what_is_harvested_is_consumed_lost_or_stored(charge, available, asked, steps):
+    store, spent = at_rest(charge), NOTHING
+    begun = held(CELL, store)
+    for _ in range(steps):
+        store, spent = fed(CELL, CHARGER, store, spent, available, asked, 10.0)
+    rest = spent.harvested - spent.consumed - spent.lost - (held(CELL, store) - begun)
+    assert abs(rest) <= 1e-6 * max(spent.harvested, spent.consumed, 1.0)
+    most = available * CHARGER.tracking * 10.0 * steps
+    assert spent.harvested + spent.curtailed <= most + 1e-9
+    assert spent.curtailed >= -1e-9
+    assert 0.0 <= store.charge <= 1.0
+
+
+def test_a_full_cell_leaves_the_light_unharvested():
+    """The loads' 0.1 W take 0.1 + 0.022 behind the charger, 0.1435 W of the array."""
+    _, spent = fed(CELL, CHARGER, at_rest(1.0), NOTHING, 1.0, 0.1, 60.0)
+    assert spent.harvested == pytest.approx(60.0 * 0.122 / 0.85)
+    assert spent.curtailed == pytest.approx(60.0 * (0.95 - 0.122 / 0.85))
+
+
+def test_an_empty_cell_goes_out():
+    store, spent = at_rest(0.001), NOTHING
+    for _ in range(10):
+        store, spent = fed(CELL, CHARGER, store, spent, 0.0, 1.5, 1.0)
+    assert not store.fed
+    assert spent.consumed < 15.0
+
+
+def test_a_table_gives_what_the_diode_gives():
+    for light in (0.3, 7.0, 55.5, 333.0, 981.0):
+        voltage, current = max_power(PANEL, light)
+        assert HARVEST.steady(light) == pytest.approx(voltage * current, rel=2e-4)
+
+
+def test_a_flickering_lamp_brings_its_duty_of_its_own_brightness():
+    flickering = HARVEST(DARK._replace(beacon=200.0, duty=0.5))
+    assert flickering == pytest.approx(0.5 * HARVEST.steady(200.0))
+    assert flickering > HARVEST.steady(100.0)  # a diode gives more than twice in twice the light
+    both = HARVEST(DARK._replace(sun=100.0, beacon=200.0, duty=0.25))
+    assert both == pytest.approx(0.75 * HARVEST.steady(100.0) + 0.25 * HARVEST.steady(300.0))

@@ -1,0 +1,67 @@
+"""The light of days: sun by hand, clouds by their law, lamps by their timers."""
+
+import math
+
+from lta_config.light_day_file import load_light_day
+from lta_energy.light_of_days import elevation, light_of, MINUTES, through
+import numpy as np
+import pytest
+
+SPRING = load_light_day('greenhouse_spring')
+DOCK = load_light_day('warehouse_dock')
+HOUR = 3600.0
+
+
+def test_the_sun_stands_where_the_almanac_has_it():
+    """At 52 degrees: 38 at noon of the equinox, 61.4 at midsummer's, rising at 6 and 3:45."""
+    latitude = math.radians(52.0)
+    noon = np.array([12.0 * HOUR])
+    assert np.degrees(np.arcsin(elevation(latitude, 81, noon)))[0] == pytest.approx(38.0, abs=0.1)
+    assert np.degrees(np.arcsin(elevation(latitude, 172, noon)))[0] == pytest.approx(
+        61.45, abs=0.1
+    )
+    assert elevation(latitude, 81, np.array([6.0 * HOUR]))[0] == pytest.approx(0.0, abs=1e-3)
+    rise = math.acos(-math.tan(latitude) * math.tan(math.radians(23.45)))
+    early = np.array([(12.0 - math.degrees(rise) / 15.0) * HOUR])
+    assert elevation(latitude, 172, early)[0] == pytest.approx(0.0, abs=1e-4)
+
+
+def test_a_clear_noon_is_haurwitz_behind_glass():
+    light = light_of(SPRING, 1, 1)
+    sine = math.sin(math.radians(38.0)) - 0.0055  # 21 March by Cooper: declination -0.4 degrees
+    outside = 1098.0 * sine * math.exp(-0.057 / sine)
+    assert light.clear[MINUTES // 2] == pytest.approx(0.65 * outside, rel=2e-3)
+    assert not light.sun[: MINUTES // 6].any()
+    assert np.all(light.sun <= light.clear)
+
+
+def test_clouds_cover_what_the_file_says_and_let_through_what_it_says():
+    chance = np.random.default_rng(4)
+    days = np.array([through(SPRING.sun.clouds, chance) for _ in range(400)])
+    clouded = days < 1.0
+    assert clouded.mean() == pytest.approx(0.5, abs=0.03)
+    assert days[clouded].min() >= 0.2
+    assert days[clouded].max() <= 0.5
+    assert days.mean() == pytest.approx(light_of(SPRING, 1, 1).mean, abs=0.02)
+
+
+def test_a_seed_is_a_sky():
+    first, again, other = (light_of(SPRING, 2, seed) for seed in (1, 1, 2))
+    np.testing.assert_array_equal(first.sun, again.sun)
+    assert np.abs(first.sun - other.sun).max() > 50.0
+    np.testing.assert_array_equal(first.clear, other.clear)
+    assert first.expected(12 * HOUR).sun == pytest.approx(first.mean * first.clear[MINUTES // 2])
+
+
+def test_lamps_burn_by_their_timers_over_midnight_too():
+    light = light_of(DOCK, 1, 1)
+    assert light.at(4.9 * HOUR) == (0.0, 0.0, 0.0, 0.5)
+    assert light.at(5.1 * HOUR) == (0.0, 0.0, pytest.approx(80e3 / 300.0), 0.5)
+    assert light.at(12.0 * HOUR).lamps == pytest.approx(1.0)
+    assert light.lux()[12 * 60] == pytest.approx(300.0 + 40e3)
+    hours = DOCK.lamps['beacon'].hours.model_copy(update={'value': (23.0, 5.0)})
+    lamp = DOCK.lamps['beacon'].model_copy(update={'hours': hours})
+    night = light_of(DOCK.model_copy(update={'lamps': {'beacon': lamp}}), 1, 1)
+    assert [night.at(hour * HOUR).beacon > 0.0 for hour in (0.5, 4.9, 5.1, 22.9, 23.1)] == [
+        True, True, False, False, True,
+    ]  # fmt: skip

@@ -1,0 +1,181 @@
+"""A mission over days with flights that cost what the test says: schedules, books, failures."""
+
+from functools import partial
+from itertools import pairwise
+import math
+
+from lta_config.light_day_file import DAY, load_light_day
+from lta_config.vehicle_file import load_vehicle_file
+from lta_energy import mission
+from lta_energy.battery import Battery
+from lta_energy.circuit import fed, NOTHING
+from lta_energy.gauge import Gauge
+from lta_energy.harvest import Harvest
+from lta_energy.light_of_days import light_of
+from lta_energy.mission import ALOFT, ASLEEP, Flight, Landing, Life, PERCHED, Upkeep
+from lta_energy.panel import Panel
+from lta_energy.power_path import Charger, output
+from lta_energy.schedule import by_light, fixed, Known, night, outlook, Wish
+import pytest
+
+ENERGY = load_vehicle_file('gtmab').energy
+CELL, CHARGER, HARVEST = Battery.of(ENERGY), Charger.of(ENERGY), Harvest(Panel.of(ENERGY))
+HOUR = 3600.0
+SPRING, SUMMER, DOCK = (
+    load_light_day(name) for name in ('greenhouse_spring', 'greenhouse_summer', 'warehouse_dock')
+)
+UPKEEP = Upkeep(CELL, CHARGER, HARVEST, 0.097, 0.006, (7.0 * HOUR, 18.0 * HOUR), 0.25, 0.6, HOUR)
+
+
+def flown(departure, watts=1.8, seconds=100.0, ending='home'):
+    """Fly at constant power, as a mission never does."""
+    store, spent = departure.store, NOTHING
+    for _ in range(round(seconds)):
+        store, spent = fed(CELL, CHARGER, store, spent, 0.0, watts, 1.0)
+    told = departure.told - departure.store.charge + store.charge
+    return Landing(
+        store,
+        Flight(
+            departure.time, seconds, 2, 40.0, spent, departure.store.charge, store.charge, told,
+            store.voltage, ending,
+        ),
+    )  # fmt: skip
+
+
+def lived(day, schedule, *, upkeep=UPKEEP, days=1, seed=1, fly=flown):
+    return Life(upkeep, light_of(day, days, seed), schedule, fly, (180.0, 100.0)).live()
+
+
+def coming(light):
+    return output(CHARGER, HARVEST(light))
+
+
+def known(**change):
+    """Return what a schedule sees at noon of a spring day with a cell three quarters full."""
+    at_noon = Known(
+        12 * HOUR, Gauge(0.75, 0.01), CELL, coming, light_of(SPRING, 1, 1), 1.0, 0.097, 0.006,
+        (7 * HOUR, 18 * HOUR), 0.25, 180.0, 10.0, 100.0, 11.0 * HOUR, 100.0,
+    )  # fmt: skip
+    return at_noon._replace(**change)
+
+
+@pytest.mark.parametrize('schedule', [by_light, fixed(4.0)])
+@pytest.mark.parametrize('day', [SPRING, SUMMER, DOCK])
+def test_the_books_balance(day, schedule):
+    diary = lived(day, schedule, days=2)
+    assert len(diary.flights) > 10
+    assert abs(diary.imbalance) < 1e-3
+    assert diary.spent.harvested > 3e3
+
+
+def test_the_naive_rests_four_times_its_flight():
+    diary = lived(SUMMER, fixed(4.0))
+    gaps = {
+        round(b.start - a.start - a.duration)
+        for a, b in zip(diary.flights[:10], diary.flights[1:11], strict=True)
+    }
+    assert gaps == {400}
+    assert PERCHED in diary.state
+
+
+def test_ours_flies_more_of_a_summer_day_and_wastes_less():
+    ours, naive = lived(SUMMER, by_light), lived(SUMMER, fixed(4.0))
+    assert len(ours.flights) > 1.2 * len(naive.flights)
+    assert ours.spent.curtailed < 0.5 * naive.spent.curtailed
+    assert ours.failures <= naive.failures == 0
+    assert min(ours.charge) > 0.2
+
+
+def test_all_are_home_before_work_ends_and_the_night_leaves_something():
+    for schedule in (by_light, fixed(4.0)):
+        diary = lived(SPRING, schedule, days=3)
+        for flight in diary.flights:
+            begin = flight.start % DAY
+            assert begin >= 7 * HOUR
+            assert begin + flight.duration <= 18 * HOUR
+        assert diary.dark == diary.outages == 0
+
+
+def test_a_charge_that_is_not_sure_is_not_flown_on():
+    assert by_light(known()) == Wish(True)
+    assert fixed(4.0)(known()) == Wish(True)
+    unsure = known(gauge=Gauge(0.35, 0.03))
+    assert not by_light(unsure).fly
+    assert not fixed(4.0)(unsure).fly
+    assert by_light(unsure).asleep
+
+
+def test_nobody_flies_who_would_be_late():
+    late = known(time=18 * HOUR - 120.0)
+    assert not by_light(late).fly
+    assert by_light(late).until == pytest.approx((24 + 7) * HOUR)
+
+
+def test_the_night_is_provided_for():
+    """Asleep from dusk to dawn, some 13 hours at 6 mW less what twilight brings: 270 J."""
+    need = night(known()) - night(known(asleep=0.0))
+    assert need == pytest.approx(1.3 * 13.0 * HOUR * 0.006, rel=0.08)
+    hungry = known(asleep=0.04, time=17.5 * HOUR, gauge=Gauge(0.7, 0.0))
+    assert not by_light(hungry).fly
+
+
+def test_a_cell_that_would_be_full_is_flown_empty():
+    noon = known(gauge=Gauge(0.97, 0.0), time=9 * HOUR)
+    full, _ = outlook(noon)
+    assert full
+    assert by_light(noon).fly
+
+
+def test_a_lost_drone_is_fetched_and_counted():
+    diary = lived(SUMMER, fixed(4.0), fly=partial(flown, ending='lost'))
+    assert diary.failures == len(diary.flights)
+    starts = [each.start for each in diary.flights]
+    assert min(b - a for a, b in pairwise(starts)) >= HOUR
+
+
+def test_an_idle_drone_that_never_sleeps_goes_out_in_the_night():
+    """97 mW for ten hours of night are more than a full cell holds."""
+    awake = Upkeep(CELL, CHARGER, HARVEST, 0.097, 0.097, UPKEEP.work, 0.25, 0.9, HOUR)
+    diary = lived(SPRING, by_light, upkeep=awake, days=2)
+    assert diary.outages >= 1
+    assert diary.failures >= 1
+    assert abs(diary.imbalance) < 1e-3
+
+
+def test_steps_of_half_a_minute_are_as_good_as_of_a_second(monkeypatch):
+    """A day on the perch in the light of clouds, without flights."""
+    upkeep = Upkeep(CELL, CHARGER, HARVEST, 0.097, 0.006, (0.0, 0.0), 0.25, 0.3, HOUR)
+    coarse = lived(SPRING, by_light, upkeep=upkeep)
+    monkeypatch.setattr(mission, 'STEP', 1.0)
+    fine = lived(SPRING, by_light, upkeep=upkeep)
+    assert coarse.charge[-1] == pytest.approx(fine.charge[-1], abs=2e-4)
+    assert coarse.spent.harvested == pytest.approx(fine.spent.harvested, rel=1e-3)
+
+
+def test_the_gauge_stays_near_the_truth_without_seeing_it():
+    upkeep = Upkeep(
+        CELL,
+        CHARGER,
+        HARVEST,
+        0.097,
+        0.006,
+        UPKEEP.work,
+        0.25,
+        0.6,
+        HOUR,
+        gain=1.002,
+        offset=-4e-4,
+    )
+    diary = lived(SPRING, fixed(4.0), upkeep=upkeep, days=3)
+    off = [abs(a - b) for a, b in zip(diary.charge, diary.told, strict=True)]
+    assert max(off) < 0.05
+    inside = [o <= 2.0 * d for o, d in zip(off, diary.deviation, strict=True)]
+    assert sum(inside) > 0.95 * len(inside)
+    assert max(diary.deviation) < 0.1
+
+
+def test_states_are_told():
+    diary = lived(SUMMER, by_light)
+    assert {ALOFT, ASLEEP} <= set(diary.state)
+    assert all(b >= a for a, b in pairwise(diary.time))
+    assert not math.isnan(sum(diary.charge))
