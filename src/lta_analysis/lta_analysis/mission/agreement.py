@@ -78,7 +78,8 @@ def loop_of(scenes: Scenes, beacon: str, start: Start, seed: int) -> Loop:
         demodulation=policy.demodulation.model_copy(update={'frequency': lamp.frequency.si}),
         energy=policy.energy.model_copy(update={'reserve': 0.0, 'hysteresis': 0.0}),
     )
-    return Loop(World(scenes.vehicle, scene, topic_table(), seed), topic_table(), policy)
+    world = World(scenes.vehicle, scene, topic_table(), seed, policy.strategy.name)
+    return Loop(world, topic_table(), policy)
 
 
 def by_loop(scenes: Scenes, beacon: str, start: Start, seed: int) -> tuple[float, float]:

@@ -214,7 +214,7 @@ def paid(
     craft: Craft, leg: Leg, supply: Account, irradiance: float, thrusts: PerRotor, dt: float
 ) -> Account:
     """Return the supply after a control period in such light with such thrusts. [W/m2, N, s]"""
-    asked = demand(craft.power.loads, thrusts, True) + leg.payload
+    asked = demand(craft.power.loads, thrusts, True) + craft.power.looking + leg.payload
     meantime = Meantime(irradiance, asked, dt, False, False)
     return supplied(craft.power.parts, supply, meantime, 0.0)
 
