@@ -64,6 +64,11 @@ class Supply:
         self._constants = constants.write(self._parts)
         self._step = compiled(supplied, constants, self._layout, meantime)
 
+    def prepare(self) -> None:
+        """Compile a step, or load it from disk; nothing is drained."""
+        second = np.array([0.0, 0.0, 1.0, False, False])
+        self._step(self._constants, self._memory.copy(), second, NOTHING)
+
     @property
     def flow(self) -> Flow:
         """Cell and powers of the last control period."""

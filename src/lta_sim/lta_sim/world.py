@@ -113,6 +113,7 @@ class World:
         self._craft.advance(self._period, 0)
         self._imu.prepare(self.state, self._craft.rate)
         self._light.prepare(*self._shape)
+        self.supply.prepare()
 
     def _keep_what_stays(self, table: TopicTable) -> None:
         """Take numbers out of files once, not at every step."""
