@@ -37,13 +37,14 @@ from lta_sim.readings import Outcome, Readings
 from lta_sim.vehicle import Vehicle
 from lta_sim.world import World
 from lta_vlc.array import Bearing, bearing
-from lta_vlc.demodulation import Demodulation, Hearing, NO_WISH, Peaks
+from lta_vlc.demodulation import Demodulation, Hearing, Peaks
 from lta_vlc.diodes import diodes_of
 from lta_vlc.direction import Direction, DirectionFinder
 from lta_vlc.fit import fit
 from lta_vlc.lamp import lamp_estimate, LampEstimate, LampPrior
 from lta_vlc.listener import Listener
 from lta_vlc.ring import Ring
+from lta_vlc.wish import NO_WISH
 import numpy as np
 from numpy.typing import NDArray
 

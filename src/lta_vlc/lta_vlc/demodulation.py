@@ -25,7 +25,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
 
-NO_WISH = 0.0  # Hz, of a wanted beacon: the first of the settings
 Frequency = Annotated[float, Field(ge=1.0, le=100_000.0)]
 
 

@@ -25,7 +25,7 @@ from lta_graph.ros.node import from_stamp, GraphNode, run
 from lta_graph.ros.parameters import Parameters
 from lta_sim.light.setting import scale_in
 from lta_sim.scenario import course_in, route_in
-from lta_vlc.demodulation import NO_WISH
+from lta_vlc.wish import NO_WISH
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Float64
 
