@@ -119,6 +119,16 @@ class CrazyflieBridge(LifecycleNodeMixin, GraphNode):
         self._let_go()
         return super().on_cleanup(state)
 
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Land, disarm and let the link go, whatever the state was."""
+        self._let_go()
+        return super().on_shutdown(state)
+
+    def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Land, disarm and let the link go: a transition has failed."""
+        self._let_go()
+        return super().on_error(state)
+
     def _settle(self) -> None:
         """Tick until nothing turns: landing is the state machine's own way down."""
         until = time.monotonic() + LEAVE
