@@ -3,6 +3,8 @@
 import signal
 import time
 
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
 from lta_bridge.crazyflie.emulated.body import Bench
 from lta_bridge.crazyflie.emulated.firmware import Firmware
 from lta_bridge.crazyflie.emulated.server import Server
@@ -144,6 +146,15 @@ def test_leaving_in_flight_comes_down_and_disarms(peer, drone, bridge):
     bridge.send_signal(signal.SIGINT)
     _, text = bridge.communicate(timeout=30)
     assert bridge.returncode == 0, text
+    assert turning(drone) == (0.0,) * 4
+    assert not drone.firmware.supervisor.armed
+    assert not drone.firmware.supervisor.locked
+
+
+def test_the_shutdown_transition_comes_down_and_disarms(peer, drone, bridge):
+    fly(peer, drone)
+    wanted = Transition(id=Transition.TRANSITION_ACTIVE_SHUTDOWN)
+    assert peer.ask(ChangeState, 'crazyflie_bridge/change_state', transition=wanted).success
     assert turning(drone) == (0.0,) * 4
     assert not drone.firmware.supervisor.armed
     assert not drone.firmware.supervisor.locked
