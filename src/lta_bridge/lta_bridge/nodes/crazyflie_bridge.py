@@ -18,15 +18,15 @@ from lta_bridge.crazyflie.link import Lost, Ping
 from lta_bridge.crazyflie.log_table import BLOCKS, check
 from lta_bridge.crazyflie.safety import Asked, SILENT, Stage
 from lta_config.crazyflie_file import load_crazyflie
-from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
 from lta_graph.health import Level
-from lta_graph.ros.node import from_stamp, GraphNode, message_type, run, to_stamp
+from lta_graph.ros.device import DeviceNode
+from lta_graph.ros.node import from_stamp, message_type, run, to_stamp
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.qos import profile
 from lta_sim.vehicle import load_vehicle
 from rclpy.clock import Clock, ClockType
-from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_srvs.srv import SetBool, Trigger
 
 LEAVE = 15.0  # s at most to land before the link is let go
@@ -47,14 +47,11 @@ class BridgeSettings(Settings):
     )
 
 
-class CrazyflieBridge(LifecycleNodeMixin, GraphNode):
+class CrazyflieBridge(DeviceNode):
     """Publish what a Crazyflie senses, and send it what the graph commands."""
 
     def __init__(self) -> None:
-        GraphNode.__init__(self, 'crazyflie_bridge', role='vehicle')
-        LifecycleNodeMixin.__init__(self)
-        if self.lockstep:
-            raise BadInput('A real Crazyflie flies in real time: leave time:=lockstep out.')
+        super().__init__('crazyflie_bridge', 'Crazyflie')
         check(BLOCKS)
         self._outputs = {
             'imu': self.output('imu'),
@@ -68,7 +65,7 @@ class CrazyflieBridge(LifecycleNodeMixin, GraphNode):
         file = self._file = load_crazyflie(settings.crazyflie or settings.vehicle)
         self._bridge = Bridge(link, file, self._names, settings.command)
         self._keeper: Keeper | None = None
-        self._active, self._asked = False, Asked()
+        self._asked = Asked()
         self._was_up, self._connected = False, 0.0
         self._pose: Any = None
         self._odom: Any = None
@@ -103,31 +100,11 @@ class CrazyflieBridge(LifecycleNodeMixin, GraphNode):
         self._keeper = Keeper(self._link, self._file.parameters)
         return super().on_configure(state)
 
-    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Accept commands; still nothing turns before somebody arms."""
-        self._active = True
-        return super().on_activate(state)
-
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Land where it flies, and disarm."""
-        self._active = False
+        self.active = False
         self._settle()
         return super().on_deactivate(state)
-
-    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Let the link go."""
-        self._let_go()
-        return super().on_cleanup(state)
-
-    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Land, disarm and let the link go, whatever the state was."""
-        self._let_go()
-        return super().on_shutdown(state)
-
-    def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Land, disarm and let the link go: a transition has failed."""
-        self._let_go()
-        return super().on_error(state)
 
     def _settle(self) -> None:
         """Tick until nothing turns: landing is the state machine's own way down."""
@@ -137,9 +114,9 @@ class CrazyflieBridge(LifecycleNodeMixin, GraphNode):
             self._tick()
             time.sleep(1.0 / RATE)
 
-    def _let_go(self) -> None:
+    def let_go(self) -> None:
         """Disarm, and close the link; closing sends a thrust of zero, so it comes last."""
-        self._active = False
+        self.active = False
         self._settle()
         if self._keeper is not None:
             if self._keeper.up:
@@ -154,16 +131,11 @@ class CrazyflieBridge(LifecycleNodeMixin, GraphNode):
             self.trigger_activate()
         super().work()
 
-    def close(self) -> None:
-        """Land, disarm and let go, on every way out but SIGKILL."""
-        self._let_go()
-        super().close()
-
     # What people ask.
 
     def _on_arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         """Arm or disarm, and answer with what the supervisor's own word says."""
-        why = self._bridge.refusal(self._graph_ns(), self._up, self._active)
+        why = self._bridge.refusal(self._graph_ns(), self._up, self.active)
         if not (request.data and why):
             self._asked = self._asked._replace(arm=request.data)
             self._tick()
@@ -221,9 +193,9 @@ class CrazyflieBridge(LifecycleNodeMixin, GraphNode):
             self._connected = time.monotonic()
         self._was_up = up
         asked, self._asked = self._asked, Asked()
-        self._bridge.tick(time.monotonic(), now_ns, up, self._active, asked)
+        self._bridge.tick(time.monotonic(), now_ns, up, self.active, asked)
         if up and time.monotonic() - self._connected > DEAD:
-            silence = self._bridge.seen(now_ns, up, self._active).silence
+            silence = self._bridge.seen(now_ns, up, self.active).silence
             if silence > DEAD and self._keeper is not None:
                 self._keeper.lost(f'nothing was heard for {silence:.1f} s')
 
@@ -254,7 +226,7 @@ class CrazyflieBridge(LifecycleNodeMixin, GraphNode):
     def publish_health(self) -> None:
         """Tell how the link and the drone stand."""
         bridge, keeper = self._bridge, self._keeper
-        seen = bridge.seen(self._graph_ns(), self._up, self._active)
+        seen = bridge.seen(self._graph_ns(), self._up, self.active)
         why = 'not configured' if keeper is None else keeper.why
         self.health.report(
             'link',

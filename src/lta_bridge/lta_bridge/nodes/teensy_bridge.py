@@ -12,11 +12,12 @@ from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
 from lta_config.vehicle_file import load_vehicle_file
 from lta_graph.health import Level
-from lta_graph.ros.node import GraphNode, run, to_stamp
+from lta_graph.ros.device import DeviceNode
+from lta_graph.ros.node import run, to_stamp
 from lta_graph.ros.parameters import Parameters
 from lta_sim.messages import light_block
 from lta_vlc.diodes import diodes_of
-from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 
 RIVALS = 'others'
 
@@ -31,20 +32,16 @@ class TeensyBridgeSettings(Settings):
     autostart: bool = setting(True, 'Whether to configure and activate by itself.', fixed=True)
 
 
-class TeensyBridge(LifecycleNodeMixin, GraphNode):
+class TeensyBridge(DeviceNode):
     """Publish the light board's blocks as `photodiodes`."""
 
     def __init__(self) -> None:
-        GraphNode.__init__(self, 'teensy_bridge', role='vehicle')
-        LifecycleNodeMixin.__init__(self)
-        if self.lockstep:
-            raise BadInput('A real light board keeps real time: leave time:=lockstep out.')
+        super().__init__('teensy_bridge', 'light board')
         self._photodiodes = self.output('photodiodes')
         self._settings = Parameters(self, TeensyBridgeSettings).value
         vehicle = load_vehicle_file(self._settings.vehicle)
         self._diodes = len(diodes_of(vehicle.sensors.diodes).axes)
         self._reader: Reader | None = None
-        self._active = False
         self._refusal = ''
         self._rivalled = False
 
@@ -60,26 +57,6 @@ class TeensyBridge(LifecycleNodeMixin, GraphNode):
             return TransitionCallbackReturn.FAILURE
         return super().on_configure(state)
 
-    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Publish from now on."""
-        self._active = True
-        return super().on_activate(state)
-
-    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Go on listening, and publish nothing."""
-        self._active = False
-        return super().on_deactivate(state)
-
-    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Give the link back."""
-        self._let_go()
-        return super().on_cleanup(state)
-
-    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Give the link back, whatever the state was."""
-        self._let_go()
-        return super().on_shutdown(state)
-
     def work(self) -> None:
         """Start by itself where that is wanted, and work."""
         if self._settings.autostart:
@@ -88,15 +65,10 @@ class TeensyBridge(LifecycleNodeMixin, GraphNode):
             self.trigger_activate()
         super().work()
 
-    def close(self) -> None:
-        """Give the link back, on every way out but SIGKILL."""
-        self._let_go()
-        super().close()
-
     def publish_health(self) -> None:
         """Tell how the board and its link are."""
         if self._reader is not None or not self._refusal:
-            fact = condition(self._reader, self._now_ns(), self._active)
+            fact = condition(self._reader, self._now_ns(), self.active)
             self.health.report(fact.task, fact.level, fact.message, **fact.values)
         if (others := self.count_publishers(self._photodiodes.topic_name) - 1) > 0:
             self.health.report(
@@ -109,14 +81,15 @@ class TeensyBridge(LifecycleNodeMixin, GraphNode):
 
     def _publish(self, block: LightBlock) -> None:
         """Publish a block; called in the reader's thread."""
-        if self._active:
+        if self.active:
             self._photodiodes.publish(light_block(to_stamp(block.stamp_ns), block.samples))
 
     def _now_ns(self) -> int:
         return int(self.get_clock().now().nanoseconds)
 
-    def _let_go(self) -> None:
-        self._active = False
+    def let_go(self) -> None:
+        """Give the link back."""
+        self.active = False
         if self._reader is not None:
             self._reader.close()
             self._reader = None

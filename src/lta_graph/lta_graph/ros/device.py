@@ -1,0 +1,72 @@
+"""A node that holds a device, which it gives back on every way out but SIGKILL."""
+
+from lta_config.errors import BadInput
+from lta_graph.ros.node import GraphNode
+from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
+
+
+class DeviceNode(LifecycleNodeMixin, GraphNode):
+    """
+    A lifecycle node that plays the vehicle, or a part of it, with real hardware.
+
+    A subclass opens its link in `on_configure` and gives it back in `let_go`.
+
+    Parameters
+    ----------
+    name : str
+        Of the node.
+    device : str
+        What it holds, in words.
+
+    Attributes
+    ----------
+    active : bool
+        Whether the state is active.
+
+    Raises
+    ------
+    BadInput
+        In lockstep, which no hardware keeps.
+
+    """
+
+    def __init__(self, name: str, device: str) -> None:
+        GraphNode.__init__(self, name, role='vehicle')
+        LifecycleNodeMixin.__init__(self)
+        if self.lockstep:
+            raise BadInput(f'A real {device} keeps real time: leave time:=lockstep out.')
+        self.active = False
+
+    def let_go(self) -> None:
+        """Give the device back, in a safe state; again is harmless."""
+        raise NotImplementedError
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Work from now on."""
+        self.active = True
+        return super().on_activate(state)
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Keep the link, and do nothing."""
+        self.active = False
+        return super().on_deactivate(state)
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Give the device back."""
+        self.let_go()
+        return super().on_cleanup(state)
+
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Give the device back, whatever the state was."""
+        self.let_go()
+        return super().on_shutdown(state)
+
+    def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Give the device back: a transition has failed."""
+        self.let_go()
+        return super().on_error(state)
+
+    def close(self) -> None:
+        """Give the device back, then leave the graph."""
+        self.let_go()
+        super().close()
