@@ -5,6 +5,8 @@ A lifecycle node: configure opens the link and learns the board's clock, activat
 deactivate stops publishing, cleanup gives the link back. It commands nothing.
 """
 
+import time
+
 from lta_bridge.teensy.condition import condition, TASK
 from lta_bridge.teensy.light_board import LightBlock, LightBoard
 from lta_bridge.teensy.reader import Reader
@@ -20,6 +22,7 @@ from lta_vlc.diodes import diodes_of
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 
 RIVALS = 'others'
+AGAIN = 0.2  # s between two looks for a port that is not there yet
 
 
 class TeensyBridgeSettings(Settings):
@@ -28,6 +31,14 @@ class TeensyBridgeSettings(Settings):
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
     port: str = setting(
         '/dev/ttyACM0', 'Serial port of the board, or udp://HOST:PORT to listen on.', fixed=True
+    )
+    patience: float = setting(
+        0.0,
+        'How long to wait for a port that is not there yet.',
+        unit='s',
+        low=0.0,
+        high=600.0,
+        fixed=True,
     )
     autostart: bool = setting(True, 'Whether to configure and activate by itself.', fixed=True)
 
@@ -47,15 +58,26 @@ class TeensyBridge(DeviceNode):
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Open the link."""
-        board = LightBoard(self.table.light, self._diodes)
         try:
-            self._reader = Reader(self._settings.port, board, self._publish, self._now_ns)
+            self._reader = self._opened()
         except BadInput as error:
             self._refusal = str(error)
             self.health.report(TASK, Level.ERROR, self._refusal)
             self.get_logger().error(self._refusal)
             return TransitionCallbackReturn.FAILURE
         return super().on_configure(state)
+
+    def _opened(self) -> Reader:
+        """Return the open link, after some patience; `BadInput` where it stays away."""
+        port, until = self._settings.port, time.monotonic() + self._settings.patience
+        board = LightBoard(self.table.light, self._diodes)
+        while True:
+            try:
+                return Reader(port, board, self._publish, self._now_ns)
+            except BadInput:
+                if time.monotonic() >= until or not self.running:
+                    raise
+                time.sleep(AGAIN)
 
     def work(self) -> None:
         """Start by itself where that is wanted, and work."""

@@ -108,6 +108,7 @@ class EmulatedBoard:
         self._faults = faults or Faults()
         self._dialect = dialect
         self._first, self._rows, self._turn = first, 0, 0
+        self._paused = 0  # ns of its clock in which it sampled nothing
         self._hears = Framing()
         self._left = np.empty((0, diodes), np.uint16)
         self.sent = 0
@@ -121,9 +122,27 @@ class EmulatedBoard:
         """Return the moment of ours at which it samples a row, counted from 0. [ns]"""
         return self._boot_ns + round(row / self._rate / (1.0 + self._drift) * 1e9)
 
-    def light(self, samples: NDArray[np.uint16]) -> bytes:
-        """Return the frames of the next rows, shape (n, diodes); what fills none waits."""
+    def light(self, samples: NDArray[np.uint16], begun_ns: int | None = None) -> bytes:
+        """
+        Return the frames of the next rows; what fills none waits.
+
+        Parameters
+        ----------
+        samples : ndarray of uint16, shape (n, diodes)
+            ADC counts.
+        begun_ns : int, optional
+            Moment of ours at which the first was sampled; they follow the last where left out.
+
+        """
+        if begun_ns is not None:
+            sampled = self._rows + len(self._left)
+            self._paused = self.board_ns(begun_ns) - round(sampled / self._rate * 1e9)
         return b''.join(self._light(samples))
+
+    @property
+    def _time_usec(self) -> int:
+        """Its time of the next row to be sent. [us]"""
+        return round(self._rows / self._rate * 1e6 + self._paused / 1e3)
 
     def _light(self, samples: NDArray[np.uint16]) -> Iterator[bytes]:
         count = VALUES // self._diodes
@@ -134,7 +153,7 @@ class EmulatedBoard:
             values[: rows.size] = rows.ravel()
             frame = self._frame(
                 LTA_LIGHT_BLOCK,
-                time_usec=round(self._rows / self._rate * 1e6),
+                time_usec=self._time_usec,
                 sequence=(self._first + self._rows) % WRAP,
                 diodes=self._diodes,
                 rows=count,
@@ -155,7 +174,7 @@ class EmulatedBoard:
         )
         return beat + self._frame(
             LTA_LIGHT_STATUS,
-            time_usec=round(self._rows / self._rate * 1e6),
+            time_usec=self._time_usec,
             rows=(self._first + self._rows) % WRAP,
             sample_rate=self._rate,
             diodes=self._diodes,
@@ -221,9 +240,10 @@ class Cable:
             return b''
 
     def write(self, data: bytes) -> None:
-        """Send all, as far as the other side takes it."""
+        """Send all, as far as the other side takes it; what it leaves for 0.1 s is lost."""
         while data and self._ours is not None:
             try:
                 data = data[os.write(self._ours, data) :]
             except BlockingIOError:
-                select.select([], [self._ours], [], 0.1)
+                if not select.select([], [self._ours], [], 0.1)[1]:
+                    return
