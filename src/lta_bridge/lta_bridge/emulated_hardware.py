@@ -31,7 +31,7 @@ from lta_sim.world import World
 PORT: Final = 19850  # where cflib scans first
 LIGHT_PORT: Final = Path(tempfile.gettempdir()) / 'lta_light_board'
 LOOK: Final = 0.1  # s between two looks at where the drone is
-UP: Final = 0.1  # m above where it stood, from which it has taken off
+UP: Final = 0.04  # m above where it stood, from which it has taken off
 
 
 def flown(
@@ -68,7 +68,12 @@ class Hardware(NamedTuple):
 
 @contextmanager
 def emulated(
-    vehicle: str, scenario: str, seed: int, port: int = 0, light_port: Path = LIGHT_PORT
+    vehicle: str,
+    scenario: str,
+    seed: int,
+    port: int = 0,
+    light_port: Path = LIGHT_PORT,
+    beacon: float = 0.0,
 ) -> Iterator[Hardware]:
     """
     Serve a drone's hardware while the context lasts.
@@ -81,6 +86,8 @@ def emulated(
         UDP port of the Crazyflie; 0 for any free one.
     light_port : Path
         What the light board's bridge opens.
+    beacon : float
+        As for `BoardServer`.
 
     Raises
     ------
@@ -89,7 +96,7 @@ def emulated(
 
     """
     table, diodes = topic_table(), load_vehicle(vehicle).file.sensors.diodes.count
-    light = BoardServer(EmulatedBoard(0, table.light.sample_rate.si, diodes), light_port)
+    light = BoardServer(EmulatedBoard(0, table.light.sample_rate.si, diodes), light_port, beacon)
     body = flown(vehicle, scenario, seed, light.light)
     try:
         crazyflie = Server(Firmware(body), port)
@@ -141,6 +148,7 @@ def main(words: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--port', type=int, default=PORT)
     parser.add_argument('--light-port', type=Path, default=LIGHT_PORT)
+    parser.add_argument('--beacon', type=float, default=0.0)
     parser.add_argument('--vehicle', default='gtmab')
     parser.add_argument('--scenario', default='lamp_room')
     parser.add_argument('--seed', type=int, default=1)
@@ -149,7 +157,7 @@ def main(words: list[str] | None = None) -> None:
     signal.signal(signal.SIGTERM, lambda *_: over.set())
     try:
         with emulated(
-            told.vehicle, told.scenario, told.seed, told.port, told.light_port
+            told.vehicle, told.scenario, told.seed, told.port, told.light_port, told.beacon
         ) as hardware:
             _say(
                 f'An emulated Crazyflie answers at {hardware.crazyflie.uri}, its light board at '

@@ -13,12 +13,14 @@ from typing import Any, Literal
 from lta_bridge.crazyflie import messages, readings
 from lta_bridge.crazyflie.bridge import Bridge, RATE, Stamped
 from lta_bridge.crazyflie.cflib_link import CflibLink
+from lta_bridge.crazyflie.claim import Claim
 from lta_bridge.crazyflie.consumption import Consumption
 from lta_bridge.crazyflie.keeper import Keeper
 from lta_bridge.crazyflie.link import Lost, Ping
 from lta_bridge.crazyflie.log_table import BLOCKS, check
 from lta_bridge.crazyflie.safety import Asked, SILENT, Stage
 from lta_config.crazyflie_file import load_crazyflie
+from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
 from lta_graph.health import Level
 from lta_graph.ros.device import DeviceNode
@@ -44,6 +46,11 @@ class BridgeSettings(Settings):
     command: Literal['', 'setpoint', 'motors'] = setting(
         '', "What is sent: setpoints, or duties for the app; the file's where empty.", fixed=True
     )
+    watchdog: bool = setting(
+        False,
+        'Whether the firmware stops for good 1 s after it last heard of the bridge, once armed.',
+        fixed=True,
+    )
     autostart: bool = setting(
         True, 'Whether to configure and activate by itself; it never arms.', fixed=True
     )
@@ -67,8 +74,10 @@ class CrazyflieBridge(DeviceNode):
         self._consumption = Consumption.of(vehicle.file.energy)
         link = self._link = CflibLink(settings.uri, BLOCKS, self._graph_ns)
         file = self._file = load_crazyflie(settings.crazyflie or settings.vehicle)
-        self._bridge = Bridge(link, file, self._names, settings.command)
+        self._bridge = Bridge(link, file, self._names, settings.command, settings.watchdog)
         self._keeper: Keeper | None = None
+        self._claim: Claim | None = None
+        self._refusal = ''
         self._asked = Asked()
         self._was_up, self._connected = False, 0.0
         self._pose: Any = None
@@ -103,6 +112,12 @@ class CrazyflieBridge(DeviceNode):
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Open the link, and keep it open."""
+        try:
+            self._claim = Claim(self._settings.uri)
+        except BadInput as error:
+            self._refusal = str(error)
+            self.get_logger().error(self._refusal)
+            return TransitionCallbackReturn.FAILURE
         self._keeper = Keeper(self._link, self._file.parameters)
         return super().on_configure(state)
 
@@ -129,11 +144,15 @@ class CrazyflieBridge(DeviceNode):
                 self._link.arm(False)
             self._keeper.close()
             self._keeper = None
+        if self._claim is not None:
+            self._claim.end()
+            self._claim = None
 
     def work(self) -> None:
         """Start by itself where that is wanted, and work."""
         if self._settings.autostart:
-            self.trigger_configure()
+            if self.trigger_configure() != TransitionCallbackReturn.SUCCESS:
+                raise BadInput(self._refusal)
             self.trigger_activate()
         super().work()
 

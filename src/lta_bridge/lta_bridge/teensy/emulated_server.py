@@ -25,6 +25,8 @@ class BoardServer:
         Booted at 0 of `now_ns`.
     name : Path
         What the bridge opens.
+    beacon : float
+        Frequency at which it finds peaks itself; 0 where it sends all samples. [Hz]
 
     Attributes
     ----------
@@ -33,8 +35,8 @@ class BoardServer:
 
     """
 
-    def __init__(self, board: EmulatedBoard, name: Path) -> None:
-        self._board, self._name = board, name
+    def __init__(self, board: EmulatedBoard, name: Path, beacon: float = 0.0) -> None:
+        self._board, self._name, self._beacon = board, name, beacon
         self.cable = Cable(name)
         self._began = time.monotonic_ns()
         self._blocks: SimpleQueue[tuple[int, NDArray[np.uint16]]] = SimpleQueue()
@@ -86,4 +88,7 @@ class BoardServer:
             begun_ns, samples = self._blocks.get_nowait()
         except Empty:
             return
-        self.cable.write(self._board.light(samples, begun_ns))
+        if self._beacon:
+            self.cable.write(self._board.peaks(samples, self._beacon, begun_ns))
+        else:
+            self.cable.write(self._board.light(samples, begun_ns))

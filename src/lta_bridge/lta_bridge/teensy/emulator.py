@@ -16,6 +16,7 @@ from typing import final
 from lta_bridge.teensy.dialect import (
     HEARTBEAT,
     LTA_LIGHT_BLOCK,
+    LTA_LIGHT_PEAKS,
     LTA_LIGHT_STATUS,
     TIMESYNC,
 )
@@ -26,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 SYSTEM, COMPONENT = 1, 191
+MOST = LTA_LIGHT_PEAKS.layout['amplitude'].shape[0]  # diodes that peaks can be told of
 VALUES = LTA_LIGHT_BLOCK.layout['samples'].shape[0]  # of all diodes, in a message
 WRAP = 2**32
 FOREIGN = Message(12345, 'FOREIGN', 7, np.dtype([('word', '<u4')]))
@@ -162,6 +164,43 @@ class EmulatedBoard:
             self._rows += count
             self.sent += 1
             yield self._faults.act(self.sent, frame)
+
+    def peaks(
+        self, samples: NDArray[np.uint16], frequency: float, begun_ns: int | None = None
+    ) -> bytes:
+        """
+        Return the frame of the peaks that it finds, as its firmware does (core/goertzel.c).
+
+        Parameters
+        ----------
+        samples : ndarray of uint16, shape (n, diodes)
+            ADC counts of the window.
+        frequency : float
+            Of the beacon. [Hz]
+        begun_ns : int, optional
+            As for `light`.
+
+        """
+        count = len(samples)
+        if begun_ns is not None:
+            self._paused = self.board_ns(begun_ns) - round(self._rows / self._rate * 1e9)
+        waves = samples - samples.mean(axis=0)
+        turns = np.exp(-2j * np.pi * frequency / self._rate * np.arange(count))
+        amplitude = 2.0 / count * np.abs(turns @ waves)
+        rest = np.sqrt(np.maximum(np.mean(waves**2, axis=0) - 0.5 * amplitude**2, 0.0))
+        room = MOST - self._diodes
+        frame = self._frame(
+            LTA_LIGHT_PEAKS,
+            time_usec=self._time_usec,
+            sequence=(self._first + self._rows) % WRAP,
+            window=count,
+            frequency=frequency,
+            diodes=self._diodes,
+            amplitude=np.pad(amplitude, (0, room)),
+            noise=np.pad(rest, (0, room)),
+        )
+        self._rows += count
+        return frame
 
     def status(self) -> bytes:
         """Return what it says of itself once a second."""
