@@ -28,7 +28,6 @@ from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_msgs.msg import Header
 
 RIVALS = 'others'
-BLOCKS, PEAKS = ('photodiodes',), ('light/estimate', 'light/bearing', 'light/peaks')
 AGAIN = 0.2  # s between two looks for a port that is not there yet
 
 
@@ -69,8 +68,11 @@ class TeensyBridge(DeviceNode):
     def __init__(self) -> None:
         super().__init__('teensy_bridge', 'light board')
         self._settings = Parameters(self, TeensyBridgeSettings).value
-        names = PEAKS if self._settings.peaks else BLOCKS
-        self._outputs = {name: self.output(name) for name in names}
+        if self._settings.peaks:  # as a demodulator
+            answers = self.table.published_by('demodulator')
+            self._outputs = {name: self.output(name) for name in answers}
+        else:
+            self._outputs = {'photodiodes': self.output('photodiodes')}
         diodes = diodes_of(load_vehicle_file(self._settings.vehicle).sensors.diodes)
         self._finder = LampFinder(diodes)
         if self._settings.peaks:
