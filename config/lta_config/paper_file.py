@@ -1,5 +1,5 @@
 """
-One row of the reproduction: what the seed paper claims, how it is measured here, and what was found.
+One row of the reproduction: what the seed paper claims, and how that is measured here.
 
 A row declares its claims with the rule by which each agrees or not, fixed before anything is run;
 what is measured, in which unit and with how many digits; and what does not add up in the paper
@@ -37,6 +37,11 @@ class Measure(Record):
     def factor(self) -> float:
         """SI of one unit."""
         return 1.0 if self.unit is None else UNITS[self.unit][1]
+
+    @property
+    def rounding(self) -> float:
+        """Half of the last digit that is told. [SI]."""
+        return float(0.5 * 10.0**-self.digits * self.factor)
 
 
 class Rule(Record):

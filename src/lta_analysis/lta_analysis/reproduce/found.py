@@ -22,7 +22,7 @@ class Value(NamedTuple):
     value: float | str
     low: float = math.nan
     high: float = math.nan
-    count: int = 1
+    seeds: int = 1
 
 
 @final
@@ -74,10 +74,10 @@ Study = Callable[[Asked], Found]
 
 
 def over(values: Sequence[float]) -> Value:
-    """Return the mean over seeds with its 95 % interval (Student's t); one that is NaN makes it NaN."""
+    """Return the mean over seeds with its 95 % interval (Student's t)."""
     count, middle = len(values), float(np.mean(values))
     if count < 2:
-        return Value(middle, count=count)
+        return Value(middle, seeds=count)
     half = float(student.ppf(0.975, count - 1) * np.std(values, ddof=1) / math.sqrt(count))
     return Value(middle, middle - half, middle + half, count)
 

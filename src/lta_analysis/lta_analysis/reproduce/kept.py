@@ -95,7 +95,10 @@ def plain(values: Mapping[str, Value]) -> dict[str, list[Any]]:
 
 def values_in(content: Mapping[str, Sequence[Any]]) -> dict[str, Value]:
     """Return values of JSON."""
-    return {
-        name: Value(*(math.nan if x is None else x for x in each))
-        for name, each in content.items()
-    }
+    return {name: value_in(each) for name, each in content.items()}
+
+
+def value_in(content: Sequence[Any]) -> Value:
+    """Return a value of JSON, what is null as NaN."""
+    value, low, high = (math.nan if each is None else each for each in content[:3])
+    return Value(value, low, high, content[3])

@@ -92,7 +92,7 @@ def here(row: PaperRow, claim: Claim, kept: Kept) -> str:
 def seeds(claim: Claim, kept: Kept) -> str:
     """Return of how many seeds that is."""
     value = kept.values.get(claim.measure or '')
-    return MISSING if value is None else str(value.count)
+    return MISSING if value is None else str(value.seeds)
 
 
 def notes(row: PaperRow, kept: Kept) -> list[tuple[str, str, str]]:
@@ -124,7 +124,7 @@ def deviations(rows: Sequence[PaperRow]) -> Lines:
 def measures(row: PaperRow, kept: Kept) -> Lines:
     """Return a line a measure."""
     return [
-        [measure.what, told(measure, kept.values[name]), str(kept.values[name].count)]
+        [measure.what, told(measure, kept.values[name]), str(kept.values[name].seeds)]
         for name, measure in row.measures.items()
         if name in kept.values
     ]

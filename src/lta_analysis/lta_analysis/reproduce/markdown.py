@@ -10,7 +10,8 @@ from lta_config.paper_file import PaperRow
 
 HEAD: Final = """# The paper, reproduced
 
-`./lta reproduce` runs every experiment of the seed paper in this system and writes a page with its pictures. This file is what it came to: generated, every figure of ours measured.
+`./lta reproduce` runs every experiment of the seed paper in this system and writes a page with
+its pictures. This file is what it came to: generated, every figure of ours measured.
 
 ```sh
 ./lta reproduce --list            # the rows

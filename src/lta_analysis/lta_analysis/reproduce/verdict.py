@@ -86,7 +86,7 @@ def told(measure: Measure, value: Value | None, *, interval: bool = True) -> str
         return str(value.value)
     if math.isnan(value.value):
         return 'never'
-    texts = [rounded(measure, each) for each in value[:3]]
+    texts = [rounded(measure, each) for each in (value.value, value.low, value.high)]
     text = texts[0]
     if interval and not math.isnan(value.low) and len(set(texts)) > 1:
         text += f' ({texts[1]} to {texts[2]})'

@@ -31,13 +31,13 @@ def study(asked: Asked) -> Found:
     for reading, (paper, fair) in zip(READINGS, fronts, strict=True):
         values[f'front_{reading}'] = makers(paper)
         values[f'fair_front_{reading}'] = makers(fair)
-    paper, fair = zip(*fronts, strict=True)
+    by_paper, fairly = zip(*fronts, strict=True)
     command = typed('cells')
     pictures = [
         Picture('front', 'As the paper counts', PAPER,
-                picture(found, lambda each: each.by_area / SQUARE, 's/cm²', paper), command),
+                picture(found, lambda each: each.by_area / SQUARE, 's/cm²', by_paper), command),
         Picture('fair', 'As is fair', FAIR,
-                picture(found, lambda each: each.times_area * SQUARE, 's cm²', fair), command),
+                picture(found, lambda each: each.times_area * SQUARE, 's cm²', fairly), command),
     ]  # fmt: skip
     return Found(values, pictures, [trial(table, energy)])
 
@@ -72,7 +72,7 @@ def sheets(found: Sequence[Entry]) -> dict[str, Value]:
 
 def arrays(table: CellTable, energy: Energy) -> dict[str, Value]:
     """Return what each array leaves, in stand-by and transmitting, by reading and light."""
-    values = {}
+    values: dict[str, Value] = {}
     for strings in all_built(table).values():
         for strung in strings:
             for net in nets(strung, energy, table):

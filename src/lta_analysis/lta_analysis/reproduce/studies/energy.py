@@ -51,7 +51,7 @@ def tasks(found: Budget, seeds: int) -> dict[str, Value]:
     return {
         **values,
         'standard': power(found.hover, seeds),
-        'share': Value(hover / found.hover.power, count=seeds),
+        'share': Value(hover / found.hover.power, seeds=seeds),
         'fly_share': Value(found.tasks['flying at 0.5 m/s'].power / found.hover.power),
         'paper_share': Value(paper.HOVER / found.hover.power),
         'strategies_apart': Value(

@@ -1,4 +1,4 @@
-"""How many photodiodes: the paper's study with its own estimator, and what its errors are made of."""
+"""How many photodiodes: the paper's study by its own estimator, and what makes its errors."""
 
 from collections.abc import Mapping, Sequence
 import math
@@ -35,7 +35,7 @@ def study(asked: Asked) -> Found:
     """Return the study in both places; one vehicle a seed, its gains drawn once."""
     found = {place: {count: rings(asked, place, count) for count in COUNTS} for place in PLACES}
     indoor, outdoor = found['indoor'], found['outdoor']
-    values = {}
+    values: dict[str, Value] = {}
     for place, by_count in found.items():
         for count, each in by_count.items():
             values |= figures(f'{place}_{count}', each)
