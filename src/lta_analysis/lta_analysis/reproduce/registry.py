@@ -3,10 +3,22 @@
 from typing import Final
 
 from lta_analysis.reproduce.found import Study
-from lta_analysis.reproduce.studies import cells, energy, photodiodes
+from lta_analysis.reproduce.studies import (
+    cells,
+    energy,
+    indoors,
+    link,
+    mounting,
+    outdoors,
+    photodiodes,
+)
 
 STUDIES: Final[dict[str, Study]] = {
     'cells': cells.study,
+    'mounting': mounting.study,
     'photodiodes': photodiodes.study,
+    'link': link.study,
+    'indoors': indoors.study,
+    'outdoors': outdoors.study,
     'energy': energy.study,
 }
