@@ -98,6 +98,7 @@ VERBS: Final[dict[str, Verb | Group]] = {
     'challenge': Verb('challenge', 'challenge'),
     'import': Verb('import_', 'import_'),
     'report': Verb('report', 'report'),
+    'reproduce': Verb('reproduce', 'reproduce'),
     'effects': Verb('effects', 'effects'),
     'doctor': Verb('doctor', 'doctor'),
 }
