@@ -76,6 +76,12 @@ ENERGY: Final = Group(
         'breakeven': Verb('energy_breakeven', 'breakeven'),
     },
 )
+HARDWARE: Final = Group(
+    'Look at real drones and light boards, turn one motor, put a board on a turntable.',
+    {
+        'check': Verb('hardware_check', 'check'),
+    },
+)
 VERBS: Final[dict[str, Verb | Group]] = {
     'fly': Verb('fly', 'fly'),
     'simulate': Verb('simulate', 'simulate'),
@@ -93,6 +99,7 @@ VERBS: Final[dict[str, Verb | Group]] = {
     'light': LIGHT,
     'energy': ENERGY,
     'bag': BAG,
+    'hardware': HARDWARE,
     'compare': Verb('compare', 'compare'),
     'discover': Verb('discover', 'discover', several=('--train', '--confirm', '--holdout')),
     'challenge': Verb('challenge', 'challenge'),
