@@ -80,6 +80,8 @@ HARDWARE: Final = Group(
     'Look at real drones and light boards, turn one motor, put a board on a turntable.',
     {
         'check': Verb('hardware_check', 'check'),
+        'bench': Verb('hardware_bench', 'bench'),
+        'light': Verb('hardware_light', 'light'),
     },
 )
 VERBS: Final[dict[str, Verb | Group]] = {

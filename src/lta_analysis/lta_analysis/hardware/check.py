@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import time
 from typing import final
 
-from lta_analysis.doctor.check import Check
+from lta_analysis.doctor.check import Check, State
 from lta_analysis.hardware import board, drone
 from lta_analysis.hardware.board import BoardHeard
 from lta_analysis.hardware.devices import BOARD, devices, DRONE, Found, Port, ports, RADIO
@@ -40,7 +40,7 @@ def found_here(found: Sequence[Found], serial: Sequence[Port]) -> Iterator[Check
         if port.usable:
             yield Check(name, 'ok', f'{port.path} ({port.about})')
         else:
-            state = 'fail' if port.teensy else 'warn'
+            state: State = 'fail' if port.teensy else 'warn'
             yield Check(name, state, f'{port.path}: you may not open it', offered)
     if any(device.kind is not BOARD for device in found) and not CFLIB:
         yield Check('cflib', 'fail', 'not installed, so no Crazyflie can be heard', INSTALL)

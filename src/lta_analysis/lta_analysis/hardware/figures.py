@@ -12,26 +12,26 @@ from lta_analysis.hardware.stream import Streamed
 
 def stream_rows(streams: Sequence[Streamed]) -> list[tuple[str, ...]]:
     """Return log blocks as text, the first row their head."""
-    head = ('block', 'rate [Hz]', 'wanted [Hz]', 'lost [%]', 'jitter [ms]')
-    return [head] + [
+    head: tuple[str, ...] = ('block', 'rate [Hz]', 'wanted [Hz]', 'lost [%]', 'jitter [ms]')
+    return [head, *(
         (
             each.name, f'{each.rate:.1f}', f'{each.wanted:.0f}', f'{1e2 * each.loss:.2f}',
             f'{1e3 * each.jitter:.1f}',
         )
         for each in streams
-    ]  # fmt: skip
+    )]  # fmt: skip
 
 
 def diode_rows(diodes: Sequence[DiodeHeard]) -> list[tuple[str, ...]]:
     """Return diodes as text, the first row their head."""
-    head = ('diode', 'mean', 'least', 'largest', 'SNR', 'fault')
-    return [head] + [
+    head: tuple[str, ...] = ('diode', 'mean', 'least', 'largest', 'SNR', 'fault')
+    return [head, *(
         (
             str(k), f'{each.mean:.0f}', str(each.least), str(each.largest), f'{each.snr:.1f}',
             ', '.join(each.faults) or 'none',
         )
         for k, each in enumerate(diodes, start=1)
-    ]  # fmt: skip
+    )]  # fmt: skip
 
 
 def to_json(outcome: Outcome) -> dict[str, Any]:
