@@ -66,11 +66,23 @@ def cosines(direction: Array, diodes: Diodes) -> Array:
     return np.maximum(cosine, 0.0)
 
 
-def response(readings: Readings, diodes: Diodes) -> Response:
-    """Return what fits the readings of a whole turn best; see the module."""
+def response(readings: Readings, diodes: Diodes, zero: float = 0.0) -> Response:
+    """
+    Return what fits the readings of a whole turn best; see the module.
+
+    Parameters
+    ----------
+    readings : Readings
+        Of a whole turn.
+    diodes : Diodes
+        Their axes count.
+    zero : float
+        Error of the table's zero. [rad]
+
+    """
     groups = [group for group in grouped(readings.direction) if len(group)]
     cosine = np.stack(
-        [cosines(readings.direction[group], diodes).mean(axis=0) for group in groups]
+        [cosines(readings.direction[group] + zero, diodes).mean(axis=0) for group in groups]
     )
     amplitude = np.stack([np.median(readings.amplitude[group], axis=0) for group in groups])
     best = _fitted(cosine, amplitude)
@@ -102,12 +114,12 @@ def _fitted(cosine: Array, amplitude: Array) -> Array:
         gains = np.append(values[3:], amplitude.shape[1] - values[3:].sum())
         return np.concatenate([values[:1], top * values[1:3], gains])
 
+    def left(values: Array) -> Array:
+        over: Array = (_model(whole(values), cosine) - amplitude) / top
+        return over.ravel()
+
     begin = np.concatenate([[BEGIN_AT, 1.0, 0.01], np.ones(amplitude.shape[1] - 1)])
     low = np.concatenate([[EXPONENTS[0], 0.0, 0.0], np.zeros(len(begin) - 3)])
     high = np.concatenate([[EXPONENTS[1], 10.0, 10.0], np.full(len(begin) - 3, np.inf)])
-    found = least_squares(
-        lambda values: ((_model(whole(values), cosine) - amplitude) / top).ravel(),
-        begin,
-        bounds=(low, high),
-    )
+    found = least_squares(left, begin, bounds=(low, high))
     return whole(found.x)

@@ -145,7 +145,8 @@ def read(
             f'{len(found)} light blocks are left of the turn, too few for {DIRECTIONS} '
             'directions; record for longer, or give --rate, --step and --hold as they were.'
         )
-    return Readings(*np.array(found).T, np.array(amplitudes))
+    direction, by_paper, by_fit, snr = np.array(found).T
+    return Readings(direction, by_paper, by_fit, snr, np.array(amplitudes))
 
 
 def _truth(flight: Flight, table: Table) -> Callable[[float], float]:

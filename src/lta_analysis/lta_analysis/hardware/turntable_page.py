@@ -101,7 +101,7 @@ def tiles(found: Studied, fitted: Response) -> list[Tile]:
         Tile('paper', degrees(median(found.paper)), '°', f'worst {degrees(max(found.paper))}°'),
         Tile('SNR', f'{found.snr:.0f}', '', 'of the best diode, median'),
         Tile('exponent', f'{fitted.exponent:.2f}', '',
-             f'of the cosine, \N{PLUS-MINUS SIGN} {fitted.exponent_deviation:.2f}'),
+             f'of the cosine, \N{PLUS-MINUS SIGN} {fitted.exponent_deviation:.1g}'),
         Tile('gains', f'{1e2 * fitted.spread:.1f}', '%', 'spread among the diodes'),
         Tile('pedestal', f'{1e2 * fitted.pedestal:.1f}', '%', 'of what faces the lamp: echo'),
     ]  # fmt: skip

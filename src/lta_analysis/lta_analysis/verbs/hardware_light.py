@@ -80,7 +80,7 @@ def light(
         )
     zero = offset(readings)
     found, blocks = studied(readings, 'bench', zero if align else 0.0)
-    fitted = response(readings, diodes)
+    fitted = response(readings, diodes, zero)
     target = empty_folder(results_folder(out, 'turntable'))
     content = {
         **found.to_json(), 'blocks': blocks, 'zero': zero, 'aligned': align,
@@ -105,7 +105,7 @@ def told(fitted: Response, zero: float, align: bool) -> str:
     """Return what to write into the vehicle file, and where the zero of the table was."""
     done = 'taken off' if align else 'left in; --align takes it off'
     return (
-        f'response: {fitted.exponent:.2f} ± {fitted.exponent_deviation:.2f}, gain_spread: '
+        f'response: {fitted.exponent:.2f} ± {fitted.exponent_deviation:.1g}, gain_spread: '
         f"{1e2 * fitted.spread:.1f} %. The table's zero is off by {math.degrees(zero):.2f}°, "
         f'{done}.'
     )
