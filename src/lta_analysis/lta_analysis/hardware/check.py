@@ -8,12 +8,12 @@ from typing import final
 from lta_analysis.doctor.check import Check, State
 from lta_analysis.hardware import board, drone
 from lta_analysis.hardware.board import BoardHeard
-from lta_analysis.hardware.devices import BOARD, devices, DRONE, Found, Port, ports, RADIO
 from lta_analysis.hardware.drone import DroneHeard
 from lta_analysis.typed import typed
 from lta_bridge.crazyflie.cflib_link import CFLIB, CflibLink, scanned
 from lta_bridge.crazyflie.link import LinkFailed
 from lta_bridge.crazyflie.log_table import BLOCKS
+from lta_bridge.devices import BOARD, devices, DRONE, Found, Port, ports, RADIO
 from lta_config.crazyflie_file import load_crazyflie
 from lta_config.errors import BadInput
 from lta_config.topics import topic_table

@@ -7,8 +7,8 @@ from typing import Annotated
 from lta_analysis.bar import Bar
 from lta_analysis.doctor import show, status
 from lta_analysis.hardware.check import Asked, checked
-from lta_analysis.hardware.devices import rules, RULES_FILE
 from lta_analysis.hardware.figures import diode_rows, stream_rows, to_json
+from lta_bridge.devices import rules, RULES_FILE
 from lta_vlc.demodulation import Demodulation
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn

@@ -5,15 +5,15 @@ import json
 import threading
 import time
 
-from lta_analysis.hardware import devices as found
 from lta_analysis.hardware.check import refuse_nothing
-from lta_analysis.hardware.devices import devices, RADIO, rules
 from lta_analysis.hardware.stream import streamed
+from lta_bridge import devices as found
 from lta_bridge.crazyflie.emulated.body import Bench
 from lta_bridge.crazyflie.emulated.firmware import Firmware
 from lta_bridge.crazyflie.emulated.server import Server
 from lta_bridge.crazyflie.link import LogPacket
 from lta_bridge.crazyflie.log_table import Block
+from lta_bridge.devices import devices, RADIO, rules
 from lta_bridge.teensy.emulator import Cable, EmulatedBoard, Faults
 from lta_config.errors import BadInput
 import numpy as np
