@@ -17,6 +17,7 @@ FOLDERS = (
     'missions',
     'manoeuvres',
     'mounts',
+    'paper',
     'scenarios',
     'sweeps',
     'vehicles',
