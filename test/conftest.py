@@ -12,6 +12,7 @@ import sys
 
 # Before numpy is imported: more threads only take the cores from the processes under test.
 os.environ.update(OPENBLAS_NUM_THREADS='1', OMP_NUM_THREADS='1', MKL_NUM_THREADS='1')
+sys.path.append(str(Path(__file__).parent))
 
 from domain import free_domain
 from hypothesis import settings
@@ -22,7 +23,7 @@ MARKED = ('unit', 'property', 'contract', 'integration', 'benchmark')
 
 # Tests of cores run without a built workspace as well.
 sys.path += [str(path.parent) for path in sorted(ROOT.glob('src/*/package.xml'))]
-sys.path += [str(ROOT / 'config'), str(ROOT / 'test')]
+sys.path.append(str(ROOT / 'config'))
 
 settings.register_profile('lta', deadline=None, derandomize=True)
 settings.load_profile('lta')
