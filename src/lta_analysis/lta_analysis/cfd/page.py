@@ -73,7 +73,7 @@ def page(sweep: Sweep, slices: Sequence[Slice], commands: Mapping[str, str]) -> 
     )  # fmt: skip
 
 
-CAPTION: Final = 'Speed of the air in the plane through the middle; what is left white is solid.'
+CAPTION: Final = 'Speed of the air in the plane through the middle; grey is solid.'
 
 
 def heading(found: Slice) -> str:

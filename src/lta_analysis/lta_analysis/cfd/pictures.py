@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from lta_analysis.report.drawing import blank
-from lta_analysis.report.palette import ESTIMATE, GOOD, HEAT, RAW, TRUTH
+from lta_analysis.report.palette import ESTIMATE, GOOD, HEAT, RAW, TRUTH, WALL
 from lta_sim.cfd.refit import ABOUT, drags, fits_of
 from lta_sim.cfd.slices import Slice
 from lta_sim.cfd.sphere import morrison, SCATTER, SCATTER_RANGE
@@ -73,8 +73,10 @@ def slice_picture(found: Slice) -> Figure:
             hovertemplate='%{x:.2f}, %{y:.2f} m: %{z:.2f} m/s<extra></extra>',
         )
     )  # fmt: skip
-    figure.update_xaxes(title_text=found.names[0], constrain='domain')
-    figure.update_yaxes(title_text=found.names[1], scaleanchor='x', constrain='domain')
+    bare = {'constrain': 'domain', 'showgrid': False}
+    figure.update_xaxes(title_text=found.names[0], **bare)
+    figure.update_yaxes(title_text=found.names[1], scaleanchor='x', **bare)
+    figure.update_layout(plot_bgcolor=WALL)
     return figure
 
 

@@ -96,7 +96,7 @@ class Model:
         return self._unchanged(np.diag(np.where(np.arange(3) == axis, -1.0, 1.0)))
 
     def symmetries(self) -> list[Array]:
-        """Return the quarter turns and mirrorings of the plan that leave the bodies as they are."""
+        """Return the quarter turns and mirrorings that leave the bodies as they are."""
         return [each for each in PLAN if self._unchanged(each)]
 
     def _unchanged(self, change: Array) -> bool:

@@ -6,9 +6,10 @@ from typing import Final
 
 from lta_config.errors import BadInput
 from lta_sim.cfd import gates
-from lta_sim.cfd.columns import column, coupling, linear
+from lta_sim.cfd.columns import linear
 from lta_sim.cfd.fit import Fit, fit_drag
 from lta_sim.cfd.sweep_table import AXES, Axis, Point, Sweep
+import numpy as np
 
 ABOUT: Final = {'roll': 0, 'pitch': 1, 'yaw': 2}
 ALONG: Final = {'surge': 0, 'sway': 1, 'heave': 2}
@@ -73,7 +74,8 @@ def warnings_of(sweep: Sweep) -> list[str]:
 def by_hand_at(sweep: Sweep, axis: Axis, speed: float) -> float:
     """Return what is known by hand of an axis, at a speed. [N or N m]."""
     points = sweep.by_hand[axis]
-    return fit_drag([point.speed for point in points], drags(axis, points)).at(speed)
+    speeds = np.log([point.speed for point in points])
+    return math.exp(float(np.interp(math.log(speed), speeds, np.log(drags(axis, points)))))
 
 
 def beside_of(sweep: Sweep) -> dict[str, str]:
@@ -91,6 +93,3 @@ def beside_of(sweep: Sweep) -> dict[str, str]:
             moment = ', '.join(f'{each:.3g}' for each in point.moment)
             told[axis] = f'at {point.speed:g} m/s force ({force}) N, moment ({moment}) N m'
     return told
-
-
-__all__ = ['beside_of', 'column', 'coupling', 'drags', 'fits_of', 'points_of', 'warnings_of']

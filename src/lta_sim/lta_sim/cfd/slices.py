@@ -11,6 +11,7 @@ from lta_sim.cfd.tunnel import planes_of, TURNS
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import griddata
+import trimesh
 
 Array = NDArray[np.float64]
 POINTS: Final = 220  # along the longer side
@@ -80,19 +81,18 @@ def _hollow(model: Model, turn: Array, across: int, sides: list[Array], grid: Ar
         whole = np.eye(4)
         whole[:3, :3] = turn
         turned.apply_transform(whole)
-        section = turned.section(plane_origin=0.0023 * model.length * normal, plane_normal=normal)
-        if section is None:
-            continue
-        for loop in section.discrete:
-            grid[_inside(loop[:, [across, 2]], sides)] = np.nan
+        origin = 0.0023 * model.length * normal
+        cut = trimesh.intersections.mesh_plane(turned, plane_normal=normal, plane_origin=origin)
+        if len(cut):
+            grid[_inside(cut[:, :, [across, 2]], sides)] = np.nan
     return grid
 
 
-def _inside(loop: Array, sides: list[Array]) -> NDArray[np.bool_]:
-    """Tell which points of a grid a closed line surrounds (crossings of a ray)."""
+def _inside(lines: Array, sides: list[Array]) -> NDArray[np.bool_]:
+    """Tell which points of a grid closed lines surround (crossings of a ray)."""
     x, y = np.meshgrid(*sides)
     odd = np.zeros(x.shape, dtype=bool)
-    for (x1, y1), (x2, y2) in zip(loop, np.roll(loop, -1, axis=0), strict=True):
+    for (x1, y1), (x2, y2) in lines:
         crosses = (y1 > y) != (y2 > y)
         if crosses.any():
             at = x1 + (y - y1) * (x2 - x1) / (y2 - y1 if y2 != y1 else 1.0)
