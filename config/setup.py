@@ -18,6 +18,7 @@ FOLDERS = (
     'missions',
     'manoeuvres',
     'mounts',
+    'paper',
     'scenarios',
     'sweeps',
     'tunnels',

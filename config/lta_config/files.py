@@ -42,6 +42,7 @@ FOLDERS = {
     'cell': 'cells',
     'cell table': 'cell_tables',
     'crazyflie': 'crazyflies',
+    'row of the paper': 'paper',
 }
 
 

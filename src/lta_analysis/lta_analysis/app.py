@@ -84,6 +84,14 @@ CFD: Final = Group(
         'refit': Verb('cfd_refit', 'refit'),
     },
 )
+HARDWARE: Final = Group(
+    'Look at real drones and light boards, turn one motor, put a board on a turntable.',
+    {
+        'check': Verb('hardware_check', 'check'),
+        'bench': Verb('hardware_bench', 'bench'),
+        'light': Verb('hardware_light', 'light'),
+    },
+)
 VERBS: Final[dict[str, Verb | Group]] = {
     'fly': Verb('fly', 'fly'),
     'simulate': Verb('simulate', 'simulate'),
@@ -102,11 +110,13 @@ VERBS: Final[dict[str, Verb | Group]] = {
     'light': LIGHT,
     'energy': ENERGY,
     'bag': BAG,
+    'hardware': HARDWARE,
     'compare': Verb('compare', 'compare'),
     'discover': Verb('discover', 'discover', several=('--train', '--confirm', '--holdout')),
     'challenge': Verb('challenge', 'challenge'),
     'import': Verb('import_', 'import_'),
     'report': Verb('report', 'report'),
+    'reproduce': Verb('reproduce', 'reproduce'),
     'effects': Verb('effects', 'effects'),
     'doctor': Verb('doctor', 'doctor'),
 }

@@ -138,7 +138,8 @@ def _fitted(studied: Study, hidden: Mapping[str, float]) -> Joint:
     vehicle, values = turned(nominal, known, at)
     points = [Point(vehicle, values, np.zeros((len(f.replay.first), RANDOM))) for f in flights]
     prior = shared(known, tuple(hidden))
-    return fitter.fit(prior, fitter.about(at, points), BEGIN * floor_of(nominal))
+    begin = fitter.about(at, points, prior)
+    return fitter.fit(prior, begin, BEGIN * floor_of(nominal), narrow=True)
 
 
 def _sigmas(studied: Study, hidden: Mapping[str, float], fits: Joint) -> dict[str, float]:

@@ -6,7 +6,7 @@ silent, and blocks while it closes. So every wait here has a deadline, each atte
 of its own, and liveness is judged elsewhere, by what arrives (docs/hardware.md).
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 import logging
 import math
@@ -40,6 +40,30 @@ def _drivers() -> None:
             cflib.crtp.init_drivers(enable_serial_driver=True)
             # What goes wrong is told in one sentence by who asked; cflib logs whole tracebacks.
             logging.getLogger('cflib').setLevel(logging.CRITICAL)
+
+
+def scanned(radio: bool, usb: bool) -> Iterator[str]:
+    """
+    Yield the URIs of Crazyflies that answer, by radio and on a cable.
+
+    UDP is not asked: an emulated drone answers whoever spoke last, and may be flying for another.
+
+    Parameters
+    ----------
+    radio, usb : bool
+        Whether to ask a Crazyradio, and the USB ports; cflib fails without them.
+
+    """
+    _drivers()
+    wanted = {'RadioDriver': radio, 'UsbDriver': usb}
+    for driver in cflib.crtp.CLASSES:
+        if wanted.get(driver.__name__):
+            # cflib's own scan of all drivers ends at the first that cannot.
+            try:
+                found = driver().scan_interface(None)
+            except Exception:  # whatever a dongle's library raises
+                continue
+            yield from (uri for uri, _ in found)
 
 
 @final

@@ -23,6 +23,7 @@ from lta_config.topics import Topic, topic_table
 from lta_graph.health import Health, Level
 from lta_graph.inbox import Inbox, Step
 from lta_graph.ros.command_line import join, refuse_unknown
+from lta_graph.ros.links import LINKS
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.qos import profile
 from lta_graph.ros.replay_due import DUE, heed
@@ -95,6 +96,7 @@ class GraphNode(Node):
         self.health.report('state', Level.OK, 'starting')
         self._inbox: Inbox | None = None
         self._inputs: dict[str, Subscription] = {}
+        self._writers: dict[str, Publisher] = {}
         self._waiting_since: float | None = None
         self._heard: dict[str, float] = {}
         self._reported = 0.0
@@ -112,7 +114,13 @@ class GraphNode(Node):
         read in between are the time in which they find each other.
         """
         topic = self.table[name]
-        return self.create_publisher(message_type(topic), name, profile(topic, self.lockstep))
+        publisher = self.create_publisher(message_type(topic), name, profile(topic, self.lockstep))
+        self._writers[name] = publisher
+        return publisher
+
+    def readers(self) -> dict[str, int]:
+        """Return how many readers each output has found."""
+        return {name: item.get_subscription_count() for name, item in self._writers.items()}
 
     def listen(self, topics: list[str], trigger: str, on_step: Callable[[Step], None]) -> None:
         """
@@ -223,6 +231,7 @@ class GraphNode(Node):
         if lost:
             self.health.report('losses', Level.ERROR, 'messages were lost on the way', **lost)
         self._tell_lonely(now)
+        self.health.report(LINKS, Level.OK, 'readers of each topic', **self.readers())
         if self.health.changed or now - self._reported >= REPORT_PERIOD:
             self.publish_health()
 

@@ -20,6 +20,7 @@ from lta_config.recorded import is_wanted
 from lta_graph.health import Level
 from lta_graph.inbox import Step
 from lta_graph.ros.company import Company, OVER, PULSE
+from lta_graph.ros.links import Links
 from lta_graph.ros.node import from_stamp, GraphNode, run, to_stamp
 from lta_graph.ros.parameters import Parameters
 from lta_sim import messages
@@ -91,13 +92,19 @@ class Simulator(GraphNode):
         words, robot = self._settings.topics, self.get_namespace().strip('/')
         for name, publisher in self._outputs.items():
             readers = set(self.table[name].subscribers)
-            if self._settings.record and is_wanted(words, robot, name, self.table[name]):
-                readers.add('recorder')
             if name == PULSE:
                 readers |= {f'{peer}/vehicle' for peer in self._company.names}
             if publisher.get_subscription_count() < len(readers):
                 waiting |= readers
+            recorded = self._settings.record and is_wanted(words, robot, name, self.table[name])
+            if recorded and not self._heard_by('recorder', name):
+                waiting.add('recorder')
         return sorted(waiting)
+
+    def _heard_by(self, node: str, name: str) -> bool:
+        """Tell whether a node is among the readers of a topic: a viewer's place is not its own."""
+        known = self.get_subscriptions_info_by_topic(name)
+        return node in {reader.node_name for reader in known}
 
     def _wait_for_graph(self) -> None:
         patience = PATIENCE * (1 + len(self._company.names))
@@ -112,16 +119,23 @@ class Simulator(GraphNode):
 
     def _settle(self) -> None:
         """
-        Wait until the graph has stayed as it is for a while.
+        Wait until the graph has stayed as it is for a while, and all hear each other.
 
-        That we have found everybody does not say that they have found each other; in real time
-        what is said before that is lost.
+        A node that tells nothing of its readers, a user's own, is waited for in vain: then the
+        flight begins, and says whom it may not reach.
         """
+        deadline = time.monotonic() + PATIENCE
         seen, since = self._ends(), time.monotonic()
-        while self.running and time.monotonic() - since < SETTLED:
-            time.sleep(0.02)
-            if (now := self._ends()) != seen:
-                seen, since = now, time.monotonic()
+        with Links(self, self.table) as links:
+            while self.running and time.monotonic() - since < SETTLED:
+                time.sleep(0.02)
+                loose, ends = links.loose(self.readers()), self._ends()
+                if time.monotonic() > deadline:
+                    words = f'begun before all readers of {", ".join(loose)} were found'
+                    self.health.report('start', Level.WARN, words)
+                    return
+                if loose or ends != seen:
+                    seen, since = ends, time.monotonic()
 
     def _ends(self) -> list[tuple[int, int]]:
         """Return how many publish and how many read each topic of the table."""

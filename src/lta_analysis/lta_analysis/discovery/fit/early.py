@@ -64,7 +64,8 @@ def begun(
         flights = [shortened(flight, seconds) for flight in fitter.flights]
         stage = replace(fitter, flights=flights)
         try:
-            last = stage.fit(prior, stage.about(at, points), deviations, ROUNDS, REST)
+            here = stage.about(at, points, prior)
+            last = stage.fit(prior, here, deviations, ROUNDS, REST, narrow=True)
         except BadInput:
             break  # what is known by then may do
         at, points = stage.onward(last)

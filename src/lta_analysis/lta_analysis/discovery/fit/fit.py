@@ -171,9 +171,16 @@ class Fitter:
     variance: Array
     floor: Array
 
-    def about(self, at: Array, points: Sequence[Point]) -> Group:
-        """Return the flights about points; `BadInput` where no such vehicle can be."""
-        pieces = [Pieces(each.at(point)) for each, point in zip(self.flights, points, strict=True)]
+    def about(self, at: Array, points: Sequence[Point], prior: Prior | None = None) -> Group:
+        """
+        Return the flights about points; `BadInput` where no such vehicle can be.
+
+        With a prior they know only the columns of what it leaves free, which is faster where
+        nobody asks what another knob would bring.
+        """
+        free = None if prior is None else prior.free | (self.variance > 0.0)
+        both = zip(self.flights, points, strict=True)
+        pieces = [Pieces(each.at(point, free)) for each, point in both]
         return Group(tuple(pieces), at, self.variance)
 
     def fit(
@@ -183,6 +190,7 @@ class Fitter:
         deviations: Array,
         rounds: int = ROUNDS,
         rest: float = REST,
+        narrow: bool = False,
     ) -> Joint:
         """
         Fit them.
@@ -197,6 +205,8 @@ class Fitter:
             Of the latent wrench, to begin with.
         rounds, rest : int, float
             Linearisations at most; change of the evidence below which it has come to rest. [nats]
+        narrow : bool
+            Whether only the columns of what the prior leaves free are wanted, as of `begin`.
 
         Returns
         -------
@@ -209,7 +219,7 @@ class Fitter:
             step = self._step(last)
             if step is None or step.kept < 2.0 * rest:
                 break
-            there = self.about(step.at, step.points)
+            there = self.about(step.at, step.points, prior if narrow else None)
             now = self.settled(there, prior, last.deviations, last.rounds + 1)
             rests = last.group.aligned and step.whole and abs(now.evidence - last.evidence) < rest
             count += now.evidence - last.evidence < LEAP or last.rounds > 3 * ROUNDS

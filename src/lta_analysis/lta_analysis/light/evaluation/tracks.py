@@ -24,9 +24,10 @@ MARGIN = 0.25  # m of paper around the room
 @final
 @dataclass(frozen=True, slots=True)
 class Drawn:
-    """The way of one flight over the ground. [m, map]"""
+    """The way of one flight over the ground by time. [s], [m, map]"""
 
     strategy: str
+    time: Array
     x: Array
     y: Array
     reached: bool
@@ -51,7 +52,8 @@ def fly_again(plan: Plan, cells: Sequence[Cell], seed: int) -> tuple[list[Drawn]
             view.take()
         truth = view.truth
         keep = slice(None, None, max(1, len(truth.x) // BEADS))
-        drawn.append(Drawn(cell.strategy, truth.x[keep], truth.y[keep], seed in cell.arrivals))
+        way = (truth.time[keep], truth.x[keep], truth.y[keep])
+        drawn.append(Drawn(cell.strategy, *way, seed in cell.arrivals))
     return drawn, loop.world.scenario
 
 

@@ -24,6 +24,7 @@ from lta_sim.sensors.photodiode import PhotodiodeArray
 from lta_sim.vehicle import Vehicle
 from lta_vlc.demodulation import demodulate, Demodulation, plan_bins
 import numpy as np
+from numpy.typing import NDArray
 
 BLOCK_NS = 100_000_000
 TURN = math.radians(22.5)  # the nose is at most so far off the lamp: half a step of eight diodes
@@ -138,10 +139,7 @@ def _at(
     facing = LightView(field, vehicle, diodes).illuminance([_pose(x, y, z, towards)])
     snr, clipped = [], False
     for seed in range(blocks):
-        chance = np.random.default_rng(seed)
-        view = LightView(field, vehicle, diodes.drawn(chance))
-        view.pass_by(_pose(x, y, z, towards + TURN * float(chance.uniform(-1.0, 1.0))))
-        block = view.block(seed * BLOCK_NS, rate, samples, chance)
+        block = block_of(field, vehicle, diodes, stand, seed)
         snr.append(float(demodulate(block, bins).snr.max()))
         clipped |= bool((block >= 2**diodes.adc_bits - 1).any())
     return At(
@@ -153,6 +151,22 @@ def _at(
         snr=float(np.median(snr)),
         clipped=clipped,
     )
+
+
+def block_of(
+    field: LightField,
+    vehicle: Vehicle,
+    diodes: PhotodiodeArray,
+    stand: tuple[float, float, float, float],
+    seed: int,
+) -> NDArray[np.uint16]:
+    """Return an ADC block at a place [m], the lamp in some direction [rad]; (samples, diodes)."""
+    light = topic_table().light
+    chance = np.random.default_rng(seed)
+    x, y, z, towards = stand
+    view = LightView(field, vehicle, diodes.drawn(chance))
+    view.pass_by(_pose(x, y, z, towards + TURN * float(chance.uniform(-1.0, 1.0))))
+    return view.block(seed * BLOCK_NS, light.sample_rate.si, light.samples, chance)
 
 
 def _pose(x: float, y: float, z: float, heading: float) -> Pose:

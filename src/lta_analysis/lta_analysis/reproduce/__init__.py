@@ -1,0 +1,1 @@
+"""The seed paper, claim by claim, beside what this system gives."""

@@ -1,0 +1,24 @@
+"""The studies of all rows, by the name of the row's file in `config/paper`."""
+
+from typing import Final
+
+from lta_analysis.reproduce.found import Study
+from lta_analysis.reproduce.studies import (
+    cells,
+    energy,
+    indoors,
+    link,
+    mounting,
+    outdoors,
+    photodiodes,
+)
+
+STUDIES: Final[dict[str, Study]] = {
+    'cells': cells.study,
+    'mounting': mounting.study,
+    'photodiodes': photodiodes.study,
+    'link': link.study,
+    'indoors': indoors.study,
+    'outdoors': outdoors.study,
+    'energy': energy.study,
+}

@@ -1,0 +1,107 @@
+"""The strategies in simulation and indoors: who arrives, over which path and in what time."""
+
+from collections.abc import Mapping
+from itertools import pairwise
+import math
+from typing import Final
+
+from lta_analysis.light.evaluation.cells import Cell
+from lta_analysis.light.evaluation.order import found as order_found
+from lta_analysis.light.evaluation.paper import ORDER
+from lta_analysis.light.evaluation.pictures import beside_paper
+from lta_analysis.light.evaluation.tracks import fly_again, picture, shown_seed
+from lta_analysis.reproduce.flights import command, figures, fly, Group, PAPERS, record
+from lta_analysis.reproduce.found import Asked, Found, Picture, Value
+from lta_analysis.typed import typed
+
+SAFE: Final = {'scenario.goal.radius': '2 m'}  # the paper's simulation
+FAST: Final = {'mission.speed': 0.87}  # m/s: what the paper's path and time make
+TOWARDS: Final = 'start_heading'
+FACTORS: Final = {
+    'not_stopping': ('dga',),
+    'no_computing': ('dga',),
+    'plane_through_origin': ('dga',),
+    'gradient_alone': ('des',),
+    'narrow_diodes': ('dga', 'des'),
+}
+TRACKS: Final = (
+    'Ways over ground from above, the same seed for all; the yellow fan is the light of the lamp.'
+)
+BARS: Final = (
+    'Path, time and success of each strategy with 95 % intervals; stars are the flights that the '
+    'paper prints.'
+)
+
+
+def study(asked: Asked) -> Found:
+    """Return flights as the paper's, and with one factor changed at a time."""
+    indoors = fly('indoors', asked.seeds)
+    simulation = fly('indoors', asked.seeds, change=SAFE)
+    fast = fly('indoors', asked.seeds, strategies=('bag',), change=FAST)
+    towards = fly('ablations', asked.seeds, cases=[TOWARDS])
+    values: dict[str, Value] = {}
+    for name in PAPERS:
+        values |= figures(name, indoors.of(name))
+        values |= figures(f'sim_{name}', simulation.of(name))
+        values |= figures(f'{TOWARDS}_{name}', towards.of(name))
+    if not asked.quick:
+        values |= factors(asked.seeds)
+    values |= figures('fast_bag', fast.of('bag'))
+    values |= orders('', indoors.strategies())
+    values |= orders('sim_', simulation.strategies())
+    values |= orders(f'{TOWARDS}_', towards.strategies())
+    values['dga_by_bag_time'] = ratio(indoors, 'search_time', 'dga', 'bag')
+    values['dga_by_bag_path'] = ratio(indoors, 'path_length', 'dga', 'bag')
+    return Found(values, pictures(asked, indoors, towards, simulation))
+
+
+def factors(seeds: int) -> dict[str, Value]:
+    """Return the flights with one factor changed at a time."""
+    values: dict[str, Value] = {}
+    for case, strategies in FACTORS.items():
+        found = fly('ablations', seeds, strategies=strategies, cases=[case])
+        for name in strategies:
+            values |= figures(f'{case}_{name}', found.of(name))
+    return values
+
+
+def orders(prefix: str, cells: Mapping[str, Cell]) -> dict[str, Value]:
+    """Return the strategies by path, and in how many resampled draws the paper's order holds."""
+    held = order_found('', {name: cells[name] for name in ORDER})
+    paths = sorted(ORDER, key=lambda name: held.paths[name].value)
+    known = all(a == a for a, _ in pairwise([held.paths[name].value for name in (*paths, 'bag')]))
+    return {
+        f'{prefix}order': Value(' < '.join(name.upper() for name in paths) if known else 'none'),
+        f'{prefix}order_draws': Value(held.share, seeds=len(cells['bag'].rows)),
+    }
+
+
+def ratio(group: Group, figure: str, above: str, below: str) -> Value:
+    """Return the ratio of two strategies' means."""
+    top, bottom = (group.of(name).mean(figure) for name in (above, below))
+    value = top.value / bottom.value if bottom.value else math.nan
+    return Value(value, seeds=top.flights)
+
+
+def pictures(asked: Asked, indoors: Group, towards: Group, simulation: Group) -> list[Picture]:
+    """Return the flights from above, and the bars of the paper."""
+    made = [
+        Picture('bars', 'Indoors, beside the paper', BARS,
+                beside_paper(list(indoors.cells)),
+                typed('light', 'evaluate', '--sets', 'indoors', '--seeds', str(asked.seeds)))
+    ]  # fmt: skip
+    drawn = [('indoors', 'Indoors, to within 1 m, any heading', indoors)]
+    if not asked.quick:
+        drawn += [
+            ('simulation', 'To within 2 m, as in simulation', simulation),
+            ('towards', 'Indoors, from a heading within 30° of the lamp', towards),
+        ]
+    for name, heading, group in drawn:
+        cells = group.cells
+        seed = shown_seed(cells)
+        tracks, scenario = fly_again(group.plan, cells, seed)
+        bag = '' if asked.quick else record(group, cells, seed, asked.folder / name)
+        first = next(each for each in cells if each.strategy == 'bag')
+        again = command(group, first, seed)
+        made.append(Picture(name, heading, TRACKS, picture(tracks, scenario, 0.5), again, bag))
+    return made

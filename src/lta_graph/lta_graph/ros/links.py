@@ -1,0 +1,83 @@
+"""
+Tell whether the nodes of a drone have found each other, before what they say counts.
+
+That we see a writer and its reader does not say that they have found each other: on a busy machine
+that takes each pair up to seconds, and what is said before is lost in real time. Only the writer
+knows. So every node tells in /diagnostics how many readers each of its topics has found, and
+whoever begins a flight holds that against the graph that it sees itself.
+"""
+
+from collections.abc import Mapping
+from types import TracebackType
+from typing import final, Self
+
+from diagnostic_msgs.msg import DiagnosticArray
+from lta_config.topics import TopicTable
+from rclpy.node import Node
+
+LINKS = 'links'  # the task in which a node tells the readers of its topics
+DEPTH = 100  # messages of all nodes together that may wait until the next look
+
+
+@final
+class Links:
+    """
+    Hear how many readers a drone's nodes have found: `with Links(node, table) as links: ...`.
+
+    Not while the node spins: the subscription comes and goes.
+
+    Parameters
+    ----------
+    node : Node
+        Who listens; its namespace is that of the drone.
+    table : TopicTable
+        Tells which topics have a rhythm, and therefore a writer.
+
+    """
+
+    def __init__(self, node: Node, table: TopicTable) -> None:
+        self._node = node
+        self._robot = node.get_namespace().strip('/')
+        self._topics = [name for name, row in table.topics.items() if row.period_ns]
+        self._found: dict[str, int] = {}
+
+    def __enter__(self) -> Self:
+        """Begin to listen."""
+        self._subscription = self._node.create_subscription(
+            DiagnosticArray, '/diagnostics', self._hear, DEPTH
+        )
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Listen no more."""
+        self._node.destroy_subscription(self._subscription)
+
+    def _hear(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            if status.hardware_id == self._robot and status.name.endswith(f': {LINKS}'):
+                self._found |= {item.key: int(item.value) for item in status.values}
+
+    def loose(self, own: Mapping[str, int]) -> list[str]:
+        """
+        Return the topics that not all of their readers would hear now.
+
+        Parameters
+        ----------
+        own : mapping of str to int
+            Readers that the node itself has found, by topic.
+
+        """
+        take = self._subscription.handle.take_message
+        while (taken := take(DiagnosticArray, False)) is not None:
+            self._hear(taken[0])
+        found = self._found | dict(own)
+        return [
+            name
+            for name in self._topics
+            if name not in found or found[name] < self._node.count_subscribers(name)
+        ]

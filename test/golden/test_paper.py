@@ -1,0 +1,51 @@
+"""
+The quick page of the reproduction, found again: every figure within its declared rounding.
+
+`./lta reproduce --quick --json > test/golden/paper_quick.json` makes the reference anew, after a
+change that is meant to change what comes out.
+"""
+
+import json
+import math
+from pathlib import Path
+
+from lta_analysis.reproduce import lines
+from lta_analysis.reproduce.page import page
+from lta_analysis.reproduce.run import Order, rows_of, study_all
+from lta_analysis.reproduce.verdict import verdicts
+import pytest
+
+HERE = Path(__file__).parent
+TOLD = json.loads((HERE / 'paper_quick.json').read_text(encoding='utf-8'))
+ROWS = rows_of([])
+
+
+@pytest.fixture(scope='module')
+def kepts(tmp_path_factory):
+    order = Order(tuple(row.name for row in ROWS), True, tmp_path_factory.mktemp('paper'), 1)
+    return dict(study_all(order, ROWS))
+
+
+@pytest.mark.parametrize('row', ROWS, ids=lambda row: row.name)
+def test_every_figure_is_found_again_within_its_rounding(row, kepts):
+    told = TOLD['rows'][row.name]
+    found = kepts[row.name].values
+    assert found.keys() == told['values'].keys()
+    for name, (value, *_, seeds) in told['values'].items():
+        now, measure = found[name], row.measures[name]
+        assert now.seeds == seeds, name
+        if value is None or isinstance(value, str):
+            assert (None if now.value != now.value else now.value) == value, name
+        else:
+            assert math.isclose(now.value, value, abs_tol=measure.rounding, rel_tol=1e-9), name
+    assert {k: str(v) for k, v in verdicts(row, found).items()} == told['verdicts']
+
+
+def test_the_page_tells_what_was_found(kepts):
+    text = page(ROWS, kepts, {})
+    assert lines.title(ROWS, kepts).replace("'", '&#x27;') in text
+    for row in ROWS:
+        assert f'id="{row.name}"' in text
+        for picture in kepts[row.name].pictures:
+            assert f'figure-{row.name}-{picture.name}' in text
+            assert picture.command

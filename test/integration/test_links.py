@@ -1,0 +1,62 @@
+"""A flight begins in real time once every writer has found the readers that the graph has."""
+
+from collections.abc import Iterator
+import time
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from geometry_msgs.msg import Vector3Stamped
+from lta_config.topics import topic_table
+from lta_graph.ros.links import LINKS, Links
+import pytest
+from rclpy.context import Context
+from rclpy.node import Node
+
+PATIENCE = 20.0  # s
+TOPICS = [name for name, row in topic_table().topics.items() if row.period_ns]
+
+
+@pytest.fixture
+def node() -> Iterator[Node]:
+    """Return a node of lta1 that stands for all its nodes."""
+    context = Context()
+    context.init()
+    node = Node('links', namespace='lta1', context=context)
+    yield node
+    node.destroy_node()
+    context.try_shutdown()
+
+
+def told(robot: str, **readers: int) -> DiagnosticArray:
+    """Return what a node tells of the readers of its topics."""
+    values = [KeyValue(key=name, value=str(count)) for name, count in readers.items()]
+    status = DiagnosticStatus(name=f'x: {LINKS}', hardware_id=robot, values=values)
+    return DiagnosticArray(status=[status])
+
+
+def await_loose(links: Links, own: dict[str, int], wanted: list[str]) -> None:
+    """Wait until just these topics are loose."""
+    deadline = time.monotonic() + PATIENCE
+    while (loose := links.loose(own)) != wanted:
+        assert time.monotonic() < deadline, loose
+        time.sleep(0.01)
+
+
+def test_a_topic_is_loose_until_its_writer_has_found_every_reader_of_the_graph(node):
+    out = node.create_publisher(DiagnosticArray, '/diagnostics', 10)
+    rest = [name for name in TOPICS if name not in ('imu', 'wind')]
+    with Links(node, topic_table()) as links:
+        await_loose(links, {}, TOPICS)
+        while not out.get_subscription_count():
+            time.sleep(0.01)
+        out.publish(told('lta2', wind=0))  # another drone's
+        out.publish(told('lta1', **dict.fromkeys(rest, 0)))
+        await_loose(links, {'imu': 0}, ['wind'])
+        out.publish(told('lta1', wind=0))
+        await_loose(links, {'imu': 0}, [])
+        reader = node.create_subscription(Vector3Stamped, 'wind', lambda _: None, 10)
+        await_loose(links, {'imu': 0}, ['wind'])
+        out.publish(told('lta1', wind=1))
+        await_loose(links, {'imu': 0}, [])
+        node.destroy_subscription(reader)
+        assert links.loose({}) == ['imu']
+    assert not list(node.subscriptions)

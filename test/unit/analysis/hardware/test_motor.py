@@ -1,0 +1,159 @@
+"""lta hardware bench: one motor, only after its name was typed, and none on any way out."""
+
+import io
+import json
+import os
+import signal
+import threading
+import time
+
+from lta_analysis.hardware.motor import ended_by_signals, MotorBench
+from lta_bridge.crazyflie.cflib_link import CflibLink
+from lta_bridge.crazyflie.emulated.body import Bench
+from lta_bridge.crazyflie.emulated.firmware import Firmware
+from lta_bridge.crazyflie.emulated.server import Server
+from lta_bridge.crazyflie.link import LinkFailed
+from lta_bridge.crazyflie.log_table import BLOCKS
+from lta_config.crazyflie_file import load_crazyflie
+from lta_sim.vehicle import load_vehicle
+import pytest
+
+# cflib logs to files and sockets that its daemon threads close when they please.
+pytestmark = pytest.mark.filterwarnings('ignore::pytest.PytestUnraisableExceptionWarning')
+
+PATIENCE = 10.0  # s; what comes normally comes within milliseconds
+FILE, ROTORS = load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names
+
+
+def until(condition):
+    deadline = time.monotonic() + PATIENCE
+    while not (found := condition()):
+        assert time.monotonic() < deadline
+        time.sleep(0.005)
+    return found
+
+
+@pytest.fixture
+def typed(monkeypatch):
+    def put(text):
+        monkeypatch.setattr('sys.stdin', io.StringIO(text))
+
+    return put
+
+
+@pytest.fixture
+def drone():
+    with Server(Firmware(Bench())) as server:
+        yield server
+
+
+def bench_of(server, motor='m2'):
+    link = CflibLink(server.uri, BLOCKS, time.time_ns)
+    link.open(PATIENCE)
+    return link, MotorBench(link, FILE, ROTORS, motor)
+
+
+def at_rest(server):
+    firmware = server.firmware
+    return firmware.body.duties == (0.0,) * 4 and not firmware.supervisor.armed
+
+
+def test_one_motor_turns_alone_and_stands_afterwards(drone, call, typed):
+    typed('spin m2\n')
+    words = ('--uri', drone.uri, '--duty', '0.2', '--seconds', '0.6', '--json')
+    status, said = call('hardware', 'bench', 'm2', *words)
+    assert status == 0
+    told = json.loads(said.out)
+    assert told['duty'] == pytest.approx(0.2, abs=0.001)
+    assert told['others'] == 0.0
+    assert told['alone']
+    assert at_rest(drone)
+    assert not drone.firmware.supervisor.locked
+
+
+@pytest.mark.parametrize('text', ['', 'spin m1\n', 'y\n', 'spin\n'])
+def test_without_its_name_typed_nothing_is_even_connected(drone, call, typed, text):
+    typed(text)
+    status, said = call('hardware', 'bench', 'm2', '--uri', drone.uri)
+    assert status == 2
+    assert said.err == "Nothing turned: 'spin m2' was not typed.\n"
+    assert at_rest(drone)
+    assert drone.firmware.log.blocks == {}
+
+
+@pytest.mark.parametrize('error', [KeyboardInterrupt, ValueError])
+def test_ctrl_c_and_errors_stop_it(drone, error):
+    link, bench = bench_of(drone)
+
+    def fail(_):
+        until(lambda: drone.firmware.body.duties[1] > 0.0)
+        raise error
+
+    with pytest.raises(error):
+        bench.turn(0.2, 5.0, fail)
+    assert at_rest(drone)
+    link.close()
+
+
+def test_sigterm_stops_it(drone):
+    link, bench = bench_of(drone)
+    timer = threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGTERM))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt), ended_by_signals():
+        bench.turn(0.2, 10.0, lambda _: None)
+    assert at_rest(drone)
+    link.close()
+
+
+def test_a_drone_that_falls_silent_is_disarmed_although_nobody_hears_it_say_so(drone):
+    link, bench = bench_of(drone)
+
+    def silence(been):
+        drone.down.silent = been > 0.2
+
+    with pytest.raises(LinkFailed, match='said nothing for'):
+        bench.turn(0.2, 10.0, silence)
+    until(lambda: at_rest(drone))
+    link.close()
+
+
+def test_a_link_that_is_cut_both_ways_leaves_it_to_the_app_aboard(drone):
+    link, bench = bench_of(drone)
+
+    def cut(been):
+        drone.down.silent = drone.up.silent = been > 0.2
+
+    with pytest.raises(LinkFailed):
+        bench.turn(0.2, 10.0, cut)
+    assert drone.firmware.body.duties == (0.0,) * 4
+    link.close()
+
+
+def test_a_drone_that_may_not_arm_says_why(drone):
+    drone.firmware.voltage = 3.0
+    link, bench = bench_of(drone)
+    with pytest.raises(LinkFailed, match='charge it'):
+        bench.turn(0.2, 1.0, lambda _: None)
+    assert at_rest(drone)
+    link.close()
+
+
+def test_without_the_app_nothing_turns(drone, call, typed):
+    drone.firmware.parameters.values['lta.app'] = 0
+    typed('spin m1\n')
+    status, said = call('hardware', 'bench', 'm1', '--uri', drone.uri, '--seconds', '0.5')
+    assert status == 1
+    assert 'the app that flies duties' in said.err
+    assert at_rest(drone)
+
+
+def test_what_cannot_be_asked_is_one_sentence(call):
+    for words, sentence in (
+        (('m5',), "'m5'"),
+        (('m1', '--vehicle', 'multirotor'), 'turns no single motor safely'),
+        (('m1', '--uri', 'nonsense'), 'names no Crazyflie'),
+    ):
+        status, said = call('hardware', 'bench', *words)
+        assert status == 2
+        assert sentence in said.err
+        assert said.err.count('\n') == 1

@@ -1,0 +1,64 @@
+"""The files of the paper's rows: read strictly, their sums worked out."""
+
+import copy
+
+from lta_config.errors import BadInput
+from lta_config.files import checked, find, known, load_yaml
+from lta_config.paper_file import load_paper_row, paper_rows, PaperRow
+from lta_config.sums import value_of
+import pytest
+
+CELLS = load_yaml(find('row of the paper', 'cells'))
+
+
+@pytest.mark.parametrize('name', known('paper'))
+def test_every_row_is_read_and_is_called_what_its_file_is(name):
+    assert load_paper_row(name).name == name
+
+
+def test_rows_come_in_the_order_of_the_paper():
+    numbers = [row.number for row in paper_rows()]
+    assert numbers == sorted(set(numbers))
+
+
+def changed(path, value):
+    content = copy.deepcopy(CELLS)
+    inner = content
+    for key in path[:-1]:
+        inner = inner[key]
+    inner[path[-1]] = value
+    return content
+
+
+@pytest.mark.parametrize(
+    ('path', 'value', 'word'),
+    [
+        (('claims', 'front', 'measure'), 'nobody', 'nobody'),
+        (('claims', 'front', 'finding'), 'so {nobody} says', 'nobody'),
+        (('claims', 'adafruit', 'rule'), {'least': '1 m'}, 'measured in s'),
+        (('claims', 'adafruit', 'rule'), {'is': 'quick'}, 'word'),
+        (('claims', 'front', 'rule'), {'within': '1 %', 'is': 'x'}, 'one of'),
+        (('claims', 'dracula_time', 'untested'), '', 'untested'),
+        (('claims', 'adafruit', 'value'), None, 'no value'),
+        (('measures', 'sheet_seeed', 'unit'), 'furlong', 'furlong'),
+        (('defects', 'areas', 'sums'), ['2 apples'], 'no sum'),
+        (('defects', 'areas', 'sums'), [], 'areas'),
+    ],
+)
+def test_what_does_not_hold_together_is_one_sentence(path, value, word):
+    with pytest.raises(BadInput, match=word):
+        checked(PaperRow, changed(path, value), 'cells')
+
+
+def test_sums_are_worked_out_and_nothing_else():
+    assert value_of('pi * 7 ** 2 / 3 - (1 + 2)') == pytest.approx(48.3127)
+    assert value_of('-2 * 3') == -6.0
+    for text in ('open("x")', '1 / 0', 'x', '1 if 2 else 3', '', '9e9 ** 9e9', '(1).real'):
+        with pytest.raises(ValueError, match='no sum'):
+            value_of(text)
+
+
+def test_a_defect_tells_its_arithmetic():
+    two = load_paper_row('cells').defects['masses'].arithmetic
+    assert '36.0 g' in two
+    assert '47.2 g' in two
