@@ -109,7 +109,7 @@ class Programs:
                 stderr=subprocess.STDOUT, text=True, errors='replace', start_new_session=True,
             )  # fmt: skip
             self._running.add(process)
-            try:
+            with process:  # leaves no pipe open and waits, whatever happens
                 assert process.stdout is not None
                 for line in process.stdout:
                     out.write(line)
@@ -118,13 +118,9 @@ class Programs:
                     elif (found := TIME.match(line.strip())) is not None:
                         time = float(found[1])
                         tell(time, residual)
-            finally:
-                if process.poll() is None and process.stdout and not process.stdout.closed:
-                    process.stdout.close()
-                code = process.wait()
-                self._running.discard(process)
-        if code != 0:
-            raise CaseFailed(self._why(command[0], code, log))
+            self._running.discard(process)
+        if process.returncode != 0:
+            raise CaseFailed(self._why(command[0], process.returncode, log))
 
     def _why(self, program: str, code: int, log: Path) -> str:
         if self._stopped:

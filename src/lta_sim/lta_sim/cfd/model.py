@@ -186,7 +186,10 @@ def _check(
             )
     for name, rotor in rotors.items():
         for other, mesh in bodies.items():
-            if np.any(winding(mesh.triangles, rotor.rim()) > 0.5):
+            low, high = mesh.bounds
+            near = rotor.rim()
+            near = near[np.all((near >= low) & (near <= high), axis=1)]
+            if np.any(winding(mesh.triangles, near) > 0.5):
                 x, y, z = rotor.place
                 raise BadInput(
                     f'The rotor {name} at ({x:g}, {y:g}, {z:g}) m is inside {other}; '

@@ -82,7 +82,7 @@ def _hollow(model: Model, turn: Array, across: int, sides: list[Array], grid: Ar
         whole[:3, :3] = turn
         turned.apply_transform(whole)
         origin = 0.0023 * model.length * normal
-        cut = trimesh.intersections.mesh_plane(turned, plane_normal=normal, plane_origin=origin)
+        cut = trimesh.intersections.mesh_plane(turned, normal, origin)  # type: ignore[no-untyped-call]
         if len(cut):
             grid[_inside(cut[:, :, [across, 2]], sides)] = np.nan
     return grid

@@ -30,7 +30,25 @@ def case(*scripts, name='case'):
 def test_entries_become_the_text_that_openfoam_reads():
     text = dictionary('x', {'a': 1.5e-5, 'b': [1, [2, 3]], 'c': {'d': True, 'e': ['f', {'g': 1}]}})
     body = text[text.index('}') + 1 :].split()
-    assert body == ['a', '1.5e-05;', 'b', '(1', '(2', '3));', 'c', '{', 'd', 'true;', 'e', '(f', '{', 'g', '1;', '});', '}']
+    assert body == [
+        'a',
+        '1.5e-05;',
+        'b',
+        '(1',
+        '(2',
+        '3));',
+        'c',
+        '{',
+        'd',
+        'true;',
+        'e',
+        '(f',
+        '{',
+        'g',
+        '1;',
+        '});',
+        '}',
+    ]
 
 
 def test_a_case_is_named_by_what_it_is():
@@ -83,7 +101,7 @@ def test_a_full_disk_is_named(tmp_path, monkeypatch):
         raise OSError(errno.ENOSPC, 'No space left on device')
 
     monkeypatch.setattr(Programs, 'run', full)
-    with pytest.raises(CaseFailed, match='No space left on device .*--cache'):
+    with pytest.raises(CaseFailed, match=r'No space left on device .*--cache'):
         Stages(tmp_path, Programs(), lambda *_: None).solve(case('true'))
 
 
@@ -115,7 +133,7 @@ def test_without_openfoam_one_sentence_says_how_to_get_it(monkeypatch):
 
 def test_a_mesh_beyond_the_memory_is_refused_before_any_work():
     found = flows(model_of('gtmab'), 'preview', AIR, ('surge',))
-    with pytest.raises(BadInput, match='needs about 0.7 GB and there are 0.5'):
+    with pytest.raises(BadInput, match=r'needs about 0\.7 GB and there are 0\.5'):
         check_memory(found, 2, 0.5e9)
 
 
