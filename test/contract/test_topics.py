@@ -6,6 +6,7 @@ from pathlib import Path
 import re
 
 from lta_bridge.crazyflie.settings import BridgeSettings
+from lta_bridge.nodes.description import DescriptionSettings
 from lta_bridge.nodes.live import LiveSettings
 from lta_bridge.nodes.player import PlayerSettings
 from lta_bridge.nodes.recorder import RecorderSettings
@@ -55,6 +56,8 @@ NODES = {
 }
 # Plays a part of the vehicle beside whoever plays the rest.
 BRIDGES = {'teensy_bridge': TeensyBridgeSettings}
+# Stand beside the graph: they serve people, and no row of the table waits for them.
+BESIDE = {'description': DescriptionSettings}
 # Subscribe for themselves: raw, to all that the table lists, or as users of what others decide.
 LISTENERS = {'recorder', 'live', 'crazyflie_bridge'}
 PARTIAL = {'crazyflie_bridge'}  # a real drone says less than the simulator
@@ -112,7 +115,7 @@ def read(node):
 
 
 def test_every_node_is_known_here():
-    assert set(FILES) == {*NODES, *BRIDGES}
+    assert set(FILES) == {*NODES, *BRIDGES, *BESIDE}
 
 
 @pytest.mark.parametrize('name', BRIDGES)
