@@ -6,6 +6,7 @@ of `photodiodes` in another process. `python test/benchmark/light_link.py SECOND
 figures of one long run: the way's median and 99 %, what was lost, the bridge's share of a core.
 """
 
+from collections.abc import Iterator
 from functools import cache
 import os
 from pathlib import Path
@@ -22,6 +23,7 @@ from lta_bridge.teensy.emulator import Cable, EmulatedBoard
 from lta_config.topics import topic_table
 from lta_graph.ros.node import message_type
 from lta_graph.ros.qos import profile
+from lta_vlc.messages import to_block
 import numpy as np
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
@@ -31,6 +33,7 @@ from record import cpu
 TABLE = topic_table()
 BRIDGE = 'from lta_bridge.nodes.teensy_bridge import main; main()'
 FRAME = 15  # rows of 8 diodes
+FULL = 4096  # readings of a converter
 SHORT = 10.0  # s of a run of `make bench`
 LEAD = 1.0  # s before what counts: discovery, and the board's clock
 
@@ -68,7 +71,7 @@ class Board(threading.Thread):
                 self.cable.write(board.answer(asked, time.time_ns()))
                 time.sleep(max(0.0, begun + (turn + 1) * FRAME / self._rate - time.monotonic()))
             rows = (turn + 1) * FRAME
-            samples[:, 0] = (rows - FRAME) // length % 4096  # which block, for the other end
+            samples[:, 0] = (rows - FRAME) // length % FULL  # which block, for the other end
             if rows // length > (rows - FRAME) // length:
                 self.ended[rows // length - 1] = time.monotonic()
             self.cable.write(board.light(samples))
@@ -83,11 +86,12 @@ def measure(seconds: float) -> Run:
         words = ['-p', f'port:={name}/tty', '-r', '__ns:=/lta1']
         bridge = subprocess.Popen([sys.executable, '-c', BRIDGE, '--ros-args', *words])
         node, came = rclpy.create_node('watch', namespace='/lta1'), []
+        length = TABLE.light.samples
         row = TABLE['photodiodes']
         node.create_subscription(
             message_type(row),
             'photodiodes',
-            lambda _: came.append(time.monotonic()),
+            lambda image: came.append((int(to_block(image)[length // 2, 0]), time.monotonic())),
             profile(row, lockstep=False),
         )
         executor = SingleThreadedExecutor()
@@ -110,10 +114,17 @@ def measure(seconds: float) -> Run:
         bridge.wait()
         node.destroy_node()
         rclpy.shutdown()
-    ended = [board.ended[k] for k in sorted(board.ended)]
-    lost = len(ended) - len(came)
-    ways = np.array(came) - np.array(ended) if lost == 0 else np.array([np.nan])
-    return Run(ways, lost, share)
+    ways = [when - board.ended[block] for block, when in unwrapped(came)]
+    return Run(np.array(ways), len(board.ended) - len(ways), share)
+
+
+def unwrapped(came: list[tuple[int, float]]) -> Iterator[tuple[int, float]]:
+    """Yield which block came when: a block tells its number in 12 bits, and they come in order."""
+    turns, last = 0, -1
+    for number, when in came:
+        turns += number < last
+        last = number
+        yield turns * FULL + number, when
 
 
 @cache

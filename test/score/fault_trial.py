@@ -19,7 +19,7 @@ import time
 from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticArray
-from fault_kinds import Kind, KINDS, NEVER, SLACK, WRAP_MS
+from fault_kinds import KINDS, NEVER, SLACK, WRAP_MS
 from lta_analysis.bag.reader import read_bag
 from lta_bridge.crazyflie.emulated.server import Server
 from lta_bridge.emulated_hardware import flown
@@ -77,10 +77,11 @@ class Outcome:
 class Trial:
     """The parties of one flight."""
 
-    def __init__(self, kind: Kind, number: int, folder: Path, peer: Peer) -> None:
+    def __init__(self, name: str, number: int, folder: Path, peer: Peer) -> None:
+        kind = KINDS[name]
         self._kind, self._peer = kind, peer
         self.by_setpoints = bool(number % 2)
-        self._random = Random(number)
+        self._random = Random(f'{name} {number}')
         vehicle = VEHICLES[self.by_setpoints]
         self._body = flown(vehicle, 'lamp_room', number)
         self.server = Server(kind.firmware(self._body, self._random))
@@ -258,7 +259,7 @@ def tried(kind: str, number: int) -> Outcome:
     """Return the outcome of one fault; what breaks is an outcome, too."""
     with tempfile.TemporaryDirectory() as name, free_domain() as domain, Peer(domain) as peer:
         try:
-            return Trial(KINDS[kind], number, Path(name), peer).fly()
+            return Trial(kind, number, Path(name), peer).fly()
         except Exception as error:
             return Outcome(None, None, False, '', f'{type(error).__name__}: {error}'[:300])
         finally:

@@ -142,7 +142,11 @@ def main() -> int:
     asked = parser.parse_args()
     asked.out.mkdir(parents=True, exist_ok=True)
     path = asked.out / f'{version()}.jsonl'
-    cases = [Case(kind, number) for number in range(asked.each) for kind in asked.kinds]
+    cases = [  # turn about, so that what has been flown at any time is of both ways to command
+        Case(kind, (turn + place) % asked.each)
+        for turn in range(asked.each)
+        for place, kind in enumerate(asked.kinds)
+    ]
     outcomes = campaign(cases, path, asked.side)
     lines = list(rows(outcomes))
     sys.stdout.write('\n'.join(lines) + f'\nrows in {path}\n')
