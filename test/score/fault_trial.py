@@ -29,8 +29,10 @@ from std_srvs.srv import SetBool, Trigger
 
 sys.path += [str(Path(__file__).parents[1]), str(Path(__file__).parents[1] / 'integration')]
 from domain import free_domain
+import peer as peers
 from peer import Peer, put_away, start
 
+peers.PATIENCE = 90.0  # s: a flight's nodes start beside those of others
 TABLE: Final = topic_table()
 VEHICLES: Final = ('gtmab', 'multirotor')  # by duties, by setpoints
 COMMANDS: Final = 0.05  # s between two
