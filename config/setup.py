@@ -5,6 +5,7 @@ from pathlib import Path
 from setuptools import find_packages, setup
 
 FOLDERS = (
+    'aero',
     'cell_tables',
     'cells',
     'comparisons',
@@ -20,6 +21,7 @@ FOLDERS = (
     'paper',
     'scenarios',
     'sweeps',
+    'tunnels',
     'vehicles',
 )
 
@@ -33,6 +35,7 @@ setup(
         ('share/lta_config', ['package.xml', 'topics.yaml', 'views.yaml']),
         ('share/lta_config/foxglove', ['foxglove/lta.json']),
         ('share/lta_config/plotjuggler', ['plotjuggler/lta.xml']),
+        ('share/lta_config/aero', sorted(map(str, Path('aero').glob('*.json')))),
         *(
             (f'share/lta_config/{folder}', sorted(map(str, Path(folder).glob('*.yaml'))))
             for folder in FOLDERS

@@ -25,6 +25,8 @@ MISFITS = (ValueError, ArithmeticError, LookupError, TypeError, AttributeError)
 
 # Where the files of each kind are shipped.
 FOLDERS = {
+    'aero': 'aero',
+    'tunnel': 'tunnels',
     'vehicle': 'vehicles',
     'scenario': 'scenarios',
     'gains': 'control',

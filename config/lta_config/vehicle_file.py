@@ -9,8 +9,10 @@ from collections.abc import Mapping
 import math
 from typing import Annotated, Any, Literal
 
+from lta_config.aero_file import load_aero_file
 from lta_config.files import find, load, Record
 from lta_config.quantity import Quantity, si
+from lta_config.vehicle_aero import Aero
 from lta_config.vehicle_body import (
     Hull,
     Layer,
@@ -23,10 +25,8 @@ from lta_config.vehicle_body import (
 from lta_config.vehicle_diodes import Diodes
 from lta_config.vehicle_energy import Energy
 from lta_config.vehicle_version import upgraded
-from pydantic import AliasChoices, Field, model_validator
+from pydantic import AliasChoices, Field, field_validator, model_validator
 
-Force = Annotated[Quantity, si('1', low=-1.5, high=1.5, length=3, sourced=True)]
-Moment = Annotated[Quantity, si('m', low=-5.0, high=5.0, length=3, sourced=True)]
 Vector = tuple[float, float, float]
 UP = (0.0, 0.0, 1.0)
 ROTORS = 8  # places for rotors in the model
@@ -72,60 +72,6 @@ class Rotor(Record):
         if self.thrust_curve and self.thrust_curve.reverse and not self.reversible:
             raise ValueError('has a thrust in reverse but is not reversible; remove one')
         return self
-
-
-class Drag(Record):
-    """Drag coefficients along and about x, y, z."""
-
-    force: Quantity
-    moment: Quantity
-
-
-class LinearDrag(Drag):
-    """Proportional to the speed."""
-
-    force: Annotated[Quantity, si('N s/m', low=0.0, length=3, sourced=True)]
-    moment: Annotated[Quantity, si('N m s', low=0.0, length=3, sourced=True)]
-
-
-class QuadraticDrag(Drag):
-    """Proportional to the square of the speed."""
-
-    force: Annotated[Quantity, si('N s2/m2', low=0.0, length=3, sourced=True)]
-    moment: Annotated[Quantity, si('N m s2', low=0.0, length=3, sourced=True)]
-
-
-class Wrench(Record):
-    """Force and moment about the hull centre per newton of thrust."""
-
-    force: Force
-    moment: Moment
-
-
-class RotorColumn(Wrench):
-    """One column of B; `reverse` is the column of reversed thrust where it is another."""
-
-    reverse: Wrench | None = None
-
-
-class Coupling(Wrench):
-    """What the jets of some rotors make together, per newton of the weakest of them."""
-
-    rotors: Annotated[list[str], Field(min_length=2)]
-    reversed: bool = False  # whether it is their reversed jets that meet
-
-
-class Aero(Record):
-    """
-    What a wind tunnel says, about the hull centre.
-
-    A rotor without a column in `thrust_allocation` gets it from its place, axis and torque.
-    """
-
-    linear_drag: LinearDrag
-    quadratic_drag: QuadraticDrag
-    thrust_allocation: Mapping[str, RotorColumn] = Field(default_factory=dict)
-    coupling: Coupling | None = None
 
 
 class Sensors(Record):
@@ -179,6 +125,12 @@ class VehicleFile(Record):
         x, y, z = self.energy.array.normal.vector
         length = math.hypot(x, y, z)
         return x / length, y / length, z / length
+
+    @field_validator('aero', mode='before')
+    @classmethod
+    def _by_name(cls, given: Any) -> Any:  # noqa: ANN401 - whatever the file held
+        """Return the aero block of the aero file that is named, if it is one."""
+        return load_aero_file(given).aero if isinstance(given, str) else given
 
     @model_validator(mode='before')
     @classmethod

@@ -76,6 +76,14 @@ ENERGY: Final = Group(
         'breakeven': Verb('energy_breakeven', 'breakeven'),
     },
 )
+CFD: Final = Group(
+    'The wind tunnel: drag and rotor columns from the shape of a vehicle, without a flight.',
+    {
+        'run': Verb('cfd_run', 'run'),
+        'validate': Verb('cfd_validate', 'validate'),
+        'refit': Verb('cfd_refit', 'refit'),
+    },
+)
 HARDWARE: Final = Group(
     'Look at real drones and light boards, turn one motor, put a board on a turntable.',
     {
@@ -98,6 +106,7 @@ VERBS: Final[dict[str, Verb | Group]] = {
     'platforms': Verb('platforms', 'platforms'),
     'vehicle': Verb('vehicle', 'vehicle'),
     'cells': Verb('cells', 'cells'),
+    'cfd': CFD,
     'light': LIGHT,
     'energy': ENERGY,
     'bag': BAG,

@@ -1,7 +1,7 @@
 """How hard the rotors work to carry what the gas does not."""
 
 from lta_config.errors import BadInput
-from lta_config.vehicle_file import Coupling
+from lta_config.vehicle_aero import Coupling
 from lta_sim.propulsion import Unit
 
 HEAVE = 2

@@ -15,7 +15,8 @@ import math
 from typing import final, Self
 
 from lta_config.errors import BadInput
-from lta_config.vehicle_file import Coupling, Rotor, RotorColumn, ThrustCurve, VehicleFile
+from lta_config.vehicle_aero import Coupling, RotorColumn
+from lta_config.vehicle_file import Rotor, ThrustCurve, VehicleFile
 
 Three = tuple[float, float, float]
 Six = tuple[float, float, float, float, float, float]

@@ -1,0 +1,1 @@
+"""The wind tunnel for people: its progress, its page, its pictures."""

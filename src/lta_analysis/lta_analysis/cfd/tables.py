@@ -1,0 +1,75 @@
+"""Tables of a sweep, for page and terminal."""
+
+from lta_analysis.energy.tables import Table
+from lta_sim.cfd.columns import linear, summed
+from lta_sim.cfd.refit import by_hand_at, drags, fits_of, points_of
+from lta_sim.cfd.sweep_table import Sweep
+from lta_sim.cfd.validation import Judged
+
+
+def coefficients(sweep: Sweep) -> Table:
+    """Return linear and quadratic drag of each axis, how well they fit, and what is beside."""
+    rows = []
+    for axis, fit in fits_of(sweep).items():
+        points = points_of(sweep, axis)
+        middle = points[len(points) // 2]
+        ratio = drags(axis, [middle])[0] / by_hand_at(sweep, axis, middle.speed)
+        solved = axis in sweep.axes
+        rows.append([
+            axis, f'{fit.linear:.2g}', f'{fit.quadratic:.3g}', f'{100 * fit.error:.1f}',
+            f'{fit.exponent:.2f}', f'{100 * max(p.evidence.spread for p in points):.1f}',
+            f'{middle.evidence.cells}' if solved else 'by hand', f'{ratio:.2f}',
+        ])  # fmt: skip
+    heads = ['axis', 'D1', 'D2', 'fit error [%]', 'exponent', 'spread [%]', 'cells', 'over hand']
+    note = (
+        'D1 in N s/m and N m s, D2 in N s2/m2 and N m s2, about the hull centre. Fit error: the '
+        'worst point. Over hand: drag at the middle point over the estimate by hand.'
+    )
+    return Table('Drag', heads, rows, note)
+
+
+def patterns(sweep: Sweep) -> Table:
+    """Return the net wrench of all that blew, and what the sum of single rotors says."""
+    rows = []
+    for name, blown in sweep.blows.items():
+        sum_ = summed(sweep, blown.shares)
+        share = linear(sweep, name)
+        rows.append([
+            name.replace('_', ' '), *(f'{each:.3f}' for each in blown.force),
+            *(f'{1e3 * each:.1f}' for each in blown.moment),
+            '' if sum_ is None or len(blown.shares) < 2 else f'{sum_[2]:.3f}',
+            '' if share is None else f'{share:.3f}',
+            f'{100 * (blown.evidence.balance or 0.0):.2f}',
+        ])  # fmt: skip
+    heads = [
+        'rotors', 'Fx [N]', 'Fy', 'Fz', 'Mx [mN m]', 'My', 'Mz', 'Fz of the sum', 'quarter',
+        'balance [%]',
+    ]  # fmt: skip
+    note = (
+        'Net, the thrust itself included, about the hull centre. Quarter: the wrench at a quarter '
+        'of the thrust over a quarter of the whole one, 1 where it is linear. Balance: force that '
+        'is not in the momentum of the air.'
+    )
+    return Table('Rotors on', heads, rows, note)
+
+
+def spheres(found: list[Judged]) -> Table:
+    """Return the sphere beside what was measured."""
+    rows = [
+        [
+            each.setting, f'{each.cells}', f'{each.reynolds:.3g}', f'{each.coefficient:.3f}',
+            f'{100 * each.error:.1f}', f'{each.measured:.3f}',
+            f'{100 * (each.coefficient / each.measured - 1.0):+.0f}', f'{100 * each.off:+.0f}',
+            f'{each.seconds:.0f}',
+        ]
+        for each in found
+    ]  # fmt: skip
+    heads = [
+        'setting', 'cells', 'Re', 'Cd', 'error [%]', 'Morrison', 'off it [%]', 'off scatter [%]',
+        'CPU s',
+    ]  # fmt: skip
+    note = (
+        'Error: standard error of a transient, standard deviation of the window of a steady '
+        'flow. Scatter: from Morrison to the 0.50 that Achenbach measured.'
+    )
+    return Table('Sphere', heads, rows, note)

@@ -1,0 +1,41 @@
+"""lta cfd refit: an aero file from the raw sweep, without OpenFOAM."""
+
+from pathlib import Path
+import sys
+from typing import Annotated
+
+from lta_config.errors import BadInput
+from lta_config.files import share
+from lta_sim.cfd.aero_text import aero_text
+from lta_sim.cfd.sweep_table import read_sweep
+import typer
+
+
+def refit(
+    sweep: Annotated[
+        str, typer.Argument(metavar='SWEEP', help='A shipped name, or a .sweep.json file.')
+    ],
+    out: Annotated[
+        Path | None, typer.Option(help='File to write; printed by default.', metavar='FILE')
+    ] = None,
+) -> None:
+    """
+    Fit the coefficients of a raw sweep again: what `lta cfd run` writes, without solving anything.
+
+    Exit status 0: done. 2: bad input.
+
+    Example: lta cfd refit gtmab
+    """
+    path = Path(sweep)
+    if '/' not in sweep and not sweep.endswith('.json'):
+        path = share() / 'aero' / f'{sweep}.sweep.json'
+    text = aero_text(read_sweep(path))
+    if out is None:
+        sys.stdout.write(text)
+        return
+    try:
+        out.write_text(text, encoding='utf-8')
+    except OSError as error:
+        raise BadInput(
+            f"'{out}' cannot be written ({error.strerror}); choose another --out."
+        ) from error

@@ -1,0 +1,115 @@
+"""
+Drag by hand: Hoerner for the hull, plates for the boxes, boundary layers of turning discs.
+
+A fallback without any flow solver, and what a flow solver is checked against: the two should not
+differ by more than a factor of two. Hulls are taken as spheroids of the model's sizes.
+
+Along an axis, with l the length along it, d the size across it, on the shadow's area (Hoerner
+1965, Fluid-Dynamic Drag, 6-19; of bodies of revolution in axial flow, so an approximation for
+a balloon that flies edge-on; quoted after later texts):
+
+    C_D = 0.44 d / l + 4 C_f l / d + 4 C_f sqrt(d / l),   C_f = 1.328 / sqrt(Re_l)   (Blasius)
+
+About the axis of revolution, friction of a laminar turning disc, both sides (Karman 1921), and of
+a sphere 1.67 times as much (Howarth 1951); between them by the height over the diameter:
+
+    M = 0.616 pi rho R^4 sqrt(nu w^3) (1 + 0.67 h / d)
+
+About other axes, the same friction and a plate that is moved across itself, of which a sphere has
+nothing: C_D rho R^5 (2 / 15) 2 (1 - h / d)^2 w^2, a surmise. Boxes are plates everywhere.
+"""
+
+from collections.abc import Mapping
+import math
+from typing import Final
+
+from lta_sim.cfd.model import HULL, Model
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+PLATE: Final = 1.17  # square plate across the flow (Aeronautical Engineer's Data Book, 5.13(b))
+
+
+def hull_coefficient(along: float, across: float, speed: float, viscosity: float) -> float:
+    """
+    Return the drag coefficient of a hull on the area of its shadow. [1].
+
+    Parameters
+    ----------
+    along, across : float
+        Sizes; of two unequal ones across, the smaller. [m]
+    speed : float
+        m/s.
+    viscosity : float
+        Kinematic, of the air. [m2/s]
+
+    """
+    friction = 1.328 / math.sqrt(speed * along / viscosity)
+    slender = across / along
+    return 0.44 * slender + 4.0 * friction / slender + 4.0 * friction * math.sqrt(slender)
+
+
+def drag(model: Model, axis: int, speed: float, air: tuple[float, float]) -> float:
+    """
+    Return the drag along a body axis. [N].
+
+    Parameters
+    ----------
+    model : Model
+        The vehicle.
+    axis : int
+        0, 1, 2 for x, y, z.
+    speed : float
+        m/s.
+    air : (float, float)
+        Density [kg/m3] and kinematic viscosity [m2/s].
+
+    """
+    density, viscosity = air
+    sizes = model.hull.extents
+    across = min(float(sizes[axis - 1]), float(sizes[axis - 2]))
+    hull = hull_coefficient(float(sizes[axis]), across, speed, viscosity) * model.frontal(axis)
+    boxes = sum(PLATE * area for area in _sides(model, axis).values())
+    return 0.5 * density * speed**2 * (hull + boxes)
+
+
+def damping(model: Model, axis: int, rate: float, air: tuple[float, float]) -> float:
+    """Return the moment against turning about a body axis. [N m]; parameters as `drag`."""
+    density, viscosity = air
+    sizes = model.hull.extents
+    radius = 0.5 * float(np.max(sizes))
+    flat = float(np.min(sizes) / np.max(sizes))
+    disc = 0.616 * math.pi * density * radius**4 * math.sqrt(viscosity * rate**3)
+    moment = disc * (1.0 + 0.67 * flat)
+    thin = int(np.argmin(sizes))
+    if axis != thin:
+        plate = PLATE * density * radius**5 * 2.0 / 15.0 * 2.0
+        moment += plate * (1.0 - flat) ** 2 * rate**2
+    return moment + _boxes(model, axis, density) * rate**2
+
+
+def _sides(model: Model, axis: int) -> Mapping[str, float]:
+    """Return the area of each box as the air along an axis meets it. [m2]."""
+    return {
+        name: float(np.prod(np.delete(mesh.extents, axis)))
+        for name, mesh in model.bodies.items()
+        if name != HULL
+    }
+
+
+def _boxes(model: Model, axis: int, density: float) -> float:
+    """Return 0.5 rho Cd A r^3 of all boxes that turn about an axis, in strips. [N m s2]."""
+    total = 0.0
+    for name, mesh in model.bodies.items():
+        if name == HULL:
+            continue
+        for face in (each for each in range(3) if each != axis):
+            # Moved along `face` at the distance along the third axis.
+            arm = 3 - axis - face
+            low, high = mesh.bounds[:, arm]
+            places = np.linspace(low, high, 21)
+            cubed = float(np.trapezoid(np.abs(places) ** 3, places))
+            wide = float(mesh.extents[axis])
+            total += 0.5 * density * PLATE * wide * cubed
+    return total

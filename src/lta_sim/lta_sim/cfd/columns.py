@@ -1,0 +1,113 @@
+"""
+Columns of B from flows with rotors on, and what several jets do that none does alone.
+
+A column is the net wrench per newton of a rotor's full thrust. Where a pattern of all its rotors
+is not the sum of its columns, the rest is a coupling, per newton of the weakest of them.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, final
+
+from lta_sim.cfd.sweep_table import Blow, Sweep
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+REVERSED: Final = '_reversed'
+FULL: Final = 'all'
+SUPERPOSED: Final = 0.10  # of one rotor's thrust: what columns that sum up may miss
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A wrench per newton, about the hull centre [1, m], and how it was found."""
+
+    wrench: Array
+    found: str
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Coupled:
+    """What the jets of some rotors make together, per newton of each. [1, m]."""
+
+    rotors: tuple[str, ...]
+    wrench: Array
+
+
+def wrench_of(blow: Blow) -> Array:
+    """Return force and moment. [N, N m]."""
+    return np.array([*blow.force, *blow.moment])
+
+
+def twins_of(sweep: Sweep, name: str) -> list[tuple[str, Array]]:
+    """Return rotors that a symmetry of the bodies brings to where one is, and that symmetry."""
+    one, found = sweep.rotors[name], []
+    for rows in sweep.symmetries:
+        change = np.array(rows)
+        for other, rotor in sweep.rotors.items():
+            same = other != name and np.allclose(change @ rotor.place, one.place, atol=1e-6)
+            if same and np.allclose(change @ rotor.axis, one.axis, atol=1e-6):
+                found.append((other, change))
+    return found
+
+
+def changed(wrench: Array, change: Array) -> Array:
+    """Return a wrench turned or mirrored; a moment turns the other way in a mirror."""
+    moment = np.linalg.det(change) * (change @ wrench[3:])
+    return np.concatenate((change @ wrench[:3], moment))
+
+
+def column(sweep: Sweep, name: str, backward: bool = False) -> Column | None:
+    """
+    Return the column of a rotor, or that of its like by symmetry; None where neither blew.
+
+    A backward column is for a negative thrust: minus the wrench, per newton.
+    """
+    sign, word = (-1.0, REVERSED) if backward else (1.0, '')
+    if (blown := sweep.blows.get(name + word)) is not None:
+        return Column(sign * wrench_of(blown) / sweep.rotors[name].thrust, 'rotor on')
+    for twin, change in twins_of(sweep, name):
+        if (blown := sweep.blows.get(twin + word)) is not None:
+            wrench = sign * changed(wrench_of(blown), change) / sweep.rotors[twin].thrust
+            return Column(wrench, f'as {twin}, by symmetry')
+    return None
+
+
+def summed(sweep: Sweep, shares: Mapping[str, float]) -> Array | None:
+    """Return what the columns say of a pattern, None where one is missing. [N, N m]."""
+    total = np.zeros(6)
+    for name, share in shares.items():
+        found = column(sweep, name, share < 0.0)
+        if found is None:
+            return None
+        total += share * sweep.rotors[name].thrust * found.wrench
+    return total
+
+
+def coupling(sweep: Sweep) -> Coupled | None:
+    """Return what all rotors make together beyond their columns, where that is not negligible."""
+    blown = sweep.blows.get(FULL)
+    if blown is None or (sum_ := summed(sweep, blown.shares)) is None:
+        return None
+    weakest = min(sweep.rotors[name].thrust for name in blown.shares)
+    rest = (wrench_of(blown) - sum_) / weakest
+    if np.linalg.norm(rest[:3]) <= SUPERPOSED:
+        return None
+    return Coupled(tuple(blown.shares), rest)
+
+
+def linear(sweep: Sweep, pattern: str) -> float | None:
+    """
+    Return the wrench of a pattern at part thrust over its share of that at full thrust. [1].
+
+    1 where the wrench is linear in thrust. None where `<pattern>_quarter` did not blow.
+    """
+    full, part = sweep.blows.get(pattern), sweep.blows.get(f'{pattern}_quarter')
+    if full is None or part is None:
+        return None
+    share = next(iter(part.shares.values())) / next(iter(full.shares.values()))
+    most = int(np.argmax(np.abs(full.force)))
+    return part.force[most] / (share * full.force[most])

@@ -1,0 +1,160 @@
+"""
+OpenFOAM as programs: where it is, how one is run, and what went wrong in words.
+
+Only `WM_PROJECT_DIR` is set; the distribution's own bashrc calls programs that it does not ship.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+import os
+from pathlib import Path
+import re
+import shutil
+import subprocess
+from typing import Final, final
+
+from lta_config.errors import BadInput
+
+PROJECT: Final = 'WM_PROJECT_DIR'
+PLACES: Final = ('/usr/share/openfoam',)
+PROGRAMS: Final = (
+    'blockMesh', 'snappyHexMesh', 'topoSet', 'checkMesh', 'simpleFoam', 'pimpleFoam',
+)  # fmt: skip
+MISSING: Final = (
+    'OpenFOAM is not installed: "sudo apt-get install --no-install-recommends openfoam" brings it '
+    '(450 MB), or take --fidelity analytic, which needs none.'
+)
+TIME: Final = re.compile(r'^Time = ([-+.\deE]+)s?$')
+RESIDUAL: Final = re.compile(r'Solving for p, Initial residual = ([-+.\deE]+|nan|-nan)')
+TAIL: Final = 40  # lines of a log that are looked at
+
+Tell = Callable[[float, float], None]  # time reached, residual of the pressure
+
+
+@final
+class CaseFailed(Exception):
+    """A case that came to nothing; the text says why and what to do. Others go on."""
+
+
+def openfoam() -> bool:
+    """Tell whether all programs are there."""
+    return all(shutil.which(name) for name in PROGRAMS)
+
+
+def require() -> None:
+    """Refuse to begin without OpenFOAM."""
+    if not openfoam():
+        raise BadInput(MISSING)
+
+
+@cache
+def environment() -> Mapping[str, str]:
+    """Return the environment in which its programs run, each on one core."""
+    place = os.environ.get(PROJECT) or next((p for p in PLACES if Path(p).is_dir()), '')
+    return {**os.environ, PROJECT: place, 'OMP_NUM_THREADS': '1', 'FOAM_SIGFPE': 'true'}
+
+
+@cache
+def version() -> str:
+    """Return which OpenFOAM there is."""
+    told = subprocess.run(
+        ['simpleFoam', '-help'], env=environment(), capture_output=True, text=True, check=False
+    )  # fmt: skip
+    found = re.search(r'(?:OpenFOAM|Using:?)[^\n]*?(\d{4})', told.stdout + told.stderr)
+    return f'OpenFOAM {found[1]}' if found else 'OpenFOAM'
+
+
+@final
+class Programs:
+    """Programs that run, so that all can be stopped."""
+
+    def __init__(self) -> None:
+        self._running: set[subprocess.Popen[str]] = set()
+        self._stopped = False
+
+    def stop(self) -> None:
+        """Stop what runs, and let nothing more begin."""
+        self._stopped = True
+        for process in list(self._running):
+            process.terminate()
+
+    def run(self, command: Sequence[str], folder: Path, log: Path, tell: Tell) -> None:
+        """
+        Run a program in the folder of a case and wait for it.
+
+        Parameters
+        ----------
+        command : sequence of str
+            Program and arguments.
+        folder : Path
+            Of the case.
+        log : Path
+            Where its output goes.
+        tell : callable
+            Called with the time that it has reached and the residual of the pressure.
+
+        Raises
+        ------
+        CaseFailed
+            If it does not end well.
+
+        """
+        if self._stopped:
+            raise CaseFailed('It was stopped before it began; start again to go on.')
+        time, residual = 0.0, float('nan')
+        where = {**environment(), 'PWD': str(folder)}
+        with log.open('w', encoding='utf-8') as out:
+            process = subprocess.Popen(
+                list(command), cwd=folder, env=where, stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT, text=True, errors='replace', start_new_session=True,
+            )  # fmt: skip
+            self._running.add(process)
+            with process:  # leaves no pipe open and waits, whatever happens
+                assert process.stdout is not None
+                for line in process.stdout:
+                    out.write(line)
+                    if (found := RESIDUAL.search(line)) is not None:
+                        residual = float(found[1])
+                    elif (found := TIME.match(line.strip())) is not None:
+                        time = float(found[1])
+                        tell(time, residual)
+            self._running.discard(process)
+        if process.returncode != 0:
+            raise CaseFailed(self._why(command[0], process.returncode, log))
+
+    def _why(self, program: str, code: int, log: Path) -> str:
+        if self._stopped:
+            return 'It was stopped; start again to go on.'
+        return why(program, code, log.read_text(encoding='utf-8').splitlines()[-TAIL:])
+
+
+def why(program: str, code: int, tail: Sequence[str]) -> str:
+    """
+    Return why a program ended badly, in a sentence.
+
+    Parameters
+    ----------
+    program : str
+        Its name.
+    code : int
+        Its exit status; negative for a signal.
+    tail : sequence of str
+        The last lines of its log.
+
+    """
+    text = '\n'.join(tail)
+    if 'No space left' in text:
+        return f'{program} found the disk full; make room (or move it with --cache) and go on.'
+    if code in (-8, 136) or 'sigFpe::' in text:
+        return f'{program} diverged (a floating point error); see whether the shape is sound.'
+    if 'bad_alloc' in text or code in (-9, 137):
+        return (
+            f'{program} was killed or had no memory left; use --jobs 1 or a coarser fidelity, '
+            'and start again to go on.'
+        )
+    if code < 0:
+        return f'{program} was killed by signal {-code}; start again to go on.'
+    told = next((line.strip() for line in tail if 'FOAM FATAL' in line), tail[-1] if tail else '')
+    after = text.partition('FOAM FATAL')[2].splitlines()[1:]
+    reason = next((line.strip() for line in after if line.strip()), told)
+    return f'{program} ended with status {code}: {reason[:200]}'

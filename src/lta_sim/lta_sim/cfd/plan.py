@@ -1,0 +1,126 @@
+"""Which flows make a sweep, by fidelity, and how each is read when it is solved."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final, final, Literal
+
+from lta_sim.cfd.case import Case
+from lta_sim.cfd.columns import REVERSED
+from lta_sim.cfd.model import Model
+from lta_sim.cfd.still import AXES as SPINS
+from lta_sim.cfd.still import blowing, RATES, spinning
+from lta_sim.cfd.tunnel import (
+    FINE,
+    Fineness,
+    PREVIEW,
+    REFERENCE,
+    SPEEDS,
+    steady_wind,
+    transient_wind,
+    TURNS,
+)
+import numpy as np
+
+Kind = Literal['wind', 'transient', 'spin', 'blow']
+Air = tuple[float, float]  # density [kg/m3], kinematic viscosity [m2/s]
+WINDS: Final = tuple(TURNS)
+LENGTHS: Final = 25.0  # of flow in a transient, the first of which are not averaged
+REFERENCE_SPEEDS: Final[Sequence[tuple[float, Fineness]]] = (
+    (0.2, REFERENCE), (1.0, REFERENCE), (2.0, FINE),
+)  # fmt: skip
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Flow:
+    """
+    One flow of a sweep.
+
+    Parameters
+    ----------
+    kind : str
+        'wind', 'transient', 'spin' or 'blow'.
+    about : str
+        Axis, or pattern.
+    case : Case
+        What is solved.
+    speeds : sequence of float
+        That it gives, m/s or rad/s.
+    shares : mapping of str to float
+        Rotors that are on.
+
+    """
+
+    kind: Kind
+    about: str
+    case: Case
+    speeds: Sequence[float] = ()
+    shares: Mapping[str, float] | None = None
+
+
+def patterns(model: Model) -> dict[str, Mapping[str, float]]:
+    """
+    Return what blows: each rotor forward and reversed, and the patterns of the tunnel file.
+
+    A rotor that symmetry brings to the place of one before it is left out: so is its column.
+    """
+    singles: dict[str, Mapping[str, float]] = {}
+    for name in model.rotors:
+        if not _is_like(model, name, singles):
+            singles[name] = {name: 1.0}
+    back = {f'{name}{REVERSED}': {name: -1.0} for name in singles}
+    return {**model.patterns, **singles, **back}
+
+
+def _is_like(model: Model, name: str, before: Iterable[str]) -> bool:
+    """Tell whether a symmetry of the bodies brings an earlier rotor to where this one is."""
+    one = model.rotors[name]
+    return any(
+        np.allclose(change @ model.rotors[other].place, one.place, atol=1e-6)
+        and np.allclose(change @ model.rotors[other].axis, one.axis, atol=1e-6)
+        for other in before
+        for change in model.symmetries()
+    )
+
+
+def flows(model: Model, fidelity: str, air: Air, only: Sequence[str] = ()) -> list[Flow]:
+    """
+    Return the flows of a sweep, those that tell most first.
+
+    Parameters
+    ----------
+    model : Model
+        The vehicle.
+    fidelity : str
+        'preview' or 'reference'.
+    air : (float, float)
+        Density [kg/m3] and kinematic viscosity [m2/s].
+    only : sequence of str
+        Axes and patterns, all by default.
+
+    """
+    found = [*_winds(model, fidelity, air[1]), *_spins(model, air[1]), *_blows(model, air)]
+    return [flow for flow in found if not only or flow.about in only]
+
+
+def _winds(model: Model, fidelity: str, viscosity: float) -> Iterator[Flow]:
+    for axis in ('heave', 'surge', 'sway'):
+        if fidelity == 'preview':
+            case = steady_wind(model, axis, viscosity, PREVIEW)
+            yield Flow('wind', axis, case, SPEEDS)
+            continue
+        for speed, fine in REFERENCE_SPEEDS:
+            case = transient_wind(model, axis, viscosity, fine, speed, LENGTHS)
+            yield Flow('transient', axis, case, (speed,))
+
+
+def _spins(model: Model, viscosity: float) -> Iterator[Flow]:
+    for about in SPINS:
+        yield Flow('spin', about, spinning(model, about, viscosity), RATES)
+
+
+def _blows(model: Model, air: Air) -> Iterator[Flow]:
+    if not model.rotors:
+        return
+    for name, shares in patterns(model).items():
+        yield Flow('blow', name, blowing(model, name, shares, air), shares=shares)

@@ -1,0 +1,251 @@
+"""Solved cases to numbers: averages over the last rounds, turned into body axes and SI."""
+
+from collections.abc import Mapping
+from itertools import pairwise
+from pathlib import Path
+from typing import Final
+
+from lta_sim.cfd import gates
+from lta_sim.cfd.case import Case
+from lta_sim.cfd.engine import RESIDUAL
+from lta_sim.cfd.forces import read_forces, read_mesh, read_momentum, Wrenches
+from lta_sim.cfd.model import Model
+from lta_sim.cfd.still import AXES
+from lta_sim.cfd.sweep_table import Blow, Evidence, Point
+from lta_sim.cfd.tunnel import OUTER, planes_of, SETTLING, TURNS
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+STARTING: Final = 4.5  # lengths of flow before a transient is averaged
+BATCHES: Final = 10
+
+
+def _ending(wrench: Wrenches) -> slice:
+    return slice(max(len(wrench.time) - gates.WINDOW, 0), None)
+
+
+def _residual(place: Path, step: str) -> float | None:
+    text = (place / f'log.{step}').read_text(encoding='utf-8', errors='replace')
+    found = RESIDUAL.findall(text[-8000:])
+    return float(found[-1]) if found else None
+
+
+def _cells(mesh: Path) -> int:
+    cells = read_mesh(mesh)['cells']
+    assert isinstance(cells, float)
+    return int(cells)
+
+
+def _whole(force: Array, moment: Array, planes: tuple[bool, bool]) -> tuple[Array, Array]:
+    """Return the wrench on the whole body from that on the half or quarter that was solved."""
+    force, moment = force.copy(), moment.copy()
+    for axis, is_one in zip((1, 2), planes, strict=True):
+        if is_one:  # what mirrors against itself is gone, the rest is twice
+            force *= 2.0
+            moment *= 2.0
+            force[..., axis] = 0.0
+            moment[..., [k for k in range(3) if k != axis]] = 0.0
+    return force, moment
+
+
+def wind_point(
+    model: Model, axis: str, case: Case, speed: float, place: Path, mesh: Path, seconds: float,
+    density: float,
+) -> Point:  # fmt: skip
+    """
+    Return one speed of a steady wind tunnel.
+
+    Parameters
+    ----------
+    model : Model
+        What stood in it.
+    axis : str
+        How it moves.
+    case : Case
+        That was solved.
+    speed : float
+        Which. [m/s]
+    place, mesh : Path
+        Folders of the case and of its mesh.
+    seconds : float
+        That the case took. [s]
+    density : float
+        Of the air. [kg/m3]
+
+    Raises
+    ------
+    CaseFailed
+        If a gate does not hold.
+
+    """
+    step = next(each for each in case.steps if each.name == f'{speed:g}')
+    planes = planes_of(model, axis)
+    wrenches = {name: read_forces(place, name, step.begin) for name in model.bodies}
+    drags = np.sum([each.force[_ending(each), 0] for each in wrenches.values()], axis=0)
+    spread = float(np.std(drags) / abs(np.mean(drags)))
+    gates.check_spread(spread, len(drags))
+    outer = read_forces(place, 'outer', step.begin).force[-1]
+    leaving = np.sum([read_momentum(place, patch, step.begin) for patch in OUTER], axis=0)
+    last = np.sum([each.force[-1] for each in wrenches.values()], axis=0)
+    balance = float(abs(leaving[0] + outer[0] + last[0]) / abs(np.mean(drags)))
+    gates.check_balance(balance)
+    scale = density * speed**2
+    force, moment = _body(axis, planes, wrenches, scale)
+    return Point(
+        speed=speed,
+        force=_listed(force),
+        moment=_listed(moment),
+        parts=_parts(wrenches, scale * 2 ** sum(planes)),
+        viscous=_viscous(wrenches),
+        evidence=Evidence(
+            spread=_short(spread), window=float(len(drags)), balance=_short(balance),
+            residual=_residual(place, step.name), cells=_cells(mesh), seconds=seconds,
+        ),
+    )  # fmt: skip
+
+
+def transient_point(
+    model: Model, axis: str, speed: float, place: Path, mesh: Path, seconds: float, density: float
+) -> Point:
+    """Return a transient wind tunnel, its spread the standard error; as `wind_point`."""
+    wrenches = {name: read_forces(place, name, str(SETTLING)) for name in model.bodies}
+    first = next(iter(wrenches.values()))
+    late = first.time >= SETTLING + STARTING * model.length
+    drags = np.sum([each.force[late, 0] for each in wrenches.values()], axis=0)
+    weights = np.gradient(first.time[late])
+    cut = {
+        name: Wrenches(each.time[late], each.force[late], each.moment[late], each.viscous[late])
+        for name, each in wrenches.items()
+    }
+    scale = density * speed**2
+    force, moment = _body(axis, (False, False), cut, scale, weights)
+    return Point(
+        speed=speed,
+        force=_listed(force),
+        moment=_listed(moment),
+        parts=_parts(cut, scale),
+        viscous=_viscous(cut),
+        evidence=Evidence(
+            spread=_short(standard_error(drags, weights)), window=_short(float(weights.sum())),
+            residual=_residual(place, f'{speed:g}'), cells=_cells(mesh), seconds=seconds,
+        ),
+    )  # fmt: skip
+
+
+def standard_error(values: Array, weights: Array) -> float:
+    """
+    Return the standard error of the mean of a history over its mean, by means of batches. [1].
+
+    Parameters
+    ----------
+    values, weights : array (n,)
+        A value and how long it held.
+
+    """
+    ends = np.searchsorted(np.cumsum(weights), np.linspace(0.0, weights.sum(), BATCHES + 1))
+    means = [np.average(values[a:b], weights=weights[a:b]) for a, b in pairwise(ends) if b > a]
+    mean = float(np.average(values, weights=weights))
+    return float(np.std(means, ddof=1) / np.sqrt(len(means)) / abs(mean))
+
+
+def _body(
+    axis: str,
+    planes: tuple[bool, bool],
+    wrenches: Mapping[str, Wrenches],
+    scale: float,
+    weights: Array | None = None,
+) -> tuple[Array, Array]:
+    """Return mean force and moment in body axes."""
+    force, moment = np.zeros(3), np.zeros(3)
+    for each in wrenches.values():
+        rows = _ending(each) if weights is None else slice(None)
+        force += np.average(each.force[rows], axis=0, weights=weights)
+        moment += np.average(each.moment[rows], axis=0, weights=weights)
+    force, moment = _whole(force, moment, planes)
+    turn = TURNS[axis].T
+    return scale * (turn @ force), scale * (turn @ moment)
+
+
+def _parts(wrenches: Mapping[str, Wrenches], scale: float) -> dict[str, float]:
+    return {
+        name: _short(scale * float(np.mean(each.force[_ending(each), 0])))
+        for name, each in wrenches.items()
+    }
+
+
+def _viscous(wrenches: Mapping[str, Wrenches]) -> float:
+    friction = sum(float(np.mean(e.viscous[_ending(e), 0])) for e in wrenches.values())
+    drag = sum(float(np.mean(e.force[_ending(e), 0])) for e in wrenches.values())
+    return _short(friction / drag)
+
+
+def spin_point(
+    model: Model, about: str, case: Case, rate: float, place: Path, mesh: Path, seconds: float,
+    density: float,
+) -> Point:  # fmt: skip
+    """Return one rate of a turning vehicle; as `wind_point`."""
+    step = next(each for each in case.steps if each.name == f'{rate:g}')
+    axis = np.array(AXES[about])
+    wrenches = {name: read_forces(place, name, step.begin) for name in model.bodies}
+    rows = {name: each.moment[_ending(each)] @ axis for name, each in wrenches.items()}
+    total = np.sum(list(rows.values()), axis=0)
+    spread = float(np.std(total) / abs(np.mean(total)))
+    gates.check_spread(spread, len(total))
+    scale = density * rate**2
+    force = sum((e.force[_ending(e)].mean(axis=0) for e in wrenches.values()), np.zeros(3))
+    moment = sum((e.moment[_ending(e)].mean(axis=0) for e in wrenches.values()), np.zeros(3))
+    return Point(
+        speed=rate,
+        force=_listed(scale * force),
+        moment=_listed(scale * moment),
+        parts={name: _short(-scale * float(np.mean(each))) for name, each in rows.items()},
+        viscous=0.0,
+        evidence=Evidence(
+            spread=_short(spread), window=float(len(total)),
+            residual=_residual(place, step.name), cells=_cells(mesh), seconds=seconds,
+        ),
+    )  # fmt: skip
+
+
+def blow(
+    model: Model, shares: Mapping[str, float], place: Path, mesh: Path, seconds: float,
+    density: float,
+) -> Blow:  # fmt: skip
+    """Return the net wrench of rotors that are on; as `wind_point`."""
+    zones = read_mesh(mesh)['zones']
+    assert isinstance(zones, dict)
+    gates.check_zones(zones, shares)
+    thrust, torque, loudness = np.zeros(3), np.zeros(3), 0.0
+    for name, share in shares.items():
+        rotor = model.rotors[name]
+        push = share * rotor.thrust * np.array(rotor.axis)
+        thrust += push
+        torque += np.cross(rotor.place, push)
+        loudness += abs(share) * rotor.thrust
+    wrenches = {name: read_forces(place, name, '0') for name in model.bodies}
+    walls = np.sum([each.force[_ending(each)] for each in wrenches.values()], axis=0) * density
+    turned = np.sum([each.moment[_ending(each)] for each in wrenches.values()], axis=0) * density
+    spread = float(np.linalg.norm(np.std(walls, axis=0)) / loudness)
+    gates.check_spread(spread, len(walls))
+    outer = density * read_forces(place, 'outer', '0').force[-1]
+    leaving = density * read_momentum(place, 'far', '0')
+    balance = float(np.linalg.norm(leaving + outer + walls[-1] + thrust) / loudness)
+    return Blow(
+        shares=dict(shares),
+        force=_listed(thrust + walls.mean(axis=0)),
+        moment=_listed(torque + turned.mean(axis=0)),
+        zones={name: zones[name] for name in shares},
+        evidence=Evidence(
+            spread=_short(spread), window=float(len(walls)), balance=_short(balance),
+            residual=_residual(place, 'on'), cells=_cells(mesh), seconds=seconds,
+        ),
+    )  # fmt: skip
+
+
+def _short(number: float) -> float:
+    return float(f'{number:.5g}')
+
+
+def _listed(vector: Array) -> list[float]:
+    return [_short(float(each)) for each in vector]

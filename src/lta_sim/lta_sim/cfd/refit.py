@@ -1,0 +1,95 @@
+"""A raw sweep to an aero file: fits, columns, coupling, evidence, warnings. No flow solver."""
+
+from collections.abc import Sequence
+import math
+from typing import Final
+
+from lta_config.errors import BadInput
+from lta_sim.cfd import gates
+from lta_sim.cfd.columns import linear
+from lta_sim.cfd.fit import Fit, fit_drag
+from lta_sim.cfd.sweep_table import AXES, Axis, Point, Sweep
+import numpy as np
+
+ABOUT: Final = {'roll': 0, 'pitch': 1, 'yaw': 2}
+ALONG: Final = {'surge': 0, 'sway': 1, 'heave': 2}
+NOTICED: Final = 0.05  # of the drag: a lift that is told
+UNSTEADY: Final = 'the damping of small fast swings is under-predicted: the air turns along'
+
+
+def drags(axis: Axis, points: Sequence[Point]) -> list[float]:
+    """Return the drag along or about an axis, positive where it brakes. [N or N m]."""
+    if axis in ALONG:
+        return [-point.force[ALONG[axis]] for point in points]
+    return [-point.moment[ABOUT[axis]] for point in points]
+
+
+def fits_of(sweep: Sweep) -> dict[Axis, Fit]:
+    """Return the fit of each axis; by hand where no flow was solved."""
+    fits: dict[Axis, Fit] = {}
+    for axis in AXES:
+        points = points_of(sweep, axis)
+        fits[axis] = fit_drag([point.speed for point in points], drags(axis, points))
+    return fits
+
+
+def points_of(sweep: Sweep, axis: Axis) -> Sequence[Point]:
+    """Return what was solved of an axis, else what is known by hand."""
+    points = sweep.axes.get(axis) or sweep.by_hand.get(axis)
+    if not points:
+        raise BadInput(f'The sweep of {sweep.name} has nothing about {axis}; run it again.')
+    return points
+
+
+def warnings_of(sweep: Sweep) -> list[str]:
+    """Return what whoever flies with the numbers should know."""
+    told = []
+    for axis in AXES:
+        solved = sweep.axes.get(axis)
+        if not solved:
+            if sweep.fidelity != 'analytic':
+                told.append(f'{axis}: by hand, no flow was solved')
+            continue
+        drag = drags(axis, solved)[len(solved) // 2]
+        ratio = drag / by_hand_at(sweep, axis, solved[len(solved) // 2].speed)
+        if not gates.beside(ratio, 1.0):
+            told.append(f'{axis}: {ratio:.2f} times what is known by hand; look at the flow')
+    if sweep.axes.get('roll') or sweep.axes.get('pitch'):
+        told.append(f'roll, pitch, yaw: {UNSTEADY}')
+    if sweep.fidelity == 'preview':
+        told.append(
+            'steady model: on a sphere its drag is right at 0.2 m/s and up to 30 % low at 2 m/s'
+        )
+    for pattern in sweep.blows:
+        share = linear(sweep, pattern)
+        if share is not None and abs(share - 1.0) > 0.05:
+            told.append(
+                f'{pattern}: at part thrust {share:.2f} times its share; the wrench is not '
+                'linear in thrust'
+            )
+    told += [f'{name}: refused: {reason}' for name, reason in sweep.refused.items()]
+    return told
+
+
+def by_hand_at(sweep: Sweep, axis: Axis, speed: float) -> float:
+    """Return what is known by hand of an axis, at a speed. [N or N m]."""
+    points = sweep.by_hand[axis]
+    speeds = np.log([point.speed for point in points])
+    return math.exp(float(np.interp(math.log(speed), speeds, np.log(drags(axis, points)))))
+
+
+def beside_of(sweep: Sweep) -> dict[str, str]:
+    """Return lift and moment of each direction at its middle speed, where not negligible."""
+    told = {}
+    for axis, k in ALONG.items():
+        points = sweep.axes.get(axis)  # type: ignore[call-overload]
+        if not points:
+            continue
+        point = points[len(points) // 2]
+        drag = abs(point.force[k])
+        sides = [each for j, each in enumerate(point.force) if j != k]
+        if math.hypot(*sides) > NOTICED * drag:
+            force = ', '.join(f'{each:.3g}' for each in point.force)
+            moment = ', '.join(f'{each:.3g}' for each in point.moment)
+            told[axis] = f'at {point.speed:g} m/s force ({force}) N, moment ({moment}) N m'
+    return told

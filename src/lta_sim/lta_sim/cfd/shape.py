@@ -1,0 +1,101 @@
+"""
+Surfaces of hulls: the mylar balloon, spheroids and spheres.
+
+A mylar balloon is what two flat discs of foil, joined at the rim, inflate to (Paulsen 1994, Am.
+Math. Monthly 101:953):
+
+    z(r) = integral from r to R of t^2 / sqrt(R^4 - t^4) dt,   R the inflated radius
+
+With t = R sin u the integrand is R sin^2 u / sqrt(1 + sin^2 u), which has no pole. A balloon that
+is not full is the same curve pressed flat to the height that its file gives: an approximation.
+"""
+
+from typing import Final
+
+from lta_config.errors import BadInput
+from lta_config.vehicle_body import Hull
+from lta_sim.hull import half_axes
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import cumulative_simpson
+import trimesh
+
+Array = NDArray[np.float64]
+
+POINTS: Final = 61  # from the pole to the rim
+SECTIONS: Final = 160  # around
+TURNED: Final = {  # z to x, and z to y
+    'x': np.array([[0.0, 0, 1, 0], [0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1]]),
+    'y': np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]]),
+}
+
+
+def mylar(points: int = POINTS) -> Array:
+    """
+    Return the upper half of a full mylar balloon of radius 1 [1].
+
+    Parameters
+    ----------
+    points : int
+        From the pole to the rim, closer together towards the rim, where the curve stands upright.
+
+    Returns
+    -------
+    array (points, 2)
+        Radius and height.
+
+    """
+    angle = np.linspace(0.0, 0.5 * np.pi, 20 * (points - 1) + 1)
+    rise = np.sin(angle) ** 2 / np.sqrt(1.0 + np.sin(angle) ** 2)
+    below = cumulative_simpson(rise, x=angle, initial=0.0)
+    return np.column_stack((np.sin(angle), below[-1] - below))[::20]
+
+
+def ellipse(points: int = POINTS) -> Array:
+    """Return a quarter of a circle of radius 1, from the pole to the rim, as `mylar`. [1]."""
+    angle = np.linspace(0.0, 0.5 * np.pi, points)
+    return np.column_stack((np.sin(angle), np.cos(angle)))
+
+
+def revolved(half: Array, radius: float, height: float) -> trimesh.Trimesh:
+    """
+    Return the closed surface of revolution about z of a half profile.
+
+    Parameters
+    ----------
+    half : array (n, 2)
+        Radius and height from the pole to the rim, of any size. [1]
+    radius, height : float
+        Of the surface, the height from pole to pole. [m]
+
+    """
+    upper = half * (radius / half[-1, 0], 0.5 * height / half[0, 1])
+    upper[0, 0], upper[-1, 1] = 0.0, 0.0
+    around = np.vstack((upper[:-1] * (1.0, -1.0), upper[::-1]))
+    mesh = trimesh.creation.revolve(around, sections=SECTIONS)
+    if mesh.volume < 0.0:
+        mesh.invert()
+    return mesh
+
+
+def envelope(hull: Hull) -> trimesh.Trimesh:
+    """
+    Return the surface of a hull about its centre, body axes. [m].
+
+    Raises
+    ------
+    BadInput
+        If the vehicle has none.
+
+    """
+    if hull.shape == 'none':
+        raise BadInput(
+            'This vehicle has no hull, so no wind tunnel is needed; choose one of hulls.'
+        )
+    half = half_axes(hull)
+    axis = 'xyz'.index(hull.axis or 'z')
+    profile = mylar() if hull.shape == 'balloon' else ellipse()
+    mesh = revolved(profile, half[axis - 1], 2.0 * half[axis])
+    if axis != 2:
+        mesh.apply_transform(TURNED['xy'[axis]])
+    return mesh

@@ -1,0 +1,100 @@
+"""A plane through a solved flow, as a picture needs it: the speed of the air on a regular grid."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, final
+
+from lta_sim.cfd.forces import read_slice
+from lta_sim.cfd.model import Model
+from lta_sim.cfd.plan import Flow
+from lta_sim.cfd.tunnel import planes_of, TURNS
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import griddata
+import trimesh
+
+Array = NDArray[np.float64]
+POINTS: Final = 220  # along the longer side
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Slice:
+    """
+    The speed of the air in a plane.
+
+    Parameters
+    ----------
+    about : str
+        Axis or pattern.
+    across, up : array
+        Places along the two sides of the picture. [m]
+    names : (str, str)
+        What the sides are.
+    speed : array (len(up), len(across))
+        NaN inside the bodies. [m/s]
+
+    """
+
+    about: str
+    across: Array
+    up: Array
+    names: tuple[str, str]
+    speed: Array
+
+
+def slice_of(model: Model, flow: Flow, place: Path) -> Slice | None:
+    """Return the slice of a solved flow; None where none was written."""
+    rows = read_slice(place)
+    if rows is None or len(rows) < 100:
+        return None
+    size = model.length
+    speed = np.linalg.norm(rows[:, 3:6], axis=1)
+    if flow.kind == 'blow':
+        across = int(np.argmax(np.ptp(rows[:, :2], axis=0)))
+        window = ((-1.0, 1.0), (-1.5, 0.6))
+        names = ('xyz'[across] + ' [m]', 'z [m]')
+        turn = np.eye(3)
+    else:
+        across = 0
+        window = ((-0.9, 2.2), (-0.9, 0.9))
+        names = ('along the wind [m]', 'across it [m]')
+        turn = TURNS.get(flow.about, np.eye(3))
+        speed = speed * flow.speeds[-1]
+    points = rows[:, [across, 2]]
+    if flow.kind == 'wind' and planes_of(model, flow.about)[1]:
+        points = np.vstack((points, points * (1.0, -1.0)))
+        speed = np.concatenate((speed, speed))
+    ends = size * np.array(window)
+    step = float(np.ptp(ends[0])) / POINTS
+    sides = [np.arange(low, high + step, step) for low, high in ends]
+    grid = griddata(points, speed, tuple(np.meshgrid(*sides)), method='linear')
+    return Slice(flow.about, sides[0], sides[1], names, _hollow(model, turn, across, sides, grid))
+
+
+def _hollow(model: Model, turn: Array, across: int, sides: list[Array], grid: Array) -> Array:
+    """Return a grid without what is inside the bodies, cut in the plane of the slice."""
+    grid = grid.copy()
+    normal = np.eye(3)[1 - across]
+    for mesh in model.bodies.values():
+        turned = mesh.copy()
+        whole = np.eye(4)
+        whole[:3, :3] = turn
+        turned.apply_transform(whole)
+        origin = 0.0023 * model.length * normal
+        cut = trimesh.intersections.mesh_plane(turned, normal, origin)  # type: ignore[no-untyped-call]
+        if len(cut):
+            grid[_inside(cut[:, :, [across, 2]], sides)] = np.nan
+    return grid
+
+
+def _inside(lines: Array, sides: list[Array]) -> NDArray[np.bool_]:
+    """Tell which points of a grid closed lines surround (crossings of a ray)."""
+    x, y = np.meshgrid(*sides)
+    odd = np.zeros(x.shape, dtype=bool)
+    for (x1, y1), (x2, y2) in lines:
+        crosses = (y1 > y) != (y2 > y)
+        if crosses.any():
+            at = x1 + (y - y1) * (x2 - x1) / (y2 - y1 if y2 != y1 else 1.0)
+            odd ^= crosses & (x < at)
+    return odd

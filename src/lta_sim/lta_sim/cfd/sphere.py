@@ -1,0 +1,46 @@
+"""
+Drag of a smooth sphere, as it was measured: what the tunnel is judged by.
+
+Morrison 2013, An Introduction to Fluid Mechanics, fits all Reynolds numbers up to 1e6 in one
+formula; Achenbach 1972 (J. Fluid Mech. 54:565) measured 0.45 to 0.50 between 5e4 and 1.2e5, where
+Morrison's formula says 0.41. The truth of a real sphere is within that scatter.
+"""
+
+from typing import Final
+
+SCATTER: Final = (0.45, 0.50)  # between these Reynolds numbers
+SCATTER_RANGE: Final = (5e4, 1.4e5)
+
+
+def morrison(reynolds: float) -> float:
+    """
+    Return the drag coefficient of a smooth sphere on the area of its shadow. [1].
+
+    Parameters
+    ----------
+    reynolds : float
+        Speed by diameter by kinematic viscosity, 0.1 to 1e6. [1]
+
+    """
+    fifth, crisis = reynolds / 5.0, reynolds / 2.63e5
+    coefficient: float = (
+        24.0 / reynolds
+        + 2.6 * fifth / (1.0 + fifth**1.52)
+        + 0.411 * crisis**-7.94 / (1.0 + crisis**-8.0)
+        + 0.25 * (reynolds / 1e6) / (1.0 + reynolds / 1e6)
+    )
+    return coefficient
+
+
+def off(coefficient: float, reynolds: float) -> float:
+    """
+    Return by which share a coefficient misses what was measured, 0 within the scatter. [1].
+
+    The scatter spans from Morrison's formula to the top of what was measured.
+    """
+    low = high = morrison(reynolds)
+    if SCATTER_RANGE[0] <= reynolds <= SCATTER_RANGE[1]:
+        low, high = min(low, SCATTER[0]), max(high, SCATTER[1])
+    if coefficient < low:
+        return coefficient / low - 1.0
+    return max(coefficient / high - 1.0, 0.0)

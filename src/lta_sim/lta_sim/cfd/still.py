@@ -1,0 +1,203 @@
+"""
+A box of still air: rotors blow in it, and the vehicle turns in it.
+
+A rotor is a source of momentum in its disk, without swirl. What the body feels is its thrust,
+and what the air that it moves does to the walls. Turning is solved in a frame that turns along
+within a ball (MRF), at 1 rad/s with the viscosity divided by the rate that is meant.
+"""
+
+from collections.abc import Mapping
+import math
+from typing import Final
+
+from lta_sim.cfd.case import Case, Step
+from lta_sim.cfd.dictionary import dictionary, Entry
+from lta_sim.cfd.fields import STEADY, still_fields
+from lta_sim.cfd.mesh import BASE, block, mesh_case, snappy
+from lta_sim.cfd.model import HULL, Model, Rotor
+from lta_sim.cfd.numerics import (
+    control,
+    forces_on,
+    momentum_through,
+    slice_through,
+    solution,
+    steady_schemes,
+)
+from lta_sim.cfd.tunnel import empty, transport, turbulence
+import numpy as np
+
+RATES: Final = (0.3, 1.0, 3.0)  # rad/s
+ROUNDS: Final = 300
+NEXT: Final = 120
+AXES: Final = {'roll': (1, 0, 0), 'pitch': (0, 1, 0), 'yaw': (0, 0, 1)}
+BALL: Final = 'turning'
+CELLS_ACROSS: Final = 6  # a rotor's disk
+# Jets: radius and length in radii of the rotor, and how many levels coarser than the disk.
+JETS: Final = ((1.34, 1.27, 0), (2.34, 12.8, 1), (5.1, 34.0, 2), (10.6, 76.6, 3))
+
+
+def disk_level(model: Model, rotor: Rotor) -> int:
+    """Return the level at which the disk of a rotor has enough cells across."""
+    return math.ceil(math.log2(BASE * model.length * CELLS_ACROSS / (2.0 * rotor.radius)) - 1e-9)
+
+
+def still_mesh(model: Model, most: int = 3_000_000) -> Case:
+    """Return the mesh of the box, with a zone for each rotor's disk and one that turns."""
+    size = model.length
+    regions: dict[str, tuple[Mapping[str, Entry], int]] = {}
+    finest = 4
+    for name, rotor in model.rotors.items():
+        level = disk_level(model, rotor)
+        finest = max(finest, level)
+        for k, (wide, long, coarser) in enumerate(JETS):
+            regions[f'{name}_{k}'] = (_jet(rotor, wide, long), max(level - coarser, 0))
+    text = snappy(
+        {name: 3 if name == HULL else min(finest, 5) for name in model.bodies},
+        regions,
+        [-2.613 * size, 2.137 * size, 2.071 * size],
+        (0.12 * size, 3),
+        6,
+        1.3,
+        most,
+    )
+    actions: list[Entry] = []
+    for name, rotor in model.rotors.items():
+        half = 0.5 * rotor.thickness * np.array(rotor.axis)
+        ends = [(np.array(rotor.place) + sign * half).tolist() for sign in (-1.0, 1.0)]
+        actions += _zone(name, {
+            'source': 'cylinderToCell', 'p1': ends[0], 'p2': ends[1], 'radius': rotor.radius,
+        })  # fmt: skip
+    actions += _zone(BALL, {
+        'source': 'sphereToCell', 'centre': [0, 0, 0], 'radius': 1.2 * size
+    })  # fmt: skip
+    return mesh_case(
+        'still mesh',
+        model.bodies,
+        block(
+            np.full(3, -3.0 * size), np.full(3, 3.0 * size), BASE * size,
+            {'far': ['x-', 'x+', 'y-', 'y+', 'z-', 'z+']},
+        ),
+        text,
+        70_000,
+        dictionary('topoSetDict', {'actions': actions}),
+    )  # fmt: skip
+
+
+def _jet(rotor: Rotor, wide: float, long: float) -> dict[str, Entry]:
+    """Return a cylinder about a rotor and its jet, to both sides as rotors may be reversed."""
+    reach = long * rotor.radius * np.array(rotor.axis)
+    ends = (np.array(rotor.place) - reach, np.array(rotor.place) + reach)
+    return {
+        'type': 'searchableCylinder',
+        'point1': ends[0].tolist(),
+        'point2': ends[1].tolist(),
+        'radius': wide * rotor.radius,
+    }
+
+
+def _zone(name: str, source: Mapping[str, Entry]) -> list[Entry]:
+    """Return the actions that make a zone of cells."""
+    return [
+        {'name': f'{name}_set', 'type': 'cellSet', 'action': 'new', **source},
+        {'name': name, 'type': 'cellZoneSet', 'action': 'new', 'source': 'setToCellZone',
+         'set': f'{name}_set'},
+    ]  # fmt: skip
+
+
+def _functions(model: Model, normal: tuple[int, int, int]) -> dict[str, Entry]:
+    return {
+        **forces_on({name: name for name in model.bodies} | {'outer': 'far'}),
+        **momentum_through(('far',)),
+        **slice_through(normal, model.length),
+    }
+
+
+def blowing(
+    model: Model, pattern: str, shares: Mapping[str, float], air: tuple[float, float]
+) -> Case:
+    """
+    Return the flow of some rotors.
+
+    Parameters
+    ----------
+    model : Model
+        The vehicle.
+    pattern : str
+        Its name.
+    shares : mapping of str to float
+        Thrust of each rotor that is on, in shares of its full thrust; negative is reversed. [1]
+    air : (float, float)
+        Density [kg/m3] and kinematic viscosity [m2/s].
+
+    """
+    density, viscosity = air
+    sources: dict[str, Entry] = {}
+    for name, share in shares.items():
+        rotor = model.rotors[name]
+        push = -share * rotor.thrust / density * np.array(rotor.axis)
+        sources[name] = {
+            'type': 'vectorSemiImplicitSource', 'active': True,
+            'vectorSemiImplicitSourceCoeffs': {
+                'selectionMode': 'cellZone', 'cellZone': name, 'volumeMode': 'absolute',
+                'injectionRateSuSp': {'U': [push.tolist(), 0]},
+            },
+        }  # fmt: skip
+    # The slice holds the first rotor's axis and the vertical.
+    first = model.rotors[next(iter(shares))]
+    along_y = abs(first.axis[1]) > abs(first.axis[0]) or (
+        abs(first.axis[2]) > 0.7 and abs(first.place[1]) > abs(first.place[0])
+    )
+    mesh = still_mesh(model)
+    files = {
+        **still_fields(STEADY, tuple(model.bodies)),
+        **empty(),
+        'constant/fvOptions': dictionary('fvOptions', sources),
+        'constant/transportProperties': transport(viscosity),
+        'constant/turbulenceProperties': turbulence('kOmegaSST'),
+        'system/fvSchemes': steady_schemes(),
+        'system/fvSolution': solution(0.7, 0.6),
+    }
+    functions = _functions(model, (1, 0, 0) if along_y else (0, 1, 0))
+    last = {'system/controlDict': control('simpleFoam', 0, ROUNDS, functions)}
+    return Case(pattern, files, [Step('on', ('simpleFoam',), last, ROUNDS)], mesh, mesh.cells)
+
+
+def spinning(model: Model, about: str, viscosity: float) -> Case:
+    """
+    Return the flow around a vehicle that turns, at several rates.
+
+    Parameters
+    ----------
+    model : Model
+        The vehicle.
+    about : str
+        'roll', 'pitch' or 'yaw', about the hull centre.
+    viscosity : float
+        Kinematic, of the air. [m2/s]
+
+    """
+    mesh = still_mesh(model)
+    steps, begin = [], 0
+    for rate in RATES:
+        end = begin + (NEXT if begin else ROUNDS)
+        files = {
+            'system/controlDict': control(
+                'simpleFoam', begin, end, _functions(model, (0, 1, 0))
+            ),
+            'constant/transportProperties': transport(viscosity / rate),
+        }  # fmt: skip
+        steps.append(Step(f'{rate:g}', ('simpleFoam',), files, end - begin, str(begin)))
+        begin = end
+    turning: Mapping[str, Entry] = {
+        'cellZone': BALL, 'active': True, 'nonRotatingPatches': [], 'origin': [0, 0, 0],
+        'axis': list(AXES[about]), 'omega': 1,
+    }  # fmt: skip
+    files = {
+        **still_fields(STEADY, tuple(model.bodies)),
+        **empty(),
+        'constant/MRFProperties': dictionary('MRFProperties', {'turning': turning}),
+        'constant/turbulenceProperties': turbulence('kOmegaSST'),
+        'system/fvSchemes': steady_schemes(),
+        'system/fvSolution': solution(0.7, 0.6),
+    }
+    return Case(about, files, steps, mesh, mesh.cells)

@@ -1,0 +1,76 @@
+"""A surface that a user drew: read, in metres, and refused where no air could flow around it."""
+
+from pathlib import Path
+from typing import Final
+
+from lta_config.errors import BadInput
+from lta_sim.cfd.crossing import crossing
+import numpy as np
+import trimesh
+
+UNITS: Final = {'m': 1.0, 'cm': 1e-2, 'mm': 1e-3}
+LARGEST, SMALLEST = 30.0, 2e-3  # m: no part of a drone is outside
+TRIANGLES: Final = 500_000
+
+
+def read_stl(path: Path, unit: str) -> trimesh.Trimesh:
+    """
+    Return the closed surface in an STL file. [m].
+
+    Parameters
+    ----------
+    path : Path
+        Binary or text.
+    unit : str
+        Of its numbers, which the format does not say: 'm', 'cm', 'mm'.
+
+    Raises
+    ------
+    BadInput
+        If it cannot be read, is open, crosses itself, is inside out in places, or has the size of
+        another unit.
+
+    """
+    if not path.is_file():
+        raise BadInput(
+            f'There is no STL file {path}; check the path, it is beside its tunnel file.'
+        )
+    try:
+        mesh = trimesh.load_mesh(path, file_type='stl')
+    except Exception as error:  # whatever the reader makes of whatever is in there
+        raise BadInput(f'{path} cannot be read as STL ({error}); export it again.') from None
+    if not isinstance(mesh, trimesh.Trimesh) or not 4 <= len(mesh.faces) <= TRIANGLES:
+        raise BadInput(f'{path} has no surface of 4 to {TRIANGLES} triangles; export it again.')
+    mesh.vertices *= UNITS[unit]
+    return closed(mesh, str(path), unit)
+
+
+def closed(mesh: trimesh.Trimesh, name: str, unit: str) -> trimesh.Trimesh:
+    """Return a surface that encloses a volume, its normals outwards; else `BadInput`."""
+    size = float(np.max(mesh.extents))
+    if not SMALLEST <= size <= LARGEST:
+        other = 'mm' if size > LARGEST else 'm'
+        raise BadInput(
+            f'{name} is {size:.4g} m long read as {unit}, which is no part of a drone; '
+            f'if it was drawn in {other}, say "unit: {other}".'
+        )
+    if not mesh.is_watertight:
+        edges = np.unique(mesh.edges_sorted, axis=0, return_counts=True)[1]
+        raise BadInput(
+            f'{name} is open: {int(np.sum(edges != 2))} edges do not join exactly two triangles; '
+            'close the holes where it was drawn, and export it again.'
+        )
+    if not mesh.is_winding_consistent:
+        raise BadInput(
+            f'{name} has triangles that face inwards beside others that face outwards; '
+            'unify the normals and export it again.'
+        )
+    if (pair := crossing(mesh.triangles)) is not None:
+        place = mesh.triangles[pair[0]].mean(axis=0)
+        raise BadInput(
+            f'{name} crosses itself near ({place[0]:.3g}, {place[1]:.3g}, {place[2]:.3g}) m; '
+            'unite its solids where it was drawn, or give each as a body of its own.'
+        )
+    if mesh.volume < 0.0:
+        mesh.invert()
+    return mesh

@@ -1,0 +1,74 @@
+"""The sphere in the tunnel, beside what was measured of real ones."""
+
+from dataclasses import dataclass
+import math
+from typing import Final, final
+
+from lta_sim.cfd.model import HULL, Model
+from lta_sim.cfd.plan import Air, Flow
+from lta_sim.cfd.shape import ellipse, revolved
+from lta_sim.cfd.sphere import morrison, off
+from lta_sim.cfd.sweep_table import Point
+from lta_sim.cfd.tunnel import (
+    COARSE,
+    FINE,
+    Fineness,
+    PREVIEW,
+    REFERENCE,
+    SPEEDS,
+    steady_wind,
+    transient_wind,
+)
+
+LENGTHS: Final = 25.0  # diameters of flow; 20.5 of them are averaged
+CASES: Final[dict[str, tuple[tuple[float, Fineness], ...]]] = {
+    'reference': ((1.0, REFERENCE), (2.0, FINE)),
+}
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """A drag coefficient of the tunnel, beside what was measured. [1]."""
+
+    setting: str
+    cells: int
+    speed: float
+    reynolds: float
+    coefficient: float
+    error: float  # standard, or the spread of a steady flow
+    measured: float  # Morrison's
+    off: float  # 0 within the scatter
+    seconds: float
+
+
+def sphere() -> Model:
+    """Return a sphere of 1 m."""
+    return Model('sphere', {HULL: revolved(ellipse(), 0.5, 1.0)}, {}, {})
+
+
+def flows(model: Model, fidelity: str, air: Air) -> list[Flow]:
+    """Return the flows of a validation: steady on two meshes, or transient."""
+    viscosity = air[1]
+    if fidelity == 'preview':
+        return [
+            Flow('wind', 'surge', steady_wind(model, 'surge', viscosity, PREVIEW), SPEEDS),
+            Flow('wind', 'surge', steady_wind(model, 'surge', viscosity, COARSE), SPEEDS),
+        ]
+    return [
+        Flow('transient', 'surge', transient_wind(model, 'surge', viscosity, fine, u, LENGTHS),
+             (u,))
+        for u, fine in CASES['reference']
+    ]  # fmt: skip
+
+
+def judged(setting: str, point: Point, air: Air) -> Judged:
+    """Return a point of the sphere beside what was measured."""
+    density, viscosity = air
+    reynolds = point.speed / viscosity
+    area = 0.25 * math.pi
+    coefficient = -point.force[0] / (0.5 * density * point.speed**2 * area)
+    return Judged(
+        setting, point.evidence.cells, point.speed, reynolds, coefficient, point.evidence.spread,
+        morrison(reynolds), off(coefficient, reynolds), point.evidence.seconds,
+    )  # fmt: skip

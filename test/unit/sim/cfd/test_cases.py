@@ -1,0 +1,185 @@
+"""Cases on disk: named by content, gone on with, and failures in words. No OpenFOAM."""
+
+import errno
+import shutil
+
+from lta_config.errors import BadInput
+from lta_sim.cfd import engine, gates
+from lta_sim.cfd.case import Case, Step
+from lta_sim.cfd.dictionary import dictionary
+from lta_sim.cfd.engine import CaseFailed, Programs, why
+from lta_sim.cfd.forces import read_forces, read_mesh, table
+from lta_sim.cfd.model import model_of
+from lta_sim.cfd.plan import flows
+from lta_sim.cfd.solve import check_memory
+from lta_sim.cfd.stage import Stages
+import pytest
+
+AIR = (1.2, 1.5e-5)
+SAYS = 'Time = 1\nGAMG:  Solving for p, Initial residual = 0.5, Final\nTime = 2\n'
+
+
+def case(*scripts, name='case'):
+    steps = [
+        Step(f'{k}', ('sh', '-c', script), {'system/controlDict': f'{k}'}, 2)
+        for k, script in enumerate(scripts)
+    ]
+    return Case(name, {'constant/word': 'a'}, steps)
+
+
+def test_entries_become_the_text_that_openfoam_reads():
+    text = dictionary('x', {'a': 1.5e-5, 'b': [1, [2, 3]], 'c': {'d': True, 'e': ['f', {'g': 1}]}})
+    body = text[text.index('}') + 1 :].split()
+    assert body == [
+        'a',
+        '1.5e-05;',
+        'b',
+        '(1',
+        '(2',
+        '3));',
+        'c',
+        '{',
+        'd',
+        'true;',
+        'e',
+        '(f',
+        '{',
+        'g',
+        '1;',
+        '});',
+        '}',
+    ]
+
+
+def test_a_case_is_named_by_what_it_is():
+    assert case('true').key == case('true', name='other').key
+    assert case('true').key != case('false').key
+
+
+def test_a_speed_changes_the_flow_and_not_its_mesh():
+    model = model_of('gtmab')
+    cold, warm = (
+        flows(model, 'preview', (1.2, nu), ('heave',))[0].case for nu in (1.4e-5, 1.5e-5)
+    )
+    assert cold.key != warm.key
+    assert cold.mesh.key == warm.mesh.key
+
+
+def test_every_flow_of_a_vehicle_is_planned_once():
+    found = flows(model_of('gtmab'), 'preview', AIR)
+    names = [flow.about for flow in found]
+    assert names[:6] == ['heave', 'surge', 'sway', 'roll', 'pitch', 'yaw']
+    assert {'up_left', 'up_left_reversed', 'forward_left', 'forward_left_reversed'} < set(names)
+    assert 'up_right' not in names  # by symmetry
+    assert len({flow.case.key for flow in found}) == len(found)
+    assert len({flow.case.mesh.key for flow in found}) == 4  # three winds, one of still air
+
+
+def test_what_is_done_is_not_done_again(tmp_path):
+    told = []
+    stages = Stages(tmp_path, Programs(), lambda *each: told.append(each))
+    one = case(f'printf "{SAYS}"', 'echo x >> count')
+    place = stages.solve(one)
+    stages.solve(one)
+    assert (place / 'count').read_text() == 'x\n'
+    assert stages.is_done(one)
+    assert [share for _, step, share, _ in told if step.name == '0'] == [0.5, 1.0, 1.0]
+
+
+def test_a_run_goes_on_where_it_failed(tmp_path):
+    stages = Stages(tmp_path, Programs(), lambda *_: None)
+    one = case('echo x >> count', 'test -e mended')
+    with pytest.raises(CaseFailed, match='sh ended with status 1'):
+        stages.solve(one)
+    (stages.place(one) / 'mended').touch()
+    stages.solve(one)
+    assert (stages.place(one) / 'count').read_text() == 'x\n'
+
+
+def test_a_full_disk_is_named(tmp_path, monkeypatch):
+    def full(*_):
+        raise OSError(errno.ENOSPC, 'No space left on device')
+
+    monkeypatch.setattr(Programs, 'run', full)
+    with pytest.raises(CaseFailed, match=r'No space left on device .*--cache'):
+        Stages(tmp_path, Programs(), lambda *_: None).solve(case('true'))
+
+
+def test_a_killed_solver_is_named(tmp_path):
+    with pytest.raises(CaseFailed, match='killed by signal 15'):
+        Stages(tmp_path, Programs(), lambda *_: None).solve(case('kill -TERM $$'))
+
+
+@pytest.mark.parametrize(
+    ('code', 'tail', 'said'),
+    [
+        (-8, [], 'diverged'),
+        (1, ['#1 Foam::sigFpe::sigHandler(int)'], 'diverged'),
+        (-9, [], 'no memory left'),
+        (1, ['std::bad_alloc'], 'no memory left'),
+        (1, ['write failed: No space left on device'], 'disk full'),
+        (1, ['--> FOAM FATAL ERROR: ', 'cannot find file "p"', '', 'FOAM exiting'], 'cannot find'),
+    ],
+)
+def test_what_went_wrong_is_said(code, tail, said):
+    assert said in why('simpleFoam', code, tail)
+
+
+def test_without_openfoam_one_sentence_says_how_to_get_it(monkeypatch):
+    monkeypatch.setattr(shutil, 'which', lambda _: None)
+    with pytest.raises(BadInput, match=r'apt-get install .*openfoam.*--fidelity analytic'):
+        engine.require()
+
+
+def test_a_mesh_beyond_the_memory_is_refused_before_any_work():
+    found = flows(model_of('gtmab'), 'preview', AIR, ('surge',))
+    with pytest.raises(BadInput, match=r'needs about 0\.7 GB and there are 0\.5'):
+        check_memory(found, 2, 0.5e9)
+
+
+FORCE = """# Force
+# Time          \t(total_x total_y total_z)\t(pressure_x ...)\t(viscous_x ...)
+299 \t(5.4e-02 4.8e-02 4.8e-02)\t(5.2e-02 4.6e-02 4.6e-02)\t(2.0e-03 2.0e-03 2.0e-03)
+300 \t(5.44575090e-02 4.87e-02 4.87e-02)\t(5.248e-02 4.67e-02 4.67e-02)\t(1.976e-03 0 0)
+"""
+
+
+def test_forces_are_read_as_they_are_written(tmp_path):
+    place = tmp_path / 'postProcessing/forces_envelope/0'
+    place.mkdir(parents=True)
+    for name in ('force', 'moment'):
+        (place / f'{name}.dat').write_text(FORCE)
+    read = read_forces(tmp_path, 'envelope', '0')
+    assert read.time.tolist() == [299, 300]
+    assert read.force[-1].tolist() == [0.054457509, 0.0487, 0.0487]
+    assert read.viscous[-1, 0] == 1.976e-3
+
+
+def test_a_row_cut_short_is_left_out():
+    assert table(FORCE + '301 \t(5.4e-02 4.8').shape == (2, 10)
+
+
+def test_a_mesh_tells_its_cells_and_zones(tmp_path):
+    (tmp_path / 'log.check').write_text(
+        '    cells:            44936\n    Mesh non-orthogonality Max: 42.354442 average: 5.1\n'
+        '    Max skewness = 3.0271763 OK.\n'
+    )
+    (tmp_path / 'log.zones').write_text('    cellZoneSet up_left now size 59\n')
+    facts = read_mesh(tmp_path)
+    assert (facts['cells'], facts['zones']) == (44936, {'up_left': 59})
+    gates.check_mesh('mesh', facts)
+    with pytest.raises(CaseFailed, match='80 degrees askew'):
+        gates.check_mesh('mesh', {**facts, 'non_orthogonality': 80.0})
+
+
+def test_gates_refuse_with_the_figure():
+    with pytest.raises(CaseFailed, match='disk of up_left has 12 cells, fewer than 30'):
+        gates.check_zones({'up_left': 12}, {'up_left': 1.0})
+    with pytest.raises(CaseFailed, match='swings by 20 %'):
+        gates.check_spread(0.2, 50)
+    with pytest.raises(CaseFailed, match='swings by nan'):
+        gates.check_spread(float('nan'), 50)
+    with pytest.raises(CaseFailed, match='12 rounds'):
+        gates.check_spread(0.0, 12)
+    with pytest.raises(CaseFailed, match='30 % of the force'):
+        gates.check_balance(0.3)

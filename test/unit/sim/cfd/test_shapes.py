@@ -1,0 +1,146 @@
+"""Surfaces of hulls against closed forms; what users draw against what could be wrong with it."""
+
+from lta_config.errors import BadInput
+from lta_sim.cfd.crossing import crossing
+from lta_sim.cfd.model import box, model_of, winding
+from lta_sim.cfd.shape import ellipse, envelope, mylar, revolved
+from lta_sim.cfd.stl import read_stl
+from lta_sim.vehicle import load_vehicle
+import numpy as np
+import pytest
+import trimesh
+
+BALLOON = revolved(mylar(), 0.5, 2 * 0.59907 * 0.5)
+
+
+def test_a_mylar_balloon_is_paulsens():
+    # Paulsen 1994: height 0.599 R, volume 2.7458 R^3, area pi^2 R^2 (2.467 m2 at 0.5 m).
+    assert mylar()[0, 1] == pytest.approx(0.59907, rel=1e-4)
+    assert BALLOON.volume == pytest.approx(2.7458 * 0.125, rel=2e-3)
+    assert BALLOON.area == pytest.approx(np.pi**2 * 0.25, rel=2e-3)
+    assert BALLOON.is_watertight
+
+
+def test_a_surface_of_revolution_does_not_cross_itself():
+    assert crossing(revolved(mylar(13), 0.5, 0.6).triangles) is None
+
+
+def test_a_flatter_balloon_holds_as_much_less():
+    half = revolved(mylar(), 0.5, 0.59907 * 0.5)
+    assert half.volume == pytest.approx(0.5 * BALLOON.volume)
+
+
+def test_a_sphere_is_round():
+    ball = revolved(ellipse(), 0.5, 1.0)
+    assert ball.volume == pytest.approx(np.pi / 6, rel=2e-3)
+    assert ball.area == pytest.approx(np.pi, rel=2e-3)
+
+
+def test_a_spheroid_lies_along_its_axis():
+    hull = load_vehicle('blimp2b').file.hull
+    assert envelope(hull).extents == pytest.approx([1.092, 0.52, 0.52], rel=1e-3)
+
+
+def test_no_hull_is_refused():
+    with pytest.raises(BadInput, match='no hull'):
+        envelope(load_vehicle('multirotor').file.hull)
+
+
+def test_the_shipped_gtmab_is_what_was_meshed():
+    model = model_of('gtmab')
+    assert model.frontal(0) == pytest.approx(0.500, rel=1e-2)
+    assert model.frontal(2) == pytest.approx(0.785, rel=1e-2)
+    assert model.mirrored(0)
+    assert model.mirrored(1)
+    assert not model.mirrored(2)
+    assert len(model.symmetries()) == 4  # the frame lies across, so no quarter turns
+    assert len(model_of('beavis').symmetries()) == 8
+
+
+def test_winding_tells_inside_from_outside():
+    points = np.array([[0.0, 0.0, 0.0], [0.49, 0.0, 0.0], [0.51, 0.0, 0.0], [0.0, 0.0, 2.0]])
+    assert winding(BALLOON.triangles, points) == pytest.approx([1, 1, 0, 0], abs=1e-6)
+
+
+def kept(mesh, folder):
+    path = folder / 'part.stl'
+    path.write_bytes(mesh.export(file_type='stl'))
+    return path
+
+
+def test_a_drawn_part_comes_in_metres(tmp_path):
+    big = box((0, 0, 0), (100, 50, 20))
+    read = read_stl(kept(big, tmp_path), 'mm')
+    assert read.extents == pytest.approx([0.1, 0.05, 0.02])
+    assert read.volume == pytest.approx(1e-4)
+
+
+def test_millimetres_for_metres_are_named(tmp_path):
+    with pytest.raises(BadInput, match=r'100 m long read as m.*say "unit: mm"'):
+        read_stl(kept(box((0, 0, 0), (100, 50, 20)), tmp_path), 'm')
+
+
+def test_an_open_surface_is_refused_with_its_edges(tmp_path):
+    mesh = box((0, 0, 0), (0.1, 0.1, 0.1))
+    mesh.update_faces(np.arange(len(mesh.faces)) > 0)
+    with pytest.raises(BadInput, match='3 edges do not join'):
+        read_stl(kept(mesh, tmp_path), 'm')
+
+
+def test_a_surface_through_itself_is_refused_with_its_place(tmp_path):
+    both = trimesh.util.concatenate(
+        [box((0, 0, 0), (0.2, 0.2, 0.2)), box((0.13, 0.02, 0.03), (0.1, 0.1, 0.1))]
+    )
+    with pytest.raises(BadInput, match='crosses itself near'):
+        read_stl(kept(both, tmp_path), 'm')
+
+
+def test_parts_apart_do_not_cross():
+    both = trimesh.util.concatenate(
+        [box((0, 0, 0), (0.2, 0.2, 0.2)), box((0.3, 0.02, 0.03), (0.1, 0.1, 0.1))]
+    )
+    assert crossing(both.triangles) is None
+
+
+def test_rubbish_is_no_stl(tmp_path):
+    path = tmp_path / 'part.stl'
+    path.write_bytes(b'solid nothing at all')
+    with pytest.raises(BadInput, match='export it again'):
+        read_stl(path, 'm')
+
+
+TUNNEL = """
+schema: 1
+name: wrong
+about: a test
+vehicle: gtmab
+disk:
+  diameter: {{value: 47, unit: mm, source: test}}
+  thickness: {{value: 16, unit: mm, source: test}}
+{more}
+"""
+
+
+def tunnel(folder, more):
+    path = folder / 'wrong.yaml'
+    path.write_text(TUNNEL.format(more=more))
+    return str(path)
+
+
+def test_a_rotor_in_a_body_is_refused(tmp_path):
+    more = (
+        'bodies: {block: {position: {value: [0, 19, -34], unit: cm, source: test}, '
+        'size: {value: [10, 10, 10], unit: cm, source: test}}}'
+    )
+    with pytest.raises(BadInput, match=r'rotor up_left .* is inside block'):
+        model_of(tunnel(tmp_path, more))
+
+
+def test_a_pattern_of_strangers_is_refused(tmp_path):
+    with pytest.raises(BadInput, match='names tail; rotors of gtmab: up_left'):
+        model_of(tunnel(tmp_path, 'patterns: {all: {tail: 1}}'))
+
+
+def test_a_body_is_a_box_or_a_file(tmp_path):
+    with pytest.raises(BadInput, match='either position and size of a box, or stl'):
+        model_of(tunnel(tmp_path, 'bodies: {block: {stl: a.stl}}'))
