@@ -1,6 +1,6 @@
 """What stands in the wind tunnel: closed surfaces by name, and the disks of the rotors."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 import math
@@ -27,6 +27,7 @@ PLAN: Final = [  # eight: four quarter turns about z, mirrored across y = 0 or n
     for m in (1.0, -1.0)
     for c, s in ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
 ]
+QUARTER: Final = PLAN[1]  # x to y
 ALIKE: Final = 1e-3  # of the length: how well a mirrored surface must lie on itself
 
 
@@ -93,16 +94,27 @@ class Model:
 
     def mirrored(self, axis: int) -> bool:
         """Tell whether all bodies together are their own mirror image across an axis."""
-        return self._unchanged(np.diag(np.where(np.arange(3) == axis, -1.0, 1.0)))
+        return bool(self._leave([np.diag(np.where(np.arange(3) == axis, -1.0, 1.0))]))
 
     def symmetries(self) -> list[Array]:
         """Return the quarter turns and mirrorings that leave the bodies as they are."""
-        return [each for each in PLAN if self._unchanged(each)]
+        return self._leave(PLAN)
 
-    def _unchanged(self, change: Array) -> bool:
+    @property
+    def square(self) -> bool:
+        """Whether a quarter turn leaves the bodies as they are: along x and y they are alike."""
+        return bool(self._leave([QUARTER]))
+
+    def _leave(self, changes: Sequence[Array]) -> list[Array]:
+        """Return which of some changes leave the bodies as they are."""
         corners = np.vstack([mesh.vertices for mesh in self.bodies.values()])
-        gaps = cKDTree(corners).query(corners @ change.T)[0]
-        return bool(np.max(gaps) < ALIKE * self.length)
+        tree, near = cKDTree(corners), ALIKE * self.length
+        # Whatever has no corner within reach is infinitely far: that ends the search early.
+        return [
+            each
+            for each in changes
+            if np.isfinite(tree.query(corners @ each.T, distance_upper_bound=near)[0]).all()
+        ]
 
     @property
     def fingerprint(self) -> str:
