@@ -9,7 +9,7 @@ from typing import Final, final
 
 from lta_config.errors import BadInput
 from lta_config.mount_file import Mount
-from lta_config.tunnel_file import Body, load_tunnel_file, TunnelFile
+from lta_config.tunnel_file import Body, Disk, load_tunnel_file, TunnelFile
 from lta_config.vehicle_file import load_vehicle_file, VehicleFile
 from lta_sim.cfd.shape import envelope
 from lta_sim.cfd.stl import read_stl
@@ -121,7 +121,8 @@ class Model:
         """Of the whole geometry: what changes when anything of it does."""
         told = sha256()
         for name, mesh in self.bodies.items():
-            told.update(name.encode() + np.round(mesh.triangles, 7).tobytes())
+            # No number is -0.0 on one machine and 0.0 on another.
+            told.update(name.encode() + (np.round(mesh.triangles, 7) + 0.0).tobytes())
         told.update(repr(sorted(self.rotors.items())).encode())
         return told.hexdigest()[:16]
 
@@ -150,7 +151,9 @@ def model_of(name: str, mount: Mount | None = None) -> Model:
         bodies = {HULL: envelope(vehicle.hull), **bodies}
     for each, part in (mount.parts if mount else {}).items():
         bodies[each] = box(part.position.vector, part.size.vector)
-    rotors = {each: _rotor(vehicle, each, file) for each in vehicle.rotors}
+    rotors = (
+        {each: _rotor(vehicle, each, file.disk) for each in vehicle.rotors} if file.disk else {}
+    )
     _check(file, rotors, bodies)
     label = file.name if mount is None else f'{file.name}_{mount.name}'
     return Model(label, bodies, rotors, file.patterns)
@@ -171,7 +174,7 @@ def _surface(body: Body, folder: Path) -> trimesh.Trimesh:
     return box(body.position.vector, body.size.vector)
 
 
-def _rotor(vehicle: VehicleFile, name: str, file: TunnelFile) -> Rotor:
+def _rotor(vehicle: VehicleFile, name: str, disk: Disk) -> Rotor:
     rotor = vehicle.rotors[name]
     curve = rotor.thrust_curve or vehicle.thrust_curve
     assert curve is not None  # or the vehicle file was refused
@@ -180,8 +183,8 @@ def _rotor(vehicle: VehicleFile, name: str, file: TunnelFile) -> Rotor:
     return Rotor(
         (x, y, z),
         (float(axis[0]), float(axis[1]), float(axis[2])),
-        0.5 * file.disk.diameter.si,
-        file.disk.thickness.si,
+        0.5 * disk.diameter.si,
+        disk.thickness.si,
         curve.a.si + curve.b.si,
     )
 
