@@ -1,4 +1,4 @@
-"""The sweeps that are shipped: fitted again they are the aero files beside them, of these shapes."""
+"""The sweeps that are shipped: of these shapes, and the aero files beside them are their fits."""
 
 from pathlib import Path
 
