@@ -20,10 +20,12 @@ setup(
     entry_points={
         'console_scripts': [
             'crazyflie_bridge = lta_bridge.nodes.crazyflie_bridge:main',
-            'crazyflie_emulated = lta_bridge.crazyflie.emulated.main:main',
+            'emulated_hardware = lta_bridge.emulated_hardware:main',
+            'description = lta_bridge.nodes.description:main',
             'live = lta_bridge.nodes.live:main',
             'player = lta_bridge.nodes.player:main',
             'recorder = lta_bridge.nodes.recorder:main',
+            'tracker = lta_bridge.nodes.tracker:main',
             'teensy_bridge = lta_bridge.nodes.teensy_bridge:main',
         ]
     },

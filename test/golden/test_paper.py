@@ -1,8 +1,8 @@
 """
 The quick page of the reproduction, found again: every figure within its declared rounding.
 
-`./lta reproduce --quick --json > test/golden/paper_quick.json` makes the reference anew, after a
-change that is meant to change what comes out.
+`./lta reproduce --quick && cp runs/paper-quick/paper.json test/golden/paper_quick.json` makes the
+reference anew, after a change that is meant to change what comes out.
 """
 
 import json

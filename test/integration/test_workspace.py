@@ -99,7 +99,7 @@ NEEDS = {  # without which it refuses
     'teensy_bridge': ('-p', 'autostart:=false'),
 }
 # The command, and the drone at the other end of a link, are no nodes.
-OTHERS = {('lta_analysis', 'lta'), ('lta_bridge', 'crazyflie_emulated')}
+OTHERS = {('lta_analysis', 'lta'), ('lta_bridge', 'emulated_hardware')}
 NODES = [pair for pair in declared() if pair not in OTHERS]
 
 

@@ -142,7 +142,7 @@ def test_every_limit_lands():
         {'voltage': 3.1},
         {'height': 4.1},
         {'distance': 51.0},
-        {'command_age': 0.3},
+        {'command_age': 0.31},
     ):
         state, order = tick(flying(), 1.0, FIT._replace(**change), Asked(), LIMITS)
         assert state.stage is Stage.LANDING, change
@@ -163,7 +163,7 @@ def test_the_ramp_falls_in_a_line_and_then_it_hands_over_and_disarms():
 
 
 def test_a_hiccup_is_flown_through_and_a_landing_that_was_asked_for_is_not():
-    state, _ = tick(flying(), 1.0, FIT._replace(command_age=0.3), Asked(), LIMITS)
+    state, _ = tick(flying(), 1.0, FIT._replace(command_age=0.31), Asked(), LIMITS)
     state, order = tick(state, 1.2, FIT, Asked(), LIMITS)
     assert (state.stage, order.drive) == (Stage.FLYING, 1.0)
     state, _ = tick(flying(), 1.0, FIT, Asked(arm=False), LIMITS)

@@ -15,6 +15,7 @@ from lta_sim.start_offset import started
 from lta_sim.vehicle import load_vehicle
 
 OURS = 'lta_'
+CONTROLLER = 'controller'
 SEEDS = range(2**31)
 
 
@@ -31,11 +32,21 @@ def check(plan: LaunchPlan) -> None:
     for process in plan.processes:
         if process.package.startswith(OURS):
             for given in by_robot(parameters(process.arguments)):
-                check_parameters(given)
+                check_parameters(given, controls=process.executable == CONTROLLER)
 
 
-def check_parameters(given: Mapping[str, object]) -> None:
-    """Refuse what one node would refuse; `given` are its parameters by name."""
+def check_parameters(given: Mapping[str, object], controls: bool) -> None:
+    """
+    Refuse what one node would refuse.
+
+    Parameters
+    ----------
+    given : mapping
+        Its parameters by name.
+    controls : bool
+        Whether it is the controller, which needs a law of the vehicle's.
+
+    """
     density, scenario = AIR_DENSITY, None
     if isinstance(name := given.get('scenario'), str):
         scenario = started(load_scenario(name), *offset(given))
@@ -44,7 +55,8 @@ def check_parameters(given: Mapping[str, object]) -> None:
     if isinstance(name := given.get('vehicle'), str):
         vehicle = load_vehicle(name, density)
         _ = vehicle.hover_duty
-        check_aboard(vehicle)
+        if controls:
+            check_aboard(vehicle)
         if scenario is not None:
             in_scene.check(vehicle, scenario)
     if isinstance(name := given.get('strategy'), str):

@@ -6,7 +6,7 @@ import time
 from typing import Final, final
 
 from lta_analysis.doctor.check import Check
-from lta_bridge.teensy.light_board import LightBlock, LightBoard
+from lta_bridge.teensy.light_board import LightBlock, LightBoard, LightPeaks
 from lta_bridge.teensy.reader import Reader
 from lta_config.topics import Light
 from lta_vlc.bins import Bins
@@ -108,7 +108,12 @@ def listen(
     """
     board = LightBoard(light, diodes)
     blocks: list[LightBlock] = []
-    reader = Reader(port, board, blocks.append, time.time_ns)
+
+    def keep(told: LightBlock | LightPeaks) -> None:
+        if isinstance(told, LightBlock):
+            blocks.append(told)
+
+    reader = Reader(port, board, keep, time.time_ns)
     began = time.monotonic()
     try:
         while (been := time.monotonic() - began) < seconds:

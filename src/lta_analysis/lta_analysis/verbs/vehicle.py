@@ -7,6 +7,7 @@ from typing import Annotated
 
 from lta_analysis.bag.flight import open_flight
 from lta_analysis.bag.folder import bag_in
+from lta_analysis.report.frame import written
 from lta_analysis.report.scene import parsed
 from lta_analysis.tune.limit import helium_limit
 from lta_analysis.tune.run import gains_of
@@ -21,6 +22,7 @@ from lta_analysis.vehicle.sheet import sheet_of
 from lta_analysis.vehicle.starting import write_start
 from lta_analysis.vehicle.trim import weigh
 from lta_analysis.vehicle.trimmed import plain_weighing, told
+from lta_bridge.description import urdf as description
 from lta_config.errors import BadInput
 from lta_config.files import find
 from lta_config.vehicle_file import VehicleFile
@@ -221,6 +223,27 @@ def trim(
                 **plain_weighing(found)})  # fmt: skip
         return
     Console().print(told(found, known.file.name, simulated), highlight=False, soft_wrap=True)
+
+
+@vehicle.command()
+def urdf(
+    name: Named,
+    out: Annotated[Path | None, typer.Option(help='File to write; printed by default.')] = None,
+) -> None:
+    """
+    Print a vehicle as URDF, for RViz, Foxglove and robot_state_publisher.
+
+    Links are the frames of the messages: base_link at the hull centre with mass, inertia and all
+    that is drawn, the sensors, and rotor_NAME for each rotor. Added mass of the air is not in it.
+
+    Example: lta vehicle urdf gtmab --out gtmab.urdf
+    """
+    text = description(load_vehicle(name))
+    if out is None:
+        sys.stdout.write(text)
+        return
+    written(text, out)
+    Console().print(f'File {out}', highlight=False, markup=False, soft_wrap=True)
 
 
 def _print(content: object) -> None:

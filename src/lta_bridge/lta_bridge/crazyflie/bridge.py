@@ -15,6 +15,7 @@ from lta_bridge.crazyflie.link import Link, LogPacket, order_of
 from lta_config.crazyflie_file import CrazyflieFile
 
 RATE: Final = 50.0  # Hz of ticks; the firmware wants setpoints at 10 Hz or more
+GUARD: Final = 7  # ticks between two words to the emergency-stop watchdog: 7 a second
 HOLD_MS: Final = 200  # for which duties hold aboard without newer ones
 TURN_GAIN: Final = 1.5  # 1/s from heading error to yaw rate: about 0.7 s to turn in
 FASTEST_TURN: Final = 1.0  # rad/s
@@ -64,6 +65,9 @@ class Bridge:
         The vehicle's, in the order of `motors`.
     command : str
         'setpoint' or 'motors'; the file's where empty.
+    watchdog : bool
+        Whether to start the firmware's emergency-stop watchdog with the first arming. It then cuts
+        the motors and locks 1 s after the last word, and nothing but a restart ends it.
 
     Attributes
     ----------
@@ -81,7 +85,12 @@ class Bridge:
     """
 
     def __init__(
-        self, link: Link, file: CrazyflieFile, rotors: Sequence[str], command: str = ''
+        self,
+        link: Link,
+        file: CrazyflieFile,
+        rotors: Sequence[str],
+        command: str = '',
+        watchdog: bool = False,
     ) -> None:
         self._link, self._lock = link, threading.Lock()
         self.command = command or file.command
@@ -102,6 +111,7 @@ class Bridge:
         self._where = Where()
         self._sequence = 0
         self.packets = 0
+        self._watchdog, self._guarded, self._ticks = watchdog, False, 0
 
     def forget(self) -> None:
         """Begin anew with a new connection: nothing of the old one counts."""
@@ -195,6 +205,11 @@ class Bridge:
     def _send(self, order: safety.Order) -> None:
         if order.stop:
             self._link.stop()
+        self._guarded |= self._watchdog and bool(order.arm)
+        self._ticks += 1
+        stopped = self.state.stage is safety.Stage.STOPPED
+        if self._guarded and not stopped and self._ticks % GUARD == 0:
+            self._link.watchdog()
         if order.arm is not None:
             self._link.arm(order.arm)
         if self.command == 'motors':

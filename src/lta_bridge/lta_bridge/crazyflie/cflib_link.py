@@ -18,6 +18,7 @@ import warnings
 
 from lta_bridge.crazyflie.link import check_uri, Event, LinkFailed, LogPacket, Lost, OLDEST, Ping
 from lta_bridge.crazyflie.log_table import Block
+from lta_bridge.crazyflie.remedies import remedied
 from lta_config.errors import BadInput
 
 try:
@@ -107,7 +108,7 @@ class CflibLink:
         outcome: SimpleQueue[str] = SimpleQueue()
         drone.fully_connected.add_callback(lambda _: outcome.put(''))
         for caller in (drone.connection_failed, drone.connection_lost):
-            caller.add_callback(lambda _, why: outcome.put(_first_line(why)))
+            caller.add_callback(lambda _, why: outcome.put(remedied(str(why))))
         drone.connection_lost.add_callback(self._guarded(drone, self._lost))
         drone.link_statistics.latency_updated.add_callback(self._guarded(drone, self._ping))
         drone.open_link(self._uri)
@@ -136,7 +137,7 @@ class CflibLink:
         return callback
 
     def _lost(self, _: str, why: str) -> None:
-        self.events.put(Lost(_first_line(why)))
+        self.events.put(Lost(remedied(str(why))))
 
     def _ping(self, latency_ms: float) -> None:
         self.events.put(Ping(1e-3 * latency_ms))
@@ -212,6 +213,11 @@ class CflibLink:
         with warnings.catch_warnings(action='ignore'):
             self._sends('supervisor', 'send_emergency_stop')
 
+    def watchdog(self) -> None:
+        """Keep the firmware's emergency-stop watchdog quiet for another second."""
+        with warnings.catch_warnings(action='ignore'):
+            self._sends('supervisor', 'send_emergency_stop_watchdog')
+
     def hover(self, forward: float, yaw_rate: float, height: float) -> None:
         """Send a hover setpoint; cflib takes degrees a second."""
         self._sends(
@@ -233,9 +239,3 @@ class CflibLink:
         drone = self._drone
         if drone is not None:
             getattr(getattr(drone, part), method)(*words)
-
-
-def _first_line(text: str) -> str:
-    """Return what cflib says without its traceback."""
-    lines = [line.strip() for line in str(text).splitlines() if line.strip()]
-    return lines[0] if lines else 'the link failed'

@@ -67,6 +67,10 @@ class Link(Protocol):
         """Send one emergency stop."""
         ...
 
+    def watchdog(self) -> None:
+        """Keep the firmware's emergency-stop watchdog quiet; the first word starts it."""
+        ...
+
     def hover(self, forward: float, yaw_rate: float, height: float) -> None:
         """Send a speed [m/s], yaw rate [rad/s] and height [m]."""
         ...

@@ -40,9 +40,9 @@ def air(stamp: Time, felt: Air) -> tuple[Range, FluidPressure]:
     )
 
 
-def battery(stamp: Time, voltage: float) -> BatteryState:
-    """Return the cell's voltage; a Crazyflie does not measure its current."""
-    return messages.branch(stamp, voltage, math.nan, 'battery')
+def battery(stamp: Time, voltage: float, current: float) -> BatteryState:
+    """Return the cell's measured voltage and its current, which a model gives. [V, A]"""
+    return messages.branch(stamp, voltage, current, 'battery')
 
 
 def to_duties(message: JointState, names: list[str], stamp_ns: int) -> Asked | None:

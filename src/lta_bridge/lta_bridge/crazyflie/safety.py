@@ -13,7 +13,7 @@ from typing import Final, NamedTuple
 
 from lta_bridge.crazyflie.supervisor import Bit, trouble
 
-STALE: Final = 0.25  # s: age from which a command is not flown; the firmware levels out at 0.5
+STALE: Final = 0.3  # s: age from which a command is not flown; the firmware levels out at 0.5
 SILENT: Final = 0.5  # s: age of the newest log packet from which the link counts as lost
 RAMP: Final = 0.5  # s from full command to none
 ASKING: Final = 1.0  # s for the supervisor to confirm that it is armed

@@ -13,11 +13,14 @@ from typing import Any, Literal
 from lta_bridge.crazyflie import messages, readings
 from lta_bridge.crazyflie.bridge import Bridge, RATE, Stamped
 from lta_bridge.crazyflie.cflib_link import CflibLink
+from lta_bridge.crazyflie.claim import Claim
+from lta_bridge.crazyflie.consumption import Consumption
 from lta_bridge.crazyflie.keeper import Keeper
 from lta_bridge.crazyflie.link import Lost, Ping
 from lta_bridge.crazyflie.log_table import BLOCKS, check
 from lta_bridge.crazyflie.safety import Asked, SILENT, Stage
 from lta_config.crazyflie_file import load_crazyflie
+from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
 from lta_graph.health import Level
 from lta_graph.ros.device import DeviceNode
@@ -30,6 +33,7 @@ from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_srvs.srv import SetBool, Trigger
 
 LEAVE = 15.0  # s at most to land before the link is let go
+ALOFT = (Stage.READY, Stage.FLYING, Stage.LANDING)
 DEAD = 2.0  # s of silence after which the link is made anew: blocks may be gone (firmware #428)
 
 
@@ -41,6 +45,11 @@ class BridgeSettings(Settings):
     crazyflie: str = setting('', "Crazyflie file; the vehicle's where empty.", fixed=True)
     command: Literal['', 'setpoint', 'motors'] = setting(
         '', "What is sent: setpoints, or duties for the app; the file's where empty.", fixed=True
+    )
+    watchdog: bool = setting(
+        False,
+        'Whether the firmware stops for good 1 s after it last heard of the bridge, once armed.',
+        fixed=True,
     )
     autostart: bool = setting(
         True, 'Whether to configure and activate by itself; it never arms.', fixed=True
@@ -60,15 +69,21 @@ class CrazyflieBridge(DeviceNode):
             'battery': self.output('battery'),
         }
         settings = self._settings = Parameters(self, BridgeSettings).value
-        self._names = load_vehicle(settings.vehicle).rotor_names
+        vehicle = load_vehicle(settings.vehicle)
+        self._names = vehicle.rotor_names
+        self._consumption = Consumption.of(vehicle.file.energy)
         link = self._link = CflibLink(settings.uri, BLOCKS, self._graph_ns)
         file = self._file = load_crazyflie(settings.crazyflie or settings.vehicle)
-        self._bridge = Bridge(link, file, self._names, settings.command)
+        self._bridge = Bridge(link, file, self._names, settings.command, settings.watchdog)
         self._keeper: Keeper | None = None
+        self._claim: Claim | None = None
+        self._refusal = ''
         self._asked = Asked()
         self._was_up, self._connected = False, 0.0
         self._pose: Any = None
         self._odom: Any = None
+        self._controller = self.create_client(SetBool, 'arm')
+        self._told = False  # whether the controller was told to be armed
         self.create_service(SetBool, '~/arm', self._on_arm)
         self.create_service(Trigger, '~/emergency_stop', self._on_emergency_stop)
         self._subscribe()
@@ -97,6 +112,12 @@ class CrazyflieBridge(DeviceNode):
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Open the link, and keep it open."""
+        try:
+            self._claim = Claim(self._settings.uri)
+        except BadInput as error:
+            self._refusal = str(error)
+            self.get_logger().error(self._refusal)
+            return TransitionCallbackReturn.FAILURE
         self._keeper = Keeper(self._link, self._file.parameters)
         return super().on_configure(state)
 
@@ -123,11 +144,15 @@ class CrazyflieBridge(DeviceNode):
                 self._link.arm(False)
             self._keeper.close()
             self._keeper = None
+        if self._claim is not None:
+            self._claim.end()
+            self._claim = None
 
     def work(self) -> None:
         """Start by itself where that is wanted, and work."""
         if self._settings.autostart:
-            self.trigger_configure()
+            if self.trigger_configure() != TransitionCallbackReturn.SUCCESS:
+                raise BadInput(self._refusal)
             self.trigger_activate()
         super().work()
 
@@ -194,10 +219,19 @@ class CrazyflieBridge(DeviceNode):
         self._was_up = up
         asked, self._asked = self._asked, Asked()
         self._bridge.tick(time.monotonic(), now_ns, up, self.active, asked)
+        self._tell_controller()
         if up and time.monotonic() - self._connected > DEAD:
             silence = self._bridge.seen(now_ns, up, self.active).silence
             if silence > DEAD and self._keeper is not None:
                 self._keeper.lost(f'nothing was heard for {silence:.1f} s')
+
+    def _tell_controller(self) -> None:
+        """Arm the controller with the drone, so that its loops wind up only where they act."""
+        stage = self._bridge.state.stage
+        wanted = stage in ALOFT and self._bridge.command == 'motors'
+        if wanted != self._told and self._controller.service_is_ready():
+            self._controller.call_async(SetBool.Request(data=wanted))
+            self._told = wanted
 
     def _pump(self) -> None:
         """Publish what the link tells as it comes."""
@@ -221,7 +255,9 @@ class CrazyflieBridge(DeviceNode):
                 out['range'].publish(distance)
                 out['pressure'].publish(pressure)
             case readings.Power() as power:
-                out['battery'].publish(messages.battery(stamp, power.voltage))
+                if self._bridge.motors is not None and power.voltage > 0.0:
+                    current = self._consumption.current(self._bridge.motors.duties, power.voltage)
+                    out['battery'].publish(messages.battery(stamp, power.voltage, current))
 
     def publish_health(self) -> None:
         """Tell how the link and the drone stand."""

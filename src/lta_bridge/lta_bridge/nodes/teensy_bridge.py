@@ -5,8 +5,11 @@ A lifecycle node: configure opens the link and learns the board's clock, activat
 deactivate stops publishing, cleanup gives the link back. It commands nothing.
 """
 
+import time
+
+from builtin_interfaces.msg import Time
 from lta_bridge.teensy.condition import condition, TASK
-from lta_bridge.teensy.light_board import LightBlock, LightBoard
+from lta_bridge.teensy.light_board import LightBlock, LightBoard, LightPeaks
 from lta_bridge.teensy.reader import Reader
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
@@ -16,10 +19,16 @@ from lta_graph.ros.device import DeviceNode
 from lta_graph.ros.node import run, to_stamp
 from lta_graph.ros.parameters import Parameters
 from lta_sim.messages import light_block
+from lta_vlc.demodulation import Demodulation, Peaks
 from lta_vlc.diodes import diodes_of
+from lta_vlc.lamp import LampPrior
+from lta_vlc.lamp_finder import LampFinder
+from lta_vlc.messages import from_bearing, from_lamp, from_peaks
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
+from std_msgs.msg import Header
 
 RIVALS = 'others'
+AGAIN = 0.2  # s between two looks for a port that is not there yet
 
 
 class TeensyBridgeSettings(Settings):
@@ -29,33 +38,71 @@ class TeensyBridgeSettings(Settings):
     port: str = setting(
         '/dev/ttyACM0', 'Serial port of the board, or udp://HOST:PORT to listen on.', fixed=True
     )
+    peaks: bool = setting(
+        False,
+        'Whether the board finds the peaks: it then answers in place of a demodulator.',
+        fixed=True,
+    )
+    threshold: float = setting(
+        Demodulation().threshold,
+        'With peaks, SNR from which a diode is believed.',
+        unit='1',
+        low=1.0,
+        high=1000.0,
+    )
+    prior: LampPrior = setting(LampPrior(), 'With peaks, the lamp before it is seen.')
+    patience: float = setting(
+        0.0,
+        'How long to wait for a port that is not there yet.',
+        unit='s',
+        low=0.0,
+        high=600.0,
+        fixed=True,
+    )
     autostart: bool = setting(True, 'Whether to configure and activate by itself.', fixed=True)
 
 
 class TeensyBridge(DeviceNode):
-    """Publish the light board's blocks as `photodiodes`."""
+    """Publish the light board's blocks, or what its own peaks say of the lamp."""
 
     def __init__(self) -> None:
         super().__init__('teensy_bridge', 'light board')
-        self._photodiodes = self.output('photodiodes')
         self._settings = Parameters(self, TeensyBridgeSettings).value
-        vehicle = load_vehicle_file(self._settings.vehicle)
-        self._diodes = len(diodes_of(vehicle.sensors.diodes).axes)
+        if self._settings.peaks:  # as a demodulator
+            answers = self.table.published_by('demodulator')
+            self._outputs = {name: self.output(name) for name in answers}
+        else:
+            self._outputs = {'photodiodes': self.output('photodiodes')}
+        diodes = diodes_of(load_vehicle_file(self._settings.vehicle).sensors.diodes)
+        self._finder = LampFinder(diodes)
+        if self._settings.peaks:
+            self._finder.prepare()
         self._reader: Reader | None = None
         self._refusal = ''
         self._rivalled = False
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Open the link."""
-        board = LightBoard(self.table.light, self._diodes)
         try:
-            self._reader = Reader(self._settings.port, board, self._publish, self._now_ns)
+            self._reader = self._opened()
         except BadInput as error:
             self._refusal = str(error)
             self.health.report(TASK, Level.ERROR, self._refusal)
             self.get_logger().error(self._refusal)
             return TransitionCallbackReturn.FAILURE
         return super().on_configure(state)
+
+    def _opened(self) -> Reader:
+        """Return the open link, after some patience; `BadInput` where it stays away."""
+        port, until = self._settings.port, time.monotonic() + self._settings.patience
+        board = LightBoard(self.table.light, len(self._finder.diodes.axes), self._settings.peaks)
+        while True:
+            try:
+                return Reader(port, board, self._publish, self._now_ns)
+            except BadInput:
+                if time.monotonic() >= until or not self.running:
+                    raise
+                time.sleep(AGAIN)
 
     def work(self) -> None:
         """Start by itself where that is wanted, and work."""
@@ -70,19 +117,35 @@ class TeensyBridge(DeviceNode):
         if self._reader is not None or not self._refusal:
             fact = condition(self._reader, self._now_ns(), self.active)
             self.health.report(fact.task, fact.level, fact.message, **fact.values)
-        if (others := self.count_publishers(self._photodiodes.topic_name) - 1) > 0:
+        name, output = next(iter(self._outputs.items()))
+        if (others := self.count_publishers(output.topic_name) - 1) > 0:
             self.health.report(
-                RIVALS, Level.ERROR, f'{others} more publish photodiodes; stop all but one'
+                RIVALS, Level.ERROR, f'{others} more publish {name}; stop all but one'
             )
         elif self._rivalled:
-            self.health.report(RIVALS, Level.OK, 'nobody else publishes photodiodes')
+            self.health.report(RIVALS, Level.OK, f'nobody else publishes {name}')
         self._rivalled |= others > 0
         super().publish_health()
 
-    def _publish(self, block: LightBlock) -> None:
-        """Publish a block; called in the reader's thread."""
-        if self.active:
-            self._photodiodes.publish(light_block(to_stamp(block.stamp_ns), block.samples))
+    def _publish(self, came: LightBlock | LightPeaks) -> None:
+        """Publish a block, or what peaks say; called in the reader's thread."""
+        if not self.active:
+            return
+        stamp = to_stamp(came.stamp_ns)
+        if isinstance(came, LightPeaks):
+            if self._settings.peaks:
+                self._publish_peaks(stamp, came.peaks)
+        elif not self._settings.peaks:
+            self._outputs['photodiodes'].publish(light_block(stamp, came.samples))
+
+    def _publish_peaks(self, stamp: Time, peaks: Peaks) -> None:
+        """Publish what a demodulator would have made of the samples."""
+        header = Header(stamp=stamp, frame_id=self.table['light/peaks'].frame)
+        found = self._finder.found(peaks, self._settings.threshold, self._settings.prior)
+        out = self._outputs
+        out['light/bearing'].publish(from_bearing(header, found.towards))
+        out['light/peaks'].publish(from_peaks(header, (peaks,), self._finder.diodes.axes))
+        out['light/estimate'].publish(from_lamp(header, found.lamp))
 
     def _now_ns(self) -> int:
         return int(self.get_clock().now().nanoseconds)

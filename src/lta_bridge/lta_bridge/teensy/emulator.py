@@ -16,6 +16,7 @@ from typing import final
 from lta_bridge.teensy.dialect import (
     HEARTBEAT,
     LTA_LIGHT_BLOCK,
+    LTA_LIGHT_PEAKS,
     LTA_LIGHT_STATUS,
     TIMESYNC,
 )
@@ -26,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 SYSTEM, COMPONENT = 1, 191
+MOST = LTA_LIGHT_PEAKS.layout['amplitude'].shape[0]  # diodes that peaks can be told of
 VALUES = LTA_LIGHT_BLOCK.layout['samples'].shape[0]  # of all diodes, in a message
 WRAP = 2**32
 FOREIGN = Message(12345, 'FOREIGN', 7, np.dtype([('word', '<u4')]))
@@ -108,6 +110,7 @@ class EmulatedBoard:
         self._faults = faults or Faults()
         self._dialect = dialect
         self._first, self._rows, self._turn = first, 0, 0
+        self._paused = 0  # ns of its clock in which it sampled nothing
         self._hears = Framing()
         self._left = np.empty((0, diodes), np.uint16)
         self.sent = 0
@@ -121,9 +124,27 @@ class EmulatedBoard:
         """Return the moment of ours at which it samples a row, counted from 0. [ns]"""
         return self._boot_ns + round(row / self._rate / (1.0 + self._drift) * 1e9)
 
-    def light(self, samples: NDArray[np.uint16]) -> bytes:
-        """Return the frames of the next rows, shape (n, diodes); what fills none waits."""
+    def light(self, samples: NDArray[np.uint16], begun_ns: int | None = None) -> bytes:
+        """
+        Return the frames of the next rows; what fills none waits.
+
+        Parameters
+        ----------
+        samples : ndarray of uint16, shape (n, diodes)
+            ADC counts.
+        begun_ns : int, optional
+            Moment of ours at which the first was sampled; they follow the last where left out.
+
+        """
+        if begun_ns is not None:
+            sampled = self._rows + len(self._left)
+            self._paused = self.board_ns(begun_ns) - round(sampled / self._rate * 1e9)
         return b''.join(self._light(samples))
+
+    @property
+    def _time_usec(self) -> int:
+        """Its time of the next row to be sent. [us]"""
+        return round(self._rows / self._rate * 1e6 + self._paused / 1e3)
 
     def _light(self, samples: NDArray[np.uint16]) -> Iterator[bytes]:
         count = VALUES // self._diodes
@@ -134,7 +155,7 @@ class EmulatedBoard:
             values[: rows.size] = rows.ravel()
             frame = self._frame(
                 LTA_LIGHT_BLOCK,
-                time_usec=round(self._rows / self._rate * 1e6),
+                time_usec=self._time_usec,
                 sequence=(self._first + self._rows) % WRAP,
                 diodes=self._diodes,
                 rows=count,
@@ -143,6 +164,43 @@ class EmulatedBoard:
             self._rows += count
             self.sent += 1
             yield self._faults.act(self.sent, frame)
+
+    def peaks(
+        self, samples: NDArray[np.uint16], frequency: float, begun_ns: int | None = None
+    ) -> bytes:
+        """
+        Return the frame of the peaks that it finds, as its firmware does (core/goertzel.c).
+
+        Parameters
+        ----------
+        samples : ndarray of uint16, shape (n, diodes)
+            ADC counts of the window.
+        frequency : float
+            Of the beacon. [Hz]
+        begun_ns : int, optional
+            As for `light`.
+
+        """
+        count = len(samples)
+        if begun_ns is not None:
+            self._paused = self.board_ns(begun_ns) - round(self._rows / self._rate * 1e9)
+        waves = samples - samples.mean(axis=0)
+        turns = np.exp(-2j * np.pi * frequency / self._rate * np.arange(count))
+        amplitude = 2.0 / count * np.abs(turns @ waves)
+        rest = np.sqrt(np.maximum(np.mean(waves**2, axis=0) - 0.5 * amplitude**2, 0.0))
+        room = MOST - self._diodes
+        frame = self._frame(
+            LTA_LIGHT_PEAKS,
+            time_usec=self._time_usec,
+            sequence=(self._first + self._rows) % WRAP,
+            window=count,
+            frequency=frequency,
+            diodes=self._diodes,
+            amplitude=np.pad(amplitude, (0, room)),
+            noise=np.pad(rest, (0, room)),
+        )
+        self._rows += count
+        return frame
 
     def status(self) -> bytes:
         """Return what it says of itself once a second."""
@@ -155,7 +213,7 @@ class EmulatedBoard:
         )
         return beat + self._frame(
             LTA_LIGHT_STATUS,
-            time_usec=round(self._rows / self._rate * 1e6),
+            time_usec=self._time_usec,
             rows=(self._first + self._rows) % WRAP,
             sample_rate=self._rate,
             diodes=self._diodes,
@@ -221,9 +279,10 @@ class Cable:
             return b''
 
     def write(self, data: bytes) -> None:
-        """Send all, as far as the other side takes it."""
+        """Send all, as far as the other side takes it; what it leaves for 0.1 s is lost."""
         while data and self._ours is not None:
             try:
                 data = data[os.write(self._ours, data) :]
             except BlockingIOError:
-                select.select([], [self._ours], [], 0.1)
+                if not select.select([], [self._ours], [], 0.1)[1]:
+                    return

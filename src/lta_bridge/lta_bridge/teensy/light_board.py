@@ -5,6 +5,7 @@ Knows no transport and no ROS: whoever has a link hands bytes in and sends what 
 """
 
 from collections.abc import Iterator
+import math
 from typing import final, NamedTuple
 
 from lta_bridge.teensy.blocks import Blocks
@@ -19,6 +20,8 @@ from lta_bridge.teensy.dialect import (
 from lta_bridge.teensy.framing import Framing
 from lta_bridge.teensy.message import Message
 from lta_config.topics import Light
+from lta_vlc.demodulation import Peaks
+from lta_vlc.snr import signal_to_noise
 import numpy as np
 from numpy.typing import NDArray
 
@@ -30,6 +33,13 @@ EAGER_NS = 20_000_000  # between them before it is known
 ANSWER_NS = 1_000_000_000  # after which an answer says nothing any more
 QUESTIONS = 8  # kept until they are answered
 CONTROLLER, NO_AUTOPILOT, ACTIVE, PROTOCOL = 18, 8, 4, 3  # of MAVLink's common.xml
+
+
+class LightPeaks(NamedTuple):
+    """Peaks that the board found in one block's time, and our time of its first sample. [ns]"""
+
+    stamp_ns: int
+    peaks: Peaks
 
 
 class LightBlock(NamedTuple):
@@ -50,6 +60,8 @@ class LightBoard:
         What a block is, by the topic table.
     diodes : int
         How many the vehicle has.
+    finds_peaks : bool
+        Whether it is to find the peaks itself and send no samples.
 
     Attributes
     ----------
@@ -62,14 +74,14 @@ class LightBoard:
     overruns : int
         Rows that the board itself had to leave.
     peaks : int
-        Peaks that the board found itself; nothing is published of them.
+        Windows in which the board found peaks itself.
     wrong : str
         Why its blocks cannot be used, in one sentence; empty where they can.
 
     """
 
-    def __init__(self, light: Light, diodes: int) -> None:
-        self._light, self._diodes = light, diodes
+    def __init__(self, light: Light, diodes: int, finds_peaks: bool = False) -> None:
+        self._light, self._diodes, self._finds_peaks = light, diodes, finds_peaks
         self._sent = 0
         self._asked: list[int] = []
         self._next_beat = self._next_ask = 0
@@ -80,8 +92,8 @@ class LightBoard:
         self.undated = self.heard_ns = self.overruns = self.peaks = 0
         self.wrong = ''
 
-    def take(self, data: bytes, now_ns: int) -> Iterator[LightBlock]:
-        """Take any part of the stream, when it came [ns], and yield the blocks it completes."""
+    def take(self, data: bytes, now_ns: int) -> Iterator[LightBlock | LightPeaks]:
+        """Take any part of the stream, when it came [ns], and yield what it completes."""
         for frame in self.framing.take(data):
             self.heard_ns = now_ns
             if frame.message is LTA_LIGHT_BLOCK:
@@ -91,7 +103,7 @@ class LightBoard:
             elif frame.message is LTA_LIGHT_STATUS:
                 self._take_status(frame.record)
             elif frame.message is LTA_LIGHT_PEAKS:
-                self.peaks += 1
+                yield from self._take_peaks(frame.record)
 
     def due(self, now_ns: int) -> bytes:
         """Return what is to be sent now: a heartbeat, a question for the time, answers."""
@@ -134,6 +146,28 @@ class LightBoard:
                 yield LightBlock(self.clock.ours(block.board_ns), block.samples)
             else:
                 self.undated += 1
+
+    def _take_peaks(self, record: np.void) -> Iterator[LightPeaks]:
+        diodes, window = int(record['diodes']), int(record['window'])
+        self.peaks += 1
+        if not self._finds_peaks:
+            self.wrong = (
+                'The light board sends peaks and no samples; start with light_peaks:=true.'
+            )
+        elif diodes != self._diodes or window != self._light.samples:
+            self.wrong = (
+                f'The light board finds peaks of {diodes} diodes over {window} rows; the vehicle '
+                f'has {self._diodes} and a block {self._light.samples}: build it for these.'
+            )
+        elif not self.clock.known:
+            self.undated += 1
+        elif not self.wrong:
+            amplitude = record['amplitude'][:diodes].astype(np.float64)
+            # Of white noise with this root mean square, the mean magnitude of a bin.
+            noise = record['noise'][:diodes].astype(np.float64) * math.sqrt(math.pi / window)
+            frequency = np.full(diodes, float(record['frequency']))
+            peaks = Peaks(amplitude, signal_to_noise(amplitude, noise), frequency, noise)
+            yield LightPeaks(self.clock.ours(_ns(record)), peaks)
 
     def _take_time(self, record: np.void, now_ns: int) -> None:
         board, asked = int(record['tc1']), int(record['ts1'])

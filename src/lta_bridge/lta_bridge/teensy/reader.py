@@ -5,7 +5,7 @@ import threading
 import time
 from typing import final
 
-from lta_bridge.teensy.light_board import LightBlock, LightBoard
+from lta_bridge.teensy.light_board import LightBlock, LightBoard, LightPeaks
 from lta_bridge.teensy.port import open_port, Port, Unplugged
 from lta_config.errors import BadInput
 
@@ -26,7 +26,7 @@ class Reader:
     board : LightBoard
         Gets what comes; belongs to the thread until it ends.
     publish : callable
-        Gets each block, in the thread.
+        Gets each block or the peaks in its place, in the thread.
     clock : callable
         Our time. [ns]
 
@@ -48,7 +48,7 @@ class Reader:
         self,
         address: str,
         board: LightBoard,
-        publish: Callable[[LightBlock], None],
+        publish: Callable[[LightBlock | LightPeaks], None],
         clock: Callable[[], int],
     ) -> None:
         self._address, self.board, self._publish, self._clock = address, board, publish, clock

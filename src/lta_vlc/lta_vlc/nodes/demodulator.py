@@ -1,23 +1,19 @@
 """The demodulator node: from ADC blocks to peaks and a bearing."""
 
-from lta_config.compiled import compiled
 from lta_config.settings import setting
 from lta_config.vehicle_file import load_vehicle_file
 from lta_graph.health import Level
 from lta_graph.inbox import Step
 from lta_graph.ros.node import GraphNode, run
 from lta_graph.ros.parameters import Parameters
-from lta_vlc.array import Bearing, bearing
 from lta_vlc.condition import conditions, WANTED
 from lta_vlc.demodulation import Demodulation, Hearing, Peaks
 from lta_vlc.diodes import diodes_of
-from lta_vlc.direction import DirectionFinder
-from lta_vlc.fit import fit
-from lta_vlc.lamp import lamp_estimate, LampEstimate, LampPrior
+from lta_vlc.lamp import LampPrior
+from lta_vlc.lamp_finder import Found, LampFinder
 from lta_vlc.listener import Listener
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks, to_block
 from lta_vlc.sequence import Sequence
-import numpy as np
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
@@ -45,8 +41,7 @@ class Demodulator(GraphNode):
         self._refused = 0
         # After the outputs: what is published before somebody listens is lost in real time.
         entry = load_vehicle_file(self._settings.value.vehicle).sensors.diodes
-        self._diodes = diodes_of(entry)
-        self._finder = DirectionFinder(self._diodes, compiled(fit)[0], np.array)
+        self._finder = LampFinder(diodes_of(entry))
         self._listener.prepare()  # who listens must answer at once
         self._finder.prepare()
         inputs = self.table.read_by('demodulator')
@@ -66,19 +61,17 @@ class Demodulator(GraphNode):
             for wish in step.messages['light/beacon']:
                 self._listener.want(wish.data)
             block = to_block(message)
-            self._diodes.check(block.shape[1])
+            self._finder.diodes.check(block.shape[1])
             hearing = self._listener.hear(block)
         except ValueError as error:
             self._refused += 1
             self.health.report(WANTED, Level.ERROR, str(error), blocks_refused=self._refused)
             if self.lockstep:  # whoever waits for the answer would wait for ever
-                self._publish(message.header, (), None, None)
+                self._publish(message.header, (), Found())
             return
-        settings, peaks = self._settings.value, hearing.peaks[0]
-        towards = bearing(peaks, self._diodes.ring, settings.threshold)
-        found = self._finder.find(peaks, settings.threshold, settings.prior)
-        lamp = None if found is None else lamp_estimate(found, settings.prior)
-        self._publish(message.header, hearing.peaks, towards, lamp)
+        settings = self._settings.value
+        found = self._finder.found(hearing.peaks[0], settings.threshold, settings.prior)
+        self._publish(message.header, hearing.peaks, found)
         self._tell(hearing)
 
     def _tell(self, hearing: Hearing) -> None:
@@ -92,16 +85,10 @@ class Demodulator(GraphNode):
         ):
             self.health.report(fact.task, fact.level, fact.message, **fact.values)
 
-    def _publish(
-        self,
-        header: Header,
-        peaks: tuple[Peaks, ...],
-        towards: Bearing | None,
-        lamp: LampEstimate | None,
-    ) -> None:
-        self._bearing.publish(from_bearing(header, towards))
-        self._peaks.publish(from_peaks(header, peaks, self._diodes.axes))
-        self._estimate.publish(from_lamp(header, lamp))
+    def _publish(self, header: Header, peaks: tuple[Peaks, ...], found: Found) -> None:
+        self._bearing.publish(from_bearing(header, found.towards))
+        self._peaks.publish(from_peaks(header, peaks, self._finder.diodes.axes))
+        self._estimate.publish(from_lamp(header, found.lamp))
 
 
 def main(args: list[str] | None = None) -> None:

@@ -1,7 +1,7 @@
 """The simulated drone aboard the emulated Crazyflie, in both ways to command it."""
 
 from lta_bridge.crazyflie.emulated.commander import Hover, Wish
-from lta_bridge.crazyflie.emulated.main import body
+from lta_bridge.emulated_hardware import flown
 import pytest
 
 
@@ -12,7 +12,7 @@ def fly(drone, begin, end, wish):
 
 
 def test_the_motors_of_gtmab_turn_its_own_rotors_and_it_senses_that():
-    drone = body('gtmab', 'lamp_room', 1)
+    drone = flown('gtmab', 'lamp_room', 1)
     assert drone.read()['acc.z'] == pytest.approx(1.0, abs=0.05)
     height = drone.world.state[2]
     state = fly(drone, 0.0, 3.0, Wish(duties=(0.5, 0.5, 0.0, 0.0)))
@@ -24,7 +24,7 @@ def test_the_motors_of_gtmab_turn_its_own_rotors_and_it_senses_that():
 
 
 def test_a_late_look_is_let_go():
-    drone = body('gtmab', 'lamp_room', 1)
+    drone = flown('gtmab', 'lamp_room', 1)
     drone.fly(10.0, Wish())
     assert drone.world.elapsed == pytest.approx(0.01)
     drone.fly(10.1, Wish())
@@ -32,7 +32,7 @@ def test_a_late_look_is_let_go():
 
 
 def test_the_multirotor_hovers_by_setpoint_and_lands():
-    drone = body('multirotor', 'lamp_room', 1)
+    drone = flown('multirotor', 'lamp_room', 1)
     state = fly(drone, 0.0, 5.0, Wish(hover=Hover(height=0.8)))
     assert state[2] == pytest.approx(0.8, abs=0.05)
     state = fly(drone, 5.0, 11.0, Wish(land=True))

@@ -35,6 +35,8 @@ def study(asked: Asked) -> Found:
         Picture('tasks', 'Power by task', TASKS, tasks_picture(found),
                 typed('energy', 'budget', '--seeds', str(asked.seeds)))
     ]  # fmt: skip
+    if asked.quick:
+        return Found(values, pictures, [table(found), why(found)])
     beside = compare(VEHICLE, STANDARD, paper.HOVER_TIME, lambda _: None)
     values |= hovering(beside)
     pictures.append(

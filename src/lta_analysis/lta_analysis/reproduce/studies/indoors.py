@@ -17,6 +17,11 @@ from lta_analysis.typed import typed
 SAFE: Final = {'scenario.goal.radius': '2 m'}  # the paper's simulation
 FAST: Final = {'mission.speed': 0.87}  # m/s: what the paper's path and time make
 TOWARDS: Final = 'start_heading'
+HEADINGS: Final = {  # of the flights from above, by the prefix of their measures
+    '': ('indoors', 'Indoors, to within 1 m, any heading'),
+    'sim_': ('simulation', 'To within 2 m, as in simulation'),
+    f'{TOWARDS}_': ('towards', 'Indoors, from a heading within 30° of the lamp'),
+}
 FACTORS: Final = {
     'not_stopping': ('dga',),
     'no_computing': ('dga',),
@@ -35,24 +40,23 @@ BARS: Final = (
 
 def study(asked: Asked) -> Found:
     """Return flights as the paper's, and with one factor changed at a time."""
-    indoors = fly('indoors', asked.seeds)
-    simulation = fly('indoors', asked.seeds, change=SAFE)
-    fast = fly('indoors', asked.seeds, strategies=('bag',), change=FAST)
-    towards = fly('ablations', asked.seeds, cases=[TOWARDS])
-    values: dict[str, Value] = {}
-    for name in PAPERS:
-        values |= figures(name, indoors.of(name))
-        values |= figures(f'sim_{name}', simulation.of(name))
-        values |= figures(f'{TOWARDS}_{name}', towards.of(name))
+    groups = {'': fly('indoors', asked.seeds)}
     if not asked.quick:
+        groups['sim_'] = fly('indoors', asked.seeds, change=SAFE)
+        groups[f'{TOWARDS}_'] = fly('ablations', asked.seeds, cases=[TOWARDS])
+    values: dict[str, Value] = {}
+    for prefix, group in groups.items():
+        values |= orders(prefix, group.strategies())
+        for name in PAPERS:
+            values |= figures(f'{prefix}{name}', group.of(name))
+    if not asked.quick:
+        fast = fly('indoors', asked.seeds, strategies=('bag',), change=FAST)
+        values |= figures('fast_bag', fast.of('bag'))
         values |= factors(asked.seeds)
-    values |= figures('fast_bag', fast.of('bag'))
-    values |= orders('', indoors.strategies())
-    values |= orders('sim_', simulation.strategies())
-    values |= orders(f'{TOWARDS}_', towards.strategies())
+    indoors = groups['']
     values['dga_by_bag_time'] = ratio(indoors, 'search_time', 'dga', 'bag')
     values['dga_by_bag_path'] = ratio(indoors, 'path_length', 'dga', 'bag')
-    return Found(values, pictures(asked, indoors, towards, simulation))
+    return Found(values, pictures(asked, groups))
 
 
 def factors(seeds: int) -> dict[str, Value]:
@@ -83,20 +87,16 @@ def ratio(group: Group, figure: str, above: str, below: str) -> Value:
     return Value(value, seeds=top.flights)
 
 
-def pictures(asked: Asked, indoors: Group, towards: Group, simulation: Group) -> list[Picture]:
+def pictures(asked: Asked, groups: Mapping[str, Group]) -> list[Picture]:
     """Return the flights from above, and the bars of the paper."""
+    indoors = groups['']
     made = [
         Picture('bars', 'Indoors, beside the paper', BARS,
                 beside_paper(list(indoors.cells)),
                 typed('light', 'evaluate', '--sets', 'indoors', '--seeds', str(asked.seeds)))
     ]  # fmt: skip
-    drawn = [('indoors', 'Indoors, to within 1 m, any heading', indoors)]
-    if not asked.quick:
-        drawn += [
-            ('simulation', 'To within 2 m, as in simulation', simulation),
-            ('towards', 'Indoors, from a heading within 30° of the lamp', towards),
-        ]
-    for name, heading, group in drawn:
+    for prefix, group in groups.items():
+        name, heading = HEADINGS[prefix]
         cells = group.cells
         seed = shown_seed(cells)
         tracks, scenario = fly_again(group.plan, cells, seed)

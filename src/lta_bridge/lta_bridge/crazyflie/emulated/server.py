@@ -55,6 +55,7 @@ class Server:
 
     def __enter__(self) -> Self:
         """Boot."""
+        self._began = time.monotonic()
         self._thread.start()
         return self
 

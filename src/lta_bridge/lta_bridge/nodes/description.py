@@ -1,0 +1,90 @@
+"""
+The description node: tells RViz and other tools what the drone looks like and where it is.
+
+It publishes the vehicle as URDF on `robot_description`, kept for late joiners, and, where the
+message package of TF is installed (tf2_msgs: a full ROS 2, no wheel has it), the vehicle's frame
+on /tf by `odom` or the truth, and those of its sensors and rotors on /tf_static. It answers
+nothing, so nobody waits for it.
+"""
+
+from typing import Any, Literal
+
+from geometry_msgs.msg import TransformStamped
+from lta_bridge.description import fixed_frames, urdf
+from lta_bridge.live.frames import Frame
+from lta_config.settings import setting, Settings
+from lta_graph.health import Level
+from lta_graph.ros.node import GraphNode, message_type, run
+from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.qos import profile
+from lta_sim.vehicle import load_vehicle
+from nav_msgs.msg import Odometry
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from std_msgs.msg import String
+
+try:
+    from tf2_msgs.msg import TFMessage
+except ImportError:
+    TFMessage = None
+
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+DEPTH = 100  # of /tf, as tf2 has it
+
+
+class DescriptionSettings(Settings):
+    """What is described, and by what it is placed."""
+
+    vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
+    pose: Literal['odom', 'ground_truth/odom'] = setting(
+        'odom', 'Topic that places base_link on /tf: a frame has one parent.', fixed=True
+    )
+
+
+class Description(GraphNode):
+    """Publish URDF and, where that is possible, transforms."""
+
+    def __init__(self) -> None:
+        super().__init__('description')
+        settings = Parameters(self, DescriptionSettings).value
+        vehicle = load_vehicle(settings.vehicle)
+        self._text = self.create_publisher(String, 'robot_description', LATCHED)
+        self._text.publish(String(data=urdf(vehicle)))
+        if TFMessage is None:
+            text = 'URDF alone: /tf needs tf2_msgs, which comes with a full ROS 2'
+            self.health.report('frames', Level.OK, text)
+            return
+        self._tf = self.create_publisher(TFMessage, '/tf', DEPTH)
+        self._static = self.create_publisher(TFMessage, '/tf_static', LATCHED)
+        still = [to_fixed(frame) for frame in fixed_frames(vehicle)]
+        self._static.publish(TFMessage(transforms=still))
+        row = self.table[settings.pose]
+        quality = profile(row, self.lockstep)
+        self.create_subscription(message_type(row), settings.pose, self._on_pose, quality)
+        self.health.report('frames', Level.OK, f'base_link by {settings.pose}')
+
+    def _on_pose(self, odom: Any) -> None:  # noqa: ANN401 - a generated class
+        self._tf.publish(TFMessage(transforms=[to_transform(odom)]))
+
+
+def to_transform(odom: Odometry) -> TransformStamped:
+    """Return a pose as the transform from its frame to the vehicle's."""
+    message = TransformStamped(header=odom.header, child_frame_id=odom.child_frame_id)
+    place, goal = odom.pose.pose.position, message.transform.translation
+    goal.x, goal.y, goal.z = place.x, place.y, place.z
+    message.transform.rotation = odom.pose.pose.orientation
+    return message
+
+
+def to_fixed(frame: Frame) -> TransformStamped:
+    """Return a frame that stands still in its parent; such a transform holds at all times."""
+    message = TransformStamped(child_frame_id=frame.name)
+    message.header.frame_id = frame.parent
+    place, turn = message.transform.translation, message.transform.rotation
+    place.x, place.y, place.z = frame.place
+    turn.x, turn.y, turn.z, turn.w = frame.turn
+    return message
+
+
+def main(args: list[str] | None = None) -> None:
+    """Run the node until it is told to stop."""
+    run(Description, args)

@@ -1,0 +1,78 @@
+"""The whole graph to the lamp through both bridges: a simulated world behind emulated hardware."""
+
+from pathlib import Path
+import socket
+
+import pytest
+from std_srvs.srv import SetBool
+
+from .conftest import ROOT
+from .peer import Peer
+
+ARM = 'crazyflie_bridge/arm'
+READY = {  # who must have said what before anybody may arm
+    'crazyflie_bridge: link': 'connected',
+    'teensy_bridge: light board': 'light comes',
+    'estimator: estimate': 'biases are known',
+    'navigator: mission': 'climb',
+}
+HEARD = {'demodulator: light': 'beacon found'}
+
+
+@pytest.fixture
+def near(tmp_path):
+    """Return the shipped scene with a start that is nearer: 4 m from the lamp, 1 m to reach it."""
+    text = (ROOT / 'config/scenarios/lamp_room.yaml').read_text()
+    path = tmp_path / 'near.yaml'
+    path.write_text(text.replace('value: [-3.5, 0]', 'value: [-0.5, 0]'))
+    return path
+
+
+def free_port():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(('127.0.0.1', 0))
+        return probe.getsockname()[1]
+
+
+@pytest.mark.parametrize(
+    ('vehicle', 'command', 'finds_peaks'),
+    [('gtmab', 'motors', False), ('multirotor', 'setpoint', True)],
+    ids=['motors-samples', 'setpoint-peaks'],
+)
+def test_through_both_bridges_it_finds_the_lamp_and_comes_down(
+    lta, hear, domain_id, near, tmp_path: Path, vehicle, command, finds_peaks
+):
+    """In both command modes; the board of the second finds the peaks, without a demodulator."""
+    light = ('light_peaks:=true', 'beacon:=150.0') if finds_peaks else ()
+    graph = lta.start(
+        'launch',
+        'emulated',
+        f'vehicle:={vehicle}',
+        f'command:={command}',
+        f'scenario:={near}',
+        f'port:={free_port()}',
+        f'light_port:={tmp_path}/light_board',
+        f'bag:={tmp_path}/bag',
+        *light,
+    )
+    ready = READY if finds_peaks else READY | HEARD
+    hear(lambda facts: all(n in facts and facts[n].message == word for n, word in ready.items()))
+    assert 'took off' not in graph.text
+    with Peer(domain_id) as pilot:
+        armed = pilot.ask(SetBool, ARM, data=True)
+        assert armed.success, armed.message
+        graph.said('It took off, 4.0 m from the lamp')
+        graph.said('It reached the lamp')
+        pilot.ask(SetBool, ARM, data=False)
+        graph.said('It stands')
+    hear(lambda facts: facts['crazyflie_bridge: safety'].message.startswith('disarmed: '))
+    graph.interrupt()
+    assert graph.end() == 130, graph.text  # as after any Ctrl-C
+    bag = lta.run('bag', 'info', tmp_path / 'bag')
+    assert bag.returncode == 0
+    counts = {
+        line.split()[0]: line.split()[2] for line in bag.stdout.splitlines() if '/msg/' in line
+    }
+    for topic in ('imu', 'range', 'battery', 'light/estimate', 'setpoint/pose'):
+        assert int(counts[f'/lta1/{topic}']) > 50
+    assert (counts['/lta1/photodiodes'] == '0') == finds_peaks

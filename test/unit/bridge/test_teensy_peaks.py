@@ -1,0 +1,80 @@
+"""Peaks that the board finds, beside what a demodulator makes of the same samples."""
+
+from lta_bridge.teensy.emulator import EmulatedBoard
+from lta_bridge.teensy.light_board import LightBoard, LightPeaks
+from lta_config.topics import topic_table
+from lta_config.vehicle_file import load_vehicle_file
+from lta_vlc.demodulation import Demodulation
+from lta_vlc.diodes import diodes_of
+from lta_vlc.lamp import LampPrior
+from lta_vlc.lamp_finder import LampFinder
+from lta_vlc.listener import Listener
+import numpy as np
+import pytest
+
+LIGHT = topic_table().light
+FINDER = LampFinder(diodes_of(load_vehicle_file('gtmab').sensors.diodes))
+FREQUENCY = 150.0
+BOOT = 1_700_000_000_000_000_000
+
+
+def lamp(azimuth, noise=3.0, seed=1):
+    """Return a block under a square-wave lamp at an azimuth, on a ring of eight cosine diodes."""
+    chance = np.random.default_rng(seed)
+    time = np.arange(1000) / LIGHT.sample_rate.si
+    wave = (np.sin(2 * np.pi * FREQUENCY * time) >= 0.0).astype(float)
+    facing = np.array([axis[0] * np.cos(azimuth) + axis[1] * np.sin(azimuth) for axis in axes()])
+    light = 200.0 + 800.0 * np.clip(facing, 0.0, 1.0) * wave[:, None]
+    return np.round(light + chance.normal(0.0, noise, light.shape)).astype(np.uint16)
+
+
+def axes():
+    return FINDER.diodes.axes
+
+
+def through(samples, link):
+    """Return what the bridge makes of a board's peaks over these samples."""
+    board = EmulatedBoard(BOOT)
+    for turn in range(8):
+        now = BOOT + 20_000_000 * turn
+        assert list(link.take(board.answer(link.due(now), now + 100_000), now + 200_000)) == []
+    frame = board.peaks(samples, FREQUENCY, BOOT + 1_000_000_000)
+    return list(link.take(board.status() + frame, BOOT + 1_100_000_000))
+
+
+@pytest.mark.parametrize('azimuth', [0.0, 0.7, 2.5, -1.9])
+def test_they_lead_where_the_samples_lead(azimuth):
+    samples = lamp(azimuth)
+    (came,) = through(samples, LightBoard(LIGHT, 8, finds_peaks=True))
+    assert isinstance(came, LightPeaks)
+    assert came.stamp_ns == pytest.approx(BOOT + 1_000_000_000, abs=200_000)
+    settings = Demodulation()
+    heard = Listener(settings, LIGHT.sample_rate.si, LIGHT.samples).hear(samples).peaks[0]
+    bright = heard.amplitude > 50.0
+    assert came.peaks.amplitude[bright] == pytest.approx(heard.amplitude[bright], rel=0.01)
+    # All that is not the fundamental counts as noise, a square wave's harmonics too.
+    assert (came.peaks.snr[bright] > settings.threshold).all()
+    assert (came.peaks.snr[bright] < heard.snr[bright]).all()
+    one, other = (
+        FINDER.found(peaks, settings.threshold, LampPrior()).towards
+        for peaks in (came.peaks, heard)
+    )
+    assert np.arctan2(one.y, one.x) == pytest.approx(azimuth, abs=np.radians(3.0))
+    assert (one.x, one.y) == pytest.approx((other.x, other.y), rel=0.02, abs=0.02)
+
+
+def test_in_the_dark_no_diode_is_believed():
+    dark = np.random.default_rng(2).normal(200.0, 3.0, (1000, 8)).astype(np.uint16)
+    (came,) = through(dark, LightBoard(LIGHT, 8, finds_peaks=True))
+    assert (came.peaks.snr < Demodulation().threshold).all()
+    found = FINDER.found(came.peaks, Demodulation().threshold, LampPrior())
+    assert found == (None, None)
+
+
+def test_peaks_that_nobody_asked_for_and_other_windows_are_one_sentence():
+    link = LightBoard(LIGHT, 8)
+    assert through(lamp(0.0), link) == []
+    assert 'start with light_peaks:=true' in link.wrong
+    link = LightBoard(LIGHT, 8, finds_peaks=True)
+    assert through(lamp(0.0)[:500], link) == []
+    assert 'over 500 rows; the vehicle has 8 and a block 1000' in link.wrong
