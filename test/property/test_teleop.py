@@ -1,4 +1,4 @@
-"""Whatever hands, devices and estimates do: a stick wins at once and is handed back by a button."""
+"""Whatever hands, devices and estimates do: a stick wins at once; a button alone hands back."""
 
 import math
 
