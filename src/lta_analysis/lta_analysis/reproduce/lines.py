@@ -28,7 +28,12 @@ CLAIM_HEADS: Final = (
 SUMMARY_HEADS: Final = ('row', *Verdict)
 DEFECT_HEADS: Final = ('row', 'the paper says', 'what follows', 'here')
 MEASURE_HEADS: Final = ('measure', 'here', 'seeds')
-SOURCES: Final = {'printed': '', 'read': ' (read from text)', 'comment': ' (LaTeX comment)'}
+SOURCES: Final = {
+    'printed': '',
+    'read': ' (read from text)',
+    'comment': ' (LaTeX comment)',
+    'future': '',
+}
 METHOD: Final = (
     'A claim agrees if what was measured keeps the rule beside it, which its file fixed before '
     'anything was run. Means over seeds have 95 % intervals in brackets (Student for means, '
@@ -48,8 +53,9 @@ def totals(rows: Sequence[PaperRow], kepts: Kepts) -> dict[Verdict, int]:
 def title(rows: Sequence[PaperRow], kepts: Kepts) -> str:
     """Return what came out, in a sentence."""
     found = totals(rows, kepts)
+    count = sum(found.values()) - found[Verdict.BEYOND]
     text = (
-        f"Of the paper's {sum(found.values())} claims, {found[Verdict.AGREES]} agree, "
+        f"Of the paper's {count} claims, {found[Verdict.AGREES]} agree, "
         f'{found[Verdict.DIFFERS]} differ and {found[Verdict.UNTESTED]} cannot be tested here'
     )
     left = found[Verdict.LEFT_OUT]

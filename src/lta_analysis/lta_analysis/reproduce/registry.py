@@ -4,8 +4,11 @@ from typing import Final
 
 from lta_analysis.reproduce.found import Study
 from lta_analysis.reproduce.studies import (
+    beavis,
     cells,
+    closed_loop,
     energy,
+    forces,
     indoors,
     link,
     mounting,
@@ -14,6 +17,9 @@ from lta_analysis.reproduce.studies import (
 )
 
 STUDIES: Final[dict[str, Study]] = {
+    'forces': forces.study,
+    'closed_loop': closed_loop.study,
+    'beavis': beavis.study,
     'cells': cells.study,
     'mounting': mounting.study,
     'photodiodes': photodiodes.study,
