@@ -79,7 +79,7 @@ def course(seed):
 
 
 def draw(seeds, out):
-    """Write a picture of the error of each cell, and twice the deviation that most of them tell."""
+    """Write a picture of the error of each cell, and twice what most of them tell of it."""
     metered.TOLERANCE = KINDS['off by tolerances']
     courses = np.array([course(seed) for seed in range(seeds)])
     minutes = np.arange(1, courses.shape[2] + 1) / 60.0
