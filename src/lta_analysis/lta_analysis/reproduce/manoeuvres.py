@@ -2,11 +2,12 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import final
 
 from lta_analysis.platforms.pictures import called, following
-from lta_analysis.platforms.run import ABLATION, CONTESTANT, fly_job, Job, Row
-from lta_analysis.platforms.summary import Cell, Mean
+from lta_analysis.platforms.run import ABLATION, CONTESTANT, fly_job, Job, LIMIT, Row
+from lta_analysis.platforms.summary import Cell, fastest, Mean
 from lta_analysis.reproduce.found import Value
 from lta_config.comparison_file import Comparison, load_comparison
 from lta_config.manoeuvre_file import load_manoeuvre
@@ -60,11 +61,29 @@ def fly(pairs: Iterable[tuple[str, str]], seeds: int) -> Flights:
     """Return flights of entries in manoeuvres, each with the same seeds."""
     comparison = load_comparison(FILE)
     rows = [
-        fly_job(Job(FILE, kind(comparison, name), name, manoeuvre, seed))
+        flown(Job(FILE, kind(comparison, name), name, manoeuvre, seed))
         for name, manoeuvre in pairs
         for seed in range(1, seeds + 1)
     ]
     return Flights(comparison, rows)
+
+
+def limit(name: str, seeds: int) -> Value:
+    """Return the highest speed up to which an entry held all that it was asked for. [m/s]"""
+    comparison = load_comparison(FILE)
+    asked = comparison.limits[name]
+    rows = [
+        flown(Job(FILE, LIMIT, name, asked.manoeuvre, seed, speed))
+        for speed in asked.speeds.vector
+        for seed in range(1, seeds + 1)
+    ]
+    return Value(fastest(comparison, rows, name)[0], seeds=seeds)
+
+
+@cache
+def flown(job: Job) -> Row:
+    """Return a flight; rows that share one fly it once."""
+    return fly_job(job)
 
 
 def kind(comparison: Comparison, name: str) -> str:

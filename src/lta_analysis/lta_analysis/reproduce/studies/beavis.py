@@ -17,7 +17,6 @@ CHANGED: Final = {
     'beavis_uncompensated': MANOEUVRES,
     'beavis_too_heavy': ('climb',),
 }
-QUICK: Final = {'beavis_by_matrix': ('climb', 'turn')}
 CAPTIONS: Final = {
     'climb': 'Rise by 1.5 m and hold that: asked dashed, flights of seed 1.',
     'turn': 'Rise, then turn left by 90° and hold that: asked dashed, flights of seed 1.',
@@ -30,9 +29,10 @@ HEADINGS: Final = {
 
 def study(asked: Asked) -> Found:
     """Return both platforms in the paper's tasks, and what decides over BEAVIS."""
-    pairs = [(name, each) for name in BOTH for each in MANOEUVRES]
-    changed = QUICK if asked.quick else CHANGED
-    pairs += [(name, each) for name, own in changed.items() for each in own]
+    manoeuvres = MANOEUVRES[:2] if asked.quick else MANOEUVRES
+    pairs = [(name, each) for name in BOTH for each in manoeuvres]
+    if not asked.quick:
+        pairs += [(name, each) for name, own in CHANGED.items() for each in own]
     flights = fly(pairs, asked.seeds)
     values: dict[str, Value] = {}
     for name, manoeuvre in pairs:
@@ -46,7 +46,7 @@ def study(asked: Asked) -> Found:
         Picture(each, HEADINGS[each], CAPTIONS[each],
                 flights.picture(each, names if each != 'follow' else BOTH),
                 typed('platforms', '--seeds', str(asked.seeds)))
-        for each in MANOEUVRES
+        for each in manoeuvres
     ]  # fmt: skip
     return Found(values, pictures)
 
