@@ -160,8 +160,8 @@ class PaperRow(Record):
         return self
 
     def _check_names(self, claim: str, text: str) -> None:
-        for _, name, _, _ in Formatter().parse(text):
-            if name is not None and name not in self.measures:
+        for name in sorted(names(text)):
+            if name not in self.measures:
                 raise ValueError(
                     f'names "{name}" in the claim {claim}, which it does not measure; known: '
                     f'{", ".join(self.measures)}'
@@ -180,6 +180,11 @@ class PaperRow(Record):
                 raise ValueError(
                     f'has {bound.unit} in the claim {claim}, which is measured in {measure.unit}'
                 )
+
+
+def names(text: str) -> set[str]:
+    """Return the measures that a text names in braces."""
+    return {name for _, name, _, _ in Formatter().parse(text) if name is not None}
 
 
 def load_paper_row(name: str) -> PaperRow:

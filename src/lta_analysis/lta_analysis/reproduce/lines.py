@@ -14,7 +14,7 @@ from lta_analysis.reproduce.verdict import (
     Verdict,
     verdicts,
 )
-from lta_config.paper_file import Claim, PaperRow
+from lta_config.paper_file import Claim, names, PaperRow
 
 CLAIM_HEADS: Final = (
     'the paper says',
@@ -106,10 +106,13 @@ def notes(row: PaperRow, kept: Kept) -> list[tuple[str, str, str]]:
     found = verdicts(row, kept.values)
     lines = []
     for name, claim in row.claims.items():
-        differs = found[name] is Verdict.DIFFERS
         words = claim.untested or claim.finding
-        gap = filled(claim.gap, row, kept.values) if differs else ''
-        lines.append((claim.says, filled(words, row, kept.values), gap))
+        gap = claim.gap if found[name] is Verdict.DIFFERS else ''
+        told = [
+            filled(text, row, kept.values) if names(text) <= kept.values.keys() else ''
+            for text in (words, gap)  # --quick leaves measures out
+        ]
+        lines.append((claim.says, told[0], told[1]))
     return lines
 
 

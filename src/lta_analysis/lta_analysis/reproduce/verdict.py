@@ -29,10 +29,10 @@ def judge(claim: Claim, values: Mapping[str, Value]) -> Verdict:
     """Return what came of a claim."""
     if claim.measure is None:
         return Verdict.UNTESTED
-    if claim.measure not in values:
-        return Verdict.LEFT_OUT
     if claim.rule is None:
         return Verdict.BEYOND
+    if claim.measure not in values:
+        return Verdict.LEFT_OUT
     value = values[claim.measure].value
     return Verdict.AGREES if holds(claim.rule, claim.value, value) else Verdict.DIFFERS
 

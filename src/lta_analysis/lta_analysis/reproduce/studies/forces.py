@@ -6,11 +6,11 @@ from typing import Final
 from lta_analysis.platforms.entries import entrant
 from lta_analysis.platforms.summary import margin
 from lta_analysis.report.drawing import blank
-from lta_analysis.report.palette import ESTIMATE, GOOD, LAMP, SOFT, TRUTH
+from lta_analysis.report.palette import ESTIMATE, LAMP, SOFT, TRUTH
 from lta_analysis.reproduce.found import Asked, Found, Picture, Value
 from lta_analysis.typed import typed
 from lta_config.comparison_file import load_comparison
-from lta_config.constants import AIR_DENSITY, STANDARD_GRAVITY
+from lta_config.constants import AIR_DENSITY
 from lta_energy.rotor import BENCH
 from lta_sim.vehicle import load_vehicle, Vehicle
 import numpy as np
@@ -18,7 +18,7 @@ from plotly.graph_objects import Figure, Scatter
 
 PROPELLER: Final = 0.047  # m, seed paper
 NOT_IN_TABLE: Final = 'solar_panels'  # no row of the paper's table of masses
-AXES: Final = ('surge', 'sway', 'heave')
+AXES: Final = {'surge': ('ahead and aside', TRUTH), 'heave': ('up', ESTIMATE)}
 CURVE: Final = (
     "One rotor: the paper's polynomial, and Bitcraze's bench, whose voltage falls on the way. "
     'Both are of four motors, divided by four.'
@@ -45,8 +45,7 @@ def study(asked: Asked) -> Found:
 def thrust(vehicle: Vehicle) -> dict[str, Value]:
     """Return full thrust of a rotor, how far the bench is off, and its disk loading."""
     a, b = vehicle.thrust_curve
-    off = [1e-3 * STANDARD_GRAVITY / 4.0 * row.thrust - (a * row.duty + b) * row.duty
-           for row in BENCH]  # fmt: skip
+    off = [row.thrust - (a * row.duty + b) * row.duty for row in BENCH]
     disk = math.pi * (PROPELLER / 2.0) ** 2
     return {
         'full_thrust': Value(vehicle.full_thrust),
@@ -109,7 +108,7 @@ def thrust_picture(vehicle: Vehicle) -> Figure:
     )  # fmt: skip
     figure.add_trace(
         Scatter(x=[row.duty for row in BENCH],
-                y=[1e-3 * STANDARD_GRAVITY * row.thrust / 4.0 for row in BENCH],
+                y=[row.thrust for row in BENCH],
                 mode='markers', name='bench', marker={'color': LAMP, 'size': 6},
                 hovertemplate='bench %{y:.3f} N')
     )  # fmt: skip
@@ -123,10 +122,10 @@ def drag_picture(vehicle: Vehicle) -> Figure:
     figure = blank()
     speed = np.linspace(0.0, 2.0, 101)
     quadratic, linear = vehicle.effects()['quadratic_drag'], vehicle.effects()['linear_drag']
-    for axis, colour in zip(AXES, (TRUTH, GOOD, ESTIMATE), strict=True):
+    for axis, (told, colour) in AXES.items():
         figure.add_trace(
             Scatter(x=speed, y=(linear[axis] + quadratic[axis] * speed) * speed, mode='lines',
-                    name=axis, line={'color': colour, 'width': 1.6},
+                    name=told, line={'color': colour, 'width': 1.6},
                     hovertemplate='%{y:.3f} N')
         )  # fmt: skip
     figure.update_xaxes(title_text='speed [m/s]')

@@ -1,13 +1,13 @@
 """Five platforms by six criteria: each a task that is flown, or a number of the vehicle's file."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from itertools import combinations
 import math
 from typing import Final
 
 from lta_analysis.platforms.entries import entrant
 from lta_analysis.report.drawing import blank
-from lta_analysis.report.palette import GRID, PAPER, TRUTH
+from lta_analysis.report.palette import GRID, INK, PAPER, TRUTH
 from lta_analysis.reproduce.found import Asked, Found, Picture, Value
 from lta_analysis.reproduce.manoeuvres import Flights, fly, limit
 from lta_analysis.typed import typed
@@ -68,7 +68,10 @@ def study(asked: Asked) -> Found:
     if not asked.quick:
         values['sblimp_limit'] = limit('sblimp', min(asked.seeds, LIMIT_SEEDS))
     command = typed('platforms', '--seeds', str(asked.seeds))
-    pictures = [Picture('table', 'Six criteria, measured', CAPTION, table(measured), command)]
+    titles = [flights.title(name) for name in RANKED]
+    pictures = [
+        Picture('table', 'Six criteria, measured', CAPTION, table(titles, measured), command)
+    ]
     pictures += [
         Picture(each, *FOLLOWED[each], flights.picture(each, RANKED), command) for each in flown
     ]
@@ -136,11 +139,11 @@ def number(value: Value) -> float:
     return value.value
 
 
-def table(measured: Mapping[str, Mapping[str, Value]]) -> Figure:
+def table(titles: Sequence[str], measured: Mapping[str, Mapping[str, Value]]) -> Figure:
     """Return the paper's table with what was measured."""
-    figure, names = blank(), list(RANKED)
+    figure = blank()
     shades, texts = [], []
-    for name in names:
+    for name in RANKED:
         row, words = [], []
         for criterion, found in measured.items():
             unit, factor, more = CRITERIA[criterion]
@@ -152,11 +155,12 @@ def table(measured: Mapping[str, Mapping[str, Value]]) -> Figure:
         texts.append(words)
     figure.add_trace(
         Heatmap(
-            z=shades, x=list(measured), y=names, text=texts, texttemplate='%{text}',
-            colorscale=[[0.0, PAPER], [0.001, GRID], [1.0, TRUTH]], opacity=0.5, showscale=False,
+            z=shades, x=list(measured), y=list(titles), text=texts,
+            texttemplate='%{text}', textfont={'color': INK},
+            colorscale=[[0.0, PAPER], [0.001, GRID], [1.0, TRUTH]], opacity=0.4, showscale=False,
             xgap=2, ygap=2, hovertemplate='%{y}, %{x}: %{text}<extra></extra>',
         )
     )  # fmt: skip
-    figure.update_yaxes(autorange='reversed', showgrid=False)
+    figure.update_yaxes(autorange='reversed', showgrid=False, ticksuffix=' ')
     figure.update_xaxes(side='top', showgrid=False)
-    return figure.update_layout(hovermode='closest', height=420)
+    return figure.update_layout(hovermode='closest', margin={'l': 110, 'r': 20})
