@@ -5,12 +5,13 @@ from importlib import import_module
 from pathlib import Path
 import re
 
-from lta_bridge.nodes.crazyflie_bridge import BridgeSettings
+from lta_bridge.crazyflie.settings import BridgeSettings
 from lta_bridge.nodes.description import DescriptionSettings
 from lta_bridge.nodes.live import LiveSettings
 from lta_bridge.nodes.player import PlayerSettings
 from lta_bridge.nodes.recorder import RecorderSettings
 from lta_bridge.nodes.teensy_bridge import TeensyBridgeSettings
+from lta_bridge.nodes.tracker import TrackerSettings
 from lta_bridge.playback.cast import cast_of, roles
 from lta_config.settings import Settings
 from lta_config.topics import Topic, topic_table
@@ -55,7 +56,7 @@ NODES = {
     'live': LiveSettings,
 }
 # Plays a part of the vehicle beside whoever plays the rest.
-BRIDGES = {'teensy_bridge': TeensyBridgeSettings}
+BRIDGES = {'teensy_bridge': TeensyBridgeSettings, 'tracker': TrackerSettings}
 # Stand beside the graph: they serve people, and no row of the table waits for them.
 BESIDE = {'description': DescriptionSettings}
 # Subscribe for themselves: raw, to all that the table lists, or as users of what others decide.

@@ -1,0 +1,113 @@
+"""
+The tracker node: makes `ground_truth/odom` of what an outside tracker says.
+
+Poses come as PoseStamped (motion capture, libsurvive's Lighthouse) or as a frame on /tf. It
+commands nothing, and nothing is flown by what it says.
+"""
+
+from typing import Any
+
+from geometry_msgs.msg import PoseStamped
+from lta_bridge.tracking.messages import from_pose, from_transform, to_odometry
+from lta_bridge.tracking.pose import planted, Pose
+from lta_bridge.tracking.tracked import Tracked
+from lta_config.errors import BadInput
+from lta_config.settings import setting, Settings
+from lta_graph.health import Level
+from lta_graph.ros.node import from_stamp, GraphNode, run, to_stamp
+from lta_graph.ros.parameters import Parameters
+from rclpy.qos import qos_profile_sensor_data
+
+try:
+    from tf2_msgs.msg import TFMessage
+except ImportError:
+    TFMessage = None
+
+DEPTH = 100  # of /tf, as tf2 has it
+Planted = tuple[float, float, float, float]
+
+
+class TrackerSettings(Settings):
+    """What is followed, and how its frames lie."""
+
+    pose: str = setting('tracker/pose', 'Topic of a PoseStamped that is followed.', fixed=True)
+    frame: str = setting(
+        '', 'Frame on /tf that is followed in its place, straight from its parent.', fixed=True
+    )
+    origin: Planted = setting(
+        (0.0, 0.0, 0.0, 0.0),
+        "The tracker's frame (z up) in the map: x, y, z in m, yaw in rad.",
+        fixed=True,
+    )
+    body: Planted = setting(
+        (0.0, 0.0, 0.0, 0.0),
+        'The hull centre in the frame of the tracked body: x, y, z in m, yaw in rad.',
+        fixed=True,
+    )
+    delay: float = setting(
+        0.0,
+        'What the fastest pose takes from the picture to here.',
+        unit='s',
+        low=0.0,
+        high=1.0,
+        fixed=True,
+    )
+
+
+class Tracker(GraphNode):
+    """Publish where the drone is."""
+
+    def __init__(self) -> None:
+        super().__init__('tracker', role='vehicle')
+        if self.lockstep:
+            raise BadInput('A real tracker keeps real time: leave time:=lockstep out.')
+        self._truth = self.output('ground_truth/odom')
+        settings = Parameters(self, TrackerSettings).value
+        self._tracked = Tracked(
+            planted(*settings.origin), planted(*settings.body), round(1e9 * settings.delay)
+        )
+        self._frame = settings.frame
+        if not settings.frame:
+            self.create_subscription(
+                PoseStamped, settings.pose, self._on_pose, qos_profile_sensor_data
+            )
+        elif TFMessage is None:
+            raise BadInput(
+                'frame:= follows /tf, which needs tf2_msgs of a full ROS 2; give pose:= a topic '
+                'of PoseStamped, or install ros-jazzy-tf2-msgs.'
+            )
+        else:
+            self.create_subscription(TFMessage, '/tf', self._on_frames, DEPTH)
+
+    def _on_pose(self, message: PoseStamped) -> None:
+        self._follow(from_stamp(message.header.stamp), from_pose(message))
+
+    def _on_frames(self, message: Any) -> None:  # noqa: ANN401 - a generated class
+        for each in message.transforms:
+            if each.child_frame_id == self._frame:
+                self._follow(from_stamp(each.header.stamp), from_transform(each))
+
+    def _follow(self, stamp_ns: int, pose: Pose) -> None:
+        for motion in self._tracked.heard(stamp_ns, pose, self._now_ns()):
+            frame = self.table['ground_truth/odom'].frame
+            self._truth.publish(to_odometry(to_stamp(motion.stamp_ns), frame, motion))
+
+    def _now_ns(self) -> int:
+        return int(self.get_clock().now().nanoseconds)
+
+    def publish_health(self) -> None:
+        """Tell how the tracker is, and whether anybody else tells the truth."""
+        fact = self._tracked.condition(self._now_ns())
+        self.health.report(fact.task, fact.level, fact.message, **fact.values)
+        others = self.count_publishers(self._truth.topic_name) - 1
+        alone = 'nobody else publishes the truth'
+        rivals = f'{others} more publish ground_truth/odom; stop all but one'
+        self.health.report(
+            'others', Level.ERROR if others > 0 else Level.OK, rivals if others > 0 else alone
+        )
+        super().publish_health()
+
+
+def main(args: list[str] | None = None) -> None:
+    """Run the node until it is told to stop."""
+    run(Tracker, args)

@@ -1,0 +1,49 @@
+"""A tracker's messages as poses, and the motion as Odometry."""
+
+import math
+from typing import Any
+
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import PoseStamped
+from lta_bridge.tracking.motion import Motion
+from lta_bridge.tracking.pose import Pose
+from nav_msgs.msg import Odometry
+import numpy as np
+
+
+def from_pose(message: PoseStamped) -> Pose:
+    """Return the pose."""
+    return _pose(message.pose.position, message.pose.orientation)
+
+
+def from_transform(message: Any) -> Pose:  # noqa: ANN401 - a TransformStamped
+    """Return the pose of the child frame."""
+    return _pose(message.transform.translation, message.transform.rotation)
+
+
+def _pose(p: Any, q: Any) -> Pose:  # noqa: ANN401 - generated classes of the same fields
+    return Pose((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
+
+
+def to_odometry(stamp: Time, frame: str, motion: Motion) -> Odometry:
+    """Return pose and twist with their variances; -1 says that one is not known."""
+    message = Odometry(child_frame_id='base_link')
+    message.header.stamp, message.header.frame_id = stamp, frame
+    p, q = message.pose.pose.position, message.pose.pose.orientation
+    v, w = message.twist.twist.linear, message.twist.twist.angular
+    p.x, p.y, p.z = motion.pose.place
+    q.x, q.y, q.z, q.w = motion.pose.turn
+    v.x, v.y, v.z = motion.velocity
+    w.x, w.y, w.z = motion.rates
+    message.pose.covariance = _diagonal(motion.place_sigma, motion.turn_sigma)
+    message.twist.covariance = _diagonal(motion.velocity_sigma, motion.rates_sigma)
+    return message
+
+
+def _diagonal(first: float, second: float) -> np.ndarray:
+    """Return a covariance of two deviations, three times each."""
+    if math.isnan(first) or math.isnan(second):
+        unknown = np.zeros(36)
+        unknown[0] = -1.0
+        return unknown
+    return np.diag([first**2] * 3 + [second**2] * 3).ravel()

@@ -1,0 +1,159 @@
+"""
+Velocity and rates from poses: a parabola through those around each one.
+
+Nobody waits for the truth, so a pose is told when those after it have come too: its derivatives
+then lie in the middle of what they are taken from, without lag, and exact at constant
+acceleration whatever the spacing. The pose itself is told as it came.
+"""
+
+from collections import deque
+from collections.abc import Iterator
+import math
+from typing import Final, final, NamedTuple
+
+from lta_bridge.tracking.pose import Pose, Three
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+HALF_NS: Final = 50_000_000  # of the window: an airship's motion takes many times as long
+GAP_NS: Final = 250_000_000  # poses farther apart than this say nothing of each other
+
+
+class Motion(NamedTuple):
+    """
+    A pose with its motion.
+
+    Attributes
+    ----------
+    stamp_ns : int
+        By the clock of the poses. [ns]
+    pose : Pose
+        As it came.
+    velocity, rates : 3-tuple
+        In the body's own frame. [m/s, rad/s]
+    place_sigma, turn_sigma, velocity_sigma, rates_sigma : float
+        Standard deviations by what the parabola leaves; NaN where it goes through every pose.
+        [m, rad, m/s, rad/s]
+
+    """
+
+    stamp_ns: int
+    pose: Pose
+    velocity: Three
+    rates: Three
+    place_sigma: float
+    turn_sigma: float
+    velocity_sigma: float
+    rates_sigma: float
+
+
+@final
+class Window:
+    """
+    Take poses, and give them back with their motion once it is known.
+
+    Attributes
+    ----------
+    gaps : int
+        How often poses stayed away for longer than `GAP_NS`.
+
+    """
+
+    def __init__(self) -> None:
+        self.gaps = 0
+        self._poses: deque[tuple[int, Pose]] = deque()
+        self._next = 0  # index of the first pose that is not told yet
+
+    def clear(self) -> None:
+        """Forget all poses."""
+        self._poses.clear()
+        self._next = 0
+
+    def add(self, stamp_ns: int, pose: Pose) -> Iterator[Motion]:
+        """Take a pose, later than all before, and yield what is settled by it."""
+        if self._poses and stamp_ns - self._poses[-1][0] > GAP_NS:
+            self.gaps += 1
+            self.clear()
+        self._poses.append((stamp_ns, pose))
+        while self._next < len(self._poses) - 1:
+            centre = self._poses[self._next][0]
+            if stamp_ns < centre + HALF_NS:
+                return
+            # The first pose has none before it.
+            if self._next > 0:
+                yield moving(list(self._around(centre)), centre)
+            self._next += 1
+            self._drop()
+
+    def _around(self, centre_ns: int) -> Iterator[tuple[int, Pose]]:
+        """Yield the poses of the window, and the neighbours where they are farther away."""
+        for k, item in enumerate(self._poses):
+            if abs(item[0] - centre_ns) <= HALF_NS or abs(k - self._next) <= 1:
+                yield item
+
+    def _drop(self) -> None:
+        """Forget what no window needs any more."""
+        centre = self._poses[self._next][0]
+        while self._next > 1 and self._poses[0][0] < centre - HALF_NS:
+            self._poses.popleft()
+            self._next -= 1
+
+
+def moving(poses: list[tuple[int, Pose]], centre_ns: int) -> Motion:
+    """
+    Return the motion at one of three or more poses.
+
+    Parameters
+    ----------
+    poses : list
+        Stamps [ns] and poses, in order.
+    centre_ns : int
+        Stamp of the one. [ns]
+
+    """
+    pose = next(each for stamp, each in poses if stamp == centre_ns)
+    t = np.array([1e-9 * (stamp - centre_ns) for stamp, _ in poses])
+    turn = Rotation.from_quat(pose.turn)
+    own = turn.inv()
+    places = own.apply(np.array([each.place for _, each in poses]) - pose.place)
+    turns = (own * Rotation.from_quat([each.turn for _, each in poses])).as_rotvec()
+    slope, (place, spun), grown = parabola(t, np.hstack((places, turns)))
+    vx, vy, vz, wx, wy, wz = slope
+    return Motion(
+        centre_ns, pose, (vx, vy, vz), (wx, wy, wz), place, spun, grown * place, grown * spun
+    )
+
+
+def parabola(
+    t: NDArray[np.float64], y: NDArray[np.float64]
+) -> tuple[list[float], tuple[float, float], float]:
+    """
+    Return the slope at 0 of least-squares parabolas through the places and turns of some times.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Times about 0. [s]
+    y : ndarray, shape (n, 6)
+        Three coordinates of a place, three of a turn. [m, rad]
+
+    Returns
+    -------
+    slope : list of float
+        Of each column, a second.
+    sigma : 2-tuple of float
+        Standard deviation of a place and of a turn; NaN where nothing is left to tell it by.
+    grown : float
+        By how much a deviation grows on its way into the slope. [1/s]
+
+    """
+    scale = float(np.max(np.abs(t)))
+    columns = np.vander(t / scale, 3, increasing=True)
+    known = np.linalg.pinv(columns)
+    coefficients = known @ y
+    spare = 3 * (len(t) - 3) or math.nan
+    left = ((y - columns @ coefficients) ** 2).sum(axis=0).tolist()
+    sigma = math.sqrt(sum(left[:3]) / spare), math.sqrt(sum(left[3:]) / spare)
+    slope: list[float] = (coefficients[1] / scale).tolist()
+    return slope, sigma, math.hypot(*known[1].tolist()) / scale
