@@ -32,9 +32,10 @@ DAY: Final = (
 
 def study(asked: Asked) -> Found:
     """Return wind, missions, beacons and bearings; the paper's own way beside each."""
-    indoors = fly('indoors', asked.seeds, strategies=BOTH)
+    flown = BOTH[1:] if asked.quick else BOTH
+    indoors = fly('indoors', asked.seeds, strategies=flown)
     values: dict[str, Value] = {}
-    for name in BOTH:
+    for name in flown:
         values |= figures(name, indoors.of(name))
     pictures = [
         Picture('strategies', 'BAG and homing, indoors', BARS, beside_paper(list(indoors.cells)),
