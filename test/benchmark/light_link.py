@@ -6,7 +6,6 @@ of `photodiodes` in another process. `python test/benchmark/light_link.py SECOND
 figures of one long run: the way's median and 99 %, what was lost, the bridge's share of a core.
 """
 
-from collections.abc import Iterator
 from functools import cache
 import os
 from pathlib import Path
@@ -53,7 +52,7 @@ class Board(threading.Thread):
         super().__init__(daemon=True)
         self.cable = Cable(folder / 'tty')
         self._rate, self._frames = TABLE.light.sample_rate.si, int(seconds * 1e4 / FRAME)
-        self.ended: dict[int, float] = {}  # when a block's last row was handed over
+        self.ended: list[float] = []  # when each frame was handed over
         self.live = threading.Event()
 
     def run(self) -> None:
@@ -62,7 +61,7 @@ class Board(threading.Thread):
         while not self.live.is_set():
             self.cable.write(board.answer(self.cable.read(0.01), time.time_ns()))
         samples = np.random.default_rng(1).integers(0, 4096, (FRAME, 8)).astype(np.uint16)
-        begun, length = time.monotonic(), TABLE.light.samples
+        begun = time.monotonic()
         self.cable.write(board.status())
         for turn in range(self._frames):
             left = begun + (turn + 1) * FRAME / self._rate - time.monotonic()
@@ -70,10 +69,8 @@ class Board(threading.Thread):
             if asked:
                 self.cable.write(board.answer(asked, time.time_ns()))
                 time.sleep(max(0.0, begun + (turn + 1) * FRAME / self._rate - time.monotonic()))
-            rows = (turn + 1) * FRAME
-            samples[:, 0] = (rows - FRAME) // length % FULL  # which block, for the other end
-            if rows // length > (rows - FRAME) // length:
-                self.ended[rows // length - 1] = time.monotonic()
+            samples[:, :2] = divmod(turn, FULL)  # which frame, for the other end
+            self.ended.append(time.monotonic())
             self.cable.write(board.light(samples))
 
 
@@ -86,12 +83,11 @@ def measure(seconds: float) -> Run:
         words = ['-p', f'port:={name}/tty', '-r', '__ns:=/lta1']
         bridge = subprocess.Popen([sys.executable, '-c', BRIDGE, '--ros-args', *words])
         node, came = rclpy.create_node('watch', namespace='/lta1'), []
-        length = TABLE.light.samples
         row = TABLE['photodiodes']
         node.create_subscription(
             message_type(row),
             'photodiodes',
-            lambda image: came.append((int(to_block(image)[length // 2, 0]), time.monotonic())),
+            lambda image: came.append((frame_of(to_block(image)[-1]), time.monotonic())),
             profile(row, lockstep=False),
         )
         executor = SingleThreadedExecutor()
@@ -114,17 +110,14 @@ def measure(seconds: float) -> Run:
         bridge.wait()
         node.destroy_node()
         rclpy.shutdown()
-    ways = [when - board.ended[block] for block, when in unwrapped(came)]
-    return Run(np.array(ways), len(board.ended) - len(ways), share)
+    ways = [when - board.ended[frame] for frame, when in came]
+    sent = len(board.ended) * FRAME // TABLE.light.samples
+    return Run(np.array(ways), sent - len(ways), share)
 
 
-def unwrapped(came: list[tuple[int, float]]) -> Iterator[tuple[int, float]]:
-    """Yield which block came when: a block tells its number in 12 bits, and they come in order."""
-    turns, last = 0, -1
-    for number, when in came:
-        turns += number < last
-        last = number
-        yield turns * FULL + number, when
+def frame_of(row: 'np.ndarray[tuple[int], np.dtype[np.uint16]]') -> int:
+    """Return the frame that brought a row: 24 bits in its first two readings."""
+    return FULL * int(row[0]) + int(row[1])
 
 
 @cache
