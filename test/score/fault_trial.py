@@ -238,7 +238,7 @@ class Trial:
         if not bag.complete:
             wrong = wrong or 'the bag is not whole'
         if not self._told(told(bag)):
-            wrong = wrong or f"the bag says nowhere '{self._kind.word}'"
+            wrong = wrong or f"the bag says nowhere '{self._kind.word}', but {sorted(told(bag))}"
         return Outcome(**{**asdict(outcome), 'wrong': wrong})
 
 
