@@ -16,6 +16,7 @@ from pydantic import ValidationError
 import yaml
 
 OPEN = 'effects'  # below it a file may name what it had left out: effects and their parameters
+NAMED = 'vehicle.aero'  # a group for which a file may name another one
 SOURCE = 'set for this flight'
 _VECTOR = re.compile(r'^\s*(\[[^\]]*\])\s*(\S.*?)\s*$')
 
@@ -173,6 +174,8 @@ def _fitting(old: Any, value: Any, where: str) -> Any:  # noqa: ANN401 - what YA
     before, now = quantity_in(old), quantity_in(value)
     if before is not None:
         return _sourced(_same_unit(before, now, value, where))
+    if where == NAMED and isinstance(value, str):
+        return value
     if isinstance(old, Mapping):
         names = ', '.join(map(str, old))
         raise BadInput(f'{where} is a group; set one of its keys: {names}.')

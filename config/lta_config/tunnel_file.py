@@ -49,10 +49,16 @@ class TunnelFile(Record):
     name: Name
     about: str
     vehicle: str
-    disk: Disk
+    disk: Disk | None = None  # without it no rotor blows
     bodies: Mapping[Name, Body] = Field(default_factory=dict)
     # Share of full thrust of rotors that blow together, by name of the pattern.
     patterns: Mapping[Name, Mapping[str, Duty]] = Field(default_factory=dict)
+
+    @model_validator(mode='after')
+    def _patterns_have_disks(self) -> 'TunnelFile':
+        if self.patterns and self.disk is None:
+            raise ValueError('has patterns of rotors but no disk; give its diameter and thickness')
+        return self
 
 
 def load_tunnel_file(name: str) -> tuple[TunnelFile, Path]:

@@ -12,11 +12,11 @@ from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import Tile
 from lta_analysis.report.pieces import section, tile_html
 from lta_bridge.provenance import commit
-from lta_sim.cfd.refit import fits_of, warnings_of
+from lta_sim.cfd.refit import ABOUT, ALONG, fits_of, solved, warnings_of
 from lta_sim.cfd.slices import Slice
-from lta_sim.cfd.sweep_table import Sweep
+from lta_sim.cfd.sweep_table import Axis, Sweep
 
-ABOUT: Final = (
+INTRODUCTION: Final = (
     'Drag along and about six axes, and what each rotor pushes with the hull in its jet, from the '
     'shape alone: no flight.'
 )
@@ -59,7 +59,7 @@ def page(sweep: Sweep, slices: Sequence[Slice], commands: Mapping[str, str]) -> 
         'energy.html',
         title=escape(title(sweep)),
         kicker=escape(f'cfd run · {sweep.name}'),
-        about=ABOUT,
+        about=INTRODUCTION,
         tiles='\n'.join(tile_html(*each) for each in tiles(sweep)),
         first=section('along', 'Moving', DRAWN, drag_picture(sweep, turning=False)),
         pictures='\n'.join(pictures),
@@ -95,16 +95,16 @@ def tiles(sweep: Sweep) -> list[Tile]:
     fits = fits_of(sweep)
     made = [
         Tile(axis, f'{1e3 * fits[axis].at(1.0):.0f}', 'mN', f'at 1 m/s, {_found(sweep, axis)}')
-        for axis in ('surge', 'sway', 'heave')
+        for axis in ALONG
     ]  # fmt: skip
     made += [
         Tile(axis, f'{1e3 * fits[axis].at(1.0):.2f}', 'mN m', f'at 1 rad/s, {_found(sweep, axis)}')
-        for axis in ('roll', 'pitch', 'yaw')
+        for axis in ABOUT
     ]  # fmt: skip
     if (blown := sweep.blows.get('all')) is not None:
         made.append(Tile('all rotors on', f'{blown.force[2]:.3f}', 'N', 'net, upwards'))
     return made
 
 
-def _found(sweep: Sweep, axis: str) -> str:
-    return 'solved' if axis in sweep.axes else 'by hand'
+def _found(sweep: Sweep, axis: Axis) -> str:
+    return 'solved' if solved(sweep, axis) else 'by hand'

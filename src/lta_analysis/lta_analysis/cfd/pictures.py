@@ -5,7 +5,7 @@ from typing import Final
 
 from lta_analysis.report.drawing import blank
 from lta_analysis.report.palette import ESTIMATE, GOOD, HEAT, RAW, TRUTH, WALL
-from lta_sim.cfd.refit import ABOUT, drags, fits_of
+from lta_sim.cfd.refit import ABOUT, drags, fits_of, solved
 from lta_sim.cfd.slices import Slice
 from lta_sim.cfd.sphere import morrison, SCATTER, SCATTER_RANGE
 from lta_sim.cfd.sweep_table import AXES, Sweep
@@ -30,10 +30,10 @@ def drag_picture(sweep: Sweep, turning: bool) -> Figure:
                 mode='lines', line={'color': colour, 'width': 1, 'dash': 'dot'}, showlegend=False,
             )
         )  # fmt: skip
-        solved = sweep.axes.get(axis)
-        if not solved:
+        points = solved(sweep, axis)
+        if not points:
             continue
-        values = drags(axis, solved)
+        values = drags(axis, points)
         figure.add_trace(
             Scatter(
                 x=speeds, y=[fits[axis].at(float(u)) for u in speeds], name=f'{axis}, fit',
@@ -41,10 +41,10 @@ def drag_picture(sweep: Sweep, turning: bool) -> Figure:
                 showlegend=False,
             )
         )  # fmt: skip
-        spread = [p.evidence.spread * v for p, v in zip(solved, values, strict=True)]
+        spread = [p.evidence.spread * v for p, v in zip(points, values, strict=True)]
         figure.add_trace(
             Scatter(
-                x=[p.speed for p in solved], y=values, name=axis, mode='markers',
+                x=[p.speed for p in points], y=values, name=axis, mode='markers',
                 marker={'color': colour, 'size': 8}, showlegend=True,
                 error_y={'array': spread, 'color': colour, 'thickness': 1},
             )

@@ -2,7 +2,7 @@
 
 from lta_analysis.energy.tables import Table
 from lta_sim.cfd.columns import linear, summed
-from lta_sim.cfd.refit import by_hand_at, drags, fits_of, points_of
+from lta_sim.cfd.refit import by_hand_at, drags, fits_of, points_of, solved
 from lta_sim.cfd.sweep_table import Sweep
 from lta_sim.cfd.validation import Judged
 
@@ -14,11 +14,10 @@ def coefficients(sweep: Sweep) -> Table:
         points = points_of(sweep, axis)
         middle = points[len(points) // 2]
         ratio = drags(axis, [middle])[0] / by_hand_at(sweep, axis, middle.speed)
-        solved = axis in sweep.axes
         rows.append([
             axis, f'{fit.linear:.2g}', f'{fit.quadratic:.3g}', f'{100 * fit.error:.1f}',
             f'{fit.exponent:.2f}', f'{100 * max(p.evidence.spread for p in points):.1f}',
-            f'{middle.evidence.cells}' if solved else 'by hand', f'{ratio:.2f}',
+            f'{middle.evidence.cells}' if solved(sweep, axis) else 'by hand', f'{ratio:.2f}',
         ])  # fmt: skip
     heads = ['axis', 'D1', 'D2', 'fit error [%]', 'exponent', 'spread [%]', 'cells', 'over hand']
     note = (

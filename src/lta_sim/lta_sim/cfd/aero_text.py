@@ -14,6 +14,7 @@ from lta_sim.cfd.refit import (
     drags,
     fits_of,
     points_of,
+    solved,
     warnings_of,
 )
 from lta_sim.cfd.sweep_table import AXES, Axis, Sweep
@@ -28,9 +29,9 @@ def quantity(value: float | Sequence[float], unit: str, source: str) -> dict[str
 
 def _source(sweep: Sweep, axes: Sequence[Axis]) -> str:
     """Return what the coefficients of three axes come from."""
-    solved = [axis for axis in axes if sweep.axes.get(axis)]
-    hand = [axis for axis in axes if not sweep.axes.get(axis)]
-    told = [f'{sweep.engine}, {sweep.fidelity}: {", ".join(solved)}'] if solved else []
+    flown = [axis for axis in axes if solved(sweep, axis)]
+    hand = [axis for axis in axes if axis not in flown]
+    told = [f'{sweep.engine}, {sweep.fidelity}: {", ".join(flown)}'] if flown else []
     return '; '.join(told + ([f'by hand: {", ".join(hand)}'] if hand else []))
 
 
@@ -40,8 +41,8 @@ def _drag(
     along, about = tuple(ALONG), tuple(ABOUT)
     unit = {'': ('N s/m', 'N m s'), '2': ('N s2/m2', 'N m s2')}[square]
     return {
-        'force': quantity([term(fits[a]) for a in along], unit[0], _source(sweep, along)),  # type: ignore[index,arg-type]
-        'moment': quantity([term(fits[a]) for a in about], unit[1], _source(sweep, about)),  # type: ignore[index,arg-type]
+        'force': quantity([term(fits[a]) for a in along], unit[0], _source(sweep, along)),
+        'moment': quantity([term(fits[a]) for a in about], unit[1], _source(sweep, about)),
     }
 
 

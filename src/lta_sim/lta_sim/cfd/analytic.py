@@ -78,12 +78,13 @@ def damping(model: Model, axis: int, rate: float, air: tuple[float, float]) -> f
     """Return the moment against turning about a body axis. [N m]; parameters as `drag`."""
     density, viscosity = air
     sizes = model.hull.extents
-    radius = 0.5 * float(np.max(sizes))
+    revolution = int(np.argmax(np.abs(sizes - np.median(sizes))))
+    height, diameter = float(sizes[revolution]), float(sizes[revolution - 1])
+    radius = 0.5 * (diameter if axis == revolution else max(height, diameter))
     flat = float(np.min(sizes) / np.max(sizes))
     disc = 0.616 * math.pi * density * radius**4 * math.sqrt(viscosity * rate**3)
-    moment = disc * (1.0 + 0.67 * flat)
-    thin = int(np.argmin(sizes))
-    if axis != thin:
+    moment = disc * (1.0 + 0.67 * (height / diameter if axis == revolution else flat))
+    if axis != revolution:
         plate = PLATE * density * radius**5 * 2.0 / 15.0 * 2.0
         moment += plate * (1.0 - flat) ** 2 * rate**2
     return moment + _boxes(model, axis, density) * rate**2

@@ -5,11 +5,11 @@ A column is the net wrench per newton of a rotor's full thrust. Where a pattern 
 is not the sum of its columns, the rest is a coupling, per newton of the weakest of them.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
-from lta_sim.cfd.sweep_table import Blow, Sweep
+from lta_sim.cfd.sweep_table import Blow, Place, Sweep
 import numpy as np
 from numpy.typing import NDArray
 
@@ -37,9 +37,34 @@ class Coupled:
     wrench: Array
 
 
-def wrench_of(blow: Blow) -> Array:
-    """Return force and moment. [N, N m]."""
-    return np.array([*blow.force, *blow.moment])
+def wrench_of(sweep: Sweep, blow: Blow) -> Array:
+    """
+    Return force and moment. [N, N m].
+
+    Mean of all symmetries that leave what blows as it is: what must be nought is nought, and not
+    the noise of a mesh, which no pair of rotors could cancel.
+    """
+    wrench = np.array([*blow.force, *blow.moment])
+    own = [np.array(rows) for rows in sweep.symmetries if _leaves(sweep, blow.shares, rows)]
+    mean: Array = np.mean([changed(wrench, each) for each in own or [np.eye(3)]], axis=0)
+    return mean
+
+
+def _leaves(sweep: Sweep, shares: Mapping[str, float], rows: Sequence[list[float]]) -> bool:
+    """Tell whether a symmetry of the bodies brings each rotor that is on to one like it."""
+    change = np.array(rows)
+    return all(
+        any(
+            shares[other] == share and _brings(change, sweep.rotors[name], sweep.rotors[other])
+            for other in shares
+        )
+        for name, share in shares.items()
+    )
+
+
+def _brings(change: Array, one: Place, other: Place) -> bool:
+    place = np.allclose(change @ one.place, other.place, atol=1e-6)
+    return place and np.allclose(change @ one.axis, other.axis, atol=1e-6)
 
 
 def twins_of(sweep: Sweep, name: str) -> list[tuple[str, Array]]:
@@ -48,8 +73,7 @@ def twins_of(sweep: Sweep, name: str) -> list[tuple[str, Array]]:
     for rows in sweep.symmetries:
         change = np.array(rows)
         for other, rotor in sweep.rotors.items():
-            same = other != name and np.allclose(change @ rotor.place, one.place, atol=1e-6)
-            if same and np.allclose(change @ rotor.axis, one.axis, atol=1e-6):
+            if other != name and _brings(change, rotor, one):
                 found.append((other, change))
     return found
 
@@ -68,10 +92,10 @@ def column(sweep: Sweep, name: str, backward: bool = False) -> Column | None:
     """
     sign, word = (-1.0, REVERSED) if backward else (1.0, '')
     if (blown := sweep.blows.get(name + word)) is not None:
-        return Column(sign * wrench_of(blown) / sweep.rotors[name].thrust, 'rotor on')
+        return Column(sign * wrench_of(sweep, blown) / sweep.rotors[name].thrust, 'rotor on')
     for twin, change in twins_of(sweep, name):
         if (blown := sweep.blows.get(twin + word)) is not None:
-            wrench = sign * changed(wrench_of(blown), change) / sweep.rotors[twin].thrust
+            wrench = sign * changed(wrench_of(sweep, blown), change) / sweep.rotors[twin].thrust
             return Column(wrench, f'as {twin}, by symmetry')
     return None
 
@@ -93,7 +117,7 @@ def coupling(sweep: Sweep) -> Coupled | None:
     if blown is None or (sum_ := summed(sweep, blown.shares)) is None:
         return None
     weakest = min(sweep.rotors[name].thrust for name in blown.shares)
-    rest = (wrench_of(blown) - sum_) / weakest
+    rest = (wrench_of(sweep, blown) - sum_) / weakest
     if np.linalg.norm(rest[:3]) <= SUPERPOSED:
         return None
     return Coupled(tuple(blown.shares), rest)

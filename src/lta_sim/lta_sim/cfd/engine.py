@@ -47,7 +47,6 @@ def require() -> None:
         raise BadInput(MISSING)
 
 
-@cache
 def environment() -> Mapping[str, str]:
     """Return the environment in which its programs run, each on one core."""
     place = os.environ.get(PROJECT) or next((p for p in PLACES if Path(p).is_dir()), '')

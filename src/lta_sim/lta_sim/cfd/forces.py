@@ -62,10 +62,10 @@ def read_forces(folder: Path, name: str, begin: str) -> Wrenches:
 
 
 def read_momentum(folder: Path, patch: str, begin: str) -> Array:
-    """Return the momentum that left through a patch at the end of a step, at 1 kg/m3. [N]."""
+    """Return the momentum that leaves through a patch, round by round, at 1 kg/m3. [N]."""
     place = folder / 'postProcessing' / f'momentum_{patch}' / begin / 'surfaceFieldValue.dat'
-    last: Array = table(place.read_text(encoding='utf-8'))[-1, 1:4]
-    return last
+    rows: Array = table(place.read_text(encoding='utf-8'))[:, 1:4]
+    return rows
 
 
 def read_slice(folder: Path) -> Array | None:

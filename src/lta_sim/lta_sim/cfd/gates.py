@@ -8,6 +8,8 @@ from lta_sim.cfd.engine import CaseFailed
 ZONE: Final = 30  # cells of a rotor's disk
 SPREAD: Final = 0.15  # of a steady flow's window; edge-on wakes swing by 7 %
 BALANCE: Final = 0.10  # of the force
+ERROR: Final = 0.05  # standard, of the mean of a transient
+LENGTHS: Final = 10.0  # of flow that are averaged
 ANGLE: Final = 75.0  # deg
 FACTOR: Final = 2.0  # between the flow and the estimate by hand
 WINDOW: Final = 50  # rounds
@@ -47,6 +49,23 @@ def check_spread(spread: float, rounds: int) -> None:
         raise CaseFailed(
             f'The force still swings by {100 * spread:.0f} % (over {100 * SPREAD:.0f} %); '
             'the steady flow does not settle: take --fidelity reference.'
+        )
+
+
+def check_brakes(drag: float) -> None:
+    """Refuse a drag that pushes."""
+    if not drag > 0.0:
+        raise CaseFailed('The air pushes where it should brake; the flow is wrong.')
+
+
+def check_mean(error: float, lengths: float) -> None:
+    """Refuse the mean of a transient that is too short or too uncertain."""
+    if lengths < LENGTHS:
+        raise CaseFailed(f'Only {lengths:.1f} lengths of flow are averaged, under {LENGTHS:.0f}.')
+    if not error <= ERROR:
+        raise CaseFailed(
+            f'The mean force is uncertain by {100 * error:.0f} % (over {100 * ERROR:.0f} %); '
+            'its wake swings too slowly for the flow that was solved.'
         )
 
 

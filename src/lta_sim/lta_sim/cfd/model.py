@@ -1,6 +1,6 @@
 """What stands in the wind tunnel: closed surfaces by name, and the disks of the rotors."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 import math
@@ -9,7 +9,7 @@ from typing import Final, final
 
 from lta_config.errors import BadInput
 from lta_config.mount_file import Mount
-from lta_config.tunnel_file import Body, load_tunnel_file, TunnelFile
+from lta_config.tunnel_file import Body, Disk, load_tunnel_file, TunnelFile
 from lta_config.vehicle_file import load_vehicle_file, VehicleFile
 from lta_sim.cfd.shape import envelope
 from lta_sim.cfd.stl import read_stl
@@ -27,6 +27,7 @@ PLAN: Final = [  # eight: four quarter turns about z, mirrored across y = 0 or n
     for m in (1.0, -1.0)
     for c, s in ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
 ]
+QUARTER: Final = PLAN[1]  # x to y
 ALIKE: Final = 1e-3  # of the length: how well a mirrored surface must lie on itself
 
 
@@ -93,23 +94,35 @@ class Model:
 
     def mirrored(self, axis: int) -> bool:
         """Tell whether all bodies together are their own mirror image across an axis."""
-        return self._unchanged(np.diag(np.where(np.arange(3) == axis, -1.0, 1.0)))
+        return bool(self._leave([np.diag(np.where(np.arange(3) == axis, -1.0, 1.0))]))
 
     def symmetries(self) -> list[Array]:
         """Return the quarter turns and mirrorings that leave the bodies as they are."""
-        return [each for each in PLAN if self._unchanged(each)]
+        return self._leave(PLAN)
 
-    def _unchanged(self, change: Array) -> bool:
+    @property
+    def square(self) -> bool:
+        """Whether a quarter turn leaves the bodies as they are: along x and y they are alike."""
+        return bool(self._leave([QUARTER]))
+
+    def _leave(self, changes: Sequence[Array]) -> list[Array]:
+        """Return which of some changes leave the bodies as they are."""
         corners = np.vstack([mesh.vertices for mesh in self.bodies.values()])
-        gaps = cKDTree(corners).query(corners @ change.T)[0]
-        return bool(np.max(gaps) < ALIKE * self.length)
+        tree, near = cKDTree(corners), ALIKE * self.length
+        # Whatever has no corner within reach is infinitely far: that ends the search early.
+        return [
+            each
+            for each in changes
+            if np.isfinite(tree.query(corners @ each.T, distance_upper_bound=near)[0]).all()
+        ]
 
     @property
     def fingerprint(self) -> str:
         """Of the whole geometry: what changes when anything of it does."""
         told = sha256()
         for name, mesh in self.bodies.items():
-            told.update(name.encode() + np.round(mesh.triangles, 7).tobytes())
+            # No number is -0.0 on one machine and 0.0 on another.
+            told.update(name.encode() + (np.round(mesh.triangles, 7) + 0.0).tobytes())
         told.update(repr(sorted(self.rotors.items())).encode())
         return told.hexdigest()[:16]
 
@@ -138,7 +151,9 @@ def model_of(name: str, mount: Mount | None = None) -> Model:
         bodies = {HULL: envelope(vehicle.hull), **bodies}
     for each, part in (mount.parts if mount else {}).items():
         bodies[each] = box(part.position.vector, part.size.vector)
-    rotors = {each: _rotor(vehicle, each, file) for each in vehicle.rotors}
+    rotors = (
+        {each: _rotor(vehicle, each, file.disk) for each in vehicle.rotors} if file.disk else {}
+    )
     _check(file, rotors, bodies)
     label = file.name if mount is None else f'{file.name}_{mount.name}'
     return Model(label, bodies, rotors, file.patterns)
@@ -159,7 +174,7 @@ def _surface(body: Body, folder: Path) -> trimesh.Trimesh:
     return box(body.position.vector, body.size.vector)
 
 
-def _rotor(vehicle: VehicleFile, name: str, file: TunnelFile) -> Rotor:
+def _rotor(vehicle: VehicleFile, name: str, disk: Disk) -> Rotor:
     rotor = vehicle.rotors[name]
     curve = rotor.thrust_curve or vehicle.thrust_curve
     assert curve is not None  # or the vehicle file was refused
@@ -168,8 +183,8 @@ def _rotor(vehicle: VehicleFile, name: str, file: TunnelFile) -> Rotor:
     return Rotor(
         (x, y, z),
         (float(axis[0]), float(axis[1]), float(axis[2])),
-        0.5 * file.disk.diameter.si,
-        file.disk.thickness.si,
+        0.5 * disk.diameter.si,
+        disk.thickness.si,
         curve.a.si + curve.b.si,
     )
 

@@ -20,6 +20,7 @@ from lta_sim.cfd.tunnel import (
     TURNS,
 )
 import numpy as np
+from numpy.typing import NDArray
 
 Kind = Literal['wind', 'transient', 'spin', 'blow']
 Air = tuple[float, float]  # density [kg/m3], kinematic viscosity [m2/s]
@@ -65,27 +66,32 @@ def patterns(model: Model) -> dict[str, Mapping[str, float]]:
     A rotor that symmetry brings to the place of one before it is left out: so is its column.
     """
     singles: dict[str, Mapping[str, float]] = {}
+    changes = model.symmetries()
     for name in model.rotors:
-        if not _is_like(model, name, singles):
+        if not _is_like(model, name, singles, changes):
             singles[name] = {name: 1.0}
     back = {f'{name}{REVERSED}': {name: -1.0} for name in singles}
     return {**model.patterns, **singles, **back}
 
 
-def _is_like(model: Model, name: str, before: Iterable[str]) -> bool:
+def _is_like(
+    model: Model, name: str, before: Iterable[str], changes: Sequence[NDArray[np.float64]]
+) -> bool:
     """Tell whether a symmetry of the bodies brings an earlier rotor to where this one is."""
     one = model.rotors[name]
     return any(
         np.allclose(change @ model.rotors[other].place, one.place, atol=1e-6)
         and np.allclose(change @ model.rotors[other].axis, one.axis, atol=1e-6)
         for other in before
-        for change in model.symmetries()
+        for change in changes
     )
 
 
 def flows(model: Model, fidelity: str, air: Air, only: Sequence[str] = ()) -> list[Flow]:
     """
     Return the flows of a sweep, those that tell most first.
+
+    Sway and pitch are left out where a quarter turn makes them of surge and roll.
 
     Parameters
     ----------
@@ -104,7 +110,7 @@ def flows(model: Model, fidelity: str, air: Air, only: Sequence[str] = ()) -> li
 
 
 def _winds(model: Model, fidelity: str, viscosity: float) -> Iterator[Flow]:
-    for axis in ('heave', 'surge', 'sway'):
+    for axis in ('heave', 'surge') if model.square else ('heave', 'surge', 'sway'):
         if fidelity == 'preview':
             case = steady_wind(model, axis, viscosity, PREVIEW)
             yield Flow('wind', axis, case, SPEEDS)
@@ -116,6 +122,8 @@ def _winds(model: Model, fidelity: str, viscosity: float) -> Iterator[Flow]:
 
 def _spins(model: Model, viscosity: float) -> Iterator[Flow]:
     for about in SPINS:
+        if about == 'pitch' and model.square:
+            continue
         yield Flow('spin', about, spinning(model, about, viscosity), RATES)
 
 

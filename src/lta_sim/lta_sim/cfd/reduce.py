@@ -1,12 +1,12 @@
 """Solved cases to numbers: averages over the last rounds, turned into body axes and SI."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Final
 
 from lta_sim.cfd import gates
-from lta_sim.cfd.case import Case
+from lta_sim.cfd.case import Step
 from lta_sim.cfd.engine import RESIDUAL
 from lta_sim.cfd.forces import read_forces, read_mesh, read_momentum, Wrenches
 from lta_sim.cfd.model import Model
@@ -23,6 +23,14 @@ BATCHES: Final = 10
 
 def _ending(wrench: Wrenches) -> slice:
     return slice(max(len(wrench.time) - gates.WINDOW, 0), None)
+
+
+def _kept(place: Path, begin: str, patches: Sequence[str]) -> Array:
+    """Return what the air takes along, mean of the window, at 1 kg/m3: momentum and pressure."""
+    outer = read_forces(place, 'outer', begin)
+    rows = [read_momentum(place, patch, begin)[-gates.WINDOW :].mean(axis=0) for patch in patches]
+    total: Array = outer.force[_ending(outer)].mean(axis=0) + np.sum(rows, axis=0)
+    return total
 
 
 def _residual(place: Path, step: str) -> float | None:
@@ -50,7 +58,7 @@ def _whole(force: Array, moment: Array, planes: tuple[bool, bool]) -> tuple[Arra
 
 
 def wind_point(
-    model: Model, axis: str, case: Case, speed: float, place: Path, mesh: Path, seconds: float,
+    model: Model, axis: str, step: Step, speed: float, place: Path, mesh: Path, seconds: float,
     density: float,
 ) -> Point:  # fmt: skip
     """
@@ -62,8 +70,8 @@ def wind_point(
         What stood in it.
     axis : str
         How it moves.
-    case : Case
-        That was solved.
+    step : Step
+        That solved this speed.
     speed : float
         Which. [m/s]
     place, mesh : Path
@@ -79,16 +87,14 @@ def wind_point(
         If a gate does not hold.
 
     """
-    step = next(each for each in case.steps if each.name == f'{speed:g}')
     planes = planes_of(model, axis)
     wrenches = {name: read_forces(place, name, step.begin) for name in model.bodies}
     drags = np.sum([each.force[_ending(each), 0] for each in wrenches.values()], axis=0)
     spread = float(np.std(drags) / abs(np.mean(drags)))
     gates.check_spread(spread, len(drags))
-    outer = read_forces(place, 'outer', step.begin).force[-1]
-    leaving = np.sum([read_momentum(place, patch, step.begin) for patch in OUTER], axis=0)
-    last = np.sum([each.force[-1] for each in wrenches.values()], axis=0)
-    balance = float(abs(leaving[0] + outer[0] + last[0]) / abs(np.mean(drags)))
+    gates.check_brakes(float(np.mean(drags)))
+    lost = _kept(place, step.begin, OUTER)[0] + np.mean(drags)
+    balance = float(abs(lost) / abs(np.mean(drags)))
     gates.check_balance(balance)
     scale = density * speed**2
     force, moment = _body(axis, planes, wrenches, scale)
@@ -106,14 +112,18 @@ def wind_point(
 
 
 def transient_point(
-    model: Model, axis: str, speed: float, place: Path, mesh: Path, seconds: float, density: float
-) -> Point:
+    model: Model, axis: str, step: Step, speed: float, place: Path, mesh: Path, seconds: float,
+    density: float,
+) -> Point:  # fmt: skip
     """Return a transient wind tunnel, its spread the standard error; as `wind_point`."""
-    wrenches = {name: read_forces(place, name, str(SETTLING)) for name in model.bodies}
+    wrenches = {name: read_forces(place, name, step.begin) for name in model.bodies}
     first = next(iter(wrenches.values()))
     late = first.time >= SETTLING + STARTING * model.length
     drags = np.sum([each.force[late, 0] for each in wrenches.values()], axis=0)
     weights = np.gradient(first.time[late])
+    error = standard_error(drags, weights)
+    gates.check_mean(error, float(weights.sum()) / model.length)
+    gates.check_brakes(float(np.average(drags, weights=weights)))
     cut = {
         name: Wrenches(each.time[late], each.force[late], each.moment[late], each.viscous[late])
         for name, each in wrenches.items()
@@ -127,8 +137,8 @@ def transient_point(
         parts=_parts(cut, scale),
         viscous=_viscous(cut),
         evidence=Evidence(
-            spread=_short(standard_error(drags, weights)), window=_short(float(weights.sum())),
-            residual=_residual(place, f'{speed:g}'), cells=_cells(mesh), seconds=seconds,
+            spread=_short(error), window=_short(float(weights.sum())),
+            residual=_residual(place, step.name), cells=_cells(mesh), seconds=seconds,
         ),
     )  # fmt: skip
 
@@ -181,17 +191,17 @@ def _viscous(wrenches: Mapping[str, Wrenches]) -> float:
 
 
 def spin_point(
-    model: Model, about: str, case: Case, rate: float, place: Path, mesh: Path, seconds: float,
+    model: Model, about: str, step: Step, rate: float, place: Path, mesh: Path, seconds: float,
     density: float,
 ) -> Point:  # fmt: skip
     """Return one rate of a turning vehicle; as `wind_point`."""
-    step = next(each for each in case.steps if each.name == f'{rate:g}')
     axis = np.array(AXES[about])
     wrenches = {name: read_forces(place, name, step.begin) for name in model.bodies}
     rows = {name: each.moment[_ending(each)] @ axis for name, each in wrenches.items()}
     total = np.sum(list(rows.values()), axis=0)
     spread = float(np.std(total) / abs(np.mean(total)))
     gates.check_spread(spread, len(total))
+    gates.check_brakes(-float(np.mean(total)))
     scale = density * rate**2
     force = sum((e.force[_ending(e)].mean(axis=0) for e in wrenches.values()), np.zeros(3))
     moment = sum((e.moment[_ending(e)].mean(axis=0) for e in wrenches.values()), np.zeros(3))
@@ -228,9 +238,8 @@ def blow(
     turned = np.sum([each.moment[_ending(each)] for each in wrenches.values()], axis=0) * density
     spread = float(np.linalg.norm(np.std(walls, axis=0)) / loudness)
     gates.check_spread(spread, len(walls))
-    outer = density * read_forces(place, 'outer', '0').force[-1]
-    leaving = density * read_momentum(place, 'far', '0')
-    balance = float(np.linalg.norm(leaving + outer + walls[-1] + thrust) / loudness)
+    lost = density * _kept(place, '0', ('far',)) + walls.mean(axis=0) + thrust
+    balance = float(np.linalg.norm(lost) / loudness)
     return Blow(
         shares=dict(shares),
         force=_listed(thrust + walls.mean(axis=0)),

@@ -6,13 +6,15 @@ from typing import Final
 
 from lta_config.errors import BadInput
 from lta_sim.cfd import gates
-from lta_sim.cfd.columns import linear
+from lta_sim.cfd.columns import changed, linear
 from lta_sim.cfd.fit import Fit, fit_drag
+from lta_sim.cfd.model import QUARTER
 from lta_sim.cfd.sweep_table import AXES, Axis, Point, Sweep
 import numpy as np
 
-ABOUT: Final = {'roll': 0, 'pitch': 1, 'yaw': 2}
-ALONG: Final = {'surge': 0, 'sway': 1, 'heave': 2}
+ABOUT: Final[dict[Axis, int]] = {'roll': 0, 'pitch': 1, 'yaw': 2}
+ALONG: Final[dict[Axis, int]] = {'surge': 0, 'sway': 1, 'heave': 2}
+LIKE: Final[dict[Axis, Axis]] = {'sway': 'surge', 'pitch': 'roll'}  # after a quarter turn
 NOTICED: Final = 0.05  # of the drag: a lift that is told
 UNSTEADY: Final = 'the damping of small fast swings is under-predicted: the air turns along'
 
@@ -33,9 +35,23 @@ def fits_of(sweep: Sweep) -> dict[Axis, Fit]:
     return fits
 
 
+def solved(sweep: Sweep, axis: Axis) -> Sequence[Point]:
+    """Return what was solved of an axis, or of its like by symmetry; nothing where neither was."""
+    like = LIKE.get(axis)
+    if axis in sweep.axes or like is None or QUARTER.tolist() not in list(sweep.symmetries):
+        return sweep.axes.get(axis, ())
+    return [_turned(point) for point in sweep.axes.get(like, ())]
+
+
+def _turned(point: Point) -> Point:
+    """Return a point of a vehicle that moves along or about y, from one along or about x."""
+    wrench = changed(np.array([*point.force, *point.moment]), QUARTER).tolist()
+    return point.model_copy(update={'force': wrench[:3], 'moment': wrench[3:]})
+
+
 def points_of(sweep: Sweep, axis: Axis) -> Sequence[Point]:
     """Return what was solved of an axis, else what is known by hand."""
-    points = sweep.axes.get(axis) or sweep.by_hand.get(axis)
+    points = solved(sweep, axis) or sweep.by_hand.get(axis)
     if not points:
         raise BadInput(f'The sweep of {sweep.name} has nothing about {axis}; run it again.')
     return points
@@ -45,16 +61,16 @@ def warnings_of(sweep: Sweep) -> list[str]:
     """Return what whoever flies with the numbers should know."""
     told = []
     for axis in AXES:
-        solved = sweep.axes.get(axis)
-        if not solved:
+        points = solved(sweep, axis)
+        if not points:
             if sweep.fidelity != 'analytic':
                 told.append(f'{axis}: by hand, no flow was solved')
             continue
-        drag = drags(axis, solved)[len(solved) // 2]
-        ratio = drag / by_hand_at(sweep, axis, solved[len(solved) // 2].speed)
+        drag = drags(axis, points)[len(points) // 2]
+        ratio = drag / by_hand_at(sweep, axis, points[len(points) // 2].speed)
         if not gates.beside(ratio, 1.0):
             told.append(f'{axis}: {ratio:.2f} times what is known by hand; look at the flow')
-    if sweep.axes.get('roll') or sweep.axes.get('pitch'):
+    if any(axis in sweep.axes for axis in ABOUT):
         told.append(f'roll, pitch, yaw: {UNSTEADY}')
     if sweep.fidelity == 'preview':
         told.append(
@@ -80,9 +96,9 @@ def by_hand_at(sweep: Sweep, axis: Axis, speed: float) -> float:
 
 def beside_of(sweep: Sweep) -> dict[str, str]:
     """Return lift and moment of each direction at its middle speed, where not negligible."""
-    told = {}
+    told: dict[str, str] = {}
     for axis, k in ALONG.items():
-        points = sweep.axes.get(axis)  # type: ignore[call-overload]
+        points = solved(sweep, axis)
         if not points:
             continue
         point = points[len(points) // 2]

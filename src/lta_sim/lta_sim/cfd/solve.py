@@ -25,8 +25,13 @@ from lta_sim.cfd.sweep_table import AXES, Axis, Blow, Evidence, Place, Point, Sw
 from lta_sim.cfd.tunnel import SPEEDS
 
 BYTES_A_CELL: Final = 4_000  # of snappyHexMesh, which takes more than the solvers
+READ: Final = {
+    'wind': reduce.wind_point,
+    'transient': reduce.transient_point,
+    'spin': reduce.spin_point,
+}
 HAND: Final = Evidence(spread=0.0, window=0.0, cells=0, seconds=0.0)
-Found = list[Point] | Blow
+Found = tuple[list[Point], dict[str, str]] | Blow  # what was refused, too
 
 
 def check_memory(flows: Sequence[Flow], jobs: int, limit: float) -> None:
@@ -86,8 +91,12 @@ def solve(
                     continue
                 if isinstance(found, Blow):
                     blows[flow.about] = found
-                else:
-                    axes.setdefault(flow.about, []).extend(found)
+                    continue
+                if found[0]:
+                    axes.setdefault(flow.about, []).extend(found[0])
+                refused |= found[1]
+                for name, reason in found[1].items():
+                    said(f'{name}: {reason}')
         except BaseException:
             programs.stop()
             pool.shutdown(wait=False, cancel_futures=True)
@@ -128,15 +137,16 @@ def _solved(
     spent = round(stages.seconds(flow.case), 1)
     if flow.kind == 'blow':
         return reduce.blow(model, flow.shares or {}, place, mesh, spent, density)
-    each = spent / len(flow.speeds)
-    if flow.kind == 'transient':
-        (speed,) = flow.speeds
-        return [reduce.transient_point(model, flow.about, speed, place, mesh, each, density)]
-    read = reduce.wind_point if flow.kind == 'wind' else reduce.spin_point
-    return [
-        read(model, flow.about, flow.case, speed, place, mesh, each, density)
-        for speed in flow.speeds
-    ]
+    read = READ[flow.kind]
+    points, refused = [], {}
+    for speed in flow.speeds:
+        step = next(each for each in flow.case.steps if each.name == f'{speed:g}')
+        try:
+            each = spent / len(flow.speeds)
+            points.append(read(model, flow.about, step, speed, place, mesh, each, density))
+        except CaseFailed as error:  # of one speed; the others stand
+            refused[f'{flow.about} at {speed:g}'] = str(error)
+    return points, refused
 
 
 def by_hand(model: Model, air: Air) -> dict[Axis, list[Point]]:

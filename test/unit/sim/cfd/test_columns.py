@@ -93,3 +93,13 @@ def test_what_is_by_hand_brakes():
     for axis, points in by_hand(model_of('gtmab'), AIR).items():
         wrench = [*points[0].force, *points[0].moment]
         assert min(wrench) < 0.0 == max(wrench), axis
+
+
+def test_what_symmetry_forbids_is_nought_and_no_noise_of_a_mesh():
+    noisy = blown({'up_left': 1.0}, (1e-3, 0.013, 0.961), (0.188, 2e-3, -1e-3))
+    found = column(gtmab(up_left=noisy), 'up_left')
+    assert found.wrench == pytest.approx([0, 0.013, 0.961, 0.188, 0, 0], abs=1e-15)
+    # A forward rotor mirrors onto no place of its own: nothing of it must be nought.
+    free = blown({'forward_left': 1.0}, (0.981, 0.011, -0.061), (-0.002, -0.403, -0.1))
+    found = column(gtmab(forward_left=free), 'forward_left')
+    assert found.wrench == pytest.approx([0.981, 0.011, -0.061, -0.002, -0.403, -0.1])

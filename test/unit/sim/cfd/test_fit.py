@@ -77,6 +77,15 @@ def test_the_estimate_by_hand_is_within_a_factor_of_two_of_solved_flows():
         assert 0.5 < damping(model, axis, 1.0, AIR) / solved < 2.0
 
 
+def test_a_cigar_turns_most_easily_about_its_own_axis():
+    model = model_of('blimp2b')
+    roll, pitch, yaw = (damping(model, axis, 1.0, AIR) for axis in range(3))
+    assert pitch == pytest.approx(yaw, rel=1e-3)
+    # 0.616 pi rho R^4 sqrt(nu) (1 + 0.67 h / d) = 9.9e-5 N m with R = 0.26 m, h / d = 2.1.
+    assert roll == pytest.approx(9.9e-5, rel=0.02)
+    assert pitch > 10.0 * roll
+
+
 def test_a_turning_disc_is_karmans():
     # 0.616 pi rho R^4 sqrt(nu w^3) = 5.6e-4 N m at 0.5 m, 1 rad/s; a sphere has 9.4e-4.
     yaw = damping(model_of('gtmab'), 2, 1.0, AIR)

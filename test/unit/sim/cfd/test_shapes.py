@@ -1,6 +1,8 @@
 """Surfaces of hulls against closed forms; what users draw against what could be wrong with it."""
 
 from lta_config.errors import BadInput
+from lta_config.mount_file import load_mount
+from lta_sim.cfd.analytic import drag
 from lta_sim.cfd.crossing import crossing
 from lta_sim.cfd.model import box, model_of, winding
 from lta_sim.cfd.shape import ellipse, envelope, mylar, revolved
@@ -10,6 +12,7 @@ import numpy as np
 import pytest
 import trimesh
 
+AIR = (1.2, 1.5e-5)
 BALLOON = revolved(mylar(), 0.5, 2 * 0.59907 * 0.5)
 
 
@@ -144,3 +147,16 @@ def test_a_pattern_of_strangers_is_refused(tmp_path):
 def test_a_body_is_a_box_or_a_file(tmp_path):
     with pytest.raises(BadInput, match='either position and size of a box, or stl'):
         model_of(tunnel(tmp_path, 'bodies: {block: {stl: a.stl}}'))
+
+
+@pytest.mark.parametrize(('mount', 'parts'), [('side', 2), ('bottom', 4), ('top', 2)])
+def test_solar_panels_stand_in_the_tunnel_where_a_mount_file_has_them(mount, parts):
+    bare, model = model_of('gtmab'), model_of('gtmab', load_mount(mount))
+    added = model.bodies.keys() - bare.bodies.keys()
+    assert len(added) == parts
+    assert model.mirrored(1)
+    assert (model.name, model.fingerprint != bare.fingerprint) == (f'gtmab_{mount}', True)
+    for axis in range(3):  # by hand panels and arms brake as plates
+        shadow = sum(float(np.prod(np.delete(model.bodies[p].extents, axis))) for p in added)
+        more = drag(model, axis, 1.0, AIR) - drag(bare, axis, 1.0, AIR)
+        assert more == pytest.approx(0.6 * 1.17 * shadow)

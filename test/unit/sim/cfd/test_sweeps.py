@@ -1,0 +1,104 @@
+"""Whole sweeps with programs that stand in for OpenFOAM: what fails is named, the rest is kept."""
+
+from pathlib import Path
+import sys
+
+from lta_sim.cfd.engine import PROGRAMS
+from lta_sim.cfd.model import model_of
+from lta_sim.cfd.plan import flows
+from lta_sim.cfd.solve import solve, sweep_of
+import pytest
+
+AIR = (1.2, 1.5e-5)
+FAKE = Path(__file__).parent / 'fake_openfoam.py'
+GTMAB = model_of('gtmab')
+
+
+@pytest.fixture
+def fake(tmp_path, monkeypatch):
+    """Return a folder of cases that stand-ins will solve."""
+    programs = tmp_path / 'bin'
+    programs.mkdir()
+    for name in PROGRAMS:
+        (programs / name).write_text(f'#!/bin/sh\nexec {sys.executable} -S {FAKE} {name}\n')
+        (programs / name).chmod(0o755)
+    monkeypatch.setenv('PATH', f'{programs}:/usr/bin:/bin')
+    return tmp_path / 'cases'
+
+
+def swept(folder, *only):
+    said = []
+    found = solve(
+        GTMAB, flows(GTMAB, 'preview', AIR, only), AIR, folder, 2, lambda *_: None, said.append
+    )
+    return sweep_of(GTMAB, 'gtmab', 'preview', AIR, *found), said
+
+
+def calls(folder, name):
+    """Return how many programs have run for a case."""
+    (place,) = (each.parent for each in folder.glob('*/name') if each.read_text() == f'{name}\n')
+    return len((place / 'calls').read_text().splitlines())
+
+
+def test_a_sweep_becomes_forces_in_body_axes(fake):
+    sweep, said = swept(fake, 'heave', 'roll', 'up_left')
+    assert said == []
+    # 0.05 N on each of three bodies in a quarter of the air, by rho U^2.
+    drags = {point.speed: -point.force[2] for point in sweep.axes['heave']}
+    assert drags == pytest.approx({u: 1.2 * u**2 * 4 * 0.15 for u in (0.2, 0.5, 1.0, 1.5, 2.0)})
+    assert [p.moment[0] for p in sweep.axes['roll']] == pytest.approx(
+        [-1.2 * w**2 * 0.15 for w in (0.3, 1.0, 3.0)]
+    )
+    assert sweep.blows['up_left'].force == pytest.approx([0, 0, GTMAB.rotors['up_left'].thrust])
+    assert sweep.blows['up_left'].evidence.balance < 1e-3
+
+
+@pytest.mark.parametrize(
+    ('fault', 'reason'),
+    [('killed', 'start again to go on'), ('disk', 'disk full; make room')],
+)
+def test_what_befell_a_flow_is_said(fake, monkeypatch, fault, reason):
+    monkeypatch.setenv('FAKE_FAULT', f'up_left:{fault}')
+    sweep, _ = swept(fake, 'up_left')
+    assert reason in sweep.refused['up_left']
+
+
+def test_a_case_that_dies_is_named_and_only_it_is_solved_again(fake, monkeypatch):
+    monkeypatch.setenv('FAKE_FAULT', 'surge:diverges')
+    sweep, said = swept(fake, 'heave', 'surge')
+    assert 'simpleFoam diverged' in sweep.refused['surge']
+    assert said == [f'surge: {sweep.refused["surge"]}']
+    assert list(sweep.axes) == ['heave']
+    monkeypatch.delenv('FAKE_FAULT')
+    sweep, said = swept(fake, 'heave', 'surge')
+    assert (sorted(sweep.axes), sweep.refused, said) == (['heave', 'surge'], {}, [])
+    assert calls(fake, 'heave') == 5  # a program a speed, none of them twice
+    assert calls(fake, 'surge') == 6
+
+
+def test_a_mesh_that_dies_takes_its_flows_along_and_no_others(fake, monkeypatch):
+    monkeypatch.setenv('FAKE_FAULT', 'still mesh:killed')
+    sweep, _ = swept(fake, 'heave', 'yaw', 'up_left')
+    assert sorted(sweep.refused) == ['up_left', 'yaw']
+    assert list(sweep.axes) == ['heave']
+
+
+def test_speeds_that_swing_are_refused_and_the_slow_ones_kept(fake, monkeypatch):
+    monkeypatch.setenv('FAKE_FAULT', 'heave:swings')
+    sweep, _ = swept(fake, 'heave')
+    assert [point.speed for point in sweep.axes['heave']] == [0.2, 0.5]
+    assert sorted(sweep.refused) == ['heave at 1', 'heave at 1.5', 'heave at 2']
+    assert 'swings by 50 %' in sweep.refused['heave at 1']
+
+
+def test_a_flow_whose_momentum_is_lost_is_refused(fake, monkeypatch):
+    monkeypatch.setenv('FAKE_FAULT', 'heave:unbalanced')
+    sweep, _ = swept(fake, 'heave')
+    assert '50 % of the force is not in the momentum' in sweep.refused['heave at 1']
+    assert sweep.axes == {}
+
+
+def test_a_disk_of_few_cells_does_not_blow(fake, monkeypatch):
+    monkeypatch.setenv('FAKE_FAULT', 'still mesh:coarse')
+    sweep, _ = swept(fake, 'up_left')
+    assert 'up_left has 12 cells, fewer than 30' in sweep.refused['up_left']
