@@ -17,7 +17,8 @@ from lta_config.sums import value_of
 from pydantic import AliasChoices, Field, model_validator
 
 Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
-Source = Literal['printed', 'read', 'comment']  # a number; our reading of words; a LaTeX comment
+# A number; our reading of words; a LaTeX comment; what the paper leaves for later.
+Source = Literal['printed', 'read', 'comment', 'future']
 
 
 class Measure(Record):
@@ -93,6 +94,10 @@ class Claim(Record):
 
     @model_validator(mode='after')
     def _tested_or_not(self) -> Self:
+        if self.source == 'future':
+            if self.measure is None or self.rule is not None:
+                raise ValueError('is of the future: it needs a measure, and no rule')
+            return self
         if (self.measure is None) != (self.rule is None):
             raise ValueError('has a measure without a rule, or a rule without a measure')
         if (self.measure is None) != bool(self.untested):
@@ -142,9 +147,10 @@ class PaperRow(Record):
         for name, claim in self.claims.items():
             for text in (claim.finding, claim.gap, claim.untested):
                 self._check_names(name, text)
+            if claim.measure is not None:
+                self._check_names(name, f'{{{claim.measure}}}')
             if claim.measure is None or claim.rule is None:
                 continue
-            self._check_names(name, f'{{{claim.measure}}}')
             self._check_units(name, self.measures[claim.measure], claim)
         for name, defect in self.defects.items():
             try:
@@ -154,8 +160,8 @@ class PaperRow(Record):
         return self
 
     def _check_names(self, claim: str, text: str) -> None:
-        for _, name, _, _ in Formatter().parse(text):
-            if name is not None and name not in self.measures:
+        for name in sorted(names(text)):
+            if name not in self.measures:
                 raise ValueError(
                     f'names "{name}" in the claim {claim}, which it does not measure; known: '
                     f'{", ".join(self.measures)}'
@@ -174,6 +180,11 @@ class PaperRow(Record):
                 raise ValueError(
                     f'has {bound.unit} in the claim {claim}, which is measured in {measure.unit}'
                 )
+
+
+def names(text: str) -> set[str]:
+    """Return the measures that a text names in braces."""
+    return {name for _, name, _, _ in Formatter().parse(text) if name is not None}
 
 
 def load_paper_row(name: str) -> PaperRow:

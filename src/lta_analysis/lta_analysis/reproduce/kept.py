@@ -38,7 +38,7 @@ class Kept:
 
 
 def identity(row: PaperRow, seeds: int, quick: bool, code: str) -> str:
-    """Return a hash of what decides a row: its file, the effort, and the code."""
+    """Return a hash of what decides a row: its file, the effort, and a hash of the code."""
     text = json.dumps([row.model_dump(mode='json'), seeds, quick, code], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()
 

@@ -14,7 +14,7 @@ from lta_analysis.reproduce.verdict import (
     Verdict,
     verdicts,
 )
-from lta_config.paper_file import Claim, PaperRow
+from lta_config.paper_file import Claim, names, PaperRow
 
 CLAIM_HEADS: Final = (
     'the paper says',
@@ -28,7 +28,12 @@ CLAIM_HEADS: Final = (
 SUMMARY_HEADS: Final = ('row', *Verdict)
 DEFECT_HEADS: Final = ('row', 'the paper says', 'what follows', 'here')
 MEASURE_HEADS: Final = ('measure', 'here', 'seeds')
-SOURCES: Final = {'printed': '', 'read': ' (read from text)', 'comment': ' (LaTeX comment)'}
+SOURCES: Final = {
+    'printed': '',
+    'read': ' (read from text)',
+    'comment': ' (LaTeX comment)',
+    'future': '',
+}
 METHOD: Final = (
     'A claim agrees if what was measured keeps the rule beside it, which its file fixed before '
     'anything was run. Means over seeds have 95 % intervals in brackets (Student for means, '
@@ -48,8 +53,9 @@ def totals(rows: Sequence[PaperRow], kepts: Kepts) -> dict[Verdict, int]:
 def title(rows: Sequence[PaperRow], kepts: Kepts) -> str:
     """Return what came out, in a sentence."""
     found = totals(rows, kepts)
+    count = sum(found.values()) - found[Verdict.BEYOND]
     text = (
-        f"Of the paper's {sum(found.values())} claims, {found[Verdict.AGREES]} agree, "
+        f"Of the paper's {count} claims, {found[Verdict.AGREES]} agree, "
         f'{found[Verdict.DIFFERS]} differ and {found[Verdict.UNTESTED]} cannot be tested here'
     )
     left = found[Verdict.LEFT_OUT]
@@ -100,10 +106,13 @@ def notes(row: PaperRow, kept: Kept) -> list[tuple[str, str, str]]:
     found = verdicts(row, kept.values)
     lines = []
     for name, claim in row.claims.items():
-        differs = found[name] is Verdict.DIFFERS
         words = claim.untested or claim.finding
-        gap = filled(claim.gap, row, kept.values) if differs else ''
-        lines.append((claim.says, filled(words, row, kept.values), gap))
+        gap = claim.gap if found[name] is Verdict.DIFFERS else ''
+        told = [
+            filled(text, row, kept.values) if names(text) <= kept.values.keys() else ''
+            for text in (words, gap)  # --quick leaves measures out
+        ]
+        lines.append((claim.says, told[0], told[1]))
     return lines
 
 

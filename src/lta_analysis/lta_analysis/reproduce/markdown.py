@@ -10,16 +10,22 @@ from lta_config.paper_file import PaperRow
 
 HEAD: Final = """# The paper, reproduced
 
-`./lta reproduce` runs every experiment of the seed paper in this system and writes a page with
-its pictures. This file is what it came to: generated, every figure of ours measured.
+`./lta reproduce` runs every experiment of the seed paper in this system. This file is what it
+came to: generated, every figure of ours measured, none typed.
 
 ```sh
 ./lta reproduce --list            # the rows
-./lta reproduce --quick           # one seed, under three minutes
+./lta reproduce --quick           # one seed, what is long left out: under three minutes
 ./lta reproduce                   # all seeds; goes on where it was stopped
+./lta reproduce indoors energy    # some rows
 ./lta reproduce --markdown > docs/paper.md
 ```
+
+The command writes a page too, with every picture, table and figure, and the bags of the flights
+that are drawn. A row is a file in `config/paper`: what the paper says and where, what is measured,
+and the rule by which it agrees.
 """
+IMAGES: Final = 'images/paper'
 
 
 def page(rows: Sequence[PaperRow], kepts: Kepts) -> str:
@@ -51,9 +57,22 @@ def row_part(row: PaperRow, kept: Kept) -> str:
         f'{row.scenario}\n',
         table(lines.CLAIM_HEADS, lines.claims(row, kept)),
         *told,
-        *(['', f'Its pictures: {typed}.'] if typed else []),
         '',
+        *image(row, kept),
+        *([f'To see its pictures: {typed}.', ''] if typed else []),
     ])  # fmt: skip
+
+
+def image(row: PaperRow, kept: Kept) -> list[str]:
+    """Return the first picture of a row; `--pictures docs/images/paper` draws all of them."""
+    if not kept.pictures:
+        return []
+    first = kept.pictures[0]
+    bag = f' Its bag: `{first.bag}`.' if first.bag else ''
+    return [
+        f'![{first.heading}]({IMAGES}/{row.name}-{first.name}.png)\n',
+        f'*{first.heading}. {first.caption}{bag}*\n',
+    ]
 
 
 def table(heads: Sequence[str], body: Lines) -> str:

@@ -24,7 +24,7 @@ ABOUT: Final = (
 )
 MARKS: Final = {
     Verdict.AGREES: 'agrees', Verdict.DIFFERS: 'differs', Verdict.UNTESTED: 'untested',
-    Verdict.LEFT_OUT: 'left',
+    Verdict.LEFT_OUT: 'left', Verdict.BEYOND: 'agrees',
 }  # fmt: skip
 
 
@@ -56,11 +56,16 @@ def page(rows: Sequence[PaperRow], kepts: Kepts, commands: Mapping[str, str]) ->
 def tiles(rows: Sequence[PaperRow], kepts: Kepts) -> list[Tile]:
     """Return the counts."""
     found = lines.totals(rows, kepts)
-    total = sum(found.values())
+    total = sum(found.values()) - found[Verdict.BEYOND]
     made = [
-        Tile(str(verdict), str(count), '', f'of {total} claims')
+        Tile(
+            str(verdict),
+            str(count),
+            '',
+            'its future work' if verdict is Verdict.BEYOND else f'of {total} claims',
+        )
         for verdict, count in found.items()
-        if count or verdict is not Verdict.LEFT_OUT
+        if count
     ]
     count = sum(len(row.defects) for row in rows)
     return [*made, Tile('defects of the paper', str(count), '', 'with their arithmetic, below')]

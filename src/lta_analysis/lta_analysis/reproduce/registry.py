@@ -4,16 +4,25 @@ from typing import Final
 
 from lta_analysis.reproduce.found import Study
 from lta_analysis.reproduce.studies import (
+    beavis,
+    beyond,
     cells,
+    closed_loop,
     energy,
+    forces,
     indoors,
     link,
     mounting,
     outdoors,
     photodiodes,
+    platforms,
 )
 
 STUDIES: Final[dict[str, Study]] = {
+    'platforms': platforms.study,
+    'forces': forces.study,
+    'closed_loop': closed_loop.study,
+    'beavis': beavis.study,
     'cells': cells.study,
     'mounting': mounting.study,
     'photodiodes': photodiodes.study,
@@ -21,4 +30,5 @@ STUDIES: Final[dict[str, Study]] = {
     'indoors': indoors.study,
     'outdoors': outdoors.study,
     'energy': energy.study,
+    'beyond': beyond.study,
 }

@@ -11,7 +11,7 @@ from typing import final
 from lta_analysis.reproduce.found import Asked
 from lta_analysis.reproduce.kept import identity, Kept, kept_of, read, write
 from lta_analysis.reproduce.registry import STUDIES
-from lta_bridge.provenance import commit
+from lta_analysis.reproduce.sources import digest
 from lta_config.errors import BadInput, unknown
 from lta_config.paper_file import load_paper_row, paper_rows, PaperRow
 
@@ -50,7 +50,7 @@ def seeds_of(row: PaperRow, quick: bool) -> int:
 
 def key(row: PaperRow, quick: bool) -> str:
     """Return the hash of what decides a row here and now."""
-    return identity(row, seeds_of(row, quick), quick, commit())
+    return identity(row, seeds_of(row, quick), quick, digest(row.name))
 
 
 def known_rows(order: Order, rows: Sequence[PaperRow]) -> dict[str, Kept]:

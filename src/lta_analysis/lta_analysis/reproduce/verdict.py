@@ -21,13 +21,16 @@ class Verdict(StrEnum):
     AGREES = 'agrees'
     DIFFERS = 'differs'
     UNTESTED = 'cannot be tested here'
+    BEYOND = 'beyond the paper'
     LEFT_OUT = 'left out of --quick'
 
 
 def judge(claim: Claim, values: Mapping[str, Value]) -> Verdict:
     """Return what came of a claim."""
-    if claim.measure is None or claim.rule is None:
+    if claim.measure is None:
         return Verdict.UNTESTED
+    if claim.rule is None:
+        return Verdict.BEYOND
     if claim.measure not in values:
         return Verdict.LEFT_OUT
     value = values[claim.measure].value

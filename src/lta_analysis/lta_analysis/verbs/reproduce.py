@@ -1,6 +1,6 @@
 """lta reproduce: the seed paper, claim by claim."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 import json as json_text
 from pathlib import Path
 import sys
@@ -12,11 +12,10 @@ from lta_analysis.out_option import folder
 from lta_analysis.pictures_option import can_be_taken, Pictures
 from lta_analysis.platforms.run import processors
 from lta_analysis.report.pictures import write_pictures
-from lta_analysis.reproduce import lines, markdown
-from lta_analysis.reproduce.kept import Kept, plain
+from lta_analysis.reproduce import figures_file, lines, markdown
+from lta_analysis.reproduce.kept import Kept
 from lta_analysis.reproduce.page import write_page
 from lta_analysis.reproduce.run import known_rows, Order, rows_of, seeds_of, study_all
-from lta_analysis.reproduce.verdict import verdicts
 from lta_analysis.results_folder import keep_json, page_line
 from lta_analysis.typed import near, typed
 from lta_config.paper_file import PaperRow
@@ -73,7 +72,7 @@ def reproduce(
     target = (out or Path('runs') / ('paper-quick' if quick else 'paper')).absolute()
     order = Order(tuple(row.name for row in rows), quick, target, workers or processors())
     kepts = gathered(order, rows, console)
-    content = keep_json(told(rows, kepts), target / 'paper.json')
+    told = keep_json(figures_file.content(rows, kepts), target / 'paper.json')
     words = ['reproduce', *(names or []), *(['--quick'] if quick else [])]
     page = write_page(rows, kepts, {'Find it again': typed(*words)}, target / 'report.html')
     if pictures is not None:
@@ -81,7 +80,7 @@ def reproduce(
     if as_markdown:
         sys.stdout.write(markdown.page(rows, kepts))
     if json:
-        sys.stdout.write(json_text.dumps({**json_text.loads(content), 'page': str(page)}) + '\n')
+        sys.stdout.write(json_text.dumps({**json_text.loads(told), 'page': str(page)}) + '\n')
     show(Table('Claims of the paper', lines.SUMMARY_HEADS, lines.summary(rows, kepts)), console)
     console.print(lines.title(rows, kepts), highlight=False, soft_wrap=True)
     console.print(page_line(near(page)), highlight=False, markup=False, soft_wrap=True)
@@ -102,27 +101,6 @@ def gathered(order: Order, rows: Sequence[PaperRow], console: Console) -> dict[s
             if console.is_terminal:
                 bar.say(f'{name}: {kept.seconds:.0f} s')
     return kepts
-
-
-def told(rows: Sequence[PaperRow], kepts: Mapping[str, Kept]) -> dict[str, object]:
-    """Return what JSON tells: SI units; value, ends of its interval, seeds."""
-    return {
-        'counts': {str(name): count for name, count in lines.totals(rows, kepts).items()},
-        'rows': {
-            row.name: {
-                'seeds': kepts[row.name].seeds,
-                'verdicts': {
-                    name: str(each) for name, each in verdicts(row, kepts[row.name].values).items()
-                },
-                'values': plain(kepts[row.name].values),
-                'pictures': [
-                    {'heading': each.heading, 'command': each.command, 'bag': each.bag}
-                    for each in kepts[row.name].pictures
-                ],
-            }
-            for row in rows
-        },
-    }
 
 
 def list_table(rows: Sequence[PaperRow]) -> Table:

@@ -1,0 +1,62 @@
+"""BEAVIS against GT-MAB, both 2 g heavy: altitude, yaw hold, changing yaw."""
+
+from typing import Final
+
+from lta_analysis.platforms.entries import entrant
+from lta_analysis.platforms.summary import margin
+from lta_analysis.reproduce.found import Asked, Found, Picture, Value
+from lta_analysis.reproduce.manoeuvres import Flights, fly
+from lta_analysis.typed import typed
+from lta_config.constants import AIR_DENSITY, STANDARD_GRAVITY
+
+MANOEUVRES: Final = ('climb', 'turn', 'follow')
+BOTH: Final = ('gtmab', 'beavis_paper')
+CHANGED: Final = {
+    'beavis': MANOEUVRES,
+    'beavis_by_matrix': ('climb', 'turn'),
+    'beavis_uncompensated': MANOEUVRES,
+    'beavis_too_heavy': ('climb',),
+}
+CAPTIONS: Final = {
+    'climb': 'Rise by 1.5 m and hold that: asked dashed, flights of seed 1.',
+    'turn': 'Rise, then turn left by 90° and hold that: asked dashed, flights of seed 1.',
+    'follow': 'Rise, then follow a heading that swings between 0 and 90° at 6°/s; seed 1.',
+}
+HEADINGS: Final = {
+    'climb': 'Altitude', 'turn': 'Yaw angle', 'follow': 'Continuously changing yaw',
+}  # fmt: skip
+
+
+def study(asked: Asked) -> Found:
+    """Return both platforms in the paper's tasks, and what decides over BEAVIS."""
+    manoeuvres = MANOEUVRES[:2] if asked.quick else MANOEUVRES
+    pairs = [(name, each) for name in BOTH for each in manoeuvres]
+    if not asked.quick:
+        pairs += [(name, each) for name, own in CHANGED.items() for each in own]
+    flights = fly(pairs, asked.seeds)
+    values: dict[str, Value] = {}
+    for name, manoeuvre in pairs:
+        values[f'{name}_{manoeuvre}_held'] = flights.held(name, manoeuvre)
+        values[f'{name}_{manoeuvre}_rms'] = flights.value(name, manoeuvre, 'rms')
+    values['gtmab_overshoot'] = flights.value('gtmab', 'climb', 'overshoot')
+    values['gtmab_settles'] = flights.value('gtmab', 'climb', 'settling_time')
+    values |= margins(flights)
+    names = [*BOTH, 'beavis_by_matrix']
+    pictures = [
+        Picture(each, HEADINGS[each], CAPTIONS[each],
+                flights.picture(each, names if each != 'follow' else BOTH),
+                typed('platforms', '--seeds', str(asked.seeds)))
+        for each in manoeuvres
+    ]  # fmt: skip
+    return Found(values, pictures)
+
+
+def margins(flights: Flights) -> dict[str, Value]:
+    """Return what the rotors lift at full thrust beyond the weight, as mass. [kg]"""
+    values = {}
+    for name in (*BOTH, 'beavis'):
+        vehicle = entrant(flights.comparison.contestants[name], AIR_DENSITY).vehicle
+        lift, weight = margin(vehicle)
+        values[f'{name}_lift'] = Value(lift)
+        values[f'{name}_margin'] = Value((lift - weight) / STANDARD_GRAVITY)
+    return values
