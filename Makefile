@@ -10,7 +10,7 @@ export PYTHON
 enter := root='$(CURDIR)' && . tools/workspace.sh
 sources := config src test examples
 
-.PHONY: help demo build test test-long bench flights trust classes plan rgblimp check format clean
+.PHONY: help demo build test test-long bench flights trust classes plan rgblimp crazyflie faults check format clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
@@ -45,6 +45,9 @@ plan: test-environment  ## score the flights that are to decide between two name
 
 rgblimp: test-environment  ## score forecasts of RGBlimp's real flights; writes docs/discovery_flights.md (minutes)
 	@$(enter) && nice .venv/bin/python test/score/rgblimp.py $(ARGS)
+
+faults: test-environment  ## faults in flights of emulated hardware, 20 of each kind; writes docs/hardware_faults.md (hours)
+	@$(enter) && .venv/bin/python test/score/faults.py $(ARGS)
 
 crazyflie: test-environment  ## what real Crazyflie flights say of battery sag; writes docs/discovery_flights.md
 	@$(enter) && .venv/bin/python test/score/crazyflie.py $(ARGS)

@@ -6,21 +6,20 @@ other test on this machine has, in whatever process it runs.
 """
 
 from collections.abc import Iterator
-import fcntl
 import os
 from pathlib import Path
 import sys
-import tempfile
 
 # Before numpy is imported: more threads only take the cores from the processes under test.
 os.environ.update(OPENBLAS_NUM_THREADS='1', OMP_NUM_THREADS='1', MKL_NUM_THREADS='1')
+sys.path.append(str(Path(__file__).parent))
 
+from domain import free_domain
 from hypothesis import settings
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 MARKED = ('unit', 'property', 'contract', 'integration', 'benchmark')
-DOMAINS = range(20, 102)  # above 101 the ports meet Linux's ephemeral ones; low ones are people's
 
 # Tests of cores run without a built workspace as well.
 sys.path += [str(path.parent) for path in sorted(ROOT.glob('src/*/package.xml'))]
@@ -57,19 +56,10 @@ def installed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 
 
 @pytest.fixture(autouse=True)
-def domain_id(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
+def domain_id(request: pytest.FixtureRequest) -> Iterator[int]:
     """Set a ROS_DOMAIN_ID that is this test's alone (0 where no graph is started)."""
     if not any(request.node.get_closest_marker(name) for name in ('integration', 'benchmark')):
         yield 0
         return
-    for domain in DOMAINS:
-        with (Path(tempfile.gettempdir()) / f'lta-test-domain-{domain}').open('a') as lock:
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                continue
-            monkeypatch.setenv('ROS_DOMAIN_ID', str(domain))
-            monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
-            yield domain
-            return
-    pytest.fail('All DDS domains are in use by other tests; wait for them to end.')
+    with free_domain() as domain:
+        yield domain

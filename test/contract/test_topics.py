@@ -5,7 +5,7 @@ from importlib import import_module
 from pathlib import Path
 import re
 
-from lta_bridge.nodes.crazyflie_bridge import BridgeSettings
+from lta_bridge.crazyflie.settings import BridgeSettings
 from lta_bridge.nodes.description import DescriptionSettings
 from lta_bridge.nodes.live import LiveSettings
 from lta_bridge.nodes.player import PlayerSettings

@@ -151,6 +151,19 @@ def test_leaving_in_flight_comes_down_and_disarms(peer, drone, bridge):
     assert not drone.firmware.supervisor.locked
 
 
+def test_past_the_firmware_on_a_tether_it_lets_go_of_the_motors_on_leaving(peer, drone):
+    """The emulated drone turns them by `motorPowerSet` alone, and would for ever."""
+    words = ('-p', f'uri:={drone.uri}', '-p', 'command:=override', '-p', 'tethered:=true')
+    bridge = start('lta_bridge.nodes.crazyflie_bridge', *words)
+    fly(peer, drone)
+    assert drone.firmware.parameters.values['motorPowerSet.enable'] == 1
+    bridge.send_signal(signal.SIGTERM)
+    bridge.communicate(timeout=30)
+    assert turning(drone) == (0.0,) * 4
+    assert drone.firmware.parameters.values['motorPowerSet.enable'] == 0
+    assert not drone.firmware.supervisor.armed
+
+
 def test_the_shutdown_transition_comes_down_and_disarms(peer, drone, bridge):
     fly(peer, drone)
     wanted = Transition(id=Transition.TRANSITION_ACTIVE_SHUTDOWN)

@@ -17,6 +17,7 @@ from lta_config.crazyflie_file import CrazyflieFile
 RATE: Final = 50.0  # Hz of ticks; the firmware wants setpoints at 10 Hz or more
 GUARD: Final = 7  # ticks between two words to the emergency-stop watchdog: 7 a second
 HOLD_MS: Final = 200  # for which duties hold aboard without newer ones
+LETTING_GO: Final = 10  # times that the override is taken off: nobody confirms it
 TURN_GAIN: Final = 1.5  # 1/s from heading error to yaw rate: about 0.7 s to turn in
 FASTEST_TURN: Final = 1.0  # rad/s
 POWER_OFF: Final = 3  # pm.state from which the firmware itself calls the cell low
@@ -64,7 +65,7 @@ class Bridge:
     rotors : sequence of str
         The vehicle's, in the order of `motors`.
     command : str
-        'setpoint' or 'motors'; the file's where empty.
+        'setpoint', 'motors' or 'override'; the file's where empty.
     watchdog : bool
         Whether to start the firmware's emergency-stop watchdog with the first arming. It then cuts
         the motors and locks 1 s after the last word, and nothing but a restart ends it.
@@ -112,6 +113,12 @@ class Bridge:
         self._sequence = 0
         self.packets = 0
         self._watchdog, self._guarded, self._ticks = watchdog, False, 0
+        self._held = 0  # how often the override is still to be taken off
+
+    @property
+    def by_duties(self) -> bool:
+        """Whether our own allocation's duties go to the motors."""
+        return self.command in ('motors', 'override')
 
     def forget(self) -> None:
         """Begin anew with a new connection: nothing of the old one counts."""
@@ -151,7 +158,7 @@ class Bridge:
     def commanded(self, asked: Asked) -> None:
         """Take a command of the graph; one that is no number or of other rotors is none."""
         numbers = (*asked.duties, asked.speed, asked.turn, asked.height)
-        fits = len(asked.duties) == self._rotors if self.command == 'motors' else True
+        fits = len(asked.duties) == self._rotors if self.by_duties else True
         if fits and all(map(math.isfinite, numbers)):
             self._asked = asked
 
@@ -212,7 +219,9 @@ class Bridge:
             self._link.watchdog()
         if order.arm is not None:
             self._link.arm(order.arm)
-        if self.command == 'motors':
+        if self.command == 'override':
+            self._override(order)
+        elif self.command == 'motors':
             self._send_duties(order)
         elif order.drive and self._asked is not None:
             asked = self._asked
@@ -221,13 +230,28 @@ class Bridge:
         if order.hand_over:
             self._link.hand_over(land=self.command == 'setpoint')
 
+    def _duties(self, order: safety.Order) -> tuple[float, ...]:
+        """Return the duties of M1 to M4 that are in force; empty where none are."""
+        if not order.drive or self._asked is None:
+            return ()
+        return tuple(order.drive * self._asked.duties[place] for place in self._order)
+
+    def _override(self, order: safety.Order) -> None:
+        """Turn the motors while commands are flown, and let go of them in every other state."""
+        duties = self._duties(order)
+        if duties:
+            self._held = LETTING_GO
+        elif self._held:
+            self._held -= 1
+        else:
+            return
+        self._link.override(duties)
+
     def _send_duties(self, order: safety.Order) -> None:
         """Send duties while commands stream, and none that hold for no time when handing over."""
         if not (order.stream or order.hand_over):
             return
-        duties = (0.0,) * len(self._order)
-        if order.drive and self._asked is not None:
-            duties = tuple(order.drive * self._asked.duties[place] for place in self._order)
+        duties = self._duties(order) or (0.0,) * len(self._order)
         self._sequence += 1
         hold = HOLD_MS if order.stream else 0
         self._link.duties(duties_packet.packed(self._sequence, duties, hold))

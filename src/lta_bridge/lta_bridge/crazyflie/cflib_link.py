@@ -31,6 +31,9 @@ else:
     CFLIB = True
 
 LANDING: Final = 3.0  # s for the firmware's own landing
+U8, U16 = 0x08, 0x09  # the firmware's numbers for types of parameters
+FULL_RATIO: Final = 65535
+PARTING: Final = 3  # times that motors are let go of before a link is closed
 DRIVERS = threading.Lock()
 
 
@@ -98,6 +101,7 @@ class CflibLink:
         _drivers()
         self._uri, self._blocks, self._clock = uri, blocks, clock
         self._drone: Any = None
+        self._overrides = False  # whether motors were turned past the firmware's supervisor
         self.events: SimpleQueue[Event] = SimpleQueue()
         self.protocol = -1
 
@@ -175,7 +179,11 @@ class CflibLink:
 
     def close(self) -> None:
         """Disconnect; cflib takes up to two seconds, and first sends a thrust of zero."""
-        drone, self._drone = self._drone, None
+        drone = self._drone
+        if self._overrides:
+            for _ in range(PARTING):
+                self.override(())
+        self._drone, self._overrides = None, False
         if drone is not None:
             drone.close_link()
 
@@ -212,6 +220,8 @@ class CflibLink:
         """Send one emergency stop."""
         with warnings.catch_warnings(action='ignore'):
             self._sends('supervisor', 'send_emergency_stop')
+        # Whoever turned the override on: a stop does not reach motors through it.
+        self._sends('param', 'set_value_raw', 'motorPowerSet.enable', U8, 0)
 
     def watchdog(self) -> None:
         """Keep the firmware's emergency-stop watchdog quiet for another second."""
@@ -227,6 +237,19 @@ class CflibLink:
     def duties(self, payload: bytes) -> None:
         """Send a packet on the app channel."""
         self._sends('appchannel', 'send_packet', payload)
+
+    def override(self, duties: Sequence[float]) -> None:
+        """
+        Set `motorPowerSet`, without waiting for an answer: the next one comes soon.
+
+        Enabled last and disabled first, so that no motor turns by what an earlier one left.
+        """
+        self._overrides |= bool(duties)
+        ratios = [round(FULL_RATIO * duty) for duty in duties] or [0] * 4
+        motors = [(f'motorPowerSet.m{n}', U16, ratio) for n, ratio in enumerate(ratios, start=1)]
+        enable = ('motorPowerSet.enable', U8, int(bool(duties)))
+        for words in (*motors, enable) if duties else (enable, *motors):
+            self._sends('param', 'set_value_raw', *words)
 
     def hand_over(self, land: bool) -> None:
         """Let go of the commander, and have the high-level one land."""

@@ -2,11 +2,21 @@
 
 from collections.abc import Mapping, Sequence
 from queue import SimpleQueue
-from typing import NamedTuple, Protocol
+import re
+from typing import Final, NamedTuple, Protocol
 
 from lta_config.errors import BadInput
 
-SCHEMES = ('radio', 'usb', 'udp', 'tcp', 'serial')
+PLACE: Final = r'[^/:\s]+:\d{1,5}'
+RATE: Final = r'(250K|1M|2M)'
+ADDRESS: Final = r'[0-9A-Fa-f]{1,10}'
+SCHEMES: Final = {  # what comes behind ://, as cflib reads it
+    'radio': rf'(\d+|{ADDRESS})/\d{{1,3}}(/{RATE}(/{ADDRESS})?)?(\?rate_limit=\d+)?',
+    'usb': r'\d+',
+    'udp': PLACE,
+    'tcp': PLACE,
+    'serial': r'\S+',
+}
 OLDEST = 9  # protocol: the first with today's setpoint packets (cflib, commander.py)
 
 
@@ -79,6 +89,10 @@ class Link(Protocol):
         """Send a packet to the app aboard."""
         ...
 
+    def override(self, duties: Sequence[float]) -> None:
+        """Turn motors whatever the firmware's supervisor says; no duties let go of them."""
+        ...
+
     def hand_over(self, land: bool) -> None:
         """Say that no more setpoints come; where asked, land."""
         ...
@@ -94,8 +108,8 @@ def check_uri(uri: str) -> None:
         With an example.
 
     """
-    scheme, found, rest = uri.partition('://')
-    if not found or scheme not in SCHEMES or not rest:
+    scheme, _, rest = uri.partition('://')
+    if scheme not in SCHEMES or not re.fullmatch(SCHEMES[scheme], rest):
         raise BadInput(
             f"The URI '{uri}' names no Crazyflie; give one such as radio://0/80/2M/E7E7E7E7E7, "
             'usb://0 or udp://127.0.0.1:19850.'

@@ -6,6 +6,14 @@ from typing import Final
 REMEDIES: Final = {
     'Cannot find a Crazyradio': 'no Crazyradio is plugged in: plug one in (lsusb -d 1915:7777 '
     'shows it), or fly over usb:// or udp://',
+    'Could not open usb': 'no such Crazyflie is on a cable: plug it in and switch it on (lsusb -d '
+    '0483:5740 shows it)',
+    'Could not identify device': 'there is no such serial port: correct the URI',
+    'Connection refused': 'nobody listens at that host and port: start what should, or correct '
+    'the URI',
+    'Name or service not known': 'no host has that name: correct the URI',
+    'Error communicating': 'nobody answers there any more: switch the Crazyflie on, or correct '
+    'the URI',
     'insufficient permissions': 'you may not open the USB device: add the udev rule of '
     'docs/hardware.md, and plug it in again',
     'Permission denied': 'you may not open the device: add the udev rule of docs/hardware.md, or '

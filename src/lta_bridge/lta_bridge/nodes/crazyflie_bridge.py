@@ -8,7 +8,7 @@ decided in `lta_bridge.crazyflie.safety`; this node converts, publishes and tell
 
 import threading
 import time
-from typing import Any, Literal
+from typing import Any
 
 from lta_bridge.crazyflie import messages, readings
 from lta_bridge.crazyflie.bridge import Bridge, RATE, Stamped
@@ -18,10 +18,11 @@ from lta_bridge.crazyflie.consumption import Consumption
 from lta_bridge.crazyflie.keeper import Keeper
 from lta_bridge.crazyflie.link import Lost, Ping
 from lta_bridge.crazyflie.log_table import BLOCKS, check
+from lta_bridge.crazyflie.override import check_tether, expected
 from lta_bridge.crazyflie.safety import Asked, SILENT, Stage
+from lta_bridge.crazyflie.settings import BridgeSettings
 from lta_config.crazyflie_file import load_crazyflie
 from lta_config.errors import BadInput
-from lta_config.settings import setting, Settings
 from lta_graph.health import Level
 from lta_graph.ros.device import DeviceNode
 from lta_graph.ros.node import from_stamp, message_type, run, to_stamp
@@ -37,25 +38,6 @@ ALOFT = (Stage.READY, Stage.FLYING, Stage.LANDING)
 DEAD = 2.0  # s of silence after which the link is made anew: blocks may be gone (firmware #428)
 
 
-class BridgeSettings(Settings):
-    """Which Crazyflie, and how it is commanded."""
-
-    uri: str = setting('radio://0/80/2M/E7E7E7E7E7', 'Where the Crazyflie is.', fixed=True)
-    vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
-    crazyflie: str = setting('', "Crazyflie file; the vehicle's where empty.", fixed=True)
-    command: Literal['', 'setpoint', 'motors'] = setting(
-        '', "What is sent: setpoints, or duties for the app; the file's where empty.", fixed=True
-    )
-    watchdog: bool = setting(
-        False,
-        'Whether the firmware stops for good 1 s after it last heard of the bridge, once armed.',
-        fixed=True,
-    )
-    autostart: bool = setting(
-        True, 'Whether to configure and activate by itself; it never arms.', fixed=True
-    )
-
-
 class CrazyflieBridge(DeviceNode):
     """Publish what a Crazyflie senses, and send it what the graph commands."""
 
@@ -69,6 +51,7 @@ class CrazyflieBridge(DeviceNode):
             'battery': self.output('battery'),
         }
         settings = self._settings = Parameters(self, BridgeSettings).value
+        check_tether(settings.command, settings.tethered)
         vehicle = load_vehicle(settings.vehicle)
         self._names = vehicle.rotor_names
         self._consumption = Consumption.of(vehicle.file.energy)
@@ -79,7 +62,7 @@ class CrazyflieBridge(DeviceNode):
         self._claim: Claim | None = None
         self._refusal = ''
         self._asked = Asked()
-        self._was_up, self._connected = False, 0.0
+        self._was_up, self._connected, self._complained = False, 0.0, ''
         self._pose: Any = None
         self._odom: Any = None
         self._controller = self.create_client(SetBool, 'arm')
@@ -118,7 +101,7 @@ class CrazyflieBridge(DeviceNode):
             self._refusal = str(error)
             self.get_logger().error(self._refusal)
             return TransitionCallbackReturn.FAILURE
-        self._keeper = Keeper(self._link, self._file.parameters)
+        self._keeper = Keeper(self._link, expected(self._file, self._bridge.command))
         return super().on_configure(state)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -185,7 +168,7 @@ class CrazyflieBridge(DeviceNode):
     # What the graph commands.
 
     def _on_motors(self, step: Any) -> None:  # noqa: ANN401 - a Step of ROS messages
-        if self._bridge.command == 'motors':
+        if self._bridge.by_duties:
             newest = step.messages['motors'][-1]
             asked = messages.to_duties(newest, self._names, from_stamp(newest.header.stamp))
             if asked is not None:
@@ -228,7 +211,7 @@ class CrazyflieBridge(DeviceNode):
     def _tell_controller(self) -> None:
         """Arm the controller with the drone, so that its loops wind up only where they act."""
         stage = self._bridge.state.stage
-        wanted = stage in ALOFT and self._bridge.command == 'motors'
+        wanted = stage in ALOFT and self._bridge.by_duties
         if wanted != self._told and self._controller.service_is_ready():
             self._controller.call_async(SetBool.Request(data=wanted))
             self._told = wanted
@@ -264,6 +247,9 @@ class CrazyflieBridge(DeviceNode):
         bridge, keeper = self._bridge, self._keeper
         seen = bridge.seen(self._graph_ns(), self._up, self.active)
         why = 'not configured' if keeper is None else keeper.why
+        if why not in (self._complained, ''):
+            self._complained = why
+            self.get_logger().warning(f'no link: {why}')
         self.health.report(
             'link',
             Level.OK if self._up and seen.silence < SILENT else Level.ERROR,

@@ -24,20 +24,6 @@ PATIENCE = 10.0  # s; what comes normally comes within milliseconds
 NAMES = {block.name for block in BLOCKS}
 
 
-def until(condition):
-    deadline = time.monotonic() + PATIENCE
-    while not (found := condition()):
-        assert time.monotonic() < deadline
-        time.sleep(0.005)
-    return found
-
-
-def linked(server):
-    link = CflibLink(server.uri, BLOCKS, time.time_ns)
-    link.open(PATIENCE)
-    return link
-
-
 def blocks_heard(link):
     heard = {}
     while set(heard) != NAMES:
@@ -48,7 +34,7 @@ def blocks_heard(link):
 
 
 @pytest.mark.parametrize('protocol', [12, 11])
-def test_cflib_connects_reads_arms_drives_and_stops(protocol):
+def test_cflib_connects_reads_arms_drives_and_stops(protocol, until, linked):
     with Server(Firmware(Bench(), protocol)) as server:
         link = linked(server)
         assert link.protocol == protocol
@@ -67,7 +53,7 @@ def test_cflib_connects_reads_arms_drives_and_stops(protocol):
         link.close()
 
 
-def test_setpoints_and_the_hand_over_reach_the_drone():
+def test_setpoints_and_the_hand_over_reach_the_drone(until, linked):
     with Server(Firmware(Bench())) as server:
         link = linked(server)
         link.arm(True)
@@ -105,7 +91,7 @@ def test_a_block_that_is_refused_is_named(code):
             link.open(PATIENCE)
 
 
-def test_a_closed_port_is_told_and_the_keeper_finds_the_drone_again():
+def test_a_closed_port_is_told_and_the_keeper_finds_the_drone_again(until):
     server = Server(Firmware(Bench()))
     port = int(server.uri.rpartition(':')[2])
     link = CflibLink(server.uri, BLOCKS, time.time_ns)
@@ -134,7 +120,7 @@ def test_datagrams_that_are_lost_swapped_and_doubled_do_not_keep_it_away():
         link.close()
 
 
-def test_parameters_are_brought_to_what_the_vehicle_needs_or_refused():
+def test_parameters_are_brought_to_what_the_vehicle_needs_or_refused(linked):
     with Server(Firmware(Bench())) as server:
         link = linked(server)
         with pytest.raises(LinkFailed, match=r'has no parameter lta.new \(why\)'):
@@ -146,10 +132,29 @@ def test_parameters_are_brought_to_what_the_vehicle_needs_or_refused():
         link.close()
 
 
-@pytest.mark.parametrize('uri', ['', 'radio', 'ftp://x', 'udp://'])
+@pytest.mark.parametrize(
+    'uri',
+    ['', 'radio', 'ftp://x', 'udp://', 'udp://host', 'udp://host:', 'radio://0/80/9M', 'usb://x'],
+)
 def test_a_uri_that_names_nothing_is_one_sentence(uri):
     with pytest.raises(BadInput, match='names no Crazyflie; give one such as radio'):
         check_uri(uri)
+
+
+@pytest.mark.parametrize(
+    'uri',
+    [
+        'radio://0/80/2M/E7E7E7E7E7',
+        'radio://0/80',
+        'radio://ABCDEF0123/80/250K/E7?rate_limit=100',
+        'usb://0',
+        'udp://127.0.0.1:19850',
+        'tcp://drone:5000',
+        'serial://ttyACM0',
+    ],
+)
+def test_a_uri_that_cflib_knows_is_taken(uri):
+    check_uri(uri)
 
 
 def test_every_shipped_file_is_wired_to_rotors_that_exist():
@@ -159,7 +164,7 @@ def test_every_shipped_file_is_wired_to_rotors_that_exist():
         order_of({'m1': 'up'}, ['left'])
 
 
-def test_nonsense_from_the_drone_is_heard_out():
+def test_nonsense_from_the_drone_is_heard_out(linked):
     """Truncated and unknown packets, console noise and a log packet of no block."""
     with Server(Firmware(Bench())) as server:
         link = linked(server)

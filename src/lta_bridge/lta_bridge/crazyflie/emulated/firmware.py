@@ -136,8 +136,7 @@ class Firmware:
 
     def tick(self, now: float) -> list[Packet]:
         """Go on to a time; return the log packets that are due. [s]"""
-        allowed = self.supervisor.allows
-        self.body.fly(now, self.commander.wish(now) if allowed else Wish(duties=(0.0,) * 4))
+        self.body.fly(now, self._wish(now))
         turning = any(duty > 0.0 for duty in self.body.duties)
         commander = self.commander
         self.supervisor.watch(now, turning, commander.age(now), commander.stopped)
@@ -145,6 +144,16 @@ class Firmware:
         self._values = {**sensed, **self._own(now, sensed.get('pm.vbat', FULL))}
         data = self.log.due(self.milliseconds(now), lambda name: self._values.get(name, 0.0))
         return [Packet(5, 2, packet) for packet in data]
+
+    def _wish(self, now: float) -> Wish:
+        """Return what the motors do: the override asks neither supervisor nor time (motors.c)."""
+        values = self.parameters.values
+        if values['motorPowerSet.enable']:
+            ratios = (values[f'motorPowerSet.m{number}'] for number in range(1, 5))
+            return Wish(duties=tuple(ratio / FULL_RATIO for ratio in ratios))
+        if self.supervisor.allows:
+            return self.commander.wish(now)
+        return Wish(duties=(0.0,) * 4)
 
     def _own(self, now: float, sensed: float) -> dict[str, float]:
         motors = {

@@ -1,4 +1,4 @@
-"""What the link does to datagrams: loses, delays, doubles and swaps them, or says nothing."""
+"""What the link does to datagrams: loses, tears, delays, doubles, swaps them, or says nothing."""
 
 from dataclasses import dataclass, field
 import heapq
@@ -14,8 +14,8 @@ class Link:
 
     Parameters
     ----------
-    drop, double : float
-        Share of the datagrams that are lost, that come twice.
+    drop, double, torn : float
+        Share of the datagrams that are lost, that come twice, that end somewhere in the middle.
     delay, jitter : float
         Time on the way, and how much more at most; with more jitter than the time between two,
         datagrams overtake each other. [s]
@@ -28,6 +28,7 @@ class Link:
 
     drop: float = 0.0
     double: float = 0.0
+    torn: float = 0.0
     delay: float = 0.0
     jitter: float = 0.0
     silent: bool = False
@@ -42,6 +43,8 @@ class Link:
         for _ in range(2 if self.random.random() < self.double else 1):
             due = now + self.delay + self.jitter * self.random.random()
             self._count += 1
+            if self.torn and self.random.random() < self.torn:
+                datagram = datagram[: self.random.randrange(len(datagram) + 1)]
             heapq.heappush(self._waiting, (due, self._count, datagram))
 
     def out(self, now: float) -> list[bytes]:

@@ -44,6 +44,7 @@ class Server:
         self.uri = f'udp://127.0.0.1:{self._socket.getsockname()[1]}'
         self._peer: tuple[str, int] | None = None
         self._began = time.monotonic()
+        self._shut = threading.Event()
         self._running = threading.Event()
         self._running.set()
         self._thread = threading.Thread(target=self._work, name='emulated_crazyflie', daemon=True)
@@ -62,6 +63,10 @@ class Server:
     def __exit__(self, *_: object) -> None:
         """Switch off: the port is closed, so that whoever sends hears that nobody is there."""
         self.close()
+
+    def shut(self) -> None:
+        """Close the port for good, and fly on: whoever sends hears that nobody is there."""
+        self._shut.set()
 
     def close(self) -> None:
         """Switch off."""
@@ -82,6 +87,10 @@ class Server:
 
     def _hear(self) -> None:
         """Take what has come, or wait a moment."""
+        if self._shut.is_set():
+            self._socket.close()
+            time.sleep(TICK)
+            return
         wait = TICK
         while True:
             self._socket.settimeout(wait)
@@ -100,5 +109,5 @@ class Server:
 
     def _tell(self, now: float) -> None:
         for datagram in self.down.out(now):
-            if self._peer is not None:
+            if self._peer is not None and not self._shut.is_set():
                 self._socket.sendto(datagram, self._peer)

@@ -1,0 +1,38 @@
+"""
+The bench's way past the firmware: `motorPowerSet`, which no watchdog, lock or disarming ends.
+
+It turns the motors of stock firmware, one by one, which nothing else does. It is for a tethered
+drone alone: our state machine decides as ever, but what only the drone can do, it then does not.
+"""
+
+from collections.abc import Mapping
+
+from lta_config.crazyflie_file import CrazyflieFile, Expected
+from lta_config.errors import BadInput
+
+OVERRIDE = 'override'
+APP = 'lta.'  # parameters of firmware/crazyflie, which the override does without
+
+
+def check_tether(command: str, tethered: bool) -> None:
+    """
+    Refuse to turn motors past the firmware where nobody has said that the drone is tethered.
+
+    Raises
+    ------
+    BadInput
+        With what it takes.
+
+    """
+    if command == OVERRIDE and not tethered:
+        raise BadInput(
+            "command:=override turns motors past the firmware's watchdog, lock and disarming; "
+            'tether the drone to a bench and add tethered:=true, or fly with command:=motors.'
+        )
+
+
+def expected(file: CrazyflieFile, command: str) -> Mapping[str, Expected]:
+    """Return the parameters that a way to command it needs."""
+    if command != OVERRIDE:
+        return file.parameters
+    return {name: want for name, want in file.parameters.items() if not name.startswith(APP)}

@@ -1,0 +1,139 @@
+"""
+A Crazyflie that only its link shows: emulated, or whatever `LTA_CF_URI` names.
+
+Its motors turn in these tests. So anything but a UDP address, behind which a program may be, wants
+`LTA_CF_PROPELLERS=off` as well. What has locked needs a restart: `LTA_CF_RESTART` is the command
+that does it; without one, the tests that come after are skipped until somebody has.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+import os
+import subprocess
+import time
+
+from lta_bridge.crazyflie import readings
+from lta_bridge.crazyflie.cflib_link import CflibLink
+from lta_bridge.crazyflie.emulated.firmware import Firmware
+from lta_bridge.crazyflie.emulated.server import Server
+from lta_bridge.crazyflie.link import LinkFailed, LogPacket
+from lta_bridge.crazyflie.log_table import BLOCKS
+from lta_bridge.crazyflie.supervisor import Bit
+from lta_bridge.emulated_hardware import flown
+import pytest
+
+PATIENCE = 20.0  # s; what comes normally comes within a second
+EVERY = 0.02  # s between two setpoints
+
+
+@contextmanager
+def served() -> Iterator[str]:
+    """Yield the URI of a Crazyflie."""
+    uri = os.environ.get('LTA_CF_URI', '')
+    if uri:
+        if not uri.startswith('udp://') and os.environ.get('LTA_CF_PROPELLERS') != 'off':
+            pytest.fail(f'{uri}: take the propellers off, and set LTA_CF_PROPELLERS=off.')
+        yield uri
+    else:
+        with Server(Firmware(flown('multirotor', 'lamp_room', 1))) as server:
+            yield server.uri
+
+
+class Drone:
+    """One connection, what was heard over it, and orders."""
+
+    def __init__(self, uri: str) -> None:
+        self.link = CflibLink(uri, BLOCKS, time.time_ns)
+        self.heard: dict[str, list[LogPacket]] = {}
+        for attempt in range(3):
+            try:
+                self.link.open(8.0)
+                break
+            except LinkFailed:  # as the keeper does: one lost datagram costs a connection
+                if attempt == 2:
+                    raise
+
+    def _listen(self) -> None:
+        while not self.link.events.empty():
+            event = self.link.events.get()
+            if isinstance(event, LogPacket):
+                self.heard.setdefault(event.block, []).append(event)
+
+    def until(
+        self, condition: Callable[[], object], each: Callable[[], object] = lambda: None
+    ) -> None:
+        """Listen until something holds, and do something every 20 ms meanwhile."""
+        deadline = time.monotonic() + PATIENCE
+        self._listen()
+        while not condition():
+            assert time.monotonic() < deadline, f'word {self.word!r}, motors {self.motors.duties}'
+            each()
+            time.sleep(EVERY)
+            self._listen()
+
+    def wait(self, seconds: float, each: Callable[[], object] = lambda: None) -> None:
+        """Listen for so long, by the drone's own clock."""
+        until = self.now + seconds
+        self.until(lambda: self.now >= until, each)
+
+    @property
+    def now(self) -> float:
+        """The drone's time of the newest word on its motors. [s]"""
+        return 1e-3 * self.heard['motors'][-1].stamp_ms if 'motors' in self.heard else 0.0
+
+    @property
+    def motors(self) -> readings.Motors:
+        return readings.motors(self.heard['motors'][-1].values)
+
+    @property
+    def word(self) -> Bit:
+        return Bit(self.motors.word)
+
+    @property
+    def turns(self) -> bool:
+        return any(self.motors.duties)
+
+    def turned(self, since: float) -> bool:
+        """Tell whether a motor turned at any time since. [s]"""
+        return any(
+            any(readings.motors(packet.values).duties)
+            for packet in self.heard['motors']
+            if 1e-3 * packet.stamp_ms > since
+        )
+
+    def hover(self) -> None:
+        self.link.hover(0.0, 0.0, 0.45)
+
+    def arm(self) -> None:
+        """Ask until the supervisor says that it is armed."""
+        self.until(lambda: Bit.ARMED in self.word, lambda: self.link.arm(True))
+
+    def fly(self) -> None:
+        """Arm, and hover until motors have turned for a second."""
+        self.arm()
+        self.until(lambda: self.turns, self.hover)
+        self.wait(1.0, self.hover)
+
+
+@contextmanager
+def connected(uri: str) -> Iterator[Drone]:
+    """Yield a drone that can be armed; disarmed when it is left."""
+    drone = Drone(uri)
+    try:
+        drone.until(lambda: 'motors' in drone.heard)
+        if Bit.LOCKED in drone.word:
+            drone.link.close()
+            restart = os.environ.get('LTA_CF_RESTART')
+            if not restart:
+                pytest.skip('the drone is locked: switch it off and on, and run this test alone')
+            subprocess.run(restart, shell=True, check=True, timeout=PATIENCE)
+            drone = Drone(uri)
+        drone.until(lambda: 'motors' in drone.heard)
+        if Bit.ARMED in drone.word and Bit.AUTO_ARM not in drone.word:
+            drone.until(lambda: Bit.ARMED not in drone.word, lambda: drone.link.arm(False))
+        drone.until(lambda: Bit.CAN_BE_ARMED in drone.word or Bit.AUTO_ARM in drone.word)
+        yield drone
+    finally:
+        for _ in range(3):
+            drone.link.arm(False)
+        drone.link.close()

@@ -1,0 +1,56 @@
+"""Every line of bad input to the bridges, by the nodes themselves: one sentence, never armed."""
+
+import re
+
+from lta_bridge.crazyflie.claim import Claim
+from lta_bridge.crazyflie.emulated.body import Bench
+from lta_bridge.crazyflie.emulated.firmware import Firmware
+from lta_bridge.crazyflie.emulated.server import Server
+import pytest
+from std_srvs.srv import SetBool
+
+from .peer import Peer, start
+
+CRAZYFLIE, TEENSY = 'crazyflie_bridge', 'teensy_bridge'
+TAKEN = 'udp://127.0.0.1:19999'
+REFUSED = [
+    (CRAZYFLIE, 'uri:=udp://here', r"The URI 'udp://here' names no Crazyflie; give one such as"),
+    (CRAZYFLIE, f'uri:={TAKEN}', r'commanded by another bridge \(process \d+\); end that one'),
+    (CRAZYFLIE, 'command:=override', r'tether the drone to a bench and add tethered:=true'),
+    (TEENSY, 'port:=/dev/ttyNOPE', r'There is no serial port /dev/ttyNOPE'),
+    (TEENSY, 'port:=udp://0.0.0.0:99999', r'is no place to listen; give udp://0.0.0.0:14550'),
+]
+
+
+def test_what_cannot_be_ends_the_node_with_one_sentence_and_status_2(domain_id):
+    claim = Claim(TAKEN)
+    started = [start(f'lta_bridge.nodes.{node}', '-p', word) for node, word, _ in REFUSED]
+    told = [process.communicate(timeout=60)[1] for process in started]
+    claim.end()
+    for (_, _, sentence), process, text in zip(REFUSED, started, told, strict=True):
+        assert process.returncode == 2, text
+        assert re.search(sentence, text.strip().splitlines()[-1]), text
+        assert 'Traceback' not in text
+
+
+@pytest.mark.parametrize(
+    ('uri', 'sentence'),
+    [
+        ('usb://7', 'no such Crazyflie is on a cable: plug it in and switch it on'),
+        ('old', 'the firmware speaks protocol 7, older than 9: update it'),
+    ],
+)
+def test_what_may_yet_come_is_told_and_waited_for_and_never_armed(domain_id, hear, uri, sentence):
+    with Server(Firmware(Bench(), protocol=7)) as server, Peer(domain_id) as peer:
+        place = server.uri if uri == 'old' else uri
+        node = start(f'lta_bridge.nodes.{CRAZYFLIE}', '-p', f'uri:={place}')
+        name = f'{CRAZYFLIE}: link'
+        hear(lambda facts: name in facts and sentence in facts[name].message)
+        refused = peer.ask(SetBool, f'{CRAZYFLIE}/arm', data=True)
+        assert not refused.success
+        assert 'no Crazyflie is connected' in refused.message
+        node.send_signal(2)
+        _, text = node.communicate(timeout=60)
+        assert f'no link: {sentence}' in text
+        assert node.returncode == 0
+        assert server.firmware.body.duties == (0.0,) * 4

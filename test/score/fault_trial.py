@@ -1,0 +1,255 @@
+"""
+One fault in one flight: `python test/score/fault_trial.py KIND NUMBER` prints its outcome.
+
+An emulated drone in this process, a bridge and a recorder as processes, and a pilot who climbs,
+cruises and descends by turns and knows of nothing. The number decides the way to command and the
+moment. In the built workspace (tools/workspace.sh).
+"""
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+import json
+import math
+from pathlib import Path
+from random import Random
+import re
+import sys
+import tempfile
+import time
+from typing import Any, Final
+
+from fault_kinds import Kind, KINDS, NEVER, WRAP_MS
+from lta_analysis.bag.reader import read_bag
+from lta_bridge.crazyflie.emulated.server import Server
+from lta_bridge.emulated_hardware import flown
+from lta_config.topics import topic_table
+from lta_graph.ros.node import message_type
+from std_srvs.srv import SetBool, Trigger
+
+sys.path += [str(Path(__file__).parents[1]), str(Path(__file__).parents[1] / 'integration')]
+from domain import free_domain
+from peer import Peer, put_away, start
+
+TABLE: Final = topic_table()
+VEHICLES: Final = ('gtmab', 'multirotor')  # by duties, by setpoints
+COMMANDS: Final = 0.05  # s between two
+LEG: Final = 3.0  # s of each phase
+PHASES: Final = ('climb', 'cruise', 'descent')
+DUTIES: Final = {  # up_left, up_right, forward_left, forward_right: never all still
+    'climb': (0.4, 0.4, 0.1, 0.1),
+    'cruise': (0.1, 0.1, 0.3, 0.3),
+    'descent': (0.05, 0.05, 0.05, 0.05),
+}
+HEIGHTS: Final = {'climb': 1.0, 'cruise': 1.0, 'descent': 0.6}  # m
+SPEEDS: Final = {'climb': 0.0, 'cruise': 0.2, 'descent': 0.0}  # m/s
+STANDS: Final = 1.5  # s without a motor turning after which they stand
+GOES_ON: Final = 2.0  # s that a flight must go on where it may
+WATCHED: Final = 6.0  # s in which a drone that must not arm is asked to
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """
+    What became of a flight.
+
+    Attributes
+    ----------
+    took, stated : float
+        From the fault, or from the request to disarm, to motors that stand. [s]
+    flew_on : bool
+        Whether it was flying until it was asked to disarm.
+    phase : str
+        In which it struck.
+    wrong : str
+        What must not be; empty where all is as stated.
+
+    """
+
+    took: float
+    stated: float
+    flew_on: bool
+    phase: str
+    wrong: str
+
+
+class Trial:
+    """The parties of one flight."""
+
+    def __init__(self, kind: Kind, number: int, folder: Path, peer: Peer) -> None:
+        self._kind, self._peer = kind, peer
+        self.by_setpoints = bool(number % 2)
+        self._random = Random(number)
+        vehicle = VEHICLES[self.by_setpoints]
+        self._body = flown(vehicle, 'lamp_room', number)
+        self.server = Server(kind.firmware(self._body, self._random))
+        self.bag = folder / 'bag'
+        self.recorder = start('lta_bridge.nodes.recorder', '-p', f'bag:={self.bag}')
+        self.bridge = start(
+            'lta_bridge.nodes.crazyflie_bridge',
+            '-p', f'uri:={self.server.uri}', '-p', f'vehicle:={vehicle}',
+        )  # fmt: skip
+        self._names = self._body.world.vehicle.rotor_names
+        names = ('odom', 'setpoint/pose', 'setpoint/velocity') if self.by_setpoints else (
+            'odom', 'motors')  # fmt: skip
+        self._publishers = {name: peer.publisher(name) for name in names}
+        self._factor, self._distance, self._silent = 1.0, 0.0, False
+        self._commanded = self._turned = -math.inf
+        self.began = math.inf
+
+    # What a fault may do.
+
+    def stray(self, distance: float) -> None:
+        """Let the estimate be elsewhere. [m]"""
+        self._distance = distance
+
+    def fall_silent(self) -> None:
+        """Command no more."""
+        self._silent = True
+
+    def command(self, factor: float) -> None:
+        """Command a multiple of what the pilot wants."""
+        self._factor = factor
+
+    def emergency(self) -> None:
+        """Ask for an emergency stop."""
+        self._peer.ask(Trigger, 'crazyflie_bridge/emergency_stop')
+
+    # The flight.
+
+    @property
+    def phase(self) -> str:
+        """What the pilot does now."""
+        return PHASES[int((time.monotonic() - self.began) / LEG) % len(PHASES)]
+
+    def _send(self) -> None:
+        """Command, every 50 ms."""
+        now = time.monotonic()
+        if self._silent or now < self._commanded + COMMANDS:
+            return
+        self._commanded, phase = now, self.phase if self.began < now else 'climb'
+        stamp = self._peer.node.get_clock().now().to_msg()
+        for name, publisher in self._publishers.items():
+            message: Any = message_type(TABLE[name])()
+            message.header.stamp = stamp
+            match name:
+                case 'odom':
+                    message.pose.pose.position.x = self._distance
+                case 'motors':
+                    message.name = self._names
+                    message.effort = [self._factor * duty for duty in DUTIES[phase]]
+                case 'setpoint/pose':
+                    message.pose.position.z = self._factor * HEIGHTS[phase]
+                case 'setpoint/velocity':
+                    message.twist.linear.x = self._factor * SPEEDS[phase]
+            publisher.publish(message)
+
+    def _fly_until(self, condition: Callable[[], object]) -> None:
+        """Command and watch the motors until something holds."""
+
+        def done() -> object:
+            self._send()
+            if any(self._body.duties):
+                self._turned = time.monotonic()
+            return condition()
+
+        self._peer.until(done)
+
+    def _for(self, seconds: float) -> None:
+        until = time.monotonic() + seconds
+        self._fly_until(lambda: time.monotonic() >= until)
+
+    def _stands(self) -> bool:
+        return time.monotonic() > self._turned + STANDS
+
+    def _armed(self) -> bool:
+        """Ask to arm once, and say whether it was done."""
+        return bool(self._peer.ask(SetBool, 'crazyflie_bridge/arm', data=True).success)
+
+    def fly(self) -> Outcome:
+        """Fly, let it strike, and watch."""
+        stated = self._kind.stated[self.by_setpoints]
+        with self.server:
+            if self._kind.stated is NEVER:
+                return self._refused()
+            self._fly_until(self._armed)
+            self._fly_until(lambda: any(self._body.duties))
+            self.began = time.monotonic()
+            self._for(self._random.uniform(0.3, 9.0))
+            phase, struck = self.phase, time.monotonic()
+            self._kind.strike(self)
+            flew_on = self._goes_on()
+            if flew_on:
+                struck = time.monotonic()
+                self._peer.ask(SetBool, 'crazyflie_bridge/arm', data=False)
+            self._turned = max(self._turned, struck)
+            self._fly_until(self._stands)
+            took = self._turned - struck
+            wrong = '' if took <= stated else f'turned for {took:.2f} s, stated {stated:.1f} s'
+            if self._kind.flies_on and not flew_on:
+                wrong = wrong or 'came down by itself'
+            return self._closed(Outcome(took, stated, flew_on, phase, wrong))
+
+    def _goes_on(self) -> bool:
+        """Fly on where the kind lets it; return whether motors turn to the end."""
+        if not self._kind.flies_on:
+            return False
+        self._for(GOES_ON)
+        if self._kind.about.endswith('wrap'):
+            self._fly_until(
+                lambda: self.server.firmware.milliseconds(self.server.now) > WRAP_MS + 1000
+            )
+        return time.monotonic() < self._turned + 0.2
+
+    def _refused(self) -> Outcome:
+        """Ask to arm what must refuse, and command it."""
+        until = time.monotonic() + WATCHED
+        armed = False
+        while time.monotonic() < until:
+            armed |= self._armed()
+            self._for(0.5)
+        turned = armed or self._turned > -math.inf
+        wrong = 'armed' if armed else 'turned' if turned else ''
+        return self._closed(Outcome(0.0, 0.0, False, 'connecting', wrong))
+
+    def _closed(self, outcome: Outcome) -> Outcome:
+        """End bridge and recorder as Ctrl-C does, and look into the bag."""
+        wrong = outcome.wrong
+        for name, process in (('bridge', self.bridge), ('recorder', self.recorder)):
+            if process.poll() is None:
+                process.send_signal(2)
+            _, text = process.communicate(timeout=30)
+            killed = process.returncode == -9 and self._kind is KINDS['killed']
+            if process.returncode and not killed:
+                wrong = wrong or f'{name} ended with {process.returncode}: {text[-200:]}'
+        bag = read_bag(self.bag)
+        if not bag.complete:
+            wrong = wrong or 'the bag is not whole'
+        if self._kind.word and not any(self._kind.word in word for word in told(bag)):
+            wrong = wrong or f"the bag says nowhere '{self._kind.word}'"
+        return Outcome(**{**asdict(outcome), 'wrong': wrong})
+
+
+def told(bag: Any) -> list[str]:
+    """Return what the bridge told of itself."""
+    return [
+        status.message
+        for topic, _, data in bag.messages(['/diagnostics'])
+        for status in bag.decode(topic, data).status
+        if re.match('crazyflie_bridge: (link|safety)', status.name)
+    ]
+
+
+def tried(kind: str, number: int) -> Outcome:
+    """Return the outcome of one fault; what breaks is an outcome, too."""
+    with tempfile.TemporaryDirectory() as name, free_domain() as domain, Peer(domain) as peer:
+        try:
+            return Trial(KINDS[kind], number, Path(name), peer).fly()
+        except Exception as error:
+            return Outcome(math.nan, math.nan, False, '', f'{type(error).__name__}: {error}'[:300])
+        finally:
+            put_away()
+
+
+if __name__ == '__main__':
+    found = tried(sys.argv[1], int(sys.argv[2]))
+    sys.stdout.write(json.dumps(asdict(found)) + '\n')
