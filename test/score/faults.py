@@ -125,6 +125,17 @@ def rows(outcomes: dict[Case, dict[str, Any]]) -> Iterator[str]:
         yield f'| {kind.about} | {fate(kind)} | {told[0]} | {told[1]} | {well} of {len(found)} |'
 
 
+def paged(outcomes: dict[Case, dict[str, Any]]) -> str:
+    """Return the page: the table, and each flight that was not as stated."""
+    wrong = [
+        f'- {KINDS[case.kind].about}, flight {case.number}: {row["wrong"]}.\n'
+        for case, row in outcomes.items()
+        if row['wrong']
+    ]
+    told = '\nNot as stated:\n\n' + ''.join(wrong) if wrong else ''
+    return HEAD.format(slack=SLACK) + '\n'.join(rows(outcomes)) + '\n' + told
+
+
 def fate(kind: Kind) -> str:
     """Return what becomes of a flight, in words."""
     if not any(kind.stated):
@@ -154,9 +165,7 @@ def main() -> int:
     for case, why in wrong.items():
         sys.stdout.write(f'{case.kind} {case.number}: {why}\n')
     if set(asked.kinds) == set(KINDS):
-        PAGE.write_text(
-            HEAD.format(each=asked.each, slack=SLACK) + '\n'.join(lines) + '\n', encoding='utf-8'
-        )
+        PAGE.write_text(paged(outcomes), encoding='utf-8')
     return int(bool(wrong))
 
 
