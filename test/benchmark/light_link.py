@@ -22,6 +22,7 @@ from lta_bridge.teensy.emulator import Cable, EmulatedBoard
 from lta_config.topics import topic_table
 from lta_graph.ros.node import message_type
 from lta_graph.ros.qos import profile
+from lta_vlc.messages import to_block
 import numpy as np
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
@@ -31,6 +32,7 @@ from record import cpu
 TABLE = topic_table()
 BRIDGE = 'from lta_bridge.nodes.teensy_bridge import main; main()'
 FRAME = 15  # rows of 8 diodes
+FULL = 4096  # readings of a converter
 SHORT = 10.0  # s of a run of `make bench`
 LEAD = 1.0  # s before what counts: discovery, and the board's clock
 
@@ -50,7 +52,7 @@ class Board(threading.Thread):
         super().__init__(daemon=True)
         self.cable = Cable(folder / 'tty')
         self._rate, self._frames = TABLE.light.sample_rate.si, int(seconds * 1e4 / FRAME)
-        self.ended: dict[int, float] = {}  # when a block's last row was handed over
+        self.ended: list[float] = []  # when each frame was handed over
         self.live = threading.Event()
 
     def run(self) -> None:
@@ -59,7 +61,7 @@ class Board(threading.Thread):
         while not self.live.is_set():
             self.cable.write(board.answer(self.cable.read(0.01), time.time_ns()))
         samples = np.random.default_rng(1).integers(0, 4096, (FRAME, 8)).astype(np.uint16)
-        begun, length = time.monotonic(), TABLE.light.samples
+        begun = time.monotonic()
         self.cable.write(board.status())
         for turn in range(self._frames):
             left = begun + (turn + 1) * FRAME / self._rate - time.monotonic()
@@ -67,10 +69,8 @@ class Board(threading.Thread):
             if asked:
                 self.cable.write(board.answer(asked, time.time_ns()))
                 time.sleep(max(0.0, begun + (turn + 1) * FRAME / self._rate - time.monotonic()))
-            rows = (turn + 1) * FRAME
-            samples[:, 0] = (rows - FRAME) // length % 4096  # which block, for the other end
-            if rows // length > (rows - FRAME) // length:
-                self.ended[rows // length - 1] = time.monotonic()
+            samples[:, :2] = divmod(turn, FULL)  # which frame, for the other end
+            self.ended.append(time.monotonic())
             self.cable.write(board.light(samples))
 
 
@@ -87,7 +87,7 @@ def measure(seconds: float) -> Run:
         node.create_subscription(
             message_type(row),
             'photodiodes',
-            lambda _: came.append(time.monotonic()),
+            lambda image: came.append((frame_of(to_block(image)[-1]), time.monotonic())),
             profile(row, lockstep=False),
         )
         executor = SingleThreadedExecutor()
@@ -110,10 +110,14 @@ def measure(seconds: float) -> Run:
         bridge.wait()
         node.destroy_node()
         rclpy.shutdown()
-    ended = [board.ended[k] for k in sorted(board.ended)]
-    lost = len(ended) - len(came)
-    ways = np.array(came) - np.array(ended) if lost == 0 else np.array([np.nan])
-    return Run(ways, lost, share)
+    ways = [when - board.ended[frame] for frame, when in came]
+    sent = len(board.ended) * FRAME // TABLE.light.samples
+    return Run(np.array(ways), sent - len(ways), share)
+
+
+def frame_of(row: 'np.ndarray[tuple[int], np.dtype[np.uint16]]') -> int:
+    """Return the frame that brought a row: 24 bits in its first two readings."""
+    return FULL * int(row[0]) + int(row[1])
 
 
 @cache

@@ -61,9 +61,9 @@ class Started:
         return '\n'.join(line for _, line in self.lines if line)
 
     def node(self, name: str, robot: str = 'lta1') -> int:
-        """Return the process id of a node."""
+        """Return the process id of a node; of one without namespace where no robot is named."""
         marked = processes(self._mark).items()
-        words = f'__node:={name} -r __ns:=/{robot} '
+        words = f'__node:={name} ' + (f'-r __ns:=/{robot} ' if robot else '')
         (pid,) = [pid for pid, line in marked if words in line]
         return pid
 

@@ -1,6 +1,8 @@
 """The whole graph to the lamp through both bridges: a simulated world behind emulated hardware."""
 
+import os
 from pathlib import Path
+import signal
 import socket
 
 import pytest
@@ -42,7 +44,11 @@ def free_port():
 def test_through_both_bridges_it_finds_the_lamp_and_comes_down(
     lta, hear, domain_id, near, tmp_path: Path, vehicle, command, finds_peaks
 ):
-    """In both command modes; the board of the second finds the peaks, without a demodulator."""
+    """
+    In both command modes; the board of the second finds the peaks, without a demodulator.
+
+    The first comes down because it is asked to, the second because it sees no light any more.
+    """
     light = ('light_peaks:=true', 'beacon:=150.0') if finds_peaks else ()
     graph = lta.start(
         'launch',
@@ -63,9 +69,14 @@ def test_through_both_bridges_it_finds_the_lamp_and_comes_down(
         assert armed.success, armed.message
         graph.said('It took off, 4.0 m from the lamp')
         graph.said('It reached the lamp')
-        pilot.ask(SetBool, ARM, data=False)
+        if finds_peaks:  # the board's cable is pulled, and nobody asks
+            os.kill(graph.node('emulated_hardware', robot=''), signal.SIGUSR1)
+            why = 'disarmed: the newest command is'
+        else:
+            pilot.ask(SetBool, ARM, data=False)
+            why = 'disarmed: asked to'
         graph.said('It stands')
-    hear(lambda facts: facts['crazyflie_bridge: safety'].message.startswith('disarmed: '))
+    hear(lambda facts: facts['crazyflie_bridge: safety'].message.startswith(why))
     graph.interrupt()
     assert graph.end() == 130, graph.text  # as after any Ctrl-C
     bag = lta.run('bag', 'info', tmp_path / 'bag')

@@ -3,8 +3,7 @@ What goes wrong in flight, and within what time the motors must then stand.
 
 A time is stated for each way to command the drone. By duties its app stops the motors after 200 ms
 without any, and a landing is half a second of ramp. By setpoints the firmware flies on level for
-2 s and then locks, and a landing comes down at 0.3 m/s from wherever it was. Half a second in each
-is for a machine with other work.
+2 s and then locks, and a landing comes down at 0.3 m/s from wherever it was.
 """
 
 from collections.abc import Callable
@@ -18,10 +17,13 @@ from lta_bridge.crazyflie.emulated.server import Server
 
 ALONE: Final = 'the drone stops by itself: the app, or the lock after 2 s'
 WRAP_MS: Final = 2**24  # of the stamps of log packets
-AT_ONCE: Final = (0.7, 0.7)
-CUT_OFF: Final = (0.8, 2.6)  # nobody tells the drone anything: its own stop
-LANDS: Final = (1.2, 6.0)  # told at once
-SILENT: Final = (1.8, 6.5)  # told after half a second of silence
+AT_ONCE: Final = (0.2, 0.2)
+CUT_OFF: Final = (0.3, 2.1)  # nobody tells the drone anything: its own stop
+LANDS: Final = (0.7, 5.5)  # told at once
+STALE: Final = (1.1, 5.9)  # told after 0.3 s, and after what a setpoint may be late
+SILENT: Final = (1.3, 6.0)  # told after half a second of silence
+LATE: Final = (2.3, 7.0)  # the same, and a second for it to arrive
+SLACK: Final = 1.0  # s more, for a machine with other work
 NEVER: Final = (0.0, 0.0)  # no motor ever turns
 
 
@@ -117,7 +119,7 @@ KINDS: Final = {
                  flies_on=True, firmware=wrapping),
     'old': Kind('protocol 11', LANDS, word='asked to', flies_on=True,
                 firmware=lambda body, random: Firmware(body, protocol=11)),
-    'late': Kind('1 s later', (3.0, 7.5), link(delay=1.0), 'said nothing'),
+    'late': Kind('1 s later', LATE, link(delay=1.0), 'said nothing'),
     'silent': Kind('nothing, both ways', CUT_OFF, link(silent=True), 'said nothing', ALONE),
     'dumb': Kind('nothing from the drone', SILENT, one_way('down'), 'said nothing'),
     'deaf': Kind('nothing to the drone', CUT_OFF, one_way('up'), '', ALONE),
@@ -132,9 +134,9 @@ KINDS: Final = {
     'crashed': Kind('crashed', AT_ONCE, told('crashed'), 'crashed', 'stops at once'),
     'low cell': Kind('3.0 V', LANDS, empty, 'the cell has'),
     'too far': Kind('estimated 60 m away', LANDS, lambda trial: trial.stray(60.0), 'farther than'),
-    'no command': Kind('commands end', (1.6, 6.4), lambda trial: trial.fall_silent(),
+    'no command': Kind('commands end', STALE, lambda trial: trial.fall_silent(),
                        'the newest command is'),
-    'no number': Kind('commands are NaN', (1.6, 6.4), lambda trial: trial.command(float('nan')),
+    'no number': Kind('commands are NaN', STALE, lambda trial: trial.command(float('nan')),
                       'the newest command is'),
     'emergency': Kind('emergency stop', AT_ONCE, lambda trial: trial.emergency(),
                       'emergency stop', 'stops at once, and locks'),

@@ -3,7 +3,7 @@
 
 One world drives both peers: a Crazyflie that speaks CRTP over UDP, and its light board that speaks
 MAVLink at the end of a pseudo terminal. For trying the bridges, and everything above, without
-hardware.
+hardware. SIGUSR1 pulls the light board's cable, and plugs it in again.
 """
 
 import argparse
@@ -163,6 +163,7 @@ def main(words: list[str] | None = None) -> None:
                 f'An emulated Crazyflie answers at {hardware.crazyflie.uri}, its light board at '
                 f'{hardware.board.port}; Ctrl-C ends both.'
             )
+            signal.signal(signal.SIGUSR1, lambda *_: hardware.board.toggle())
             # `lta run` holds Ctrl-C back while Python starts; one that came meanwhile comes now.
             signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
             watch(hardware.body, _say, over.wait)

@@ -117,9 +117,12 @@ class CrazyflieBridge(DeviceNode):
         """Tick until nothing turns: landing is the state machine's own way down."""
         until = time.monotonic() + LEAVE
         busy = (Stage.READY, Stage.ARMING, Stage.FLYING, Stage.LANDING)
+        flew = self._bridge.state.stage in busy
         while self._bridge.state.stage in busy and time.monotonic() < until:
             self._tick()
             time.sleep(1.0 / RATE)
+        if flew:  # the last word: who records must hear why before this node is gone
+            self.publish_health()
 
     def let_go(self) -> None:
         """Disarm, and close the link; closing sends a thrust of zero, so it comes last."""

@@ -31,13 +31,15 @@ class BoardServer:
     Attributes
     ----------
     cable : Cable
-        To pull and to plug.
+        Belongs to the thread while it works; `plugged` is for others.
+    plugged : bool
+        Whether the cable is in; set it to pull and to plug.
 
     """
 
     def __init__(self, board: EmulatedBoard, name: Path, beacon: float = 0.0) -> None:
         self._board, self._name, self._beacon = board, name, beacon
-        self.cable = Cable(name)
+        self.cable, self.plugged = Cable(name), True
         self._began = time.monotonic_ns()
         self._blocks: SimpleQueue[tuple[int, NDArray[np.uint16]]] = SimpleQueue()
         self._running = threading.Event()
@@ -66,13 +68,20 @@ class BoardServer:
         self._thread.join()
         self.cable.pull()
 
+    def toggle(self) -> None:
+        """Pull the cable, or plug it in."""
+        self.plugged = not self.plugged
+
     def light(self, begun: float, samples: NDArray[np.uint16]) -> None:
         """Sample a block, from a time since the boot on [s]; shape (samples, diodes)."""
         self._blocks.put((round(1e9 * begun), samples))
 
     def _work(self) -> None:
-        beat = 0
+        beat, plugged = 0, True
         while self._running.is_set():
+            if self.plugged != plugged:
+                plugged = not plugged
+                (self.cable.plug if plugged else self.cable.pull)()
             looked = self.now_ns
             asked = self.cable.read(LOOK)
             self.cable.write(self._board.answer(asked, self.now_ns))
