@@ -25,6 +25,7 @@ setup(
             'live = lta_bridge.nodes.live:main',
             'player = lta_bridge.nodes.player:main',
             'recorder = lta_bridge.nodes.recorder:main',
+            'teleop = lta_bridge.nodes.teleop:main',
             'tracker = lta_bridge.nodes.tracker:main',
             'teensy_bridge = lta_bridge.nodes.teensy_bridge:main',
         ]

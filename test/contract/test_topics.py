@@ -11,6 +11,7 @@ from lta_bridge.nodes.live import LiveSettings
 from lta_bridge.nodes.player import PlayerSettings
 from lta_bridge.nodes.recorder import RecorderSettings
 from lta_bridge.nodes.teensy_bridge import TeensyBridgeSettings
+from lta_bridge.nodes.teleop import TeleopSettings
 from lta_bridge.nodes.tracker import TrackerSettings
 from lta_bridge.playback.cast import cast_of, roles
 from lta_config.settings import Settings
@@ -58,7 +59,7 @@ NODES = {
 # Plays a part of the vehicle beside whoever plays the rest.
 BRIDGES = {'teensy_bridge': TeensyBridgeSettings, 'tracker': TrackerSettings}
 # Stand beside the graph: they serve people, and no row of the table waits for them.
-BESIDE = {'description': DescriptionSettings}
+BESIDE = {'description': DescriptionSettings, 'teleop': TeleopSettings}
 # Subscribe for themselves: raw, to all that the table lists, or as users of what others decide.
 LISTENERS = {'recorder', 'live', 'crazyflie_bridge'}
 PARTIAL = {'crazyflie_bridge'}  # a real drone says less than the simulator
@@ -126,6 +127,11 @@ def test_a_bridge_plays_a_part_of_the_vehicle(name):
     assert read(name) <= set(TABLE.read_by('vehicle'))
 
 
+@pytest.mark.parametrize('name', BESIDE)
+def test_who_stands_beside_publishes_what_the_table_gives_it(name):
+    assert published(name) == set(TABLE.published_by(name))
+
+
 @each_node
 def test_a_node_publishes_what_the_table_gives_it(name):
     given = set(TABLE.published_by(ROLES.get(name, name)))
@@ -152,7 +158,7 @@ def test_a_topic_s_row_is_whole(name):
     assert topic.stamped == ('header' in fields), 'stamped says whether there is a header'
     assert topic.about.endswith('.')
     roles = {ROLES.get(node, node) for node in NODES}
-    assert topic.source in roles | {'every node'}
+    assert topic.source in roles | set(BESIDE) | {'every node'}
     assert set(topic.subscribers) <= roles
     assert all(lag in (0, 1) for lag in topic.subscribers.values())
     assert topic.period_ns % 1_000_000 == 0
@@ -216,9 +222,9 @@ def test_a_light_block_is_as_long_as_it_says():
     assert TABLE['photodiodes'].period_ns == TABLE['photodiodes'].latency_ns == block
 
 
-@pytest.mark.parametrize('name', [*NODES, *BRIDGES])
+@pytest.mark.parametrize('name', [*NODES, *BRIDGES, *BESIDE])
 def test_every_parameter_is_described(name):
-    settings = {**NODES, **BRIDGES}[name]()
+    settings = {**NODES, **BRIDGES, **BESIDE}[name]()
     for key, info, value in [*leaves(GraphSettings()), *leaves(settings)]:
         descriptor = describe(info, value)
         assert descriptor.description.split('[')[0].strip(), key

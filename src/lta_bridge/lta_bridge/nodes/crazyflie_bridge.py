@@ -25,6 +25,7 @@ from lta_config.crazyflie_file import load_crazyflie
 from lta_config.errors import BadInput
 from lta_graph.health import Level
 from lta_graph.ros.device import DeviceNode
+from lta_graph.ros.helm import Helm
 from lta_graph.ros.node import from_stamp, message_type, run, to_stamp
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.qos import profile
@@ -64,6 +65,7 @@ class CrazyflieBridge(DeviceNode):
         self._asked = Asked()
         self._was_up, self._connected, self._complained = False, 0.0, ''
         self._pose: Any = None
+        self._velocity: Any = None
         self._odom: Any = None
         self._controller = self.create_client(SetBool, 'arm')
         self._told = False  # whether the controller was told to be armed
@@ -83,6 +85,7 @@ class CrazyflieBridge(DeviceNode):
         ):
             row = self.table[name]
             self.create_subscription(message_type(row), name, heed, profile(row, lockstep=False))
+        self._helm = Helm(self, self._steer)
 
     def _graph_ns(self) -> int:
         return self.get_clock().now().nanoseconds
@@ -182,15 +185,17 @@ class CrazyflieBridge(DeviceNode):
         self._pose = pose
 
     def _on_velocity(self, velocity: Any) -> None:  # noqa: ANN401 - a generated class
-        """Take a setpoint; its age counts from when its light block ended."""
-        if (
-            self._bridge.command == 'setpoint'
-            and self._pose is not None
-            and self._odom is not None
-        ):
-            oldest = min(from_stamp(half.header.stamp) for half in (self._pose, velocity))
-            ended = oldest + self.table['setpoint/velocity'].latency_ns
-            self._bridge.commanded(messages.to_hover(self._pose, velocity, self._odom, ended))
+        self._velocity = velocity
+        self._steer()
+
+    def _steer(self) -> None:
+        """Take a setpoint; the navigator's counts from when its light block ended."""
+        pose, velocity = self._helm.steering(self._pose, self._velocity)
+        known = all(part is not None for part in (pose, velocity, self._odom))
+        if self._bridge.command == 'setpoint' and known:
+            oldest = min(from_stamp(half.header.stamp) for half in (pose, velocity))
+            late = 0 if self._helm.held else self.table['setpoint/velocity'].latency_ns
+            self._bridge.commanded(messages.to_hover(pose, velocity, self._odom, oldest + late))
 
     # The steady work.
 

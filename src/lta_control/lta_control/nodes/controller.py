@@ -19,6 +19,7 @@ from lta_control.messages import from_duties, is_level, to_measured, to_motion, 
 from lta_control.vehicle_side import rotors_of, surge_drag_of
 from lta_graph.health import Level
 from lta_graph.inbox import Step
+from lta_graph.ros.helm import Helm
 from lta_graph.ros.node import from_stamp, GraphNode, run
 from lta_graph.ros.parameters import Parameters
 from lta_sim.scenario import course_in
@@ -78,6 +79,7 @@ class Controller(GraphNode):
         self.create_service(SetBool, 'arm', self._on_arm)
         self.create_service(Trigger, 'emergency_stop', self._on_emergency_stop)
         self.listen(self.table.read_by('controller'), trigger='odom', on_step=self._on_step)
+        self._helm = Helm(self)
 
     def _on_arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         refused = request.data and bool(self._stopped)
@@ -111,9 +113,10 @@ class Controller(GraphNode):
         self._motors.publish(from_duties(odom.header.stamp, self._names, duties))
 
     def _duties(self, now_ns: int, odom: Odometry, measured: Measured | None) -> tuple[float, ...]:
-        if not self._armed or measured is None or self._pose is None or self._velocity is None:
+        pose, velocity = self._helm.steering(self._pose, self._velocity)
+        if not self._armed or measured is None or pose is None or velocity is None:
             return self._off('' if self._stopped else 'off')
-        setpoint = self._fresh(now_ns, measured, self._pose, self._velocity)
+        setpoint = self._fresh(now_ns, measured, pose, velocity)
         if not all(map(math.isfinite, (*measured, *setpoint))):
             self._stop(f'not a number in {measured} or {setpoint}: the motors are off')
             return self._off()
@@ -158,7 +161,8 @@ class Controller(GraphNode):
         oldest = min(from_stamp(half.header.stamp) for half in (pose, velocity))
         age = (now_ns - oldest) * 1e-9
         if age <= settings.hold_after:
-            self.health.report('motors', Level.OK, 'flying by the setpoint')
+            steers = 'a person' if self._helm.held else 'the setpoint'
+            self.health.report('motors', Level.OK, f'flying by {steers}')
             return setpoint
         landing = age > settings.land_after
         text = f'no setpoint for {settings.land_after if landing else settings.hold_after} s: '

@@ -1,0 +1,136 @@
+"""
+The teleop node: lets a person steer, by gamepad, keyboard or Joy messages.
+
+It answers nothing and arms nothing. While a person has the helm it says so and what they want;
+controller and bridge fly by that in place of the navigator's word, through all that they guard.
+"""
+
+from pathlib import Path
+import sys
+import time
+from typing import Any
+
+from lta_bridge.teleop.gamepad import Gamepad
+from lta_bridge.teleop.helm import Felt, Rates, Stage, State, tick
+from lta_bridge.teleop.keyboard import HELP, Keyboard
+from lta_bridge.teleop.messages import JoyDevice, to_felt
+from lta_bridge.teleop.sticks import Device, Layout
+from lta_config.errors import BadInput
+from lta_config.settings import setting, Settings
+from lta_control.messages import from_setpoint
+from lta_graph.health import Level
+from lta_graph.ros.node import GraphNode, message_type, run
+from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.qos import profile
+from rclpy.clock import Clock, ClockType
+from sensor_msgs.msg import Joy
+from std_msgs.msg import Bool
+from std_srvs.srv import Trigger
+
+PERIOD = 0.02  # s
+FRESH = 0.3  # s for which an estimate is one
+STOPPING = ('emergency_stop', 'crazyflie_bridge/emergency_stop')  # services; who is there hears it
+
+
+class TeleopSettings(Settings):
+    """What the person holds, and what it means."""
+
+    device: str = setting(
+        'joy',
+        'keyboard (this terminal), a gamepad (/dev/input/js0), or joy: Joy messages.',
+        fixed=True,
+    )
+    rates: Rates = setting(Rates(), 'What full deflections mean.')
+    layout: Layout = setting(Layout(), "The gamepad's axes and buttons.")
+
+
+class Teleop(GraphNode):
+    """Tell what a person wants."""
+
+    def __init__(self) -> None:
+        super().__init__('teleop')
+        if self.lockstep:
+            raise BadInput('A person keeps real time: leave time:=lockstep out.')
+        self._held = self.output('teleop/held')
+        self._pose, self._velocity = self.output('teleop/pose'), self.output('teleop/velocity')
+        self._settings = Parameters(self, TeleopSettings)
+        self._stops = {name: self.create_client(Trigger, name) for name in STOPPING}
+        self._answered: set[str] = set()
+        self._odom: Any = None
+        self._odom_at = -FRESH
+        self._state, self._ticked = State(), time.monotonic()
+        row = self.table['odom']
+        self.create_subscription(
+            message_type(row), 'odom', self._on_odom, profile(row, lockstep=False)
+        )
+        self._device = self._made(self._settings.value)
+        self.create_timer(PERIOD, self._tick, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+    def _made(self, settings: TeleopSettings) -> Device:
+        if settings.device == 'keyboard':
+            keyboard = Keyboard()
+            sys.stdout.write(HELP)
+            sys.stdout.flush()
+            return keyboard
+        if settings.device == 'joy':
+            joy = JoyDevice(settings.layout)
+            self.create_subscription(Joy, 'joy', lambda told: joy.heard(told, time.monotonic()), 1)
+            return joy
+        return Gamepad(Path(settings.device), settings.layout)
+
+    def _on_odom(self, odom: Any) -> None:  # noqa: ANN401 - a generated class
+        self._odom, self._odom_at = odom, time.monotonic()
+
+    def _felt(self, now: float) -> Felt | None:
+        return None if now - self._odom_at > FRESH else to_felt(self._odom)
+
+    def _tick(self) -> None:
+        now = time.monotonic()
+        sticks, felt = self._device.sticks(now), self._felt(now)
+        before = self._state.stage
+        dt, self._ticked = now - self._ticked, now
+        rates = self._settings.value.rates
+        self._state, order = tick(self._state, now, min(dt, FRESH), sticks, felt, rates)
+        if order.setpoint is not None:
+            # A setpoint answers the newest estimate: its age is counted from that one's stamp.
+            pose, velocity = from_setpoint(self._odom.header.stamp, order.setpoint)
+            self._pose.publish(pose)
+            self._velocity.publish(velocity)
+        if order.held is not None:
+            self._held.publish(Bool(data=order.held))
+        if order.stop:
+            self._stop()
+        if self._state.stage is not before:
+            self.get_logger().info(f'{self._state.stage.value} has the helm')
+        self._tell(sticks is not None, felt is not None)
+
+    def _stop(self) -> None:
+        """Ask whoever can stop motors to do so."""
+        for name, client in self._stops.items():
+            if client.service_is_ready():
+                answer = client.call_async(Trigger.Request())
+                answer.add_done_callback(lambda _, name=name: self._answered.add(name))
+
+    def _tell(self, alive: bool, placed: bool) -> None:
+        stage = self._state.stage
+        if stage is Stage.STOPPED:
+            heard = ', '.join(sorted(self._answered)) or 'nobody yet'
+            self.health.report('helm', Level.ERROR, f'emergency stop; heard by {heard}')
+        elif not alive or not placed:
+            silent = 'the device is silent' if not alive else 'there is no estimate'
+            steers = stage is Stage.PERSON
+            text = f'{silent}: the drone holds, then lands' if steers else silent
+            self.health.report('helm', Level.ERROR if steers else Level.WARN, text)
+        else:
+            text = 'a person steers' if stage is Stage.PERSON else 'the navigator steers'
+            self.health.report('helm', Level.OK, text)
+
+    def close(self) -> None:
+        """Give the device back; a helm that was held stays so, and the drone lands."""
+        self._device.close()
+        super().close()
+
+
+def main(args: list[str] | None = None) -> None:
+    """Run the node until it is told to stop."""
+    run(Teleop, args)

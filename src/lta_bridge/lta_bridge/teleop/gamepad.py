@@ -1,0 +1,106 @@
+"""
+A gamepad as Linux tells it: /dev/input/js0, events of 8 bytes.
+
+The kernel tells every axis and button once when it is opened and then what changes
+(Documentation/input/joydev/joystick-api.rst). One that is unplugged is opened again.
+"""
+
+from collections.abc import Iterator
+import os
+from pathlib import Path
+import struct
+from typing import Final, final
+
+from lta_bridge.teleop.sticks import Layout, of_gamepad, Sticks
+from lta_config.errors import BadInput
+
+EVENT: Final = struct.Struct('<IhBB')  # time [ms], value, type, number
+BUTTON, AXIS, INITIAL = 0x01, 0x02, 0x80
+FULL: Final = 32767
+REOPEN: Final = 1.0  # s between two tries
+
+
+@final
+class Gamepad:
+    """
+    Read a gamepad.
+
+    Parameters
+    ----------
+    path : Path
+        Its device.
+    layout : Layout
+        Which axis and button is which.
+
+    Raises
+    ------
+    BadInput
+        If there is none, or it may not be read.
+
+    """
+
+    def __init__(self, path: Path, layout: Layout) -> None:
+        self._path, self._layout = path, layout
+        try:
+            self._fd: int | None = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+        except FileNotFoundError:
+            raise BadInput(
+                f'There is no gamepad at {path}: plug one in, or take device:=keyboard.'
+            ) from None
+        except PermissionError:
+            raise BadInput(
+                f'You may not read {path}: sudo usermod -aG input $USER, and log in again.'
+            ) from None
+        self._tried = 0.0
+        self._axes: dict[int, float] = {}
+        self._buttons: dict[int, int] = {}
+
+    def sticks(self, now: float) -> Sticks | None:
+        """Return what it says; None while it is unplugged, or another than the layout's."""
+        if self._fd is None:
+            self._reopen(now)
+        for value, kind, number in self._events():
+            if kind == AXIS:
+                # Left and up are negative here, and positive in Joy.
+                self._axes[number] = -value / FULL
+            elif kind == BUTTON:
+                self._buttons[number] = value
+        if self._fd is None:
+            return None
+        return of_gamepad(self._layout, _row(self._axes), [int(b) for b in _row(self._buttons)])
+
+    def _reopen(self, now: float) -> None:
+        if now - self._tried < REOPEN:
+            return
+        self._tried = now
+        try:
+            self._fd = os.open(self._path, os.O_RDONLY | os.O_NONBLOCK)
+        except OSError:
+            return
+        self._axes, self._buttons = {}, {}
+
+    def _events(self) -> Iterator[tuple[int, int, int]]:
+        """Yield value, kind and number of what has come; close what is gone."""
+        while self._fd is not None:
+            try:
+                data = os.read(self._fd, EVENT.size)
+            except BlockingIOError:
+                return
+            except OSError:
+                data = b''
+            if len(data) < EVENT.size:
+                self.close()
+                return
+            _, value, kind, number = EVENT.unpack(data)
+            yield value, kind & ~INITIAL, number
+
+    def close(self) -> None:
+        """Let it go."""
+        if self._fd is not None:
+            os.close(self._fd)
+            self._fd = None
+
+
+def _row(told: dict[int, float] | dict[int, int]) -> list[float]:
+    """Return what was told by number, without gaps."""
+    return [told.get(number, 0) for number in range(max(told, default=-1) + 1)]

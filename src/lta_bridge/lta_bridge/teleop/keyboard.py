@@ -1,0 +1,84 @@
+"""
+The keyboard of a terminal as sticks.
+
+A terminal tells that a key was pressed and, by repeating it, that it still is, but never that it
+was let go: a key therefore counts for `HELD` after it was last heard.
+"""
+
+import os
+import sys
+import termios
+import tty
+from typing import Final, final
+
+from lta_bridge.teleop.sticks import Sticks
+from lta_config.errors import BadInput
+
+HELD: Final = 0.6  # s; keyboards begin to repeat after a quarter to half a second
+FORWARD, TURN, CLIMB = 'ws', 'ad', 'rf'  # each its positive key, then its negative one
+TAKE, GIVE_BACK, STOP = ' ', 'b', 'x'
+HELP: Final = """\
+w s  ahead, back     a d  left, right     r f  up, down     (hold a key down)
+space  take the helm     b  hand it back     x  EMERGENCY STOP: motors off for good
+Ctrl-C leaves; while you have the helm, the drone then holds and lands.
+"""
+
+
+@final
+class Keyboard:
+    """
+    Read keys from a terminal.
+
+    Parameters
+    ----------
+    fd : int or None
+        A terminal; standard input where None.
+
+    Raises
+    ------
+    BadInput
+        If it is no terminal.
+
+    """
+
+    def __init__(self, fd: int | None = None) -> None:
+        self._fd = sys.stdin.fileno() if fd is None else fd
+        if not os.isatty(self._fd):
+            raise BadInput(
+                'device:=keyboard reads the keys of a terminal, and there is none: start teleop '
+                'by itself in one (lta run lta_bridge teleop), or take device:=joy.'
+            )
+        self._before = termios.tcgetattr(self._fd)
+        tty.setcbreak(self._fd)
+        os.set_blocking(self._fd, False)
+        self._heard: dict[str, float] = {}
+        self._dead = False
+
+    def sticks(self, now: float) -> Sticks | None:
+        """Return which keys are down; None once the terminal is gone."""
+        fresh = self._typed()
+        if self._dead:
+            return None
+        for key in fresh:
+            self._heard[key] = now
+        down = {key for key, heard in self._heard.items() if now - heard < HELD}
+        forward, turn, climb = (
+            float((keys[0] in down) - (keys[1] in down)) for keys in (FORWARD, TURN, CLIMB)
+        )
+        return Sticks(forward, turn, climb, TAKE in fresh, GIVE_BACK in fresh, STOP in fresh)
+
+    def _typed(self) -> str:
+        try:
+            typed = os.read(self._fd, 1024)
+        except BlockingIOError:
+            return ''
+        except OSError:
+            typed = b''
+        self._dead |= not typed  # end of file: it was closed
+        return typed.decode('ascii', 'ignore').lower()
+
+    def close(self) -> None:
+        """Give the terminal back as it was."""
+        if not self._dead:
+            os.set_blocking(self._fd, True)
+            termios.tcsetattr(self._fd, termios.TCSADRAIN, self._before)

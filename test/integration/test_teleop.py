@@ -1,0 +1,108 @@
+"""A person takes over from the navigator, hands back, dies, and stops: over the controller."""
+
+import signal
+
+from diagnostic_msgs.msg import DiagnosticArray
+from lta_bridge.teleop.sticks import Layout
+from lta_control.cascade import Setpoint
+from lta_control.messages import from_setpoint
+from nav_msgs.msg import Odometry
+import pytest
+from sensor_msgs.msg import Joy
+
+from .peer import Peer, start
+
+LAYOUT = Layout()
+
+
+class Cockpit:
+    """A drone at rest, a navigator that wants it to stay, and a gamepad."""
+
+    def __init__(self, peer):
+        self.peer, self.duties, self.facts = peer, [], {}
+        self.axes, self.buttons = [0.0] * 6, [0] * 4
+        peer.hear('motors', lambda motors: self.duties.append(max(map(abs, motors.effort))))
+        peer.hear('/diagnostics', self._told)
+        self._joy = peer.offering('joy', Joy, 1)
+        self._odom = peer.publisher('odom')
+        self._pose, self._velocity = (
+            peer.publisher('setpoint/pose'),
+            peer.publisher('setpoint/velocity'),
+        )
+        peer.node.create_timer(0.02, self._go_on)
+
+    def _told(self, array: DiagnosticArray):
+        self.facts.update({status.name: status.message for status in array.status})
+
+    def _go_on(self):
+        now = self.peer.node.get_clock().now().to_msg()
+        odom = Odometry()
+        odom.header.stamp = now
+        odom.pose.pose.position.z, odom.pose.pose.orientation.w = 1.5, 1.0
+        self._odom.publish(odom)
+        pose, velocity = from_setpoint(now, Setpoint(1.5, 0.0, 0.0))
+        self._pose.publish(pose)
+        self._velocity.publish(velocity)
+        self._joy.publish(Joy(axes=self.axes, buttons=self.buttons))
+
+    def press(self, button):
+        self.buttons = [0] * 4
+        if button is not None:
+            self.buttons[button] = 1
+
+    def until_motors(self, text):
+        self.peer.until(lambda: text in self.facts.get('controller: motors', ''))
+
+    def until_helm(self, text):
+        self.peer.until(lambda: text in self.facts.get('teleop: helm', ''))
+
+
+@pytest.fixture
+def nodes():
+    made = [
+        start('lta_bridge.nodes.teleop'),
+        start('lta_control.nodes.controller', '-p', 'armed:=true'),
+    ]
+    yield made
+    for node in made:
+        if node.poll() is None:
+            node.send_signal(signal.SIGINT)
+            node.communicate(timeout=30)
+
+
+def test_a_stick_wins_until_it_is_handed_back_and_a_dead_teleop_lands(nodes, domain_id):
+    with Peer(domain_id) as peer:
+        cockpit = Cockpit(peer)
+        cockpit.until_helm('the navigator steers')
+        cockpit.until_motors('flying by the setpoint')
+        still = cockpit.duties[-1]
+        cockpit.axes[LAYOUT.forward] = 1.0
+        cockpit.until_motors('flying by a person')
+        peer.until(lambda: cockpit.duties[-1] > still + 0.02)
+        # At rest the person still has the helm.
+        cockpit.axes[LAYOUT.forward] = 0.0
+        cockpit.press(LAYOUT.give_back)
+        cockpit.until_motors('flying by the setpoint')
+        cockpit.press(LAYOUT.take)
+        cockpit.until_motors('flying by a person')
+        cockpit.press(None)
+        nodes[0].kill()
+        nodes[0].communicate()
+        # The navigator goes on talking, and is not listened to.
+        cockpit.until_motors('holding')
+        cockpit.until_motors('landing')
+
+
+def test_the_button_stops_the_motors_for_good(nodes, domain_id):
+    with Peer(domain_id) as peer:
+        cockpit = Cockpit(peer)
+        cockpit.axes[LAYOUT.climb] = 1.0
+        cockpit.until_motors('flying by a person')
+        peer.until(lambda: cockpit.duties[-1] > 0.0)
+        cockpit.press(LAYOUT.stop)
+        cockpit.until_motors('emergency stop')
+        cockpit.until_helm('heard by emergency_stop')
+        seen = len(cockpit.duties)
+        peer.until(lambda: len(cockpit.duties) > seen + 20)
+        assert set(cockpit.duties[seen + 2 :]) == {0.0}
+    assert nodes[0].poll() is None

@@ -1,0 +1,114 @@
+"""Gamepads, keyboards and Joy messages as sticks, and what a full deflection does."""
+
+import os
+import struct
+
+from lta_bridge.teleop.gamepad import Gamepad
+from lta_bridge.teleop.helm import Felt, LEAD_TURN, Rates, State, tick
+from lta_bridge.teleop.keyboard import HELD, Keyboard
+from lta_bridge.teleop.messages import JoyDevice, SILENT
+from lta_bridge.teleop.sticks import deflection, Layout, of_gamepad, Sticks
+from lta_config.errors import BadInput
+import pytest
+from sensor_msgs.msg import Joy
+
+LAYOUT = Layout()
+REST = Sticks()
+
+
+def test_a_second_of_full_deflection_is_what_the_rates_say():
+    state, rates, felt = State(), Rates(speed=0.4, turn=0.5, climb=0.3), Felt(1.0, 1.5)
+    for k in range(50):
+        state, order = tick(state, 0.02 * k, 0.02, Sticks(1.0, 1.0, 1.0), felt, rates)
+    assert order.held
+    assert order.setpoint == pytest.approx((1.8, 1.5, 0.4))
+    for k in range(500):
+        state, order = tick(state, 1 + 0.02 * k, 0.02, Sticks(turn=1.0), felt, rates)
+    assert order.setpoint.heading == pytest.approx(1.0 + LEAD_TURN)
+
+
+def test_who_comes_back_begins_where_the_drone_is():
+    _, order = tick(State(), 0.0, 0.02, Sticks(take=True), Felt(1.0, 1.5), Rates())
+    held, _ = tick(State(), 0.0, 0.02, Sticks(take=True), Felt(1.0, 1.5), Rates())
+    silent, nothing = tick(held, 1.0, 0.02, None, Felt(1.0, 1.4), Rates())
+    assert (nothing.held, nothing.setpoint) == (None, None)
+    _, order = tick(silent, 2.0, 0.02, REST, Felt(2.0, 1.2), Rates())
+    assert order.setpoint == pytest.approx((1.2, 2.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    ('raw', 'told'),
+    [(0.05, 0.0), (-0.1, 0.0), (0.55, 0.5), (-1.0, -1.0), (3.0, 1.0), (float('nan'), 0.0)],
+)
+def test_the_play_about_the_rest_counts_as_none(raw, told):
+    assert deflection(raw, 0.1) == pytest.approx(told)
+
+
+def test_another_gamepad_than_the_layout_s_is_none():
+    assert of_gamepad(LAYOUT, [0.0] * 2, [0] * 8) is None
+    assert of_gamepad(LAYOUT, [0.0] * 8, [0]) is None
+
+
+def test_joy_messages_count_while_they_come():
+    device = JoyDevice(LAYOUT)
+    assert device.sticks(0.0) is None
+    axes = [0.0] * 6
+    axes[LAYOUT.turn] = 1.0
+    device.heard(Joy(axes=axes, buttons=[0, 1, 0]), 1.0)
+    assert device.sticks(1.0 + SILENT) == Sticks(turn=1.0, give_back=True)
+    assert device.sticks(1.01 + SILENT) is None
+
+
+def test_a_gamepad_is_read_and_its_loss_is_noticed(tmp_path):
+    """Events as joystick-api.rst lays them out; the far end of a pipe is the kernel."""
+    path = tmp_path / 'js0'
+    os.mkfifo(path)
+    device = Gamepad(path, LAYOUT)
+    kernel = os.open(path, os.O_WRONLY)
+
+    def event(value, kind, number):
+        os.write(kernel, struct.pack('<IhBB', 0, value, kind, number))
+
+    for axis in range(8):
+        event(0, 0x82, axis)
+    for button in range(11):
+        event(0, 0x81, button)
+    assert device.sticks(0.0) == REST
+    event(-32767, 0x02, LAYOUT.forward)  # up
+    event(1, 0x01, LAYOUT.stop)
+    assert device.sticks(0.1) == Sticks(forward=1.0, stop=True)
+    os.close(kernel)
+    assert device.sticks(0.2) is None
+    path.unlink()
+    assert device.sticks(5.0) is None
+    device.close()
+
+
+def test_a_gamepad_that_is_not_there_is_told_in_a_sentence(tmp_path):
+    with pytest.raises(BadInput, match='no gamepad at'):
+        Gamepad(tmp_path / 'js0', LAYOUT)
+
+
+def test_keys_count_while_they_are_held():
+    person, terminal = os.openpty()
+    device = Keyboard(terminal)
+    assert device.sticks(0.0) == REST
+    os.write(person, b'wA')
+    assert device.sticks(1.0) == Sticks(forward=1.0, turn=1.0)
+    os.write(person, b'wf')
+    assert device.sticks(1.5) == Sticks(forward=1.0, turn=1.0, climb=-1.0)
+    assert device.sticks(1.5 + 0.9 * HELD) == Sticks(forward=1.0, climb=-1.0)
+    assert device.sticks(1.5 + HELD) == REST
+    for key, told in ((b' ', 'take'), (b'b', 'give_back'), (b'x', 'stop')):
+        os.write(person, key)
+        assert device.sticks(9.0) == Sticks(**{told: True})
+        assert device.sticks(9.01) == REST
+    os.close(person)
+    assert device.sticks(9.1) is None
+    device.close()
+    os.close(terminal)
+
+
+def test_without_a_terminal_there_are_no_keys(tmp_path):
+    with (tmp_path / 'file').open('w+b') as file, pytest.raises(BadInput, match='a terminal'):
+        Keyboard(file.fileno())
