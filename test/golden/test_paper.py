@@ -57,8 +57,9 @@ def test_the_document_is_made_of_the_full_run_and_of_the_rows_as_they_are():
     told = json.loads((HERE / 'paper_full.json').read_text(encoding='utf-8'))
     kepts = kepts_in(told)
     docs = HERE.parents[1] / 'docs'
-    assert (docs / 'paper.md').read_text(encoding='utf-8') == markdown.page(ROWS, kepts)
-    for row in ROWS:
+    rows = [row for row in ROWS if row.name in kepts]
+    assert (docs / 'paper.md').read_text(encoding='utf-8') == markdown.page(rows, kepts)
+    for row in rows:
         first = kepts[row.name].pictures[0]
         assert (docs / markdown.IMAGES / f'{row.name}-{first.name}.png').exists()
         found = {name: str(each) for name, each in verdicts(row, kepts[row.name].values).items()}
