@@ -134,7 +134,7 @@ def simulated(group: Group, cell: Cell, seed: int, out: Path | None = None) -> S
 
 
 def record(group: Group, cells: Sequence[Cell], seed: int, folder: Path) -> str:
-    """Record a flight of each strategy but the pilot's; return their folder, as the page sees it."""
+    """Record a flight of each strategy but the pilot's; return the page's way there."""
     for cell in cells:
         if cell.strategy != pilot.NAME and seed in cell.rows:
             place = folder / cell.strategy
