@@ -88,3 +88,10 @@ def test_what_cannot_be_set_is_said(text, words):
     with pytest.raises(BadInput) as caught:
         changed(text)
     assert words in str(caught.value)
+
+
+def test_a_named_aero_file_takes_the_place_of_the_block():
+    content = {'aero': {'linear_drag': {}}, 'trim': {'heaviness': '1 g'}}
+    assert override(content, 'aero', 'gtmab', 'vehicle') == {**content, 'aero': 'gtmab'}
+    with pytest.raises(BadInput, match='is a group; set one of its keys: heaviness'):
+        override(content, 'trim', 'gtmab', 'vehicle')

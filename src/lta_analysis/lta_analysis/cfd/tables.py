@@ -56,7 +56,7 @@ def spheres(found: list[Judged]) -> Table:
     """Return the sphere beside what was measured."""
     rows = [
         [
-            each.setting, f'{each.cells}', f'{each.reynolds:.3g}', f'{each.coefficient:.3f}',
+            each.setting, f'{each.reynolds:.2g}', f'{each.coefficient:.3f}',
             f'{100 * each.error:.1f}', f'{each.measured:.3f}',
             f'{100 * (each.coefficient / each.measured - 1.0):+.0f}', f'{100 * each.off:+.0f}',
             f'{each.seconds:.0f}',
@@ -64,7 +64,7 @@ def spheres(found: list[Judged]) -> Table:
         for each in found
     ]  # fmt: skip
     heads = [
-        'setting', 'cells', 'Re', 'Cd', 'error [%]', 'Morrison', 'off it [%]', 'off scatter [%]',
+        'setting', 'Re', 'Cd', 'error [%]', 'Morrison', 'off it [%]', 'off scatter [%]',
         'CPU s',
     ]  # fmt: skip
     note = (

@@ -26,6 +26,7 @@ MISSING: Final = (
 )
 TIME: Final = re.compile(r'^Time = ([-+.\deE]+)s?$')
 RESIDUAL: Final = re.compile(r'Solving for p, Initial residual = ([-+.\deE]+|nan|-nan)')
+FATAL: Final = 'FOAM FATAL'
 TAIL: Final = 40  # lines of a log that are looked at
 
 Tell = Callable[[float, float], None]  # time reached, residual of the pressure
@@ -124,7 +125,9 @@ class Programs:
     def _why(self, program: str, code: int, log: Path) -> str:
         if self._stopped:
             return 'It was stopped; start again to go on.'
-        return why(program, code, log.read_text(encoding='utf-8').splitlines()[-TAIL:])
+        lines = log.read_text(encoding='utf-8').splitlines()
+        fatal = next((k for k, line in enumerate(lines) if FATAL in line), len(lines))
+        return why(program, code, lines[fatal : fatal + TAIL] + lines[-TAIL:])
 
 
 def why(program: str, code: int, tail: Sequence[str]) -> str:
@@ -138,7 +141,7 @@ def why(program: str, code: int, tail: Sequence[str]) -> str:
     code : int
         Its exit status; negative for a signal.
     tail : sequence of str
-        The last lines of its log.
+        The lines of its log from a fatal error on, and the last ones.
 
     """
     text = '\n'.join(tail)
@@ -151,9 +154,9 @@ def why(program: str, code: int, tail: Sequence[str]) -> str:
             f'{program} was killed or had no memory left; use --jobs 1 or a coarser fidelity, '
             'and start again to go on.'
         )
-    if code < 0:
+    if code < 0 and FATAL not in text:
         return f'{program} was killed by signal {-code}; start again to go on.'
-    told = next((line.strip() for line in tail if 'FOAM FATAL' in line), tail[-1] if tail else '')
-    after = text.partition('FOAM FATAL')[2].splitlines()[1:]
+    told = next((line.strip() for line in tail if FATAL in line), tail[-1] if tail else '')
+    after = text.partition(FATAL)[2].splitlines()[1:]
     reason = next((line.strip() for line in after if line.strip()), told)
     return f'{program} ended with status {code}: {reason[:200]}'

@@ -65,6 +65,8 @@ class Stages:
         """
         place = self.place(case)
         try:
+            if case.mesh is None and place.exists() and not self.is_done(case):
+                shutil.rmtree(place)  # a mesh is changed in place: half of one is begun again
             self._prepare(case, place)
             for step in case.steps:
                 if not (place / f'{DONE}{step.name}').is_file():
@@ -77,6 +79,7 @@ class Stages:
         return place
 
     def _prepare(self, case: Case, place: Path) -> None:
+        place.mkdir(parents=True, exist_ok=True)
         for path, content in case.files.items():
             target = place / path
             if target.exists():
@@ -85,7 +88,7 @@ class Stages:
             target.write_bytes(content if isinstance(content, bytes) else content.encode())
         (place / 'name').write_text(f'{case.name}\n', encoding='utf-8')
         link = place / 'constant' / 'polyMesh'
-        if case.mesh is not None and not link.exists():
+        if case.mesh is not None and not link.is_symlink():
             link.parent.mkdir(parents=True, exist_ok=True)
             link.symlink_to(self.place(case.mesh) / 'constant' / 'polyMesh')
 

@@ -24,7 +24,7 @@ def case(*scripts, name='case'):
         Step(f'{k}', ('sh', '-c', script), {'system/controlDict': f'{k}'}, 2)
         for k, script in enumerate(scripts)
     ]
-    return Case(name, {'constant/word': 'a'}, steps)
+    return Case(name, {'constant/word': 'a'}, steps, Case('mesh', {}, []))
 
 
 def test_entries_become_the_text_that_openfoam_reads():
@@ -96,6 +96,20 @@ def test_a_run_goes_on_where_it_failed(tmp_path):
     assert (stages.place(one) / 'count').read_text() == 'x\n'
 
 
+def test_half_a_mesh_is_begun_again(tmp_path):
+    stages = Stages(tmp_path, Programs(), lambda *_: None)
+    steps = [
+        Step('block', ('sh', '-c', 'mkdir mesh')),
+        Step('snappy', ('sh', '-c', 'touch mesh/refined; test -e ../mended')),
+    ]
+    mesh = Case('mesh', {}, steps)
+    with pytest.raises(CaseFailed):
+        stages.solve(mesh)
+    (tmp_path / 'mended').touch()
+    stages.solve(mesh)  # blockMesh first: refining half a refined mesh fails
+    assert stages.is_done(mesh)
+
+
 def test_a_full_disk_is_named(tmp_path, monkeypatch):
     def full(*_):
         raise OSError(errno.ENOSPC, 'No space left on device')
@@ -119,6 +133,7 @@ def test_a_killed_solver_is_named(tmp_path):
         (1, ['std::bad_alloc'], 'no memory left'),
         (1, ['write failed: No space left on device'], 'disk full'),
         (1, ['--> FOAM FATAL ERROR: ', 'cannot find file "p"', '', 'FOAM exiting'], 'cannot find'),
+        (-6, ['--> FOAM FATAL ERROR: ', 'cell 3 has no points', 'FOAM aborting'], 'cell 3 has no'),
     ],
 )
 def test_what_went_wrong_is_said(code, tail, said):
