@@ -2,14 +2,16 @@
 The quick page of the reproduction, found again: every figure within its declared rounding.
 
 `./lta reproduce --quick && cp runs/paper-quick/paper.json test/golden/paper_quick.json` makes the
-reference anew, after a change that is meant to change what comes out.
+reference anew, after a change that is meant to change what comes out. The full run takes half an
+hour and is not repeated here: its figures, paper_full.json, are what docs/paper.md is made of.
 """
 
 import json
 import math
 from pathlib import Path
 
-from lta_analysis.reproduce import lines
+from lta_analysis.reproduce import lines, markdown
+from lta_analysis.reproduce.figures_file import kepts_in
 from lta_analysis.reproduce.page import page
 from lta_analysis.reproduce.run import Order, rows_of, study_all
 from lta_analysis.reproduce.verdict import verdicts
@@ -49,3 +51,16 @@ def test_the_page_tells_what_was_found(kepts):
         for picture in kepts[row.name].pictures:
             assert f'figure-{row.name}-{picture.name}' in text
             assert picture.command
+
+
+def test_the_document_is_made_of_the_full_run_and_of_the_rows_as_they_are():
+    told = json.loads((HERE / 'paper_full.json').read_text(encoding='utf-8'))
+    kepts = kepts_in(told)
+    docs = HERE.parents[1] / 'docs'
+    rows = [row for row in ROWS if row.name in kepts]
+    assert (docs / 'paper.md').read_text(encoding='utf-8') == markdown.page(rows, kepts)
+    for row in rows:
+        first = kepts[row.name].pictures[0]
+        assert (docs / markdown.IMAGES / f'{row.name}-{first.name}.png').exists()
+        found = {name: str(each) for name, each in verdicts(row, kepts[row.name].values).items()}
+        assert found == told['rows'][row.name]['verdicts']

@@ -2,10 +2,11 @@
 
 import math
 
-from lta_analysis.reproduce import kept, lines
+from lta_analysis.reproduce import figures_file, kept, lines
 from lta_analysis.reproduce.found import over, Value
 from lta_analysis.reproduce.registry import STUDIES
 from lta_analysis.reproduce.run import rows_of
+from lta_analysis.reproduce.sources import digest, sources
 from lta_analysis.reproduce.verdict import holds, judge, told, Verdict
 from lta_config.errors import BadInput
 from lta_config.files import checked, known
@@ -18,26 +19,23 @@ def quantity(text):
     return Quantity.model_validate(text)
 
 
-ROW = checked(
-    PaperRow,
-    {
-        'schema': 1, 'name': 'row', 'number': 1, 'title': 'Row', 'scenario': 'none',
-        'measures': {
-            'path': {'what': 'path', 'unit': 'm', 'digits': 1},
-            'first': {'what': 'who is first'},
-        },
-        'claims': {
-            'path': {'says': 'The path is 7.3 m.', 'where': 'x', 'source': 'printed',
-                     'value': '7.3 m', 'measure': 'path', 'rule': {'within': '10 %'},
-                     'finding': 'It took {path}.', 'gap': 'By {first}.'},
-            'first': {'says': 'BAG is first.', 'where': 'x', 'source': 'read',
-                      'measure': 'first', 'rule': {'is': 'BAG'}},
-            'cfd': {'says': 'A pressure.', 'where': 'x', 'source': 'comment',
-                    'untested': 'No wind tunnel.'},
-        },
+CONTENT = {
+    'schema': 1, 'name': 'row', 'number': 1, 'title': 'Row', 'scenario': 'none',
+    'measures': {
+        'path': {'what': 'path', 'unit': 'm', 'digits': 1},
+        'first': {'what': 'who is first'},
     },
-    'row',
-)  # fmt: skip
+    'claims': {
+        'path': {'says': 'The path is 7.3 m.', 'where': 'x', 'source': 'printed',
+                 'value': '7.3 m', 'measure': 'path', 'rule': {'within': '10 %'},
+                 'finding': 'It took {path}.', 'gap': 'By {first}.'},
+        'first': {'says': 'BAG is first.', 'where': 'x', 'source': 'read',
+                  'measure': 'first', 'rule': {'is': 'BAG'}},
+        'cfd': {'says': 'A pressure.', 'where': 'x', 'source': 'comment',
+                'untested': 'No wind tunnel.'},
+    },
+}  # fmt: skip
+ROW = checked(PaperRow, CONTENT, 'row')
 
 
 @pytest.mark.parametrize(
@@ -125,3 +123,41 @@ def test_every_row_has_a_study_and_every_study_a_row():
 def test_an_unknown_row_is_one_sentence():
     with pytest.raises(BadInput, match='nobody'):
         rows_of(['nobody'])
+
+
+def test_what_the_paper_leaves_for_later_is_no_claim_of_it():
+    later = {'says': 'Wind.', 'where': 'x', 'source': 'future', 'measure': 'path'}
+    row = checked(PaperRow, {**CONTENT, 'claims': {**CONTENT['claims'], 'later': later}}, 'row')
+    assert judge(row.claims['later'], {'path': Value(1.0)}) is Verdict.BEYOND
+    assert judge(row.claims['later'], {}) is Verdict.BEYOND
+    found = {'row': kept.Kept({'path': Value(7.0), 'first': Value('BAG')}, [], [], 1, 0.0)}
+    assert lines.title([row], found).startswith(
+        "Of the paper's 3 claims, 2 agree, 0 differ and 1 "
+    )
+    later = {**later, 'rule': {'least': '7 m'}}
+    with pytest.raises(BadInput, match='future'):
+        checked(PaperRow, {**CONTENT, 'claims': {'later': later}}, 'row')
+
+
+def test_nothing_is_told_of_a_measure_that_was_left_out():
+    notes = lines.notes(ROW, kept.Kept({'first': Value('BAG')}, [], [], 1, 0.0))
+    assert notes[0] == ('The path is 7.3 m.', '', '')
+
+
+def test_figures_come_back_from_their_file():
+    values = {'path': Value(9.0, 8.0, math.inf, 3), 'first': Value('DGA')}
+    drawn = kept.Drawn('way', 'The way', 'From above.', '{}', 'lta simulate', 'bags/way')
+    found = {'row': kept.Kept(values, [drawn], [], 3, 2.04)}
+    again = figures_file.kepts_in(figures_file.content([ROW], found))['row']
+    assert again.values['path'][:2] == (9.0, 8.0)
+    assert math.isnan(again.values['path'].high)
+    assert again.values['first'].value == 'DGA'
+    assert again.pictures == [drawn._replace(figure='')]
+    assert (again.seeds, again.seconds) == (3, 2.0)
+
+
+def test_a_row_rests_on_all_code_but_that_of_other_rows():
+    found = {f'{path.parent.name}/{path.name}' for path in sources('energy')}
+    assert {'studies/energy.py', 'paper/energy.yaml', 'vehicles/gtmab.yaml'} <= found
+    assert not {'studies/beavis.py', 'paper/beavis.yaml'} & found
+    assert digest('energy') == digest('energy') != digest('beavis')

@@ -134,10 +134,10 @@ def simulated(group: Group, cell: Cell, seed: int, out: Path | None = None) -> S
 
 
 def record(group: Group, cells: Sequence[Cell], seed: int, folder: Path) -> str:
-    """Record one flight of each strategy but the pilot's; return the folder of their bags."""
+    """Record a flight of each strategy but the pilot's; return the page's way there."""
     for cell in cells:
         if cell.strategy != pilot.NAME and seed in cell.rows:
             place = folder / cell.strategy
             if not (place / 'bag').exists():
                 simulate_once(simulated(group, cell, seed, place), Quiet())
-    return str(Path(folder.parent.name) / folder.name)
+    return str(Path(*folder.parts[-3:]))

@@ -11,7 +11,13 @@ from lta_analysis.reproduce.found import Value
 from lta_config.paper_file import Claim, Measure, PaperRow, Rule
 from lta_config.quantity import Quantity, with_unit
 
-SIGNS: Final = {'deg': '°', 'm2': 'm²', 'cm2': 'cm²', 'mm2': 'mm²'}  # of units, for people
+SIGNS: Final = {
+    'deg': '°',
+    'm2': 'm²',
+    'cm2': 'cm²',
+    'mm2': 'mm²',
+    'us': 'µs',
+}  # of units, for people
 PLAIN: Final = 1e-9  # relative; what two machines may differ by
 
 

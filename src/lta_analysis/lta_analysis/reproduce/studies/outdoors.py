@@ -124,7 +124,8 @@ def pictures(asked: Asked, winds: Group, rough: Group | None = None) -> list[Pic
         tracks, scenario = fly_again(group.plan, cells, 1)
         bag = '' if asked.quick else record(group, cells, 1, asked.folder / name)
         again = command(group, cells[0], 1)
-        made.append(Picture(name, heading, TRACKS, picture(tracks, scenario, HEIGHT), again, bag))
+        above = picture(tracks, scenario, HEIGHT).update_xaxes(dtick=10).update_yaxes(dtick=10)
+        made.append(Picture(name, heading, TRACKS, above, again, bag))
         if name == 'wind_8':
             x, y, _ = scenario.lamp.position.vector
             lines = {
