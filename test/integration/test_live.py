@@ -27,6 +27,7 @@ from .viewer import Viewer
 
 TABLE = topic_table()
 TOPICS = {name if name.startswith('/') else f'/lta1/{name}' for name in TABLE.topics}
+SILENT = {f'/lta1/{name}' for name, row in TABLE.topics.items() if row.source == 'teleop'}
 SCENE, FRAMES = '/lta1/scene', '/lta1/tf'
 GAPS = '/lta1/energy/status'  # whose gaps between numbers the recorder writes as zeros
 # Without a stamp each dates a message by what else it has heard; /diagnostics are any node's.
@@ -117,7 +118,7 @@ def compare(viewer, bag):
     recorded = {}
     for topic, when, data in bag.messages():
         recorded.setdefault(topic, set()).add((when, data))
-    for topic in TOPICS - {GAPS} - UNDATED:
+    for topic in TOPICS - {GAPS} - UNDATED - SILENT:
         assert viewer.messages[topic], topic
         strange = set(viewer.messages[topic]) - recorded[topic]
         best_effort = TABLE[topic.removeprefix('/lta1/')].qos == 'sensor'  # may miss a recorder

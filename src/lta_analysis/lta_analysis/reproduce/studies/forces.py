@@ -1,13 +1,15 @@
 """Forces of the vehicle files: thrust, net forces at full command, drag, and the mass budget."""
 
+from collections.abc import Mapping
 import math
 from typing import Final
 
 from lta_analysis.platforms.entries import entrant
 from lta_analysis.platforms.summary import margin
 from lta_analysis.report.drawing import blank
-from lta_analysis.report.palette import ESTIMATE, LAMP, SOFT, TRUTH
+from lta_analysis.report.palette import LAMP, SOFT, TRUTH
 from lta_analysis.reproduce.found import Asked, Found, Picture, Value
+from lta_analysis.reproduce.studies import tunnel
 from lta_analysis.typed import typed
 from lta_config.comparison_file import load_comparison
 from lta_config.constants import AIR_DENSITY
@@ -18,28 +20,33 @@ from plotly.graph_objects import Figure, Scatter
 
 PROPELLER: Final = 0.047  # m, seed paper
 NOT_IN_TABLE: Final = 'solar_panels'  # no row of the paper's table of masses
-AXES: Final = {'surge': ('ahead and aside', TRUTH), 'heave': ('up', ESTIMATE)}
 CURVE: Final = (
     "One rotor: the paper's polynomial, and Bitcraze's bench, whose voltage falls on the way. "
     'Both are of four motors, divided by four.'
-)
-DRAG: Final = (
-    'Drag of the vehicle file by speed, along and up; it comes from our own wind tunnel (see its '
-    'sources), fitted from 0.2 to 2.0 m/s.'
 )
 
 
 def study(asked: Asked) -> Found:
     """Return what the vehicle files hold; chance has no part in it."""
     del asked
-    vehicle = load_vehicle('gtmab')
-    values = {**thrust(vehicle), **forces(vehicle), **masses(vehicle), **drag(vehicle)}
+    vehicle, beavis, sweep = load_vehicle('gtmab'), beavises(), tunnel.shipped()
+    values = {
+        **thrust(vehicle), **forces(vehicle, beavis), **masses(vehicle), **drag(vehicle),
+        **tunnel.fitted(sweep),
+    }  # fmt: skip
     command = typed('vehicle', 'show', 'gtmab')
-    pictures = [
-        Picture('thrust', 'Thrust of one rotor', CURVE, thrust_picture(vehicle), command),
-        Picture('drag', 'Drag', DRAG, drag_picture(vehicle), command),
-    ]
-    return Found(values, pictures)
+    curve = Picture('thrust', 'Thrust of one rotor', CURVE, thrust_picture(vehicle), command)
+    both = {'GT-MAB': vehicle, 'BEAVIS': beavis['beavis']}
+    return Found(values, [curve, *tunnel.pictures(sweep, both)])
+
+
+def beavises() -> dict[str, Vehicle]:
+    """Return BEAVIS as our tunnel has it, and as the paper's figure has it."""
+    contestants = load_comparison('platforms').contestants
+    return {
+        name: entrant(contestants[name], AIR_DENSITY).vehicle
+        for name in ('beavis', 'beavis_paper')
+    }
 
 
 def thrust(vehicle: Vehicle) -> dict[str, Value]:
@@ -54,13 +61,8 @@ def thrust(vehicle: Vehicle) -> dict[str, Value]:
     }
 
 
-def forces(vehicle: Vehicle) -> dict[str, Value]:
+def forces(vehicle: Vehicle, beavis: Mapping[str, Vehicle]) -> dict[str, Value]:
     """Return net vertical and horizontal forces at full command, jets on the hull included."""
-    comparison = load_comparison('platforms')
-    beavis = {
-        name: entrant(comparison.contestants[name], AIR_DENSITY).vehicle
-        for name in ('beavis', 'beavis_paper')
-    }
     columns = np.array([rotor.column for rotor in vehicle.rotors]) * vehicle.full_thrust
     up, ahead = columns[columns[:, 2] > 0.0], columns[columns[:, 0] > 0.0]
     return {
@@ -114,20 +116,4 @@ def thrust_picture(vehicle: Vehicle) -> Figure:
     )  # fmt: skip
     figure.update_xaxes(title_text='duty', title_font={'color': SOFT})
     figure.update_yaxes(title_text='thrust [N]')
-    return figure.update_layout(showlegend=True, legend={'orientation': 'h', 'y': 1.08})
-
-
-def drag_picture(vehicle: Vehicle) -> Figure:
-    """Return drag by speed along each axis."""
-    figure = blank()
-    speed = np.linspace(0.0, 2.0, 101)
-    quadratic, linear = vehicle.effects()['quadratic_drag'], vehicle.effects()['linear_drag']
-    for axis, (told, colour) in AXES.items():
-        figure.add_trace(
-            Scatter(x=speed, y=(linear[axis] + quadratic[axis] * speed) * speed, mode='lines',
-                    name=told, line={'color': colour, 'width': 1.6},
-                    hovertemplate='%{y:.3f} N')
-        )  # fmt: skip
-    figure.update_xaxes(title_text='speed [m/s]')
-    figure.update_yaxes(title_text='drag [N]')
     return figure.update_layout(showlegend=True, legend={'orientation': 'h', 'y': 1.08})
