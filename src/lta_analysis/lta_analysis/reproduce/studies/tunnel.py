@@ -58,7 +58,7 @@ def matrix_picture(vehicles: Mapping[str, Vehicle]) -> Figure:
     names: list[str] = []
     columns: list[Sequence[float]] = []
     for told, vehicle in vehicles.items():
-        names += [f'{told}<br>{name.replace("_", " ")}' for name in vehicle.rotor_names]
+        names += [f'{told}<br>{name.replace("_", "<br>")}' for name in vehicle.rotor_names]
         columns += vehicle.allocation
     values = np.array(columns).T
     written = [[f'{each:.2f}' if round(abs(each), 2) else '' for each in row] for row in values]
@@ -71,4 +71,5 @@ def matrix_picture(vehicles: Mapping[str, Vehicle]) -> Figure:
             hovertemplate='%{x}: %{y} %{z:.3f}<extra></extra>',
         )
     )  # fmt: skip
+    figure.update_xaxes(tickangle=0, automargin=True)
     return figure.update_yaxes(autorange='reversed')
