@@ -2,8 +2,9 @@
 The quick page of the reproduction, found again: every figure within its declared rounding.
 
 `./lta reproduce --quick && cp runs/paper-quick/paper.json test/golden/paper_quick.json` makes the
-reference anew, after a change that is meant to change what comes out. The full run takes half an
-hour and is not repeated here: its figures, paper_full.json, are what docs/paper.md is made of.
+reference anew, after a change that is meant to change what comes out. The full run takes five
+minutes of two cores and is not repeated here: docs/paper.md is made of its figures,
+paper_full.json.
 """
 
 import json
