@@ -39,6 +39,7 @@ def fly(lta, scenario, tmp_path):
     return run
 
 
+@pytest.mark.long  # the next test holds one flight of the graph to the loop, which repeats itself
 def test_one_seed_is_one_flight_and_another_is_another(fly):
     """Byte for byte in every repeatable topic."""
     goal = {'time_limit': '8 s'}

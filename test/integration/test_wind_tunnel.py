@@ -11,6 +11,7 @@ AIR = (1.2, 1.5e-5)
 SLOW = 0.2  # m/s, where the steady model is right
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not openfoam(), reason='OpenFOAM is not installed')
 def test_a_slow_sphere_brakes_as_spheres_do(tmp_path):
     model = sphere()
