@@ -10,6 +10,7 @@ import math
 from typing import Annotated, Any, Literal
 
 from lta_config.aero_file import load_aero_file
+from lta_config.errors import BadInput
 from lta_config.files import find, load, Record
 from lta_config.quantity import Quantity, si
 from lta_config.vehicle_aero import Aero
@@ -130,7 +131,12 @@ class VehicleFile(Record):
     @classmethod
     def _by_name(cls, given: Any) -> Any:  # noqa: ANN401 - whatever the file held
         """Return the aero block of the aero file that is named, if it is one."""
-        return load_aero_file(given).aero if isinstance(given, str) else given
+        if not isinstance(given, str):
+            return given
+        try:
+            return load_aero_file(given).aero
+        except BadInput as error:
+            raise ValueError(f'cannot be used: {str(error).removesuffix(".")}') from None
 
     @model_validator(mode='before')
     @classmethod

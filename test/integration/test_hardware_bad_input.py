@@ -15,7 +15,7 @@ CRAZYFLIE, TEENSY = 'crazyflie_bridge', 'teensy_bridge'
 TAKEN = 'udp://127.0.0.1:19999'
 REFUSED = [
     (CRAZYFLIE, 'uri:=udp://here', r"The URI 'udp://here' names no Crazyflie; give one such as"),
-    (CRAZYFLIE, f'uri:={TAKEN}', r'commanded by another bridge \(process \d+\); end that one'),
+    (CRAZYFLIE, f'uri:={TAKEN}', r'commanded by another program \(process \d+\); end that one'),
     (CRAZYFLIE, 'command:=override', r'tether the drone to a bench and add tethered:=true'),
     (TEENSY, 'port:=/dev/ttyNOPE', r'There is no serial port /dev/ttyNOPE'),
     (TEENSY, 'port:=udp://0.0.0.0:99999', r'is no place to listen; give udp://0.0.0.0:14550'),

@@ -1,5 +1,6 @@
 """lta hardware bench: one motor of a tethered drone."""
 
+from contextlib import closing
 import json as json_text
 import math
 import sys
@@ -10,7 +11,8 @@ from lta_analysis.bar import Bar
 from lta_analysis.hardware.drone import DEADLINE
 from lta_analysis.hardware.motor import ended_by_signals, MotorBench, Turned
 from lta_bridge.crazyflie.cflib_link import CflibLink
-from lta_bridge.crazyflie.link import LinkFailed
+from lta_bridge.crazyflie.claim import Claim
+from lta_bridge.crazyflie.link import Link, LinkFailed
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_config.crazyflie_file import load_crazyflie, MOTORS
 from lta_config.errors import BadInput, unknown
@@ -56,20 +58,9 @@ def bench(
             'the app of firmware/crazyflie and give the --vehicle that flies with it.'
         )
     link = CflibLink(uri, BLOCKS, time.time_ns)
-    confirm(motor, file.motors[motor], duty, seconds, console)
-    columns = (TextColumn('{task.description}'), BarColumn())
-    with ended_by_signals():
-        try:
-            link.open(DEADLINE)
-            with Bar(console, *columns, begin=f'{motor} turns', total=seconds) as bar:
-                turned = MotorBench(link, file, rotors, motor).turn(
-                    duty, seconds, lambda been: bar.move(completed=been)
-                )
-        except LinkFailed as error:
-            sys.stderr.write(f'{motor} stands: {error}.\n')
-            raise typer.Exit(1) from None
-        finally:
-            link.close()
+    with closing(Claim(uri)):
+        confirm(motor, file.motors[motor], duty, seconds, console)
+        turned = turn(MotorBench(link, file, rotors, motor), link, (motor, duty, seconds), console)
     right = turned.duty > 0.5 * duty and turned.others == 0.0
     if json:
         volts = turned.voltage if math.isfinite(turned.voltage) else None
@@ -78,6 +69,24 @@ def bench(
     console.print(sentence(motor, turned, right), highlight=False, soft_wrap=True)
     if not right:
         raise typer.Exit(1)
+
+
+def turn(
+    bench: MotorBench, link: Link, asked: tuple[str, float, float], console: Console
+) -> Turned:
+    """Open the link, turn a motor at a duty for some seconds, and close whatever happens."""
+    motor, duty, seconds = asked
+    columns = (TextColumn('{task.description}'), BarColumn())
+    with ended_by_signals():
+        try:
+            link.open(DEADLINE)
+            with Bar(console, *columns, begin=f'{motor} turns', total=seconds) as bar:
+                return bench.turn(duty, seconds, lambda been: bar.move(completed=been))
+        except LinkFailed as error:
+            sys.stderr.write(f'{motor} stands: {error}.\n')
+            raise typer.Exit(1) from None
+        finally:
+            link.close()
 
 
 def confirm(motor: str, rotor: str, duty: float, seconds: float, console: Console) -> None:

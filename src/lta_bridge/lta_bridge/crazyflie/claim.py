@@ -38,14 +38,14 @@ class Claim:
             holder = self._file.read().strip() or 'unknown'
             self._file.close()
             raise BadInput(
-                f'{uri} is commanded by another bridge (process {holder}); end that one, since a '
+                f'{uri} is commanded by another program (process {holder}); end that one, since a '
                 'drone obeys whoever spoke last.'
             ) from None
         self._file.truncate(0)
         self._file.write(str(os.getpid()))
         self._file.flush()
 
-    def end(self) -> None:
+    def close(self) -> None:
         """Give the drone free; again is harmless."""
         if self._file is not None:
             self._file.close()

@@ -134,7 +134,7 @@ class CrazyflieBridge(DeviceNode):
             self._keeper.close()
             self._keeper = None
         if self._claim is not None:
-            self._claim.end()
+            self._claim.close()
             self._claim = None
 
     def work(self) -> None:

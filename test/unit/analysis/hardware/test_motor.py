@@ -1,5 +1,6 @@
 """lta hardware bench: one motor, only after its name was typed, and none on any way out."""
 
+from contextlib import closing
 import io
 import json
 import os
@@ -9,6 +10,7 @@ import time
 
 from lta_analysis.hardware.motor import ended_by_signals, MotorBench
 from lta_bridge.crazyflie.cflib_link import CflibLink
+from lta_bridge.crazyflie.claim import Claim
 from lta_bridge.crazyflie.emulated.body import Bench
 from lta_bridge.crazyflie.emulated.firmware import Firmware
 from lta_bridge.crazyflie.emulated.server import Server
@@ -78,6 +80,15 @@ def test_without_its_name_typed_nothing_is_even_connected(drone, call, typed, te
     assert status == 2
     assert said.err == "Nothing turned: 'spin m2' was not typed.\n"
     assert at_rest(drone)
+    assert drone.firmware.log.blocks == {}
+
+
+def test_a_drone_that_a_bridge_flies_is_left_alone(drone, call, typed):
+    typed('spin m2\n')
+    with closing(Claim(drone.uri)):
+        status, said = call('hardware', 'bench', 'm2', '--uri', drone.uri)
+    assert status == 2
+    assert 'is commanded by another program' in said.err
     assert drone.firmware.log.blocks == {}
 
 

@@ -20,12 +20,12 @@ def own_folder(tmp_path: Path, monkeypatch):
 
 def test_a_second_bridge_to_a_drone_is_refused_by_name_and_another_drone_is_not():
     first = Claim(URI)
-    with pytest.raises(BadInput, match=rf'by another bridge \(process {os.getpid()}\); end that'):
+    with pytest.raises(BadInput, match=rf'by another program \(process {os.getpid()}\); end that'):
         Claim(URI)
-    Claim('udp://127.0.0.1:2').end()
-    first.end()
-    first.end()
-    Claim(URI).end()
+    Claim('udp://127.0.0.1:2').close()
+    first.close()
+    first.close()
+    Claim(URI).close()
 
 
 def test_a_claim_ends_with_its_process(tmp_path):
@@ -37,7 +37,7 @@ def test_a_claim_ends_with_its_process(tmp_path):
     paths = os.pathsep.join(sys.path)
     died = subprocess.run([sys.executable, '-c', code], env={**os.environ, 'PYTHONPATH': paths})
     assert died.returncode == 9
-    Claim(URI).end()
+    Claim(URI).close()
 
 
 @pytest.mark.parametrize(
