@@ -26,7 +26,7 @@ def test_what_cannot_be_ends_the_node_with_one_sentence_and_status_2(domain_id):
     claim = Claim(TAKEN)
     started = [start(f'lta_bridge.nodes.{node}', '-p', word) for node, word, _ in REFUSED]
     told = [process.communicate(timeout=60)[1] for process in started]
-    claim.end()
+    claim.close()
     for (_, _, sentence), process, text in zip(REFUSED, started, told, strict=True):
         assert process.returncode == 2, text
         assert re.search(sentence, text.strip().splitlines()[-1]), text
