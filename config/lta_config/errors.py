@@ -21,6 +21,18 @@ def one_line(text: str) -> str:
     return ''.join(part if part.isprintable() else ' ' for part in text)
 
 
+def without_controls(text: str) -> str:
+    """
+    Return a text without what commands a terminal; its lines stay.
+
+    Names and notes in the files of others are printed, and an escape sequence among them could
+    set a window's title or write over what was said before.
+    """
+    if text.isprintable():
+        return text
+    return ''.join(part if part.isprintable() or part in '\t\n\r' else ' ' for part in text)
+
+
 def unknown(kind: str, name: str, known: list[str]) -> BadInput:
     """
     Return the error for a name that is not in a registry or folder.

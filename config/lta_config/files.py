@@ -13,12 +13,11 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from lta_config.errors import BadInput, unknown
+from lta_config.limits import YAML_BYTES, YAML_DEPTH, YAML_DIGITS
 from lta_config.sentence import sentence
 from pydantic import BaseModel, ConfigDict, ValidationError
 import yaml
 
-SIZE_LIMIT = 1_000_000  # bytes; no file that people write by hand comes near it
-DEPTH_LIMIT = 50  # levels of nesting; thousands of them overflow the C stack of the YAML reader
 # What the YAML reader raises beside its own errors: no such date, a tag that does not fit.
 MISFITS = (ValueError, ArithmeticError, LookupError, TypeError, AttributeError)
 
@@ -127,11 +126,13 @@ def load_yaml(path: Path) -> Any:  # noqa: ANN401 - YAML holds anything
         If the file cannot be read as YAML.
 
     """
+    if path.exists() and not path.is_file():  # a pipe would be waited for, a device has no end
+        raise BadInput(f'{path} is no plain file; give one.')
     try:
         with path.open('rb') as stream:
             # One byte more tells a larger file, and no more of it is read.
-            data = stream.read(SIZE_LIMIT + 1)
-        return parse_yaml(data.decode('utf-8') if len(data) <= SIZE_LIMIT else data, str(path))
+            data = stream.read(YAML_BYTES + 1)
+        return parse_yaml(data.decode('utf-8') if len(data) <= YAML_BYTES else data, str(path))
     except (OSError, UnicodeDecodeError) as error:
         raise BadInput(f'{path} cannot be read: {error}.') from None
 
@@ -153,8 +154,8 @@ def parse_yaml(text: str | bytes, where: str) -> Any:  # noqa: ANN401 - YAML hol
         If it cannot be read as YAML, or would take more memory than its size.
 
     """
-    if len(text) > SIZE_LIMIT:
-        raise BadInput(f'{where} is larger than {SIZE_LIMIT} bytes; that is no file of ours.')
+    if len(text) > YAML_BYTES:
+        raise BadInput(f'{where} is larger than {YAML_BYTES} bytes; that is no file of ours.')
     try:
         _check_shape(where, yaml.parse(_named(text, where), Loader=_UniqueKeys))
         return yaml.load(_named(text, where), Loader=_UniqueKeys)
@@ -189,12 +190,20 @@ def _check_shape(where: str, events: Iterable[yaml.Event]) -> None:
         total += 1 if alias is None else sizes.get(alias, 1)
         if isinstance(event, yaml.CollectionStartEvent):
             open_.append((event.anchor, total))
-        elif isinstance(event, yaml.ScalarEvent) and event.anchor is not None:
-            sizes[event.anchor] = 1
-        if len(open_) > DEPTH_LIMIT:
-            raise BadInput(f'{where} is nested more than {DEPTH_LIMIT} deep; flatten it.')
-        if total > SIZE_LIMIT:
-            raise BadInput(f'{where} holds more than {SIZE_LIMIT} values; use fewer aliases.')
+        elif isinstance(event, yaml.ScalarEvent):
+            _check_number(where, event)
+            if event.anchor is not None:
+                sizes[event.anchor] = 1
+        if len(open_) > YAML_DEPTH:
+            raise BadInput(f'{where} is nested more than {YAML_DEPTH} deep; flatten it.')
+        if total > YAML_BYTES:
+            raise BadInput(f'{where} holds more than {YAML_BYTES} values; use fewer aliases.')
+
+
+def _check_number(where: str, event: yaml.ScalarEvent) -> None:
+    """Refuse a number whose reading would take minutes: YAML 1.1 counts to the base of 60, too."""
+    if event.implicit[0] and len(event.value) > YAML_DIGITS and event.value[0] in '+-.0123456789':
+        raise BadInput(f'{where} holds a number of more than {YAML_DIGITS} digits; shorten it.')
 
 
 def load(model: type[Model], path: Path) -> Model:

@@ -4,7 +4,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from rich.console import Console
-from rich.progress import Progress, ProgressColumn, SpinnerColumn
+from rich.progress import Progress, ProgressColumn, SpinnerColumn, TextColumn
 
 
 class Bar:
@@ -38,6 +38,9 @@ class Bar:
         **fields: Any,  # noqa: ANN401 - as rich takes them
     ) -> None:
         self._console = console
+        for column in columns:
+            if isinstance(column, TextColumn):
+                column.markup = False  # what it shows may be the name of a stranger's file
         self._bar = Progress(
             SpinnerColumn(),
             *columns,

@@ -24,7 +24,12 @@ class FlightProgress(Bar):
     def __init__(self, console: Console, begin: str = 'starting the graph') -> None:
         detail = TextColumn('{task.fields[detail]}')
         super().__init__(
-            console, TextColumn('{task.description}'), BarColumn(), detail, begin=begin, detail=''
+            console,
+            TextColumn('{task.description}'),
+            BarColumn(),
+            detail,
+            begin=begin,
+            detail='',
         )
         self._begin: float | None = None
 

@@ -90,7 +90,7 @@ def test_unknown_compression_is_named(tmp_path):
 
 
 def test_chunks_that_claim_too_much_cost_no_memory(tmp_path, monkeypatch):
-    monkeypatch.setattr(packing, 'LARGEST_CHUNK', 1 << 20)
+    monkeypatch.setattr(packing, 'CHUNK_BYTES', 1 << 20)
     zeros = bytes(4 << 20)
     told = zstandard.ZstdCompressor().compress(zeros)
     silent = zstandard.ZstdCompressor(write_content_size=False).compress(zeros)

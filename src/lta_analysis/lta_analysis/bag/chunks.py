@@ -11,9 +11,9 @@ from lta_analysis.bag.packing import (
     inflated,
     kind_of,
     KINDS,
-    LARGEST_CHUNK,
     MAGICS,
 )
+from lta_config.limits import CHUNK_BYTES
 from mcap.opcode import Opcode
 
 RECORD = struct.Struct('<BQ')  # opcode, length
@@ -138,7 +138,7 @@ def opened(
     length: int,
 ) -> tuple[bytes | memoryview, int]:
     """Return what lies at one place that a chunk may have its records at; see `sealed`."""
-    if packed.length > LARGEST_CHUNK:
+    if packed.length > CHUNK_BYTES:
         raise Damaged(f'claim to hold {packed.length} bytes')
     part = read(packed.start, packed.length)
     if told and len(part) < packed.length:
@@ -168,8 +168,8 @@ def places(head: bytes | memoryview, length: int) -> Iterator[tuple[Packed, bool
         if kind and bytes(head[start : start + 4]) not in MAGICS:
             continue
         given = LENGTH.unpack_from(head, start - LENGTH.size)[0]
-        for guess in (given, length - start, size if kind == '' else LARGEST_CHUNK):
-            if 0 < guess <= LARGEST_CHUNK:
+        for guess in (given, length - start, size if kind == '' else CHUNK_BYTES):
+            if 0 < guess <= CHUNK_BYTES:
                 yield Packed(kind, start, guess), False
 
 

@@ -1,6 +1,7 @@
 """What one MCAP file holds, known before any message is read."""
 
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from io import BytesIO
 import os
@@ -10,12 +11,14 @@ from typing import BinaryIO, final
 from lta_analysis.bag.packing import Damaged
 from lta_analysis.bag.rhythm import Rhythm
 from lta_bridge.bag.records import PROVENANCE
+from lta_config.errors import one_line, without_controls
+from lta_config.limits import CHANNELS
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Channel, Metadata, Schema
 
-LARGEST_NOTE = 1 << 24  # A schema, channel or other note that claims more is damaged. [bytes]
+TOO_MANY = f'It has more than {CHANNELS} topics; the others are left out.'
 
 
 @final
@@ -103,18 +106,27 @@ class Contents:
         try:
             if opcode == Opcode.SCHEMA:
                 schema = Schema.read(stream)
+                schema.name = one_line(schema.name)
                 if schema.id:  # 0 stands for none
                     self.schemas.setdefault(schema.id, schema)
             elif opcode == Opcode.CHANNEL:
                 channel = Channel.read(stream)
-                if self.channels.setdefault(channel.id, channel) != channel:
+                channel.topic = one_line(channel.topic)
+                if len(self.channels) >= CHANNELS and channel.id not in self.channels:
+                    self._leave_out()
+                elif self.channels.setdefault(channel.id, channel) != channel:
                     self.rivals.append(channel)
             elif opcode == Opcode.METADATA:
                 metadata = Metadata.read(stream)
                 if metadata.name == PROVENANCE:
-                    self.provenance = metadata.metadata | self.provenance
+                    self.provenance = printable(metadata.metadata) | self.provenance
         except (struct.error, UnicodeDecodeError, McapError) as error:
             raise Damaged from error
+
+    def _leave_out(self) -> None:
+        """Take note that there are more channels than anybody has."""
+        if TOO_MANY not in self.losses:
+            self.losses.append(TOO_MANY)
 
     def count(self, channel: int, log_time: int) -> None:
         """Take note of a message."""
@@ -125,6 +137,11 @@ class Contents:
         """Take note of log times. [ns]"""
         self.start = start if self.start is None else min(self.start, start)
         self.end = end if self.end is None else max(self.end, end)
+
+
+def printable(notes: Mapping[str, str]) -> dict[str, str]:
+    """Return notes without what commands a terminal."""
+    return {one_line(key): without_controls(text) for key, text in notes.items()}
 
 
 def read_at(stream: BinaryIO, offset: int, length: int) -> bytes:

@@ -5,11 +5,11 @@ from dataclasses import fields
 import struct
 from typing import Any, Final, final
 
+from lta_analysis.bag.definition import defined, MISDEFINED
 from lta_config.errors import BadInput
 from mcap.records import Schema
 from rosbags.serde import SerdeError
-from rosbags.typesys import get_types_from_idl, get_types_from_msg, get_typestore, Stores
-from rosbags.typesys.base import TypesysError
+from rosbags.typesys import get_typestore, Stores
 
 READABLE: Final = ('ros2msg', 'ros2idl')
 # What damaged or hostile bytes can raise in a deserialiser that expects a sound message.
@@ -21,6 +21,8 @@ MISFIT = (
     AssertionError,
     OverflowError,
     MemoryError,
+    KeyError,
+    RecursionError,
     struct.error,
 )
 
@@ -91,12 +93,8 @@ class Decoder:
             raise BadInput(f'These messages {reason}; leave this topic out.')
         text = schema.data.decode(errors='replace')
         try:
-            if schema.encoding == 'ros2idl':
-                found = get_types_from_idl(text)
-            else:
-                found = get_types_from_msg(text, type_name)
-            self._types.register(found)
-        except (TypesysError, SyntaxError, KeyError, ValueError, RecursionError) as error:
+            self._types.register(defined(text, type_name, schema.encoding))
+        except MISDEFINED as error:
             raise BadInput(
                 f"The bag's definition of '{type_name}' ({schema.encoding or 'none'}) cannot be "
                 'read; leave this topic out.'

@@ -21,6 +21,8 @@ from lta_config.errors import BadInput, unknown
 import numpy as np
 from numpy.typing import NDArray
 
+LATEST = np.iinfo(np.int64).max  # ns; MCAP counts further, a clock of ROS does not
+
 
 class Origin(NamedTuple):
     """The start of a flight on both clocks. [ns]"""
@@ -195,7 +197,8 @@ class Flight:
         found = maker.result()
         stamps = found.stamps
         for index in np.flatnonzero(stamps == 0):
-            stamps[index] = self.start + found.logged[index] - self._origin.log
+            placed = self.start + int(found.logged[index]) - self._origin.log
+            stamps[index] = min(placed, LATEST)
         time = (stamps - self.start).astype(np.float64) * 1e-9
         return Series(stamps, time, found.numbers, found.texts)
 

@@ -40,7 +40,7 @@ def bag_files(path: Path, described: dict[str, object] | None = None) -> list[Pa
     if not path.exists():
         raise BadInput(f"'{path}' does not exist; {ADVICE}.")
     listed = listed_files(path, description(path) if described is None else described)
-    files = listed or sorted(path.glob('*.mcap'), key=natural)
+    files = listed or sorted(filter(Path.is_file, path.glob('*.mcap')), key=natural)
     if files:
         return files
     if any(path.glob('*.db3')):

@@ -10,10 +10,10 @@ from collections.abc import Container
 from typing import final, NamedTuple
 
 from lta_analysis.bag.chunks import MESSAGE, Read, RECORD, sealed
-from lta_analysis.bag.contents import LARGEST_NOTE
 from lta_analysis.bag.packing import Damaged
 from lta_analysis.bag.resync import candidates, chunk_like, HEADS
 from lta_analysis.bag.shape import plausible, SHAPES, well_formed
+from lta_config.limits import NOTE_BYTES
 from mcap.opcode import Opcode
 
 PRIVATE = 0x80  # Opcodes from here on are anybody's; MCAP defines none beyond DATA_END.
@@ -80,7 +80,7 @@ class Prober:
         if opcode == 0 or Opcode.DATA_END < opcode < PRIVATE or end > self._size:
             return None
         if opcode in SHAPES:
-            body = self._read(at + RECORD.size, min(length, LARGEST_NOTE + 1))
+            body = self._read(at + RECORD.size, min(length, NOTE_BYTES + 1))
             holds = well_formed(opcode, body) and not self._swallows(at, end)
             return Found(opcode, end, body) if holds else None
         return self._unsealed(at, opcode, end)
@@ -124,7 +124,7 @@ class Prober:
         if not self._chunked:
             return True
         channel = MESSAGE.unpack(body)[0]
-        index = end - at < LARGEST_NOTE and well_formed(
+        index = end - at < NOTE_BYTES and well_formed(
             Opcode.MESSAGE_INDEX, self._read(at + RECORD.size, end - at - RECORD.size)
         )
         return channel in self._channels and not index

@@ -1,9 +1,9 @@
 """Compressed bytes, undone within bounds whatever they claim to hold."""
 
+from lta_config.limits import CHUNK_BYTES
 import lz4.frame
 import zstandard
 
-LARGEST_CHUNK = 1 << 28  # A chunk that claims more is refused, not worth the memory. [bytes]
 MAGICS = {b'\x28\xb5\x2f\xfd': 'zstd', b'\x04\x22\x4d\x18': 'lz4'}
 KINDS = ('zstd', 'lz4', '')
 
@@ -31,7 +31,7 @@ def inflated(kind: str, packed: bytes | memoryview) -> bytes | memoryview:
     Raises
     ------
     Damaged
-        If the kind is unknown, the bytes are no such frame, or hold more than `LARGEST_CHUNK`.
+        If the kind is unknown, the bytes are no such frame, or hold more than `CHUNK_BYTES`.
 
     """
     if kind == '':
@@ -49,23 +49,23 @@ def inflated(kind: str, packed: bytes | memoryview) -> bytes | memoryview:
 def from_zstd(packed: bytes | memoryview) -> bytes:
     """Return what a zstd frame holds; see `inflated`."""
     claimed = zstandard.frame_content_size(packed[:18])
-    if claimed > LARGEST_CHUNK:
+    if claimed > CHUNK_BYTES:
         raise Damaged(f'claim to hold {claimed} bytes')
     if claimed >= 0:
         return zstandard.ZstdDecompressor().decompress(packed)
     with zstandard.ZstdDecompressor().stream_reader(packed) as stream:
-        data = stream.read(LARGEST_CHUNK + 1)
-    if len(data) > LARGEST_CHUNK:
-        raise Damaged(f'hold more than {LARGEST_CHUNK} bytes')
+        data = stream.read(CHUNK_BYTES + 1)
+    if len(data) > CHUNK_BYTES:
+        raise Damaged(f'hold more than {CHUNK_BYTES} bytes')
     return data
 
 
 def from_lz4(packed: bytes | memoryview) -> bytes:
     """Return what an lz4 frame holds; see `inflated`."""
     unpacker = lz4.frame.LZ4FrameDecompressor()
-    data: bytes = unpacker.decompress(packed, max_length=LARGEST_CHUNK + 1)
-    if len(data) > LARGEST_CHUNK:
-        raise Damaged(f'hold more than {LARGEST_CHUNK} bytes')
+    data: bytes = unpacker.decompress(packed, max_length=CHUNK_BYTES + 1)
+    if len(data) > CHUNK_BYTES:
+        raise Damaged(f'hold more than {CHUNK_BYTES} bytes')
     if not unpacker.eof:
         raise Damaged
     return data

@@ -4,10 +4,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, final, NamedTuple
 
-from lta_analysis.bag.contents import Contents, LARGEST_NOTE, Loss, Place, read_at
+from lta_analysis.bag.contents import Contents, Loss, Place, read_at
 from lta_analysis.bag.packing import Damaged
 from lta_analysis.bag.rhythm import entries, in_order, Rhythm
 from lta_config.errors import BadInput
+from lta_config.limits import NOTE_BYTES
 from mcap.records import Channel
 
 
@@ -44,7 +45,7 @@ def index_of(stream: BinaryIO, place: Place) -> bytes:
     """Return the message indexes of a chunk; empty where the summary is wrong about them."""
     offset, length = place.index
     try:
-        return read_at(stream, offset, length) if length <= LARGEST_NOTE else b''
+        return read_at(stream, offset, length) if length <= NOTE_BYTES else b''
     except Damaged:
         return b''
 

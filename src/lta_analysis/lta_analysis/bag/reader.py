@@ -22,13 +22,14 @@ from lta_analysis.bag.folder import (
     wrong_format,
 )
 from lta_analysis.bag.names import complete_names, Told, told_topics
-from lta_analysis.bag.packing import Damaged, inflated, LARGEST_CHUNK
+from lta_analysis.bag.packing import Damaged, inflated
 from lta_analysis.bag.parts import indexed_rhythm, lost_chunk, Part, Topic, type_of
 from lta_analysis.bag.rhythm import Rhythm
 from lta_analysis.bag.scan import damage, scan
 from lta_analysis.bag.summary import read_summary, summary_is_damaged, UNUSABLE
 from lta_bridge.bag.records import MAGIC
 from lta_config.errors import BadInput, unknown
+from lta_config.limits import CHUNK_BYTES
 from mcap.records import Channel, Schema
 
 
@@ -193,7 +194,7 @@ class Bag:
     ) -> Iterator[Message]:
         """Yield messages of one stretch of a file."""
         try:
-            if place.length > 2 * LARGEST_CHUNK:
+            if place.length > 2 * CHUNK_BYTES:
                 raise Damaged(f'claim to be a chunk of {place.length} bytes')
             data: bytes | memoryview = read_at(stream, place.offset, place.length)
             if place.packed:

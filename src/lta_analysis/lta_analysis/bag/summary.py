@@ -6,17 +6,17 @@ from typing import BinaryIO
 import zlib
 
 from lta_analysis.bag.chunks import RECORD, records
-from lta_analysis.bag.contents import Contents, LARGEST_NOTE, Place, read_at
+from lta_analysis.bag.contents import Contents, Place, read_at
 from lta_analysis.bag.packing import Damaged
 from lta_analysis.bag.shape import SHAPES, well_formed
 from lta_bridge.bag.records import MAGIC
+from lta_config.limits import NOTE_BYTES, SUMMARY_BYTES
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import MetadataIndex, Statistics
 
 FOOTER = struct.Struct('<BQQQI')  # opcode, length, summary, summary offsets, CRC
-LARGEST_SUMMARY = 1 << 28  # One that claims more is damaged. [bytes]
 TAIL = FOOTER.size + len(MAGIC)
 CHUNK_INDEX = struct.Struct('<QQQQI')  # start, end, offset, length, bytes of the channels
 CHANNEL = struct.Struct('<HQ')  # channel, offset of its message index
@@ -69,7 +69,7 @@ def summary_section(stream: BinaryIO, size: int) -> tuple[int, bytes]:
     opcode, _, start, _, crc = FOOTER.unpack_from(tail)
     if opcode != Opcode.FOOTER or not tail.endswith(MAGIC) or not 0 < start <= size - TAIL:
         raise Damaged
-    if size - TAIL - start > LARGEST_SUMMARY:
+    if size - TAIL - start > SUMMARY_BYTES:
         raise Damaged
     section = read_at(stream, start, size - TAIL - start)
     if crc and crc != zlib.crc32(section + tail[: FOOTER.size - 4]):
@@ -105,7 +105,7 @@ def from_section(stream: BinaryIO, start: int, section: bytes) -> Contents:
 def add_note(stream: BinaryIO, contents: Contents, note: MetadataIndex) -> None:
     """Take note of a metadata record, or of its damage: the recording stands without it."""
     try:
-        if note.length > LARGEST_NOTE:
+        if note.length > NOTE_BYTES:
             raise Damaged
         data = read_at(stream, note.offset, note.length)
         opcode, length = RECORD.unpack_from(data)

@@ -37,7 +37,11 @@ class TunnelProgress(Bar):
     """
 
     def __init__(self, console: Console, flows: Sequence[Flow]) -> None:
-        columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
+        columns = (
+            TextColumn('{task.description}'),
+            BarColumn(),
+            TimeRemainingColumn(),
+        )
         super().__init__(console, *columns, begin='meshes', total=1.0, period=600.0)
         self._cases = cases_of(flows)
         self._done: dict[str, float] = {}

@@ -22,7 +22,11 @@ class CompareProgress(Bar):
     """
 
     def __init__(self, console: Console, total: int) -> None:
-        columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
+        columns = (
+            TextColumn('{task.description}'),
+            BarColumn(),
+            TimeRemainingColumn(),
+        )
         super().__init__(console, *columns, begin='opening', total=total)
 
     def tick(self, doing: str) -> None:

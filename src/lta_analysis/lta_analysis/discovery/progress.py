@@ -22,7 +22,11 @@ class DiscoverProgress(Bar):
     """
 
     def __init__(self, console: Console) -> None:
-        columns = (TextColumn('{task.description}'), BarColumn(), TimeElapsedColumn())
+        columns = (
+            TextColumn('{task.description}'),
+            BarColumn(),
+            TimeElapsedColumn(),
+        )
         super().__init__(console, *columns, begin='reading', total=None)
 
     def stage(self, words: str, share: float | None = None) -> None:

@@ -20,7 +20,11 @@ class ExportProgress(Bar):
     """
 
     def __init__(self, console: Console) -> None:
-        columns = (BarColumn(), MofNCompleteColumn(), TextColumn('{task.description}'))
+        columns = (
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn('{task.description}'),
+        )
         super().__init__(console, *columns, begin='reading')
 
     def at(self, topic: str, done: int, total: int) -> None:

@@ -20,6 +20,7 @@ import struct
 from typing import final, NamedTuple
 import zlib
 
+from lta_analysis.foreign.bounded import refuse_large
 from lta_analysis.foreign.clocks import CLOCK
 from lta_analysis.foreign.protocol import Tables
 from lta_analysis.foreign.table import Table
@@ -59,6 +60,7 @@ def opened(path: Path, mapping: MappingFile | None) -> Tables:
         If its head is not that of such a log, or it holds no event.
 
     """
+    refuse_large(path)
     data = path.read_bytes()
     events, at, version = _head(data, path)
     whole = len(data) >= at + CRC and zlib.crc32(data[:-CRC]) == int.from_bytes(

@@ -18,6 +18,7 @@ from lta_analysis.foreign.table import Table, Times
 from lta_config.errors import BadInput
 from lta_config.import_file import Mapping as MappingFile
 from lta_config.import_file import Text
+from lta_config.limits import LINE_BYTES
 from lta_config.topics import topic_table
 import numpy as np
 import pyarrow as pa
@@ -26,7 +27,6 @@ import pyarrow.csv as pacsv
 
 PART = 4 << 20  # bytes of text in one part
 ZONELESS = 'Dates have no time zone; they were taken as UTC.'
-LONGEST = 1 << 20  # bytes of a line with names
 
 
 @final
@@ -216,7 +216,7 @@ def names_of(path: Path, text: Text) -> list[str]:
 def first_line(source: Any) -> str:  # noqa: ANN401 - a stream of pyarrow or of ours
     """Return the first line that is not empty."""
     data = b''
-    while b'\n' not in data.lstrip() and len(data) < LONGEST:
+    while b'\n' not in data.lstrip() and len(data) < LINE_BYTES:
         more = source.read(1 << 14)
         if not more:
             break

@@ -2,14 +2,12 @@
 
 from dataclasses import replace
 
+from lta_analysis.bag.definition import defined, MISDEFINED
 from lta_analysis.bag.recover import given
 from lta_bridge.bag.schemas import Definition, jazzy
 from mcap.records import Channel, Schema
-from rosbags.typesys import get_types_from_msg, get_typestore, Stores
-from rosbags.typesys.base import TypesysError
+from rosbags.typesys import get_typestore, Stores
 from rosbags.typesys.store import Typestore
-
-FAULTS = (TypesysError, SyntaxError, KeyError, ValueError)
 
 
 def from_bag(channel: Channel, schema: Schema | None) -> Definition:
@@ -19,9 +17,9 @@ def from_bag(channel: Channel, schema: Schema | None) -> Definition:
         return found
     types = get_typestore(Stores.EMPTY)
     try:
-        types.register(get_types_from_msg(found.text, found.type_name))
+        types.register(defined(found.text, found.type_name, found.encoding))
         return replace(found, rihs01=types.hash_rihs01(found.type_name))
-    except FAULTS:
+    except MISDEFINED:
         return found  # nobody can read it, but it is kept
 
 

@@ -79,6 +79,8 @@ def recognised(path: Path) -> str:
         if any(path.glob('*.mcap')) or any(path.glob('*.db3')):
             return 'bag'
         raise BadInput(f"Folder '{path}' holds no bag; give the files in it one by one.")
+    if not path.is_file():
+        raise BadInput(f"'{path}' is no plain file; give a file or a bag's folder.")
     head = _head(path)
     if not head:
         raise BadInput(f"'{path}' is empty; nothing to import.")

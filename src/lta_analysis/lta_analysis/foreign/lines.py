@@ -7,6 +7,7 @@ from typing import Any, BinaryIO, final, TYPE_CHECKING
 import zlib
 
 from lta_config.import_file import Text
+from lta_config.limits import INFLATED_FREELY, INFLATION, LINE_BYTES
 
 if TYPE_CHECKING:
     from _typeshed import WriteableBuffer
@@ -19,7 +20,24 @@ def decompressed(stream: BinaryIO) -> BinaryIO | gzip.GzipFile:
     """Return a stream of what a file holds, compressed with gzip or not."""
     head = stream.read(2)
     stream.seek(0)
-    return gzip.GzipFile(fileobj=stream) if head == GZIP else stream
+    return Inflated(stream) if head == GZIP else stream
+
+
+@final
+class Inflated(gzip.GzipFile):
+    """What a compressed file holds, as long as it holds no more than a text could."""
+
+    def __init__(self, packed: BinaryIO) -> None:
+        super().__init__(fileobj=packed)
+        self._packed = packed
+
+    def read(self, size: int | None = -1) -> bytes:
+        """Return what comes next; OSError where so few bytes cannot be so long a text."""
+        found = super().read(size)
+        allowed = INFLATED_FREELY + INFLATION * self._packed.tell()
+        if self.tell() > allowed:
+            raise OSError(f'it is compressed to less than 1/{INFLATION}, which no text is')
+        return found
 
 
 def text_lines(stream: BinaryIO, text: Text, unread: int) -> tuple[Any, str]:
@@ -39,6 +57,12 @@ def text_lines(stream: BinaryIO, text: Text, unread: int) -> tuple[Any, str]:
     delimiter = NAMED.get(text.delimiter, text.delimiter)
     plain = decompressed(stream)
     return Cleaned(plain, text, unread), delimiter
+
+
+def refuse_endless(line: bytes) -> None:
+    """Raise OSError for a line that was cut off at the limit."""
+    if len(line) >= LINE_BYTES and not line.endswith(b'\n'):
+        raise OSError(f'it has a line of more than {LINE_BYTES} bytes')
 
 
 @final
@@ -75,18 +99,28 @@ class Cleaned(io.RawIOBase):
         """Yield the lines that count, in large pieces."""
         try:
             while unread:
-                line = self._source.readline()
+                line = self._source.readline(LINE_BYTES)
                 if not line:
                     return
+                refuse_endless(line)
                 unread -= self._counts(line)
             if self._comment is None and not self._blank:
                 while piece := self._source.read(self.PIECE):
                     yield piece
                 return
-            while lines := self._source.readlines(self.PIECE):
+            while lines := self._lines():
                 yield b''.join(map(self._written, filter(self._counts, lines)))
         except (EOFError, zlib.error, gzip.BadGzipFile) as error:
             raise OSError(f'its compression is damaged or cut short: {error}') from None
+
+    def _lines(self) -> list[bytes]:
+        """Return the next lines, about a piece of them."""
+        found, size = [], 0
+        while size < self.PIECE and (line := self._source.readline(LINE_BYTES)):
+            refuse_endless(line)
+            found.append(line)
+            size += len(line)
+        return found
 
     def _counts(self, line: bytes) -> bool:
         """Tell whether a line is neither empty nor a comment."""

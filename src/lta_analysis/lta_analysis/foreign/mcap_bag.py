@@ -12,8 +12,8 @@ from lta_analysis.foreign.definitions import from_bag
 from lta_analysis.foreign.protocol import Passed, Raw, Reached
 from lta_bridge.bag.qos import Profile
 from lta_config.errors import BadInput
+from lta_config.files import parse_yaml
 from lta_config.import_file import Mapping as MappingFile
-import yaml
 
 LOOK = 2000  # messages between two movements of the bar
 
@@ -82,8 +82,8 @@ def _raw(bag: Bag, path: Path) -> dict[str, Raw]:
 def profiles(text: str) -> list[Profile]:
     """Return the profiles that rosbag2 wrote from version 9 on; older ones are numbers."""
     try:
-        told = yaml.safe_load(text)
-    except yaml.YAMLError:
+        told = parse_yaml(text, 'the QoS')
+    except BadInput:
         return []
     named = isinstance(told, list) and all(
         isinstance(one, dict) and isinstance(one.get('history'), str) for one in told

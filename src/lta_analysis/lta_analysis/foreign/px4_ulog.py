@@ -11,6 +11,7 @@ from pathlib import Path
 import struct
 from typing import Any
 
+from lta_analysis.foreign.bounded import bounded_memory, refuse_large
 from lta_analysis.foreign.clocks import CLOCK
 from lta_analysis.foreign.protocol import Tables
 from lta_analysis.foreign.table import Table, Times
@@ -21,6 +22,16 @@ from pyulog import ULog
 from pyulog.exceptions import ULogException
 
 MICROSECOND = 1_000  # ns
+# What pyulog raises over bytes that are no log.
+FAULTS = (
+    ValueError,
+    LookupError,
+    TypeError,
+    AttributeError,
+    ArithmeticError,
+    MemoryError,
+    RecursionError,
+)
 FACTS = {'sys_name': 'system', 'ver_hw': 'hardware', 'ver_sw': 'software'}  # theirs, ours
 
 
@@ -34,12 +45,13 @@ def opened(path: Path, mapping: MappingFile | None) -> Tables:
         If it cannot be read, or holds no message.
 
     """
+    refuse_large(path)
     said = io.StringIO()
     try:
         # pyulog prints what it finds damaged, and leaves open what it opens itself.
-        with contextlib.redirect_stdout(said), path.open('rb') as stream:
+        with contextlib.redirect_stdout(said), path.open('rb') as stream, bounded_memory():
             log = ULog(stream, None, True)
-    except (ULogException, struct.error, ValueError, LookupError, TypeError) as error:
+    except (ULogException, struct.error, *FAULTS) as error:
         reason = ' '.join(str(error).split()) or type(error).__name__
         raise BadInput(f"'{path}' cannot be read as a ULog ({reason}); copy it again.") from None
     timed = [data for data in log.data_list if 'timestamp' in data.data]

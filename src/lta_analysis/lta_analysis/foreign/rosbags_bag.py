@@ -13,8 +13,10 @@ from pathlib import Path
 from typing import Any, final
 
 from lta_analysis.foreign.bag_rows import BagTables, Decode, tables_of, wanted_tables
+from lta_analysis.foreign.bounded import bounded_memory
 from lta_analysis.foreign.definitions import from_store
 from lta_analysis.foreign.protocol import Passed, Raw, Reached
+from lta_analysis.foreign.rosbags_doubts import refuse
 from lta_bridge.bag.schemas import jazzy
 from lta_config.errors import BadInput
 from lta_config.import_file import Mapping as MappingFile
@@ -42,6 +44,7 @@ class RosbagsLog(BagTables):
     timed: Sequence[str] = ()
 
     def __init__(self, path: Path, mapping: MappingFile | None) -> None:
+        refuse(path)
         self._path = path
         self.notes: list[str] = []
         self.facts: dict[str, str] = {}
@@ -67,7 +70,7 @@ class RosbagsLog(BagTables):
     def _messages(self) -> Generator[Read, None, None]:
         """Yield reader, connection, log time in ns and raw message; faults are sentences."""
         try:
-            with AnyReader([self._path], default_typestore=jazzy()) as reader:
+            with bounded_memory(), AnyReader([self._path], default_typestore=jazzy()) as reader:
                 self._learn(reader)
                 for connection, log_time, data in reader.messages():
                     yield reader, connection, log_time, bytes(data)

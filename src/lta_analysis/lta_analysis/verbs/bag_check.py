@@ -4,8 +4,8 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
+from lta_analysis.plain_console import plain_console
 from lta_analysis.trust.told import Checked, checked_bags, show, to_json
-from rich.console import Console
 import typer
 
 
@@ -35,7 +35,7 @@ def check(
 
     Example: lta bag check runs/*/bag
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     done: list[Checked] = checked_bags(paths, robot, console)
     if json:
         sys.stdout.write(to_json(done) + '\n')

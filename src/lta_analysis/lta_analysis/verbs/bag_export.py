@@ -10,8 +10,8 @@ from lta_analysis.export.progress import ExportProgress
 from lta_analysis.export.run import Done, FORMATS, Order
 from lta_analysis.export.run import export as export_files
 from lta_analysis.out_option import folder
+from lta_analysis.plain_console import plain_console
 from lta_analysis.results_folder import results_folder
-from rich.console import Console
 import typer
 
 
@@ -59,7 +59,7 @@ def export(
 
     Example: lta bag export runs/20261120-lamp_room-1/bag --format mat --rate 50 --method linear
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     recording = open_recording(bag, robot)
     names = tuple(name.strip() for name in topics.split(',') if name.strip())
     target = results_folder(out, 'export')

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from lta_analysis.bag.folder import bag_in
 from lta_analysis.bag.info import bag_info, show
-from rich.console import Console
+from lta_analysis.plain_console import plain_console
 import typer
 
 
@@ -25,4 +25,4 @@ def info(
     if json:
         sys.stdout.write(found.to_json() + '\n')
     else:
-        show(found, Console())
+        show(found, plain_console())

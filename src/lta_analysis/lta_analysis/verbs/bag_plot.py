@@ -8,6 +8,7 @@ from typing import Annotated
 from lta_analysis.bag.channels import all_channels
 from lta_analysis.bag.flight import Flight, open_flight
 from lta_analysis.bag.folder import bag_in
+from lta_analysis.plain_console import plain_console
 from lta_analysis.plot.choice import between, by_unit, chosen, readable
 from lta_analysis.plot.page import page, write_page, write_png
 from lta_analysis.plot.terminal import listing, show
@@ -43,7 +44,7 @@ def plot(
 
     Example: lta bag plot BAG motors 'light/peaks/snr*' --from 5 --to 10 --png look.png
     """
-    console = Console()
+    console = plain_console()
     if not begin < end:
         raise BadInput(f'From {begin:g} s to {end:g} s there is nothing; give --from below --to.')
     flight = open_flight(bag_in(bag), robot)

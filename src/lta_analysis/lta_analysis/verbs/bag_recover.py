@@ -10,8 +10,8 @@ from lta_analysis.bag.folder import bag_in
 from lta_analysis.bag.recover import recover as mend
 from lta_analysis.bar import Bar
 from lta_analysis.out_option import folder
+from lta_analysis.plain_console import plain_console
 from lta_bridge.bag.storage import StorageFault
-from rich.console import Console
 from rich.progress import BarColumn, DownloadColumn, TextColumn, TimeRemainingColumn
 import typer
 
@@ -19,7 +19,7 @@ import typer
 @contextmanager
 def progress() -> Iterator[Callable[[int, int], None]]:
     """Show a bar on a terminal; what is yielded is told the bytes behind, and all of them."""
-    console = Console(stderr=True)
+    console = plain_console(stderr=True)
     columns = (TextColumn('recovering'), BarColumn(), DownloadColumn(), TimeRemainingColumn())
     with Bar(console, *columns) as bar:
         yield lambda done, total: bar.move(completed=done, total=total)
@@ -64,4 +64,4 @@ def recover(
         sys.stdout.write(found.to_json() + '\n')
         return
     for sentence in found.sentences():
-        Console().print(sentence, highlight=False, markup=False, soft_wrap=True)
+        plain_console().print(sentence, highlight=False, markup=False, soft_wrap=True)

@@ -2,9 +2,9 @@
 
 from typing import Annotated
 
+from lta_analysis.plain_console import plain_console
 from lta_config.topics import robot_topic
 from lta_graph.ros import calling
-from rich.console import Console
 import typer
 
 
@@ -29,6 +29,6 @@ def call(
     """
     answer = calling.call(robot_topic(robot, service), data)
     words = answer.message or ('done' if answer.success else 'not done')
-    Console().print(words, highlight=False, markup=False, soft_wrap=True)
+    plain_console().print(words, highlight=False, markup=False, soft_wrap=True)
     if not answer.success:
         raise typer.Exit(1)

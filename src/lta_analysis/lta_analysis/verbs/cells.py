@@ -9,6 +9,7 @@ from lta_analysis.energy.cells.rows import afforded, plain, ranking, trial
 from lta_analysis.energy.tables import show
 from lta_analysis.out_option import Out
 from lta_analysis.pictures_option import can_be_taken, Pictures
+from lta_analysis.plain_console import plain_console
 from lta_analysis.report.pictures import write_pictures
 from lta_analysis.results_folder import keep_json, page_line, results_folder
 from lta_analysis.typed import near, typed
@@ -18,7 +19,6 @@ from lta_config.errors import BadInput
 from lta_config.quantity import misfit, Quantity
 from lta_config.vehicle_file import load_vehicle_file
 from pydantic import ValidationError
-from rich.console import Console
 import typer
 
 
@@ -48,7 +48,7 @@ def cells(
 
     Example: lta cells --budget "50 g"
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     can_be_taken(pictures)
     mass, energy = weight(budget), load_vehicle_file(vehicle).energy
     if energy.charger is None:

@@ -12,6 +12,7 @@ from lta_analysis.cfd.tables import coefficients, patterns
 from lta_analysis.energy.tables import show
 from lta_analysis.out_option import Out
 from lta_analysis.pictures_option import can_be_taken, Pictures
+from lta_analysis.plain_console import plain_console
 from lta_analysis.report.pictures import write_pictures
 from lta_analysis.results_folder import all_at_once, can_be_made, page_line, results_folder
 from lta_analysis.typed import near, typed
@@ -82,7 +83,7 @@ def run(
 
     Example: lta cfd run gtmab --only heave --only both_up
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     can_be_taken(pictures)
     file, _ = load_tunnel_file(name)
     model = model_of(name, load_mount(mount) if mount else None)

@@ -12,6 +12,7 @@ from lta_analysis.cfd.tables import spheres
 from lta_analysis.energy.tables import show
 from lta_analysis.out_option import Out
 from lta_analysis.pictures_option import can_be_taken, Pictures
+from lta_analysis.plain_console import plain_console
 from lta_analysis.report.pictures import write_pictures
 from lta_analysis.results_folder import (
     all_at_once,
@@ -29,7 +30,6 @@ from lta_sim.cfd.solve import solve
 from lta_sim.cfd.stage import cache_folder, Stages
 from lta_sim.cfd.sweep_table import Point
 from lta_sim.cfd.validation import flows, Judged, judged, sphere
-from rich.console import Console
 import typer
 
 SETTINGS = {'wind': 'steady, {} cells', 'transient': 'transient, {} cells'}
@@ -58,7 +58,7 @@ def validate(
 
     Example: lta cfd validate --fidelity reference
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     can_be_taken(pictures)
     if fidelity is Fidelity.analytic:
         raise BadInput('A sphere by hand is the measurement itself; take preview or reference.')

@@ -21,6 +21,7 @@ from lta_analysis.challenge.told import (
     markdown as markdown_of,
 )
 from lta_analysis.out_option import folder, Out
+from lta_analysis.plain_console import plain_console
 from lta_analysis.platforms.run import processors
 from lta_analysis.report.frame import written
 from lta_analysis.results_folder import page_line, results_folder
@@ -77,7 +78,7 @@ def make(
 
     Example: lta challenge make --seed 1 --n 20 --out hidden
     """
-    console = Console()
+    console = plain_console()
     if not SHORTEST <= seconds[0] <= seconds[1] <= 600.0:
         raise BadInput(f'Flights are {SHORTEST:g} to 600 s long; give the shorter length first.')
     order = Order(seed, n, row, None if kind is None else kind_of(kind), seconds)
@@ -116,7 +117,7 @@ def score(
     """
     if len({place.resolve() for place in folders}) < len(folders):
         raise BadInput('A challenge is given twice and would be counted twice; give each once.')
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     done: list[Scored] = []
     for place in folders:
         with _bar(console, 'studying', 1) as bar:

@@ -20,11 +20,11 @@ from lta_analysis.compare.terminal import show
 from lta_analysis.compare.timing import Align
 from lta_analysis.compare.told import to_dict
 from lta_analysis.out_option import folder
+from lta_analysis.plain_console import plain_console
 from lta_analysis.results_folder import keep_json, page_line, results_folder
 from lta_bridge.bag.writer import empty_folder
 from lta_config.errors import BadInput
 from lta_config.quantity import UNITS
-from rich.console import Console
 import typer
 
 QUANTITY = re.compile(r'\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*')
@@ -96,7 +96,7 @@ def compare(
 
     Example: lta compare BAG BAG --pair odom=ground_truth/odom
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     asked = Asked(
         tuple(pair or ()), tuple(topic or ()), align,
         None if offset is None else quantity(offset, '--offset', 's'),

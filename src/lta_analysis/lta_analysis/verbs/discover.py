@@ -15,6 +15,7 @@ from lta_analysis.discovery.results.terminal import found_words, show
 from lta_analysis.discovery.run import Asked, Discovered
 from lta_analysis.discovery.run import discover as discovered
 from lta_analysis.out_option import Out
+from lta_analysis.plain_console import plain_console
 from lta_analysis.results_folder import can_be_made, page_line, results_folder
 from lta_analysis.typed import near, typed
 from lta_config.errors import BadInput
@@ -84,7 +85,7 @@ def discover(
 
     Example: lta discover --vehicle gtmab --between linear_drag.surge quadratic_drag.surge
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     bags: dict[Role, list[Path]] = {
         'train': train or [], 'confirm': confirm or [], 'holdout': holdout or [],
     }  # fmt: skip

@@ -7,7 +7,7 @@ import sys
 from typing import Annotated
 
 from lta_analysis.doctor import checks, show, status
-from rich.console import Console
+from lta_analysis.plain_console import plain_console
 import typer
 
 
@@ -19,7 +19,7 @@ def doctor(
 
     Exit status 1 if something keeps LTA from flying; warnings do not.
     """
-    console = Console()
+    console = plain_console()
     waiting = console.status('looking at this machine ...')
     with waiting if console.is_terminal else nullcontext():
         results = list(checks())

@@ -3,9 +3,9 @@
 import sys
 from typing import Annotated
 
+from lta_analysis.plain_console import plain_console
 from lta_sim.effects import EFFECTS, get
 from lta_sim.effects_page import KINDS, page, summary
-from rich.console import Console
 from rich.table import Table
 import typer
 
@@ -34,7 +34,7 @@ def effects(
 
 def show_all() -> None:
     """Print a line for each effect, kind by kind."""
-    console = Console()
+    console = plain_console()
     for kind, (title, about) in KINDS.items():
         table = Table(title=f'{title}: {about}', title_justify='left', box=None)
         table.add_column('effect', no_wrap=True)
@@ -48,7 +48,7 @@ def show_all() -> None:
 
 def show(name: str) -> None:
     """Print one effect with all its parameters."""
-    console, effect = Console(), get(name)
+    console, effect = plain_console(), get(name)
     console.print(f'{name}: {summary(effect)}.\n', markup=False)
     table = Table(box=None)
     for column in ('parameter', 'unit', 'null', 'from', 'to', 'spread', 'source'):

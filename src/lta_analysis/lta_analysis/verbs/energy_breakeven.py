@@ -9,12 +9,12 @@ from lta_analysis.energy.breakeven.study import map_of, table
 from lta_analysis.energy.tables import show
 from lta_analysis.out_option import Out
 from lta_analysis.pictures_option import can_be_taken, Pictures
+from lta_analysis.plain_console import plain_console
 from lta_analysis.report.pictures import write_pictures
 from lta_analysis.results_folder import keep_json, page_line, results_folder
 from lta_analysis.typed import near, typed
 from lta_bridge.bag.writer import empty_folder
 from lta_sim.vehicle import load_vehicle
-from rich.console import Console
 import typer
 
 BUDGET = 48.8  # g: seed paper, its array of two ANYSOLAR panels
@@ -44,7 +44,7 @@ def breakeven(
 
     Example: lta energy breakeven --cell kitronik --budget 60
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     can_be_taken(pictures)
     names = list(dict.fromkeys(cell or CELLS))
     found = map_of(load_vehicle(vehicle), names, 1e-3 * budget)

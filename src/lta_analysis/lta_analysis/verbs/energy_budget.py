@@ -11,11 +11,11 @@ from lta_analysis.energy.tables import show
 from lta_analysis.energy.watched import watched
 from lta_analysis.out_option import Out
 from lta_analysis.pictures_option import can_be_taken, Pictures
+from lta_analysis.plain_console import plain_console
 from lta_analysis.report.pictures import write_pictures
 from lta_analysis.results_folder import keep_json, page_line, results_folder
 from lta_analysis.typed import near, typed
 from lta_bridge.bag.writer import empty_folder
-from rich.console import Console
 import typer
 
 
@@ -40,7 +40,7 @@ def budget(
 
     Example: lta energy budget --seeds 1
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     can_be_taken(pictures)
     target = empty_folder(results_folder(out, 'budget'))
     found = watched(lambda tick: find_budget(vehicle, beside, seeds, tick), count(seeds), console)

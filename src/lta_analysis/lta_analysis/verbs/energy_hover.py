@@ -10,11 +10,11 @@ from lta_analysis.energy.hover.run import compare
 from lta_analysis.energy.tables import show
 from lta_analysis.out_option import Out
 from lta_analysis.pictures_option import can_be_taken, Pictures
+from lta_analysis.plain_console import plain_console
 from lta_analysis.report.pictures import write_pictures
 from lta_analysis.results_folder import keep_json, page_line, results_folder
 from lta_analysis.typed import near, typed
 from lta_bridge.bag.writer import empty_folder
-from rich.console import Console
 from rich.progress import Progress
 import typer
 
@@ -40,7 +40,7 @@ def hover(
 
     Example: lta energy hover --seconds 60
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     can_be_taken(pictures)
     target = empty_folder(results_folder(out, 'hover'))
     with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:

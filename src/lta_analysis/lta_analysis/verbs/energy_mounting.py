@@ -12,12 +12,12 @@ from lta_analysis.energy.tables import show, turned
 from lta_analysis.energy.watched import watched
 from lta_analysis.out_option import Out
 from lta_analysis.pictures_option import can_be_taken, Pictures
+from lta_analysis.plain_console import plain_console
 from lta_analysis.report.pictures import write_pictures
 from lta_analysis.results_folder import keep_json, page_line, results_folder
 from lta_analysis.typed import near, typed
 from lta_bridge.bag.writer import empty_folder
 from lta_config.files import find, load_yaml
-from rich.console import Console
 import typer
 import yaml
 
@@ -55,7 +55,7 @@ def mounting(
 
     Example: lta energy mounting --seeds 1
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     can_be_taken(pictures)
     names = list(dict.fromkeys(mount or MOUNTS))
     order = Order(load_yaml(find('vehicle', vehicle)), names, misplaced / 100.0, seeds)

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from lta_analysis.bag.flight import open_flight
 from lta_analysis.flight import Flown, fly_once, Order
 from lta_analysis.out_option import Out
+from lta_analysis.plain_console import plain_console
 from lta_analysis.progress import FlightProgress
 from lta_analysis.report.outcome import sentence
 from lta_analysis.report.page import write_page
@@ -58,7 +59,7 @@ def fly(
 
     Example: lta fly --seed 3 --time realtime
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     pace = time or ('realtime' if live else 'lockstep')
     order = Order(vehicle, scenario, strategy, seed, pace, out, live_port if live else None)
     with FlightProgress(console) as progress:

@@ -10,6 +10,7 @@ from typing import Annotated
 from lta_analysis.bar import Bar
 from lta_analysis.hardware.drone import DEADLINE
 from lta_analysis.hardware.motor import ended_by_signals, MotorBench, Turned
+from lta_analysis.plain_console import plain_console
 from lta_bridge.crazyflie.cflib_link import CflibLink
 from lta_bridge.crazyflie.claim import Claim
 from lta_bridge.crazyflie.link import Link, LinkFailed
@@ -48,7 +49,7 @@ def bench(
 
     Example: lta hardware bench m1 --duty 0.1 --seconds 2
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     file, rotors = load_crazyflie(vehicle), load_vehicle(vehicle).rotor_names
     if motor not in MOTORS:
         raise unknown('motor', motor, list(MOTORS))

@@ -8,6 +8,7 @@ from lta_analysis.bar import Bar
 from lta_analysis.doctor import show, status
 from lta_analysis.hardware.check import Asked, checked
 from lta_analysis.hardware.figures import diode_rows, stream_rows, to_json
+from lta_analysis.plain_console import plain_console
 from lta_bridge.devices import rules, RULES_FILE
 from lta_vlc.demodulation import Demodulation
 from rich.console import Console
@@ -57,7 +58,7 @@ def check(
             'trigger, and plug in anew.\n'
         )
         return
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     asked = Asked(uri, port, vehicle, frequency, seconds)
     columns = (TextColumn('{task.description}'), BarColumn())
     with Bar(console, *columns, begin='looking around', total=1.0) as bar:

@@ -13,6 +13,7 @@ from lta_analysis.hardware.turntable import offset, read, studied, Table
 from lta_analysis.hardware.turntable_page import claims, gain_rows, write_page
 from lta_analysis.light.bearing.study_page import rows
 from lta_analysis.out_option import Out
+from lta_analysis.plain_console import plain_console
 from lta_analysis.results_folder import keep_json, page_line, results_folder
 from lta_analysis.typed import near, typed
 from lta_analysis.verbs.light_study import show
@@ -22,7 +23,6 @@ from lta_config.errors import BadInput
 from lta_config.vehicle_file import load_vehicle_file
 from lta_vlc.demodulation import Demodulation
 from lta_vlc.diodes import diodes_of
-from rich.console import Console
 from rich.progress import TextColumn
 import typer
 
@@ -63,7 +63,7 @@ def light(
 
     Example: lta hardware light bench_bag --step 22.5 --hold 6
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     if bool(step) != bool(hold) or (rate and step):
         raise BadInput(
             'How the table turned is told twice or by half; give --rate alone, or --step with '

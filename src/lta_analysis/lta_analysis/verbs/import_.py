@@ -7,6 +7,7 @@ import sys
 from typing import Annotated, get_args, TYPE_CHECKING
 
 from lta_analysis.out_option import Out
+from lta_analysis.plain_console import plain_console
 from lta_analysis.results_folder import results_folder
 from lta_analysis.typed import near, typed
 from lta_config.errors import BadInput
@@ -64,7 +65,7 @@ def import_(
     from lta_analysis.foreign.progress import ImportProgress
     from lta_analysis.foreign.run import import_all, Order
 
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     if not is_name(robot):
         raise BadInput(f"Robot '{robot}' is no name for topics; use letters and digits.")
     name = sources[0].name.split('.')[0] or 'log'

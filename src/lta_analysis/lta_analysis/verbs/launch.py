@@ -8,11 +8,11 @@ from typing import Annotated
 
 from lta_analysis.flight import refused
 from lta_analysis.graph import run_graph
+from lta_analysis.plain_console import plain_console
 from lta_analysis.preflight import check
 from lta_config.errors import BadInput
 from lta_config.files import find
 from lta_graph.launch_file import arguments, load
-from rich.console import Console
 from rich.table import Table
 import typer
 
@@ -82,4 +82,4 @@ def show(path: Path) -> None:
     for item in arguments(path):
         default = 'required' if item.default is None else item.default
         table.add_row(item.name, default, ' '.join(item.choices), item.description)
-    Console().print(table)
+    plain_console().print(table)

@@ -11,6 +11,7 @@ from lta_analysis.light.bearing.page import far, rows, write_page
 from lta_analysis.light.bearing.places import made_of, PLACES
 from lta_analysis.light.bearing.run import Asked, judge, to_json
 from lta_analysis.out_option import folder
+from lta_analysis.plain_console import plain_console
 from lta_analysis.results_folder import keep_json, page_line, results_folder
 from lta_analysis.typed import near
 from lta_bridge.bag.writer import empty_folder
@@ -68,7 +69,7 @@ def bearing(
 
     Example: lta light bearing --place indoor --diodes 8 --range any --poses 10000
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     asked = Asked(
         vehicle,
         tuple(dict.fromkeys(place or PLACES)),

@@ -14,6 +14,7 @@ from lta_analysis.light.evaluation.run import evaluate as fly_all
 from lta_analysis.light.evaluation.run import Evaluated, Order
 from lta_analysis.light.evaluation.sets import SETS
 from lta_analysis.out_option import folder
+from lta_analysis.plain_console import plain_console
 from lta_analysis.report.pictures import write_pictures
 from lta_analysis.results_folder import keep_json, page_line
 from lta_bridge.bag.writer import empty_folder
@@ -72,7 +73,7 @@ def evaluate(
 
     Example: lta light evaluate --seeds 10 --sets indoors winds
     """
-    console = Console(stderr=json or markdown)
+    console = plain_console(stderr=json or markdown)
     if pictures is not None:
         find_chromium()  # says what is missing before anything flies
         empty_folder(pictures)

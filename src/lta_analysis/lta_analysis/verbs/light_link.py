@@ -10,6 +10,7 @@ from typing import Annotated
 from lta_analysis.light.link.measured import Link, link_of
 from lta_analysis.light.link.page import cells, HEADS, write_page
 from lta_analysis.out_option import folder
+from lta_analysis.plain_console import plain_console
 from lta_analysis.results_folder import keep_json, page_line, results_folder
 from lta_analysis.typed import near, typed
 from lta_bridge.bag.writer import empty_folder
@@ -61,7 +62,7 @@ def link(
 
     Example: lta light link --scenario lamp_room --distance 3 --distance 7
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     scenes = list(dict.fromkeys(scenario or SCENES))
     distances = sorted(set(distance or DISTANCES))
     read = [load_scenario(name) for name in scenes]

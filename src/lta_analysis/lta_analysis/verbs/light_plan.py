@@ -17,6 +17,7 @@ from lta_analysis.light.plan.page import percent, title, write_page
 from lta_analysis.light.plan.scene import scene_text
 from lta_analysis.light.plan.told import plain
 from lta_analysis.out_option import Out
+from lta_analysis.plain_console import plain_console
 from lta_analysis.report.pictures import write_pictures
 from lta_analysis.results_folder import (
     all_at_once,
@@ -80,7 +81,7 @@ def plan(
 
     Example: lta light plan warehouse --overlap 2 --lamps 30
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     if pictures is not None:
         find_chromium()  # says what is missing before anything is done
         empty_folder(pictures)

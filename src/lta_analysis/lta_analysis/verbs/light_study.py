@@ -11,6 +11,7 @@ from lta_analysis.light.bearing.places import made_of, PLACES
 from lta_analysis.light.bearing.study import COUNTS, DIRECTIONS, READINGS, study, verdicts
 from lta_analysis.light.bearing.study_page import claims, DEFECT, rows, write_page
 from lta_analysis.out_option import folder
+from lta_analysis.plain_console import plain_console
 from lta_analysis.results_folder import keep_json, page_line, results_folder
 from lta_analysis.typed import near
 from lta_bridge.bag.writer import empty_folder
@@ -46,7 +47,7 @@ def light_study(
 
     Example: lta light study --seed 7
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     for place in PLACES.values():
         made_of(place, vehicle, 1)
     target = empty_folder(results_folder(out, 'study'))

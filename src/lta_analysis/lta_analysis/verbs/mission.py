@@ -11,10 +11,10 @@ from lta_analysis.mission.page import tables, title, write_page
 from lta_analysis.mission.run import gain, order_of, run, SCHEDULES
 from lta_analysis.out_option import Out
 from lta_analysis.pictures_option import can_be_taken, Pictures
+from lta_analysis.plain_console import plain_console
 from lta_analysis.report.pictures import write_pictures
 from lta_analysis.results_folder import keep_json, page_line, results_folder
 from lta_analysis.typed import near, typed
-from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 import typer
 
@@ -51,7 +51,7 @@ def mission(
 
     Example: lta mission greenhouse --days 2 --seeds 5
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     can_be_taken(pictures)
     schedules = SCHEDULES if schedule == 'all' else (schedule,)
     order = order_of(name, days, range(seed, seed + seeds), schedules)

@@ -7,6 +7,7 @@ from typing import Annotated
 
 from lta_analysis.browser import find_chromium
 from lta_analysis.out_option import Out
+from lta_analysis.plain_console import plain_console
 from lta_analysis.platforms.page import Told, write_page
 from lta_analysis.platforms.run import check, fly_all, jobs, printed, processors, Row
 from lta_analysis.platforms.summary import reversals
@@ -17,7 +18,6 @@ from lta_analysis.typed import typed
 from lta_bridge.bag.writer import empty_folder
 from lta_bridge.provenance import commit
 from lta_config.comparison_file import load_comparison
-from rich.console import Console
 from rich.progress import track
 import typer
 
@@ -54,7 +54,7 @@ def platforms(
 
     Example: lta platforms --seeds 3
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     if pictures is not None:
         find_chromium()  # says what is missing before anything flies
         empty_folder(pictures)

@@ -7,6 +7,7 @@ from typing import Annotated
 from lta_analysis.bag.flight import Flight, open_flight
 from lta_analysis.bag.folder import bag_in
 from lta_analysis.out_option import folder
+from lta_analysis.plain_console import plain_console
 from lta_analysis.replay.given import settings_of
 from lta_analysis.replay.order import nodes_of, Order
 from lta_analysis.replay.page import figure, largest, write_page
@@ -74,7 +75,7 @@ def replay(
     Example: lta replay runs/flight --nodes demodulator,navigator --against --set
     demodulator.window=4
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     names = nodes_of(nodes)
     order = Order(
         bag_in(bag).absolute(), names, settings_of(set_ or [], names), vehicle, gains, strategy,

@@ -6,10 +6,10 @@ from typing import Annotated
 from lta_analysis.bag.flight import chosen
 from lta_analysis.bag.folder import bag_in
 from lta_analysis.bag.reader import read_bag
+from lta_analysis.plain_console import plain_console
 from lta_analysis.report.page import write_page
 from lta_analysis.report.pictures import write_pictures
 from lta_bridge.bag.writer import empty_folder
-from rich.console import Console
 import typer
 
 
@@ -42,7 +42,7 @@ def report(
     if pictures is not None:
         empty_folder(pictures)
     write_page(bag, page, robot)
-    console = Console()
+    console = plain_console()
     console.print(f'Page {page}', highlight=False, soft_wrap=True)
     if pictures is not None:
         for picture in write_pictures(page, pictures):

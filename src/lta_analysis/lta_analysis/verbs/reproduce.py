@@ -10,6 +10,7 @@ from lta_analysis.bar import Bar
 from lta_analysis.energy.tables import show, Table
 from lta_analysis.out_option import folder
 from lta_analysis.pictures_option import can_be_taken, Pictures
+from lta_analysis.plain_console import plain_console
 from lta_analysis.platforms.run import processors
 from lta_analysis.report.pictures import write_pictures
 from lta_analysis.reproduce import figures_file, lines, markdown
@@ -63,7 +64,7 @@ def reproduce(
 
     Example: lta reproduce --quick
     """
-    console = Console(stderr=json or as_markdown)
+    console = plain_console(stderr=json or as_markdown)
     rows = rows_of(names or [])
     if listed:
         show(list_table(rows), console)

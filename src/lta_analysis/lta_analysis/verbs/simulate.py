@@ -5,12 +5,12 @@ import sys
 from typing import Annotated
 
 from lta_analysis.out_option import Out
+from lta_analysis.plain_console import plain_console
 from lta_analysis.progress import FlightProgress
 from lta_analysis.report.page import write_page
 from lta_analysis.simulate import simulate_once, Simulated
 from lta_analysis.verbs.fly import printed, show_files, told
 from lta_control.strategies import STRATEGIES
-from rich.console import Console
 import typer
 
 KNOWN = ', '.join(STRATEGIES)
@@ -49,7 +49,7 @@ def simulate(
 
     Example: lta simulate --seed 3 --set 'vehicle.trim.heaviness=4 g'
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     order = Simulated(
         vehicle, scenario, strategy, gains, seed, tuple(changes or ()), out, record=bag
     )

@@ -9,6 +9,7 @@ from typing import Annotated
 
 from lta_analysis.fleet.fly import Device
 from lta_analysis.out_option import folder
+from lta_analysis.plain_console import plain_console
 from lta_analysis.results_folder import page_line
 from lta_analysis.sweep.flown import FAILED
 from lta_analysis.sweep.page import title
@@ -74,7 +75,7 @@ def sweep(
 
     Example: lta sweep heaviness --workers 2
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     asked = duties_in(duties)
     refuse_both(device, asked, workers, scheduler)
     order = Order(file, out, workers, scheduler, retry, page, device, asked)

@@ -8,6 +8,7 @@ import sys
 from typing import Annotated, Any
 
 from lta_analysis.out_option import folder
+from lta_analysis.plain_console import plain_console
 from lta_analysis.results_folder import page_line
 from lta_analysis.tune.compare import difference, NAMES
 from lta_analysis.tune.exam import Case, Scene
@@ -110,7 +111,7 @@ def tune(
 
     Example: lta tune gtmab --most '6 g' --budget 121 --out gains.yaml
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     asked = [f'--least={1e3 * least:g} g', f'--most={1e3 * most:g} g', f'--cases={cases}']
     asked += [f'--budget={budget}', f'--seed={seed}', *(f'--number={n}' for n in numbers or ())]
     start = [] if gains is None else ['--gains', gains]

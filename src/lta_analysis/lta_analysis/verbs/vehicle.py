@@ -7,6 +7,7 @@ from typing import Annotated
 
 from lta_analysis.bag.flight import open_flight
 from lta_analysis.bag.folder import bag_in
+from lta_analysis.plain_console import plain_console
 from lta_analysis.report.frame import written
 from lta_analysis.report.scene import parsed
 from lta_analysis.tune.limit import helium_limit
@@ -61,7 +62,7 @@ def new(
     """
     path = out or Path(f'{name}.yaml')
     write_start(name, model, path)
-    console = Console()
+    console = plain_console()
     console.print(f'File {path}', highlight=False, soft_wrap=True)
     line = typed('vehicle', 'check', _as_file(path))
     console.print(f'Put in your own numbers, then: {line}', highlight=False, soft_wrap=True)
@@ -95,7 +96,7 @@ def show(
 
     Example: lta vehicle show gtmab --out gtmab.html
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     found = load_vehicle(name)
     held = _held(name, console) if gains else None
     sheet = sheet_of(found, held)
@@ -138,7 +139,7 @@ def check(name: Named, json: Json = False) -> None:
     else:
         for fault in found.faults:
             sys.stderr.write(f'{path}: {fault}\n')
-        console = Console()
+        console = plain_console()
         terminal.show_warnings(found.warnings, console)
         if not found.faults:
             console.print(
@@ -184,7 +185,7 @@ def diff(
         _print(plain_difference(found))
         return
     label = f'{second} changed' if changes or swaps else second
-    terminal.show_difference(found, (name, label), Console())
+    terminal.show_difference(found, (name, label), plain_console())
 
 
 @vehicle.command()
@@ -222,7 +223,7 @@ def trim(
         _print({'vehicle': known.file.name, 'poses': topic, 'simulated': simulated,
                 **plain_weighing(found)})  # fmt: skip
         return
-    Console().print(told(found, known.file.name, simulated), highlight=False, soft_wrap=True)
+    plain_console().print(told(found, known.file.name, simulated), highlight=False, soft_wrap=True)
 
 
 @vehicle.command()
@@ -243,7 +244,7 @@ def urdf(
         sys.stdout.write(text)
         return
     written(text, out)
-    Console().print(f'File {out}', highlight=False, markup=False, soft_wrap=True)
+    plain_console().print(f'File {out}', highlight=False, markup=False, soft_wrap=True)
 
 
 def _print(content: object) -> None:

@@ -9,6 +9,7 @@ from typing import Annotated
 
 from lta_analysis.bar import Bar
 from lta_analysis.out_option import folder
+from lta_analysis.plain_console import plain_console
 from lta_analysis.results_folder import keep_json, page_line, results_folder
 from lta_analysis.typed import near
 from lta_analysis.wind.limits import Asked, Limits, measured, ticks, to_json
@@ -79,7 +80,7 @@ def wind(
 
     Example: lta wind gtmab skye --roughness 0.03 --roughness 0.3
     """
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     asked = Asked(
         tuple(dict.fromkeys(vehicles or known('vehicles'))),
         tuple(sorted(set(roughness or ROUGHNESS))),

@@ -4,13 +4,13 @@ from pathlib import Path
 from typing import Final
 
 from lta_config.errors import BadInput
+from lta_config.limits import STL_BYTES, STL_TRIANGLES
 from lta_sim.cfd.crossing import crossing
 import numpy as np
 import trimesh
 
 UNITS: Final = {'m': 1.0, 'cm': 1e-2, 'mm': 1e-3}
 LARGEST, SMALLEST = 30.0, 2e-3  # m: no part of a drone is outside
-TRIANGLES: Final = 500_000
 
 
 def read_stl(path: Path, unit: str) -> trimesh.Trimesh:
@@ -35,12 +35,19 @@ def read_stl(path: Path, unit: str) -> trimesh.Trimesh:
         raise BadInput(
             f'There is no STL file {path}; check the path, it is beside its tunnel file.'
         )
+    if path.stat().st_size > STL_BYTES:
+        raise BadInput(f'{path} is larger than {STL_BYTES} bytes; draw it with fewer triangles.')
     try:
-        mesh = trimesh.load_mesh(path, file_type='stl')
+        with np.errstate(all='ignore'):  # numbers beyond any drone, which are refused below
+            mesh = trimesh.load_mesh(path, file_type='stl')
     except Exception as error:  # whatever the reader makes of whatever is in there
         raise BadInput(f'{path} cannot be read as STL ({error}); export it again.') from None
-    if not isinstance(mesh, trimesh.Trimesh) or not 4 <= len(mesh.faces) <= TRIANGLES:
-        raise BadInput(f'{path} has no surface of 4 to {TRIANGLES} triangles; export it again.')
+    if not isinstance(mesh, trimesh.Trimesh) or not 4 <= len(mesh.faces) <= STL_TRIANGLES:
+        raise BadInput(
+            f'{path} has no surface of 4 to {STL_TRIANGLES} triangles; export it again.'
+        )
+    if not np.isfinite(mesh.vertices).all():
+        raise BadInput(f'{path} has corners that are no numbers; export it again.')
     mesh.vertices *= UNITS[unit]
     return closed(mesh, str(path), unit)
 

@@ -8,10 +8,11 @@ from lta_analysis.bag.channels import Channel
 from lta_analysis.discovery.flights.measured import Stream, Streams
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_config.errors import BadInput
+from lta_config.files import checked, parse_yaml
+from lta_config.import_file import Mapping as MappingFile
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
-import yaml
 
 Array = NDArray[np.float64]
 
@@ -69,13 +70,16 @@ def _mass(channels: Mapping[str, Channel]) -> Stream | None:
 def told_in_newtons(provenance: Mapping[str, str]) -> bool | None:
     """Tell whether an import has the propellers' efforts in newtons; None where it is not said."""
     text = provenance.get('mapping_file')
-    mapping = yaml.safe_load(text) if text else None
-    if not isinstance(mapping, dict):
+    if not text:
         return None
-    for topic in mapping.get('topics', ()):
-        if topic.get('topic') == 'motors':
-            efforts = [each.get('effort', {}) for each in topic.get('actuators', {}).values()]
-            return any(each.get('unit') in NEWTONS for each in efforts)
+    try:
+        mapping = checked(MappingFile, parse_yaml(text, 'The mapping'), 'The mapping')
+    except BadInput:  # of another version, or somebody else's
+        return None
+    for entry in mapping.topics:
+        if entry.topic == 'motors':
+            efforts = [each.effort for each in (entry.actuators or {}).values()]
+            return any(each is not None and each.unit in NEWTONS for each in efforts)
     return None
 
 

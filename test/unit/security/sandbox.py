@@ -1,0 +1,114 @@
+"""
+A place in which `lta` meets hostile files: bounded, and watched for what it leaves behind.
+
+Run as a program it is the process that has all verbs loaded and forks one for each command.
+"""
+
+from dataclasses import dataclass
+import importlib
+import json
+import os
+from pathlib import Path
+import resource
+import signal
+import subprocess
+import sys
+import traceback
+
+MEMORY = 1_000_000  # kB that any verb may take for any hostile file, beyond what it takes to load
+CPU = 20  # s that it may calculate; most need a hundredth of it
+PATIENCE = 300  # wall s, on however busy a machine; a verb that waits for ever is ended
+DISK = 1 << 28  # bytes of a file that it may write
+STREAMS = {1: '.out', 2: '.err'}
+VERBS = 'bag_check bag_export bag_info bag_plot bag_recover cfd_run compare import_ light_plan'
+VERBS += ' mission replay report simulate sweep vehicle'
+LOADED = ['app', *(f'verbs.{name}' for name in VERBS.split()), 'foreign.run']
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a command: status, both streams, memory beyond loading [kB], CPU time [s]."""
+
+    status: int
+    out: str
+    err: str
+    grown: int
+    cpu: float
+
+
+class Sandbox:
+    """Forks commands from one process; `with Sandbox() as sandbox: sandbox.run(words, folder)`."""
+
+    def __enter__(self):
+        environment = os.environ | {'PYTHONPATH': os.pathsep.join(sys.path), 'COLUMNS': '200'}
+        self._server = subprocess.Popen(
+            [sys.executable, __file__],
+            env=environment,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        return self
+
+    def __exit__(self, *_):
+        self._server.stdin.close()
+        self._server.wait()
+
+    def run(self, words, folder):
+        """Run one command line in a folder, in a process of its own."""
+        order = {'words': list(map(str, words)), 'folder': str(folder)}
+        self._server.stdin.write(json.dumps(order) + '\n')
+        self._server.stdin.flush()
+        told = json.loads(self._server.stdout.readline())
+        places = [Path(folder, name) for name in STREAMS.values()]
+        streams = [place.read_text(errors='replace') for place in places]
+        for place in places:
+            place.unlink()
+        return Outcome(told['status'], *streams, told['grown'], told['cpu'])
+
+
+def serve():
+    """Fork a process for each order on stdin, and tell on stdout what became of it."""
+    for name in LOADED:
+        importlib.import_module(f'lta_analysis.{name}')
+    pages = int(Path('/proc/self/statm').read_text().split()[1])
+    loaded = pages * resource.getpagesize() // 1024
+    for line in sys.stdin:
+        order = json.loads(line)
+        child = os.fork()
+        if child == 0:
+            command(order['words'], order['folder'])
+        _, status, used = os.wait4(child, 0)
+        told = {
+            'status': os.waitstatus_to_exitcode(status),
+            'grown': used.ru_maxrss - loaded,
+            'cpu': used.ru_utime + used.ru_stime,
+        }
+        sys.stdout.write(json.dumps(told) + '\n')
+        sys.stdout.flush()
+
+
+def command(words, folder):
+    """Run a command line as `lta` does, within bounds, and end this process."""
+    os.chdir(folder)
+    for number, name in STREAMS.items():
+        os.dup2(os.open(name, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), number)
+    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+    resource.setrlimit(resource.RLIMIT_CPU, (CPU, CPU))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (DISK, DISK))
+    signal.alarm(PATIENCE)
+    sys.argv = ['lta', *words]
+    try:
+        from lta_analysis.app import status
+
+        code = status()
+    except BaseException:
+        traceback.print_exc()
+        code = 1
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code)
+
+
+if __name__ == '__main__':
+    serve()
