@@ -127,7 +127,7 @@ def load_yaml(path: Path) -> Any:  # noqa: ANN401 - YAML holds anything
 
     """
     if path.exists() and not path.is_file():  # a pipe would be waited for, a device has no end
-        raise BadInput(f'{path} is no plain file; give one.')
+        raise BadInput(f'{path} cannot be read: it is no plain file; give one.')
     try:
         with path.open('rb') as stream:
             # One byte more tells a larger file, and no more of it is read.

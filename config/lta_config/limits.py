@@ -15,7 +15,7 @@ YAML_DIGITS: Final = 400  # of a number; the largest that a computer calculates 
 # Recordings
 CHUNK_BYTES: Final = 1 << 27  # of a chunk or message, unpacked
 NOTE_BYTES: Final = 1 << 24  # of a schema, channel or metadata record
-CHANNELS: Final = 2000  # of a recording; the largest robots have hundreds
+CHANNELS: Final = 4000  # of a recording; the largest robots have hundreds
 SUMMARY_BYTES: Final = 1 << 28  # of the directory at the end of a recording
 DEFINITION_BYTES: Final = 250_000  # of the text that defines a message type
 ARRAY_PARTS: Final = 4096  # of its fixed arrays of texts or messages, each of which becomes code

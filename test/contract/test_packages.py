@@ -9,6 +9,7 @@ import sys
 
 from catkin_pkg.package import parse_package
 from lta_analysis.doctor.machine import python
+from lta_config.version import VERSION
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 import pytest
@@ -203,6 +204,7 @@ def test_cores_know_no_ros(path):
 
 def test_one_version_everywhere():
     (version,) = {setup_of(folder)['version'] for folder in FOLDERS}
+    assert version == VERSION
     assert yaml.safe_load((ROOT / 'CITATION.cff').read_text())['version'] == version
     heading = re.compile(rf'^## \[(Unreleased|{re.escape(version)})\]', re.MULTILINE)
     assert heading.search((ROOT / 'CHANGELOG.md').read_text())

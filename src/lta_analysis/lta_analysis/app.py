@@ -7,12 +7,13 @@ Only the verb that is asked for is loaded: all of them take a second.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
-from importlib.metadata import version
 import inspect
 import sys
 from typing import Annotated, Any, Final, final
 
+from lta_analysis.without_ros import ANYTHING, is_of_ros, lacking, refuse
 from lta_config.errors import BadInput
+from lta_config.version import VERSION
 import typer
 from typer.core import TyperGroup
 
@@ -162,7 +163,13 @@ def add(app: typer.Typer, name: str, verb: Verb | Group, words: Sequence[str]) -
             add(group, inner, verb.verbs[inner], ())
         app.add_typer(group, name=name)
         return
-    found = verb.load()
+    try:
+        found = verb.load()
+    except ModuleNotFoundError as missing:
+        if not is_of_ros(missing.name):
+            raise
+        app.command(name, context_settings=ANYTHING, help=flowing(refuse))(refuse)
+        return
     if isinstance(found, typer.Typer):
         for command in found.registered_commands:
             command.help = flowing(command.callback)
@@ -195,7 +202,7 @@ def flowing(does: object) -> str:
 def tell_version(wanted: bool) -> None:
     """Print the version and leave, if that is wanted."""
     if wanted:
-        sys.stdout.write(f'lta {version("lta-analysis")}\n')
+        sys.stdout.write(f'lta {VERSION}\n')
         raise typer.Exit
 
 
@@ -220,6 +227,11 @@ def status() -> int:
         return STOPPED
     except typer.Exit as leave:
         return leave.exit_code
+    except ModuleNotFoundError as missing:
+        if not is_of_ros(missing.name):
+            raise
+        sys.stderr.write(f'{lacking(missing)}\n')
+        return 2
     except Exception as error:
         # Typer's own complaints about the command line are private to it but for this method.
         complaint = getattr(error, 'format_message', None)

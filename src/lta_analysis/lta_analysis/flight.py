@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 import json
 from pathlib import Path
-from typing import final, Literal, Protocol
+from typing import final, Literal, Protocol, TYPE_CHECKING
 
 from lta_analysis.blame import FLIGHT, Lookout
 from lta_analysis.results_folder import results_folder
@@ -25,10 +25,12 @@ from lta_graph.child import Ended
 from lta_graph.health import Fact, Level
 from lta_graph.launch_file import load
 from lta_graph.launcher import Launcher
-from lta_graph.ros.listener import DiagnosticsListener
 from lta_sim import in_scene
 from lta_sim.scenario import load_scenario
 from lta_sim.vehicle import load_vehicle
+
+if TYPE_CHECKING:
+    from lta_graph.ros.listener import DiagnosticsListener
 
 ROBOT = 'lta1'
 PATIENCE = 10.0  # wall seconds that the graph may stand still
@@ -106,6 +108,9 @@ def fly_once(order: Order, watcher: Watcher) -> Flown:
     folder = results_folder(order.out, f'{scenario.name}-{order.seed}')
     plan = load(find('launch file', 'fly', '.launch.yaml'), choices(order, folder / 'bag'))
     spare = viewers(plan)
+    # Here, and not above: who flies without a graph needs no ROS.
+    from lta_graph.ros.listener import DiagnosticsListener
+
     with Session(ROBOT), DiagnosticsListener(ROBOT) as listener:
         refuse_taken_ports(plan)
         empty_folder(folder)
@@ -134,7 +139,7 @@ def choices(order: Order, bag: Path) -> dict[str, str]:
 
 def watch(
     launcher: Launcher,
-    listener: DiagnosticsListener,
+    listener: 'DiagnosticsListener',
     watcher: Watcher,
     spare: Collection[str] = (),
 ) -> None:

@@ -8,13 +8,12 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 import time
-from typing import final
+from typing import final, TYPE_CHECKING
 
 from lta_analysis.flight import Flown, ROBOT, Watcher
 from lta_analysis.ingredients import gather, Ingredients, loop_of, write_files
 from lta_analysis.loop import Loop
 from lta_analysis.loop_view import LoopView
-from lta_analysis.messages import LoopRecorder
 from lta_analysis.report.results import Results, results_of
 from lta_analysis.results_folder import results_folder
 from lta_bridge.bag.storage import StorageFault
@@ -23,6 +22,9 @@ from lta_bridge.provenance import provenance
 from lta_config.errors import BadInput
 from lta_config.override import assignment
 from lta_config.topics import topic_table
+
+if TYPE_CHECKING:
+    from lta_analysis.messages import LoopRecorder
 
 LOOK = 0.1  # wall seconds between two looks of the watcher
 
@@ -60,6 +62,9 @@ def simulate_once(order: Simulated, watcher: Watcher) -> tuple[Flown, Results]:
         with ExitStack() as closing:
             recorder = None
             if order.record:
+                # Here, and not above: who wants no bag needs no ROS.
+                from lta_analysis.messages import LoopRecorder
+
                 empty_folder(folder)
                 origin = origin_of(order, made_of, folder)
                 writer = closing.enter_context(BagWriter(folder / 'bag', origin))
@@ -72,7 +77,7 @@ def simulate_once(order: Simulated, watcher: Watcher) -> tuple[Flown, Results]:
     return Flown(folder, folder / 'bag', outcome, sentence, pace), results_of(view)
 
 
-def fly(loop: Loop, recorder: LoopRecorder | None, watcher: Watcher) -> tuple[LoopView, float]:
+def fly(loop: Loop, recorder: 'LoopRecorder | None', watcher: Watcher) -> tuple[LoopView, float]:
     """Fly a loop to its end; return what it came through and its pace."""
     view = LoopView(loop)
     world = loop.world

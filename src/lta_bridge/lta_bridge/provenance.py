@@ -3,12 +3,13 @@
 from collections.abc import Mapping
 from datetime import datetime, UTC
 import hashlib
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 import platform
 import subprocess
 
 from lta_config.files import find, share
+from lta_config.version import VERSION
 
 CODE = (':/src', ':/config')  # what a result depends on, and no page does
 LIBRARIES = ('numpy', 'scipy', 'numba', 'mcap', 'ros-jazzy-rclpy')
@@ -49,13 +50,21 @@ def config_hash(folder: Path) -> str:
 def here() -> dict[str, str]:
     """Return what runs here and now: versions, commit, configuration, machine."""
     return {
-        'lta': version('lta_bridge'),
+        'lta': VERSION,
         'commit': commit(),
         'config_sha256': config_hash(share()),
         'created': datetime.now(UTC).isoformat(timespec='seconds'),
         'platform': f'{platform.platform()} Python {platform.python_version()}',
-        'libraries': ' '.join(f'{name} {version(name)}' for name in LIBRARIES),
+        'libraries': ' '.join(filter(None, map(release, LIBRARIES))),
     }
+
+
+def release(name: str) -> str:
+    """Return a library with its version; nothing of one that is not here, as ROS need not be."""
+    try:
+        return f'{name} {version(name)}'
+    except PackageNotFoundError:
+        return ''
 
 
 def provenance(vehicle: str, scenario: str, gains: str, **choices: str) -> dict[str, str]:

@@ -67,7 +67,7 @@ def test_a_good_file(write):
         ('name: !!python/name:os.system', 'is not valid YAML: could not determine a constructor'),
         ('? [a, b]\n: 1', "the key ['a', 'b'] must be one word."),
         ('name: 2024-13-45', 'is not valid YAML: month must be in 1..12.'),
-        ('name: ' + 5000 * '1', 'is not valid YAML: Exceeds the limit'),
+        ('name: ' + 5000 * '1', 'holds a number of more than 400 digits'),
         (100 * '[', 'is nested more than 50 deep; flatten it.'),
         (900_000 * '[', 'is nested more than 50 deep; flatten it.'),  # once a crash of libyaml
         (1_000_001 * ' ', 'is larger than 1000000 bytes'),

@@ -323,7 +323,8 @@ REFUSED = (recording_that_is_a_pipe, recording_that_is_a_device)
 # What is read as far as it goes, and whose faults are told.
 READ = (
     zstd_bomb, lz4_bomb, zstd_claims_much, zstd_wide_window, unknown_compression,
-    chunk_claims_much, record_claims_much, text_claims_much, map_claims_much, summary_points_outside,
+    chunk_claims_much, record_claims_much, text_claims_much, map_claims_much,
+    summary_points_outside,
     summary_in_itself, chunk_in_a_chunk, many_empty_records, channels_by_thousands,
     schemas_by_thousands, attachment_outside, times_beyond_the_end, type_that_is_code,
     type_with_lines, idl_that_is_code, constant_that_is_code, type_in_itself, types_in_a_circle,

@@ -53,6 +53,7 @@ class Sandbox:
     def __exit__(self, *_):
         self._server.stdin.close()
         self._server.wait()
+        self._server.stdout.close()
 
     def run(self, words, folder):
         """Run one command line in a folder, in a process of its own."""

@@ -2,12 +2,12 @@
 
 from datetime import datetime, UTC
 import hashlib
-from importlib.metadata import version
 from pathlib import Path
 
 from lta_bridge.provenance import commit
 from lta_config.files import find
 from lta_config.import_file import Mapping
+from lta_config.version import VERSION
 
 BLOCK = 1 << 20
 
@@ -37,7 +37,7 @@ def origin(
         'source_sha256': digest(source),
         'source_size': str(size(source)),
         'format': format_,
-        'importer': f'lta import {version("lta_analysis")}',
+        'importer': f'lta import {VERSION}',
         'data': 'measured' if mapping is None else mapping.data,
         'commit': commit(),
         'created': datetime.now(UTC).isoformat(timespec='seconds'),

@@ -55,7 +55,8 @@ def refuse_swelling(file: Path) -> None:
     """Raise BadInput for a compressed file that would fill the disk."""
     done, allowed = 0, INFLATED_FREELY + INFLATION * file.stat().st_size
     try:
-        with zstandard.ZstdDecompressor().stream_reader(file.open('rb'), closefd=True) as stream:
+        with file.open('rb') as packed:
+            stream = zstandard.ZstdDecompressor().stream_reader(packed)
             while piece := stream.read(PIECE):
                 done += len(piece)
                 if done > allowed:
@@ -87,7 +88,7 @@ def refuse_programs(file: Path) -> None:
     except sqlite3.OperationalError as error:
         if QOS not in str(error):  # older ones have no QoS
             raise BadInput(f"'{file}' cannot be read ({error}); copy it again.") from None
-    except sqlite3.DatabaseError as error:
+    except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
         raise BadInput(f"'{file}' cannot be read ({error}); copy it again.") from None
 
 

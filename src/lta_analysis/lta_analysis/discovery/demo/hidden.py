@@ -14,7 +14,6 @@ from typing import Final, final
 from lta_analysis.flight import ROBOT
 from lta_analysis.ingredients import gather, Ingredients, parts_of
 from lta_analysis.loop import Loop
-from lta_analysis.messages import LoopRecorder
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.provenance import provenance
 from lta_config.topics import topic_table
@@ -153,6 +152,9 @@ def fly_hidden(hidden: Hidden, seed: int, seconds: float, folder: Path) -> Path:
         Of the bag.
 
     """
+    # Here, and not above: who studies flights of their own needs no ROS.
+    from lta_analysis.messages import LoopRecorder
+
     made_of = gather(VEHICLE, SCENARIO, STRATEGY, '').with_values(HALL)
     vehicle, scenario, policy = parts_of(made_of.with_values(hidden.changes(made_of)))
     known, table = Vehicle(parts_of(made_of)[0].file), topic_table()

@@ -1,0 +1,56 @@
+"""The wheel of all that needs no ROS, tried in an environment that has nothing else."""
+
+import json
+from pathlib import Path
+import subprocess
+import sys
+
+from lta_config.version import VERSION
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+SWEEP = """schema: 1
+name: two
+about: Two flights.
+vehicle: gtmab
+scenario: lamp_room
+strategy: bag
+gains: gtmab
+seeds: {first: 1, count: 1}
+vary:
+  vehicle.trim.heaviness: [2 g, 4 g]
+"""
+
+
+@pytest.mark.long
+def test_the_wheel_in_an_empty_environment(tmp_path):
+    built = subprocess.run([ROOT / 'tools/wheel.sh', tmp_path], capture_output=True, text=True)
+    assert built.returncode == 0, built.stderr
+    (wheel,) = tmp_path.glob('lta_cores-*.whl')
+    venv = tmp_path / 'venv'
+    subprocess.run([sys.executable, '-m', 'venv', venv], check=True)
+    pip = [venv / 'bin/pip', 'install', '--quiet', '--constraint', ROOT / 'constraints.txt', wheel]
+    installed = subprocess.run(pip, capture_output=True, text=True)
+    assert installed.returncode == 0, installed.stderr[-2000:]
+
+    def lta(*words, status=0):
+        clean = {'HOME': str(tmp_path), 'PATH': f'{venv}/bin:/usr/bin:/bin'}
+        done = subprocess.run(
+            [venv / 'bin/lta', *words], cwd=tmp_path, env=clean, capture_output=True, text=True
+        )
+        assert done.returncode == status, done.stderr[-2000:]
+        return done
+
+    assert lta('--version').stdout == f'lta {VERSION}\n'
+    assert json.loads(lta('simulate', '--no-bag', '--json').stdout)['outcome'] == 'reached'
+    (tmp_path / 'two.yaml').write_text(SWEEP)
+    swept = json.loads(lta('sweep', 'two.yaml', '--no-page', '--json').stdout)
+    assert Path(tmp_path, swept['table']).is_file()
+    log = tmp_path / 'log.csv'
+    log.write_text('# timestamp tx ty tz qx qy qz qw\n1.0 0 0 1 0 0 0 1\n2.0 1 0 1 0 0 0 1\n')
+    lta('import', log.name, '--mapping', 'tum', '--out', 'imported')
+    assert '2 messages' in lta('bag', 'info', 'imported').stdout
+    for words in (('fly',), ('call', 'recorder/snapshot'), ('simulate', '--out', 'flown')):
+        refused = lta(*words, status=2).stderr
+        assert 'needs ROS 2' in refused
+        assert len(refused.splitlines()) == 1

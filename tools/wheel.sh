@@ -1,0 +1,19 @@
+#!/bin/sh
+# Build the wheel of all that needs no ROS: tools/wheel.sh [FOLDER], dist/ by default.
+#
+# It is built with the pinned setuptools of .venv and asks no index.
+set -eu
+root=$(cd "$(dirname "$0")/.." && pwd -P)
+mkdir -p "${1:-$root/dist}"
+out=$(cd "${1:-$root/dist}" && pwd -P)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT INT TERM
+cp "$root/tools/wheel/setup.py" "$root/LICENSE" "$work/"
+cd "$work"
+if ! LTA_ROOT=$root "$root/.venv/bin/python" setup.py --quiet bdist_wheel --dist-dir "$out" \
+    >"$work/log" 2>&1; then
+    cat "$work/log" >&2
+    echo 'The wheel could not be built; the lines above say why.' >&2
+    exit 2
+fi
+ls "$out"/lta_cores-*.whl
