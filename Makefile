@@ -61,12 +61,18 @@ format: test-environment  ## put the sources into the house format
 	@.venv/bin/ruff check --quiet --fix $(sources)
 	@.venv/bin/ruff format --quiet $(sources)
 
-.PHONY: test-environment
+.PHONY: wheel release-check test-environment
 test-environment:
 	@tools/environment.sh test
 	@tools/build.sh
 
+wheel: build  ## all that needs no ROS as one wheel in dist/
+	@tools/wheel.sh
+
+release-check: test-environment  ## what must hold before a release (minutes)
+	@tools/release.sh
+
 clean:  ## remove all that make made; runs/ stays
-	@rm -rf .venv build install log .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	@rm -rf .venv build install log dist .mypy_cache .ruff_cache .pytest_cache .hypothesis
 	@find config src test -name __pycache__ -prune -exec rm -rf {} +
 

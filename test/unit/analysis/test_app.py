@@ -15,7 +15,7 @@ def test_without_a_verb_it_helps(call, words):
 
 
 def test_it_tells_its_version(call, monkeypatch):
-    monkeypatch.setattr(app, 'version', {'lta-analysis': '1.2.3'}.get)
+    monkeypatch.setattr(app, 'VERSION', '1.2.3')
     status, said = call('--version')
     assert (status, said.out) == (0, 'lta 1.2.3\n')
 

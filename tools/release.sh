@@ -1,0 +1,40 @@
+#!/bin/sh
+# Say whether this could be released: one line a condition, exit status 1 if one does not hold.
+#
+# It changes nothing and publishes nothing. A release is a tag, which a person sets.
+set -u
+root=$(cd "$(dirname "$0")/.." && pwd -P)
+cd "$root"
+version=$(sed -n "s/^VERSION: Final = '\(.*\)'$/\1/p" config/lta_config/version.py)
+log=$(mktemp -d)
+trap 'rm -rf "$log"' EXIT INT TERM
+status=0
+
+clean_tree() { [ -z "$(git status --porcelain)" ]; }
+in_changelog() { grep -q "^## \[$version\]" CHANGELOG.md; }
+not_tagged() { ! git rev-parse --quiet --verify "refs/tags/v$version"; }
+style_and_types() { make check; }
+# Versions, dependencies and generated pages agree with what they are made of.
+agreement() { (. tools/workspace.sh && python -m pytest -q -n 0 test/contract); }
+# The wheel's own test is one of the long ones.
+tests() { make test-long; }
+
+hold() {
+    if "$2" >"$log/$2" 2>&1; then
+        echo "ok    $1"
+    else
+        echo "NOT   $1"
+        tail -n 3 "$log/$2" | sed 's/^/      /'
+        status=1
+    fi
+}
+
+echo "LTA $version"
+hold 'nothing is uncommitted' clean_tree
+hold "CHANGELOG.md has a heading [$version]" in_changelog
+hold "there is no tag v$version yet" not_tagged
+hold 'style and types' style_and_types
+hold 'versions, pins and generated pages agree' agreement
+hold 'the wheel builds' tools/wheel.sh
+[ "$status" = 0 ] && hold 'all tests, the long ones too' tests
+exit "$status"
