@@ -14,6 +14,7 @@ clean_tree() { [ -z "$(git status --porcelain)" ]; }
 in_changelog() { grep -q "^## \[$version\]" CHANGELOG.md; }
 not_tagged() { ! git rev-parse --quiet --verify "refs/tags/v$version"; }
 style_and_types() { make check; }
+wheel() { tools/wheel.sh; }
 # Versions, dependencies and generated pages agree with what they are made of.
 agreement() { (. tools/workspace.sh && python -m pytest -q -n 0 test/contract); }
 # The wheel's own test is one of the long ones.
@@ -35,6 +36,6 @@ hold "CHANGELOG.md has a heading [$version]" in_changelog
 hold "there is no tag v$version yet" not_tagged
 hold 'style and types' style_and_types
 hold 'versions, pins and generated pages agree' agreement
-hold 'the wheel builds' tools/wheel.sh
+hold 'the wheel builds' wheel
 [ "$status" = 0 ] && hold 'all tests, the long ones too' tests
 exit "$status"
