@@ -53,13 +53,14 @@ class Block:
         """Return whether a line, or the whole of a Python block, is marked so."""
         return any(marked == kind and part in text for marked, part, _ in self.marks)
 
-    def runs(self, quick):
-        """Return what is run of it: by `make test`, or else by `make test-long`."""
+    @property
+    def runs(self):
+        """What is run of it: (language, text, whether it is quick) each."""
         texts = self.lines if self.language == 'sh' else [self.text]
         return [
-            text
+            (self.language, text, self.is_marked('quick', text))
             for text in texts
-            if not self.is_marked('not run', text) and self.is_marked('quick', text) is quick
+            if not self.is_marked('not run', text)
         ]
 
 
@@ -74,6 +75,28 @@ def blocks():
             marks = tuple(MARK.findall(match[1]))
             found.append(Block(name, line, match[2], match[3], marks))
     return found
+
+
+def pieces(quick):
+    """
+    Return what is run in a folder of its own, by its name: (language, text) one after the other.
+
+    A tutorial is followed from its top to its end; elsewhere each command stands for itself. With
+    `quick` only what is, else all pieces that are not wholly so.
+    """
+    found = {}
+    for block in blocks():
+        for k, ran in enumerate(block.runs):
+            tutorial = block.page.startswith('docs/tutorials/')
+            found.setdefault(block.page if tutorial else f'{block}.{k}', []).append(ran)
+    if quick:
+        found = {name: [ran for ran in all_ if ran[2]] for name, all_ in found.items()}
+        return {name: [ran[:2] for ran in all_] for name, all_ in found.items() if all_}
+    return {
+        name: [ran[:2] for ran in all_]
+        for name, all_ in found.items()
+        if not all(ran[2] for ran in all_)
+    }
 
 
 def spoken():

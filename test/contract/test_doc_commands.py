@@ -3,7 +3,7 @@
 from importlib.util import find_spec
 import re
 
-from doc_blocks import blocks, PAGES, ROOT, run, simple, spoken, stage
+from doc_blocks import blocks, PAGES, pieces, ROOT, run, simple, spoken, stage
 from lta_analysis.app import put_together, repeated
 from lta_config.files import find
 from lta_graph.launch_file import arguments
@@ -104,11 +104,11 @@ def test_pages_have_blocks_and_say_why_some_are_not_run():
             assert part in block.text, f'{block}: no line holds {part}'
 
 
-QUICK = [block for block in BLOCKS if block.runs(quick=True)]
+QUICK = pieces(quick=True)
 
 
-@pytest.mark.parametrize('block', QUICK, ids=str)
-def test_what_is_quick_runs(block, tmp_path):
+@pytest.mark.parametrize('name', QUICK)
+def test_what_is_quick_runs(name, tmp_path):
     stage(tmp_path)
-    for text in block.runs(quick=True):
-        run(block.language, text, tmp_path, 120.0)
+    for language, text in QUICK[name]:
+        run(language, text, tmp_path, 120.0)
