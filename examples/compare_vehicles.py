@@ -20,4 +20,4 @@ for sheet in sheets:
     carried = 100.0 * (1.0 - heavy / mass)
     measured = entries - sheet.assumed
     name = sheet.vehicle.file.name
-    print(f'{name:12} {carried:5.1f} % carried by the air, {measured:3} of {entries} numbers')
+    print(f'{name:12} {carried:5.1f} % by the air, {measured:3} of {entries} numbers known')
