@@ -10,7 +10,7 @@ export PYTHON
 enter := root='$(CURDIR)' && . tools/workspace.sh
 sources := config src test examples
 
-.PHONY: help demo build test test-long bench bench-compare flights trust classes plan rgblimp crazyflie faults check format clean
+.PHONY: help demo build test test-long bench bench-compare flights trust classes plan rgblimp crazyflie faults docs reference check format clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
@@ -55,6 +55,12 @@ faults: test-environment  ## faults in flights of emulated hardware, 20 of each 
 crazyflie: test-environment  ## what real Crazyflie flights say of battery sag; writes docs/discovery_flights.md
 	@$(enter) && .venv/bin/python test/score/crazyflie.py $(ARGS)
 
+docs: build  ## these pages as a site that needs no network: site/index.html
+	@tools/site.sh
+
+reference: build  ## write the pages of docs/ that are made of declarations
+	@$(enter) && tools/reference.sh
+
 check: test-environment  ## style and types only
 	@.venv/bin/ruff check --quiet $(sources)
 	@.venv/bin/ruff format --check --quiet $(sources)
@@ -76,6 +82,6 @@ release-check: test-environment  ## what must hold before a release (minutes)
 	@tools/release.sh
 
 clean:  ## remove all that make made; runs/ stays
-	@rm -rf .venv build install log dist .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	@rm -rf .venv .venv-docs site build install log dist .mypy_cache .ruff_cache .pytest_cache .hypothesis
 	@find config src test -name __pycache__ -prune -exec rm -rf {} +
 

@@ -39,6 +39,7 @@ CONDUCTORS = {  # start a graph and listen to it, record a flight as one, or ask
     'src/lta_analysis/lta_analysis/discovery/demo/hidden.py',
     'src/lta_analysis/lta_analysis/flight.py',
     'src/lta_analysis/lta_analysis/graph.py',
+    'src/lta_analysis/lta_analysis/reference/parameters.py',
     'src/lta_analysis/lta_analysis/replay/given.py',
     'src/lta_analysis/lta_analysis/replay/run.py',
     'src/lta_analysis/lta_analysis/simulate.py',

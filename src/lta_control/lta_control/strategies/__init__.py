@@ -1,12 +1,18 @@
 """Navigation strategies by name."""
 
+from importlib import import_module
+
 from lta_config.errors import BadInput, unknown
-from lta_control.strategies import bearing_angle, dither, gradient, homing
 from lta_control.strategies.protocol import Strategy
 
+FILES = (
+    'bearing_angle',
+    'dither',
+    'gradient',
+    'homing',
+)
 STRATEGIES: dict[str, Strategy] = {
-    made.name: made
-    for made in (bearing_angle.STRATEGY, dither.STRATEGY, gradient.STRATEGY, homing.STRATEGY)
+    made.name: made for made in (import_module(f'{__name__}.{file}').STRATEGY for file in FILES)
 }
 
 

@@ -1,0 +1,23 @@
+"""
+Seven drones by their files, side by side: no flight, no ROS.
+
+In the environment of LTA:
+
+    (root=$PWD; . tools/workspace.sh; .venv/bin/python examples/compare_vehicles.py)
+"""
+
+# %% What follows from every shipped file
+from lta_analysis.vehicle.sheet import sheet_of
+from lta_config.files import known
+from lta_sim.vehicle import load_vehicle
+
+sheets = [sheet_of(load_vehicle(name)) for name in known('vehicles')]
+
+# %% How much of its mass the air carries, and how many numbers of its file somebody measured
+for sheet in sheets:
+    figures, entries = sheet.by_key, len(sheet.numbers)
+    mass, heavy = figures['mass'].value, figures['heaviness'].value
+    carried = 100.0 * (1.0 - heavy / mass)
+    measured = entries - sheet.assumed
+    name = sheet.vehicle.file.name
+    print(f'{name:12} {carried:5.1f} % by the air, {measured:3} of {entries} numbers known')

@@ -1,0 +1,114 @@
+"""Adding one of a kind is one file and one line: done in a copy, from what the tutorial shows."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+
+from doc_blocks import ROOT
+import pytest
+
+TITLED = re.compile(r'^```python title="([^"]+)"\n(.*?)^```', re.MULTILINE | re.DOTALL)
+STRATEGY = """
+from lta_control.strategies.protocol import Course, Strategy
+
+
+def start(heading):
+    return (heading,)
+
+
+def steer(settings, memory, sight):
+    return Course(memory[0], settings.speed, False), memory
+
+
+STRATEGY = Strategy('straight', start, steer)
+"""
+VERB = """
+def greet(name: str = 'lamp') -> None:
+    \"\"\"Say hello.\"\"\"
+    print(f'hello, {name}')
+"""
+GREET = "    'greet': Verb('greet', 'greet'),"
+
+
+def with_copy(tmp_path, package):
+    """Copy a package, and return its folder in the copy."""
+    source = ROOT / 'src' / package / package
+    ignored = shutil.ignore_patterns('__pycache__')
+    return shutil.copytree(source, tmp_path / package, ignore=ignored)
+
+
+def with_line(path, after, line):
+    """Put one line into a file below another."""
+    text = path.read_text(encoding='utf-8')
+    assert text.count(after) == 1
+    path.write_text(text.replace(after, f'{after}\n{line.rstrip()}'), encoding='utf-8')
+
+
+def python(tmp_path, *arguments):
+    """Run Python on the copy in place of the package, and return what it said."""
+    path = os.pathsep.join([str(tmp_path), *(entry for entry in sys.path if entry)])
+    done = subprocess.run(
+        [sys.executable, *arguments],
+        cwd=tmp_path,
+        env={**os.environ, 'PYTHONPATH': path},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    assert done.returncode == 0, done.stdout
+    return done.stdout
+
+
+@pytest.fixture
+def titled():
+    """The files that the tutorial of an effect writes, by their names."""
+    page = (ROOT / 'docs/tutorials/your_effect.md').read_text(encoding='utf-8')
+    return dict(TITLED.findall(page))
+
+
+def test_an_effect_with_the_test_of_its_tutorial(tmp_path, titled):
+    folder = with_copy(tmp_path, 'lta_sim') / 'effects'
+    (folder / 'guide_rope.py').write_text(titled['src/lta_sim/lta_sim/effects/guide_rope.py'])
+    with_line(folder / '__init__.py', "    'floor_contact',", titled['BUILT_IN'])
+    its_test = tmp_path / 'test_guide_rope.py'
+    its_test.write_text(titled['test/unit/sim/test_guide_rope.py'])
+    assert '3 passed' in python(tmp_path, '-m', 'pytest', '-q', '-p', 'no:cacheprovider', its_test)
+    said = python(tmp_path, '-c', 'from lta_sim.effects_page import page; print(page())')
+    assert '| `guide_rope` | A rope that hangs to the floor' in said
+
+
+def test_a_strategy(tmp_path):
+    folder = with_copy(tmp_path, 'lta_control') / 'strategies'
+    (folder / 'straight.py').write_text(STRATEGY)
+    with_line(folder / '__init__.py', "    'homing',", "    'straight',")
+    said = python(
+        tmp_path, '-c', 'from lta_control.strategies import strategy; print(strategy("straight"))'
+    )
+    assert "name='straight'" in said
+
+
+def test_a_verb(tmp_path):
+    folder = with_copy(tmp_path, 'lta_analysis')
+    (folder / 'verbs/greet.py').write_text(VERB)
+    with_line(folder / 'app.py', "    'doctor': Verb('doctor', 'doctor'),", GREET)
+    call = 'import sys; sys.argv = ["lta", "greet"]; from lta_analysis.app import status; status()'
+    assert python(tmp_path, '-c', call) == 'hello, lamp\n'
+
+
+def test_a_vehicle_is_a_file_and_no_line(tmp_path):
+    share = tmp_path / 'config'
+    shutil.copytree(ROOT / 'config', share, ignore=shutil.ignore_patterns('__pycache__'))
+    text = (share / 'vehicles/gtmab.yaml').read_text(encoding='utf-8')
+    (share / 'vehicles/mine.yaml').write_text(text.replace('name: gtmab', 'name: mine', 1))
+    said = python(
+        tmp_path,
+        '-c',
+        f'import sys; sys.path.insert(0, "{share}")\n'
+        'from lta_config.files import known\n'
+        'from lta_config.vehicle_file import load_vehicle_file\n'
+        'print(known("vehicles"), load_vehicle_file("mine").name)',
+    )
+    assert "'mine'" in said
+    assert said.split()[-1] == 'mine'
