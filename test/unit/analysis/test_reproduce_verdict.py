@@ -6,7 +6,6 @@ from lta_analysis.reproduce import figures_file, kept, lines
 from lta_analysis.reproduce.found import over, Value
 from lta_analysis.reproduce.registry import STUDIES
 from lta_analysis.reproduce.run import rows_of
-from lta_analysis.reproduce.sources import digest, sources
 from lta_analysis.reproduce.verdict import holds, judge, told, Verdict
 from lta_config.errors import BadInput
 from lta_config.files import checked, known
@@ -154,10 +153,3 @@ def test_figures_come_back_from_their_file():
     assert again.values['first'].value == 'DGA'
     assert again.pictures == [drawn._replace(figure='')]
     assert (again.seeds, again.seconds) == (3, 2.0)
-
-
-def test_a_row_rests_on_all_code_but_that_of_other_rows():
-    found = {f'{path.parent.name}/{path.name}' for path in sources('energy')}
-    assert {'studies/energy.py', 'paper/energy.yaml', 'vehicles/gtmab.yaml'} <= found
-    assert not {'studies/beavis.py', 'paper/beavis.yaml'} & found
-    assert digest('energy') == digest('energy') != digest('beavis')

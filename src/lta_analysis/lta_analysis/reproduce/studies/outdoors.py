@@ -14,7 +14,16 @@ from lta_analysis.light.evaluation.tracks import fly_again, picture
 from lta_analysis.light.evaluation.words import strategy as called
 from lta_analysis.report.drawing import blank
 from lta_analysis.report.view import Array
-from lta_analysis.reproduce.flights import command, figures, fly, Group, PAPERS, record, share_of
+from lta_analysis.reproduce.flights import (
+    command,
+    figures,
+    fly,
+    Group,
+    PAPERS,
+    record,
+    share_of,
+    uncrowded,
+)
 from lta_analysis.reproduce.found import Asked, Found, Picture, Value
 from lta_analysis.typed import typed
 from lta_control.strategies.protocol import Strategy
@@ -30,7 +39,8 @@ GROUNDS: Final = (0.3, 0.35, 0.4, 0.45)  # m
 MOST: Final = 0.5  # of the flights
 HEIGHT, REFERENCE, SHOWN = 0.5, 10.0, 0.4  # m; of the hull, of the wind, a ground it can fly over
 TRACKS: Final = (
-    'Ways over ground from above, seed 1, wind from the lamp to the start. Told to fly 1 m/s.'
+    'Ways over ground from above, seed 1, wind from the lamp to the start. Told to fly 1 m/s. '
+    'Dashed circle: the metre within which the lamp counts as reached.'
 )
 DISTANCES: Final = 'Distance to the lamp by time, seed 1; dotted the metre that counts as reached.'
 
@@ -124,7 +134,11 @@ def pictures(asked: Asked, winds: Group, rough: Group | None = None) -> list[Pic
         tracks, scenario = fly_again(group.plan, cells, 1)
         bag = '' if asked.quick else record(group, cells, 1, asked.folder / name)
         again = command(group, cells[0], 1)
-        above = picture(tracks, scenario, HEIGHT).update_xaxes(dtick=10).update_yaxes(dtick=10)
+        above = (
+            uncrowded(picture(tracks, scenario, HEIGHT))
+            .update_xaxes(dtick=10)
+            .update_yaxes(dtick=10)
+        )
         made.append(Picture(name, heading, TRACKS, above, again, bag))
         if name == 'wind_8':
             x, y, _ = scenario.lamp.position.vector
