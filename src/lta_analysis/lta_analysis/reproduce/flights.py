@@ -140,7 +140,8 @@ def uncrowded(figure: Figure) -> Figure:
     figure.layout.annotations = [
         each for each in figure.layout.annotations if not each.text.startswith('goal')
     ]
-    return figure.for_each_annotation(lambda word: word.update(xshift=-24), {'text': 'start'})
+    figure.for_each_annotation(lambda word: word.update(xshift=-24), {'text': 'start'})
+    return figure.update_xaxes(dtick=10).update_yaxes(dtick=10)
 
 
 def record(group: Group, cells: Sequence[Cell], seed: int, folder: Path) -> str:

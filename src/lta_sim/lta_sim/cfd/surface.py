@@ -67,10 +67,8 @@ def _below(places: Array, pressure: Array, side: float) -> list[list[float | Non
     values = NearestNDInterpolator(flat, pressure[under])(x, y)
     outline = Delaunay(flat[ConvexHull(flat).vertices])
     inside = outline.find_simplex(np.stack((x, y), axis=-1)) >= 0
-    return [
-        [_short(value) if within else None for value, within in zip(row, beside, strict=True)]
-        for row, beside in zip(values, inside, strict=True)
-    ]
+    rows: list[list[float]] = np.where(inside, values, np.nan).tolist()
+    return [[None if value != value else _short(value) for value in row] for row in rows]
 
 
 def _short(number: float) -> float:

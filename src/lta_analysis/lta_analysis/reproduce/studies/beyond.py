@@ -82,8 +82,8 @@ def windy(asked: Asked, winds: Group) -> Picture:
     tracks, scenario = fly_again(winds.plan, cells, seed)
     bag = record(winds, cells, seed, asked.folder / 'wind')
     again = command(winds, winds.of('homing', 'head_90'), seed)
-    above = uncrowded(picture(tracks, scenario, HEIGHT)).update_xaxes(dtick=10)
-    return Picture('wind', 'In uniform wind', TRACKS, above.update_yaxes(dtick=10), again, bag)
+    above = uncrowded(picture(tracks, scenario, HEIGHT))
+    return Picture('wind', 'In uniform wind', TRACKS, above, again, bag)
 
 
 def mission(folder: Path, seeds: int) -> tuple[dict[str, Value], Picture]:

@@ -7,6 +7,7 @@ from statistics import median
 import time as clock
 from typing import Any, Final
 
+from lta_analysis.energy.tables import Table
 from lta_analysis.ingredients import gather, loop_of
 from lta_analysis.light.evaluation.cells import Cell
 from lta_analysis.light.evaluation.pictures import colour, LEGEND
@@ -37,6 +38,10 @@ ROUGH: Final = 'scenario.air.profile.roughness'
 WINDS: Final = (8.0, 14.0)  # m/s, seed paper
 GROUNDS: Final = (0.3, 0.35, 0.4, 0.45)  # m
 MOST: Final = 0.5  # of the flights
+ALGORITHMS: Final = {  # seed paper, table of algorithms: diodes, position, load
+    'bag': ('several', 'not needed', 'low'), 'des': ('one', 'not needed', 'medium'),
+    'dga': ('one', 'needed', 'high'),
+}  # fmt: skip
 HEIGHT, REFERENCE, SHOWN = 0.5, 10.0, 0.4  # m; of the hull, of the wind, a ground it can fly over
 TRACKS: Final = (
     'Ways over ground from above, seed 1, wind from the lamp to the start. Told to fly 1 m/s. '
@@ -68,7 +73,7 @@ def study(asked: Asked) -> Found:
     values['bag_rough_time'] = figures('x', at(rough, 'bag', SHOWN))['x_time']
     values['bag_from_roughness'] = Value(from_ground(grounds), seeds=asked.seeds)
     values |= {f'{name}_update': Value(cost(name), seeds=1) for name in PAPERS}
-    return Found(values, pictures(asked, winds, rough))
+    return Found(values, pictures(asked, winds, rough), [algorithms(values)])
 
 
 def at(group: Group, strategy: str, place: float) -> Cell:
@@ -117,6 +122,17 @@ def cost(name: str) -> float:
     for _ in loop.flight():
         pass
     return median(took)
+
+
+def algorithms(found: Mapping[str, Value]) -> Table:
+    """Return the paper's table of algorithms, its load of computing measured."""
+    rows = []
+    for name, (diodes, position, load) in ALGORITHMS.items():
+        value = found[f'{name}_update'].value
+        assert not isinstance(value, str)
+        rows.append([called(name), diodes, position, load, f'{1e6 * value:.1f} µs'])
+    heads = ('algorithm', 'diodes', 'position', 'load, paper', 'an update, measured here')
+    return Table('Algorithms', heads, rows)
 
 
 def pictures(asked: Asked, winds: Group, rough: Group | None = None) -> list[Picture]:

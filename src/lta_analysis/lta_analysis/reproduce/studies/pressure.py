@@ -12,7 +12,7 @@ from lta_analysis.typed import typed
 from lta_config.constants import AIR_DENSITY
 from lta_config.files import share
 from lta_sim.cfd.potential import extremes
-from lta_sim.cfd.sweep_table import Pressed, read_sweep
+from lta_sim.cfd.sweep_table import Blow, Pressed, read_sweep
 from lta_sim.vehicle import Vehicle
 from lta_sim.wind_limits import static_limit
 import numpy as np
@@ -36,13 +36,10 @@ MAP: Final = (
 )
 
 
-def flows() -> dict[str, Mapping[str, Pressed]]:
-    """Return the pressure on each body in each of the flows that are shown."""
-    found = {}
-    for name, (file, pattern, _) in SHOWN.items():
-        sweep = read_sweep(share() / 'aero' / f'{file}.blown.json')
-        found[name] = sweep.blows[pattern].pressed
-    return found
+def blown(name: str) -> Blow:
+    """Return a flow of those that are shown, as `lta cfd run` left it."""
+    file, pattern, _ = SHOWN[name]
+    return read_sweep(share() / 'aero' / f'{file}.blown.json').blows[pattern]
 
 
 def values(vehicle: Vehicle, disk_loading: float) -> dict[str, Value]:
@@ -57,10 +54,13 @@ def values(vehicle: Vehicle, disk_loading: float) -> dict[str, Value]:
         found[f'{told.lower().replace("-", "")}_pressure_speed'] = Value(speed_of(pressure))
     turns = speed_of(PAPER['GT-MAB']) / (math.pi * PROPELLER)
     found['blade_rate'] = Value(2.0 * math.pi * turns)
-    for name, bodies in flows().items():
+    for name in SHOWN:
+        bodies = blown(name).pressed
         found[f'{name}_most'] = Value(max(each.most for each in bodies.values()))
         found[f'{name}_least'] = Value(min(each.least for each in bodies.values()))
         found[f'{name}_hull_least'] = Value(bodies['envelope'].least)
+        found[f'{name}_hull_most'] = Value(bodies['envelope'].most)
+    found['beavis_blown_up'] = Value(blown('beavis').force[2])
     return found
 
 
@@ -75,10 +75,10 @@ def pictures(found: Mapping[str, Value]) -> list[Picture]:
         Picture('pressure', 'Pressures side by side', BESIDE, beside(found),
                 typed('reproduce', 'forces'))
     ]  # fmt: skip
-    for name, bodies in flows().items():
-        file, pattern, heading = SHOWN[name]
+    for name, (file, pattern, heading) in SHOWN.items():
         again = typed('cfd', 'run', file, '--only', pattern)
-        made.append(Picture(f'map_{name}', heading, MAP, under(bodies['envelope']), again))
+        hull = blown(name).pressed['envelope']
+        made.append(Picture(f'map_{name}', heading, MAP, under(hull), again))
     return made
 
 
@@ -95,7 +95,8 @@ def beside(found: Mapping[str, Value]) -> Figure:
         ('GT-MAB: nose at top speed', size('flight_nose'), TRUTH),
         ('GT-MAB: suction at the bar beside its rotors', size('gtmab_least'), TRUTH),
         ('GT-MAB: jet of a reversed rotor on its hull', size('reversed_most'), TRUTH),
-        ('BEAVIS: greatest, all rotors on', size('beavis_most'), TRUTH),
+        ('BEAVIS: jets on its hull, all rotors on', size('beavis_hull_most'), TRUTH),
+        ('BEAVIS: jets on the box below', size('beavis_most'), TRUTH),
         ('An ideal jet onto a wall', size('disk_loading'), LAMP),
         ('Paper: BEAVIS', PAPER['BEAVIS'], ESTIMATE),
         ('Paper: GT-MAB', PAPER['GT-MAB'], ESTIMATE),
