@@ -158,7 +158,7 @@ def table(titles: Sequence[str], measured: Mapping[str, Mapping[str, Value]]) ->
     figure.add_trace(
         Heatmap(
             z=shades, x=list(measured), y=list(titles), text=texts,
-            texttemplate='%{text}', textfont={'color': INK, 'size': 11},
+            texttemplate='%{text}', textfont={'color': INK, 'size': 9},
             colorscale=[[0.0, PAPER], [0.001, GRID], [1.0, TRUTH]], opacity=0.4, showscale=False,
             xgap=2, ygap=2, hovertemplate='%{y}, %{x}: %{text}<extra></extra>',
         )
