@@ -23,8 +23,8 @@ came to: generated, every figure of ours measured, none typed.
 
 The command writes a page too, with every picture, table and figure, and the bags of the flights
 that are drawn, below its folder; what shows no flight (vehicle files, cells, light blocks,
-bearings on a bench) has a command alone. A row is a file in `config/paper`: what the paper says and where,
-what is measured, and the rule by which it agrees.
+bearings on a bench) has a command alone. A row is a file in `config/paper`: what the paper says
+and where, what is measured, and the rule by which it agrees.
 """
 IMAGES: Final = 'images/paper'
 
