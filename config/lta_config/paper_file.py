@@ -121,6 +121,24 @@ class Defect(Record):
         return self.follows.format(*map(value_of, self.sums))
 
 
+class Series(Record):
+    """
+    A figure of the paper as discovery could use it.
+
+    Attributes
+    ----------
+    figure, printed : str
+        Which, and what of it stands in numbers.
+    said : str
+        What follows from those numbers, or why nothing does.
+
+    """
+
+    figure: str
+    printed: str
+    said: str
+
+
 class Effort(Record):
     """How many seeds."""
 
@@ -141,6 +159,7 @@ class PaperRow(Record):
     measures: Annotated[Mapping[Name, Measure], Field(min_length=1)]
     claims: Annotated[Mapping[Name, Claim], Field(min_length=1)]
     defects: Mapping[Name, Defect] = Field(default_factory=dict)
+    series: Mapping[Name, Series] = Field(default_factory=dict)
 
     @model_validator(mode='after')
     def _measured(self) -> Self:
@@ -152,6 +171,8 @@ class PaperRow(Record):
             if claim.measure is None or claim.rule is None:
                 continue
             self._check_units(name, self.measures[claim.measure], claim)
+        for name, each in self.series.items():
+            self._check_names(name, each.said)
         for name, defect in self.defects.items():
             try:
                 _ = defect.arithmetic
@@ -163,7 +184,7 @@ class PaperRow(Record):
         for name in sorted(names(text)):
             if name not in self.measures:
                 raise ValueError(
-                    f'names "{name}" in the claim {claim}, which it does not measure; known: '
+                    f'names "{name}" in {claim}, which it does not measure; known: '
                     f'{", ".join(self.measures)}'
                 )
 

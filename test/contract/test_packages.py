@@ -43,6 +43,7 @@ CONDUCTORS = {  # start a graph and listen to it, record a flight as one, or ask
     'src/lta_analysis/lta_analysis/replay/given.py',
     'src/lta_analysis/lta_analysis/replay/run.py',
     'src/lta_analysis/lta_analysis/simulate.py',
+    'src/lta_analysis/lta_analysis/reproduce/recorded.py',
     'src/lta_analysis/lta_analysis/verbs/call.py',
 }
 

@@ -6,7 +6,7 @@ from lta_analysis.reproduce import figures_file, kept, lines
 from lta_analysis.reproduce.found import over, Value
 from lta_analysis.reproduce.registry import STUDIES
 from lta_analysis.reproduce.run import rows_of
-from lta_analysis.reproduce.sources import digest, sources
+from lta_analysis.reproduce.studies.indoors import misfit, PRINTED
 from lta_analysis.reproduce.verdict import holds, judge, told, Verdict
 from lta_config.errors import BadInput
 from lta_config.files import checked, known
@@ -156,8 +156,20 @@ def test_figures_come_back_from_their_file():
     assert (again.seeds, again.seconds) == (3, 2.0)
 
 
-def test_a_row_rests_on_all_code_but_that_of_other_rows():
-    found = {f'{path.parent.name}/{path.name}' for path in sources('energy')}
-    assert {'studies/energy.py', 'paper/energy.yaml', 'vehicles/gtmab.yaml'} <= found
-    assert not {'studies/beavis.py', 'paper/beavis.yaml'} & found
-    assert digest('energy') == digest('energy') != digest('beavis')
+def test_a_cause_is_told_with_what_sized_it_and_not_where_that_was_left_out():
+    series = {'one': {'figure': 'Fig. 1', 'printed': 'a path', 'said': 'It takes {path}.'}}
+    row = checked(PaperRow, {**CONTENT, 'series': series}, 'row')
+    found = kept.Kept({'path': Value(7.04)}, [], [], 1, 0.0)
+    assert lines.series([row], {'row': found}) == [['1', 'Fig. 1', 'a path', 'It takes 7.0 m.']]
+    assert lines.series([row], {'row': kept.Kept({}, [], [], 1, 0.0)})[0][3] == '\N{EN DASH}'
+    wrong = {**CONTENT, 'series': {'one': {**series['one'], 'said': 'It takes {pth}.'}}}
+    with pytest.raises(BadInput, match='which it does not measure'):
+        checked(PaperRow, wrong, 'row')
+
+
+def test_a_misfit_is_the_rms_of_logarithms_as_a_factor():
+    twice = {name: Value(2.0 * printed) for name, printed in PRINTED.items()}
+    assert misfit(twice, '') == pytest.approx(1.0)
+    # One of five right: the others' logarithms weigh four fifths in the mean square.
+    mended = {**twice, 'fast_bag_time': Value(PRINTED['bag_time'])}
+    assert misfit(mended, 'fast_') == pytest.approx(2.0 ** math.sqrt(0.8) - 1.0)

@@ -82,8 +82,8 @@ def course_of(manoeuvre: Manoeuvre, base: float) -> Callable[[float], Setpoint]:
     return course
 
 
-def fly(entrant: Entrant, scenario: Scenario, manoeuvre: Manoeuvre, seed: int) -> Flight:
-    """Fly once and judge."""
+def begun(entrant: Entrant, scenario: Scenario, manoeuvre: Manoeuvre, seed: int) -> Loop:
+    """Return a flight that is about to begin; the course of its policy is the manoeuvre."""
     table, vehicle = topic_table(), entrant.vehicle
     world = World(vehicle, scenario, table, seed)
     base = vehicle.standing_height
@@ -91,7 +91,14 @@ def fly(entrant: Entrant, scenario: Scenario, manoeuvre: Manoeuvre, seed: int) -
         base = world.state[2] = entrant.release
     course = course_of(manoeuvre, base)
     policy = Policy(strategy('bag'), entrant.gains, law=entrant.law, course=course)
-    loop = Loop(world, table, policy)
+    return Loop(world, table, policy)
+
+
+def fly(entrant: Entrant, scenario: Scenario, manoeuvre: Manoeuvre, seed: int) -> Flight:
+    """Fly once and judge."""
+    loop = begun(entrant, scenario, manoeuvre, seed)
+    world, course = loop.world, loop.policy.course
+    assert course is not None
     flown, duties, tilts = [], [], []
     while world.elapsed <= manoeuvre.until.si:
         loop.decide()

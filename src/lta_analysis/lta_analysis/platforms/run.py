@@ -13,8 +13,9 @@ from multiprocessing import get_context
 import os
 from typing import Any, final
 
+from lta_analysis.loop import Loop
 from lta_analysis.platforms.entries import entrant
-from lta_analysis.platforms.flying import Flight, fly
+from lta_analysis.platforms.flying import begun, Flight, fly
 from lta_analysis.platforms.metrics import Metrics
 from lta_config.comparison_file import Comparison, load_comparison
 from lta_config.manoeuvre_file import load_manoeuvre, Manoeuvre
@@ -113,6 +114,13 @@ def fly_job(job: Job) -> Row:
     manoeuvre = at_speed(load_manoeuvre(job.manoeuvre), job.speed)
     flight = fly(_entrant(job.file, job.kind, job.name), scenario, manoeuvre, job.seed)
     return row_of(job, flight)
+
+
+def loop_of(job: Job) -> Loop:
+    """Return a flight that is about to begin, for who flies it otherwise."""
+    _, scenario = _read(job.file)
+    manoeuvre = at_speed(load_manoeuvre(job.manoeuvre), job.speed)
+    return begun(_entrant(job.file, job.kind, job.name), scenario, manoeuvre, job.seed)
 
 
 def row_of(job: Job, flight: Flight) -> Row:

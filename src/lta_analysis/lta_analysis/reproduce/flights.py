@@ -12,11 +12,13 @@ from lta_analysis.light.evaluation.cells import Cell, cells_of
 from lta_analysis.light.evaluation.flying import fly_task, plan_of, STRATEGY, whole
 from lta_analysis.light.evaluation.intervals import Mean
 from lta_analysis.reproduce.found import Value
+from lta_analysis.reproduce.recorded import way
 from lta_analysis.simulate import simulate_once, Simulated
 from lta_analysis.sweep.plan import Plan
 from lta_analysis.sweep.statistics import Share
 from lta_analysis.typed import typed
 from lta_config.sweep_file import Seeds
+from plotly.graph_objects import Figure
 
 PAPERS = ('bag', 'dga', 'des')
 
@@ -133,11 +135,18 @@ def simulated(group: Group, cell: Cell, seed: int, out: Path | None = None) -> S
     )  # fmt: skip
 
 
+def uncrowded(figure: Figure) -> Figure:
+    """Return a field from above whose few metres from start to lamp have room for their words."""
+    figure.layout.annotations = [
+        each for each in figure.layout.annotations if not each.text.startswith('goal')
+    ]
+    figure.for_each_annotation(lambda word: word.update(xshift=-24), {'text': 'start'})
+    return figure.update_xaxes(dtick=10).update_yaxes(dtick=10)
+
+
 def record(group: Group, cells: Sequence[Cell], seed: int, folder: Path) -> str:
     """Record a flight of each strategy but the pilot's; return the page's way there."""
     for cell in cells:
         if cell.strategy != pilot.NAME and seed in cell.rows:
-            place = folder / cell.strategy
-            if not (place / 'bag').exists():
-                simulate_once(simulated(group, cell, seed, place), Quiet())
-    return str(Path(*folder.parts[-3:]))
+            simulate_once(simulated(group, cell, seed, folder / cell.strategy), Quiet())
+    return way(folder)

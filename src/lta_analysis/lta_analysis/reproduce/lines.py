@@ -27,6 +27,7 @@ CLAIM_HEADS: Final = (
 )
 SUMMARY_HEADS: Final = ('row', *Verdict)
 DEFECT_HEADS: Final = ('row', 'the paper says', 'what follows', 'here')
+SERIES_HEADS: Final = ('row', 'figure', 'what of it is printed', 'what follows')
 MEASURE_HEADS: Final = ('measure', 'here', 'seeds')
 SOURCES: Final = {
     'printed': '',
@@ -39,6 +40,13 @@ METHOD: Final = (
     'anything was run. Means over seeds have 95 % intervals in brackets (Student for means, '
     'Wilson for shares). "Cannot be tested here" says why. One GT-MAB file, one set of gains, one '
     'lamp and one room serve all rows; what a row changes is listed.'
+)
+
+DISCOVERY: Final = (
+    'Discovery (`lta discover`) names a missing effect from flights: commands and motion by time. '
+    "The paper's curves are pictures, and none of their data is published. What is left are "
+    'printed numbers: a cause is sized on some of them and held against the others, which is how '
+    'discovery confirms, too. A cause that explains one number alone is a guess, and called so.'
 )
 
 Kepts = Mapping[str, Kept]
@@ -123,6 +131,20 @@ def defects(rows: Sequence[PaperRow]) -> Lines:
         for row in rows
         for each in row.defects.values()
     ]
+
+
+def series(rows: Sequence[PaperRow], kepts: Kepts) -> Lines:
+    """Return a line a figure of the paper: what its printed numbers say of what is missing."""
+    return [
+        [str(row.number), each.figure, each.printed, told_of(each.said, row, kepts[row.name])]
+        for row in rows
+        for each in row.series.values()
+    ]
+
+
+def told_of(text: str, row: PaperRow, kept: Kept) -> str:
+    """Return a text with its measures in their places; where --quick left one out, nothing."""
+    return filled(text, row, kept.values) if names(text) <= kept.values.keys() else MISSING
 
 
 def deviations(rows: Sequence[PaperRow]) -> Lines:

@@ -3,12 +3,22 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from pathlib import Path
 from typing import final
 
 from lta_analysis.platforms.pictures import called, following
-from lta_analysis.platforms.run import ABLATION, CONTESTANT, fly_job, Job, LIMIT, Row
+from lta_analysis.platforms.run import (
+    ABLATION,
+    CONTESTANT,
+    fly_job,
+    Job,
+    LIMIT,
+    loop_of,
+    Row,
+)
 from lta_analysis.platforms.summary import Cell, fastest, Mean
 from lta_analysis.reproduce.found import Value
+from lta_analysis.reproduce.recorded import record, way
 from lta_config.comparison_file import Comparison, load_comparison
 from lta_config.manoeuvre_file import load_manoeuvre
 from plotly.graph_objects import Figure
@@ -50,6 +60,14 @@ class Flights:
             if row.job.name in titles
         ]
         return following(shown, titles, load_manoeuvre(manoeuvre))
+
+    def record(self, manoeuvre: str, names: Iterable[str], folder: Path) -> str:
+        """Record the flight of seed 1 of each entry; return the page's way there."""
+        until = load_manoeuvre(manoeuvre).until.si
+        for name in names:
+            loop = loop_of(Job(FILE, kind(self.comparison, name), name, manoeuvre, 1))
+            record(loop, lambda loop: loop.world.elapsed > until, folder / name)
+        return way(folder)
 
     def title(self, name: str) -> str:
         """Return what an entry is called."""

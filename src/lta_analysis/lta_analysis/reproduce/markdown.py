@@ -22,8 +22,9 @@ came to: generated, every figure of ours measured, none typed.
 ```
 
 The command writes a page too, with every picture, table and figure, and the bags of the flights
-that are drawn. A row is a file in `config/paper`: what the paper says and where, what is measured,
-and the rule by which it agrees.
+that are drawn, below its folder; what shows no flight (vehicle files, cells, light blocks,
+bearings on a bench) has a command alone. A row is a file in `config/paper`: what the paper says
+and where, what is measured, and the rule by which it agrees.
 """
 IMAGES: Final = 'images/paper'
 
@@ -35,6 +36,9 @@ def page(rows: Sequence[PaperRow], kepts: Kepts) -> str:
         f'**{lines.title(rows, kepts)}** {lines.METHOD}\n',
         table(lines.SUMMARY_HEADS, lines.summary(rows, kepts)),
         *(row_part(row, kepts[row.name]) for row in rows),
+        "## What the paper's figures let discovery say\n",
+        f'{lines.DISCOVERY}\n',
+        table(lines.SERIES_HEADS, lines.series(rows, kepts)),
         '## Where the paper does not add up\n',
         table(lines.DEFECT_HEADS, lines.defects(rows)),
         '## What rows change of the shared vehicle, gains, lamp and room\n',
@@ -52,6 +56,8 @@ def row_part(row: PaperRow, kept: Kept) -> str:
     ]
     commands = list(dict.fromkeys(each.command for each in kept.pictures if each.command))
     typed = '; '.join(f'`{each}`' for each in commands)
+    bags = list(dict.fromkeys(each.bag for each in kept.pictures if each.bag))
+    recorded = ', '.join(f'`{each}`' for each in bags)
     return '\n'.join([
         f'## {row.number}. {row.title}\n',
         f'{row.scenario}\n',
@@ -60,6 +66,7 @@ def row_part(row: PaperRow, kept: Kept) -> str:
         '',
         *image(row, kept),
         *([f'To see its pictures: {typed}.', ''] if typed else []),
+        *([f'Its bags: {recorded}.', ''] if recorded else []),
     ])  # fmt: skip
 
 
@@ -68,10 +75,9 @@ def image(row: PaperRow, kept: Kept) -> list[str]:
     if not kept.pictures:
         return []
     first = kept.pictures[0]
-    bag = f' Its bag: `{first.bag}`.' if first.bag else ''
     return [
         f'![{first.heading}]({IMAGES}/{row.name}-{first.name}.png)\n',
-        f'*{first.heading}. {first.caption}{bag}*\n',
+        f'*{first.heading}. {first.caption}*\n',
     ]
 
 

@@ -46,6 +46,8 @@ def page(rows: Sequence[PaperRow], kepts: Kepts, commands: Mapping[str, str]) ->
         summary=table('counts', lines.SUMMARY_HEADS, lines.summary(rows, kepts)),
         method=escape(lines.METHOD),
         rows='\n'.join(row_html(row, kepts[row.name]) for row in rows),
+        discovery=escape(lines.DISCOVERY.replace('`', '')),
+        series=table('defects', lines.SERIES_HEADS, lines.series(rows, kepts)),
         defects=table('defects', lines.DEFECT_HEADS, lines.defects(rows)),
         deviations=table('deviations', ('row', 'what it changes'), lines.deviations(rows)),
         facts={'rows': str(len(rows)), 'commit': commit()},

@@ -5,6 +5,7 @@ from concurrent.futures import as_completed, ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
+import shutil
 import time
 from typing import final
 
@@ -64,7 +65,9 @@ def study_row(name: str, quick: bool, folder: Path) -> Kept:
     row = load_paper_row(name)
     begun = time.monotonic()
     seeds = seeds_of(row, quick)
-    found = STUDIES[name](Asked(seeds, quick, folder / BAGS / name))
+    bags = folder / BAGS / name
+    shutil.rmtree(bags, ignore_errors=True)  # of flights that what has changed may fly otherwise
+    found = STUDIES[name](Asked(seeds, quick, bags))
     undeclared = found.values.keys() - row.measures.keys()
     lacking = row.measures.keys() - found.values.keys()
     if undeclared or (lacking and not quick):

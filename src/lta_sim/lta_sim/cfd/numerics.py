@@ -5,7 +5,7 @@ Steady: SIMPLEC with a bounded second-order scheme. Transient: implicit large ed
 LUST's own dissipation, which alone met the published drag of spheres.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Final
 
 from lta_sim.cfd.dictionary import dictionary, Entry
@@ -181,5 +181,16 @@ def slice_through(normal: tuple[int, int, int], size: float) -> dict[str, Entry]
                     'interpolate': True,
                 },
             },
+        },
+    }  # fmt: skip
+
+
+def pressure_on(patches: Iterable[str]) -> dict[str, Entry]:
+    """Return a function object that writes the pressure on the faces of patches at the end."""
+    return {
+        'pressure': {
+            'type': 'surfaces', 'libs': ['sampling'], 'writeControl': 'writeTime',
+            'surfaceFormat': 'raw', 'interpolationScheme': 'cell', 'fields': ['p'],
+            'surfaces': {name: {'type': 'patch', 'patches': [name]} for name in patches},
         },
     }  # fmt: skip

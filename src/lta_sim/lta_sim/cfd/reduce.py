@@ -11,6 +11,7 @@ from lta_sim.cfd.engine import RESIDUAL
 from lta_sim.cfd.forces import read_forces, read_mesh, read_momentum, Wrenches
 from lta_sim.cfd.model import Model
 from lta_sim.cfd.still import AXES
+from lta_sim.cfd.surface import read_surface
 from lta_sim.cfd.sweep_table import Blow, Evidence, Point
 from lta_sim.cfd.tunnel import OUTER, planes_of, SETTLING, TURNS
 import numpy as np
@@ -249,6 +250,7 @@ def blow(
             spread=_short(spread), window=float(len(walls)), balance=_short(balance),
             residual=_residual(place, 'on'), cells=_cells(mesh), seconds=seconds,
         ),
+        pressed={name: read_surface(place, name, density) for name in model.bodies},
     )  # fmt: skip
 
 

@@ -19,6 +19,7 @@ from lta_sim.cfd.numerics import (
     control,
     forces_on,
     momentum_through,
+    pressure_on,
     slice_through,
     solution,
     steady_schemes,
@@ -157,7 +158,9 @@ def blowing(
         'system/fvSchemes': steady_schemes(),
         'system/fvSolution': solution(0.7, 0.6),
     }
-    functions = _functions(model, (1, 0, 0) if along_y else (0, 1, 0))
+    functions = {
+        **_functions(model, (1, 0, 0) if along_y else (0, 1, 0)), **pressure_on(model.bodies)
+    }  # fmt: skip
     last = {'system/controlDict': control('simpleFoam', 0, ROUNDS, functions)}
     return Case(pattern, files, [Step('on', ('simpleFoam',), last, ROUNDS)], mesh, mesh.cells)
 

@@ -46,14 +46,35 @@ class Point(Record):
     evidence: Evidence
 
 
+class Pressed(Record):
+    """
+    The pressure on a body over that of the air far away. [Pa].
+
+    least, most: of its faces, with the places of both [m]; below: seen from below, rows along y
+    from the least, columns along x, None where the body is not; side: of that square. [m]
+    """
+
+    least: float
+    most: float
+    least_at: Vector
+    most_at: Vector
+    below: Sequence[Sequence[float | None]]
+    side: float
+
+
 class Blow(Record):
-    """Some rotors on: the net wrench, their own thrust included. [N, N m]."""
+    """
+    Some rotors on: the net wrench, their own thrust included. [N, N m].
+
+    pressed: what their jets do to each body; older sweeps do not tell.
+    """
 
     shares: Mapping[str, float]
     force: Vector
     moment: Vector
     zones: Mapping[str, int]
     evidence: Evidence
+    pressed: Mapping[str, Pressed] = Field(default_factory=dict)
 
 
 class Place(Record):

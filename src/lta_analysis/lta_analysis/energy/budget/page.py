@@ -163,6 +163,7 @@ def tasks_picture(found: Budget) -> Figure:
     figure.update_layout(
         barmode='stack', bargap=0.35, showlegend=True, legend={'orientation': 'h', 'y': 1.1}
     )
+    figure.update_xaxes(automargin=True)
     return figure.update_yaxes(title_text='power [mW]')
 
 

@@ -12,7 +12,7 @@ import math
 from typing import final
 
 from lta_analysis.energy.flown import Course, Flown, fly, for_seconds, loop_on
-from lta_analysis.ingredients import gather, Ingredients
+from lta_analysis.ingredients import gather, Ingredients, parts_of
 from lta_analysis.loop import Loop
 from lta_config.topics import topic_table
 from lta_control.cascade import Setpoint
@@ -82,14 +82,18 @@ def course(base: float) -> Course:
 
 def flights(vehicle: str, seeds: int, tick: Callable[[], None]) -> list[Flown]:
     """Return flights of a vehicle along the course, one a seed."""
-    made_of = gather(vehicle, SCENE, 'bag', '')
     flown = []
     for seed in range(1, seeds + 1):
-        loop = loop_on(made_of, None, seed)
-        base = loop.world.vehicle.standing_height
-        flown.append(fly(loop_on(made_of, course(base), seed), for_seconds(END)))
+        flown.append(fly(begun(vehicle, seed), for_seconds(END)))
         tick()
     return flown
+
+
+def begun(vehicle: str, seed: int) -> Loop:
+    """Return a flight of a vehicle along the course that is about to begin."""
+    made_of = gather(vehicle, SCENE, 'bag', '')
+    base = parts_of(made_of)[0].standing_height
+    return loop_on(made_of, course(base), seed)
 
 
 def flying(loads: Loads, flown: Sequence[Flown]) -> list[Task]:

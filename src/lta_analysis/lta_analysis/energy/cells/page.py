@@ -42,7 +42,7 @@ FAIR: Final = (
 # Neighbours whose names would lie on each other.
 SIDES: Final = {
     'Dracula': 'middle right', 'Kitronik': 'middle right', 'SEEED': 'top right',
-    'ANYSOLAR': 'bottom center',
+    'ANYSOLAR': 'bottom center', 'PowerFilm': 'top right',
 }  # fmt: skip
 METHOD: Final = (
     'Areas are computed from the printed dimensions, read in cm where mm cannot be; masses are '

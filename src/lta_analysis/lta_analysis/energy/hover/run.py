@@ -114,13 +114,18 @@ def on_paper(cell: Battery, seconds: float) -> dict[str, Trace]:
     }
 
 
-def hovering(made_of: Ingredients, seconds: float, tick: Callable[[float], None]) -> Hover:
-    """Return one drone that hovers until the time is over or its supply fails."""
+def begun(made_of: Ingredients) -> Loop:
+    """Return a drone that is about to rise and hover."""
     base = parts_of(made_of)[0].standing_height
 
     def course(time: float) -> Setpoint:
         return Setpoint(base + (RISE if time >= GO else 0.0), 0.0, 0.0)
 
+    return loop_on(made_of, course, 1)
+
+
+def hovering(made_of: Ingredients, seconds: float, tick: Callable[[float], None]) -> Hover:
+    """Return one drone that hovers until the time is over or its supply fails."""
     told = 0.0
 
     def over(loop: Loop) -> bool:
@@ -131,7 +136,7 @@ def hovering(made_of: Ingredients, seconds: float, tick: Callable[[float], None]
             told = elapsed
         return elapsed >= seconds - 1e-9 or (elapsed > 0.0 and not loop.world.supply.flow.fed)
 
-    loop = loop_on(made_of, course, 1)
+    loop = begun(made_of)
     flown = fly(loop, over)
     tick(seconds - told)
     failed = None if loop.world.supply.flow.fed else float(flown.time[-1])

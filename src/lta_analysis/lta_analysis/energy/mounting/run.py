@@ -118,13 +118,17 @@ class Order:
 
 def tried(fitted: Fitted, seeds: int, tick: Callable[[], None]) -> Tried:
     """Return what a mount came to, by hand, let go, and flown."""
-    gains = str(fitted.content.get('control', {}).get('gains', ''))
     flights = []
     for seed in range(1, seeds + 1):
-        flights.append(straight(fitted, gains, seed))
+        flights.append(straight(fitted, gains_of(fitted), seed))
         tick()
     body = fitted.vehicle
     return Tried(fitted, swing(body, 'pitch'), released(body, TILT, LOOK), flights)
+
+
+def gains_of(fitted: Fitted) -> str:
+    """Return the name of the vehicle's own gains; '' where it names none."""
+    return str(fitted.content.get('control', {}).get('gains', ''))
 
 
 def overturning(fitted: Fitted) -> list[Overturning]:

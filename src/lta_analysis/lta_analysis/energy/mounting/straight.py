@@ -14,6 +14,7 @@ from typing import final
 from lta_analysis.energy.flown import Flown, fly, for_seconds, loop_on
 from lta_analysis.energy.mounting.fitted import Fitted
 from lta_analysis.ingredients import gather
+from lta_analysis.loop import Loop
 from lta_control.cascade import Setpoint
 import numpy as np
 
@@ -55,8 +56,8 @@ class Straight:
     flown: Flown
 
 
-def straight(fitted: Fitted, gains: str, seed: int) -> Straight:
-    """Fly once with a seed, by gains of some name ('' for the vehicle's own), and judge."""
+def begun(fitted: Fitted, gains: str, seed: int) -> Loop:
+    """Return a flight, by gains of some name ('' for the vehicle's own), that is to begin."""
     made_of = gather('gtmab', SCENE, 'bag', gains)
     scene = made_of.contents['scenario']
     start = {**scene['start'], 'held': f'{HELD} s'}
@@ -71,8 +72,12 @@ def straight(fitted: Fitted, gains: str, seed: int) -> Straight:
         rise = RISE if time >= LIFT_OFF else 0.0
         return Setpoint(base + rise, 0.0, SPEED if time >= AWAY else 0.0)
 
-    loop = loop_on(replace(made_of, contents=contents), course, seed)
-    return judged(fitted, fly(loop, for_seconds(END)))
+    return loop_on(replace(made_of, contents=contents), course, seed)
+
+
+def straight(fitted: Fitted, gains: str, seed: int) -> Straight:
+    """Fly once with a seed, by gains of some name ('' for the vehicle's own), and judge."""
+    return judged(fitted, fly(begun(fitted, gains, seed), for_seconds(END)))
 
 
 def judged(fitted: Fitted, flown: Flown) -> Straight:

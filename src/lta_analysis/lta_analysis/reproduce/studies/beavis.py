@@ -41,14 +41,17 @@ def study(asked: Asked) -> Found:
     values['gtmab_overshoot'] = flights.value('gtmab', 'climb', 'overshoot')
     values['gtmab_settles'] = flights.value('gtmab', 'climb', 'settling_time')
     values |= margins(flights)
-    names = [*BOTH, 'beavis_by_matrix']
-    pictures = [
-        Picture(each, HEADINGS[each], CAPTIONS[each],
-                flights.picture(each, names if each != 'follow' else BOTH),
-                typed('platforms', '--seeds', str(asked.seeds)))
-        for each in manoeuvres
-    ]  # fmt: skip
-    return Found(values, pictures)
+    return Found(values, [picture(asked, flights, each) for each in manoeuvres])
+
+
+def picture(asked: Asked, flights: Flights, manoeuvre: str) -> Picture:
+    """Return both platforms in a manoeuvre, and BEAVIS by a linear B where that was flown."""
+    names = BOTH if asked.quick or manoeuvre == 'follow' else (*BOTH, 'beavis_by_matrix')
+    bag = '' if asked.quick else flights.record(manoeuvre, names, asked.folder / manoeuvre)
+    return Picture(
+        manoeuvre, HEADINGS[manoeuvre], CAPTIONS[manoeuvre], flights.picture(manoeuvre, names),
+        typed('platforms', '--seeds', str(asked.seeds)), bag,
+    )  # fmt: skip
 
 
 def margins(flights: Flights) -> dict[str, Value]:

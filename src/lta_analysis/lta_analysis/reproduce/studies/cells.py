@@ -1,6 +1,7 @@
 """Solar cells: the paper's table computed again, its front, and its arrays at 18 klux."""
 
 from collections.abc import Sequence
+from statistics import geometric_mean
 
 from lta_analysis.energy.cells.page import FAIR, PAPER, picture
 from lta_analysis.energy.cells.ranked import entries, Entry, read_as
@@ -17,6 +18,7 @@ from lta_energy.panel import Panel
 from lta_energy.power_path import Charger
 
 READINGS = ('small', 'large')  # of the PowerFilm row, as the table's file lists them
+CRYSTALLINE = ('adafruit', 'seeed', 'kitronik')
 LIGHTS = {'white_led': 'led', 'sunlight': 'sun'}
 
 
@@ -27,7 +29,7 @@ def study(asked: Asked) -> Found:
     energy = load_vehicle_file('gtmab').energy
     found = entries(table)
     fronts = [both_fronts(found, which) for which in range(len(READINGS))]
-    values = {**offsets(found), **sheets(found), **arrays(table, energy)}
+    values = {**offsets(found), **sheets(found), **arrays(table, energy), **factor(found)}
     for reading, (paper, fair) in zip(READINGS, fronts, strict=True):
         values[f'front_{reading}'] = makers(paper)
         values[f'fair_front_{reading}'] = makers(fair)
@@ -67,6 +69,20 @@ def sheets(found: Sequence[Entry]) -> dict[str, Value]:
         f'sheet_{each.cell.name}': Value(by_sheet(each, found))
         for each in found
         if each.cell.name not in ('anysolar', 'dracula')  # the first is the measure of the others
+    }
+
+
+def factor(found: Sequence[Entry]) -> dict[str, Value]:
+    """Return by how much the printed times exceed those of the sheets, and how well that holds."""
+    by = {each.cell.name: each.row.charge.si / by_sheet(each, found) for each in found}
+    alike = [by[name] for name in CRYSTALLINE]
+    worst = max(
+        abs(geometric_mean([x for x in alike if x is not each]) / each - 1.0) for each in alike
+    )
+    return {
+        'sheet_factor': Value(geometric_mean(alike)),
+        'sheet_worst': Value(worst),
+        'sheet_amorphous': Value(by['powerfilm_small']),
     }
 
 

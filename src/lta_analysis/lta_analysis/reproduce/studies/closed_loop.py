@@ -35,7 +35,8 @@ def study(asked: Asked) -> Found:
         values[f'{name}_cruise_ripple'] = flights.value(name, 'cruise', 'ripple')
     pictures = [
         Picture(each, HEADINGS[each], CAPTIONS[each], flights.picture(each, shown),
-                typed('platforms', '--seeds', str(asked.seeds)))
+                typed('platforms', '--seeds', str(asked.seeds)),
+                '' if asked.quick else flights.record(each, shown, asked.folder / each))
         for each in CAPTIONS
     ]  # fmt: skip
     return Found(values, pictures)

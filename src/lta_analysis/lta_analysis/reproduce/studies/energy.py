@@ -2,15 +2,19 @@
 
 from collections.abc import Mapping
 import math
+from pathlib import Path
 from typing import Final
 
 from lta_analysis.energy import paper
 from lta_analysis.energy.budget.page import table, TASKS, tasks_picture, why
 from lta_analysis.energy.budget.run import Budget, budget
-from lta_analysis.energy.budget.tasks import Task
+from lta_analysis.energy.budget.tasks import begun as along
+from lta_analysis.energy.budget.tasks import END, Task
+from lta_analysis.energy.flown import for_seconds
 from lta_analysis.energy.hover.page import CAPTION, picture
-from lta_analysis.energy.hover.run import compare, Comparison
+from lta_analysis.energy.hover.run import begun, compare, Comparison, ingredients
 from lta_analysis.reproduce.found import Asked, Found, Picture, Value
+from lta_analysis.reproduce.recorded import record, way
 from lta_analysis.typed import typed
 from lta_energy.breakeven import income, LAMPS
 from lta_energy.harvest import Harvest
@@ -33,17 +37,27 @@ def study(asked: Asked) -> Found:
     values |= charging(found)
     pictures = [
         Picture('tasks', 'Power by task', TASKS, tasks_picture(found),
-                typed('energy', 'budget', '--seeds', str(asked.seeds)))
+                typed('energy', 'budget', '--seeds', str(asked.seeds)),
+                '' if asked.quick else recorded(asked.folder / 'tasks'))
     ]  # fmt: skip
     if asked.quick:
         return Found(values, pictures, [table(found), why(found)])
     beside = compare(VEHICLE, STANDARD, paper.HOVER_TIME, lambda _: None)
     values |= hovering(beside)
+    place = asked.folder / 'voltage'
+    record(begun(ingredients(VEHICLE)), for_seconds(paper.HOVER_TIME), place / VEHICLE)
     pictures.append(
         Picture('voltage', 'Voltage of the cell while hovering', CAPTION,
-                picture(beside, 'voltage'), typed('energy', 'hover'))
+                picture(beside, 'voltage'), typed('energy', 'hover'), way(place))
     )  # fmt: skip
     return Found(values, pictures, [table(found), why(found)])
+
+
+def recorded(folder: Path) -> str:
+    """Record take-off, hover and straight flight of both drones, seed 1."""
+    for name in (VEHICLE, STANDARD):
+        record(along(name, 1), for_seconds(END), folder / name)
+    return way(folder)
 
 
 def tasks(found: Budget, seeds: int) -> dict[str, Value]:
@@ -71,9 +85,11 @@ def power(task: Task, seeds: int) -> Value:
 
 
 def causes(found: Budget) -> dict[str, Value]:
-    """Return what would make the paper's hover of ours."""
-    cause = found.causes
+    """Return what would make the paper's hover of ours, and what each makes of navigation."""
+    cause, bag = found.causes, found.tasks['navigating, BAG']
     return {
+        'bag_if_heavy': Value(bag.power + paper.HOVER - found.tasks['hovering'].power),
+        'bag_if_worse': Value(bag.electronics + cause.factor * bag.rotors),
         'ideal_hover': Value(cause.least),
         'heavy': Value(cause.heaviness),
         'draught': Value(cause.wind),

@@ -9,7 +9,7 @@ from lta_analysis.platforms.summary import margin
 from lta_analysis.report.drawing import blank
 from lta_analysis.report.palette import LAMP, SOFT, TRUTH
 from lta_analysis.reproduce.found import Asked, Found, Picture, Value
-from lta_analysis.reproduce.studies import tunnel
+from lta_analysis.reproduce.studies import pressure, tunnel
 from lta_analysis.typed import typed
 from lta_config.comparison_file import load_comparison
 from lta_config.constants import AIR_DENSITY
@@ -18,7 +18,6 @@ from lta_sim.vehicle import load_vehicle, Vehicle
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
-PROPELLER: Final = 0.047  # m, seed paper
 NOT_IN_TABLE: Final = 'solar_panels'  # no row of the paper's table of masses
 CURVE: Final = (
     "One rotor: the paper's polynomial, and Bitcraze's bench, whose voltage falls on the way. "
@@ -34,10 +33,12 @@ def study(asked: Asked) -> Found:
         **thrust(vehicle), **forces(vehicle, beavis), **masses(vehicle), **drag(vehicle),
         **tunnel.fitted(sweep),
     }  # fmt: skip
+    loading = vehicle.full_thrust / (math.pi * (pressure.PROPELLER / 2.0) ** 2)
+    values |= {'disk_loading': Value(loading), **pressure.values(vehicle, loading)}
     command = typed('vehicle', 'show', 'gtmab')
     curve = Picture('thrust', 'Thrust of one rotor', CURVE, thrust_picture(vehicle), command)
     both = {'GT-MAB': vehicle, 'BEAVIS': beavis['beavis']}
-    return Found(values, [curve, *tunnel.pictures(sweep, both)])
+    return Found(values, [curve, *tunnel.pictures(sweep, both), *pressure.pictures(values)])
 
 
 def beavises() -> dict[str, Vehicle]:
@@ -50,14 +51,12 @@ def beavises() -> dict[str, Vehicle]:
 
 
 def thrust(vehicle: Vehicle) -> dict[str, Value]:
-    """Return full thrust of a rotor, how far the bench is off, and its disk loading."""
+    """Return full thrust of a rotor, and how far the bench is off."""
     a, b = vehicle.thrust_curve
     off = [row.thrust - (a * row.duty + b) * row.duty for row in BENCH]
-    disk = math.pi * (PROPELLER / 2.0) ** 2
     return {
         'full_thrust': Value(vehicle.full_thrust),
         'bench_off': Value(math.sqrt(sum(each * each for each in off) / len(off))),
-        'disk_loading': Value(vehicle.full_thrust / disk),
     }
 
 

@@ -29,6 +29,15 @@ FACTORS: Final = {
     'gradient_alone': ('des',),
     'narrow_diodes': ('dga', 'des'),
 }
+PRINTED: Final = {  # m and s, seed paper
+    'bag_path': 7.3, 'dga_path': 8.6, 'des_path': 12.2, 'bag_time': 8.4, 'dga_time': 21.4,
+}  # fmt: skip
+CALLED: Final = {
+    'towards': 'a start within 30° of the lamp', 'fast': 'BAG at 0.87 m/s',
+    'not_stopping': 'DGA that does not stop', 'no_computing': 'DGA that computes in no time',
+    'plane_through_origin': 'a plane through the origin',
+    'gradient_alone': 'DES by the gradient alone', 'narrow_diodes': 'diodes that look ahead only',
+}  # fmt: skip
 TRACKS: Final = (
     'Ways over ground from above, the same seed for all; the yellow fan is the light of the lamp.'
 )
@@ -53,6 +62,7 @@ def study(asked: Asked) -> Found:
         fast = fly('indoors', asked.seeds, strategies=('bag',), change=FAST)
         values |= figures('fast_bag', fast.of('bag'))
         values |= factors(asked.seeds)
+        values |= misfits(values)
     indoors = groups['']
     values['dga_by_bag_time'] = ratio(indoors, 'search_time', 'dga', 'bag')
     values['dga_by_bag_path'] = ratio(indoors, 'path_length', 'dga', 'bag')
@@ -67,6 +77,29 @@ def factors(seeds: int) -> dict[str, Value]:
         for name in strategies:
             values |= figures(f'{case}_{name}', found.of(name))
     return values
+
+
+def misfits(found: Mapping[str, Value]) -> dict[str, Value]:
+    """Return how far off the printed paths and times are, as flown and by each single factor."""
+    flown = {'as_flown': '', 'towards': f'{TOWARDS}_', 'fast': 'fast_'}
+    flown |= {case: f'{case}_' for case in FACTORS}
+    off = {case: misfit(found, prefix) for case, prefix in flown.items()}
+    best = min((case for case in off if case != 'as_flown'), key=off.__getitem__)
+    return {
+        'misfit_as_flown': Value(off['as_flown']),
+        'misfit_best': Value(off[best]),
+        'misfit_cause': Value(CALLED[best]),
+    }
+
+
+def misfit(found: Mapping[str, Value], prefix: str) -> float:
+    """Return the rms of the logarithm of ours by the printed, as a factor less one. [1]"""
+    logs = []
+    for name, printed in PRINTED.items():
+        value = found.get(f'{prefix}{name}', found[name]).value
+        assert not isinstance(value, str)
+        logs.append(math.log(value / printed))
+    return math.exp(math.sqrt(math.fsum(each * each for each in logs) / len(logs))) - 1.0
 
 
 def orders(prefix: str, cells: Mapping[str, Cell]) -> dict[str, Value]:

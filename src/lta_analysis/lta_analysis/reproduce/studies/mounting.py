@@ -1,8 +1,10 @@
 """Where the panels sit, and what the centre of gravity's height does."""
 
 import math
+from pathlib import Path
 from typing import Final
 
+from lta_analysis.energy.flown import for_seconds
 from lta_analysis.energy.mounting.page import (
     OVER,
     over_picture,
@@ -12,10 +14,11 @@ from lta_analysis.energy.mounting.page import (
     SWUNG,
 )
 from lta_analysis.energy.mounting.rows import tables
-from lta_analysis.energy.mounting.run import Order, Study
+from lta_analysis.energy.mounting.run import gains_of, Order, Study
 from lta_analysis.energy.mounting.run import study as compare
-from lta_analysis.energy.mounting.straight import over
+from lta_analysis.energy.mounting.straight import begun, END, over
 from lta_analysis.reproduce.found import Asked, Found, Picture, Value, word
+from lta_analysis.reproduce.recorded import record, way
 from lta_analysis.typed import typed
 from lta_config.files import find, load_yaml
 import numpy as np
@@ -31,12 +34,22 @@ def study(asked: Asked) -> Found:
     values = {**mounts(found, asked.seeds), **heights(found)}
     command = typed('energy', 'mounting', '--seeds', str(asked.seeds))
     pictures = [
-        Picture('straight', 'Straight on at 0.1 m/s', STRAIGHT, straight_picture(found), command),
+        Picture('straight', 'Straight on at 0.1 m/s', STRAIGHT, straight_picture(found), command,
+                '' if asked.quick else recorded(found, asked.folder / 'straight')),
         Picture('over', 'Centre of gravity below, at and above', OVER, over_picture(found),
                 command),
         Picture('swing', 'Let go', SWUNG, swing_picture(found), command),
     ]  # fmt: skip
     return Found(values, pictures, tables(found))
+
+
+def recorded(found: Study, folder: Path) -> str:
+    """Record the flight of seed 1 of every mount, panels in place and out of it."""
+    for group, all_of in (('in_place', found.shared), ('out_of_place', found.misplaced)):
+        for name, each in all_of.items():
+            loop = begun(each.fitted, gains_of(each.fitted), 1)
+            record(loop, for_seconds(END), folder / f'{name}_{group}')
+    return way(folder)
 
 
 def mounts(found: Study, seeds: int) -> dict[str, Value]:

@@ -7,6 +7,7 @@ from statistics import median
 import time as clock
 from typing import Any, Final
 
+from lta_analysis.energy.tables import Table
 from lta_analysis.ingredients import gather, loop_of
 from lta_analysis.light.evaluation.cells import Cell
 from lta_analysis.light.evaluation.pictures import colour, LEGEND
@@ -14,7 +15,16 @@ from lta_analysis.light.evaluation.tracks import fly_again, picture
 from lta_analysis.light.evaluation.words import strategy as called
 from lta_analysis.report.drawing import blank
 from lta_analysis.report.view import Array
-from lta_analysis.reproduce.flights import command, figures, fly, Group, PAPERS, record, share_of
+from lta_analysis.reproduce.flights import (
+    command,
+    figures,
+    fly,
+    Group,
+    PAPERS,
+    record,
+    share_of,
+    uncrowded,
+)
 from lta_analysis.reproduce.found import Asked, Found, Picture, Value
 from lta_analysis.typed import typed
 from lta_control.strategies.protocol import Strategy
@@ -28,9 +38,14 @@ ROUGH: Final = 'scenario.air.profile.roughness'
 WINDS: Final = (8.0, 14.0)  # m/s, seed paper
 GROUNDS: Final = (0.3, 0.35, 0.4, 0.45)  # m
 MOST: Final = 0.5  # of the flights
+ALGORITHMS: Final = {  # seed paper, table of algorithms: diodes, position, load
+    'bag': ('several', 'not needed', 'low'), 'des': ('one', 'not needed', 'medium'),
+    'dga': ('one', 'needed', 'high'),
+}  # fmt: skip
 HEIGHT, REFERENCE, SHOWN = 0.5, 10.0, 0.4  # m; of the hull, of the wind, a ground it can fly over
 TRACKS: Final = (
-    'Ways over ground from above, seed 1, wind from the lamp to the start. Told to fly 1 m/s.'
+    'Ways over ground from above, seed 1, wind from the lamp to the start. Told to fly 1 m/s. '
+    'Dashed circle: the metre within which the lamp counts as reached.'
 )
 DISTANCES: Final = 'Distance to the lamp by time, seed 1; dotted the metre that counts as reached.'
 
@@ -58,7 +73,7 @@ def study(asked: Asked) -> Found:
     values['bag_rough_time'] = figures('x', at(rough, 'bag', SHOWN))['x_time']
     values['bag_from_roughness'] = Value(from_ground(grounds), seeds=asked.seeds)
     values |= {f'{name}_update': Value(cost(name), seeds=1) for name in PAPERS}
-    return Found(values, pictures(asked, winds, rough))
+    return Found(values, pictures(asked, winds, rough), [algorithms(values)])
 
 
 def at(group: Group, strategy: str, place: float) -> Cell:
@@ -109,6 +124,17 @@ def cost(name: str) -> float:
     return median(took)
 
 
+def algorithms(found: Mapping[str, Value]) -> Table:
+    """Return the paper's table of algorithms, its load of computing measured."""
+    rows = []
+    for name, (diodes, position, load) in ALGORITHMS.items():
+        value = found[f'{name}_update'].value
+        assert not isinstance(value, str)
+        rows.append([called(name), diodes, position, load, f'{1e6 * value:.1f} µs'])
+    heads = ('algorithm', 'diodes', 'position', 'load, paper', 'an update, measured here')
+    return Table('Algorithms', heads, rows)
+
+
 def pictures(asked: Asked, winds: Group, rough: Group | None = None) -> list[Picture]:
     """Return ways and distances in the paper's winds, and over a ground that can be flown."""
     made = []
@@ -124,7 +150,11 @@ def pictures(asked: Asked, winds: Group, rough: Group | None = None) -> list[Pic
         tracks, scenario = fly_again(group.plan, cells, 1)
         bag = '' if asked.quick else record(group, cells, 1, asked.folder / name)
         again = command(group, cells[0], 1)
-        above = picture(tracks, scenario, HEIGHT).update_xaxes(dtick=10).update_yaxes(dtick=10)
+        above = (
+            uncrowded(picture(tracks, scenario, HEIGHT))
+            .update_xaxes(dtick=10)
+            .update_yaxes(dtick=10)
+        )
         made.append(Picture(name, heading, TRACKS, above, again, bag))
         if name == 'wind_8':
             x, y, _ = scenario.lamp.position.vector

@@ -39,8 +39,8 @@ SAME: Final = math.cos(math.radians(5.0))  # two rotors that point the same way,
 LIMIT_SEEDS: Final = 3
 CAPTION: Final = (
     'Rms error over a cruise at 0.5 m/s, a climb of 1.5 m and a turn by 90°; share of the weight '
-    'that rotors carry while hovering; greatest extent; directions in which rotors push. Below '
-    "each what the paper's table says. Darker ranks higher, within a column."
+    'that rotors carry while hovering; greatest extent; directions in which rotors push. In '
+    "brackets what the paper's table says. Darker ranks higher, within a column."
 )
 FOLLOWED: Final = {
     'cruise': ('Planar: told to fly at 0.5 m/s', 'Speed along the course; asked dashed, seed 1.'),
@@ -73,8 +73,10 @@ def study(asked: Asked) -> Found:
         Picture('table', 'Six criteria, measured', CAPTION, table(titles, measured), command)
     ]
     pictures += [
-        Picture(each, *FOLLOWED[each], flights.picture(each, RANKED), command) for each in flown
-    ]
+        Picture(each, *FOLLOWED[each], flights.picture(each, RANKED), command,
+                flights.record(each, RANKED, asked.folder / each))
+        for each in flown
+    ]  # fmt: skip
     return Found(values, pictures)
 
 
@@ -150,13 +152,13 @@ def table(titles: Sequence[str], measured: Mapping[str, Mapping[str, Value]]) ->
             ordered = sorted((number(each) for each in found.values()), reverse=not more)
             row.append(ordered.index(number(found[name])))
             paper = WORDS[RANKED[name][list(CRITERIA).index(criterion)]]
-            words.append(f'{factor * number(found[name]):.3g} {unit}<br>paper: {paper}')
+            words.append(f'{factor * number(found[name]):.3g} {unit}<br>({paper})')
         shades.append(row)
         texts.append(words)
     figure.add_trace(
         Heatmap(
             z=shades, x=list(measured), y=list(titles), text=texts,
-            texttemplate='%{text}', textfont={'color': INK},
+            texttemplate='%{text}', textfont={'color': INK, 'size': 9},
             colorscale=[[0.0, PAPER], [0.001, GRID], [1.0, TRUTH]], opacity=0.4, showscale=False,
             xgap=2, ygap=2, hovertemplate='%{y}, %{x}: %{text}<extra></extra>',
         )

@@ -1,0 +1,67 @@
+"""
+Pressure on a spheroid in air without friction: what a hull feels in flight, in closed form.
+
+The potential of an ellipsoid that stands in a stream U along one of its axes is (1 + k) U x on its
+surface (Lamb 1932, Hydrodynamics, article 114), k its added mass over the mass of the air that it
+displaces. The air therefore slides along the surface at (1 + k) times what of U lies in it:
+
+    C_p = 1 - (1 + k)^2 (1 - (n.e)^2)
+
+with n the normal and e the direction of the stream. A sphere has k = 1/2: from 1 to -5/4.
+"""
+
+from lta_config.vehicle_body import Hull
+from lta_sim import hull
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def pressure_coefficient(normals: Array, along: int, share: float) -> Array:
+    """
+    Return the pressure over the dynamic pressure of the stream. [1].
+
+    Parameters
+    ----------
+    normals : array (..., 3)
+        Of the surface, of length 1.
+    along : int
+        0, 1, 2 for a stream along x, y, z.
+    share : float
+        Added mass along it over the displaced mass. [1]
+
+    """
+    facing = np.asarray(normals)[..., along]
+    found: Array = 1.0 - (1.0 + share) ** 2 * (1.0 - facing**2)
+    return found
+
+
+def added_share(shape: Hull, along: int) -> float:
+    """Return the added mass of a hull along an axis over the air that its spheroid displaces."""
+    a, b, c = hull.half_axes(shape)
+    displaced = 4.0 / 3.0 * np.pi * a * b * c
+    return float(hull.added_mass(shape, 1.0)[along] / displaced)
+
+
+def extremes(shape: Hull, along: int, speed: float, density: float) -> tuple[float, float]:
+    """
+    Return the least and the greatest pressure on a hull in flight. [Pa].
+
+    Parameters
+    ----------
+    shape : Hull
+        A balloon counts as the spheroid of its diameter and height.
+    along : int
+        0, 1, 2 for flight along x, y, z.
+    speed : float
+        Through the air. [m/s]
+    density : float
+        Of the air. [kg/m3]
+
+    """
+    dynamic = 0.5 * density * speed**2
+    beside, ahead = np.zeros(3), np.zeros(3)
+    beside[along - 1], ahead[along] = 1.0, 1.0
+    low, high = pressure_coefficient(np.array([beside, ahead]), along, added_share(shape, along))
+    return float(dynamic * low), float(dynamic * high)

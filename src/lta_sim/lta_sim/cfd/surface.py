@@ -1,0 +1,75 @@
+"""Pressure on the bodies of a solved flow: its extremes, and a map of what is seen from below."""
+
+from pathlib import Path
+from typing import Final
+
+from lta_sim.cfd.forces import table
+from lta_sim.cfd.sweep_table import Pressed
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import NearestNDInterpolator
+from scipy.spatial import ConvexHull, Delaunay
+
+Array = NDArray[np.float64]
+CELLS: Final = 41  # of the map, along a side
+
+
+def read_surface(folder: Path, body: str, density: float) -> Pressed:
+    """
+    Return the pressure on a body at the end of a flow.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the case.
+    body : str
+        Its patch.
+    density : float
+        Of the air, which OpenFOAM divides pressures by. [kg/m3]
+
+    """
+    places = sorted(
+        (folder / 'postProcessing' / 'pressure').glob(f'*/p_{body}.raw'),
+        key=lambda place: float(place.parent.name),
+    )
+    rows = table(places[-1].read_text(encoding='utf-8'))
+    return pressed(rows[:, :3], density * rows[:, 3])
+
+
+def pressed(places: Array, pressure: Array) -> Pressed:
+    """
+    Return what is kept of the pressure on a body.
+
+    Parameters
+    ----------
+    places : array (n, 3)
+        Middles of its faces, body axes. [m]
+    pressure : array (n,)
+        There, over that far away. [Pa]
+
+    """
+    low, high = int(pressure.argmin()), int(pressure.argmax())
+    side = 2.0 * float(np.abs(places[:, :2]).max())
+    return Pressed(
+        least=_short(pressure[low]), most=_short(pressure[high]),
+        least_at=[_short(each) for each in places[low]],
+        most_at=[_short(each) for each in places[high]],
+        below=_below(places, pressure, side), side=_short(side),
+    )  # fmt: skip
+
+
+def _below(places: Array, pressure: Array, side: float) -> list[list[float | None]]:
+    """Return the pressure of the nearest face below the middle, on a grid of x and y."""
+    under = places[:, 2] <= float(places[:, 2].mean())
+    flat = places[under, :2]
+    steps = side * ((np.arange(CELLS) + 0.5) / CELLS - 0.5)
+    x, y = np.meshgrid(steps, steps)
+    values = NearestNDInterpolator(flat, pressure[under])(x, y)
+    outline = Delaunay(flat[ConvexHull(flat).vertices])
+    inside = outline.find_simplex(np.stack((x, y), axis=-1)) >= 0
+    rows: list[list[float]] = np.where(inside, values, np.nan).tolist()
+    return [[None if value != value else _short(value) for value in row] for row in rows]
+
+
+def _short(number: float) -> float:
+    return float(f'{number:.3g}')
