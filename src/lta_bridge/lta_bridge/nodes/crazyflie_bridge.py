@@ -232,7 +232,7 @@ class CrazyflieBridge(DeviceNode):
                 if self._keeper is not None:
                     self._keeper.lost(event.why)
             elif isinstance(event, Ping):
-                self._bridge.pinged(event.latency)
+                self._bridge.pinged(event.round_trip)
             else:
                 self._publish(self._bridge.heard(event))
 
@@ -264,7 +264,9 @@ class CrazyflieBridge(DeviceNode):
             'connected' if self._up else why,
             protocol=self._link.protocol,
             silence_s=f'{seen.silence:.3f}',
-            latency_s=f'{bridge.latency:.4f}',
+            latency_s=f'{bridge.trips.most:.4f}',
+            one_way_s=f'{1e-9 * bridge.trips.one_way_ns:.4f}',
+            clock_restarts=bridge.clock.line.restarts,
             drift_ppm=f'{1e6 * bridge.clock.drift:.1f}',
             packets=bridge.packets,
             attempts=0 if keeper is None else keeper.attempts,
