@@ -26,6 +26,7 @@ from lta_config.errors import BadInput
 from lta_graph.health import Level
 from lta_graph.ros.device import DeviceNode
 from lta_graph.ros.helm import Helm
+from lta_graph.ros.links import Links
 from lta_graph.ros.node import from_stamp, message_type, run, to_stamp
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.qos import profile
@@ -34,6 +35,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_srvs.srv import SetBool, Trigger
 
+HEARING = 5.0  # s at most until all nodes hear each other: what a user runs beside may never fit
 LEAVE = 15.0  # s at most to land before the link is let go
 ALOFT = (Stage.READY, Stage.FLYING, Stage.LANDING)
 DEAD = 2.0  # s of silence after which the link is made anew: blocks may be gone (firmware #428)
@@ -86,6 +88,7 @@ class CrazyflieBridge(DeviceNode):
             row = self.table[name]
             self.create_subscription(message_type(row), name, heed, profile(row, lockstep=False))
         self._helm = Helm(self, self._steer)
+        self._links = Links(self, self.table)
 
     def _graph_ns(self) -> int:
         return self.get_clock().now().nanoseconds
@@ -151,6 +154,8 @@ class CrazyflieBridge(DeviceNode):
         """Arm or disarm, and answer with what the supervisor's own word says."""
         why = self._bridge.refusal(self._graph_ns(), self._up, self.active)
         if not (request.data and why):
+            if request.data and self._bridge.state.stage is Stage.DISARMED:
+                self._wait_for_links()
             self._asked = self._asked._replace(arm=request.data)
             self._tick()
             while self._bridge.state.stage is Stage.ARMING:
@@ -162,6 +167,17 @@ class CrazyflieBridge(DeviceNode):
         response.success = armed == request.data
         response.message = stage.value if armed or not why else f'{stage.value}: {why}'
         return response
+
+    def _wait_for_links(self) -> None:
+        """Wait until all that the nodes say is heard: a flight begins with arming."""
+        until = time.monotonic() + HEARING
+        while (short := self._links.short(self.readers())) and time.monotonic() < until:
+            time.sleep(1.0 / RATE)
+            self._tick()
+        words = f'armed before all readers of {", ".join(short)} were found'
+        if short:
+            self.get_logger().warning(words)
+            self.health.report('start', Level.WARN, words)
 
     def _on_emergency_stop(
         self, _: Trigger.Request, response: Trigger.Response
