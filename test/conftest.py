@@ -1,8 +1,9 @@
 """
 What all tests share: markers from the folder, a DDS domain each, repeatable hypothesis.
 
-A test in `test/unit` is marked `unit`, and so on. An integration test has a ROS_DOMAIN_ID that no
-other test on this machine has, in whatever process it runs.
+A test in `test/unit` is marked `unit`, and so on; one elsewhere that watches the clock is marked
+`integration` by its own file, so that nothing runs beside it. An integration test has a
+ROS_DOMAIN_ID that no other test on this machine has, in whatever process it runs.
 """
 
 from collections.abc import Iterator
@@ -39,7 +40,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         folder = item.path.relative_to(ROOT / 'test').parts[0]
         if folder in MARKED:
             item.add_marker(folder)
-        if folder == 'integration':
+        if item.get_closest_marker('integration'):
             # Real processes against the wall clock, on machines that others use: two more tries,
             # which the summary counts as reruns.
             item.add_marker(pytest.mark.flaky(reruns=2))

@@ -13,7 +13,8 @@ import pytest
 from .tiny_processes import fleet as fleet
 from .tiny_processes import FOREVER, POLITE, run_to_end, until
 
-pytestmark = pytest.mark.flaky(reruns=2)  # real processes against the wall clock
+# Real processes against the wall clock: nothing else may run beside them.
+pytestmark = pytest.mark.integration
 
 
 def test_a_killed_process_is_named_within_half_a_second(fleet):

@@ -13,11 +13,13 @@ import pytest
 from .tiny_processes import DEAF, FOREVER, IGNORANT, POLITE, until
 from .tiny_processes import fleet as fleet
 
-pytestmark = pytest.mark.flaky(reruns=2)  # real processes against the wall clock
 LAUNCH = """
 import os, sys
 from lta_graph.launch_file import LaunchPlan, Process
 from lta_graph import launcher
+
+# Real processes against the wall clock: nothing else may run beside them.
+pytestmark = pytest.mark.integration
 launcher.TERM_GRACE = 0.5
 plan = LaunchPlan(tuple(Process('fleet', n, n, '/', (), False) for n in sys.argv[2:]))
 def say(*words):  # one write a line: two threads speak here

@@ -12,7 +12,8 @@ import pytest
 from .tiny_processes import DEAF, FOREVER, IGNORANT, POLITE, until
 from .tiny_processes import fleet as fleet
 
-pytestmark = pytest.mark.flaky(reruns=2)  # real processes against the wall clock
+# Real processes against the wall clock: nothing else may run beside them.
+pytestmark = pytest.mark.integration
 
 
 def test_a_spare_process_that_hangs_does_not_hold_up_the_end(fleet):

@@ -19,6 +19,9 @@ from lta_config.errors import BadInput
 import numpy as np
 import pytest
 
+# Real processes against the wall clock: nothing else may run beside them.
+pytestmark = pytest.mark.integration
+
 # cflib logs to files and sockets that its daemon threads close when they please.
 pytestmark = pytest.mark.filterwarnings('ignore::pytest.PytestUnraisableExceptionWarning')
 

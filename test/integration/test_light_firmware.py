@@ -17,7 +17,7 @@ from lta_vlc.modulation import SquareWave
 import numpy as np
 import pytest
 
-FIRMWARE = Path(__file__).resolve().parents[3] / 'firmware/light_board'
+FIRMWARE = Path(__file__).resolve().parents[2] / 'firmware/light_board'
 LIGHT = topic_table().light
 RATE = LIGHT.sample_rate.si
 DRIFT = 80e-6
