@@ -4,8 +4,8 @@ Who steers: the one state machine of teleoperation.
 A stick that leaves its rest takes the helm at once; only the button gives it back, with all sticks
 at rest. A dead device or a lost estimate leaves the helm with the person and says nothing: the
 setpoints age, and whoever flies by them holds, then lands, as for any other silence. Who begins
-anew takes up what those say who fly by the setpoints. An emergency stop is for good, and said again
-and again because nobody confirms one.
+anew takes up what those say who fly by the setpoints. An emergency stop is for good, and said
+again and again because nobody confirms one.
 """
 
 from enum import StrEnum

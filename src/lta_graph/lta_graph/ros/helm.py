@@ -12,7 +12,6 @@ from lta_graph.health import Level
 from lta_graph.ros.node import GraphNode, message_type
 from lta_graph.ros.qos import profile
 
-
 HELM: Final = 'helm'  # the task in which whoever flies by setpoints tells whose count
 HELD: Final = 'held'  # there: whether a person's
 
