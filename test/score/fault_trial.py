@@ -68,7 +68,8 @@ class Outcome:
     wrong : str
         What must not be; empty where all is as stated.
     timing : bool
-        Whether that is a time that was missed, which may be the machine's own delay.
+        Whether that is a time that was missed or another word that was said, both of which a
+        machine that stands still brings about by itself.
     late : float
         By how much the machine woke a sleeper too late at most. [s]
 
@@ -241,9 +242,10 @@ class Trial:
         bag = read_bag(self.bag)
         if not bag.complete:
             wrong = wrong or 'the bag is not whole'
-        if not self._told(told(bag)):
-            wrong = wrong or f"the bag says nowhere '{self._kind.word}', but {sorted(told(bag))}"
         timing = outcome.timing and wrong == outcome.wrong
+        if not wrong and not self._told(told(bag)):
+            wrong = f"the bag says nowhere '{self._kind.word}', but {sorted(told(bag))}"
+            timing = True
         return Outcome(**{**asdict(outcome), 'wrong': wrong, 'timing': timing})
 
 
@@ -270,7 +272,7 @@ def words(told: Any) -> set[str]:
     return {
         status.message
         for status in told.status
-        if re.match('crazyflie_bridge: (link|safety)', status.name)
+        if re.fullmatch('crazyflie_bridge: (link|safety)', status.name)
     }
 
 

@@ -2,9 +2,9 @@
 Faults in flight: `make faults` (some hours), or `make faults ARGS='--each 2 --side 4'`.
 
 Each kind of `fault_kinds.py` and `light_kinds.py` so many times, at a random moment, side by side,
-each flight in a process of its own (`fault_trial.py`, `light_trial.py`). A row is kept as it comes,
-so that a campaign that was stopped goes on where it was, while bridge and kinds stay the same.
-Writes docs/hardware_faults.md.
+each flight in a process of its own (`fault_trial.py`, `light_trial.py`). A row is kept as it
+comes, so that a campaign that was stopped goes on where it was, while bridge and kinds stay the
+same. Writes docs/hardware_faults.md.
 """
 
 import argparse
@@ -38,11 +38,12 @@ HEAD: Final = (
     'disarm where the flight is to go on, to motors that stand.\nStated first, then the longest '
     'that was seen; {slack:.0f} s more counts as stated, for a machine with other work. In every '
     "flight the bag must open whole and hold the\nbridge's own word of the fault, and every "
-    'process must end.\n\nA time that was missed while the machine woke a sleeper {stalled:.2f} s '
-    'or more too late says nothing of the bridge: that flight was flown again, {tries} times at '
-    'most, and the last\none counts, whatever became of it. Nothing else that is wrong is ever '
-    'flown again. {count} flights of code {code}, of {wanted} that make {each} of each; {again} '
-    'flown again; in\n{stalls} of those that count the machine stood still for so long.\n\n'
+    'process must end.\n\nA time that was missed, or another word that was said, while the machine '
+    'woke a sleeper {stalled:.2f} s or more too late says nothing of the bridge: that flight was '
+    'flown again,\n{tries} times at most, and the last one counts, whatever became of it. Nothing '
+    'else that is wrong is ever flown again. {count} flights of code {code}, of {wanted} that make '
+    '{each} of each;\n{again} flown again; in {stalls} of those that count the machine stood still '
+    'for so long.\n\n'
     '| fault | what becomes of the flight | by duties | by setpoints | as stated |\n'
     '|---|---|---|---|---|\n'
 )
@@ -50,8 +51,9 @@ LIGHT_HEAD: Final = (
     '\n## On the link of the light board\n\n'
     'Nothing there turns a motor; a drone without light is brought down by whoever commands it. '
     'No wrong light may be published, the loss must be told within {told:.1f} s and light must '
-    'come {again:.0f} s\nafter the cure ({slack:.0f} s more counts as stated), stamps must be true, '
-    "and the bridge's own counts of wrong and unknown frames must be those that were sent.\n\n"
+    'come {again:.0f} s\nafter the cure ({slack:.0f} s more counts as stated), stamps must be '
+    "true, and the bridge's own counts of wrong and unknown frames must be those that were sent."
+    '\n\n'
     '| fault | what becomes of the light | longest until told | as stated |\n|---|---|---|---|'
 )
 ALL: Final = (*KINDS, *LIGHT_KINDS)
@@ -82,9 +84,9 @@ def flown(case: Case) -> dict[str, Any]:
     """
     Return the outcome of one flight, with how often the machine had it flown again.
 
-    A time that was missed while the machine stood still for `STALLED` tells nothing of the bridge:
-    the flight is flown again, `TRIES` times at most, and the last one counts whatever it is.
-    Whatever else is wrong is never flown again.
+    A time that was missed, or another word that was said, while the machine stood still for
+    `STALLED` tells nothing of the bridge: the flight is flown again, `TRIES` flights at most, and
+    the last one counts whatever it is. Whatever else is wrong is never flown again.
     """
     for again in range(TRIES):
         row = _flown(case)

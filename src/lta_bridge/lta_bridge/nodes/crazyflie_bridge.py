@@ -14,12 +14,14 @@ from lta_bridge.crazyflie import messages, readings
 from lta_bridge.crazyflie.bridge import Bridge, RATE, Stamped
 from lta_bridge.crazyflie.cflib_link import CflibLink
 from lta_bridge.crazyflie.claim import Claim
+from lta_bridge.crazyflie.condition import condition
+from lta_bridge.crazyflie.condition import why as no_link
 from lta_bridge.crazyflie.consumption import Consumption
 from lta_bridge.crazyflie.keeper import Keeper
 from lta_bridge.crazyflie.link import Lost, Ping
 from lta_bridge.crazyflie.log_table import BLOCKS, check
 from lta_bridge.crazyflie.override import check_tether, expected
-from lta_bridge.crazyflie.safety import Asked, SILENT, Stage
+from lta_bridge.crazyflie.safety import Asked, Stage
 from lta_bridge.crazyflie.settings import BridgeSettings
 from lta_config.crazyflie_file import load_crazyflie
 from lta_config.errors import BadInput
@@ -268,36 +270,13 @@ class CrazyflieBridge(DeviceNode):
 
     def publish_health(self) -> None:
         """Tell how the link and the drone stand."""
-        bridge, keeper = self._bridge, self._keeper
-        seen = bridge.seen(self._graph_ns(), self._up, self.active)
-        why = 'not configured' if keeper is None else keeper.why
+        why = no_link(self._keeper)
         if why not in (self._complained, ''):
             self._complained = why
             self.get_logger().warning(f'no link: {why}')
-        self.health.report(
-            'link',
-            Level.OK if self._up and seen.silence < SILENT else Level.ERROR,
-            'connected' if self._up else why,
-            protocol=self._link.protocol,
-            silence_s=f'{seen.silence:.3f}',
-            latency_s=f'{bridge.trips.most:.4f}',
-            one_way_s=f'{1e-9 * bridge.trips.one_way_ns:.4f}',
-            clock_restarts=bridge.clock.line.restarts,
-            drift_ppm=f'{1e6 * bridge.clock.drift:.1f}',
-            packets=bridge.packets,
-            attempts=0 if keeper is None else keeper.attempts,
-        )
-        state = bridge.state
-        duties = () if bridge.motors is None else bridge.motors.duties
-        self.health.report(
-            'safety',
-            Level.ERROR if state.stage is Stage.STOPPED else Level.OK,
-            f'{state.stage.value}: {state.why}' if state.why else state.stage.value,
-            word=seen.word,
-            command=bridge.command,
-            voltage=f'{seen.voltage:.2f}',
-            motors=' '.join(f'{duty:.2f}' for duty in duties),
-        )
+        seen = self._bridge.seen(self._graph_ns(), self._up, self.active)
+        for fact in condition(self._bridge, self._keeper, self._link.protocol, seen):
+            self.health.report(fact.task, fact.level, fact.message, **fact.values)
         super().publish_health()
 
 
