@@ -38,12 +38,12 @@ HEAD: Final = (
     'disarm where the flight is to go on, to motors that stand.\nStated first, then the longest '
     'that was seen; {slack:.0f} s more counts as stated, for a machine with other work. In every '
     "flight the bag must open whole and hold the\nbridge's own word of the fault, and every "
-    'process must end.\n\nA time that was missed, or another word that was said, while the machine '
-    'woke a sleeper {stalled:.2f} s or more too late says nothing of the bridge: that flight was '
-    'flown again,\n{tries} times at most, and the last one counts, whatever became of it. Nothing '
-    'else that is wrong is ever flown again. {count} flights of code {code}, of {wanted} that make '
-    '{each} of each;\n{again} flown again; in {stalls} of those that count the machine stood still '
-    'for so long.\n\n'
+    'process must end.\n\nA time that was missed, or another word that was said, while the '
+    'machine woke a sleeper {stalled:.2f} s or more too late says nothing of the bridge: that '
+    'flight was flown again,\n{tries} times at most, and the last one counts, whatever became of '
+    'it. Nothing else that is wrong is ever flown again. {count} flights of code {code}, of '
+    '{wanted} that make {each} of each;\n{again} flown again; in {stalls} of those that count the '
+    'machine stood still for so long.\n\n'
     '| fault | what becomes of the flight | by duties | by setpoints | as stated |\n'
     '|---|---|---|---|---|\n'
 )
