@@ -10,7 +10,7 @@ export PYTHON
 enter := root='$(CURDIR)' && . tools/workspace.sh
 sources := config src test examples
 
-.PHONY: help demo build test test-long bench flights trust classes plan rgblimp crazyflie faults check format clean
+.PHONY: help demo build test test-long bench bench-compare flights trust classes plan rgblimp crazyflie faults check format clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
@@ -30,6 +30,9 @@ test-long: check  ## the long tests as well
 
 bench: test-environment  ## the measurements, beside those of others (ARGS='kernel mujoco': some)
 	@$(enter) && .venv/bin/python test/benchmark/bench.py $(ARGS)
+
+bench-compare: test-environment  ## hold the last `make bench` against the kept ratios (ARGS=--keep: keep it)
+	@.venv/bin/python test/benchmark/compare.py $(ARGS)
 
 flights: test-environment  ## fly many seeds (ARGS=SEEDS, 20 by default: minutes)
 	@$(enter) && .venv/bin/python test/benchmark/flights.py $(ARGS)

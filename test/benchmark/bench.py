@@ -26,7 +26,7 @@ from rich.table import Table
 HERE = Path(__file__).resolve().parent
 RESULTS = HERE.parents[1] / 'runs' / 'bench.json'
 # `make flights` takes minutes and has a table of its own.
-NO_BENCHMARKS = ('bench', 'flights', 'gtmab')
+NO_BENCHMARKS = ('bench', 'compare', 'flights', 'gtmab')
 Choice = Callable[[Iterable[float]], float]
 
 

@@ -1,0 +1,109 @@
+"""
+Hold the last `make bench` against the ratios that are kept in git: `make bench-compare`.
+
+Only ratios carry over from machine to machine, so a figure without a peer is not compared. What is
+worse by more than a fifth ends it with status 1; better or worse, `--keep` makes the last run the
+reference. What one of the two has not is listed and no fault: peers are optional.
+"""
+
+from argparse import ArgumentParser
+from collections.abc import Mapping
+from dataclasses import dataclass
+import json
+from pathlib import Path
+import sys
+
+from bench import RESULTS
+from rich.console import Console
+from rich.table import Table
+
+REFERENCE = Path(__file__).resolve().parent / 'reference.json'
+WORSE = 0.2  # share of a ratio
+
+Key = tuple[str, str]  # figure and peer
+
+
+@dataclass(frozen=True, slots=True)
+class Ratio:
+    """
+    LTA's figure over a peer's.
+
+    Attributes
+    ----------
+    value : float
+        The ratio.
+    unit : str
+        Of the figure itself, which tells whether more is better: a rate, or a cost.
+
+    """
+
+    value: float
+    unit: str
+
+    def loss(self, before: 'Ratio') -> float:
+        """Return by what share this is worse than it was; below zero where it is better."""
+        rate = self.unit.endswith('/s')
+        return (before.value / self.value if rate else self.value / before.value) - 1.0
+
+
+def ratios(path: Path) -> dict[Key, Ratio]:
+    """Return the ratios of a file that `make bench` or `--keep` wrote."""
+    rows = json.loads(path.read_text(encoding='utf-8'))
+    return {
+        (row['name'], row['peer']): Ratio(row['ratio'], row['unit'])
+        for row in rows
+        if row['ratio'] is not None
+    }
+
+
+def show(now: Mapping[Key, Ratio], before: Mapping[Key, Ratio]) -> list[Key]:
+    """Print the comparison; return what is worse."""
+    table = Table(box=None, pad_edge=False)
+    for heading in ('name', 'peer', 'reference', 'now', 'worse by'):
+        table.add_column(heading, justify='left' if heading in ('name', 'peer') else 'right')
+    both = [key for key in before if key in now]
+    worse = [key for key in both if now[key].loss(before[key]) > WORSE]
+    for key in both:
+        loss = f'{100.0 * now[key].loss(before[key]):+.0f} %'
+        style = 'red' if key in worse else ''
+        table.add_row(*key, f'{before[key].value:.4g}', f'{now[key].value:.4g}', loss, style=style)
+    console = Console(width=None if sys.stdout.isatty() else 120)
+    console.print(table)
+    alone = [name for name, _ in before.keys() ^ now.keys()]
+    if alone:
+        console.print(f'Only in one of the two: {", ".join(sorted(set(alone)))}.', highlight=False)
+    return worse
+
+
+def keep(now: Mapping[Key, Ratio]) -> None:
+    """Make a run the reference; what it has not measured stays as it was."""
+    before = ratios(REFERENCE) if REFERENCE.is_file() else {}
+    rows = [
+        {'name': name, 'peer': peer, 'ratio': float(f'{ratio.value:.4g}'), 'unit': ratio.unit}
+        for (name, peer), ratio in sorted((before | dict(now)).items())
+    ]
+    REFERENCE.write_text(json.dumps(rows, indent=1) + '\n', encoding='utf-8')
+
+
+def main(words: list[str] | None = None) -> int:
+    """Compare, or keep; return the exit status."""
+    parser = ArgumentParser(description='Compare the last "make bench" with the kept ratios.')
+    parser.add_argument('--keep', action='store_true', help='make the last run the reference')
+    kept = parser.parse_args(words).keep
+    for path, remedy in ((RESULTS, 'make bench'), (REFERENCE, 'make bench-compare ARGS=--keep')):
+        if not path.is_file() and not (kept and path == REFERENCE):
+            sys.stderr.write(f'There is no {path}; run "{remedy}" first.\n')
+            return 2
+    now = ratios(RESULTS)
+    if kept:
+        keep(now)
+        sys.stdout.write(f'{REFERENCE}\n')
+        return 0
+    worse = show(now, ratios(REFERENCE))
+    for name, peer in worse:
+        sys.stderr.write(f'{name} is worse beside {peer} by more than {WORSE:.0%}.\n')
+    return int(bool(worse))
+
+
+if __name__ == '__main__':
+    sys.exit(main())
