@@ -3,6 +3,7 @@
 import signal
 import time
 
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
 from lta_bridge.crazyflie.emulated.body import Bench
@@ -119,6 +120,35 @@ def test_motors_turn_only_armed_and_ramp_down_when_commands_stop(peer, drone, br
     hear(lambda facts: 'disarmed: the newest command' in safety(facts))
     assert not drone.firmware.supervisor.armed
     assert not drone.firmware.supervisor.locked
+
+
+def test_it_arms_once_the_nodes_hear_each_other(peer, drone, bridge):
+    """A node beside it says that its light has found no reader yet, and there is one."""
+    heard = []
+    peer.hear('battery', heard.append)
+    peer.hear('light/estimate', heard.append)
+    beside = peer.publisher('/diagnostics')
+    peer.until(lambda: heard)
+    client = peer.node.create_client(SetBool, ARM)
+    peer.until(client.service_is_ready)
+
+    said = {'readers': '0', 'times': 0}
+
+    def tell():  # again and again: what is said before the two have found each other is lost
+        said['times'] += 1
+        links = [KeyValue(key='light/estimate', value=said['readers'])]
+        status = DiagnosticStatus(name='demodulator: links', hardware_id='lta1', values=links)
+        beside.publish(DiagnosticArray(status=[status]))
+
+    peer.node.create_timer(0.05, tell)
+    peer.until(lambda: said['times'] > 40)
+    armed = client.call_async(SetBool.Request(data=True))
+    until = time.monotonic() + 1.0
+    peer.until(lambda: time.monotonic() > until)
+    assert not armed.done()
+    said['readers'] = '1'
+    peer.until(armed.done)
+    assert armed.result().success
 
 
 def test_an_emergency_stop_locks_and_is_not_flown_out_of(peer, drone, bridge):

@@ -33,17 +33,29 @@ def test_what_cannot_be_ends_the_node_with_one_sentence_and_status_2(domain_id):
         assert 'Traceback' not in text
 
 
+DENIED = (  # as cflib passes on what libusb says
+    'import cflib.crazyflie\n'
+    'def refuse(drone, uri):\n'
+    '    why = "USBError: [Errno 13] Access denied (insufficient permissions)"\n'
+    '    drone.connection_failed.call(uri, why)\n'
+    'cflib.crazyflie.Crazyflie.open_link = refuse\n'
+)
+
+
 @pytest.mark.parametrize(
-    ('uri', 'sentence'),
+    ('uri', 'before', 'sentence'),
     [
-        ('usb://7', 'no such Crazyflie is on a cable: plug it in and switch it on'),
-        ('old', 'the firmware speaks protocol 7, older than 9: update it'),
+        ('usb://7', '', 'no such Crazyflie is on a cable: plug it in and switch it on'),
+        ('usb://0', DENIED, 'you may not open the USB device: add the udev rule of'),
+        ('old', '', 'the firmware speaks protocol 7, older than 9: update it'),
     ],
 )
-def test_what_may_yet_come_is_told_and_waited_for_and_never_armed(domain_id, hear, uri, sentence):
+def test_what_may_yet_come_is_told_and_waited_for_and_never_armed(
+    domain_id, hear, uri, before, sentence
+):
     with Server(Firmware(Bench(), protocol=7)) as server, Peer(domain_id) as peer:
         place = server.uri if uri == 'old' else uri
-        node = start(f'lta_bridge.nodes.{CRAZYFLIE}', '-p', f'uri:={place}')
+        node = start(f'lta_bridge.nodes.{CRAZYFLIE}', '-p', f'uri:={place}', before=before)
         name = f'{CRAZYFLIE}: link'
         hear(lambda facts: name in facts and sentence in facts[name].message)
         refused = peer.ask(SetBool, f'{CRAZYFLIE}/arm', data=True)

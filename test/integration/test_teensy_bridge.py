@@ -174,6 +174,43 @@ def test_a_pulled_cable_is_told_and_put_back(bench, tmp_path):
     ended(process)
 
 
+def test_another_dialect_is_told_and_its_light_is_not_published(domain_id, tmp_path):
+    with Bench(domain_id, tmp_path, dialect=2) as bench:
+        process = start(BRIDGE, '-p', f'port:={tmp_path}/ttyACM0')
+        bench.until(lambda: bench.node.count_publishers('/lta1/photodiodes'))
+        bench.told('light comes')  # its heartbeat is that of any board
+        bench.send(bench.board.status())
+        bench.told('speaks version 2 of its messages and this bridge version 1; build both')
+        assert bench.facts[TASK][0] == Level.ERROR
+        light = simulated_light()[0]
+        bench.send(bench.board.light(light) + bench.board.light(light) + bench.board.status())
+        bench.until(lambda: int(bench.facts[TASK][2]['blocks']) >= 1)
+        ended(process)
+        assert bench.blocks == []
+        bench.end()
+
+
+def test_a_port_that_one_may_not_open_is_refused_told_and_ends_with_one_sentence(bench, tmp_path):
+    """As pyserial says it; whoever runs the tests may be allowed to open everything."""
+    denied = (
+        'import errno, serial\n'
+        'def refuse(*words, **names): raise serial.SerialException(errno.EACCES, "denied")\n'
+        'serial.Serial = refuse\n'
+    )
+    words = ('-p', f'port:={tmp_path}/ttyACM0')
+    process = start(BRIDGE, *words, '-p', 'autostart:=false', before=denied)
+    bench.until(lambda: 'not configured' in bench.facts.get(TASK, (0, '', {}))[1])
+    assert not bench.change(Transition.TRANSITION_CONFIGURE)
+    sentence = f'You may not open {tmp_path}/ttyACM0; join its group'
+    bench.told(sentence)
+    assert bench.facts[TASK][0] == Level.ERROR
+    ended(process)
+    process = start(BRIDGE, *words, before=denied)
+    _, errors = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 2
+    assert errors.splitlines()[-1].startswith(sentence)
+
+
 def test_a_second_source_of_light_is_told(bench, tmp_path):
     process = start(BRIDGE, '-p', f'port:={tmp_path}/ttyACM0')
     bench.told('light comes')

@@ -91,6 +91,10 @@ def test_a_stick_wins_until_it_is_handed_back_and_a_dead_teleop_lands(nodes, dom
         # The navigator goes on talking, and is not listened to.
         cockpit.until_motors('holding')
         cockpit.until_motors('landing')
+        cockpit.facts.pop('teleop: helm')
+        nodes[0] = start('lta_bridge.nodes.teleop')  # it learns from who flies by its word
+        cockpit.until_helm('a person steers')
+        cockpit.until_motors('flying by a person')
 
 
 def test_the_button_stops_the_motors_for_good(nodes, domain_id):

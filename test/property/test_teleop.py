@@ -46,7 +46,9 @@ class Person(RuleBasedStateMachine):
     def step(self, sticks, felt):
         self.now += PERIOD
         self.sticks, self.felt = sticks, felt
-        self.state, self.order = tick(self.state, self.now, PERIOD, sticks, felt, RATES)
+        self.state, self.order = tick(
+            self.state, self.now, PERIOD, sticks, felt, RATES, told=self.held
+        )
         self.stopped |= sticks is not None and sticks.stop
         self.stops += self.order.stop
         if self.order.held is not None:
@@ -72,6 +74,14 @@ class Person(RuleBasedStateMachine):
         if sticks is None or felt is None:
             assert self.held == before
             assert self.order.setpoint is None
+
+    @rule(felt=estimates)
+    def start_again(self, felt):
+        self.state = State()
+        before, self.stopped, self.stops = self.held, False, 0
+        self.step(Sticks(), felt)
+        assert (self.state.stage is Stage.PERSON) == before
+        assert (self.order.setpoint is not None) == before
 
     @rule(felt=st.one_of(st.none(), estimates))
     def stop(self, felt):

@@ -25,6 +25,7 @@ from lta_bridge.crazyflie.emulated.server import Server
 from lta_bridge.emulated_hardware import flown
 from lta_config.topics import topic_table
 from lta_graph.ros.node import message_type
+from machine import Lateness
 from std_srvs.srv import SetBool, Trigger
 
 sys.path += [str(Path(__file__).parents[1]), str(Path(__file__).parents[1] / 'integration')]
@@ -66,6 +67,11 @@ class Outcome:
         In which it struck.
     wrong : str
         What must not be; empty where all is as stated.
+    timing : bool
+        Whether that is a time that was missed or another word that was said, both of which a
+        machine that stands still brings about by itself.
+    late : float
+        By how much the machine woke a sleeper too late at most. [s]
 
     """
 
@@ -74,6 +80,8 @@ class Outcome:
     flew_on: bool
     phase: str
     wrong: str
+    timing: bool = False
+    late: float = 0.0
 
 
 class Trial:
@@ -195,7 +203,9 @@ class Trial:
             self._fly_until(self._stands)
             took = self._turned - struck
             wrong = '' if took <= stated else f'turned for {took:.2f} s, stated {stated:.1f} s'
-            return self._closed(Outcome(took, stated, flew_on, phase, wrong))
+            if self._kind.flies_on and not flew_on:
+                wrong = 'it did not fly on'
+            return self._closed(Outcome(took, stated, flew_on, phase, wrong, bool(wrong)))
 
     def _goes_on(self) -> bool:
         """Fly on where the kind lets it; return whether motors turn to the end."""
@@ -227,19 +237,28 @@ class Trial:
         """End bridge and recorder as Ctrl-C does, and look into the bag."""
         wrong, until = outcome.wrong, time.monotonic() + HEARD
         self._peer.until(lambda: self._told(self._words) or time.monotonic() > until)
-        for name, process in (('bridge', self.bridge), ('recorder', self.recorder)):
-            if process.poll() is None:
-                process.send_signal(2)
-            _, text = process.communicate(timeout=30)
-            killed = process.returncode == -9 and self._kind is KINDS['killed']
-            if process.returncode and not killed:
-                wrong = wrong or f'{name} ended with {process.returncode}: {text[-200:]}'
+        nodes = {'bridge': self.bridge, 'recorder': self.recorder}
+        wrong = closed_nodes(nodes, killed=self._kind is KINDS['killed']) or wrong
         bag = read_bag(self.bag)
         if not bag.complete:
             wrong = wrong or 'the bag is not whole'
-        if not self._told(told(bag)):
-            wrong = wrong or f"the bag says nowhere '{self._kind.word}', but {sorted(told(bag))}"
-        return Outcome(**{**asdict(outcome), 'wrong': wrong})
+        timing = outcome.timing and wrong == outcome.wrong
+        if not wrong and not self._told(told(bag)):
+            wrong = f"the bag says nowhere '{self._kind.word}', but {sorted(told(bag))}"
+            timing = True
+        return Outcome(**{**asdict(outcome), 'wrong': wrong, 'timing': timing})
+
+
+def closed_nodes(nodes: dict[str, Any], killed: bool = False) -> str:
+    """End nodes as Ctrl-C does; return what is wrong with how they ended, empty for nothing."""
+    wrong = ''
+    for name, process in nodes.items():
+        if process.poll() is None:
+            process.send_signal(2)
+        _, text = process.communicate(timeout=30)
+        if process.returncode and not (killed and process.returncode == -9):
+            wrong = wrong or f'{name} ended with {process.returncode}: {text[-200:]}'
+    return wrong
 
 
 def told(bag: Any) -> set[str]:
@@ -253,19 +272,22 @@ def words(told: Any) -> set[str]:
     return {
         status.message
         for status in told.status
-        if re.match('crazyflie_bridge: (link|safety)', status.name)
+        if re.fullmatch('crazyflie_bridge: (link|safety)', status.name)
     }
 
 
 def tried(kind: str, number: int) -> Outcome:
     """Return the outcome of one fault; what breaks is an outcome, too."""
     with tempfile.TemporaryDirectory() as name, free_domain() as domain, Peer(domain) as peer:
-        try:
-            return Trial(kind, number, Path(name), peer).fly()
-        except Exception as error:
-            return Outcome(None, None, False, '', f'{type(error).__name__}: {error}'[:300])
-        finally:
-            put_away()
+        with Lateness() as machine:
+            try:
+                found = Trial(kind, number, Path(name), peer).fly()
+            except Exception as error:
+                found = Outcome(None, None, False, '', f'{type(error).__name__}: {error}'[:300],
+                                isinstance(error, AssertionError))  # fmt: skip
+            finally:
+                put_away()
+        return Outcome(**{**asdict(found), 'late': machine.most})
 
 
 if __name__ == '__main__':

@@ -16,6 +16,7 @@ WINDOWS: Final = 60
 ENOUGH: Final = 5  # windows from which drift is estimated
 FASTEST: Final = 200e-6  # largest drift that a crystal has, with margin [1]
 JUMP_NS: Final = 500_000_000  # a message this early says that the device's clock began again
+BACK_NS: Final = 100_000_000  # no network reorders so far: the device's clock was set back
 
 
 @final

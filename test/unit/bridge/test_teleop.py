@@ -3,10 +3,11 @@
 import os
 import struct
 
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from lta_bridge.teleop.gamepad import Gamepad
 from lta_bridge.teleop.helm import Felt, LEAD_TURN, Rates, State, tick
 from lta_bridge.teleop.keyboard import HELD, Keyboard
-from lta_bridge.teleop.messages import JoyDevice, SILENT
+from lta_bridge.teleop.messages import Flyers, JoyDevice, SILENT
 from lta_bridge.teleop.sticks import deflection, Layout, of_gamepad, Sticks
 from lta_config.errors import BadInput
 import pytest
@@ -57,6 +58,22 @@ def test_joy_messages_count_while_they_come():
     device.heard(Joy(axes=axes, buttons=[0, 1, 0]), 1.0)
     assert device.sticks(1.0 + SILENT) == Sticks(turn=1.0, give_back=True)
     assert device.sticks(1.01 + SILENT) is None
+
+
+def test_who_flies_by_whom_is_read_from_the_health_of_this_drone_s_nodes():
+    def told(name, robot='lta1', **values):
+        pairs = [KeyValue(key=key, value=value) for key, value in values.items()]
+        status = DiagnosticStatus(name=name, hardware_id=robot, values=pairs)
+        return DiagnosticArray(status=[status])
+
+    flyers = Flyers('/lta1')
+    for other in (told('teleop: helm'), told('controller: helm', 'lta2', held='True')):
+        flyers.heard(other)
+        assert flyers.held is None
+    flyers.heard(told('controller: helm', held='False'))
+    assert flyers.held is False
+    flyers.heard(told('crazyflie_bridge: helm', held='True'))
+    assert flyers.held is True
 
 
 def test_a_gamepad_is_read_and_its_loss_is_noticed(tmp_path):

@@ -13,6 +13,7 @@ from lta_bridge.crazyflie import readings
 from lta_bridge.crazyflie.clock import DeviceClock
 from lta_bridge.crazyflie.link import Link, LogPacket, Lost, Ping
 from lta_bridge.crazyflie.log_table import BLOCKS
+from lta_bridge.crazyflie.round_trips import RoundTrips
 from lta_bridge.crazyflie.supervisor import Bit, trouble
 from lta_config.crazyflie_file import CrazyflieFile, Expected
 
@@ -86,7 +87,7 @@ def listen(
 
     """
     heard: dict[str, list[LogPacket]] = {block.name: [] for block in BLOCKS}
-    clock, latency, lost = DeviceClock(), math.nan, ''
+    clock, trips, lost = DeviceClock(), RoundTrips(), ''
     began = time.monotonic()
     while (been := time.monotonic() - began) < seconds and not lost:
         tick(been)
@@ -99,7 +100,7 @@ def listen(
                 heard[packet.block].append(packet)
                 clock.stamp(packet.stamp_ms, packet.arrival_ns)
             case Ping(took):
-                latency = took
+                trips.add(took)
             case Lost(why):
                 lost = why
     power = [readings.power(packet.values) for packet in heard['power'][-1:]]
@@ -109,7 +110,7 @@ def listen(
         protocol=int(getattr(link, 'protocol', -1)),
         revision=revision({name: link.parameter(name) for name in RELEASE}),
         streams=tuple(streamed(block, heard[block.name]) for block in BLOCKS),
-        latency=latency,
+        latency=trips.most,
         drift=clock.drift,
         voltage=power[0].voltage if power else math.nan,
         word=words[0] if words else None,

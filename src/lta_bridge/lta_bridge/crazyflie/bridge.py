@@ -12,6 +12,7 @@ from typing import Final, final, NamedTuple
 from lta_bridge.crazyflie import duties_packet, readings, safety
 from lta_bridge.crazyflie.clock import DeviceClock
 from lta_bridge.crazyflie.link import Link, LogPacket, order_of
+from lta_bridge.crazyflie.round_trips import RoundTrips
 from lta_config.crazyflie_file import CrazyflieFile
 
 RATE: Final = 50.0  # Hz of ticks; the firmware wants setpoints at 10 Hz or more
@@ -80,8 +81,8 @@ class Bridge:
         The firmware's own, x y z w; None before it came.
     power, motors : Power, Motors or None
         The newest.
-    latency : float
-        Of the newest ping, 95th percentile of the round trip. [s]
+    trips : RoundTrips
+        Of pings.
 
     """
 
@@ -106,7 +107,7 @@ class Bridge:
         self.attitude: tuple[float, float, float, float] | None = None
         self.power: readings.Power | None = None
         self.motors: readings.Motors | None = None
-        self.latency = math.nan
+        self.trips = RoundTrips()
         self._word_ns: int | None = None
         self._asked: Asked | None = None
         self._where = Where()
@@ -123,13 +124,15 @@ class Bridge:
     def forget(self) -> None:
         """Begin anew with a new connection: nothing of the old one counts."""
         with self._lock:
-            self.clock = DeviceClock()
+            self.clock, self.trips = DeviceClock(), RoundTrips()
             self.attitude, self.power, self.motors, self._word_ns = None, None, None, None
             self._asked = None
 
-    def pinged(self, latency: float) -> None:
-        """Take a round trip; the way here is at most half of it. [s]"""
-        self.latency = latency
+    def pinged(self, round_trip: float) -> None:
+        """Take a round trip: stamps are set back by what the quickest message takes. [s]"""
+        with self._lock:
+            self.trips.add(round_trip)
+            self.clock.line.one_way_ns = self.trips.one_way_ns
 
     def heard(self, packet: LogPacket) -> Stamped:
         """Return what a log packet says, with its graph time."""

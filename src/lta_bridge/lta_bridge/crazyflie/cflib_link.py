@@ -11,6 +11,7 @@ from functools import partial
 import logging
 import math
 from queue import Empty, SimpleQueue
+import struct
 import threading
 import time
 from typing import Any, Final, final
@@ -33,6 +34,8 @@ else:
 LANDING: Final = 3.0  # s for the firmware's own landing
 U8, U16 = 0x08, 0x09  # the firmware's numbers for types of parameters
 FULL_RATIO: Final = 65535
+ECHO: Final = (15, 0)  # port and channel whose packets come back
+MARK, STAMPED = 0, struct.Struct('<Bd')  # mark of a ping, and how it tells when it was sent [s]
 PARTING: Final = 3  # times that motors are let go of before a link is closed
 DRIVERS = threading.Lock()
 
@@ -114,7 +117,7 @@ class CflibLink:
         for caller in (drone.connection_failed, drone.connection_lost):
             caller.add_callback(lambda _, why: outcome.put(remedied(str(why))))
         drone.connection_lost.add_callback(self._guarded(drone, self._lost))
-        drone.link_statistics.latency_updated.add_callback(self._guarded(drone, self._ping))
+        drone.add_header_callback(self._guarded(drone, self._ping), *ECHO)
         drone.open_link(self._uri)
         try:
             why = outcome.get(timeout=deadline)
@@ -143,8 +146,12 @@ class CflibLink:
     def _lost(self, _: str, why: str) -> None:
         self.events.put(Lost(remedied(str(why))))
 
-    def _ping(self, latency_ms: float) -> None:
-        self.events.put(Ping(1e-3 * latency_ms))
+    def _ping(self, echo: Any) -> None:  # noqa: ANN401 - untyped library
+        """Take back what cflib sends ten times a second: when it did so."""
+        if len(echo.data) == STAMPED.size:
+            mark, sent = STAMPED.unpack(echo.data)
+            if mark == MARK:
+                self.events.put(Ping(time.time() - sent))
 
     def _log(self, drone: Any, until: float) -> None:  # noqa: ANN401 - untyped library
         """Start every block; all must be confirmed by a deadline."""

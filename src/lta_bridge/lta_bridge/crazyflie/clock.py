@@ -2,9 +2,10 @@
 
 from typing import Final, final
 
-from lta_bridge.one_way_clock import OneWayClock
+from lta_bridge.one_way_clock import BACK_NS, OneWayClock
 
 WRAP: Final = 1 << 24  # ms; the stamp of a log packet has 24 bits, 4.66 h
+BACK_MS: Final = BACK_NS // 1_000_000
 
 
 @final
@@ -48,6 +49,10 @@ class DeviceClock:
             self._newest = stamp_ms
             return stamp_ms
         ahead = (stamp_ms - self._newest + WRAP // 2) % WRAP - WRAP // 2
+        if ahead < -BACK_MS:  # it started anew, and has not been up for long
+            self.line.restart()
+            self._newest = stamp_ms
+            return stamp_ms
         time = self._newest + ahead
         self._newest = max(self._newest, time)
         return time

@@ -30,9 +30,9 @@ class LogPacket(NamedTuple):
 
 
 class Ping(NamedTuple):
-    """95th percentile of the round trip. [s]"""
+    """What one way to the drone and back took. [s]"""
 
-    latency: float
+    round_trip: float
 
 
 class Lost(NamedTuple):

@@ -14,18 +14,21 @@ from lta_bridge.crazyflie import messages, readings
 from lta_bridge.crazyflie.bridge import Bridge, RATE, Stamped
 from lta_bridge.crazyflie.cflib_link import CflibLink
 from lta_bridge.crazyflie.claim import Claim
+from lta_bridge.crazyflie.condition import condition
+from lta_bridge.crazyflie.condition import why as no_link
 from lta_bridge.crazyflie.consumption import Consumption
 from lta_bridge.crazyflie.keeper import Keeper
 from lta_bridge.crazyflie.link import Lost, Ping
 from lta_bridge.crazyflie.log_table import BLOCKS, check
 from lta_bridge.crazyflie.override import check_tether, expected
-from lta_bridge.crazyflie.safety import Asked, SILENT, Stage
+from lta_bridge.crazyflie.safety import Asked, Stage
 from lta_bridge.crazyflie.settings import BridgeSettings
 from lta_config.crazyflie_file import load_crazyflie
 from lta_config.errors import BadInput
 from lta_graph.health import Level
 from lta_graph.ros.device import DeviceNode
 from lta_graph.ros.helm import Helm
+from lta_graph.ros.links import Links
 from lta_graph.ros.node import from_stamp, message_type, run, to_stamp
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.qos import profile
@@ -34,6 +37,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_srvs.srv import SetBool, Trigger
 
+HEARING = 5.0  # s at most until all nodes hear each other: what a user runs beside may never fit
 LEAVE = 15.0  # s at most to land before the link is let go
 ALOFT = (Stage.READY, Stage.FLYING, Stage.LANDING)
 DEAD = 2.0  # s of silence after which the link is made anew: blocks may be gone (firmware #428)
@@ -86,6 +90,7 @@ class CrazyflieBridge(DeviceNode):
             row = self.table[name]
             self.create_subscription(message_type(row), name, heed, profile(row, lockstep=False))
         self._helm = Helm(self, self._steer)
+        self._links = Links(self, self.table)
 
     def _graph_ns(self) -> int:
         return self.get_clock().now().nanoseconds
@@ -151,6 +156,8 @@ class CrazyflieBridge(DeviceNode):
         """Arm or disarm, and answer with what the supervisor's own word says."""
         why = self._bridge.refusal(self._graph_ns(), self._up, self.active)
         if not (request.data and why):
+            if request.data and self._bridge.state.stage is Stage.DISARMED:
+                self._wait_for_links()
             self._asked = self._asked._replace(arm=request.data)
             self._tick()
             while self._bridge.state.stage is Stage.ARMING:
@@ -162,6 +169,17 @@ class CrazyflieBridge(DeviceNode):
         response.success = armed == request.data
         response.message = stage.value if armed or not why else f'{stage.value}: {why}'
         return response
+
+    def _wait_for_links(self) -> None:
+        """Wait until all that the nodes say is heard: a flight begins with arming."""
+        until = time.monotonic() + HEARING
+        while (short := self._links.short(self.readers())) and time.monotonic() < until:
+            time.sleep(1.0 / RATE)
+            self._tick()
+        words = f'armed before all readers of {", ".join(short)} were found'
+        if short:
+            self.get_logger().warning(words)
+            self.health.report('start', Level.WARN, words)
 
     def _on_emergency_stop(
         self, _: Trigger.Request, response: Trigger.Response
@@ -232,7 +250,7 @@ class CrazyflieBridge(DeviceNode):
                 if self._keeper is not None:
                     self._keeper.lost(event.why)
             elif isinstance(event, Ping):
-                self._bridge.pinged(event.latency)
+                self._bridge.pinged(event.round_trip)
             else:
                 self._publish(self._bridge.heard(event))
 
@@ -252,34 +270,13 @@ class CrazyflieBridge(DeviceNode):
 
     def publish_health(self) -> None:
         """Tell how the link and the drone stand."""
-        bridge, keeper = self._bridge, self._keeper
-        seen = bridge.seen(self._graph_ns(), self._up, self.active)
-        why = 'not configured' if keeper is None else keeper.why
+        why = no_link(self._keeper)
         if why not in (self._complained, ''):
             self._complained = why
             self.get_logger().warning(f'no link: {why}')
-        self.health.report(
-            'link',
-            Level.OK if self._up and seen.silence < SILENT else Level.ERROR,
-            'connected' if self._up else why,
-            protocol=self._link.protocol,
-            silence_s=f'{seen.silence:.3f}',
-            latency_s=f'{bridge.latency:.4f}',
-            drift_ppm=f'{1e6 * bridge.clock.drift:.1f}',
-            packets=bridge.packets,
-            attempts=0 if keeper is None else keeper.attempts,
-        )
-        state = bridge.state
-        duties = () if bridge.motors is None else bridge.motors.duties
-        self.health.report(
-            'safety',
-            Level.ERROR if state.stage is Stage.STOPPED else Level.OK,
-            f'{state.stage.value}: {state.why}' if state.why else state.stage.value,
-            word=seen.word,
-            command=bridge.command,
-            voltage=f'{seen.voltage:.2f}',
-            motors=' '.join(f'{duty:.2f}' for duty in duties),
-        )
+        seen = self._bridge.seen(self._graph_ns(), self._up, self.active)
+        for fact in condition(self._bridge, self._keeper, self._link.protocol, seen):
+            self.health.report(fact.task, fact.level, fact.message, **fact.values)
         super().publish_health()
 
 

@@ -13,7 +13,7 @@ from typing import Any
 from lta_bridge.teleop.gamepad import Gamepad
 from lta_bridge.teleop.helm import Felt, Rates, Stage, State, tick
 from lta_bridge.teleop.keyboard import HELP, Keyboard
-from lta_bridge.teleop.messages import JoyDevice, to_felt
+from lta_bridge.teleop.messages import Flyers, JoyDevice, to_felt
 from lta_bridge.teleop.sticks import Device, Layout
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
@@ -30,6 +30,11 @@ from std_srvs.srv import Trigger
 PERIOD = 0.02  # s
 FRESH = 0.3  # s for which an estimate is one
 STOPPING = ('emergency_stop', 'crazyflie_bridge/emergency_stop')  # services; who is there hears it
+STEERS = {
+    Stage.UNKNOWN: (Level.WARN, 'nobody who flies by setpoints has said whose count'),
+    Stage.NAVIGATOR: (Level.OK, 'the navigator steers'),
+    Stage.PERSON: (Level.OK, 'a person steers'),
+}
 
 
 class TeleopSettings(Settings):
@@ -56,13 +61,13 @@ class Teleop(GraphNode):
         self._settings = Parameters(self, TeleopSettings)
         self._stops = {name: self.create_client(Trigger, name) for name in STOPPING}
         self._answered: set[str] = set()
+        self._flyers = Flyers(self.get_namespace())
         self._odom: Any = None
         self._odom_at = -FRESH
         self._state, self._ticked = State(), time.monotonic()
-        row = self.table['odom']
-        self.create_subscription(
-            message_type(row), 'odom', self._on_odom, profile(row, lockstep=False)
-        )
+        for name, heed in (('odom', self._on_odom), ('/diagnostics', self._flyers.heard)):
+            row = self.table[name]
+            self.create_subscription(message_type(row), name, heed, profile(row, lockstep=False))
         self._device = self._made(self._settings.value)
         self.create_timer(PERIOD, self._tick, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
@@ -90,7 +95,9 @@ class Teleop(GraphNode):
         before = self._state.stage
         dt, self._ticked = now - self._ticked, now
         rates = self._settings.value.rates
-        self._state, order = tick(self._state, now, min(dt, FRESH), sticks, felt, rates)
+        self._state, order = tick(
+            self._state, now, min(dt, FRESH), sticks, felt, rates, self._flyers.held
+        )
         if order.setpoint is not None:
             # A setpoint answers the newest estimate: its age is counted from that one's stamp.
             pose, velocity = from_setpoint(self._odom.header.stamp, order.setpoint)
@@ -122,8 +129,8 @@ class Teleop(GraphNode):
             text = f'{silent}: the drone holds, then lands' if steers else silent
             self.health.report('helm', Level.ERROR if steers else Level.WARN, text)
         else:
-            text = 'a person steers' if stage is Stage.PERSON else 'the navigator steers'
-            self.health.report('helm', Level.OK, text)
+            level, text = STEERS[stage]
+            self.health.report('helm', level, text)
 
     def close(self) -> None:
         """Give the device back; a helm that was held stays so, and the drone lands."""

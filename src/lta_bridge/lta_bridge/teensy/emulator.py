@@ -91,6 +91,8 @@ class EmulatedBoard:
 
     Attributes
     ----------
+    faults : Faults
+        What happens to its frames of light from now on.
     sent : int
         Frames of light so far, those that a fault took included.
 
@@ -107,7 +109,7 @@ class EmulatedBoard:
         dialect: int = DIALECT,
     ) -> None:
         self._boot_ns, self._rate, self._diodes, self._drift = boot_ns, sample_rate, diodes, drift
-        self._faults = faults or Faults()
+        self.faults = faults or Faults()
         self._dialect = dialect
         self._first, self._rows, self._turn = first, 0, 0
         self._paused = 0  # ns of its clock in which it sampled nothing
@@ -163,7 +165,7 @@ class EmulatedBoard:
             )
             self._rows += count
             self.sent += 1
-            yield self._faults.act(self.sent, frame)
+            yield self.faults.act(self.sent, frame)
 
     def peaks(
         self, samples: NDArray[np.uint16], frequency: float, begun_ns: int | None = None

@@ -3,8 +3,9 @@ Who steers: the one state machine of teleoperation.
 
 A stick that leaves its rest takes the helm at once; only the button gives it back, with all sticks
 at rest. A dead device or a lost estimate leaves the helm with the person and says nothing: the
-setpoints age, and whoever flies by them holds, then lands, as for any other silence. An emergency
-stop is for good, and said again and again because nobody confirms one.
+setpoints age, and whoever flies by them holds, then lands, as for any other silence. Who begins
+anew takes up what those say who fly by the setpoints. An emergency stop is for good, and said
+again and again because nobody confirms one.
 """
 
 from enum import StrEnum
@@ -32,6 +33,7 @@ class Rates(Settings):
 class Stage(StrEnum):
     """Who steers."""
 
+    UNKNOWN = 'nobody known'  # nobody who flies by setpoints has said whose count
     NAVIGATOR = 'navigator'
     PERSON = 'person'
     STOPPED = 'stopped'  # by an emergency stop; for good
@@ -45,9 +47,10 @@ class Felt(NamedTuple):
 
 
 class State(NamedTuple):
-    """The memory: who steers, what the person wants, and the stops that were said."""
+    """The memory: who steers, whether by our own word, what they want, and the stops said."""
 
-    stage: Stage = Stage.NAVIGATOR
+    stage: Stage = Stage.UNKNOWN
+    own: bool = False
     wanted: Felt | None = None
     stops: int = 0
     stopped_at: float = -math.inf
@@ -77,7 +80,13 @@ SILENT: Final = Order()
 
 
 def tick(
-    state: State, now: float, dt: float, sticks: Sticks | None, felt: Felt | None, rates: Rates
+    state: State,
+    now: float,
+    dt: float,
+    sticks: Sticks | None,
+    felt: Felt | None,
+    rates: Rates,
+    told: bool | None = None,
 ) -> tuple[State, Order]:
     """
     Return the next state and what to say.
@@ -94,21 +103,25 @@ def tick(
         The newest estimate; None where there is no fresh one.
     rates : Rates
         What a full deflection means.
+    told : bool or None
+        Whether those who fly by setpoints say that a person's count; None where none has said.
 
     """
     if state.stage is Stage.STOPPED or (sticks is not None and sticks.stop):
         return _stopped(state, now)
+    if told is not None and not state.own:
+        state = state._replace(stage=Stage.PERSON if told else Stage.NAVIGATOR)
     if sticks is None or felt is None:
         # Whoever comes back begins where the drone then is.
         return state._replace(wanted=None), SILENT
     takes = sticks.moved or sticks.take
     if sticks.give_back and not takes:
-        return State(), Order(held=False)
-    if state.stage is Stage.NAVIGATOR and not takes:
+        return State(Stage.NAVIGATOR, own=True), Order(held=False)
+    if state.stage is not Stage.PERSON and not takes:
         return state, SILENT
     wanted = _led(state.wanted or felt, felt, sticks, rates, dt)
     setpoint = Setpoint(wanted.altitude, wanted.heading, rates.speed * sticks.forward)
-    return State(Stage.PERSON, wanted), Order(True, setpoint)
+    return State(Stage.PERSON, True, wanted), Order(True, setpoint)
 
 
 def _stopped(state: State, now: float) -> tuple[State, Order]:

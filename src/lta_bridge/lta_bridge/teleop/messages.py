@@ -2,9 +2,11 @@
 
 from typing import Final, final
 
+from diagnostic_msgs.msg import DiagnosticArray
 from lta_bridge.teleop.helm import Felt
 from lta_bridge.teleop.sticks import Layout, of_gamepad, Sticks
 from lta_control.messages import to_measured
+from lta_graph.ros.helm import HELD, HELM
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Joy
 
@@ -32,6 +34,36 @@ class JoyDevice:
 
     def close(self) -> None:
         """Do nothing: the subscription is the node's."""
+
+
+@final
+class Flyers:
+    """
+    What a drone's nodes that fly by setpoints say of whose count, in their health.
+
+    Parameters
+    ----------
+    robot : str
+        The drone's namespace.
+
+    """
+
+    def __init__(self, robot: str) -> None:
+        self._robot = robot.strip('/')
+        self._held: dict[str, bool] = {}
+
+    def heard(self, array: DiagnosticArray) -> None:
+        """Take what some node says of its health."""
+        for status in array.status:
+            if status.hardware_id == self._robot and status.name.endswith(f': {HELM}'):
+                told = {item.key: item.value for item in status.values}
+                if HELD in told:
+                    self._held[status.name] = told[HELD] == str(True)
+
+    @property
+    def held(self) -> bool | None:
+        """Whether any flies by a person's; None where none has said."""
+        return any(self._held.values()) if self._held else None
 
 
 def to_felt(odom: Odometry) -> Felt | None:

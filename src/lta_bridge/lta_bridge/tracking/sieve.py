@@ -10,6 +10,7 @@ from enum import StrEnum
 import math
 from typing import Final, final
 
+from lta_bridge.one_way_clock import BACK_NS
 from lta_bridge.tracking.pose import angle, Pose
 
 UNIT: Final = 0.01  # by which an attitude may miss the length 1, so that single precision passes
@@ -18,7 +19,6 @@ SPIN: Final = 10.0  # rad/s
 SLACK: Final = 0.05  # m and rad that noise may add to any step
 FROZEN_NS: Final = 500_000_000  # real poses have noise: none repeats to the last bit so long
 FOUND_NS: Final = 200_000_000  # a leap that is kept so long was one to the right place
-BACK_NS: Final = 100_000_000  # no network reorders so far: the tracker's clock was set back
 
 
 class Fault(StrEnum):

@@ -6,10 +6,14 @@ and whoever flies by it holds and lands, where the navigator's would have flown 
 """
 
 from collections.abc import Callable
-from typing import Any, final
+from typing import Any, Final, final
 
+from lta_graph.health import Level
 from lta_graph.ros.node import GraphNode, message_type
 from lta_graph.ros.qos import profile
+
+HELM: Final = 'helm'  # the task in which whoever flies by setpoints tells whose count
+HELD: Final = 'held'  # there: whether a person's
 
 
 @final
@@ -33,11 +37,13 @@ class Helm:
 
     def __init__(self, node: GraphNode, then: Callable[[], None] = lambda: None) -> None:
         self.held = False
+        self._node = node
         self._pose: Any = None
         self._velocity: Any = None
         self._then = then
         if node.lockstep:
             return
+        self._tell()
         # What is made last is taken first: a word is there before the helm changes hands.
         for name, heed in (
             ('teleop/held', self._on_held),
@@ -52,7 +58,14 @@ class Helm:
         return (self._pose, self._velocity) if self.held else (pose, velocity)
 
     def _on_held(self, held: Any) -> None:  # noqa: ANN401 - a message
-        self.held = held.data
+        if held.data != self.held:
+            self.held = held.data
+            self._tell()
+            self._node.publish_health()  # at once: a teleop that starts now must know
+
+    def _tell(self) -> None:
+        whose = 'of a person' if self.held else 'of the navigator'
+        self._node.health.report(HELM, Level.OK, f'by setpoints {whose}', **{HELD: self.held})
 
     def _on_pose(self, pose: Any) -> None:  # noqa: ANN401 - a message
         self._pose = pose

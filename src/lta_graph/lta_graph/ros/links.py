@@ -22,9 +22,10 @@ DEPTH = 100  # messages of all nodes together that may wait until the next look
 @final
 class Links:
     """
-    Hear how many readers a drone's nodes have found: `with Links(node, table) as links: ...`.
+    Hear how many readers a drone's nodes have found, from now on.
 
-    Not while the node spins: the subscription comes and goes.
+    `with Links(node, table) as links: ...` listens only so long; not while the node spins, since
+    the subscription goes.
 
     Parameters
     ----------
@@ -40,12 +41,12 @@ class Links:
         self._robot = node.get_namespace().strip('/')
         self._topics = [name for name, row in table.topics.items() if row.period_ns]
         self._found: dict[str, int] = {}
-
-    def __enter__(self) -> Self:
-        """Begin to listen."""
-        self._subscription = self._node.create_subscription(
+        self._subscription = node.create_subscription(
             DiagnosticArray, '/diagnostics', self._hear, DEPTH
         )
+
+    def __enter__(self) -> Self:
+        """Listen for as long as the context lasts."""
         return self
 
     def __exit__(
@@ -64,12 +65,26 @@ class Links:
 
     def loose(self, own: Mapping[str, int]) -> list[str]:
         """
-        Return the topics that not all of their readers would hear now.
+        Return the topics that not all of their readers would hear now, or that nobody writes.
 
         Parameters
         ----------
         own : mapping of str to int
             Readers that the node itself has found, by topic.
+
+        """
+        short = self.short(own)
+        told = self._found | dict(own)
+        return [name for name in self._topics if name not in told or name in short]
+
+    def short(self, own: Mapping[str, int]) -> list[str]:
+        """
+        Return the topics whose writer knows of fewer readers than there are.
+
+        Parameters
+        ----------
+        own : mapping of str to int
+            As for `loose`.
 
         """
         take = self._subscription.handle.take_message
@@ -79,5 +94,5 @@ class Links:
         return [
             name
             for name in self._topics
-            if name not in found or found[name] < self._node.count_subscribers(name)
+            if name in found and found[name] < self._node.count_subscribers(name)
         ]

@@ -3,10 +3,15 @@
 import math
 
 from lta_bridge.crazyflie import duties_packet, readings
+from lta_bridge.crazyflie.bridge import Bridge
 from lta_bridge.crazyflie.clock import DeviceClock
 from lta_bridge.crazyflie.emulated.variables import LOG
+from lta_bridge.crazyflie.link import LogPacket
 from lta_bridge.crazyflie.log_table import Block, BLOCKS, check
+from lta_bridge.crazyflie.round_trips import RoundTrips
+from lta_config.crazyflie_file import load_crazyflie
 from lta_config.errors import BadInput
+from lta_sim.vehicle import load_vehicle
 import numpy as np
 import pytest
 
@@ -59,6 +64,35 @@ def test_a_reboot_begins_anew():
     told = clock.stamp(100, 10**18 + 4_000 * MS)
     assert told == 10**18 + 4_000 * MS
     assert clock.line.restarts == 1
+
+
+@pytest.mark.parametrize('back_s', [0.2, 3.0, 9.0])
+def test_a_clock_that_is_set_back_a_little_is_learnt_anew(back_s):
+    """One that started anew within its first seconds: at once, not after the line's minute."""
+    clock, back = DeviceClock(), round(1000 * back_s)
+    for ms in range(0, 9500, 10):
+        clock.stamp(ms, 10**18 + (ms + 2) * MS)
+    for ms in range(9500, 10500, 10):
+        told = clock.stamp(ms - back, 10**18 + (ms + 2) * MS)
+        assert told == pytest.approx(10**18 + (ms + 2) * MS, abs=1000)
+    assert clock.line.restarts == 1
+
+
+def test_stamps_are_set_back_by_half_of_the_quickest_round_trip():
+    trips = RoundTrips()
+    assert (trips.one_way_ns, math.isnan(trips.most)) == (0, True)
+    for took in (0.010, 0.004, 0.030, -1.0, 3600.0, math.nan):
+        trips.add(took)
+    assert trips.one_way_ns == 2 * MS
+    assert trips.most == pytest.approx(0.028)  # 0.9 of the way from 10 to 30 ms
+    bridge = Bridge(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
+    bridge.pinged(0.004)
+    errors = [
+        bridge.heard(LogPacket('none', 10 * k, {}, 10**18 + (10 * k + 2) * MS)).stamp_ns
+        - (10**18 + 10 * k * MS)
+        for k in range(50)
+    ]
+    assert np.abs(errors).max() <= 1000
 
 
 def test_units_and_signs():

@@ -1,0 +1,178 @@
+"""
+One fault of the light link: `python test/score/light_trial.py KIND NUMBER` prints its outcome.
+
+An emulated board at the end of a cable in this process, its bridge and a recorder as processes; 8
+diodes at 10 kS/s. The number decides the moment. In the built workspace (tools/workspace.sh).
+"""
+
+from dataclasses import asdict
+import json
+from pathlib import Path
+from random import Random
+import sys
+import tempfile
+import time
+from typing import Any, Final
+
+from diagnostic_msgs.msg import DiagnosticArray
+from fault_trial import closed_nodes, Outcome
+from light_kinds import AGAIN, EVERY, LIGHT_KINDS, SOUND, TOLD
+from lta_analysis.bag.reader import read_bag
+from lta_bridge.teensy.emulated_server import BoardServer
+from lta_bridge.teensy.emulator import EmulatedBoard
+from lta_config.topics import topic_table
+from lta_graph.ros.node import from_stamp
+from machine import Lateness
+import numpy as np
+
+sys.path += [str(Path(__file__).parents[1]), str(Path(__file__).parents[1] / 'integration')]
+from domain import free_domain
+import peer as peers
+from peer import Peer, put_away, start
+
+peers.PATIENCE = 90.0  # s: a trial's nodes start beside those of others
+TABLE: Final = topic_table()
+PERIOD: Final = 1e-9 * TABLE['photodiodes'].period_ns  # s
+LASTS: Final = 2.0  # s of a fault that light goes on through
+NEAR: Final = 0.005  # s by which a stamp may be wrong, besides what the cable takes
+SLACK: Final = 1.0  # s more, for a machine with other work
+TASK: Final = 'teensy_bridge: light board'
+
+
+class LightTrial:
+    """The parties of one trial."""
+
+    def __init__(self, name: str, number: int, folder: Path, peer: Peer) -> None:
+        kind = self._kind = LIGHT_KINDS[name]
+        self._random, self._peer = Random(f'{name} {number}'), peer
+        first = self._random.randrange(2**32)  # its rows may wrap
+        board = EmulatedBoard(0, TABLE.light.sample_rate.si, drift=kind.drift, first=first)
+        self.server = BoardServer(board, folder / 'ttyACM0')
+        self.bag = folder / 'bag'
+        self.nodes = {
+            'bridge': start('lta_bridge.nodes.teensy_bridge', '-p', f'port:={self.server.port}'),
+            'recorder': start('lta_bridge.nodes.recorder', '-p', f'bag:={self.bag}'),
+        }
+        self._said, self._figures, self._words = '', {}, set()
+        self._came, self._late, self._blocks = 0.0, 0.0, 0
+        self._samples = np.full((TABLE.light.samples, 8), 2000, np.uint16)
+        peer.node.create_subscription(DiagnosticArray, '/diagnostics', self._on_health, 10)
+        peer.hear('photodiodes', self._on_block)
+
+    def _on_health(self, told: DiagnosticArray) -> None:
+        for status in told.status:
+            if status.name == TASK:
+                self._said = status.message
+                self._words.add(status.message)
+                self._figures = {item.key: item.value for item in status.values}
+
+    def _on_block(self, block: Any) -> None:
+        """Note when light came, and by how much its stamp is off the block that it must be."""
+        self._came, self._blocks = time.monotonic(), self._blocks + 1
+        since = 1e-9 * (from_stamp(block.header.stamp) - self._began_ns)
+        self._late = max(self._late, abs(since - PERIOD * round(since / PERIOD)))
+
+    def _until(self, condition: Any) -> None:
+        """Let the board sample, until something holds."""
+
+        def done() -> Any:
+            while 1e-9 * self.server.now_ns >= PERIOD * (self._sampled + 1):
+                self.server.light(PERIOD * self._sampled, self._samples)
+                self._sampled += 1
+            return condition()
+
+        self._peer.until(done)
+
+    def _for(self, seconds: float) -> None:
+        until = time.monotonic() + seconds
+        self._until(lambda: time.monotonic() >= until)
+
+    def watch(self) -> Outcome:
+        """Let light come, let it strike, and watch until light comes again."""
+        self._sampled = 0
+        with self.server:
+            self._began_ns = time.time_ns() - self.server.now_ns
+            self._until(lambda: self._blocks > 3 and 'light comes' in self._said)
+            self._for(self._random.uniform(0.2, 1.5))
+            struck = time.monotonic()
+            wrong, took = self._spoilt() if not self._kind.word else self._told(struck)
+            timing = bool(wrong)
+            wrong = closed_nodes(self.nodes) or wrong
+            return self._judged(Outcome(took, TOLD + SLACK, not self._kind.word, 'light', wrong,
+                                        timing))  # fmt: skip
+
+    def _told(self, struck: float) -> tuple[str, float]:
+        """Strike; the bridge must say so, publish nothing, and go on once it is cured."""
+        self._kind.strike(self)
+        self._until(lambda: self._kind.word in self._said)
+        took, blocks = time.monotonic() - struck, self._blocks
+        self._for(0.5)
+        if self._blocks > blocks + 1:
+            return 'light was published meanwhile', took
+        self._kind.cure(self)
+        cured = time.monotonic()
+        self._until(lambda: self._came > cured and 'light comes' in self._said)
+        back = self._came - cured
+        if took > TOLD + SLACK:
+            return f'told after {took:.2f} s, stated {TOLD:.1f} s', took
+        if back > AGAIN + SLACK:
+            return f'light again after {back:.2f} s, stated {AGAIN:.1f} s', took
+        return '', took
+
+    def _spoilt(self) -> tuple[str, float]:
+        """Spoil frames for a while; light must go on, its stamps true, all of it counted."""
+        self._kind.strike(self)
+        board = self.server.board
+        board.faults, sent = self._kind.spoilt, board.sent
+        self._for(LASTS)
+        board.faults, ended = SOUND, board.sent
+        came = time.monotonic()
+        self._until(lambda: self._came > came)
+        self._for(1.2)  # health is told each second
+        hits = ended // EVERY - sent // EVERY
+        allowed = NEAR + 1e-3 * float(self._figures.get('round_trip_ms', '0'))
+        if self._late > allowed:
+            return f'a stamp is {1e3 * self._late:.1f} ms off', self._came - came
+        figure = self._kind.figure
+        if figure and abs(int(self._figures[figure]) - hits) > 1:  # one as the faults change
+            return f'{figure} is {self._figures[figure]}, not {hits}', self._came - came
+        lost = int(self._figures['rows_lost'])
+        spoilt = self._kind.spoilt
+        spoils = bool(spoilt.drop or spoilt.cut or spoilt.corrupt)
+        if bool(lost) != spoils and 'anew' not in self._kind.about:
+            return f'{lost} rows are counted as lost', self._came - came
+        return '', self._came - came
+
+    def _judged(self, outcome: Outcome) -> Outcome:
+        """Look into the bag."""
+        bag = read_bag(self.bag)
+        said = {
+            status.message
+            for topic, _, data in bag.messages(['/diagnostics'])
+            for status in bag.decode(topic, data).status
+            if status.name == TASK
+        }
+        wrong = outcome.wrong
+        if not bag.complete:
+            wrong = wrong or 'the bag is not whole'
+        if not any((self._kind.word or 'light comes') in word for word in said):
+            wrong = wrong or f"the bag says nowhere '{self._kind.word}', but {sorted(said)}"
+        return Outcome(**{**asdict(outcome), 'wrong': wrong})
+
+
+def tried(kind: str, number: int) -> Outcome:
+    """Return the outcome of one fault; what breaks is an outcome, too."""
+    with tempfile.TemporaryDirectory() as name, free_domain() as domain, Peer(domain) as peer:
+        with Lateness() as machine:
+            try:
+                found = LightTrial(kind, number, Path(name), peer).watch()
+            except Exception as error:
+                found = Outcome(None, None, False, '', f'{type(error).__name__}: {error}'[:300],
+                                isinstance(error, AssertionError))  # fmt: skip
+            finally:
+                put_away()
+        return Outcome(**{**asdict(found), 'late': machine.most})
+
+
+if __name__ == '__main__':
+    sys.stdout.write(json.dumps(asdict(tried(sys.argv[1], int(sys.argv[2])))) + '\n')
