@@ -13,13 +13,14 @@ import pytest
 from .tiny_processes import DEAF, FOREVER, IGNORANT, POLITE, until
 from .tiny_processes import fleet as fleet
 
+# Real processes against the wall clock: nothing else may run beside them.
+pytestmark = pytest.mark.integration
+
 LAUNCH = """
 import os, sys
 from lta_graph.launch_file import LaunchPlan, Process
 from lta_graph import launcher
 
-# Real processes against the wall clock: nothing else may run beside them.
-pytestmark = pytest.mark.integration
 launcher.TERM_GRACE = 0.5
 plan = LaunchPlan(tuple(Process('fleet', n, n, '/', (), False) for n in sys.argv[2:]))
 def say(*words):  # one write a line: two threads speak here
