@@ -19,11 +19,11 @@ from lta_config.errors import BadInput
 import numpy as np
 import pytest
 
-# Real processes against the wall clock: nothing else may run beside them.
-pytestmark = pytest.mark.integration
-
-# cflib logs to files and sockets that its daemon threads close when they please.
-pytestmark = pytest.mark.filterwarnings('ignore::pytest.PytestUnraisableExceptionWarning')
+pytestmark = [
+    pytest.mark.integration,  # real links against the wall clock: nothing else may run beside them
+    # cflib logs to files and sockets that its daemon threads close when they please.
+    pytest.mark.filterwarnings('ignore::pytest.PytestUnraisableExceptionWarning'),
+]
 
 BEACON = 150.0  # Hz
 TALK = 0.02  # s between two of the board's words

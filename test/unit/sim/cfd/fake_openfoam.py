@@ -62,9 +62,21 @@ def solve(fault):
     for name in re.findall(r'momentum_(\w+)', control):
         there = [share * each if name in ('outlet', 'far') else 0.0 for each in lost]
         write(f'momentum_{name}/{begin}/surfaceFieldValue.dat', begin, [there] * (end - begin), 1)
+    if re.search(r'\bpressure\n', control):
+        for name in bodies:
+            press(f'pressure/{end}/p_{name}.raw')
     for k in range(begin + 1, end + 1, 20):
         say(f'Time = {k}\nGAMG:  Solving for p, Initial residual = {1 / k}, Final residual = 0')
     say('ExecutionTime = 12.5 s  ClockTime = 13 s')
+
+
+def press(path):
+    """Write a box's pressure: 2 Pa at its top, -1 Pa below, at 1 kg/m3."""
+    place = Path('postProcessing') / path
+    place.parent.mkdir(parents=True, exist_ok=True)
+    ends = (-1, 1)
+    rows = [f'{x} {y} {z} {2 if z > 0 else -1}\n' for x in ends for y in ends for z in ends]
+    place.write_text('# x y z p\n' + ''.join(rows))
 
 
 def swing(fault, begin, k):

@@ -51,6 +51,9 @@ def test_a_sweep_becomes_forces_in_body_axes(fake):
     )
     assert sweep.blows['up_left'].force == pytest.approx([0, 0, GTMAB.rotors['up_left'].thrust])
     assert sweep.blows['up_left'].evidence.balance < 1e-3
+    pressed = sweep.blows['up_left'].pressed['envelope']
+    assert (pressed.least, pressed.most) == pytest.approx((-1.2, 2.4))
+    assert pressed.most_at[2] == -pressed.least_at[2] == 1.0
 
 
 @pytest.mark.parametrize(

@@ -2,14 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Final
+from typing import Any, Final
 
 from lta_analysis.bag.channels import Channel
 from lta_analysis.discovery.flights.measured import Stream, Streams
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_config.errors import BadInput
-from lta_config.files import checked, parse_yaml
-from lta_config.import_file import Mapping as MappingFile
+from lta_config.files import parse_yaml
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -67,19 +66,27 @@ def _mass(channels: Mapping[str, Channel]) -> Stream | None:
     return Stream(told.time[known], told.values[known]) if known.any() else None
 
 
+def _dicts(holder: object, name: str) -> list[dict[str, Any]]:
+    """Return the entries of a list, or the values of a dictionary, that are dictionaries."""
+    found = holder.get(name) if isinstance(holder, dict) else None
+    each = [*found.values()] if isinstance(found, dict) else found
+    return [entry for entry in each if isinstance(entry, dict)] if isinstance(each, list) else []
+
+
 def told_in_newtons(provenance: Mapping[str, str]) -> bool | None:
     """Tell whether an import has the propellers' efforts in newtons; None where it is not said."""
     text = provenance.get('mapping_file')
     if not text:
         return None
+    # Not held against today's schema: a recording may be of another version.
     try:
-        mapping = checked(MappingFile, parse_yaml(text, 'The mapping'), 'The mapping')
-    except BadInput:  # of another version, or somebody else's
+        mapping = parse_yaml(text, 'The mapping')
+    except BadInput:
         return None
-    for entry in mapping.topics:
-        if entry.topic == 'motors':
-            efforts = [each.effort for each in (entry.actuators or {}).values()]
-            return any(each is not None and each.unit in NEWTONS for each in efforts)
+    for topic in _dicts(mapping, 'topics'):
+        if topic.get('topic') == 'motors':
+            efforts = [actuator.get('effort') for actuator in _dicts(topic, 'actuators')]
+            return any(isinstance(each, dict) and each.get('unit') in NEWTONS for each in efforts)
     return None
 
 

@@ -133,6 +133,8 @@ MAPPING: Final = 'topics: [{topic: motors, actuators: {left: {effort: {column: a
         ('rgblimp', {}, 0.3, 0.3),  # more than it has in newtons
         ('gtmab', {'mapping_file': MAPPING}, 0.0915 / 4 + 0.0677 / 2, 0.5),  # a u2 + b u
         ('gtmab', {}, 0.05, 0.05),
+        ('gtmab', {'mapping_file': 'topics: [5, {topic: motors, actuators: 7}]'}, 0.05, 0.05),
+        ('gtmab', {'mapping_file': 'topics: ['}, 0.05, 0.05),
     ],
 )
 def test_newtons_become_duties(
