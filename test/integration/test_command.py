@@ -127,6 +127,7 @@ def test_a_domain_that_cannot_be_is_one_sentence(lta, tmp_path, monkeypatch):
     assert not (tmp_path / 'out').exists()
 
 
+@pytest.mark.long
 def test_two_flights_on_one_domain_are_refused_and_the_first_flies_on(lta, flying, tmp_path):
     first = lta.start('fly', '--no-page', '--out', tmp_path / 'first')
     flying(0.1)

@@ -80,6 +80,7 @@ def test_one_process_flies_the_flight_of_the_graph(lta, tmp_path):
     assert kept[0] == kept[1]
 
 
+@pytest.mark.long
 def test_a_changed_parameter_is_kept_in_files_that_the_graph_flies(lta, tmp_path):
     """
     `--set` writes what it changed beside the bag; the graph flies that to the same bytes.

@@ -239,6 +239,7 @@ def repeatable(path):
     return {topic: digest.hexdigest() for topic, digest in found.items()}
 
 
+@pytest.mark.long
 def test_a_view_that_hangs_and_dies_changes_no_byte_of_a_flight(
     lta, scenario, flying, tmp_path, port
 ):

@@ -101,6 +101,7 @@ def check_reading(lta, bag):
     assert start[:2].tolist() == [-3.5, OFFSET]
 
 
+@pytest.mark.long
 def test_who_holds_both_up_is_named_with_its_robot_and_nobody_else(
     lta, flying, scenario, tmp_path
 ):
@@ -125,6 +126,7 @@ def test_who_holds_both_up_is_named_with_its_robot_and_nobody_else(
     assert read_bag(tmp_path / 'bag').complete
 
 
+@pytest.mark.long
 def test_in_real_time_both_follow_the_wall_clock_together(lta, scenario, tmp_path):
     """Fourteen processes on two cores: what is lost is let go, never made up, and counted."""
     bag = tmp_path / 'bag'

@@ -224,6 +224,7 @@ BRIEF = (
 )
 
 
+@pytest.mark.long
 @needs_cuda
 def test_a_thread_of_a_gpu_flies_the_same_closed_loop(tmp_path):
     told = {}

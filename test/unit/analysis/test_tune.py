@@ -210,6 +210,7 @@ def test_gains_that_may_ask_for_less_hold_less(monkeypatch):
     assert strong.days == pytest.approx((14.6 / 2.3, 14.6 / 0.5), rel=0.05)
 
 
+@pytest.mark.long
 def test_the_verb_tunes(call, tmp_path, monkeypatch):
     monkeypatch.setattr(limit, 'TRIED', 1)
     monkeypatch.setattr(limit, 'HALVINGS', 0)
