@@ -10,6 +10,7 @@ from functools import cache
 import io
 import os
 from pathlib import Path
+import re
 from typing import Any, TypeVar
 
 from lta_config.errors import BadInput, unknown
@@ -20,7 +21,7 @@ import yaml
 
 # What the YAML reader raises beside its own errors: no such date, a tag that does not fit.
 MISFITS = (ValueError, ArithmeticError, LookupError, TypeError, AttributeError)
-
+NUMERAL = re.compile('[-+.:_0-9A-Fa-fxXoO]+')  # what YAML may read a number from
 
 # Where the files of each kind are shipped.
 FOLDERS = {
@@ -202,7 +203,8 @@ def _check_shape(where: str, events: Iterable[yaml.Event]) -> None:
 
 def _check_number(where: str, event: yaml.ScalarEvent) -> None:
     """Refuse a number whose reading would take minutes: YAML 1.1 counts to the base of 60, too."""
-    if event.implicit[0] and len(event.value) > YAML_DIGITS and event.value[0] in '+-.0123456789':
+    quoted = event.implicit[1]
+    if not quoted and len(event.value) > YAML_DIGITS and NUMERAL.fullmatch(event.value):
         raise BadInput(f'{where} holds a number of more than {YAML_DIGITS} digits; shorten it.')
 
 

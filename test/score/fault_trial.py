@@ -276,12 +276,12 @@ def words(told: Any) -> set[str]:
     }
 
 
-def tried(kind: str, number: int) -> Outcome:
-    """Return the outcome of one fault; what breaks is an outcome, too."""
+def tried(fly: Callable[[Path, Peer], Outcome]) -> Outcome:
+    """Return the outcome of a trial in a folder and a domain of its own; a break is one, too."""
     with tempfile.TemporaryDirectory() as name, free_domain() as domain, Peer(domain) as peer:
         with Lateness() as machine:
             try:
-                found = Trial(kind, number, Path(name), peer).fly()
+                found = fly(Path(name), peer)
             except Exception as error:
                 found = Outcome(None, None, False, '', f'{type(error).__name__}: {error}'[:300],
                                 isinstance(error, AssertionError))  # fmt: skip
@@ -291,5 +291,6 @@ def tried(kind: str, number: int) -> Outcome:
 
 
 if __name__ == '__main__':
-    found = tried(sys.argv[1], int(sys.argv[2]))
-    sys.stdout.write(json.dumps(asdict(found)) + '\n')
+    kind, number = sys.argv[1], int(sys.argv[2])
+    outcome = tried(lambda folder, peer: Trial(kind, number, folder, peer).fly())
+    sys.stdout.write(json.dumps(asdict(outcome)) + '\n')

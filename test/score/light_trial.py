@@ -10,27 +10,22 @@ import json
 from pathlib import Path
 from random import Random
 import sys
-import tempfile
 import time
 from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticArray
-from fault_trial import closed_nodes, Outcome
+from fault_trial import closed_nodes, Outcome, tried
 from light_kinds import AGAIN, EVERY, LIGHT_KINDS, SOUND, TOLD
 from lta_analysis.bag.reader import read_bag
 from lta_bridge.teensy.emulated_server import BoardServer
 from lta_bridge.teensy.emulator import EmulatedBoard
 from lta_config.topics import topic_table
 from lta_graph.ros.node import from_stamp
-from machine import Lateness
 import numpy as np
 
-sys.path += [str(Path(__file__).parents[1]), str(Path(__file__).parents[1] / 'integration')]
-from domain import free_domain
-import peer as peers
-from peer import Peer, put_away, start
+# In test/integration, which fault_trial.py has put on the path.
+from peer import Peer, start
 
-peers.PATIENCE = 90.0  # s: a trial's nodes start beside those of others
 TABLE: Final = topic_table()
 PERIOD: Final = 1e-9 * TABLE['photodiodes'].period_ns  # s
 LASTS: Final = 2.0  # s of a fault that light goes on through
@@ -160,19 +155,7 @@ class LightTrial:
         return Outcome(**{**asdict(outcome), 'wrong': wrong})
 
 
-def tried(kind: str, number: int) -> Outcome:
-    """Return the outcome of one fault; what breaks is an outcome, too."""
-    with tempfile.TemporaryDirectory() as name, free_domain() as domain, Peer(domain) as peer:
-        with Lateness() as machine:
-            try:
-                found = LightTrial(kind, number, Path(name), peer).watch()
-            except Exception as error:
-                found = Outcome(None, None, False, '', f'{type(error).__name__}: {error}'[:300],
-                                isinstance(error, AssertionError))  # fmt: skip
-            finally:
-                put_away()
-        return Outcome(**{**asdict(found), 'late': machine.most})
-
-
 if __name__ == '__main__':
-    sys.stdout.write(json.dumps(asdict(tried(sys.argv[1], int(sys.argv[2])))) + '\n')
+    kind, number = sys.argv[1], int(sys.argv[2])
+    outcome = tried(lambda folder, peer: LightTrial(kind, number, folder, peer).watch())
+    sys.stdout.write(json.dumps(asdict(outcome)) + '\n')

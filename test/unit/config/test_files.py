@@ -68,6 +68,7 @@ def test_a_good_file(write):
         ('? [a, b]\n: 1', "the key ['a', 'b'] must be one word."),
         ('name: 2024-13-45', 'is not valid YAML: month must be in 1..12.'),
         ('name: ' + 5000 * '1', 'holds a number of more than 400 digits'),
+        ('name: !!int 1' + 90_000 * ':59', 'holds a number of more than 400 digits'),
         (100 * '[', 'is nested more than 50 deep; flatten it.'),
         (900_000 * '[', 'is nested more than 50 deep; flatten it.'),  # once a crash of libyaml
         (1_000_001 * ' ', 'is larger than 1000000 bytes'),
@@ -99,6 +100,13 @@ def test_no_text_gets_past_but_as_data_or_bad_input(tmp_path_factory, text):
     path.write_text(text, encoding='utf-8')
     with contextlib.suppress(BadInput):
         load_yaml(path)
+
+
+def test_long_text_that_begins_with_a_number_is_no_number(write):
+    about = '16 photodiodes, ' + 40 * 'each with its own gain '
+    assert load(File, write(f'name: {about}')).name == about.strip()
+    digits = 5000 * '1'
+    assert load(File, write(f'name: "{digits}"')).name == digits
 
 
 def test_what_is_not_a_file(tmp_path):

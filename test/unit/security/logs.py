@@ -65,20 +65,20 @@ def ulog_claims_much(folder):
     return written(folder, ULOG + 2000 * struct.pack('<HB', 0xFFFF, ord('F')), 'hostile.ulg')
 
 
-def ulog_format_in_itself(folder):
-    told = b'a:uint64_t timestamp;a inner;'
+def ulog_of(folder, told):
+    """Write a log of one message of the type that is told."""
     data = struct.pack('<HB', len(told), ord('F')) + told
     data += struct.pack('<HBBH', 4, ord('A'), 0, 1) + b'a'
     data += struct.pack('<HBH', 20, ord('D'), 1) + bytes(18)
     return written(folder, ULOG + data, 'hostile.ulg')
+
+
+def ulog_format_in_itself(folder):
+    return ulog_of(folder, b'a:uint64_t timestamp;a inner;')
 
 
 def ulog_array_claims_much(folder):
-    told = b'a:uint64_t timestamp;float[999999999] x;'
-    data = struct.pack('<HB', len(told), ord('F')) + told
-    data += struct.pack('<HBBH', 4, ord('A'), 0, 1) + b'a'
-    data += struct.pack('<HBH', 20, ord('D'), 1) + bytes(18)
-    return written(folder, ULOG + data, 'hostile.ulg')
+    return ulog_of(folder, b'a:uint64_t timestamp;float[999999999] x;')
 
 
 def usd_without_an_end(folder):

@@ -25,11 +25,7 @@ class ImportProgress(Bar):
     """
 
     def __init__(self, console: Console, total: int) -> None:
-        columns = (
-            TextColumn('{task.description}'),
-            BarColumn(),
-            TimeRemainingColumn(),
-        )
+        columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
         super().__init__(console, *columns, total=float(total))
         self._done = 0
         self._shown = -LOOK
