@@ -21,7 +21,9 @@ from lta_bridge.teensy.emulated_server import BoardServer
 from lta_bridge.teensy.emulator import EmulatedBoard
 from lta_config.topics import topic_table
 from lta_graph.ros.node import from_stamp
+from lta_vlc.messages import to_block
 import numpy as np
+from numpy.typing import NDArray
 
 # In test/integration, which fault_trial.py has put on the path.
 from peer import Peer, start
@@ -32,6 +34,16 @@ LASTS: Final = 2.0  # s of a fault that light goes on through
 NEAR: Final = 0.005  # s by which a stamp may be wrong, besides what the cable takes
 SLACK: Final = 1.0  # s more, for a machine with other work
 TASK: Final = 'teensy_bridge: light board'
+RATE: Final = TABLE.light.sample_rate.si  # Hz
+COUNTS: Final = 1 << 12  # of the converter
+
+
+def numbered(block: int) -> NDArray[np.uint16]:
+    """Return the samples of a block whose first two diodes tell the number of each row."""
+    rows = TABLE.light.samples * block + np.arange(TABLE.light.samples)
+    samples = np.zeros((TABLE.light.samples, 8), np.uint16)
+    samples[:, 0], samples[:, 1] = rows % COUNTS, rows // COUNTS
+    return samples
 
 
 class LightTrial:
@@ -41,7 +53,7 @@ class LightTrial:
         kind = self._kind = LIGHT_KINDS[name]
         self._random, self._peer = Random(f'{name} {number}'), peer
         first = self._random.randrange(2**32)  # its rows may wrap
-        board = EmulatedBoard(0, TABLE.light.sample_rate.si, drift=kind.drift, first=first)
+        board = EmulatedBoard(0, RATE, drift=kind.drift, first=first)
         self.server = BoardServer(board, folder / 'ttyACM0')
         self.bag = folder / 'bag'
         self.nodes = {
@@ -50,7 +62,6 @@ class LightTrial:
         }
         self._said, self._figures, self._words = '', {}, set()
         self._came, self._late, self._blocks = 0.0, 0.0, 0
-        self._samples = np.full((TABLE.light.samples, 8), 2000, np.uint16)
         peer.node.create_subscription(DiagnosticArray, '/diagnostics', self._on_health, 10)
         peer.hear('photodiodes', self._on_block)
 
@@ -62,17 +73,18 @@ class LightTrial:
                 self._figures = {item.key: item.value for item in status.values}
 
     def _on_block(self, block: Any) -> None:
-        """Note when light came, and by how much its stamp is off the block that it must be."""
+        """Note when light came, and by how much its stamp is off its first row."""
         self._came, self._blocks = time.monotonic(), self._blocks + 1
         since = 1e-9 * (from_stamp(block.header.stamp) - self._began_ns)
-        self._late = max(self._late, abs(since - PERIOD * round(since / PERIOD)))
+        low, high = map(int, to_block(block)[0, :2])
+        self._late = max(self._late, abs(since - (low + COUNTS * high) / RATE))
 
     def _until(self, condition: Any) -> None:
         """Let the board sample, until something holds."""
 
         def done() -> Any:
             while 1e-9 * self.server.now_ns >= PERIOD * (self._sampled + 1):
-                self.server.light(PERIOD * self._sampled, self._samples)
+                self.server.light(PERIOD * self._sampled, numbered(self._sampled))
                 self._sampled += 1
             return condition()
 
@@ -134,7 +146,7 @@ class LightTrial:
         lost = int(self._figures['rows_lost'])
         spoilt = self._kind.spoilt
         spoils = bool(spoilt.drop or spoilt.cut or spoilt.corrupt)
-        if bool(lost) != spoils and 'anew' not in self._kind.about:
+        if bool(lost) != spoils and not self._kind.restarts:
             return f'{lost} rows are counted as lost', self._came - came
         return '', self._came - came
 

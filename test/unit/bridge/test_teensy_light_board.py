@@ -110,3 +110,12 @@ def test_a_board_that_asks_gets_our_time():
     assert list(link.take(LightBoard(LIGHT, 8).due(123_456), BOOT + 1_000)) == []
     told = [f.record for f in Framing().take(link.due(BOOT + 2_000)) if f.message is TIMESYNC]
     assert [(int(r['tc1']), int(r['ts1'])) for r in told] == [(BOOT + 1_000, 123_456)]
+
+
+def test_a_board_has_sampled_nothing_before_it_booted():
+    board = EmulatedBoard(BOOT)
+    assert board.light(SAMPLES[:1000], BOOT - 50_000_000) == b''
+    assert board.peaks(SAMPLES[:1000], 150.0, BOOT - 1) == b''
+    link, (block, *_) = flown(board)
+    assert (block.samples == SAMPLES[:1000]).all()
+    assert (link.blocks.lost, link.blocks.old) == (0, 0)

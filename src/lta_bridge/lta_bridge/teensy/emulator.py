@@ -136,9 +136,12 @@ class EmulatedBoard:
             ADC counts.
         begun_ns : int, optional
             Moment of ours at which the first was sampled; they follow the last where left out.
+            What began before its boot it has not sampled.
 
         """
         if begun_ns is not None:
+            if begun_ns < self._boot_ns:
+                return b''
             sampled = self._rows + len(self._left)
             self._paused = self.board_ns(begun_ns) - round(sampled / self._rate * 1e9)
         return b''.join(self._light(samples))
@@ -185,6 +188,8 @@ class EmulatedBoard:
         """
         count = len(samples)
         if begun_ns is not None:
+            if begun_ns < self._boot_ns:
+                return b''
             self._paused = self.board_ns(begun_ns) - round(self._rows / self._rate * 1e9)
         waves = samples - samples.mean(axis=0)
         turns = np.exp(-2j * np.pi * frequency / self._rate * np.arange(count))
