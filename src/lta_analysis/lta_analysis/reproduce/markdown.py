@@ -13,7 +13,7 @@ HEAD: Final = """# The paper, reproduced
 `./lta reproduce` runs every experiment of the seed paper in this system. This file is what it
 came to: generated, every figure of ours measured, none typed.
 
-<!-- not run: hours; test_paper.py runs the quick rows -->
+<!-- not run: minutes; test_paper.py runs the quick rows -->
 ```sh
 ./lta reproduce --list            # the rows
 ./lta reproduce --quick           # one seed, what is long left out: under three minutes
