@@ -1,131 +1,15 @@
-"""The real `lta` command as a process, its nodes, and the watch over what it leaves behind."""
+"""What the integration tests share: the command, a scene, and an ear in their domain."""
 
 from collections.abc import Callable, Iterator
-import os
 from pathlib import Path
-import signal
-import subprocess
-import threading
 import time
-import uuid
 
 from lta_graph.health import Fact
 from lta_graph.ros.listener import DiagnosticsListener
 import pytest
 
+from .command import Lta, PATIENCE, ROOT
 from .peer import put_away
-
-ROOT = Path(__file__).resolve().parents[2]
-PATIENCE = 60.0  # s of wall time; a flight of these tests takes five
-MARK = 'LTA_TEST_MARK'
-
-
-def processes(mark: str) -> dict[int, str]:
-    """Return every living process that carries a test's mark: command line by process id."""
-    found = {}
-    for folder in Path('/proc').glob('[0-9]*'):
-        try:
-            if f'{MARK}={mark}'.encode() in (folder / 'environ').read_bytes():
-                text = (folder / 'cmdline').read_bytes().replace(b'\0', b' ').decode()
-                found[int(folder.name)] = text
-        except OSError:
-            continue
-    return found
-
-
-class Started:
-    """A running command: its lines with the time at which they came, and its nodes."""
-
-    def __init__(self, mark: str, arguments: tuple[str, ...]) -> None:
-        self._mark = mark
-        self.lines: list[tuple[float, str]] = []
-        self.popen = subprocess.Popen(
-            [ROOT / 'lta', *arguments],
-            env={**os.environ, MARK: mark},
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            start_new_session=True,
-            preexec_fn=_heed_interrupts,
-        )
-        self._reader = threading.Thread(target=self._read, daemon=True)
-        self._reader.start()
-
-    def _read(self) -> None:
-        with self.popen.stdout:
-            for line in self.popen.stdout:
-                self.lines.append((time.monotonic(), line.rstrip()))
-
-    @property
-    def text(self) -> str:
-        return '\n'.join(line for _, line in self.lines if line)
-
-    def node(self, name: str, robot: str = 'lta1') -> int:
-        """Return the process id of a node; of one without namespace where no robot is named."""
-        marked = processes(self._mark).items()
-        words = f'__node:={name} ' + (f'-r __ns:=/{robot} ' if robot else '')
-        (pid,) = [pid for pid, line in marked if words in line]
-        return pid
-
-    def interrupt(self) -> float:
-        """Press Ctrl-C: the signal goes to the foreground process group. Return when."""
-        os.killpg(self.popen.pid, signal.SIGINT)
-        return time.monotonic()
-
-    def said(self, word: str) -> float:
-        """Wait until a line holds a word, and return when it came."""
-        deadline = time.monotonic() + PATIENCE
-        while time.monotonic() < deadline:
-            for when, line in self.lines:
-                if word in line:
-                    return when
-            time.sleep(0.01)
-        raise AssertionError(f'{word!r} was not said in:\n{self.text}')
-
-    def end(self) -> int:
-        """Wait for the end and return the exit status."""
-        status = self.popen.wait(PATIENCE)
-        self._reader.join(PATIENCE)
-        return status
-
-
-def _heed_interrupts() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
-class Lta:
-    """Runs the command and knows what it started."""
-
-    def __init__(self) -> None:
-        self.mark = uuid.uuid4().hex
-        self._started: list[Started] = []
-
-    def run(self, *arguments: object) -> 'subprocess.CompletedProcess[str]':
-        """Run to the end."""
-        return subprocess.run(
-            [ROOT / 'lta', *map(str, arguments)],
-            env={**os.environ, MARK: self.mark},
-            capture_output=True,
-            text=True,
-            timeout=PATIENCE,
-        )
-
-    def start(self, *arguments: object) -> Started:
-        self._started.append(Started(self.mark, tuple(map(str, arguments))))
-        return self._started[-1]
-
-    def left(self) -> list[str]:
-        """Return what still runs, once the kernel has had a moment to take the dead away."""
-        deadline = time.monotonic() + 1.0
-        while (found := processes(self.mark)) and time.monotonic() < deadline:
-            time.sleep(0.02)
-        return list(found.values())
-
-    def kill(self) -> None:
-        for pid in processes(self.mark):
-            os.kill(pid, signal.SIGKILL)
-        for started in self._started:
-            started.end()  # its pipe would fail whichever test comes next
 
 
 @pytest.fixture(autouse=True)

@@ -8,7 +8,7 @@ import socket
 import pytest
 from std_srvs.srv import SetBool
 
-from .conftest import ROOT
+from .command import ROOT
 from .peer import Peer
 
 ARM = 'crazyflie_bridge/arm'

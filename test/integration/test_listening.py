@@ -10,7 +10,7 @@ import sys
 from lta_graph.suspicion import role_of
 import pytest
 
-from .conftest import processes, ROOT
+from .command import processes, ROOT
 from .test_hardware_flight import free_port
 
 TABLES = ('udp', 'udp6', 'tcp', 'tcp6')

@@ -216,7 +216,8 @@ def test_a_second_source_of_light_is_told(bench, tmp_path):
     bench.told('light comes')
     assert 'teensy_bridge: others' not in bench.facts
     bench.publisher('photodiodes')
-    bench.until(lambda: '1 more publish' in bench.facts.get('teensy_bridge: others', (0, ''))[1])
+    told = 'published by others too: photodiodes (/lta1/peer); stop all but one'
+    bench.until(lambda: bench.facts.get('teensy_bridge: others', ())[:2] == (Level.ERROR, told))
     ended(process)
 
 

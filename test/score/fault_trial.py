@@ -7,14 +7,13 @@ moment. In the built workspace (tools/workspace.sh).
 """
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 import json
 import math
 from pathlib import Path
 from random import Random
 import re
 import sys
-import tempfile
 import time
 from typing import Any, Final
 
@@ -25,15 +24,12 @@ from lta_bridge.crazyflie.emulated.server import Server
 from lta_bridge.emulated_hardware import flown
 from lta_config.topics import topic_table
 from lta_graph.ros.node import message_type
-from machine import Lateness
+from outcome import Outcome, tried
+
+# In test/integration, which outcome.py has put on the path.
+from peer import Peer, start
 from std_srvs.srv import SetBool, Trigger
 
-sys.path += [str(Path(__file__).parents[1]), str(Path(__file__).parents[1] / 'integration')]
-from domain import free_domain
-import peer as peers
-from peer import Peer, put_away, start
-
-peers.PATIENCE = 90.0  # s: a flight's nodes start beside those of others
 TABLE: Final = topic_table()
 VEHICLES: Final = ('gtmab', 'multirotor')  # by duties, by setpoints
 COMMANDS: Final = 0.05  # s between two
@@ -50,38 +46,6 @@ HEARD: Final = 5.0  # s for the bridge's word to be heard
 STANDS: Final = 1.5  # s without a motor turning after which they stand
 GOES_ON: Final = 2.0  # s that a flight must go on where it may
 WATCHED: Final = 6.0  # s in which a drone that must not arm is asked to
-
-
-@dataclass(frozen=True, slots=True)
-class Outcome:
-    """
-    What became of a flight.
-
-    Attributes
-    ----------
-    took, stated : float
-        From the fault, or from the request to disarm, to motors that stand. [s]
-    flew_on : bool
-        Whether it was flying until it was asked to disarm.
-    phase : str
-        In which it struck.
-    wrong : str
-        What must not be; empty where all is as stated.
-    timing : bool
-        Whether that is a time that was missed or another word that was said, both of which a
-        machine that stands still brings about by itself.
-    late : float
-        By how much the machine woke a sleeper too late at most. [s]
-
-    """
-
-    took: float | None
-    stated: float | None
-    flew_on: bool
-    phase: str
-    wrong: str
-    timing: bool = False
-    late: float = 0.0
 
 
 class Trial:
@@ -276,21 +240,7 @@ def words(told: Any) -> set[str]:
     }
 
 
-def tried(fly: Callable[[Path, Peer], Outcome]) -> Outcome:
-    """Return the outcome of a trial in a folder and a domain of its own; a break is one, too."""
-    with tempfile.TemporaryDirectory() as name, free_domain() as domain, Peer(domain) as peer:
-        with Lateness() as machine:
-            try:
-                found = fly(Path(name), peer)
-            except Exception as error:
-                found = Outcome(None, None, False, '', f'{type(error).__name__}: {error}'[:300],
-                                isinstance(error, AssertionError))  # fmt: skip
-            finally:
-                put_away()
-        return Outcome(**{**asdict(found), 'late': machine.most})
-
-
 if __name__ == '__main__':
     kind, number = sys.argv[1], int(sys.argv[2])
-    outcome = tried(lambda folder, peer: Trial(kind, number, folder, peer).fly())
+    outcome = tried(lambda folder, peer: Trial(kind, number, folder, peer).fly(), Outcome)
     sys.stdout.write(json.dumps(asdict(outcome)) + '\n')

@@ -14,7 +14,7 @@ import time
 from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticArray
-from fault_trial import closed_nodes, Outcome, tried
+from fault_trial import closed_nodes
 from light_kinds import AGAIN, EVERY, LIGHT_KINDS, SOUND, TOLD
 from lta_analysis.bag.reader import read_bag
 from lta_bridge.teensy.emulated_server import BoardServer
@@ -24,8 +24,9 @@ from lta_graph.ros.node import from_stamp
 from lta_vlc.messages import to_block
 import numpy as np
 from numpy.typing import NDArray
+from outcome import Outcome, tried
 
-# In test/integration, which fault_trial.py has put on the path.
+# In test/integration, which outcome.py has put on the path.
 from peer import Peer, start
 
 TABLE: Final = topic_table()
@@ -169,5 +170,5 @@ class LightTrial:
 
 if __name__ == '__main__':
     kind, number = sys.argv[1], int(sys.argv[2])
-    outcome = tried(lambda folder, peer: LightTrial(kind, number, folder, peer).watch())
+    outcome = tried(lambda folder, peer: LightTrial(kind, number, folder, peer).watch(), Outcome)
     sys.stdout.write(json.dumps(asdict(outcome)) + '\n')

@@ -1,17 +1,20 @@
-"""Who holds the graph up, told only once it is sure."""
+"""What is wrong with a running graph: who holds it up, told once it is sure, and what ails."""
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
+import math
 import time
 from typing import final
 
-from lta_graph.health import Fact
-from lta_graph.suspicion import culprits, role_of
+from lta_graph.health import Fact, Level
+from lta_graph.suspicion import culprits, INPUTS, role_of
 
 FLIGHT = 'simulator: flight'  # the fact on how a simulated flight stands
 PLAYBACK = 'player: playback'  # and on how a replay does
 GOING = {FLIGHT: 'flying', PLAYBACK: 'playing'}  # their outcomes until they end
 SETTLE = 0.5  # wall seconds; nodes look at their inputs at different moments
 DISCOVERY = 4.0  # wall seconds; while some nodes have not been found yet, the others mislead
+REPEATED = 10.0  # wall seconds in which an error that comes and goes is told once
+ELSEWHERE = (INPUTS, 'recording', 'processes')  # tasks whose errors have sentences of their own
 START = 8.0  # wall seconds that nodes take to load on a busy machine; longer is worth a word
 
 
@@ -62,17 +65,23 @@ class Blame:
 @final
 class Lookout:
     """
-    Name who holds a running graph up, each time that somebody else does.
+    Name who holds a running graph up, each time that somebody else does, and tell what ails.
 
     Parameters
     ----------
     say : callable
         Gets the sentence.
+    tell : callable
+        Gets those sentences as well that nobody in the graph can know: who is silent.
 
     """
 
-    def __init__(self, say: Callable[[str], None]) -> None:
+    def __init__(
+        self, say: Callable[[str], None], tell: Callable[[str], None] = lambda _: None
+    ) -> None:
         self._say = say
+        self._tell = tell
+        self._ailing: dict[str, float] = {}
         self._blame = Blame()
         self._named: list[str] = []
         self._begun = time.monotonic()
@@ -107,8 +116,22 @@ class Lookout:
         # Once a flight is over its simulator stops, and all its nodes wait for that in vain.
         blamed = [name for name in blamed if flying(facts, name)]
         if blamed and blamed != self._named:
-            self._say(f'Nothing comes from {", ".join(blamed)}.')
+            sentence = f'Nothing comes from {", ".join(blamed)}.'
+            self._say(sentence)
+            self._tell(sentence)
         self._named = blamed
+        self._complain(facts.values())
+
+    def _complain(self, facts: Iterable[Fact]) -> None:
+        """Say what nodes call an error, each once in a while."""
+        now = time.monotonic()
+        for fact in facts:
+            node, _, task = fact.task.partition(': ')
+            if fact.level != Level.ERROR or task in ELSEWHERE:
+                continue
+            if now - self._ailing.get(fact.task, -math.inf) > REPEATED:
+                self._say(f'{node}: {fact.message}.')
+            self._ailing[fact.task] = now
 
     def _excuse(self, loading: list[str]) -> None:
         """Say once for whom the others wait while they load, when that takes long."""

@@ -148,7 +148,7 @@ def watch(
 
     A `spare` process is neither missed nor waited for; that it has ended is told.
     """
-    lookout = Lookout(watcher.say)
+    lookout = Lookout(watcher.say, listener.tell)
     while launcher.outcome is None:
         facts = listener.poll(LOOK)
         for end in launcher.poll():
@@ -159,11 +159,15 @@ def watch(
         running = [name for name in launcher.running if name not in spare]
         lookout.look(facts, listener.silent(running), listener.unheard(running))
         if lookout.standing > PATIENCE:
-            watcher.say(f'The graph has stood still for {PATIENCE:.0f} s and is stopped.')
+            sentence = f'The graph has stood still for {PATIENCE:.0f} s and is stopped.'
+            watcher.say(sentence)
+            listener.tell(sentence)
             return
     end = launcher.outcome
-    if not end.success and not refused(end):
-        watcher.say(f'{end.sentence}.')
+    if not end.success:
+        listener.tell(f'{end.sentence}.')
+        if not refused(end):
+            watcher.say(f'{end.sentence}.')
 
 
 def show(facts: Mapping[str, Fact], watcher: Watcher) -> None:

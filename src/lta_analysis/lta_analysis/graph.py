@@ -39,7 +39,7 @@ def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> 
         if robots := simulated(plan):
             stack.enter_context(Session(*robots))
         listener = stack.enter_context(DiagnosticsListener(*plan.namespaces))
-        lookout = Lookout(say)
+        lookout = Lookout(say, listener.tell)
         spare = viewers(plan)
         refuse_taken_ports(plan)
         invite(plan, say)
@@ -54,6 +54,8 @@ def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> 
             lookout.look(facts, silent, unheard)
             for end in launcher.poll():
                 say(f'{end.sentence}.')
+                if not end.success and end.name not in spare:
+                    listener.tell(f'{end.sentence}.')
         return outcome
 
 

@@ -41,6 +41,10 @@ class Health:
         text = {key: str(value) for key, value in values.items()}
         self._facts[task] = Fact(task, level, message, text)
 
+    def __contains__(self, task: str) -> bool:
+        """Tell whether a task has been reported."""
+        return task in self._facts
+
     @property
     def facts(self) -> list[Fact]:
         """All facts, in the order in which their tasks were first reported."""

@@ -94,7 +94,7 @@ def replay(order: Order, flight: Flight, folder: Path, watcher: Watcher) -> Repl
 
 def watch(launcher: Launcher, listener: DiagnosticsListener, watcher: Watcher) -> None:
     """Follow a replay until a process ends it, or the graph has stood still for too long."""
-    lookout = Lookout(watcher.say)
+    lookout = Lookout(watcher.say, listener.tell)
     while launcher.outcome is None:
         facts = listener.poll(LOOK)
         launcher.poll()

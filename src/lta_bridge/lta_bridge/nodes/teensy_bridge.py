@@ -27,7 +27,6 @@ from lta_vlc.messages import from_bearing, from_lamp, from_peaks
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_msgs.msg import Header
 
-RIVALS = 'others'
 AGAIN = 0.2  # s between two looks for a port that is not there yet
 
 
@@ -79,7 +78,6 @@ class TeensyBridge(DeviceNode):
             self._finder.prepare()
         self._reader: Reader | None = None
         self._refusal = ''
-        self._rivalled = False
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Open the link."""
@@ -117,14 +115,6 @@ class TeensyBridge(DeviceNode):
         if self._reader is not None or not self._refusal:
             fact = condition(self._reader, self._now_ns(), self.active)
             self.health.report(fact.task, fact.level, fact.message, **fact.values)
-        name, output = next(iter(self._outputs.items()))
-        if (others := self.count_publishers(output.topic_name) - 1) > 0:
-            self.health.report(
-                RIVALS, Level.ERROR, f'{others} more publish {name}; stop all but one'
-            )
-        elif self._rivalled:
-            self.health.report(RIVALS, Level.OK, f'nobody else publishes {name}')
-        self._rivalled |= others > 0
         super().publish_health()
 
     def _publish(self, came: LightBlock | LightPeaks) -> None:

@@ -13,7 +13,6 @@ from lta_bridge.tracking.pose import planted, Pose
 from lta_bridge.tracking.tracked import Tracked
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
-from lta_graph.health import Level
 from lta_graph.ros.node import from_stamp, GraphNode, run, to_stamp
 from lta_graph.ros.parameters import Parameters
 from rclpy.qos import qos_profile_sensor_data
@@ -96,15 +95,9 @@ class Tracker(GraphNode):
         return int(self.get_clock().now().nanoseconds)
 
     def publish_health(self) -> None:
-        """Tell how the tracker is, and whether anybody else tells the truth."""
+        """Tell how the tracker is."""
         fact = self._tracked.condition(self._now_ns())
         self.health.report(fact.task, fact.level, fact.message, **fact.values)
-        others = self.count_publishers(self._truth.topic_name) - 1
-        alone = 'nobody else publishes the truth'
-        rivals = f'{others} more publish ground_truth/odom; stop all but one'
-        self.health.report(
-            'others', Level.ERROR if others > 0 else Level.OK, rivals if others > 0 else alone
-        )
         super().publish_health()
 
 

@@ -1,11 +1,11 @@
-"""Hear /diagnostics from outside the graph: for progress bars and for naming faults."""
+"""Hear /diagnostics from outside the graph, and speak there: for bars and for naming faults."""
 
 from collections.abc import Iterable
 import time
 from types import TracebackType
 from typing import final, Self
 
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_graph.health import Fact, Level
 from lta_graph.interrupts import held_interrupts
 from lta_graph.ros.command_line import join
@@ -16,6 +16,7 @@ from rclpy.node import Node
 DEPTH = 100  # messages of all nodes together that may wait until the next look
 DISCOVERY = 10.0  # wall seconds after the first node in which DDS finds all, on a busy machine
 LOADING = 120.0  # and in which all have spoken: on a new machine they compile the model first
+TASK = 'launcher: processes'  # what is told of the nodes by whoever started them
 SILENCE = 0.85  # wall seconds after which a node is missed: two of its reports, and some delay
 
 
@@ -39,6 +40,7 @@ class DiagnosticsListener:
     def __init__(self, *robots: str) -> None:
         heard = robots or ('lta1',)
         self._prefix = {name: f'{name}/' if name and len(heard) > 1 else '' for name in heard}
+        self._robot = heard[0]
         self.facts: dict[str, Fact] = {}
         self._heard: dict[str, float] = {}
         self._begun: float | None = None
@@ -57,6 +59,7 @@ class DiagnosticsListener:
         self._subscription = self._node.create_subscription(
             DiagnosticArray, '/diagnostics', self._hear, DEPTH
         )
+        self._publisher = self._node.create_publisher(DiagnosticArray, '/diagnostics', DEPTH)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         return self
@@ -93,6 +96,13 @@ class DiagnosticsListener:
             ) is not None:
                 self._hear(taken[0])
         return self.facts
+
+    def tell(self, sentence: str) -> None:
+        """Say at the level of an error what is wrong with a node: who records must hear it."""
+        status = DiagnosticStatus(
+            level=DiagnosticStatus.ERROR, name=TASK, message=sentence, hardware_id=self._robot
+        )
+        self._publisher.publish(DiagnosticArray(status=[status]))
 
     def silent(self, nodes: Iterable[str]) -> list[str]:
         """Return which of some nodes are no longer heard, or never were, in alphabetical order."""

@@ -24,6 +24,7 @@ from lta_graph.health import Health, Level
 from lta_graph.inbox import Inbox, Step
 from lta_graph.ros.command_line import join, refuse_unknown
 from lta_graph.ros.links import LINKS
+from lta_graph.ros.others import OTHERS, others
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.qos import profile
 from lta_graph.ros.replay_due import DUE, heed
@@ -232,7 +233,13 @@ class GraphNode(Node):
             self.health.report('losses', Level.ERROR, 'messages were lost on the way', **lost)
         self._tell_lonely(now)
         self.health.report(LINKS, Level.OK, 'readers of each topic', **self.readers())
-        if self.health.changed or now - self._reported >= REPORT_PERIOD:
+        due = now - self._reported >= REPORT_PERIOD
+        if due:
+            words = others(self, self._writers)
+            if words or OTHERS in self.health:
+                level = Level.ERROR if words else Level.OK
+                self.health.report(OTHERS, level, words or 'nobody else publishes the same')
+        if self.health.changed or due:
             self.publish_health()
 
     def _tell_lonely(self, now: float) -> None:

@@ -1,0 +1,127 @@
+"""
+A campaign: many trials, each in a process of its own, its row kept as it comes.
+
+What was stopped goes on where it was, while what decides the outcomes stays the same (`version`).
+A trial is a script called with a kind and a number that prints its outcome as JSON (`outcome.py`).
+"""
+
+import argparse
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import as_completed, ThreadPoolExecutor
+import hashlib
+import json
+import os
+from pathlib import Path
+import subprocess
+import sys
+from typing import Any, Final, NamedTuple
+
+from rich.progress import track
+
+STALLED: Final = 0.25  # s: a sleeper woken so much later; commands are stale after 0.3 s
+TRIES: Final = 3
+Row = dict[str, Any]
+
+
+class Case(NamedTuple):
+    """A kind, and a number that decides the rest."""
+
+    kind: str
+    number: int
+
+
+def version(paths: Iterable[Path]) -> str:
+    """Return a hash of the files that decide the outcomes."""
+    digest = hashlib.sha256()
+    for path in sorted(paths):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+def asked(about: str, kinds: Sequence[str], each: int, out: Path) -> argparse.Namespace:
+    """Return what the command line asks for; the folder for the rows is there."""
+    parser = argparse.ArgumentParser(description=about)
+    parser.add_argument('--each', type=int, default=each, help='trials of each kind')
+    parser.add_argument('--side', type=int, default=os.cpu_count() or 1, help='side by side')
+    parser.add_argument('--kinds', nargs='*', default=kinds, choices=kinds)
+    parser.add_argument('--out', type=Path, default=out)
+    told = parser.parse_args()
+    told.out.mkdir(parents=True, exist_ok=True)
+    return told
+
+
+def turn_about(kinds: Sequence[str], each: int) -> list[Case]:
+    """Return all cases, so ordered that what has been tried at any time is of every sort."""
+    return [
+        Case(kind, (turn + place) % each)
+        for turn in range(each)
+        for place, kind in enumerate(kinds)
+    ]
+
+
+def tried(case: Case, script: Path, patience: float) -> Row:
+    """
+    Return the outcome of one trial, with how often the machine had it done again.
+
+    A time that was missed, or another word that was said, while the machine stood still for
+    `STALLED` tells nothing of what is tried: it is done again, `TRIES` times at most, and the last
+    one counts whatever it is. Whatever else is wrong is never done again.
+    """
+    for again in range(TRIES):
+        row = _tried(case, script, patience)
+        row['again'] = again
+        if not (row['wrong'] and row.get('timing') and row['late'] > STALLED):
+            break
+    return row
+
+
+def _tried(case: Case, script: Path, patience: float) -> Row:
+    """Return the outcome of one trial, in a process of its own."""
+    words = [sys.executable, str(script), case.kind, str(case.number)]
+    try:
+        done = subprocess.run(words, capture_output=True, text=True, timeout=patience)
+    except subprocess.TimeoutExpired:
+        return {'wrong': 'it hung', 'took': None, 'timing': False}
+    try:
+        row: Row = json.loads(done.stdout.splitlines()[-1])
+    except (IndexError, ValueError):
+        return {'wrong': f'it broke: {done.stderr[-300:]}', 'took': None}
+    return row
+
+
+def kept(path: Path) -> dict[Case, Row]:
+    """Return what has been tried already."""
+    found: dict[Case, Row] = {}
+    for line in path.read_text(encoding='utf-8').splitlines() if path.exists() else ():
+        row = json.loads(line)
+        found[Case(*row.pop('case'))] = row
+    return found
+
+
+def campaign(
+    cases: Sequence[Case], path: Path, side: int, trial: Callable[[Case], Row]
+) -> dict[Case, Row]:
+    """Try what has not been tried, so many side by side; return what there is, in order."""
+    done = kept(path)
+    with path.open('a', encoding='utf-8') as file, ThreadPoolExecutor(side) as pool:
+        flying = {pool.submit(trial, case): case for case in cases if case not in done}
+        seen = sys.stderr.isatty()
+        watched = track(as_completed(flying), 'flying', len(flying), disable=not seen)
+        try:
+            for future in watched:
+                case = flying[future]
+                done[case] = future.result()
+                file.write(json.dumps({'case': case, **done[case]}) + '\n')
+                file.flush()
+        except KeyboardInterrupt:  # the rest another time
+            pool.shutdown(wait=False, cancel_futures=True)
+    return {case: done[case] for case in cases if case in done}
+
+
+def told(lines: Sequence[str], path: Path, outcomes: dict[Case, Row]) -> int:
+    """Print a table and what is wrong; return 1 where anything is."""
+    sys.stdout.write('\n'.join(lines) + f'\nrows in {path}\n')
+    wrong = {case: row['wrong'] for case, row in outcomes.items() if row['wrong']}
+    for case, why in wrong.items():
+        sys.stdout.write(f'{case.kind} {case.number}: {why}\n')
+    return int(bool(wrong))

@@ -1,0 +1,74 @@
+"""One trial of a campaign: a folder and a domain of its own, an outcome, and nothing left."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+import sys
+import tempfile
+from typing import TypeVar
+
+from machine import Lateness
+
+sys.path += [str(Path(__file__).parents[1]), str(Path(__file__).parents[1] / 'integration')]
+from domain import free_domain
+import peer as peers
+from peer import Peer, put_away
+
+peers.PATIENCE = 90.0  # s: a flight's nodes start beside those of others
+Found = TypeVar('Found', bound='Outcome')
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """
+    What became of a flight.
+
+    Attributes
+    ----------
+    took, stated : float
+        From the fault, or from the request to disarm, to motors that stand. [s]
+    flew_on : bool
+        Whether it was flying until it was asked to disarm.
+    phase : str
+        In which it struck.
+    wrong : str
+        What must not be; empty where all is as stated.
+    timing : bool
+        Whether that is a time that was missed or another word that was said, both of which a
+        machine that stands still brings about by itself.
+    late : float
+        By how much the machine woke a sleeper too late at most. [s]
+
+    """
+
+    took: float | None = None
+    stated: float | None = None
+    flew_on: bool = False
+    phase: str = ''
+    wrong: str = ''
+    timing: bool = False
+    late: float = 0.0
+
+
+def tried(fly: Callable[[Path, Peer], Found], broken: type[Found]) -> Found:
+    """
+    Return the outcome of a trial in a folder and a domain of its own; a break is one, too.
+
+    Parameters
+    ----------
+    fly : callable
+        The trial, in a folder, with a peer in the domain.
+    broken : type
+        What the outcome of a trial that broke is.
+
+    """
+    with tempfile.TemporaryDirectory() as name, free_domain() as domain, Peer(domain) as peer:
+        with Lateness() as machine:
+            try:
+                found = fly(Path(name), peer)
+            except Exception as error:
+                text = f'{type(error).__name__}: {error}'[:300]
+                found = broken(wrong=text, timing=isinstance(error, AssertionError))
+            finally:
+                put_away()
+        return replace(found, late=machine.most)
