@@ -25,8 +25,6 @@ from lta_bridge.emulated_hardware import flown
 from lta_config.topics import topic_table
 from lta_graph.ros.node import message_type
 from outcome import Outcome, tried
-
-# In test/integration, which outcome.py has put on the path.
 from peer import Peer, start
 from std_srvs.srv import SetBool, Trigger
 

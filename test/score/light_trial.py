@@ -25,8 +25,6 @@ from lta_vlc.messages import to_block
 import numpy as np
 from numpy.typing import NDArray
 from outcome import Outcome, tried
-
-# In test/integration, which outcome.py has put on the path.
 from peer import Peer, start
 
 TABLE: Final = topic_table()

@@ -3,14 +3,12 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-import sys
 import tempfile
 from typing import TypeVar
 
-from machine import Lateness
-
-sys.path += [str(Path(__file__).parents[1]), str(Path(__file__).parents[1] / 'integration')]
+import beside  # noqa: F401
 from domain import free_domain
+from machine import Lateness
 import peer as peers
 from peer import Peer, put_away
 

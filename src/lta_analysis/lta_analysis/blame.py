@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 import math
+import re
 import time
 from typing import final
 
@@ -13,6 +14,7 @@ PLAYBACK = 'player: playback'  # and on how a replay does
 GOING = {FLIGHT: 'flying', PLAYBACK: 'playing'}  # their outcomes until they end
 SETTLE = 0.5  # wall seconds; nodes look at their inputs at different moments
 DISCOVERY = 4.0  # wall seconds; while some nodes have not been found yet, the others mislead
+FIGURE = re.compile(r'[0-9.]+')
 REPEATED = 10.0  # wall seconds in which an error that comes and goes is told once
 ELSEWHERE = (INPUTS, 'recording', 'processes')  # tasks whose errors have sentences of their own
 START = 8.0  # wall seconds that nodes take to load on a busy machine; longer is worth a word
@@ -129,9 +131,10 @@ class Lookout:
             node, _, task = fact.task.partition(': ')
             if fact.level != Level.ERROR or task in ELSEWHERE:
                 continue
-            if now - self._ailing.get(fact.task, -math.inf) > REPEATED:
+            error = f'{node}: {FIGURE.sub("#", fact.message)}'
+            if now - self._ailing.get(error, -math.inf) > REPEATED:
                 self._say(f'{node}: {fact.message}.')
-            self._ailing[fact.task] = now
+            self._ailing[error] = now
 
     def _excuse(self, loading: list[str]) -> None:
         """Say once for whom the others wait while they load, when that takes long."""

@@ -83,6 +83,7 @@ class BackgroundWriter:
         self._done = 0  # bytes; written by ours alone
         self._unwritten = 0
         self._closing = False
+        self._writing_since: float | None = None  # what the queue held when we last looked
         self._wake = threading.Event()
         self.dropped: Counter[str] = Counter()
         self.fault: Exception | None = None
@@ -93,6 +94,12 @@ class BackgroundWriter:
     def waiting(self) -> int:
         """Messages' bytes that the sink has not taken yet."""
         return self._taken - self._done
+
+    @property
+    def behind(self) -> float:
+        """For how long the sink has been busy with what waited at one look. [wall s]"""
+        since = self._writing_since
+        return 0.0 if since is None else time.monotonic() - since
 
     @property
     def lost(self) -> int:
@@ -173,8 +180,8 @@ class BackgroundWriter:
         while not self._closing:
             self._wake.wait(NAP)
             self._wake.clear()
+            now = self._writing_since = time.monotonic()
             self._drain()
-            now = time.monotonic()
             if now - flushed >= FLUSH_PERIOD:
                 flushed = now
                 self._sink.flush()
@@ -182,6 +189,7 @@ class BackgroundWriter:
             if now - refreshed >= REFRESH_PERIOD:
                 refreshed = now
                 self._sink.refresh()
+            self._writing_since = None
         self._drain()
 
     def _drain(self) -> None:

@@ -32,8 +32,9 @@ def _link(bridge: Bridge, keeper: Keeper | None, protocol: int, seen: Seen) -> F
         'packets': bridge.packets,
         'attempts': 0 if keeper is None else keeper.attempts,
     }
-    level = Level.OK if seen.linked and seen.silence < SILENT else Level.ERROR
-    message = 'connected' if seen.linked else why(keeper)
+    heard = seen.linked and seen.silence < SILENT
+    silent = f'silent for {seen.silence:.1f} s' if seen.linked else why(keeper)
+    level, message = (Level.OK, 'connected') if heard else (Level.ERROR, silent)
     return Fact('link', level, message, {key: str(value) for key, value in figures.items()})
 
 

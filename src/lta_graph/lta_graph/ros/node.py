@@ -24,7 +24,7 @@ from lta_graph.health import Health, Level
 from lta_graph.inbox import Inbox, Step
 from lta_graph.ros.command_line import join, refuse_unknown
 from lta_graph.ros.links import LINKS
-from lta_graph.ros.others import OTHERS, others
+from lta_graph.ros.others import Others
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.qos import profile
 from lta_graph.ros.replay_due import DUE, heed
@@ -98,6 +98,7 @@ class GraphNode(Node):
         self._inbox: Inbox | None = None
         self._inputs: dict[str, Subscription] = {}
         self._writers: dict[str, Publisher] = {}
+        self._others = Others(self, self._writers)
         self._waiting_since: float | None = None
         self._heard: dict[str, float] = {}
         self._reported = 0.0
@@ -233,13 +234,8 @@ class GraphNode(Node):
             self.health.report('losses', Level.ERROR, 'messages were lost on the way', **lost)
         self._tell_lonely(now)
         self.health.report(LINKS, Level.OK, 'readers of each topic', **self.readers())
-        due = now - self._reported >= REPORT_PERIOD
-        if due:
-            words = others(self, self._writers)
-            if words or OTHERS in self.health:
-                level = Level.ERROR if words else Level.OK
-                self.health.report(OTHERS, level, words or 'nobody else publishes the same')
-        if self.health.changed or due:
+        self._others.look(now, self.health)
+        if self.health.changed or now - self._reported >= REPORT_PERIOD:
             self.publish_health()
 
     def _tell_lonely(self, now: float) -> None:
@@ -315,6 +311,14 @@ def live(node_class: type[GraphNode], words: list[str]) -> None:
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: setattr(node, 'running', False))
         node.work()
+    except BadInput:
+        raise
+    except Exception as error:
+        # Leaving in order may take a landing; and who records must hear why.
+        words = f'broke: {type(error).__name__}: {error}'.removesuffix(': ')
+        node.health.report('state', Level.ERROR, words)
+        node.publish_health()
+        raise
     finally:
         try:
             node.close()

@@ -1,17 +1,21 @@
 """Who else publishes what a node does: one topic of two minds steers nobody well."""
 
 from collections.abc import Mapping
+from typing import final
 
+from lta_graph.health import Health, Level
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 
 OTHERS = 'others'  # the task in which a node tells it
 COMMON = '/diagnostics'  # of every node
+PERIOD = 0.3  # wall seconds between two looks
 
 
-def others(node: Node, writers: Mapping[str, Publisher]) -> str:
+@final
+class Others:
     """
-    Return a sentence without a full stop on who else publishes the same; empty for nobody.
+    Looks at who else publishes the outputs of a node.
 
     Parameters
     ----------
@@ -21,19 +25,35 @@ def others(node: Node, writers: Mapping[str, Publisher]) -> str:
         Its outputs, by what they are called.
 
     """
-    shared = [
-        name
-        for name, writer in writers.items()
-        if name != COMMON and node.count_publishers(writer.topic_name) > 1
-    ]
-    if not shared:
-        return ''
-    own, strangers = node.get_fully_qualified_name(), set[str]()
-    for name in shared:
-        known = node.get_publishers_info_by_topic(writers[name].topic_name)
-        names = [f'{each.node_namespace.rstrip("/")}/{each.node_name}' for each in known]
-        if own in names:
-            names.remove(own)  # once: a namesake is another
-        strangers.update(names)
-    who = ', '.join(sorted(strangers)) or 'not yet known'
-    return f'published by others too: {", ".join(shared)} ({who}); stop all but one'
+
+    def __init__(self, node: Node, writers: Mapping[str, Publisher]) -> None:
+        self._node = node
+        self._writers = writers
+        self._looked = 0.0
+
+    def look(self, now: float, health: Health) -> None:
+        """Report it, where it is time for a look; nothing as long as there has been nobody."""
+        if now - self._looked < PERIOD:
+            return
+        self._looked = now
+        shared = [
+            name
+            for name, writer in self._writers.items()
+            if name != COMMON and self._node.count_publishers(writer.topic_name) > 1
+        ]
+        if shared:
+            words = f'{", ".join(shared)} ({self._strangers(shared)}); stop all but one'
+            health.report(OTHERS, Level.ERROR, f'published by others too: {words}')
+        elif OTHERS in health:
+            health.report(OTHERS, Level.OK, 'nobody else publishes the same')
+
+    def _strangers(self, shared: list[str]) -> str:
+        """Return which nodes they are; a namesake is another."""
+        own, strangers = self._node.get_fully_qualified_name(), set[str]()
+        for name in shared:
+            known = self._node.get_publishers_info_by_topic(self._writers[name].topic_name)
+            names = [f'{each.node_namespace.rstrip("/")}/{each.node_name}' for each in known]
+            if own in names:
+                names.remove(own)  # once
+            strangers.update(names)
+        return ', '.join(sorted(strangers)) or 'not yet known'

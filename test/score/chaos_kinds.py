@@ -1,0 +1,228 @@
+"""
+What goes wrong with a whole graph in flight, and what must then be said, and by when motors stand.
+
+A strike is called with the trial and returns the words (a regular expression) that must be told in
+/diagnostics and said on the terminal; empty where the answer to whoever does it says all.
+"""
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+import os
+from pathlib import Path
+import resource
+import signal
+import subprocess
+import time
+from typing import Any, Final
+
+from chaos_graph import NODES, second_graph, TABLE
+from chaos_hook.sitecustomize import EXCEPTION, MEMORY, SLOW_DISK, STALL
+from chaos_spoilt import spoil, SPOILT
+from fault_kinds import CUT_OFF, LANDS, SLACK, STALE
+from lta_config.topics import robot_topic
+from lta_graph.ros.node import message_type
+from rcl_interfaces.srv import DescribeParameters, ListParameters
+
+ALL: Final = ('lockstep', 'realtime', 'hardware')
+SIMULATED: Final = ('lockstep', 'realtime')
+PACED: Final = ('realtime', 'hardware')
+SHORT: Final = 32 << 20  # bytes that a node may still take
+SPOILS: Final = 1.0  # s in which nonsense comes
+EVERY: Final = 0.05  # s between two of it
+FLOODS: Final = 3.0  # s
+LONGEST: Final = 20.0  # s of SIGSTOP
+GIVEN_UP: Final = 9.0  # s after which `lta fly` may end what stands still
+STATED: Final = {  # s to motors that stand where a node's end ends the flight (fault_kinds.py)
+    'crazyflie_bridge': CUT_OFF[0],
+    'controller': STALE[0],
+    'estimator': STALE[0],
+}
+ORDERLY: Final = LANDS[0] + 0.4  # s: the launcher sees the end, and the bridge lands
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """
+    One kind of fault.
+
+    Attributes
+    ----------
+    about : str
+        In the words of the table.
+    strike : callable
+        Does it to a trial, and returns what must be told.
+    ends : bool
+        Whether the flight ends by it; otherwise it goes on once it is over.
+    ways : tuple of str
+        How graphs are started that it is done to.
+    silent : bool
+        Whether whoever does it is told by the answer alone.
+
+    """
+
+    about: str
+    strike: Callable[[Any], str]
+    ends: bool = False
+    ways: tuple[str, ...] = ALL
+    silent: bool = False
+
+
+def killed(trial: Any) -> str:
+    """Kill any node."""
+    os.kill(trial.graph.node(trial.pick()), signal.SIGKILL)
+    return f'{trial.target} was killed by SIGKILL'
+
+
+def broken(trial: Any) -> str:
+    """Raise an exception in any node."""
+    os.kill(trial.graph.node(trial.pick()), EXCEPTION)
+    return f'{trial.target}: (state: )?broke: RuntimeError: injected'
+
+
+def stopped(trial: Any) -> str:
+    """Stop any node for 1 to 20 s."""
+    pid = trial.graph.node(trial.pick())
+    trial.lasts = LONGEST ** trial.random.random()
+    os.kill(pid, signal.SIGSTOP)
+    trial.cure = lambda: os.kill(pid, signal.SIGCONT)
+    trial.may_end = trial.lasts > GIVEN_UP and trial.graph.way == 'lockstep'
+    return f'Nothing comes from .*{trial.target}'
+
+
+def starved(trial: Any) -> str:
+    """Let any node eat all memory that it may have, which is little more than it has."""
+    pid = trial.graph.node(trial.pick())
+    pages = int(Path(f'/proc/{pid}/statm').read_text().split()[0])
+    resource.prlimit(pid, resource.RLIMIT_AS, (pages * resource.getpagesize() + SHORT,) * 2)
+    os.kill(pid, MEMORY)
+    return f'{trial.target}(: state)?:? (was killed by|ended with|broke)'
+
+
+def filled(trial: Any) -> str:
+    """Fill the disk of the bag."""
+    trial.target = 'recorder'
+    filler = trial.disk / 'filler'
+    free = os.statvfs(trial.disk)
+    with filler.open('wb') as file, suppress(OSError):  # a little less may be left
+        file.write(bytes(free.f_bavail * free.f_frsize))
+    return 'The disk'
+
+
+def slowed(trial: Any) -> str:
+    """Let the disk of the bag stand still for some seconds."""
+    trial.target, trial.lasts = 'recorder', STALL
+    os.kill(trial.graph.node('recorder'), SLOW_DISK)
+    return 'recorder: (disk: )?slow'
+
+
+def unplugged(trial: Any) -> str:
+    """Pull the cable of the light board, and put it back."""
+    board = trial.graph.hardware.board
+    trial.target, trial.lasts, trial.cure = 'teensy_bridge', 2.0, board.toggle
+    board.toggle()
+    return 'teensy_bridge: .*plug the light board in'
+
+
+def lost(trial: Any) -> str:
+    """Let nothing through the air any more."""
+    server = trial.graph.hardware.crazyflie
+    trial.target, trial.stated = 'crazyflie_bridge', CUT_OFF[0]
+    server.up.silent = server.down.silent = True
+    return 'crazyflie_bridge: .*(silent|heard|nothing)'
+
+
+def jumped(trial: Any) -> str:
+    """Tell another time of the clock, an hour off, for a while."""
+    trial.target = '/clock'
+    message = message_type(TABLE['/clock'])()
+    message.clock.sec = 3600 if trial.random.random() < 0.5 else 0
+    trial.publish('/clock', message, SPOILS)
+    return 'published by others too: .*/clock'
+
+
+def doubled(trial: Any) -> str:
+    """Fly a second graph on the same domain."""
+    trial.target = 'second graph'
+    trial.stack.enter_context(second_graph(trial.graph))
+    imu = robot_topic('lta1', 'imu')
+    trial.peer.until(lambda: trial.peer.node.count_publishers(imu) > 1)
+    trial.struck, trial.may_end = time.monotonic(), True
+    return 'published by others too'
+
+
+def flooded(trial: Any) -> str:
+    """Publish on any input as fast as it goes."""
+    name = trial.pick_topic()
+    trial.publish(name, trial.graph.newest.get(name) or message_type(TABLE[name])(), FLOODS, 0.0)
+    return f'published by others too: .*{name}'
+
+
+def nonsense(trial: Any) -> str:
+    """Set any parameter of any node to what cannot be meant."""
+    node = trial.pick()
+    names = trial.peer.ask(ListParameters, f'{node}/list_parameters').result.names
+    known = trial.peer.ask(DescribeParameters, f'{node}/describe_parameters', names=names)
+    numbers = [each.name for each in known.descriptors if each.type == 3 and not each.read_only]
+    name = trial.random.choice(numbers) if numbers else 'time'
+    value = trial.random.choice([float('nan'), float('inf'), -1e300, 'nonsense'])
+    trial.target = f'{node} {name} = {value}'
+    trial.struck = time.monotonic()
+    answer = trial.peer.set(node, name, value)
+    if answer.successful:
+        trial.wrong(f'{trial.target} was taken')
+    if not answer.reason:
+        trial.wrong(f'{trial.target} was refused without a word')
+    return ''
+
+
+def malformed(kind: str) -> Callable[[Any], str]:
+    """Return what publishes spoilt messages on any input."""
+
+    def strike(trial: Any) -> str:
+        name = trial.pick_topic()
+        pattern = trial.graph.newest.get(name) or message_type(TABLE[name])()
+        trial.publish(name, spoil(kind, pattern), SPOILS, EVERY)
+        return f'published by others too: .*{name}'
+
+    return strike
+
+
+KINDS: Final = {
+    'killed': Kind('SIGKILL', killed, ends=True),
+    'stopped': Kind('SIGSTOP for 1 to 20 s', stopped),
+    'memory': Kind('out of memory', starved, ends=True),
+    'exception': Kind('an exception', broken, ends=True),
+    'full disk': Kind('a full disk', filled, ends=True),
+    'slow disk': Kind('a disk that stands still for 3 s', slowed, ways=PACED),
+    'light': Kind('the light board unplugged', unplugged, ways=('hardware',)),
+    'radio': Kind('the radio lost', lost, ways=('hardware',)),
+    'clock': Kind('a clock that jumps by an hour', jumped, ways=SIMULATED),
+    'second': Kind('a second graph on the domain', doubled, ways=SIMULATED),
+    'flood': Kind('a flood on an input', flooded),
+    'parameter': Kind('a parameter set to nonsense', nonsense, silent=True),
+    **{
+        f'message {kind}': Kind(f'messages: {about}', malformed(kind))
+        for kind, (about, _) in SPOILT.items()
+    },
+}  # fmt: skip
+
+
+def inputs(way: str) -> list[str]:
+    """Return the topics that nodes of a graph read, by the table."""
+    roles = {*NODES[way], 'vehicle'}
+    nodes = roles - {'simulator', 'crazyflie_bridge', 'teensy_bridge'}
+    return [name for name, row in TABLE.topics.items() if nodes & set(row.subscribers)]
+
+
+def mounted(folder: Any) -> bool:
+    """Mount a small disk, where we may."""
+    folder.mkdir()
+    command = ['mount', '-t', 'tmpfs', '-o', 'size=64m', 'tmpfs', folder]
+    return subprocess.run(command, capture_output=True).returncode == 0
+
+
+def limit(trial: Any) -> float:
+    """Return how long motors may turn after a strike. [s]"""
+    stated = trial.stated or STATED.get(trial.target, ORDERLY)
+    return float(stated) + SLACK
