@@ -1,8 +1,10 @@
 """A node of a test's own in the robot's namespace, and nodes of this source tree as processes."""
 
 from collections.abc import Callable
+import ctypes
 import os
 from pathlib import Path
+import signal
 import subprocess
 import sys
 import time
@@ -20,6 +22,8 @@ from rclpy.parameter import Parameter
 ROOT = Path(__file__).resolve().parents[2]
 TABLE = topic_table()
 PATIENCE = 30.0  # s of wall time; what comes normally comes within milliseconds
+LIBC = ctypes.CDLL(None)  # before any fork
+PR_SET_PDEATHSIG = 1  # linux/prctl.h
 STARTED: 'list[subprocess.Popen[str]]' = []
 
 
@@ -35,9 +39,15 @@ def start(module: str, *words: object, before: str = '') -> 'subprocess.Popen[st
         },
         stderr=subprocess.PIPE,
         text=True,
+        preexec_fn=_end_with_us,
     )
     STARTED.append(process)
     return process
+
+
+def _end_with_us() -> None:
+    """Let the kernel kill a node whose test is killed: it would stay in its domain for ever."""
+    LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 def put_away() -> None:

@@ -1,7 +1,7 @@
 """To whom `lta launch` hands a launch file, and what names whom."""
 
 from lta_analysis import blame
-from lta_analysis.blame import FLIGHT, Lookout
+from lta_analysis.blame import FLIGHT, Lookout, REPEATED
 from lta_analysis.session import who
 from lta_analysis.verbs import launch
 from lta_graph.health import Fact, Level
@@ -109,3 +109,33 @@ def test_the_domain_is_held_in_the_name_of_all():
         'a and b are',
         'a, b and c are',
     ]
+
+
+def test_what_nodes_call_an_error_is_said_once_until_it_is_another(clock):
+    said, told = [], []
+    lookout = Lookout(said.append, told.append)
+    for message in ('silent for 0.5 s', 'silent for 0.6 s', 'unplugged', 'unplugged'):
+        fact = Fact('bridge: link', Level.ERROR, message)
+        lookout.look({fact.task: fact}, [])
+        clock[0] += 0.1
+    assert said == ['bridge: silent for 0.5 s.', 'bridge: unplugged.']
+    for level in (Level.OK, Level.WARN, Level.ERROR):  # it comes and goes
+        fact = Fact('bridge: link', level, 'unplugged')
+        lookout.look({fact.task: fact}, [])
+    assert len(said) == 2
+    clock[0] += REPEATED + 0.1
+    lookout.look({fact.task: fact}, [])
+    assert said[2:] == ['bridge: unplugged.']
+    assert told == []  # the node says it itself
+
+
+def test_errors_that_have_sentences_of_their_own_are_not_said_twice(clock):
+    said, told = [], []
+    lookout = Lookout(said.append, told.append)
+    facts = [
+        Fact('estimator: inputs', Level.ERROR, 'waiting for imu', {'suspects': ''}),
+        Fact('recorder: recording', Level.ERROR, 'The disk is full'),
+        Fact('launcher: processes', Level.ERROR, 'Nothing comes from estimator.'),
+    ]
+    lookout.look({fact.task: fact for fact in facts}, ['estimator'])
+    assert said == told == ['Nothing comes from estimator.']

@@ -146,3 +146,17 @@ def test_messages_reach_the_disk_without_anybody_asking(tmp_path, monkeypatch):
         while stored(tmp_path / 'bag') != list(range(k + 1)):
             assert written.acquire(timeout=PATIENCE)
     writer.close()
+
+
+def test_a_disk_that_keeps_the_writer_busy_is_seen_and_forgotten(tmp_path, monkeypatch):
+    disk = SlowDisk()
+    writer = BackgroundWriter(BagWriter(tmp_path / 'bag', {}), room=10_000)
+    monkeypatch.setattr(storage.os, 'pwrite', disk.pwrite)
+    writer.add_topic('/a', TYPE, [])
+    writer.hurry()
+    assert disk.stalled.wait(PATIENCE)
+    before = writer.behind
+    assert writer.behind > before > 0.0
+    disk.let.set()
+    writer.close()
+    assert writer.behind == 0.0

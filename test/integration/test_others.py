@@ -1,0 +1,56 @@
+"""Who else publishes what a node does is told, by name, and forgotten once they are gone."""
+
+from collections.abc import Callable, Iterator
+import os
+import time
+
+from lta_graph.health import Health, Level
+from lta_graph.ros.others import OTHERS, Others, PERIOD
+import pytest
+from rclpy.context import Context
+from rclpy.node import Node
+from std_msgs.msg import Header
+
+PATIENCE = 20.0  # s
+ROBOT = f'robot{os.getpid()}'  # of nobody else, whatever others left on the domain
+
+
+@pytest.fixture
+def node() -> Iterator[Callable[[str], Node]]:
+    """Return a function that makes nodes of one process."""
+    context, made = Context(), []
+    context.init()
+
+    def make(name: str) -> Node:
+        made.append(Node(name, namespace=ROBOT, context=context))
+        return made[-1]
+
+    yield make
+    for each in made:
+        each.destroy_node()
+    context.try_shutdown()
+
+
+def test_a_stranger_is_named_until_it_is_gone(node):
+    own, stranger, health = node('own'), node('stranger'), Health()
+    writers = {name: own.create_publisher(Header, name, 10) for name in ('/diagnostics', 'imu')}
+    others = Others(own, writers)
+
+    def told(level: Level) -> str:
+        deadline = time.monotonic() + PATIENCE
+        while not health.facts or health.facts[0].level != level:
+            assert time.monotonic() < deadline, health.facts
+            others.look(time.monotonic(), health)
+            time.sleep(0.01)
+        return health.facts[0].message
+
+    stranger.create_publisher(Header, '/diagnostics', 10)  # of every node
+    others.look(time.monotonic(), health)
+    assert OTHERS not in health
+    rival = stranger.create_publisher(Header, 'imu', 10)
+    expected = f'published by others too: imu (/{ROBOT}/stranger); stop all but one'
+    assert told(Level.ERROR) == expected
+    others.look(time.monotonic() + PERIOD, health)
+    assert health.facts[0].message == expected
+    stranger.destroy_publisher(rival)
+    assert told(Level.OK) == 'nobody else publishes the same'
