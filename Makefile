@@ -10,7 +10,7 @@ export PYTHON
 enter := root='$(CURDIR)' && . tools/workspace.sh
 sources := config src test examples
 
-.PHONY: help demo build test test-long bench bench-compare flights trust classes plan rgblimp crazyflie faults docs reference check format clean
+.PHONY: help demo build test test-long bench bench-compare flights trust classes plan rgblimp crazyflie faults chaos soak docs reference check format clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
@@ -51,6 +51,12 @@ rgblimp: test-environment  ## score forecasts of RGBlimp's real flights; writes 
 
 faults: test-environment  ## faults in flights of emulated hardware, 20 of each kind; writes docs/hardware_faults.md (hours)
 	@$(enter) && .venv/bin/python test/score/faults.py $(ARGS)
+
+chaos: test-environment  ## whole graphs in trouble, 12 of each kind; writes docs/reliability.md (hours)
+	@$(enter) && .venv/bin/python test/score/chaos.py $(ARGS)
+
+soak: test-environment  ## two hours at the graph's full speed; writes docs/reliability.md (ARGS='--minutes 5': less)
+	@$(enter) && .venv/bin/python test/score/soak.py $(ARGS)
 
 crazyflie: test-environment  ## what real Crazyflie flights say of battery sag; writes docs/discovery_flights.md
 	@$(enter) && .venv/bin/python test/score/crazyflie.py $(ARGS)

@@ -70,14 +70,22 @@ class Peer:
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._publishers: dict[str, Any] = {}
+        self._beside: list[Any] = []
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
         self._executor.shutdown()
+        for node in self._beside:
+            node.destroy_node()
         self.node.destroy_node()
         self._context.try_shutdown()
+
+    def beside(self) -> Any:
+        """Return a node of this robot that nobody spins."""
+        self._beside.append(rclpy.create_node('beside', namespace='/lta1', context=self._context))
+        return self._beside[-1]
 
     def until(self, condition: Callable[[], Any]) -> Any:
         """Take what comes until something holds, and return that."""

@@ -16,8 +16,8 @@ from diagnostic_msgs.msg import DiagnosticArray
 from lta_bridge.emulated_hardware import emulated, Hardware
 from lta_config.topics import topic_table
 from lta_graph.ros.node import message_type
-from lta_graph.ros.qos import profile
 from peer import Peer
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_srvs.srv import SetBool
 
 TABLE: Final = topic_table()
@@ -44,8 +44,16 @@ READY: Final = {  # who must have said what before anybody may arm
     'demodulator: light': 'beacon found',
     'navigator: mission': 'climb',
 }
+NEWEST: Final = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 PORTS: Final = (7400, 250)  # of DDS: of domain 0, and from one domain to the next
 GRACE: Final = 15.0  # s from Ctrl-C to the end
+
+
+def inputs(way: str) -> list[str]:
+    """Return the topics that nodes of a graph read, by the table."""
+    roles = {*NODES[way], 'vehicle'}
+    nodes = roles - {'simulator', 'crazyflie_bridge', 'teensy_bridge'}
+    return [name for name, row in TABLE.topics.items() if nodes & set(row.subscribers)]
 
 
 class Graph:
@@ -76,7 +84,13 @@ class Graph:
         self.way, self.peer, self.bag = way, peer, bag
         self.told: list[tuple[float, str]] = []
         self.facts: dict[str, Any] = {}
-        self.newest: dict[str, Any] = {}
+        self._newest: dict[str, Any] = {}
+        # Of a node that nobody spins: what is not asked for takes nobody's time.
+        idle = peer.beside()
+        self._ears = {
+            name: idle.create_subscription(message_type(TABLE[name]), name, lambda _: None, NEWEST)
+            for name in inputs(way)
+        }
         self._folder = folder
         self._open = ExitStack()
         self.hardware: Hardware | None = None
@@ -85,6 +99,7 @@ class Graph:
 
     def __enter__(self) -> 'Graph':
         """Start."""
+        self._bound = bound(int(os.environ['ROS_DOMAIN_ID']))
         os.environ['PYTHONPATH'] = str(HOOK)
         self._open.callback(self.lta.kill)
         self.started = self.lta.start(*self._words())
@@ -119,13 +134,12 @@ class Graph:
             if status.level[0] == ERROR:
                 self.told.append((now, f'{status.name}: {status.message}'))
 
-    def listen(self, topics: list[str]) -> None:
-        """Keep the newest message of some topics."""
-        for name in topics:
-            keep = lambda message, name=name: self.newest.__setitem__(name, message)  # noqa: E731
-            row = TABLE[name]
-            kind, quality = message_type(row), profile(row, self.way == 'lockstep')
-            self.peer.node.create_subscription(kind, name, keep, quality)
+    def pattern(self, name: str) -> Any:
+        """Return the newest message of a topic, an empty one where nothing has come."""
+        kind, handle = message_type(TABLE[name]), self._ears[name].handle
+        while (taken := handle.take_message(kind, False)) is not None:
+            self._newest[name] = taken[0]
+        return self._newest.get(name) or kind()
 
     # How it stands.
 
@@ -210,23 +224,16 @@ class Graph:
                     fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 except BlockingIOError:
                     return f'{lock} is held'
-        own = {
-            str(path.readlink()) for path in Path('/proc/self/fd').iterdir() if path.is_symlink()
-        }
-        first = PORTS[0] + PORTS[1] * int(domain)
-        strange = [
-            port
-            for port, inode in udp_ports()
-            if first <= port < first + PORTS[1] and f'socket:[{inode}]' not in own
-        ]
+        strange = sorted(port for port, _ in bound(int(domain)) - self._bound)
         return f'UDP ports {strange} are still bound' if strange else ''
 
 
-def udp_ports() -> Iterator[tuple[int, str]]:
-    """Yield each bound UDP port of the machine and its socket's inode."""
-    for line in Path('/proc/net/udp').read_text().splitlines()[1:]:
-        words = line.split()
-        yield int(words[1].partition(':')[2], 16), words[9]
+def bound(domain: int) -> set[tuple[int, str]]:
+    """Return each bound UDP port of a domain, with its socket's inode."""
+    first = PORTS[0] + PORTS[1] * domain
+    lines = (line.split() for line in Path('/proc/net/udp').read_text().splitlines()[1:])
+    found = {(int(words[1].partition(':')[2], 16), words[9]) for words in lines}
+    return {each for each in found if first <= each[0] < first + PORTS[1]}
 
 
 @contextmanager

@@ -16,7 +16,7 @@ import subprocess
 import time
 from typing import Any, Final
 
-from chaos_graph import NODES, second_graph, TABLE
+from chaos_graph import second_graph, TABLE
 from chaos_hook.sitecustomize import EXCEPTION, MEMORY, SLOW_DISK, STALL
 from chaos_spoilt import spoil, SPOILT
 from fault_kinds import CUT_OFF, LANDS, SLACK, STALE
@@ -144,6 +144,7 @@ def jumped(trial: Any) -> str:
 def doubled(trial: Any) -> str:
     """Fly a second graph on the same domain."""
     trial.target = 'second graph'
+    trial.since = time.monotonic()
     trial.stack.enter_context(second_graph(trial.graph))
     imu = robot_topic('lta1', 'imu')
     trial.peer.until(lambda: trial.peer.node.count_publishers(imu) > 1)
@@ -154,7 +155,7 @@ def doubled(trial: Any) -> str:
 def flooded(trial: Any) -> str:
     """Publish on any input as fast as it goes."""
     name = trial.pick_topic()
-    trial.publish(name, trial.graph.newest.get(name) or message_type(TABLE[name])(), FLOODS, 0.0)
+    trial.publish(name, trial.graph.pattern(name), FLOODS, 0.0)
     return f'published by others too: .*{name}'
 
 
@@ -181,7 +182,7 @@ def malformed(kind: str) -> Callable[[Any], str]:
 
     def strike(trial: Any) -> str:
         name = trial.pick_topic()
-        pattern = trial.graph.newest.get(name) or message_type(TABLE[name])()
+        pattern = trial.graph.pattern(name)
         trial.publish(name, spoil(kind, pattern), SPOILS, EVERY)
         return f'published by others too: .*{name}'
 
@@ -206,13 +207,6 @@ KINDS: Final = {
         for kind, (about, _) in SPOILT.items()
     },
 }  # fmt: skip
-
-
-def inputs(way: str) -> list[str]:
-    """Return the topics that nodes of a graph read, by the table."""
-    roles = {*NODES[way], 'vehicle'}
-    nodes = roles - {'simulator', 'crazyflie_bridge', 'teensy_bridge'}
-    return [name for name, row in TABLE.topics.items() if nodes & set(row.subscribers)]
 
 
 def mounted(folder: Any) -> bool:

@@ -9,8 +9,8 @@ import re
 import time
 from typing import Any, Final
 
-from chaos_graph import alive, Graph, NODES, TABLE
-from chaos_kinds import inputs, KINDS, limit
+from chaos_graph import alive, Graph, inputs, NODES, TABLE
+from chaos_kinds import KINDS, limit
 from fault_kinds import LANDS, SLACK
 from lta_graph.ros.node import message_type
 from lta_graph.ros.qos import profile
@@ -41,9 +41,9 @@ class Strike:
 
     Attributes
     ----------
-    target, struck, lasts, cure, may_end, stated
-        What a kind may set: what it struck, when [s], for how long [s], how it is taken away,
-        whether the flight may end by it, and when motors must stand [s].
+    target, struck, since, lasts, cure, may_end, stated
+        What a kind may set: what it struck, when [s], since when words count [s; since then where
+        it is 0], for how long it lasts [s], how it is taken away, whether the flight may end by it, and when motors must stand [s].
     word, phase, told, said, took, found
         What came of it: the words that it must be named by, the phase in which it struck, until it
         was named in /diagnostics and on the terminal [s], for how long motors turned [s], and
@@ -55,7 +55,7 @@ class Strike:
         self.kind = KINDS[name]
         self.random, self.graph, self.peer = random, graph, peer
         self.target, self.lasts, self.stated = '', 0.0, 0.0
-        self.may_end, self.struck = self.kind.ends, 0.0
+        self.may_end, self.struck, self.since = self.kind.ends, 0.0, 0.0
         self.cure: Callable[[], object] = lambda: None
         self.stack = ExitStack()
         self.word, self.phase = '', graph.phase
@@ -130,7 +130,7 @@ class Strike:
     def _wait_for_names(self) -> None:
         """Take down how long it takes to be named in /diagnostics and on the terminal."""
         until = self.struck + HEARD
-        named = lambda first: first(self.word, self.struck)  # noqa: E731
+        named = lambda first: first(self.word, self.since or self.struck)  # noqa: E731
         found = self.graph.first_told, self.graph.first_said
         self._until(lambda: time.monotonic() > until or all(map(named, found)))
         self.told, self.said = map(self._after, map(named, found))
@@ -141,7 +141,7 @@ class Strike:
                 self.wrong(f'named {where} after {took:.2f} s', timing=True)
 
     def _after(self, when: float | None) -> float | None:
-        return None if when is None else when - self.struck
+        return None if when is None else max(0.0, when - self.struck)
 
     def _watched(self) -> float | None:
         """Wait for the end or for the cure; return how long motors turned, where there are any."""

@@ -9,8 +9,7 @@ from pathlib import Path
 from random import Random
 import sys
 
-from chaos_graph import Graph, TABLE
-from chaos_kinds import inputs
+from chaos_graph import Graph
 from chaos_strike import Strike
 from chaos_trial import judged
 from outcome import Outcome, tried
@@ -24,7 +23,6 @@ def together(way: str, kinds: list[str], folder: Path, peer: Peer) -> Outcome:
     wrong: list[str] = []
     strikes: list[Strike] = []
     with Graph(way, folder, peer, folder / 'out' / 'bag') as graph:
-        graph.listen([topic for topic in inputs(way) if TABLE[topic].qos != 'sensor'])
         graph.fly(BEGUN)
         for kind in kinds:
             strikes.append(Strike(kind, Random(f'{kind} together'), graph, peer))

@@ -15,8 +15,8 @@ import subprocess
 import sys
 from typing import Any, Final
 
-from chaos_graph import Graph, TABLE
-from chaos_kinds import inputs, KINDS, limit, mounted
+from chaos_graph import Graph
+from chaos_kinds import KINDS, limit, mounted
 from chaos_strike import Strike
 from lta_analysis.bag.reader import read_bag
 from lta_config.errors import BadInput
@@ -56,7 +56,6 @@ def trial(name: str, number: int, folder: Path, peer: Peer) -> Struck:
             assert mounted(folder), 'a small disk needs root'
             stack.callback(subprocess.run, ['umount', '-l', folder])
         graph = stack.enter_context(Graph(way, folder, peer, folder / 'out' / 'bag'))
-        graph.listen([topic for topic in inputs(way) if TABLE[topic].qos != 'sensor'])
         graph.fly(random.uniform(0.5, LATEST[way]))
         strike = Strike(name, random, graph, peer)
         strike.run()

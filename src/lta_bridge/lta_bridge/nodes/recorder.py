@@ -57,7 +57,7 @@ LOOK_PERIOD = 0.4  # wall seconds between looks at the graph and at the losses
 QUIET = 0.3  # wall seconds without a message after which nothing more is on the way
 LINGER = 3.0  # wall seconds to wait for that quiet at most
 DISK = 'disk'  # the task in which it tells of one that does not keep up
-SLOW = 0.4  # wall seconds for what came in 0.1 s, from which the disk is called slow
+SLOW = 0.6  # wall seconds for what came in 0.1 s, from which the disk is called slow
 NAP_NS = 20_000_000  # between looks: waking up for every message would cost half a core
 MB = 1_000_000
 
