@@ -39,6 +39,7 @@ from std_srvs.srv import SetBool, Trigger
 
 HEARING = 5.0  # s at most until all nodes hear each other: what a user runs beside may never fit
 LEAVE = 15.0  # s at most to land before the link is let go
+CONFIRMING = 1.0  # s of them for the drone to say that it is disarmed
 ALOFT = (Stage.READY, Stage.FLYING, Stage.LANDING)
 DEAD = 2.0  # s of silence after which the link is made anew: blocks may be gone (firmware #428)
 
@@ -74,7 +75,7 @@ class CrazyflieBridge(DeviceNode):
         self._controller = self.create_client(SetBool, 'arm')
         self._told = False  # whether the controller was told to be armed
         self.create_service(SetBool, '~/arm', self._on_arm)
-        self.create_service(Trigger, '~/emergency_stop', self._on_emergency_stop)
+        self._stop = self.create_service(Trigger, '~/emergency_stop', self._on_emergency_stop)
         self._subscribe()
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(1.0 / RATE, self._tick, clock=steady)
@@ -121,16 +122,28 @@ class CrazyflieBridge(DeviceNode):
     def _settle(self) -> None:
         """Tick until nothing turns: landing is the state machine's own way down."""
         until = time.monotonic() + LEAVE
-        busy = (Stage.READY, Stage.ARMING, Stage.FLYING, Stage.LANDING)
-        flew = self._bridge.state.stage in busy
-        while self._bridge.state.stage in busy and time.monotonic() < until:
-            self._tick()
-            time.sleep(1.0 / RATE)
+        flew = self._bridge.busy
+        while self._bridge.busy and time.monotonic() < until:
+            self._turn()
+        # A request to disarm may be lost: until the supervisor's own word says that it came.
+        until = min(until, time.monotonic() + CONFIRMING)
+        while flew and self._up and self._bridge.armed and time.monotonic() < until:
+            self._turn()
         if flew:  # the last word: who records must hear why before this node is gone
             self.publish_health()
 
+    def _turn(self) -> None:
+        """Go on for a tick within a callback, while which no other is served but a stop."""
+        with self._stop.handle:
+            request, header = self._stop.handle.service_take_request(Trigger.Request)
+        if header is not None:
+            answer = self._on_emergency_stop(request, Trigger.Response())
+            self._stop.send_response(answer, header)
+        self._tick()
+        time.sleep(1.0 / RATE)
+
     def let_go(self) -> None:
-        """Disarm, and close the link; closing sends a thrust of zero, so it comes last."""
+        """Land, disarm, and close the link, in this order."""
         self.active = False
         self._settle()
         if self._keeper is not None:
@@ -161,8 +174,7 @@ class CrazyflieBridge(DeviceNode):
             self._asked = self._asked._replace(arm=request.data)
             self._tick()
             while self._bridge.state.stage is Stage.ARMING:
-                time.sleep(1.0 / RATE)
-                self._tick()
+                self._turn()
             why = self._bridge.state.why
         stage = self._bridge.state.stage
         armed = stage in (Stage.READY, Stage.FLYING)
@@ -174,8 +186,7 @@ class CrazyflieBridge(DeviceNode):
         """Wait until all that the nodes say is heard: a flight begins with arming."""
         until = time.monotonic() + HEARING
         while (short := self._links.short(self.readers())) and time.monotonic() < until:
-            time.sleep(1.0 / RATE)
-            self._tick()
+            self._turn()
         words = f'armed before all readers of {", ".join(short)} were found'
         if short:
             self.get_logger().warning(words)
