@@ -42,9 +42,9 @@ class Strike:
     Attributes
     ----------
     target, struck, since, lasts, cure, may_end, stated
-        What a kind may set: what it struck, when [s], since when words count [s; since it
-        struck where it is 0], for how long it lasts [s], how it is taken away, whether the flight may end by
-        it, and when motors must stand [s].
+        What a kind may set: what it struck, when [s], since when words count where that is sooner
+        [s], for how long it lasts [s], how it is taken away, whether the flight may end by it, and
+        when motors must stand [s].
     word, phase, told, said, took, found
         What came of it: the words that it must be named by, the phase in which it struck, until it
         was named in /diagnostics and on the terminal [s], for how long motors turned [s], and
