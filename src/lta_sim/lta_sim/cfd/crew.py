@@ -20,6 +20,7 @@ from lta_sim.cfd.sweep_table import Blow, Point
 
 READ: Final = {
     'wind': reduce.wind_point,
+    'coarse': reduce.wind_point,
     'transient': reduce.transient_point,
     'spin': reduce.spin_point,
 }
@@ -138,13 +139,14 @@ def found_of(stages: Stages, model: Model, flow: Flow, density: float) -> Found:
         return reduce.blow(model, flow.shares or {}, place, mesh, spent, density)
     read = READ[flow.kind]
     points, refused = [], {}
+    label = flow.case.name if flow.kind == 'coarse' else flow.about
     for speed in flow.speeds:
         step = next(each for each in flow.case.steps if each.name == f'{speed:g}')
         try:
             each = spent / len(flow.speeds)
             points.append(read(model, flow.about, step, speed, place, mesh, each, density))
         except CaseFailed as error:  # of one speed; the others stand
-            refused[f'{flow.about} at {speed:g}'] = str(error)
+            refused[f'{label} at {speed:g}'] = str(error)
     return points, refused
 
 

@@ -8,7 +8,7 @@ from lta_config.errors import BadInput
 from lta_sim.cfd import gates
 from lta_sim.cfd.columns import changed, linear
 from lta_sim.cfd.fit import Fit, fit_drag
-from lta_sim.cfd.model import QUARTER
+from lta_sim.cfd.model import HULL, QUARTER
 from lta_sim.cfd.sweep_table import AXES, Axis, Point, Sweep
 import numpy as np
 
@@ -66,8 +66,7 @@ def warnings_of(sweep: Sweep) -> list[str]:
             if sweep.fidelity != 'analytic':
                 told.append(f'{axis}: by hand, no flow was solved')
             continue
-        drag = drags(axis, points)[len(points) // 2]
-        ratio = drag / by_hand_at(sweep, axis, points[len(points) // 2].speed)
+        ratio = ratio_by_hand(sweep, axis)
         if not gates.beside(ratio, 1.0):
             told.append(f'{axis}: {ratio:.2f} times what is known by hand; look at the flow')
     if any(axis in sweep.axes for axis in ABOUT):
@@ -85,6 +84,33 @@ def warnings_of(sweep: Sweep) -> list[str]:
             )
     told += [f'{name}: refused: {reason}' for name, reason in sweep.refused.items()]
     return told
+
+
+def middle_of(sweep: Sweep, axis: Axis) -> Point:
+    """Return the middle speed of an axis."""
+    points = points_of(sweep, axis)
+    return points[len(points) // 2]
+
+
+def ratio_by_hand(sweep: Sweep, axis: Axis) -> float:
+    """Return the drag at the middle speed over that by hand. [1]."""
+    middle = middle_of(sweep, axis)
+    return drags(axis, [middle])[0] / by_hand_at(sweep, axis, middle.speed)
+
+
+def mesh_share(sweep: Sweep, axis: Axis) -> float | None:
+    """Return how much more drag there is on a coarser mesh, None where none was solved. [1]."""
+    coarse = sweep.coarse.get(axis)
+    fine = [point for point in sweep.axes.get(axis, ()) if coarse and point.speed == coarse.speed]
+    if coarse is None or not fine:
+        return None
+    return drags(axis, [coarse])[0] / drags(axis, fine)[0] - 1.0
+
+
+def hull_share(sweep: Sweep, axis: Axis) -> float | None:
+    """Return the share of the hull in the drag at the middle speed, None by hand. [1]."""
+    parts = middle_of(sweep, axis).parts
+    return parts[HULL] / sum(parts.values()) if parts else None
 
 
 def by_hand_at(sweep: Sweep, axis: Axis, speed: float) -> float:

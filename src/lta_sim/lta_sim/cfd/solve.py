@@ -39,9 +39,9 @@ def memory() -> float:
 
 def solve(
     crew: Crew, model: Model, flows: Sequence[Flow], air: Air, said: Callable[[str], None]
-) -> tuple[dict[str, list[Point]], dict[str, Blow], dict[str, str]]:
+) -> tuple[dict[str, list[Point]], dict[str, Blow], dict[str, str], dict[str, Point]]:
     """
-    Solve flows and return the points of each axis, the patterns, and what was refused and why.
+    Solve flows: the points of each axis, the patterns, what was refused and why, coarser meshes.
 
     Parameters
     ----------
@@ -60,19 +60,23 @@ def solve(
     axes: dict[str, list[Point]] = {}
     blows: dict[str, Blow] = {}
     refused: dict[str, str] = {}
+    coarse: dict[str, Point] = {}
     for flow, found in crew.solved(model, flows, air[0]):
         if isinstance(found, Blow):
             blows[flow.about] = found
             continue
         points, reasons = points_or_why(flow, found)
-        if points:
+        if flow.kind == 'coarse':
+            for point in points:  # one, or none
+                coarse[flow.about] = point
+        elif points:
             axes.setdefault(flow.about, []).extend(points)
         refused |= reasons
         for name, reason in reasons.items():
             said(f'{name}: {reason}')
     for each in axes.values():
         each.sort(key=lambda point: point.speed)
-    return axes, blows, refused
+    return axes, blows, refused, coarse
 
 
 def by_hand(model: Model, air: Air) -> dict[Axis, list[Point]]:
@@ -97,7 +101,8 @@ def by_hand(model: Model, air: Air) -> dict[Axis, list[Point]]:
 
 def sweep_of(
     model: Model, vehicle: str, fidelity: str, air: Air, axes: dict[str, list[Point]],
-    blows: dict[str, Blow], refused: dict[str, str], engine: str = BY_HAND,
+    blows: dict[str, Blow], refused: dict[str, str], coarse: dict[str, Point] | None = None,
+    engine: str = BY_HAND,
 ) -> Sweep:  # fmt: skip
     """Return a whole sweep; parameters as `solve` gave them, and what solved it."""
     return Sweep.model_validate({
@@ -120,5 +125,6 @@ def sweep_of(
         'axes': axes,
         'by_hand': by_hand(model, air),
         'blows': blows,
+        'coarse': coarse or {},
         'refused': refused,
     })  # fmt: skip

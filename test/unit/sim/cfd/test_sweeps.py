@@ -32,6 +32,7 @@ def test_a_sweep_becomes_forces_in_body_axes(fake):
     assert [p.moment[0] for p in sweep.axes['roll']] == pytest.approx(
         [-1.2 * w**2 * 0.15 for w in (0.3, 1.0, 3.0)]
     )
+    assert sweep.coarse['heave'].force == sweep.axes['heave'][2].force
     assert sweep.blows['up_left'].force == pytest.approx([0, 0, GTMAB.rotors['up_left'].thrust])
     assert sweep.blows['up_left'].evidence.balance < 1e-3
     pressed = sweep.blows['up_left'].pressed['envelope']
