@@ -18,7 +18,7 @@ def test_a_slow_sphere_brakes_as_spheres_do(tmp_path):
     model = sphere()
     flow = Flow('wind', 'surge', steady_wind(model, 'surge', AIR[1], COARSE, (SLOW,)), (SLOW,))
     crew = Threads(tmp_path, 1, lambda *_: None)
-    axes, _, refused = solve(crew, model, [flow], AIR, lambda _: None)
+    axes, _, refused, _ = solve(crew, model, [flow], AIR, lambda _: None)
     assert refused == {}
     (point,) = axes['surge']
     found = judged('coarse', point, AIR)
