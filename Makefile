@@ -10,7 +10,7 @@ export PYTHON
 enter := root='$(CURDIR)' && . tools/workspace.sh
 sources := config src test examples
 
-.PHONY: help demo build test test-long bench bench-compare flights trust classes plan rgblimp crazyflie faults docs reference check format clean
+.PHONY: help demo build test test-long bench bench-compare flights trust classes plan rgblimp crazyflie faults docs reference lock check format clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
@@ -60,6 +60,10 @@ docs: build  ## these pages as a site that needs no network: site/index.html
 
 reference: build  ## write the pages of docs/ that are made of declarations
 	@$(enter) && tools/reference.sh
+
+lock: test-environment docs  ## write locked/ and docs/licences.md after a change of requirements*.txt or constraints.txt
+	@.venv/bin/python tools/lock.py
+	@.venv/bin/python tools/licences.py
 
 check: test-environment  ## style and types only
 	@.venv/bin/ruff check --quiet $(sources)

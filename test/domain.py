@@ -8,7 +8,6 @@ from pathlib import Path
 import tempfile
 
 DOMAINS = range(20, 102)  # above 101 the ports meet Linux's ephemeral ones; low ones are people's
-NEAR = 'LOCALHOST'
 
 
 @contextmanager
@@ -21,7 +20,9 @@ def free_domain() -> Iterator[int]:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
                 continue
-            os.environ |= {'ROS_DOMAIN_ID': str(domain), 'ROS_AUTOMATIC_DISCOVERY_RANGE': NEAR}
+            os.environ['ROS_DOMAIN_ID'] = str(domain)
+            # Where the workspace (tools/workspace.sh) has not seen to it already.
+            os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
             try:
                 yield domain
             finally:

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Make .venv hold exactly what requirements*.txt and constraints.txt say; do nothing if it does.
+# Make .venv hold exactly what locked/*.txt say; do nothing if it does.
 #
 #   tools/environment.sh run     what flying needs
 #   tools/environment.sh test    and what `make test` needs
@@ -57,7 +57,7 @@ check_machine() {
 
 install() {
     if ! "$venv/bin/python" -m pip install --disable-pip-version-check --no-input \
-        --constraint constraints.txt "$@" >>"$venv/install.log" 2>&1; then
+        --require-hashes "$@" >>"$venv/install.log" 2>&1; then
         reason=$(sed -n "s/^ERROR: //p" "$venv/install.log" | head -n 1)
         stop "pip cannot install the environment (${reason:-see $venv/install.log}); check the" \
             'network and the pip configuration and run make again.'
@@ -76,7 +76,7 @@ make_underlay() {
 key() {
     {
         echo "$root $("$1" -c 'import sys; print(sys.version, sys.base_prefix)')"
-        cat requirements.txt requirements-test.txt constraints.txt tools/environment.sh
+        cat locked/build.txt locked/run.txt locked/test.txt tools/environment.sh
     } | sha256sum | cut -d ' ' -f 1
 }
 
@@ -99,13 +99,13 @@ if [ "$found" != "run $wanted" ]; then
     echo "environment: $("$python" -V) in .venv (first time: about a minute) ..."
     rm -rf "$venv"
     "$python" -m venv "$venv"
-    install setuptools
+    install --requirement locked/build.txt
     # Some pure Python comes as source only: built with the pinned setuptools, not the newest.
-    install --no-build-isolation --requirement requirements.txt
+    install --no-build-isolation --requirement locked/run.txt
     make_underlay
 fi
 if [ "$level" = test ]; then
     echo 'environment: what the tests need (half a minute) ...'
-    install --requirement requirements.txt --requirement requirements-test.txt
+    install --requirement locked/run.txt --requirement locked/test.txt
 fi
 echo "$level $wanted" >"$stamp"

@@ -8,14 +8,14 @@ venv=.venv-docs
 
 wanted=$({
     .venv/bin/python -V
-    cat requirements-docs.txt constraints.txt tools/site.sh
+    cat locked/docs.txt tools/site.sh
 } | sha256sum | cut -d ' ' -f 1)
 if [ "$(cat "$venv/.lta" 2>/dev/null || :)" != "$wanted" ]; then
     echo "docs: MkDocs in $venv (first time: half a minute) ..."
     rm -rf "$venv"
     .venv/bin/python -m venv "$venv"
     if ! "$venv/bin/python" -m pip install --disable-pip-version-check --no-input \
-        --constraint constraints.txt --requirement requirements-docs.txt \
+        --require-hashes --requirement locked/docs.txt \
         >"$venv/install.log" 2>&1; then
         echo "pip cannot install MkDocs (see $venv/install.log); check the network and run" \
             'make docs again.' >&2

@@ -11,11 +11,21 @@ export LTA_UNDERLAY=wheels
 . "$root/install/local_setup.sh"
 PATH=$root/.venv/bin:$PATH
 
-# Nothing outside this machine hears or reaches the graph unless asked for.
-export ROS_AUTOMATIC_DISCOVERY_RANGE="${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}"
 export RMW_IMPLEMENTATION="${RMW_IMPLEMENTATION:-rmw_fastrtps_cpp}"
-# The processes of a graph find each other at once; see the file.
-export FASTRTPS_DEFAULT_PROFILES_FILE="${FASTRTPS_DEFAULT_PROFILES_FILE:-$root/config/fastdds.xml}"
+# Nothing outside this machine hears or reaches the graph unless asked for. How its processes find each other: see the two files.
+this_machine=$root/config/fastdds/this_machine.xml profiles=$root/config/fastdds/network.xml
+export ROS_AUTOMATIC_DISCOVERY_RANGE="${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}"
+if [ "${FASTRTPS_DEFAULT_PROFILES_FILE:-}$ROS_AUTOMATIC_DISCOVERY_RANGE" != "${this_machine}SYSTEM_DEFAULT" ]; then
+    case ${FASTRTPS_DEFAULT_PROFILES_FILE:-} in
+    "$root"/config/fastdds/*) unset FASTRTPS_DEFAULT_PROFILES_FILE ;; # chosen for another range
+    esac
+    if [ "$ROS_AUTOMATIC_DISCOVERY_RANGE$RMW_IMPLEMENTATION${ROS_STATIC_PEERS:-}${FASTRTPS_DEFAULT_PROFILES_FILE:-}" = LOCALHOSTrmw_fastrtps_cpp ]; then
+        profiles=$this_machine
+        ROS_AUTOMATIC_DISCOVERY_RANGE=SYSTEM_DEFAULT # as the profile says
+        unset ROS_LOCALHOST_ONLY                     # which would come before it
+    fi
+fi
+export FASTRTPS_DEFAULT_PROFILES_FILE="${FASTRTPS_DEFAULT_PROFILES_FILE:-$profiles}"
 # Pydantic would look for plugins in every installed package, in every process: a tenth of its start.
 export PYDANTIC_DISABLE_PLUGINS="${PYDANTIC_DISABLE_PLUGINS:-__all__}"
 # The matrices are small: more threads only take cores from the other nodes.

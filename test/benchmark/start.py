@@ -3,7 +3,7 @@ Measure how soon the processes of a graph have found each other.
 
 `start.matched` is the time from the last of seven nodes that begin within a second, as those of a
 drone do, until each has found all the others; the peer is the same with Fast DDS's own settings in
-place of `config/fastdds.xml`.
+place of `config/fastdds/`.
 """
 
 from functools import partial
@@ -19,12 +19,13 @@ NODES = 7
 TOPICS = 5  # of each node; all others read them
 SPREAD = 1.0  # s between the first node and the last
 PROFILES = 'FASTRTPS_DEFAULT_PROFILES_FILE'
+LOCALHOST = {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
 
 
 def figures() -> list[Figure]:
     """Return what can be measured here."""
     ours = dict(os.environ)
-    theirs = {name: value for name, value in ours.items() if name != PROFILES}
+    theirs = {name: value for name, value in ours.items() if name != PROFILES} | LOCALHOST
     figure, median = partial(Figure, unit='s', rounds=8), statistics.median
     return [
         figure('start.matched', measure=partial(matched, ours), choose=median),

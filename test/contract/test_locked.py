@@ -1,0 +1,66 @@
+"""What is installed is locked by hash, as the requirements ask, and its licences are known."""
+
+from importlib import import_module
+from pathlib import Path
+import re
+
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+ONE = re.compile(r'(\S+==[^\\]+?)((?: \\\n    --hash=sha256:[0-9a-f]{64})+)\n')
+
+
+@pytest.fixture(autouse=True)
+def with_tools(monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / 'tools'))
+
+
+def locked(name):
+    """Return the requirements of a locked file, by package; each line must have its hashes."""
+    head, *rest = (ROOT / f'locked/{name}.txt').read_text().splitlines(keepends=True)
+    assert head.startswith('#')
+    text = ''.join(rest)
+    assert ONE.sub('', text) == '', 'each package has its version and hashes, and nothing else'
+    found = [Requirement(wanted) for wanted, _ in ONE.findall(text)]
+    return {canonicalize_name(one.name): one for one in found}
+
+
+@pytest.mark.parametrize('name', ['build', 'run', 'test'])
+def test_locked_is_what_the_requirements_need(name):
+    marks = import_module('lock').locked(('build', 'run', 'test'))[name]
+    wanted = {package: Requirement(f'{package}; {mark}').marker if mark else None
+              for package, mark in marks.items()}  # fmt: skip
+    assert {package: one.marker for package, one in locked(name).items()} == wanted, 'make lock'
+
+
+@pytest.mark.parametrize('name', ['build', 'run', 'test', 'docs'])
+def test_locked_versions_are_the_pinned_ones(name):
+    lock = import_module('lock')
+    pins = lock.pins('constraints.txt', lock.LOCKS[name].source)
+    assert {one: f'=={pins[one]}' for one in locked(name)} == {
+        one: str(each.specifier) for one, each in locked(name).items()
+    }
+
+
+def test_what_the_site_is_asked_for_is_locked():
+    assert import_module('lock').pins('requirements-docs.txt').keys() <= locked('docs').keys()
+
+
+def test_the_list_of_licences_is_complete_and_fresh():
+    page = import_module('licences').page()
+    assert (ROOT / 'docs/licences.md').read_text() == page, 'make lock'
+    assert '|  |' not in page
+
+
+@pytest.mark.parametrize('lock', ['build', 'run'])
+def test_the_base_install_has_nothing_under_the_gpl_alone(lock):
+    licences = import_module('licences')
+    copyleft = [
+        name
+        for name, _ in licences.packages(lock)
+        if re.search('GPL|GNU', licences.licence(name)) and name != 'docutils'
+    ]
+    assert not copyleft
+    assert {'Public Domain', 'BSD License'} <= set(licences.licence('docutils').split(', '))

@@ -1,0 +1,90 @@
+"""
+Write docs/licences.md: the licence of every package that LTA is installed with.
+
+`make lock` runs it. What a package says of itself counts, in this order: its licence expression,
+its classifiers, its licence field, ROS's package.xml; for the few that say none of it, `STATED`.
+"""
+
+from collections.abc import Iterator
+from importlib import metadata
+from pathlib import Path
+import re
+import sys
+from typing import Final
+import xml.etree.ElementTree as ElementTree
+
+ROOT: Final = Path(__file__).resolve().parents[1]
+PAGE: Final = ROOT / 'docs/licences.md'
+LOCKS: Final = {
+    'build': 'What builds the rest',
+    'run': 'What flying needs',
+    'test': 'What tests need beside it, not installed by `make demo`',
+}
+# Read in the licence file that the package brings, as it says nothing elsewhere.
+STATED: Final = {'ros-fastcdr': 'Apache-2.0', 'ros-fastrtps': 'Apache-2.0', 'setuptools': 'MIT'}
+# Wheels of several ROS packages under one name: that of the package.xml which speaks for them.
+ROS_NAMES: Final = {
+    'ros-jazzy-common-interfaces': 'common_interfaces',
+    'ros-jazzy-rclpy': 'rclpy',
+    'ros-jazzy-rmw-fastrtps-cpp': 'rmw_fastrtps_cpp',
+}
+HEAD: Final = """# Licences
+
+LTA is under the Apache License 2.0. `make lock` wrote this list of all that it is installed with
+from what each package says of itself; the versions are those of `locked/`, by hash. Nothing of
+it is copied into LTA.
+
+The base install has nothing under the GPL alone (`test_locked.py`). docutils, which colcon brings,
+names the GPL for a few of its files beside the public domain and BSD of the rest. cflib (GPL) and
+pymavlink (LGPL) are tools of the tests; to fly a real Crazyflie you install cflib yourself. What
+is asked for by hand (`requirements-bench.txt`, `-dask`, `-docs`, `-gpu`, `-pybamm`) is not listed.
+"""
+
+
+def packages(lock: str) -> Iterator[tuple[str, str]]:
+    """Yield name and version of each package of a locked file."""
+    text = (ROOT / f'locked/{lock}.txt').read_text(encoding='utf-8')
+    yield from re.findall(r'^([\w.-]+)==(\S+)', text, re.MULTILINE)
+
+
+def licence(name: str) -> str:
+    """Return what an installed package says of its licence, '' for nothing."""
+    says = metadata.metadata(name)
+    classifiers = [
+        one.rsplit(' :: ', 1)[-1]
+        for one in says.get_all('Classifier') or ()
+        if one.startswith('License :: ') and not one.endswith('OSI Approved')
+    ]
+    field = (says.get('License') or '').strip().split('\n')[0]
+    return (
+        says.get('License-Expression')
+        or ', '.join(classifiers)
+        or field
+        or of_ros(ROS_NAMES.get(name, name.removeprefix('ros-').replace('-', '_')))
+        or STATED.get(name, '')
+    )
+
+
+def of_ros(name: str) -> str:
+    """Return the licences in the package.xml of a ROS package, '' for none."""
+    path = Path(sys.prefix) / f'share/{name}/package.xml'
+    if not path.exists():
+        return ''
+    return ', '.join(one.text or '' for one in ElementTree.parse(path).iter('license'))
+
+
+def page() -> str:
+    """Return the page."""
+    parts = [HEAD]
+    for lock, about in LOCKS.items():
+        rows = (f'| {name} | {version} | {licence(name)} |' for name, version in packages(lock))
+        parts.append(
+            '\n'.join(
+                [f'## {about}', '', '| package | version | licence |', '|---|---|---|', *rows, '']
+            )
+        )
+    return '\n'.join(parts)
+
+
+if __name__ == '__main__':
+    PAGE.write_text(page(), encoding='utf-8')
