@@ -6,7 +6,7 @@ travel. Each machine keeps what it has solved; a folder that all of them share (
 them each other's meshes.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
@@ -83,7 +83,7 @@ class ClusterCrew:
 
     def solved(
         self, model: Model, flows: Sequence[Flow], density: float
-    ) -> Iterator[tuple[Flow, Found | CaseFailed]]:
+    ) -> Generator[tuple[Flow, Found | CaseFailed]]:
         """Yield each flow with what came of it; parameters as `found_of`."""
         meshes = {mesh.key: self._begin(mesh, mesh_there, mesh) for mesh in meshes_of(flows)}
         there = self._client.scatter(model, hash=False)

@@ -4,7 +4,7 @@ Who solves flows: threads of this machine, each with a program on one core.
 On two cores that is faster than one flow on both, and a flow that dies takes nobody along.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Final, final, Protocol
@@ -37,8 +37,8 @@ class Crew(Protocol):
 
     def solved(
         self, model: Model, flows: Sequence[Flow], density: float
-    ) -> Iterator[tuple[Flow, Found | CaseFailed]]:
-        """Yield each flow with what came of it; parameters as `found_of`."""
+    ) -> Generator[tuple[Flow, Found | CaseFailed]]:
+        """Yield each flow with what came of it, and stop when closed; parameters as `found_of`."""
         ...
 
 
@@ -69,7 +69,7 @@ class Threads:
 
     def solved(
         self, model: Model, flows: Sequence[Flow], density: float
-    ) -> Iterator[tuple[Flow, Found | CaseFailed]]:
+    ) -> Generator[tuple[Flow, Found | CaseFailed]]:
         """Yield each flow with what came of it; parameters as `found_of`."""
         with ThreadPoolExecutor(self._jobs) as pool:
             try:

@@ -11,8 +11,6 @@ from lta_sim.cfd.still import AXES as SPINS
 from lta_sim.cfd.still import blowing, RATES, spinning
 from lta_sim.cfd.tunnel import (
     COARSE,
-    FINE,
-    Fineness,
     PREVIEW,
     REFERENCE,
     SPEEDS,
@@ -28,9 +26,7 @@ Air = tuple[float, float]  # density [kg/m3], kinematic viscosity [m2/s]
 WINDS: Final = tuple(TURNS)
 MIDDLE: Final = 1.0  # m/s
 LENGTHS: Final = 16.0  # of flow in a transient, the first of which are not averaged
-REFERENCE_SPEEDS: Final[Sequence[tuple[float, Fineness]]] = (
-    (0.2, REFERENCE), (1.0, REFERENCE), (2.0, FINE),
-)  # fmt: skip
+REFERENCE_SPEEDS: Final = (0.2, 1.0, 2.0)  # m/s
 
 
 @final
@@ -123,8 +119,8 @@ def _winds(model: Model, fidelity: str, viscosity: float) -> Iterator[Flow]:
             case = steady_wind(model, axis, viscosity, PREVIEW)
             yield Flow('wind', axis, case, SPEEDS)
             continue
-        for speed, fine in REFERENCE_SPEEDS:
-            case = transient_wind(model, axis, viscosity, fine, speed, LENGTHS)
+        for speed in REFERENCE_SPEEDS:
+            case = transient_wind(model, axis, viscosity, REFERENCE, speed, LENGTHS)
             yield Flow('transient', axis, case, (speed,))
 
 

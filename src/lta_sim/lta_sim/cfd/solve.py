@@ -1,6 +1,7 @@
 """A whole sweep: its flows solved side by side, what fails named and left out, the rest kept."""
 
 from collections.abc import Callable, Sequence
+from contextlib import closing
 import os
 from typing import Final
 
@@ -61,19 +62,20 @@ def solve(
     blows: dict[str, Blow] = {}
     refused: dict[str, str] = {}
     coarse: dict[str, Point] = {}
-    for flow, found in crew.solved(model, flows, air[0]):
-        if isinstance(found, Blow):
-            blows[flow.about] = found
-            continue
-        points, reasons = points_or_why(flow, found)
-        if flow.kind == 'coarse':
-            for point in points:  # one, or none
-                coarse[flow.about] = point
-        elif points:
-            axes.setdefault(flow.about, []).extend(points)
-        refused |= reasons
-        for name, reason in reasons.items():
-            said(f'{name}: {reason}')
+    with closing(crew.solved(model, flows, air[0])) as coming:
+        for flow, found in coming:
+            if isinstance(found, Blow):
+                blows[flow.about] = found
+                continue
+            points, reasons = points_or_why(flow, found)
+            if flow.kind == 'coarse':
+                for point in points:  # one, or none
+                    coarse[flow.about] = point
+            elif points:
+                axes.setdefault(flow.about, []).extend(points)
+            refused |= reasons
+            for name, reason in reasons.items():
+                said(f'{name}: {reason}')
     for each in axes.values():
         each.sort(key=lambda point: point.speed)
     return axes, blows, refused, coarse

@@ -1,6 +1,7 @@
 """The sphere in the tunnel, beside what was measured of real ones."""
 
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 import math
 from typing import Final, final
@@ -13,7 +14,6 @@ from lta_sim.cfd.sphere import morrison, off
 from lta_sim.cfd.sweep_table import Blow, Point
 from lta_sim.cfd.tunnel import (
     COARSE,
-    FINE,
     Fineness,
     PREVIEW,
     REFERENCE,
@@ -26,7 +26,7 @@ from lta_sim.cfd.tunnel import (
 LENGTHS: Final = 25.0  # diameters of flow; 20.5 of them are averaged
 SETTINGS: Final = {'wind': 'steady, {} cells', 'transient': 'transient, {} cells'}
 CASES: Final[dict[str, tuple[tuple[float, Fineness], ...]]] = {
-    'reference': ((1.0, ROUGH), (1.0, REFERENCE), (2.0, FINE)),
+    'reference': ((1.0, ROUGH), (1.0, REFERENCE), (2.0, REFERENCE)),
 }
 
 
@@ -71,14 +71,15 @@ def judge(
 ) -> list[Judged]:
     """Return all points of some flows beside what was measured, and say what came to nothing."""
     found = []
-    for flow, came in crew.solved(model, wanted, air[0]):
-        assert not isinstance(came, Blow)
-        points, reasons = points_or_why(flow, came)
-        for name, reason in reasons.items():
-            said(f'{name}: {reason}')
-        for point in points:
-            setting = SETTINGS[flow.kind].format(point.evidence.cells)
-            found.append(judged(setting, point, air))
+    with closing(crew.solved(model, wanted, air[0])) as coming:
+        for flow, came in coming:
+            assert not isinstance(came, Blow)
+            points, reasons = points_or_why(flow, came)
+            for name, reason in reasons.items():
+                said(f'{name}: {reason}')
+            for point in points:
+                setting = SETTINGS[flow.kind].format(point.evidence.cells)
+                found.append(judged(setting, point, air))
     return found
 
 
