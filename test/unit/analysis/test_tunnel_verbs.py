@@ -5,8 +5,14 @@ import math
 import shutil
 import sys
 
+from lta_analysis.cfd.pictures import sphere_picture
+from lta_analysis.cfd.progress import TunnelProgress
+from lta_sim.cfd.model import model_of
+from lta_sim.cfd.plan import flows
 from lta_sim.cfd.sweep_table import read_sweep
+from lta_sim.cfd.validation import Judged
 import pytest
+from rich.console import Console
 
 
 @pytest.fixture
@@ -118,3 +124,25 @@ def test_a_worker_without_openfoam_is_one_sentence(cluster, run, monkeypatch, tm
     assert status == 2
     assert 'is not installed where the worker' in told.err
     assert not (tmp_path / 'done').exists()
+
+
+def test_every_setting_of_the_sphere_is_drawn():
+    names = [f'transient, {cells} cells' for cells in range(5)]
+    drawn = sphere_picture([
+        Judged(name, 1, 1.0, 6.7e4, 0.48, 0.02, 0.41, 0.0, 1.0) for name in names
+    ])  # fmt: skip
+    assert [trace.name for trace in drawn.data][2:] == names
+
+
+def test_the_bar_tells_who_runs_how_settled_and_how_far():
+    model = model_of('gtmab')
+    (flow,) = (each for each in flows(model, 'preview', (1.2, 1.5e-5), ('yaw',)))
+    bar = TunnelProgress(Console(), [flow])
+    first, *_ = flow.case.steps
+    bar.tell(flow.case, first, 0.5, 3e-4)
+    (task,) = bar._bar.tasks
+    assert task.description == 'yaw 28 % 3e-04'
+    # Half of the first 300 of 540 rounds; the mesh before is 80 more, of as many cells.
+    assert task.percentage == pytest.approx(100 * 150 / (540 + 140), abs=5.0)
+    bar.tell(flow.case, flow.case.steps[-1], 1.0, math.nan)
+    assert task.description == ''

@@ -113,6 +113,13 @@ def hull_share(sweep: Sweep, axis: Axis) -> float | None:
     return parts[HULL] / sum(parts.values()) if parts else None
 
 
+def processor_time(sweep: Sweep) -> float:
+    """Return the processor time of all flows, without meshes. [s]."""
+    points = [point for axis in sweep.axes.values() for point in axis]
+    solved = [*points, *sweep.coarse.values(), *sweep.blows.values()]
+    return sum(each.evidence.seconds for each in solved)
+
+
 def by_hand_at(sweep: Sweep, axis: Axis, speed: float) -> float:
     """Return what is known by hand of an axis, at a speed. [N or N m]."""
     points = sweep.by_hand[axis]

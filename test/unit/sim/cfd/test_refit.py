@@ -4,7 +4,7 @@ from lta_config.aero_file import AeroFile
 from lta_config.files import checked
 from lta_sim.cfd.aero_text import aero_text
 from lta_sim.cfd.model import model_of
-from lta_sim.cfd.refit import beside_of, hull_share, mesh_share, warnings_of
+from lta_sim.cfd.refit import beside_of, hull_share, mesh_share, processor_time, warnings_of
 from lta_sim.cfd.solve import sweep_of
 from lta_sim.cfd.sweep_table import Evidence, Point
 import pytest
@@ -48,6 +48,10 @@ def test_a_coarser_mesh_tells_what_the_mesh_decides():
     read = checked(AeroFile, yaml.safe_load(aero_text(sweep)), 'the text')
     assert read.evidence.axes['surge'].mesh == pytest.approx(0.1)
     assert read.evidence.axes['yaw'].mesh is None
+
+
+def test_what_all_flows_took_is_told():
+    assert processor_time(surge(coarse=point(1.0, (-0.11, 0.0, 0.0)))) == pytest.approx(4 * 50.0)
 
 
 def test_what_hangs_below_the_hull_has_its_share():
