@@ -142,7 +142,7 @@ def test_the_bar_tells_who_runs_how_settled_and_how_far():
     bar.tell(flow.case, first, 0.5, 3e-4)
     (task,) = bar._bar.tasks
     assert task.description == 'yaw 28 % 3e-04'
-    # Half of the first 300 of 540 rounds; the mesh before is 80 more, of as many cells.
-    assert task.percentage == pytest.approx(100 * 150 / (540 + 140), abs=5.0)
+    # Half of the first 200 of 360 rounds; the mesh before is 120 more, of as many cells.
+    assert task.percentage == pytest.approx(100 * 100 / (360 + 120))
     bar.tell(flow.case, flow.case.steps[-1], 1.0, math.nan)
     assert task.description == ''

@@ -46,7 +46,7 @@ def transient_schemes() -> str:
         'gradSchemes': {'default': 'Gauss linear'},
         'divSchemes': {
             'default': 'none',
-            'div(phi,U)': 'Gauss linearUpwind grad(U)',
+            'div(phi,U)': 'Gauss LUST grad(U)',
             'div((nuEff*dev2(T(grad(U)))))': 'Gauss linear',
         },
         **_COMMON,

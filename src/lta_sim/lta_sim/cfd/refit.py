@@ -75,6 +75,11 @@ def warnings_of(sweep: Sweep) -> list[str]:
         told.append(
             'steady model: on a sphere its drag is right at 0.2 m/s and up to 30 % low at 2 m/s'
         )
+    if sweep.fidelity == 'reference':
+        told.append(
+            'drag above 1 m/s is extrapolated: on a sphere the transient model is right at 1 m/s '
+            'and low at 2 m/s'
+        )
     for pattern in sweep.blows:
         share = linear(sweep, pattern)
         if share is not None and abs(share - 1.0) > 0.05:

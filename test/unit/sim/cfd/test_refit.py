@@ -50,6 +50,13 @@ def test_a_coarser_mesh_tells_what_the_mesh_decides():
     assert read.evidence.axes['yaw'].mesh is None
 
 
+def test_what_a_fidelity_cannot_do_is_a_warning():
+    sweep = surge()
+    assert 'up to 30 % low at 2 m/s' in warnings_of(sweep)[-1]
+    slow = sweep.model_copy(update={'fidelity': 'reference'})
+    assert 'above 1 m/s is extrapolated' in warnings_of(slow)[-1]
+
+
 def test_what_all_flows_took_is_told():
     assert processor_time(surge(coarse=point(1.0, (-0.11, 0.0, 0.0)))) == pytest.approx(4 * 50.0)
 
