@@ -1,8 +1,8 @@
 #!/bin/sh
 # Run the tests that a marker expression chooses: tools/suite.sh EXPRESSION [pytest's arguments]
 #
-# What needs nothing but a core goes side by side, a file at a time on each core. What starts
-# processes and watches the clock follows one by one. Either part may have no test (status 5).
+# What needs nothing but a core, or waits for events alone, goes side by side, a file at a time on
+# each core. What starts processes and watches the clock follows one by one. Either part may have no test (status 5).
 set -u
 chosen=$1
 shift
@@ -17,6 +17,6 @@ run() {
     # Interrupted: the rest is not wanted either.
     [ "$now" = 2 ] && exit "$status"
 }
-run -n auto --maxprocesses 4 --dist loadfile -m "not integration and ($chosen)" "$@"
-run -m "integration and ($chosen)" "$@"
+run -n auto --maxprocesses 4 --dist loadfile -m "(not integration or beside) and ($chosen)" "$@"
+run -m "integration and not beside and ($chosen)" "$@"
 exit "$status"

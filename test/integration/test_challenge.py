@@ -10,6 +10,8 @@ from lta_analysis.challenge.tally import CLEAR
 from lta_analysis.platforms.run import processors
 import pytest
 
+pytestmark = pytest.mark.beside
+
 FEW, MANY = 5, 20  # ten seconds of work each
 WRONG = {FEW: 1, MANY: 2}  # at the 2 % that are wanted, more is seen once in 100 or less
 KINDS = {

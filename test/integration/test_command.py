@@ -8,6 +8,8 @@ from lta_config.files import known
 import pytest
 import yaml
 
+pytestmark = pytest.mark.beside
+
 ROOT = Path(__file__).resolve().parents[2]
 GTMAB = (ROOT / 'config/vehicles/gtmab.yaml').read_text()
 

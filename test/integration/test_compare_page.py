@@ -10,6 +10,8 @@ import pytest
 
 from ..unit.analysis.compare_flight import write_motion  # noqa: TID252 - `test` is Python's own
 
+pytestmark = pytest.mark.beside
+
 Z = 'odom/pose.pose.position.z'
 PANELS = ['path', 'x', 'y', 'altitude', 'heading', 'channel', 'spectrum']
 

@@ -8,6 +8,8 @@ import time
 from lta_analysis.doctor import dds
 import pytest
 
+pytestmark = pytest.mark.beside
+
 
 @pytest.fixture(autouse=True)
 def _source_path(monkeypatch):

@@ -23,6 +23,8 @@ from std_srvs.srv import SetBool, Trigger
 
 from .peer import PATIENCE, Peer, ROOT, TABLE
 
+pytestmark = pytest.mark.beside
+
 LAMP = ROOT / 'test/replay/lamp.mcap'
 NODES = 'estimator,controller,demodulator,navigator,energy_monitor'
 LATER = 1_700_000_000 * 10**9  # ns: as a clock on the wall would stamp

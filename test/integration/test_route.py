@@ -8,6 +8,8 @@ from lta_config.files import find, load_yaml
 import pytest
 import yaml
 
+pytestmark = pytest.mark.beside
+
 
 @pytest.fixture
 def short(tmp_path):

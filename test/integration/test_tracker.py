@@ -1,7 +1,7 @@
 """The tracker node in a graph: poses of a clock an hour ahead come out as the truth of now."""
 
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import PoseStamped, TransformStamped
 from lta_graph.ros.node import from_stamp, to_stamp
 import pytest
 from rclpy.qos import qos_profile_sensor_data
@@ -12,27 +12,61 @@ AHEAD = 3600 * 10**9
 SPEED = 0.5
 
 
-def test_a_tracker_tells_the_truth_by_our_clock(domain_id):
-    process = start('lta_bridge.nodes.tracker', '-p', 'body:=[0.0, 0.0, 0.3, 0.0]')
+# /tf without tf2_msgs, which no wheel has: a message that carries its one transform itself.
+ONE_TRANSFORM = """
+import sys
+import types
+from geometry_msgs.msg import TransformStamped
+TransformStamped.transforms = property(lambda self: [self])
+sys.modules['tf2_msgs'] = types.ModuleType('tf2_msgs')
+sys.modules['tf2_msgs.msg'] = types.ModuleType('tf2_msgs.msg')
+sys.modules['tf2_msgs.msg'].TFMessage = TransformStamped
+"""
+
+
+def posed(stamp, x):
+    message = PoseStamped()
+    message.header.stamp = stamp
+    message.pose.position.x, message.pose.orientation.w = x, 1.0
+    return (message,)
+
+
+def framed(stamp, x):
+    """Return a frame that is followed, behind one that is not."""
+    other, message = TransformStamped(child_frame_id='camera'), TransformStamped()
+    other.header.stamp = message.header.stamp = stamp
+    message.child_frame_id = 'drone'
+    message.transform.translation.x, message.transform.rotation.w = x, 1.0
+    return other, message
+
+
+@pytest.mark.parametrize(
+    ('words', 'before', 'offered', 'told'),
+    [
+        ((), '', ('tracker/pose', PoseStamped, qos_profile_sensor_data), posed),
+        (('-p', 'frame:=drone'), ONE_TRANSFORM, ('/tf', TransformStamped, 100), framed),
+    ],
+    ids=['pose', 'frame'],
+)
+def test_a_tracker_tells_the_truth_by_our_clock(domain_id, words, before, offered, told):
+    body = ('-p', 'body:=[0.0, 0.0, 0.3, 0.0]')
+    process = start('lta_bridge.nodes.tracker', *body, *words, before=before)
     with Peer(domain_id) as peer:
         heard, facts, begun = [], {}, []
 
-        def told(array: DiagnosticArray):
+        def noted(array: DiagnosticArray):
             facts.update({status.name: status for status in array.status})
 
         peer.hear('ground_truth/odom', heard.append)
-        peer.hear('/diagnostics', told)
-        poses = peer.offering('tracker/pose', PoseStamped, qos_profile_sensor_data)
+        peer.hear('/diagnostics', noted)
+        poses = peer.offering(*offered)
         clock = peer.node.get_clock()
 
         def say():
             now = clock.now().nanoseconds
             begun.append(now)
-            message = PoseStamped()
-            message.header.stamp = to_stamp(now + AHEAD)
-            message.pose.position.x = 1e-9 * SPEED * (now - begun[0])
-            message.pose.orientation.w = 1.0
-            poses.publish(message)
+            for message in told(to_stamp(now + AHEAD), 1e-9 * SPEED * (now - begun[0])):
+                poses.publish(message)
 
         peer.node.create_timer(0.01, say)
         peer.until(lambda: len(heard) > 60)

@@ -19,6 +19,8 @@ import rclpy
 from rclpy.context import Context
 from rclpy.node import Node
 
+pytestmark = pytest.mark.beside
+
 ROOT = Path(__file__).resolve().parents[2]
 START = 30.0  # s; a cold start on a busy machine, with the kernel to compile
 SETTLE = 0.5  # s in which timers fire that a node has before any message comes

@@ -209,6 +209,7 @@ def test_refusals_name_the_remedy():
         ({'linked': False}, 'no link'),
         ({'active': False}, 'activate'),
         ({'voltage': 3.0}, 'charge'),
+        ({'voltage': math.nan}, 'has not told'),
         ({'word': int(Bit.LOCKED)}, 'off and on'),
         ({'silence': 1.0}, 'said nothing'),
     ):

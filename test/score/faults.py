@@ -1,5 +1,5 @@
 """
-Faults in flight: `make faults` (some hours), or `make faults ARGS='--each 2 --side 4'`.
+Faults in flight: `make faults ARGS='--side 4'`, about an hour on two idle cores.
 
 Each kind of `fault_kinds.py` and `light_kinds.py` so many times, at a random moment, side by side,
 each flight in a process of its own (`fault_trial.py`, `light_trial.py`). A row is kept as it

@@ -1,6 +1,6 @@
 """The light board through the bridge's core: light in, the same light out in our time."""
 
-from lta_bridge.teensy.dialect import TIMESYNC
+from lta_bridge.teensy.dialect import LTA_LIGHT_BLOCK, TIMESYNC
 from lta_bridge.teensy.emulator import EmulatedBoard, Faults
 from lta_bridge.teensy.framing import Framing
 from lta_bridge.teensy.light_board import LightBoard
@@ -72,6 +72,19 @@ def test_a_board_that_was_reset_is_followed():
     assert (link.clock.restarts, link.blocks.restarts) == (1, 1)
     assert len(after) >= 10 * SECONDS - 1
     assert after[0].stamp_ns == pytest.approx(BOOT + 60_000_000_000, abs=8_000_000)
+
+
+@pytest.mark.parametrize('time_usec', [3600 * 10**6, 2**63, 2**64 - 1])
+def test_a_time_that_cannot_be_is_no_block(time_usec):
+    """Of another board, or a stranger: ROS has no time for some of these."""
+    link, _ = flown(EmulatedBoard(BOOT))
+    undated, now = link.undated, link.heard_ns
+    for k in range(67):
+        values = {'samples': np.zeros(120, np.uint16), 'diodes': 8, 'rows': 15}
+        sequence = 10_000 * SECONDS + 15 * k
+        frame = LTA_LIGHT_BLOCK.frame(k, 1, 191, sequence=sequence, time_usec=time_usec, **values)
+        assert list(link.take(frame, now)) == []
+    assert link.undated == undated + 1
 
 
 def test_without_the_board_s_time_there_is_no_block():

@@ -1,5 +1,6 @@
 """Peaks that the board finds, beside what a demodulator makes of the same samples."""
 
+from lta_bridge.teensy.dialect import LTA_LIGHT_PEAKS
 from lta_bridge.teensy.emulator import EmulatedBoard
 from lta_bridge.teensy.light_board import LightBoard, LightPeaks
 from lta_config.topics import topic_table
@@ -78,3 +79,16 @@ def test_peaks_that_nobody_asked_for_and_other_windows_are_one_sentence():
     link = LightBoard(LIGHT, 8, finds_peaks=True)
     assert through(lamp(0.0)[:500], link) == []
     assert 'over 500 rows; the vehicle has 8 and a block 1000' in link.wrong
+
+
+def test_samples_where_peaks_were_asked_for_and_peaks_of_no_number_are_one_sentence():
+    link = LightBoard(LIGHT, 8, finds_peaks=True)
+    board = EmulatedBoard(BOOT)
+    assert list(link.take(board.light(lamp(0.0)) + board.status(), BOOT + 1)) == []
+    assert 'sends samples and no peaks; start without light_peaks:=true' in link.wrong
+    assert list(through(lamp(0.0), link)) != []
+    assert link.wrong == ''
+    record = {'diodes': 8, 'window': 1000, 'frequency': np.nan}
+    frame = LTA_LIGHT_PEAKS.frame(0, 1, 191, **record)
+    assert list(link.take(frame, BOOT + 1)) == []
+    assert 'no numbers' in link.wrong

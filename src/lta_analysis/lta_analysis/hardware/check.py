@@ -1,6 +1,7 @@
 """What `lta hardware check` looks at, in order: what hangs here, who may open it, how it is."""
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 import time
 from typing import final
@@ -11,6 +12,7 @@ from lta_analysis.hardware.board import BoardHeard
 from lta_analysis.hardware.drone import DroneHeard
 from lta_analysis.typed import typed
 from lta_bridge.crazyflie.cflib_link import CFLIB, CflibLink, scanned
+from lta_bridge.crazyflie.claim import Claim
 from lta_bridge.crazyflie.link import LinkFailed
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.devices import BOARD, devices, DRONE, Found, Port, ports, RADIO
@@ -133,7 +135,7 @@ def checked(asked: Asked, tell: Callable[[str, float], None]) -> Outcome:
     Raises
     ------
     BadInput
-        If nothing is there, or what was named cannot be opened.
+        If nothing is there, what was named cannot be opened, or another program commands it.
 
     """
     tell('looking around', 0.0)
@@ -156,18 +158,16 @@ def _drone(
     file = load_crazyflie(asked.vehicle)
     link = CflibLink(uri, BLOCKS, time.time_ns)
     tell(f'connecting to {uri}', 0.0)
-    try:
-        link.open(drone.DEADLINE)
-    except LinkFailed as error:
-        remedy = 'Switch it on, bring it near, and see that no other program has the link.'
-        return None, [Check('link', 'fail', f'{uri}: {error}', remedy)]
-    try:
+    with closing(Claim(uri)), closing(link):  # two would take each other's answers
+        try:
+            link.open(drone.DEADLINE)
+        except LinkFailed as error:
+            remedy = 'Switch it on, bring it near, and see that no other program has the link.'
+            return None, [Check('link', 'fail', f'{uri}: {error}', remedy)]
         heard = drone.listen(
             link, uri, file, asked.seconds,
             lambda been: tell('listening to the Crazyflie', been / asked.seconds),
         )  # fmt: skip
-    finally:
-        link.close()
     return heard, list(drone.judged(heard, file))
 
 

@@ -13,10 +13,13 @@ from lta_bridge.crazyflie import duties_packet, readings, safety
 from lta_bridge.crazyflie.clock import DeviceClock
 from lta_bridge.crazyflie.link import Link, LogPacket, order_of
 from lta_bridge.crazyflie.round_trips import RoundTrips
+from lta_bridge.crazyflie.safety import Stage
+from lta_bridge.crazyflie.supervisor import Bit
 from lta_config.crazyflie_file import CrazyflieFile
 
 RATE: Final = 50.0  # Hz of ticks; the firmware wants setpoints at 10 Hz or more
 GUARD: Final = 7  # ticks between two words to the emergency-stop watchdog: 7 a second
+AHEAD: Final = 0.3  # s that a stamp may lie ahead of us; farther, its clock or ours was set
 HOLD_MS: Final = 200  # for which duties hold aboard without newer ones
 LETTING_GO: Final = 10  # times that the override is taken off: nobody confirms it
 TURN_GAIN: Final = 1.5  # 1/s from heading error to yaw rate: about 0.7 s to turn in
@@ -50,6 +53,12 @@ class Stamped(NamedTuple):
 
     stamp_ns: int
     reading: readings.Motion | readings.Air | readings.Motors | readings.Power | None
+
+
+def _age(stamp_ns: int | None, now_ns: int) -> float:
+    """Return the age of what is stamped so; infinite for nothing, and for the far future. [s]"""
+    age = math.inf if stamp_ns is None else 1e-9 * (now_ns - stamp_ns)
+    return age if age >= -AHEAD else math.inf
 
 
 @final
@@ -121,6 +130,17 @@ class Bridge:
         """Whether our own allocation's duties go to the motors."""
         return self.command in ('motors', 'override')
 
+    @property
+    def busy(self) -> bool:
+        """Whether motors may turn, or stops are still to be sent."""
+        return self.state.stage not in (Stage.DISARMED, Stage.STOPPED) or self.state.stops > 0
+
+    @property
+    def armed(self) -> bool:
+        """Whether the drone's newest word says that it is armed, and not because it always is."""
+        word = 0 if self.motors is None else self.motors.word
+        return bool(word & Bit.ARMED) and not word & Bit.AUTO_ARM
+
     def forget(self) -> None:
         """Begin anew with a new connection: nothing of the old one counts."""
         with self._lock:
@@ -172,13 +192,14 @@ class Bridge:
     def seen(self, now_ns: int, linked: bool, active: bool) -> safety.Seen:
         """Return what is known. [ns]"""
         asked, motors, power = self._asked, self.motors, self.power
+        since = None if asked is None else asked.stamp_ns
         low = power is not None and power.state == POWER_OFF
         return safety.Seen(
             linked=linked,
             active=active,
             word=0 if motors is None else motors.word,
-            silence=math.inf if self._word_ns is None else 1e-9 * (now_ns - self._word_ns),
-            command_age=math.inf if asked is None else 1e-9 * (now_ns - asked.stamp_ns),
+            silence=_age(self._word_ns, now_ns),
+            command_age=_age(since, now_ns),
             voltage=math.nan if power is None else 0.0 if low else power.voltage,
             height=self._where.height,
             distance=self._where.distance,
@@ -217,7 +238,7 @@ class Bridge:
             self._link.stop()
         self._guarded |= self._watchdog and bool(order.arm)
         self._ticks += 1
-        stopped = self.state.stage is safety.Stage.STOPPED
+        stopped = self.state.stage is Stage.STOPPED
         if self._guarded and not stopped and self._ticks % GUARD == 0:
             self._link.watchdog()
         if order.arm is not None:
@@ -237,7 +258,8 @@ class Bridge:
         """Return the duties of M1 to M4 that are in force; empty where none are."""
         if not order.drive or self._asked is None:
             return ()
-        return tuple(order.drive * self._asked.duties[place] for place in self._order)
+        duties = (self._asked.duties[place] for place in self._order)
+        return tuple(order.drive * min(1.0, max(-1.0, duty)) for duty in duties)
 
     def _override(self, order: safety.Order) -> None:
         """Turn the motors while commands are flown, and let go of them in every other state."""

@@ -2,8 +2,9 @@
 The link by Bitcraze's cflib (GPL, an optional extra): the one place that imports it.
 
 cflib waits for ever where a datagram is lost while it connects, says nothing when a peer falls
-silent, and blocks while it closes. So every wait here has a deadline, each attempt has an object
-of its own, and liveness is judged elsewhere, by what arrives (docs/hardware.md).
+silent, blocks while it closes, and parts with a thrust of zero. So every wait here has a deadline,
+each attempt has an object of its own, which says nothing as it goes, and liveness is judged
+elsewhere, by what arrives (docs/hardware.md).
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -36,6 +37,7 @@ U8, U16 = 0x08, 0x09  # the firmware's numbers for types of parameters
 FULL_RATIO: Final = 65535
 ECHO: Final = (15, 0)  # port and channel whose packets come back
 MARK, STAMPED = 0, struct.Struct('<Bd')  # mark of a ping, and how it tells when it was sent [s]
+CLOSING: Final = 3.0  # s; cflib takes two at most, or for ever where its driver has failed
 PARTING: Final = 3  # times that motors are let go of before a link is closed
 DRIVERS = threading.Lock()
 
@@ -103,7 +105,8 @@ class CflibLink:
             )
         _drivers()
         self._uri, self._blocks, self._clock = uri, blocks, clock
-        self._drone: Any = None
+        self._drone: Any = None  # that is spoken to
+        self._opened: Any = None  # that is to be closed
         self._overrides = False  # whether motors were turned past the firmware's supervisor
         self.events: SimpleQueue[Event] = SimpleQueue()
         self.protocol = -1
@@ -111,7 +114,7 @@ class CflibLink:
     def open(self, deadline: float) -> None:
         """Connect, and ask for all log blocks."""
         until = time.monotonic() + deadline
-        drone = self._drone = cflib.crazyflie.Crazyflie()
+        drone = self._opened = self._drone = cflib.crazyflie.Crazyflie()
         outcome: SimpleQueue[str] = SimpleQueue()
         drone.fully_connected.add_callback(lambda _: outcome.put(''))
         for caller in (drone.connection_failed, drone.connection_lost):
@@ -185,14 +188,17 @@ class CflibLink:
         self.events.put(LogPacket(name, stamp_ms, values, self._clock()))
 
     def close(self) -> None:
-        """Disconnect; cflib takes up to two seconds, and first sends a thrust of zero."""
-        drone = self._drone
+        """Disconnect, which takes up to two seconds; what still flies or lands goes on with it."""
         if self._overrides:
             for _ in range(PARTING):
                 self.override(())
-        self._drone, self._overrides = None, False
+        drone, self._drone, self._opened, self._overrides = self._opened, None, None, False
         if drone is not None:
-            drone.close_link()
+            # cflib's last word is a thrust of zero: it would drop a drone that lands by itself.
+            drone.commander.send_setpoint = lambda *_: None
+            leaving = threading.Thread(target=drone.close_link, name='cflib_close', daemon=True)
+            leaving.start()
+            leaving.join(CLOSING)
 
     def parameter(self, name: str) -> float | None:
         """Return the value that was read when the link came up, or since."""
@@ -252,7 +258,7 @@ class CflibLink:
         Enabled last and disabled first, so that no motor turns by what an earlier one left.
         """
         self._overrides |= bool(duties)
-        ratios = [round(FULL_RATIO * duty) for duty in duties] or [0] * 4
+        ratios = [round(FULL_RATIO * min(1.0, max(0.0, duty))) for duty in duties] or [0] * 4
         motors = [(f'motorPowerSet.m{n}', U16, ratio) for n, ratio in enumerate(ratios, start=1)]
         enable = ('motorPowerSet.enable', U8, int(bool(duties)))
         for words in (*motors, enable) if duties else (enable, *motors):
@@ -265,7 +271,12 @@ class CflibLink:
             self._sends('high_level_commander', 'land', 0.0, LANDING)
 
     def _sends(self, part: str, method: str, *words: object) -> None:
-        """Send where there is a link; it may go at any moment."""
+        """Send where there is a link; it may go at any moment, in the middle of this too."""
         drone = self._drone
-        if drone is not None:
+        if drone is None:
+            return
+        try:
             getattr(getattr(drone, part), method)(*words)
+        except Exception as error:  # whatever a driver raises, and cflib's lock stays taken then
+            self._drone = None
+            self._lost('', f'{type(error).__name__}: {error}')

@@ -1,19 +1,39 @@
 """One bridge to a drone: who has it holds a lock that ends with its process."""
 
+from contextlib import suppress
 import fcntl
 import hashlib
 import os
 from pathlib import Path
+import socket
 import tempfile
-from typing import final, IO
+from typing import Final, final, IO
 
 from lta_config.errors import BadInput
+
+AS_SOLD: Final = ('2M', 'E7E7E7E7E7')  # rate and address, where a URI leaves them out
+
+
+def drone_of(uri: str) -> str:
+    """Return one name for a drone, however its URI is written and whichever radio reaches it."""
+    scheme, _, rest = uri.partition('://')
+    rest = rest.partition('?')[0]
+    if scheme == 'radio':
+        channel, *others = rest.split('/')[1:]
+        rate, address = (*others, *AS_SOLD[len(others) :])
+        return f'radio://{int(channel)}/{rate}/{address.upper():0>10}'
+    if scheme in ('udp', 'tcp'):
+        host, _, port = rest.rpartition(':')
+        with suppress(OSError):  # whoever connects says that there is no such host
+            host = socket.gethostbyname(host)
+        return f'{scheme}://{host}:{int(port)}'
+    return uri
 
 
 @final
 class Claim:
     """
-    The right to command one drone from this machine.
+    The right to command one drone from this machine, whoever else has logged in.
 
     Parameters
     ----------
@@ -23,14 +43,24 @@ class Claim:
     Raises
     ------
     BadInput
-        If another process has it.
+        If another process has it, or it cannot be known.
 
     """
 
     def __init__(self, uri: str) -> None:
-        name = hashlib.sha256(uri.encode()).hexdigest()[:16]
+        name = hashlib.sha256(drone_of(uri).encode()).hexdigest()[:16]
         path = Path(tempfile.gettempdir()) / f'lta-crazyflie-{name}.lock'
-        self._file: IO[str] | None = path.open('a+')
+        try:
+            # Through no link that somebody may have laid here: the file is written to.
+            descriptor = os.open(
+                path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o666
+            )
+        except OSError as error:
+            raise BadInput(
+                f'{path}, which says who commands {uri}, cannot be opened ({error.strerror}); '
+                'have whoever made it end their bridge, and delete that file.'
+            ) from None
+        self._file: IO[str] | None = os.fdopen(descriptor, 'r+')
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:

@@ -6,10 +6,12 @@ once and followed by a pause that doubles.
 """
 
 from collections.abc import Mapping
+from contextlib import suppress
 import threading
 from typing import Final, final
 
 from lta_bridge.crazyflie.link import Link, LinkFailed
+from lta_bridge.crazyflie.remedies import remedied
 from lta_config.crazyflie_file import Expected
 
 DEADLINE: Final = 8.0  # s for one attempt; a TOC of 700 entries over the radio takes about five
@@ -86,18 +88,27 @@ class Keeper:
         while not self._leave.is_set():
             self._again.clear()
             self.attempts += 1
-            try:
-                self._link.open(DEADLINE)
-                agree(self._link, self._expected)
-            except LinkFailed as error:
-                self.why = str(error)
-                self._link.close()
-                self._leave.wait(pause)
-                pause = min(2.0 * pause, LONGEST)
-                continue
-            pause = FIRST
-            if not self._again.is_set():
-                self.up, self.why = True, ''
-            self._again.wait()
+            failed = self._held()
             self.up = False
-            self._link.close()
+            with suppress(Exception):  # whatever a dongle says that was pulled out
+                self._link.close()
+            if not failed:
+                pause = FIRST
+                continue
+            self.why = failed
+            self._leave.wait(pause)
+            pause = min(2.0 * pause, LONGEST)
+
+    def _held(self) -> str:
+        """Connect, and hold it until told otherwise; return why it did not come up, if so."""
+        try:
+            self._link.open(DEADLINE)
+            agree(self._link, self._expected)
+        except LinkFailed as error:
+            return str(error)
+        except Exception as error:  # a driver's own: without this thread there is no other try
+            return remedied(f'{type(error).__name__}: {error}')
+        if not (self._again.is_set() or self._leave.is_set()):
+            self.up, self.why = True, ''
+            self._again.wait()
+        return ''

@@ -134,6 +134,8 @@ def refusal(state: State, seen: Seen, limits: Limits) -> str:
         return 'the bridge is not active: activate it first'
     if seen.silence > SILENT:
         return f'the Crazyflie has said nothing for {seen.silence:.1f} s'
+    if math.isnan(seen.voltage):
+        return 'the Crazyflie has not told the voltage of its cell yet: ask again'
     if seen.voltage < limits.voltage:
         return f'the cell has {seen.voltage:.2f} V, less than {limits.voltage:.2f} V: charge it'
     return trouble(seen.word)

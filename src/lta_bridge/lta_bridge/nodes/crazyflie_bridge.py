@@ -39,6 +39,7 @@ from std_srvs.srv import SetBool, Trigger
 
 HEARING = 5.0  # s at most until all nodes hear each other: what a user runs beside may never fit
 LEAVE = 15.0  # s at most to land before the link is let go
+CONFIRMING = 1.0  # s of them for the drone to say that it is disarmed
 ALOFT = (Stage.READY, Stage.FLYING, Stage.LANDING)
 DEAD = 2.0  # s of silence after which the link is made anew: blocks may be gone (firmware #428)
 
@@ -121,16 +122,20 @@ class CrazyflieBridge(DeviceNode):
     def _settle(self) -> None:
         """Tick until nothing turns: landing is the state machine's own way down."""
         until = time.monotonic() + LEAVE
-        busy = (Stage.READY, Stage.ARMING, Stage.FLYING, Stage.LANDING)
-        flew = self._bridge.state.stage in busy
-        while self._bridge.state.stage in busy and time.monotonic() < until:
+        flew = self._bridge.busy
+        while self._bridge.busy and time.monotonic() < until:
+            self._tick()
+            time.sleep(1.0 / RATE)
+        # A request to disarm may be lost: until the supervisor's own word says that it came.
+        until = min(until, time.monotonic() + CONFIRMING)
+        while flew and self._up and self._bridge.armed and time.monotonic() < until:
             self._tick()
             time.sleep(1.0 / RATE)
         if flew:  # the last word: who records must hear why before this node is gone
             self.publish_health()
 
     def let_go(self) -> None:
-        """Disarm, and close the link; closing sends a thrust of zero, so it comes last."""
+        """Land, disarm, and close the link, in this order."""
         self.active = False
         self._settle()
         if self._keeper is not None:

@@ -42,6 +42,7 @@ def _figures(reader: Reader, board: LightBoard) -> dict[str, str]:
         'blocks_torn': blocks.torn,
         'rows_lost': blocks.lost,
         'rows_old': blocks.old,
+        'undated': board.undated,
         'overruns': board.overruns,
         'peaks': board.peaks,
         'unplugged': reader.unplugged,

@@ -30,9 +30,11 @@ SYSTEM, COMPONENT = 255, 191  # MAVLink: a ground station, its onboard computer
 BEAT_NS = 1_000_000_000  # between heartbeats
 ASK_NS = 250_000_000  # between questions for the time
 EAGER_NS = 20_000_000  # between them before it is known
+OLDEST_NS = AHEAD_NS = 10_000_000_000  # by which a first sample may seem old, or yet to come
 ANSWER_NS = 1_000_000_000  # after which an answer says nothing any more
 QUESTIONS = 8  # kept until they are answered
 CONTROLLER, NO_AUTOPILOT, ACTIVE, PROTOCOL = 18, 8, 4, 3  # of MAVLink's common.xml
+ROOM = LTA_LIGHT_BLOCK.layout['samples'].shape[0]  # values in a message
 
 
 class LightPeaks(NamedTuple):
@@ -68,15 +70,14 @@ class LightBoard:
     framing, clock, blocks
         What came, the board's clock, and the rows.
     undated : int
-        Blocks that came before the board's time was known, and were left.
+        Blocks that came before the board's time was known, or at a time that cannot be, and were
+        left.
     heard_ns : int
         When the last good frame came; 0 before. [ns]
     overruns : int
         Rows that the board itself had to leave.
     peaks : int
         Windows in which the board found peaks itself.
-    wrong : str
-        Why its blocks cannot be used, in one sentence; empty where they can.
 
     """
 
@@ -90,20 +91,25 @@ class LightBoard:
         self.clock = BoardClock()
         self.blocks = Blocks(light.samples, light.sample_rate.si)
         self.undated = self.heard_ns = self.overruns = self.peaks = 0
-        self.wrong = ''
+        self._unlike = self._unfit = ''  # by its status, and by the light that it sends
+
+    @property
+    def wrong(self) -> str:
+        """Why its blocks cannot be used, in one sentence; empty where they can."""
+        return self._unlike or self._unfit
 
     def take(self, data: bytes, now_ns: int) -> Iterator[LightBlock | LightPeaks]:
         """Take any part of the stream, when it came [ns], and yield what it completes."""
         for frame in self.framing.take(data):
             self.heard_ns = now_ns
             if frame.message is LTA_LIGHT_BLOCK:
-                yield from self._take_rows(frame.record)
+                yield from self._take_rows(frame.record, now_ns)
             elif frame.message is TIMESYNC:
                 self._take_time(frame.record, now_ns)
             elif frame.message is LTA_LIGHT_STATUS:
                 self._take_status(frame.record)
             elif frame.message is LTA_LIGHT_PEAKS:
-                yield from self._take_peaks(frame.record)
+                yield from self._take_peaks(frame.record, now_ns)
 
     def due(self, now_ns: int) -> bytes:
         """Return what is to be sent now: a heartbeat, a question for the time, answers."""
@@ -127,47 +133,73 @@ class LightBoard:
         self._sent += 1
         return message.frame(self._sent - 1, SYSTEM, COMPONENT, **values)
 
-    def _take_rows(self, record: np.void) -> Iterator[LightBlock]:
-        diodes, rows = int(record['diodes']), int(record['rows'])
-        if not 0 < diodes * rows <= len(record['samples']):
-            self.wrong = f'The light board sends {rows} rows of {diodes} diodes in one message.'
+    def _take_rows(self, record: np.void, now_ns: int) -> Iterator[LightBlock]:
+        self._unfit = self._why_no_rows(int(record['diodes']), int(record['rows']))
+        if self._unfit:
             return
+        diodes, rows = self._diodes, int(record['rows'])
+        samples = record['samples'][: diodes * rows].reshape(rows, diodes)
+        for block in self.blocks.take(_ns(record), int(record['sequence']), samples):
+            stamp = self._dated(block.board_ns, now_ns)
+            if stamp is not None:
+                yield LightBlock(stamp, block.samples)
+
+    def _why_no_rows(self, diodes: int, rows: int) -> str:
+        if self._finds_peaks:
+            return (
+                'The light board sends samples and no peaks; start without light_peaks:=true, or '
+                'build its firmware for peaks.'
+            )
+        if not 0 < diodes * rows <= ROOM:
+            return f'The light board sends {rows} rows of {diodes} diodes in one message.'
         if diodes != self._diodes:
-            self.wrong = (
+            return (
                 f'The light board has {diodes} diodes and the vehicle file {self._diodes}; '
                 'fly the vehicle that it is on.'
             )
-            return
-        samples = record['samples'][: diodes * rows].reshape(rows, diodes)
-        for block in self.blocks.take(_ns(record), int(record['sequence']), samples):
-            if self.wrong:
-                continue
-            if self.clock.known:
-                yield LightBlock(self.clock.ours(block.board_ns), block.samples)
-            else:
-                self.undated += 1
+        return ''
 
-    def _take_peaks(self, record: np.void) -> Iterator[LightPeaks]:
-        diodes, window = int(record['diodes']), int(record['window'])
+    def _take_peaks(self, record: np.void, now_ns: int) -> Iterator[LightPeaks]:
         self.peaks += 1
+        self._unfit = self._why_no_peaks(record)
+        if self._unfit:
+            return
+        diodes, window = self._diodes, self._light.samples
+        amplitude = record['amplitude'][:diodes].astype(np.float64)
+        # Of white noise with this root mean square, the mean magnitude of a bin.
+        noise = record['noise'][:diodes].astype(np.float64) * math.sqrt(math.pi / window)
+        frequency = np.full(diodes, float(record['frequency']))
+        stamp = self._dated(_ns(record), now_ns)
+        if stamp is not None:
+            snr = signal_to_noise(amplitude, noise)
+            yield LightPeaks(stamp, Peaks(amplitude, snr, frequency, noise))
+
+    def _why_no_peaks(self, record: np.void) -> str:
+        diodes, window = int(record['diodes']), int(record['window'])
         if not self._finds_peaks:
-            self.wrong = (
-                'The light board sends peaks and no samples; start with light_peaks:=true.'
-            )
-        elif diodes != self._diodes or window != self._light.samples:
-            self.wrong = (
+            return 'The light board sends peaks and no samples; start with light_peaks:=true.'
+        if diodes != self._diodes or window != self._light.samples:
+            return (
                 f'The light board finds peaks of {diodes} diodes over {window} rows; the vehicle '
                 f'has {self._diodes} and a block {self._light.samples}: build it for these.'
             )
-        elif not self.clock.known:
-            self.undated += 1
-        elif not self.wrong:
-            amplitude = record['amplitude'][:diodes].astype(np.float64)
-            # Of white noise with this root mean square, the mean magnitude of a bin.
-            noise = record['noise'][:diodes].astype(np.float64) * math.sqrt(math.pi / window)
-            frequency = np.full(diodes, float(record['frequency']))
-            peaks = Peaks(amplitude, signal_to_noise(amplitude, noise), frequency, noise)
-            yield LightPeaks(self.clock.ours(_ns(record)), peaks)
+        if not all(
+            np.isfinite(record[name]).all() for name in ('amplitude', 'noise', 'frequency')
+        ):
+            return 'The light board tells peaks that are no numbers; look at its firmware.'
+        return ''
+
+    def _dated(self, board_ns: int, now_ns: int) -> int | None:
+        """Return our time of what the board stamped so; None where it may not be used."""
+        if self._unlike:
+            return None
+        if self.clock.known:
+            stamp = self.clock.ours(board_ns)
+            # Of a board that has just started anew, or anything: ROS cannot tell every time.
+            if now_ns - OLDEST_NS < stamp < now_ns + AHEAD_NS:
+                return stamp
+        self.undated += 1
+        return None
 
     def _take_time(self, record: np.void, now_ns: int) -> None:
         board, asked = int(record['tc1']), int(record['ts1'])
@@ -181,18 +213,17 @@ class LightBoard:
         self.overruns = int(record['overruns'])
         dialect, rate = int(record['dialect']), float(record['sample_rate'])
         wanted = self._light.sample_rate.si
+        self._unlike = ''
         if dialect != DIALECT:
-            self.wrong = (
+            self._unlike = (
                 f'The light board speaks version {dialect} of its messages and this bridge '
                 f'version {DIALECT}; build both from one commit.'
             )
         elif not abs(rate - wanted) <= 1e-3 * wanted:
-            self.wrong = (
+            self._unlike = (
                 f'The light board samples at {rate:g} Hz and topics.yaml says {wanted:g} Hz; '
                 'give both the same.'
             )
-        elif int(record['diodes']) == self._diodes:
-            self.wrong = ''
 
 
 def _ns(record: np.void) -> int:

@@ -5,7 +5,7 @@ from pathlib import Path
 import subprocess
 import sys
 
-from lta_bridge.crazyflie.claim import Claim
+from lta_bridge.crazyflie.claim import Claim, drone_of
 from lta_bridge.crazyflie.remedies import remedied
 from lta_config.errors import BadInput
 import pytest
@@ -26,6 +26,36 @@ def test_a_second_bridge_to_a_drone_is_refused_by_name_and_another_drone_is_not(
     first.close()
     first.close()
     Claim(URI).close()
+
+
+@pytest.mark.parametrize(
+    ('one', 'other', 'same'),
+    [
+        ('radio://0/80', 'radio://1/80/2M/e7e7e7e7e7?rate_limit=100', True),  # another dongle
+        ('radio://0/80/250K/1', 'radio://0/80/250K/0000000001', True),
+        ('radio://0/80/2M/E7E7E7E7E7', 'radio://0/80/2M/E7E7E7E701', False),
+        ('radio://0/80', 'radio://0/81', False),
+        ('radio://0/80/1M', 'radio://0/80/2M', False),
+        ('udp://localhost:19850', 'udp://127.0.0.1:19850', True),
+        ('udp://127.0.0.1:19850', 'udp://127.0.0.1:19851', False),
+        ('usb://0', 'usb://1', False),
+        ('serial:///dev/ttyACM0', 'serial:///dev/ttyACM0', True),
+    ],
+)
+def test_a_drone_has_one_claim_however_it_is_reached(one, other, same):
+    assert (drone_of(one) == drone_of(other)) == same
+
+
+def test_a_file_that_may_not_be_opened_is_one_sentence_and_a_link_is_not_followed(tmp_path):
+    Claim(URI).close()
+    (path,) = tmp_path.glob('*.lock')
+    path.unlink()
+    precious = tmp_path / 'precious'
+    precious.write_text('all of it')
+    path.symlink_to(precious)
+    with pytest.raises(BadInput, match=r'cannot be opened .*; have whoever made it end'):
+        Claim(URI)
+    assert precious.read_text() == 'all of it'
 
 
 def test_a_claim_ends_with_its_process(tmp_path):

@@ -3,7 +3,7 @@
 import math
 
 from lta_bridge.crazyflie import duties_packet, readings
-from lta_bridge.crazyflie.bridge import Bridge
+from lta_bridge.crazyflie.bridge import Asked, Bridge
 from lta_bridge.crazyflie.clock import DeviceClock
 from lta_bridge.crazyflie.emulated.variables import LOG
 from lta_bridge.crazyflie.link import LogPacket
@@ -138,3 +138,21 @@ def test_duties_on_the_wire():
     assert duties_packet.is_newer(0, 255)
     assert not duties_packet.is_newer(255, 0)
     assert not duties_packet.is_newer(7, 7)
+
+
+@pytest.mark.parametrize(
+    ('ahead_s', 'known'), [(0.0, True), (0.2, True), (0.4, False), (3600, False)]
+)
+def test_a_command_of_the_future_is_none(ahead_s, known):
+    """Of a computer whose clock is wrong: as the newest one it would be flown for an hour."""
+    bridge = Bridge(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
+    bridge.commanded(Asked(10**18 + round(1e9 * ahead_s), duties=(0.1,) * 4))
+    assert math.isfinite(bridge.seen(10**18, True, True).command_age) == known
+
+
+def test_a_clock_that_is_set_back_makes_no_silence_fresh():
+    bridge = Bridge(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
+    values = {f'motor.m{n}': 0.0 for n in range(1, 5)} | {'supervisor.info': 2.0}
+    bridge.heard(LogPacket('motors', 1000, values, 10**18))
+    assert bridge.seen(10**18 + 100 * MS, True, True).silence == pytest.approx(0.1)
+    assert math.isinf(bridge.seen(10**18 - 3600 * 1000 * MS, True, True).silence)

@@ -1,6 +1,7 @@
 """Unmodified cflib against the emulated Crazyflie, through the link and its keeper."""
 
 from queue import Empty
+import socket
 import struct
 import time
 
@@ -63,6 +64,68 @@ def test_setpoints_and_the_hand_over_reach_the_drone(until, linked):
         link.hand_over(land=True)
         until(lambda: server.firmware.commander.wish(server.now).land)
         link.close()
+
+
+def test_what_lands_by_itself_goes_on_when_the_link_is_closed(until, linked):
+    """cflib parts with a thrust of zero: motors would stand at whatever height."""
+    with Server(Firmware(Bench())) as server:
+        link = linked(server)
+        link.arm(True)
+        link.hover(0.0, 0.0, 1.0)
+        until(lambda: server.firmware.commander.wish(server.now).hover)
+        link.hand_over(land=True)
+        until(lambda: server.firmware.commander.wish(server.now).land)
+        heard, receive = [], server.firmware.receive
+        server.firmware.receive = lambda packet, now: heard.append(packet) or receive(packet, now)
+        link.close()
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as last:  # behind all that was sent
+            last.sendto(b'\xfe\x07', ('127.0.0.1', int(server.uri.rpartition(':')[2])))
+            until(lambda: (15, 2, b'\x07') in heard)
+        assert not [packet for packet in heard if packet.port in (3, 7)]
+        assert server.firmware.commander.wish(server.now).land
+
+
+def test_a_driver_that_fails_in_the_middle_of_sending_ends_the_link_and_no_thread(until):
+    """cflib then keeps its lock for ever: nothing more may be sent by this object."""
+    with Server(Firmware(Bench())) as server:
+        link = CflibLink(server.uri, BLOCKS, time.time_ns)
+        keeper = Keeper(link, load_crazyflie('gtmab').parameters)
+        until(lambda: keeper.up)
+
+        def broken(packet):
+            raise AttributeError('no driver')
+
+        link._drone.link.send_packet = broken
+        link.stop()
+        link.stop()
+        lost = next(event for event in iter(link.events.get, None) if isinstance(event, Lost))
+        assert 'no driver' in lost.why
+        keeper.lost(lost.why)
+        until(lambda: keeper.up)
+        assert keeper.close(PATIENCE)
+
+
+class Failing:
+    """A link whose driver raises what it likes."""
+
+    def __init__(self):
+        self.closed = 0
+
+    def open(self, deadline):
+        raise OSError('[Errno 19] No such device')
+
+    def close(self):
+        self.closed += 1
+        raise OSError('gone')
+
+
+def test_a_keeper_outlives_whatever_a_driver_raises(until):
+    link = Failing()
+    keeper = Keeper(link, {})
+    until(lambda: link.closed > 1)
+    assert not keeper.up
+    assert 'No such device' in keeper.why
+    assert keeper.close(PATIENCE)
 
 
 def test_an_old_firmware_is_refused_by_name():

@@ -42,6 +42,7 @@ class Bridged:
         self.told, self.now, self.word = Told(), 0, Bit.ARMED
         self.bridge = Bridge(self.told, FILE, list(FILE.motors.values()), 'override')
         self.linked = self.active = self.commands = self.logs = True
+        self.bridge.heard(LogPacket('power', 0, {'pm.vbat': 4.0, 'pm.state': 0}, 0))
         self.tick(AskedBy(arm=True))
         for _ in range(3):
             self.tick()
@@ -99,6 +100,15 @@ def test_the_drone_turns_them_though_disarmed_until_the_link_is_closed(until, li
         link.close()
         until(lambda: server.firmware.body.duties == STILL)
         assert server.firmware.parameters.values['motorPowerSet.enable'] == 0
+
+
+def test_duties_that_no_motor_has_are_clipped_and_break_nothing(until, linked):
+    """Out of range on the topic would break the packet, while what was sent before turns on."""
+    with Server(Firmware(Bench())) as server:
+        link = linked(server)
+        link.override((2.0, -1.0, 0.5, 1.0))
+        until(lambda: server.firmware.body.duties == pytest.approx((1.0, 0.0, 0.5, 1.0), abs=1e-4))
+        link.close()
 
 
 def test_an_emergency_stop_takes_the_override_off_whoever_put_it_on(until, linked):
