@@ -121,8 +121,9 @@ def hull_share(sweep: Sweep, axis: Axis) -> float | None:
 def processor_time(sweep: Sweep) -> float:
     """Return the processor time of all flows, without meshes. [s]."""
     points = [point for axis in sweep.axes.values() for point in axis]
-    solved = [*points, *sweep.coarse.values(), *sweep.blows.values()]
-    return sum(each.evidence.seconds for each in solved)
+    evidence = [each.evidence for each in (*points, *sweep.coarse.values())]
+    evidence += [each.evidence for each in sweep.blows.values()]
+    return sum(each.seconds for each in evidence)
 
 
 def by_hand_at(sweep: Sweep, axis: Axis, speed: float) -> float:
