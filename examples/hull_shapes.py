@@ -12,6 +12,7 @@ The second way solves the flow of each at 0.5 m/s by OpenFOAM (a minute or two e
 import sys
 
 from lta_sim.cfd.analytic import drag
+from lta_sim.cfd.crew import Threads
 from lta_sim.cfd.model import Model
 from lta_sim.cfd.plan import Flow
 from lta_sim.cfd.shape import ellipse, mylar, revolved, TURNED
@@ -48,7 +49,8 @@ def solved(model: Model) -> float:
     """Return the drag that the wind tunnel finds. [N]."""
     case = steady_wind(model, 'surge', AIR[1], PREVIEW, (SPEED,))
     flow = Flow('wind', 'surge', case, (SPEED,))
-    axes, _, refused = solve(model, [flow], AIR, cache_folder(), 1, lambda *_: None, print)
+    crew = Threads(cache_folder(), 1, lambda *_: None)
+    axes, _, refused, _ = solve(crew, model, [flow], AIR, print)
     return float('nan') if refused else -axes['surge'][0].force[0]
 
 

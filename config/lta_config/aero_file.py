@@ -20,10 +20,12 @@ class Fitted(Record):
 
     points: int
     error: float  # largest relative error [1]
-    exponent: float | None  # of a power law through them [1]
+    exponent: float | None = None  # of a power law through them [1]
     spread: float  # largest of any point [1]
     cells: int  # 0 by hand
     by_hand: float  # drag here over that by hand, at the middle point [1]
+    mesh: float | None = None  # drag on a coarser mesh over that here, less 1 [1]
+    hull: float | None = None  # share of the hull in the drag, at the middle point [1]
 
 
 class Evidence(Record):

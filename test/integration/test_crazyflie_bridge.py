@@ -162,6 +162,22 @@ def test_an_emergency_stop_locks_and_is_not_flown_out_of(peer, drone, bridge):
     assert 'emergency stop' in refused.message
 
 
+def test_while_it_lands_to_be_deactivated_an_emergency_stop_is_heeded_at_once(peer, drone, bridge):
+    """The landing is a callback, until 2 s after the motors: a stop must not wait for its end."""
+    fly(peer, drone)
+    change = peer.node.create_client(ChangeState, 'crazyflie_bridge/change_state')
+    peer.until(change.service_is_ready)
+    wanted = Transition(id=Transition.TRANSITION_DEACTIVATE)
+    deactivated = change.call_async(ChangeState.Request(transition=wanted))
+    peer.until(lambda: turning(drone) != pytest.approx(DUTIES, abs=1e-3))  # the ramp has begun
+    landing = drone.now
+    assert peer.ask(Trigger, STOP).success
+    peer.until(lambda: drone.firmware.supervisor.locked)
+    assert drone.now - landing < 2.0
+    peer.until(deactivated.done)
+    assert deactivated.result().success
+
+
 def test_a_silent_drone_is_let_down_and_found_again(peer, drone, bridge, hear):
     fly(peer, drone)
     drone.down.silent = True

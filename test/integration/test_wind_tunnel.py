@@ -1,5 +1,6 @@
 """OpenFOAM itself, where it is installed: a sphere on a coarse mesh, from shape to coefficient."""
 
+from lta_sim.cfd.crew import Threads
 from lta_sim.cfd.engine import openfoam
 from lta_sim.cfd.plan import Flow
 from lta_sim.cfd.solve import solve
@@ -18,7 +19,8 @@ SLOW = 0.2  # m/s, where the steady model is right
 def test_a_slow_sphere_brakes_as_spheres_do(tmp_path):
     model = sphere()
     flow = Flow('wind', 'surge', steady_wind(model, 'surge', AIR[1], COARSE, (SLOW,)), (SLOW,))
-    axes, _, refused = solve(model, [flow], AIR, tmp_path, 1, lambda *_: None, lambda _: None)
+    crew = Threads(tmp_path, 1, lambda *_: None)
+    axes, _, refused, _ = solve(crew, model, [flow], AIR, lambda _: None)
     assert refused == {}
     (point,) = axes['surge']
     found = judged('coarse', point, AIR)

@@ -2,6 +2,8 @@
 #pragma once
 #include "goertzel.h"
 #include "ring.h"
+/* Messages lie at any address, and a Cortex-M7 faults on 64 bits at an odd one: byte by byte. */
+#define MAVLINK_ALIGNED_FIELDS 0
 #include "mavlink.h"
 #include <stddef.h>
 

@@ -12,7 +12,7 @@ from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import Tile
 from lta_analysis.report.pieces import section, tile_html
 from lta_bridge.provenance import commit
-from lta_sim.cfd.refit import ABOUT, ALONG, fits_of, solved, warnings_of
+from lta_sim.cfd.refit import ABOUT, ALONG, fits_of, processor_time, solved, warnings_of
 from lta_sim.cfd.slices import Slice
 from lta_sim.cfd.sweep_table import Axis, Sweep
 
@@ -67,6 +67,7 @@ def page(sweep: Sweep, slices: Sequence[Slice], commands: Mapping[str, str]) -> 
         method=notes,
         facts={
             'engine': sweep.engine, 'fidelity': sweep.fidelity, 'geometry': sweep.geometry,
+            'processor time': f'{processor_time(sweep) / 60.0:.1f} min, without meshes',
             'commit': commit(),
         },
         commands=commands,

@@ -1,10 +1,11 @@
 """Pictures of a sweep: drag against speed with its fit, and planes through the flow."""
 
 from collections.abc import Sequence
+from itertools import cycle
 from typing import Final
 
 from lta_analysis.report.drawing import blank
-from lta_analysis.report.palette import ESTIMATE, GOOD, HEAT, RAW, TRUTH, WALL
+from lta_analysis.report.palette import ESTIMATE, GOOD, HEAT, LAMP, RAW, TRUTH, WALL
 from lta_sim.cfd.refit import ABOUT, drags, fits_of, solved
 from lta_sim.cfd.slices import Slice
 from lta_sim.cfd.sphere import morrison, SCATTER, SCATTER_RANGE
@@ -14,6 +15,7 @@ import numpy as np
 from plotly.graph_objects import Figure, Heatmap, Scatter
 
 COLOURS: Final = (TRUTH, ESTIMATE, GOOD)
+SETTINGS: Final = (ESTIMATE, LAMP, GOOD, TRUTH)
 
 
 def drag_picture(sweep: Sweep, turning: bool) -> Figure:
@@ -98,7 +100,7 @@ def sphere_picture(found: Sequence[Judged]) -> Figure:
             mode='lines', line={'color': RAW, 'width': 2}, showlegend=True,
         )
     )  # fmt: skip
-    for colour, setting in zip((ESTIMATE, GOOD, TRUTH), _settings(found), strict=False):
+    for colour, setting in zip(cycle(SETTINGS), _settings(found), strict=False):
         those = [each for each in found if each.setting == setting]
         figure.add_trace(
             Scatter(

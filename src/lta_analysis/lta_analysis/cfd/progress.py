@@ -42,8 +42,9 @@ class TunnelProgress(Bar):
             BarColumn(),
             TimeRemainingColumn(),
         )
-        super().__init__(console, *columns, begin='meshes', total=1.0, period=600.0)
         self._cases = cases_of(flows)
+        work = sum(case.work for case in self._cases) or 1.0
+        super().__init__(console, *columns, begin='meshes', total=work, period=600.0)
         self._done: dict[str, float] = {}
         self._telling: dict[str, str] = {}
 

@@ -2,7 +2,15 @@
 
 from lta_analysis.energy.tables import Table
 from lta_sim.cfd.columns import linear, summed
-from lta_sim.cfd.refit import by_hand_at, drags, fits_of, points_of, solved
+from lta_sim.cfd.refit import (
+    fits_of,
+    hull_share,
+    mesh_share,
+    middle_of,
+    points_of,
+    ratio_by_hand,
+    solved,
+)
 from lta_sim.cfd.sweep_table import Sweep
 from lta_sim.cfd.validation import Judged
 
@@ -12,19 +20,28 @@ def coefficients(sweep: Sweep) -> Table:
     rows = []
     for axis, fit in fits_of(sweep).items():
         points = points_of(sweep, axis)
-        middle = points[len(points) // 2]
-        ratio = drags(axis, [middle])[0] / by_hand_at(sweep, axis, middle.speed)
+        middle = middle_of(sweep, axis)
         rows.append([
             axis, f'{fit.linear:.2g}', f'{fit.quadratic:.3g}', f'{100 * fit.error:.1f}',
             f'{fit.exponent:.2f}', f'{100 * max(p.evidence.spread for p in points):.1f}',
-            f'{middle.evidence.cells}' if solved(sweep, axis) else 'by hand', f'{ratio:.2f}',
+            f'{middle.evidence.cells}' if solved(sweep, axis) else 'by hand',
+            _percent(mesh_share(sweep, axis), '+.0f'), _percent(hull_share(sweep, axis), '.0f'),
+            f'{ratio_by_hand(sweep, axis):.2f}',
         ])  # fmt: skip
-    heads = ['axis', 'D1', 'D2', 'fit error [%]', 'exponent', 'spread [%]', 'cells', 'over hand']
+    heads = [
+        'axis', 'D1', 'D2', 'fit error [%]', 'exponent', 'spread [%]', 'cells', 'mesh [%]',
+        'hull [%]', 'over hand',
+    ]  # fmt: skip
     note = (
         'D1 in N s/m and N m s, D2 in N s2/m2 and N m s2, about the hull centre. Fit error: the '
-        'worst point. Over hand: drag at the middle point over the estimate by hand.'
+        'worst point. At the middle point: mesh, how much more drag there is on a coarser one; '
+        'hull, its share of the drag; over hand, the drag over the estimate by hand.'
     )
     return Table('Drag', heads, rows, note)
+
+
+def _percent(share: float | None, form: str) -> str:
+    return '' if share is None else f'{100 * share:{form}}'
 
 
 def patterns(sweep: Sweep) -> Table:

@@ -104,6 +104,22 @@ $heard
             tally = core_lit_tally(craft, tally, middle, found, angle, asked.speed, began)
 """
 
+# Classical Runge-Kutta steps until what is aboard is due again, with the range finder's rhythm.
+STEPS = """\
+        for _ in range($substeps):
+            a = rates(state, fixed, command, surroundings)
+            there = ahead(state, a, 0.5 * $dt)
+            b = rates(there, fixed, command, surroundings)
+            there = ahead(state, b, 0.5 * $dt)
+            d = rates(there, fixed, command, surroundings)
+            there = ahead(state, d, $dt)
+            e = rates(there, fixed, command, surroundings)
+            state = normalised(ahead(state, mean(a, b, d, e), $dt))
+            ticks += 1
+            if ticks % $ranges == 0:
+                distance = core_range_reading(
+                    craft.sensors, errors, seed, ticks // $ranges, state
+                )"""
 FLY = Template('''
 $INLINE
 def fly(fixed, c, seed, scratch, lights, pencils, out):
@@ -131,20 +147,7 @@ $decide
             duties = $still
         command = core_command_of(craft, duties)
         x, y = state[0], state[1]
-        for _ in range($substeps):
-            a = rates(state, fixed, command, surroundings)
-            s = ahead(state, a, 0.5 * $dt)
-            b = rates(s, fixed, command, surroundings)
-            s = ahead(state, b, 0.5 * $dt)
-            d = rates(s, fixed, command, surroundings)
-            s = ahead(state, d, $dt)
-            e = rates(s, fixed, command, surroundings)
-            state = normalised(ahead(state, mean(a, b, d, e), $dt))
-            ticks += 1
-            if ticks % $ranges == 0:
-                distance = core_range_reading(
-                    craft.sensors, errors, seed, ticks // $ranges, state
-                )
+$steps
         if step % $light == 0:
             irradiance = core_shone(craft, state)
         thrusts = thrusts_of(state, fixed, command, surroundings)
@@ -312,8 +315,8 @@ def assembled(
         for kind, fields in kinds.items()
         if f'{PREFIX}_{kind} = ' not in cores
     ]
-    parts = {'INLINE': target.inline, **parts}
-    # Twice: what decides has names of its own.
+    parts = {'INLINE': target.inline, 'steps': STEPS, **parts}
+    # Twice: what decides, and the steps, have names of their own.
     text = Template(glue.safe_substitute(parts)).substitute(parts)
     call = Template(target.entry).substitute(entry)
     return '\n\n\n'.join((model, '\n'.join(missing), cores, text, call))

@@ -108,20 +108,7 @@ $heard
             told, fresh = True, True
         command = core_command_of(craft, onboard.duties)
         x, y = state[0], state[1]
-        for _ in range($substeps):
-            a = rates(state, fixed, command, surroundings)
-            t = ahead(state, a, 0.5 * $dt)
-            b = rates(t, fixed, command, surroundings)
-            t = ahead(state, b, 0.5 * $dt)
-            d = rates(t, fixed, command, surroundings)
-            t = ahead(state, d, $dt)
-            e = rates(t, fixed, command, surroundings)
-            state = normalised(ahead(state, mean(a, b, d, e), $dt))
-            ticks += 1
-            if ticks % $ranges == 0:
-                distance = core_range_reading(
-                    craft.sensors, errors, seed, ticks // $ranges, state
-                )
+$steps
         if step % $light == 0:
             irradiance = core_shone(craft, state)
         thrusts = thrusts_of(state, fixed, command, surroundings)

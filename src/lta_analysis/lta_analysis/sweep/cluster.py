@@ -1,5 +1,5 @@
 """
-A Dask cluster that flies a sweep: the one place that knows dask.distributed, an optional extra.
+A Dask cluster that flies a sweep.
 
 The machines of the cluster need LTA and the same files of configuration only as far as they are
 shipped: what a flight is made of travels with it.
@@ -7,18 +7,15 @@ shipped: what a flight is made of travels with it.
 
 from collections.abc import Iterator
 from contextlib import suppress
-from importlib import import_module
 from types import TracebackType
 from typing import Any, final, Self
 
+from lta_analysis.cluster import connected
 from lta_analysis.ingredients import Ingredients
 from lta_analysis.sweep.flown import failed, fly_job, Row
 from lta_analysis.sweep.plan import Job
-from lta_config.errors import BadInput
 
-DASK = 'distributed'
 AHEAD = 4  # jobs a thread of the cluster has waiting
-PATIENCE = 10.0  # s to reach the scheduler
 
 
 @final
@@ -41,21 +38,7 @@ class ClusterCrew:
     """
 
     def __init__(self, base: Ingredients, address: str) -> None:
-        try:
-            self._dask: Any = import_module(DASK)
-        except ImportError:
-            raise BadInput(
-                'A sweep on a cluster needs dask.distributed, which is not installed; '
-                '"pip install -r requirements-dask.txt" brings it.'
-            ) from None
-        try:
-            self._client: Any = self._dask.Client(address, timeout=PATIENCE, set_as_default=False)
-            self._client.wait_for_workers(1, timeout=PATIENCE)
-        except (OSError, ValueError) as error:
-            raise BadInput(
-                f"No Dask scheduler with workers answers at '{address}' "
-                f'({" ".join(str(error).split())}); start "dask scheduler" and "dask worker".'
-            ) from None
+        self._dask, self._client = connected(address)
         self._base = base
         self.deaths = 0  # Dask replaces workers by itself and does not tell
 

@@ -1,11 +1,11 @@
 """lta cfd run: the wind tunnel of one vehicle, from its shape to its aero file."""
 
 from enum import StrEnum
-import os
 from pathlib import Path
 import sys
 from typing import Annotated
 
+from lta_analysis.cfd.crews import Cache, can_solve, crew_for, folder_of, Jobs, Scheduler
 from lta_analysis.cfd.page import title, write_page
 from lta_analysis.cfd.progress import TunnelProgress
 from lta_analysis.cfd.tables import coefficients, patterns
@@ -20,14 +20,13 @@ from lta_config.errors import unknown
 from lta_config.mount_file import load_mount
 from lta_config.tunnel_file import load_tunnel_file
 from lta_sim.cfd.aero_text import aero_text
-from lta_sim.cfd.engine import Programs, require
+from lta_sim.cfd.engine import Programs
 from lta_sim.cfd.model import Model, model_of
 from lta_sim.cfd.plan import Air, Flow, flows
 from lta_sim.cfd.slices import Slice, slice_of
-from lta_sim.cfd.solve import check_memory, memory, solve, sweep_of
-from lta_sim.cfd.stage import cache_folder, Stages
+from lta_sim.cfd.solve import solve, sweep_of
+from lta_sim.cfd.stage import Stages
 from lta_sim.cfd.sweep_table import Sweep, sweep_text
-from rich.console import Console
 import typer
 
 AIR: Air = (1.2, 1.5e-5)  # kg/m3, m2/s: 20 degC
@@ -55,10 +54,9 @@ def run(
     mount: Annotated[
         str | None, typer.Option(help='Solar panels as a mount file has them: side, bottom, top.')
     ] = None,
-    jobs: Annotated[
-        int | None, typer.Option(help='Flows at a time; one a core by default.', min=1, max=256)
-    ] = None,
-    cache: Annotated[Path | None, typer.Option(help='Folder of solved flows.')] = None,
+    jobs: Jobs = None,
+    cache: Cache = None,
+    scheduler: Scheduler = None,
     limit: Annotated[
         float | None,
         typer.Option('--memory', help='Memory there is in GB; all of it by default.', min=0.1),
@@ -91,20 +89,27 @@ def run(
     can_be_made(target)
     wanted: list[Flow] = []
     if fidelity is not Fidelity.analytic:
-        require()
+        can_solve(jobs, scheduler)
         known = flows(model, fidelity, AIR)
         if strangers := [each for each in only or () if each not in {f.about for f in known}]:
             raise unknown('axis or pattern', strangers[0], [f.about for f in known])
         wanted = flows(model, fidelity, AIR, only or ())
-    folder = (cache or cache_folder()).absolute()
-    sweep = solved(model, file.vehicle, fidelity, wanted, folder, jobs, limit, console)
+    if wanted:
+        with (
+            TunnelProgress(console, wanted) as bar,
+            crew_for(wanted, bar, jobs, cache, scheduler, limit) as crew,
+        ):
+            found = solve(crew, model, wanted, AIR, bar.say)
+            sweep = sweep_of(model, file.vehicle, fidelity, AIR, *found, engine=crew.engine())
+    else:
+        sweep = sweep_of(model, file.vehicle, fidelity, AIR, {}, {}, {})
     words = ['cfd', 'run', name, '--fidelity', fidelity.value]
     words += [word for each in only or () for word in ('--only', each)]
     words += ['--mount', mount] if mount else []
     with all_at_once(target, 'report.html') as part:
         (part / f'{model.name}.sweep.json').write_text(sweep_text(sweep), encoding='utf-8')
         (part / f'{model.name}.aero.yaml').write_text(aero_text(sweep), encoding='utf-8')
-        drawn = pictured(model, sweep, wanted, folder)
+        drawn = pictured(model, sweep, wanted, folder_of(cache))
         write_page(sweep, drawn, {'Solve it again': typed(*words)}, part / 'report.html')
     if pictures is not None:
         write_pictures(target / 'report.html', pictures)
@@ -117,21 +122,6 @@ def run(
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)
     if wanted and not sweep.axes and not sweep.blows:
         raise typer.Exit(1)
-
-
-def solved(
-    model: Model, vehicle: str, fidelity: Fidelity, wanted: list[Flow], folder: Path,
-    jobs: int | None, limit: float | None, console: Console,
-) -> Sweep:  # fmt: skip
-    """Return a sweep: what is solved, and what is known by hand."""
-    if not wanted:
-        return sweep_of(model, vehicle, fidelity, AIR, {}, {}, {})
-    side_by_side = jobs or len(os.sched_getaffinity(0))
-    check_memory(wanted, side_by_side, 1e9 * limit if limit else memory())
-    with TunnelProgress(console, wanted) as bar:
-        bar.count(Stages(folder, Programs(), bar.tell))
-        found = solve(model, wanted, AIR, folder, side_by_side, bar.tell, bar.say)
-    return sweep_of(model, vehicle, fidelity, AIR, *found)
 
 
 def pictured(model: Model, sweep: Sweep, wanted: list[Flow], folder: Path) -> list[Slice]:

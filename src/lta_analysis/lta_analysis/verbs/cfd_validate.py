@@ -1,11 +1,10 @@
 """lta cfd validate: the tunnel's sphere beside real ones."""
 
 from dataclasses import asdict
-import os
-from pathlib import Path
 import sys
 from typing import Annotated
 
+from lta_analysis.cfd.crews import Cache, can_solve, crew_for, Jobs, Scheduler
 from lta_analysis.cfd.progress import TunnelProgress
 from lta_analysis.cfd.sphere_page import title, write_page
 from lta_analysis.cfd.tables import spheres
@@ -24,25 +23,17 @@ from lta_analysis.results_folder import (
 from lta_analysis.typed import near, typed
 from lta_analysis.verbs.cfd_run import AIR, Fidelity
 from lta_config.errors import BadInput
-from lta_sim.cfd.engine import Programs, require
-from lta_sim.cfd.plan import Flow
-from lta_sim.cfd.solve import solve
-from lta_sim.cfd.stage import cache_folder, Stages
-from lta_sim.cfd.sweep_table import Point
-from lta_sim.cfd.validation import flows, Judged, judged, sphere
+from lta_sim.cfd.validation import flows, judge, sphere
 import typer
-
-SETTINGS = {'wind': 'steady, {} cells', 'transient': 'transient, {} cells'}
 
 
 def validate(
     fidelity: Annotated[
         Fidelity, typer.Option(help='preview, or reference, which solves preview too.')
     ] = Fidelity.preview,
-    jobs: Annotated[
-        int | None, typer.Option(help='Flows at a time; one a core by default.', min=1, max=256)
-    ] = None,
-    cache: Annotated[Path | None, typer.Option(help='Folder of solved flows.')] = None,
+    jobs: Jobs = None,
+    cache: Cache = None,
+    scheduler: Scheduler = None,
     out: Out = None,
     pictures: Pictures = None,
     json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
@@ -62,21 +53,17 @@ def validate(
     can_be_taken(pictures)
     if fidelity is Fidelity.analytic:
         raise BadInput('A sphere by hand is the measurement itself; take preview or reference.')
-    require()
+    can_solve(jobs, scheduler)
     target = results_folder(out, 'cfd-sphere')
     can_be_made(target)
     levels = ('preview',) if fidelity is Fidelity.preview else ('preview', 'reference')
     model = sphere()
     wanted = [flow for level in levels for flow in flows(model, level, AIR)]
-    folder = (cache or cache_folder()).absolute()
-    found = []
-    with TunnelProgress(console, wanted) as bar:
-        bar.count(Stages(folder, Programs(), bar.tell))
-        for group in grouped(wanted):
-            axes, _, _ = solve(
-                model, group, AIR, folder, jobs or len(os.sched_getaffinity(0)), bar.tell, bar.say
-            )
-            found += [point_of(group[0].kind, point) for point in axes.get('surge', ())]
+    with (
+        TunnelProgress(console, wanted) as bar,
+        crew_for(wanted, bar, jobs, cache, scheduler) as crew,
+    ):
+        found = judge(crew, model, wanted, AIR, bar.say)
     if not found:
         raise typer.Exit(1)
     with all_at_once(target, 'report.html') as part:
@@ -90,17 +77,3 @@ def validate(
     show(spheres(found), console)
     lines = [title(found), page_line(near(target / 'report.html'))]
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)
-
-
-def grouped(wanted: list[Flow]) -> list[list[Flow]]:
-    """Return the flows that may be told apart by what they are: one list a mesh."""
-    meshes: dict[str, list[Flow]] = {}
-    for flow in wanted:
-        assert flow.case.mesh is not None
-        meshes.setdefault(flow.case.mesh.key, []).append(flow)
-    return list(meshes.values())
-
-
-def point_of(kind: str, point: Point) -> Judged:
-    """Return a point beside what was measured."""
-    return judged(SETTINGS[kind].format(point.evidence.cells), point, AIR)

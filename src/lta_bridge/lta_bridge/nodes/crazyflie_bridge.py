@@ -75,7 +75,7 @@ class CrazyflieBridge(DeviceNode):
         self._controller = self.create_client(SetBool, 'arm')
         self._told = False  # whether the controller was told to be armed
         self.create_service(SetBool, '~/arm', self._on_arm)
-        self.create_service(Trigger, '~/emergency_stop', self._on_emergency_stop)
+        self._stop = self.create_service(Trigger, '~/emergency_stop', self._on_emergency_stop)
         self._subscribe()
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(1.0 / RATE, self._tick, clock=steady)
@@ -124,15 +124,23 @@ class CrazyflieBridge(DeviceNode):
         until = time.monotonic() + LEAVE
         flew = self._bridge.busy
         while self._bridge.busy and time.monotonic() < until:
-            self._tick()
-            time.sleep(1.0 / RATE)
+            self._turn()
         # A request to disarm may be lost: until the supervisor's own word says that it came.
         until = min(until, time.monotonic() + CONFIRMING)
         while flew and self._up and self._bridge.armed and time.monotonic() < until:
-            self._tick()
-            time.sleep(1.0 / RATE)
+            self._turn()
         if flew:  # the last word: who records must hear why before this node is gone
             self.publish_health()
+
+    def _turn(self) -> None:
+        """Go on for a tick within a callback, while which no other is served but a stop."""
+        with self._stop.handle:
+            request, header = self._stop.handle.service_take_request(Trigger.Request)
+        if header is not None:
+            answer = self._on_emergency_stop(request, Trigger.Response())
+            self._stop.send_response(answer, header)
+        self._tick()
+        time.sleep(1.0 / RATE)
 
     def let_go(self) -> None:
         """Land, disarm, and close the link, in this order."""
@@ -166,8 +174,7 @@ class CrazyflieBridge(DeviceNode):
             self._asked = self._asked._replace(arm=request.data)
             self._tick()
             while self._bridge.state.stage is Stage.ARMING:
-                time.sleep(1.0 / RATE)
-                self._tick()
+                self._turn()
             why = self._bridge.state.why
         stage = self._bridge.state.stage
         armed = stage in (Stage.READY, Stage.FLYING)
@@ -179,8 +186,7 @@ class CrazyflieBridge(DeviceNode):
         """Wait until all that the nodes say is heard: a flight begins with arming."""
         until = time.monotonic() + HEARING
         while (short := self._links.short(self.readers())) and time.monotonic() < until:
-            time.sleep(1.0 / RATE)
-            self._tick()
+            self._turn()
         words = f'armed before all readers of {", ".join(short)} were found'
         if short:
             self.get_logger().warning(words)

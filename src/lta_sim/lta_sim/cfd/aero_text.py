@@ -10,10 +10,11 @@ from lta_sim.cfd.refit import (
     ABOUT,
     ALONG,
     beside_of,
-    by_hand_at,
-    drags,
     fits_of,
+    hull_share,
+    mesh_share,
     points_of,
+    ratio_by_hand,
     solved,
     warnings_of,
 )
@@ -98,16 +99,21 @@ def aero_of(sweep: Sweep) -> dict[str, Any]:
 
 def _fitted(sweep: Sweep, axis: Axis, fit: Fit) -> dict[str, Any]:
     points = points_of(sweep, axis)
-    middle = len(points) // 2
-    ratio = drags(axis, points)[middle] / by_hand_at(sweep, axis, points[middle].speed)
-    return {
+    told = {
         'points': len(points),
-        'error': float(f'{fit.error:.3g}'),
+        'error': _three(fit.error),
         'exponent': None if math.isnan(fit.exponent) else float(f'{fit.exponent:.4g}'),
         'spread': max(point.evidence.spread for point in points),
         'cells': max(point.evidence.cells for point in points),
-        'by_hand': float(f'{ratio:.3g}'),
+        'by_hand': _three(ratio_by_hand(sweep, axis)),
+        'mesh': _three(mesh_share(sweep, axis)),
+        'hull': _three(hull_share(sweep, axis)),
     }
+    return {name: each for name, each in told.items() if each is not None}
+
+
+def _three(number: float | None) -> float | None:
+    return None if number is None else float(f'{number:.3g}')
 
 
 def aero_text(sweep: Sweep) -> str:

@@ -92,6 +92,28 @@ def solution(velocity: float = 0.8, turbulence: float = 0.7) -> str:
     })  # fmt: skip
 
 
+def transient_solution() -> str:
+    """
+    Return fvSolution of pimpleFoam.
+
+    Undamped convection over a large step is no matrix that Gauss and Seidel's sweeps converge on:
+    the velocity takes a Krylov solver.
+    """
+    pressure: dict[str, Entry] = {'solver': 'GAMG', 'smoother': 'GaussSeidel'}
+    return dictionary('fvSolution', {
+        'solvers': {
+            'p': {**pressure, 'tolerance': 1e-8, 'relTol': 0.05},
+            'pFinal': {**pressure, 'tolerance': 1e-7, 'relTol': 0.01},
+            'UFinal': {
+                'solver': 'PBiCGStab', 'preconditioner': 'DILU', 'tolerance': 1e-10,
+                'relTol': 0.01,
+            },
+        },
+        'PIMPLE': {'nOuterCorrectors': 1, 'nCorrectors': 2, 'nNonOrthogonalCorrectors': 0,
+                   'pRefCell': 0, 'pRefValue': 0},
+    })  # fmt: skip
+
+
 def control(
     program: str,
     begin: float,
@@ -129,6 +151,24 @@ def control(
     if largest_step is not None:
         entries |= {'adjustTimeStep': True, 'maxCo': courant, 'maxDeltaT': largest_step}
     return dictionary('controlDict', {**entries, 'functions': functions})
+
+
+def clock(now: int, step: float) -> str:
+    """
+    Return the file in which a solver keeps its time; another's step of 1 would be gone on with.
+
+    Parameters
+    ----------
+    now : int
+        Iterations so far, which become seconds.
+    step : float
+        To go on with. [s]
+
+    """
+    return dictionary(
+        'time',
+        {'value': now, 'name': f'"{now}"', 'index': now, 'deltaT': step, 'deltaT0': step},
+    )
 
 
 def forces_on(patches: Mapping[str, str]) -> dict[str, Entry]:

@@ -1,7 +1,7 @@
 """Which flows make a sweep, by fidelity, and how each is read when it is solved."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, final, Literal
 
 from lta_sim.cfd.case import Case
@@ -10,8 +10,7 @@ from lta_sim.cfd.model import Model
 from lta_sim.cfd.still import AXES as SPINS
 from lta_sim.cfd.still import blowing, RATES, spinning
 from lta_sim.cfd.tunnel import (
-    FINE,
-    Fineness,
+    COARSE,
     PREVIEW,
     REFERENCE,
     SPEEDS,
@@ -22,13 +21,12 @@ from lta_sim.cfd.tunnel import (
 import numpy as np
 from numpy.typing import NDArray
 
-Kind = Literal['wind', 'transient', 'spin', 'blow']
+Kind = Literal['wind', 'coarse', 'transient', 'spin', 'blow']
 Air = tuple[float, float]  # density [kg/m3], kinematic viscosity [m2/s]
 WINDS: Final = tuple(TURNS)
-LENGTHS: Final = 25.0  # of flow in a transient, the first of which are not averaged
-REFERENCE_SPEEDS: Final[Sequence[tuple[float, Fineness]]] = (
-    (0.2, REFERENCE), (1.0, REFERENCE), (2.0, FINE),
-)  # fmt: skip
+MIDDLE: Final = 1.0  # m/s
+LENGTHS: Final = 16.0  # of flow in a transient, the first of which are not averaged
+REFERENCE_SPEEDS: Final = (0.2, 1.0)  # m/s; at 2 m/s a sphere's drag falls too early
 
 
 @final
@@ -40,7 +38,7 @@ class Flow:
     Parameters
     ----------
     kind : str
-        'wind', 'transient', 'spin' or 'blow'.
+        'wind', 'coarse' (a wind on a coarser mesh), 'transient', 'spin' or 'blow'.
     about : str
         Axis, or pattern.
     case : Case
@@ -106,18 +104,31 @@ def flows(model: Model, fidelity: str, air: Air, only: Sequence[str] = ()) -> li
 
     """
     found = [*_winds(model, fidelity, air[1]), *_spins(model, air[1]), *_blows(model, air)]
+    if fidelity == 'preview':
+        found += _coarse(model, air[1])
     return [flow for flow in found if not only or flow.about in only]
 
 
+def _directions(model: Model) -> Sequence[str]:
+    return ('heave', 'surge') if model.square else ('heave', 'surge', 'sway')
+
+
 def _winds(model: Model, fidelity: str, viscosity: float) -> Iterator[Flow]:
-    for axis in ('heave', 'surge') if model.square else ('heave', 'surge', 'sway'):
+    for axis in _directions(model):
         if fidelity == 'preview':
             case = steady_wind(model, axis, viscosity, PREVIEW)
             yield Flow('wind', axis, case, SPEEDS)
             continue
-        for speed, fine in REFERENCE_SPEEDS:
-            case = transient_wind(model, axis, viscosity, fine, speed, LENGTHS)
+        for speed in REFERENCE_SPEEDS:
+            case = transient_wind(model, axis, viscosity, REFERENCE, speed, LENGTHS)
             yield Flow('transient', axis, case, (speed,))
+
+
+def _coarse(model: Model, viscosity: float) -> Iterator[Flow]:
+    """Yield the middle speed of each wind on a coarser mesh."""
+    for axis in _directions(model):
+        case = steady_wind(model, axis, viscosity, COARSE, (MIDDLE,))
+        yield Flow('coarse', axis, replace(case, name=f'{axis} on a coarser mesh'), (MIDDLE,))
 
 
 def _spins(model: Model, viscosity: float) -> Iterator[Flow]:

@@ -8,7 +8,7 @@ from lta_config.errors import BadInput
 from lta_sim.cfd import gates
 from lta_sim.cfd.columns import changed, linear
 from lta_sim.cfd.fit import Fit, fit_drag
-from lta_sim.cfd.model import QUARTER
+from lta_sim.cfd.model import HULL, QUARTER
 from lta_sim.cfd.sweep_table import AXES, Axis, Point, Sweep
 import numpy as np
 
@@ -66,8 +66,7 @@ def warnings_of(sweep: Sweep) -> list[str]:
             if sweep.fidelity != 'analytic':
                 told.append(f'{axis}: by hand, no flow was solved')
             continue
-        drag = drags(axis, points)[len(points) // 2]
-        ratio = drag / by_hand_at(sweep, axis, points[len(points) // 2].speed)
+        ratio = ratio_by_hand(sweep, axis)
         if not gates.beside(ratio, 1.0):
             told.append(f'{axis}: {ratio:.2f} times what is known by hand; look at the flow')
     if any(axis in sweep.axes for axis in ABOUT):
@@ -75,6 +74,11 @@ def warnings_of(sweep: Sweep) -> list[str]:
     if sweep.fidelity == 'preview':
         told.append(
             'steady model: on a sphere its drag is right at 0.2 m/s and up to 30 % low at 2 m/s'
+        )
+    if sweep.fidelity == 'reference':
+        told.append(
+            'drag above 1 m/s is extrapolated: on a sphere the transient model is right at 1 m/s '
+            'and low at 2 m/s'
         )
     for pattern in sweep.blows:
         share = linear(sweep, pattern)
@@ -85,6 +89,41 @@ def warnings_of(sweep: Sweep) -> list[str]:
             )
     told += [f'{name}: refused: {reason}' for name, reason in sweep.refused.items()]
     return told
+
+
+def middle_of(sweep: Sweep, axis: Axis) -> Point:
+    """Return the middle speed of an axis."""
+    points = points_of(sweep, axis)
+    return points[len(points) // 2]
+
+
+def ratio_by_hand(sweep: Sweep, axis: Axis) -> float:
+    """Return the drag at the middle speed over that by hand. [1]."""
+    middle = middle_of(sweep, axis)
+    return drags(axis, [middle])[0] / by_hand_at(sweep, axis, middle.speed)
+
+
+def mesh_share(sweep: Sweep, axis: Axis) -> float | None:
+    """Return how much more drag there is on a coarser mesh, None where none was solved. [1]."""
+    coarse = sweep.coarse.get(axis)
+    fine = [point for point in sweep.axes.get(axis, ()) if coarse and point.speed == coarse.speed]
+    if coarse is None or not fine:
+        return None
+    return drags(axis, [coarse])[0] / drags(axis, fine)[0] - 1.0
+
+
+def hull_share(sweep: Sweep, axis: Axis) -> float | None:
+    """Return the share of the hull in the drag at the middle speed, None by hand. [1]."""
+    parts = middle_of(sweep, axis).parts
+    return parts[HULL] / sum(parts.values()) if parts else None
+
+
+def processor_time(sweep: Sweep) -> float:
+    """Return the processor time of all flows, without meshes. [s]."""
+    points = [point for axis in sweep.axes.values() for point in axis]
+    evidence = [each.evidence for each in (*points, *sweep.coarse.values())]
+    evidence += [each.evidence for each in sweep.blows.values()]
+    return sum(each.seconds for each in evidence)
 
 
 def by_hand_at(sweep: Sweep, axis: Axis, speed: float) -> float:

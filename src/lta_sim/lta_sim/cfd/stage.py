@@ -4,7 +4,9 @@ Cases solved on disk: each in a folder named by its content, step by step, never
 What is done is marked beside it, so that a run that was stopped goes on where it was.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+import fcntl
 import os
 from pathlib import Path
 import re
@@ -63,19 +65,31 @@ class Stages:
             If a program fails or the disk is full.
 
         """
-        place = self.place(case)
         try:
-            if case.mesh is None and place.exists() and not self.is_done(case):
-                shutil.rmtree(place)  # a mesh is changed in place: half of one is begun again
-            self._prepare(case, place)
-            for step in case.steps:
-                if not (place / f'{DONE}{step.name}').is_file():
-                    self._step(case, step, place)
+            with self._alone(case):
+                return self._solve(case)
         except OSError as error:
             raise CaseFailed(
-                f'{error.strerror or error} ({place}); make room or choose another folder with '
-                '--cache, and start again to go on.'
+                f'{error.strerror or error} ({self.place(case)}); make room or choose another '
+                'folder with --cache, and start again to go on.'
             ) from error
+
+    @contextmanager
+    def _alone(self, case: Case) -> Iterator[None]:
+        """Let nobody else solve a case: another run, or another machine on the same folder."""
+        self._folder.mkdir(parents=True, exist_ok=True)
+        with (self._folder / f'.{case.key}.lock').open('w') as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            yield
+
+    def _solve(self, case: Case) -> Path:
+        place = self.place(case)
+        if case.mesh is None and place.exists() and not self.is_done(case):
+            shutil.rmtree(place)  # a mesh is changed in place: half of one is begun again
+        self._prepare(case, place)
+        for step in case.steps:
+            if not (place / f'{DONE}{step.name}').is_file():
+                self._step(case, step, place)
         return place
 
     def _prepare(self, case: Case, place: Path) -> None:

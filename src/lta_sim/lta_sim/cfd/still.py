@@ -28,8 +28,8 @@ from lta_sim.cfd.tunnel import empty, transport, turbulence
 import numpy as np
 
 RATES: Final = (0.3, 1.0, 3.0)  # rad/s
-ROUNDS: Final = 300
-NEXT: Final = 120
+ROUNDS: Final = 200
+NEXT: Final = 80
 AXES: Final = {'roll': (1, 0, 0), 'pitch': (0, 1, 0), 'yaw': (0, 0, 1)}
 BALL: Final = 'turning'
 CELLS_ACROSS: Final = 6  # a rotor's disk

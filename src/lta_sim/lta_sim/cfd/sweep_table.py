@@ -105,6 +105,8 @@ class Sweep(Record):
     axes: Mapping[Axis, Sequence[Point]]
     by_hand: Mapping[Axis, Sequence[Point]]
     blows: Mapping[str, Blow]
+    # One speed of an axis on a coarser mesh; older sweeps do not tell.
+    coarse: Mapping[Axis, Point] = Field(default_factory=dict)
     refused: Mapping[str, str]  # flows that came to nothing or failed a gate, and why
 
 

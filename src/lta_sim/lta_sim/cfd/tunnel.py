@@ -19,6 +19,7 @@ from lta_sim.cfd.fields import STEADY, TRANSITION, tunnel_fields
 from lta_sim.cfd.mesh import BASE, block, mesh_case, snappy
 from lta_sim.cfd.model import HULL, Model
 from lta_sim.cfd.numerics import (
+    clock,
     control,
     forces_on,
     momentum_through,
@@ -26,6 +27,7 @@ from lta_sim.cfd.numerics import (
     solution,
     steady_schemes,
     transient_schemes,
+    transient_solution,
 )
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +37,11 @@ Array = NDArray[np.float64]
 SPEEDS: Final = (0.2, 0.5, 1.0, 1.5, 2.0)
 FIRST, NEXT = 300, 120  # iterations until a flow has settled, from nothing and from another speed
 SETTLING: Final = 60  # steady iterations before a transient
+# Lengths of flow over which a transient begins, and its Courant numbers then and later: eddies
+# that a steady flow has not shed yet come all at once.
+BEGINNING: Final = 0.25
+CAREFUL: Final = 1.0
+BOLD: Final = 4.0
 OUTER: Final = ('inlet', 'outlet', 'sides')
 
 # Body axes to tunnel axes for a vehicle that moves along its x, y or z: the air then comes along
@@ -78,8 +85,8 @@ class Fineness:
 
 PREVIEW: Final = Fineness()
 COARSE: Final = Fineness(hull=3, parts=4, cells=100_000)
-REFERENCE: Final = Fineness(shell=0.15, layers=5, expansion=1.4, cells=215_000)
-FINE: Final = Fineness(hull=5, parts=6, shell=0.15, layers=5, expansion=1.4, cells=600_000)
+REFERENCE: Final = Fineness(shell=0.15, layers=5, expansion=1.4, cells=189_000)
+ROUGH: Final = Fineness(hull=3, parts=4, shell=0.15, expansion=1.4, cells=100_000)
 
 
 def planes_of(model: Model, axis: str) -> tuple[bool, bool]:
@@ -232,24 +239,36 @@ def transient_wind(
     walls = tuple(model.bodies)
     functions = forces_on({name: name for name in walls})
     functions |= slice_through((0, 1, 0), model.length)
+    air = {'constant/transportProperties': transport(viscosity / speed)}
+    begin = SETTLING + round(BEGINNING * model.length, 4)
     end = SETTLING + lengths * model.length
     longest = 0.03 * model.length * 2.0 ** (4 - fine.hull)
-    shared = {'constant/transportProperties': transport(viscosity / speed)}
+    eddies = {
+        'constant/turbulenceProperties': turbulence(None),
+        'system/fvSchemes': transient_schemes(),
+        'system/fvSolution': transient_solution(),
+    }
     steps = [
         Step('settle', ('simpleFoam',), {
-            **shared,
+            **air,
             'constant/turbulenceProperties': turbulence('kOmegaSST'),
             'system/fvSchemes': steady_schemes(),
+            'system/fvSolution': solution(),
             'system/controlDict': control('simpleFoam', 0, SETTLING, {}),
         }, SETTLING),
-        Step(f'{speed:g}', ('pimpleFoam',), {
-            **shared,
-            'constant/turbulenceProperties': turbulence(None),
-            'system/fvSchemes': transient_schemes(),
+        Step('begin', ('pimpleFoam',), {
+            **eddies,
+            f'{SETTLING}/uniform/time': clock(SETTLING, 0.05 * longest),
             'system/controlDict': control(
-                'pimpleFoam', SETTLING, end, functions, longest, 4.0
+                'pimpleFoam', SETTLING, begin, {}, longest, CAREFUL
             ),
-        }, int(1.5 * lengths * model.length / longest), str(SETTLING)),
+        }, int(6.0 * (begin - SETTLING) / longest), str(SETTLING)),
+        Step(f'{speed:g}', ('pimpleFoam',), {
+            **eddies,
+            'system/controlDict': control(
+                'pimpleFoam', begin, end, functions, longest, BOLD
+            ),
+        }, int(1.5 * lengths * model.length / longest), f'{begin:.8g}'),
     ]  # fmt: skip
-    files = {**tunnel_fields(STEADY, walls, ()), **empty(), 'system/fvSolution': solution()}
+    files = {**tunnel_fields(STEADY, walls, ()), **empty()}
     return Case(f'{axis} {speed:g} m/s', files, steps, mesh, mesh.cells)

@@ -1,28 +1,32 @@
 """The sphere in the tunnel, beside what was measured of real ones."""
 
+from collections.abc import Callable, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 import math
 from typing import Final, final
 
+from lta_sim.cfd.crew import Crew, points_or_why
 from lta_sim.cfd.model import HULL, Model
 from lta_sim.cfd.plan import Air, Flow
 from lta_sim.cfd.shape import ellipse, revolved
 from lta_sim.cfd.sphere import morrison, off
-from lta_sim.cfd.sweep_table import Point
+from lta_sim.cfd.sweep_table import Blow, Point
 from lta_sim.cfd.tunnel import (
     COARSE,
-    FINE,
     Fineness,
     PREVIEW,
     REFERENCE,
+    ROUGH,
     SPEEDS,
     steady_wind,
     transient_wind,
 )
 
 LENGTHS: Final = 25.0  # diameters of flow; 20.5 of them are averaged
+SETTINGS: Final = {'wind': 'steady, {} cells', 'transient': 'transient, {} cells'}
 CASES: Final[dict[str, tuple[tuple[float, Fineness], ...]]] = {
-    'reference': ((1.0, REFERENCE), (2.0, FINE)),
+    'reference': ((1.0, ROUGH), (1.0, REFERENCE), (2.0, REFERENCE)),
 }
 
 
@@ -60,6 +64,23 @@ def flows(model: Model, fidelity: str, air: Air) -> list[Flow]:
              (u,))
         for u, fine in CASES['reference']
     ]  # fmt: skip
+
+
+def judge(
+    crew: Crew, model: Model, wanted: Sequence[Flow], air: Air, said: Callable[[str], None]
+) -> list[Judged]:
+    """Return all points of some flows beside what was measured, and say what came to nothing."""
+    found = []
+    with closing(crew.solved(model, wanted, air[0])) as coming:
+        for flow, came in coming:
+            assert not isinstance(came, Blow)
+            points, reasons = points_or_why(flow, came)
+            for name, reason in reasons.items():
+                said(f'{name}: {reason}')
+            for point in points:
+                setting = SETTINGS[flow.kind].format(point.evidence.cells)
+                found.append(judged(setting, point, air))
+    return found
 
 
 def judged(setting: str, point: Point, air: Air) -> Judged:

@@ -38,14 +38,22 @@ def main(program):
     elif program == 'topoSet':
         for name in re.findall(r'name (\w+)_set;', Path('system/topoSetDict').read_text()):
             say(f'    cellZoneSet {name} now size {12 if fault == "coarse" else 59}')
-    elif program == 'simpleFoam':
-        solve(fault)
+    elif program in ('simpleFoam', 'pimpleFoam'):
+        solve(program, fault)
     return 0
 
 
-def solve(fault):
+def solve(program, fault):
     control = Path('system/controlDict').read_text()
-    begin, end = (int(re.search(rf'{key} (\d+);', control)[1]) for key in ('startTime', 'endTime'))
+    begin, end = (re.search(rf'{key} ([\d.]+);', control)[1] for key in ('startTime', 'endTime'))
+    step = 1.0 if program == 'simpleFoam' else going_on(begin)
+    count = int((float(end) - float(begin)) / step + 0.5)
+    if count == 0:
+        return  # as OpenFOAM does: it ends well and writes nothing
+    times = [float(begin) + step * (k + 1) for k in range(count)]
+    clock = Path(f'{end}/uniform/time')
+    clock.parent.mkdir(parents=True)
+    clock.write_text(f'deltaT {step};')
     pushed = re.findall(r'U \(\(([^)]*)\) 0\)', Path('constant/fvOptions').read_text())
     push = [sum(float(each.split()[k]) for each in pushed) for k in range(3)]
     forces = re.findall(r'forces_(\w+)', control)
@@ -53,20 +61,21 @@ def solve(fault):
     still = not re.search('momentum_inlet', control)
     for name in forces:
         drag = 0.0 if name == 'outer' or pushed else DRAG
-        rows = [(drag * swing(fault, begin, k), 0.0, 0.0) for k in range(begin, end)]
-        write(f'forces_{name}/{begin}/force.dat', begin, rows, 3)
+        rows = [(drag * swing(fault, time), 0.0, 0.0) for time in times]
+        write(f'forces_{name}/{begin}/force.dat', times, rows, 3)
         rows = [tuple(-each for each in spin(row, still)) for row in rows]
-        write(f'forces_{name}/{begin}/moment.dat', begin, rows, 3)
+        write(f'forces_{name}/{begin}/moment.dat', times, rows, 3)
     lost = push if pushed else [-DRAG * len(bodies), 0.0, 0.0]
     share = 0.5 if fault == 'unbalanced' else 1.0
     for name in re.findall(r'momentum_(\w+)', control):
         there = [share * each if name in ('outlet', 'far') else 0.0 for each in lost]
-        write(f'momentum_{name}/{begin}/surfaceFieldValue.dat', begin, [there] * (end - begin), 1)
+        write(f'momentum_{name}/{begin}/surfaceFieldValue.dat', times, [there] * count, 1)
     if re.search(r'\bpressure\n', control):
         for name in bodies:
             press(f'pressure/{end}/p_{name}.raw')
-    for k in range(begin + 1, end + 1, 20):
-        say(f'Time = {k}\nGAMG:  Solving for p, Initial residual = {1 / k}, Final residual = 0')
+    for k, time in list(enumerate(times, 1))[::20]:
+        say(f'Time = {time:g}')
+        say(f'GAMG:  Solving for p, Initial residual = {1 / k}, Final residual = 0')
     say('ExecutionTime = 12.5 s  ClockTime = 13 s')
 
 
@@ -79,9 +88,16 @@ def press(path):
     place.write_text('# x y z p\n' + ''.join(rows))
 
 
-def swing(fault, begin, k):
+def going_on(begin):
+    """Return the step that is gone on with: what the folder of that time says, if anything."""
+    clock = Path(f'{begin}/uniform/time')
+    told = re.search(r'deltaT ([\d.e-]+);', clock.read_text() if clock.exists() else '')
+    return 0.02 if told is None or float(told[1]) < 0.02 else float(told[1])
+
+
+def swing(fault, time):
     """Swing by half from the third speed on, if told."""
-    return 1.0 + (0.5 * (-1) ** k if fault == 'swings' and begin >= 420 else 0.0)
+    return 1.0 + (0.5 * (-1) ** round(time) if fault == 'swings' and time > 420 else 0.0)
 
 
 def spin(row, still):
@@ -89,12 +105,13 @@ def spin(row, still):
     return (row[0], row[0], row[0]) if still else (0.0, 0.0, 0.0)
 
 
-def write(path, begin, rows, times):
+def write(path, times, rows, brackets):
     place = Path('postProcessing') / path
     place.parent.mkdir(parents=True, exist_ok=True)
     bracket = [' '.join(f'{each:.6e}' for each in row) for row in rows]
     lines = [
-        f'{begin + 1 + k}\t' + '\t'.join([f'({row})'] * times) for k, row in enumerate(bracket)
+        f'{time:.8g}\t' + '\t'.join([f'({row})'] * brackets)
+        for time, row in zip(times, bracket, strict=True)
     ]
     place.write_text('# Time\n' + '\n'.join(lines) + '\n')
 

@@ -1,36 +1,19 @@
 """Whole sweeps with programs that stand in for OpenFOAM: what fails is named, the rest is kept."""
 
-from pathlib import Path
-import sys
-
-from lta_sim.cfd.engine import PROGRAMS
+from lta_sim.cfd.crew import Threads
 from lta_sim.cfd.model import model_of
 from lta_sim.cfd.plan import flows
 from lta_sim.cfd.solve import solve, sweep_of
 import pytest
 
 AIR = (1.2, 1.5e-5)
-FAKE = Path(__file__).parent / 'fake_openfoam.py'
 GTMAB = model_of('gtmab')
-
-
-@pytest.fixture
-def fake(tmp_path, monkeypatch):
-    """Return a folder of cases that stand-ins will solve."""
-    programs = tmp_path / 'bin'
-    programs.mkdir()
-    for name in PROGRAMS:
-        (programs / name).write_text(f'#!/bin/sh\nexec {sys.executable} -S {FAKE} {name}\n')
-        (programs / name).chmod(0o755)
-    monkeypatch.setenv('PATH', f'{programs}:/usr/bin:/bin')
-    return tmp_path / 'cases'
 
 
 def swept(folder, *only):
     said = []
-    found = solve(
-        GTMAB, flows(GTMAB, 'preview', AIR, only), AIR, folder, 2, lambda *_: None, said.append
-    )
+    crew = Threads(folder, 2, lambda *_: None)
+    found = solve(crew, GTMAB, flows(GTMAB, 'preview', AIR, only), AIR, said.append)
     return sweep_of(GTMAB, 'gtmab', 'preview', AIR, *found), said
 
 
@@ -49,6 +32,7 @@ def test_a_sweep_becomes_forces_in_body_axes(fake):
     assert [p.moment[0] for p in sweep.axes['roll']] == pytest.approx(
         [-1.2 * w**2 * 0.15 for w in (0.3, 1.0, 3.0)]
     )
+    assert sweep.coarse['heave'].force == sweep.axes['heave'][2].force
     assert sweep.blows['up_left'].force == pytest.approx([0, 0, GTMAB.rotors['up_left'].thrust])
     assert sweep.blows['up_left'].evidence.balance < 1e-3
     pressed = sweep.blows['up_left'].pressed['envelope']

@@ -1,0 +1,42 @@
+"""A Dask cluster, reached: the one place that imports dask.distributed, an optional extra."""
+
+from importlib import import_module
+from typing import Any, Final
+
+from lta_config.errors import BadInput
+
+DASK: Final = 'distributed'
+PATIENCE: Final = 10.0  # s to reach the scheduler
+
+
+def connected(address: str) -> tuple[Any, Any]:
+    """
+    Return the module dask.distributed, and a client of the scheduler at an address.
+
+    Parameters
+    ----------
+    address : str
+        Such as tcp://10.0.0.1:8786.
+
+    Raises
+    ------
+    BadInput
+        If dask.distributed is not installed, or nobody answers there.
+
+    """
+    try:
+        dask: Any = import_module(DASK)
+    except ImportError:
+        raise BadInput(
+            'A cluster needs dask.distributed, which is not installed; '
+            '"pip install -r requirements-dask.txt" brings it.'
+        ) from None
+    try:
+        client: Any = dask.Client(address, timeout=PATIENCE, set_as_default=False)
+        client.wait_for_workers(1, timeout=PATIENCE)
+    except (OSError, ValueError) as error:
+        raise BadInput(
+            f"No Dask scheduler with workers answers at '{address}' "
+            f'({" ".join(str(error).split())}); start "dask scheduler" and "dask worker".'
+        ) from None
+    return dask, client

@@ -1,0 +1,128 @@
+"""
+The light board's C core on an emulated Cortex-M7 against the bridge, where QEMU is installed.
+
+`apt-get install gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm`. The emulated processor
+counts its time by instructions, and a busy machine hears it late. So our clock here is that of the
+stream: it stands at the newest row that was heard, and the bridge must find the board's beside it.
+"""
+
+from pathlib import Path
+import shutil
+import subprocess
+import sys
+import time
+
+from lta_bridge.teensy.dialect import LTA_LIGHT_BLOCK, LTA_LIGHT_PEAKS, LTA_LIGHT_STATUS
+from lta_bridge.teensy.emulator import Cable
+from lta_bridge.teensy.framing import Framing
+from lta_bridge.teensy.light_board import LightBoard
+from lta_config.topics import topic_table
+import numpy as np
+import pytest
+
+FIRMWARE = Path(__file__).resolve().parents[2] / 'firmware/light_board'
+NEEDED = ('arm-none-eabi-gcc', 'qemu-system-arm', 'make')
+LIGHT = topic_table().light
+DIODES = 8
+ROW = 100_000  # ns
+FRAME = 15 * ROW  # ns: what the board knows and we have not heard yet
+BOOT = 10**18  # ns: where our clock is when the board's is 0
+ENOUGH = 5  # blocks
+PATIENCE = 120.0  # s
+
+pytestmark = pytest.mark.skipif(
+    not all(map(shutil.which, NEEDED)), reason=f'an emulated Cortex-M7 needs {", ".join(NEEDED)}'
+)
+
+
+@pytest.fixture(scope='module')
+def built(tmp_path_factory):
+    """Return the folder of the programs for the board."""
+    build = tmp_path_factory.mktemp('firmware')
+    words = [
+        'make',
+        '-s',
+        '-C',
+        FIRMWARE,
+        'emulated',
+        f'BUILD={build}',
+        f'PYTHON={sys.executable}',
+    ]
+    done = subprocess.run(words, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return build
+
+
+@pytest.fixture
+def switched_on(tmp_path):
+    """Return a function that runs a program and yields its cable and what has come over it."""
+    boards = []
+
+    def run(program):
+        cable = Cable(tmp_path / 'tty')
+        serial = str((tmp_path / 'tty').readlink())  # QEMU takes what is below /dev alone
+        words = ('-M', 'mps2-an500', '-icount', 'shift=1', '-display', 'none', '-monitor', 'none')
+        boards.append(
+            subprocess.Popen(['qemu-system-arm', *words, '-serial', serial, '-kernel', program])
+        )
+        deadline = time.monotonic() + PATIENCE
+        while time.monotonic() < deadline:
+            assert boards[-1].poll() is None
+            yield cable, cable.read(0.02)
+        raise AssertionError('the board has not sent enough')
+
+    yield run
+    for board in boards:
+        board.kill()
+        board.wait()
+
+
+def pattern(first):
+    """Return what the board's file says of a block's rows, from the number of the first."""
+    rows = (first + np.arange(LIGHT.samples, dtype=np.uint32))[:, None]
+    told = (DIODES * rows + np.arange(DIODES, dtype=np.uint32)) * np.uint32(2654435761) >> 20
+    told[:, :2] = np.hstack([rows, rows >> 12])
+    return told & 0xFFF
+
+
+def test_its_samples_come_through_the_bridge_whole_and_in_our_time(built, switched_on):
+    link, framing, blocks, now = LightBoard(LIGHT, DIODES), Framing(), [], BOOT
+    for cable, data in switched_on(built / 'samples.elf'):
+        cable.write(link.due(now))
+        for frame in framing.take(data):
+            record = frame.record
+            if frame.message is LTA_LIGHT_BLOCK:
+                first, count = int(record['sequence']), int(record['rows'])
+                assert int(record['time_usec']) * 1000 == ROW * (first + 1)
+                now = BOOT + ROW * (first + count)
+            elif frame.message is LTA_LIGHT_STATUS:
+                overruns = int(record['overruns'])
+                assert link.blocks.lost <= overruns  # none lost but by the board, which tells it
+        blocks += link.take(data, now + 2 * FRAME)
+        if len(blocks) >= ENOUGH:
+            break
+    assert (link.wrong, link.framing.crc_errors, link.framing.unknown) == ('', 0, 0)
+    for block in blocks:
+        low, high = map(int, block.samples[0, :2])
+        first = low + (high << 12)
+        assert (block.samples == pattern(first)).all()
+        # No exchange of messages can tell better than by half of its round trip.
+        known = link.clock.round_trip / 2 + 2 * FRAME
+        assert block.stamp_ns == pytest.approx(BOOT + ROW * (first + 1), abs=known)
+
+
+def test_its_peaks_are_those_of_its_lamp(built, switched_on):
+    """A square wave of height h has a fundamental of 2 h / pi; 15 cycles fill the window."""
+    framing, peaks = Framing(), []
+    for _, data in switched_on(built / 'peaks.elf'):
+        peaks += [f.record for f in framing.take(data) if f.message is LTA_LIGHT_PEAKS]
+        if len(peaks) >= ENOUGH:
+            break
+    heights = 100.0 * np.arange(DIODES)
+    for record in peaks:
+        assert (record['diodes'], record['window'], record['frequency']) == (DIODES, 1000, 150.0)
+        assert record['amplitude'][:DIODES] == pytest.approx(
+            2.0 / np.pi * heights, rel=2e-3, abs=0.01
+        )
+        rest = heights * np.sqrt(0.25 - 2.0 / np.pi**2)  # half the height squared, less the sine's
+        assert record['noise'][:DIODES] == pytest.approx(rest, rel=2e-3, abs=0.1)

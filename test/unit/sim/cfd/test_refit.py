@@ -1,0 +1,75 @@
+"""What an aero file says beside its coefficients, from points written by hand."""
+
+from lta_config.aero_file import AeroFile
+from lta_config.files import checked
+from lta_sim.cfd.aero_text import aero_text
+from lta_sim.cfd.model import model_of
+from lta_sim.cfd.refit import beside_of, hull_share, mesh_share, processor_time, warnings_of
+from lta_sim.cfd.solve import sweep_of
+from lta_sim.cfd.sweep_table import Evidence, Point
+import pytest
+import yaml
+
+AIR = (1.2, 1.5e-5)
+SURE = Evidence(spread=0.01, window=50.0, cells=90000, seconds=50.0)
+SPEEDS = (0.5, 1.0, 2.0)
+
+
+def point(speed, force, moment=(0.0, 0.0, 0.0), parts=None):
+    return Point(
+        speed=speed,
+        force=[each * speed**2 for each in force],
+        moment=[each * speed**2 for each in moment],
+        parts=parts or {'envelope': -force[0]},
+        viscous=0.1,
+        evidence=SURE,
+    )
+
+
+def surge(*, lift=0.0, turning=0.0, parts=None, coarse=None):
+    points = [point(speed, (-0.1, 0.0, lift), (0.0, turning, 0.0), parts) for speed in SPEEDS]
+    model = model_of('gtmab')
+    return sweep_of(
+        model, 'gtmab', 'preview', AIR, {'surge': points}, {}, {},
+        {'surge': coarse} if coarse else None,
+    )  # fmt: skip
+
+
+def test_lift_and_its_moment_are_told_where_they_are_not_negligible():
+    told = beside_of(surge(lift=0.04, turning=0.005))
+    assert told == {'surge': 'at 1 m/s force (-0.1, 0, 0.04) N, moment (0, 0.005, 0) N m'}
+    assert beside_of(surge(lift=0.004)) == {}  # 4 % of the drag
+
+
+def test_a_coarser_mesh_tells_what_the_mesh_decides():
+    sweep = surge(coarse=point(1.0, (-0.11, 0.0, 0.0)))
+    assert mesh_share(sweep, 'surge') == pytest.approx(0.1)
+    assert mesh_share(surge(), 'surge') is None
+    read = checked(AeroFile, yaml.safe_load(aero_text(sweep)), 'the text')
+    assert read.evidence.axes['surge'].mesh == pytest.approx(0.1)
+    assert read.evidence.axes['yaw'].mesh is None
+
+
+def test_what_a_fidelity_cannot_do_is_a_warning():
+    sweep = surge()
+    assert 'up to 30 % low at 2 m/s' in warnings_of(sweep)[-1]
+    slow = sweep.model_copy(update={'fidelity': 'reference'})
+    assert 'above 1 m/s is extrapolated' in warnings_of(slow)[-1]
+
+
+def test_what_all_flows_took_is_told():
+    assert processor_time(surge(coarse=point(1.0, (-0.11, 0.0, 0.0)))) == pytest.approx(4 * 50.0)
+
+
+def test_what_hangs_below_the_hull_has_its_share():
+    parts = {'envelope': 0.095, 'gondola': 0.004, 'frame': 0.001}
+    assert hull_share(surge(parts=parts), 'surge') == pytest.approx(0.95)
+    assert hull_share(surge(), 'yaw') is None
+
+
+def test_a_drag_far_from_the_estimate_by_hand_is_a_warning():
+    model = model_of('gtmab')
+    low = [point(speed, (-0.03, 0.0, 0.0)) for speed in SPEEDS]
+    sweep = sweep_of(model, 'gtmab', 'preview', AIR, {'surge': low}, {}, {})
+    assert any('times what is known by hand' in each for each in warnings_of(sweep))
+    assert not any('times what is known by hand' in each for each in warnings_of(surge()))
