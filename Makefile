@@ -81,7 +81,7 @@ format: test-environment  ## put the sources into the house format
 	@.venv/bin/ruff format --quiet $(sources)
 
 .PHONY: wheel release-check test-environment
-test-environment:
+test-environment:  ## what the tests need, to run some of them by hand
 	@tools/environment.sh test
 	@tools/build.sh
 

@@ -16,7 +16,9 @@ cd "$root"
 unset PYTHONPATH PYTHONHOME
 export PIP_USER=0
 
+telling=
 stop() {
+    [ -z "$telling" ] || kill "$telling" 2>/dev/null || :
     echo "$*" >&2
     exit 2
 }
@@ -55,13 +57,37 @@ check_machine() {
         "$free_mb MB are free under $root; make room and run make again."
 }
 
+fetched() {
+    grep -c '^Collecting' "$venv/install.log" 2>/dev/null || :
+}
+
+# Say every 20 s how far pip is, whose own bars show on a terminal alone and tell of one package.
+# Ends with this script; sleep does not keep the output open for whoever reads it.
+tell_progress() {
+    seconds=0
+    before=$(fetched)
+    while sleep 20 >/dev/null 2>&1 && kill -0 $$ 2>/dev/null; do
+        seconds=$((seconds + 20))
+        doing="$(($(fetched) - before)) packages fetched"
+        if tail -n 3 "$venv/install.log" | grep -q '^Installing collected'; then
+            doing='unpacking them'
+        fi
+        echo "environment: $seconds s, $doing ..."
+    done
+}
+
 install() {
+    : >>"$venv/install.log"
+    tell_progress &
+    telling=$!
     if ! "$venv/bin/python" -m pip install --disable-pip-version-check --no-input \
         --require-hashes "$@" >>"$venv/install.log" 2>&1; then
         reason=$(sed -n "s/^ERROR: //p" "$venv/install.log" | head -n 1)
         stop "pip cannot install the environment (${reason:-see $venv/install.log}); check the" \
             'network and the pip configuration and run make again.'
     fi
+    kill "$telling" 2>/dev/null || :
+    telling=
 }
 
 # colcon takes a prefix with a local_setup file for a workspace to build upon; the package.xml
@@ -96,7 +122,7 @@ rm -f "$stamp"
 if [ "$found" != "run $wanted" ]; then
     python=$(choose_python)
     wanted=$(key "$python")
-    echo "environment: $("$python" -V) in .venv (first time: about a minute) ..."
+    echo "environment: $("$python" -V) in .venv (first time: about a minute on a free machine) ..."
     rm -rf "$venv"
     "$python" -m venv "$venv"
     install --requirement locked/build.txt
@@ -105,7 +131,7 @@ if [ "$found" != "run $wanted" ]; then
     make_underlay
 fi
 if [ "$level" = test ]; then
-    echo 'environment: what the tests need (half a minute) ...'
+    echo 'environment: what the tests need (half a minute on a free machine) ...'
     install --requirement locked/run.txt --requirement locked/test.txt
 fi
 echo "$level $wanted" >"$stamp"

@@ -26,6 +26,16 @@ def cache_root() -> Path:
     return Path(base) / 'lta' / 'kernels'
 
 
+def folder_of(source: str, root: Path) -> Path:
+    """Return the folder of a kernel, named by its text."""
+    return root / hashlib.sha256(source.encode()).hexdigest()[:16]
+
+
+def is_kept(source: str, root: Path | None = None) -> bool:
+    """Tell whether anything of a kernel is on disk compiled; to compile it takes long."""
+    return any(folder_of(source, root or cache_root()).glob('__pycache__/*.nbi'))
+
+
 def store(source: str, root: Path) -> Path:
     """
     Put a kernel into its folder unless it is there, safely among concurrent processes.
@@ -48,7 +58,7 @@ def store(source: str, root: Path) -> Path:
         If the folder cannot be written, which numba must do as well.
 
     """
-    folder = root / hashlib.sha256(source.encode()).hexdigest()[:16]
+    folder = folder_of(source, root)
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / 'kernel.py'
     if not os.access(folder, os.W_OK):

@@ -29,6 +29,23 @@ def greet(name: str = 'lamp') -> None:
     \"\"\"Say hello.\"\"\"
     print(f'hello, {name}')
 """
+SECOND = """
+from types import SimpleNamespace
+
+from lta_sim.effects.guide_rope import wrench
+from lta_sim.effects.protocol import Motion
+import numpy as np
+from oracle.given import Given
+from scipy.spatial.transform import Rotation
+from second import guide_rope
+
+turn, nothing = Rotation.from_euler('xyz', (0.3, -0.4, 2.0)).as_matrix(), (0.0, 0.0, 0.0)
+for height in (-1.0, 0.5, 9.0):
+    scene = SimpleNamespace(position=np.array([1.0, 2.0, height]), up=turn[2])
+    told, _ = guide_rope(Given({'line': 0.03, 'length': 2.0}), None, scene, None)
+    motion = Motion((1.0, 2.0, height), tuple(turn.ravel()), *3 * (nothing,), (), (), ())
+    assert np.allclose(wrench((0.03, 2.0), (), motion, ()), told, rtol=1e-12, atol=0.0), height
+"""
 GREET = "    'greet': Verb('greet', 'greet'),"
 
 
@@ -75,6 +92,10 @@ def test_an_effect_with_the_test_of_its_tutorial(tmp_path, titled):
     its_test = tmp_path / 'test_guide_rope.py'
     its_test.write_text(titled['test/unit/sim/test_guide_rope.py'])
     assert '3 passed' in python(tmp_path, '-m', 'pytest', '-q', '-p', 'no:cacheprovider', its_test)
+    shutil.copytree(ROOT / 'test/unit/sim/oracle', tmp_path / 'oracle')
+    given = 'from oracle.given import at_centre, NONE\n\n\n'
+    (tmp_path / 'second.py').write_text(given + titled['test/unit/sim/oracle/lift.py'])
+    python(tmp_path, '-c', SECOND)
     said = python(tmp_path, '-c', 'from lta_sim.effects_page import page; print(page())')
     assert '| `guide_rope` | A rope that hangs to the floor' in said
 

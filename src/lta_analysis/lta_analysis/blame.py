@@ -113,7 +113,9 @@ class Lookout:
         """
         loading = {role_of(node) for node in unheard} - {role_of(node) for node in silent}
         waited = culprits(facts.values())
-        self._excuse([role for role in waited if role in loading])
+        # Before a lockstep begins nobody says that it waits, and all do: for the vehicle.
+        first = {role for role in loading if role.rpartition('/')[2] == 'vehicle'}
+        self._excuse(sorted(first | (loading & set(waited))))
         suspects = [role for role in waited if role not in loading]
         blamed = self._blame.look(suspects, silent, not unheard)
         # Once a flight is over its simulator stops, and all its nodes wait for that in vain.

@@ -4,7 +4,7 @@ from functools import cache
 from types import ModuleType
 from typing import final
 
-from lta_config.kernel_cache import load
+from lta_config.kernel_cache import is_kept, load
 from lta_sim.compose import kernel_source, layout_of
 from lta_sim.effects import EFFECTS
 from lta_sim.model import Model
@@ -19,9 +19,20 @@ PLACES = places(LAYOUT)
 
 
 @cache
+def _source() -> str:
+    """Return the text of the kernel of all effects."""
+    return kernel_source(EFFECTS)
+
+
+@cache
 def _kernel() -> ModuleType:
     """Return the kernel of all effects."""
-    return load(kernel_source(EFFECTS))
+    return load(_source())
+
+
+def is_compiled() -> bool:
+    """Tell whether the model is compiled already: a new or edited effect compiles it anew."""
+    return is_kept(_source())
 
 
 @final

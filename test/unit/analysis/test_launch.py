@@ -103,6 +103,16 @@ def test_who_still_loads_is_excused_and_named_only_once_it_has_spoken(clock):
     assert lookout.standing == 3.0
 
 
+def test_before_the_first_step_nobody_says_that_it_waits_and_the_model_is_still_excused(clock):
+    said = []
+    lookout = Lookout(said.append)
+    for _ in range(60):
+        lookout.look({}, [], unheard=['lta2/simulator', 'theirs'])
+        clock[0] += 1.0
+    (sentence,) = said
+    assert sentence.startswith('Waiting for lta2/vehicle to load; the first flight compiles')
+
+
 def test_the_domain_is_held_in_the_name_of_all():
     assert [who(robots) for robots in (['a'], ['a', 'b'], ['a', 'b', 'c'])] == [
         'a is',

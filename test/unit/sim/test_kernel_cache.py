@@ -6,10 +6,11 @@ import subprocess
 import sys
 import textwrap
 
-from lta_config.kernel_cache import cache_root, load, store
+from lta_config.kernel_cache import cache_root, is_kept, load, store
 import pytest
 
 TINY = 'def answer():\n    return 42\n'
+COMPILED = f'from numba import njit\n\n\n@njit(cache=True)\n{TINY}'
 
 EFFECT = '''
     """A push along x, from another package."""
@@ -82,6 +83,14 @@ def test_each_text_has_its_folder(tmp_path):
     one, two = store(TINY, tmp_path), store(TINY.replace('42', '43'), tmp_path)
     assert one.parent != two.parent
     assert store(TINY, tmp_path) == one
+
+
+def test_it_is_known_whether_a_kernel_has_to_be_compiled(tmp_path):
+    kernel = load(COMPILED, tmp_path)
+    assert not is_kept(COMPILED, tmp_path)
+    assert kernel.answer() == 42
+    assert is_kept(COMPILED, tmp_path)
+    assert not is_kept(COMPILED.replace('42', '43'), tmp_path)
 
 
 def test_a_broken_file_is_mended(tmp_path):

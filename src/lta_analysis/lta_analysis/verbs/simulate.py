@@ -11,9 +11,11 @@ from lta_analysis.report.page import write_page
 from lta_analysis.simulate import simulate_once, Simulated
 from lta_analysis.verbs.fly import printed, show_files, told
 from lta_control.strategies import STRATEGIES
+from lta_sim.craft import is_compiled
 import typer
 
 KNOWN = ', '.join(STRATEGIES)
+COMPILING = 'compiling the model, once: half a minute on a free machine'
 
 
 def simulate(
@@ -53,7 +55,7 @@ def simulate(
     order = Simulated(
         vehicle, scenario, strategy, gains, seed, tuple(changes or ()), out, record=bag
     )
-    with FlightProgress(console, 'loading the world') as progress:
+    with FlightProgress(console, 'loading the world' if is_compiled() else COMPILING) as progress:
         flight, figures = simulate_once(order, progress)
     target = flight.folder / 'report.html' if bag else None
     if target is not None:

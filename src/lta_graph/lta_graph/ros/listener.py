@@ -15,7 +15,7 @@ from rclpy.node import Node
 
 DEPTH = 100  # messages of all nodes together that may wait until the next look
 DISCOVERY = 10.0  # wall seconds after the first node in which DDS finds all, on a busy machine
-LOADING = 120.0  # and in which all have spoken: on a new machine they compile the model first
+LOADING = 300.0  # and in which all have spoken: they compile the model first, half a minute alone
 TASK = 'launcher: processes'  # what is told of the nodes by whoever started them
 SILENCE = 0.85  # wall seconds after which a node is missed: two of its reports, and some delay
 
