@@ -38,8 +38,6 @@ class LightKind:
         Which figure of the bridge counts just the frames that were spoilt; empty for none.
     drift : float
         Part by which the board's clock is too fast.
-    restarts : bool
-        Whether rows are numbered anew, so that no number of lost ones means anything.
 
     """
 
@@ -50,7 +48,6 @@ class LightKind:
     spoilt: Faults = SOUND
     figure: str = ''
     drift: float = 0.0
-    restarts: bool = False
 
 
 def hushed(silent: bool) -> Callable[[Any], None]:
@@ -76,8 +73,7 @@ LIGHT_KINDS: Final = {
                               hushed(False)),
     'light dialect': LightKind('a board of another dialect', 'speaks version 2',
                                another(dialect=2), another()),
-    'light restart': LightKind('the board starts anew, its clock at 0', strike=another(),
-                               restarts=True),
+    'light restart': LightKind('the board starts anew, its clock at 0', strike=another()),
     'light drift': LightKind('its clock is 200 ppm fast', drift=DRIFT),
     'light lost': LightKind('every tenth frame is lost', spoilt=Faults(drop=EVERY)),
     'light partial': LightKind('every tenth frame ends after a third',

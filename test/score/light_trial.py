@@ -145,7 +145,7 @@ class LightTrial:
         lost = int(self._figures['rows_lost'])
         spoilt = self._kind.spoilt
         spoils = bool(spoilt.drop or spoilt.cut or spoilt.corrupt)
-        if bool(lost) != spoils and not self._kind.restarts:
+        if bool(lost) != spoils:
             return f'{lost} rows are counted as lost', self._came - came
         return '', self._came - came
 

@@ -74,6 +74,28 @@ def test_a_board_that_was_reset_is_followed():
     assert after[0].stamp_ns == pytest.approx(BOOT + 60_000_000_000, abs=8_000_000)
 
 
+def test_light_of_a_board_that_was_just_reset_waits_for_its_new_clock():
+    """It comes before the next answer: by the old clock it would be seconds old."""
+    link, _ = flown(EmulatedBoard(BOOT, first=4_000_000_000))
+    now = BOOT + 5_100_000_000
+    again = EmulatedBoard(now - 100_000_000)
+    assert list(link.take(again.light(SAMPLES[:1500]), now)) == []
+    assert (link.clock.known, link.undated, link.blocks.lost) == (False, 1, 0)
+    link, after = flown(again, SAMPLES[1500:], start=now + 1_000_000_000, link=link)
+    assert (link.clock.restarts, link.blocks.restarts, link.blocks.lost) == (1, 1, 0)
+    assert after[0].stamp_ns == pytest.approx(again.our_ns(1000), abs=1_000_000)
+
+
+def test_a_datagram_that_was_overtaken_is_no_reset():
+    board = EmulatedBoard(BOOT)
+    link, _ = flown(board)
+    frames = [board.light(SAMPLES[15 * k : 15 * k + 15]) for k in range(40)]
+    frames.insert(35, frames.pop(5))
+    for frame in frames:
+        list(link.take(frame, BOOT + 5_100_000_000))
+    assert (link.clock.restarts, link.blocks.restarts, link.blocks.lost) == (0, 0, 15)
+
+
 @pytest.mark.parametrize('time_usec', [3600 * 10**6, 2**63, 2**64 - 1])
 def test_a_time_that_cannot_be_is_no_block(time_usec):
     """Of another board, or a stranger: ROS has no time for some of these."""

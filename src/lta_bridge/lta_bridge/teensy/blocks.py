@@ -99,14 +99,19 @@ class Blocks:
             if self._suspects < RESTART:
                 self.old += count
                 return False
-            self.restarts += 1
+            self.begin_anew()
             ahead = 0
-            self._tear()
         self._suspects = 0
         if ahead:
             self.lost += ahead
             self._tear()
         return True
+
+    def begin_anew(self) -> None:
+        """Take the next rows for the first: the board was reset."""
+        self.restarts += 1
+        self._expected = None
+        self._tear()
 
     def _tear(self) -> None:
         """Give up the block that is being filled."""

@@ -81,10 +81,14 @@ class BoardClock:
     def add(self, exchange: Exchange) -> None:
         """Take an exchange; begin anew where it contradicts what was known."""
         if self._kept and self._contradicts(exchange):
-            self._kept.clear()
-            self.restarts += 1
+            self.begin_anew()
         self._kept.append(exchange)
         self._fit()
+
+    def begin_anew(self) -> None:
+        """Forget all exchanges: the board was reset, or our clock was set."""
+        self._kept.clear()
+        self.restarts += 1
 
     def _contradicts(self, exchange: Exchange) -> bool:
         slack = 1e9 * (SLACK + 3.0 * self.uncertainty)

@@ -31,6 +31,7 @@ BEAT_NS = 1_000_000_000  # between heartbeats
 ASK_NS = 250_000_000  # between questions for the time
 EAGER_NS = 20_000_000  # between them before it is known
 OLDEST_NS = AHEAD_NS = 10_000_000_000  # by which a first sample may seem old, or yet to come
+BACK_NS = 100_000_000  # by which a datagram may be overtaken; farther back, the board began anew
 ANSWER_NS = 1_000_000_000  # after which an answer says nothing any more
 QUESTIONS = 8  # kept until they are answered
 CONTROLLER, NO_AUTOPILOT, ACTIVE, PROTOCOL = 18, 8, 4, 3  # of MAVLink's common.xml
@@ -91,6 +92,8 @@ class LightBoard:
         self.clock = BoardClock()
         self.blocks = Blocks(light.samples, light.sample_rate.si)
         self.undated = self.heard_ns = self.overruns = self.peaks = 0
+        self._newest_ns = 0  # of the board's times
+        self._resets = 0  # of its clock, as of then
         self._unlike = self._unfit = ''  # by its status, and by the light that it sends
 
     @property
@@ -134,6 +137,7 @@ class LightBoard:
         return message.frame(self._sent - 1, SYSTEM, COMPONENT, **values)
 
     def _take_rows(self, record: np.void, now_ns: int) -> Iterator[LightBlock]:
+        self._heed_restart(_ns(record))
         self._unfit = self._why_no_rows(int(record['diodes']), int(record['rows']))
         if self._unfit:
             return
@@ -161,6 +165,7 @@ class LightBoard:
 
     def _take_peaks(self, record: np.void, now_ns: int) -> Iterator[LightPeaks]:
         self.peaks += 1
+        self._heed_restart(_ns(record))
         self._unfit = self._why_no_peaks(record)
         if self._unfit:
             return
@@ -188,6 +193,16 @@ class LightBoard:
         ):
             return 'The light board tells peaks that are no numbers; look at its firmware.'
         return ''
+
+    def _heed_restart(self, board_ns: int) -> None:
+        """Forget clock and rows of before where the board's time has gone back."""
+        if board_ns < self._newest_ns - BACK_NS:
+            if self.clock.restarts == self._resets:  # an answer has not told it that already
+                self.clock.begin_anew()
+            self.blocks.begin_anew()
+            self._newest_ns = board_ns
+        self._newest_ns = max(self._newest_ns, board_ns)
+        self._resets = self.clock.restarts
 
     def _dated(self, board_ns: int, now_ns: int) -> int | None:
         """Return our time of what the board stamped so; None where it may not be used."""
