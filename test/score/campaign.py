@@ -1,11 +1,13 @@
 """
 A campaign: many trials, each in a process of its own, its row kept as it comes.
 
-What was stopped goes on where it was, while what decides the outcomes stays the same (`version`).
+What was stopped goes on where it was, while what decides the outcomes stays the same (`version`);
+each row says of which code it is.
 A trial is a script called with a kind and a number that prints its outcome as JSON (`outcome.py`).
 """
 
 import argparse
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import as_completed, ThreadPoolExecutor
 from contextlib import suppress
@@ -129,12 +131,18 @@ def campaign(
         try:
             for future in watched:
                 case = flying[future]
-                done[case] = future.result()
+                done[case] = {**future.result(), 'code': path.stem}
                 file.write(json.dumps({'case': case, **done[case]}) + '\n')
                 file.flush()
         except KeyboardInterrupt:  # the rest another time
             pool.shutdown(wait=False, cancel_futures=True)
     return {case: done[case] for case in cases if case in done}
+
+
+def codes(outcomes: dict[Case, Row]) -> str:
+    """Return which code each trial was of, as rows of another may be put beside by hand."""
+    counted = Counter(row['code'] for row in outcomes.values())
+    return ', '.join(f'{count} of code {code}' for code, count in counted.items())
 
 
 def told(lines: Sequence[str], path: Path, outcomes: dict[Case, Row]) -> int:

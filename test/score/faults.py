@@ -11,7 +11,7 @@ from pathlib import Path
 import sys
 from typing import Final
 
-from campaign import asked, campaign, Case, Row, STALLED, tried, TRIES, turn_about
+from campaign import asked, campaign, Case, codes, Row, STALLED, tried, TRIES, turn_about
 from campaign import told as printed
 from campaign import version as hashed
 from fault_kinds import Kind, KINDS, SLACK
@@ -34,7 +34,7 @@ HEAD: Final = (
     'process must end.\n\nA time that was missed, or another word that was said, while the '
     'machine woke a sleeper {stalled:.2f} s or more too late says nothing of the bridge: that '
     'flight was flown again,\n{tries} times at most, and the last one counts, whatever became of '
-    'it. Nothing else that is wrong is ever flown again. {count} flights of code {code}, of '
+    'it. Nothing else that is wrong is ever flown again. {codes}, of the '
     '{wanted} that make {each} of each;\n{again} flown again; in {stalls} of those that count the '
     'machine stood still for so long.\n\n'
     '| fault | what becomes of the flight | by duties | by setpoints | as stated |\n'
@@ -122,8 +122,7 @@ def paged(outcomes: dict[Case, Row]) -> str:
         slack=SLACK,
         stalled=STALLED,
         tries=TRIES - 1,
-        count=len(outcomes),
-        code=version(),
+        codes=codes(outcomes),
         wanted=EACH * len(ALL),
         each=EACH,
         again=sum(row['again'] for row in outcomes.values()),
