@@ -184,4 +184,8 @@ def test_a_flight_in_real_time_is_open_to_people(lta, peer, flying, hear, tmp_pa
     assert answers[1:] == [[0.0] * 4] * (len(answers) - 1)  # the first may have been on its way
     flight.interrupt()
     assert flight.end() == 130
-    assert flight.text == 'Stopped.'
+    assert flight.text.splitlines() == [
+        'controller: published by others too: motors (/lta1/peer); stop all but one.',
+        'controller: emergency stop: restart the controller to fly again.',
+        'Stopped.',
+    ]
