@@ -7,16 +7,15 @@ drone looks at its clock every 2 ms, which is in it. In the built workspace (too
 
 import os
 from pathlib import Path
-import sys
 import time
 
+import beside  # noqa: F401
+from domain import free_domain
 from lta_bridge.crazyflie.emulated.body import Bench
 from lta_bridge.crazyflie.emulated.firmware import Firmware
 from lta_bridge.crazyflie.emulated.server import Server
 from lta_graph.ros.node import from_stamp
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / 'integration'))
 from peer import Peer, start
 
 COUNT = 1000
@@ -29,7 +28,7 @@ def processor(pid):
 
 
 def main():
-    with Server(Firmware(Bench())) as server, Peer(int(os.environ['ROS_DOMAIN_ID'])) as peer:
+    with free_domain() as domain, Server(Firmware(Bench())) as server, Peer(domain) as peer:
         node, late = start('lta_bridge.nodes.crazyflie_bridge', '-p', f'uri:={server.uri}'), []
 
         def on_imu(message):
