@@ -32,7 +32,7 @@ bench: test-environment  ## the measurements, beside those of others (ARGS='kern
 	@$(enter) && .venv/bin/python test/benchmark/bench.py $(ARGS)
 
 bench-compare: test-environment  ## hold the last `make bench` against the kept ratios (ARGS=--keep: keep it)
-	@.venv/bin/python test/benchmark/compare.py $(ARGS)
+	@$(enter) && .venv/bin/python test/benchmark/compare.py $(ARGS)
 
 flights: test-environment  ## fly many seeds (ARGS=SEEDS, 20 by default: minutes)
 	@$(enter) && .venv/bin/python test/benchmark/flights.py $(ARGS)
