@@ -44,6 +44,11 @@ def test_locked_versions_are_the_pinned_ones(name):
     }
 
 
+def test_everything_that_is_asked_for_is_pinned_and_nothing_else():
+    needed = {package for name in ('build', 'run', 'test') for package in locked(name)}
+    assert needed == import_module('lock').pins('constraints.txt').keys()
+
+
 def test_what_the_site_is_asked_for_is_locked():
     assert import_module('lock').pins('requirements-docs.txt').keys() <= locked('docs').keys()
 

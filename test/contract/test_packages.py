@@ -1,7 +1,7 @@
 """Every package says of itself what is true: name, version, dependencies, executables, fence."""
 
 import ast
-from importlib import import_module, metadata
+from importlib import import_module
 import json
 from pathlib import Path
 import re
@@ -10,8 +10,6 @@ import sys
 from catkin_pkg.package import parse_package
 from lta_analysis.doctor.machine import python
 from lta_config.version import VERSION
-from packaging.requirements import Requirement
-from packaging.utils import canonicalize_name
 import pytest
 import yaml
 
@@ -210,37 +208,3 @@ def test_one_version_everywhere():
     assert yaml.safe_load((ROOT / 'CITATION.cff').read_text())['version'] == version
     heading = re.compile(rf'^## \[(Unreleased|{re.escape(version)})\]', re.MULTILINE)
     assert heading.search((ROOT / 'CHANGELOG.md').read_text())
-
-
-def is_needed(requirement, extra):
-    """Return whether one of the Python versions that LTA is tested with needs it."""
-    return requirement.marker is None or any(
-        requirement.marker.evaluate({'python_version': version, 'extra': extra})
-        for version in ('3.11', '3.12', '3.13', '3.14')
-    )
-
-
-def test_everything_that_is_asked_for_is_pinned():
-    pins = {}
-    for line in (ROOT / 'constraints.txt').read_text().splitlines():
-        if not line.startswith('#'):
-            name, version = line.split('==')
-            pins[canonicalize_name(name)] = version
-    waiting = [
-        Requirement(line)
-        for file in ('requirements.txt', 'requirements-test.txt')
-        for line in (ROOT / file).read_text().splitlines()
-        if line and not line.startswith('#')
-    ]
-    reached, seen = set(), set()
-    while waiting:
-        requirement = waiting.pop()
-        name = canonicalize_name(requirement.name)
-        reached.add(name)
-        assert name in pins, f'{name} is not in constraints.txt'
-        for extra in {'', *requirement.extras}:
-            if (name, extra) not in seen:
-                seen.add((name, extra))
-                further = map(Requirement, metadata.requires(name) or [])
-                waiting += [each for each in further if is_needed(each, extra)]
-    assert reached == pins.keys(), f'pinned and not needed: {pins.keys() - reached}'

@@ -10,7 +10,7 @@ PARTS: Final = ('chaos', 'soak')  # in the order of the page
 
 def put(part: str, text: str) -> None:
     """
-    Write one part of the page and leave the others as they are.
+    Write one part of the page; leave the others, and what people wrote above them, as they are.
 
     Parameters
     ----------
@@ -21,11 +21,13 @@ def put(part: str, text: str) -> None:
 
     """
     page = PAGE.read_text(encoding='utf-8') if PAGE.exists() else TITLE
+    marked = [page.index(mark(name)) for name in PARTS if mark(name) in page]
+    above = page[: min(marked, default=len(page))].rstrip('\n')
     found = {name: between(page, name) for name in PARTS} | {part: text.strip('\n')}
     blocks = [
         f'\n{mark(name)}\n\n{found[name]}\n\n{mark(name)}\n' for name in PARTS if found[name]
     ]
-    PAGE.write_text(TITLE + ''.join(blocks), encoding='utf-8')
+    PAGE.write_text(above + '\n' + ''.join(blocks), encoding='utf-8')
 
 
 def between(page: str, part: str) -> str:

@@ -47,6 +47,8 @@ def test_what_is_spoilt_is_what_it_says():
 
 def test_each_command_writes_its_own_part_of_the_page(tmp_path, monkeypatch):
     monkeypatch.setattr(reliability, 'PAGE', tmp_path / 'page.md')
+    by_hand = '# Reliability\n\nHow a fault comes to be named.\n'
+    (tmp_path / 'page.md').write_text(by_hand)
     reliability.put('soak', '## Long\n\nfirst')
     reliability.put('chaos', '## Trouble')
     reliability.put('soak', '## Long\n\nsecond\n')
@@ -55,6 +57,7 @@ def test_each_command_writes_its_own_part_of_the_page(tmp_path, monkeypatch):
     assert 'second' in page
     assert 'first' not in page
     assert page.count('written by make') == 4
+    assert page.startswith(by_hand)
 
 
 @pytest.mark.parametrize(('leak', 'flat'), [(0.0, True), (3.0 * LEAK, False)])
