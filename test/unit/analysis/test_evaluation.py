@@ -2,6 +2,7 @@
 
 from collections import Counter
 from dataclasses import replace
+from importlib import import_module
 import io
 from itertools import product
 import json
@@ -164,6 +165,8 @@ def test_the_pilot_keeps_its_track_straight():
 @pytest.fixture(scope='module')
 def shipped(tmp_path_factory):
     """Take a small sweep for two of the sets, whoever asks."""
+    # Its help names the sets when it is first imported, for every later test of this process.
+    import_module('lta_analysis.verbs.light_evaluate')
     path = tmp_path_factory.mktemp('sweep') / 'near.yaml'
     path.write_text(yaml.safe_dump(NEAR))
     small = {
