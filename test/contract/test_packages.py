@@ -5,6 +5,7 @@ from importlib import import_module
 import json
 from pathlib import Path
 import re
+import runpy
 import sys
 
 from catkin_pkg.package import parse_package
@@ -14,6 +15,7 @@ import pytest
 import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
+FIRST_FLIGHT = 'docs/tutorials/first_flight.md'
 FOLDERS = [ROOT / 'config', *sorted(path.parent for path in ROOT.glob('src/*/setup.py'))]
 NAMES = {
     'lta_analysis',
@@ -186,10 +188,16 @@ def test_python_versions_are_the_same_everywhere():
     lowest, end = re.search(r'\(3, (\d+)\) <= sys\.version_info < \(3, (\d+)\)', script).groups()
     words = f'3.{lowest} to 3.{int(end) - 1}'
     assert f'LTA needs Python {words}' in script
-    for name in ('README.md', 'CONTRIBUTING.md'):
+    for name in ('README.md', 'CONTRIBUTING.md', FIRST_FLIGHT, 'constraints.txt'):
         assert f'Python {words}' in (ROOT / name).read_text(), name
-    assert f'LTA needs {words}:' in python((3, int(lowest) - 1)).remedy
-    assert python((3, int(end) - 1)).state == 'ok'
+    wheel = (ROOT / 'tools/wheel/setup.py').read_text()
+    assert f"python_requires='>=3.{lowest},<3.{end}'" in wheel
+    lock = runpy.run_path(str(ROOT / 'tools/lock.py'))
+    assert lock['PYTHONS'] == tuple(f'3.{minor}' for minor in range(int(lowest), int(end)))
+    for outside in (int(lowest) - 1, int(end)):
+        assert f'LTA needs {words}:' in python((3, outside)).remedy
+    for bound in (int(lowest), int(end) - 1):
+        assert python((3, bound)).state == 'ok'
 
 
 @pytest.mark.parametrize(
