@@ -18,7 +18,7 @@ import time
 from typing import Any, Final, final
 import warnings
 
-from lta_bridge.crazyflie.link import check_uri, Event, LinkFailed, LogPacket, Lost, OLDEST, Ping
+from lta_bridge.crazyflie.link import Event, LinkFailed, LogPacket, Lost, OLDEST, Ping
 from lta_bridge.crazyflie.log_table import Block
 from lta_bridge.crazyflie.remedies import remedied
 from lta_config.errors import BadInput
@@ -32,6 +32,16 @@ except ImportError:  # told when a link is made, with the remedy
 else:
     CFLIB = True
 
+PLACE: Final = r'[^/:\s]+:\d{1,5}'
+RATE: Final = r'(250K|1M|2M)'
+ADDRESS: Final = r'[0-9A-Fa-f]{1,10}'
+SCHEMES: Final = {  # what comes behind ://, as cflib reads it
+    'radio': rf'(\d+|{ADDRESS})/\d{{1,3}}(/{RATE}(/{ADDRESS})?)?(\?rate_limit=\d+)?',
+    'usb': r'\d+',
+    'udp': PLACE,
+    'tcp': PLACE,
+    'serial': r'\S+',
+}
 LANDING: Final = 3.0  # s for the firmware's own landing
 U8, U16 = 0x08, 0x09  # the firmware's numbers for types of parameters
 FULL_RATIO: Final = 65535
@@ -83,7 +93,7 @@ class CflibLink:
     Parameters
     ----------
     uri : str
-        Where it is.
+        Where it is, one of `SCHEMES`.
     blocks : sequence of Block
         What to log.
     clock : callable
@@ -92,12 +102,11 @@ class CflibLink:
     Raises
     ------
     BadInput
-        If cflib is not installed or the URI names no Crazyflie.
+        If cflib is not installed.
 
     """
 
     def __init__(self, uri: str, blocks: Sequence[Block], clock: Callable[[], int]) -> None:
-        check_uri(uri)
         if not CFLIB:
             raise BadInput(
                 'A Crazyflie needs cflib, which is not installed: .venv/bin/pip install -c '
@@ -280,3 +289,6 @@ class CflibLink:
         except Exception as error:  # whatever a driver raises, and cflib's lock stays taken then
             self._drone = None
             self._lost('', f'{type(error).__name__}: {error}')
+
+
+LINK: Final = CflibLink
