@@ -40,7 +40,7 @@ def test_a_page_has_links_to_look_at():
 
 
 def test_rates_of_health_are_those_of_the_nodes():
-    text = ' '.join((ROOT / 'docs/architecture.md').read_text(encoding='utf-8').split())
+    text = ' '.join((ROOT / 'docs/inside.md').read_text(encoding='utf-8').split())
     assert f'reports in `/diagnostics` every {REPORT_PERIOD} s of wall time' in text
     assert f'one that waits longer than {PATIENCE} s names its missing inputs' in text
 

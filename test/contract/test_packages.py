@@ -2,6 +2,7 @@
 
 import ast
 from importlib import import_module
+from itertools import accumulate
 import json
 from pathlib import Path
 import re
@@ -198,6 +199,17 @@ def test_python_versions_are_the_same_everywhere():
         assert f'LTA needs {words}:' in python((3, outside)).remedy
     for bound in (int(lowest), int(end) - 1):
         assert python((3, bound)).state == 'ok'
+
+
+def test_packages_depend_to_the_left_only_as_the_architecture_says():
+    page = (ROOT / 'docs/architecture.md').read_text()
+    (line,) = re.findall(r'^Packages depend to the left only: (.*)\.$', page, re.MULTILINE)
+    steps = [set(re.findall(r'`(\w+)`', step)) for step in line.split('<-')]
+    assert set().union(*steps) == NAMES
+    for step, left in zip(steps, accumulate(steps, set.union, initial=set()), strict=False):
+        for folder in (folder for folder in FOLDERS if name_of(folder) in step):
+            used = {name.split('.')[0] for path in sources(folder) for name in imports(path)}
+            assert used & NAMES <= left | {name_of(folder)}, name_of(folder)
 
 
 @pytest.mark.parametrize(

@@ -64,7 +64,6 @@ BESIDE = {'description': DescriptionSettings, 'teleop': TeleopSettings}
 LISTENERS = {'recorder', 'live', 'crazyflie_bridge'}
 PARTIAL = {'crazyflie_bridge'}  # a real drone says less than the simulator
 FILES = {path.stem: path for path in ROOT.glob('src/*/lta_*/nodes/[!_]*.py')}
-HEADERLESS = {'std_msgs/msg/Bool', 'std_msgs/msg/Float64', 'rosgraph_msgs/msg/Clock'}
 
 each_node = pytest.mark.parametrize('name', NODES)
 each_topic = pytest.mark.parametrize('name', TABLE.topics)

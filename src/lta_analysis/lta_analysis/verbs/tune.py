@@ -7,6 +7,7 @@ from pathlib import Path
 import sys
 from typing import Annotated, Any
 
+from lta_analysis.json_value import finite
 from lta_analysis.out_option import folder
 from lta_analysis.plain_console import plain_console
 from lta_analysis.results_folder import page_line
@@ -130,15 +131,6 @@ def tune(
     if json:
         sys.stdout.write(json_text.dumps(printed(done, target), indent=1) + '\n')
     tell(done, target, console)
-
-
-def finite(value: object) -> object:
-    """Return what JSON can hold: what is infinite or no number is null."""
-    if isinstance(value, dict):
-        return {key: finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def printed(done: Tuned, page: Path | None) -> Any:  # noqa: ANN401 - what JSON holds

@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass
 import math
 from typing import Final, final
 
+from lta_analysis.json_value import finite
 from lta_analysis.light.bearing.bench import Reading
 import numpy as np
 from numpy.typing import NDArray
@@ -55,9 +56,8 @@ class Score:
 
     def to_json(self) -> dict[str, float | None]:
         """Return it for JSON, which has no NaN."""
-        return {
-            name: value if math.isfinite(value) else None for name, value in asdict(self).items()
-        }
+        known: dict[str, float | None] = finite(asdict(self))
+        return known
 
 
 def score(readings: Sequence[Reading]) -> Score:
