@@ -223,8 +223,10 @@ def test_cores_know_no_ros(path):
 
 
 def test_one_version_everywhere():
-    (version,) = {setup_of(folder)['version'] for folder in FOLDERS}
-    assert version == VERSION
-    assert yaml.safe_load((ROOT / 'CITATION.cff').read_text())['version'] == version
-    heading = re.compile(rf'^## \[(Unreleased|{re.escape(version)})\]', re.MULTILINE)
+    said = {'CITATION.cff': yaml.safe_load((ROOT / 'CITATION.cff').read_text())['version']}
+    for folder in FOLDERS:
+        said[f'{folder}/setup.py'] = setup_of(folder)['version']
+        said[f'{folder}/package.xml'] = parse_package(folder / 'package.xml').version
+    assert said == dict.fromkeys(said, VERSION)
+    heading = re.compile(rf'^## \[(Unreleased|{re.escape(VERSION)})\]', re.MULTILINE)
     assert heading.search((ROOT / 'CHANGELOG.md').read_text())
