@@ -22,7 +22,7 @@ def state() -> State:
     """Return the present state."""
     found = {
         f'{module}.{name}': [(key, id(value)) for key, value in getattr(held, name).items()]
-        for module, held in list(sys.modules.items())
+        for module, held in sys.modules.copy().items()  # a thread may be importing
         if module.startswith('lta_')
         for name in _registries_of(module, held)
     }
@@ -33,7 +33,9 @@ def state() -> State:
 def _registries_of(module: str, held: ModuleType) -> list[str]:
     if module not in _REGISTRIES:
         _REGISTRIES[module] = [
-            name for name, one in vars(held).items() if name.isupper() and isinstance(one, dict)
+            name
+            for name, one in vars(held).copy().items()
+            if name.isupper() and isinstance(one, dict)
         ]
     return _REGISTRIES[module]
 
