@@ -21,7 +21,8 @@ from lta_control.nodes.estimator import EstimatorParameters
 from lta_control.nodes.navigator import NavigatorParameters
 from lta_energy.nodes.energy_monitor import EnergyMonitorParameters
 from lta_graph.launch_file import arguments, load
-from lta_graph.ros.node import GraphSettings, message_type
+from lta_graph.ros.message_types import message_type
+from lta_graph.ros.node import GraphSettings
 from lta_graph.ros.parameters import describe, leaves
 from lta_graph.ros.qos import profile
 from lta_sim.scenario import load_scenario

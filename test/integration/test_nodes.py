@@ -5,8 +5,10 @@ import math
 import signal
 
 from lta_graph.health import Level
-from lta_graph.ros.node import message_type, to_stamp
+from lta_graph.ros.message_types import message_type
+from lta_graph.ros.others import OTHERS
 from lta_graph.ros.qos import profile
+from lta_graph.ros.stamps import to_stamp
 import pytest
 from rcl_interfaces.srv import DescribeParameters
 from rclpy.qos import ReliabilityPolicy
@@ -176,6 +178,7 @@ def test_a_flight_in_real_time_is_open_to_people(lta, peer, flying, hear, tmp_pa
 
     hear(refused)
     hear(lambda facts: facts['simulator: command'].message == 'accepted')
+    hear(lambda facts: f'controller: {OTHERS}' in facts)  # the terminal tells in this order
 
     assert peer.ask(Trigger, 'emergency_stop').success
     peer.motors.clear()

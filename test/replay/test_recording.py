@@ -31,7 +31,8 @@ from lta_control.phases import Mission
 from lta_control.reserve import Order
 from lta_control.sighting import sighted
 from lta_control.strategies import strategy
-from lta_graph.ros.node import from_stamp, message_type, to_stamp
+from lta_graph.ros.message_types import message_type
+from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_sim.scenario import load_scenario
 from lta_sim.start_offset import started
 from lta_sim.vehicle import load_vehicle

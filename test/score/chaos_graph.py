@@ -16,7 +16,7 @@ from command import Lta, processes
 from diagnostic_msgs.msg import DiagnosticArray
 from lta_bridge.emulated_hardware import emulated, Hardware
 from lta_config.topics import topic_table
-from lta_graph.ros.node import message_type
+from lta_graph.ros.message_types import message_type
 from peer import Peer
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_srvs.srv import SetBool

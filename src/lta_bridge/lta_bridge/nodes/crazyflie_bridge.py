@@ -29,9 +29,11 @@ from lta_graph.health import Level
 from lta_graph.ros.device import DeviceNode
 from lta_graph.ros.helm import Helm
 from lta_graph.ros.links import Links
-from lta_graph.ros.node import from_stamp, message_type, run, to_stamp
+from lta_graph.ros.message_types import message_type
 from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.process import run
 from lta_graph.ros.qos import profile
+from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_sim.vehicle import load_vehicle
 from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn

@@ -26,10 +26,12 @@ from lta_bridge.playback.settings import FOREVER, PlayerSettings
 from lta_config.errors import BadInput
 from lta_graph.health import Level
 from lta_graph.ros.company import OVER
-from lta_graph.ros.node import GraphNode, run, to_stamp
+from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.process import run
 from lta_graph.ros.qos import profile
 from lta_graph.ros.replay_due import from_due
+from lta_graph.ros.stamps import to_stamp
 from rclpy.clock import Clock, ClockType
 from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock as ClockMessage

@@ -16,8 +16,9 @@ from lta_config.settings import setting, Settings
 from lta_config.vehicle_file import load_vehicle_file
 from lta_graph.health import Level
 from lta_graph.ros.device import DeviceNode
-from lta_graph.ros.node import run, to_stamp
 from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.process import run
+from lta_graph.ros.stamps import to_stamp
 from lta_sim.messages import light_block
 from lta_vlc.demodulation import Demodulation, Peaks
 from lta_vlc.diodes import diodes_of

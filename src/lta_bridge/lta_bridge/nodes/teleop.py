@@ -19,8 +19,10 @@ from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
 from lta_control.messages import from_setpoint
 from lta_graph.health import Level
-from lta_graph.ros.node import GraphNode, message_type, run
+from lta_graph.ros.message_types import message_type
+from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.process import run
 from lta_graph.ros.qos import profile
 from rclpy.clock import Clock, ClockType
 from sensor_msgs.msg import Joy

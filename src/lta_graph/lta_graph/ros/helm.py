@@ -9,7 +9,8 @@ from collections.abc import Callable
 from typing import Any, Final, final
 
 from lta_graph.health import Level
-from lta_graph.ros.node import GraphNode, message_type
+from lta_graph.ros.message_types import message_type
+from lta_graph.ros.node import GraphNode
 from lta_graph.ros.qos import profile
 
 HELM: Final = 'helm'  # the task in which whoever flies by setpoints tells whose count

@@ -21,8 +21,10 @@ from lta_graph.health import Level
 from lta_graph.inbox import Step
 from lta_graph.ros.company import Company, OVER, PULSE
 from lta_graph.ros.links import Links
-from lta_graph.ros.node import from_stamp, GraphNode, run, to_stamp
+from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.process import run
+from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_sim import messages
 from lta_sim.readings import Outcome, Readings
 from lta_sim.scenario import load_scenario
