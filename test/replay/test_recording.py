@@ -15,8 +15,9 @@ import tempfile
 
 from lta_analysis.bag.flight import open_flight
 from lta_analysis.bag.reader import read_bag
-from lta_analysis.loop import carried_axes, carried_lamp, Loop, Policy
+from lta_analysis.loop import carried_axes, carried_lamp, Loop
 from lta_analysis.messages import LoopRecorder
+from lta_analysis.policy import Policy
 from lta_analysis.replay.verdict import judged
 from lta_bridge.bag.qos import offered_qos
 from lta_bridge.bag.writer import BagWriter

@@ -6,7 +6,7 @@ from typing import Any, cast, final
 
 from lta_analysis.fleet.numbers import Craft, Goal, Power
 from lta_analysis.fleet.targets import Rhythm, STEP
-from lta_analysis.loop import Policy
+from lta_analysis.policy import Policy
 from lta_config.errors import BadInput
 from lta_config.topics import TopicTable
 from lta_control.autopilot import drone_of

@@ -6,8 +6,8 @@ from dataclasses import asdict, dataclass
 from typing import Any, Final, final
 
 from lta_energy.circuit import Spent
+from lta_energy.diary import ASLEEP, Diary, Flight
 from lta_energy.light_of_days import LightOfDays
-from lta_energy.mission import ASLEEP, Diary, Flight
 
 FAILED: Final = {
     'empty': 'empty in flight',

@@ -10,8 +10,8 @@ tracker.
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any, final, NamedTuple
 
+from lta_analysis.report.curves import Array, held, Motion, sampled, Spot
 from lta_analysis.report.evidence import Evidence
-from lta_analysis.report.view import Array, held, Motion, sampled, Spot
 import numpy as np
 from numpy.typing import NDArray
 
