@@ -1,8 +1,8 @@
 """
 Write the text of one leg: kernel, sensors, estimator, control, homing and cell, to be continued.
 
-The parts are those of a flight of a batch (`lta_analysis.fleet.assembly`); what the leg has of its own
-is that it begins with what the leg before left, and leaves the same to the next.
+The parts are those of a flight of a batch (`fleet.assembly`); what the leg has of its own is that
+it begins with what the leg before left, and leaves the same to the next.
 """
 
 from collections.abc import Callable, Sequence
