@@ -121,7 +121,7 @@ class CflibLink:
         self.protocol = -1
 
     def open(self, deadline: float) -> None:
-        """Connect, and ask for all log blocks."""
+        """Connect, and ask for all log blocks, until a deadline from now. [s]"""
         until = time.monotonic() + deadline
         drone = self._opened = self._drone = cflib.crazyflie.Crazyflie()
         outcome: SimpleQueue[str] = SimpleQueue()
@@ -210,13 +210,13 @@ class CflibLink:
             leaving.join(CLOSING)
 
     def parameter(self, name: str) -> float | None:
-        """Return the value that was read when the link came up, or since."""
+        """Return the value read when the link came up, or since, in the firmware's unit."""
         group, _, word = name.partition('.')
         text = self._drone.param.values.get(group, {}).get(word)
         return None if text is None else float(text)
 
     def write(self, name: str, value: float, deadline: float) -> None:
-        """Set a parameter and wait for the value to come back."""
+        """Set a parameter and wait for the value to come back, until a deadline from now. [s]"""
         group, _, word = name.partition('.')
         echoes: SimpleQueue[float] = SimpleQueue()
         param = self._drone.param
@@ -251,7 +251,7 @@ class CflibLink:
             self._sends('supervisor', 'send_emergency_stop_watchdog')
 
     def hover(self, forward: float, yaw_rate: float, height: float) -> None:
-        """Send a hover setpoint; cflib takes degrees a second."""
+        """Send speed [m/s], yaw rate [rad/s] and height [m]; cflib takes degrees a second."""
         self._sends(
             'commander', 'send_hover_setpoint', forward, 0.0, math.degrees(yaw_rate), height
         )

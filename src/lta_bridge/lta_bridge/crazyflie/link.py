@@ -60,7 +60,7 @@ class Link(Protocol):
         ...
 
     def parameter(self, name: str) -> float | None:
-        """Return the value of a parameter; None where the firmware has none of that name."""
+        """Return a parameter in the firmware's unit; None where it has none of that name."""
         ...
 
     def write(self, name: str, value: float, deadline: float) -> None:
@@ -88,7 +88,7 @@ class Link(Protocol):
         ...
 
     def override(self, duties: Sequence[float]) -> None:
-        """Turn motors whatever the firmware's supervisor says; no duties let go of them."""
+        """Turn M1 to M4 by duties 0 to 1 whatever the supervisor says; none lets go of them."""
         ...
 
     def hand_over(self, land: bool) -> None:

@@ -68,7 +68,7 @@ class SerialPort:
             raise BadInput(_why(path, error)) from None
 
     def read(self, timeout: float) -> bytes:
-        """Return what has come."""
+        """Return what has come, after at most so long. [s]"""
         try:
             select.select([self._port.fileno()], [], [], timeout)
             return bytes(self._port.read(CHUNK))
@@ -111,7 +111,7 @@ class UdpPort:
         self._socket.setblocking(False)
 
     def read(self, timeout: float) -> bytes:
-        """Return what has come."""
+        """Return what has come, after at most so long. [s]"""
         select.select([self._socket], [], [], timeout)
         parts = []
         try:

@@ -67,7 +67,7 @@ class Flown:
         return self._values
 
     def fly(self, now: float, wish: Wish) -> None:
-        """Go on to a time; a long delay is let go."""
+        """Go on to a time [s]; a long delay is let go."""
         late = now - self._behind - self._world.elapsed
         if late > SLIP * self._dt:
             self._behind += late - self._dt
