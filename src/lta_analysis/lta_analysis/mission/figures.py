@@ -108,7 +108,7 @@ def share_of(diary: Diary, state: int) -> float:
 
 
 def by_hour(diary: Diary, light: LightOfDays) -> list[float]:
-    """Return the minutes flown in each hour of the mission."""
+    """Return the time flown in each hour of the mission. [min]"""
     hours = [0.0] * round(light.end / 3600.0)
     for flight in diary.flights:
         hours[min(int(flight.start / 3600.0), len(hours) - 1)] += flight.duration / 60.0

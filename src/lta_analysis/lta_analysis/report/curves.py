@@ -62,12 +62,12 @@ class Duties(NamedTuple):
 
 
 def sampled(time: Array, track_time: Array, values: Array) -> Array:
-    """Return values at other times, linear in between and constant beyond the ends."""
+    """Return values at other times [s], linear in between and constant beyond the ends."""
     return np.asarray(np.interp(time, track_time, values))
 
 
 def held(time: Array, track: Track) -> Array:
-    """Return the newest value at each time, NaN before the first: how a set-point acts."""
+    """Return the newest value at each time [s], NaN before the first: how a set-point acts."""
     index = np.searchsorted(track.time, time, side='right') - 1
     values = np.append(track.value, np.nan)
     return np.asarray(values[np.where(index < 0, len(track.value), index)])

@@ -54,7 +54,7 @@ def check(evidence: Evidence) -> Verdict:
 
 
 def as_told(alike: Likeness) -> float:
-    """Return the mean match of the moving axes, each with its own."""
+    """Return the mean match of the moving axes, each with its own. [1]"""
     return float(np.diag(alike.match)[alike.moving].mean())
 
 

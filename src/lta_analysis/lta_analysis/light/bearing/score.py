@@ -83,7 +83,7 @@ def score(readings: Sequence[Reading]) -> Score:
 
 
 def column(readings: Sequence[Reading], name: str) -> Array:
-    """Return one number of all readings."""
+    """Return one number of all readings, shape (n,)."""
     return np.array([getattr(reading, name) for reading in readings], dtype=np.float64)
 
 
@@ -94,7 +94,7 @@ def quantile(errors: Array, percent: float) -> float:
 
 
 def within(errors: Array, deviations: Array, width: float) -> float:
-    """Return the part of the errors within so many of their deviations."""
+    """Return the part of the errors within so many of their deviations. [1]"""
     known = np.isfinite(errors)
     if not known.any():
         return math.nan
