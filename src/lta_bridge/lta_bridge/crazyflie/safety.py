@@ -103,7 +103,7 @@ class State(NamedTuple):
     curable : bool
         Whether a fresh command ends this landing.
     low_since : float
-        Since when the cell has been told low; infinite where it is not. [s]
+        Since when the cell has been told low, or nothing; infinite where it is well. [s]
 
     """
 
@@ -170,7 +170,10 @@ def peril(state: State, now: float, seen: Seen, limits: Limits) -> str:
     if seen.silence > SILENT:
         return f'the Crazyflie has said nothing for {seen.silence:.1f} s'
     if now - state.low_since >= LOW:
-        return f'the cell has {seen.voltage:.2f} V'
+        known = not math.isnan(seen.voltage)
+        return (
+            f'the cell has {seen.voltage:.2f} V' if known else 'nobody tells its voltage any more'
+        )
     if now - state.began > limits.time:
         return f'the flight has lasted {limits.time:.0f} s'
     if seen.height > limits.height:
@@ -200,7 +203,7 @@ def tick(
         What ends a flight.
 
     """
-    low = seen.voltage < limits.voltage
+    low = not seen.voltage >= limits.voltage  # nor may it fly on where nobody knows
     state = state._replace(low_since=min(state.low_since, now) if low else math.inf)
     if asked.stop:
         state = State(Stage.STOPPED, now, state.began, 'emergency stop', STOPS)

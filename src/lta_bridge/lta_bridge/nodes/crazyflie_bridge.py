@@ -18,7 +18,7 @@ from lta_bridge.crazyflie.condition import condition
 from lta_bridge.crazyflie.condition import why as no_link
 from lta_bridge.crazyflie.consumption import Consumption
 from lta_bridge.crazyflie.keeper import Keeper
-from lta_bridge.crazyflie.link import Lost, Ping
+from lta_bridge.crazyflie.link import Lost, Malformed, Ping
 from lta_bridge.crazyflie.log_table import BLOCKS, check
 from lta_bridge.crazyflie.override import check_tether, expected
 from lta_bridge.crazyflie.safety import Asked, Stage
@@ -205,9 +205,8 @@ class CrazyflieBridge(DeviceNode):
     def _on_motors(self, step: Any) -> None:  # noqa: ANN401 - a Step of ROS messages
         if self._bridge.by_duties:
             newest = step.messages['motors'][-1]
-            asked = messages.to_duties(newest, self._names, from_stamp(newest.header.stamp))
-            if asked is not None:
-                self._bridge.commanded(asked)
+            stamp = from_stamp(newest.header.stamp)
+            self._bridge.commanded(messages.to_duties(newest, self._names, stamp))
 
     def _on_odom(self, odom: Any) -> None:  # noqa: ANN401 - a generated class
         self._odom = odom
@@ -262,6 +261,8 @@ class CrazyflieBridge(DeviceNode):
                     self._keeper.lost(event.why)
             elif isinstance(event, Ping):
                 self._bridge.pinged(event.round_trip)
+            elif isinstance(event, Malformed):
+                self._bridge.malformed.add(event.why)
             else:
                 self._publish(self._bridge.heard(event))
 
