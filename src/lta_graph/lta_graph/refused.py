@@ -1,4 +1,4 @@
-"""What came from outside and could not be used: how often, and why the last time."""
+"""What came from outside and cannot be meant: how often, and why the last time."""
 
 from typing import Final, final
 
@@ -10,14 +10,14 @@ LONGEST: Final = 200  # characters of a reason: whoever sends nonsense decides h
 @final
 class Refused:
     """
-    A count of what was left out.
+    A count of what cannot be meant.
 
     Attributes
     ----------
     count : int
-        How often.
+        How often it came.
     why : str
-        Why, the last time; empty where nothing was.
+        What was wrong, the last time; empty where nothing was.
 
     """
 
@@ -26,12 +26,12 @@ class Refused:
         self.why = ''
 
     def add(self, why: str) -> None:
-        """Count one that is left out."""
+        """Count one."""
         self.count += 1
         self.why = why if len(why) <= LONGEST else f'{why[:LONGEST]} ...'
 
-    def fact(self, task: str, fine: str) -> Fact:
-        """Return how this stands, under the name of a task; a word for nothing was left out."""
+    def fact(self, task: str, fine: str = 'all can be meant') -> Fact:
+        """Return how this stands, under the name of a task; in a word where nothing was wrong."""
         level = Level.WARN if self.count else Level.OK
-        words = f'{self.count} left out, at last: {self.why}' if self.count else fine
-        return Fact(task, level, words, {'left_out': str(self.count)})
+        words = f'{self.count} cannot be meant, at last: {self.why}' if self.count else fine
+        return Fact(task, level, words, {'count': str(self.count)})

@@ -29,9 +29,9 @@ from lta_graph.health import Level
 from lta_graph.ros.device import DeviceNode
 from lta_graph.ros.helm import Helm
 from lta_graph.ros.links import Links
-from lta_graph.ros.node import from_stamp, message_type, run, to_stamp
+from lta_graph.ros.node import from_stamp, run, to_stamp
 from lta_graph.ros.parameters import Parameters
-from lta_graph.ros.qos import profile
+from lta_graph.ros.sound import fault
 from lta_sim.vehicle import load_vehicle
 from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
@@ -88,8 +88,7 @@ class CrazyflieBridge(DeviceNode):
             ('setpoint/pose', self._on_pose),
             ('setpoint/velocity', self._on_velocity),
         ):
-            row = self.table[name]
-            self.create_subscription(message_type(row), name, heed, profile(row, lockstep=False))
+            self.hear(name, heed)
         self._helm = Helm(self, self._steer)
         self._links = Links(self, self.table)
 
@@ -209,6 +208,8 @@ class CrazyflieBridge(DeviceNode):
             self._bridge.commanded(messages.to_duties(newest, self._names, stamp))
 
     def _on_odom(self, odom: Any) -> None:  # noqa: ANN401 - a generated class
+        if fault(odom):  # no place: limits of height and way go on by the one before
+            return
         self._odom = odom
         self._bridge.placed(messages.to_where(odom))
 

@@ -126,7 +126,7 @@ def test_any_log_packets_are_survived_and_no_duty_leaves_its_range(packets):
     for packet in packets:
         flight.tick(spoilt=[packet])
     assert all(-1.0 <= duty <= 1.0 for duty in flight.duties)
-    assert flight.facts['packets'].values['left_out'] == str(flight.bridge.malformed.count)
+    assert flight.facts['packets'].values['count'] == str(flight.bridge.malformed.count)
     # The drone is well again, or it has come down; it does not fly on by what nobody measured.
     for _ in range(600):
         flight.tick()
