@@ -61,8 +61,7 @@ NODES = {
 BRIDGES = {'teensy_bridge': TeensyBridgeSettings, 'tracker': TrackerSettings}
 # Stand beside the graph: they serve people, and no row of the table waits for them.
 BESIDE = {'description': DescriptionSettings, 'teleop': TeleopSettings}
-# Subscribe for themselves: raw, to all that the table lists, or as users of what others decide.
-LISTENERS = {'recorder', 'live', 'crazyflie_bridge'}
+LISTENERS = {'recorder', 'live'}  # subscribe for themselves: raw, to all that the table lists
 PARTIAL = {'crazyflie_bridge'}  # a real drone says less than the simulator
 FILES = {path.stem: path for path in ROOT.glob('src/*/lta_*/nodes/[!_]*.py')}
 

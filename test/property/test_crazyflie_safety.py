@@ -8,6 +8,7 @@ from hypothesis.stateful import invariant, rule, RuleBasedStateMachine
 from lta_bridge.crazyflie.safety import (
     Asked,
     Limits,
+    LOW,
     Order,
     RAMP,
     Seen,
@@ -139,7 +140,6 @@ def test_every_limit_lands():
     for change in (
         {'active': False},
         {'silence': 0.6},
-        {'voltage': 3.1},
         {'height': 4.1},
         {'distance': 51.0},
         {'command_age': 0.31},
@@ -149,6 +149,34 @@ def test_every_limit_lands():
         assert order.stream
     state, _ = tick(flying(), 601.0, FIT, Asked(), LIMITS)
     assert (state.stage, state.why) == (Stage.LANDING, 'the flight has lasted 600 s')
+
+
+def landed_after(voltages):
+    """Return after how long the voltages told ten times a second end a flight; None if never."""
+    state, each = flying(), round(0.1 / PERIOD)
+    for turn in range(len(voltages) * each):
+        now = turn * PERIOD
+        seen = FIT._replace(voltage=voltages[turn // each])
+        state, _ = tick(state, now, seen, Asked(), LIMITS)
+        if state.stage is Stage.LANDING:
+            assert state.why.startswith('the cell has')
+            return now
+    return None
+
+
+@given(st.lists(st.floats(-1e3, 3.1), min_size=1, max_size=3), st.integers(0, 20))
+def test_a_cell_that_is_told_low_for_a_moment_is_flown_on_with(low, before):
+    assert landed_after([4.0] * before + low + [4.0] * 10) is None
+
+
+@given(st.lists(st.floats(-1e3, 3.1), min_size=5, max_size=20))
+def test_a_cell_that_stays_low_lands_in_time(low):
+    assert landed_after(low) == pytest.approx(LOW, abs=1.01 * PERIOD)
+
+
+def test_voltages_that_end_with_a_low_one_land_too():
+    """The newest counts until another comes: what nobody takes back is believed."""
+    assert landed_after([4.0] + [3.1] * 5) == pytest.approx(0.1 + LOW, abs=1.01 * PERIOD)
 
 
 def test_the_ramp_falls_in_a_line_and_then_it_hands_over_and_disarms():

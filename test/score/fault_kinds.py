@@ -20,6 +20,7 @@ WRAP_MS: Final = 2**24  # of the stamps of log packets
 AT_ONCE: Final = (0.2, 0.2)
 CUT_OFF: Final = (0.3, 2.1)  # nobody tells the drone anything: its own stop
 LANDS: Final = (0.7, 5.5)  # told at once
+LOW: Final = (1.1, 5.9)  # told after 0.3 s of it, and after the 0.1 s between two voltages
 STALE: Final = (1.1, 5.9)  # told after 0.3 s, and after what a setpoint may be late
 SILENT: Final = (1.3, 6.0)  # told after half a second of silence
 LATE: Final = (2.3, 7.0)  # the same, and a second for it to arrive
@@ -132,7 +133,7 @@ KINDS: Final = {
                    'locked', 'stops at once'),
     'tumbled': Kind('tumbled', AT_ONCE, told('tumbled'), 'tumbled', 'stops at once'),
     'crashed': Kind('crashed', AT_ONCE, told('crashed'), 'crashed', 'stops at once'),
-    'low cell': Kind('3.0 V', LANDS, empty, 'the cell has'),
+    'low cell': Kind('3.0 V', LOW, empty, 'the cell has'),
     'too far': Kind('estimated 60 m away', LANDS, lambda trial: trial.stray(60.0), 'farther than'),
     'no command': Kind('commands end', STALE, lambda trial: trial.fall_silent(),
                        'the newest command is'),

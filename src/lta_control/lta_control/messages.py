@@ -14,11 +14,17 @@ from lta_control.reserve import Word
 from lta_control.sighting import Lamp, Reckoned
 from lta_graph.health import Level
 from lta_graph.inbox import Step
+from lta_graph.ros.sound import fault
 from nav_msgs.msg import Odometry
 import numpy as np
-from sensor_msgs.msg import Imu, JointState, PointCloud2, Range
+from sensor_msgs.msg import FluidPressure, Imu, JointState, PointCloud2, Range
 
+BAROMETER = 30e3, 125e3  # Pa, the range of the BMP388
+FASTEST_TURN = math.radians(3000.0)  # rad/s; the BMI088 measures 2000 deg/s
+HARDEST_PULL = 400.0  # m/s2; it measures 24 g
+FARTHEST = 100.0  # m; whatever a message says, no range finder of a small drone looks farther
 UNKNOWN = -1.0  # in the first element of a covariance: the field is not known (REP-145's habit)
+ROW = ('x', 'y', 'amplitude')  # what is read of a diode's point
 DRIFT = 0.1  # of dead-reckoned position [m/s]: an assumption
 START_SIGMA = 0.01  # of the origin that the position counts from [m]: an assumption
 YAW_DRIFT = 1e-3  # of heading after the rest at the start [rad/s]: an assumption
@@ -34,21 +40,37 @@ def to_inputs(step: Step, commanded: PerRotor) -> Inputs:
         rates=(w.x, w.y, w.z),
         force=(f.x, f.y, f.z),
         range=math.nan if distance is None else to_distance(distance),
-        pressure=math.nan if air is None else air.fluid_pressure,
+        pressure=math.nan if air is None else to_pressure(air),
         duties=commanded,
     )
 
 
 def to_distance(message: Range) -> float:
     """Return a distance, NaN where it is outside the sensor's reach (REP-117). [m]"""
-    return carried.reach(float(message.range), message.min_range, message.max_range)
+    farthest = min(message.max_range, FARTHEST)
+    return carried.reach(float(message.range), message.min_range, farthest)
+
+
+def to_pressure(message: FluidPressure) -> float:
+    """Return a pressure, NaN where there is no such air to fly in. [Pa]"""
+    return carried.reach(message.fluid_pressure, *BAROMETER)
+
+
+def is_felt(inputs: Inputs) -> bool:
+    """Tell whether an IMU can have felt this: one wrong sample would be in attitude for good."""
+    turning = all(abs(rate) <= FASTEST_TURN for rate in inputs.rates)
+    return turning and all(abs(force) <= HARDEST_PULL for force in inputs.force)
 
 
 def to_duties(motors: JointState | None, names: list[str], before: PerRotor) -> PerRotor:
     """Return the commanded duties by slot; those before where nothing fitting has come."""
-    if motors is None or list(motors.name) != names or len(motors.effort) != len(names):
-        return before
-    return slots(motors.effort)
+    return before if motors is None or not fits(motors, names) else slots(motors.effort)
+
+
+def fits(motors: JointState, names: list[str]) -> bool:
+    """Tell whether duties are those of a vehicle's rotors, each from -1 to 1."""
+    ours = list(motors.name) == names and len(motors.effort) == len(names)
+    return ours and all(-1.0 <= duty <= 1.0 for duty in motors.effort)  # NaN compares false
 
 
 def from_estimate(stamp: Time, estimate: Estimate) -> Odometry:
@@ -165,7 +187,7 @@ def heard_word(before: Word | None, step: Step) -> Word | None:
 def to_lamp(message: PoseWithCovarianceStamped) -> Lamp | None:
     """Return the lamp in the body frame, None where it is not seen."""
     place, covariance = message.pose.pose.position, message.pose.covariance
-    if covariance[0] == UNKNOWN:
+    if covariance[0] == UNKNOWN or fault(message):
         return None
     spread = float(covariance[0]), float(covariance[1]), float(covariance[7])
     return Lamp(place.x, place.y, place.z, spread)
@@ -177,12 +199,18 @@ def to_diodes(
     """
     Return axis and amplitude of each diode for the beacon that is wanted.
 
-    It is the first row of the cloud; those of other beacons follow.
+    It is the first row of the cloud; those of other beacons follow. A cloud that does not hold
+    what it declares is as good as none.
     """
-    if message is None or message.width == 0:
+    if message is None or message.width == 0 or message.height == 0 or fault(message):
         return (), ()
     places = {field.name: field.offset // 4 for field in message.fields}
+    known = all(4 * places.get(name, math.inf) < message.point_step for name in ROW)
+    if not known or message.point_step % 4:
+        return (), ()
     words = np.frombuffer(message.data, dtype='<f4').reshape(-1, message.point_step // 4)
     row = words[: message.width]
+    if not np.isfinite(row[:, [places['x'], places['y']]]).all():
+        return (), ()
     axes = tuple((x, y) for x, y in row[:, [places['x'], places['y']]].tolist())
     return axes, tuple(row[:, places['amplitude']].tolist())

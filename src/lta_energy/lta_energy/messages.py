@@ -11,6 +11,7 @@ from lta_energy.estimate import Estimate
 from lta_energy.monitor import MonitorSettings, time_to_empty, time_to_full
 from lta_energy.reading import Reading, Whereabouts
 from lta_energy.way_home import reach
+from lta_graph.ros.sound import fault
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, Illuminance
 from std_msgs.msg import Bool
@@ -39,8 +40,8 @@ def to_reading(
 
 
 def to_whereabouts(odom: Odometry) -> Whereabouts | None:
-    """Return distance from the start and speed; None while the estimator is learning."""
-    if odom.pose.covariance[0] == UNKNOWN:
+    """Return distance from the start and speed; None while the estimator is learning or fails."""
+    if odom.pose.covariance[0] == UNKNOWN or fault(odom):
         return None
     place, speed = odom.pose.pose.position, odom.twist.twist.linear
     return Whereabouts(math.hypot(place.x, place.y), math.hypot(speed.x, speed.y))

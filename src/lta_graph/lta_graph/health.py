@@ -36,10 +36,14 @@ class Health:
 
     def report(self, task: str, level: Level, message: str, **values: object) -> None:
         """Set the fact of one task."""
-        before = self._facts.get(task)
-        self.changed |= before is None or before.level != level
         text = {key: str(value) for key, value in values.items()}
-        self._facts[task] = Fact(task, level, message, text)
+        self.take(Fact(task, level, message, text))
+
+    def take(self, fact: Fact) -> None:
+        """Set the fact of its task."""
+        before = self._facts.get(fact.task)
+        self.changed |= before is None or before.level != fact.level
+        self._facts[fact.task] = fact
 
     def __contains__(self, task: str) -> bool:
         """Tell whether a task has been reported."""

@@ -7,7 +7,8 @@ import time
 
 from lta_bridge.teensy.emulator import Cable, EmulatedBoard
 from lta_bridge.teensy.light_board import LightBoard
-from lta_bridge.teensy.port import open_port, Unplugged
+from lta_bridge.teensy.one_sender import LOYAL_NS
+from lta_bridge.teensy.port import open_port, UdpPort, Unplugged
 from lta_bridge.teensy.reader import Reader
 from lta_config.errors import BadInput
 from lta_config.topics import topic_table
@@ -60,6 +61,8 @@ def test_a_pulled_cable_is_noticed(cable, tmp_path):
         ('plain', 'plain is no serial port that can be opened'),
         ('udp://127.0.0.1', 'is no place to listen; give udp://0.0.0.0:14550'),
         ('udp://127.0.0.1:70000', 'is no place to listen'),
+        ('udp://127.0.0.1:7000?only=1', 'is no place to listen'),
+        ('udp://127.0.0.1:7000?from=a..b', 'whose address nobody knows'),
     ],
 )
 def test_what_cannot_be_opened_is_one_sentence(tmp_path, name, sentence):
@@ -86,7 +89,7 @@ def test_no_right_to_open_names_the_group(cable, tmp_path, monkeypatch):
         open_port(str(tmp_path / 'ttyACM0'))
 
 
-def test_a_udp_port_answers_whoever_sent(free_port):
+def test_a_udp_port_answers_the_board(free_port):
     port = open_port(f'udp://127.0.0.1:{free_port}')
     with pytest.raises(BadInput, match='stop what uses it or give another port'):
         open_port(f'udp://127.0.0.1:{free_port}')
@@ -97,6 +100,98 @@ def test_a_udp_port_answers_whoever_sent(free_port):
         assert until(lambda: port.read(0.1)) == b'light'
         port.write(b'time?')
         assert board.recv(100) == b'time?'
+    port.close()
+
+
+class Sender:
+    """Somebody at a port of this machine."""
+
+    def __init__(self, to, host='127.0.0.1'):
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.bind((host, 0))
+        self.socket.settimeout(PATIENCE)
+        self._to = ('127.0.0.1', to)
+
+    def says(self, data):
+        self.socket.sendto(data, self._to)
+
+    def close(self):
+        self.socket.close()
+
+
+@pytest.fixture
+def people(free_port):
+    """Return a function that makes senders to the port, and closes them in the end."""
+    made = []
+
+    def sender(host='127.0.0.1'):
+        made.append(Sender(free_port, host))
+        return made[-1]
+
+    yield sender
+    for one in made:
+        one.close()
+
+
+def heard_all(port, count):
+    """Read until so many datagrams were taken or left out; return what was taken."""
+    taken, parts = 0, []
+    while taken + port.strangers < count:
+        if data := port.read(PATIENCE):
+            parts.append(data)
+            taken += len(data) // SIZE
+    return b''.join(parts)
+
+
+SIZE = 4
+
+
+def test_a_stranger_on_the_udp_port_is_neither_heard_nor_answered_and_counted(
+    free_port, people, monkeypatch
+):
+    monkeypatch.setattr('lta_bridge.teensy.port.MOST', 8)  # a flood ends no read
+    clock = [0]
+    port = UdpPort(f'udp://127.0.0.1:{free_port}', lambda: clock[0])
+    board, stranger = people(), people()
+    board.says(b'one.')
+    assert heard_all(port, 1) == b'one.'
+    for turn in range(1, 4):
+        for _ in range(100):
+            stranger.says(b'lamp')
+        assert heard_all(port, 100 * turn) == b''
+    board.says(b'two.')
+    assert heard_all(port, 301) == b'two.'
+    assert port.strangers == 300
+    port.write(b'time')
+    assert board.socket.recv(10) == b'time'
+    port.close()
+
+
+def test_another_is_believed_once_the_board_has_been_silent(free_port, people):
+    clock = [0]
+    port = UdpPort(f'udp://127.0.0.1:{free_port}', lambda: clock[0])
+    board, again = people(), people()
+    board.says(b'one.')
+    assert heard_all(port, 1) == b'one.'
+    clock[0] += LOYAL_NS
+    again.says(b'two.')
+    assert heard_all(port, 1) == b''
+    clock[0] += 1
+    again.says(b'tri.')
+    assert heard_all(port, 2) == b'tri.'
+    board.says(b'old.')
+    assert heard_all(port, 2) == b''
+    port.close()
+
+
+def test_a_port_for_one_address_is_deaf_to_all_others_from_the_first(free_port, people):
+    port = UdpPort(f'udp://127.0.0.1:{free_port}?from=127.0.0.2')
+    stranger, board = people(), people('127.0.0.2')
+    stranger.says(b'lamp')
+    assert heard_all(port, 1) == b''
+    board.says(b'sun.')
+    assert heard_all(port, 2) == b'sun.'
+    assert port.strangers == 1
     port.close()
 
 

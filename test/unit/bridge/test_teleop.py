@@ -4,6 +4,8 @@ import os
 import struct
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from hypothesis import given
+from hypothesis import strategies as st
 from lta_bridge.teleop.gamepad import Gamepad
 from lta_bridge.teleop.helm import Felt, LEAD_TURN, Rates, State, tick
 from lta_bridge.teleop.keyboard import HELD, Keyboard
@@ -58,6 +60,33 @@ def test_joy_messages_count_while_they_come():
     device.heard(Joy(axes=axes, buttons=[0, 1, 0]), 1.0)
     assert device.sticks(1.0 + SILENT) == Sticks(turn=1.0, give_back=True)
     assert device.sticks(1.01 + SILENT) is None
+
+
+numbers = st.one_of(st.floats(width=32), st.sampled_from([-1.0, 0.0, 1.0]))
+
+
+@given(
+    st.lists(numbers, max_size=70),
+    st.lists(st.integers(-(2**31), 2**31 - 1), max_size=70),
+)
+def test_any_joy_message_is_hands_at_rest_or_in_range_or_a_dead_device_and_counted(axes, buttons):
+    device = JoyDevice(LAYOUT)
+    device.heard(Joy(axes=axes, buttons=buttons), 0.0)
+    sticks = device.sticks(0.0)
+    fits = len(axes) > 4 and len(buttons) > 2  # the largest numbers of the layout
+    assert (sticks is not None) == fits
+    sound = fits and all(abs(axis) <= 1e9 for axis in axes)
+    assert device.unsound.count == (not sound)
+    if sticks is not None:
+        assert all(-1.0 <= each <= 1.0 for each in sticks[:3])
+        assert sticks.stop == (buttons[LAYOUT.stop] == 1)
+
+
+def test_a_stop_counts_though_the_axes_are_no_numbers():
+    device = JoyDevice(LAYOUT)
+    device.heard(Joy(axes=[float('nan')] * 6, buttons=[0, 0, 1]), 0.0)
+    assert device.sticks(0.0) == Sticks(stop=True)
+    assert device.unsound.count == 1
 
 
 def test_who_flies_by_whom_is_read_from_the_health_of_this_drone_s_nodes():

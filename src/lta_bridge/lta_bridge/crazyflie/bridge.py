@@ -17,6 +17,7 @@ from lta_bridge.crazyflie.safety import Stage
 from lta_bridge.crazyflie.supervisor import Bit
 from lta_bridge.crazyflie.wiring import rotor_places
 from lta_config.crazyflie_file import CrazyflieFile
+from lta_graph.refused import Refused
 
 RATE: Final = 50.0  # Hz of ticks; the firmware wants setpoints at 10 Hz or more
 GUARD: Final = 7  # ticks between two words to the emergency-stop watchdog: 7 a second
@@ -25,6 +26,7 @@ HOLD_MS: Final = 200  # for which duties hold aboard without newer ones
 LETTING_GO: Final = 10  # times that the override is taken off: nobody confirms it
 TURN_GAIN: Final = 1.5  # 1/s from heading error to yaw rate: about 0.7 s to turn in
 FASTEST_TURN: Final = 1.0  # rad/s
+UNTOLD: Final = 2.0  # s after which the voltage that was told last says nothing any more
 POWER_OFF: Final = 3  # pm.state from which the firmware itself calls the cell low
 
 
@@ -93,6 +95,8 @@ class Bridge:
         The newest.
     trips : RoundTrips
         Of pings.
+    malformed, unasked : Refused
+        Packets that cannot be read, and commands that are none.
 
     """
 
@@ -118,7 +122,9 @@ class Bridge:
         self.power: readings.Power | None = None
         self.motors: readings.Motors | None = None
         self.trips = RoundTrips()
+        self.malformed, self.unasked = Refused(), Refused()
         self._word_ns: int | None = None
+        self._power_ns: int | None = None
         self._asked: Asked | None = None
         self._where = Where()
         self._sequence = 0
@@ -161,7 +167,8 @@ class Bridge:
             self.packets += 1
             stamp = self.clock.stamp(packet.stamp_ms, packet.arrival_ns)
             values = packet.values
-            if not all(map(math.isfinite, values.values())):
+            if why := readings.unusable(packet.block, values):
+                self.malformed.add(why)
                 return Stamped(stamp, None)
             match packet.block:
                 case 'imu':
@@ -175,15 +182,18 @@ class Bridge:
                     self._word_ns = packet.arrival_ns
                     return Stamped(stamp, self.motors)
                 case 'power':
-                    self.power = readings.power(values)
+                    self.power, self._power_ns = readings.power(values), packet.arrival_ns
                     return Stamped(stamp, self.power)
             return Stamped(stamp, None)
 
     def commanded(self, asked: Asked) -> None:
         """Take a command of the graph; one that is no number or of other rotors is none."""
         numbers = (*asked.duties, asked.speed, asked.turn, asked.height)
-        fits = len(asked.duties) == self._rotors if self.by_duties else True
-        if fits and all(map(math.isfinite, numbers)):
+        if self.by_duties and len(asked.duties) != self._rotors:
+            self.unasked.add(f'duties that are not those of the {self._rotors} rotors')
+        elif not all(map(math.isfinite, numbers)):
+            self.unasked.add('a command that is not a number')
+        else:
             self._asked = asked
 
     def placed(self, where: Where) -> None:
@@ -192,19 +202,24 @@ class Bridge:
 
     def seen(self, now_ns: int, linked: bool, active: bool) -> safety.Seen:
         """Return what is known. [ns]"""
-        asked, motors, power = self._asked, self.motors, self.power
+        asked, motors = self._asked, self.motors
         since = None if asked is None else asked.stamp_ns
-        low = power is not None and power.state == POWER_OFF
         return safety.Seen(
             linked=linked,
             active=active,
             word=0 if motors is None else motors.word,
             silence=_age(self._word_ns, now_ns),
             command_age=_age(since, now_ns),
-            voltage=math.nan if power is None else 0.0 if low else power.voltage,
+            voltage=self._voltage(now_ns),
             height=self._where.height,
             distance=self._where.distance,
         )
+
+    def _voltage(self, now_ns: int) -> float:
+        """Return the voltage to judge by: none where the firmware calls it low, NaN if unknown."""
+        if self.power is None or _age(self._power_ns, now_ns) > UNTOLD:
+            return math.nan
+        return 0.0 if self.power.state >= POWER_OFF else self.power.voltage
 
     def tick(
         self, now: float, now_ns: int, linked: bool, active: bool, asked: safety.Asked

@@ -12,15 +12,16 @@ from functools import partial
 import logging
 import math
 from queue import Empty, SimpleQueue
-import struct
 import threading
 import time
 from typing import Any, Final, final
 import warnings
 
-from lta_bridge.crazyflie.link import Event, LinkFailed, LogPacket, Lost, OLDEST, Ping
+from lta_bridge.crazyflie.link import Event, LinkFailed, LogPacket, Lost, Malformed, OLDEST, Ping
 from lta_bridge.crazyflie.log_table import Block
+from lta_bridge.crazyflie.packet_check import fault, size_of
 from lta_bridge.crazyflie.remedies import remedied
+from lta_bridge.crazyflie.round_trips import sent_at
 from lta_config.errors import BadInput
 
 try:
@@ -46,7 +47,6 @@ LANDING: Final = 3.0  # s for the firmware's own landing
 U8, U16 = 0x08, 0x09  # the firmware's numbers for types of parameters
 FULL_RATIO: Final = 65535
 ECHO: Final = (15, 0)  # port and channel whose packets come back
-MARK, STAMPED = 0, struct.Struct('<Bd')  # mark of a ping, and how it tells when it was sent [s]
 CLOSING: Final = 3.0  # s; cflib takes two at most, or for ever where its driver has failed
 PARTING: Final = 3  # times that motors are let go of before a link is closed
 DRIVERS = threading.Lock()
@@ -116,9 +116,10 @@ class CflibLink:
         self._uri, self._blocks, self._clock = uri, blocks, clock
         self._drone: Any = None  # that is spoken to
         self._opened: Any = None  # that is to be closed
+        self._sizes: dict[int, int] = {}  # bytes of values, by the number of a log block
         self._overrides = False  # whether motors were turned past the firmware's supervisor
         self.events: SimpleQueue[Event] = SimpleQueue()
-        self.protocol = -1
+        self._fault, self.protocol = '', -1  # of the packet that is read now; of the firmware
 
     def open(self, deadline: float) -> None:
         """Connect, and ask for all log blocks, until a deadline from now. [s]"""
@@ -129,6 +130,7 @@ class CflibLink:
         for caller in (drone.connection_failed, drone.connection_lost):
             caller.add_callback(lambda _, why: outcome.put(remedied(str(why))))
         drone.connection_lost.add_callback(self._guarded(drone, self._lost))
+        drone.packet_received.add_callback(self._guarded(drone, self._check))
         drone.add_header_callback(self._guarded(drone, self._ping), *ECHO)
         drone.open_link(self._uri)
         try:
@@ -158,12 +160,16 @@ class CflibLink:
     def _lost(self, _: str, why: str) -> None:
         self.events.put(Lost(remedied(str(why))))
 
+    def _check(self, packet: Any) -> None:  # noqa: ANN401 - untyped library
+        """Look at a packet before cflib reads it, in the same thread."""
+        self._fault = fault(packet.port, packet.channel, bytes(packet.data), self._sizes)
+        if self._fault:
+            self.events.put(Malformed(self._fault))
+
     def _ping(self, echo: Any) -> None:  # noqa: ANN401 - untyped library
         """Take back what cflib sends ten times a second: when it did so."""
-        if len(echo.data) == STAMPED.size:
-            mark, sent = STAMPED.unpack(echo.data)
-            if mark == MARK:
-                self.events.put(Ping(time.time() - sent))
+        if (sent := sent_at(echo.data)) is not None:
+            self.events.put(Ping(time.time() - sent))
 
     def _log(self, drone: Any, until: float) -> None:  # noqa: ANN401 - untyped library
         """Start every block; all must be confirmed by a deadline."""
@@ -178,6 +184,7 @@ class CflibLink:
             config.error_cb.add_callback(lambda one, why: outcomes.put((one.name, str(why))))
             try:
                 drone.log.add_config(config)
+                self._sizes[config.id] = size_of(block)
                 config.start()
             except (KeyError, AttributeError) as error:
                 raise LinkFailed(f'log block {block.name} cannot be had: {error}') from None
@@ -186,22 +193,23 @@ class CflibLink:
             try:
                 name, why = outcomes.get(timeout=max(0.0, until - time.monotonic()))
             except Empty:
-                raise LinkFailed(
-                    f'log blocks did not start: {", ".join(sorted(waiting))}'
-                ) from None
+                late = ', '.join(sorted(waiting))
+                raise LinkFailed(f'log blocks did not start: {late}') from None
             if why:
                 raise LinkFailed(f'log block {name} was refused: {why}')
             waiting.discard(name)
 
     def _packet(self, name: str, stamp_ms: int, values: Mapping[str, float], _: object) -> None:
-        self.events.put(LogPacket(name, stamp_ms, values, self._clock()))
+        if not self._fault:
+            self.events.put(LogPacket(name, stamp_ms, values, self._clock()))
 
     def close(self) -> None:
         """Disconnect, which takes up to two seconds; what still flies or lands goes on with it."""
         if self._overrides:
             for _ in range(PARTING):
                 self.override(())
-        drone, self._drone, self._opened, self._overrides = self._opened, None, None, False
+        drone, self._drone, self._opened = self._opened, None, None
+        self._overrides, self._sizes = False, {}
         if drone is not None:
             # cflib's last word is a thrust of zero: it would drop a drone that lands by itself.
             drone.commander.send_setpoint = lambda *_: None

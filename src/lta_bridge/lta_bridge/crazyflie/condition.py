@@ -14,6 +14,8 @@ def condition(bridge: Bridge, keeper: Keeper | None, protocol: int, seen: Seen) 
     """Yield how link and drone are by what is known; without a keeper nothing is configured."""
     yield _link(bridge, keeper, protocol, seen)
     yield _safety(bridge, seen)
+    yield bridge.malformed.fact('packets', 'all can be read')
+    yield bridge.unasked.fact('commands', 'all can be flown')
 
 
 def why(keeper: Keeper | None) -> str:

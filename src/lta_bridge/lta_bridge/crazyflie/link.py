@@ -22,13 +22,19 @@ class Ping(NamedTuple):
     round_trip: float
 
 
+class Malformed(NamedTuple):
+    """A packet came that cannot be read, and why."""
+
+    why: str
+
+
 class Lost(NamedTuple):
     """The link is gone, and why."""
 
     why: str
 
 
-Event = LogPacket | Ping | Lost
+Event = LogPacket | Ping | Malformed | Lost
 
 
 class LinkFailed(RuntimeError):

@@ -45,11 +45,10 @@ def battery(stamp: Time, voltage: float, current: float) -> BatteryState:
     return messages.branch(stamp, voltage, current, 'battery')
 
 
-def to_duties(message: JointState, names: list[str], stamp_ns: int) -> Asked | None:
-    """Return duties by rotor; None where they are for other rotors."""
-    if list(message.name) != names or len(message.effort) != len(names):
-        return None
-    return Asked(stamp_ns, duties=tuple(message.effort))
+def to_duties(message: JointState, names: list[str], stamp_ns: int) -> Asked:
+    """Return duties by rotor; none where they are for other rotors."""
+    fits = list(message.name) == names and len(message.effort) == len(names)
+    return Asked(stamp_ns, duties=tuple(message.effort) if fits else ())
 
 
 def to_hover(pose: PoseStamped, velocity: TwistStamped, odom: Odometry, stamp_ns: int) -> Asked:

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 import math
 from typing import Final, NamedTuple
 
+from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_config.constants import STANDARD_GRAVITY
 from scipy.spatial.transform import Rotation
 
@@ -18,6 +19,16 @@ FULL_RATIO: Final = 65535.0
 NO_RETURN: Final = 5.0  # m: the firmware takes more for an outlier (zranger2.c)
 POWER: Final = {0: 'battery', 1: 'charging', 2: 'charged', 3: 'low', 4: 'shutting down'}
 
+# What a drone can measure at most, with room for its own calibration; what lies beyond was not
+# measured (BMI088: 24 g, 2000 deg/s; BMP388: 300 to 1250 mbar; decks take up to 17 V).
+REACH: Final = {
+    'acc': (-40.0, 40.0),
+    'gyro': (-3000.0, 3000.0),
+    'baro': (200.0, 1300.0),
+    'stateEstimate': (-720.0, 720.0),
+    'pm': (-1.0, 30.0),
+}
+WHOLE: Final = {block.name: block.variables.keys() for block in BLOCKS}
 Values = Mapping[str, float]
 
 
@@ -47,6 +58,17 @@ class Power(NamedTuple):
 
     voltage: float
     state: int
+
+
+def unusable(block: str, values: Values) -> str:
+    """Return why the values of a log block cannot be used; empty where they can."""
+    if values.keys() != WHOLE.get(block, ()):
+        return f'log block {block} has other values than it should'
+    for name, value in values.items():
+        least, most = REACH.get(name.partition('.')[0], (-math.inf, math.inf))
+        if not (math.isfinite(value) and least <= value <= most):
+            return f'{name} is {value:g}, which no Crazyflie measures'
+    return ''
 
 
 def motion(values: Values) -> Motion:

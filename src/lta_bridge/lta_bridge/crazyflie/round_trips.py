@@ -8,6 +8,7 @@ that becomes slower shifts no stamp.
 
 from collections import deque
 import math
+import struct
 from typing import Final, final
 
 from lta_bridge.one_way_clock import WINDOWS
@@ -15,7 +16,16 @@ import numpy as np
 
 PINGS: Final = 10  # a second, of cflib
 NEWEST: Final = 10 * PINGS  # those that tell how the link is now
+MARK, SENT = 0, struct.Struct('<Bd')  # mark of cflib's ping, and how it tells when it was sent [s]
 LONGEST: Final = 10.0  # s; what takes longer was no trip: the computer's clock was set meanwhile
+
+
+def sent_at(echo: bytes | bytearray) -> float | None:
+    """Return when cflib sent the ping that comes back; None where it is none. [s]"""
+    if len(echo) != SENT.size:
+        return None
+    mark, sent = SENT.unpack(echo)
+    return float(sent) if mark == MARK else None
 
 
 @final

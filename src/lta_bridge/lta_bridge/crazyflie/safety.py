@@ -15,6 +15,7 @@ from lta_bridge.crazyflie.supervisor import Bit, trouble
 
 STALE: Final = 0.3  # s: age from which a command is not flown; the firmware levels out at 0.5
 SILENT: Final = 0.5  # s: age of the newest log packet from which the link counts as lost
+LOW: Final = 0.3  # s for which a cell must be told low: one sample of ten a second may be wrong
 RAMP: Final = 0.5  # s from full command to none
 ASKING: Final = 1.0  # s for the supervisor to confirm that it is armed
 AGAIN: Final = 0.1  # s between two requests without answer
@@ -84,7 +85,27 @@ class Asked(NamedTuple):
 
 
 class State(NamedTuple):
-    """The memory: stage, since when, when the flight began, why, and stops still to send."""
+    """
+    The memory.
+
+    Attributes
+    ----------
+    stage : Stage
+        Where the bridge stands.
+    since, began : float
+        Since when, and when the flight began. [s]
+    why : str
+        Why it stands there.
+    stops : int
+        Emergency stops that are still to be sent.
+    asked_at : float
+        When the newest request without answer was sent. [s]
+    curable : bool
+        Whether a fresh command ends this landing.
+    low_since : float
+        Since when the cell has been told low, or nothing; infinite where it is well. [s]
+
+    """
 
     stage: Stage = Stage.DISARMED
     since: float = 0.0
@@ -92,7 +113,8 @@ class State(NamedTuple):
     why: str = 'not armed yet'
     stops: int = 0
     asked_at: float = -math.inf
-    curable: bool = False  # whether a fresh command ends this landing
+    curable: bool = False
+    low_since: float = math.inf
 
 
 class Order(NamedTuple):
@@ -147,8 +169,11 @@ def peril(state: State, now: float, seen: Seen, limits: Limits) -> str:
         return 'deactivated'
     if seen.silence > SILENT:
         return f'the Crazyflie has said nothing for {seen.silence:.1f} s'
-    if seen.voltage < limits.voltage:
-        return f'the cell has {seen.voltage:.2f} V'
+    if now - state.low_since >= LOW:
+        known = not math.isnan(seen.voltage)
+        return (
+            f'the cell has {seen.voltage:.2f} V' if known else 'nobody tells its voltage any more'
+        )
     if now - state.began > limits.time:
         return f'the flight has lasted {limits.time:.0f} s'
     if seen.height > limits.height:
@@ -178,6 +203,8 @@ def tick(
         What ends a flight.
 
     """
+    low = not seen.voltage >= limits.voltage  # nor may it fly on where nobody knows
+    state = state._replace(low_since=min(state.low_since, now) if low else math.inf)
     if asked.stop:
         state = State(Stage.STOPPED, now, state.began, 'emergency stop', STOPS)
     if state.stage is Stage.STOPPED:

@@ -17,7 +17,7 @@ from lta_bridge.crazyflie.condition import condition
 from lta_bridge.crazyflie.condition import why as no_link
 from lta_bridge.crazyflie.consumption import Consumption
 from lta_bridge.crazyflie.keeper import Keeper
-from lta_bridge.crazyflie.link import Lost, Ping
+from lta_bridge.crazyflie.link import Lost, Malformed, Ping
 from lta_bridge.crazyflie.links import link_to
 from lta_bridge.crazyflie.log_table import BLOCKS, check
 from lta_bridge.crazyflie.override import check_tether, expected
@@ -29,10 +29,9 @@ from lta_graph.health import Level
 from lta_graph.ros.device import DeviceNode
 from lta_graph.ros.helm import Helm
 from lta_graph.ros.links import Links
-from lta_graph.ros.message_types import message_type
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.process import run
-from lta_graph.ros.qos import profile
+from lta_graph.ros.sound import fault
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_sim.vehicle import load_vehicle
 from rclpy.clock import Clock, ClockType
@@ -90,8 +89,7 @@ class CrazyflieBridge(DeviceNode):
             ('setpoint/pose', self._on_pose),
             ('setpoint/velocity', self._on_velocity),
         ):
-            row = self.table[name]
-            self.create_subscription(message_type(row), name, heed, profile(row, lockstep=False))
+            self.hear(name, heed)
         self._helm = Helm(self, self._steer)
         self._links = Links(self, self.table)
 
@@ -199,11 +197,12 @@ class CrazyflieBridge(DeviceNode):
     def _on_motors(self, step: Any) -> None:  # noqa: ANN401 - a Step of ROS messages
         if self._bridge.by_duties:
             newest = step.messages['motors'][-1]
-            asked = messages.to_duties(newest, self._names, from_stamp(newest.header.stamp))
-            if asked is not None:
-                self._bridge.commanded(asked)
+            stamp = from_stamp(newest.header.stamp)
+            self._bridge.commanded(messages.to_duties(newest, self._names, stamp))
 
     def _on_odom(self, odom: Any) -> None:  # noqa: ANN401 - a generated class
+        if fault(odom):  # no place: limits of height and way go on by the one before
+            return
         self._odom = odom
         self._bridge.placed(messages.to_where(odom))
 
@@ -256,6 +255,8 @@ class CrazyflieBridge(DeviceNode):
                     self._keeper.lost(event.why)
             elif isinstance(event, Ping):
                 self._bridge.pinged(event.round_trip)
+            elif isinstance(event, Malformed):
+                self._bridge.malformed.add(event.why)
             else:
                 self._publish(self._bridge.heard(event))
 

@@ -14,11 +14,9 @@ from lta_bridge.description import fixed_frames, urdf
 from lta_bridge.live.frames import Frame
 from lta_config.settings import setting, Settings
 from lta_graph.health import Level
-from lta_graph.ros.message_types import message_type
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.process import run
-from lta_graph.ros.qos import profile
 from lta_sim.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -59,9 +57,7 @@ class Description(GraphNode):
         self._static = self.create_publisher(TFMessage, '/tf_static', LATCHED)
         still = [to_fixed(frame) for frame in fixed_frames(vehicle)]
         self._static.publish(TFMessage(transforms=still))
-        row = self.table[settings.pose]
-        quality = profile(row, self.lockstep)
-        self.create_subscription(message_type(row), settings.pose, self._on_pose, quality)
+        self.hear(settings.pose, self._on_pose)
         self.health.report('frames', Level.OK, f'base_link by {settings.pose}')
 
     def _on_pose(self, odom: Any) -> None:  # noqa: ANN401 - a generated class

@@ -19,11 +19,9 @@ from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
 from lta_control.messages import from_setpoint
 from lta_graph.health import Level
-from lta_graph.ros.message_types import message_type
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.process import run
-from lta_graph.ros.qos import profile
 from rclpy.clock import Clock, ClockType
 from sensor_msgs.msg import Joy
 from std_msgs.msg import Bool
@@ -68,8 +66,7 @@ class Teleop(GraphNode):
         self._odom_at = -FRESH
         self._state, self._ticked = State(), time.monotonic()
         for name, heed in (('odom', self._on_odom), ('/diagnostics', self._flyers.heard)):
-            row = self.table[name]
-            self.create_subscription(message_type(row), name, heed, profile(row, lockstep=False))
+            self.hear(name, heed)
         self._device = self._made(self._settings.value)
         self.create_timer(PERIOD, self._tick, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
@@ -81,6 +78,7 @@ class Teleop(GraphNode):
             return keyboard
         if settings.device == 'joy':
             joy = JoyDevice(settings.layout)
+            self.soundness.unsound = joy.unsound  # one count of all that this node hears
             self.create_subscription(Joy, 'joy', lambda told: joy.heard(told, time.monotonic()), 1)
             return joy
         return Gamepad(Path(settings.device), settings.layout)

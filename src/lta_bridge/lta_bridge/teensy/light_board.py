@@ -17,8 +17,9 @@ from lta_bridge.teensy.dialect import (
     LTA_LIGHT_STATUS,
     TIMESYNC,
 )
-from lta_bridge.teensy.framing import Framing
+from lta_bridge.teensy.framing import Frame, Framing
 from lta_bridge.teensy.message import Message
+from lta_bridge.teensy.one_sender import OneSender
 from lta_config.topics import Light
 from lta_vlc.demodulation import Peaks
 from lta_vlc.snr import signal_to_noise
@@ -33,8 +34,10 @@ EAGER_NS = 20_000_000  # between them before it is known
 OLDEST_NS = AHEAD_NS = 10_000_000_000  # by which a first sample may seem old, or yet to come
 BACK_NS = 100_000_000  # by which a datagram may be overtaken; farther back, the board began anew
 ANSWER_NS = 1_000_000_000  # after which an answer says nothing any more
-QUESTIONS = 8  # kept until they are answered
+QUESTIONS = 8  # kept until they are answered; of the board's, answered at once
+OF_LIGHT = (LTA_LIGHT_BLOCK, LTA_LIGHT_PEAKS, LTA_LIGHT_STATUS)
 CONTROLLER, NO_AUTOPILOT, ACTIVE, PROTOCOL = 18, 8, 4, 3  # of MAVLink's common.xml
+COUNTS = 65535.0  # more no ADC of 16 bits can tell
 ROOM = LTA_LIGHT_BLOCK.layout['samples'].shape[0]  # values in a message
 
 
@@ -73,8 +76,14 @@ class LightBoard:
     undated : int
         Blocks that came before the board's time was known, or at a time that cannot be, and were
         left.
+    sender : OneSender
+        The system and component whose light counts: others may share the link.
     heard_ns : int
-        When the last good frame came; 0 before. [ns]
+        When its last message about light came; 0 before. [ns]
+    unfit : int
+        Messages of light that could not be used.
+    unanswered : int
+        Questions for our time that came too thick to be answered.
     overruns : int
         Rows that the board itself had to leave.
     peaks : int
@@ -87,11 +96,13 @@ class LightBoard:
         self._sent = 0
         self._asked: list[int] = []
         self._next_beat = self._next_ask = 0
-        self._replies = b''
+        self._replies: list[bytes] = []
+        self.sender = OneSender()
         self.framing = Framing()
         self.clock = BoardClock()
         self.blocks = Blocks(light.samples, light.sample_rate.si)
         self.undated = self.heard_ns = self.overruns = self.peaks = 0
+        self.unfit = self.unanswered = 0
         self._newest_ns = 0  # of the board's times
         self._resets = 0  # of its clock, as of then
         self._unlike = self._unfit = ''  # by its status, and by the light that it sends
@@ -104,7 +115,8 @@ class LightBoard:
     def take(self, data: bytes, now_ns: int) -> Iterator[LightBlock | LightPeaks]:
         """Take any part of the stream, when it came [ns], and yield what it completes."""
         for frame in self.framing.take(data):
-            self.heard_ns = now_ns
+            if not self._is_board(frame, now_ns):
+                continue
             if frame.message is LTA_LIGHT_BLOCK:
                 yield from self._take_rows(frame.record, now_ns)
             elif frame.message is TIMESYNC:
@@ -114,9 +126,19 @@ class LightBoard:
             elif frame.message is LTA_LIGHT_PEAKS:
                 yield from self._take_peaks(frame.record, now_ns)
 
+    def _is_board(self, frame: Frame, now_ns: int) -> bool:
+        """Tell whether the board sent it; who sends no light is no other board."""
+        source = frame.system, frame.component
+        if frame.message not in OF_LIGHT:
+            return self.sender.who in (None, source)
+        if not self.sender.believes(source, now_ns):
+            return False
+        self.heard_ns = now_ns
+        return True
+
     def due(self, now_ns: int) -> bytes:
         """Return what is to be sent now: a heartbeat, a question for the time, answers."""
-        out, self._replies = self._replies, b''
+        out, self._replies = b''.join(self._replies), []
         if now_ns >= self._next_beat:
             self._next_beat = now_ns + BEAT_NS
             out += self._frame(
@@ -140,6 +162,7 @@ class LightBoard:
         self._heed_restart(_ns(record))
         self._unfit = self._why_no_rows(int(record['diodes']), int(record['rows']))
         if self._unfit:
+            self.unfit += 1
             return
         diodes, rows = self._diodes, int(record['rows'])
         samples = record['samples'][: diodes * rows].reshape(rows, diodes)
@@ -168,6 +191,7 @@ class LightBoard:
         self._heed_restart(_ns(record))
         self._unfit = self._why_no_peaks(record)
         if self._unfit:
+            self.unfit += 1
             return
         diodes, window = self._diodes, self._light.samples
         amplitude = record['amplitude'][:diodes].astype(np.float64)
@@ -188,10 +212,15 @@ class LightBoard:
                 f'The light board finds peaks of {diodes} diodes over {window} rows; the vehicle '
                 f'has {self._diodes} and a block {self._light.samples}: build it for these.'
             )
+        rate = self._light.sample_rate.si
+        most = {'amplitude': COUNTS, 'noise': COUNTS, 'frequency': 0.5 * rate}
+        # What is no number compares false.
         if not all(
-            np.isfinite(record[name]).all() for name in ('amplitude', 'noise', 'frequency')
+            ((record[name] >= 0.0) & (record[name] <= top)).all() for name, top in most.items()
         ):
-            return 'The light board tells peaks that are no numbers; look at its firmware.'
+            return (
+                'The light board tells peaks that are no numbers of an ADC; look at its firmware.'
+            )
         return ''
 
     def _heed_restart(self, board_ns: int) -> None:
@@ -219,7 +248,10 @@ class LightBoard:
     def _take_time(self, record: np.void, now_ns: int) -> None:
         board, asked = int(record['tc1']), int(record['ts1'])
         if board == 0:  # the other asks
-            self._replies += self._frame(TIMESYNC, tc1=now_ns, ts1=asked)
+            if len(self._replies) < QUESTIONS:
+                self._replies.append(self._frame(TIMESYNC, tc1=now_ns, ts1=asked))
+            else:
+                self.unanswered += 1
         elif asked in self._asked and 0 <= now_ns - asked < ANSWER_NS:
             self._asked.remove(asked)
             self.clock.add(Exchange(asked, board, now_ns))

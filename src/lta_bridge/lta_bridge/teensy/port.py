@@ -1,10 +1,14 @@
 """What a light board hangs on: a serial port or a UDP port, opened or refused in one sentence."""
 
+from collections.abc import Callable
 import errno
+import re
 import select
 import socket
-from typing import final, Protocol
+import time
+from typing import Final, final, Protocol
 
+from lta_bridge.teensy.one_sender import OneSender
 from lta_config.errors import BadInput
 import serial
 from serial.tools import list_ports
@@ -12,6 +16,10 @@ from serial.tools import list_ports
 CHUNK = 65536  # bytes a read may bring
 # Means nothing over USB, but for 134 baud, at which a Teensy restarts into its loader.
 BAUD = 115_200
+MOST = 256  # datagrams a read may bring: a flood must not keep it from its end
+LISTEN: Final = re.compile(
+    r'udp://(?P<host>[^/?#:]+):(?P<port>\d{1,5})(\?from=(?P<board>[^&#]+))?'
+)
 SEND_TIMEOUT = 0.1  # s; a board that takes nothing must not hold up what it sends
 
 
@@ -20,7 +28,12 @@ class Unplugged(OSError):
 
 
 class Port(Protocol):
-    """An open link."""
+    """An open link; `strangers` counts what came from others than the board, and was left out."""
+
+    @property
+    def strangers(self) -> int:
+        """How much that was."""
+        ...
 
     def read(self, timeout: float) -> bytes:
         """Return what has come, after at most so long [s]; raise Unplugged where it is gone."""
@@ -42,7 +55,8 @@ def open_port(address: str) -> Port:
     Parameters
     ----------
     address : str
-        A serial port (`/dev/ttyACM0`), or `udp://HOST:PORT` to listen on.
+        A serial port (`/dev/ttyACM0`), or `udp://HOST:PORT` to listen on; with `?from=ADDRESS` it
+        is deaf to all others.
 
     Raises
     ------
@@ -57,7 +71,9 @@ def open_port(address: str) -> Port:
 
 @final
 class SerialPort:
-    """A serial port, or the end of a pseudo terminal."""
+    """A serial port, or the end of a pseudo terminal; nobody else is on it."""
+
+    strangers = 0
 
     def __init__(self, path: str) -> None:
         try:
@@ -91,17 +107,42 @@ class SerialPort:
 
 @final
 class UdpPort:
-    """A UDP port that one board sends to; it is answered where it last sent from."""
+    """
+    A UDP port that one board sends to; it is answered where it sends from.
 
-    def __init__(self, address: str) -> None:
-        host, _, number = address.removeprefix('udp://').rpartition(':')
-        if not number.isdecimal() or not 0 < int(number) < 65536:
-            raise BadInput(f"'{address}' is no place to listen; give udp://0.0.0.0:14550.")
+    Anybody who reaches the port can send. So the board is whoever was heard first, until it has
+    been silent for a while, or none but one address where that is given. An address can be forged:
+    on a network of strangers take a cable.
+
+    Parameters
+    ----------
+    address : str
+        As for `open_port`.
+    clock : callable
+        A clock that only goes on. [ns]
+
+    Raises
+    ------
+    BadInput
+        If it cannot be listened on.
+
+    """
+
+    def __init__(self, address: str, clock: Callable[[], int] = time.monotonic_ns) -> None:
+        told = LISTEN.fullmatch(address)
+        if told is None or not 0 < int(told['port']) < 65536:
+            raise BadInput(
+                f"'{address}' is no place to listen; give udp://0.0.0.0:14550, or where others "
+                'can send too udp://0.0.0.0:14550?from=192.168.4.2.'
+            )
+        self._clock, self._sender = clock, OneSender()
+        self._only = None if told['board'] is None else _resolved(told['board'], address)
+        self._foreign = 0  # datagrams of other addresses than the one that was given
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 20)
         self._board: tuple[str, int] | None = None
         try:
-            self._socket.bind((host, int(number)))
+            self._socket.bind((told['host'], int(told['port'])))
         except OSError as error:
             self._socket.close()
             raise BadInput(
@@ -110,19 +151,33 @@ class UdpPort:
             ) from None
         self._socket.setblocking(False)
 
+    @property
+    def strangers(self) -> int:
+        """Datagrams of others than the board."""
+        return self._foreign + self._sender.others
+
     def read(self, timeout: float) -> bytes:
-        """Return what has come, after at most so long. [s]"""
+        """Return what has come from the board, after at most so long. [s]"""
         select.select([self._socket], [], [], timeout)
         parts = []
         try:
-            while True:
-                data, self._board = self._socket.recvfrom(CHUNK)
-                parts.append(data)
+            for _ in range(MOST):
+                data, sender = self._socket.recvfrom(CHUNK)
+                if self._believes(sender):
+                    self._board = sender
+                    parts.append(data)
         except OSError:  # nothing more, or word that an answer found nobody
-            return b''.join(parts)
+            pass
+        return b''.join(parts)
+
+    def _believes(self, sender: tuple[str, int]) -> bool:
+        if self._only not in (None, sender[0]):
+            self._foreign += 1
+            return False
+        return self._sender.believes(sender, self._clock())
 
     def write(self, data: bytes) -> None:
-        """Send to where the board last sent from."""
+        """Send to where the board sends from."""
         if self._board is not None:
             try:
                 self._socket.sendto(data, self._board)
@@ -132,6 +187,16 @@ class UdpPort:
     def close(self) -> None:
         """Give the port back."""
         self._socket.close()
+
+
+def _resolved(host: str, address: str) -> str:
+    """Return the address of a host; `BadInput` where nobody knows it."""
+    try:
+        return socket.gethostbyname(host)
+    except (OSError, UnicodeError):
+        raise BadInput(
+            f"'{address}' names {host}, whose address nobody knows; give it in numbers."
+        ) from None
 
 
 def _why(path: str, error: OSError | ValueError) -> str:

@@ -59,6 +59,11 @@ class Reader:
         self._thread = threading.Thread(target=self._run, name='light board', daemon=True)
         self._thread.start()
 
+    @property
+    def strangers(self) -> int:
+        """How much came from others than the board, and was left out."""
+        return 0 if self._port is None else self._port.strangers
+
     def close(self) -> None:
         """End the thread and give the link back."""
         self._ended.set()

@@ -6,7 +6,9 @@ from diagnostic_msgs.msg import DiagnosticArray
 from lta_bridge.teleop.helm import Felt
 from lta_bridge.teleop.sticks import Layout, of_gamepad, Sticks
 from lta_control.messages import to_measured
+from lta_graph.refused import Refused
 from lta_graph.ros.helm import HELD, HELM
+from lta_graph.ros.sound import fault
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Joy
 
@@ -15,16 +17,30 @@ SILENT: Final = 0.5  # s; joy_node repeats itself 20 times a second
 
 @final
 class JoyDevice:
-    """The newest Joy message, for as long as they come."""
+    """
+    The newest Joy message, for as long as they come.
+
+    Attributes
+    ----------
+    unsound : Refused
+        Messages of another gamepad than the layout's, or with axes that are not a number.
+
+    """
 
     def __init__(self, layout: Layout) -> None:
         self._layout = layout
+        self.unsound = Refused()
         self._newest: Joy | None = None
         self._heard = 0.0
 
     def heard(self, message: Joy, now: float) -> None:
         """Take a message at a time. [s]"""
         self._newest, self._heard = message, now
+        if of_gamepad(self._layout, message.axes, message.buttons) is None:
+            have = f'{len(message.axes)} axes and {len(message.buttons)} buttons'
+            self.unsound.add(f'joy: {have} are not those of the layout')
+        elif why := fault(message):  # such an axis is at rest, and the buttons count
+            self.unsound.add(f'joy: {why}')
 
     def sticks(self, now: float) -> Sticks | None:
         """Return what it says at a time [s]; None where nothing has come for `SILENT`."""
@@ -67,6 +83,6 @@ class Flyers:
 
 
 def to_felt(odom: Odometry) -> Felt | None:
-    """Return heading and altitude; None while the estimator still learns."""
-    measured = to_measured(odom)
+    """Return heading and altitude; None while the estimator still learns, or where it fails."""
+    measured = None if fault(odom) else to_measured(odom)
     return None if measured is None else Felt(measured.heading, measured.altitude)

@@ -29,6 +29,7 @@ from lta_sim.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 from std_srvs.srv import SetBool, Trigger
 
+AHEAD = 0.3  # s that a setpoint may be stamped later than the estimate; more is another clock
 DESCENT = 0.2  # m below itself, for a drone that comes down on its own: an unhurried climb rate
 
 
@@ -162,12 +163,13 @@ class Controller(GraphNode):
         setpoint, settings = to_setpoint(pose, velocity), self._settings.value
         oldest = min(from_stamp(half.header.stamp) for half in (pose, velocity))
         age = (now_ns - oldest) * 1e-9
-        if age <= settings.hold_after:
+        if -AHEAD <= age <= settings.hold_after:
             steers = 'a person' if self._helm.held else 'the setpoint'
             self.health.report('motors', Level.OK, f'flying by {steers}')
             return setpoint
         landing = age > settings.land_after
-        text = f'no setpoint for {settings.land_after if landing else settings.hold_after} s: '
+        limit = settings.land_after if landing else settings.hold_after
+        text = f'no setpoint for {limit} s: ' if age > 0.0 else 'a setpoint of the future: '
         self.health.report('motors', Level.WARN, text + ('landing' if landing else 'holding'))
         altitude = measured.altitude - DESCENT if landing else setpoint.altitude
         return Setpoint(altitude, setpoint.heading, 0.0)

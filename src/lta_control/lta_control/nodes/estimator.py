@@ -1,11 +1,9 @@
 """The estimator node: from the drone's own sensors and commands to its motion."""
 
-import math
-
 from lta_config.settings import setting
 from lta_control.control import elapsed
 from lta_control.estimator import Estimate, estimator_step, EstimatorSettings
-from lta_control.messages import from_estimate, to_duties, to_inputs
+from lta_control.messages import fits, from_estimate, is_felt, to_duties, to_inputs
 from lta_control.vehicle_side import body_of
 from lta_graph.health import Level
 from lta_graph.inbox import Step
@@ -39,16 +37,19 @@ class Estimator(GraphNode):
 
     def _on_step(self, step: Step) -> None:
         learning = not self._estimate.ready
-        self._commanded = to_duties(step.last('motors'), self._names, self._commanded)
+        motors = step.last('motors')
+        self._commanded = to_duties(motors, self._names, self._commanded)
+        if motors is not None and not fits(motors, self._names):
+            self.soundness.unsound.add('motors: duties that are not those of this vehicle')
         inputs = to_inputs(step, self._commanded)
-        if all(map(math.isfinite, (*inputs.rates, *inputs.force))):
+        if is_felt(inputs):
             dt = elapsed(self._last_ns, step.stamp_ns, self.table.control_ns)
             self._last_ns = step.stamp_ns
             settings = self._settings.value
             self._estimate = estimator_step(settings, self._body, self._estimate, inputs, dt)
         else:
             self._refused += 1
-            text = 'an IMU sample was not a number and is left out'
+            text = 'an IMU sample that no IMU feels was left out'
             self.health.report('imu', Level.ERROR, text, refused=self._refused)
         self._odom.publish(from_estimate(step.last('imu').header.stamp, self._estimate))
         if learning:

@@ -24,6 +24,7 @@ from lta_graph.inbox import Step
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.process import run
+from lta_graph.ros.sound import fault
 from lta_graph.ros.stamps import from_stamp
 from lta_sim.light.setting import scale_in
 from lta_sim.scenario import course_in, route_in
@@ -70,7 +71,7 @@ class Navigator(GraphNode):
         self.listen(inputs, trigger='light/estimate', on_step=self._on_step)
 
     def _on_step(self, step: Step) -> None:
-        self._history.extend(step.messages['odom'])
+        self._history.extend(odom for odom in step.messages['odom'] if not fault(odom))
         self._word = heard_word(self._word, step)
         if not self._history and not self.lockstep:
             return  # the first light may come before the first estimate; in lockstep all answer

@@ -9,9 +9,7 @@ from collections.abc import Callable
 from typing import Any, Final, final
 
 from lta_graph.health import Level
-from lta_graph.ros.message_types import message_type
 from lta_graph.ros.node import GraphNode
-from lta_graph.ros.qos import profile
 
 HELM: Final = 'helm'  # the task in which whoever flies by setpoints tells whose count
 HELD: Final = 'held'  # there: whether a person's
@@ -51,8 +49,7 @@ class Helm:
             ('teleop/velocity', self._on_velocity),
             ('teleop/pose', self._on_pose),
         ):
-            row = node.table[name]
-            node.create_subscription(message_type(row), name, heed, profile(row, lockstep=False))
+            node.hear(name, heed)
 
     def steering(self, pose: Any, velocity: Any) -> tuple[Any, Any]:  # noqa: ANN401 - messages
         """Return the pose and velocity that count; the person's in place of the navigator's."""

@@ -16,6 +16,7 @@ from lta_config.topics import TopicTable
 from rclpy.node import Node
 
 LINKS = 'links'  # the task in which a node tells the readers of its topics
+DIGITS = 10  # of a count that somebody tells
 DEPTH = 100  # messages of all nodes together that may wait until the next look
 
 
@@ -61,7 +62,11 @@ class Links:
     def _hear(self, message: DiagnosticArray) -> None:
         for status in message.status:
             if status.hardware_id == self._robot and status.name.endswith(f': {LINKS}'):
-                self._found |= {item.key: int(item.value) for item in status.values}
+                counts = {item.key: item.value for item in status.values}
+                # Anybody may speak on /diagnostics, and anything.
+                self._found |= {
+                    k: int(v) for k, v in counts.items() if v.isdecimal() and len(v) < DIGITS
+                }
 
     def loose(self, own: Mapping[str, int]) -> list[str]:
         """

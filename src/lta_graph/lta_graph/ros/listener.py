@@ -81,7 +81,8 @@ class DiagnosticsListener:
             self._begun = self._begun or time.monotonic()
         for status in ours:
             values = {item.key: item.value for item in status.values}
-            level = Level(int.from_bytes(status.level, 'little'))
+            # Anybody may speak on /diagnostics; a level that there is not counts as the worst.
+            level = Level(min(int.from_bytes(status.level, 'little'), Level.STALE))
             task = self._prefix[status.hardware_id] + status.name
             self.facts[task] = Fact(task, level, status.message, values)
             self._heard[task.partition(':')[0]] = time.monotonic()

@@ -23,6 +23,7 @@ from lta_graph.ros.others import Others
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.qos import profile
 from lta_graph.ros.replay_due import DUE, heed
+from lta_graph.ros.sound import MESSAGES, Soundness
 from lta_graph.ros.spin import spin
 from lta_graph.ros.stamps import from_stamp
 from rclpy.clock import Clock, ClockType
@@ -75,6 +76,7 @@ class GraphNode(Node):
         self.begun = False  # whether the first message has gone or come
         self.health = Health()
         self.health.report('state', Level.OK, 'starting')
+        self.soundness = Soundness(stamps=not self.lockstep)  # there the inbox counts stamps
         self._inbox: Inbox | None = None
         self._inputs: dict[str, Subscription] = {}
         self._writers: dict[str, Publisher] = {}
@@ -148,10 +150,23 @@ class GraphNode(Node):
         def receive(message: Any) -> None:  # noqa: ANN401 - whatever the topic carries
             self._heard[name] = time.monotonic()
             self.begun = True
-            inbox.put(name, from_stamp(message.header.stamp) if stamped else 0, message)
+            stamp_ns = from_stamp(message.header.stamp) if stamped else 0
+            self.soundness.look(self.table[name], name, message)
+            inbox.put(name, stamp_ns, message)
             self._answer(inbox, on_step)
 
         return receive
+
+    def hear(self, name: str, callback: Callable[[Any], None]) -> Subscription:
+        """Return a subscription to a topic that belongs to no step: each message as it comes."""
+        row = self.table[name]
+
+        def receive(message: Any) -> None:  # noqa: ANN401 - whatever the topic carries
+            self.soundness.look(row, name, message)
+            callback(message)
+
+        quality = profile(row, self.lockstep)
+        return self.create_subscription(message_type(row), name, receive, quality)
 
     def _answer(self, inbox: Inbox, on_step: Callable[[Step], None]) -> None:
         """Answer whatever can be answered."""
@@ -212,6 +227,8 @@ class GraphNode(Node):
         lost = {name: gap for name, gap in gaps.items() if gap}
         if lost:
             self.health.report('losses', Level.ERROR, 'messages were lost on the way', **lost)
+        if (unsound := self.soundness.unsound).count:
+            self.health.take(unsound.fact(MESSAGES))
         self._tell_lonely(now)
         self.health.report(LINKS, Level.OK, 'readers of each topic', **self.readers())
         self._others.look(now, self.health)

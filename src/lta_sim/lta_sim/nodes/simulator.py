@@ -36,7 +36,8 @@ from rclpy.clock import Clock, ClockType
 from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock as ClockMessage
 
-STALE_NS = 300_000_000  # commands older than this stop the motors, as on the real vehicle
+STALE_NS = 300_000_000  # commands older or newer than this stop the motors, as on the real vehicle
+MOST = 100  # characters that are told of a command that is refused
 SLIP = 50  # control periods of delay that are made up for at once
 SLOW = 0.05  # share of the wall clock that may be lost before it is said
 CLOCK_PERIOD = 0.02  # wall seconds between two /clock
@@ -146,7 +147,9 @@ class Simulator(GraphNode):
     def _on_motors(self, step: Step) -> None:
         for command in step.messages['motors']:
             self._take(command.name, list(command.effort))
-        self._commanded_ns = from_stamp(step.messages['motors'][-1].header.stamp)
+        stamp_ns = from_stamp(step.messages['motors'][-1].header.stamp)
+        if stamp_ns <= self._world.stamp_ns + STALE_NS:  # else it would be fresh for as long
+            self._commanded_ns = stamp_ns
         if self.lockstep:
             self._step()
 
@@ -188,7 +191,8 @@ class Simulator(GraphNode):
         self.health.report(
             'command',
             Level.ERROR,
-            f'refused duties {duties} of {names}: expected {expected} from {self._lowest} to 1; '
+            f'refused duties {repr(duties)[:MOST]} of {repr(names)[:MOST]}: '
+            f'expected {expected} from {self._lowest} to 1; '
             'the motors are off',
         )
 

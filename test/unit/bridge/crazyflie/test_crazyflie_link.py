@@ -1,8 +1,9 @@
 """Unmodified cflib against the emulated Crazyflie, through the link and its keeper."""
 
-from queue import Empty
+from collections import Counter
+import math
+from random import Random
 import socket
-import struct
 import time
 
 from lta_bridge.crazyflie import duties_packet
@@ -11,9 +12,10 @@ from lta_bridge.crazyflie.emulated.body import Bench
 from lta_bridge.crazyflie.emulated.firmware import Firmware
 from lta_bridge.crazyflie.emulated.server import Server
 from lta_bridge.crazyflie.keeper import agree, Keeper
-from lta_bridge.crazyflie.link import LinkFailed, LogPacket, Lost
+from lta_bridge.crazyflie.link import LinkFailed, LogPacket, Lost, Malformed
 from lta_bridge.crazyflie.links import link_to
 from lta_bridge.crazyflie.log_table import BLOCKS
+from lta_bridge.crazyflie.packet_check import fault
 from lta_bridge.crazyflie.wiring import rotor_places
 from lta_config.crazyflie_file import Expected, load_crazyflie
 from lta_config.errors import BadInput
@@ -229,18 +231,44 @@ def test_every_shipped_file_is_wired_to_rotors_that_exist():
         rotor_places({'m1': 'up'}, ['left'])
 
 
-def test_nonsense_from_the_drone_is_heard_out(linked):
-    """Truncated and unknown packets, console noise and a log packet of no block."""
+@pytest.mark.parametrize('seed', [1, 2])
+def test_nonsense_from_the_drone_is_counted_and_heard_out(linked, seed):
+    """Empty, torn, long and unknown packets; none of settings, by which a drone may end a log."""
+    random = Random(seed)
+    torn = [
+        b'\x52',
+        b'\x52\x63\0\0\0',
+        b'\x00noise',
+        b'\xf2',
+        b'\x92\x8c',
+        b'\x51\x06',
+        b'\x52\x01\0\0\0\0',
+    ]
+    where = [port << 4 | channel for port in range(16) for channel in range(4)]
+    where = [each for each in where if each >> 4 not in (2, 5)]
+    wild = [
+        bytes([random.choice(where)]) + random.randbytes(random.randrange(90)) for _ in range(200)
+    ]
+    long = [b'\x52' + bytes([block]) + bytes(60) for block in range(1, 6)]
     with Server(Firmware(Bench())) as server:
         link = linked(server)
         blocks_heard(link)
-        for data in (b'\x52', b'\x52\x63\0\0\0', b'\x00noise', b'\xf2', b'\x92\x8c', b'\x51\x06'):
+        expected = Counter(
+            bool(fault(each[0] >> 4, each[0] & 3, each[1:], {1: 24}))
+            for each in (*torn, *wild, *long)
+        )[True]
+        for data in (*torn, *wild, *long):
             server.down.put(data, server.now)
-        server.down.put(b'\x52\x01\0\0\0' + struct.pack('<f', 1.0), server.now)
-        while True:
-            try:
-                link.events.get_nowait()
-            except Empty:
-                break
+        counted = 0
+        while counted < expected:
+            event = link.events.get(timeout=PATIENCE)
+            counted += isinstance(event, Malformed)
+            assert not isinstance(event, Lost)
+            if isinstance(event, LogPacket):
+                assert (
+                    event.values.keys()
+                    == {block.name: block for block in BLOCKS}[event.block].variables.keys()
+                )
+                assert all(map(math.isfinite, event.values.values()))
         assert blocks_heard(link)
         link.close()

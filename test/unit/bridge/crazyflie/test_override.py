@@ -42,7 +42,6 @@ class Bridged:
         self.told, self.now, self.word = Told(), 0, Bit.ARMED
         self.bridge = Bridge(self.told, FILE, list(FILE.motors.values()), 'override')
         self.linked = self.active = self.commands = self.logs = True
-        self.bridge.heard(LogPacket('power', 0, {'pm.vbat': 4.0, 'pm.state': 0}, 0))
         self.tick(AskedBy(arm=True))
         for _ in range(3):
             self.tick()
@@ -52,7 +51,9 @@ class Bridged:
         self.now += TICK
         if self.logs:
             values = {f'motor.m{n}': 0.0 for n in range(1, 5)} | {'supervisor.info': self.word}
-            self.bridge.heard(LogPacket('motors', self.now // 1_000_000, values, self.now))
+            power = {'pm.vbat': 4.0, 'pm.state': 0}
+            for name, told in (('motors', values), ('power', power)):
+                self.bridge.heard(LogPacket(name, self.now // 1_000_000, told, self.now))
         if self.commands:
             self.bridge.commanded(Asked(self.now, duties=DUTIES))
         self.bridge.tick(1e-9 * self.now, self.now, self.linked, self.active, asked)

@@ -1,0 +1,134 @@
+"""
+Whether a message can be meant: numbers that are numbers, and lengths that agree.
+
+What it says is for /diagnostics. A message that is not sound is handed on all the same: in
+lockstep somebody waits for its answer, and each node knows what it must not believe. So this is
+no guard.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+import math
+from typing import Any, Final, final
+
+from builtin_interfaces.msg import Time
+from lta_config.topics import Topic
+from lta_graph.refused import Refused
+
+MESSAGES: Final = 'messages'  # the task in which a node tells it
+NUMBERS: Final[Mapping[str, tuple[str, ...]]] = {  # by type, the fields that must hold numbers
+    'Imu': ('angular_velocity', 'linear_acceleration'),
+    'FluidPressure': ('fluid_pressure',),
+    'Illuminance': ('illuminance',),
+    'BatteryState': ('voltage', 'current'),
+    'Odometry': ('pose.pose', 'twist.twist'),
+    'JointState': ('effort',),
+    'Vector3Stamped': ('vector',),
+    'PoseWithCovarianceStamped': ('pose.pose', 'pose.covariance'),
+    'PoseStamped': ('pose',),
+    'TwistStamped': ('twist',),
+    'Float64': ('data',),
+    'Joy': ('axes',),
+}
+LARGEST: Final = 1e9  # in any unit of ours; more was not measured
+JUMP_NS: Final = 2_000_000_000  # from one stamp of a topic to the next
+
+
+def _numbers(value: Any) -> Iterator[float]:  # noqa: ANN401 - a message, an array or a number
+    """Yield all real numbers of a part of a message."""
+    if isinstance(value, float | int):
+        yield value
+    elif hasattr(value, '__iter__'):
+        yield from value
+    else:
+        for name in value.get_fields_and_field_types():
+            yield from _numbers(getattr(value, name))
+
+
+def _of_range(message: Any) -> str:  # noqa: ANN401 - a generated class
+    # Infinite is what is not in reach (REP-117).
+    meant = math.isinf(message.range) or abs(message.range) <= LARGEST
+    return '' if meant else 'its range is not a number, or none that is measured'
+
+
+def _of_image(message: Any) -> str:  # noqa: ANN401 - a generated class
+    return _sized(len(message.data), message.height * message.step)
+
+
+def _of_cloud(message: Any) -> str:  # noqa: ANN401 - a generated class
+    wrong = _sized(len(message.data), message.height * message.row_step)
+    if not wrong and message.row_step != message.width * message.point_step:
+        wrong = 'its points do not fit its rows'
+    if not wrong and len({field.name for field in message.fields}) < len(message.fields):
+        wrong = 'its fields have one name'
+    return wrong
+
+
+def _of_joints(message: Any) -> str:  # noqa: ANN401 - a generated class
+    have, want = len(message.effort), len(message.name)
+    return '' if have == want else f'it has {want} names and {have} efforts'
+
+
+def _sized(have: int, want: int) -> str:
+    return '' if have == want else f'it has {have} bytes and declares {want}'
+
+
+LENGTHS: Final[Mapping[str, Callable[[Any], str]]] = {
+    'Range': _of_range,
+    'Image': _of_image,
+    'PointCloud2': _of_cloud,
+    'JointState': _of_joints,
+}
+
+
+def fault(message: Any) -> str:  # noqa: ANN401 - a generated class
+    """Return why a message cannot be meant; empty where it can."""
+    kind = type(message).__name__
+    for path in NUMBERS.get(kind, ()):
+        part = message
+        for name in path.split('.'):
+            part = getattr(part, name)
+        # NaN compares false.
+        if not all(-LARGEST <= number <= LARGEST for number in _numbers(part)):
+            return f'its {path} holds what is not a number, or none that is measured'
+    return LENGTHS[kind](message) if kind in LENGTHS else ''
+
+
+@final
+class Soundness:
+    """
+    What a node has heard that cannot be meant.
+
+    A clock that was set and somebody who speaks of another time look the same, so a stamp that
+    jumps is told and no more.
+
+    Parameters
+    ----------
+    stamps : bool
+        Whether to look at the stamps of topics that have a rhythm.
+
+    Attributes
+    ----------
+    unsound : Refused
+        How much that was.
+
+    """
+
+    def __init__(self, stamps: bool) -> None:
+        self.unsound = Refused()
+        self._stamps = stamps
+        self._newest: dict[str, int] = {}
+
+    def look(self, row: Topic, name: str, message: Any) -> None:  # noqa: ANN401 - see above
+        """Count a message of a topic if it cannot be meant."""
+        why = fault(message)
+        if not why and self._stamps and row.stamped and row.period_ns:
+            why = self._jump(name, message.header.stamp)
+        if why:
+            self.unsound.add(f'{name}: {why}')
+
+    def _jump(self, name: str, stamp: Time) -> str:
+        """Return by how much a topic's stamp has jumped, in words; empty where it has not."""
+        now = int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
+        by = now - self._newest.get(name, now)
+        self._newest[name] = now
+        return f'its stamp jumps by {1e-9 * by:.1f} s' if abs(by) > JUMP_NS else ''

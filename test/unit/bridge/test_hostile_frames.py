@@ -1,0 +1,239 @@
+"""Whatever comes on the light board's link, from the board or in its name, is survived."""
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from lta_bridge.teensy.condition import condition
+from lta_bridge.teensy.dialect import (
+    LTA_LIGHT_BLOCK,
+    LTA_LIGHT_PEAKS,
+    LTA_LIGHT_STATUS,
+    MESSAGES,
+    TIMESYNC,
+)
+from lta_bridge.teensy.emulator import COMPONENT, EmulatedBoard, SYSTEM
+from lta_bridge.teensy.framing import Framing
+from lta_bridge.teensy.light_board import LightBoard, LightPeaks, QUESTIONS
+from lta_bridge.teensy.message import Message
+from lta_bridge.teensy.one_sender import LOYAL_NS, OneSender
+from lta_config.topics import topic_table
+from lta_config.vehicle_file import load_vehicle_file
+from lta_graph.ros.stamps import to_stamp
+from lta_sim.messages import light_block
+from lta_vlc.diodes import diodes_of
+from lta_vlc.lamp import LampPrior
+from lta_vlc.lamp_finder import LampFinder
+from lta_vlc.messages import from_bearing, from_lamp, from_peaks
+import numpy as np
+import pytest
+from rclpy.serialization import serialize_message
+from std_msgs.msg import Header
+
+LIGHT = topic_table().light
+FINDER = LampFinder(diodes_of(load_vehicle_file('gtmab').sensors.diodes))
+BOOT = 1_700_000_000_000_000_000
+EACH = 100_000_000  # ns between two looks
+SAMPLES = np.random.default_rng(1).integers(0, 4096, (1000, 8)).astype(np.uint16)
+
+
+class Linked:
+    """A bridge's core and a good board, with room for what else comes between."""
+
+    trouble, unplugged, strangers = '', 0, 0  # as its reader says
+
+    def __init__(self, peaks=False):
+        self.board, self.good = LightBoard(LIGHT, 8, peaks), EmulatedBoard(BOOT)
+        self.now, self.peaks, self.got = BOOT + 2_000_000_000, peaks, []
+        for _ in range(5):
+            self.go_on(light=False)
+
+    def go_on(self, spoilt=b'', light=True):
+        """Live through a tenth of a second."""
+        self.now += EACH
+        self.hear(self.good.answer(self.board.due(self.now), self.now + 150_000))
+        self.hear(spoilt)
+        if light:
+            begun = self.now - EACH
+            told = (
+                self.good.peaks(SAMPLES, 150.0, begun) if self.peaks else self.good.light(SAMPLES)
+            )
+            self.hear(self.good.status() + told)
+
+    def hear(self, data):
+        for came in self.board.take(data, self.now):
+            published(came)
+            self.got.append(came)
+
+    @property
+    def fact(self):
+        return condition(self, self.now, True)
+
+
+def published(came):
+    """Make the messages of what came, as the node does, down to their bytes."""
+    stamp = to_stamp(came.stamp_ns)
+    if not isinstance(came, LightPeaks):
+        assert serialize_message(light_block(stamp, came.samples))
+        return
+    found = FINDER.found(came.peaks, 5.0, LampPrior())
+    header = Header(stamp=stamp)
+    for message in (
+        from_bearing(header, found.towards),
+        from_peaks(header, (came.peaks,), FINDER.diodes.axes),
+        from_lamp(header, found.lamp),
+    ):
+        assert serialize_message(message)
+
+
+def extremes(dtype):
+    """Return values of a field at its ends, in between, and what is no number."""
+    if dtype.kind == 'f':
+        odd = [0.0, -0.0, np.nan, np.inf, -np.inf, 3.4e38, -3.4e38, 1e-45, 1.0, 150.0, 10e3]
+        return st.sampled_from(odd)
+    info = np.iinfo(dtype)
+    return st.one_of(
+        st.sampled_from([info.min, info.max, 0, 1, 8, 15]), st.integers(info.min, info.max)
+    )
+
+
+def frame_of(message):
+    """Return any frame of a message, of any sender, with a payload of any length."""
+    fields = {}
+    for name in message.layout.names:
+        kind, shape = message.layout[name].base, message.layout[name].shape
+        one = extremes(kind)
+        fields[name] = st.lists(one, min_size=shape[0], max_size=shape[0]) if shape else one
+    source = st.sampled_from([SYSTEM, 0, 2, 255])
+    return st.builds(
+        lambda values, system, turn: message.frame(turn, system, COMPONENT, **values),
+        st.fixed_dictionaries({}, optional=fields),
+        source,
+        st.integers(0, 255),
+    )
+
+
+def of_length(message, payload, number=None):
+    """Return a frame of a message with another payload than its fields make."""
+    head = bytes((0xFD, len(payload), 0, 0, 0, SYSTEM, COMPONENT))
+    body = head + (message.number if number is None else number).to_bytes(3, 'little') + payload
+    return body + message.checksum(body).to_bytes(2, 'little')
+
+
+resized = st.builds(of_length, st.sampled_from([*MESSAGES.values()]), st.binary(max_size=255))
+unknown = st.builds(
+    lambda number, payload: of_length(Message(number, 'X', 7, np.dtype([('a', '<u1')])), payload),
+    st.integers(0, 2**24 - 1).filter(lambda number: number not in MESSAGES),
+    st.binary(max_size=255),
+)
+hostile = st.one_of(*map(frame_of, MESSAGES.values()), resized, unknown, st.binary(max_size=300))
+
+
+@pytest.mark.parametrize('peaks', [False, True])
+@given(st.lists(st.lists(hostile, max_size=4), max_size=8))
+@settings(max_examples=60)
+def test_any_frames_are_survived_and_the_board_s_light_comes_again(peaks, spoilt):
+    link = Linked(peaks)
+    for frames in spoilt:
+        link.go_on(b''.join(frames))
+    before = len(link.got)
+    for _ in range(60):  # longer than another sender is believed, and an old clock
+        link.go_on()
+    assert len(link.got) - before >= 20
+    assert link.fact.message == 'light comes'
+    for came in link.got:
+        assert abs(came.stamp_ns - link.now) < 60_000_000_000
+
+
+@pytest.mark.parametrize('message', MESSAGES.values(), ids=lambda one: one.name)
+@given(data=st.data())
+@settings(max_examples=40)
+def test_a_message_at_its_extremes_breaks_nothing(message, data):
+    for peaks in (False, True):
+        link = LightBoard(LIGHT, 8, peaks)
+        frames = data.draw(st.lists(frame_of(message), min_size=1, max_size=3))
+        for frame in frames:
+            for came in link.take(frame, BOOT):
+                published(came)
+        assert (link.framing.frames, link.framing.crc_errors) == (len(frames), 0)
+
+
+counts = st.one_of(st.floats(0.0, 65535.0, width=32), extremes(np.dtype('<f4')))
+
+
+@given(
+    amplitude=st.lists(counts, min_size=16, max_size=16),
+    noise=st.lists(counts, min_size=16, max_size=16),
+    frequency=st.one_of(st.just(150.0), extremes(np.dtype('<f4'))),
+)
+def test_peaks_of_any_size_become_messages_or_are_counted(amplitude, noise, frequency):
+    link = Linked(peaks=True)
+    link.go_on()
+    values = {'amplitude': amplitude, 'noise': noise, 'frequency': frequency, 'diodes': 8}
+    time_usec = link.good.board_ns(link.now) // 1000
+    told = LTA_LIGHT_PEAKS.frame(
+        0, SYSTEM, COMPONENT, time_usec=time_usec, window=LIGHT.samples, **values
+    )
+    before = len(link.got)
+    link.hear(told)
+    assert len(link.got) - before + link.board.unfit == 1
+    for came in link.got[before:]:
+        assert (came.peaks.amplitude >= 0.0).all()
+        lamp = FINDER.found(came.peaks, 5.0, LampPrior()).lamp
+        assert lamp is None or np.isfinite(lamp).all()
+
+
+def test_light_of_another_system_is_left_out_and_counted():
+    link = Linked()
+    link.go_on()
+    forged = [
+        LTA_LIGHT_BLOCK.frame(k, 2, COMPONENT, time_usec=2**64 - 1, diodes=8, rows=15)
+        for k in range(50)
+    ]
+    for _ in range(20):
+        link.go_on(b''.join(forged) + LTA_LIGHT_STATUS.frame(0, 2, COMPONENT, dialect=9))
+    assert len(link.got) == 21
+    assert (link.board.clock.restarts, link.board.blocks.restarts, link.board.wrong) == (0, 0, '')
+    assert link.fact.values['of_other_systems'] == str(20 * 51)
+
+
+def test_who_shares_the_link_is_not_taken_for_the_board():
+    """Heartbeats of a ground station neither keep a silent board alive nor come before it."""
+    link, beat = Linked(), MESSAGES[0].frame(0, 255, 190, type=6)
+    link.hear(beat)
+    assert link.fact.message == 'nothing has come yet'
+    link.go_on(beat)
+    assert link.fact.message == 'light comes'
+    for _ in range(10):
+        link.go_on(beat, light=False)
+    assert 'silent for' in link.fact.message
+
+
+def test_a_flood_of_questions_is_answered_a_little_and_counted():
+    link = Linked()
+    asked = b''.join(TIMESYNC.frame(k, SYSTEM, COMPONENT, ts1=k + 1) for k in range(1000))
+    link.hear(asked)
+    answers = [f for f in Framing().take(link.board.due(link.now)) if f.message is TIMESYNC]
+    assert len([f for f in answers if f.record['tc1']]) == QUESTIONS
+    assert link.fact.values['unanswered'] == str(1000 - QUESTIONS)
+
+
+def test_what_cannot_be_used_is_counted_though_good_light_follows():
+    link = Linked()
+    link.go_on()
+    bad = LTA_LIGHT_BLOCK.frame(0, SYSTEM, COMPONENT, diodes=3, rows=99)
+    link.go_on(bad)
+    assert link.board.wrong == ''
+    assert link.fact.values['unfit'] == '1'
+
+
+@given(st.lists(st.tuples(st.sampled_from('ab'), st.integers(0, 3 * LOYAL_NS)), max_size=30))
+def test_one_of_two_is_believed_at_a_time(words):
+    one, now, last = OneSender(), 0, {}
+    for who, later in words:
+        now += later
+        before = one.who
+        believed = one.believes(who, now)
+        assert believed == (one.who == who)
+        if before is not None and one.who != before:
+            assert now - last[before] > LOYAL_NS
+        if believed:
+            last[who] = now

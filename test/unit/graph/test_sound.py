@@ -1,0 +1,86 @@
+"""What is called a message that cannot be meant, and how much of it is told."""
+
+import math
+
+from hypothesis import given
+from hypothesis import strategies as st
+from lta_config.topics import topic_table
+from lta_graph.health import Level
+from lta_graph.refused import LONGEST, Refused
+from lta_graph.ros.message_types import message_type
+from lta_graph.ros.sound import fault, JUMP_NS, LARGEST, LENGTHS, NUMBERS, Soundness
+from lta_graph.ros.stamps import to_stamp
+import pytest
+from sensor_msgs.msg import Image, JointState, PointCloud2, PointField, Range
+
+TABLE = topic_table()
+IMU = message_type(TABLE['imu'])
+
+
+def test_an_empty_message_of_any_topic_can_be_judged():
+    for row in TABLE.topics.values():
+        assert isinstance(fault(message_type(row)()), str)
+
+
+def test_every_field_that_is_looked_at_is_one():
+    kinds = {message_type(row).__name__: message_type(row) for row in TABLE.topics.values()}
+    for name, paths in NUMBERS.items():
+        for path in paths:
+            part = kinds[name]() if name in kinds else None
+            for word in path.split('.') if part else ():
+                part = getattr(part, word)
+    assert LENGTHS.keys() <= kinds.keys()
+    assert NUMBERS.keys() - {'Joy'} <= kinds.keys()
+
+
+@given(
+    st.floats(),
+    st.sampled_from(['angular_velocity', 'linear_acceleration']),
+    st.sampled_from('xyz'),
+)
+def test_one_number_of_six_is_enough(value, field, axis):
+    message = IMU()
+    setattr(getattr(message, field), axis, value)
+    assert (fault(message) == '') == (abs(value) <= LARGEST)
+
+
+@pytest.mark.parametrize(
+    ('message', 'words'),
+    [
+        (Range(range=math.nan), 'not a number'),
+        (Range(range=-math.inf), ''),
+        (Range(range=3e38), 'none that is measured'),
+        (Image(height=2, step=2, data=[0] * 4), ''),
+        (Image(height=2**32 - 1, step=2**32 - 1), 'it has 0 bytes'),
+        (JointState(name=['a'], effort=[0.1, 0.2]), '1 names and 2 efforts'),
+        (JointState(name=['a'], effort=[math.nan]), 'effort'),
+        (PointCloud2(height=1, width=2, point_step=4, row_step=8, data=[0] * 8), ''),
+        (PointCloud2(height=1, width=3, point_step=4, row_step=8, data=[0] * 8), 'do not fit'),
+        (PointCloud2(fields=[PointField(name='x'), PointField(name='x')]), 'one name'),
+    ],
+)
+def test_numbers_and_lengths(message, words):
+    assert words in fault(message)
+    assert bool(fault(message)) == bool(words)
+
+
+def test_a_stamp_that_jumps_is_counted_where_stamps_are_looked_at():
+    row = TABLE['imu']
+    for looks in (True, False):
+        sound = Soundness(stamps=looks)
+        for at in (1, 2, 3 + 2 * JUMP_NS, 4, 5):
+            message = IMU()
+            message.header.stamp = to_stamp(10**12 + at)
+            sound.look(row, 'imu', message)
+        assert sound.unsound.count == (2 if looks else 0)
+    assert Soundness(stamps=True).unsound.fact('messages').level == Level.OK
+
+
+def test_whoever_sends_nonsense_does_not_decide_how_much_of_it_is_told():
+    refused = Refused()
+    for _ in range(3):
+        refused.add('x' * 10**6)
+    fact = refused.fact('messages')
+    assert fact.level == Level.WARN
+    assert len(fact.message) < LONGEST + 100
+    assert fact.values == {'count': '3'}
