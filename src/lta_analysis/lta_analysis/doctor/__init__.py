@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterable, Iterator
 
 from lta_analysis.doctor.check import Check, State
 from lta_analysis.doctor.dds import conversation, ports
-from lta_analysis.doctor.machine import cores, disk, memory, platform, python, shared_memory
+from lta_analysis.doctor.machine import cores, disk, memory, platform, python
+from lta_analysis.doctor.shared_memory import room
 from lta_analysis.doctor.software import browser, packages, versions, wheels
 from rich.console import Console
 from rich.table import Table
@@ -23,7 +24,7 @@ CHECKS: dict[str, Callable[[], Check]] = {
     'packages': packages,
     'dds': conversation,
     'ports': ports,
-    'shared memory': shared_memory,
+    'shared memory': room,
     'disk': disk,
     'cores': cores,
     'memory': memory,

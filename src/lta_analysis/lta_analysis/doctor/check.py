@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import final, Literal
 
+MEGABYTE = 1_000_000
 State = Literal['ok', 'warn', 'fail']
 
 

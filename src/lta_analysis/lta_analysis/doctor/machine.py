@@ -1,15 +1,13 @@
-"""Is the machine fit: Python, platform, space, cores."""
+"""Is the machine fit: Python, platform, disk, cores, memory."""
 
 import os
 from pathlib import Path
 import platform as host
-import re
 import shutil
 import sys
 
-from lta_analysis.doctor.check import Check, graded
+from lta_analysis.doctor.check import Check, graded, MEGABYTE
 
-MEGABYTE = 1_000_000
 OLDEST_PYTHON, NEWEST_PYTHON = (3, 11), (3, 14)  # which `make` takes; a test compares
 
 
@@ -30,39 +28,6 @@ def platform() -> Check:
         remedy = 'ROS 2 comes as wheels for Linux on x86-64; use such a machine or container.'
         return Check('platform', 'fail', found, remedy)
     return Check('platform', 'ok', found)
-
-
-def shared_memory(folder: Path = Path('/dev/shm')) -> Check:
-    """Check the room in shared memory, through which Fast DDS sends on one machine."""
-    if not folder.is_dir():
-        return Check(
-            'shared memory',
-            'warn',
-            f'{folder} is not there; Fast DDS sends over UDP instead, which is slower',
-            f'Mount a tmpfs on {folder}.',
-        )
-    free = shutil.disk_usage(folder).free / MEGABYTE
-    found = f'{free:.0f} MB free in {folder}'
-    remedy = f'Remove fastrtps_* from {folder} when no node runs, or enlarge it (--shm-size=256m).'
-    check = graded('shared memory', free, 50.0, 10.0, found, remedy)
-    left = left_behind(folder)
-    if not left or check.state == 'fail':
-        return check
-    size = sum(file.stat().st_size for file in left) / MEGABYTE
-    return Check(
-        'shared memory',
-        'warn',
-        f'{found}; killed nodes left {len(left)} files ({size:.0f} MB) there',
-        f'They cause RTPS_TRANSPORT_SHM errors: when no node runs, rm {folder}/*fastrtps_*.',
-    )
-
-
-def left_behind(folder: Path, locks: Path = Path('/proc/locks')) -> list[Path]:
-    """Return the files of Fast DDS whose owner is gone: a living one holds the lock beside it."""
-    held = set(re.findall(r'\w+:\w+:(\d+) ', locks.read_text()))
-    stale = [file for file in folder.glob('fastrtps_*_el') if str(file.stat().st_ino) not in held]
-    owned = [file.with_name(file.name.removesuffix('_el')) for file in stale]
-    return sorted([*stale, *(file for file in owned if file.exists())])
 
 
 def disk(runs: Path = Path('runs')) -> Check:

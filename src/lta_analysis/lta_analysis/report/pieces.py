@@ -3,8 +3,13 @@
 from collections.abc import Mapping
 from html import escape
 import json
+import re
+from typing import Final
 
 from plotly.graph_objects import Figure
+
+OWN: Final = 'br|/?(b|i|sub|sup|extra)|span style="color:#[0-9a-f]{6}"|/span'  # in our own texts
+MARKUP: Final = re.compile(f'<(?!({OWN})>)')
 
 
 def embedded(name: str, content: object) -> str:
@@ -52,12 +57,31 @@ def section(
     )
 
 
+def inert(picture: Figure) -> object:
+    """
+    Return a figure for the page's script, in which no text is more than a word in bold.
+
+    Plotly takes some HTML in texts, links and styles among it, and a name may be a stranger's.
+    """
+    return _inert(json.loads(picture.to_json()))
+
+
+def _inert(part: object) -> object:
+    if isinstance(part, str):
+        return MARKUP.sub('&lt;', part)
+    if isinstance(part, list):
+        return [_inert(each) for each in part]
+    if isinstance(part, dict):
+        return {key: _inert(each) for key, each in part.items()}
+    return part
+
+
 def drawn(name: str, words: str, about: str, picture: Figure, timed: bool) -> str:
     """Return the place of a picture, its caption and its data; words are HTML already."""
     return (
         f'<div class="plot" data-panel="{name}" data-timed="{str(timed).lower()}" '
         f'role="img" aria-label="{words}. {about}"></div>'
-        f'<figcaption>{about}</figcaption>{embedded_text(f"figure-{name}", picture.to_json())}'
+        f'<figcaption>{about}</figcaption>{embedded(f"figure-{name}", inert(picture))}'
     )
 
 

@@ -7,7 +7,7 @@ import math
 from pathlib import Path
 import re
 
-from lta_analysis.discovery.finding import Finding, Learned, Rung
+from lta_analysis.discovery.finding import Carried, Finding, Learned, LeftOut, Rung, Worth
 from lta_analysis.discovery.fit.evidence import FLOOR, Pieces, tolerances
 from lta_analysis.discovery.forecast.replayed import best_begun, ratio
 from lta_analysis.discovery.model.knobs import Knob
@@ -39,6 +39,7 @@ from plotly.offline import get_plotlyjs
 import pytest
 from scipy import signal
 
+from ....security.page_reading import ALL, inert  # noqa: TID252 - `test` is Python's own
 from ..hidden_cases import CASES  # noqa: TID252 - `test` is Python's own
 from ..hidden_study import DRAG, study  # noqa: TID252 - `test` is Python's own
 
@@ -90,6 +91,27 @@ def _numbers(finding: Finding) -> list[str]:
     for left in finding.remains:
         out += [figure(left.size), figure(left.floors), percent(left.carried)]
     return out
+
+
+@pytest.mark.parametrize('evil', [ALL], ids=['all'])
+def test_names_of_strangers_bags_are_words(found: Study, tmp_path: Path, evil: str) -> None:
+    """Names of bags and regimes, and the vehicle as it was named; the rest is the library's."""
+    named = [replace(one, name=f'{evil}{k}') for k, one in enumerate(found.flights)]
+    shown = [replace(one, flown=replace(one.flown, name=evil)) for one in found.shown * 2]
+    given = _with(
+        replace(found, flights=named, shown=shown),
+        where=tuple(one._replace(flight=evil, condition=evil) for one in found.finding.where),
+        remains=REMAINS,
+        warnings=(evil,),
+        bags=dict.fromkeys(('train', 'confirm', 'holdout'), (evil,)),
+        vehicle=evil,
+        versions={evil: evil},
+        unexplained=(evil,),
+        next_flight=evil,
+        carried=Carried((Worth(evil, 0.5),), (LeftOut(evil, 2, 0.7),), (evil,), 3),
+    )
+    page = inert(write_page(given, tmp_path).read_text(encoding='utf-8'))
+    assert evil in page.words
 
 
 def test_every_number_and_name_of_the_finding_is_on_the_page(found: Study, tmp_path: Path) -> None:
