@@ -162,6 +162,11 @@ def made_of(
         mass_place=(place.get('x', 0.0), place.get('y', 0.0), place.get('z', 0.0)),
         duties=slots(duties),
     )
+    return made_from(model, craft, vehicle)
+
+
+def made_from(model: Model, craft: Craft, vehicle: Vehicle) -> Made:
+    """Return a flight from its constants."""
     numbers: list[float] = []
     form: list[str] = []
     take(bare(craft), numbers, form)

@@ -7,6 +7,7 @@ from pathlib import Path
 import sys
 from typing import Annotated, Any
 
+from lta_analysis.json_option import Json
 from lta_analysis.json_value import finite
 from lta_analysis.out_option import folder
 from lta_analysis.plain_console import plain_console
@@ -87,7 +88,7 @@ def tune(
         ),
     ] = None,
     page: Annotated[bool, typer.Option(help='Write the page of the tuning.')] = True,
-    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
+    json: Json = False,
 ) -> None:
     """
     Find controller gains that hold over a spread of lost helium, and say how firmly they do.
