@@ -198,12 +198,15 @@ def test_light_of_another_system_is_left_out_and_counted():
 def test_who_shares_the_link_is_not_taken_for_the_board():
     """Heartbeats of a ground station neither keep a silent board alive nor come before it."""
     link, beat = Linked(), MESSAGES[0].frame(0, 255, 190, type=6)
+    link.board = LightBoard(LIGHT, 8)
     link.hear(beat)
     assert link.fact.message == 'nothing has come yet'
-    link.go_on(beat)
+    for _ in range(10):
+        link.go_on(beat)
     assert link.fact.message == 'light comes'
     for _ in range(10):
-        link.go_on(beat, light=False)
+        link.now += EACH
+        link.hear(beat)
     assert 'silent for' in link.fact.message
 
 

@@ -79,7 +79,7 @@ class LightBoard:
     sender : OneSender
         The system and component whose light counts: others may share the link.
     heard_ns : int
-        When its last message about light came; 0 before. [ns]
+        When its last message came, or whoever's answer while it has sent no light; 0 before. [ns]
     unfit : int
         Messages of light that could not be used.
     unanswered : int
@@ -127,14 +127,15 @@ class LightBoard:
                 yield from self._take_peaks(frame.record, now_ns)
 
     def _is_board(self, frame: Frame, now_ns: int) -> bool:
-        """Tell whether the board sent it; who sends no light is no other board."""
-        source = frame.system, frame.component
-        if frame.message not in OF_LIGHT:
-            return self.sender.who in (None, source)
-        if not self.sender.believes(source, now_ns):
-            return False
-        self.heard_ns = now_ns
-        return True
+        """Tell whether the board sent it, and note that it lives; only light says who it is."""
+        source, known = (frame.system, frame.component), self.sender.who
+        if frame.message in OF_LIGHT:
+            heard = self.sender.believes(source, now_ns)
+        else:
+            heard = source == known or (known is None and frame.message is TIMESYNC)
+        if heard:
+            self.heard_ns = now_ns
+        return heard
 
     def due(self, now_ns: int) -> bytes:
         """Return what is to be sent now: a heartbeat, a question for the time, answers."""
