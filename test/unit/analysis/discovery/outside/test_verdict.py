@@ -122,6 +122,6 @@ def test_a_value_is_known_less_well_beside_what_has_no_name() -> None:
     known = [Knob('thrust_scale.factor', **base), Knob('clock_skew.skew', **base)]
     found = Fitted(0.0, np.array([0.2, 3e-5]), np.diag([1e-4, 1e-12]))
     alone, beside = spread(found, known, False), spread(found, known, True)
-    np.testing.assert_allclose(alone[0], np.hypot(1.15 * 0.01, 0.002), rtol=1e-12)
-    np.testing.assert_allclose(beside[0], np.hypot(1.3 * 1.15 * 0.01, 0.002), rtol=1e-12)
+    np.testing.assert_allclose(alone[0], np.hypot(0.01, 0.001), rtol=1e-12)
+    np.testing.assert_allclose(beside[0], np.hypot(1.2 * 0.01, 0.001), rtol=1e-12)
     assert alone[1] > 5e-6  # half a millisecond in a hundred seconds
