@@ -8,7 +8,7 @@ export OMP_NUM_THREADS := 1
 export PYTHON
 
 enter := root='$(CURDIR)' && . tools/workspace.sh
-sources := config src test examples
+sources := config src test examples tools
 
 .PHONY: help demo build test test-long bench bench-compare flights trust classes plan rgblimp crazyflie faults chaos soak docs reference lock check format clean
 

@@ -1,5 +1,5 @@
 """
-What all tests share: markers from the folder, a DDS domain each, repeatable hypothesis.
+What all tests share: markers by folder, a DDS domain each, nothing left behind, seeds.
 
 A test in `test/unit` is marked `unit`, and so on; one elsewhere that watches the clock is marked
 `integration` by its own file, so that nothing runs beside it. An integration test has a
@@ -17,6 +17,7 @@ sys.path.append(str(Path(__file__).parent))
 
 from domain import free_domain
 from hypothesis import settings
+import left_behind
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -44,6 +45,15 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             # Real processes against the wall clock, on machines that others use: two more tries,
             # which the summary counts as reruns.
             item.add_marker(pytest.mark.flaky(reruns=2))
+
+
+@pytest.fixture(scope='module', autouse=True)
+def as_found() -> Iterator[None]:
+    """Hold a file of tests to leave the process as it was: the next one may be any other."""
+    before = left_behind.state()
+    yield
+    changed = left_behind.changes(before, left_behind.state())
+    assert not changed, f'patched, and not put back: {", ".join(changed)}'
 
 
 @pytest.fixture

@@ -92,21 +92,19 @@ def closure(lock: Lock, python: str) -> set[str]:
     return {name for name, _ in seen}
 
 
-def needed(lock: Lock) -> dict[str, str]:
-    """Return what is needed for what is asked for: names, with markers of Pythons ('': all)."""
-    by_python = {python: closure(lock, python) for python in PYTHONS}
+def needed(lock: Lock, pythons: Sequence[str]) -> dict[str, str]:
+    """Return what some Pythons need for what is asked for: names, with markers ('': all)."""
+    by_python = {python: closure(lock, python) for python in pythons}
     return {
-        name: marker([python for python, names in by_python.items() if name in names])
+        name: marker([python for python, names in by_python.items() if name in names], pythons)
         for name in sorted(set().union(*by_python.values()))
     }
 
 
-def marker(pythons: Sequence[str]) -> str:
-    """Return the marker of some neighbouring Pythons, '' for all."""
-    if len(pythons) == len(PYTHONS):
-        return ''
-    bounds = (f"python_version >= '{pythons[0]}'", f"python_version <= '{pythons[-1]}'")
-    inner = (pythons[0] != PYTHONS[0], pythons[-1] != PYTHONS[-1])
+def marker(some: Sequence[str], pythons: Sequence[str]) -> str:
+    """Return the marker of some neighbouring Pythons among others, '' for all."""
+    bounds = (f"python_version >= '{some[0]}'", f"python_version <= '{some[-1]}'")
+    inner = (some[0] != pythons[0], some[-1] != pythons[-1])
     return ' and '.join(bound for bound, is_one in zip(bounds, inner, strict=True) if is_one)
 
 
@@ -170,13 +168,20 @@ def lines(names: Mapping[str, str], versions: Mapping[str, str]) -> Iterator[str
             yield ' \\\n    '.join([wanted, *(f'--hash=sha256:{one}' for one in found)]) + '\n'
 
 
-def locked(names: Iterable[str]) -> dict[str, dict[str, str]]:
-    """Return what some locked files hold, in their order: packages with their markers."""
+def locked(names: Iterable[str], pythons: Sequence[str] = PYTHONS) -> dict[str, dict[str, str]]:
+    """
+    Return what some locked files hold, in their order: packages with their markers.
+
+    An environment of the newest Python lacks what older ones alone need, and can tell no more
+    than what it needs itself.
+    """
     found: dict[str, dict[str, str]] = {}
     for name in names:
         lock = LOCKS[name]
         earlier = {one for before in lock.before for one in found[before]}
-        found[name] = {one: where for one, where in needed(lock).items() if one not in earlier}
+        found[name] = {
+            one: where for one, where in needed(lock, pythons).items() if one not in earlier
+        }
     return found
 
 

@@ -15,6 +15,7 @@ in_changelog() { grep -q "^## \[$version\]" CHANGELOG.md; }
 not_tagged() { ! git rev-parse --quiet --verify "refs/tags/v$version"; }
 style_and_types() { make check; }
 wheel() { tools/wheel.sh; }
+site() { tools/site.sh; }
 # Versions, dependencies and generated pages agree with what they are made of.
 agreement() { (. tools/workspace.sh && python -m pytest -q -n 0 test/contract); }
 # Asks a database of vulnerabilities over the network.
@@ -42,5 +43,7 @@ hold "there is no tag v$version yet" not_tagged
 hold 'style and types' style_and_types
 hold 'versions, pins and generated pages agree' agreement
 hold 'the wheel builds' wheel
+hold 'the site builds, and no link of it is dead' site
+hold 'nothing that is installed has a known vulnerability' known_faults
 [ "$status" = 0 ] && hold 'all tests, the long ones too' tests
 exit "$status"

@@ -20,7 +20,7 @@ from typing import NamedTuple
 from bench import Figure
 from lta_bridge.teensy.emulator import Cable, EmulatedBoard
 from lta_config.topics import topic_table
-from lta_graph.ros.node import message_type
+from lta_graph.ros.message_types import message_type
 from lta_graph.ros.qos import profile
 from lta_vlc.messages import to_block
 import numpy as np

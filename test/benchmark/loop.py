@@ -16,7 +16,8 @@ import time
 from typing import Any
 
 from bench import Figure
-from lta_analysis.loop import Loop, Policy
+from lta_analysis.loop import Loop
+from lta_analysis.policy import Policy
 from lta_config.topics import topic_table
 from lta_control.gains_file import load_gains
 from lta_control.strategies import strategy

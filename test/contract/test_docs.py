@@ -1,6 +1,7 @@
 """What the pages for people say is there, and the figures in them are those of the code."""
 
 from pathlib import Path
+from pkgutil import resolve_name
 import re
 
 from lta_graph.ros.node import PATIENCE, REPORT_PERIOD
@@ -10,6 +11,10 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted(ROOT.glob('docs/**/*.md'))]
 LINK = re.compile(r'\]\(<?([^)\s>]+)>?(?:\s+"[^"]*")?\)|\b(?:src|href)="([^"]+)"')
+MODULE = re.compile(r'`(lta_[a-z]+(?:\.\w+)+)(?:\(\))?`')
+SCRIPT = re.compile(r'`((?:\w+/)*\w+\.py)`')
+PYTHON = [path for folder in ('config', 'examples', 'src', 'test', 'tools')
+          for path in ROOT.glob(f'{folder}/**/*.py')]  # fmt: skip
 HEADING = re.compile(r'^#+\s+(.*)$', re.MULTILINE)
 
 
@@ -35,12 +40,22 @@ def test_every_relative_link_and_image_is_there(page):
         assert not anchor or anchor in anchors(target), link
 
 
+@pytest.mark.parametrize('page', PAGES, ids=lambda page: page.name)
+def test_every_module_and_file_of_python_that_a_page_names_is_there(page):
+    text = page.read_text(encoding='utf-8')
+    for name in MODULE.findall(text):
+        resolve_name(name)
+    files = [path.as_posix() for path in PYTHON]
+    for name in SCRIPT.findall(text):
+        assert any(file.endswith(f'/{name}') for file in files) or 'NAME' in name, name
+
+
 def test_a_page_has_links_to_look_at():
     assert 'docs/architecture.md' in links(ROOT / 'README.md')
 
 
 def test_rates_of_health_are_those_of_the_nodes():
-    text = ' '.join((ROOT / 'docs/architecture.md').read_text(encoding='utf-8').split())
+    text = ' '.join((ROOT / 'docs/inside.md').read_text(encoding='utf-8').split())
     assert f'reports in `/diagnostics` every {REPORT_PERIOD} s of wall time' in text
     assert f'one that waits longer than {PATIENCE} s names its missing inputs' in text
 

@@ -29,6 +29,42 @@ def greet(name: str = 'lamp') -> None:
     \"\"\"Say hello.\"\"\"
     print(f'hello, {name}')
 """
+LINK = """
+from queue import SimpleQueue
+
+from lta_bridge.crazyflie.link import Ping
+
+SCHEMES = {'string': r'[0-9]+m'}
+
+
+class StringLink:
+    def __init__(self, uri, blocks, clock):
+        self.uri, self.events, self.protocol = uri, SimpleQueue(), 12
+
+    def open(self, deadline):
+        self.events.put(Ping(0.1))
+
+    def close(self):
+        self.events.put(None)
+
+    def parameter(self, name):
+        return 7.0
+
+
+LINK = StringLink
+"""
+HELD = """
+from lta_bridge.crazyflie.keeper import Keeper
+from lta_bridge.crazyflie.links import link_to
+from lta_bridge.crazyflie.log_table import BLOCKS
+from lta_config.crazyflie_file import Expected
+
+link = link_to('string://12m', BLOCKS, int)
+keeper = Keeper(link, {'any.thing': Expected(value=7, write=False, why='a test')})
+print(link.events.get(timeout=60))
+assert keeper.close(60)
+print(link.events.get(timeout=60), keeper.attempts, link.uri)
+"""
 SECOND = """
 from types import SimpleNamespace
 
@@ -108,6 +144,14 @@ def test_a_strategy(tmp_path):
         tmp_path, '-c', 'from lta_control.strategies import strategy; print(strategy("straight"))'
     )
     assert "name='straight'" in said
+
+
+def test_a_link_that_the_keeper_of_links_opens_and_closes(tmp_path):
+    folder = with_copy(tmp_path, 'lta_bridge') / 'crazyflie'
+    (folder / 'string_link.py').write_text(LINK)
+    with_line(folder / 'links.py', "    'cflib_link',", "    'string_link',")
+    said = python(tmp_path, '-c', HELD)
+    assert said == 'Ping(round_trip=0.1)\nNone 1 string://12m\n'
 
 
 def test_a_verb(tmp_path):

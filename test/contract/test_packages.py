@@ -2,9 +2,11 @@
 
 import ast
 from importlib import import_module
+from itertools import accumulate
 import json
 from pathlib import Path
 import re
+import runpy
 import sys
 
 from catkin_pkg.package import parse_package
@@ -14,6 +16,7 @@ import pytest
 import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
+FIRST_FLIGHT = 'docs/tutorials/first_flight.md'
 FOLDERS = [ROOT / 'config', *sorted(path.parent for path in ROOT.glob('src/*/setup.py'))]
 NAMES = {
     'lta_analysis',
@@ -186,10 +189,27 @@ def test_python_versions_are_the_same_everywhere():
     lowest, end = re.search(r'\(3, (\d+)\) <= sys\.version_info < \(3, (\d+)\)', script).groups()
     words = f'3.{lowest} to 3.{int(end) - 1}'
     assert f'LTA needs Python {words}' in script
-    for name in ('README.md', 'CONTRIBUTING.md'):
+    for name in ('README.md', 'CONTRIBUTING.md', FIRST_FLIGHT, 'constraints.txt'):
         assert f'Python {words}' in (ROOT / name).read_text(), name
-    assert f'LTA needs {words}:' in python((3, int(lowest) - 1)).remedy
-    assert python((3, int(end) - 1)).state == 'ok'
+    wheel = (ROOT / 'tools/wheel/setup.py').read_text()
+    assert f"python_requires='>=3.{lowest},<3.{end}'" in wheel
+    lock = runpy.run_path(str(ROOT / 'tools/lock.py'))
+    assert lock['PYTHONS'] == tuple(f'3.{minor}' for minor in range(int(lowest), int(end)))
+    for outside in (int(lowest) - 1, int(end)):
+        assert f'LTA needs {words}:' in python((3, outside)).remedy
+    for bound in (int(lowest), int(end) - 1):
+        assert python((3, bound)).state == 'ok'
+
+
+def test_packages_depend_to_the_left_only_as_the_architecture_says():
+    page = (ROOT / 'docs/architecture.md').read_text()
+    (line,) = re.findall(r'^Packages depend to the left only: (.*)\.$', page, re.MULTILINE)
+    steps = [set(re.findall(r'`(\w+)`', step)) for step in line.split('<-')]
+    assert set().union(*steps) == NAMES
+    for step, left in zip(steps, accumulate(steps, set.union, initial=set()), strict=False):
+        for folder in (folder for folder in FOLDERS if name_of(folder) in step):
+            used = {name.split('.')[0] for path in sources(folder) for name in imports(path)}
+            assert used & NAMES <= left | {name_of(folder)}, name_of(folder)
 
 
 @pytest.mark.parametrize(
@@ -203,8 +223,10 @@ def test_cores_know_no_ros(path):
 
 
 def test_one_version_everywhere():
-    (version,) = {setup_of(folder)['version'] for folder in FOLDERS}
-    assert version == VERSION
-    assert yaml.safe_load((ROOT / 'CITATION.cff').read_text())['version'] == version
-    heading = re.compile(rf'^## \[(Unreleased|{re.escape(version)})\]', re.MULTILINE)
+    said = {'CITATION.cff': yaml.safe_load((ROOT / 'CITATION.cff').read_text())['version']}
+    for folder in FOLDERS:
+        said[f'{folder}/setup.py'] = setup_of(folder)['version']
+        said[f'{folder}/package.xml'] = parse_package(folder / 'package.xml').version
+    assert said == dict.fromkeys(said, VERSION)
+    heading = re.compile(rf'^## \[(Unreleased|{re.escape(VERSION)})\]', re.MULTILINE)
     assert heading.search((ROOT / 'CHANGELOG.md').read_text())

@@ -21,7 +21,8 @@ from lta_control.nodes.estimator import EstimatorParameters
 from lta_control.nodes.navigator import NavigatorParameters
 from lta_energy.nodes.energy_monitor import EnergyMonitorParameters
 from lta_graph.launch_file import arguments, load
-from lta_graph.ros.node import GraphSettings, message_type
+from lta_graph.ros.message_types import message_type
+from lta_graph.ros.node import GraphSettings
 from lta_graph.ros.parameters import describe, leaves
 from lta_graph.ros.qos import profile
 from lta_sim.scenario import load_scenario
@@ -63,7 +64,6 @@ BESIDE = {'description': DescriptionSettings, 'teleop': TeleopSettings}
 LISTENERS = {'recorder', 'live'}  # subscribe for themselves: raw, to all that the table lists
 PARTIAL = {'crazyflie_bridge'}  # a real drone says less than the simulator
 FILES = {path.stem: path for path in ROOT.glob('src/*/lta_*/nodes/[!_]*.py')}
-HEADERLESS = {'std_msgs/msg/Bool', 'std_msgs/msg/Float64', 'rosgraph_msgs/msg/Clock'}
 
 each_node = pytest.mark.parametrize('name', NODES)
 each_topic = pytest.mark.parametrize('name', TABLE.topics)

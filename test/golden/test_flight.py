@@ -12,7 +12,8 @@ and still tells any change of a gain, a sign or an order, which moves the drone 
 from pathlib import Path
 import sys
 
-from lta_analysis.loop import Loop, Policy
+from lta_analysis.loop import Loop
+from lta_analysis.policy import Policy
 from lta_config.topics import topic_table
 from lta_control.gains_file import load_gains
 from lta_control.strategies import strategy

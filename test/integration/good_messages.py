@@ -7,7 +7,8 @@ from lta_bridge.crazyflie.messages import RANGE
 from lta_control.cascade import Setpoint
 from lta_control.estimator import Estimate
 from lta_control.messages import from_duties, from_estimate, from_setpoint
-from lta_graph.ros.node import message_type, to_stamp
+from lta_graph.ros.message_types import message_type
+from lta_graph.ros.stamps import to_stamp
 from lta_sim import messages
 from lta_sim.sensors.imu import bounds_of, ImuSettings
 from lta_vlc.demodulation import Peaks

@@ -11,7 +11,7 @@ import time
 from typing import Any, Self
 
 from lta_config.topics import topic_table
-from lta_graph.ros.node import message_type
+from lta_graph.ros.message_types import message_type
 from lta_graph.ros.qos import profile
 from rcl_interfaces.srv import SetParameters
 import rclpy

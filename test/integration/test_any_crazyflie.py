@@ -11,7 +11,7 @@ from lta_bridge.crazyflie import duties_packet
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.crazyflie.supervisor import Bit
 from lta_config.topics import topic_table
-from lta_graph.ros.node import message_type
+from lta_graph.ros.message_types import message_type
 import numpy as np
 import pytest
 from std_srvs.srv import SetBool

@@ -10,7 +10,8 @@ from lta_bridge.crazyflie.emulated.body import Bench
 from lta_bridge.crazyflie.emulated.firmware import Firmware
 from lta_bridge.crazyflie.emulated.server import Server
 from lta_config.topics import topic_table
-from lta_graph.ros.node import from_stamp, message_type
+from lta_graph.ros.message_types import message_type
+from lta_graph.ros.stamps import from_stamp
 from lta_sim.vehicle import load_vehicle
 import numpy as np
 import pytest

@@ -13,8 +13,9 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Point, Pose, PoseWithCovariance
 from lta_config.files import find
 from lta_config.topics import topic_table
-from lta_graph.ros.node import from_stamp, message_type, to_stamp
+from lta_graph.ros.message_types import message_type
 from lta_graph.ros.qos import profile
+from lta_graph.ros.stamps import from_stamp, to_stamp
 import pytest
 from rcl_interfaces.srv import SetParameters
 import rclpy

@@ -5,8 +5,8 @@ import signal
 import time
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from lta_analysis import session
-from lta_analysis.session import Session
+from lta_analysis import domain_lock
+from lta_analysis.domain_lock import DomainLock
 from lta_config.errors import BadInput
 from lta_graph.ros.listener import DiagnosticsListener
 import pytest
@@ -93,13 +93,24 @@ def test_a_listener_hears_its_own_robot_alone(domain_id):
 
 def test_the_lock_is_of_the_domain_and_says_who_holds_it(domain_id, monkeypatch, tmp_path):
     monkeypatch.setenv('XDG_RUNTIME_DIR', str(tmp_path))
-    monkeypatch.setenv('ROS_DOMAIN_ID', str(session.HIGHEST_DOMAIN))
-    with Session('blimp'):
+    monkeypatch.setenv('ROS_DOMAIN_ID', str(domain_lock.HIGHEST_DOMAIN))
+    with DomainLock('blimp'):
         with pytest.raises(BadInput, match=r'^blimp is flying on .*export ROS_DOMAIN_ID=0\.$'):
-            Session('lta2').__enter__()
+            DomainLock('lta2').__enter__()
         monkeypatch.setenv('ROS_DOMAIN_ID', '7')
-        with Session('lta2'):
+        with DomainLock('lta2'):
             pass
-    monkeypatch.setenv('ROS_DOMAIN_ID', str(session.HIGHEST_DOMAIN))
-    with Session('lta2'):
+    monkeypatch.setenv('ROS_DOMAIN_ID', str(domain_lock.HIGHEST_DOMAIN))
+    with DomainLock('lta2'):
         pass
+
+
+def test_a_lock_that_is_a_link_to_somebody_elses_file_is_refused(monkeypatch, tmp_path):
+    monkeypatch.setenv('XDG_RUNTIME_DIR', str(tmp_path))
+    monkeypatch.setenv('ROS_DOMAIN_ID', '7')
+    precious = tmp_path / 'precious'
+    precious.write_text('kept')
+    (tmp_path / f'lta-{os.getuid()}-7.lock').symlink_to(precious)
+    with pytest.raises(BadInput, match=r'cannot be opened .*; remove it\.$'):
+        DomainLock('lta2').__enter__()
+    assert precious.read_text() == 'kept'

@@ -6,7 +6,8 @@ import signal
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_analysis.bag.reader import read_bag
-from lta_graph.ros.node import message_type, to_stamp
+from lta_graph.ros.message_types import message_type
+from lta_graph.ros.stamps import to_stamp
 import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import serialize_message

@@ -15,8 +15,9 @@ from lta_bridge.bag.qos import offered_qos
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.bookkeeping import stamp_of
 from lta_bridge.playback.reel import shifted
-from lta_graph.ros.node import from_stamp, message_type
+from lta_graph.ros.message_types import message_type
 from lta_graph.ros.qos import profile
+from lta_graph.ros.stamps import from_stamp
 import pytest
 from rich.console import Console
 from std_srvs.srv import SetBool, Trigger

@@ -5,7 +5,7 @@ import signal
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from lta_config.topics import topic_table
-from lta_graph.ros.node import to_stamp
+from lta_graph.ros.stamps import to_stamp
 from nav_msgs.msg import Odometry
 import pytest
 from std_msgs.msg import Bool

@@ -10,7 +10,7 @@ from lifecycle_msgs.srv import ChangeState
 from lta_bridge.teensy.emulator import Cable, EmulatedBoard
 from lta_config.vehicle_file import load_vehicle_file
 from lta_graph.health import Level
-from lta_graph.ros.node import from_stamp
+from lta_graph.ros.stamps import from_stamp
 from lta_sim.scenario import load_scenario
 from lta_sim.vehicle import load_vehicle
 from lta_sim.world import World

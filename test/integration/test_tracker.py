@@ -2,7 +2,7 @@
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped, TransformStamped
-from lta_graph.ros.node import from_stamp, to_stamp
+from lta_graph.ros.stamps import from_stamp, to_stamp
 import pytest
 from rclpy.qos import qos_profile_sensor_data
 

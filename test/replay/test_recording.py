@@ -15,8 +15,9 @@ import tempfile
 
 from lta_analysis.bag.flight import open_flight
 from lta_analysis.bag.reader import read_bag
-from lta_analysis.loop import carried_axes, carried_lamp, Loop, Policy
+from lta_analysis.loop import carried_axes, carried_lamp, Loop
 from lta_analysis.messages import LoopRecorder
+from lta_analysis.policy import Policy
 from lta_analysis.replay.verdict import judged
 from lta_bridge.bag.qos import offered_qos
 from lta_bridge.bag.writer import BagWriter
@@ -31,7 +32,8 @@ from lta_control.phases import Mission
 from lta_control.reserve import Order
 from lta_control.sighting import sighted
 from lta_control.strategies import strategy
-from lta_graph.ros.node import from_stamp, message_type, to_stamp
+from lta_graph.ros.message_types import message_type
+from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_sim.scenario import load_scenario
 from lta_sim.start_offset import started
 from lta_sim.vehicle import load_vehicle

@@ -9,13 +9,14 @@ import re
 import tempfile
 import time
 from typing import Any, Final
+from unittest.mock import patch
 
 import beside  # noqa: F401
 from command import Lta, processes
 from diagnostic_msgs.msg import DiagnosticArray
 from lta_bridge.emulated_hardware import emulated, Hardware
 from lta_config.topics import topic_table
-from lta_graph.ros.node import message_type
+from lta_graph.ros.message_types import message_type
 from peer import Peer
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_srvs.srv import SetBool
@@ -100,9 +101,9 @@ class Graph:
     def __enter__(self) -> 'Graph':
         """Start."""
         self._bound = bound(int(os.environ['ROS_DOMAIN_ID']))
-        os.environ['PYTHONPATH'] = str(HOOK)
         self._open.callback(self.lta.kill)
-        self.started = self.lta.start(*self._words())
+        with patch.dict(os.environ, PYTHONPATH=str(HOOK)):
+            self.started = self.lta.start(*self._words())
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -240,13 +241,8 @@ def bound(domain: int) -> set[tuple[int, str]]:
 def second_graph(graph: Graph) -> Iterator[None]:
     """Fly another graph on the same domain, behind the back of the lock."""
     with tempfile.TemporaryDirectory() as folder:
-        before = os.environ.get('XDG_RUNTIME_DIR')
-        os.environ['XDG_RUNTIME_DIR'] = folder
-        try:
+        with patch.dict(os.environ, XDG_RUNTIME_DIR=folder):
             other = graph.lta.start('launch', 'fly', 'record:=false')
-        finally:
-            os.environ.pop('XDG_RUNTIME_DIR')
-            os.environ |= {'XDG_RUNTIME_DIR': before} if before else {}
         try:
             yield
         finally:

@@ -6,7 +6,7 @@ from copy import deepcopy
 import math
 from typing import Any, Final
 
-from lta_graph.ros.node import from_stamp, to_stamp
+from lta_graph.ros.stamps import from_stamp, to_stamp
 import numpy as np
 
 AGE_NS: Final = 100_000_000_000  # by which a stamp is wrong

@@ -12,7 +12,7 @@ from typing import Any, Final
 from chaos_graph import alive, Graph, inputs, NODES, TABLE
 from chaos_kinds import KINDS, limit
 from fault_kinds import LANDS, SLACK
-from lta_graph.ros.node import message_type
+from lta_graph.ros.message_types import message_type
 from lta_graph.ros.qos import profile
 from peer import Peer
 from std_srvs.srv import SetBool

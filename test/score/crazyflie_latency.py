@@ -14,7 +14,7 @@ from domain import free_domain
 from lta_bridge.crazyflie.emulated.body import Bench
 from lta_bridge.crazyflie.emulated.firmware import Firmware
 from lta_bridge.crazyflie.emulated.server import Server
-from lta_graph.ros.node import from_stamp
+from lta_graph.ros.stamps import from_stamp
 import numpy as np
 from peer import Peer, start
 

@@ -23,7 +23,7 @@ from lta_analysis.bag.reader import read_bag
 from lta_bridge.crazyflie.emulated.server import Server
 from lta_bridge.emulated_hardware import flown
 from lta_config.topics import topic_table
-from lta_graph.ros.node import message_type
+from lta_graph.ros.message_types import message_type
 from outcome import Outcome, tried
 from peer import Peer, start
 from std_srvs.srv import SetBool, Trigger

@@ -20,7 +20,7 @@ from lta_analysis.bag.reader import read_bag
 from lta_bridge.teensy.emulated_server import BoardServer
 from lta_bridge.teensy.emulator import EmulatedBoard
 from lta_config.topics import topic_table
-from lta_graph.ros.node import from_stamp
+from lta_graph.ros.stamps import from_stamp
 from lta_vlc.messages import to_block
 import numpy as np
 from numpy.typing import NDArray

@@ -6,7 +6,7 @@ from typing import Final, Self
 
 from lta_config.topics import topic_table
 from lta_graph.ros.command_line import join
-from lta_graph.ros.node import message_type
+from lta_graph.ros.message_types import message_type
 from lta_graph.ros.qos import profile
 import numpy as np
 from numpy.typing import NDArray

@@ -5,7 +5,8 @@ from pathlib import Path
 import sys
 
 from lta_config.topics import topic_table
-from lta_graph.ros.node import from_stamp, message_type
+from lta_graph.ros.message_types import message_type
+from lta_graph.ros.stamps import from_stamp
 import numpy as np
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import final, Literal, Protocol, TYPE_CHECKING
 
 from lta_analysis.blame import FLIGHT, Lookout
+from lta_analysis.domain_lock import DomainLock
 from lta_analysis.results_folder import results_folder
-from lta_analysis.session import Session
 from lta_analysis.viewers import invite, refuse_taken_ports, viewers
 from lta_bridge.bag.writer import empty_folder
 from lta_config.errors import BadInput
@@ -111,7 +111,7 @@ def fly_once(order: Order, watcher: Watcher) -> Flown:
     # Here, and not above: who flies without a graph needs no ROS.
     from lta_graph.ros.listener import DiagnosticsListener
 
-    with Session(ROBOT), DiagnosticsListener(ROBOT) as listener:
+    with DomainLock(ROBOT), DiagnosticsListener(ROBOT) as listener:
         refuse_taken_ports(plan)
         empty_folder(folder)
         invite(plan, watcher.say)

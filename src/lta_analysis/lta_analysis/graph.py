@@ -4,7 +4,7 @@ from collections.abc import Callable
 from contextlib import ExitStack
 
 from lta_analysis.blame import Lookout
-from lta_analysis.session import Session
+from lta_analysis.domain_lock import DomainLock
 from lta_analysis.viewers import invite, refuse_taken_ports, viewers
 from lta_graph.child import Ended
 from lta_graph.launch_file import LaunchPlan
@@ -37,7 +37,7 @@ def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> 
     """
     with ExitStack() as stack:
         if robots := simulated(plan):
-            stack.enter_context(Session(*robots))
+            stack.enter_context(DomainLock(*robots))
         listener = stack.enter_context(DiagnosticsListener(*plan.namespaces))
         lookout = Lookout(say, listener.tell)
         spare = viewers(plan)

@@ -11,7 +11,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, final
 
-from lta_analysis.loop import Loop, Policy
+from lta_analysis.loop import Loop
+from lta_analysis.policy import Policy
 from lta_config.errors import BadInput, unknown
 from lta_config.files import checked, find, load_yaml
 from lta_config.override import held as held_at

@@ -8,68 +8,40 @@ that both fly the same flight to the last bit.
 """
 
 from collections import deque
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass
 import math
 from typing import final
 
+from lta_analysis.policy import autopilot_of, Policy
 from lta_config.compiled import compiled
-from lta_config.settings import Settings
 from lta_config.topics import TopicTable
 from lta_control import carried
-from lta_control.autopilot import Autopilot, drone_of
-from lta_control.cascade import CascadeGains, Measured, Setpoint
-from lta_control.control import TILT_LIMIT
-from lta_control.estimator import Estimate, EstimatorSettings
-from lta_control.laws import LAWS
-from lta_control.laws.protocol import Feedback, Law
-from lta_control.mission import course_step, mission_step, MissionSettings
+from lta_control.cascade import Measured, Setpoint
+from lta_control.estimator import Estimate
+from lta_control.mission import course_step, mission_step
 from lta_control.phases import Mission
 from lta_control.pilot import Pilot
-from lta_control.reserve import Order, order_of, ReserveSettings, Word
+from lta_control.reserve import Order, order_of, Word
 from lta_control.sighting import Lamp, Reckoned, sighted
-from lta_control.strategies.protocol import Strategy
 from lta_energy.aboard import Aboard
 from lta_energy.estimate import Estimate as Known
-from lta_energy.monitor import MonitorSettings, update
+from lta_energy.monitor import update
 from lta_energy.reading import Reading, Whereabouts
 from lta_sim.readings import Outcome, Readings
 from lta_sim.vehicle import Vehicle
 from lta_sim.world import World
 from lta_vlc.array import Bearing, bearing
-from lta_vlc.demodulation import Demodulation, Hearing, Peaks
+from lta_vlc.demodulation import Hearing, Peaks
 from lta_vlc.diodes import diodes_of
 from lta_vlc.direction import Direction, DirectionFinder
 from lta_vlc.fit import fit
-from lta_vlc.lamp import lamp_estimate, LampEstimate, LampPrior
+from lta_vlc.lamp import lamp_estimate, LampEstimate
 from lta_vlc.listener import Listener
 from lta_vlc.ring import Ring
 from lta_vlc.wish import NO_WISH
 import numpy as np
 from numpy.typing import NDArray
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Policy:
-    """
-    Everything that can be chosen about what the drone decides.
-
-    `law` flies it, by gains of its own kind. `course` gives the setpoint by the time since the
-    start instead of the navigator, who then does not look at the light.
-    """
-
-    strategy: Strategy
-    gains: Settings
-    estimator: EstimatorSettings = field(default_factory=EstimatorSettings)
-    mission: MissionSettings = field(default_factory=MissionSettings)
-    demodulation: Demodulation = field(default_factory=Demodulation)
-    prior: LampPrior = field(default_factory=LampPrior)
-    energy: MonitorSettings = field(default_factory=MonitorSettings)
-    reserve: ReserveSettings = field(default_factory=ReserveSettings)
-    tilt_limit: float = TILT_LIMIT  # beyond it the motors stop [rad]
-    law: Law = LAWS['cascade']
-    course: Callable[[float], Setpoint] | None = None
 
 
 @final
@@ -317,23 +289,3 @@ def carried_axes(ring: Ring) -> tuple[tuple[float, float], ...]:
     """Return the axes of diodes as their message carries them."""
     rows = np.array([ring.cosines, ring.sines], dtype=np.float32).T
     return tuple((x, y) for x, y in rows.tolist())
-
-
-def autopilot_of(policy: Policy, vehicle: Vehicle, dt: float) -> Autopilot | Pilot:
-    """
-    Return what flies a vehicle: for the cascade one compiled function with the estimator.
-
-    Parameters
-    ----------
-    policy : Policy
-        Law, gains, filters and limits.
-    vehicle : Vehicle
-        As the drone knows it.
-    dt : float
-        Control period. [s]
-
-    """
-    if isinstance(policy.gains, CascadeGains) and policy.law.feedback is Feedback.ESTIMATOR:
-        drone = drone_of(vehicle, policy.estimator, policy.gains, dt, policy.tilt_limit)
-        return Autopilot(drone)
-    return Pilot(policy.law, policy.gains, vehicle, policy.estimator, dt, policy.tilt_limit)

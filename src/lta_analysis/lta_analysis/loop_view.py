@@ -5,11 +5,9 @@ from typing import Any, final
 
 from lta_analysis.bag.flight import Points
 from lta_analysis.loop import Loop
-from lta_analysis.report.scene import Scene
-from lta_analysis.report.view import (
+from lta_analysis.report.curves import (
     Arrow,
     Electricity,
-    half_block,
     laid,
     Motion,
     moved,
@@ -18,6 +16,8 @@ from lta_analysis.report.view import (
     through_air,
     Track,
 )
+from lta_analysis.report.scene import Scene
+from lta_analysis.report.view import half_block
 from lta_control.autopilot import ESTIMATE
 from lta_sim.flat import Array
 from lta_sim.state import POSITION, QUATERNION, VELOCITY

@@ -13,8 +13,8 @@ from lta_control.cascade import Setpoint
 from lta_control.messages import from_duties, from_estimate, from_setpoint
 from lta_energy.aboard import Aboard
 from lta_energy.messages import from_books, from_charge, from_reserve
-from lta_graph.ros.node import to_stamp
 from lta_graph.ros.qos import profile
+from lta_graph.ros.stamps import to_stamp
 from lta_sim import messages as sensed
 from lta_sim.readings import Readings
 from lta_vlc.diodes import diodes_of

@@ -46,7 +46,7 @@ def to_inputs(step: Step, commanded: PerRotor) -> Inputs:
 
 
 def to_distance(message: Range) -> float:
-    """Return a distance, NaN where it is outside the sensor's reach (REP-117)."""
+    """Return a distance, NaN where it is outside the sensor's reach (REP-117). [m]"""
     farthest = min(message.max_range, FARTHEST)
     return carried.reach(float(message.range), message.min_range, farthest)
 
@@ -157,7 +157,7 @@ def from_setpoint(stamp: Time, setpoint: Setpoint) -> tuple[PoseStamped, TwistSt
 
 
 def from_duties(stamp: Time, names: list[str], duties: tuple[float, ...]) -> JointState:
-    """Return duties by actuator name; slots without an actuator are left out."""
+    """Return duties by actuator name, -1 to 1; slots without an actuator are left out."""
     message = JointState()
     message.header.stamp = stamp
     message.header.frame_id = 'base_link'

@@ -190,7 +190,7 @@ def look(
 
 
 def first_look(settings: BeliefSettings, cell: Battery, voltage: float, current: float) -> Belief:
-    """Return the belief after a first reading; it is linearised where the voltage points to."""
+    """Return the belief after a first reading [V, A], linearised where the voltage points to."""
     pointed = state_of_charge(voltage - cell.resistance * current)
     start = unknown(settings, cell)
     return _corrected(settings, cell, start, pointed, voltage, current)[0]

@@ -33,7 +33,7 @@ LAMPS: Final[Mapping[str, Lamp]] = {
 
 
 def light_of(lamp: Lamp, lux: float) -> Light:
-    """Return the light of a lamp that gives so many lux while it is on."""
+    """Return the light of a lamp that gives an illuminance while it is on. [lx]"""
     if lamp.duty < 1.0:
         return DARK._replace(beacon=lux / lamp.efficacy, duty=lamp.duty)
     return DARK._replace(lamps=lux / lamp.efficacy)

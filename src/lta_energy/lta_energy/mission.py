@@ -6,12 +6,13 @@ step by step. Both draw on the same cell (`lta_energy.circuit`).
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 import math
 from typing import final, NamedTuple
 
 from lta_energy.battery import Battery
-from lta_energy.circuit import added, at_rest, fed, held, NOTHING, output, Spent
+from lta_energy.circuit import added, at_rest, fed, held, output
+from lta_energy.diary import ALOFT, ASLEEP, AWAY, Diary, Flight, OUT, PERCHED
 from lta_energy.gauge import Gauge, gauged
 from lta_energy.harvest import Harvest
 from lta_energy.light_of_days import Light, LightOfDays
@@ -21,46 +22,6 @@ from lta_energy.schedule import Known, Schedule, Wish
 STEP = 30.0  # s on the perch
 HOUR = 3600.0
 BLIND = 0.05  # standard deviation of the charge that a drone knows at first
-
-PERCHED, ASLEEP, ALOFT, AWAY, OUT = range(5)
-
-
-class Flight(NamedTuple):
-    """
-    One flight.
-
-    Attributes
-    ----------
-    start, duration : float
-        Since the first midnight, and in the air. [s]
-    visits : int
-        Beacons of the round that were reached.
-    path : float
-        Horizontal. [m]
-    spent : Spent
-        Energy.
-    before, after : float
-        True state of charge.
-    told : float
-        The drone's own, after it.
-    lowest : float
-        Voltage. [V]
-    ending : str
-        'home', or how it failed: 'empty', 'away' (landed elsewhere at the reserve), 'lost' (did
-        not find the next beacon in time), 'escaped', 'stopped'.
-
-    """
-
-    start: float
-    duration: float
-    visits: int
-    path: float
-    spent: Spent
-    before: float
-    after: float
-    told: float
-    lowest: float
-    ending: str
 
 
 class Departure(NamedTuple):
@@ -119,54 +80,6 @@ class Upkeep:
     fetched: float
     gain: float = 1.0
     offset: float = 0.0
-
-
-@final
-@dataclass(slots=True)
-class Diary:
-    """
-    What has happened.
-
-    Attributes
-    ----------
-    flights : list of Flight
-        One after the other.
-    time, charge, told, deviation, state : list
-        Minute by minute: s, true and told state of charge, its deviation, and what the drone does.
-    spent : Spent
-        Energy, flights included. [J]
-    begun, ended : float
-        What the cell held. [J]
-    outages : int
-        How often the cell was empty on the perch.
-    dark : int
-        Flights that ended without light on the panel.
-
-    """
-
-    flights: list[Flight] = field(default_factory=list)
-    time: list[float] = field(default_factory=list)
-    charge: list[float] = field(default_factory=list)
-    told: list[float] = field(default_factory=list)
-    deviation: list[float] = field(default_factory=list)
-    state: list[int] = field(default_factory=list)
-    spent: Spent = NOTHING
-    begun: float = 0.0
-    ended: float = 0.0
-    outages: int = 0
-    dark: int = 0
-
-    @property
-    def imbalance(self) -> float:
-        """What the books do not account for, by what was harvested or consumed. [1]"""
-        spent = self.spent
-        rest = spent.harvested - spent.consumed - spent.lost - (self.ended - self.begun)
-        return rest / max(spent.harvested, spent.consumed, 1e-9)
-
-    @property
-    def failures(self) -> int:
-        """Flights that did not come home or came home in the dark, and outages on the perch."""
-        return sum(each.ending != 'home' for each in self.flights) + self.dark + self.outages
 
 
 @final

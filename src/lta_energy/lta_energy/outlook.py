@@ -63,7 +63,7 @@ def to_empty(cell: Battery, belief: Belief, power: float, deviation: float) -> T
 
 
 def to_full(cell: Battery, belief: Belief, power: float, deviation: float) -> Time:
-    """Return how long the cell takes until it is full; as `to_empty`, power being negative."""
+    """Return how long the cell takes until it is full [s]; as `to_empty`, power being negative."""
     if power >= 0.0:
         return NEVER
     energy = energy_between(cell, belief, belief.charge, 1.0)

@@ -93,7 +93,7 @@ class Flow(NamedTuple):
 
 
 def at_rest(charge: float) -> Flow:
-    """Return a cell at rest in the dark, at a state of charge."""
+    """Return a cell at rest in the dark, at a state of charge. [1]"""
     return Flow(charge, 0.0, open_circuit_voltage(charge), 0.0, 0.0, 0.0, 0.0, charge > 0.0)
 
 

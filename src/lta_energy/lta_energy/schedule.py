@@ -113,7 +113,7 @@ def safe(known: Known) -> bool:
 
 
 def fixed(rest: float, *, asleep: bool = False) -> Schedule:
-    """Return the naive schedule: rest so many times the flight, awake in the hours of work."""
+    """Return the naive schedule: rest so many times the flight [1], awake in the hours of work."""
 
     def schedule(known: Known) -> Wish:
         if not at_work(known):

@@ -37,7 +37,7 @@ def part_lump(part: Part) -> Lump:
 
 
 def gas_lump(mass: float, half_axes: Three) -> Lump:
-    """Return the gas as a solid ellipsoid in the hull."""
+    """Return the gas as a solid ellipsoid in the hull: mass [kg], half axes [m]."""
     squares = np.array(half_axes) ** 2
     gas = mass * np.array(
         [squares[1] + squares[2], squares[0] + squares[2], squares[0] + squares[1]]

@@ -71,11 +71,11 @@ class Layout(Generic[Nested]):
         return hash(self._form)
 
     def write(self, value: Nested) -> Array:
-        """Return the numbers of a value as an array."""
+        """Return the numbers of a value as an array, shape (n,)."""
         return np.array(list(_numbers(bare(value))), dtype=np.float64)
 
     def read(self, array: Array) -> Nested:
-        """Return the value that an array holds."""
+        """Return the value that an array, shape (n,), holds."""
         return cast('Nested', self._made(array.tolist()))
 
     def place(self, path: str) -> slice:

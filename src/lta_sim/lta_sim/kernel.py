@@ -165,5 +165,5 @@ def thrusts(
 def wrenches(
     state: ArrayLike, model: Model, command: ArrayLike, surroundings: ArrayLike = CALM
 ) -> Mapping[str, State]:
-    """Return the wrench of each wrench effect: `look(...).wrenches`."""
+    """Return the wrench of each wrench effect, body frame [N, N m]: `look(...).wrenches`."""
     return look(state, model, command, surroundings).wrenches

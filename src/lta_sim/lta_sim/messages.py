@@ -49,7 +49,7 @@ def imu(
 
 
 def range_(stamp: Time, distance: float, settings: RangeSettings) -> Range:
-    """Return a downward distance; +Inf is no return (REP-117)."""
+    """Return a downward distance [m]; +Inf is no return (REP-117)."""
     return Range(
         header=_header(stamp, 'range'),
         radiation_type=Range.INFRARED,
@@ -61,14 +61,14 @@ def range_(stamp: Time, distance: float, settings: RangeSettings) -> Range:
 
 
 def pressure(stamp: Time, value: float, deviation: float) -> FluidPressure:
-    """Return the air pressure with its variance."""
+    """Return the air pressure and its deviation, told as variance. [Pa]"""
     return FluidPressure(
         header=_header(stamp, 'pressure'), fluid_pressure=value, variance=deviation * deviation
     )
 
 
 def light_block(stamp: Time, block: NDArray[np.uint16]) -> Image:
-    """Return an ADC block: one row a sample, one column a diode."""
+    """Return an ADC block, shape (samples, diodes). [counts]"""
     rows, columns = block.shape
     image = Image()
     image.header = _header(stamp, 'photodiodes')
@@ -81,12 +81,12 @@ def light_block(stamp: Time, block: NDArray[np.uint16]) -> Image:
 
 
 def illuminance(stamp: Time, lux: float) -> Illuminance:
-    """Return the light at the panel."""
+    """Return the light at the panel. [lx]"""
     return Illuminance(header=_header(stamp, 'illuminance'), illuminance=lux)
 
 
 def branch(stamp: Time, voltage: float, current: float, location: str) -> BatteryState:
-    """Return a voltage and a current; what a meter cannot know is NaN."""
+    """Return a voltage [V] and a current [A]; what a meter cannot know is NaN."""
     return BatteryState(
         header=_header(stamp, location),
         voltage=voltage,
@@ -102,7 +102,7 @@ def branch(stamp: Time, voltage: float, current: float, location: str) -> Batter
 
 
 def truth(stamp: Time, motion: Sequence[float]) -> Odometry:
-    """Return the pose in `map` and twist in the body frame of the first 13 numbers of a state."""
+    """Return pose in `map` and twist in the body frame; 13 numbers as `lta_sim.state`. [SI]"""
     message = Odometry()
     message.header = _header(stamp, 'ground_truth/odom')
     message.child_frame_id = 'base_link'
@@ -116,7 +116,7 @@ def truth(stamp: Time, motion: Sequence[float]) -> Odometry:
 
 
 def wind(stamp: Time, velocity: tuple[float, ...]) -> Vector3Stamped:
-    """Return the velocity of the air in `map`."""
+    """Return the velocity of the air in `map`. [m/s]"""
     message = Vector3Stamped(header=_header(stamp, 'wind'))
     message.vector.x, message.vector.y, message.vector.z = velocity
     return message

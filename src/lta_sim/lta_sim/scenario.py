@@ -182,7 +182,7 @@ def course_in(name: str) -> Course | None:
 
 
 def route_in(name: str) -> tuple[tuple[str, float], ...]:
-    """Return the route of a scenario by name or path; empty without one, or without a name."""
+    """Return the route of a scenario as lamp and frequency [Hz]; empty without one or a name."""
     return load_scenario(name).route_beacons if name else ()
 
 

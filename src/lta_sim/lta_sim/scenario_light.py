@@ -135,7 +135,7 @@ class DaylightScene(Record):
     efficacy: Efficacy
 
     def over(self, ground: float) -> Daylight:
-        """Return the light over ground of some albedo."""
+        """Return the light over ground of some albedo. [1]"""
         return Daylight(
             self.sun.si, self.azimuth.si, self.elevation.si, self.sky.si, ground, self.efficacy.si
         )

@@ -310,7 +310,7 @@ class Vehicle:
 
 
 def load_vehicle(name: str, air_density: float = AIR_DENSITY) -> Vehicle:
-    """Return a vehicle by shipped name or path; anything wrong is a `BadInput` sentence."""
+    """Return a vehicle by shipped name or path, in air of a density [kg/m3], or `BadInput`."""
     file = load_vehicle_file(name)
     try:
         return Vehicle(file, air_density)

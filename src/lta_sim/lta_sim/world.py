@@ -34,8 +34,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-# New ones go to the end: the place in this list is part of the seed.
 STILL = np.zeros(RIGID)  # how the state of a drone changes that is held
+# New ones go to the end: the place in this list is part of the seed.
 STREAMS = (
     'start', 'imu', 'range', 'pressure', 'photodiodes', 'battery', 'panel', 'turbulence', 'diodes',
 )  # fmt: skip

@@ -187,10 +187,10 @@ def hear(block: ArrayLike, beacons: tuple[Bins, ...], full_scale: float = math.i
 
 
 def plan_bins(settings: Demodulation, sample_rate: float, samples: int) -> Bins:
-    """Return where the first beacon alone stands; see `plan_beacons`."""
+    """Return where the first beacon alone stands, at a rate in Hz; see `plan_beacons`."""
     return plan_beacons((settings.frequency,), settings, sample_rate, samples)[0]
 
 
 def demodulate(block: ArrayLike, bins: Bins) -> Peaks:
-    """Return what each diode sees of one beacon in one block; see `hear`."""
+    """Return what diodes see of one beacon in a block, shape (samples, diodes); see `hear`."""
     return hear(block, (bins,)).peaks[0]

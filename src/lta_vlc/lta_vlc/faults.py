@@ -42,13 +42,13 @@ FAULTS = tuple(map(Fault, range(16)))  # by value
 
 
 def sample_faults(looked: Looked) -> NDArray[np.uint8]:
-    """Return the faults that the samples of each diode show, as values of `Fault`."""
+    """Return the faults that the samples of each diode show, `Fault` values, shape (diodes,)."""
     faults = np.where(looked.full > CLIPPED, Fault.SATURATED.value, 0)
     faults |= np.where(looked.span == 0.0, Fault.FLAT.value, 0)
     return np.where(np.isnan(looked.level), Fault.NOT_A_NUMBER.value, faults).astype(np.uint8)
 
 
 def tone_faults(survey: Survey) -> NDArray[np.uint8]:
-    """Return the faults that the spectrum of each diode shows, as values of `Fault`."""
+    """Return the faults that the spectrum of each diode shows, `Fault` values, shape (diodes,)."""
     strange = survey.loudest > np.maximum(survey.peak.max(axis=0), STRANGE * survey.noise)
     return np.where(strange, Fault.ALIASED.value, 0).astype(np.uint8)

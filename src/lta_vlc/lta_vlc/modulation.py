@@ -81,11 +81,11 @@ class SquareWave:
             raise BadInput(f'The lamp has a phase of {self.phase} cycles; give a finite one.')
 
     def cycles(self, times: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return the position in the period at times in ns, in [0, 1)."""
+        """Return the position in the period, in [0, 1), at times in ns, shape (n,)."""
         return cycles(times, self.frequency, self.phase)
 
     def values(self, times: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return the wave, 0 or 1, at times in ns."""
+        """Return the wave, 0 or 1, at times in ns, shape (n,)."""
         return (self.cycles(times) < self.duty).astype(np.float64)
 
     def lagged(self, times: NDArray[np.int64], time_constant: float) -> NDArray[np.float64]:

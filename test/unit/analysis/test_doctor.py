@@ -45,7 +45,7 @@ def test_brackets_in_what_was_found_are_shown_as_they_are():
 
 
 @pytest.mark.parametrize(
-    ('version', 'state'), [((3, 10), 'fail'), ((3, 11), 'ok'), ((3, 13), 'ok')]
+    ('version', 'state'), [((3, 10), 'fail'), ((3, 11), 'ok'), ((3, 14), 'ok'), ((3, 15), 'fail')]
 )
 def test_python(version, state):
     assert machine.python(version).state == state

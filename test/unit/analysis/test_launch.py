@@ -2,7 +2,7 @@
 
 from lta_analysis import blame
 from lta_analysis.blame import FLIGHT, Lookout, REPEATED
-from lta_analysis.session import who
+from lta_analysis.domain_lock import who
 from lta_analysis.verbs import launch
 from lta_graph.health import Fact, Level
 import pytest

@@ -4,7 +4,8 @@ from dataclasses import dataclass, replace
 from functools import cache
 import math
 
-from lta_analysis.loop import Loop, Policy
+from lta_analysis.loop import Loop
+from lta_analysis.policy import Policy
 from lta_config.files import find, load_yaml
 from lta_config.topics import topic_table
 from lta_control import carried

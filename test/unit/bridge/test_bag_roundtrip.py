@@ -22,7 +22,6 @@ from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 from rosbags.typesys import get_typestore, Stores
 import yaml
 
-TWO_TOPICS = {'/x/imu': 'sensor_msgs/msg/Imu', '/tf': 'tf2_msgs/msg/TFMessage'}
 FOREVER = QosTime(9223372036, 854775807)
 
 

@@ -17,7 +17,7 @@ from lta_bridge.teensy.message import Message
 from lta_bridge.teensy.one_sender import LOYAL_NS, OneSender
 from lta_config.topics import topic_table
 from lta_config.vehicle_file import load_vehicle_file
-from lta_graph.ros.node import to_stamp
+from lta_graph.ros.stamps import to_stamp
 from lta_sim.messages import light_block
 from lta_vlc.diodes import diodes_of
 from lta_vlc.lamp import LampPrior

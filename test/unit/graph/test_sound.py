@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 from lta_config.topics import topic_table
 from lta_graph.health import Level
 from lta_graph.refused import LONGEST, Refused
-from lta_graph.ros.node import message_type, to_stamp
+from lta_graph.ros.message_types import message_type
 from lta_graph.ros.sound import fault, JUMP_NS, LARGEST, LENGTHS, NUMBERS, Soundness
+from lta_graph.ros.stamps import to_stamp
 import pytest
 from sensor_msgs.msg import Image, JointState, PointCloud2, PointField, Range
 

@@ -156,7 +156,7 @@ def even(tables: Sequence[Table], rate: float) -> Stamps:
 
 
 def resampled(table: Table, weights: Weights | None, count: int) -> dict[str, NDArray[Any]]:
-    """Return the columns of a table at other times, with nothing where there is nothing."""
+    """Return the columns of a table at other times, shape (n, ...), empty where nothing is."""
     found = {}
     turns = {f'{turn}.{axis}': turn for turn in table.turns for axis in AXES}
     turned: dict[str, NDArray[np.float64]] = {}
@@ -177,7 +177,7 @@ def resampled(table: Table, weights: Weights | None, count: int) -> dict[str, ND
 
 
 def between_values(values: NDArray[Any], weights: Weights) -> NDArray[Any]:
-    """Return a column at other times."""
+    """Return a column, shape (m, ...), at other times, shape (n, ...)."""
     found = values[weights.before]
     if values.dtype.kind == 'f':
         between = weights.share > 0.0

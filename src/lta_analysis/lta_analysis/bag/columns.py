@@ -57,7 +57,7 @@ def columns(messages: Iterable[object]) -> tuple[Columns, Columns]:
 
 
 def listed(values: list[Any]) -> NDArray[Any]:
-    """Return single values of one field as an array; whole numbers stay whole."""
+    """Return single values of one field, shape (n,); whole numbers stay whole."""
     found = np.array(values)
     if found.dtype == np.float64 and all(type(value) is int for value in values):
         return np.array(values, np.uint64)  # numpy's own choice for numbers beyond int64 and below
@@ -91,7 +91,7 @@ def is_field(name: str) -> bool:
 
 
 def elements(path: str, arrays: list[NDArray[Any] | None]) -> Columns:
-    """Return one column per element of an array field; short arrays end in NaN."""
+    """Return a column, shape (n,), per element of an array field; short arrays end in NaN."""
     given = [np.empty(0) if array is None else array for array in arrays]
     lengths = {len(array) for array in given}
     longest = max(lengths)

@@ -78,7 +78,7 @@ def array_of(column: Column, count: int) -> NDArray[Any]:
 
 
 def text_of(column: Column, count: int) -> NDArray[Any]:
-    """Return a text field; '' where a message has none."""
+    """Return a text field, shape (n,); '' where a message has none."""
     longest = max(piece.values.dtype.itemsize for piece in column.pieces)
     result = np.full(count, '', f'U{longest // np.dtype("U1").itemsize}')
     for rows, values in column.pieces:
@@ -87,7 +87,7 @@ def text_of(column: Column, count: int) -> NDArray[Any]:
 
 
 def number_of(column: Column, count: int) -> NDArray[Any]:
-    """Return a field of single numbers; NaN where a message has none."""
+    """Return a field of single numbers, shape (n,); NaN where a message has none."""
     kinds = {piece.values.dtype for piece in column.pieces}
     kind = np.dtype(np.uint64) if np.uint64 in kinds else next(iter(kinds))
     result = np.full(count, np.nan) if column.count < count else np.empty(count, kind)

@@ -256,7 +256,7 @@ class Table:
 
 
 def rows_of(chosen: slice | NDArray[Any], count: int) -> NDArray[np.intp]:
-    """Return the numbers of the rows that a slice, flags or numbers choose."""
+    """Return the numbers of the rows that a slice, flags or numbers choose, shape (n,)."""
     try:
         return np.atleast_1d(np.arange(count)[chosen])
     except (IndexError, TypeError, ValueError):

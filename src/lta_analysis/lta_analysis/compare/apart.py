@@ -132,7 +132,7 @@ def verdict_of(found: Measures | None, when: Parting) -> str:
 
 
 def score_of(both: Aligned, found: Measures, when: Parting, angular: bool) -> float:
-    """Return by how much and how early two channels part."""
+    """Return by how much and how early two channels part. [1]"""
     known = both.known
     spread = max(spread_of(part[known], angular) for part in (both.a, both.b))
     scale = max(spread, when.band)

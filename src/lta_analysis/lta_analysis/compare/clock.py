@@ -127,7 +127,7 @@ def prepared(each: Shared) -> Prepared:
 
 
 def fine(used: Sequence[Shared], start: Coarse, correlation: float) -> Offset:
-    """Return the offset and drift of least misfit, with their uncertainty."""
+    """Return the offset [s] and drift [1] of least misfit, with their uncertainty."""
     channels = [prepared(each) for each in used]
     shift = start.lag
     begin = min(float(each.time[0]) for each in channels)
@@ -164,7 +164,7 @@ class Settled(NamedTuple):
 def settled(
     channels: Sequence[Prepared], at: Array, middle: float, span: float, step: float, free: int
 ) -> Settled:
-    """Return the offset, and the drift where two numbers are free, by Gauss-Newton."""
+    """Return the offset [s], and the drift [1] where two numbers are free, by Gauss-Newton."""
     edges = np.linspace(middle - span / 2, middle + span / 2, BLOCKS + 1)[1:-1]
     for _ in range(ROUNDS):
         normal, blocks = np.zeros((free, free)), np.zeros((BLOCKS, free))
@@ -228,7 +228,7 @@ def scored(
 
 
 def levelled(values: Array, stretch: NDArray[np.int64]) -> Array:
-    """Return values less their mean in each stretch."""
+    """Return values less their mean in each stretch, shape (n,)."""
     counts = np.maximum(np.bincount(stretch), 1)
     means = np.bincount(stretch, values) / counts
     return np.asarray(values - means[stretch])

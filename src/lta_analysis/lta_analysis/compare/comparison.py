@@ -213,7 +213,7 @@ def compared(pairs: Sequence[Pair], asked: Asked, when: Timing, tick: Told) -> t
 
 
 def common_span(pairs: Sequence[Pair]) -> tuple[float, float]:
-    """Return the time that both flights cover, on A's clock; `BadInput` where there is none."""
+    """Return the time that both flights cover, on A's clock [s], or `BadInput` of none."""
     ends = [covered([pair.a.time for pair in pairs]), covered([pair.b.time for pair in pairs])]
     begin, end = max(first for first, _ in ends), min(last for _, last in ends)
     if begin >= end:
@@ -226,7 +226,7 @@ def common_span(pairs: Sequence[Pair]) -> tuple[float, float]:
 
 
 def covered(times: Sequence[Array]) -> tuple[float, float]:
-    """Return the first and the last of all instants; `BadInput` where there are none."""
+    """Return the first and the last of all instants [s]; `BadInput` where there are none."""
     known = [time for time in times if len(time)]
     if not known:
         raise BadInput('One of the flights has no message on what is compared; nothing to do.')

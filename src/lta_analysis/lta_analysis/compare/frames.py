@@ -46,7 +46,7 @@ class Placement:
         return np.stack([x + self.x, y + self.y, xyz[:, 2] + self.z], axis=1)
 
     def vectors(self, x: Array, y: Array) -> tuple[Array, Array]:
-        """Return vectors in the plane of B's frame in A's."""
+        """Return vectors in the plane of B's frame, x and y of shape (n,), in A's."""
         c, s = math.cos(self.yaw), math.sin(self.yaw)
         return c * x - s * y, s * x + c * y
 
@@ -124,7 +124,7 @@ def rms_distance(a: Array, b: Array) -> float:
 
 
 def turned(a: Array, b: Array, weight: Array) -> tuple[float, Array]:
-    """Return the turn and shift of least weighted squares in the plane."""
+    """Return the turn [rad] and shift [m] of least weighted squares, in the plane of (n, 3)."""
     of_a, of_b = (np.average(part[:, :2], axis=0, weights=weight) for part in (a, b))
     ca, cb = a[:, :2] - of_a, b[:, :2] - of_b
     along = float(np.sum(weight * np.sum(ca * cb, axis=1)))
@@ -134,14 +134,14 @@ def turned(a: Array, b: Array, weight: Array) -> tuple[float, Array]:
 
 
 def shifted(a: Array, b: Array, yaw: float, weight: Array) -> Array:
-    """Return the shift that a turn leaves to be made."""
+    """Return the shift [m] that a turn [rad] leaves to be made, shape (2,)."""
     of_a, of_b = (np.average(part[:, :2], axis=0, weights=weight) for part in (a, b))
     c, s = math.cos(yaw), math.sin(yaw)
     return np.asarray(of_a - np.array([c * of_b[0] - s * of_b[1], s * of_b[0] + c * of_b[1]]))
 
 
 def distances(a: Array, b: Array, yaw: float, shift: Array) -> Array:
-    """Return the horizontal distance at each instant."""
+    """Return the horizontal distance at each instant, shape (n,). [m]"""
     c, s = math.cos(yaw), math.sin(yaw)
     x = c * b[:, 0] - s * b[:, 1] + shift[0]
     y = s * b[:, 0] + c * b[:, 1] + shift[1]
@@ -149,7 +149,7 @@ def distances(a: Array, b: Array, yaw: float, shift: Array) -> Array:
 
 
 def heading_turn(a: Array | None, b: Array | None) -> float:
-    """Return the turn by which headings differ in the mean; zero where there are none."""
+    """Return the turn by which headings differ in the mean; zero where there are none. [rad]"""
     if a is None or b is None:
         return 0.0
     turn = a - b

@@ -83,7 +83,7 @@ def straight(line: Line, angular: bool) -> Line:
 
 
 def rate(line: Line, begin: float, step: float, count: int, angular: bool) -> Array | None:
-    """Return a line's smoothed rate of change on a grid; None where noise alone would do that."""
+    """Return a line's smoothed rate on a grid, a second; None where noise alone would do that."""
     grid = np.asarray(begin + step * np.arange(count), dtype=np.float64)
     values = sampled(straight(line, angular), grid)
     known = np.isfinite(values)

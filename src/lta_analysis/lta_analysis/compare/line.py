@@ -43,7 +43,7 @@ def ordered(time: ArrayLike, values: ArrayLike) -> Line:
 
 
 def period(time: Array) -> float:
-    """Return the usual time from one instant to the next; NaN where there are fewer than two."""
+    """Return the usual time from one instant to the next; NaN of fewer than two. [s]"""
     return float(np.median(np.diff(time))) if len(time) > 1 else float('nan')
 
 

@@ -86,7 +86,7 @@ def measures(pair: Aligned, *, angular: bool = False, seed: int = 0) -> Measures
 
 
 def spread_of(values: Array, angular: bool) -> float:
-    """Return the standard deviation of finite values; exactly zero where they are all equal."""
+    """Return the standard deviation of finite values, in their unit; zero where all are equal."""
     if not len(values) or np.ptp(values) == 0.0:
         return 0.0
     if angular:

@@ -155,7 +155,7 @@ def resemblance(pair: Aligned, *, angular: bool = False, longest: float = 5.0) -
 
 
 def likeness(a: Array, b: Array, most: int) -> Array:
-    """Return the correlation of what overlaps at each lag of b, from -most to most steps."""
+    """Return the correlation of what overlaps at each lag of b, shape (2 most + 1,). [1]"""
     count = len(a)
     lags = np.arange(-most, most + 1)
     product = signal.correlate(b, a, mode='full', method='fft')[count - 1 + lags]

@@ -231,7 +231,7 @@ def invariants(pairs: Sequence[Pair], bare: Timing) -> list[Shared]:
 
 
 def way(time: Array, x: Array, y: Array) -> Line:
-    """Return the speed over ground in the plane, of places smoothed over a quarter second."""
+    """Return the speed over ground in the plane, of places smoothed over 0.25 s. [m/s]"""
     of_x, of_y = ordered(time, x), ordered(time, y)
     count = len(of_x.time)
     if count < 8 or len(of_y.time) != count:

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, is_dataclass
-import math
 from typing import Any
 
 from lta_analysis.compare.apart import Apart
@@ -11,6 +10,7 @@ from lta_analysis.compare.faults import Faults
 from lta_analysis.compare.side import Side
 from lta_analysis.compare.spectra import thinned_spectra
 from lta_analysis.compare.words import verdict
+from lta_analysis.json_value import finite
 import numpy as np
 
 UNITS = {
@@ -85,4 +85,4 @@ def bare(value: Any) -> Any:  # noqa: ANN401 - what JSON holds
         return [bare(part) for part in value]
     if isinstance(value, np.floating):
         value = float(value)
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    return finite(value)

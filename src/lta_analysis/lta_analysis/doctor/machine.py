@@ -8,14 +8,16 @@ import sys
 
 from lta_analysis.doctor.check import Check, graded, MEGABYTE
 
-OLDEST_PYTHON = (3, 11)
+OLDEST_PYTHON, NEWEST_PYTHON = (3, 11), (3, 14)  # which `make` takes; a test compares
 
 
 def python(version: tuple[int, int] = sys.version_info[:2]) -> Check:
     """Check the interpreter that runs this."""
     found = f'{host.python_version()} ({sys.executable})'
-    if version < OLDEST_PYTHON:
-        return Check('python', 'fail', found, 'LTA needs 3.11 to 3.14: make PYTHON=/path/to/it.')
+    if not OLDEST_PYTHON <= version <= NEWEST_PYTHON:
+        oldest, newest = ('.'.join(map(str, bound)) for bound in (OLDEST_PYTHON, NEWEST_PYTHON))
+        remedy = f'LTA needs {oldest} to {newest}: make PYTHON=/path/to/it.'
+        return Check('python', 'fail', found, remedy)
     return Check('python', 'ok', found)
 
 

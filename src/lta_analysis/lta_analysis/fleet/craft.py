@@ -6,7 +6,7 @@ from typing import Any, cast, final
 
 from lta_analysis.fleet.numbers import Craft, Goal, Power
 from lta_analysis.fleet.targets import Rhythm, STEP
-from lta_analysis.loop import Policy
+from lta_analysis.policy import Policy
 from lta_config.errors import BadInput
 from lta_config.topics import TopicTable
 from lta_control.autopilot import drone_of
@@ -162,6 +162,11 @@ def made_of(
         mass_place=(place.get('x', 0.0), place.get('y', 0.0), place.get('z', 0.0)),
         duties=slots(duties),
     )
+    return made_from(model, craft, vehicle)
+
+
+def made_from(model: Model, craft: Craft, vehicle: Vehicle) -> Made:
+    """Return a flight from its constants."""
     numbers: list[float] = []
     form: list[str] = []
     take(bare(craft), numbers, form)

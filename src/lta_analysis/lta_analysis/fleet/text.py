@@ -5,29 +5,26 @@ One text for the processor and for a GPU; they differ in decorators and in how a
 vehicle. The kernel holds only the effects that some vehicle of the batch has on.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from string import Template
 from typing import Any
 
 from lta_analysis.fleet import flight
-from lta_analysis.fleet.kept import Kept
-from lta_analysis.fleet.targets import Rhythm, STEP, Target
+from lta_analysis.fleet.assembly import assembled, counts, heard_by, LIGHT, surrounded
+from lta_analysis.fleet.targets import Rhythm, Target
 from lta_config.extract import Extract
 from lta_control.attitude import heading
 from lta_control.onboard import Onboard, onboard_step
 from lta_sim import counted_sensors
-from lta_sim.compose import Form, kernel_source
-from lta_sim.effects import EFFECTS, initial_memory
+from lta_sim.effects import initial_memory
 from lta_sim.flat import Layout, PREFIX
-from lta_sim.gpu import STATES
 from lta_sim.kernel import LAYOUT
-from lta_sim.layout import indented, tuple_of
+from lta_sim.layout import tuple_of
 from lta_sim.light import heard
 from lta_sim.state import ACTUATORS, RIGID
 from lta_vlc.fit import fit
 
 BEGIN = Layout(Onboard())
-LIGHT = 'light'  # before the names of the fit, which has constants of its own
 CORES: tuple[Callable[..., Any], ...] = (
     onboard_step,
     heard.on_ring,
@@ -55,24 +52,6 @@ CORES: tuple[Callable[..., Any], ...] = (
     heading,
 )
 
-
-MODEL = Template(
-    f'''{STATES}
-
-$INLINE
-def rates(state, fixed, command, surroundings):
-    """Return d/dt of the state."""
-$bare
-    return $rate
-
-
-$INLINE
-def thrusts_of(state, fixed, command, surroundings):
-    """Return the thrust of each rotor."""
-$actuation
-    return u
-'''
-)
 
 SENSE = """
         force = core_true_force(craft, state, rates(state, fixed, command, surroundings))
@@ -104,22 +83,6 @@ $heard
             tally = core_lit_tally(craft, tally, middle, found, angle, asked.speed, began)
 """
 
-# Classical Runge-Kutta steps until what is aboard is due again, with the range finder's rhythm.
-STEPS = """\
-        for _ in range($substeps):
-            a = rates(state, fixed, command, surroundings)
-            there = ahead(state, a, 0.5 * $dt)
-            b = rates(there, fixed, command, surroundings)
-            there = ahead(state, b, 0.5 * $dt)
-            d = rates(there, fixed, command, surroundings)
-            there = ahead(state, d, $dt)
-            e = rates(there, fixed, command, surroundings)
-            state = normalised(ahead(state, mean(a, b, d, e), $dt))
-            ticks += 1
-            if ticks % $ranges == 0:
-                distance = core_range_reading(
-                    craft.sensors, errors, seed, ticks // $ranges, state
-                )"""
 FLY = Template('''
 $INLINE
 def fly(fixed, c, seed, scratch, lights, pencils, out):
@@ -170,16 +133,6 @@ RESULTS = (
 )  # fmt: skip
 
 
-def surrounded(names: Sequence[str]) -> str:
-    """Return the lines that keep up what some effect looks at."""
-    lines = ['pass']
-    if 'turbulence' in names:
-        lines.append('noise = core_white_noise(seed, step, $period)')
-    if 'superheat' in names:
-        lines.append('warmth = core_irradiance_on_hull(craft, state)')
-    return indented(lines, 2)
-
-
 def _remembered(names: Sequence[str]) -> str:
     """Return the source of what the effects remember at the start, as more of the state."""
     whole = (0.0,) * RIGID + initial_memory()
@@ -203,34 +156,6 @@ def _beginning(names: Sequence[str]) -> dict[str, str]:
         'still': tuple_of(['0.0'] * ACTUATORS),
         'before': surrounded(names),
         'results': tuple_of(RESULTS),
-    }
-
-
-def counts(rhythm: Rhythm) -> dict[str, str]:
-    """Return the source of when what is due."""
-    return {
-        'dt': repr(STEP),
-        'period': repr(STEP * rhythm.control),
-        'substeps': str(rhythm.control),
-        'ranges': str(rhythm.range),
-        'pressure': str(rhythm.pressure),
-        'light': str(rhythm.light),
-        'middle': str(rhythm.light // 2),
-    }
-
-
-def heard_by(diodes: int) -> dict[str, str]:
-    """Return the source of what each diode hears."""
-    lines = [
-        f'a_{k}, s_{k} = core_magnitude(craft.listening, {k}, lights, seed, step)'
-        for k in range(diodes)
-    ]
-    lines.insert(0, 'core_on_ring(craft.listening, position, q, lights, pencils)')
-    return {
-        'heard': indented(lines, 3),
-        'amplitudes': tuple_of(f'a_{k}' for k in range(diodes)),
-        'snrs': tuple_of(f's_{k}' for k in range(diodes)),
-        'errors': tuple_of(f'core_error_of(a_{k}, s_{k})' for k in range(diodes)),
     }
 
 
@@ -275,48 +200,3 @@ def source(
     }
     kinds = {**craft.kinds(), **BEGIN.kinds()}
     return assembled(names, extract, kinds, target, FLY, parts, {'diodes': diodes})
-
-
-def assembled(
-    names: Sequence[str],
-    extract: Extract,
-    kinds: Mapping[str, tuple[str, ...]],
-    target: Target,
-    glue: Template,
-    parts: Mapping[str, str],
-    entry: Mapping[str, Any],
-) -> str:
-    """
-    Return a text put together from the model, its cores and what calls them.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Effects of the kernel, in registry order.
-    extract : Extract
-        The cores.
-    kinds : mapping
-        Fields of each named tuple that the glue makes.
-    target : Target
-        What it is compiled for.
-    glue : Template
-        What calls the cores.
-    parts : mapping of str to str
-        What `glue` names, but for the decorator.
-    entry : mapping
-        What the entry of `target` names.
-
-    """
-    form = Form(target.imports, target.inline, '', Kept(), MODEL)
-    model = kernel_source({name: EFFECTS[name] for name in names}, form)
-    cores = extract.text(target.inline)
-    missing = [
-        f'{PREFIX}_{kind} = namedtuple({kind!r}, {fields!r})'
-        for kind, fields in kinds.items()
-        if f'{PREFIX}_{kind} = ' not in cores
-    ]
-    parts = {'INLINE': target.inline, 'steps': STEPS, **parts}
-    # Twice: what decides, and the steps, have names of their own.
-    text = Template(glue.safe_substitute(parts)).substitute(parts)
-    call = Template(target.entry).substitute(entry)
-    return '\n\n\n'.join((model, '\n'.join(missing), cores, text, call))

@@ -68,7 +68,7 @@ def opened(path: Path, mapping: MappingFile | None) -> Tables:
     )
     notes = []
     end = len(data) - CRC if whole else len(data)
-    places, stopped = _places(data, at, end, events, version)
+    places, stopped = _places(data, at, end, events)
     if not whole:
         left = end - stopped
         notes.append(
@@ -92,7 +92,7 @@ def opened(path: Path, mapping: MappingFile | None) -> Tables:
         'crc': 'fits' if whole else 'does not fit',
         CLOCK: 'since the drone was switched on',
     }
-    _note_shift(tables, notes)
+    _note_shift(notes)
     return Tables(tables, notes, facts)
 
 
@@ -151,7 +151,7 @@ def _field(text: str, path: Path) -> tuple[str, str]:
 
 
 def _places(
-    data: bytes, at: int, end: int, events: Mapping[int, Event], version: int
+    data: bytes, at: int, end: int, events: Mapping[int, Event]
 ) -> tuple[dict[int, list[tuple[int, int]]], int]:
     """Return (place in the log, offset) of each event by type, and where they stop."""
     sizes = {number: event.record.itemsize for number, event in events.items()}
@@ -181,7 +181,7 @@ def _table(data: bytes, event: Event, places: list[tuple[int, int]], version: in
     return Table(stamps, stamps, order, columns)
 
 
-def _note_shift(tables: Mapping[str, Table], notes: list[str]) -> None:
+def _note_shift(notes: list[str]) -> None:
     """Say that times count from the start of the drone."""
     start = topic_table().start_ns / 1e9
     notes.append(

@@ -31,21 +31,19 @@ class Format(NamedTuple):
         What it is, for people.
     mapping : str or None
         The shipped mapping for logs in which every maker uses the same names.
-    mapped : bool
-        Whether nothing can be imported without a mapping.
     opened : callable
-        Returns an opened log; `BadInput` if the file is none of this format.
+        Returns an opened log; `BadInput` if the file is none of this format. Without a mapping
+        only bags can be opened, whose messages have names and units.
 
     """
 
     about: str
     mapping: str | None
-    mapped: bool
     opened: Callable[[Path, MappingFile | None], Log]
 
 
 def _csv(path: Path, mapping: MappingFile | None) -> Log:
-    assert mapping is not None  # `mapped` says that there is one
+    assert mapping is not None  # `choice` has found or refused one
     return csv_text.CsvLog(path, mapping)
 
 
@@ -56,10 +54,10 @@ def _bag(path: Path, mapping: MappingFile | None) -> Log:
 
 
 FORMATS: dict[str, Format] = {
-    'csv': Format('text with columns, also compressed with gzip', None, True, _csv),
-    'usd': Format("a log from a Crazyflie's SD card", 'crazyflie_usd', True, crazyflie_usd.opened),
-    'ulog': Format('a ULog of PX4', 'px4', True, px4_ulog.opened),
-    'bag': Format('a bag of ROS 2 (MCAP or SQLite) or ROS 1', None, False, _bag),
+    'csv': Format('text with columns, also compressed with gzip', None, _csv),
+    'usd': Format("a log from a Crazyflie's SD card", 'crazyflie_usd', crazyflie_usd.opened),
+    'ulog': Format('a ULog of PX4', 'px4', px4_ulog.opened),
+    'bag': Format('a bag of ROS 2 (MCAP or SQLite) or ROS 1', None, _bag),
 }
 
 

@@ -11,9 +11,10 @@ from lta_analysis.hardware import board, drone
 from lta_analysis.hardware.board import BoardHeard
 from lta_analysis.hardware.drone import DroneHeard
 from lta_analysis.typed import typed
-from lta_bridge.crazyflie.cflib_link import CFLIB, CflibLink, scanned
+from lta_bridge.crazyflie.cflib_link import CFLIB, scanned
 from lta_bridge.crazyflie.claim import Claim
 from lta_bridge.crazyflie.link import LinkFailed
+from lta_bridge.crazyflie.links import link_to
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.devices import BOARD, devices, DRONE, Found, Port, ports, RADIO
 from lta_config.crazyflie_file import load_crazyflie
@@ -156,7 +157,7 @@ def _drone(
     asked: Asked, uri: str, tell: Callable[[str, float], None]
 ) -> tuple[DroneHeard | None, list[Check]]:
     file = load_crazyflie(asked.vehicle)
-    link = CflibLink(uri, BLOCKS, time.time_ns)
+    link = link_to(uri, BLOCKS, time.time_ns)
     tell(f'connecting to {uri}', 0.0)
     with closing(Claim(uri)), closing(link):  # two would take each other's answers
         try:

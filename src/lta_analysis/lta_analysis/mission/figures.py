@@ -6,8 +6,8 @@ from dataclasses import asdict, dataclass
 from typing import Any, Final, final
 
 from lta_energy.circuit import Spent
+from lta_energy.diary import ASLEEP, Diary, Flight
 from lta_energy.light_of_days import LightOfDays
-from lta_energy.mission import ASLEEP, Diary, Flight
 
 FAILED: Final = {
     'empty': 'empty in flight',
@@ -108,7 +108,7 @@ def share_of(diary: Diary, state: int) -> float:
 
 
 def by_hour(diary: Diary, light: LightOfDays) -> list[float]:
-    """Return the minutes flown in each hour of the mission."""
+    """Return the time flown in each hour of the mission. [min]"""
     hours = [0.0] * round(light.end / 3600.0)
     for flight in diary.flights:
         hours[min(int(flight.start / 3600.0), len(hours) - 1)] += flight.duration / 60.0

@@ -30,8 +30,9 @@ from lta_analysis.mission.scene import Scenes
 from lta_config.mission_file import MissionFile
 from lta_control.strategies.homing import onward
 from lta_energy.circuit import Spent
+from lta_energy.diary import Flight
 from lta_energy.light_of_days import Light, LightOfDays
-from lta_energy.mission import Departure, Flight, Landing
+from lta_energy.mission import Departure, Landing
 import numpy as np
 
 SEARCH = 60.0  # s allowed for a leg beyond three times its straight way at cruise speed

@@ -1,8 +1,8 @@
 """
 Write the text of one leg: kernel, sensors, estimator, control, homing and cell, to be continued.
 
-The parts are those of a flight of a batch (`lta_analysis.fleet.text`); what the leg has of its own
-is that it begins with what the leg before left, and leaves the same to the next.
+The parts are those of a flight of a batch (`fleet.assembly`); what the leg has of its own is that
+it begins with what the leg before left, and leaves the same to the next.
 """
 
 from collections.abc import Callable, Sequence
@@ -10,8 +10,8 @@ from string import Template
 from typing import Any
 
 from lta_analysis.fleet import flight
+from lta_analysis.fleet.assembly import assembled, counts, heard_by, LIGHT, surrounded
 from lta_analysis.fleet.targets import CPU, PENCILS, Rhythm, SCRATCH, STEP, Target
-from lta_analysis.fleet.text import assembled, counts, heard_by, LIGHT, surrounded
 from lta_analysis.mission import aloft
 from lta_config.compiled import ENTRY
 from lta_config.extract import Extract

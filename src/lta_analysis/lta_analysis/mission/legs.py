@@ -53,7 +53,7 @@ class Pilot:
         ).fly_leg
 
     def constants(self, made: Made) -> Array:
-        """Return the numbers of the vehicle in a scene of the same form."""
+        """Return the numbers of the vehicle in a scene of the same form, shape (n,)."""
         return np.array(made.numbers)
 
     def standing(self, x: float, y: float, z: float, heading: float, seed: int) -> Array:

@@ -6,9 +6,10 @@ from lta_analysis.mission.flyer import Flyer
 from lta_analysis.mission.scene import Scenes
 from lta_config.light_day_file import LightDay
 from lta_config.mission_file import MissionFile
+from lta_energy.diary import Diary
 from lta_energy.harvest import Harvest
 from lta_energy.light_of_days import light_of, LightOfDays
-from lta_energy.mission import Diary, Life, Upkeep
+from lta_energy.mission import Life, Upkeep
 from lta_energy.schedule import by_light, fixed, Schedule
 from lta_sim.sensors.power import draw, PowerMeterSettings
 import numpy as np

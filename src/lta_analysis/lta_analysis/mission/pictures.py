@@ -7,8 +7,8 @@ from lta_analysis.mission.lived import AWARE
 from lta_analysis.mission.run import Told
 from lta_analysis.report.drawing import blank
 from lta_analysis.report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, SOFT, TRUTH, WALL
+from lta_energy.diary import ALOFT, ASLEEP, AWAY, OUT, PERCHED
 from lta_energy.light_of_days import LightOfDays, MINUTE
-from lta_energy.mission import ALOFT, ASLEEP, AWAY, OUT, PERCHED
 import numpy as np
 from plotly.graph_objects import Bar, Figure, Scatter
 

@@ -17,8 +17,8 @@ from lta_analysis.results_folder import keep_json
 from lta_config.errors import BadInput
 from lta_config.light_day_file import LightDay, load_light_day
 from lta_config.mission_file import load_mission, MissionFile
+from lta_energy.diary import Diary
 from lta_energy.light_of_days import light_of, LightOfDays
-from lta_energy.mission import Diary
 
 SCHEDULES: Final = (AWARE, NAIVE, DOZING)
 KEPT: Final = 'lives_of.json'  # in the folder of the results: what its lives are of

@@ -7,9 +7,9 @@ feedback resistor for the light of the hour, and knows how bright a beacon then 
 
 from dataclasses import replace
 import math
-from typing import Any, final
+from typing import final
 
-from lta_analysis.fleet.craft import check, craft_of, Made, take
+from lta_analysis.fleet.craft import check, craft_of, Made, made_from
 from lta_analysis.fleet.numbers import Craft
 from lta_analysis.ingredients import gather, Ingredients, parts_of
 from lta_config.errors import BadInput, unknown
@@ -18,13 +18,11 @@ from lta_config.topics import topic_table
 from lta_control.cascade import CascadeGains
 from lta_control.strategies.bearing_angle import STRATEGY as BAG
 from lta_energy.light_of_days import Light
-from lta_sim.flat import bare
 from lta_sim.hull import half_axes
 from lta_sim.light.field import LightField
 from lta_sim.light.heard import Listening, listening_of
 from lta_sim.light.lamp import Lamp
 from lta_sim.light.setting import set_for
-from lta_sim.vehicle import Vehicle
 
 OFF_AXIS = math.radians(75.0)  # at which the light of a lantern on the floor leaves for the diodes
 STEPS = 2  # lights between one and twice as bright that are told apart
@@ -106,11 +104,11 @@ class Scenes:
         known = self._known.get((beacon, level))
         if known is None:
             listening = self._listening(beacon, 2.0 ** (level / STEPS))
-            known = made_of(self._model, self._craft(listening, self.lamp(beacon)), self.vehicle)
+            known = made_from(self._model, self._craft(listening, self.lamp(beacon)), self.vehicle)
             self._known[beacon, level] = known
         irradiance = light.sun + light.lamps
         craft = known.craft._replace(power=known.craft.power._replace(ambient=irradiance))
-        return made_of(self._model, craft, self.vehicle)
+        return made_from(self._model, craft, self.vehicle)
 
     def _listening(self, beacon: str, lux: float) -> Listening:
         """Return what the ring hears of one beacon among steady light."""
@@ -141,11 +139,3 @@ def brightness(listening: Listening, lamp: Lamp) -> float:
     order = lamp.order
     lux = lamp.flux * (order + 1.0) / (2.0 * math.pi) * math.cos(OFF_AXIS) ** order
     return float(listening.gain * listening.counts * lux)
-
-
-def made_of(model: Any, craft: Craft, vehicle: Vehicle) -> Made:  # noqa: ANN401 - a Model
-    """Return a flight from its constants."""
-    numbers: list[float] = []
-    form: list[str] = []
-    take(bare(craft), numbers, form)
-    return Made(model, numbers, ''.join(form), craft, vehicle.file.name)

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import math
 from typing import final
 
-from lta_analysis.loop import Loop, Policy
+from lta_analysis.loop import Loop
 from lta_analysis.platforms.metrics import Array, judge, Metrics
+from lta_analysis.policy import Policy
 from lta_config.manoeuvre_file import Manoeuvre
 from lta_config.settings import Settings
 from lta_config.topics import topic_table

@@ -15,7 +15,7 @@ from lta_analysis.platforms.summary import Cell, cell, fastest, margin, Mean
 from lta_analysis.platforms.verdict import decided, title
 from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import number, Tile
-from lta_analysis.report.pieces import section, tile_html
+from lta_analysis.report.pieces import section, table_html, tile_html
 from lta_config.comparison_file import Comparison
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.manoeuvre_file import load_manoeuvre, Manoeuvre
@@ -66,7 +66,8 @@ def page(told: Told) -> str:
         tiles='\n'.join(tile_html(*each) for each in tiles(comparison, rows)),
         first='\n'.join(shown[:common]),
         pictures='\n'.join(shown[common:]),
-        results=table(HEADS, result_lines(comparison, rows)) + f'<p class="note">{METHOD}</p>',
+        results=table_html(HEADS, result_lines(comparison, rows))
+        + f'<p class="note">{METHOD}</p>',
         why=decided(comparison, rows)
         + ''.join(['<ul>', *(f'<li>{escape(each)}</li>' for each in reasons(told)), '</ul>']),
         margins=margins(comparison),
@@ -233,16 +234,7 @@ def margins(comparison: Comparison) -> str:
         seen = str(flying.law.feedback)
         lines.append([contestant.title, flying.law.name.replace('_', ' '), seen, *newtons, grams])
     heads = ('platform', 'law', 'sees by', 'lift at full thrust', 'to carry', 'margin', 'margin')
-    return table(heads, lines) + (
+    return table_html(heads, lines) + (
         '<p class="note">Lift of all lifting rotors at full thrust, straight up. A law that sees '
         'by the tracker is told pose and velocity from outside, as its authors did it.</p>'
     )
-
-
-def table(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
-    """Return a table."""
-    head = ''.join(f'<th scope="col">{escape(each)}</th>' for each in heads)
-    body = ''.join(
-        f'<tr>{"".join(f"<td>{escape(each)}</td>" for each in cells)}</tr>' for cells in lines
-    )
-    return f'<table class="results"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>'

@@ -78,11 +78,6 @@ def tile(channel: Channel) -> Tile:
     return Tile(channel.name, f'{finite.mean():.4g}', channel.unit, f'mean; {ends}')
 
 
-def write_page(text: str, out: Path) -> Path:
-    """Write the page; `BadInput` where it cannot be written."""
-    return written(text, out)
-
-
 def write_png(text: str, out: Path) -> Path:
     """Write the page's picture as PNG; `BadInput` without a browser or where it cannot be."""
     with tempfile.TemporaryDirectory() as folder:

@@ -127,7 +127,7 @@ def column(
 
 
 def unequal(x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.bool_]:
-    """Return where two columns differ in any bit; two values that are no numbers are the same."""
+    """Return where two columns, shape (n,), differ in any bit; one NaN is as another."""
     if x.dtype.kind == 'f' and y.dtype.kind == 'f':
         bits = x.astype(np.float64).view(np.int64) != y.astype(np.float64).view(np.int64)
         return np.asarray(bits & ~(np.isnan(x) & np.isnan(y)), dtype=bool)
@@ -149,7 +149,7 @@ def channel(path: str, x: NDArray[Any], y: NDArray[Any], differs: NDArray[np.boo
 
 
 def allowed(x: NDArray[np.float64], y: NDArray[np.float64]) -> float:
-    """Return by how much a channel may differ between machines."""
+    """Return by how much a channel may differ between machines, in the channel's unit."""
     both = np.concatenate((x, y))
     both = both[np.isfinite(both)]
     if not both.size:

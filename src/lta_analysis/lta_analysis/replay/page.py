@@ -65,7 +65,7 @@ def page(verdict: Verdict, order: Order, told: Mapping[str, str]) -> str:
             )
             for k, each in enumerate(verdict.decisions)
         ),
-        facts=facts(verdict, told),
+        facts=facts(told),
         commands=commands(order),
     )  # fmt: skip
 
@@ -185,7 +185,7 @@ def picture(decision: Decision, verdict: Verdict) -> Figure:
     return figure
 
 
-def facts(verdict: Verdict, told: Mapping[str, str]) -> dict[str, str]:
+def facts(told: Mapping[str, str]) -> dict[str, str]:
     """Return where the recording comes from."""
     names = ('vehicle', 'scenario', 'strategy', 'seed', 'time', 'created', 'commit', 'platform')
     known = {name: told[name] for name in names if name in told}

@@ -9,9 +9,9 @@ from typing import final, Protocol
 
 from lta_analysis.bag.flight import Flight
 from lta_analysis.blame import Lookout, PLAYBACK
+from lta_analysis.domain_lock import DomainLock
 from lta_analysis.flight import refused
 from lta_analysis.replay.order import check, Order, plan_of
-from lta_analysis.session import Session
 from lta_bridge.bag.writer import empty_folder
 from lta_config.errors import BadInput
 from lta_graph.child import Ended
@@ -84,7 +84,7 @@ def replay(order: Order, flight: Flight, folder: Path, watcher: Watcher) -> Repl
     plan = plan_of(order, flight, folder)
     robot = plan.namespaces[0]
     with (
-        Session(robot),
+        DomainLock(robot),
         DiagnosticsListener(robot) as listener,
         Launcher(plan, on_line=lambda _name, _line: None) as launcher,
     ):

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-import math
 from typing import Any, final, Literal
 
 from lta_analysis.bag.flight import Flight
+from lta_analysis.json_value import finite
 from lta_analysis.replay.against import Compared, compared, elsewhere, TOLERANCE
 from lta_analysis.replay.decisions import Decision, decisions
 from lta_analysis.replay.heard import heard
@@ -108,11 +108,6 @@ class Verdict:
                 for each in topic.channels
             ],
         }
-
-
-def finite(value: object) -> object:
-    """Return a value as JSON can hold it."""
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def absolute(robot: str, name: str) -> str:

@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from lta_analysis.report.curves import Array
 from lta_analysis.report.palette import GRID, INK, PAPER, SOFT, WALL
 from lta_analysis.report.results import phases_of
-from lta_analysis.report.view import Array, View
+from lta_analysis.report.view import View
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 from plotly.graph_objs.layout import Template

@@ -3,8 +3,8 @@
 from typing import Protocol
 
 from lta_analysis.bag.flight import Points
+from lta_analysis.report.curves import Arrow, Electricity, Motion, Spot, Track
 from lta_analysis.report.scene import Scene
-from lta_analysis.report.view import Arrow, Electricity, Motion, Spot, Track
 
 
 class Evidence(Protocol):

@@ -2,9 +2,10 @@
 
 from typing import Final, NamedTuple
 
+from lta_analysis.report.curves import Array, sampled
 from lta_analysis.report.palette import ESTIMATE, TRUTH
 from lta_analysis.report.results import distance, phases_of
-from lta_analysis.report.view import Array, sampled, View
+from lta_analysis.report.view import View
 from lta_config.topics import topic_table
 import numpy as np
 

@@ -1,6 +1,6 @@
 """The pieces that every page is put together from, as HTML: tiles, pictures, terms, data."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from html import escape
 import json
 import re
@@ -29,6 +29,15 @@ def tile_html(name: str, value: str, unit: str, note: str) -> str:
         f'<div class="tile"><dt>{escape(name)}</dt><dd><b>{escape(value)}</b> '
         f'<span>{escape(unit)}</span><small>{escape(note)}</small></dd></div>'
     )
+
+
+def table_html(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
+    """Return a table of results: heads, and lines of as many cells, all of it plain text."""
+    head = ''.join(f'<th scope="col">{escape(each)}</th>' for each in heads)
+    body = ''.join(
+        f'<tr>{"".join(f"<td>{escape(each)}</td>" for each in cells)}</tr>' for cells in lines
+    )
+    return f'<table class="results"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>'
 
 
 def section(

@@ -1,8 +1,9 @@
 """The measured bearings on the floor plan, one a second."""
 
+from lta_analysis.report.curves import Array, sampled
 from lta_analysis.report.palette import SOFT, STRENGTH
 from lta_analysis.report.results import phases_of
-from lta_analysis.report.view import Array, sampled, View
+from lta_analysis.report.view import View
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 

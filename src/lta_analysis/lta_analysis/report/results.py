@@ -10,8 +10,8 @@ tracker.
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any, final, NamedTuple
 
+from lta_analysis.report.curves import Array, held, Motion, sampled, Spot
 from lta_analysis.report.evidence import Evidence
-from lta_analysis.report.view import Array, held, Motion, sampled, Spot
 import numpy as np
 from numpy.typing import NDArray
 
@@ -124,7 +124,7 @@ def cruise_start(view: Evidence, search: float) -> float:
 
 
 def first(time: Array, holds: Flags) -> float:
-    """Return the first instant at which a condition holds, NaN if it never does."""
+    """Return the first instant at which a condition holds, NaN if it never does. [s]"""
     return float(time[np.argmax(holds)]) if np.any(holds) else np.nan
 
 
@@ -153,12 +153,12 @@ def wrapped(angle: Array) -> Array:
 
 
 def within(time: Array, start: float, end: float) -> Flags:
-    """Tell which instants lie in a closed interval; none if it has no start."""
+    """Tell which instants [s] lie in a closed interval; none if it has no start."""
     return (time >= start) & (time <= end)
 
 
 def rms(errors: Array) -> float:
-    """Return the root mean square of what is finite, NaN of nothing."""
+    """Return the root mean square of what is finite, in its unit; NaN of nothing."""
     finite = errors[np.isfinite(errors)]
     return float(np.sqrt(np.mean(finite**2))) if len(finite) else np.nan
 
@@ -189,7 +189,7 @@ def reached(view: Evidence, phases: Phases) -> dict[str, float | bool]:
 
 
 def cruise(view: Evidence, phases: Phases) -> dict[str, float]:
-    """Return how well speed, altitude and heading were held."""
+    """Return how well speed, altitude and heading were held. [m/s, m, rad]"""
     if not view.has('ground_truth/odom'):
         return {}
     truth = view.truth
@@ -228,7 +228,7 @@ def light(view: Evidence, phases: Phases) -> dict[str, float]:
 
 
 def estimates(view: Evidence, phases: Phases) -> dict[str, float]:
-    """Return how far the estimator was from the truth in flight."""
+    """Return how far the estimator was from the truth in flight. [m, rad, m/s]"""
     if not view.has('ground_truth/odom', 'odom'):
         return {}
     estimate, truth = view.estimate, view.truth
@@ -246,7 +246,7 @@ def estimates(view: Evidence, phases: Phases) -> dict[str, float]:
 
 
 def electricity(view: Evidence, phases: Phases) -> dict[str, float]:
-    """Return what the flight cost."""
+    """Return what the flight cost. [J, W]"""
     if not view.has('battery'):
         return {}
     time, voltage, current = view.battery

@@ -1,7 +1,8 @@
 """The flight as the page replays it: a few numbers at even instants."""
 
+from lta_analysis.report.curves import Array, sampled
 from lta_analysis.report.results import direction, distance, phases_of
-from lta_analysis.report.view import Array, sampled, View
+from lta_analysis.report.view import View
 from lta_sim.hull import half_axes
 import numpy as np
 

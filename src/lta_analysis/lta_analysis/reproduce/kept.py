@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, final, NamedTuple
 
 from lta_analysis.energy.tables import Table
+from lta_analysis.json_value import finite
 from lta_analysis.reproduce.found import Found, Value
 from lta_analysis.results_folder import keep_json
 from lta_config.paper_file import PaperRow
@@ -87,10 +88,8 @@ def read(place: Path, name: str) -> Kept | None:
 
 def plain(values: Mapping[str, Value]) -> dict[str, list[Any]]:
     """Return values as JSON has them: what is no number as null."""
-    return {
-        name: [None if isinstance(x, float) and not math.isfinite(x) else x for x in value]
-        for name, value in values.items()
-    }
+    known: dict[str, list[Any]] = finite(values)
+    return known
 
 
 def values_in(content: Mapping[str, Sequence[Any]]) -> dict[str, Value]:

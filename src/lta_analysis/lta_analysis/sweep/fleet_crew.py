@@ -19,6 +19,7 @@ from lta_analysis.fleet.flight import RAN_AWAY
 from lta_analysis.fleet.fly import Device, fly_many
 from lta_analysis.fleet.text import FIGURES
 from lta_analysis.ingredients import Ingredients, parts_of
+from lta_analysis.json_value import finite
 from lta_analysis.sweep.flown import failed, Row
 from lta_analysis.sweep.plan import Job, si_of
 from lta_config.errors import BadInput
@@ -147,8 +148,7 @@ def figures_of(made: Made, told: dict[str, float], *, success: bool) -> dict[str
         'energy': told['energy'] if aloft > 0.0 else math.nan,
         'power': ratio(told['energy'], aloft),
     }
-    known = {name: value if math.isfinite(value) else None for name, value in numbers.items()}
-    return {'success': success, **known}
+    return {'success': success, **finite(numbers)}
 
 
 def ratio(a: float, b: float) -> float:

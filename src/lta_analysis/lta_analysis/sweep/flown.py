@@ -2,11 +2,11 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
-import math
 import time
 from typing import Any, final
 
 from lta_analysis.ingredients import Ingredients, loop_of
+from lta_analysis.json_value import finite
 from lta_analysis.loop import Loop
 from lta_analysis.loop_view import LoopView
 from lta_analysis.report.results import results_of
@@ -86,9 +86,5 @@ def flown(job: Job, begin: Callable[[], Loop]) -> Row:
         outcome.name.lower(),
         str(outcome),
         time.monotonic() - begun,
-        {name: _finite(value) for name, value in figures.items()},
+        finite(figures),
     )
-
-
-def _finite(value: Any) -> Any:  # noqa: ANN401 - a number, a flag or nothing
-    return None if isinstance(value, float) and not math.isfinite(value) else value

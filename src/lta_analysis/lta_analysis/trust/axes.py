@@ -11,7 +11,7 @@ from itertools import permutations, product
 from typing import Final
 
 from lta_analysis.trust.evidence import Evidence
-from lta_analysis.trust.finding import Finding, Severity, Verdict
+from lta_analysis.trust.finding import Finding, first_of_each, Severity, Verdict
 from lta_analysis.trust.likeness import Likeness, likeness
 from lta_analysis.trust.limits import Limits
 from lta_analysis.trust.motion import Pose, unbroken, Vector
@@ -47,14 +47,11 @@ def check(evidence: Evidence) -> Verdict:
     for sensor in evidence.inertials:
         if sensor.force is not None:
             found += hanging(sensor.force, evidence.limits)
-    one: dict[str, Finding] = {}
-    for finding in found:
-        one.setdefault(finding.channel, finding)
-    return Verdict(tuple(one.values()))
+    return Verdict(first_of_each(found))
 
 
 def as_told(alike: Likeness) -> float:
-    """Return the mean match of the moving axes, each with its own."""
+    """Return the mean match of the moving axes, each with its own. [1]"""
     return float(np.diag(alike.match)[alike.moving].mean())
 
 

@@ -52,7 +52,7 @@ def piled(channel: Channel, limits: Limits, simulated: bool) -> Iterator[Finding
         at = runs(values == levels[side])
         alone = len(at) == 1
         rests = simulated and alone and (at[0, 0] <= START or at[0, 1] == len(values))
-        stopped = alone and released(values, int(at[0, 0]), int(at[0, 1]) - 1)
+        stopped = alone and released(values, int(at[0, 1]) - 1)
         if (at[:, 1] - at[:, 0]).max() < limits.clipped_run or rests or stopped:
             continue
         yield Finding(

@@ -124,7 +124,7 @@ def gains(before: float, after: float, limits: Limits) -> bool:
 
 
 def agreement(pair: Pair, lag: float, slope: float) -> float:
-    """Return the correlation of what is quick in all axes, with a lag that wanders taken out."""
+    """Return the correlation of what is quick in all axes, a wandering lag [s] taken out. [1]"""
     left, right, left_size, right_size = quick(pair)
     at = pair.grid + lag + slope * (pair.grid - pair.grid.mean())
     moved = np.stack([np.interp(at, pair.grid, column) for column in left.T], axis=1)
@@ -173,7 +173,7 @@ def sharpness(right: Array, energy: Array, alike: Likeness, step: float) -> floa
 
 
 def summed(parts: Array, times: Array, step: float, center: float) -> Lag:
-    """Return lag and drift of the lags of parts."""
+    """Return lag [s] and drift [1] of the lags of parts."""
     middle = float(np.median(parts))
     spread = NORMAL * float(np.median(np.abs(parts - middle))) + 0.1 * step
     error = MEDIAN * spread / np.sqrt(len(parts))

@@ -55,7 +55,7 @@ def check(evidence: Evidence) -> Verdict:
 
 
 def floor(channel: Channel) -> float | None:
-    """Return the noise of a channel, as the RMS of white noise of its level; None if short."""
+    """Return the noise of a channel as the RMS of white noise, in its unit; None if short."""
     _, table = in_order(channel.time, channel.values[:, None])
     values = np.unwrap(table[:, 0]) if channel.angular else table[:, 0]
     if len(values) < 2 * WINDOW:
@@ -64,7 +64,7 @@ def floor(channel: Channel) -> float | None:
 
 
 def noise(values: NDArray[np.float64]) -> float:
-    """Return the RMS of white noise with the level of the highest frequencies."""
+    """Return the RMS of white noise of the highest frequencies' level, in the values' unit."""
     bent = np.diff(values, 2)
     starts = np.arange(0, len(bent) - WINDOW + 1, WINDOW // 2)
     shape = np.blackman(WINDOW)

@@ -1,6 +1,6 @@
 """What a check says of a recording: a finding with its evidence, or why it cannot judge."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import final, NamedTuple
@@ -65,3 +65,11 @@ class Verdict(NamedTuple):
 
     findings: tuple[Finding, ...] = ()
     unjudged: tuple[str, ...] = ()
+
+
+def first_of_each(findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    """Return the first finding of each channel: what follows from it need not be told again."""
+    one: dict[str, Finding] = {}
+    for finding in findings:
+        one.setdefault(finding.channel, finding)
+    return tuple(one.values())

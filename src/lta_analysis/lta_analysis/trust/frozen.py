@@ -52,7 +52,7 @@ def stops(channel: Channel, limits: Limits, simulated: bool) -> Iterator[Finding
     low, high = np.nanmin(values), np.nanmax(values)
     for (begin, end), length in zip(found.tolist(), lengths.tolist(), strict=True):
         held = values[begin]
-        piled = held in {low, high} and not released(values, begin, end)
+        piled = held in {low, high} and not released(values, end)
         rests = (
             simulated
             and channel.topic.startswith('ground_truth')
@@ -79,7 +79,7 @@ def first_move(equal: NDArray[np.bool_]) -> int:
     return int(found[0, 1]) if len(found) and found[0, 0] <= START else 0
 
 
-def released(values: NDArray[np.float64], begin: int, end: int) -> bool:
+def released(values: NDArray[np.float64], end: int) -> bool:
     """
     Whether a run at an extreme ends with a jump.
 

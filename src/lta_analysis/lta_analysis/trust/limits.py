@@ -10,7 +10,6 @@ class Limits(Settings):
     """Thresholds; the defaults were chosen before scoring, see docs/trust.md."""
 
     least_samples: int = setting(50, 'Fewer samples of a channel say nothing.')
-    least_time: float = setting(2.0, 'A shorter channel says nothing.', unit='s')
 
     frozen_time: float = setting(0.15, 'A shorter stop is a lost message.', unit='s')
     frozen_samples: int = setting(8, 'Fewer equal readings happen with coarse instruments.')

@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 
 from lta_analysis.bag.channels import Channel
 from lta_analysis.trust.evidence import Evidence
-from lta_analysis.trust.finding import Finding, Severity, Verdict
+from lta_analysis.trust.finding import Finding, first_of_each, Severity, Verdict
 from lta_analysis.trust.likeness import Likeness
 from lta_analysis.trust.limits import Limits
 from lta_analysis.trust.pairs import Pair
@@ -90,10 +90,7 @@ def check(evidence: Evidence) -> Verdict:
         if pose.position is not None and pose.tracked:
             found += by_speed(pose.position.name, pose.position.time, pose.position.values,
                               evidence.limits)  # fmt: skip
-    one: dict[str, Finding] = {}
-    for finding in found:
-        one.setdefault(finding.channel, finding)
-    return Verdict(tuple(one.values()), unjudged(evidence))
+    return Verdict(first_of_each(found), unjudged(evidence))
 
 
 def unjudged(evidence: Evidence) -> tuple[str, ...]:

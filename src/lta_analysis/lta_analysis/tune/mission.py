@@ -8,7 +8,8 @@ its goal. So each examination ends with one mission of the shipped scene, in the
 
 from typing import NamedTuple
 
-from lta_analysis.loop import Loop, Policy
+from lta_analysis.loop import Loop
+from lta_analysis.policy import Policy
 from lta_analysis.tune.exam import Case, Scene
 from lta_config.topics import topic_table
 from lta_control.cascade import CascadeGains

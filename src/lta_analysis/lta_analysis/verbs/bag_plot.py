@@ -10,8 +10,9 @@ from lta_analysis.bag.flight import Flight, open_flight
 from lta_analysis.bag.folder import bag_in
 from lta_analysis.plain_console import plain_console
 from lta_analysis.plot.choice import between, by_unit, chosen, readable
-from lta_analysis.plot.page import page, write_page, write_png
+from lta_analysis.plot.page import page, write_png
 from lta_analysis.plot.terminal import listing, show
+from lta_analysis.report.frame import written
 from lta_config.errors import BadInput
 from rich.console import Console
 import typer
@@ -62,7 +63,7 @@ def plot(
         return
     text = page(', '.join(patterns), panels, span, {'bag': str(bag), **origin(flight)})
     if html is not None:
-        console.print(f'Page {write_page(text, html)}', highlight=False, soft_wrap=True)
+        console.print(f'Page {written(text, html)}', highlight=False, soft_wrap=True)
     if png is not None:
         console.print(f'Picture {write_png(text, png)}', highlight=False, soft_wrap=True)
     say(flight.bag.losses, console)

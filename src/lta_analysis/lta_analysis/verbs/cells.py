@@ -1,12 +1,11 @@
 """lta cells: solar cells beside each other, and arrays of them under a weight budget."""
 
-import json as json_text
-import sys
 from typing import Annotated
 
 from lta_analysis.energy.cells.page import TITLE, write_page
 from lta_analysis.energy.cells.rows import afforded, plain, ranking, trial
 from lta_analysis.energy.tables import show
+from lta_analysis.json_option import Json, print_json
 from lta_analysis.out_option import Out
 from lta_analysis.pictures_option import can_be_taken, Pictures
 from lta_analysis.plain_console import plain_console
@@ -32,7 +31,7 @@ def cells(
     ] = 'gtmab',
     out: Out = None,
     pictures: Pictures = None,
-    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
+    json: Json = False,
 ) -> None:
     """
     Compare solar cells: the seed paper's figure, the fair one, and arrays within a weight.
@@ -61,7 +60,7 @@ def cells(
     if pictures is not None:
         write_pictures(page, pictures)
     if json:
-        sys.stdout.write(json_text.dumps({**json_text.loads(content), 'page': str(page)}) + '\n')
+        print_json(content, page)
     for each in (ranking(read), trial(read, energy), afforded(read, energy, mass)):
         show(each, console)
     console.print(f'{TITLE}\n{page_line(near(page))}', highlight=False, soft_wrap=True)

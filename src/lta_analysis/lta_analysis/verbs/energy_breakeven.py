@@ -1,12 +1,11 @@
 """lta energy breakeven: at what light a drone can idle, transmit, hover and fly for ever."""
 
-import json as json_text
-import sys
 from typing import Annotated
 
 from lta_analysis.energy.breakeven.page import title, write_page
 from lta_analysis.energy.breakeven.study import map_of, table
 from lta_analysis.energy.tables import show
+from lta_analysis.json_option import Json, print_json
 from lta_analysis.out_option import Out
 from lta_analysis.pictures_option import can_be_taken, Pictures
 from lta_analysis.plain_console import plain_console
@@ -32,7 +31,7 @@ def breakeven(
     ] = BUDGET,
     out: Out = None,
     pictures: Pictures = None,
-    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
+    json: Json = False,
 ) -> None:
     """
     Tell at what illuminance a drone lives on light: idle, transmitting, hovering, flying.
@@ -58,7 +57,7 @@ def breakeven(
     if pictures is not None:
         write_pictures(page, pictures)
     if json:
-        sys.stdout.write(json_text.dumps({**json_text.loads(content), 'page': str(page)}) + '\n')
+        print_json(content, page)
     show(table(found), console)
     lines = [title(found), page_line(near(page))]
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

@@ -1,7 +1,5 @@
 """lta energy budget: what each task of a drone takes, beside the paper."""
 
-import json as json_text
-import sys
 from typing import Annotated
 
 from lta_analysis.energy.budget.page import notes, table, title, why, write_page
@@ -9,6 +7,7 @@ from lta_analysis.energy.budget.run import budget as find_budget
 from lta_analysis.energy.budget.run import count, plain
 from lta_analysis.energy.tables import show
 from lta_analysis.energy.watched import watched
+from lta_analysis.json_option import Json, print_json
 from lta_analysis.out_option import Out
 from lta_analysis.pictures_option import can_be_taken, Pictures
 from lta_analysis.plain_console import plain_console
@@ -27,7 +26,7 @@ def budget(
     seeds: Annotated[int, typer.Option(help='Flights of each.', min=1, max=100)] = 3,
     out: Out = None,
     pictures: Pictures = None,
-    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
+    json: Json = False,
 ) -> None:
     """
     Tell what each task takes: standing, taking off, hovering, flying, finding a lamp.
@@ -53,7 +52,7 @@ def budget(
     if pictures is not None:
         write_pictures(page, pictures)
     if json:
-        sys.stdout.write(json_text.dumps({**json_text.loads(content), 'page': str(page)}) + '\n')
+        print_json(content, page)
     for each in (table(found), why(found)):
         show(each, console)
     lines = [*notes(found), title(found), page_line(near(page))]

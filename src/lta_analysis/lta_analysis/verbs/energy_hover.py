@@ -1,13 +1,12 @@
 """lta energy hover: two drones hover on identical cells."""
 
-import json as json_text
-import sys
 from typing import Annotated
 
 from lta_analysis.energy import paper
 from lta_analysis.energy.hover.page import notes, plain, table, title, write_page
 from lta_analysis.energy.hover.run import compare
 from lta_analysis.energy.tables import show
+from lta_analysis.json_option import Json, print_json
 from lta_analysis.out_option import Out
 from lta_analysis.pictures_option import can_be_taken, Pictures
 from lta_analysis.plain_console import plain_console
@@ -27,7 +26,7 @@ def hover(
     ] = paper.HOVER_TIME,
     out: Out = None,
     pictures: Pictures = None,
-    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
+    json: Json = False,
 ) -> None:
     """
     Hover for 450 s on identical cells: a drone that gas carries, and a multirotor.
@@ -55,7 +54,7 @@ def hover(
     if pictures is not None:
         write_pictures(page, pictures)
     if json:
-        sys.stdout.write(json_text.dumps({**json_text.loads(content), 'page': str(page)}) + '\n')
+        print_json(content, page)
     show(table(found), console)
     lines = [*notes(found), title(found), page_line(near(page))]
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

@@ -1,7 +1,5 @@
 """lta energy mounting: where the solar panels sit, and what follows from it."""
 
-import json as json_text
-import sys
 from typing import Annotated
 
 from lta_analysis.energy.mounting import verdict
@@ -10,6 +8,7 @@ from lta_analysis.energy.mounting.rows import plain, tables
 from lta_analysis.energy.mounting.run import Order, study
 from lta_analysis.energy.tables import show, turned
 from lta_analysis.energy.watched import watched
+from lta_analysis.json_option import Json, print_json
 from lta_analysis.out_option import Out
 from lta_analysis.pictures_option import can_be_taken, Pictures
 from lta_analysis.plain_console import plain_console
@@ -38,7 +37,7 @@ def mounting(
     seeds: Annotated[int, typer.Option(help='Flights of each.', min=1, max=100)] = 3,
     out: Out = None,
     pictures: Pictures = None,
-    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
+    json: Json = False,
 ) -> None:  # fmt: skip
     """
     Compare where the solar panels sit: at the side, at the bottom, on top.
@@ -80,7 +79,7 @@ def mounting(
     if pictures is not None:
         write_pictures(page, pictures)
     if json:
-        sys.stdout.write(json_text.dumps({**json_text.loads(content), 'page': str(page)}) + '\n')
+        print_json(content, page)
     for table in tables(found):
         show(turned(table), console)
     lines = [*verdict.sentences(found), verdict.title(found), page_line(near(page))]

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 from lta_analysis.bag.flight import open_flight
 from lta_analysis.flight import Flown, fly_once, Order
+from lta_analysis.json_option import Json
 from lta_analysis.out_option import Out
 from lta_analysis.plain_console import plain_console
 from lta_analysis.progress import FlightProgress
@@ -45,7 +46,7 @@ def fly(
         int, typer.Option(help='Port of the live view.', min=1, max=65535)
     ] = PORT,
     page: Annotated[bool, typer.Option(help='Write the page of the flight.')] = True,
-    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
+    json: Json = False,
 ) -> None:
     """
     Fly: the whole graph, one process a node, recorded to MCAP and reported as a page.

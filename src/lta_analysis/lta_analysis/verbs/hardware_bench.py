@@ -11,9 +11,9 @@ from lta_analysis.bar import Bar
 from lta_analysis.hardware.drone import DEADLINE
 from lta_analysis.hardware.motor import ended_by_signals, MotorBench, Turned
 from lta_analysis.plain_console import plain_console
-from lta_bridge.crazyflie.cflib_link import CflibLink
 from lta_bridge.crazyflie.claim import Claim
 from lta_bridge.crazyflie.link import Link, LinkFailed
+from lta_bridge.crazyflie.links import link_to
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_config.crazyflie_file import load_crazyflie, MOTORS
 from lta_config.errors import BadInput, unknown
@@ -58,7 +58,7 @@ def bench(
             f'{vehicle} flies with the stock firmware, which turns no single motor safely; flash '
             'the app of firmware/crazyflie and give the --vehicle that flies with it.'
         )
-    link = CflibLink(uri, BLOCKS, time.time_ns)
+    link = link_to(uri, BLOCKS, time.time_ns)
     with closing(Claim(uri)):
         confirm(motor, file.motors[motor], duty, seconds, console)
         turned = turn(MotorBench(link, file, rotors, motor), link, (motor, duty, seconds), console)

@@ -11,6 +11,7 @@ from lta_analysis.bar import Bar
 from lta_analysis.hardware.response import Response, response
 from lta_analysis.hardware.turntable import offset, read, studied, Table
 from lta_analysis.hardware.turntable_page import claims, gain_rows, write_page
+from lta_analysis.json_option import Json
 from lta_analysis.light.bearing.study_page import rows
 from lta_analysis.out_option import Out
 from lta_analysis.plain_console import plain_console
@@ -50,7 +51,7 @@ def light(
         str | None, typer.Option(help='Namespace, where the bag has several.')
     ] = None,
     out: Out = None,
-    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
+    json: Json = False,
 ) -> None:
     """
     Make the paper's polar study of a recording of the real board on a turntable.

@@ -6,6 +6,7 @@ from pathlib import Path
 import sys
 from typing import Annotated, get_args, TYPE_CHECKING
 
+from lta_analysis.json_option import Json
 from lta_analysis.out_option import Out
 from lta_analysis.plain_console import plain_console
 from lta_analysis.results_folder import results_folder
@@ -41,7 +42,7 @@ def import_(
     vehicle: Annotated[
         str | None, typer.Option(help='Vehicle that flew, name or file; goes into the bag.')
     ] = None,
-    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
+    json: Json = False,
 ) -> None:
     """
     Make bags of other people's logs: CSV, ROS 1 and 2 bags, Crazyflie uSD logs, PX4 ULogs.

@@ -7,6 +7,7 @@ import sys
 from typing import Annotated
 
 from lta_analysis.bar import Bar
+from lta_analysis.json_option import Json
 from lta_analysis.light.bearing.page import far, rows, write_page
 from lta_analysis.light.bearing.places import made_of, PLACES
 from lta_analysis.light.bearing.run import Asked, judge, to_json
@@ -55,7 +56,7 @@ def bearing(
             metavar='FOLDER',
         ),
     ] = None,
-    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
+    json: Json = False,
 ) -> None:
     """
     Tell how well the direction to a lamp is known: the paper's weighted mean beside our fit.

@@ -1,11 +1,11 @@
 """lta light evaluate: navigation strategies over scenes and seeds."""
 
-import json as json_text
 from pathlib import Path
 import sys
 from typing import Annotated
 
 from lta_analysis.browser import find_chromium
+from lta_analysis.json_option import print_json
 from lta_analysis.light.evaluation import scores_page
 from lta_analysis.light.evaluation.findings import Findings
 from lta_analysis.light.evaluation.flying import MOST
@@ -88,7 +88,7 @@ def evaluate(
     if markdown:
         sys.stdout.write(scores_page.page(found))
     if json:
-        sys.stdout.write(json_text.dumps({**json_text.loads(content), 'page': str(page)}) + '\n')
+        print_json(content, page)
     tell(found, done, console)
     console.print(page_line(page), highlight=False, markup=False, soft_wrap=True)
     if done.stopped:

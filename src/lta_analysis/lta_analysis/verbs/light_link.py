@@ -7,6 +7,7 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
+from lta_analysis.json_option import Json
 from lta_analysis.light.link.measured import Link, link_of
 from lta_analysis.light.link.page import cells, HEADS, write_page
 from lta_analysis.out_option import folder
@@ -49,7 +50,7 @@ def link(
             metavar='FOLDER',
         ),
     ] = None,
-    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
+    json: Json = False,
 ) -> None:
     """
     Tell how bright a lamp is on the photodiodes, and how well it is heard, by distance.

@@ -6,6 +6,7 @@ from typing import Annotated
 
 from lta_analysis.bar import Bar
 from lta_analysis.browser import find_chromium
+from lta_analysis.json_option import Json
 from lta_analysis.light.plan.floor import floor_of
 from lta_analysis.light.plan.gaps import gaps_of
 from lta_analysis.light.plan.given import given
@@ -61,7 +62,7 @@ def plan(
         Path | None,
         typer.Option(help='Folder for each picture as PNG; needs a Chromium.', metavar='FOLDER'),
     ] = None,
-    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
+    json: Json = False,
 ) -> None:
     """
     Lay lamps out on a floor plan, so that the drone hears one wherever it fits, at any heading.

@@ -7,6 +7,7 @@ import sys
 from typing import Annotated
 
 from lta_analysis.bar import Bar
+from lta_analysis.json_option import Json
 from lta_analysis.light.bearing.places import made_of, PLACES
 from lta_analysis.light.bearing.study import COUNTS, DIRECTIONS, READINGS, study, verdicts
 from lta_analysis.light.bearing.study_page import claims, DEFECT, rows, write_page
@@ -35,7 +36,7 @@ def light_study(
             metavar='FOLDER',
         ),
     ] = None,
-    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
+    json: Json = False,
 ) -> None:
     """
     Repeat the paper's study of the number of photodiodes, with its estimator and with ours.

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 from lta_analysis.bar import Bar
 from lta_analysis.energy.tables import show, turned
+from lta_analysis.json_option import Json
 from lta_analysis.mission.page import tables, title, write_page
 from lta_analysis.mission.run import gain, order_of, run, SCHEDULES
 from lta_analysis.out_option import Out
@@ -34,7 +35,7 @@ def mission(
     ] = 'all',
     out: Out = None,
     pictures: Pictures = None,
-    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
+    json: Json = False,
 ) -> None:
     """
     Live on light: perch and charge, fly when reserve and light allow, be back before dark.

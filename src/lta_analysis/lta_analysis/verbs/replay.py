@@ -6,6 +6,7 @@ from typing import Annotated
 
 from lta_analysis.bag.flight import Flight, open_flight
 from lta_analysis.bag.folder import bag_in
+from lta_analysis.json_option import Json
 from lta_analysis.out_option import folder
 from lta_analysis.plain_console import plain_console
 from lta_analysis.replay.given import settings_of
@@ -59,7 +60,7 @@ def replay(
             metavar='FOLDER',
         ),
     ] = None,
-    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
+    json: Json = False,
 ) -> None:
     """
     Run nodes again on a recording, and tell whether they decide as they did.

@@ -4,6 +4,7 @@ import json as json_text
 import sys
 from typing import Annotated
 
+from lta_analysis.json_option import Json
 from lta_analysis.out_option import Out
 from lta_analysis.plain_console import plain_console
 from lta_analysis.progress import FlightProgress
@@ -32,7 +33,7 @@ def simulate(
     ] = None,
     out: Out = None,
     bag: Annotated[bool, typer.Option(help='Record a bag and write its page.')] = True,
-    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
+    json: Json = False,
 ) -> None:
     """
     Fly in one process: the same cores in the same order as the graph, without DDS.

@@ -7,6 +7,8 @@ from pathlib import Path
 import sys
 from typing import Annotated, Any
 
+from lta_analysis.json_option import Json
+from lta_analysis.json_value import finite
 from lta_analysis.out_option import folder
 from lta_analysis.plain_console import plain_console
 from lta_analysis.results_folder import page_line
@@ -86,7 +88,7 @@ def tune(
         ),
     ] = None,
     page: Annotated[bool, typer.Option(help='Write the page of the tuning.')] = True,
-    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
+    json: Json = False,
 ) -> None:
     """
     Find controller gains that hold over a spread of lost helium, and say how firmly they do.
@@ -130,15 +132,6 @@ def tune(
     if json:
         sys.stdout.write(json_text.dumps(printed(done, target), indent=1) + '\n')
     tell(done, target, console)
-
-
-def finite(value: object) -> object:
-    """Return what JSON can hold: what is infinite or no number is null."""
-    if isinstance(value, dict):
-        return {key: finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def printed(done: Tuned, page: Path | None) -> Any:  # noqa: ANN401 - what JSON holds

@@ -8,6 +8,7 @@ import sys
 from typing import Annotated
 
 from lta_analysis.bar import Bar
+from lta_analysis.json_option import Json
 from lta_analysis.out_option import folder
 from lta_analysis.plain_console import plain_console
 from lta_analysis.results_folder import keep_json, page_line, results_folder
@@ -61,7 +62,7 @@ def wind(
             metavar='FOLDER',
         ),
     ] = None,
-    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
+    json: Json = False,
 ) -> None:
     """
     Tell the wind that each platform can fly in: uniform, and as reference wind over rough ground.

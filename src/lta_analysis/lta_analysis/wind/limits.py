@@ -6,6 +6,7 @@ import math
 from typing import Any, final
 
 from lta_analysis.ingredients import gather, Ingredients
+from lta_analysis.json_value import finite
 from lta_analysis.wind.trial import Flyable, flyable, Ground, SHARES
 from lta_config.errors import BadInput
 from lta_config.files import known
@@ -169,20 +170,12 @@ def _airspeeds(asked: Asked, flight: Ingredients, thrust: float) -> Sequence[flo
 
 def to_json(found: Sequence[Limits], asked: Asked) -> dict[str, Any]:
     """Return what --json prints; a limit that does not exist is null."""
-
-    def plain(value: Any) -> Any:  # noqa: ANN401 - what JSON holds
-        if isinstance(value, dict):
-            return {key: plain(part) for key, part in value.items()}
-        if isinstance(value, list | tuple):
-            return [plain(part) for part in value]
-        return None if isinstance(value, float) and not math.isfinite(value) else value
-
     return {
         'scenario': asked.scenario,
         'height': asked.height,
         'reference_height': asked.reference,
         'seeds': asked.seeds,
-        'vehicles': [plain(asdict(each)) for each in found],
+        'vehicles': [finite(asdict(each)) for each in found],
         'units': {
             'height': 'm', 'reference_height': 'm', 'roughness': 'm', 'share': '1',
             'thrust': 'm/s', 'tumble': 'm/s', 'rise': 'm/s', 'static': 'm/s', 'wind': 'm/s',

@@ -11,10 +11,11 @@ from typing import Final, final, NamedTuple
 
 from lta_bridge.crazyflie import duties_packet, readings, safety
 from lta_bridge.crazyflie.clock import DeviceClock
-from lta_bridge.crazyflie.link import Link, LogPacket, order_of
+from lta_bridge.crazyflie.link import Link, LogPacket
 from lta_bridge.crazyflie.round_trips import RoundTrips
 from lta_bridge.crazyflie.safety import Stage
 from lta_bridge.crazyflie.supervisor import Bit
+from lta_bridge.crazyflie.wiring import rotor_places
 from lta_config.crazyflie_file import CrazyflieFile
 from lta_graph.refused import Refused
 
@@ -109,7 +110,7 @@ class Bridge:
     ) -> None:
         self._link, self._lock = link, threading.Lock()
         self.command = command or file.command
-        self._order = order_of(file.motors, rotors)
+        self._order = rotor_places(file.motors, rotors)
         self._rotors = len(rotors)
         limit = file.limits
         self.limits = safety.Limits(

@@ -17,16 +17,7 @@ import time
 from typing import Any, Final, final
 import warnings
 
-from lta_bridge.crazyflie.link import (
-    check_uri,
-    Event,
-    LinkFailed,
-    LogPacket,
-    Lost,
-    Malformed,
-    OLDEST,
-    Ping,
-)
+from lta_bridge.crazyflie.link import Event, LinkFailed, LogPacket, Lost, Malformed, OLDEST, Ping
 from lta_bridge.crazyflie.log_table import Block
 from lta_bridge.crazyflie.packet_check import fault, size_of
 from lta_bridge.crazyflie.remedies import remedied
@@ -42,6 +33,16 @@ except ImportError:  # told when a link is made, with the remedy
 else:
     CFLIB = True
 
+PLACE: Final = r'[^/:\s]+:\d{1,5}'
+RATE: Final = r'(250K|1M|2M)'
+ADDRESS: Final = r'[0-9A-Fa-f]{1,10}'
+SCHEMES: Final = {  # what comes behind ://, as cflib reads it
+    'radio': rf'(\d+|{ADDRESS})/\d{{1,3}}(/{RATE}(/{ADDRESS})?)?(\?rate_limit=\d+)?',
+    'usb': r'\d+',
+    'udp': PLACE,
+    'tcp': PLACE,
+    'serial': r'\S+',
+}
 LANDING: Final = 3.0  # s for the firmware's own landing
 U8, U16 = 0x08, 0x09  # the firmware's numbers for types of parameters
 FULL_RATIO: Final = 65535
@@ -92,7 +93,7 @@ class CflibLink:
     Parameters
     ----------
     uri : str
-        Where it is.
+        Where it is, one of `SCHEMES`.
     blocks : sequence of Block
         What to log.
     clock : callable
@@ -101,12 +102,11 @@ class CflibLink:
     Raises
     ------
     BadInput
-        If cflib is not installed or the URI names no Crazyflie.
+        If cflib is not installed.
 
     """
 
     def __init__(self, uri: str, blocks: Sequence[Block], clock: Callable[[], int]) -> None:
-        check_uri(uri)
         if not CFLIB:
             raise BadInput(
                 'A Crazyflie needs cflib, which is not installed: .venv/bin/pip install -c '
@@ -122,7 +122,7 @@ class CflibLink:
         self._fault, self.protocol = '', -1  # of the packet that is read now; of the firmware
 
     def open(self, deadline: float) -> None:
-        """Connect, and ask for all log blocks."""
+        """Connect, and ask for all log blocks, until a deadline from now. [s]"""
         until = time.monotonic() + deadline
         drone = self._opened = self._drone = cflib.crazyflie.Crazyflie()
         outcome: SimpleQueue[str] = SimpleQueue()
@@ -218,13 +218,13 @@ class CflibLink:
             leaving.join(CLOSING)
 
     def parameter(self, name: str) -> float | None:
-        """Return the value that was read when the link came up, or since."""
+        """Return the value read when the link came up, or since, in the firmware's unit."""
         group, _, word = name.partition('.')
         text = self._drone.param.values.get(group, {}).get(word)
         return None if text is None else float(text)
 
     def write(self, name: str, value: float, deadline: float) -> None:
-        """Set a parameter and wait for the value to come back."""
+        """Set a parameter and wait for the value to come back, until a deadline from now. [s]"""
         group, _, word = name.partition('.')
         echoes: SimpleQueue[float] = SimpleQueue()
         param = self._drone.param
@@ -259,7 +259,7 @@ class CflibLink:
             self._sends('supervisor', 'send_emergency_stop_watchdog')
 
     def hover(self, forward: float, yaw_rate: float, height: float) -> None:
-        """Send a hover setpoint; cflib takes degrees a second."""
+        """Send speed [m/s], yaw rate [rad/s] and height [m]; cflib takes degrees a second."""
         self._sends(
             'commander', 'send_hover_setpoint', forward, 0.0, math.degrees(yaw_rate), height
         )
@@ -297,3 +297,6 @@ class CflibLink:
         except Exception as error:  # whatever a driver raises, and cflib's lock stays taken then
             self._drone = None
             self._lost('', f'{type(error).__name__}: {error}')
+
+
+LINK: Final = CflibLink

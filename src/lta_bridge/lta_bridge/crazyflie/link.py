@@ -2,21 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 from queue import SimpleQueue
-import re
-from typing import Final, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
-from lta_config.errors import BadInput
-
-PLACE: Final = r'[^/:\s]+:\d{1,5}'
-RATE: Final = r'(250K|1M|2M)'
-ADDRESS: Final = r'[0-9A-Fa-f]{1,10}'
-SCHEMES: Final = {  # what comes behind ://, as cflib reads it
-    'radio': rf'(\d+|{ADDRESS})/\d{{1,3}}(/{RATE}(/{ADDRESS})?)?(\?rate_limit=\d+)?',
-    'usb': r'\d+',
-    'udp': PLACE,
-    'tcp': PLACE,
-    'serial': r'\S+',
-}
 OLDEST = 9  # protocol: the first with today's setpoint packets (cflib, commander.py)
 
 
@@ -55,9 +42,20 @@ class LinkFailed(RuntimeError):
 
 
 class Link(Protocol):
-    """One connection at a time; `open` and `close` block and are called from one thread."""
+    """
+    One connection at a time; `open` and `close` block and are called from one thread.
+
+    Attributes
+    ----------
+    events : SimpleQueue of Event
+        What it tells, from whatever thread.
+    protocol : int
+        The firmware's version of CRTP; -1 while unknown.
+
+    """
 
     events: SimpleQueue[Event]
+    protocol: int
 
     def open(self, deadline: float) -> None:
         """Connect, and ask for all log blocks; `LinkFailed` after a deadline. [s]"""
@@ -68,7 +66,7 @@ class Link(Protocol):
         ...
 
     def parameter(self, name: str) -> float | None:
-        """Return the value of a parameter; None where the firmware has none of that name."""
+        """Return a parameter in the firmware's unit; None where it has none of that name."""
         ...
 
     def write(self, name: str, value: float, deadline: float) -> None:
@@ -96,46 +94,9 @@ class Link(Protocol):
         ...
 
     def override(self, duties: Sequence[float]) -> None:
-        """Turn motors whatever the firmware's supervisor says; no duties let go of them."""
+        """Turn M1 to M4 by duties 0 to 1 whatever the supervisor says; none lets go of them."""
         ...
 
     def hand_over(self, land: bool) -> None:
         """Say that no more setpoints come; where asked, land."""
         ...
-
-
-def check_uri(uri: str) -> None:
-    """
-    Refuse what cannot name a Crazyflie.
-
-    Raises
-    ------
-    BadInput
-        With an example.
-
-    """
-    scheme, _, rest = uri.partition('://')
-    if scheme not in SCHEMES or not re.fullmatch(SCHEMES[scheme], rest):
-        raise BadInput(
-            f"The URI '{uri}' names no Crazyflie; give one such as radio://0/80/2M/E7E7E7E7E7, "
-            'usb://0 or udp://127.0.0.1:19850.'
-        )
-
-
-def order_of(motors: Mapping[str, str], names: Sequence[str]) -> tuple[int, ...]:
-    """
-    Return for M1 to M4 the place of its rotor among the vehicle's.
-
-    Raises
-    ------
-    BadInput
-        If a motor is wired to a rotor that the vehicle does not have.
-
-    """
-    for motor, rotor in motors.items():
-        if rotor not in names:
-            raise BadInput(
-                f'Motor {motor} is wired to {rotor}, which the vehicle lacks; it has '
-                f'{", ".join(names)}.'
-            )
-    return tuple(names.index(rotor) for rotor in motors.values())

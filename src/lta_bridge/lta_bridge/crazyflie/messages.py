@@ -22,7 +22,7 @@ RANGE = RangeSettings()
 
 
 def imu(stamp: Time, motion: Motion, attitude: tuple[float, float, float, float] | None) -> Imu:
-    """Return specific force and rates, and the firmware's attitude where it has come."""
+    """Return specific force and rates, and the attitude (x y z w) where it has come."""
     message = messages.imu(stamp, motion.force, motion.rates, IMU_NOISE)
     if attitude is not None:
         q = message.orientation

@@ -164,7 +164,7 @@ def refusal(state: State, seen: Seen, limits: Limits) -> str:
 
 
 def peril(state: State, now: float, seen: Seen, limits: Limits) -> str:
-    """Return why a flight must end although commands are fresh; empty where it may go on."""
+    """Return why a flight must end at a time [s] although commands are fresh; empty: go on."""
     if not seen.active:
         return 'deactivated'
     if seen.silence > SILENT:

@@ -110,7 +110,7 @@ def along(start: Three, direction: Three) -> Turn:
 
 
 def shifted(place: Three, direction: Three, length: float) -> Three:
-    """Return the place that lies a length away along a unit direction."""
+    """Return the place that lies a length away along a unit direction. [m]"""
     x, y, z = (p + length * d for p, d in zip(place, direction, strict=True))
     return x, y, z
 

@@ -12,13 +12,13 @@ from typing import Any
 
 from lta_bridge.crazyflie import messages, readings
 from lta_bridge.crazyflie.bridge import Bridge, RATE, Stamped
-from lta_bridge.crazyflie.cflib_link import CflibLink
 from lta_bridge.crazyflie.claim import Claim
 from lta_bridge.crazyflie.condition import condition
 from lta_bridge.crazyflie.condition import why as no_link
 from lta_bridge.crazyflie.consumption import Consumption
 from lta_bridge.crazyflie.keeper import Keeper
 from lta_bridge.crazyflie.link import Lost, Malformed, Ping
+from lta_bridge.crazyflie.links import link_to
 from lta_bridge.crazyflie.log_table import BLOCKS, check
 from lta_bridge.crazyflie.override import check_tether, expected
 from lta_bridge.crazyflie.safety import Asked, Stage
@@ -29,9 +29,10 @@ from lta_graph.health import Level
 from lta_graph.ros.device import DeviceNode
 from lta_graph.ros.helm import Helm
 from lta_graph.ros.links import Links
-from lta_graph.ros.node import from_stamp, run, to_stamp
 from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.process import run
 from lta_graph.ros.sound import fault
+from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_sim.vehicle import load_vehicle
 from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
@@ -61,12 +62,12 @@ class CrazyflieBridge(DeviceNode):
         vehicle = load_vehicle(settings.vehicle)
         self._names = vehicle.rotor_names
         self._consumption = Consumption.of(vehicle.file.energy)
-        link = self._link = CflibLink(settings.uri, BLOCKS, self._graph_ns)
+        link = self._link = link_to(settings.uri, BLOCKS, self._graph_ns)
         file = self._file = load_crazyflie(settings.crazyflie or settings.vehicle)
         self._bridge = Bridge(link, file, self._names, settings.command, settings.watchdog)
         self._keeper: Keeper | None = None
         self._claim: Claim | None = None
-        self._refusal = ''
+        self.autostart = settings.autostart
         self._asked = Asked()
         self._was_up, self._connected, self._complained = False, 0.0, ''
         self._pose: Any = None
@@ -106,8 +107,8 @@ class CrazyflieBridge(DeviceNode):
         try:
             self._claim = Claim(self._settings.uri)
         except BadInput as error:
-            self._refusal = str(error)
-            self.get_logger().error(self._refusal)
+            self.refusal = str(error)
+            self.get_logger().error(self.refusal)
             return TransitionCallbackReturn.FAILURE
         self._keeper = Keeper(self._link, expected(self._file, self._bridge.command))
         return super().on_configure(state)
@@ -153,14 +154,6 @@ class CrazyflieBridge(DeviceNode):
         if self._claim is not None:
             self._claim.close()
             self._claim = None
-
-    def work(self) -> None:
-        """Start by itself where that is wanted, and work."""
-        if self._settings.autostart:
-            if self.trigger_configure() != TransitionCallbackReturn.SUCCESS:
-                raise BadInput(self._refusal)
-            self.trigger_activate()
-        super().work()
 
     # What people ask.
 

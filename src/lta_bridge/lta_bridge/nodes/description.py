@@ -14,8 +14,9 @@ from lta_bridge.description import fixed_frames, urdf
 from lta_bridge.live.frames import Frame
 from lta_config.settings import setting, Settings
 from lta_graph.health import Level
-from lta_graph.ros.node import GraphNode, run
+from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.process import run
 from lta_sim.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile

@@ -23,8 +23,10 @@ from lta_bridge.live.server import LiveServer
 from lta_config.settings import setting, Settings
 from lta_config.topics import robot_topic
 from lta_graph.health import Level
-from lta_graph.ros.node import GraphNode, message_type, run
+from lta_graph.ros.message_types import message_type
+from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.process import run
 from lta_graph.ros.spin import spin
 from lta_sim.scenario import load_scenario
 from lta_sim.vehicle import load_vehicle

@@ -26,10 +26,13 @@ from lta_bridge.playback.settings import FOREVER, PlayerSettings
 from lta_config.errors import BadInput
 from lta_graph.health import Level
 from lta_graph.ros.company import OVER
-from lta_graph.ros.node import GraphNode, run, to_stamp
+from lta_graph.ros.gathering import gather
+from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.process import run
 from lta_graph.ros.qos import profile
 from lta_graph.ros.replay_due import from_due
+from lta_graph.ros.stamps import to_stamp
 from rclpy.clock import Clock, ClockType
 from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock as ClockMessage
@@ -111,7 +114,7 @@ class Player(GraphNode):
 
     def work(self) -> None:
         """Wait for the graph, then play; exit status 1 where the nodes do not answer."""
-        self._wait_for_graph()
+        gather(self, self._lonely, self._settings.patience)
         self._began = self._news = time.monotonic()
         self.begun = True
         self._report_bag()
@@ -146,17 +149,6 @@ class Player(GraphNode):
             told = self.get_subscriptions_info_by_topic(self._due.topic_name)
             waiting |= {'recorder'} - {each.node_name for each in told}
         return sorted(waiting)
-
-    def _wait_for_graph(self) -> None:
-        patience = self._settings.patience
-        deadline = time.monotonic() + patience
-        while self.running and (missing := self._lonely()):
-            if time.monotonic() > deadline:
-                raise BadInput(
-                    f'After {patience:g} s the player still waits for {", ".join(missing)}; '
-                    'start them, or see "lta doctor" on discovery between processes.'
-                )
-            time.sleep(0.02)
 
     def awaited(self) -> Iterable[Subscription]:
         """Return what to wake up for: the answers."""

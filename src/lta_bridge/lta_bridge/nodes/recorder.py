@@ -40,8 +40,9 @@ from lta_config.settings import setting, Settings
 from lta_config.topics import is_name
 from lta_graph.health import Level
 from lta_graph.interrupts import held_interrupts
-from lta_graph.ros.node import GraphNode, REPORT_PERIOD, run
+from lta_graph.ros.node import GraphNode, REPORT_PERIOD
 from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.process import run
 from lta_graph.ros.qos import profile
 from lta_graph.ros.replay_due import hear_due
 from lta_graph.ros.spin import spin

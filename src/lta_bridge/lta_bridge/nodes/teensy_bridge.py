@@ -16,8 +16,9 @@ from lta_config.settings import setting, Settings
 from lta_config.vehicle_file import load_vehicle_file
 from lta_graph.health import Level
 from lta_graph.ros.device import DeviceNode
-from lta_graph.ros.node import run, to_stamp
 from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.process import run
+from lta_graph.ros.stamps import to_stamp
 from lta_sim.messages import light_block
 from lta_vlc.demodulation import Demodulation, Peaks
 from lta_vlc.diodes import diodes_of
@@ -79,16 +80,16 @@ class TeensyBridge(DeviceNode):
         if self._settings.peaks:
             self._finder.prepare()
         self._reader: Reader | None = None
-        self._refusal = ''
+        self.autostart = self._settings.autostart
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Open the link."""
         try:
             self._reader = self._opened()
         except BadInput as error:
-            self._refusal = str(error)
-            self.health.report(TASK, Level.ERROR, self._refusal)
-            self.get_logger().error(self._refusal)
+            self.refusal = str(error)
+            self.health.report(TASK, Level.ERROR, self.refusal)
+            self.get_logger().error(self.refusal)
             return TransitionCallbackReturn.FAILURE
         return super().on_configure(state)
 
@@ -104,17 +105,9 @@ class TeensyBridge(DeviceNode):
                     raise
                 time.sleep(AGAIN)
 
-    def work(self) -> None:
-        """Start by itself where that is wanted, and work."""
-        if self._settings.autostart:
-            if self.trigger_configure() != TransitionCallbackReturn.SUCCESS:
-                raise BadInput(self._refusal)
-            self.trigger_activate()
-        super().work()
-
     def publish_health(self) -> None:
         """Tell how the board and its link are."""
-        if self._reader is not None or not self._refusal:
+        if self._reader is not None or not self.refusal:
             fact = condition(self._reader, self._now_ns(), self.active)
             self.health.report(fact.task, fact.level, fact.message, **fact.values)
         super().publish_health()

@@ -13,8 +13,10 @@ from lta_bridge.tracking.pose import planted, Pose
 from lta_bridge.tracking.tracked import Tracked
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
-from lta_graph.ros.node import from_stamp, GraphNode, run, to_stamp
+from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.process import run
+from lta_graph.ros.stamps import from_stamp, to_stamp
 from rclpy.qos import qos_profile_sensor_data
 
 try:

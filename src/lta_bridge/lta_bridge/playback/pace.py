@@ -40,13 +40,13 @@ class Pace:
         return self._at + round(self._rate * 1e9 * (wall - self._since))
 
     def pause(self, wall: float, played_ns: int) -> None:
-        """Stop, at a rate where time is, else behind the last message played."""
+        """Stop at a wall time [s]: at a rate where time is, else behind the last message [ns]."""
         if not self.paused:
             self._at = played_ns if self._rate is None else self.now(wall)
             self.paused = True
 
     def resume(self, wall: float) -> None:
-        """Go on from where it stopped."""
+        """Go on, at a wall time [s], from where it stopped."""
         if self.paused:
             self._since = wall
             self.paused = False

@@ -84,7 +84,7 @@ class SerialPort:
             raise BadInput(_why(path, error)) from None
 
     def read(self, timeout: float) -> bytes:
-        """Return what has come."""
+        """Return what has come, after at most so long. [s]"""
         try:
             select.select([self._port.fileno()], [], [], timeout)
             return bytes(self._port.read(CHUNK))
@@ -157,7 +157,7 @@ class UdpPort:
         return self._foreign + self._sender.others
 
     def read(self, timeout: float) -> bytes:
-        """Return what has come from the board."""
+        """Return what has come from the board, after at most so long. [s]"""
         select.select([self._socket], [], [], timeout)
         parts = []
         try:

@@ -56,7 +56,7 @@ class Gamepad:
         self._buttons: dict[int, int] = {}
 
     def sticks(self, now: float) -> Sticks | None:
-        """Return what it says; None while it is unplugged, or another than the layout's."""
+        """Return what it says at a time [s]; None while it is unplugged, or not the layout's."""
         if self._fd is None:
             self._reopen(now)
         for value, kind, number in self._events():

@@ -55,7 +55,7 @@ class Keyboard:
         self._dead = False
 
     def sticks(self, now: float) -> Sticks | None:
-        """Return which keys are down; None once the terminal is gone."""
+        """Return which keys are down at a time [s]; None once the terminal is gone."""
         fresh = self._typed()
         if self._dead:
             return None

@@ -43,7 +43,7 @@ class JoyDevice:
             self.unsound.add(f'joy: {why}')
 
     def sticks(self, now: float) -> Sticks | None:
-        """Return what it says; None where nothing has come for `SILENT`."""
+        """Return what it says at a time [s]; None where nothing has come for `SILENT`."""
         if self._newest is None or now - self._heard > SILENT:
             return None
         return of_gamepad(self._layout, self._newest.axes, self._newest.buttons)

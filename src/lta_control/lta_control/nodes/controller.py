@@ -20,8 +20,10 @@ from lta_control.vehicle_side import rotors_of, surge_drag_of
 from lta_graph.health import Level
 from lta_graph.inbox import Step
 from lta_graph.ros.helm import Helm
-from lta_graph.ros.node import from_stamp, GraphNode, run
+from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.process import run
+from lta_graph.ros.stamps import from_stamp
 from lta_sim.scenario import course_in
 from lta_sim.vehicle import load_vehicle
 from nav_msgs.msg import Odometry

@@ -7,8 +7,9 @@ from lta_control.messages import fits, from_estimate, is_felt, to_duties, to_inp
 from lta_control.vehicle_side import body_of
 from lta_graph.health import Level
 from lta_graph.inbox import Step
-from lta_graph.ros.node import GraphNode, run
+from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.process import run
 from lta_sim.vehicle import load_vehicle
 
 

@@ -21,9 +21,11 @@ from lta_control.strategies import check_route, strategy
 from lta_control.strategies.protocol import Sight
 from lta_graph.health import Level
 from lta_graph.inbox import Step
-from lta_graph.ros.node import from_stamp, GraphNode, run
+from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.process import run
 from lta_graph.ros.sound import fault
+from lta_graph.ros.stamps import from_stamp
 from lta_sim.light.setting import scale_in
 from lta_sim.scenario import course_in, route_in
 from lta_vlc.wish import NO_WISH

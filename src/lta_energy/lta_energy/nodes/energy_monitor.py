@@ -8,8 +8,9 @@ from lta_energy import alarms, messages
 from lta_energy.aboard import Aboard
 from lta_energy.estimate import Estimate
 from lta_energy.monitor import MonitorSettings, update
-from lta_graph.ros.node import GraphNode, run
+from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.process import run
 
 if TYPE_CHECKING:
     from lta_graph.inbox import Step

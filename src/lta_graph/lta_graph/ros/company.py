@@ -8,8 +8,10 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_config.errors import BadInput
 from lta_config.topics import is_name, robot_topic
 from lta_graph.peers import Peers
-from lta_graph.ros.node import from_stamp, GraphNode, message_type, PATIENCE
+from lta_graph.ros.message_types import message_type
+from lta_graph.ros.node import GraphNode, PATIENCE
 from lta_graph.ros.qos import profile
+from lta_graph.ros.stamps import from_stamp
 
 PULSE = 'wind'  # small, regular, and of the vehicle alone; its period is how far one may lead
 ENDING = (': flight', ': playback')  # facts in which simulator and player tell how it stands

@@ -22,11 +22,15 @@ class DeviceNode(LifecycleNodeMixin, GraphNode):
     ----------
     active : bool
         Whether the state is active.
+    autostart : bool
+        Whether to configure and activate by itself; off until a subclass says otherwise.
+    refusal : str
+        Why it could not be configured, for whoever started it.
 
     Raises
     ------
     BadInput
-        In lockstep, which no hardware keeps.
+        In lockstep, which no hardware keeps. In `work`, what refused to be configured.
 
     """
 
@@ -35,7 +39,15 @@ class DeviceNode(LifecycleNodeMixin, GraphNode):
         LifecycleNodeMixin.__init__(self)
         if self.lockstep:
             raise BadInput(f'A real {device} keeps real time: leave time:=lockstep out.')
-        self.active = False
+        self.active, self.autostart, self.refusal = False, False, ''
+
+    def work(self) -> None:
+        """Start by itself where that is wanted, and work."""
+        if self.autostart:
+            if self.trigger_configure() != TransitionCallbackReturn.SUCCESS:
+                raise BadInput(self.refusal)
+            self.trigger_activate()
+        super().work()
 
     def let_go(self) -> None:
         """Give the device back, in a safe state; again is harmless."""

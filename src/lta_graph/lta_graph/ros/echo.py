@@ -25,7 +25,7 @@ RETRY = 0.05  # s between questions until the first answer
 
 
 def answer(node: Node, executor: SingleThreadedExecutor, deadline: float) -> None:
-    """Send every question back until the last one, or until the deadline."""
+    """Send every question back until the last one, or until a time of the steady clock. [s]"""
     heard: list[str] = []
     publisher = node.create_publisher(String, ANSWER, 10)
 

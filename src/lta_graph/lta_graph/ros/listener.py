@@ -88,7 +88,7 @@ class DiagnosticsListener:
             self._heard[task.partition(':')[0]] = time.monotonic()
 
     def poll(self, timeout: float) -> dict[str, Fact]:
-        """Listen for a while and return the newest fact of each 'NODE: TASK'."""
+        """Listen for a while [s] and return the newest fact of each 'NODE: TASK'."""
         with held_interrupts():
             self._executor.spin_once(timeout_sec=timeout)
             # The executor hands out one message at a time, and more may have come.

@@ -9,28 +9,23 @@ and every `REPORT_PERIOD`.
 
 from collections.abc import Callable, Iterable
 from functools import partial
-from importlib import import_module
-import signal
-import sys
 import time
 from typing import Any, Literal
 
-from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
-from lta_config.topics import Topic, topic_table
+from lta_config.topics import topic_table
 from lta_graph.health import Health, Level
 from lta_graph.inbox import Inbox, Step
-from lta_graph.ros.command_line import join, refuse_unknown
 from lta_graph.ros.links import LINKS
+from lta_graph.ros.message_types import message_type
 from lta_graph.ros.others import Others
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.qos import profile
 from lta_graph.ros.replay_due import DUE, heed
 from lta_graph.ros.sound import MESSAGES, Soundness
 from lta_graph.ros.spin import spin
-import rclpy
+from lta_graph.ros.stamps import from_stamp
 from rclpy.clock import Clock, ClockType
 from rclpy.duration import Duration
 from rclpy.node import Node
@@ -55,21 +50,6 @@ class GraphSettings(Settings):
         'What plays the vehicle: a simulator, the player of a recording, or a real one.',
         fixed=True,
     )
-
-
-def message_type(topic: Topic) -> Any:  # noqa: ANN401 - a generated class
-    """Return the Python class of a topic's messages."""
-    return getattr(import_module(f'{topic.package}.msg'), topic.message)
-
-
-def to_stamp(stamp_ns: int) -> Time:
-    """Return integer nanoseconds as a ROS stamp."""
-    return Time(sec=stamp_ns // 1_000_000_000, nanosec=stamp_ns % 1_000_000_000)
-
-
-def from_stamp(stamp: Time) -> int:
-    """Return a ROS stamp as integer nanoseconds."""
-    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
 
 
 class GraphNode(Node):
@@ -296,48 +276,3 @@ class GraphNode(Node):
         for publisher in self.publishers:
             left = max(0.0, deadline - time.monotonic())
             publisher.wait_for_all_acked(Duration(seconds=left))
-
-
-def run(node_class: type[GraphNode], args: list[str] | None = None) -> None:
-    """
-    Run one node as a process: the `main` of every executable.
-
-    Exit status 0 after a shut-down, 2 with one sentence on bad input, 130 after Ctrl-C before the
-    node was made; anything else is a crash with its traceback.
-    """
-    words = sys.argv if args is None else args
-    try:
-        # `lta run` holds Ctrl-C back while Python starts; one that came meanwhile comes now.
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-        join(words)
-        live(node_class, words)
-    except KeyboardInterrupt:  # before the handlers were there
-        sys.exit(128 + signal.SIGINT)
-    except BadInput as error:
-        sys.stderr.write(f'{error}\n')
-        sys.exit(2)
-    finally:
-        rclpy.try_shutdown()
-
-
-def live(node_class: type[GraphNode], words: list[str]) -> None:
-    """Make a node, let it work until it should stop, and close it whatever happens."""
-    node = node_class()  # type: ignore[call-arg]
-    try:
-        refuse_unknown(node, words)
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, lambda *_: setattr(node, 'running', False))
-        node.work()
-    except BadInput:
-        raise
-    except Exception as error:
-        # Leaving in order may take a landing; and who records must hear why.
-        words = f'broke: {type(error).__name__}: {error}'.removesuffix(': ')
-        node.health.report('state', Level.ERROR, words)
-        node.publish_health()
-        raise
-    finally:
-        try:
-            node.close()
-        finally:
-            node.destroy_node()

@@ -32,7 +32,7 @@ class Others:
         self._looked = 0.0
 
     def look(self, now: float, health: Health) -> None:
-        """Report it, where it is time for a look; nothing as long as there has been nobody."""
+        """Report it at a wall time [s], where a look is due; nothing until there was somebody."""
         if now - self._looked < PERIOD:
             return
         self._looked = now

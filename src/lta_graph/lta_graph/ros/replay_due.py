@@ -15,7 +15,7 @@ DUE = 'replay/due'  # the topic
 
 
 def from_due(due: Mapping[str, Sequence[int]]) -> Int64MultiArray:
-    """Return when each message of each topic is due: a dimension a topic, one behind the other."""
+    """Return when each message of each topic is due [ns]: a dimension a topic, in a row."""
     times = array.array('q')
     for topic in due.values():
         times.extend(topic)

@@ -86,7 +86,7 @@ def lamp_wave(
 
 
 def mains_wave(ambient: Ambient, start: int, sampling: Sampling) -> Array:
-    """Return the mains' flicker at the samples of a block, the fundamental's amplitude being 1."""
+    """Return the mains' flicker at the samples of a block, shape (n,); the fundamental's is 1."""
     times = start + sampling.offsets()[1:]
     turn = 2.0 * math.pi * cycles(times, ambient.mains_frequency, ambient.mains_phase)
     values: Array = np.sin(turn)

@@ -26,7 +26,7 @@ class Albedo(NamedTuple):
 
 
 def even(albedo: float) -> Albedo:
-    """Return the same albedo for all surfaces."""
+    """Return the same albedo for all surfaces. [1]"""
     return Albedo(albedo, albedo, albedo)
 
 

@@ -66,7 +66,7 @@ class LightView:
         self._amplifier: AmplifierState | None = None
 
     def prepare(self, sample_rate: float, samples: int) -> None:
-        """Compile what makes a block, or load it from disk, before the first one is waited for."""
+        """Compile what makes a block (sample rate in Hz) before the first one is waited for."""
         kept = self._poses, self._around, self._amplifier
         self._poses = [(0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)] * 2
         self.block(0, sample_rate, samples, np.random.default_rng(0))
@@ -79,7 +79,7 @@ class LightView:
     def block(
         self, start_ns: int, sample_rate: float, samples: int, chance: Generator
     ) -> NDArray[np.uint16]:
-        """Return the block that began at a time and ends now, from the poses since."""
+        """Return the block that began at a time [ns], shape (samples, diodes). [Hz; counts]"""
         light = self.illuminance(self._poses)
         self._poses = [self._poses[-1]]
         board = self._board

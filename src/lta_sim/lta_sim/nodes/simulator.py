@@ -15,14 +15,15 @@ import operator
 import sys
 import time
 
-from lta_config.errors import BadInput
 from lta_config.recorded import is_wanted
 from lta_graph.health import Level
 from lta_graph.inbox import Step
 from lta_graph.ros.company import Company, OVER, PULSE
-from lta_graph.ros.links import Links
-from lta_graph.ros.node import from_stamp, GraphNode, run, to_stamp
+from lta_graph.ros.gathering import gather, settle
+from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.process import run
+from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_sim import messages
 from lta_sim.readings import Outcome, Readings
 from lta_sim.scenario import load_scenario
@@ -39,7 +40,6 @@ MOST = 100  # characters that are told of a command that is refused
 SLIP = 50  # control periods of delay that are made up for at once
 SLOW = 0.05  # share of the wall clock that may be lost before it is said
 CLOCK_PERIOD = 0.02  # wall seconds between two /clock
-SETTLED = 1.0  # wall seconds without a newcomer after which a flight begins in real time
 PATIENCE = 20.0  # wall seconds for the graph of one drone to come up
 
 
@@ -77,9 +77,9 @@ class Simulator(GraphNode):
 
     def work(self) -> None:
         """Wait for the graph, then fly."""
-        self._wait_for_graph()
+        gather(self, self._lonely, PATIENCE * (1 + len(self._company.names)))
         if not self.lockstep:
-            self._settle()
+            settle(self, PATIENCE)
         self._began = self._anchor = time.monotonic()
         self.begun = True
         self._publish()
@@ -106,41 +106,6 @@ class Simulator(GraphNode):
         """Tell whether a node is among the readers of a topic: a viewer's place is not its own."""
         known = self.get_subscriptions_info_by_topic(name)
         return node in {reader.node_name for reader in known}
-
-    def _wait_for_graph(self) -> None:
-        patience = PATIENCE * (1 + len(self._company.names))
-        deadline = time.monotonic() + patience
-        while self.running and (missing := self._lonely()):
-            if time.monotonic() > deadline:
-                raise BadInput(
-                    f'After {patience:.0f} s the simulator still waits for {", ".join(missing)}; '
-                    'start them, or see "lta doctor" on discovery between processes.'
-                )
-            time.sleep(0.02)
-
-    def _settle(self) -> None:
-        """
-        Wait until the graph has stayed as it is for a while, and all hear each other.
-
-        A node that tells nothing of its readers, a user's own, is waited for in vain: then the
-        flight begins, and says whom it may not reach.
-        """
-        deadline = time.monotonic() + PATIENCE
-        seen, since = self._ends(), time.monotonic()
-        with Links(self, self.table) as links:
-            while self.running and time.monotonic() - since < SETTLED:
-                time.sleep(0.02)
-                loose, ends = links.loose(self.readers()), self._ends()
-                if time.monotonic() > deadline:
-                    words = f'begun before all readers of {", ".join(loose)} were found'
-                    self.health.report('start', Level.WARN, words)
-                    return
-                if loose or ends != seen:
-                    seen, since = ends, time.monotonic()
-
-    def _ends(self) -> list[tuple[int, int]]:
-        """Return how many publish and how many read each topic of the table."""
-        return [(self.count_publishers(n), self.count_subscribers(n)) for n in self.table.topics]
 
     def _on_motors(self, step: Step) -> None:
         for command in step.messages['motors']:

@@ -4,8 +4,9 @@ from lta_config.settings import setting
 from lta_config.vehicle_file import load_vehicle_file
 from lta_graph.health import Level
 from lta_graph.inbox import Step
-from lta_graph.ros.node import GraphNode, run
+from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.process import run
 from lta_vlc.condition import conditions, WANTED
 from lta_vlc.demodulation import Demodulation, Hearing, Peaks
 from lta_vlc.diodes import diodes_of

@@ -11,9 +11,11 @@ from lta_bridge.crazyflie.emulated.body import Bench
 from lta_bridge.crazyflie.emulated.firmware import Firmware
 from lta_bridge.crazyflie.emulated.server import Server
 from lta_bridge.crazyflie.keeper import agree, Keeper
-from lta_bridge.crazyflie.link import check_uri, LinkFailed, LogPacket, Lost, Malformed, order_of
+from lta_bridge.crazyflie.link import LinkFailed, LogPacket, Lost, Malformed
+from lta_bridge.crazyflie.links import link_to
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.crazyflie.packet_check import fault
+from lta_bridge.crazyflie.wiring import rotor_places
 from lta_config.crazyflie_file import Expected, load_crazyflie
 from lta_config.errors import BadInput
 from lta_sim.vehicle import load_vehicle
@@ -202,7 +204,7 @@ def test_parameters_are_brought_to_what_the_vehicle_needs_or_refused(linked):
 )
 def test_a_uri_that_names_nothing_is_one_sentence(uri):
     with pytest.raises(BadInput, match='names no Crazyflie; give one such as radio'):
-        check_uri(uri)
+        link_to(uri, (), time.time_ns)
 
 
 @pytest.mark.parametrize(
@@ -218,14 +220,14 @@ def test_a_uri_that_names_nothing_is_one_sentence(uri):
     ],
 )
 def test_a_uri_that_cflib_knows_is_taken(uri):
-    check_uri(uri)
+    link_to(uri, (), time.time_ns)
 
 
 def test_every_shipped_file_is_wired_to_rotors_that_exist():
     for name in ('gtmab', 'multirotor'):
-        assert len(order_of(load_crazyflie(name).motors, load_vehicle(name).rotor_names)) == 4
+        assert len(rotor_places(load_crazyflie(name).motors, load_vehicle(name).rotor_names)) == 4
     with pytest.raises(BadInput, match='m1 is wired to up, which the vehicle lacks'):
-        order_of({'m1': 'up'}, ['left'])
+        rotor_places({'m1': 'up'}, ['left'])
 
 
 TORN = (

@@ -17,7 +17,7 @@ from lta_bridge.crazyflie.safety import Asked as AskedBy
 from lta_bridge.crazyflie.safety import LOW, Stage
 from lta_bridge.crazyflie.supervisor import Bit
 from lta_config.crazyflie_file import load_crazyflie
-from lta_graph.ros.node import to_stamp
+from lta_graph.ros.stamps import to_stamp
 from lta_sim.vehicle import load_vehicle
 from rclpy.serialization import serialize_message
 

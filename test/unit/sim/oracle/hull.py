@@ -4,7 +4,6 @@ import numpy as np
 
 from .given import at_centre, AXES, NONE
 
-FORWARD_RIGHT_DOWN = np.diag([1.0, -1.0, -1.0])
 SLOW = 1e-3
 
 

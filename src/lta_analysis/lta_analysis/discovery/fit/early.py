@@ -26,6 +26,7 @@ STAGES: Final = (0.8, 2.4)  # s; of each piece
 ROUNDS: Final = 6  # of each stage
 REST: Final = 10.0  # nats; a beginning need not be as good as an end
 CAPPED: Final = 2.5  # floors; of the deviations that the next stage begins with
+LOST: Final = 300.0  # floors; a model that has to be helped by more has not found the flight
 
 
 def shortened(flight: Linearised, seconds: float) -> Linearised:
@@ -68,6 +69,8 @@ def begun(
             last = stage.fit(prior, here, deviations, ROUNDS, REST, narrow=True)
         except BadInput:
             break  # what is known by then may do
+        if (last.deviations > LOST * fitter.floor).any():
+            break  # where such a stage ends is no place to begin the next
         at, points = stage.onward(last)
         deviations = np.minimum(last.deviations, CAPPED * fitter.floor)
     return at, list(points), deviations

@@ -33,6 +33,7 @@ from lta_sim.effects.protocol import (
 from lta_sim.state import ACTUATORS
 
 GAIN: Final = 'wrench_gain'
+BEYOND: Final = 3.0  # deviations; by which a value may seem to lie beyond its bounds
 Target = tuple[str, str]
 Reach = Literal['chain', 'wrench', 'body', 'memory', 'reading', 'delay']
 
@@ -108,6 +109,15 @@ class Knob:
         """Return the step of the finite difference, with the knob at a value."""
         step = self.step if value == 0.0 else self.fine
         return -step if value + step > self.high else step
+
+    def possible(self, value: float, deviation: float) -> bool:
+        """
+        Tell whether there can be such a value, for all that is known of it.
+
+        A leak that fills the envelope is none, however well it fits: something else is there.
+        """
+        near = BEYOND * deviation
+        return self.low - near <= value <= self.high + near
 
     @property
     def reaches(self) -> Reach:

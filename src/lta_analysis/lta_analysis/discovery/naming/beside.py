@@ -11,7 +11,7 @@ from typing import Final
 
 from lta_analysis.discovery.fit.evidence import knot_precision
 from lta_analysis.discovery.model.knobs import PARTS
-from lta_analysis.discovery.naming.accept import LARGER
+from lta_analysis.discovery.naming.accept import LARGER, PART
 from lta_analysis.discovery.outside.unexplained import CLEAR
 from lta_analysis.discovery.replay.linear import AXES, KNOTS, Linear, RANDOM
 from lta_analysis.discovery.replay.tangent import WIDTH
@@ -26,6 +26,7 @@ MOTION: Final = (*PARTS, 'munk_moment', 'cross_flow')
 SCENERY: Final = ('steady_wind', 'wind_gradient', 'helium_leak')
 LOUD: Final = 4.0  # floors; of what remains, to put in question what was named
 SOUND: Final = 40.0  # nats; of a name beside something larger on its axes
+AGAIN: Final = 0.2  # of its value; by which the sides may differ about such a name
 MOST: Final = 0.4  # of a deviation; what may remain where a candidate was most of it
 LESSER: Final = 0.5  # of the largest that remains; what a coefficient of motion has to explain
 TOUCHED: Final = 0.15  # of a deviation; a candidate that changes more has to do with it
@@ -113,13 +114,14 @@ def untouched(before: Array, after: Array) -> bool:
     return bool(np.all(np.abs(after - before)[remains] < TOUCHED * before[remains]))
 
 
-def sound(name: str, gains: Sequence[float]) -> bool:
+def sound(name: str, gains: Sequence[float], part: float) -> bool:
     """
     Tell whether a name may stand beside something larger on its axes.
 
-    It follows no motion, as what is larger may, and each side found it by itself: two causes that
-    push on one axis. It has to leave what remains as it was (`untouched`) as well: the weight of a
-    rope on the floor is no ballast.
+    Each side found it by itself, and as large as the other: two causes that push on one axis. What
+    is larger may follow the motion, so a name that does has to come out the same to a tenth. It
+    has to leave what remains as it was (`untouched`) as well: the weight of a rope on the floor is
+    no ballast.
 
     Parameters
     ----------
@@ -127,6 +129,9 @@ def sound(name: str, gains: Sequence[float]) -> bool:
         Of the candidate.
     gains : pair of float
         Log evidence that it has won on each side. [nats]
+    part : float
+        Difference of the values of the sides, as a part of the larger one.
 
     """
-    return not follows(name) and min(gains) > LARGER and sum(gains) > SOUND
+    again = part < (PART if follows(name) else AGAIN)
+    return again and min(gains) > LARGER and sum(gains) > SOUND

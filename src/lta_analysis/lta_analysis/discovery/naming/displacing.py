@@ -15,6 +15,7 @@ from typing import Final, final
 
 from lta_analysis.discovery.fit.fit import Joint
 from lta_analysis.discovery.model.knobs import PARTS
+from lta_analysis.discovery.naming.accept import LARGER, PART
 from lta_analysis.discovery.naming.beside import (
     acts_on,
     calm,
@@ -93,14 +94,16 @@ def apart(then: Pair, k: int) -> float:
     return float(abs(values[0] - values[1]) / np.sqrt(spread)) if spread > 0.0 else 0.0
 
 
+def differ(then: Pair, k: int) -> float:
+    """Return by which part of the larger one the values of a knob differ between the sides."""
+    one, other = (float(each.fitted.mean[k]) for each in then)
+    larger = max(abs(one), abs(other))
+    return abs(one - other) / larger if larger > 0.0 else 0.0
+
+
 def each_won(before: Pair, then: Pair) -> tuple[float, float]:
     """Return the log evidence that fits have won on others, of each side. [nats]"""
     return then[0].evidence - before[0].evidence, then[1].evidence - before[1].evidence
-
-
-def won(before: Pair, then: Pair) -> float:
-    """Return the log evidence that fits have won on others, each side by itself. [nats]"""
-    return sum(each_won(before, then))
 
 
 @final
@@ -182,20 +185,30 @@ class Displacing:
         final = self._floors(last)
         if not history or final.max() <= CLEAR:
             return ()
-        linear = last[0].group.linears[0]
         structured = final.max() > LOUD and self._structured(last)
-        fits, gone = [*(before for _, before in history), last], []
-        for (name, before), then in zip(history, fits[1:], strict=True):
-            acts, floors = acts_on(linear, name, self._floor), self._floors(before)
-            aside = untouched(floors, self._floors(then)) and sound(name, each_won(before, then))
-            part = structured and partial(acts, floors, final) and not aside
-            less = structured and lesser(name, acts, floors, final)
-            rest = minor(name, acts, floors, final) and won(before, then) < SURE
-            torn = apart(then, linear.names.index(name)) > AGREED
-            weak = torn or (won(before, then) < FAINT and not calm(acts, final))
-            if weak or part or less or rest:
-                gone.append(name)
-        return tuple(gone)
+        fits = [*(before for _, before in history), last]
+        return tuple(
+            name
+            for (name, before), then in zip(history, fits[1:], strict=True)
+            if self._falls(name, (before, then), final, structured)
+        )
+
+    def _falls(self, name: str, fits: tuple[Pair, Pair], final: Array, structured: bool) -> bool:
+        """Tell whether a name falls to what remains, by the fits before it and with it."""
+        before, then = fits
+        linear, gains = then[0].group.linears[0], each_won(before, then)
+        acts, k = acts_on(linear, name, self._floor), linear.names.index(name)
+        floors, differs = self._floors(before), differ(then, k)
+        weak = apart(then, k) > AGREED and differs > PART
+        if weak or (sum(gains) < FAINT and not calm(acts, final)):
+            return True
+        if minor(name, acts, floors, final) and sum(gains) < SURE:
+            return True
+        aside = untouched(floors, self._floors(then)) and sound(name, gains, differs)
+        if aside or not structured:
+            return False
+        whole = differs < PART and calm(acts, final) and min(gains) > LARGER
+        return partial(acts, floors, final) or (lesser(name, acts, floors, final) and not whole)
 
     def _structured(self, fits: Pair) -> bool:
         """Tell whether what remains follows something, as gusts do not."""

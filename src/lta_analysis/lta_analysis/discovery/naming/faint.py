@@ -7,13 +7,14 @@ What keeps chance out is asked of the sides afterwards: that each by itself lean
 as much, and that nothing else does nearly as well.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.fit.deviations import weighed
 from lta_analysis.discovery.fit.evidence import Reduced, shared
 from lta_analysis.discovery.fit.fit import Fitter, Joint
+from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.naming.accept import TIE, Trial
 from lta_analysis.discovery.naming.naming import Step
 from lta_analysis.discovery.naming.scan import likeness, scan, Seen
@@ -128,7 +129,7 @@ class Faint:
         sides = [self._seen(part, last) for part in self._sides(last)]
         out = []
         for seen in scan(last.reduced, last.group.at, last.prior, self._knobs)[:ASKED]:
-            if seen.name not in names and all(seen.name in side for side in sides):
+            if seen.name not in names and all(self._found(seen.name, side) for side in sides):
                 prior = shared(self._knobs, (*names, seen.name))
                 there = weighed(last.group, prior, last.deviations, self._fitter.floor)[1]
                 both = sides[0][seen.name], sides[1][seen.name]
@@ -136,9 +137,18 @@ class Faint:
                 out.append(Hint(seen.name, gain, both, least))
         return sorted(out, key=lambda hint: -hint.gain)
 
+    def _found(self, name: str, side: Mapping[str, Seen]) -> bool:
+        """Tell whether a side says anything of a candidate, and nothing that cannot be."""
+        seen = side.get(name)
+        return seen is not None and self._knob(name).possible(seen.value, seen.deviation)
+
+    def _knob(self, name: str) -> Knob:
+        """Return a knob by its name."""
+        return next(knob for knob in self._knobs if knob.name == name)
+
     def _least(self, name: str, sides: Sequence[Seen]) -> float:
         """Return what a candidate has to win, by what bounds it: tolerance or flights."""
-        knob = next(knob for knob in self._knobs if knob.name == name)
+        knob = self._knob(name)
         tolerance = 0.0 if knob.per_flight else knob.tolerance
         return WITHIN if tolerance > max(side.deviation for side in sides) else GAIN
 

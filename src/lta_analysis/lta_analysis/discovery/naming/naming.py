@@ -15,6 +15,7 @@ from lta_analysis.discovery.fit.deviations import weighed
 from lta_analysis.discovery.fit.evidence import floor_of, learned, own_variance, Prior, shared
 from lta_analysis.discovery.fit.fit import Fitter, Joint
 from lta_analysis.discovery.fit.starts import begun, TRIED
+from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.naming.accept import APART, TIE, Trial
 from lta_analysis.discovery.naming.beside import vague
@@ -126,7 +127,7 @@ class Naming:
                 break
             history.append((step.named, fits))
             named, fits = (*named, step.named), then
-        gone = self._displacing.withdrawn(history, fits)
+        gone = {*self._displacing.withdrawn(history, fits), *self._impossible(named, fits)}
         if gone:
             named = tuple(name for name in named if name not in gone)
             fits = self._fitted(named, bare) if named else bare
@@ -143,6 +144,21 @@ class Naming:
             at, points, deviations = early.begun(fitter, prior, points)
             out.append(fitter.fit(prior, fitter.about(at, points), deviations))
         return out[0], out[1]
+
+    def _knob(self, name: str) -> Knob:
+        """Return a knob by its name."""
+        return self.knobs[self._names.index(name)]
+
+    def _impossible(self, named: Sequence[str], fits: Pair) -> set[str]:
+        """Return those of which a side has a value that no such effect can have."""
+        out = set[str]()
+        for name in named:
+            k = self._names.index(name)
+            for this in fits:
+                value, deviation = this.fitted.mean[k], np.sqrt(this.fitted.covariance[k, k])
+                if not self.knobs[k].possible(float(value), float(deviation)):
+                    out.add(name)
+        return out
 
     def _fitted(self, named: Sequence[str], before: Pair) -> Pair:
         """Fit all flights with some effects, from where they stand."""
@@ -169,7 +185,9 @@ class Naming:
             capped = this.group.reduced(np.minimum(this.deviations, CAP * self.floor))
             for reduced in (this.reduced, capped):
                 seen = [
-                    s for s in scan(reduced, this.group.at, prior, self.knobs) if s.name not in out
+                    s
+                    for s in scan(reduced, this.group.at, prior, self.knobs)
+                    if s.name not in out and self._knob(s.name).possible(s.value, s.deviation)
                 ]
                 for one in seen[:QUICK]:
                     if one.gain > WORTH:
@@ -248,9 +266,9 @@ class Naming:
         close = [trial for trial in trials if trials[0].total - trial.total < TIE]
         fell = False
         for trial in trials:
-            if not trial.accepted:
-                continue
             then = tried[trial.name][1]
+            if not trial.accepted or self._impossible((trial.name,), then):
+                continue
             if failed and not self._elsewhere(trial, fits, then):
                 continue
             if not (fell or trial in close or self._lesser(trial, trials, named, fits, failed)):

@@ -4,7 +4,7 @@ How large what was named is, and how well that is known.
 The flights' own interval takes the model for exact and the noise for white. Neither is quite so.
 What the pieces of the flights show of it counts where it is more (`piecewise`); an integrator, a
 command that takes over within a few milliseconds, a sensor's filter are off by what no flight of
-the same vehicle can show: by how much (`WIDER`, `PART`) was found on hidden truths. What is
+the same vehicle can show: by how much (`PART`) was found on hidden truths. What is
 outside the library follows the motion, and so does not average out over the pieces as the latent
 wrench does that stands for it: beside it every value is known less well.
 """
@@ -26,9 +26,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 NORMAL: Final = 1.96  # deviations, of the 95 % interval
-WIDER: Final = 1.15  # factor on the deviations
-BESIDE: Final = 1.3  # the same once more, where something outside the library remains
-PART: Final = 0.01  # of the value, that it is off by at least
+BESIDE: Final = 1.2  # factor on the deviations, where something outside the library remains
+PART: Final = 0.005  # of the value, that it is off by at least
 # And by so much, whatever the value: over a flight, half a millisecond of a grid of 40.
 LEAST: Final[Mapping[str, float]] = {'clock_skew.skew': 5e-6}
 
@@ -71,7 +70,7 @@ def spread(found: Fitted, known: Sequence[Knob], beside: bool) -> Array:
         In the units of the knobs.
 
     """
-    wider, count = WIDER * (BESIDE if beside else 1.0), len(known)
+    wider, count = BESIDE if beside else 1.0, len(known)
     own, mean = np.diag(found.covariance)[:count], found.mean[:count]
     least = np.array([LEAST.get(knob.name, 0.0) for knob in known])
     out: Array = np.sqrt(wider**2 * own + (PART * mean) ** 2 + least**2)

@@ -18,7 +18,8 @@ from lta_analysis.discovery.replay.linearise import Linearised
 from lta_analysis.discovery.replay.replay import Replay
 from lta_analysis.discovery.replay.sensing import floor_pressure, Places
 from lta_analysis.ingredients import Ingredients
-from lta_analysis.loop import Loop, Policy
+from lta_analysis.loop import Loop
+from lta_analysis.policy import Policy
 from lta_config.topics import topic_table
 from lta_sim.readings import Outcome
 from lta_sim.scenario import Scenario

@@ -151,5 +151,5 @@ def table(found: Map) -> Table:
 
 
 def told(lux: float) -> str:
-    """Return an illuminance in klx, or that there is none."""
+    """Return an illuminance [lx] in klx, or that there is none."""
     return 'never' if lux > MOST else f'{lux / 1e3:.1f}'

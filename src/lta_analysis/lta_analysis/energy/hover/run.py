@@ -125,7 +125,7 @@ def begun(made_of: Ingredients) -> Loop:
 
 
 def hovering(made_of: Ingredients, seconds: float, tick: Callable[[float], None]) -> Hover:
-    """Return one drone that hovers until the time is over or its supply fails."""
+    """Return one drone that hovers until the time [s] is over or its supply fails."""
     told = 0.0
 
     def over(loop: Loop) -> bool:

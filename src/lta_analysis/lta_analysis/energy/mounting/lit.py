@@ -89,7 +89,7 @@ def _around(height: float) -> Iterator[Vector]:
 
 
 def share(vehicle: Vehicle, mount: Mount, panel: str, towards: Vector) -> float:
-    """Return what one panel gets of a small light in a direction, of a plate that faces it."""
+    """Return what one panel gets of a small light in a direction, of a plate that faces it. [1]"""
     facing = sum(a * b for a, b in zip(mount.panels[panel].normal.vector, towards, strict=True))
     if facing <= 0.0:
         return 0.0

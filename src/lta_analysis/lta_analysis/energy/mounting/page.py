@@ -12,12 +12,12 @@ from lta_analysis.energy.mounting.rows import tables
 from lta_analysis.energy.mounting.run import Study, Tried
 from lta_analysis.energy.mounting.straight import AWAY, END, HELD, LIFT_OFF
 from lta_analysis.energy.tables import table_html
+from lta_analysis.report.curves import Array
 from lta_analysis.report.drawing import blank, extent, Label, label_ends, line
 from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import Tile
 from lta_analysis.report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, TRUTH, WALL
 from lta_analysis.report.pieces import section, tile_html
-from lta_analysis.report.view import Array
 from lta_analysis.vehicle.weighing import DEGREES
 from lta_bridge.provenance import commit
 import numpy as np

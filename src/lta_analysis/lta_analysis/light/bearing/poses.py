@@ -68,7 +68,7 @@ def draw_place(
 
 
 def is_before_the_lamp(scenario: Scenario, x: float, y: float) -> bool:
-    """Tell whether a place is in the room, not too near the lamp and within its beam."""
+    """Tell whether a place [m] is in the room, not too near the lamp and within its beam."""
     lamp_x, lamp_y, _ = scenario.lamp.position.vector
     ahead = np.array(scenario.lamp.facing.vector[:2])
     length, width, _ = scenario.room.size.vector

@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass
 import math
 from typing import Final, final
 
+from lta_analysis.json_value import finite
 from lta_analysis.light.bearing.bench import Reading
 import numpy as np
 from numpy.typing import NDArray
@@ -55,9 +56,8 @@ class Score:
 
     def to_json(self) -> dict[str, float | None]:
         """Return it for JSON, which has no NaN."""
-        return {
-            name: value if math.isfinite(value) else None for name, value in asdict(self).items()
-        }
+        known: dict[str, float | None] = finite(asdict(self))
+        return known
 
 
 def score(readings: Sequence[Reading]) -> Score:
@@ -83,7 +83,7 @@ def score(readings: Sequence[Reading]) -> Score:
 
 
 def column(readings: Sequence[Reading], name: str) -> Array:
-    """Return one number of all readings."""
+    """Return one number of all readings, shape (n,)."""
     return np.array([getattr(reading, name) for reading in readings], dtype=np.float64)
 
 
@@ -94,7 +94,7 @@ def quantile(errors: Array, percent: float) -> float:
 
 
 def within(errors: Array, deviations: Array, width: float) -> float:
-    """Return the part of the errors within so many of their deviations."""
+    """Return the part of the errors within so many of their deviations. [1]"""
     known = np.isfinite(errors)
     if not known.any():
         return math.nan

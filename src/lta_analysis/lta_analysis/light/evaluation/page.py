@@ -11,7 +11,7 @@ from lta_analysis.light.evaluation.findings import Findings
 from lta_analysis.light.evaluation.sets import ABLATIONS, flight_set, INDOORS, WINDS
 from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import Tile
-from lta_analysis.report.pieces import section, tile_html
+from lta_analysis.report.pieces import section, table_html, tile_html
 from lta_analysis.typed import near, typed
 from lta_bridge.provenance import commit
 from plotly.graph_objects import Figure
@@ -118,14 +118,7 @@ def table(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
     """Return a table, or that there is nothing in it."""
     if not lines:
         return '<p class="note">Not flown.</p>'
-    head = ''.join(f'<th scope="col">{escape(each)}</th>' for each in heads)
-    body = ''.join(
-        f'<tr>{"".join(f"<td>{escape(each)}</td>" for each in cells)}</tr>' for cells in lines
-    )
-    return (
-        f'<div class="wide"><table class="results"><thead><tr>{head}</tr></thead>'
-        f'<tbody>{body}</tbody></table></div>'
-    )
+    return f'<div class="wide">{table_html(heads, lines)}</div>'
 
 
 def facts(found: Findings) -> dict[str, str]:

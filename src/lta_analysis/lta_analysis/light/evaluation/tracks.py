@@ -9,9 +9,9 @@ from lta_analysis.light.evaluation.cells import Cell
 from lta_analysis.light.evaluation.flying import begun, whole
 from lta_analysis.light.evaluation.pictures import colour, LEGEND
 from lta_analysis.loop_view import LoopView
+from lta_analysis.report.curves import Array
 from lta_analysis.report.drawing import blank
 from lta_analysis.report.room import draw_room
-from lta_analysis.report.view import Array
 from lta_analysis.sweep.plan import Plan
 from lta_sim.scenario import Scenario
 import numpy as np

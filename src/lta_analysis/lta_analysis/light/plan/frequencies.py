@@ -78,7 +78,7 @@ class Band:
         return np.abs(frequency - self.rate * np.rint(frequency / self.rate))
 
     def fits(self, frequency: Array) -> Mask:
-        """Return whether the windows of lamps are clear of both ends and of the mains."""
+        """Return whether the windows of lamps [Hz] are clear of both ends and of the mains."""
         half = self.half
         multiple = np.maximum(np.rint(frequency / self.mains), 1.0)
         off_mains = np.abs(frequency - self.mains * multiple) > half

@@ -32,7 +32,7 @@ HEADINGS = 64  # of a full turn, 5.6 degrees apart
 
 
 def field_of(plan: FloorPlan, mount: Mount, frequency: float) -> LightField:
-    """Return the light of one lamp in the hall's ambient light, without any reflection."""
+    """Return the light of one lamp [Hz] in the hall's ambient light, without any reflection."""
     lamp = plan.lamp
     return LightField(
         lamps=(
@@ -50,7 +50,7 @@ def field_of(plan: FloorPlan, mount: Mount, frequency: float) -> LightField:
 
 
 def listening(plan: FloorPlan, ear: Ear, mount: Mount, frequency: float) -> Listening:
-    """Return what decides how a lamp is heard at a frequency."""
+    """Return what decides how a lamp is heard at a frequency. [Hz]"""
     field = field_of(plan, mount, frequency)
     return listening_of(
         field,
@@ -178,7 +178,7 @@ def _eye(ear: Ear) -> Eye:
 
 
 def shares(plan: FloorPlan, ear: Ear) -> Array:
-    """Return which part each diode reads of light that comes alike from all sides."""
+    """Return which part each diode reads of light from all sides alike, shape (diodes,). [1]"""
     nowhere = Mount((0.0, 0.0, plan.lamp.height.si), (1.0, 0.0, 0.0))
     heard = listening(plan, ear, nowhere, LOWEST)
     out = np.empty((LAMPS + 1, len(heard.planes)))

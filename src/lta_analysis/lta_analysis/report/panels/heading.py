@@ -1,9 +1,10 @@
 """Where the nose points, and where the lamp is."""
 
+from lta_analysis.report.curves import sampled
 from lta_analysis.report.drawing import extent, Label, label_ends, line, over_time
 from lta_analysis.report.palette import ESTIMATE, LAMP, SETPOINT, TRUTH
 from lta_analysis.report.results import direction, wrapped
-from lta_analysis.report.view import sampled, View
+from lta_analysis.report.view import View
 import numpy as np
 from plotly.graph_objects import Figure
 

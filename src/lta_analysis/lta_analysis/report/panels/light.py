@@ -1,9 +1,10 @@
 """What the ring of photodiodes sees of the lamp."""
 
+from lta_analysis.report.curves import Array
 from lta_analysis.report.drawing import extent, Label, label_ends, line, over_time
 from lta_analysis.report.palette import ESTIMATE, GOOD, HEAT, LAMP, scale, SOFT
 from lta_analysis.report.results import direction
-from lta_analysis.report.view import Array, View
+from lta_analysis.report.view import View
 import numpy as np
 from plotly.graph_objects import Figure, Heatmap, Scatter
 

@@ -1,11 +1,12 @@
 """The flight from above."""
 
+from lta_analysis.report.curves import Array
 from lta_analysis.report.drawing import blank
 from lta_analysis.report.palette import ESTIMATE, scale, SOFT, TIME
 from lta_analysis.report.rays import draw_rays
 from lta_analysis.report.results import phases_of
 from lta_analysis.report.room import draw_room, word
-from lta_analysis.report.view import Array, View
+from lta_analysis.report.view import View
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 

@@ -13,8 +13,8 @@ from lta_analysis.light.evaluation.cells import Cell
 from lta_analysis.light.evaluation.pictures import colour, LEGEND
 from lta_analysis.light.evaluation.tracks import fly_again, picture
 from lta_analysis.light.evaluation.words import strategy as called
+from lta_analysis.report.curves import Array
 from lta_analysis.report.drawing import blank
-from lta_analysis.report.view import Array
 from lta_analysis.reproduce.flights import (
     command,
     figures,

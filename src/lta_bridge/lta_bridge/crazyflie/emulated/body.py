@@ -33,7 +33,7 @@ class Bench:
         self.duties: tuple[float, ...] = STILL
 
     def fly(self, now: float, wish: Wish) -> None:
-        """Turn the motors: a hover and a landing take half duty here."""
+        """Turn the motors, at a time [s]: a hover and a landing take half duty here."""
         del now
         if wish.duties is not None:
             self.duties = tuple(max(0.0, duty) for duty in wish.duties)

@@ -46,7 +46,7 @@ class Commander:
         self.thrust_packets = 0
 
     def generic(self, channel: int, data: bytes, now: float) -> None:
-        """Take a packet of port 7: a setpoint, or that no more will come."""
+        """Take a packet of port 7 at a time [s]: a setpoint, or that no more will come."""
         if channel == 1 and data[:1] == b'\0':
             self._said, self._hover, self._stop = None, None, False
             return
@@ -64,7 +64,7 @@ class Commander:
                 self._stop, self._said, self._land = False, now, False
 
     def attitude(self, now: float) -> None:
-        """Take a roll, pitch, yaw rate and thrust packet of port 3: only its stop is flown."""
+        """Take a packet of roll, pitch, yaw rate and thrust at a time [s]: its stop is flown."""
         self.thrust_packets += 1
         self._hover, self._stop, self._said, self._land = None, False, now, False
 
@@ -75,7 +75,7 @@ class Commander:
         return (data[:3] + b'\0\0\0')[:3] + (b'\0' if known else b'\x08')
 
     def app(self, data: bytes, now: float) -> None:
-        """Take a packet of the app channel, as the app aboard does."""
+        """Take a packet of the app channel at a time [s], as the app aboard does."""
         duties = unpacked(data)
         if duties is None:
             return
@@ -100,11 +100,11 @@ class Commander:
         return self._stop
 
     def driven(self, now: float) -> bool:
-        """Tell whether duties of the app channel hold."""
+        """Tell whether duties of the app channel hold at a time. [s]"""
         return self._duties is not None and now < self._until
 
     def wish(self, now: float) -> Wish:
-        """Return what is in force."""
+        """Return what is in force at a time. [s]"""
         if self.driven(now) and self._duties is not None:
             return Wish(duties=self._duties.duties)
         if self._said is not None:

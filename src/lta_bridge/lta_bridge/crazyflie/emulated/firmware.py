@@ -60,7 +60,7 @@ class Firmware:
         return self._boot_ms + int(1e3 * now * (1.0 + self._drift))
 
     def receive(self, packet: Packet, now: float) -> list[Packet]:
-        """Take a packet; return the answers."""
+        """Take a packet at a time [s]; return the answers."""
         answer = self._answer(packet, now)
         return [] if answer is None else [packet.answer(answer)]
 

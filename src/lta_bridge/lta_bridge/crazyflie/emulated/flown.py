@@ -6,7 +6,7 @@ from typing import Any, final
 
 from lta_bridge.crazyflie.emulated.commander import Hover, Wish
 from lta_bridge.crazyflie.emulated.controlled import Controlled
-from lta_bridge.crazyflie.link import order_of
+from lta_bridge.crazyflie.wiring import rotor_places
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.crazyflie_file import CrazyflieFile
 from lta_config.topics import TopicTable
@@ -49,7 +49,7 @@ class Flown:
         self._world, self._dt, self._light = world, 1e-9 * table.control_ns, light
         self._start_ns = table.start_ns
         vehicle = world.vehicle
-        self._order = order_of(file.motors, vehicle.rotor_names)
+        self._order = rotor_places(file.motors, vehicle.rotor_names)
         self._law = Controlled(vehicle) if file.command == 'setpoint' else None
         self.duties: tuple[float, ...] = (0.0,) * len(self._order)
         self._values: dict[str, float] = {}
@@ -67,7 +67,7 @@ class Flown:
         return self._values
 
     def fly(self, now: float, wish: Wish) -> None:
-        """Go on to a time; a long delay is let go."""
+        """Go on to a time [s]; a long delay is let go."""
         late = now - self._behind - self._world.elapsed
         if late > SLIP * self._dt:
             self._behind += late - self._dt

@@ -48,7 +48,7 @@ class Link:
             heapq.heappush(self._waiting, (due, self._count, datagram))
 
     def out(self, now: float) -> list[bytes]:
-        """Return what has arrived by now, in the order of arrival."""
+        """Return what has arrived by a time [s], in the order of arrival."""
         arrived = []
         while self._waiting and self._waiting[0][0] <= now:
             arrived.append(heapq.heappop(self._waiting)[2])

@@ -51,7 +51,7 @@ class Supervisor:
         return self.armed and not (self.locked or self.tumbled or self.crashed)
 
     def arm(self, on: bool, now: float) -> bool:
-        """Arm or disarm; return whether that was done."""
+        """Arm or disarm at a time [s]; return whether that was done."""
         if on == self.armed:
             return True
         if on and not self.can_be_armed:
@@ -70,11 +70,11 @@ class Supervisor:
         self.locked, self.armed = True, False
 
     def feed(self, now: float) -> None:
-        """Start the emergency-stop watchdog, or keep it quiet."""
+        """Start the emergency-stop watchdog at a time [s], or keep it quiet."""
         self._fed_at = now
 
     def flying(self, now: float) -> bool:
-        """Tell whether a motor turned within the last two seconds."""
+        """Tell whether a motor turned within two seconds before a time. [s]"""
         return self._turned_at is not None and now - self._turned_at < HYSTERESIS
 
     def watch(self, now: float, turning: bool, age: float | None, stopped: bool) -> None:
@@ -114,7 +114,7 @@ class Supervisor:
                 self.armed = False
 
     def word(self, now: float) -> int:
-        """Return the bits that `supervisor.info` and port 9 tell."""
+        """Return the bits that `supervisor.info` and port 9 tell at a time. [s]"""
         told = {
             Bit.CAN_BE_ARMED: self.can_be_armed,
             Bit.ARMED: self.armed,

@@ -67,3 +67,12 @@ def test_a_second_turn_adds_to_the_first(gtmab: tuple[Nominal, list[Knob]]) -> N
         )
         np.testing.assert_allclose(twice.body, once.body, rtol=1e-9, atol=1e-15)
         np.testing.assert_allclose(twice.actuators, once.actuators, rtol=1e-9, atol=1e-15)
+
+
+def test_a_leak_that_fills_the_envelope_cannot_be(gtmab: tuple[Nominal, list[Knob]]) -> None:
+    leak = next(knob for knob in gtmab[1] if knob.name == 'helium_leak.rate')
+    assert leak.possible(4e-5, 1e-6)
+    assert leak.possible(-1e-5, 5e-6)  # for all that is known it may be none
+    assert not leak.possible(-1e-5, 2e-6)
+    pure = next(knob for knob in gtmab[1] if knob.name == 'gas_purity.purity')
+    assert not pure.possible(pure.high + 0.01, 0.001)

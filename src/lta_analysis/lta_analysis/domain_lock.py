@@ -15,7 +15,7 @@ LONGEST = 4096  # bytes of the robots' names
 
 
 @final
-class Session:
+class DomainLock:
     """
     Hold the present ROS domain for the flight of robots; the kernel lets go even after SIGKILL.
 
@@ -46,7 +46,9 @@ class Session:
                 f'{HIGHEST_DOMAIN}; set it anew or unset it.'
             )
         try:
-            self._file = os.open(self._path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+            # Through no link that somebody may have laid here: the file is written to.
+            flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC
+            self._file = os.open(self._path, flags, 0o600)
         except OSError as error:
             raise BadInput(
                 f"'{self._path}' cannot be opened ({error.strerror}); remove it."
