@@ -136,10 +136,11 @@ def people(free_port):
 def heard_all(port, count):
     """Read until so many datagrams were taken or left out; return what was taken."""
     taken, parts = 0, []
-    while taken + port.strangers < count:
+    while (before := taken + port.strangers) < count:
         if data := port.read(PATIENCE):
             parts.append(data)
             taken += len(data) // SIZE
+        assert taken + port.strangers > before, 'a datagram was lost'
     return b''.join(parts)
 
 

@@ -36,7 +36,9 @@ class TeensyBridgeSettings(Settings):
 
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
     port: str = setting(
-        '/dev/ttyACM0', 'Serial port of the board, or udp://HOST:PORT to listen on.', fixed=True
+        '/dev/ttyACM0',
+        'Serial port of the board, or udp://HOST:PORT to listen on (?from=ADDRESS: to it alone).',
+        fixed=True,
     )
     peaks: bool = setting(
         False,
