@@ -16,6 +16,7 @@ from lta_analysis.discovery.fit.evidence import Reduced, shared
 from lta_analysis.discovery.fit.fit import Fitter, Joint
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.naming.accept import TIE, Trial
+from lta_analysis.discovery.naming.interval import NORMAL, spread
 from lta_analysis.discovery.naming.naming import Step
 from lta_analysis.discovery.naming.scan import likeness, scan, Seen
 import numpy as np
@@ -173,9 +174,15 @@ class Faint:
         then = self._fitter.fit(
             shared(self._knobs, (*names, best.name)), last.group, last.deviations
         )
-        if then.evidence - last.evidence <= best.least:
+        if then.evidence - last.evidence <= best.least or not self._is_something(best.name, then):
             return Step(trials, (), ''), last
         return Step(trials, alike, best.name), then
+
+    def _is_something(self, name: str, then: Joint) -> bool:
+        """Tell whether an effect is there at all, anywhere in its interval."""
+        k = self._knobs.index(self._knob(name))
+        deviation = spread(then.fitted, self._knobs, False)[k]
+        return bool(abs(then.fitted.mean[k]) > NORMAL * deviation)
 
     def _alike(self, hints: Sequence[Hint], last: Joint) -> tuple[str, ...]:
         """Return the names that are one with the best."""

@@ -2,15 +2,11 @@
 How large what was named is, and how well that is known.
 
 The flights' own interval takes the model for exact and the noise for white. Neither is quite so.
-What the pieces of the flights show of it counts where it is more (`piecewise`); an integrator, a
-command that takes over within a few milliseconds, a sensor's filter are off by what no flight of
-the same vehicle can show: by how much (`PART`) was found on hidden truths. What is
-outside the library follows the motion, and so does not average out over the pieces as the latent
-wrench does that stands for it: beside it every value is known less well.
+What the pieces of the flights show of it counts where it is more (`piecewise`), and what no flight
+of the same vehicle can show is added to it (`interval`).
 """
 
-from collections.abc import Mapping, Sequence
-from typing import Final
+from collections.abc import Sequence
 
 from lta_analysis.discovery.finding import Learned, NamedEffect
 from lta_analysis.discovery.fit.evidence import Fitted
@@ -18,18 +14,13 @@ from lta_analysis.discovery.fit.fit import Joint, turned
 from lta_analysis.discovery.fit.piecewise import variance
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
+from lta_analysis.discovery.naming.interval import NORMAL, spread
 from lta_analysis.discovery.naming.proof import Proven
 from lta_sim.effects import EFFECTS
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-
-NORMAL: Final = 1.96  # deviations, of the 95 % interval
-BESIDE: Final = 1.2  # factor on the deviations, where something outside the library remains
-PART: Final = 0.005  # of the value, that it is off by at least
-# And by so much, whatever the value: over a flight, half a millisecond of a grid of 40.
-LEAST: Final[Mapping[str, float]] = {'clock_skew.skew': 5e-6}
 
 
 def learned(nominal: Nominal, proven: Proven, known: Sequence[Knob]) -> Nominal:
@@ -49,32 +40,6 @@ def _seen(measured: Joint) -> Fitted:
     """Return the knobs after the data, each known no better than the pieces agree about it."""
     own = np.diag(measured.fitted.covariance)
     return measured.fitted._replace(covariance=np.diag(np.maximum(own, variance(measured))))
-
-
-def spread(found: Fitted, known: Sequence[Knob], beside: bool) -> Array:
-    """
-    Return standard deviations of knobs, with what the model itself may be off by.
-
-    Parameters
-    ----------
-    found : Fitted
-        The knobs after the data.
-    known : sequence of Knob
-        In their order.
-    beside : bool
-        Whether something remains that is outside the library.
-
-    Returns
-    -------
-    ndarray, shape (K,)
-        In the units of the knobs.
-
-    """
-    wider, count = BESIDE if beside else 1.0, len(known)
-    own, mean = np.diag(found.covariance)[:count], found.mean[:count]
-    least = np.array([LEAST.get(knob.name, 0.0) for knob in known])
-    out: Array = np.sqrt(wider**2 * own + (PART * mean) ** 2 + least**2)
-    return out
 
 
 def effects(
