@@ -145,7 +145,11 @@ class Faint:
 
     def _knob(self, name: str) -> Knob:
         """Return a knob by its name."""
-        return next(knob for knob in self._knobs if knob.name == name)
+        return self._knobs[self._place(name)]
+
+    def _place(self, name: str) -> int:
+        """Return which knob has a name."""
+        return next(k for k, knob in enumerate(self._knobs) if knob.name == name)
 
     def _least(self, name: str, sides: Sequence[Seen]) -> float:
         """Return what a candidate has to win, by what bounds it: tolerance or flights."""
@@ -180,7 +184,7 @@ class Faint:
 
     def _is_something(self, name: str, then: Joint) -> bool:
         """Tell whether an effect is there at all, anywhere in its interval."""
-        k = self._knobs.index(self._knob(name))
+        k = self._place(name)
         deviation = spread(then.fitted, self._knobs, False)[k]
         return bool(abs(then.fitted.mean[k]) > NORMAL * deviation)
 

@@ -19,7 +19,14 @@ from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.naming.accept import APART, TIE, Trial
 from lta_analysis.discovery.naming.beside import vague
-from lta_analysis.discovery.naming.displacing import AGREED, Displacing, HALF, QUARTER
+from lta_analysis.discovery.naming.displacing import (
+    AGREED,
+    apart,
+    differ,
+    Displacing,
+    HALF,
+    QUARTER,
+)
 from lta_analysis.discovery.naming.scan import likeness, scan
 from lta_analysis.discovery.replay.linear import origin
 from lta_analysis.discovery.replay.linearise import Linearised
@@ -316,16 +323,13 @@ class Naming:
     def _trial(self, name: str, named: tuple[str, ...], fits: Pair, then: Pair) -> Trial:
         """Return what all flights say of a candidate."""
         k = self._names.index(name)
-        values = [float(this.fitted.mean[k]) for this in then]
-        spread = sum(float(this.fitted.covariance[k, k]) for this in then)
-        differ, larger = abs(values[0] - values[1]), max(map(abs, values))
         return Trial(
             name,
             then[0].evidence - fits[0].evidence,
             then[1].evidence - fits[1].evidence,
             self._carried(then) - self._carried(fits),
-            float(differ / np.sqrt(spread)),
-            differ / larger if larger > 0.0 else 0.0,
+            apart(then, k),
+            differ(then, k),
         )
 
     def _carried(self, fits: Pair) -> float:

@@ -1,5 +1,7 @@
 """A vehicle file that is far off is fitted from the beginnings of the pieces on."""
 
+from types import SimpleNamespace
+
 from lta_analysis.discovery.fit.early import begun, shortened
 from lta_analysis.discovery.fit.evidence import floor_of, own_variance, shared
 from lta_analysis.discovery.fit.fit import Fitter
@@ -8,6 +10,7 @@ from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.replay.linear import origin
 from lta_analysis.discovery.replay.linearise import Linearised
 import numpy as np
+import pytest
 
 from ..hidden_flight import flown, prepared  # noqa: TID252 - `test` is Python's own
 
@@ -20,6 +23,19 @@ def test_only_the_beginning_of_each_piece_of_a_shortened_flight_counts(clean: Li
     assert not short.replay.cut.inside[:, 20:].any()
     assert clean.replay.cut.inside[0].all()
     assert short.replay.flight is clean.replay.flight
+
+
+def test_a_stage_that_ends_lost_is_no_place_to_go_on_from(
+    gtmab: tuple[Nominal, list[Knob]], clean: Linearised, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    nominal, knobs = gtmab
+    fitter = Fitter(nominal, [clean], own_variance(knobs), floor_of(nominal))
+    points = [origin(nominal, knobs, len(clean.replay.first))]
+    lost = SimpleNamespace(deviations=np.where(np.arange(6) == 4, 1000.0, 1.0) * fitter.floor)
+    monkeypatch.setattr(Fitter, 'fit', lambda *_, **__: lost)
+    at, then, deviations = begun(fitter, shared(knobs), points)
+    assert (then, at is points[0].values) == (points, True)
+    np.testing.assert_array_equal(deviations, fitter.floor)
 
 
 def test_a_centre_of_gravity_far_too_low_does_not_run_away(

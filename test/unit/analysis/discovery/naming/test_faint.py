@@ -2,6 +2,7 @@
 
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
+from lta_analysis.discovery.naming import interval
 from lta_analysis.discovery.naming.faint import chosen, GAIN, Hint
 from lta_analysis.discovery.naming.naming import Naming
 from lta_analysis.discovery.naming.proof import Proof, Proven
@@ -69,6 +70,13 @@ def test_a_drag_too_small_for_one_flight_is_named_by_two(gtmab: Known) -> None:
     k = found.full.group.linears[0].names.index(DRAG)
     value, spread = found.full.fitted.mean[k], found.full.fitted.covariance[k, k] ** 0.5
     assert abs(value - SIZE) < 3.0 * spread
+
+
+def test_what_may_be_nothing_by_its_interval_is_not_named(
+    gtmab: Known, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(interval, 'LEAST', {DRAG: SIZE})
+    assert _proven(gtmab, FAINT)[1].names == ()
 
 
 def test_flights_without_it_name_nothing(gtmab: Known) -> None:

@@ -1,5 +1,7 @@
 """Hidden effects get their names from two flights, and clean flights get none."""
 
+from dataclasses import replace
+
 from lta_analysis.discovery.fit.evidence import shared, tolerances
 from lta_analysis.discovery.fit.fit import fit
 from lta_analysis.discovery.forecast.gap import where
@@ -36,6 +38,13 @@ def test_a_hidden_effect_is_named_and_nothing_else(gtmab: Known, name: str) -> N
     for one in found.fits:
         spread = one.fitted.covariance[k, k] ** 0.5
         assert abs(one.fitted.mean[k] - expected) < 4.0 * spread + 0.005 * expected
+
+
+def test_an_effect_that_cannot_be_so_large_is_not_named(gtmab: Known) -> None:
+    nominal, knobs = gtmab
+    name = 'linear_drag.surge'
+    small = [replace(one, high=0.1 * HIDDEN[name]) if one.name == name else one for one in knobs]
+    assert name not in _named((nominal, small), CASES[name], 40).names
 
 
 def test_a_vehicle_within_its_tolerances_names_nothing(gtmab: Known) -> None:
