@@ -40,8 +40,8 @@ tolerance of the same number. It is drawn by what such data showed once, and cou
 out. *Exact*: all that was hidden was named and nothing else; names that no such data can tell
 apart count as one ([classes](discovery_classes.md)). *Outside* is sized by the force that it
 leaves unexplained, 4 to 40 times the floor; *late kinds* of it were written by somebody who
-had not seen how discovery works, were kept from it until it was finished, and are in every second
-case. The *oracle* knows what was hidden, not how large."""
+had not seen how discovery works, were kept from it until it was finished (`drying` has been looked
+at since), and are in every second case. The *oracle* knows what was hidden, not how large."""
 
 
 def percent(share: Counted) -> str:
