@@ -8,7 +8,7 @@ from lta_analysis.report.pictures import complaints, COUNT_PANELS, Drawn, fetche
 from lta_config.errors import BadInput
 import pytest
 
-from ..unit.analysis.compare_flight import write_motion  # noqa: TID252 - `test` is Python's own
+from ..unit.analysis.compare.compare_flight import write_motion  # noqa: TID252 - `test` is Python's own
 
 pytestmark = pytest.mark.beside
 

@@ -89,10 +89,11 @@ def text_of(column: Column, count: int) -> NDArray[Any]:
 def number_of(column: Column, count: int) -> NDArray[Any]:
     """Return a field of single numbers, shape (n,); NaN where a message has none."""
     kinds = {piece.values.dtype for piece in column.pieces}
-    kind = np.dtype(np.uint64) if np.uint64 in kinds else next(iter(kinds))
+    large = np.dtype(np.uint64)
+    kind = large if large in kinds else next(iter(kinds))
     result = np.full(count, np.nan) if column.count < count else np.empty(count, kind)
     for rows, values in column.pieces:
         result[rows] = values
-    if result.dtype == np.uint64 and result.max() <= np.iinfo(np.int64).max:
+    if result.dtype == large and result.max() <= np.iinfo(np.int64).max:
         return result.astype(np.int64)  # as numpy takes whole numbers unless they need more
     return result

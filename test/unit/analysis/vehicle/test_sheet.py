@@ -19,7 +19,7 @@ from lta_sim.vehicle import load_vehicle
 import numpy as np
 import pytest
 
-from ..sim.changed_vehicle import build, given  # noqa: TID252 - `test` is Python's own
+from ...sim.changed_vehicle import build, given  # noqa: TID252 - `test` is Python's own
 
 G = 9.80665
 FULL = 0.0915 + 0.0677  # N of one rotor

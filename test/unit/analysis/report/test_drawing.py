@@ -16,7 +16,7 @@ from lta_vlc.spectrum import amplitude_spectrum
 import numpy as np
 import pytest
 
-from .report_flight import write_flight
+from ..report_flight import write_flight  # noqa: TID252 - `test` is Python's own
 
 COLOUR = re.compile(r'#[0-9a-f]{6}\b|rgba?\([^)]*\)')
 WORDS = ['INK', 'SOFT', 'TRUTH', 'ESTIMATE', 'SETPOINT', 'LAMP', 'GOOD']

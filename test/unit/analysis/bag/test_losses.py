@@ -8,7 +8,7 @@ from lta_analysis.bag import open_flight
 from lta_analysis.compare.comparison import Asked, compare_flights
 import pytest
 
-from .compare_flight import write_motion
+from ..compare.compare_flight import write_motion  # noqa: TID252 - `test` is Python's own
 
 
 @pytest.fixture

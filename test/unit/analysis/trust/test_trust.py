@@ -19,7 +19,7 @@ from lta_analysis.trust.twins import twins
 import numpy as np
 import pytest
 
-FOLDER = Path(__file__).resolve().parents[2] / 'score'
+FOLDER = Path(__file__).resolve().parents[3] / 'score'
 GYRO, FORCE = 'imu/angular_velocity', 'imu/linear_acceleration'
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from plotly.graph_objects import Figure
 import pytest
 
-from .report_flight import provenance, STREAMS, write_flight
+from ..report_flight import provenance, STREAMS, write_flight  # noqa: TID252 - `test` is Python's own
 
 VOID = {'meta', 'link', 'img', 'input', 'br', 'hr', 'base', 'source'}
 FETCHING = {'src', 'href', 'srcset', 'data', 'poster', 'action'}

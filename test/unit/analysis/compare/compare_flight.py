@@ -11,7 +11,7 @@ from lta_bridge.bag import BagWriter
 from lta_bridge.bag.schemas import jazzy
 import numpy as np
 
-from .report_flight import make, pose, ROTORS
+from ..report_flight import make, pose, ROTORS  # noqa: TID252 - `test` is Python's own
 
 UNIX = 1_760_000_000_000_000_000  # ns, some day in 2025
 TOPIC = 'nav_msgs/msg/Odometry'

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from .report_flight import write_flight
+from ..report_flight import write_flight  # noqa: TID252 - `test` is Python's own
 
 
 @pytest.fixture(scope='module')

@@ -8,7 +8,7 @@ from lta_config.topics import topic_table
 import numpy as np
 import pytest
 
-from .report_flight import header, make
+from ..report_flight import header, make  # noqa: TID252 - `test` is Python's own
 
 SECOND = 1_000_000_000
 

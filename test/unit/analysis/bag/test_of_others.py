@@ -12,7 +12,7 @@ from lta_analysis.bag.recover import recover
 from mcap.reader import make_reader
 import pytest
 
-DATA = Path(__file__).resolve().parents[4] / 'shared' / 'data' / 'outdoor_mcap'
+DATA = Path(__file__).resolve().parents[5] / 'shared' / 'data' / 'outdoor_mcap'
 
 
 @pytest.fixture

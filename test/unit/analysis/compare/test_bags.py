@@ -10,10 +10,10 @@ from lta_config.errors import BadInput
 import numpy as np
 import pytest
 
+from ..report_flight import make, pose, write_flight  # noqa: TID252 - `test` is Python's own
 from .compare_flight import stamped
 from .compare_two import channel, NOISY, OTHER, YAW, Z
 from .compare_two import two as two
-from .report_flight import make, pose, write_flight
 
 ODOMETRY = 'nav_msgs/msg/Odometry'
 

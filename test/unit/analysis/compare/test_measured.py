@@ -17,7 +17,7 @@ from lta_analysis.compare.side import side_from
 import numpy as np
 import pytest
 
-SHARED = Path(__file__).resolve().parents[4] / 'shared' / 'data'
+SHARED = Path(__file__).resolve().parents[5] / 'shared' / 'data'
 BLIMP = SHARED / 'rgblimp'
 OUTDOOR = SHARED / 'outdoor_mcap' / 'cub_stabilize_2025_11_13.mcap'
 RATE = 60.0  # Hz

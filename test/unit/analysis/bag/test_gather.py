@@ -116,6 +116,7 @@ def check(type_name, messages):
 @pytest.mark.parametrize('type_name', OURS + OTHERS)
 @settings(max_examples=15)
 @example(turns=[], shapes=[0], seed=0, batch=4, new=1)
+@example(turns=[(0, False), (0, False)], shapes=[0] * 4, seed=0, batch=1, new=0)
 @given(
     turns=st.lists(st.tuples(st.integers(0, 3), st.booleans()), max_size=12),
     shapes=st.lists(st.integers(0, 2**31), min_size=4, max_size=4),

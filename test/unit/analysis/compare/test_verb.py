@@ -8,9 +8,9 @@ from lta_bridge.bag import BagWriter
 from lta_bridge.bag.schemas import jazzy
 import pytest
 
+from ..report_flight import make, pose  # noqa: TID252 - `test` is Python's own
 from .compare_flight import stamped, write_motion
 from .compare_two import NOISY, OTHER, X, Z
-from .report_flight import make, pose
 
 ODOMETRY = 'nav_msgs/msg/Odometry'
 

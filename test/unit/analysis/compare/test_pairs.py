@@ -10,10 +10,10 @@ from lta_config.errors import BadInput
 import numpy as np
 import pytest
 
+from ..report_flight import write_flight  # noqa: TID252 - `test` is Python's own
 from .compare_flight import UNIX, write_motion
 from .compare_two import channel, NOISY, OTHER, YAW, Z
 from .compare_two import two as two
-from .report_flight import write_flight
 
 
 def test_an_estimate_is_compared_with_the_truth_of_its_own_bag(tmp_path):

@@ -10,7 +10,7 @@ from lta_config.errors import BadInput
 import numpy as np
 import pytest
 
-from .report_flight import header, make, Stream, vector, write_flight
+from ..report_flight import header, make, Stream, vector, write_flight  # noqa: TID252 - `test` is Python's own
 
 
 def results(folder):
