@@ -6,8 +6,10 @@ lockstep somebody waits for its answer, and each node knows what it must not bel
 no guard.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cache
 import math
+from operator import attrgetter
 from typing import Any, Final, final
 
 from builtin_interfaces.msg import Time
@@ -29,19 +31,41 @@ NUMBERS: Final[Mapping[str, tuple[str, ...]]] = {  # by type, the fields that mu
     'Float64': ('data',),
     'Joy': ('axes',),
 }
+Numbers = Callable[[Any], Sequence[float]]
 LARGEST: Final = 1e9  # in any unit of ours; more was not measured
 JUMP_NS: Final = 2_000_000_000  # from one stamp of a topic to the next
 
 
-def _numbers(value: Any) -> Iterator[float]:  # noqa: ANN401 - a message, an array or a number
-    """Yield all real numbers of a part of a message."""
-    if isinstance(value, float | int):
-        yield value
-    elif hasattr(value, '__iter__'):
-        yield from value
-    else:
-        for name in value.get_fields_and_field_types():
-            yield from _numbers(getattr(value, name))
+def _leaves(value: object, path: str) -> Iterator[str]:
+    """Yield where the numbers of a part of a message are, an array as one."""
+    if not hasattr(value, 'get_fields_and_field_types'):
+        yield path
+        return
+    for name in value.get_fields_and_field_types():
+        yield from _leaves(getattr(value, name), f'{path}.{name}')
+
+
+def _read(empty: object, path: str) -> Numbers:
+    """Return what reads all numbers of a part of a message."""
+    get = attrgetter(*_leaves(attrgetter(path)(empty), path))
+    part = get(empty)
+    if isinstance(part, tuple):
+        return get
+    if isinstance(part, float):
+        return lambda message: (get(message),)
+    return lambda message: get(message).tolist()
+
+
+@cache
+def _parts(kind: Callable[[], object]) -> list[tuple[str, Numbers]]:
+    """Return the parts of a type that must hold numbers; worked out once, as all are looked at."""
+    name = getattr(kind, '__name__', '')
+    return [(path, _read(kind(), path)) for path in NUMBERS.get(name, ())]
+
+
+def _meant(numbers: Sequence[float]) -> bool:
+    # A sum is quick, and no number where one of its terms is none; NaN compares false.
+    return sum(map(abs, numbers)) <= LARGEST or all(abs(number) <= LARGEST for number in numbers)
 
 
 def _of_range(message: Any) -> str:  # noqa: ANN401 - a generated class
@@ -82,14 +106,10 @@ LENGTHS: Final[Mapping[str, Callable[[Any], str]]] = {
 
 def fault(message: Any) -> str:  # noqa: ANN401 - a generated class
     """Return why a message cannot be meant; empty where it can."""
-    kind = type(message).__name__
-    for path in NUMBERS.get(kind, ()):
-        part = message
-        for name in path.split('.'):
-            part = getattr(part, name)
-        # NaN compares false.
-        if not all(-LARGEST <= number <= LARGEST for number in _numbers(part)):
+    for path, numbers in _parts(type(message)):
+        if not _meant(numbers(message)):
             return f'its {path} holds what is not a number, or none that is measured'
+    kind = type(message).__name__
     return LENGTHS[kind](message) if kind in LENGTHS else ''
 
 
