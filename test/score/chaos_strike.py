@@ -1,11 +1,13 @@
 """One fault in a graph that flies: done, named, watched until it is over."""
 
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 import math
 from pathlib import Path
 from random import Random
 import re
+from threading import Event
 import time
 from typing import Any, Final
 
@@ -94,22 +96,30 @@ class Strike:
         publisher = self.peer.node.create_publisher(message_type(row), name, quality)
         self.stack.callback(self.peer.node.destroy_publisher, publisher)
         self.peer.until(publisher.get_subscription_count)
-        self.struck = began = time.monotonic()
-        while time.monotonic() < began + seconds:
-            publisher.publish(message)
-            self._for(every)
+        self.struck, over = time.monotonic(), Event()
+
+        def speak() -> None:  # in a thread: what is told meanwhile must be heard when it comes
+            while not over.wait(every):
+                publisher.publish(message)
+
+        with ThreadPoolExecutor(1) as aside:
+            aside.submit(speak)
+            try:
+                self._for(seconds)
+            finally:
+                over.set()
 
     # What becomes of it.
 
-    def run(self) -> None:
-        """Strike, and watch until it is over."""
+    def run(self, last: bool = True) -> None:
+        """Strike, and watch until it is over; after the last one, motors are asked to stand."""
         with self.stack:
             self.struck = time.monotonic()
             self.word = self.kind.strike(self)
             self._watch_motors()
             if self.word:
                 self._wait_for_names()
-            self.took = self._watched()
+            self.took = self._watched(last)
 
     def _for(self, seconds: float) -> None:
         until = time.monotonic() + seconds
@@ -144,8 +154,8 @@ class Strike:
     def _after(self, when: float | None) -> float | None:
         return None if when is None else max(0.0, when - self.struck)
 
-    def _watched(self) -> float | None:
-        """Wait for the end or for the cure; return how long motors turned, where there are any."""
+    def _watched(self, last: bool) -> float | None:
+        """Wait for the end or for the cure; return how long motors turned, where they may not."""
         graph = self.graph
         self._until(lambda: not graph.alive or time.monotonic() > self.struck + self.lasts)
         self.cure()
@@ -160,7 +170,7 @@ class Strike:
         self._for(GOES_ON)
         if not self.may_end:
             self._goes_on()
-        if not graph.hardware or not graph.alive:
+        if not last or not graph.hardware or not graph.alive:
             return None
         asked = time.monotonic()
         self.stated = LANDS[0]

@@ -1,13 +1,16 @@
 """
-Several faults in one graph: `python test/score/chaos_together.py WAY KIND...`, and what is wrong.
+Several faults in one graph: `python test/score/chaos_together.py WAY NUMBER`, and what is wrong.
 
-One after the other, each over before the next, so only those that a flight survives.
+One after the other, each over before the next: the last one may end the flight.
 """
 
+from collections.abc import Sequence
+from dataclasses import asdict
 import json
 from pathlib import Path
 from random import Random
 import sys
+from typing import Final
 
 from chaos_graph import Graph
 from chaos_strike import Strike
@@ -15,24 +18,38 @@ from chaos_trial import judged
 from outcome import Outcome, tried
 from peer import Peer
 
-BEGUN = 1.0  # s of flight
+BEGUN: Final = 1.0  # s of flight
+TOGETHER: Final = {
+    'lockstep': ('message nan', 'flood', 'parameter', 'killed'),
+    'realtime': ('clock', 'message lengths', 'slow disk', 'exception'),
+    'hardware': ('light', 'message future', 'stopped', 'radio'),
+}
 
 
-def together(way: str, kinds: list[str], folder: Path, peer: Peer) -> Outcome:
+def together(way: str, number: int, folder: Path, peer: Peer) -> Outcome:
     """Fly, strike again and again, and look at what is left."""
-    wrong: list[str] = []
+    wrong: list[tuple[str, bool]] = []
     strikes: list[Strike] = []
     with Graph(way, folder, peer, folder / 'out' / 'bag') as graph:
         graph.fly(BEGUN)
-        for kind in kinds:
-            strikes.append(Strike(kind, Random(f'{kind} together'), graph, peer))
-            strikes[-1].run()
-            wrong += [f'{kind}, {strikes[-1].target}: {what}' for what, _ in strikes[-1].found]
-        wrong += judged(graph, strikes)
-    return Outcome(wrong='; '.join(wrong))
+        for kind in TOGETHER[way]:
+            strikes.append(Strike(kind, Random(f'{kind} {number}'), graph, peer))
+            strikes[-1].run(last=kind == TOGETHER[way][-1])
+            wrong += named(strikes[-1])
+        wrong += [(what, False) for what in judged(graph, strikes)]
+    return Outcome(
+        wrong='; '.join(what for what, _ in wrong),
+        timing=bool(wrong) and all(timing for _, timing in wrong),
+    )
+
+
+def named(strike: Strike) -> Sequence[tuple[str, bool]]:
+    """Return what was wrong after a strike, with what was struck."""
+    about = f'{strike.kind.about}, {strike.target}'
+    return [(f'{about}: {what}', timing) for what, timing in strike.found]
 
 
 if __name__ == '__main__':
-    way, *kinds = sys.argv[1:]
-    outcome = tried(lambda folder, peer: together(way, kinds, folder, peer), Outcome)
-    sys.stdout.write(json.dumps({'wrong': outcome.wrong, 'late': outcome.late}) + '\n')
+    way, number = sys.argv[1], int(sys.argv[2])
+    outcome = tried(lambda folder, peer: together(way, number, folder, peer), Outcome)
+    sys.stdout.write(json.dumps(asdict(outcome)) + '\n')

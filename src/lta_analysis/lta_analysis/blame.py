@@ -16,8 +16,7 @@ SETTLE = 0.5  # wall seconds; nodes look at their inputs at different moments
 DISCOVERY = 4.0  # wall seconds; while some nodes have not been found yet, the others mislead
 FIGURE = re.compile(r'[0-9.]+')
 REPEATED = 10.0  # wall seconds in which an error that comes and goes is told once
-# Tasks whose errors have sentences of their own; a busy machine makes the best disk slow.
-ELSEWHERE = (INPUTS, 'recording', 'processes', 'disk')
+ELSEWHERE = (INPUTS, 'recording', 'processes')  # tasks whose errors have sentences of their own
 START = 8.0  # wall seconds that nodes take to load on a busy machine; longer is worth a word
 
 

@@ -83,7 +83,7 @@ class BackgroundWriter:
         self._done = 0  # bytes; written by ours alone
         self._unwritten = 0
         self._closing = False
-        self._writing_since: float | None = None  # what the queue held when we last looked
+        self._busy_since: float | None = None  # with what the sink was given last
         self._wake = threading.Event()
         self.dropped: Counter[str] = Counter()
         self.fault: Exception | None = None
@@ -96,9 +96,9 @@ class BackgroundWriter:
         return self._taken - self._done
 
     @property
-    def behind(self) -> float:
-        """For how long the sink has been busy with what waited at one look. [wall s]"""
-        since = self._writing_since
+    def busy(self) -> float:
+        """For how long the sink has been busy with one message or one flush. [wall s]"""
+        since = self._busy_since
         return 0.0 if since is None else time.monotonic() - since
 
     @property
@@ -180,8 +180,8 @@ class BackgroundWriter:
         while not self._closing:
             self._wake.wait(NAP)
             self._wake.clear()
-            now = self._writing_since = time.monotonic()
             self._drain()
+            now = self._busy_since = time.monotonic()
             if now - flushed >= FLUSH_PERIOD:
                 flushed = now
                 self._sink.flush()
@@ -189,7 +189,7 @@ class BackgroundWriter:
             if now - refreshed >= REFRESH_PERIOD:
                 refreshed = now
                 self._sink.refresh()
-            self._writing_since = None
+            self._busy_since = None
         self._drain()
 
     def _drain(self) -> None:
@@ -197,6 +197,7 @@ class BackgroundWriter:
         write, pop = self._sink.write, self._queue.popleft
         for _ in range(len(self._queue)):  # what comes meanwhile must not put off the flush
             item = pop()
+            self._busy_since = time.monotonic()
             if isinstance(item, tuple):
                 self._done += len(item[1])
                 write(*item)

@@ -58,7 +58,7 @@ LOOK_PERIOD = 0.4  # wall seconds between looks at the graph and at the losses
 QUIET = 0.3  # wall seconds without a message after which nothing more is on the way
 LINGER = 3.0  # wall seconds to wait for that quiet at most
 DISK = 'disk'  # the task in which it tells of one that does not keep up
-SLOW = 0.6  # wall seconds for what came in 0.1 s, from which the disk is called slow
+SLOW = 0.5  # wall seconds of one write, from which the disk is called slow
 NAP_NS = 20_000_000  # between looks: waking up for every message would cost half a core
 MB = 1_000_000
 
@@ -226,9 +226,9 @@ class Recorder(GraphNode):
                 'topics of types that are not in the common interfaces of ROS 2 Jazzy',
                 **self._left_out,
             )
-        slow = self._writer.behind > SLOW
+        slow = self._writer.busy > SLOW
         if slow or DISK in self.health:
-            words = f'slow: it has been busy for {self._writer.behind:.1f} s; messages wait'
+            words = f'slow: it has been busy for {self._writer.busy:.1f} s; messages wait'
             level = Level.ERROR if slow else Level.OK
             self.health.report(DISK, level, words if slow else 'keeps up')
         if self._writer.fault is not None and not self._fault:
