@@ -4,9 +4,10 @@ from collections import Counter
 import errno
 import os
 import threading
+from types import SimpleNamespace
 
 from lta_analysis.bag.reader import read_bag
-from lta_bridge.bag import BagWriter, storage, StorageFault
+from lta_bridge.bag import background, BagWriter, storage, StorageFault
 from lta_bridge.bag.background import BackgroundWriter
 import pytest
 
@@ -70,6 +71,39 @@ def test_after_a_stall_recording_goes_on(tmp_path, monkeypatch):
     writer.close()
     assert before == [True, True, False, False]
     assert stored(tmp_path / 'bag') == [0, 1, 4]
+
+
+class SlowSink:
+    """Takes as many seconds for a message as it was logged at, and notes how busy that is."""
+
+    def __init__(self, clock):
+        self.clock, self.lost, self.seen = clock, 0, []
+
+    def write(self, topic, data, log_time_ns):
+        self.clock.now += log_time_ns
+        self.seen.append(self.writer.busy)
+
+    def flush(self):
+        pass
+
+    refresh = check_room = close = flush
+
+
+def test_busy_is_with_one_message_not_with_all_that_waited(monkeypatch):
+    """A machine that is short of time makes many messages slow, a disk makes one."""
+    clock = SimpleNamespace(now=0)
+    clock.monotonic = lambda: clock.now
+    monkeypatch.setattr(background, 'time', clock)
+    sink, over = SlowSink(clock), threading.Event()
+    writer = sink.writer = BackgroundWriter(sink, room=1 << 30)
+    for seconds in (1, 1, 5, 1):
+        writer.write('/a', b'', seconds)
+    writer.call(over.set)
+    writer.hurry()
+    assert over.wait(PATIENCE)
+    writer.close()
+    assert sink.seen == [1, 1, 5, 1]
+    assert writer.busy == 0
 
 
 def test_a_fault_is_told_and_every_message_is_accounted_for(tmp_path, monkeypatch):
@@ -155,8 +189,8 @@ def test_a_disk_that_keeps_the_writer_busy_is_seen_and_forgotten(tmp_path, monke
     writer.add_topic('/a', TYPE, [])
     writer.hurry()
     assert disk.stalled.wait(PATIENCE)
-    before = writer.behind
-    assert writer.behind > before > 0.0
+    before = writer.busy
+    assert writer.busy > before > 0.0
     disk.let.set()
     writer.close()
-    assert writer.behind == 0.0
+    assert writer.busy == 0.0

@@ -203,6 +203,7 @@ class BackgroundWriter:
                 write(*item)
             else:
                 item()
+        self._busy_since = None
 
     def _discard(self) -> None:
         """Count the messages that a fault leaves behind, and answer whoever waits for a step."""
