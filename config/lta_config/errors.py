@@ -1,5 +1,7 @@
 """What the user can mend: one sentence with the fact, the value and the remedy."""
 
+from difflib import get_close_matches
+
 
 class BadInput(ValueError):
     """
@@ -47,4 +49,7 @@ def unknown(kind: str, name: str, known: list[str]) -> BadInput:
         The names that exist.
 
     """
-    return BadInput(f"Unknown {kind} '{name}'; known: {', '.join(sorted(known)) or 'none'}.")
+    likely = get_close_matches(name, known, 1)
+    meant = f" (did you mean '{likely[0]}'?)" if likely else ''
+    listed = ', '.join(sorted(known)) or 'none'
+    return BadInput(f"Unknown {kind} '{name}'{meant}; known: {listed}.")

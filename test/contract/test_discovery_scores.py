@@ -13,5 +13,5 @@ def test_the_scores_are_of_what_is_there_or_called_stale():
     present = f'effects `{registry_digest()}`, vehicle `gtmab` `{vehicle_digest("gtmab")}`'
     assert present in text or '\n**Stale' in text, (
         f'docs/discovery_scores.md is of other effects or another vehicle file than {present}; '
-        f'{AGAIN}, or begin a paragraph of it with "**Stale" until that is done.'
+        f'{AGAIN} (hours), or write a paragraph "**Stale:** ..." below its heading until then.'
     )

@@ -129,7 +129,10 @@ def test_parameters_are_declared_in_full(effect):
     names = [parameter.name for parameter in effect.parameters]
     assert len(set(names)) == len(names) > 0
     for parameter in effect.parameters:
-        assert UNITS[parameter.unit] == (parameter.unit, 1.0), 'an SI unit of the one table'
+        assert UNITS.get(parameter.unit) == (parameter.unit, 1.0), (
+            f"'{parameter.unit}' is no SI unit of config/lta_config/quantity.py; a new one is a "
+            'line there'
+        )
         assert math.isfinite(parameter.null)
         assert -math.inf < parameter.low < parameter.high < math.inf
         assert 0.0 < parameter.spread <= parameter.high - parameter.low

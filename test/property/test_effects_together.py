@@ -22,8 +22,13 @@ def as_python(effects):
     return space['advance']
 
 
-# Values at which each effect of the kernel, and of what surrounds it, changes a flight.
-GIVEN = {
+def usual(effect):
+    """Return values one plausible deviation off those at which an effect changes nothing."""
+    return {each.name: min(each.null + each.spread, each.high) for each in effect.parameters}
+
+
+# Values of effects for which `usual` is too little, or not what is flown.
+CHOSEN = {
     'weight_and_buoyancy': {'gravity': 9.8},
     'added_mass': {'surge': 0.14, 'sway': 0.15, 'heave': 0.37},
     'added_inertia': {'roll': 4e-3, 'pitch': 5e-3},
@@ -84,6 +89,12 @@ GIVEN = {
     },
     'floor_contact': {'stiffness': 100.0, 'relaxation': 0.05, 'friction': 0.5, 'z': -0.36},
 }
+OUTSIDE = BodyEffect | MeasurementEffect  # not in the kernel, nor in what surrounds it
+GIVEN = {
+    name: CHOSEN.get(name) or usual(effect)
+    for name, effect in EFFECTS.items()
+    if not isinstance(effect, OUTSIDE)
+}
 ROTORS = [((0.0, 0.2, -0.3), (0.0, 0.0, 1.0)), ((0.1, 0.0, -0.3), (1.0, 0.0, 0.0))] * 2
 COMMANDED = [0.4, -0.2, 0.6, 0.1, 0.0, 0.0, 0.0, 0.0, 0.02, 0.01, -0.3]
 AROUND = [0.2, 0.1, 0.0, 3.0, -2.0, 1.0, 400.0, 3.6, 0.1, -0.2, 0.05]
@@ -123,10 +134,8 @@ def begin(memory):
     return pack((1.0, 2.0, 0.33), 0.3, (0.3, -0.2, -0.1), (0.4, 0.5, -0.6), memory)
 
 
-def test_every_effect_of_the_kernel_is_flown():
-    other = BodyEffect | MeasurementEffect
-    outside = {name for name, effect in EFFECTS.items() if isinstance(effect, other)}
-    assert set(GIVEN) == set(EFFECTS) - outside
+def test_values_are_chosen_for_effects_that_there_are():
+    assert set(CHOSEN) <= set(GIVEN)
 
 
 @pytest.mark.parametrize('absent', EFFECTS)
@@ -152,4 +161,6 @@ def test_each_effect_of_that_flight_matters():
     for absent in GIVEN:
         given = {name: values for name, values in GIVEN.items() if name != absent}
         _, _, without = flight(EFFECTS, kernel, given)
-        assert np.max(abs(np.subtract(everything, without)[:RIGID])) > 1e-9, absent
+        assert np.max(abs(np.subtract(everything, without)[:RIGID])) > 1e-9, (
+            f'{absent} changes nothing at {GIVEN[absent]}; give it other values in CHOSEN'
+        )

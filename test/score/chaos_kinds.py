@@ -58,6 +58,8 @@ class Kind:
         How graphs are started that it is done to.
     silent : bool
         Whether whoever does it is told by the answer alone.
+    latest : float
+        Until when the flight goes on for long enough. [s of flight]
 
     """
 
@@ -66,6 +68,7 @@ class Kind:
     ends: bool = False
     ways: tuple[str, ...] = ALL
     silent: bool = False
+    latest: float = 12.0
 
 
 def killed(trial: Any) -> str:
@@ -199,7 +202,7 @@ KINDS: Final = {
     'light': Kind('the light board unplugged', unplugged, ways=('hardware',)),
     'radio': Kind('the radio lost', lost, ways=('hardware',)),
     'clock': Kind('a clock that jumps by an hour', jumped, ways=SIMULATED),
-    'second': Kind('a second graph on the domain', doubled, ways=SIMULATED),
+    'second': Kind('a second graph on the domain', doubled, ways=SIMULATED, latest=5.0),
     'flood': Kind('a flood on an input', flooded),
     'parameter': Kind('a parameter set to nonsense', nonsense, silent=True),
     **{

@@ -56,7 +56,7 @@ def trial(name: str, number: int, folder: Path, peer: Peer) -> Struck:
             assert mounted(folder), 'a small disk needs root'
             stack.callback(subprocess.run, ['umount', '-l', folder])
         graph = stack.enter_context(Graph(way, folder, peer, folder / 'out' / 'bag'))
-        graph.fly(random.uniform(0.5, LATEST[way]))
+        graph.fly(random.uniform(0.5, min(LATEST[way], kind.latest)))
         strike = Strike(name, random, graph, peer)
         strike.run()
         wrong = [*strike.found, *((what, False) for what in judged(graph, [strike]))]

@@ -68,6 +68,12 @@ class Difference:
     changes: Sequence[Change]
     consequences: Sequence[Consequence]
 
+    @property
+    def effects(self) -> list[str]:
+        """The effects that differ, of which no figure need say anything."""
+        places = [change.place.split('.') for change in self.changes]
+        return list(dict.fromkeys(place[1] for place in places if place[0] == 'effects'))
+
 
 def vehicle_with(name: str, sets: Sequence[str] = (), swaps: Sequence[str] = ()) -> Vehicle:
     """

@@ -123,8 +123,15 @@ def show_difference(found: Difference, names: tuple[str, str], console: Console)
             Text(source if change.after else 'taken away', style),
         )
     console.print(changed)
+    if found.effects:
+        console.print(
+            f'The figures of a vehicle know little of effects: what {", ".join(found.effects)} '
+            'does is seen where it flies with and without it (lta simulate, lta compare).',
+            highlight=False,
+        )
     if not found.consequences:
-        console.print('Nothing follows from that.')
+        if not found.effects:
+            console.print('Nothing follows from that.')
         return
     follows = _table('What follows')
     follows.add_column('figure')
