@@ -5,7 +5,7 @@ import os
 import time
 
 from lta_graph.health import Health, Level
-from lta_graph.ros.others import OTHERS, Others, PERIOD
+from lta_graph.ros.others import OTHERS, Others
 import pytest
 from rclpy.context import Context
 from rclpy.node import Node
@@ -40,17 +40,17 @@ def test_a_stranger_is_named_until_it_is_gone(node):
         deadline = time.monotonic() + PATIENCE
         while not health.facts or health.facts[0].level != level:
             assert time.monotonic() < deadline, health.facts
-            others.look(time.monotonic(), health)
+            others.look(health)
             time.sleep(0.01)
         return health.facts[0].message
 
     stranger.create_publisher(Header, '/diagnostics', 10)  # of every node
-    others.look(time.monotonic(), health)
+    others.look(health)
     assert OTHERS not in health
     rival = stranger.create_publisher(Header, 'imu', 10)
     expected = f'published by others too: imu (/{ROBOT}/stranger); stop all but one'
     assert told(Level.ERROR) == expected
-    others.look(time.monotonic() + PERIOD, health)
+    others.look(health)
     assert health.facts[0].message == expected
     stranger.destroy_publisher(rival)
     assert told(Level.OK) == 'nobody else publishes the same'

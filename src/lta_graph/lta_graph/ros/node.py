@@ -231,7 +231,7 @@ class GraphNode(Node):
             self.health.take(unsound.fact(MESSAGES))
         self._tell_lonely(now)
         self.health.report(LINKS, Level.OK, 'readers of each topic', **self.readers())
-        self._others.look(now, self.health)
+        self._others.look(self.health)
         if self.health.changed or now - self._reported >= REPORT_PERIOD:
             self.publish_health()
 

@@ -9,7 +9,6 @@ from rclpy.publisher import Publisher
 
 OTHERS = 'others'  # the task in which a node tells it
 COMMON = '/diagnostics'  # of every node
-PERIOD = 0.3  # wall seconds between two looks
 
 
 @final
@@ -29,13 +28,9 @@ class Others:
     def __init__(self, node: Node, writers: Mapping[str, Publisher]) -> None:
         self._node = node
         self._writers = writers
-        self._looked = 0.0
 
-    def look(self, now: float, health: Health) -> None:
-        """Report it at a wall time [s], where a look is due; nothing until there was somebody."""
-        if now - self._looked < PERIOD:
-            return
-        self._looked = now
+    def look(self, health: Health) -> None:
+        """Report it; nothing until there was somebody."""
         shared = [
             name
             for name, writer in self._writers.items()
