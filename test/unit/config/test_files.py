@@ -142,6 +142,8 @@ def test_the_data_is_found():
 def test_unknown_names_the_known():
     assert str(unknown('wind', 'x', ['b', 'a'])) == "Unknown wind 'x'; known: a, b."
     assert str(unknown('wind', 'x', [])) == "Unknown wind 'x'; known: none."
+    meant = "Unknown wind 'outdoor' (did you mean 'outdoors'?); known: indoors, outdoors."
+    assert str(unknown('wind', 'outdoor', ['indoors', 'outdoors'])) == meant
 
 
 def test_a_default_outside_its_bounds_is_a_mistake():

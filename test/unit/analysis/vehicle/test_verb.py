@@ -153,6 +153,17 @@ def test_every_vehicle_is_shown_in_a_narrow_window(call, name):
     assert max(len(line) for line in said.out.splitlines()) <= 60
 
 
+@pytest.mark.parametrize('ballast', [[], ['--set', 'trim.heaviness=4 g']])
+def test_diff_says_what_no_figure_knows(call, ballast):
+    scale = 'effects.thrust_scale={factor: {value: 0.5, unit: 1, source: test}}'
+    status, said = call('diff', 'gtmab', '--set', scale, *ballast)
+    assert status == 0
+    words = ' '.join(said.out.split())
+    assert 'what thrust_scale does is seen where it flies with and without it' in words
+    assert 'Nothing follows' not in words
+    assert ('ballast to add' in words) == bool(ballast)
+
+
 def test_diff_prints_what_follows(call):
     status, said = call('diff', 'gtmab', '--set', 'trim.heaviness=4 g')
     assert status == 0
