@@ -12,7 +12,19 @@ from pathlib import Path
 import sys
 from typing import Final
 
-from campaign import asked, campaign, Case, Row, STALLED, told, tried, TRIES, turn_about, version
+from campaign import (
+    asked,
+    campaign,
+    Case,
+    codes,
+    Row,
+    STALLED,
+    told,
+    tried,
+    TRIES,
+    turn_about,
+    version,
+)
 from chaos_kinds import Kind, KINDS
 from reliability import put
 
@@ -46,8 +58,8 @@ chooses. Then
 Which topics are spoilt or flooded comes from `config/topics.yaml`: all that nodes of the graph
 read. A time that was missed while the machine woke a sleeper {stalled:.2f} s or more too late says
 nothing of the graph: such a trial was done again, {tries} times at most, and the last one counts.
-Nothing else that is wrong is ever done again. {count} trials of code {code}, of {wanted} that make
-{each} of each; {again} done again. Times are the longest.
+Nothing else that is wrong is ever done again. {count} trials, of {wanted} that make {each} of each
+({codes}); {again} done again. Times are the longest.
 
 | fault | trials | then the flight | in /diagnostics after | on the terminal | motors turned \
 for | as stated |
@@ -121,7 +133,7 @@ def paged(outcomes: dict[Case, Row], each: int) -> str:
         stalled=STALLED,
         tries=TRIES - 1,
         count=len(outcomes),
-        code=code(),
+        codes=codes(outcomes),
         wanted=each * len(KINDS),
         each=each,
         again=sum(row.get('again', 0) for row in outcomes.values()),

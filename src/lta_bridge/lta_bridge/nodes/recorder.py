@@ -55,6 +55,7 @@ from std_srvs.srv import Trigger
 
 DIAGNOSTICS = '/diagnostics'
 LOOK_PERIOD = 0.4  # wall seconds between looks at the graph and at the losses
+DISK_PERIOD = 0.1  # wall seconds between looks at the disk
 QUIET = 0.3  # wall seconds without a message after which nothing more is on the way
 LINGER = 3.0  # wall seconds to wait for that quiet at most
 DISK = 'disk'  # the task in which it tells of one that does not keep up
@@ -128,6 +129,7 @@ class Recorder(GraphNode):
             self.create_service(Trigger, 'recorder/snapshot', self._on_snapshot)
             steady = Clock(clock_type=ClockType.STEADY_TIME)
             self.create_timer(LOOK_PERIOD, self._look, clock=steady)
+            self.create_timer(DISK_PERIOD, self._look_at_disk, clock=steady)
             unfinished.pop_all()
 
     def _origin(self) -> dict[str, str]:
@@ -226,18 +228,22 @@ class Recorder(GraphNode):
                 'topics of types that are not in the common interfaces of ROS 2 Jazzy',
                 **self._left_out,
             )
-        slow = self._writer.busy > SLOW
-        if slow or DISK in self.health:
-            words = f'slow: it has been busy for {self._writer.busy:.1f} s; messages wait'
-            level = Level.ERROR if slow else Level.OK
-            self.health.report(DISK, level, words if slow else 'keeps up')
+        if not self._fault:
+            level, words, figures = self._intake.tally(self._taps.lost)
+            self.health.report('recording', level, words, **figures)
+
+    def _look_at_disk(self) -> None:
+        """Tell what is wrong with it, soon enough for the second in which a fault is named."""
+        busy = self._writer.busy
+        if busy > SLOW:
+            words = f'slow: it has been busy for {busy:.1f} s; messages wait'
+            self.health.report(DISK, Level.ERROR, words)
+        elif DISK in self.health:
+            self.health.report(DISK, Level.OK, 'keeps up')
         if self._writer.fault is not None and not self._fault:
             self._fault = str(self._writer.fault)
             self.health.report('recording', Level.ERROR, self._fault)
             self.running = False
-        if not self._fault:
-            level, words, figures = self._intake.tally(self._taps.lost)
-            self.health.report('recording', level, words, **figures)
 
     def _on_snapshot(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """Write a snapshot, and go on taking messages until it is on the disk."""
