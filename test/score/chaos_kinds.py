@@ -204,7 +204,7 @@ KINDS: Final = {
     'light': Kind('the light board unplugged', unplugged, ways=('hardware',)),
     'radio': Kind('the radio lost', lost, ways=('hardware',)),
     'clock': Kind('a clock that jumps by an hour', jumped, ways=SIMULATED),
-    'second': Kind('a second graph on the domain', doubled, ways=SIMULATED, latest=5.0),
+    'second': Kind('a second graph on the domain', doubled, ways=('realtime',), latest=5.0),
     'flood': Kind('a flood on an input', flooded),
     'parameter': Kind('a parameter set to nonsense', nonsense, silent=True),
     **{

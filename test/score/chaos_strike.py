@@ -81,8 +81,10 @@ class Strike:
         return self.target
 
     def pick_topic(self) -> str:
-        """Choose an input."""
-        self.target = self.random.choice(inputs(self.graph.way))
+        """Choose an input that somebody of the graph publishes."""
+        known = self.peer.node.count_publishers
+        spoken = [name for name in inputs(self.graph.way) if known(name)]
+        self.target = self.random.choice(spoken)
         return self.target
 
     def wrong(self, what: str, timing: bool = False) -> None:

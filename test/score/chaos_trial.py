@@ -23,7 +23,7 @@ from lta_config.errors import BadInput
 from outcome import Outcome, tried
 from peer import Peer
 
-LATEST: Final = {'lockstep': 12.0, 'realtime': 12.0, 'hardware': 10.0}  # s of flight
+LATEST: Final = {'lockstep': 8.0, 'realtime': 12.0, 'hardware': 10.0}  # s of flight
 
 
 @dataclass(frozen=True, slots=True)

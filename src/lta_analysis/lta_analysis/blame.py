@@ -16,7 +16,7 @@ SETTLE = 0.5  # wall seconds; nodes look at their inputs at different moments
 DISCOVERY = 4.0  # wall seconds; while some nodes have not been found yet, the others mislead
 FIGURE = re.compile(r'[0-9.]+')
 REPEATED = 10.0  # wall seconds in which an error that comes and goes is told once
-ELSEWHERE = (INPUTS, 'recording', 'processes')  # tasks whose errors have sentences of their own
+ELSEWHERE = (INPUTS, 'processes')  # tasks whose errors have sentences of their own
 START = 8.0  # wall seconds that nodes take to load on a busy machine; longer is worth a word
 
 
@@ -135,7 +135,7 @@ class Lookout:
                 continue
             error = f'{node}: {FIGURE.sub("#", fact.message)}'
             if now - self._ailing.get(error, -math.inf) > REPEATED:
-                self._say(f'{node}: {fact.message}.')
+                self._say(f'{node}: {fact.message.rstrip(".")}.')
             self._ailing[error] = now
 
     def _excuse(self, loading: list[str]) -> None:

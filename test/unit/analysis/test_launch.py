@@ -144,8 +144,14 @@ def test_errors_that_have_sentences_of_their_own_are_not_said_twice(clock):
     lookout = Lookout(said.append, told.append)
     facts = [
         Fact('estimator: inputs', Level.ERROR, 'waiting for imu', {'suspects': ''}),
-        Fact('recorder: recording', Level.ERROR, 'The disk is full'),
         Fact('launcher: processes', Level.ERROR, 'Nothing comes from estimator.'),
     ]
     lookout.look({fact.task: fact for fact in facts}, ['estimator'])
     assert said == told == ['Nothing comes from estimator.']
+
+
+def test_a_full_disk_is_said_before_the_recorder_has_left(clock):
+    said = []
+    full = Fact('recorder: recording', Level.ERROR, 'The disk is full: make room.')
+    Lookout(said.append).look({full.task: full}, [])
+    assert said == ['recorder: The disk is full: make room.']
