@@ -150,10 +150,13 @@ class Graph:
             self.peer.until(lambda: self.flown >= seconds or not self.alive)
             return
         self.peer.until(lambda: all(self._said(*each) for each in READY.items()))
-        armed = self.peer.ask(SetBool, 'crazyflie_bridge/arm', data=True)
-        assert armed.success, armed.message
+        # Again where the drone was not heard for a moment, as a person would.
+        self.peer.until(self._armed)
         self.peer.until(self.turning)
         self.rest(seconds)
+
+    def _armed(self) -> bool:
+        return bool(self.peer.ask(SetBool, 'crazyflie_bridge/arm', data=True).success)
 
     def _said(self, task: str, word: str) -> bool:
         return task in self.facts and self.facts[task].message == word
