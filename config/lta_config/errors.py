@@ -51,5 +51,6 @@ def unknown(kind: str, name: str, known: list[str]) -> BadInput:
     """
     likely = get_close_matches(name, known, 1)
     meant = f" (did you mean '{likely[0]}'?)" if likely else ''
-    listed = ', '.join(sorted(known)) or 'none'
-    return BadInput(f"Unknown {kind} '{name}'{meant}; known: {listed}.")
+    return BadInput(
+        f"Unknown {kind} '{name}'; known: {', '.join(sorted(known)) or 'none'}{meant}."
+    )

@@ -142,7 +142,7 @@ def test_the_data_is_found():
 def test_unknown_names_the_known():
     assert str(unknown('wind', 'x', ['b', 'a'])) == "Unknown wind 'x'; known: a, b."
     assert str(unknown('wind', 'x', [])) == "Unknown wind 'x'; known: none."
-    meant = "Unknown wind 'outdoor' (did you mean 'outdoors'?); known: indoors, outdoors."
+    meant = "Unknown wind 'outdoor'; known: indoors, outdoors (did you mean 'outdoors'?)."
     assert str(unknown('wind', 'outdoor', ['indoors', 'outdoors'])) == meant
 
 

@@ -67,7 +67,10 @@ def test_what_was_read_stays_as_it_was():
 @pytest.mark.parametrize(
     ('text', 'words'),
     [
-        ('trim.heavines=4 g', "Unknown key of vehicle.trim 'heavines'; known: heaviness."),
+        (
+            'trim.heavines=4 g',
+            "Unknown key of vehicle.trim 'heavines'; known: heaviness (did you mean",
+        ),
         ('trin.heaviness=4 g', "Unknown key of vehicle 'trin'; known: air, diodes"),
         ('trim.heaviness=4 m', 'is in m, but must be in g or its like'),
         ('trim.heaviness=4', 'give a number and a unit, as in "1 g"'),

@@ -214,5 +214,5 @@ def test_an_unknown_vehicle_lists_the_known_ones():
         load_vehicle_file('gtmap')
     assert str(caught.value) == (
         "Unknown vehicle 'gtmap'; known: beavis, blimp2b, gtmab, multirotor, rgblimp, sblimp, "
-        'skye.'
+        "skye (did you mean 'gtmab'?)."
     )

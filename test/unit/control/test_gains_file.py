@@ -86,4 +86,4 @@ def test_a_file_of_something_else_is_refused(tmp_path, text):
 
 def test_an_unknown_name_is_refused():
     names = 'beavis, blimp2b, blimp2b_cascade, gtmab, multirotor, rgblimp, sblimp, skye'
-    assert refused('gtmib') == f"Unknown gains 'gtmib'; known: {names}."
+    assert refused('gtmib') == f"Unknown gains 'gtmib'; known: {names} (did you mean 'gtmab'?)."

@@ -19,7 +19,8 @@ def test_bag_is_known():
 def test_an_unknown_name_is_refused_with_the_known_ones():
     with pytest.raises(BadInput) as caught:
         strategy('bug')
-    assert str(caught.value) == "Unknown strategy 'bug'; known: bag, des, dga, homing."
+    known = 'bag, des, dga, homing'
+    assert str(caught.value) == f"Unknown strategy 'bug'; known: {known} (did you mean 'bag'?)."
 
 
 def test_bag_heads_for_the_lamp():

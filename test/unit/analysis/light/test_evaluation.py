@@ -280,7 +280,7 @@ def test_the_command_takes_sets_without_repeating_the_option(done, capsys, monke
     assert 'All of it had been flown before.' in said.err
     monkeypatch.setattr(sys, 'argv', ['lta', 'light', 'evaluate', '--sets', 'indoor'])
     assert app.status() == 2
-    assert "Unknown set 'indoor'; known: ablations, indoors." in capsys.readouterr().err
+    assert "Unknown set 'indoor'; known: ablations, indoors (" in capsys.readouterr().err
 
 
 def test_a_set_without_strategies_is_refused(tmp_path, monkeypatch):

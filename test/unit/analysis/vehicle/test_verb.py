@@ -155,7 +155,7 @@ def test_every_vehicle_is_shown_in_a_narrow_window(call, name):
 
 @pytest.mark.parametrize('ballast', [[], ['--set', 'trim.heaviness=4 g']])
 def test_diff_says_what_no_figure_knows(call, ballast):
-    scale = 'effects.thrust_scale={factor: {value: 0.5, unit: 1, source: test}}'
+    scale = "effects.thrust_scale={factor: {value: 0.5, unit: '1', source: test}}"
     status, said = call('diff', 'gtmab', '--set', scale, *ballast)
     assert status == 0
     words = ' '.join(said.out.split())
