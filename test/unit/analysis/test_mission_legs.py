@@ -12,6 +12,8 @@ from lta_sim.light.pencils import LAMPS, scratch_for
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.long  # a minute, most of it to compile a pilot
+
 LEG = Leg(GO, 120.0, 0.1, 0.0, 1.0, 0.0, 14.0, 10.0, 8.0)
 
 

@@ -71,6 +71,7 @@ def test_flights_of_another_kind_do_not_go_into_its_log(sweep, tmp_path):
         run(file, folder, duties=(0.1, 0.1, 0.1, 0.1))
 
 
+@pytest.mark.long
 def test_an_open_loop_asks_nothing_of_the_drone(sweep, tmp_path):
     file = sweep(vary={HEAVY: ['1 g', '2 g']}, set={'scenario.goal.time_limit': '3 s'})
     done = run(file, tmp_path / 'out', duties=(0.4, 0.4, 0.0, 0.0))

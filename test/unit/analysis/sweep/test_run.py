@@ -188,7 +188,9 @@ def heeds_no_interrupt(pid):
     return bool((int(lines['SigBlk'], 16) | int(lines['SigIgn'], 16)) & 1 << (signal.SIGINT - 1))
 
 
-@pytest.mark.parametrize('number', [signal.SIGKILL, signal.SIGINT])
+@pytest.mark.parametrize(
+    'number', [signal.SIGKILL, pytest.param(signal.SIGINT, marks=pytest.mark.long)]
+)
 def test_a_sweep_that_is_stopped_goes_on_where_it_was(sweep, tmp_path, number):
     """Killed, or by Ctrl-C to all its processes; no worker outlives it, no flight is lost."""
     file, folder, script = sweep(40), tmp_path / 'out', tmp_path / 'script.py'
