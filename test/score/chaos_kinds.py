@@ -8,6 +8,7 @@ A strike is called with the trial and returns the words (a regular expression) t
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+import math
 import os
 from pathlib import Path
 import resource
@@ -68,7 +69,7 @@ class Kind:
     ends: bool = False
     ways: tuple[str, ...] = ALL
     silent: bool = False
-    latest: float = 12.0
+    latest: float = math.inf
 
 
 def killed(trial: Any) -> str:
