@@ -4,7 +4,8 @@ A lean spin for one node.
 rclpy's single-threaded executor rebuilds generators and tasks for every message, and wakes up for
 each, whether or not the node can answer yet. Here messages are taken straight from their
 subscriptions, and only those that can complete an answer wake the node up. `make bench` compares a
-round trip with rclpy's own: 1.3 to 2.5 times. Services and timers go through rclpy's executor.
+round trip with rclpy's own: 1.3 to 2.5 times. Timers are called directly too, for the executor
+takes milliseconds to find the one that is due. Services, rare and slow anyway, go through it.
 """
 
 from collections.abc import Callable, Iterable
@@ -42,7 +43,7 @@ def spin(
     context = node.context
     executor = SingleThreadedExecutor(context=context)
     executor.add_node(node)
-    timers = [timer.handle for timer in node.timers]
+    timers = [(timer.handle, timer.callback) for timer in node.timers]
     services = [service.handle for service in node.services]
     inputs = [
         (item.handle, item.callback, item.msg_type, item.raw) for item in node.subscriptions
@@ -55,7 +56,7 @@ def spin(
                 wait_set.clear_entities()
                 for subscription in awaited():
                     wait_set.add_subscription(subscription.handle)
-                for timer in timers:
+                for timer, _ in timers:
                     wait_set.add_timer(timer)
                 for service in services:
                     wait_set.add_service(service)
@@ -63,7 +64,11 @@ def spin(
                 for handle, callback, kind, raw in inputs:
                     while (taken := handle.take_message(kind, raw)) is not None:
                         callback(taken[0])
-                if wait_set.get_ready_entities('timer') or wait_set.get_ready_entities('service'):
+                for timer, tick in timers:
+                    if timer.is_timer_ready():
+                        timer.call_timer()
+                        tick()
+                if wait_set.get_ready_entities('service'):
                     executor.spin_once(timeout_sec=0.0)
     finally:
         executor.shutdown()
