@@ -2,6 +2,7 @@
 
 import base64
 from collections.abc import Mapping
+import math
 from pathlib import Path
 from typing import Any, Final, final, Literal, NamedTuple
 
@@ -34,6 +35,13 @@ BOX: Final = """
   const { x, y, width, height } = box(panel);
   return { x, y: y + rise, width, height };
 })()"""
+
+# Plotly draws again a tenth of a second after the window has changed, over several frames.
+SETTLED: Final = """
+Promise.all([...document.querySelectorAll('.plot')]
+  .filter((plot) => plot.data && plot.offsetParent)
+  .map((plot) => Plotly.Plots.resize(plot)))
+  .then(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))))"""
 
 
 @final
@@ -152,18 +160,24 @@ def window(browser: Browser, width: int, height: int) -> None:
 
 def take(browser: Browser, panel: str, out: Path) -> None:
     """Write one part of the opened page as PNG."""
-    box = browser.evaluate(BOX % {'panel': panel})
+    box = where(browser, panel)
+    # Chromium would enlarge the window by itself for the shot, and not wait for what that changes.
+    window(browser, browser.evaluate('innerWidth'), math.ceil(box['height']))
+    browser.evaluate(SETTLED)
+    browser.evaluate("document.getElementById('bar')?.style.setProperty('visibility', 'hidden')")
+    box = where(browser, panel)
+    browser.evaluate(f'scrollTo(0, {box["y"]})')
+    shot = browser.call('Page.captureScreenshot', format='png', clip={**box, 'scale': 1})
+    out.write_bytes(base64.b64decode(shot['data']))
+
+
+def where(browser: Browser, panel: str) -> Mapping[str, float]:
+    """Return where on the opened page a part of it is. [px]"""
+    box: Mapping[str, float] | None = browser.evaluate(BOX % {'panel': panel})
     if box is None:
         known = [found['name'] for found in browser.evaluate(COUNT_PANELS)]
         raise unknown('panel', panel, [TOP, *known])
-    browser.evaluate("document.getElementById('bar')?.style.setProperty('visibility', 'hidden')")
-    shot = browser.call(
-        'Page.captureScreenshot',
-        format='png',
-        clip={**box, 'scale': 1},
-        captureBeyondViewport=True,
-    )
-    out.write_bytes(base64.b64decode(shot['data']))
+    return box
 
 
 def complaints(browser: Browser) -> list[str]:
