@@ -27,7 +27,7 @@ FOLDERS = (
 
 setup(
     name='lta_config',
-    version='0.1.0',
+    version='1.0.0',
     packages=find_packages(),
     package_data={'lta_config': ['py.typed']},
     data_files=[

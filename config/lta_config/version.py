@@ -2,4 +2,4 @@
 
 from typing import Final
 
-VERSION: Final = '0.1.0'
+VERSION: Final = '1.0.0'

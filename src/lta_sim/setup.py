@@ -4,7 +4,7 @@ from setuptools import find_packages, setup
 
 setup(
     name='lta_sim',
-    version='0.1.0',
+    version='1.0.0',
     packages=find_packages(),
     package_data={'lta_sim': ['py.typed']},
     data_files=[
