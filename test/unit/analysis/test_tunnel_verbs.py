@@ -7,9 +7,12 @@ import sys
 
 from lta_analysis.cfd.pictures import sphere_picture
 from lta_analysis.cfd.progress import TunnelProgress
+from lta_analysis.cfd.tables import coefficients, patterns
+from lta_analysis.energy.tables import show
+from lta_config.files import share
 from lta_sim.cfd.model import model_of
 from lta_sim.cfd.plan import flows
-from lta_sim.cfd.sweep_table import read_sweep
+from lta_sim.cfd.sweep_table import read_sweep, without_maps
 from lta_sim.cfd.validation import Judged
 import pytest
 from rich.console import Console
@@ -28,9 +31,11 @@ def test_a_run_leaves_a_page_a_sweep_and_an_aero_file(run, tmp_path):
     assert status == 0
     assert 'brakes with' in said.out
     assert sorted(path.name for path in (tmp_path / 'done').iterdir()) == [
-        'gtmab.aero.yaml', 'gtmab.sweep.json', 'report.html',
+        'gtmab.aero.yaml', 'gtmab.blown.json', 'gtmab.sweep.json', 'report.html',
     ]  # fmt: skip
     sweep = read_sweep(tmp_path / 'done/gtmab.sweep.json')
+    mapped = read_sweep(tmp_path / 'done/gtmab.blown.json')
+    assert sweep == without_maps(mapped) != mapped
     assert (list(sweep.axes), list(sweep.blows)) == (['heave'], ['up_left'])
 
 
@@ -40,6 +45,17 @@ def test_what_dies_is_said_and_the_rest_is_kept(run, monkeypatch, tmp_path):
     assert status == 0
     assert 'surge: simpleFoam diverged' in said.out
     assert list(read_sweep(tmp_path / 'done/gtmab.sweep.json').axes) == ['heave']
+
+
+@pytest.mark.parametrize('path', sorted((share() / 'aero').glob('*.sweep.json')), ids=str)
+def test_no_number_is_cut_on_a_terminal_of_80_columns(path):
+    sweep = read_sweep(path)
+    console = Console(width=80, record=True)
+    for table in (coefficients(sweep), patterns(sweep)):
+        show(table, console)
+    said = [line.split() for line in console.export_text().splitlines()]
+    for table in (coefficients(sweep), patterns(sweep)):
+        assert all(' '.join(row).split() in said for row in table.rows)
 
 
 def test_nothing_solved_is_status_1(run, monkeypatch):

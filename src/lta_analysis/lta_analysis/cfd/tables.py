@@ -44,6 +44,10 @@ def _percent(share: float | None, form: str) -> str:
     return '' if share is None else f'{100 * share:{form}}'
 
 
+def _thousandths(value: float, digits: int) -> str:
+    return f'{round(1e3 * value, digits) + 0.0:.{digits}f}'  # no minus before a nought
+
+
 def patterns(sweep: Sweep) -> Table:
     """Return the net wrench of all that blew, and what the sum of single rotors says."""
     rows = []
@@ -51,20 +55,20 @@ def patterns(sweep: Sweep) -> Table:
         sum_ = summed(sweep, blown.shares)
         share = linear(sweep, name)
         rows.append([
-            name.replace('_', ' '), *(f'{each:.3f}' for each in blown.force),
-            *(f'{1e3 * each:.1f}' for each in blown.moment),
-            '' if sum_ is None or len(blown.shares) < 2 else f'{sum_[2]:.3f}',
+            name.replace('_', ' '), *(_thousandths(each, 0) for each in blown.force),
+            *(_thousandths(each, 1) for each in blown.moment),
+            '' if sum_ is None or len(blown.shares) < 2 else _thousandths(sum_[2], 0),
             '' if share is None else f'{share:.3f}',
             f'{100 * (blown.evidence.balance or 0.0):.2f}',
         ])  # fmt: skip
     heads = [
-        'rotors', 'Fx [N]', 'Fy', 'Fz', 'Mx [mN m]', 'My', 'Mz', 'Fz of the sum', 'quarter',
+        'rotors', 'Fx [mN]', 'Fy', 'Fz', 'Mx [mN m]', 'My', 'Mz', 'Fz of sum', 'quarter',
         'balance [%]',
     ]  # fmt: skip
     note = (
-        'Net, the thrust itself included, about the hull centre. Quarter: the wrench at a quarter '
-        'of the thrust over a quarter of the whole one, 1 where it is linear. Balance: force that '
-        'is not in the momentum of the air.'
+        'Net, the thrust itself included, about the hull centre. Fz of sum: of the single rotors. '
+        'Quarter: the wrench at a quarter of the thrust over a quarter of the whole one, 1 where '
+        'it is linear. Balance: force that is not in the momentum of the air.'
     )
     return Table('Rotors on', heads, rows, note)
 

@@ -49,15 +49,18 @@ def table_html(table: Table) -> str:
 
 
 def show(table: Table, console: Console) -> None:
-    """Print a table."""
+    """Print a table; it moves together where the terminal is narrow."""
+    # Heads a word a line: a column is as wide as its numbers.
+    heads = [head.replace(' ', '\n') for head in table.heads]
+    columns = zip(heads, *table.rows, strict=True)
+    width = sum(max(len(line) for cell in each for line in cell.split('\n')) for each in columns)
+    gap = 2 if width + 2 * len(heads) <= console.width else 1
     printed = Printed(
         title=table.heading, title_justify='left', title_style='bold', box=None, pad_edge=False,
-        padding=(0, 2, 0, 0),
+        padding=(0, gap, 0, 0),
     )  # fmt: skip
-    for place, head in enumerate(table.heads):
-        printed.add_column(
-            Text(head), justify='left' if place == 0 else 'right', no_wrap=place == 0
-        )
+    for place, head in enumerate(heads):
+        printed.add_column(Text(head), justify='left' if place == 0 else 'right', no_wrap=True)
     for row in table.rows:
         printed.add_row(*map(Text, row))
     console.print(printed)

@@ -26,7 +26,7 @@ from lta_sim.cfd.plan import Air, Flow, flows
 from lta_sim.cfd.slices import Slice, slice_of
 from lta_sim.cfd.solve import solve, sweep_of
 from lta_sim.cfd.stage import Stages
-from lta_sim.cfd.sweep_table import Sweep, sweep_text
+from lta_sim.cfd.sweep_table import Sweep, sweep_text, without_maps
 import typer
 
 AIR: Air = (1.2, 1.5e-5)  # kg/m3, m2/s: 20 degC
@@ -73,8 +73,8 @@ def run(
     solved is kept and a run that was stopped goes on. --fidelity analytic needs no OpenFOAM;
     preview is steady, minutes; reference transient, an hour.
 
-    The results are a page; NAME.sweep.json, all that was solved; and NAME.aero.yaml, fitted, which
-    a vehicle file can name ("aero: PATH").
+    The results are a page; NAME.sweep.json, all that was solved; NAME.aero.yaml, fitted, which a
+    vehicle file can name ("aero: PATH"); and NAME.blown.json, the same with maps of the pressure.
 
     Exit status 0: done, and what was refused is said. 1: nothing could be solved. 2: bad input.
     130: Ctrl-C.
@@ -107,14 +107,17 @@ def run(
     words += [word for each in only or () for word in ('--only', each)]
     words += ['--mount', mount] if mount else []
     with all_at_once(target, 'report.html') as part:
-        (part / f'{model.name}.sweep.json').write_text(sweep_text(sweep), encoding='utf-8')
+        small = sweep_text(without_maps(sweep))
+        (part / f'{model.name}.sweep.json').write_text(small, encoding='utf-8')
+        if sweep.blows:
+            (part / f'{model.name}.blown.json').write_text(sweep_text(sweep), encoding='utf-8')
         (part / f'{model.name}.aero.yaml').write_text(aero_text(sweep), encoding='utf-8')
         drawn = pictured(model, sweep, wanted, folder_of(cache))
         write_page(sweep, drawn, {'Solve it again': typed(*words)}, part / 'report.html')
     if pictures is not None:
         write_pictures(target / 'report.html', pictures)
     if json:
-        sys.stdout.write(sweep_text(sweep))
+        sys.stdout.write(small)
     show(coefficients(sweep), console)
     if sweep.blows:
         show(patterns(sweep), console)

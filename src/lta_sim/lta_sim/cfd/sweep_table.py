@@ -51,7 +51,8 @@ class Pressed(Record):
     The pressure on a body over that of the air far away. [Pa].
 
     least, most: of its faces, with the places of both [m]; below: seen from below, rows along y
-    from the least, columns along x, None where the body is not; side: of that square. [m]
+    from the least, columns along x, None where the body is not, no row where no map was kept;
+    side: of that square. [m]
     """
 
     least: float
@@ -118,6 +119,22 @@ def read_sweep(path: Path) -> Sweep:
         raise BadInput(f'{path} cannot be read ({error.strerror}); check the path.') from None
     except ValidationError as error:
         raise BadInput(f'{path}: {sentence(error)}') from None
+
+
+def without_maps(sweep: Sweep) -> Sweep:
+    """Return a sweep without its maps of pressure, which are most of it: small data to keep."""
+    blows = {
+        name: blow.model_copy(
+            update={
+                'pressed': {
+                    body: pressed.model_copy(update={'below': []})
+                    for body, pressed in blow.pressed.items()
+                }
+            }
+        )
+        for name, blow in sweep.blows.items()
+    }
+    return sweep.model_copy(update={'blows': blows})
 
 
 def sweep_text(sweep: Sweep) -> str:
