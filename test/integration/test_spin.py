@@ -1,0 +1,79 @@
+"""The lean spin of one node: timers, services and clients are served as rclpy's executor does."""
+
+import time
+
+from lta_graph.ros.spin import spin
+import pytest
+import rclpy
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+pytestmark = pytest.mark.beside
+PATIENCE = 20.0  # s
+STEADY = Clock(clock_type=ClockType.STEADY_TIME)
+
+
+@pytest.fixture
+def node(domain_id):
+    rclpy.init()
+    yield Node('alone')
+    rclpy.shutdown()
+
+
+def spin_until(node, done):
+    """Spin until something holds; a test that waits in vain fails by what it asserts."""
+    end = time.monotonic() + PATIENCE
+    spin(node, lambda: not done() and time.monotonic() < end, lambda: node.subscriptions)
+
+
+def test_a_service_is_answered_and_the_answer_taken(node):
+    def answer(_, response):
+        response.message = 'here'
+        return response
+
+    node.create_service(Trigger, 'ask', answer)
+    client = node.create_client(Trigger, 'ask')
+    answers = []
+
+    def ask():
+        timer.cancel()
+        future = client.call_async(Trigger.Request())
+        future.add_done_callback(lambda done: answers.append(done.result().message))
+
+    timer = node.create_timer(0.01, ask, clock=STEADY)
+    spin_until(node, lambda: answers)
+    assert answers == ['here']
+
+
+def test_a_cancelled_timer_does_not_tick(node):
+    ticks = []
+    node.create_timer(0.01, lambda: (ticks.append('first'), second.cancel()), clock=STEADY)
+    second = node.create_timer(0.01, lambda: ticks.append('second'), clock=STEADY)
+    spin_until(node, lambda: len(ticks) >= 5)
+    assert ticks == ['first'] * 5
+
+
+def test_timers_keep_their_periods(node):
+    ticks = {0.01: 0, 0.05: 0}
+    began = time.monotonic()
+
+    def count(period):
+        ticks[period] += 1
+
+    for period in ticks:
+        node.create_timer(period, lambda period=period: count(period), clock=STEADY)
+    spin_until(node, lambda: ticks[0.05] >= 20)
+    spent = time.monotonic() - began
+    assert ticks[0.05] == 20
+    assert ticks[0.01] <= spent / 0.01 + 1
+    assert spent >= 20 * 0.05 - 0.05
+
+
+def test_an_exception_leaves_the_spin(node):
+    def breaks():
+        raise ValueError('on purpose')
+
+    node.create_timer(0.01, breaks, clock=STEADY)
+    with pytest.raises(ValueError, match='on purpose'):
+        spin_until(node, lambda: False)
