@@ -66,20 +66,6 @@ def test_a_speed_changes_the_flow_and_not_its_mesh():
     assert cold.mesh.key == warm.mesh.key
 
 
-def test_the_air_of_a_transient_brings_no_eddies_and_begins_with_some():
-    (slow, fast) = flows(model_of('gtmab'), 'reference', AIR, ['heave'])
-    for flow, viscosity in ((slow, 1.5e-5 / 0.2), (fast, 1.5e-5)):
-        words = flow.case.files['0/nuTilda'].replace(';', '').split()
-        begins = float(words[words.index('internalField') + 2])
-        comes = float(words[words.index('inlet') + 6])
-        assert begins == pytest.approx(5.0 * viscosity)
-        assert comes < 1e-6 * viscosity
-    # The model that begins with a flow is the one that goes on with it.
-    settle, *eddies = fast.case.steps
-    assert 'SpalartAllmaras;' in settle.files['constant/turbulenceProperties']
-    assert all('SpalartAllmarasDDES' in s.files['constant/turbulenceProperties'] for s in eddies)
-
-
 def test_every_flow_of_a_vehicle_is_planned_once():
     found = flows(model_of('gtmab'), 'preview', AIR)
     names = [flow.about for flow in found]
