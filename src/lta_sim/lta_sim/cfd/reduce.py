@@ -18,9 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-# Lengths of flow before a transient is averaged: 4 until what came in first is past the hull, and
-# 2 for its wake.
-STARTING: Final = 6.0
+STARTING: Final = 4.5  # lengths of flow before a transient is averaged
 BATCHES: Final = 10
 
 

@@ -15,13 +15,12 @@ from typing import Final, final
 
 from lta_sim.cfd.case import Case, Step
 from lta_sim.cfd.dictionary import dictionary, Entry
-from lta_sim.cfd.fields import DETACHED, TRANSITION, tunnel_fields
+from lta_sim.cfd.fields import STEADY, TRANSITION, tunnel_fields
 from lta_sim.cfd.mesh import BASE, block, mesh_case, snappy
 from lta_sim.cfd.model import HULL, Model
 from lta_sim.cfd.numerics import (
     clock,
     control,
-    EDDY_VISCOSITY,
     forces_on,
     momentum_through,
     slice_through,
@@ -86,7 +85,7 @@ class Fineness:
 
 PREVIEW: Final = Fineness()
 COARSE: Final = Fineness(hull=3, parts=4, cells=100_000)
-REFERENCE: Final = Fineness(shell=0.15, layers=8, expansion=1.4, cells=221_000)
+REFERENCE: Final = Fineness(shell=0.15, layers=5, expansion=1.4, cells=189_000)
 ROUGH: Final = Fineness(hull=3, parts=4, shell=0.15, expansion=1.4, cells=100_000)
 
 
@@ -159,22 +158,13 @@ def transport(viscosity: float) -> str:
     return dictionary('transportProperties', {'transportModel': 'Newtonian', 'nu': viscosity})
 
 
-def turbulence(model: str) -> str:
-    """Return turbulenceProperties of a RANS model."""
+def turbulence(model: str | None) -> str:
+    """Return turbulenceProperties of a RANS model, or of none."""
+    if model is None:
+        return dictionary('turbulenceProperties', {'simulationType': 'laminar'})
     return dictionary('turbulenceProperties', {
         'simulationType': 'RAS',
         'RAS': {'RASModel': model, 'turbulence': True, 'printCoeffs': False},
-    })  # fmt: skip
-
-
-def detached(model: str) -> str:
-    """Return turbulenceProperties of a model that solves eddies as large as its cells."""
-    return dictionary('turbulenceProperties', {
-        'simulationType': 'LES',
-        'LES': {
-            'LESModel': model, 'turbulence': True, 'printCoeffs': False, 'delta': 'maxDeltaxyz',
-            'maxDeltaxyzCoeffs': {},
-        },
     })  # fmt: skip
 
 
@@ -254,16 +244,16 @@ def transient_wind(
     end = SETTLING + lengths * model.length
     longest = 0.03 * model.length * 2.0 ** (4 - fine.hull)
     eddies = {
-        'constant/turbulenceProperties': detached('SpalartAllmarasDDES'),
+        'constant/turbulenceProperties': turbulence(None),
         'system/fvSchemes': transient_schemes(),
         'system/fvSolution': transient_solution(),
     }
     steps = [
         Step('settle', ('simpleFoam',), {
             **air,
-            'constant/turbulenceProperties': turbulence('SpalartAllmaras'),
-            'system/fvSchemes': steady_schemes(EDDY_VISCOSITY),
-            'system/fvSolution': solution(carried=EDDY_VISCOSITY),
+            'constant/turbulenceProperties': turbulence('kOmegaSST'),
+            'system/fvSchemes': steady_schemes(),
+            'system/fvSolution': solution(),
             'system/controlDict': control('simpleFoam', 0, SETTLING, {}),
         }, SETTLING),
         Step('begin', ('pimpleFoam',), {
@@ -280,5 +270,5 @@ def transient_wind(
             ),
         }, int(1.5 * lengths * model.length / longest), f'{begin:.8g}'),
     ]  # fmt: skip
-    files = {**tunnel_fields(DETACHED, walls, (), viscosity / speed), **empty()}
+    files = {**tunnel_fields(STEADY, walls, ()), **empty()}
     return Case(f'{axis} {speed:g} m/s', files, steps, mesh, mesh.cells)
