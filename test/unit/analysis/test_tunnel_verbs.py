@@ -47,9 +47,9 @@ def test_what_dies_is_said_and_the_rest_is_kept(run, monkeypatch, tmp_path):
     assert list(read_sweep(tmp_path / 'done/gtmab.sweep.json').axes) == ['heave']
 
 
-@pytest.mark.parametrize('path', sorted((share() / 'aero').glob('*.sweep.json')), ids=str)
-def test_no_number_is_cut_on_a_terminal_of_80_columns(path):
-    sweep = read_sweep(path)
+@pytest.mark.parametrize('name', ['beavis', 'blimp2b', 'gtmab', 'sblimp', 'skye'])
+def test_no_number_is_cut_on_a_terminal_of_80_columns(name):
+    sweep = read_sweep(share() / 'aero' / f'{name}.sweep.json')
     console = Console(width=80, record=True)
     for table in (coefficients(sweep), patterns(sweep)):
         show(table, console)

@@ -59,8 +59,11 @@ def show(table: Table, console: Console) -> None:
         title=table.heading, title_justify='left', title_style='bold', box=None, pad_edge=False,
         padding=(0, gap, 0, 0),
     )  # fmt: skip
-    for place, head in enumerate(heads):
-        printed.add_column(Text(head), justify='left' if place == 0 else 'right', no_wrap=True)
+    for place, (head, *cells) in enumerate(zip(heads, *table.rows, strict=True)):
+        words = place > 0 and any(' ' in cell for cell in cells)
+        printed.add_column(
+            Text(head), justify='left' if place == 0 else 'right', no_wrap=not words
+        )
     for row in table.rows:
         printed.add_row(*map(Text, row))
     console.print(printed)

@@ -38,10 +38,11 @@ BOX: Final = """
 
 # Plotly draws again a tenth of a second after the window has changed, over several frames.
 SETTLED: Final = """
-Promise.all([...document.querySelectorAll('.plot')]
+Promise.all([...(document.getElementById('panel-%(panel)s') ?? document).querySelectorAll('.plot')]
   .filter((plot) => plot.data && plot.offsetParent)
   .map((plot) => Plotly.Plots.resize(plot)))
-  .then(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))))"""
+  .then(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))))
+  .then(() => true)"""
 
 
 @final
@@ -160,18 +161,19 @@ def window(browser: Browser, width: int, height: int) -> None:
 
 def take(browser: Browser, panel: str, out: Path) -> None:
     """Write one part of the opened page as PNG."""
-    box = where(browser, panel)
+    box = place_of(browser, panel)
     # Chromium would enlarge the window by itself for the shot, and not wait for what that changes.
-    window(browser, browser.evaluate('innerWidth'), math.ceil(box['height']))
-    browser.evaluate(SETTLED)
+    window(browser, browser.evaluate('innerWidth'), max(math.ceil(box['height']), 1))
+    if browser.evaluate(SETTLED % {'panel': panel}) is not True:
+        raise BadInput(f'The {panel} of the page is not drawn; open the page by hand.')
     browser.evaluate("document.getElementById('bar')?.style.setProperty('visibility', 'hidden')")
-    box = where(browser, panel)
+    box = place_of(browser, panel)
     browser.evaluate(f'scrollTo(0, {box["y"]})')
     shot = browser.call('Page.captureScreenshot', format='png', clip={**box, 'scale': 1})
     out.write_bytes(base64.b64decode(shot['data']))
 
 
-def where(browser: Browser, panel: str) -> Mapping[str, float]:
+def place_of(browser: Browser, panel: str) -> Mapping[str, float]:
     """Return where on the opened page a part of it is. [px]"""
     box: Mapping[str, float] | None = browser.evaluate(BOX % {'panel': panel})
     if box is None:

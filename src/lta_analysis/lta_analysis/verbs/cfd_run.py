@@ -74,7 +74,8 @@ def run(
     preview is steady, minutes; reference transient, an hour.
 
     The results are a page; NAME.sweep.json, all that was solved; NAME.aero.yaml, fitted, which a
-    vehicle file can name ("aero: PATH"); and NAME.blown.json, the same with maps of the pressure.
+    vehicle file can name ("aero: PATH"); and, where rotors blew, NAME.blown.json, the sweep with
+    maps of the pressure.
 
     Exit status 0: done, and what was refused is said. 1: nothing could be solved. 2: bad input.
     130: Ctrl-C.

@@ -1,7 +1,6 @@
 """Solved cases to numbers: averages over the last rounds, turned into body axes and SI."""
 
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 from pathlib import Path
 from typing import Final
 
@@ -19,7 +18,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 STARTING: Final = 4.5  # lengths of flow before a transient is averaged
-BATCHES: Final = 10
+BATCH: Final = 5.0  # lengths of flow, about one swing of a wake
 
 
 def _ending(wrench: Wrenches) -> slice:
@@ -122,7 +121,7 @@ def transient_point(
     late = first.time >= SETTLING + STARTING * model.length
     drags = np.sum([each.force[late, 0] for each in wrenches.values()], axis=0)
     weights = np.gradient(first.time[late])
-    error = standard_error(drags, weights)
+    error = standard_error(drags, weights, BATCH * model.length)
     gates.check_mean(error, float(weights.sum()) / model.length)
     gates.check_brakes(float(np.average(drags, weights=weights)))
     cut = {
@@ -135,8 +134,8 @@ def transient_point(
         speed=speed,
         force=_listed(force),
         moment=_listed(moment),
-        parts=_parts(cut, scale),
-        viscous=_viscous(cut),
+        parts=_parts(cut, scale, weights),
+        viscous=_viscous(cut, weights),
         evidence=Evidence(
             spread=_short(error), window=_short(float(weights.sum())),
             residual=_residual(place, step.name), cells=_cells(mesh), seconds=seconds,
@@ -144,20 +143,28 @@ def transient_point(
     )  # fmt: skip
 
 
-def standard_error(values: Array, weights: Array) -> float:
+def standard_error(values: Array, weights: Array, batch: float) -> float:
     """
-    Return the standard error of the mean of a history over its mean, by means of batches. [1].
+    Return the standard error of the mean of a history over its mean. [1].
+
+    By the means of overlapping batches (Meketon and Schmeiser 1984), since neighbours are alike.
 
     Parameters
     ----------
     values, weights : array (n,)
-        A value and how long it held.
+        A value and how long it held. [s]
+    batch : float
+        Beyond which values are independent, shorter than the history. [s]
 
     """
-    ends = np.searchsorted(np.cumsum(weights), np.linspace(0.0, weights.sum(), BATCHES + 1))
-    means = [np.average(values[a:b], weights=weights[a:b]) for a, b in pairwise(ends) if b > a]
-    mean = float(np.average(values, weights=weights))
-    return float(np.std(means, ddof=1) / np.sqrt(len(means)) / abs(mean))
+    ends = np.concatenate(([0.0], np.cumsum(weights)))
+    sums = np.concatenate(([0.0], np.cumsum(values * weights)))
+    whole = ends[-1]
+    begins = np.linspace(0.0, whole - batch, len(values))
+    means = (np.interp(begins + batch, ends, sums) - np.interp(begins, ends, sums)) / batch
+    mean = sums[-1] / whole
+    variance = batch / (whole - batch) * np.mean((means - mean) ** 2)
+    return float(np.sqrt(variance) / abs(mean))
 
 
 def _body(
@@ -178,17 +185,26 @@ def _body(
     return scale * (turn @ force), scale * (turn @ moment)
 
 
-def _parts(wrenches: Mapping[str, Wrenches], scale: float) -> dict[str, float]:
+def _parts(
+    wrenches: Mapping[str, Wrenches], scale: float, weights: Array | None = None
+) -> dict[str, float]:
     return {
-        name: _short(scale * float(np.mean(each.force[_ending(each), 0])))
+        name: _short(scale * _mean(each, each.force[:, 0], weights))
         for name, each in wrenches.items()
     }
 
 
-def _viscous(wrenches: Mapping[str, Wrenches]) -> float:
-    friction = sum(float(np.mean(e.viscous[_ending(e), 0])) for e in wrenches.values())
-    drag = sum(float(np.mean(e.force[_ending(e), 0])) for e in wrenches.values())
+def _viscous(wrenches: Mapping[str, Wrenches], weights: Array | None = None) -> float:
+    friction = sum(_mean(each, each.viscous[:, 0], weights) for each in wrenches.values())
+    drag = sum(_mean(each, each.force[:, 0], weights) for each in wrenches.values())
     return _short(friction / drag)
+
+
+def _mean(wrench: Wrenches, values: Array, weights: Array | None) -> float:
+    """Return the mean of the window of a steady flow, or of all of a transient."""
+    if weights is None:
+        return float(np.mean(values[_ending(wrench)]))
+    return float(np.average(values, weights=weights))
 
 
 def spin_point(

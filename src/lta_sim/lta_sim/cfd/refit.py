@@ -16,6 +16,7 @@ ABOUT: Final[dict[Axis, int]] = {'roll': 0, 'pitch': 1, 'yaw': 2}
 ALONG: Final[dict[Axis, int]] = {'surge': 0, 'sway': 1, 'heave': 2}
 LIKE: Final[dict[Axis, Axis]] = {'sway': 'surge', 'pitch': 'roll'}  # after a quarter turn
 NOTICED: Final = 0.05  # of the drag: a lift that is told
+MESHED: Final = 0.1  # of the drag: what a coarser mesh may change
 UNSTEADY: Final = 'the damping of small fast swings is under-predicted: the air turns along'
 
 
@@ -69,6 +70,9 @@ def warnings_of(sweep: Sweep) -> list[str]:
         ratio = ratio_by_hand(sweep, axis)
         if not gates.beside(ratio, 1.0):
             told.append(f'{axis}: {ratio:.2f} times what is known by hand; look at the flow')
+        coarser = mesh_share(sweep, axis)
+        if coarser is not None and abs(coarser) > MESHED:
+            told.append(f'{axis}: {100 * coarser:+.0f} % of drag on a coarser mesh')
     if any(axis in sweep.axes for axis in ABOUT):
         told.append(f'roll, pitch, yaw: {UNSTEADY}')
     if sweep.fidelity == 'preview':

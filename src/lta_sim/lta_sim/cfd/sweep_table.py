@@ -22,9 +22,10 @@ class Evidence(Record):
     """
     How good a flow is.
 
-    spread: standard deviation of drag or thrust in the window over its mean [1]; window: rounds,
-    or seconds of a transient, that are averaged; residual: of the pressure at the end; balance:
-    momentum that is not accounted for, over the force [1]; cells: of the mesh.
+    spread: standard deviation of drag or thrust in the window over its mean, of a transient the
+    standard error of the mean [1]; window: rounds, or seconds of a transient, that are averaged;
+    residual: of the pressure at the end; balance: momentum that is not accounted for, over the
+    force [1]; cells: of the mesh.
     """
 
     spread: float

@@ -1,5 +1,7 @@
 """Fits, estimates by hand and the sphere against figures found elsewhere."""
 
+import math
+
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.errors import BadInput
@@ -109,4 +111,18 @@ def test_within_the_scatter_nothing_is_off():
 
 def test_a_standard_error_is_that_of_noise():
     noise = 1.0 + 0.1 * np.random.default_rng(3).standard_normal(4000)
-    assert standard_error(noise, np.ones(4000)) == pytest.approx(0.1 / 4000**0.5, rel=0.6)
+    assert standard_error(noise, np.ones(4000), 100.0) == pytest.approx(0.1 / 4000**0.5, rel=0.3)
+
+
+def test_a_standard_error_knows_that_neighbours_are_alike():
+    # An AR(1) process: the variance of its mean is (1 + a) / (1 - a) times that of noise.
+    generator, keep = np.random.default_rng(4), 0.95
+    found = []
+    for _ in range(50):
+        swings = np.zeros(4000)
+        for k, push in enumerate(generator.standard_normal(3999)):
+            swings[k + 1] = keep * swings[k] + push
+        found.append(standard_error(100.0 + swings, np.full(4000, 0.5), 200.0))
+    single = 1.0 / math.sqrt(1.0 - keep**2)
+    wanted = single / 100.0 * math.sqrt((1.0 + keep) / (1.0 - keep) / 4000)
+    assert np.mean(found) == pytest.approx(wanted, rel=0.12)

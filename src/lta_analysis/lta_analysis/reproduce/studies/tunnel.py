@@ -36,7 +36,7 @@ def fitted(sweep: Sweep) -> dict[str, Value]:
     """Return the coefficients of drag, and the net force of the upward rotors together. [SI]"""
     fits = fits_of(sweep)
     found = {'tunnel_up': Value(sweep.blows[BOTH_UP].force[2])}
-    for axis in ('surge', 'heave', 'roll'):
+    for axis in ('surge', 'heave', 'roll', 'pitch', 'yaw'):
         found[f'tunnel_{axis}_linear'] = Value(fits[axis].linear)
         found[f'tunnel_{axis}'] = Value(fits[axis].quadratic)
     return found
