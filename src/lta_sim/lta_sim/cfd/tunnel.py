@@ -86,7 +86,7 @@ class Fineness:
 PREVIEW: Final = Fineness()
 COARSE: Final = Fineness(hull=3, parts=4, cells=100_000)
 REFERENCE: Final = Fineness(shell=0.15, layers=5, expansion=1.4, cells=189_000)
-ROUGH: Final = Fineness(hull=3, parts=4, shell=0.15, expansion=1.4, cells=100_000)
+ROUGH: Final = Fineness(hull=3, parts=4, shell=0.15, layers=5, expansion=1.4, cells=100_000)
 
 
 def planes_of(model: Model, axis: str) -> tuple[bool, bool]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import math
 from typing import Final, final
 
@@ -59,11 +59,12 @@ def flows(model: Model, fidelity: str, air: Air) -> list[Flow]:
             Flow('wind', 'surge', steady_wind(model, 'surge', viscosity, PREVIEW), SPEEDS),
             Flow('wind', 'surge', steady_wind(model, 'surge', viscosity, COARSE), SPEEDS),
         ]
-    return [
-        Flow('transient', 'surge', transient_wind(model, 'surge', viscosity, fine, u, LENGTHS),
-             (u,))
-        for u, fine in CASES['reference']
-    ]  # fmt: skip
+    found = []
+    for speed, fine in CASES['reference']:
+        case = transient_wind(model, 'surge', viscosity, fine, speed, LENGTHS)
+        named = replace(case, name=f'{case.name}, hull at level {fine.hull}')
+        found.append(Flow('transient', 'surge', named, (speed,)))
+    return found
 
 
 def judge(
