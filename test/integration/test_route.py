@@ -8,7 +8,7 @@ from lta_config.files import find, load_yaml
 import pytest
 import yaml
 
-pytestmark = pytest.mark.beside
+pytestmark = [pytest.mark.beside, pytest.mark.long]
 
 
 @pytest.fixture

@@ -42,6 +42,7 @@ SCRIPT = """
 """
 
 
+@pytest.mark.long  # compiles the whole kernel twice
 def test_an_edited_effect_never_runs_stale(tmp_path):
     package = tmp_path / 'site'
     information = package / 'side_push-1.dist-info'

@@ -29,6 +29,7 @@ import numpy as np
 
 RATES: Final = (0.3, 1.0, 3.0)  # rad/s
 ROUNDS: Final = 200
+MEETING: Final = 400  # where more than two jets may meet: BEAVIS's lift still grows at 200
 NEXT: Final = 80
 AXES: Final = {'roll': (1, 0, 0), 'pitch': (0, 1, 0), 'yaw': (0, 0, 1)}
 BALL: Final = 'turning'
@@ -161,8 +162,9 @@ def blowing(
     functions = {
         **_functions(model, (1, 0, 0) if along_y else (0, 1, 0)), **pressure_on(model.bodies)
     }  # fmt: skip
-    last = {'system/controlDict': control('simpleFoam', 0, ROUNDS, functions)}
-    return Case(pattern, files, [Step('on', ('simpleFoam',), last, ROUNDS)], mesh, mesh.cells)
+    rounds = MEETING if len(shares) > 2 else ROUNDS
+    last = {'system/controlDict': control('simpleFoam', 0, rounds, functions)}
+    return Case(pattern, files, [Step('on', ('simpleFoam',), last, rounds)], mesh, mesh.cells)
 
 
 def spinning(model: Model, about: str, viscosity: float) -> Case:
