@@ -6,9 +6,9 @@ each, whether or not the node can answer yet. Here messages are taken straight f
 subscriptions, and only those that can complete an answer wake the node up. `make bench` compares a
 round trip with rclpy's own: 1.3 to 2.5 times. Timers are called directly too.
 
-Services, and answers to clients, are rare and go through rclpy's executor, which takes half a
-millisecond to find what is due. So does, once a second, what else it serves, such as the warning
-of a quality of service that does not fit. Coroutines are not served.
+Services, and answers to clients, are rare and go through rclpy's executor, which looks through
+all that the node has to find what is due. So does, once a second, what else it serves, such as the
+warning of a quality of service that does not fit. Coroutines are not served.
 """
 
 from collections.abc import Callable, Iterable

@@ -154,12 +154,14 @@ def standard_error(values: Array, weights: Array, batch: float) -> float:
     values, weights : array (n,)
         A value and how long it held. [s]
     batch : float
-        Beyond which values are independent, shorter than the history. [s]
+        Beyond which values are independent; nothing is known of a shorter history. [s]
 
     """
     ends = np.concatenate(([0.0], np.cumsum(weights)))
     sums = np.concatenate(([0.0], np.cumsum(values * weights)))
     whole = ends[-1]
+    if whole <= batch:
+        return float('inf')
     begins = np.linspace(0.0, whole - batch, len(values))
     means = (np.interp(begins + batch, ends, sums) - np.interp(begins, ends, sums)) / batch
     mean = sums[-1] / whole

@@ -114,6 +114,10 @@ def test_a_standard_error_is_that_of_noise():
     assert standard_error(noise, np.ones(4000), 100.0) == pytest.approx(0.1 / 4000**0.5, rel=0.3)
 
 
+def test_of_a_history_of_less_than_a_batch_nothing_is_known():
+    assert standard_error(np.ones(40), np.full(40, 0.1), 5.0) == math.inf
+
+
 def test_a_standard_error_knows_that_neighbours_are_alike():
     # An AR(1) process: the variance of its mean is (1 + a) / (1 - a) times that of noise.
     generator, keep = np.random.default_rng(4), 0.95
