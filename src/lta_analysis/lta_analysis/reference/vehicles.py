@@ -10,7 +10,8 @@ Generated from `config/vehicles` by `python -m lta_analysis.reference vehicles >
 
 Each is one file. Every number in it has its source; *assumed* are those that nobody measured or
 published. What is below follows from the files: `./lta vehicle show NAME` draws it and says from
-which numbers, `./lta vehicle diff A B` says what differs.
+which numbers, `./lta vehicle diff A B` says what differs. Level speed is where full forward push
+equals drag; what a hull can hold without rising or tumbling may be less (`./lta wind`).
 
 """
 COLUMNS = {  # the figure of a sheet, and its heading

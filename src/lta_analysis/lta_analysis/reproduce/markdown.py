@@ -10,8 +10,9 @@ from lta_config.paper_file import PaperRow
 
 HEAD: Final = """# The paper, reproduced
 
-`./lta reproduce` runs every experiment of the seed paper in this system. This file is what it
-came to: generated, every figure of ours measured, none typed.
+`./lta reproduce` runs every experiment of the paper (Huang, Xu and Zúñiga Zamalloa, *Exploiting
+Light To Enhance The Endurance and Navigation of Lighter-Than-Air Micro-Drones*, 2025) in this
+system. This file is what it came to: generated, every figure of ours measured, none typed.
 
 <!-- not run: minutes; test_paper.py runs the quick rows -->
 ```sh

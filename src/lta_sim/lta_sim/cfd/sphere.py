@@ -9,6 +9,7 @@ Morrison's formula says 0.41. The truth of a real sphere is within that scatter.
 from typing import Final
 
 SCATTER: Final = (0.45, 0.50)  # between these Reynolds numbers
+# A little beyond what was read: the drag of a smooth sphere stays level up to about 2e5.
 SCATTER_RANGE: Final = (5e4, 1.4e5)
 
 

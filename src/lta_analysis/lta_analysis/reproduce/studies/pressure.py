@@ -92,7 +92,7 @@ def beside(found: Mapping[str, Value]) -> Figure:
 
     rows = [
         ('GT-MAB: suction on its hull, both rotors up', size('gtmab_hull_least'), TRUTH),
-        ('GT-MAB: nose at top speed', size('flight_nose'), TRUTH),
+        ('GT-MAB: nose at its level limit, 1.09 m/s', size('flight_nose'), TRUTH),
         ('GT-MAB: suction at the bar beside its rotors', size('gtmab_least'), TRUTH),
         ('GT-MAB: jet of a reversed rotor on its hull', size('reversed_most'), TRUTH),
         ('BEAVIS: jets on its hull, all rotors on', size('beavis_hull_most'), TRUTH),
