@@ -60,7 +60,8 @@ class Aero(Record):
     """
     What a wind tunnel says, about the hull centre.
 
-    A rotor without a column in `thrust_allocation` gets it from its place, axis and torque.
+    A rotor without a column in `thrust_allocation` gets it from its place and axis. The torque of
+    its motor comes on top of either: a column is of jets without swirl.
     """
 
     linear_drag: LinearDrag

@@ -7,6 +7,8 @@ place and k the torque of the air per thrust:
     force = a,   moment = r x a + s k a,   s = 1 clockwise, -1 anticlockwise
 
 seen with the thrust coming towards the eye: the air turns the rotor back, and the motor the body.
+A column holds what jets do; the motor's torque s k a comes on top, since they are solved without
+swirl.
 """
 
 from collections.abc import Iterable
@@ -68,15 +70,16 @@ class Unit:
         length = math.hypot(*rotor.axis.vector)
         x, y, z = (number / length for number in rotor.axis.vector)
         axis, (p, q, r) = (x, y, z), rotor.position.vector
-        forward = _geometric(rotor, axis)
-        backward = forward
+        jet = (*axis, q * z - r * y, r * x - p * z, p * y - q * x)
+        back = jet
         if column:
-            forward = backward = _six((*column.force.vector, *column.moment.vector))
+            jet = back = (*column.force.vector, *column.moment.vector)
             if column.reverse:
-                backward = _six((*column.reverse.force.vector, *column.reverse.moment.vector))
+                back = (*column.reverse.force.vector, *column.reverse.moment.vector)
+        forward, backward = _turned(jet, rotor, axis), _turned(back, rotor, axis)
         a, b = curve.a.si, curve.b.si
         if curve.reverse:  # the column carries it: the curve of the model is an odd function
-            backward = _six(curve.reverse.si / (a + b) * number for number in backward)
+            backward = _scaled(backward, curve.reverse.si / (a + b))
         return cls(name, rotor.reversible, (p, q, r), axis, a, b, forward, backward)
 
 
@@ -112,17 +115,16 @@ def _curve(file: VehicleFile, rotor: Rotor) -> ThrustCurve:
     return curve
 
 
-def _geometric(rotor: Rotor, axis: Three) -> Six:
-    (p, q, r), (x, y, z) = rotor.position.vector, axis
+def _turned(jet: Iterable[float], rotor: Rotor, axis: Three) -> Six:
+    """Return a column with the torque of the motor; per newton it is the same in reverse."""
+    a, b, c, d, e, f = jet
+    x, y, z = axis
     turn = 0.0
     if rotor.torque:
         turn = rotor.torque.per_thrust.si * (1.0 if rotor.torque.spin == 'clockwise' else -1.0)
-    return (
-        x, y, z,
-        q * z - r * y + turn * x, r * x - p * z + turn * y, p * y - q * x + turn * z,
-    )  # fmt: skip
+    return (a, b, c, d + turn * x, e + turn * y, f + turn * z)
 
 
-def _six(numbers: Iterable[float]) -> Six:
-    a, b, c, d, e, f = numbers
-    return (a, b, c, d, e, f)
+def _scaled(column: Six, share: float) -> Six:
+    a, b, c, d, e, f = column
+    return (share * a, share * b, share * c, share * d, share * e, share * f)

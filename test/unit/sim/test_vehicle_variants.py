@@ -87,6 +87,18 @@ def test_the_air_turns_a_rotor_back_and_the_motor_the_body(spin, sign):
     np.testing.assert_allclose(plain.allocation[0], (0, 0, 1, 0.19, 0, sign * 0.006), atol=1e-15)
 
 
+@pytest.mark.parametrize('reversible', [False, True])
+def test_the_torque_of_a_motor_comes_on_top_of_the_column_of_its_jet(reversible):
+    """The wind tunnel's jets have no swirl: without it a multirotor in a hull could not turn."""
+    torque = {'per_thrust': given(0.006, 'm'), 'spin': 'anticlockwise'}
+    rotor = {**GTMAB['rotors']['up_left'], 'reversible': reversible}
+    plain = build(('rotors.up_left', rotor))
+    turned = build(('rotors.up_left', {**rotor, 'torque': torque}))
+    for mode in ('column', 'reverse'):
+        without, with_it = (getattr(each.rotors[0], mode) for each in (plain, turned))
+        np.testing.assert_allclose(np.subtract(with_it, without), [0, 0, 0, 0, 0, -0.006])
+
+
 def test_reversed_thrust_has_its_own_column_and_size():
     """The wind tunnel's V1 reversed: -0.252 N of 1; half as strong backwards here."""
     vehicle = build(
