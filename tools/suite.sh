@@ -18,5 +18,11 @@ run() {
     [ "$now" = 2 ] && exit "$status"
 }
 run -n auto --maxprocesses 4 --dist loadfile -m "(not integration or beside) and ($chosen)" "$@"
-run -m "integration and not beside and ($chosen)" "$@"
+# The second part is looked for where it is, unless the arguments name files of their own.
+case " $* " in
+    *' test/'*) clocked= ;;
+    *) clocked="test/integration $(grep -rl 'mark\.integration' test --include='test_*.py')" ;;
+esac
+# shellcheck disable=SC2086  # words
+run -m "integration and not beside and ($chosen)" $clocked "$@"
 exit "$status"

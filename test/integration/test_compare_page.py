@@ -40,7 +40,7 @@ def browser(page):
         yield running
 
 
-@pytest.mark.parametrize(('theme', 'width'), [('light', 390), ('light', 1280), ('dark', 1280)])
+@pytest.mark.parametrize(('theme', 'width'), [('light', 390), ('dark', 1280)])
 def test_every_picture_is_drawn_without_a_complaint_or_a_request(browser, page, theme, width):
     browser.events.clear()
     show(browser, page, theme, width)

@@ -49,7 +49,7 @@ def session(page):
         yield running
 
 
-@pytest.mark.parametrize(('theme', 'width'), [('light', 390), ('light', 1280), ('dark', 1280)])
+@pytest.mark.parametrize(('theme', 'width'), [('light', 390), ('dark', 1280)])
 def test_all_is_drawn_without_a_complaint_or_a_request(session, page, theme, width):
     session.events.clear()
     show(session, page, theme, width)

@@ -230,7 +230,7 @@ def opened(running):
     return opened
 
 
-@pytest.mark.parametrize(('theme', 'width'), [('light', 390), ('light', 1280), ('dark', 1280)])
+@pytest.mark.parametrize(('theme', 'width'), [('light', 390), ('dark', 1280)])
 def test_it_shows_all_without_a_complaint_or_a_request(
     running, opened, page, theme, width, tmp_path
 ):

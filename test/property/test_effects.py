@@ -97,14 +97,19 @@ surroundings = st.tuples(
 
 @st.composite
 def motions(draw):
+    """Draw what moves with its edges one by one, and the hundred numbers of the body by a seed."""
     turn = Rotation.from_euler('ZYX', draw(vectors))
     rotation = tuple(turn.as_matrix().ravel().tolist())
+    generator = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     rotors = []
     for _ in range(ACTUATORS):
-        axis = Rotation.from_euler('ZYX', draw(vectors)).as_matrix()[0]
-        rotors += [*draw(vectors), *axis.tolist()]
-    body = (draw(share) + 0.1, *draw(some(9)), *draw(some(6, share)), draw(share), *rotors)
+        axis = Rotation.from_euler('ZYX', generator.uniform(-5.0, 5.0, 3)).as_matrix()[0]
+        rotors += [*generator.uniform(-5.0, 5.0, 3).tolist(), *axis.tolist()]
+    moments = generator.uniform(-5.0, 5.0, 9).tolist()
+    added = generator.uniform(0.0, 1.0, 6).tolist()
+    body = (draw(share) + 0.1, *moments, *added, draw(share), *rotors)
     assert len(body) == BODY
+    commanded = tuple(generator.uniform(-1.0, 1.0, COMMAND).tolist())
     return Motion(
         draw(vectors),
         rotation,
@@ -112,7 +117,7 @@ def motions(draw):
         draw(vectors),
         draw(vectors),
         body,
-        draw(some(COMMAND, st.floats(-1.0, 1.0, allow_subnormal=False))),
+        commanded,
         draw(surroundings),
     )
 

@@ -172,7 +172,7 @@ def test_its_flights_are_those_of_the_loop_in_distribution():
         for _ in loop.flight():
             view.take()
         flown.append(results_of(view))
-    batch = [figures(row) for row in fly_many([made()], range(300), which=np.zeros(300, int))]
+    batch = [figures(row) for row in fly_many([made()], range(60), which=np.zeros(60, int))]
     assert all(told['outcome'] == flight.REACHED for told in batch)
     for name in ('path_length', 'end', 'energy', 'lift_off', 'search_start'):
         own, few = (np.array([told[name] for told in batch]),
