@@ -148,8 +148,8 @@ def tune_once(order: Order, console: Console) -> Tuned:
     folder = (
         order.folder or Path('runs') / f'tune-{scene_name(order)}-{identity(about)[:8]}'
     ).absolute()
-    book = Book(folder, identity(about))
     with (
+        Book(folder, identity(about)) as book,
         TuneProgress(console, order.budget, len(cases)) as progress,
         crew(order.workers) as workers,
     ):
