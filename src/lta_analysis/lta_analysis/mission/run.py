@@ -172,9 +172,7 @@ def one(
         last = now
 
     diary = life.live(heard)
-    part = path.with_suffix('.part')
-    part.write_text(json.dumps(to_json(diary)), encoding='utf-8')
-    part.rename(path)
+    keep_json(to_json(diary), path)
     return diary
 
 
