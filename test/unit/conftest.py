@@ -1,6 +1,8 @@
-"""Programs that stand in for OpenFOAM."""
+"""What tests of several packages share: stand-ins for OpenFOAM, a disk that is full."""
 
+from contextlib import contextmanager
 from pathlib import Path
+import resource
 import sys
 
 from lta_sim.cfd.engine import PROGRAMS
@@ -19,3 +21,19 @@ def fake(tmp_path, monkeypatch):
         (programs / name).chmod(0o755)
     monkeypatch.setenv('PATH', f'{programs}:/usr/bin:/bin')
     return tmp_path / 'cases'
+
+
+@pytest.fixture
+def room():
+    """Return a context within which no file takes more than some bytes."""
+
+    @contextmanager
+    def limited(size):
+        soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+        try:
+            yield
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+    return limited

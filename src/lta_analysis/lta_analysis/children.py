@@ -8,16 +8,22 @@ from multiprocessing.connection import wait
 import os
 import signal
 from threading import Thread
-from typing import Any, TypeVar
+from types import TracebackType
+from typing import Any, final, Self, TypeVar
 
 from lta_config.errors import BadInput
 
 Result = TypeVar('Result')
 
+KEPT = ' What was done is kept: give the same command again to go on.'
+ALONE = ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS')
+
 
 def begin() -> None:
     """Leave Ctrl-C to whoever gives the work, and end when that process does."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for name in ALONE:  # before anything loads numpy: the others have the processors
+        os.environ.setdefault(name, '1')
     giver = parent_process()
     if giver is not None:
         Thread(target=_end_with, args=(giver.sentinel,), daemon=True).start()
@@ -28,45 +34,89 @@ def _end_with(sentinel: int) -> None:
     os._exit(1)
 
 
-def done_by(
-    work: Callable[..., Result], each: Sequence[tuple[Any, ...]], jobs: int
-) -> Iterator[Result]:
+@final
+class Children:
     """
-    Yield what comes of some work in whatever order it is done; in this process with one job.
+    Some processes, as a context manager; with one job, all is done in this one.
 
-    Whoever stops early, by Ctrl-C for one, stops what is being worked on.
+    Whoever leaves early, by Ctrl-C for one, stops what is being worked on.
 
     Parameters
     ----------
-    work : callable
-        Of a module, so that another process finds it.
-    each : sequence of tuples
-        Its arguments.
     jobs : int
         Processes.
-
-    Raises
-    ------
-    BadInput
-        If a process dies.
+    option : str
+        Of the command line, that says how many.
+    goes_on : bool
+        Whether the command keeps what was done, and goes on there when it is given again.
 
     """
-    if jobs == 1:
-        for arguments in each:
-            yield work(*arguments)
-        return
-    pool = ProcessPoolExecutor(jobs, get_context('spawn'), begin)
-    try:
-        coming = [pool.submit(work, *arguments) for arguments in each]
-        for one in as_completed(coming):
-            yield one.result()
-    except BrokenProcessPool:
-        raise BadInput(
-            'A process that worked on a case died; see whether memory is short, or use --jobs 1.'
-        ) from None
-    except BaseException:
-        for child in active_children():
-            child.terminate()
-        raise
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
+
+    def __init__(self, jobs: int, option: str, goes_on: bool = False) -> None:
+        self._pool = ProcessPoolExecutor(jobs, get_context('spawn'), begin) if jobs > 1 else None
+        self._died = (
+            'A process that worked for this one died; see whether memory is short, or use '
+            f'{option} 1.{KEPT if goes_on else ""}'
+        )
+
+    def do(self, work: Callable[..., Result], each: Sequence[tuple[Any, ...]]) -> Iterator[Result]:
+        """
+        Yield what comes of some work in whatever order it is done.
+
+        Parameters
+        ----------
+        work : callable
+            Of a module, so that another process finds it.
+        each : sequence of tuples
+            Its arguments.
+
+        Raises
+        ------
+        BadInput
+            If a process dies.
+
+        """
+        if self._pool is None:
+            for arguments in each:
+                yield work(*arguments)
+            return
+        coming = []
+        try:
+            coming += [self._pool.submit(work, *arguments) for arguments in each]
+            for one in as_completed(coming):
+                yield one.result()
+        except BrokenProcessPool:
+            raise BadInput(self._died) from None
+        finally:
+            for one in coming:
+                one.cancel()
+
+    def __enter__(self) -> Self:
+        """Be ready."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Leave nobody behind."""
+        if self._pool is None:
+            return
+        if kind is not None:
+            for child in active_children():
+                child.terminate()
+        self._pool.shutdown(wait=True, cancel_futures=True)
+
+
+def done_by(
+    work: Callable[..., Result],
+    each: Sequence[tuple[Any, ...]],
+    jobs: int,
+    option: str,
+    goes_on: bool = False,
+) -> Iterator[Result]:
+    """Yield what comes of some work in whatever order it is done, by `Children` of its own."""
+    with Children(jobs, option, goes_on) as children:
+        yield from children.do(work, each)

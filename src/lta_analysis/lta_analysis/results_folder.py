@@ -12,6 +12,7 @@ from typing import Any, Final
 
 from lta_bridge.bag.writer import empty_folder
 from lta_config.errors import BadInput
+from lta_config.whole_file import whole
 
 PART: Final = '.part'  # within the folder: the one beside it may be somebody else's
 
@@ -69,7 +70,8 @@ def keep_json(content: Mapping[str, Any] | list[Any], place: Path) -> str:
     """Write results as JSON and return the text; `BadInput` where the disk does not take it."""
     text = json.dumps(content, indent=1) + '\n'
     try:
-        place.write_text(text, encoding='utf-8')
+        with whole(place) as part:
+            part.write_text(text, encoding='utf-8')
     except OSError as error:
         raise BadInput(
             f"'{place}' cannot be written ({error.strerror}); make room, or choose another folder "

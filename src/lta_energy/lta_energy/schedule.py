@@ -96,6 +96,12 @@ def begins(known: Known) -> float:
     return today if today > known.time else today + DAY
 
 
+def ends(known: Known) -> float:
+    """Return when work ends next. [s]"""
+    today = known.time - known.time % DAY + known.work[1]
+    return today if today >= known.time else today + DAY
+
+
 def least(known: Known) -> float:
     """Return the energy that a cell which is surely above the reserve holds. [J]"""
     sure = known.reserve + SURE * known.gauge.deviation
@@ -147,7 +153,9 @@ def outlook(known: Known) -> tuple[bool, float]:
     """Tell whether the cell would be full by the end of work, and what it would hold then. [J]"""
     energy, most = holds(known), stored_energy(1.0, known.cell.capacity)
     full, time = False, known.time
-    while at_work(known._replace(time=time)):
+    # Not `at_work` of each step: a break shorter than a step is stepped over, and work never ends.
+    last = ends(known) - 1.5 * known.flight
+    while time <= last:
         energy += (coming(known, time) - known.asleep) * STEP
         if energy >= most:
             full, energy = True, most
@@ -157,8 +165,7 @@ def outlook(known: Known) -> tuple[bool, float]:
 
 def night(known: Known) -> float:
     """Return what the cell must hold at the end of work to reach the next morning. [J]"""
-    time = known.time - known.time % DAY + known.work[1]
-    time += DAY if time < known.time else 0.0
+    time = ends(known)
     end, needed, taken = time + DAY, 0.0, 0.0
     while time < end and coming(known, time) < known.asleep:
         taken += (known.asleep - coming(known, time)) * STEP

@@ -1,5 +1,6 @@
 """A mission over days with flights that cost what the test says: schedules, books, failures."""
 
+from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 import math
@@ -125,6 +126,31 @@ def test_a_cell_that_would_be_full_is_flown_empty():
     full, _ = outlook(noon)
     assert full
     assert by_light(noon).fly
+
+
+@pytest.mark.parametrize(
+    ('work', 'hours'), [((0, 24), 24), ((6, 5.95), 23.95), ((0, 23.9), 23.9), ((22, 6), 8)]
+)
+def test_the_forecast_ends_with_work_however_short_the_break(work, hours):
+    begin = DAY + work[0] * HOUR  # work that begins now
+    shift = known(time=begin, work=(work[0] * HOUR, work[1] * HOUR), flight=120.0)
+    looked = []
+
+    def income(light):
+        looked.append(light)
+        assert len(looked) < 1000, 'it looks on for ever'
+        return shift.asleep
+
+    outlook(shift._replace(income=income))
+    assert len(looked) * 600.0 == pytest.approx(hours * HOUR, abs=600.0)
+    by_light(shift)
+
+
+def test_work_round_the_clock_is_flown_by_day_and_by_night():
+    upkeep = replace(UPKEEP, work=(0.0, DAY))
+    starts = [flight.start for flight in lived(DOCK, by_light, upkeep=upkeep, days=2).flights]
+    assert min(starts) < 2 * HOUR
+    assert max(starts) > 2 * DAY - 2 * HOUR
 
 
 def test_a_lost_drone_is_fetched_and_counted():

@@ -113,7 +113,8 @@ def make(
 def _make(order: Order, part: Path, jobs: int, tell: Callable[[int], None]) -> None:
     """Make all of a challenge, in whatever order the cases are done."""
     answers: dict[str, Any] = {}
-    for number, answer in done_by(_make_one, [(order, n, part) for n in range(order.count)], jobs):
+    cases = [(order, number, part) for number in range(order.count)]
+    for number, answer in done_by(_make_one, cases, jobs, '--jobs'):
         answers[str(number)] = answer
         tell(len(answers))
     digest = seal(answers, part / SEALED)

@@ -110,7 +110,8 @@ def score(
     results.mkdir(exist_ok=True)
     done = count - len(todo)
     tell(done, count)
-    for _ in done_by(_put_one, [(folder, number, now) for number in todo], jobs):
+    asked = [(folder, number, now) for number in todo]
+    for _ in done_by(_put_one, asked, jobs, '--jobs', goes_on=True):
         done += 1
         tell(done, count)
     answers = opened(folder / SEALED)

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-import json
 from pathlib import Path
 import time
 from typing import Any, Final
@@ -16,6 +15,7 @@ from lta_analysis.discovery.flights.trusted import believed
 from lta_analysis.discovery.forecast.held_out import gaps, shown
 from lta_analysis.discovery.replay.linear import Point, RANDOM
 from lta_analysis.discovery.study import Study, study
+from lta_analysis.results_folder import keep_json
 from lta_config.errors import BadInput
 from lta_sim.vehicle import load_vehicle
 import numpy as np
@@ -54,21 +54,14 @@ def put(folder: Path, answer: Mapping[str, Any], out: Path) -> dict[str, Any]:
         found |= {'refused': str(fault), 'verdict': 'not_identifiable', 'effects': [], 'gaps': []}
         found |= {'remains': [], 'warnings': []}
     found |= {'wall_s': time.monotonic() - wall, 'cpu_s': time.process_time() - cpu}
-    _keep(found, out)
+    keep_json(found, out)
     if studied is not None:
         try:
             found |= {'oracle': oracle(studied, answer)}
         except FAULTS as fault:
             found |= {'oracle': {}, 'oracle_fault': str(fault)}
-        _keep(found, out)
+        keep_json(found, out)
     return found
-
-
-def _keep(found: Mapping[str, Any], out: Path) -> None:
-    """Write a result, whole or not at all."""
-    partial = out.with_suffix('.part')
-    partial.write_text(json.dumps(found, indent=1) + '\n', encoding='utf-8')
-    partial.replace(out)
 
 
 def _studied(folder: Path) -> Study:

@@ -13,6 +13,7 @@ from lta_analysis.export.parquet_file import write_parquet
 from lta_analysis.export.source import Source, source_of, source_of_table
 from lta_bridge.bag.writer import empty_folder
 from lta_config.errors import BadInput, unknown
+from lta_config.whole_file import whole
 
 FORMATS: Final[dict[str, Callable[[Source, Path], Iterator[int]]]] = {
     'parquet': write_parquet,
@@ -154,12 +155,8 @@ def save(source: Source, folder: Path, form: str, done: Done) -> tuple[str, Sour
     while name in taken:
         name += '_'
     path = folder / f'{name}.{form}'
-    unfinished = path.with_suffix('.unfinished')
-    try:
-        rows = sum(FORMATS[form](source, unfinished))
-        unfinished.replace(path)
-    finally:
-        unfinished.unlink(missing_ok=True)
+    with whole(path) as part:
+        rows = sum(FORMATS[form](source, part))
     done.files.append(Exported(source.name, path, rows, len(source.declared)))
     if source.remark:
         done.remarks.append(source.remark)

@@ -12,6 +12,7 @@ from typing import final
 
 from lta_analysis.mission.aloft import (
     Aloft,
+    at_rest,
     DONE,
     DWELL,
     EMPTY,
@@ -96,6 +97,13 @@ class Flyer:
         self._pilot = Pilot(made, self._leg)
         self._speed = scenes.policy.mission.speed
 
+    def compile(self) -> None:
+        """Have compiled what flies, which takes up to a minute where it is not kept on disk."""
+        made = self._scenes.made(self._mission.perch, self._light.at(0.0), 1.0)
+        over = at_rest(1.0, 1.0)._replace(outcome=DONE)
+        state = self._pilot.standing(0.0, 0.0, 0.0, 0.0, 0)
+        self._pilot.fly(self._pilot.constants(made), self._leg, over, state, 0)
+
     def fly(self, departure: Departure) -> Landing:
         """Fly the round and home."""
         going = self._begin(departure)
@@ -113,7 +121,7 @@ class Flyer:
         return Landing(supply.flow, flight)
 
     def _begin(self, departure: Departure) -> Going:
-        """Return a drone beside its lantern, its nose where the last flight left it."""
+        """Return a drone beside its lantern, its nose wherever the seed points it."""
         seed = int(np.random.SeedSequence([self._seed, departure.number]).generate_state(1)[0])
         heading = 2.0 * math.pi * (seed / 2**32)
         x, y, _ = self._scenes.lamp(self._mission.perch).position

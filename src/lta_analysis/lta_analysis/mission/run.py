@@ -1,21 +1,23 @@
 """Live a mission under several schedules and seeds, on all cores, and go on where it stopped."""
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import as_completed, ThreadPoolExecutor
+from concurrent.futures import as_completed, CancelledError, ThreadPoolExecutor
 from dataclasses import dataclass
 import hashlib
 import json
 import os
 from pathlib import Path
+from threading import Event
 from typing import Final, final, NamedTuple
 
 from lta_analysis.light.evaluation.intervals import Mean, mean, ratio
 from lta_analysis.mission.figures import Figures, figures_of, from_json, to_json
+from lta_analysis.mission.flyer import Flyer
 from lta_analysis.mission.lived import AWARE, DOZING, life_of, NAIVE
 from lta_analysis.mission.scene import Scenes
 from lta_analysis.results_folder import keep_json
 from lta_config.errors import BadInput
-from lta_config.light_day_file import LightDay, load_light_day
+from lta_config.light_day_file import DAY, LightDay, load_light_day
 from lta_config.mission_file import load_mission, MissionFile
 from lta_energy.diary import Diary
 from lta_energy.light_of_days import light_of, LightOfDays
@@ -87,6 +89,8 @@ def run(order: Order, folder: Path, told: Callable[[float], None]) -> list[Told]
     """
     Return all lives, those from an earlier run in the folder as they were.
 
+    Ctrl-C ends all that are being lived at their next stretch, as does one that breaks.
+
     Parameters
     ----------
     order : Order
@@ -101,12 +105,23 @@ def run(order: Order, folder: Path, told: Callable[[float], None]) -> list[Told]
     jobs = [(schedule, seed) for seed in order.seeds for schedule in order.schedules]
     cores = len(os.sched_getaffinity(0))
     found: dict[tuple[str, int], Diary] = {}
+    stopping = Event()
+
+    def heard(gone: float) -> None:
+        if stopping.is_set():
+            raise CancelledError
+        told(gone)
+
+    if not all(place(folder, *job).exists() for job in jobs):
+        # In this thread, which Ctrl-C ends: nothing stops another one in the compiler.
+        compiled(order)
     with ThreadPoolExecutor(cores) as pool:
-        running = {pool.submit(one, order, folder, *job, told): job for job in jobs}
+        running = {pool.submit(one, order, folder, *job, heard): job for job in jobs}
         try:
             for done in as_completed(running):
                 found[running[done]] = done.result()
         except BaseException:
+            stopping.set()  # the pool waits for its threads whatever it is told
             pool.shutdown(wait=False, cancel_futures=True)
             raise
     beacons = len(order.mission.round)
@@ -129,15 +144,26 @@ def begin(order: Order, folder: Path) -> None:
     keep_json({'name': order.mission.name, 'digest': order.digest}, note)
 
 
+def place(folder: Path, schedule: str, seed: int) -> Path:
+    """Return where a life is kept."""
+    return folder / f'{schedule.replace(",", "").replace(" ", "_")}_{seed}.json'
+
+
+def compiled(order: Order) -> None:
+    """Have compiled what flies."""
+    light = order.light(order.seeds[0])
+    Flyer(order.mission, order.scenes, light, order.seeds[0]).compile()
+
+
 def one(
     order: Order, folder: Path, schedule: str, seed: int, told: Callable[[float], None]
 ) -> Diary:
     """Return one life, from its file where it has been lived already."""
-    path = folder / f'{schedule.replace(",", "").replace(" ", "_")}_{seed}.json'
-    life, light = life_of(order.mission, order.day, order.scenes, schedule, order.days, seed)
+    path = place(folder, schedule, seed)
     if path.exists():
-        told(light.end)
+        told(DAY * order.days)
         return from_json(json.loads(path.read_text(encoding='utf-8')))
+    life, _ = life_of(order.mission, order.day, order.scenes, schedule, order.days, seed)
     last = 0.0
 
     def heard(now: float) -> None:
@@ -146,9 +172,7 @@ def one(
         last = now
 
     diary = life.live(heard)
-    part = path.with_suffix('.part')
-    part.write_text(json.dumps(to_json(diary)), encoding='utf-8')
-    part.rename(path)
+    keep_json(to_json(diary), path)
     return diary
 
 

@@ -6,13 +6,12 @@ matter.
 """
 
 from collections.abc import Iterator
-from concurrent.futures import as_completed, ProcessPoolExecutor
 from dataclasses import asdict, dataclass
 from functools import cache
-from multiprocessing import get_context
 import os
 from typing import Any, final
 
+from lta_analysis.children import done_by
 from lta_analysis.loop import Loop
 from lta_analysis.platforms.entries import entrant
 from lta_analysis.platforms.flying import begun, Flight, fly
@@ -138,17 +137,8 @@ def row_of(job: Job, flight: Flight) -> Row:
 
 
 def fly_all(todo: list[Job], workers: int) -> Iterator[Row]:
-    """Yield the rows of all flights as they come; in this process where one worker is asked."""
-    if workers == 1:
-        yield from map(fly_job, todo)
-        return
-    with ProcessPoolExecutor(workers, mp_context=get_context('spawn')) as pool:
-        coming = [pool.submit(fly_job, job) for job in todo]
-        try:
-            for done in as_completed(coming):
-                yield done.result()
-        finally:
-            pool.shutdown(wait=False, cancel_futures=True)
+    """Return the rows of all flights as they come; in this process where one worker is asked."""
+    return done_by(fly_job, [(job,) for job in todo], workers, '--workers')
 
 
 def processors() -> int:

@@ -14,6 +14,7 @@ from typing import Final
 from lta_analysis.report.palette import DARK
 from lta_analysis.report.pieces import embedded, ending
 from lta_config.errors import BadInput
+from lta_config.whole_file import whole
 from plotly.offline import get_plotlyjs
 
 BEGIN: Final = '<style>\n'
@@ -88,7 +89,8 @@ def halves(text: str) -> list[str]:
 def written(content: str | bytes, out: Path) -> Path:
     """Write a page or picture and return where it is; `BadInput` where it cannot be written."""
     try:
-        out.write_bytes(content.encode() if isinstance(content, str) else content)
+        with whole(out) as part:
+            part.write_bytes(content.encode() if isinstance(content, str) else content)
     except OSError as error:
         raise BadInput(
             f"The page '{out}' cannot be written ({error.strerror}); make room, or choose "

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Final, final, Literal, NamedTuple
 
 from lta_analysis.browser import Browser
+from lta_analysis.report.frame import written
 from lta_config.errors import BadInput, unknown
 
 Theme = Literal['light', 'dark']
@@ -170,7 +171,7 @@ def take(browser: Browser, panel: str, out: Path) -> None:
     box = place_of(browser, panel)
     browser.evaluate(f'scrollTo(0, {box["y"]})')
     shot = browser.call('Page.captureScreenshot', format='png', clip={**box, 'scale': 1})
-    out.write_bytes(base64.b64decode(shot['data']))
+    written(base64.b64decode(shot['data']), out)
 
 
 def place_of(browser: Browser, panel: str) -> Mapping[str, float]:

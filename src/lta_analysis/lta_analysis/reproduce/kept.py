@@ -64,9 +64,7 @@ def write(place: Path, name: str, kept: Kept) -> None:
         'seconds': kept.seconds,
     }
     place.parent.mkdir(parents=True, exist_ok=True)
-    part = place.with_suffix('.part')
-    keep_json(content, part)
-    part.rename(place)
+    keep_json(content, place)
 
 
 def read(place: Path, name: str) -> Kept | None:

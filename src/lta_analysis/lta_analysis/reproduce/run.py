@@ -1,14 +1,13 @@
 """Rows of the paper from their files to what was found: kept as they end, taken up again."""
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import as_completed, ProcessPoolExecutor
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
 import shutil
 import time
 from typing import final
 
+from lta_analysis.children import done_by
 from lta_analysis.reproduce.found import Asked
 from lta_analysis.reproduce.kept import identity, Kept, kept_of, read, write
 from lta_analysis.reproduce.registry import STUDIES
@@ -78,23 +77,13 @@ def study_row(name: str, quick: bool, folder: Path) -> Kept:
 
 def study_all(order: Order, todo: Sequence[PaperRow]) -> Iterator[tuple[str, Kept]]:
     """Yield rows as they are studied, each kept before it is told of."""
-    names = [row.name for row in todo]
+    asked = [(row.name, order.quick, order.folder) for row in todo]
     keys = {row.name: key(row, order.quick) for row in todo}
-    for name, kept in _coming(order, names):
+    for name, kept in done_by(_named, asked, order.workers, '--workers', goes_on=True):
         write(order.place(name), keys[name], kept)
         yield name, kept
 
 
-def _coming(order: Order, names: Sequence[str]) -> Iterator[tuple[str, Kept]]:
-    """Yield rows as they come; studied in this process where one worker is asked."""
-    if order.workers == 1:
-        for name in names:
-            yield name, study_row(name, order.quick, order.folder)
-        return
-    with ProcessPoolExecutor(order.workers, mp_context=get_context('spawn')) as pool:
-        coming = {pool.submit(study_row, name, order.quick, order.folder): name for name in names}
-        try:
-            for done in as_completed(coming):
-                yield coming[done], done.result()
-        finally:
-            pool.shutdown(wait=False, cancel_futures=True)
+def _named(name: str, quick: bool, folder: Path) -> tuple[str, Kept]:
+    """Study one row, and say which it was."""
+    return name, study_row(name, quick, folder)

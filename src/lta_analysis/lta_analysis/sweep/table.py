@@ -8,6 +8,7 @@ from typing import Any, Final
 from lta_analysis.report.results import Results
 from lta_analysis.sweep.flown import Row
 from lta_config.errors import BadInput
+from lta_config.whole_file import whole
 import pyarrow as arrow
 from pyarrow import parquet
 
@@ -58,10 +59,9 @@ def write_table(
         columns.append(arrow.array([row.figures.get(item.name) for row in rows], kind))
         declared.append(_field(item.name, kind, item.metadata['unit'], item.metadata['about']))
     table = arrow.table(columns, schema=arrow.schema(declared, metadata=dict(about)))
-    unfinished = path.with_suffix('.unfinished')
     try:
-        parquet.write_table(table, unfinished, compression='zstd')
-        unfinished.replace(path)
+        with whole(path) as part:
+            parquet.write_table(table, part, compression='zstd')
     except OSError as error:
         raise BadInput(f"'{path}' cannot be written ({error}); make room.") from None
 

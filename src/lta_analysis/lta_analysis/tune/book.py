@@ -5,15 +5,22 @@ The search draws the same candidates from the same seed, so that costs in their 
 needs.
 """
 
-from contextlib import suppress
+from contextlib import AbstractContextManager
 import hashlib
 import json
 from pathlib import Path
-from typing import Any, final
+from typing import Any, final, NamedTuple
 
-from lta_config.errors import BadInput
+from lta_analysis.line_log import Kind, LineLog
 
-NAME = 'search.jsonl'
+KIND = Kind('search.jsonl', 'tune', 'search', '--folder')
+
+
+class Entry(NamedTuple):
+    """One candidate: its numbers, and its costs by case."""
+
+    numbers: list[float]
+    costs: list[float]
 
 
 def identity(content: Any) -> str:  # noqa: ANN401 - what JSON holds
@@ -23,9 +30,9 @@ def identity(content: Any) -> str:  # noqa: ANN401 - what JSON holds
 
 
 @final
-class Book:
+class Book(AbstractContextManager['Book', None]):
     """
-    The costs of a search.
+    The costs of a search; use it as a context manager.
 
     Parameters
     ----------
@@ -37,50 +44,30 @@ class Book:
     Raises
     ------
     BadInput
-        If the folder holds another search, or cannot be written.
+        If the folder holds another search, another process writes to it, or it cannot be written.
 
     """
 
     def __init__(self, folder: Path, name: str) -> None:
-        self._path = folder / NAME
-        self._costs: list[tuple[list[float], list[float]]] = []
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            text = self._path.read_text(encoding='utf-8') if self._path.is_file() else ''
-        except OSError as error:
-            raise BadInput(
-                f"'{folder}' cannot be used ({error.strerror}); choose another --folder."
-            ) from None
-        # A line that a kill tore off has no end; what is behind it was never kept.
-        lines = [line for line in text.splitlines(keepends=True) if line.endswith('\n')]
-        if lines and json.loads(lines[0]).get('tune') != name:
-            raise BadInput(f"'{self._path}' is of another search; choose another --folder.")
-        for line in lines[1:]:
-            with suppress(ValueError, KeyError):
-                content = json.loads(line)
-                self._costs.append((content['numbers'], content['costs']))
-        begin = lines or [json.dumps({'tune': name}) + '\n']
-        try:
-            self._path.write_text(''.join(begin), encoding='utf-8')
-        except OSError as error:
-            raise BadInput(
-                f"'{self._path}' cannot be written ({error.strerror}); make room or choose "
-                'another --folder.'
-            ) from None
+        self._lines = LineLog(folder, KIND, name, _entry)
+        self._entries = self._lines.pieces
 
     def known(self, place: int, numbers: list[float]) -> list[float] | None:
         """Return the costs of the candidate at a place, by case; None if it was not flown."""
-        if place >= len(self._costs) or self._costs[place][0] != numbers:
+        if place >= len(self._entries) or self._entries[place].numbers != numbers:
             return None
-        return self._costs[place][1]
+        return self._entries[place].costs
 
     def add(self, numbers: list[float], costs: list[float]) -> None:
-        """Keep the costs of one more candidate."""
-        self._costs.append((numbers, costs))
-        line = json.dumps({'numbers': numbers, 'costs': costs}, allow_nan=False)
-        with self._path.open('a', encoding='utf-8') as file:
-            file.write(line + '\n')
+        """Keep the costs of one more candidate; they outlive this process from now on."""
+        entry = Entry(numbers, costs)
+        self._entries.append(entry)
+        self._lines.keep(entry._asdict())
 
-    def __len__(self) -> int:
-        """Return how many candidates have been flown."""
-        return len(self._costs)
+    def __exit__(self, *_: object) -> None:
+        """Close it."""
+        self._lines.close()
+
+
+def _entry(content: dict[str, Any]) -> Entry:
+    return Entry(**content)

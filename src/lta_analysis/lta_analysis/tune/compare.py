@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import math
 from typing import final
 
+from lta_analysis.children import Children
 from lta_analysis.sweep.statistics import Share, wilson
-from lta_analysis.tune.crew import Crew, Task
+from lta_analysis.tune.crew import fly_all, Task
 from lta_analysis.tune.exam import Case, Scene, Step, STEPS
 from lta_analysis.tune.marks import Report
 from lta_control.cascade import CascadeGains
@@ -112,11 +113,11 @@ def drawn(least: float, most: float, count: int, seed: int) -> list[Case]:
 
 
 def compared(
-    scene: Scene, both: tuple[CascadeGains, CascadeGains], cases: Sequence[Case], crew: Crew
+    scene: Scene, both: tuple[CascadeGains, CascadeGains], cases: Sequence[Case], crew: Children
 ) -> tuple[Flights, Flights]:
     """Fly old and new gains through the same cases."""
     tasks = [Task(scene, gains, case) for gains in both for case in cases]
-    reports = crew.fly(tasks)
+    reports = fly_all(tasks, crew)
     losses = tuple(case.loss for case in cases)
     count = len(cases)
     return Flights(losses, tuple(reports[:count])), Flights(losses, tuple(reports[count:]))

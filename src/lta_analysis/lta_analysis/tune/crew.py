@@ -1,16 +1,12 @@
-"""Processes that fly examinations, one each, and are gone when they are not needed."""
+"""Examinations flown side by side, one a process."""
 
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
 import math
-from multiprocessing import get_context
-import os
-from types import TracebackType
-from typing import final, NamedTuple, Self
+from operator import itemgetter
+from typing import NamedTuple
 
-from lta_analysis.children import begin
+from lta_analysis.children import Children
 from lta_analysis.tune.cut import Cut
 from lta_analysis.tune.exam import Case, fly, Scene, STEPS
 from lta_analysis.tune.linear import linearised
@@ -21,6 +17,7 @@ from lta_config.errors import BadInput
 from lta_control.cascade import CascadeGains, Setpoint
 
 CRUISING = Setpoint(ALTITUDE, 0.0, CRUISE)
+PLACE = itemgetter(0)
 WORST = Mark(math.inf, 1.0, 1.0, 1.0)
 BROKEN = Report(
     (WORST,) * len(STEPS), 1.0, 1.0, 0.0, True, LOST
@@ -49,45 +46,16 @@ def examine(task: Task) -> Report:
         return BROKEN
 
 
-@final
-class Crew:
-    """
-    Some processes; with one, everything is flown in this one.
+def crew(size: int) -> Children:
+    """Return processes that fly examinations."""
+    return Children(size, '--workers', goes_on=True)
 
-    Parameters
-    ----------
-    size : int
-        How many.
 
-    """
+def fly_all(tasks: Sequence[Task], by: Children) -> list[Report]:
+    """Return the reports in the order of the tasks."""
+    return [report for _, report in sorted(by.do(_placed, list(enumerate(tasks))), key=PLACE)]
 
-    def __init__(self, size: int) -> None:
-        for name in ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS'):
-            os.environ.setdefault(name, '1')
-        self._pool = ProcessPoolExecutor(size, get_context('spawn'), begin) if size > 1 else None
 
-    def fly(self, tasks: Sequence[Task]) -> list[Report]:
-        """Return the reports in the order of the tasks."""
-        if self._pool is None:
-            return [examine(task) for task in tasks]
-        try:
-            return list(self._pool.map(examine, tasks))
-        except BrokenProcessPool:
-            raise BadInput(
-                'A process that flew examinations died; see whether memory is short, or use '
-                '--workers 1. What was flown is kept: give the same command again to go on.'
-            ) from None
-
-    def __enter__(self) -> Self:
-        """Be ready."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """Leave nobody behind."""
-        if self._pool is not None:
-            self._pool.shutdown(wait=True, cancel_futures=True)
+def _placed(place: int, task: Task) -> tuple[int, Report]:
+    """Fly one examination, and say which it was."""
+    return place, examine(task)

@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from lta_config.errors import BadInput
+from lta_config.whole_file import whole
 from pydantic import BaseModel
 import yaml
 
@@ -38,8 +39,8 @@ def gains_text(gains: BaseModel, about: Sequence[str]) -> str:
 
 def write_gains(gains: BaseModel, about: Sequence[str], path: Path) -> None:
     """Write a parameter file; `BadInput` where that cannot be."""
-    with _wanted(path):
-        path.write_text(gains_text(gains, about), encoding='utf-8')
+    with _wanted(path), whole(path) as part:
+        part.write_text(gains_text(gains, about), encoding='utf-8')
 
 
 def check_writable(path: Path) -> None:

@@ -6,10 +6,11 @@ from functools import partial
 from pathlib import Path
 from typing import final
 
+from lta_analysis.children import Children
 from lta_analysis.tune import exam
 from lta_analysis.tune.book import Book, identity
 from lta_analysis.tune.compare import compared, drawn, Flights
-from lta_analysis.tune.crew import Crew, Task
+from lta_analysis.tune.crew import crew, fly_all, Task
 from lta_analysis.tune.exam import Case, Scene
 from lta_analysis.tune.find import find, Found
 from lta_analysis.tune.gains_text import check_writable, rounded, write_gains
@@ -147,9 +148,12 @@ def tune_once(order: Order, console: Console) -> Tuned:
     folder = (
         order.folder or Path('runs') / f'tune-{scene_name(order)}-{identity(about)[:8]}'
     ).absolute()
-    book = Book(folder, identity(about))
-    with TuneProgress(console, order.budget, len(cases)) as progress, Crew(order.workers) as crew:
-        flown = partial(examined, scene, old, cases, crew)
+    with (
+        Book(folder, identity(about)) as book,
+        TuneProgress(console, order.budget, len(cases)) as progress,
+        crew(order.workers) as workers,
+    ):
+        flown = partial(examined, scene, old, cases, workers)
         found = find(numbers, flown, book, order.budget, order.seed, progress.candidate)
         best = {path: rounded(value) for path, value in found.numbers.items()}
         new = changed(old, best)
@@ -157,7 +161,7 @@ def tune_once(order: Order, console: Console) -> Tuned:
         write_gains(new, words(order, name, found, len(cases)), file)
         progress.stage(f'flying {order.draws} fresh draws with old and new gains')
         fresh = drawn(order.least, order.most, order.draws, order.seed)
-        flights = compared(scene, (old, new), fresh, crew)
+        flights = compared(scene, (old, new), fresh, workers)
         progress.stage('margins and limits')
         before, after = (
             side(scene, gains, own, order) for gains, own in zip((old, new), flights, strict=True)
@@ -170,12 +174,13 @@ def examined(
     scene: Scene,
     start: CascadeGains,
     cases: Sequence[Case],
-    crew: Crew,
+    workers: Children,
     candidate: Mapping[str, float],
 ) -> list[float]:
     """Return the cost of each examination of a candidate."""
     gains = changed(start, candidate)
-    return [report.cost for report in crew.fly([Task(scene, gains, case) for case in cases])]
+    tasks = [Task(scene, gains, case) for case in cases]
+    return [report.cost for report in fly_all(tasks, workers)]
 
 
 def side(scene: Scene, gains: CascadeGains, flights: Flights, order: Order) -> Side:

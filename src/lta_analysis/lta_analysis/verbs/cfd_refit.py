@@ -6,6 +6,7 @@ from typing import Annotated
 
 from lta_config.errors import BadInput
 from lta_config.files import share
+from lta_config.whole_file import whole
 from lta_sim.cfd.aero_text import aero_text
 from lta_sim.cfd.sweep_table import read_sweep
 import typer
@@ -34,7 +35,8 @@ def refit(
         sys.stdout.write(text)
         return
     try:
-        out.write_text(text, encoding='utf-8')
+        with whole(out) as part:
+            part.write_text(text, encoding='utf-8')
     except OSError as error:
         raise BadInput(
             f"'{out}' cannot be written ({error.strerror}); choose another --out."

@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import final
@@ -10,6 +9,7 @@ from typing import final
 from lta_bridge.bag.qos import Profile
 from lta_bridge.bag.schemas import Definition
 from lta_bridge.bag.storage import storage_fault
+from lta_config.whole_file import whole
 import yaml
 
 NAME = 'metadata.yaml'
@@ -119,14 +119,10 @@ def write_metadata(folder: Path, content: Mapping[str, object]) -> None:
 
     """
     text = yaml.dump(content, Dumper=PlainDumper, sort_keys=False, allow_unicode=True)
-    fresh = folder / f'{NAME}.tmp'
     try:
-        with fresh.open('w', encoding='utf-8') as stream:
-            stream.write(text)
-        fresh.replace(folder / NAME)
+        with whole(folder / NAME) as part:
+            part.write_text(text, encoding='utf-8')
     except OSError as error:
-        with suppress(OSError):
-            fresh.unlink(missing_ok=True)
         raise storage_fault(error, folder / NAME) from error
 
 

@@ -15,7 +15,7 @@ from lta_analysis.sweep import crew as crew_module
 from lta_analysis.sweep.cluster import ClusterCrew
 from lta_analysis.sweep.crew import LocalCrew
 from lta_analysis.sweep.flown import failed, fly_job, Row
-from lta_analysis.sweep.log import Log, NAME
+from lta_analysis.sweep.log import KIND, Log
 from lta_analysis.sweep.plan import Job, Plan
 from lta_analysis.sweep.run import Order, sweep_once
 from lta_analysis.sweep.statistics import groups, wilson
@@ -75,7 +75,7 @@ def test_a_row_is_the_flight_itself(sweep, tmp_path):
 def test_a_torn_line_is_flown_again(sweep, tmp_path):
     file, folder = sweep(), tmp_path / 'out'
     whole = run(file, folder).rows
-    log = folder / NAME
+    log = folder / KIND.file
     lines = log.read_bytes().splitlines(keepends=True)
     log.write_bytes(b''.join(lines[:5]) + lines[5][:40])
     done = run(file, folder)
@@ -199,7 +199,7 @@ def test_a_sweep_that_is_stopped_goes_on_where_it_was(sweep, tmp_path, number):
     said = (tmp_path / 'said').open('w+')
     sweeping = subprocess.Popen(command, start_new_session=True, stderr=said)
     try:
-        log, deadline = folder / NAME, time.monotonic() + 60.0
+        log, deadline = folder / KIND.file, time.monotonic() + 60.0
         while not log.exists() or log.read_bytes().count(b'\n') < 6:
             assert time.monotonic() < deadline
             time.sleep(0.02)

@@ -74,7 +74,8 @@ def toy_costs(candidate):
 
 def tuned(folder, budget=61, fly=toy_costs):
     two = [Number('kd', 0.3, 0.0, 100.0), Number('kp', 1.0, 0.9, 1.1)]
-    return find(two, fly, Book(folder, 'toy'), budget, 1)
+    with Book(folder, 'toy') as book:
+        return find(two, fly, book, budget, 1)
 
 
 def test_a_toy_plant_is_tuned(tmp_path):
@@ -112,10 +113,9 @@ def test_a_stopped_search_goes_on_where_it_was(tmp_path):
     assert len(again) == 61 - 16
 
 
-def test_a_folder_of_another_search_is_refused(tmp_path):
-    Book(tmp_path, 'one')
-    with pytest.raises(BadInput, match='another search'):
-        Book(tmp_path, 'two')
+def test_two_searches_do_not_write_to_one_book(tmp_path):
+    with Book(tmp_path, 'a'), pytest.raises(BadInput, match='Another search writes'):
+        Book(tmp_path, 'a')
 
 
 def test_the_worst_counts_as_much_as_the_mean():

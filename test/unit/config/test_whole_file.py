@@ -1,0 +1,69 @@
+"""A file is whole or not there, and what was there before stays until the new one is."""
+
+import os
+from pathlib import Path
+import stat
+
+from lta_analysis.report.frame import written
+from lta_analysis.results_folder import keep_json
+from lta_config.errors import BadInput
+from lta_config.whole_file import whole
+import pytest
+
+
+def write(path, text, fault=None):
+    with whole(path) as part:
+        part.write_text(text)
+        if fault is not None:
+            raise fault
+
+
+def test_a_file_takes_the_place_of_the_one_before_when_it_is_whole(tmp_path):
+    path = tmp_path / 'page'
+    for text in ('old', 'new'):
+        write(path, text)
+        assert path.read_text() == text
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize('fault', [KeyboardInterrupt, OSError])
+@pytest.mark.parametrize('before', [[], ['page']])
+def test_what_breaks_off_leaves_what_was_there(tmp_path, fault, before):
+    for name in before:
+        (tmp_path / name).write_text('old')
+    with pytest.raises(fault):
+        write(tmp_path / 'page', 'new', fault)
+    assert {one.name: one.read_text() for one in tmp_path.iterdir()} == dict.fromkeys(
+        before, 'old'
+    )
+
+
+@pytest.mark.parametrize('keep', [keep_json, written])
+def test_results_that_find_no_room_are_told_and_leave_the_earlier_ones(tmp_path, room, keep):
+    path = tmp_path / 'result'
+    long = ['x' * 500] if keep is keep_json else 'x' * 500
+    with room(100), pytest.raises(BadInput, match='cannot be written'):
+        keep(long, path)
+    assert not list(tmp_path.iterdir())
+    path.write_text('good')
+    with room(100), pytest.raises(BadInput, match='cannot be written'):
+        keep(long, path)
+    assert path.read_text() == 'good'
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_link_stays_one_and_what_is_no_file_is_written_to(tmp_path):
+    link = tmp_path / 'link'
+    link.symlink_to(tmp_path / 'page')
+    write(link, 'new')
+    assert link.is_symlink()
+    assert (tmp_path / 'page').read_text() == 'new'
+    pipe = tmp_path / 'pipe'
+    os.mkfifo(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    # By its name, and as /dev/stdout leads to a pipe that has none.
+    for path in (pipe, Path(f'/proc/self/fd/{reader}')):
+        write(path, 'heard')
+        assert os.read(reader, 100) == b'heard'
+    os.close(reader)
+    assert stat.S_ISFIFO(pipe.stat().st_mode)
