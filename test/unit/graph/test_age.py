@@ -10,7 +10,13 @@ NOW = 10**18
 
 @pytest.mark.parametrize(
     ('ahead', 'expected'),
-    [(-2.5, 2.5), (0.0, 0.0), (AHEAD - 0.01, 0.01 - AHEAD), (AHEAD + 0.01, math.inf), (3600.0, math.inf)],
+    [
+        (-2.5, 2.5),
+        (0.0, 0.0),
+        (AHEAD - 0.01, 0.01 - AHEAD),
+        (AHEAD + 0.01, math.inf),
+        (3600.0, math.inf),
+    ],
 )
 def test_the_far_future_is_infinitely_old(ahead, expected):
     assert age(NOW + round(1e9 * ahead), NOW) == pytest.approx(expected)
