@@ -122,6 +122,16 @@ def test_a_stale_setpoint_is_held_and_then_the_drone_comes_down(controller, hear
     hear(lambda facts: max(estimate(controller, step + 601)) > 0.0)
 
 
+def test_a_setpoint_of_the_future_is_as_old_as_none(controller, hear):
+    """Held while its clock was ahead, it would keep a drone up for an hour after its sender."""
+    step = flying_controller(controller)
+    setpoint(controller, 1.0, step + 3600 * 10**9 // STEP)
+    controller.until(lambda: estimate(controller, step + 1)[:2] == [0.0, 0.0])
+    hear(lambda facts: motors(facts) == 'a setpoint of the future: landing')
+    setpoint(controller, 1.0, step + 2)
+    hear(lambda facts: max(estimate(controller, step + 3)) > 0.0)
+
+
 def test_not_a_number_stops_the_motors_for_good(controller, hear):
     step = flying_controller(controller)
     assert estimate(controller, step + 1, z=math.nan) == [0.0] * 4

@@ -8,6 +8,7 @@ from hypothesis.stateful import invariant, rule, RuleBasedStateMachine
 from lta_bridge.crazyflie.safety import (
     Asked,
     Limits,
+    LOST,
     LOW,
     Order,
     RAMP,
@@ -38,6 +39,7 @@ seen = st.builds(
     voltage=st.one_of(st.floats(2.5, 4.2), st.just(math.nan)),
     height=st.one_of(st.floats(0.0, 8.0), st.just(math.nan)),
     distance=st.floats(0.0, 100.0),
+    place_age=ages,
 )
 asked = st.builds(Asked, arm=st.sampled_from([None, True, False]), stop=st.booleans())
 FIT = Seen(True, True, int(Bit.ARMED), 0.0, 0.0, 4.0, 1.0, 1.0)
@@ -95,6 +97,7 @@ class Bridge(RuleBasedStateMachine):
         assert order.stream
         if self.state.stage is Stage.FLYING:
             assert self.seen.command_age <= STALE
+            assert self.seen.place_age <= LOST
             assert self.seen.word & Bit.ARMED
 
     @invariant()
@@ -143,12 +146,20 @@ def test_every_limit_lands():
         {'height': 4.1},
         {'distance': 51.0},
         {'command_age': 0.31},
+        {'place_age': 0.51},
     ):
         state, order = tick(flying(), 1.0, FIT._replace(**change), Asked(), LIMITS)
         assert state.stage is Stage.LANDING, change
         assert order.stream
     state, _ = tick(flying(), 601.0, FIT, Asked(), LIMITS)
     assert (state.stage, state.why) == (Stage.LANDING, 'the flight has lasted 600 s')
+
+
+@given(seen=seen, drive=st.booleans())
+def test_no_motor_begins_to_turn_while_nobody_tells_the_place(seen, drive):
+    state = State(Stage.FLYING if drive else Stage.READY)
+    state, _ = tick(state, 0.0, seen._replace(place_age=LOST + 0.01), Asked(), LIMITS)
+    assert state.stage is not Stage.FLYING
 
 
 def landed_after(voltages):
@@ -191,9 +202,10 @@ def test_the_ramp_falls_in_a_line_and_then_it_hands_over_and_disarms():
 
 
 def test_a_hiccup_is_flown_through_and_a_landing_that_was_asked_for_is_not():
-    state, _ = tick(flying(), 1.0, FIT._replace(command_age=0.31), Asked(), LIMITS)
-    state, order = tick(state, 1.2, FIT, Asked(), LIMITS)
-    assert (state.stage, order.drive) == (Stage.FLYING, 1.0)
+    for change in ({'command_age': 0.31}, {'place_age': 0.51}):
+        state, _ = tick(flying(), 1.0, FIT._replace(**change), Asked(), LIMITS)
+        state, order = tick(state, 1.2, FIT, Asked(), LIMITS)
+        assert (state.stage, order.drive) == (Stage.FLYING, 1.0)
     state, _ = tick(flying(), 1.0, FIT, Asked(arm=False), LIMITS)
     state, order = tick(state, 1.2, FIT, Asked(), LIMITS)
     assert (state.stage, round(order.drive, 9)) == (Stage.LANDING, 0.6)

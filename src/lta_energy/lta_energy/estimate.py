@@ -45,6 +45,8 @@ class Estimate(NamedTuple):
         The newest one that no detector spoilt.
     books : Books
         Energy since the first good reading.
+    behind : tuple of int
+        Stamps of readings after `last` that lie before it and came in order. [ns]
 
     """
 
@@ -61,6 +63,7 @@ class Estimate(NamedTuple):
     last: Reading | None = None
     good: Reading | None = None
     books: Books = Books()
+    behind: tuple[int, ...] = ()
 
     @property
     def charge(self) -> float:

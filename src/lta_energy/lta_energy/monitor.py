@@ -26,6 +26,7 @@ from lta_energy.faults.gap import LONGEST
 from lta_energy.faults.protocol import Seen
 from lta_energy.faults.watch import SWAPPED, watched
 from lta_energy.latch import Latch, latched
+from lta_energy.new_clock import ENOUGH, in_order, moved
 from lta_energy.outlook import Time
 from lta_energy.reading import Reading
 from lta_energy.reserve import ReserveSettings
@@ -70,11 +71,17 @@ def update(
         The meters.
 
     """
-    last, cell = before.last, aboard.cell
+    last, cell, back = before.last, aboard.cell, 0
+    if last is not None and reading.stamp_ns <= last.stamp_ns:
+        behind = in_order(before.behind, reading.stamp_ns)
+        if len(behind) < ENOUGH:
+            dt = (reading.stamp_ns - last.stamp_ns) * 1e-9
+            watch = watched(before.watch, Seen(reading, last, dt, cell))
+            return _decided(settings, cell, before._replace(watch=watch, behind=behind))
+        back = last.stamp_ns - behind[0]
+        before = moved(before, back)
+        last = before.last
     dt = 0.0 if last is None else (reading.stamp_ns - last.stamp_ns) * 1e-9
-    if last is not None and dt <= 0.0:
-        watch = watched(before.watch, Seen(reading, last, dt, cell))
-        return _decided(settings, cell, before._replace(watch=watch))
     expected = _expected(settings, cell, before, reading, dt)
     seen_belief, surprise = expected, None
     if expected is not None and reading.usable:
@@ -82,13 +89,13 @@ def update(
             settings.belief, cell, expected, reading.voltage, reading.current
         )
     off = _surprising(expected, surprise)
-    watch = watched(before.watch, Seen(reading, last, dt, cell, off))
+    watch = watched(before.watch, Seen(reading, last, dt, cell, off, back * 1e-9))
     belief = expected if watch.spoilt else seen_belief
     another = watch.latches[SWAPPED].on and not before.watch.latches[SWAPPED].on
     if (belief is None and not watch.spoilt) or (another and reading.usable):
         belief = first_look(settings.belief, cell, reading.voltage, reading.current)
     after = before._replace(
-        belief=belief, watch=watch, surprise=surprise, gap=dt, last=reading,
+        belief=belief, watch=watch, surprise=surprise, gap=dt, last=reading, behind=(),
         critical=_critical(before.critical, reading, dt),
     )  # fmt: skip
     if not watch.spoilt:

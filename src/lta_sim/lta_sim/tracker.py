@@ -90,16 +90,21 @@ class Tracker:
             clock = read(self._clock, (now,), now)
             when_ns = round(read(self._time, clock, now)[0] * NANOSECONDS)
             span_ns = when_ns - self._now_ns
+            self._forget(when_ns)
             motion = tuple(ahead(span_ns)[:RIGID].tolist()) if span_ns > 0 else self._at(when_ns)
         if self._pose:
             motion = (*read(self._pose, motion[:7], now), *motion[7:])
         return motion
 
-    def _at(self, when_ns: int) -> Numbers:
-        """Return the motion of a time that has been, the first before the first."""
+    def _forget(self, when_ns: int) -> None:
+        """Drop what lies before a time and its neighbour: no pose is older than the last one."""
         past = self._past
         while len(past) > 1 and past[1][0] <= when_ns:
             past.popleft()
+
+    def _at(self, when_ns: int) -> Numbers:
+        """Return the motion of a time that has been, the first before the first."""
+        past = self._past
         begin_ns, before = past[0]
         if when_ns <= begin_ns or len(past) == 1:
             return before

@@ -62,6 +62,14 @@ def test_joy_messages_count_while_they_come():
     assert device.sticks(1.01 + SILENT) is None
 
 
+def test_a_tap_between_two_looks_counts_once_by_joy():
+    device = JoyDevice(LAYOUT)
+    for at, stop in ((1.0, 0), (1.001, 1), (1.002, 0)):
+        device.heard(Joy(axes=[0.0] * 6, buttons=[0, 0, stop]), at)
+    assert device.sticks(1.02) == Sticks(stop=True)
+    assert device.sticks(1.04) == REST
+
+
 numbers = st.one_of(st.floats(width=32), st.sampled_from([-1.0, 0.0, 1.0]))
 
 
@@ -130,6 +138,23 @@ def test_a_gamepad_is_read_and_its_loss_is_noticed(tmp_path):
     device.close()
 
 
+def test_a_tap_between_two_looks_counts_once_by_gamepad_though_the_plug_is_pulled(tmp_path):
+    path = tmp_path / 'js0'
+    os.mkfifo(path)
+    device = Gamepad(path, LAYOUT)
+    kernel = os.open(path, os.O_WRONLY)
+    tap = struct.pack('<IhBBIhBB', 10, 1, 0x01, LAYOUT.stop, 15, 0, 0x01, LAYOUT.stop)
+    os.write(kernel, b''.join(struct.pack('<IhBB', 0, 0, 0x82, axis) for axis in range(8)))
+    os.write(kernel, struct.pack('<IhBB', 0, 0, 0x81, 10) + tap)
+    assert device.sticks(0.0) == Sticks(stop=True)
+    assert device.sticks(0.02) == REST
+    os.write(kernel, tap)
+    os.close(kernel)
+    assert device.sticks(0.04) == Sticks(stop=True)
+    assert device.sticks(0.06) is None
+    device.close()
+
+
 def test_a_gamepad_that_is_not_there_is_told_in_a_sentence(tmp_path):
     with pytest.raises(BadInput, match='no gamepad at'):
         Gamepad(tmp_path / 'js0', LAYOUT)
@@ -153,6 +178,42 @@ def test_keys_count_while_they_are_held():
     assert device.sticks(9.1) is None
     device.close()
     os.close(terminal)
+
+
+@pytest.mark.parametrize(
+    'key',
+    [
+        b'\x1b[A', b'\x1b[B', b'\x1b[C', b'\x1b[D',  # arrows
+        b'\x1bOB', b'\x1bOS', b'\x1bOX',  # arrows and keypad in application mode, F4
+        b'\x1b[F', b'\x1b[3~', b'\x1b[15~', b'\x1b[1;2B', b'\x1b[[A',  # End, Delete, F5, F1
+    ],
+)  # fmt: skip
+def test_keys_that_come_as_an_escape_mean_nothing_torn_or_whole(key):
+    person, terminal = os.openpty()
+    device = Keyboard(terminal)
+    for cut in range(len(key)):
+        os.write(person, key[:cut])
+        assert device.sticks(2.0 * cut) == REST, key[:cut]
+        os.write(person, key[cut:] + b'\x1b[Bw\x1b[A')
+        assert device.sticks(2.0 * cut + 0.02) == Sticks(forward=1.0), key[:cut]
+    for fd in (person, terminal):
+        os.close(fd)
+
+
+def test_an_escape_alone_holds_no_key_back():
+    person, terminal = os.openpty()
+    device = Keyboard(terminal)
+    for typed in (b'\x1bx', b'\x1b\x1bx'):
+        os.write(person, typed)
+        assert device.sticks(1.0) == Sticks(stop=True)
+    for typed in (b'\x1b', b'\x1b[', b'\x1bO'):
+        os.write(person, typed)
+        assert device.sticks(2.0) == REST
+        assert device.sticks(2.02) == REST
+        os.write(person, b'x')
+        assert device.sticks(2.04) == Sticks(stop=True)
+    for fd in (person, terminal):
+        os.close(fd)
 
 
 def test_without_a_terminal_there_are_no_keys(tmp_path):

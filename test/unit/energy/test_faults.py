@@ -151,6 +151,40 @@ def test_stamps_that_stand_still_are_told_after_the_third():
     assert names(follow(clean(21), estimate=estimate)) == set()
 
 
+@pytest.mark.parametrize('back', [0.5, 60.0, 3600.0])
+def test_a_clock_that_is_set_back_is_told_and_the_energy_stays_known(back):
+    cell, clean = series()
+    estimate, last = follow(clean(BEFORE)), None
+
+    def earlier(reading):
+        return replace(reading, stamp_ns=reading.stamp_ns - round(back * 1e9))
+
+    named, stored = set(), estimate.books.stored
+    for reading in clean(550, earlier):
+        last, estimate = estimate, update(SETTINGS, ABOARD, estimate, reading)
+        named |= names(estimate)
+        assert not estimate.urgent
+        assert not estimate.reserve
+        assert abs(estimate.books.stored - last.books.stored) < 2.0  # J; of 0.2 s, not of the leap
+    assert named == {'set back'}
+    assert names(estimate) == set()
+    assert estimate.charge == pytest.approx(cell.charge, abs=2.0 * estimate.deviation)
+    assert estimate.books.stored < stored
+
+
+def test_what_is_overtaken_or_told_late_sets_no_clock_back():
+    """Old messages between good ones, in their own order or not: they are left, as ever."""
+    _, clean = series()
+    estimate = follow(clean(BEFORE))
+    fresh = clean(20)
+    old = [replace(reading, stamp_ns=reading.stamp_ns - 60 * 10**9) for reading in fresh]
+    for late, good in zip(old, fresh, strict=True):
+        estimate = follow([late, good], estimate=estimate)
+        assert (names(estimate), estimate.last) == (set(), good)
+    estimate = follow([old[7], old[3], old[7], old[3]], estimate=estimate)
+    assert (names(estimate), estimate.last) == ({'clock'}, good)
+
+
 def test_a_fault_is_taken_back_only_after_a_while():
     _, clean = series()
     estimate = follow(clean(BEFORE))
@@ -184,7 +218,7 @@ def test_the_electronics_alone_raise_no_alarm():
 
 
 def test_each_detector_has_its_name():
-    assert len({detector.name for detector in DETECTORS}) == len(DETECTORS) == 12
+    assert len({detector.name for detector in DETECTORS}) == len(DETECTORS) == 13
 
 
 @given(st.lists(st.booleans(), max_size=60), st.floats(0.0, 1.0), st.floats(0.0, 1.0))

@@ -17,11 +17,11 @@ from lta_bridge.crazyflie.safety import Stage
 from lta_bridge.crazyflie.supervisor import Bit
 from lta_bridge.crazyflie.wiring import rotor_places
 from lta_config.crazyflie_file import CrazyflieFile
+from lta_graph.age import age
 from lta_graph.refused import Refused
 
 RATE: Final = 50.0  # Hz of ticks; the firmware wants setpoints at 10 Hz or more
 GUARD: Final = 7  # ticks between two words to the emergency-stop watchdog: 7 a second
-AHEAD: Final = 0.3  # s that a stamp may lie ahead of us; farther, its clock or ours was set
 HOLD_MS: Final = 200  # for which duties hold aboard without newer ones
 LETTING_GO: Final = 10  # times that the override is taken off: nobody confirms it
 TURN_GAIN: Final = 1.5  # 1/s from heading error to yaw rate: about 0.7 s to turn in
@@ -45,10 +45,11 @@ class Asked(NamedTuple):
 
 
 class Where(NamedTuple):
-    """Where the estimator takes the drone to be: height and way from the start. [m]"""
+    """Where the estimator takes the drone to be, and when: height and way from the start. [m]"""
 
     height: float = math.nan
     distance: float = math.nan
+    stamp_ns: int | None = None  # None before any was told
 
 
 class Stamped(NamedTuple):
@@ -56,12 +57,6 @@ class Stamped(NamedTuple):
 
     stamp_ns: int
     reading: readings.Motion | readings.Air | readings.Motors | readings.Power | None
-
-
-def _age(stamp_ns: int | None, now_ns: int) -> float:
-    """Return the age of what is stamped so; infinite for nothing, and for the far future. [s]"""
-    age = math.inf if stamp_ns is None else 1e-9 * (now_ns - stamp_ns)
-    return age if age >= -AHEAD else math.inf
 
 
 @final
@@ -202,22 +197,23 @@ class Bridge:
 
     def seen(self, now_ns: int, linked: bool, active: bool) -> safety.Seen:
         """Return what is known. [ns]"""
-        asked, motors = self._asked, self.motors
+        asked, motors, where = self._asked, self.motors, self._where
         since = None if asked is None else asked.stamp_ns
         return safety.Seen(
             linked=linked,
             active=active,
             word=0 if motors is None else motors.word,
-            silence=_age(self._word_ns, now_ns),
-            command_age=_age(since, now_ns),
+            silence=age(self._word_ns, now_ns),
+            command_age=age(since, now_ns),
             voltage=self._voltage(now_ns),
-            height=self._where.height,
-            distance=self._where.distance,
+            height=where.height,
+            distance=where.distance,
+            place_age=0.0 if where.stamp_ns is None else age(where.stamp_ns, now_ns),
         )
 
     def _voltage(self, now_ns: int) -> float:
         """Return the voltage to judge by: none where the firmware calls it low, NaN if unknown."""
-        if self.power is None or _age(self._power_ns, now_ns) > UNTOLD:
+        if self.power is None or age(self._power_ns, now_ns) > UNTOLD:
             return math.nan
         return 0.0 if self.power.state >= POWER_OFF else self.power.voltage
 

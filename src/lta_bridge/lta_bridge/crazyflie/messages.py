@@ -9,6 +9,7 @@ from lta_bridge.crazyflie.readings import Air, Motion
 from lta_control.attitude import heading
 from lta_control.cascade import wrap
 from lta_control.messages import attitude_of, to_setpoint
+from lta_graph.ros.stamps import from_stamp
 from lta_sim import messages
 from lta_sim.sensors.imu import bounds_of, ImuSettings
 from lta_sim.sensors.pressure import PressureSettings
@@ -59,6 +60,6 @@ def to_hover(pose: PoseStamped, velocity: TwistStamped, odom: Odometry, stamp_ns
 
 
 def to_where(odom: Odometry) -> Where:
-    """Return height and way from the start by the estimate."""
+    """Return height and way from the start by the estimate, and of when it is."""
     p = odom.pose.pose.position
-    return Where(p.z, math.hypot(p.x, p.y))
+    return Where(p.z, math.hypot(p.x, p.y), from_stamp(odom.header.stamp))

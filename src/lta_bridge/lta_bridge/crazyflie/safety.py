@@ -15,6 +15,7 @@ from lta_bridge.crazyflie.supervisor import Bit, trouble
 
 STALE: Final = 0.3  # s: age from which a command is not flown; the firmware levels out at 0.5
 SILENT: Final = 0.5  # s: age of the newest log packet from which the link counts as lost
+LOST: Final = 0.5  # s: age of the newest place from which height and way count as unknown
 LOW: Final = 0.3  # s for which a cell must be told low: one sample of ten a second may be wrong
 RAMP: Final = 0.5  # s from full command to none
 ASKING: Final = 1.0  # s for the supervisor to confirm that it is armed
@@ -64,6 +65,8 @@ class Seen(NamedTuple):
         Of the cell; NaN where unknown. [V]
     height, distance : float
         Above and from the start; NaN where unknown. [m]
+    place_age : float
+        Of these two; 0 where nobody has told any, as to one who flies without an estimator. [s]
 
     """
 
@@ -75,6 +78,7 @@ class Seen(NamedTuple):
     voltage: float = math.nan
     height: float = math.nan
     distance: float = math.nan
+    place_age: float = 0.0
 
 
 class Asked(NamedTuple):
@@ -183,6 +187,15 @@ def peril(state: State, now: float, seen: Seen, limits: Limits) -> str:
     return ''
 
 
+def old(seen: Seen) -> str:
+    """Return why commands cannot be flown for their age, or that of the place; empty: they can."""
+    if seen.command_age > STALE:
+        return f'the newest command is {seen.command_age:.2f} s old'
+    if seen.place_age > LOST:
+        return f'the newest place by the estimator is {seen.place_age:.2f} s old'
+    return ''
+
+
 def tick(
     state: State, now: float, seen: Seen, asked: Asked, limits: Limits
 ) -> tuple[State, Order]:
@@ -267,7 +280,7 @@ def _ready(
     why = 'asked to' if asked.arm is False else peril(state._replace(began=now), now, seen, limits)
     if why:
         return _down(state, now, why), Order(arm=False)
-    if seen.command_age <= STALE:
+    if not old(seen):
         return _to(state, Stage.FLYING, now)._replace(began=now), Order(drive=1.0, stream=True)
     return state, Order(stream=True)
 
@@ -278,10 +291,10 @@ def _flying(
     if not seen.word & Bit.ARMED:
         return _down(state, now, 'the Crazyflie disarmed itself, as one does that coasts'), QUIET
     why = 'asked to' if asked.arm is False else peril(state, now, seen, limits)
-    stale = seen.command_age > STALE
+    stale = old(seen)
     if why or stale:
-        why = why or f'the newest command is {seen.command_age:.2f} s old'
-        return _to(state, Stage.LANDING, now, why, curable=stale), Order(drive=1.0, stream=True)
+        landing = _to(state, Stage.LANDING, now, why or stale, curable=bool(stale))
+        return landing, Order(drive=1.0, stream=True)
     return state, Order(drive=1.0, stream=True)
 
 
@@ -291,7 +304,7 @@ def _landing(
     gone = now - state.since
     if gone < RAMP:
         fit = asked.arm is not False and not peril(state, now, seen, limits)
-        if state.curable and fit and seen.command_age <= STALE and seen.word & Bit.ARMED:
+        if state.curable and fit and not old(seen) and seen.word & Bit.ARMED:
             return _to(state, Stage.FLYING, now), Order(drive=1.0, stream=True)
         curable = state.curable and fit
         return state._replace(curable=curable), Order(drive=1.0 - gone / RAMP, stream=True)

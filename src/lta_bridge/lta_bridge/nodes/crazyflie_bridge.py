@@ -201,7 +201,7 @@ class CrazyflieBridge(DeviceNode):
             self._bridge.commanded(messages.to_duties(newest, self._names, stamp))
 
     def _on_odom(self, odom: Any) -> None:  # noqa: ANN401 - a generated class
-        if fault(odom):  # no place: limits of height and way go on by the one before
+        if fault(odom):  # no place: the one before counts on, and ages
             return
         self._odom = odom
         self._bridge.placed(messages.to_where(odom))

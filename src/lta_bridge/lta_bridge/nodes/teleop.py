@@ -28,6 +28,7 @@ from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 
 PERIOD = 0.02  # s
+TAPS = 50  # Joy messages that wait at most: the newest alone would hide a button that is up again
 FRESH = 0.3  # s for which an estimate is one
 STOPPING = ('emergency_stop', 'crazyflie_bridge/emergency_stop')  # services; who is there hears it
 STEERS = {
@@ -79,7 +80,9 @@ class Teleop(GraphNode):
         if settings.device == 'joy':
             joy = JoyDevice(settings.layout)
             self.soundness.unsound = joy.unsound  # one count of all that this node hears
-            self.create_subscription(Joy, 'joy', lambda told: joy.heard(told, time.monotonic()), 1)
+            self.create_subscription(
+                Joy, 'joy', lambda told: joy.heard(told, time.monotonic()), TAPS
+            )
             return joy
         return Gamepad(Path(settings.device), settings.layout)
 

@@ -56,18 +56,27 @@ class Gamepad:
         self._buttons: dict[int, int] = {}
 
     def sticks(self, now: float) -> Sticks | None:
-        """Return what it says at a time [s]; None while it is unplugged, or not the layout's."""
+        """
+        Return what it says at a time [s]; None while it is unplugged, or not the layout's.
+
+        A button that was pressed since the last look counts although it is up again: whoever taps
+        the emergency stop means it. So does one that was pressed just before the plug was pulled.
+        """
         if self._fd is None:
             self._reopen(now)
+        tapped = set()
         for value, kind, number in self._events():
             if kind == AXIS:
                 # Left and up are negative here, and positive in Joy.
                 self._axes[number] = -value / FULL
             elif kind == BUTTON:
                 self._buttons[number] = value
-        if self._fd is None:
+                if value:
+                    tapped.add(number)
+        if self._fd is None and not tapped:
             return None
-        return of_gamepad(self._layout, _row(self._axes), [int(b) for b in _row(self._buttons)])
+        buttons = [int(level) for level in _row(self._buttons)]
+        return of_gamepad(self._layout, _row(self._axes), buttons, tapped)
 
     def _reopen(self, now: float) -> None:
         if now - self._tried < REOPEN:

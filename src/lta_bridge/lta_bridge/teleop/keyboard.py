@@ -3,9 +3,13 @@ The keyboard of a terminal as sticks.
 
 A terminal tells that a key was pressed and, by repeating it, that it still is, but never that it
 was let go: a key therefore counts for `HELD` after it was last heard.
+
+Arrows, function keys and their like come as an escape and some bytes, of which the last one is
+often a letter (down is ESC [ B): they mean nothing here, and must not pass for that letter.
 """
 
 import os
+import re
 import sys
 import termios
 import tty
@@ -17,6 +21,10 @@ from lta_config.errors import BadInput
 HELD: Final = 0.6  # s; keyboards begin to repeat after a quarter to half a second
 FORWARD, TURN, CLIMB = 'ws', 'ad', 'rf'  # each its positive key, then its negative one
 TAKE, GIVE_BACK, STOP = ' ', 'b', 'x'
+ESCAPES: Final = re.compile(  # ECMA-48's CSI, Linux's own F1 to F5, and SS3 of a keypad
+    rb'\x1b(?:\[\[[A-E]|\[(?!\[)[0-?]*[ -/]*[@-~]|O[ -~])'
+)
+TORN: Final = re.compile(rb'\x1b(?:\[\[?[0-?]*[ -/]*|O)?\Z')
 HELP: Final = """\
 w s  ahead, back     a d  left, right     r f  up, down     (hold a key down)
 space  take the helm     b  hand it back     x  EMERGENCY STOP: motors off for good
@@ -52,6 +60,7 @@ class Keyboard:
         tty.setcbreak(self._fd)
         os.set_blocking(self._fd, False)
         self._heard: dict[str, float] = {}
+        self._torn = b''
         self._dead = False
 
     def sticks(self, now: float) -> Sticks | None:
@@ -71,11 +80,15 @@ class Keyboard:
         try:
             typed = os.read(self._fd, 1024)
         except BlockingIOError:
+            self._torn = b''  # nothing followed: the escape key alone, and no key is held back
             return ''
         except OSError:
             typed = b''
         self._dead |= not typed  # end of file: it was closed
-        return typed.decode('ascii', 'ignore').lower()
+        whole = ESCAPES.sub(b'', self._torn + typed)
+        torn = TORN.search(whole)
+        self._torn = torn.group() if torn else b''
+        return whole.removesuffix(self._torn).decode('ascii', 'ignore').lower()
 
     def close(self) -> None:
         """Give the terminal back as it was."""

@@ -18,7 +18,7 @@ SILENT: Final = 0.5  # s; joy_node repeats itself 20 times a second
 @final
 class JoyDevice:
     """
-    The newest Joy message, for as long as they come.
+    The newest Joy message, for as long as they come, and what was pressed since the last look.
 
     Attributes
     ----------
@@ -32,6 +32,7 @@ class JoyDevice:
         self.unsound = Refused()
         self._newest: Joy | None = None
         self._heard = 0.0
+        self._tapped: set[int] = set()
 
     def heard(self, message: Joy, now: float) -> None:
         """Take a message at a time. [s]"""
@@ -39,14 +40,18 @@ class JoyDevice:
         if of_gamepad(self._layout, message.axes, message.buttons) is None:
             have = f'{len(message.axes)} axes and {len(message.buttons)} buttons'
             self.unsound.add(f'joy: {have} are not those of the layout')
-        elif why := fault(message):  # such an axis is at rest, and the buttons count
+            return
+        self._tapped |= {number for number, level in enumerate(message.buttons) if level == 1}
+        if why := fault(message):  # such an axis is at rest, and the buttons count
             self.unsound.add(f'joy: {why}')
 
     def sticks(self, now: float) -> Sticks | None:
         """Return what it says at a time [s]; None where nothing has come for `SILENT`."""
-        if self._newest is None or now - self._heard > SILENT:
+        tapped, self._tapped = self._tapped, set()
+        silent = now - self._heard > SILENT and not tapped
+        if self._newest is None or silent:
             return None
-        return of_gamepad(self._layout, self._newest.axes, self._newest.buttons)
+        return of_gamepad(self._layout, self._newest.axes, self._newest.buttons, tapped)
 
     def close(self) -> None:
         """Do nothing: the subscription is the node's."""

@@ -1,6 +1,6 @@
 """What a person's hands say, whatever they hold."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import NamedTuple, Protocol
 
 from lta_config.settings import setting, Settings
@@ -56,7 +56,12 @@ class Layout(Settings):
     rest: float = setting(0.1, 'Deflection that counts as none.', low=0.0, high=0.9, fixed=True)
 
 
-def of_gamepad(layout: Layout, axes: Sequence[float], buttons: Sequence[int]) -> Sticks | None:
+def of_gamepad(
+    layout: Layout,
+    axes: Sequence[float],
+    buttons: Sequence[int],
+    tapped: Collection[int] = (),
+) -> Sticks | None:
     """
     Return what a gamepad says.
 
@@ -68,6 +73,8 @@ def of_gamepad(layout: Layout, axes: Sequence[float], buttons: Sequence[int]) ->
         From -1 to 1; left and up are positive, as in sensor_msgs/Joy.
     buttons : sequence of int
         1 where pressed.
+    tapped : collection of int
+        Buttons that have been pressed since the last look, though they may be up again.
 
     Returns
     -------
@@ -80,7 +87,7 @@ def of_gamepad(layout: Layout, axes: Sequence[float], buttons: Sequence[int]) ->
     if max(wanted) >= len(axes) or max(pressed) >= len(buttons):
         return None
     forward, turn, climb = (deflection(axes[axis], layout.rest) for axis in wanted)
-    take, give_back, stop = (buttons[button] == 1 for button in pressed)
+    take, give_back, stop = (buttons[button] == 1 or button in tapped for button in pressed)
     return Sticks(forward, turn, climb, take, give_back, stop)
 
 

@@ -17,6 +17,7 @@ from lta_control.gains_file import load_gains
 from lta_control.laws.aboard import Aboard, CASCADE, law_named
 from lta_control.messages import from_duties, is_level, to_measured, to_motion, to_setpoint
 from lta_control.vehicle_side import rotors_of, surge_drag_of
+from lta_graph.age import age
 from lta_graph.health import Level
 from lta_graph.inbox import Step
 from lta_graph.ros.helm import Helm
@@ -29,7 +30,6 @@ from lta_sim.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 from std_srvs.srv import SetBool, Trigger
 
-AHEAD = 0.3  # s that a setpoint may be stamped later than the estimate; more is another clock
 DESCENT = 0.2  # m below itself, for a drone that comes down on its own: an unhurried climb rate
 
 
@@ -161,15 +161,15 @@ class Controller(GraphNode):
     ) -> Setpoint:
         """Return the setpoint, or what replaces one that is too old: hold, then come down."""
         setpoint, settings = to_setpoint(pose, velocity), self._settings.value
-        oldest = min(from_stamp(half.header.stamp) for half in (pose, velocity))
-        age = (now_ns - oldest) * 1e-9
-        if -AHEAD <= age <= settings.hold_after:
+        oldest = max(age(from_stamp(half.header.stamp), now_ns) for half in (pose, velocity))
+        if oldest <= settings.hold_after:
             steers = 'a person' if self._helm.held else 'the setpoint'
             self.health.report('motors', Level.OK, f'flying by {steers}')
             return setpoint
-        landing = age > settings.land_after
+        landing = oldest > settings.land_after
         limit = settings.land_after if landing else settings.hold_after
-        text = f'no setpoint for {limit} s: ' if age > 0.0 else 'a setpoint of the future: '
+        future = math.isinf(oldest)
+        text = 'a setpoint of the future: ' if future else f'no setpoint for {limit} s: '
         self.health.report('motors', Level.WARN, text + ('landing' if landing else 'holding'))
         altitude = measured.altitude - DESCENT if landing else setpoint.altitude
         return Setpoint(altitude, setpoint.heading, 0.0)

@@ -25,6 +25,8 @@ class Seen(NamedTuple):
         The cell as its file has it.
     surprise : float
         How many standard deviations the voltage was off what was expected; 0 where nothing was.
+    back : float
+        By how much the clock was found set back with this reading; 0 where it was not. [s]
 
     """
 
@@ -33,6 +35,7 @@ class Seen(NamedTuple):
     dt: float
     cell: Battery
     surprise: float = 0.0
+    back: float = 0.0
 
 
 @final

@@ -12,6 +12,7 @@ from lta_energy.faults import (
     not_a_number,
     panel_short,
     reversed_sign,
+    set_back,
     swapped,
 )
 from lta_energy.faults.protocol import Detector, Memory, Seen
@@ -29,6 +30,7 @@ DETECTORS: tuple[Detector, ...] = (
     brown_out.DETECTOR,
     swapped.DETECTOR,
     gap.DETECTOR,
+    set_back.DETECTOR,
     panel_short.MISSING,
     panel_short.DETECTOR,
     frozen.PANEL,

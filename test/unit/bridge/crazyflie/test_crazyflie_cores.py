@@ -2,7 +2,7 @@
 
 import math
 
-from lta_bridge.crazyflie import duties_packet, readings
+from lta_bridge.crazyflie import duties_packet, messages, readings
 from lta_bridge.crazyflie.bridge import Asked, Bridge
 from lta_bridge.crazyflie.clock import DeviceClock
 from lta_bridge.crazyflie.emulated.variables import LOG
@@ -11,7 +11,9 @@ from lta_bridge.crazyflie.log_table import Block, BLOCKS, check
 from lta_bridge.crazyflie.round_trips import RoundTrips
 from lta_config.crazyflie_file import load_crazyflie
 from lta_config.errors import BadInput
+from lta_graph.ros.stamps import to_stamp
 from lta_sim.vehicle import load_vehicle
+from nav_msgs.msg import Odometry
 import numpy as np
 import pytest
 
@@ -148,6 +150,18 @@ def test_a_command_of_the_future_is_none(ahead_s, known):
     bridge = Bridge(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
     bridge.commanded(Asked(10**18 + round(1e9 * ahead_s), duties=(0.1,) * 4))
     assert math.isfinite(bridge.seen(10**18, True, True).command_age) == known
+
+
+def test_limits_of_height_and_way_age_with_the_estimate_that_they_are_of():
+    """They would stand at its last word, whoever goes on commanding."""
+    bridge = Bridge(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
+    assert bridge.seen(10**18, True, True).place_age == 0.0  # an estimator that nobody has
+    odom = Odometry()
+    odom.header.stamp = to_stamp(10**18)
+    odom.pose.pose.position.z = 0.4
+    bridge.placed(messages.to_where(odom))
+    seen = bridge.seen(10**18 + 2_500 * MS, True, True)
+    assert (seen.height, seen.place_age) == pytest.approx((0.4, 2.5))
 
 
 def test_a_clock_that_is_set_back_makes_no_silence_fresh():

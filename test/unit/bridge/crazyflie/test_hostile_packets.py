@@ -5,7 +5,7 @@ import math
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_bridge.crazyflie import messages
-from lta_bridge.crazyflie.bridge import Asked, Bridge, UNTOLD
+from lta_bridge.crazyflie.bridge import Asked, Bridge, UNTOLD, Where
 from lta_bridge.crazyflie.condition import condition
 from lta_bridge.crazyflie.consumption import Consumption
 from lta_bridge.crazyflie.link import LogPacket
@@ -14,7 +14,7 @@ from lta_bridge.crazyflie.packet_check import fault, MOST, size_of, STAMPED
 from lta_bridge.crazyflie.readings import Air, Motion, Power
 from lta_bridge.crazyflie.round_trips import sent_at
 from lta_bridge.crazyflie.safety import Asked as AskedBy
-from lta_bridge.crazyflie.safety import LOW, Stage
+from lta_bridge.crazyflie.safety import LOST, LOW, Stage
 from lta_bridge.crazyflie.supervisor import Bit
 from lta_config.crazyflie_file import load_crazyflie
 from lta_graph.ros.stamps import to_stamp
@@ -105,6 +105,20 @@ def flying():
         flight.tick()
     assert flight.bridge.state.stage is Stage.FLYING
     return flight
+
+
+def test_an_estimator_that_falls_silent_lands_though_commands_go_on():
+    flight = flying()
+    flight.bridge.placed(Where(0.4, 0.0, flight.now))
+    for _ in range(round(LOST * 1e9 / TICK)):
+        flight.tick()
+    assert flight.bridge.state.stage is Stage.FLYING
+    flight.tick()
+    assert flight.bridge.state.stage is Stage.LANDING
+    assert flight.bridge.state.why.startswith('the newest place by the estimator is')
+    for _ in range(50):
+        flight.tick()
+    assert flight.bridge.state.stage is Stage.DISARMED
 
 
 def of_block(block):

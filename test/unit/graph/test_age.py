@@ -1,0 +1,26 @@
+"""How old a stamp is: what lies far ahead is as old as what never came."""
+
+import math
+
+from lta_graph.age import age, AHEAD
+import pytest
+
+NOW = 10**18
+
+
+@pytest.mark.parametrize(
+    ('ahead', 'expected'),
+    [
+        (-2.5, 2.5),
+        (0.0, 0.0),
+        (AHEAD - 0.01, 0.01 - AHEAD),
+        (AHEAD + 0.01, math.inf),
+        (3600.0, math.inf),
+    ],
+)
+def test_the_far_future_is_infinitely_old(ahead, expected):
+    assert age(NOW + round(1e9 * ahead), NOW) == pytest.approx(expected)
+
+
+def test_what_never_came_is_infinitely_old():
+    assert age(None, NOW) == math.inf
