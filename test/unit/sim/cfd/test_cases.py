@@ -194,8 +194,39 @@ def test_a_mesh_tells_its_cells_and_zones(tmp_path):
     facts = read_mesh(tmp_path)
     assert (facts['cells'], facts['zones']) == (44936, {'up_left': 59})
     gates.check_mesh('mesh', facts)
-    with pytest.raises(CaseFailed, match='80 degrees askew'):
-        gates.check_mesh('mesh', {**facts, 'non_orthogonality': 80.0})
+
+
+# As checkMesh 1912 writes it: of a mesh that is sound, and of one whose cells are pulled through
+# each other (their angles left out, which are refused by themselves).
+SOUND = """    cells:            51632
+    Min volume = 2.2610714e-07. Max volume = 0.015977826.  Total volume = 191.86923.  \
+Cell volumes OK.
+    Mesh non-orthogonality Max: 37.8187 average: 7.9676669
+"""
+INSIDE_OUT = """    cells:            51632
+ ***Zero or negative cell volume detected.  Minimum negative volume: -3.70074e-17, \
+Number of negative volume cells: 2
+  <<Writing 2 zero volume cells to set zeroVolumeCells
+    Mesh non-orthogonality Max: 37.8187 average: 7.9676669
+"""
+
+
+@pytest.mark.parametrize(
+    ('check', 'said'),
+    [
+        (INSIDE_OUT, 'has 2 cells of negative volume'),
+        (SOUND.replace('37.8187', '80.2'), '80 degrees askew'),
+        (SOUND.replace('37.8187', 'nan'), 'nan degrees askew'),
+        (SOUND.replace('51632', '12'), 'has no cells'),
+        ('--> FOAM FATAL ERROR: cannot find file "points"\n', 'has no cells'),
+    ],
+)
+def test_a_mesh_that_is_none_is_refused(tmp_path, check, said):
+    (tmp_path / 'log.check').write_text(SOUND)
+    gates.check_mesh('mesh', read_mesh(tmp_path))
+    (tmp_path / 'log.check').write_text(check)
+    with pytest.raises(CaseFailed, match=said):
+        gates.check_mesh('mesh', read_mesh(tmp_path))
 
 
 def test_gates_refuse_with_the_figure():
