@@ -13,6 +13,8 @@ from lta_bridge.crazyflie.safety import (
     Order,
     RAMP,
     Seen,
+    SETTLING,
+    SILENT,
     Stage,
     STALE,
     State,
@@ -78,6 +80,13 @@ class Bridge(RuleBasedStateMachine):
         for _ in range(count):
             self.step(FIT._replace(command_age=age), Asked())
 
+    @rule(part=seen)
+    def a_first_command_in_whatever_trouble(self, part):
+        waiting = FIT._replace(command_age=math.inf)
+        for asked in (Asked(arm=True), Asked()):
+            self.step(waiting, asked)
+        self.step(part._replace(linked=True, word=int(Bit.ARMED), command_age=0.0), Asked())
+
     @rule(count=st.integers(1, 80), part=seen)
     def commands_stop(self, count, part):
         for turn in range(count):
@@ -99,6 +108,8 @@ class Bridge(RuleBasedStateMachine):
             assert self.seen.command_age <= STALE
             assert self.seen.place_age <= LOST
             assert self.seen.word & Bit.ARMED
+            assert self.seen.active
+            assert self.seen.silence <= SILENT
 
     @invariant()
     def a_ramp_only_falls(self):
@@ -160,6 +171,47 @@ def test_no_motor_begins_to_turn_while_nobody_tells_the_place(seen, drive):
     state = State(Stage.FLYING if drive else Stage.READY)
     state, _ = tick(state, 0.0, seen._replace(place_age=LOST + 0.01), Asked(), LIMITS)
     assert state.stage is not Stage.FLYING
+
+
+@pytest.mark.parametrize(
+    'change',
+    [{'active': False}, {'silence': 0.6}, {'height': 4.1}, {'distance': 51.0}, {'voltage': 3.1}],
+)
+def test_what_would_end_a_flight_lets_none_begin(change):
+    """Armed and ready, with a command that is fresh."""
+    ready = State(Stage.READY, low_since=0.0)
+    state, order = tick(ready, 1.0, FIT, Asked(), LIMITS)
+    assert (state.stage, order.drive) == (Stage.FLYING, 1.0)
+    state, order = tick(ready, 1.0, FIT._replace(**change), Asked(), LIMITS)
+    assert (state.stage, order) == (Stage.DISARMED, Order(arm=False))
+
+
+@pytest.mark.parametrize(
+    ('word', 'asked_again'),
+    [
+        (Bit.ARMED, 10),
+        (Bit.ARMED | Bit.AUTO_ARM, 0),  # it arms itself, whatever we ask
+        (Bit.ARMED | Bit.FLYING, 0),  # somebody else flies it
+        (Bit.CAN_BE_ARMED, 0),
+    ],
+)
+def test_a_drone_that_is_found_armed_is_disarmed_unless_it_flies_or_arms_itself(word, asked_again):
+    state, seen, sent = State(), FIT._replace(word=int(word)), 0
+    for turn in range(64):  # 1 s; asked at the first of these that is 0.1 s after the one before
+        state, order = tick(state, turn / 64, seen, Asked(), LIMITS)
+        assert order in (Order(), Order(arm=False))
+        sent += order.arm is False
+    assert (state.stage, sent) == (Stage.DISARMED, asked_again)
+
+
+def test_a_landing_of_which_nobody_says_that_it_ends_is_disarmed_after_ten_seconds():
+    state, _ = tick(flying(), 1.0, FIT, Asked(arm=False), LIMITS)
+    aloft = FIT._replace(word=int(Bit.ARMED | Bit.FLYING))
+    end = 1.0 + RAMP + SETTLING
+    state, order = tick(state, end - PERIOD, aloft, Asked(), LIMITS)
+    assert (state.stage, order.arm) == (Stage.LANDING, None)
+    state, order = tick(state, end + PERIOD, aloft, Asked(), LIMITS)
+    assert (state.stage, state.why, order) == (Stage.DISARMED, 'asked to', Order(arm=False))
 
 
 def landed_after(voltages):

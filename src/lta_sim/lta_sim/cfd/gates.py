@@ -17,18 +17,21 @@ WINDOW: Final = 50  # rounds
 
 def check_mesh(name: str, facts: Mapping[str, float | Mapping[str, int]]) -> None:
     """Refuse a mesh that is no mesh; facts as `read_mesh` gives them."""
-    cells, angle = facts['cells'], facts['non_orthogonality']
+    cells, angle, negative = facts['cells'], facts['non_orthogonality'], facts['negative']
     assert isinstance(cells, float)
     assert isinstance(angle, float)
+    assert isinstance(negative, float)
     if not cells > 1000:
         raise CaseFailed(f'The {name} has no cells; see whether its shape is closed.')
-    if angle > ANGLE:
+    if not angle <= ANGLE:
         raise CaseFailed(
             f'The {name} has faces {angle:.0f} degrees askew, over {ANGLE:.0f}; '
             'simplify sharp corners of the shape.'
         )
-    if facts['negative']:
-        raise CaseFailed(f'The {name} has cells of negative volume; simplify the shape.')
+    if negative:
+        raise CaseFailed(
+            f'The {name} has {negative:.0f} cells of negative volume; simplify the shape.'
+        )
 
 
 def check_zones(zones: Mapping[str, int], shares: Mapping[str, float]) -> None:

@@ -259,6 +259,7 @@ def blow(
     gates.check_spread(spread, len(walls))
     lost = density * _kept(place, '0', ('far',)) + walls.mean(axis=0) + thrust
     balance = float(np.linalg.norm(lost) / loudness)
+    gates.check_balance(balance)
     return Blow(
         shares=dict(shares),
         force=_listed(thrust + walls.mean(axis=0)),

@@ -16,16 +16,15 @@ from lta_bridge.crazyflie.round_trips import sent_at
 from lta_bridge.crazyflie.safety import Asked as AskedBy
 from lta_bridge.crazyflie.safety import LOST, LOW, Stage
 from lta_bridge.crazyflie.supervisor import Bit
-from lta_config.crazyflie_file import load_crazyflie
 from lta_graph.ros.stamps import to_stamp
 from lta_sim.vehicle import load_vehicle
 from rclpy.serialization import serialize_message
 
-FILE, VEHICLE = load_crazyflie('gtmab'), load_vehicle('gtmab')
+from .bridged import FILE, Kept, NOTHING, TICK
+
+VEHICLE = load_vehicle('gtmab')
 CONSUMPTION = Consumption.of(VEHICLE.file.energy)
-TICK = 20_000_000  # ns
 BEGIN = 10**18  # ns
-NOTHING = AskedBy()
 GOOD = {
     'imu': {f'{s}.{a}': 0.0 for s in ('acc', 'gyro') for a in 'xyz'},
     'air': {'baro.pressure': 1013.25, 'range.zrange': 450},
@@ -40,16 +39,6 @@ EXTREME = {  # of the types that the wire has
     'uint16_t': st.integers(0, 2**16 - 1),
     'uint32_t': st.integers(0, 2**32 - 1),
 }
-
-
-class Kept:
-    """A link that keeps what was sent."""
-
-    def __init__(self):
-        self.said = []
-
-    def __getattr__(self, name):
-        return lambda *words, **more: self.said.append((name, words))
 
 
 class Flight:
@@ -79,7 +68,7 @@ class Flight:
 
     @property
     def duties(self):
-        return [duty for name, words in self.kept.said if name == 'override' for duty in words[0]]
+        return [duty for (duties,) in self.kept.of('override') for duty in duties]
 
 
 def published(told):

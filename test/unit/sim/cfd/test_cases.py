@@ -2,6 +2,7 @@
 
 from concurrent.futures import ThreadPoolExecutor
 import errno
+import math
 import shutil
 
 from lta_config.errors import BadInput
@@ -194,18 +195,68 @@ def test_a_mesh_tells_its_cells_and_zones(tmp_path):
     facts = read_mesh(tmp_path)
     assert (facts['cells'], facts['zones']) == (44936, {'up_left': 59})
     gates.check_mesh('mesh', facts)
-    with pytest.raises(CaseFailed, match='80 degrees askew'):
-        gates.check_mesh('mesh', {**facts, 'non_orthogonality': 80.0})
 
 
-def test_gates_refuse_with_the_figure():
-    with pytest.raises(CaseFailed, match='disk of up_left has 12 cells, fewer than 30'):
-        gates.check_zones({'up_left': 12}, {'up_left': 1.0})
-    with pytest.raises(CaseFailed, match='swings by 20 %'):
-        gates.check_spread(0.2, 50)
-    with pytest.raises(CaseFailed, match='swings by nan'):
-        gates.check_spread(float('nan'), 50)
-    with pytest.raises(CaseFailed, match='12 rounds'):
-        gates.check_spread(0.0, 12)
-    with pytest.raises(CaseFailed, match='30 % of the force'):
-        gates.check_balance(0.3)
+# As checkMesh 1912 writes it: of a mesh that is sound, and of one whose cells are pulled through
+# each other (their angles left out, which are refused by themselves).
+SOUND = """    cells:            51632
+    Min volume = 2.2610714e-07. Max volume = 0.015977826.  Total volume = 191.86923.  \
+Cell volumes OK.
+    Mesh non-orthogonality Max: 37.8187 average: 7.9676669
+"""
+INSIDE_OUT = """    cells:            51632
+ ***Zero or negative cell volume detected.  Minimum negative volume: -3.70074e-17, \
+Number of negative volume cells: 2
+  <<Writing 2 zero volume cells to set zeroVolumeCells
+    Mesh non-orthogonality Max: 37.8187 average: 7.9676669
+"""
+
+
+@pytest.mark.parametrize(
+    ('check', 'said'),
+    [
+        (INSIDE_OUT, 'has 2 cells of negative volume'),
+        (SOUND.replace('37.8187', '80.2'), '80 degrees askew'),
+        (SOUND.replace('37.8187', 'nan'), 'nan degrees askew'),
+        (SOUND.replace('51632', '12'), 'has no cells'),
+        ('--> FOAM FATAL ERROR: cannot find file "points"\n', 'has no cells'),
+    ],
+)
+def test_a_mesh_that_is_none_is_refused(tmp_path, check, said):
+    (tmp_path / 'log.check').write_text(SOUND)
+    gates.check_mesh('mesh', read_mesh(tmp_path))
+    (tmp_path / 'log.check').write_text(check)
+    with pytest.raises(CaseFailed, match=said):
+        gates.check_mesh('mesh', read_mesh(tmp_path))
+
+
+@pytest.mark.parametrize(
+    ('gate', 'given', 'said'),
+    [
+        (gates.check_zones, ({'up_left': 12}, {'up_left': 1.0}), 'of up_left has 12 cells, fewer'),
+        (gates.check_zones, ({}, {'up_left': 1.0}), 'of up_left has 0 cells, fewer than 30'),
+        (gates.check_spread, (0.2, 50), 'swings by 20 %'),
+        (gates.check_spread, (math.nan, 50), 'swings by nan'),
+        (gates.check_spread, (0.0, 12), '12 rounds'),
+        (gates.check_balance, (0.3,), '30 % of the force'),
+        (gates.check_balance, (math.nan,), 'nan % of the force'),
+        (gates.check_brakes, (-0.01,), 'pushes where it should brake'),
+        (gates.check_brakes, (0.0,), 'pushes where it should brake'),
+        (gates.check_brakes, (math.nan,), 'pushes where it should brake'),
+        (gates.check_mean, (0.06, 12.0), r'uncertain by 6 % \(over 5 %\)'),
+        (gates.check_mean, (math.nan, 12.0), 'uncertain by nan'),
+        (gates.check_mean, (math.inf, 12.0), 'uncertain by inf'),  # shorter than one batch
+        (gates.check_mean, (0.01, 9.9), r'Only 9\.9 lengths of flow are averaged, under 10'),
+    ],
+)
+def test_gates_refuse_with_the_figure(gate, given, said):
+    with pytest.raises(CaseFailed, match=said):
+        gate(*given)
+
+
+def test_gates_let_pass_what_is_at_their_limits():
+    gates.check_zones({'up_left': gates.ZONE}, {'up_left': 1.0})
+    gates.check_spread(gates.SPREAD, gates.WINDOW)
+    gates.check_balance(gates.BALANCE)
+    gates.check_brakes(1e-6)
+    gates.check_mean(gates.ERROR, gates.LENGTHS)

@@ -78,11 +78,12 @@ def test_speeds_that_swing_are_refused_and_the_slow_ones_kept(fake, monkeypatch)
     assert 'swings by 50 %' in sweep.refused['heave at 1']
 
 
-def test_a_flow_whose_momentum_is_lost_is_refused(fake, monkeypatch):
-    monkeypatch.setenv('FAKE_FAULT', 'heave:unbalanced')
-    sweep, _ = swept(fake, 'heave')
-    assert '50 % of the force is not in the momentum' in sweep.refused['heave at 1']
-    assert sweep.axes == {}
+@pytest.mark.parametrize(('flow', 'refused'), [('heave', 'heave at 1'), ('up_left', 'up_left')])
+def test_a_flow_whose_momentum_is_lost_is_refused(fake, monkeypatch, flow, refused):
+    monkeypatch.setenv('FAKE_FAULT', f'{flow}:unbalanced')
+    sweep, _ = swept(fake, flow)
+    assert '50 % of the force is not in the momentum' in sweep.refused[refused]
+    assert sweep.axes == sweep.blows == {}
 
 
 def test_a_disk_of_few_cells_does_not_blow(fake, monkeypatch):

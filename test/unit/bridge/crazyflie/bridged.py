@@ -1,0 +1,58 @@
+"""A bridge in flight at a clock of its own, and a link that keeps what was sent."""
+
+from lta_bridge.crazyflie.bridge import Asked, Bridge
+from lta_bridge.crazyflie.link import LogPacket
+from lta_bridge.crazyflie.safety import Asked as AskedBy
+from lta_bridge.crazyflie.safety import Stage
+from lta_bridge.crazyflie.supervisor import Bit
+from lta_config.crazyflie_file import load_crazyflie
+
+FILE = load_crazyflie('gtmab')
+TICK = 20_000_000  # ns
+DUTIES = (0.1, 0.2, 0.3, 0.4)
+NOTHING = AskedBy()
+
+
+class Kept:
+    """A link that keeps what was sent."""
+
+    def __init__(self):
+        self.said = []
+
+    def __getattr__(self, name):
+        return lambda *words, **_: self.said.append((name, words))
+
+    def of(self, name):
+        return [words for said, words in self.said if said == name]
+
+
+class Bridged:
+    """A bridge, and what its drone and its graph tell it at every tick."""
+
+    def __init__(self, command='override', watchdog=False):
+        self.kept, self.now, self.word = Kept(), 0, Bit.ARMED
+        self.bridge = Bridge(self.kept, FILE, list(FILE.motors.values()), command, watchdog)
+        self.linked = self.active = self.commands = self.logs = True
+        self.power = {'pm.vbat': 4.0, 'pm.state': 0}
+        self.asked = Asked(0, duties=DUTIES)
+
+    @property
+    def stage(self):
+        return self.bridge.state.stage
+
+    def fly(self):
+        self.tick(AskedBy(arm=True))
+        for _ in range(3):
+            self.tick()
+        assert self.stage is Stage.FLYING
+        return self
+
+    def tick(self, asked=NOTHING):
+        self.now += TICK
+        if self.logs:
+            values = {f'motor.m{n}': 0.0 for n in range(1, 5)} | {'supervisor.info': self.word}
+            for name, told in (('motors', values), ('power', self.power)):
+                self.bridge.heard(LogPacket(name, self.now // 1_000_000, told, self.now))
+        if self.commands:
+            self.bridge.commanded(self.asked._replace(stamp_ns=self.now))
+        self.bridge.tick(1e-9 * self.now, self.now, self.linked, self.active, asked)

@@ -1,0 +1,65 @@
+"""What the bridge makes of the drone's battery and of a setpoint, and how it feeds a watchdog."""
+
+from itertools import pairwise
+
+from lta_bridge.crazyflie.bridge import Asked
+from lta_bridge.crazyflie.safety import Asked as AskedBy
+from lta_bridge.crazyflie.safety import LOW, Stage
+import pytest
+
+from .bridged import Bridged, TICK
+
+
+@pytest.mark.parametrize(('state', 'low'), [(0, 0), (1, 0), (2, 0), (3, 1), (4, 1)])
+def test_a_cell_that_the_firmware_itself_calls_low_lands_and_arms_nothing(state, low):
+    """pm.h: on battery, charging, charged, low power, shut down."""
+    flight = Bridged().fly()
+    flight.power = {'pm.vbat': 4.0, 'pm.state': state}
+    for _ in range(round(1e9 * LOW / TICK) + 2):
+        flight.tick()
+    assert flight.stage is (Stage.LANDING if low else Stage.FLYING)
+    ground = Bridged()
+    ground.power = flight.power
+    ground.tick()
+    assert ('charge it' in ground.bridge.refusal(ground.now, True, True)) == bool(low)
+
+
+@pytest.mark.parametrize(
+    ('left', 'rate'), [(0.4, 0.6), (-0.4, -0.6), (2.0, 1.0), (-3.1, -1.0), (3.1, 1.0)]
+)
+def test_a_heading_is_turned_to_in_proportion_and_never_faster_than_one_radian_a_second(
+    left, rate
+):
+    flight = Bridged('setpoint')
+    flight.asked = Asked(0, speed=0.3, turn=left, height=1.2)
+    flight.fly()
+    assert flight.kept.of('hover')[-1] == pytest.approx((0.3, rate, 1.2))
+
+
+def ticks_fed(flight, count):
+    """Return at which of so many ticks the watchdog was fed."""
+    fed = []
+    for turn in range(count):
+        before = len(flight.kept.of('watchdog'))
+        flight.tick()
+        fed += [turn] * (len(flight.kept.of('watchdog')) - before)
+    return fed
+
+
+def test_the_watchdog_is_fed_from_the_first_arming_on_until_a_stop():
+    """One second without a word cuts the motors and locks (supervisor.c)."""
+    flight = Bridged(watchdog=True)
+    assert ticks_fed(flight, 50) == []  # the first word would start it
+    flight.fly()
+    fed = ticks_fed(flight, 100)
+    gaps = {after - before for before, after in pairwise(fed)}
+    assert gaps == {7}  # 0.14 s
+    flight.tick(AskedBy(arm=False))
+    assert len(ticks_fed(flight, 100)) >= 14  # it landed, and nothing but a restart ends it
+    assert flight.stage is Stage.DISARMED
+    flight.tick(AskedBy(stop=True))
+    assert ticks_fed(flight, 100) == []
+
+
+def test_no_watchdog_is_started_that_nobody_asked_for():
+    assert ticks_fed(Bridged().fly(), 100) == []
