@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Annotated, Literal
 
+from lta_config.errors import BadInput
 from lta_config.files import checked, find, load_yaml, Record
 from lta_config.quantity import Quantity, si
 from pydantic import AliasChoices, Field, model_validator
@@ -46,7 +47,30 @@ class CrazyflieFile(Record):
         return self
 
 
-def load_crazyflie(name: str) -> CrazyflieFile:
-    """Return the Crazyflie file of a vehicle by its name, or by path; `BadInput` otherwise."""
+def load_crazyflie(name: str, vehicle: str = '') -> CrazyflieFile:
+    """
+    Return a Crazyflie file.
+
+    Parameters
+    ----------
+    name : str
+        Of a shipped one, which is its vehicle's, or a path.
+    vehicle : str
+        What flies, by the name in its own file; the same name where empty.
+
+    Raises
+    ------
+    BadInput
+        If it cannot be read, or is of another vehicle: rotors that are named alike are wired and
+        limited otherwise.
+
+    """
     path = find('crazyflie', name)
-    return checked(CrazyflieFile, load_yaml(path), str(path))
+    file = checked(CrazyflieFile, load_yaml(path), str(path))
+    vehicle = vehicle or name
+    if file.vehicle != vehicle:
+        raise BadInput(
+            f"'{path}' is for {file.vehicle}, and {vehicle} flies; give the Crazyflie file of "
+            f'{vehicle}, or a copy with its wiring and limits that says vehicle: {vehicle}.'
+        )
+    return file

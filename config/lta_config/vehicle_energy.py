@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import math
 from typing import Annotated
 
-from lta_config.cell_file import CellFile, load_cell_file
+from lta_config.cell_file import load_cell_file
 from lta_config.errors import BadInput
 from lta_config.files import Record
 from lta_config.quantity import Quantity, si
@@ -57,11 +57,6 @@ class Array(Record):
     parallel: Count
     part: str | None = None  # where it sits; by sensors.panel_position if left out
     normal: Annotated[Quantity, si('1', low=-1.0, high=1.0, length=3, sourced=True)]
-
-    @property
-    def cell_file(self) -> CellFile:
-        """The file of its cells."""
-        return load_cell_file(self.cell)
 
     @model_validator(mode='after')
     def _looks_somewhere(self) -> 'Array':

@@ -11,8 +11,8 @@ import json
 import math
 from pathlib import Path
 
+from kept_figures import kepts_in
 from lta_analysis.reproduce import lines, markdown
-from lta_analysis.reproduce.figures_file import kepts_in
 from lta_analysis.reproduce.page import page
 from lta_analysis.reproduce.run import Order, rows_of, study_all
 from lta_analysis.reproduce.verdict import verdicts

@@ -17,6 +17,7 @@ REFUSED = [
     (CRAZYFLIE, 'uri:=udp://here', r"The URI 'udp://here' names no Crazyflie; give one such as"),
     (CRAZYFLIE, f'uri:={TAKEN}', r'commanded by another program \(process \d+\); end that one'),
     (CRAZYFLIE, 'command:=override', r'tether the drone to a bench and add tethered:=true'),
+    (CRAZYFLIE, 'crazyflie:=multirotor', r"multirotor\.yaml' is for multirotor, and gtmab flies"),
     (TEENSY, 'port:=/dev/ttyNOPE', r'There is no serial port /dev/ttyNOPE'),
     (TEENSY, 'port:=udp://0.0.0.0:99999', r'is no place to listen; give udp://0.0.0.0:14550'),
 ]

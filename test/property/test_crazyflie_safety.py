@@ -25,7 +25,7 @@ from lta_bridge.crazyflie.supervisor import Bit, trouble
 import pytest
 
 PERIOD = 0.02
-LIMITS = Limits()
+LIMITS = Limits(voltage=3.2, time=600.0, height=4.0, distance=50.0)
 
 words = st.sampled_from(
     [0, Bit.CAN_BE_ARMED, Bit.ARMED, Bit.ARMED | Bit.FLYING, Bit.LOCKED, Bit.TUMBLED, Bit.CRASHED]

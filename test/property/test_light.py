@@ -11,8 +11,9 @@ from lta_sim.sensors.light_block import Board
 from lta_sim.sensors.photodiode import PhotodiodeArray
 from lta_vlc.array import bearing
 from lta_vlc.demodulation import demodulate, Demodulation, Peaks, plan_bins
+from lta_vlc.diodes import ring_of
 from lta_vlc.modulation import cycles, SquareWave
-from lta_vlc.ring import azimuths, even_ring, Ring
+from lta_vlc.ring import azimuths, Ring
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -88,7 +89,7 @@ def test_turning_lamp_and_drone_together_leaves_the_counts(yaw, distance):
 
 @given(readings=READINGS, turn=ANGLES)
 def test_bearing_turns_with_the_ring(readings, turn):
-    ring = even_ring(8)
+    ring = ring_of(8).ring
     angles = [azimuth + turn for azimuth in azimuths(8)]
     moved = Ring(tuple(map(math.cos, angles)), tuple(map(math.sin, angles)))
     before, after = bearing(peaks(readings), ring, 6.0), bearing(peaks(readings), moved, 6.0)
@@ -102,30 +103,30 @@ def test_bearing_turns_with_the_ring(readings, turn):
 
 @given(readings=READINGS, shift=st.integers(0, 7))
 def test_bearing_steps_with_the_diodes(readings, shift):
-    before = bearing(peaks(readings), even_ring(8), 6.0)
+    before = bearing(peaks(readings), ring_of(8).ring, 6.0)
     assume(before is not None)
     assume(math.hypot(before.x, before.y) > 1e-3)
-    after = bearing(peaks(np.roll(readings, shift)), even_ring(8), 6.0)
+    after = bearing(peaks(np.roll(readings, shift)), ring_of(8).ring, 6.0)
     step = after.angle - before.angle - shift * math.pi / 4.0
     assert math.remainder(step, math.tau) == pytest.approx(0.0, abs=1e-9)
 
 
 @given(readings=READINGS, scale=st.floats(1e-3, 1e3))
 def test_brighter_light_has_the_same_bearing(readings, scale):
-    before = bearing(peaks(readings), even_ring(8), 6.0)
+    before = bearing(peaks(readings), ring_of(8).ring, 6.0)
     assume(before is not None)
     assume(math.hypot(before.x, before.y) > 1e-3)
-    after = bearing(peaks(scale * readings), even_ring(8), 6.0)
+    after = bearing(peaks(scale * readings), ring_of(8).ring, 6.0)
     assert (after.x, after.y) == pytest.approx((before.x, before.y), rel=1e-9, abs=1e-12)
     assert math.remainder(after.angle - before.angle, math.tau) == pytest.approx(0.0, abs=1e-9)
 
 
 @given(readings=READINGS, pedestal=st.floats(0.0, 1e4))
 def test_light_from_all_sides_leaves_the_bearing(readings, pedestal):
-    before = bearing(peaks(readings), even_ring(8), 6.0)
+    before = bearing(peaks(readings), ring_of(8).ring, 6.0)
     assume(before is not None)
     assume(math.hypot(before.x, before.y) > 1e-2)
-    after = bearing(peaks(readings + pedestal), even_ring(8), 6.0)
+    after = bearing(peaks(readings + pedestal), ring_of(8).ring, 6.0)
     assert math.remainder(after.angle - before.angle, math.tau) == pytest.approx(0.0, abs=1e-9)
     assert math.hypot(after.x, after.y) <= math.hypot(before.x, before.y) + 1e-12
 

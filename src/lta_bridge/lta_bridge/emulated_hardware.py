@@ -54,8 +54,9 @@ def flown(
 
     """
     scene, table = load_scenario(scenario), topic_table()
-    world = World(load_vehicle(vehicle, scene.air.density), scene, table, seed)
-    return Flown(world, load_crazyflie(vehicle), table, light)
+    craft = load_vehicle(vehicle, scene.air.density)
+    world = World(craft, scene, table, seed)
+    return Flown(world, load_crazyflie(vehicle, craft.file.name), table, light)
 
 
 class Hardware(NamedTuple):

@@ -60,12 +60,6 @@ def thrust_at(duty: float, voltage: float) -> float:
     return (A * abs(mean) + B) * mean
 
 
-def duty_for(thrust: float, voltage: float) -> float:
-    """Return the duty at which one rotor gives a thrust [N] at a voltage [V]; above 1: none."""
-    mean: float = (-B + (B * B + 4.0 * A * abs(thrust)) ** 0.5) / (2.0 * A)
-    return mean / voltage if thrust >= 0.0 else -mean / voltage
-
-
 def power_at(duty: float, voltage: float, offset: float, slope: float) -> float:
     """
     Return the electrical power of one rotor.

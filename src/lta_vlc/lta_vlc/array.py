@@ -128,7 +128,7 @@ def bearing(peaks: Peaks, ring: Ring, threshold: float) -> Bearing | None:
     -----
     The deviation holds only noise that is independent between diodes. It leaves out reflections,
     unequal gains, a response other than the cosine, tilt and the turning of the drone within
-    the block; `lta_vlc.lamp.LampPrior.bearing_deviation` stands for them.
+    the block, so that it is too small. The fit of `lta_vlc.direction` allows for the first three.
 
     """
     found, x, y, angle, deviation = weighted_mean(

@@ -25,9 +25,3 @@ class Ring:
 def azimuths(count: int) -> tuple[float, ...]:
     """Return the azimuths of `count` diodes spread evenly, the first forward. [rad]"""
     return tuple(2.0 * math.pi * i / count for i in range(count))
-
-
-def even_ring(count: int) -> Ring:
-    """Return a ring of `count` evenly spread diodes, the first forward."""
-    angles = azimuths(count)
-    return Ring(tuple(map(math.cos, angles)), tuple(map(math.sin, angles)))

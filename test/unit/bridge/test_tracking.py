@@ -5,7 +5,7 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_bridge.tracking.motion import GAP_NS, moving, Window
-from lta_bridge.tracking.pose import angle, chained, NOWHERE, planted, Pose, rotated
+from lta_bridge.tracking.pose import angle, chained, planted, Pose, rotated
 from lta_bridge.tracking.sieve import Fault, FOUND_NS, FROZEN_NS, Sieve
 from lta_bridge.tracking.tracked import SILENT_NS, Tracked
 from lta_graph.health import Level
@@ -16,6 +16,7 @@ from scipy.spatial.transform import Rotation
 MS = 1_000_000
 S = 1000 * MS
 TEN = 10 * MS
+NOWHERE = Pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 numbers = st.floats(-10.0, 10.0)
 places = st.tuples(numbers, numbers, numbers)
 turns = st.integers(0, 2**32 - 1).map(

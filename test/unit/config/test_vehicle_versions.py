@@ -2,6 +2,7 @@
 
 import copy
 
+from lta_config.cell_file import load_cell_file
 from lta_config.errors import BadInput
 from lta_config.vehicle_file import load_vehicle_file
 import pytest
@@ -45,7 +46,7 @@ def test_version_2_is_read(tmp_path):
     assert energy.loads.rotor_power.si == 23.96
     # 139 cm2 of 20 % give 2.78 W in 1000 W/m2, and so do 139 cells of 1 cm2.
     assert energy.array.parallel == 139
-    assert energy.array.parallel * energy.array.cell_file.rated == pytest.approx(2.78)
+    assert energy.array.parallel * load_cell_file(energy.array.cell).rated == pytest.approx(2.78)
     assert (energy.charger.tracking.si, energy.charger.idle.si) == (1.0, 0.0)
 
 

@@ -28,7 +28,7 @@ from lta_control.strategies.settings import StrategySettings
 from lta_control.vehicle_side import body_of, rotors_of
 from lta_sim.vehicle import load_vehicle
 from lta_vlc.array import weighted_mean
-from lta_vlc.ring import even_ring
+from lta_vlc.diodes import ring_of
 import numba
 import numpy as np
 import pytest
@@ -138,7 +138,7 @@ def test_every_strategy_compiles(name):
 
 def test_the_bearing_compiles():
     fast, generator = compiled(weighted_mean), np.random.default_rng(3)
-    ring = even_ring(8)
+    ring = ring_of(8).ring
     for _ in range(50):
         amplitudes = tuple(generator.uniform(0.0, 500.0, 8).tolist())
         snrs = tuple(generator.uniform(0.0, 30.0, 8).tolist())

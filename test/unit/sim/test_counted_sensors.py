@@ -16,7 +16,7 @@ from lta_sim.sensors import imu, pressure, range
 from lta_sim.vehicle import load_vehicle
 from lta_vlc.array import bearing
 from lta_vlc.demodulation import demodulate, Demodulation, Peaks, plan_bins
-from lta_vlc.ring import even_ring
+from lta_vlc.diodes import ring_of
 import numpy as np
 import pytest
 
@@ -25,7 +25,7 @@ BLOCKS = 400
 VEHICLE = load_vehicle('gtmab')
 HULL = half_axes(VEHICLE.file.hull)
 SENSORS = sensors_of(VEHICLE, 101325.0)
-RING = even_ring(VEHICLE.diodes.count)
+RING = ring_of(VEHICLE.diodes.count).ring
 DIODES = tuple(np.arange(VEHICLE.diodes.count).tolist())
 ERRORS = counted.draw_errors(SENSORS, SEED)
 

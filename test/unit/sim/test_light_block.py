@@ -6,15 +6,16 @@ from lta_sim.light.ambient import Ambient
 from lta_sim.light.field import Illuminance, LightField
 from lta_sim.light.lamp import Lamp
 from lta_sim.light.room import even, Room
-from lta_sim.sensors.photodiode import noise_volts, PhotodiodeArray
+from lta_sim.sensors.photodiode import PhotodiodeArray
 from lta_vlc.array import bearing
 from lta_vlc.demodulation import demodulate, Demodulation, plan_bins
+from lta_vlc.diodes import ring_of
 from lta_vlc.modulation import SquareWave
-from lta_vlc.ring import even_ring
 import numpy as np
 import pytest
 
 from ..vlc.square_mean import mean_on  # noqa: TID252 - `test` is Python's own
+from .diode_noise import noise_volts
 from .even_light import illuminance, synthesise
 
 START = 1_763_000_000_000_000_000
@@ -251,7 +252,7 @@ def test_lamp_is_heard_and_found_at_seven_metres(room, yaw):
     block, _ = synthesise(ring(), field, lit, START, 1e4, 1000, generator(8))
     peaks = demodulate(block, plan_bins(Demodulation(), 1e4, 1000))
     assert peaks.snr.max() > 10.0
-    found = bearing(peaks, even_ring(8), Demodulation().threshold)
+    found = bearing(peaks, ring_of(8).ring, Demodulation().threshold)
     # A ring of 5 cm sees 7 m with 0.4 % less light behind: under 0.2 degrees.
     assert math.remainder(found.angle + yaw, 2.0 * math.pi) == pytest.approx(0.0, abs=0.02)
 

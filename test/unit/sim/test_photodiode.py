@@ -2,10 +2,12 @@
 
 import math
 
-from lta_sim.sensors.photodiode import noise_volts, PhotodiodeArray, sensitivity
+from lta_sim.sensors.photodiode import PhotodiodeArray, sensitivity
 import numpy as np
 from pydantic import ValidationError
 import pytest
+
+from .diode_noise import noise_volts
 
 RING = {'count': 8, 'depth': 0.33, 'radius': 0.05, 'feedback_resistance': 1e5}
 

@@ -4,7 +4,8 @@ import math
 
 from lta_vlc.array import bearing, weighted_mean
 from lta_vlc.demodulation import demodulate, Demodulation, Peaks, plan_bins
-from lta_vlc.ring import azimuths, even_ring, Ring
+from lta_vlc.diodes import ring_of
+from lta_vlc.ring import azimuths, Ring
 import numba
 import numpy as np
 import pytest
@@ -29,14 +30,14 @@ def difference(a: float, b: float) -> float:
 @pytest.mark.parametrize('count', [4, 6, 8, 16])
 @pytest.mark.parametrize('angle', np.radians(np.arange(-180.0, 180.0, 7.5)).tolist())
 def test_cosine_diodes_are_exact_at_every_angle(count, angle):
-    found = bearing(seen(count, angle, lambda c: c), even_ring(count), 6.0)
+    found = bearing(seen(count, angle, lambda c: c), ring_of(count).ring, 6.0)
     assert difference(found.angle, angle) == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize('count', [3, 5])
 def test_odd_rings_are_not_exact(count):
     errors = [
-        difference(bearing(seen(count, a, lambda c: c), even_ring(count), 6.0).angle, a)
+        difference(bearing(seen(count, a, lambda c: c), ring_of(count).ring, 6.0).angle, a)
         for a in np.linspace(0.0, 2.0 * math.pi, 73)
     ]
     assert max(map(abs, errors)) > math.radians(1.0)
@@ -44,7 +45,7 @@ def test_odd_rings_are_not_exact(count):
 
 def test_squared_cosine_with_four_diodes_errs_as_computed():
     angle = math.radians(22.5)
-    found = bearing(seen(4, angle, np.square), even_ring(4), 6.0)
+    found = bearing(seen(4, angle, np.square), ring_of(4).ring, 6.0)
     # atan(tan^2 22.5) = 9.736 degrees.
     assert math.degrees(found.angle) == pytest.approx(9.7356, abs=1e-4)
 
@@ -52,13 +53,13 @@ def test_squared_cosine_with_four_diodes_errs_as_computed():
 @pytest.mark.parametrize('step', range(16))
 def test_identical_diodes_make_eight_exact_at_the_papers_angles(step):
     angle = step * math.pi / 8.0
-    found = bearing(seen(8, angle, np.square), even_ring(8), 6.0)
+    found = bearing(seen(8, angle, np.square), ring_of(8).ring, 6.0)
     assert difference(found.angle, angle) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_vector_by_hand():
     # Four diodes reading 3, 1, 0, 0: v = (3, 1) / 4.
-    ring = even_ring(4)
+    ring = ring_of(4).ring
     peaks = Peaks(
         np.array([3.0, 1.0, 0.5, 0.5]), np.array([9.0, 6.0, 5.9, 0.0]), np.zeros(4), np.ones(4)
     )
@@ -81,33 +82,33 @@ def test_left_is_positive():
     peaks = Peaks(
         np.array([0.0, 1.0, 0.0, 0.0]), np.array([0.0, 99.0, 0.0, 0.0]), np.zeros(4), np.ones(4)
     )
-    assert bearing(peaks, even_ring(4), 6.0).angle == pytest.approx(math.pi / 2.0, abs=1e-12)
+    assert bearing(peaks, ring_of(4).ring, 6.0).angle == pytest.approx(math.pi / 2.0, abs=1e-12)
 
 
 def test_common_pedestal_cancels():
     direct = seen(8, 0.6, lambda c: c)
     lit = Peaks(direct.amplitude + 5.0, np.full(8, SURE), direct.frequency, direct.noise)
-    found = bearing(lit, even_ring(8), 6.0)
+    found = bearing(lit, ring_of(8).ring, 6.0)
     assert found.angle == pytest.approx(0.6, abs=1e-12)
     assert math.hypot(found.x, found.y) < 0.1
 
 
 def test_no_bearing_when_every_diode_is_gated():
     peaks = Peaks(np.ones(8), np.full(8, 5.99), np.zeros(8), np.ones(8))
-    assert bearing(peaks, even_ring(8), 6.0) is None
+    assert bearing(peaks, ring_of(8).ring, 6.0) is None
 
 
 @pytest.mark.parametrize('level', [0.0, 1e-300, 1.0, 4095.0])
 @pytest.mark.parametrize('count', [4, 8, 16])
 def test_no_bearing_in_even_light(level, count):
     peaks = Peaks(np.full(count, level), np.full(count, SURE), np.zeros(count), np.ones(count))
-    assert bearing(peaks, even_ring(count), 6.0) is None
+    assert bearing(peaks, ring_of(count).ring, 6.0) is None
 
 
 def test_core_compiles_to_the_same_numbers():
     compiled = numba.njit(weighted_mean)
     generator = np.random.default_rng(7)
-    ring = even_ring(8)
+    ring = ring_of(8).ring
     for _ in range(50):
         amplitudes = tuple(generator.uniform(0.0, 100.0, 8).tolist())
         snrs = tuple(generator.uniform(0.0, 12.0, 8).tolist())
@@ -121,7 +122,7 @@ def test_core_compiles_to_the_same_numbers():
 @pytest.mark.parametrize(('amplitude', 'pedestal'), [(40.0, 30.0), (30.0, 0.0), (200.0, 120.0)])
 def test_deviation_is_that_of_many_noisy_blocks(amplitude, pedestal):
     generator = np.random.default_rng(21)
-    ring, angle, trials = even_ring(8), 0.3, 1000
+    ring, angle, trials = ring_of(8).ring, 0.3, 1000
     towards = np.maximum(np.cos(np.array(azimuths(8)) - angle), 0.0)
     time = np.arange(250) / 2500.0
     tone = np.sin(2.0 * math.pi * 150.0 * time)

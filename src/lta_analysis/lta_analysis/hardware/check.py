@@ -156,7 +156,7 @@ def checked(asked: Asked, tell: Callable[[str, float], None]) -> Outcome:
 def _drone(
     asked: Asked, uri: str, tell: Callable[[str, float], None]
 ) -> tuple[DroneHeard | None, list[Check]]:
-    file = load_crazyflie(asked.vehicle)
+    file = load_crazyflie(asked.vehicle, load_vehicle_file(asked.vehicle).name)
     link = link_to(uri, BLOCKS, time.time_ns)
     tell(f'connecting to {uri}', 0.0)
     with closing(Claim(uri)), closing(link):  # two would take each other's answers

@@ -6,7 +6,6 @@ from lta_analysis.mission.flyer import Flyer
 from lta_analysis.mission.scene import Scenes
 from lta_config.light_day_file import LightDay
 from lta_config.mission_file import MissionFile
-from lta_energy.diary import Diary
 from lta_energy.harvest import Harvest
 from lta_energy.light_of_days import light_of, LightOfDays
 from lta_energy.mission import Life, Upkeep
@@ -58,11 +57,3 @@ def life_of(
         upkeep, light, schedule_of(schedule, mission), flyer.fly, guess_of(mission, scenes)
     )
     return life, light
-
-
-def lived(
-    mission: MissionFile, day: LightDay, scenes: Scenes, schedule: str, days: int, seed: int
-) -> Diary:
-    """Return the diary of a mission."""
-    life, _ = life_of(mission, day, scenes, schedule, days, seed)
-    return life.live()

@@ -1,10 +1,10 @@
-"""The figures of a run as JSON, SI units, and back: what docs/paper.md is made of."""
+"""The figures of a run as JSON, SI units."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from lta_analysis.reproduce import lines
-from lta_analysis.reproduce.kept import Drawn, Kept, plain, values_in
+from lta_analysis.reproduce.kept import Kept, plain
 from lta_analysis.reproduce.verdict import verdicts
 from lta_config.paper_file import PaperRow
 
@@ -30,17 +30,3 @@ def of_row(row: PaperRow, kept: Kept) -> dict[str, Any]:
             for each in kept.pictures
         ],
     }  # fmt: skip
-
-
-def kepts_in(found: Mapping[str, Any]) -> dict[str, Kept]:
-    """Return rows from their figures; the pictures without what is drawn."""
-    return {
-        name: Kept(
-            values_in(each['values']),
-            [Drawn(**picture, figure='') for picture in each['pictures']],
-            (),
-            each['seeds'],
-            each['seconds'],
-        )
-        for name, each in found['rows'].items()
-    }

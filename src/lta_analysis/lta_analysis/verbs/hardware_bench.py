@@ -50,7 +50,8 @@ def bench(
     Example: lta hardware bench m1 --duty 0.1 --seconds 2
     """
     console = plain_console(stderr=json)
-    file, rotors = load_crazyflie(vehicle), load_vehicle(vehicle).rotor_names
+    craft = load_vehicle(vehicle)
+    file, rotors = load_crazyflie(vehicle, craft.file.name), craft.rotor_names
     if motor not in MOTORS:
         raise unknown('motor', motor, list(MOTORS))
     if file.command != 'motors':

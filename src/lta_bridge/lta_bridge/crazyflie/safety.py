@@ -39,10 +39,10 @@ class Stage(StrEnum):
 class Limits(NamedTuple):
     """What ends a flight: cell voltage [V], time [s], height [m] and way through the air [m]."""
 
-    voltage: float = 3.2
-    time: float = 600.0
-    height: float = 4.0
-    distance: float = 50.0
+    voltage: float
+    time: float
+    height: float
+    distance: float
 
 
 class Seen(NamedTuple):

@@ -63,7 +63,9 @@ class CrazyflieBridge(DeviceNode):
         self._names = vehicle.rotor_names
         self._consumption = Consumption.of(vehicle.file.energy)
         link = self._link = link_to(settings.uri, BLOCKS, self._graph_ns)
-        file = self._file = load_crazyflie(settings.crazyflie or settings.vehicle)
+        file = self._file = load_crazyflie(
+            settings.crazyflie or settings.vehicle, vehicle.file.name
+        )
         self._bridge = Bridge(link, file, self._names, settings.command, settings.watchdog)
         self._keeper: Keeper | None = None
         self._claim: Claim | None = None

@@ -1,7 +1,7 @@
 """Poses and how they are chained. Quaternions x y z w; `a` then `b`: b is given in a's frame."""
 
 import math
-from typing import Final, NamedTuple
+from typing import NamedTuple
 
 Three = tuple[float, float, float]
 Turn = tuple[float, float, float, float]
@@ -12,9 +12,6 @@ class Pose(NamedTuple):
 
     place: Three
     turn: Turn
-
-
-NOWHERE: Final = Pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 
 
 def planted(x: float, y: float, z: float, yaw: float) -> Pose:

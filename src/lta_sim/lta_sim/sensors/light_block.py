@@ -7,7 +7,7 @@ One block of converter counts from the light on a ring of photodiodes.
    edges between samples: what lies above Nyquist aliases as it does on the board. The pole stays
    where the setting puts it, whatever the feedback resistor.
 3. All noise passes the same pole, also the converter's own: a first-order autoregression whose
-   variance is that of `noise_volts` at every sampling rate.
+   variance is that of `noise_terms` at every sampling rate.
 4. The converter rounds, and saturates at both ends of its range. Its clock may be off within a
    block, and its instants jitter; blocks begin when they should.
 

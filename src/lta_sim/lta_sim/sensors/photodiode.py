@@ -185,27 +185,6 @@ def sensitivity(array: PhotodiodeArray) -> float:
     return array.area * array.responsivity * array.feedback_resistance
 
 
-def noise_volts(array: PhotodiodeArray, volts: Array | float) -> Array:
-    """
-    Return the standard deviation of the noise at an output.
-
-    Parameters
-    ----------
-    array : PhotodiodeArray
-        The diodes.
-    volts : ndarray of float64 or float
-        Output by light, without the offset in the dark. [V]
-
-    Returns
-    -------
-    ndarray of float64
-        Amplifier's and shot noise together. [V]
-
-    """
-    amplifier, shot = noise_terms(array)
-    return np.sqrt(amplifier + shot * np.asarray(volts))
-
-
 def noise_terms(array: PhotodiodeArray) -> tuple[float, float]:
     """Return the variance of noise without light [V2] and that of the shot noise by volt [V]."""
     step = array.adc_range / 2**array.adc_bits

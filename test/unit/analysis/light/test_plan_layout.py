@@ -8,13 +8,13 @@ from hypothesis import strategies as st
 from lta_analysis.app import put_together
 from lta_analysis.light.plan.cover import demand, distinct, fewest, greedy, improved
 from lta_analysis.light.plan.floor import floor_of
-from lta_analysis.light.plan.floor_plan import FloorPlan, load_floor_plan
+from lta_analysis.light.plan.floor_plan import FloorPlan
 from lta_analysis.light.plan.gaps import BEYOND, DROWNED, FEW, gaps_of
 from lta_analysis.light.plan.handover import handover_of, longest
 from lta_analysis.light.plan.mounts import mounts_of
 from lta_analysis.light.plan.polygon import distance, edges_of, flaw, inside, signed_area
 from lta_config.errors import BadInput
-from lta_config.files import known
+from lta_config.files import find, known, load
 from lta_sim.scenario import load_scenario
 import numpy as np
 from pydantic import ValidationError
@@ -224,7 +224,7 @@ def test_a_plan_that_cannot_work_is_one_sentence(changes, asked, words):
 
 @pytest.mark.parametrize('name', known('floor_plans'))
 def test_shipped_floor_plans_are_what_their_files_are_called(name):
-    assert load_floor_plan(name).name == name
+    assert load(FloorPlan, find('floor plan', name)).name == name
 
 
 def call(*words):

@@ -2,6 +2,7 @@
 
 import math
 
+from kept_figures import kepts_in
 from lta_analysis.reproduce import figures_file, kept, lines
 from lta_analysis.reproduce.found import over, Value
 from lta_analysis.reproduce.registry import STUDIES
@@ -148,7 +149,7 @@ def test_figures_come_back_from_their_file():
     values = {'path': Value(9.0, 8.0, math.inf, 3), 'first': Value('DGA')}
     drawn = kept.Drawn('way', 'The way', 'From above.', '{}', 'lta simulate', 'bags/way')
     found = {'row': kept.Kept(values, [drawn], [], 3, 2.04)}
-    again = figures_file.kepts_in(figures_file.content([ROW], found))['row']
+    again = kepts_in(figures_file.content([ROW], found))['row']
     assert again.values['path'][:2] == (9.0, 8.0)
     assert math.isnan(again.values['path'].high)
     assert again.values['first'].value == 'DGA'

@@ -9,6 +9,7 @@ from lta_bridge.crazyflie.emulated.variables import LOG
 from lta_bridge.crazyflie.link import LogPacket
 from lta_bridge.crazyflie.log_table import Block, BLOCKS, check
 from lta_bridge.crazyflie.round_trips import RoundTrips
+from lta_bridge.crazyflie.safety import Limits
 from lta_config.crazyflie_file import load_crazyflie
 from lta_config.errors import BadInput
 from lta_graph.ros.stamps import to_stamp
@@ -140,6 +141,14 @@ def test_duties_on_the_wire():
     assert duties_packet.is_newer(0, 255)
     assert not duties_packet.is_newer(255, 0)
     assert not duties_packet.is_newer(7, 7)
+
+
+def test_what_ends_a_flight_stands_in_the_file_alone():
+    file = load_crazyflie('gtmab')
+    bridge = Bridge(None, file, load_vehicle('gtmab').rotor_names)
+    told = file.limits
+    assert bridge.limits == (told.voltage.si, told.time.si, told.height.si, told.distance.si)
+    assert not Limits._field_defaults
 
 
 @pytest.mark.parametrize(

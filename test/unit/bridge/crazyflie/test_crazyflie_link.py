@@ -226,6 +226,10 @@ def test_a_uri_that_cflib_knows_is_taken(uri):
 def test_every_shipped_file_is_wired_to_rotors_that_exist():
     for name in ('gtmab', 'multirotor'):
         assert len(rotor_places(load_crazyflie(name).motors, load_vehicle(name).rotor_names)) == 4
+    with pytest.raises(
+        BadInput, match='is for multirotor, and gtmab flies; give the Crazyflie file'
+    ):
+        load_crazyflie('multirotor', 'gtmab')
     with pytest.raises(BadInput, match='m1 is wired to up, which the vehicle lacks'):
         rotor_places({'m1': 'up'}, ['left'])
 

@@ -9,7 +9,7 @@ import math
 from typing import Annotated, final, Literal, Self
 
 from lta_analysis.light.plan.polygon import Array, distance, edges_of, flaw, inside
-from lta_config.files import find, load, Record
+from lta_config.files import Record
 from lta_config.quantity import Quantity, si
 from lta_sim.light.lamp import order_of
 from lta_sim.light.refuse import MOST_EFFICACY
@@ -156,8 +156,3 @@ class FloorPlan(Record):
                     'its position'
                 )
         return self
-
-
-def load_floor_plan(name: str) -> FloorPlan:
-    """Return a floor plan by shipped name or path; anything wrong is a `BadInput` sentence."""
-    return load(FloorPlan, find('floor plan', name))

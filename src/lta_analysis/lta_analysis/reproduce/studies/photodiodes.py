@@ -23,7 +23,6 @@ from lta_analysis.typed import typed
 import numpy as np
 from plotly.graph_objects import Figure, Scatterpolar
 
-Rings = Mapping[int, Sequence[Studied]]  # by number of diodes, one a seed
 QUICK: Final = 10  # readings
 GOOD: Final = math.radians(2.0)
 DARK_WALLS: Final = {'scenario.room.albedo': 0.0}

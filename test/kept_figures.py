@@ -1,0 +1,17 @@
+"""Rows of the paper from the figures that a run kept: docs/paper.md is held to them."""
+
+from lta_analysis.reproduce.kept import Drawn, Kept, values_in
+
+
+def kepts_in(found):
+    """Return rows from their figures; the pictures without what is drawn."""
+    return {
+        name: Kept(
+            values_in(each['values']),
+            [Drawn(**picture, figure='') for picture in each['pictures']],
+            (),
+            each['seeds'],
+            each['seconds'],
+        )
+        for name, each in found['rows'].items()
+    }

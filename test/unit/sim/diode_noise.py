@@ -1,0 +1,10 @@
+"""What the noise of a photodiode comes to, for who compares with it."""
+
+from lta_sim.sensors.photodiode import noise_terms
+import numpy as np
+
+
+def noise_volts(array, volts):
+    """Return the standard deviation at an output that light brings to some volts. [V]"""
+    amplifier, shot = noise_terms(array)
+    return np.sqrt(amplifier + shot * np.asarray(volts))
