@@ -4,11 +4,12 @@ from collections.abc import Mapping
 from typing import Annotated, Literal
 
 from lta_config.errors import BadInput
-from lta_config.files import checked, find, load_yaml, Record
+from lta_config.files import checked, find, FOLDERS, known, load_yaml, Record
 from lta_config.quantity import Quantity, si
 from pydantic import AliasChoices, Field, model_validator
 
 MOTORS = ('m1', 'm2', 'm3', 'm4')
+BESIDE = '.crazyflie.yaml'  # in place of a vehicle file's own ending
 
 
 class Expected(Record):
@@ -74,3 +75,36 @@ def load_crazyflie(name: str, vehicle: str = '') -> CrazyflieFile:
             f'{vehicle}, or a copy with its wiring and limits that says vehicle: {vehicle}.'
         )
     return file
+
+
+def crazyflie_of(vehicle: str, name: str, given: str = '') -> CrazyflieFile:
+    """
+    Return the Crazyflie file that a vehicle flies with.
+
+    Parameters
+    ----------
+    vehicle : str
+        Name of a shipped vehicle, or the path of its file.
+    name : str
+        Of the vehicle, in that file.
+    given : str
+        Name or path of another Crazyflie file. By default it is `VEHICLE.crazyflie.yaml` beside
+        the vehicle's own file, and else the shipped one of its name.
+
+    Raises
+    ------
+    BadInput
+        If there is none, or it cannot be read, or is of another vehicle.
+
+    """
+    beside = find('vehicle', vehicle).with_suffix(BESIDE)
+    if given:
+        return load_crazyflie(given, name)
+    if beside.is_file():
+        return load_crazyflie(str(beside), name)
+    if name not in (names := known(FOLDERS['crazyflie'])):
+        raise BadInput(
+            f'{name} has no Crazyflie file, which says how its motors are wired and what ends a '
+            f'flight; write {beside.name} beside its own file, after one of {", ".join(names)}.'
+        )
+    return load_crazyflie(name)

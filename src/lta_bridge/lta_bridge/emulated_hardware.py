@@ -21,7 +21,7 @@ from lta_bridge.crazyflie.emulated.flown import Flown
 from lta_bridge.crazyflie.emulated.server import Server
 from lta_bridge.teensy.emulated_server import BoardServer
 from lta_bridge.teensy.emulator import EmulatedBoard
-from lta_config.crazyflie_file import load_crazyflie
+from lta_config.crazyflie_file import crazyflie_of
 from lta_config.errors import BadInput
 from lta_config.topics import topic_table
 from lta_sim.scenario import load_scenario
@@ -56,7 +56,7 @@ def flown(
     scene, table = load_scenario(scenario), topic_table()
     craft = load_vehicle(vehicle, scene.air.density)
     world = World(craft, scene, table, seed)
-    return Flown(world, load_crazyflie(vehicle, craft.file.name), table, light)
+    return Flown(world, crazyflie_of(vehicle, craft.file.name), table, light)
 
 
 class Hardware(NamedTuple):

@@ -17,7 +17,7 @@ from lta_bridge.crazyflie.link import LinkFailed
 from lta_bridge.crazyflie.links import link_to
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.devices import BOARD, devices, DRONE, Found, Port, ports, RADIO
-from lta_config.crazyflie_file import load_crazyflie
+from lta_config.crazyflie_file import crazyflie_of
 from lta_config.errors import BadInput
 from lta_config.topics import topic_table
 from lta_config.vehicle_file import load_vehicle_file
@@ -156,7 +156,7 @@ def checked(asked: Asked, tell: Callable[[str, float], None]) -> Outcome:
 def _drone(
     asked: Asked, uri: str, tell: Callable[[str, float], None]
 ) -> tuple[DroneHeard | None, list[Check]]:
-    file = load_crazyflie(asked.vehicle, load_vehicle_file(asked.vehicle).name)
+    file = crazyflie_of(asked.vehicle, load_vehicle_file(asked.vehicle).name)
     link = link_to(uri, BLOCKS, time.time_ns)
     tell(f'connecting to {uri}', 0.0)
     with closing(Claim(uri)), closing(link):  # two would take each other's answers

@@ -15,7 +15,7 @@ from lta_bridge.crazyflie.claim import Claim
 from lta_bridge.crazyflie.link import Link, LinkFailed
 from lta_bridge.crazyflie.links import link_to
 from lta_bridge.crazyflie.log_table import BLOCKS
-from lta_config.crazyflie_file import load_crazyflie, MOTORS
+from lta_config.crazyflie_file import crazyflie_of, MOTORS
 from lta_config.errors import BadInput, unknown
 from lta_sim.vehicle import load_vehicle
 from rich.console import Console
@@ -51,7 +51,7 @@ def bench(
     """
     console = plain_console(stderr=json)
     craft = load_vehicle(vehicle)
-    file, rotors = load_crazyflie(vehicle, craft.file.name), craft.rotor_names
+    file, rotors = crazyflie_of(vehicle, craft.file.name), craft.rotor_names
     if motor not in MOTORS:
         raise unknown('motor', motor, list(MOTORS))
     if file.command != 'motors':

@@ -23,7 +23,7 @@ from lta_bridge.crazyflie.log_table import BLOCKS, check
 from lta_bridge.crazyflie.override import check_tether, expected
 from lta_bridge.crazyflie.safety import Asked, Stage
 from lta_bridge.crazyflie.settings import BridgeSettings
-from lta_config.crazyflie_file import load_crazyflie
+from lta_config.crazyflie_file import crazyflie_of
 from lta_config.errors import BadInput
 from lta_graph.health import Level
 from lta_graph.ros.device import DeviceNode
@@ -63,9 +63,7 @@ class CrazyflieBridge(DeviceNode):
         self._names = vehicle.rotor_names
         self._consumption = Consumption.of(vehicle.file.energy)
         link = self._link = link_to(settings.uri, BLOCKS, self._graph_ns)
-        file = self._file = load_crazyflie(
-            settings.crazyflie or settings.vehicle, vehicle.file.name
-        )
+        file = self._file = crazyflie_of(settings.vehicle, vehicle.file.name, settings.crazyflie)
         self._bridge = Bridge(link, file, self._names, settings.command, settings.watchdog)
         self._keeper: Keeper | None = None
         self._claim: Claim | None = None

@@ -16,8 +16,9 @@ from lta_bridge.crazyflie.links import link_to
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.crazyflie.packet_check import fault
 from lta_bridge.crazyflie.wiring import rotor_places
-from lta_config.crazyflie_file import Expected, load_crazyflie
+from lta_config.crazyflie_file import crazyflie_of, Expected, load_crazyflie
 from lta_config.errors import BadInput
+from lta_config.files import find
 from lta_sim.vehicle import load_vehicle
 import pytest
 
@@ -232,6 +233,22 @@ def test_every_shipped_file_is_wired_to_rotors_that_exist():
         load_crazyflie('multirotor', 'gtmab')
     with pytest.raises(BadInput, match='m1 is wired to up, which the vehicle lacks'):
         rotor_places({'m1': 'up'}, ['left'])
+
+
+def test_a_vehicle_of_ones_own_has_its_crazyflie_file_beside_it(tmp_path):
+    mine = tmp_path / 'my_blimp.yaml'
+    mine.write_text('name: my_blimp')
+    with pytest.raises(BadInput, match=r'my_blimp has no Crazyflie file.*write my_blimp\.crazyf'):
+        crazyflie_of(str(mine), 'my_blimp')
+    shipped = find('crazyflie', 'gtmab').read_text()
+    (tmp_path / 'my_blimp.crazyflie.yaml').write_text(shipped)
+    with pytest.raises(BadInput, match='is for gtmab, and my_blimp flies'):
+        crazyflie_of(str(mine), 'my_blimp')
+    own = shipped.replace('vehicle: gtmab', 'vehicle: my_blimp')
+    (tmp_path / 'my_blimp.crazyflie.yaml').write_text(own)
+    assert crazyflie_of(str(mine), 'my_blimp').motors == load_crazyflie('gtmab').motors
+    # A copy of a shipped vehicle elsewhere, by its name.
+    assert crazyflie_of(str(mine), 'gtmab', 'gtmab') == load_crazyflie('gtmab')
 
 
 TORN = (
