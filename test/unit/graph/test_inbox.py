@@ -44,7 +44,7 @@ class Reader:
 
 
 # Whoever answers a topic; the vehicle begins by itself, and steps on with each command.
-ROLES = sorted({row.source for row in TABLE.topics.values() if row.answers}) + ['vehicle']
+ROLES = [*sorted({row.source for row in TABLE.topics.values() if row.answers}), 'vehicle']
 READERS = [
     Reader(role, tuple(TABLE.read_by(role)), TABLE.trigger(role) or 'motors') for role in ROLES
 ]
