@@ -46,11 +46,12 @@ def controller(peer: Pilot) -> Iterator[Pilot]:
 
 
 def estimate(peer, step, **position):
-    """Send an estimate of a drone at rest at 0.5 m, and return the duties that answer it."""
+    """Send an estimate of a drone at rest, level at 0.5 m, and return the duties in answer."""
     odom = message_type(TABLE['odom'])()
     odom.header.stamp = to_stamp(TABLE.start_ns + step * STEP)
     odom.pose.pose.position.z = position.get('z', 0.5)
-    odom.pose.pose.orientation.w = 1.0
+    half = 0.5 * position.get('roll', 0.0)
+    odom.pose.pose.orientation.x, odom.pose.pose.orientation.w = math.sin(half), math.cos(half)
     peer.motors.clear()
     peer.publisher('odom').publish(odom)
     peer.until(lambda: peer.motors)
@@ -140,6 +141,18 @@ def test_not_a_number_stops_the_motors_for_good(controller, hear):
     refused = controller.ask(SetBool, 'arm', data=True)
     assert not refused.success
     assert 'not a number' in refused.message
+
+
+def test_turned_over_the_motors_stop_for_good(controller, hear):
+    step = flying_controller(controller)
+    assert any(estimate(controller, step + 1, roll=0.98))
+    assert estimate(controller, step + 2, roll=1.02) == [0.0] * 4
+    assert estimate(controller, step + 3) == [0.0] * 4
+    hear(lambda facts: 'turned over' in motors(facts))
+    refused = controller.ask(SetBool, 'arm', data=True)
+    assert not refused.success
+    assert 'turned over' in refused.message
+    assert estimate(controller, step + 4) == [0.0] * 4
 
 
 def test_disarmed_motors_stand_still_and_armed_ones_turn(controller):

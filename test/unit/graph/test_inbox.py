@@ -43,16 +43,18 @@ class Reader:
         }
 
 
+# Whoever answers a topic; the vehicle begins by itself, and steps on with each command.
+ROLES = [*sorted({row.source for row in TABLE.topics.values() if row.answers}), 'vehicle']
 READERS = [
-    Reader('estimator', ('imu', 'range', 'pressure', 'motors'), 'imu'),
-    Reader('controller', ('odom', 'setpoint/pose', 'setpoint/velocity'), 'odom'),
-    Reader(
-        'navigator',
-        ('light/peaks', 'light/estimate', 'odom', 'energy/reserve'),
-        'light/estimate',
-    ),
-    Reader('energy_monitor', ('battery', 'panel', 'illuminance'), 'battery'),
+    Reader(role, tuple(TABLE.read_by(role)), TABLE.trigger(role) or 'motors') for role in ROLES
 ]
+
+
+def test_every_node_that_answers_is_tried():
+    assert {reader.role for reader in READERS} == {
+        'estimator', 'controller', 'demodulator', 'navigator', 'energy_monitor', 'vehicle',
+    }  # fmt: skip
+    assert all(reader.trigger in reader.topics for reader in READERS)
 
 
 def expected(reader: Reader) -> list[tuple[int, dict[str, list[str]]]]:
