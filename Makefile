@@ -10,7 +10,7 @@ export PYTHON
 enter := root='$(CURDIR)' && . tools/workspace.sh
 sources := config src test examples tools
 
-.PHONY: help demo build test test-long bench bench-compare flights trust classes plan rgblimp crazyflie faults chaos soak docs reference lock check format clean
+.PHONY: help demo build test test-long bench bench-compare flights trust classes plan rgblimp crazyflie faults chaos soak docs reference pictures lock check format clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
@@ -66,6 +66,9 @@ docs: build  ## these pages as a site that needs no network: site/index.html
 
 reference: build  ## write the pages of docs/ that are made of declarations
 	@$(enter) && tools/reference.sh
+
+pictures: test-environment  ## draw the pictures of docs/images again, with a Chromium (minutes; ARGS='flight compare': some)
+	@$(enter) && tools/pictures.sh $(ARGS)
 
 lock: test-environment docs  ## write locked/ and docs/licences.md after a change of requirements*.txt or constraints.txt
 	@.venv/bin/python tools/lock.py

@@ -62,3 +62,11 @@ def test_rates_of_health_are_those_of_the_nodes():
 
 def test_the_page_of_the_effects_is_that_of_the_registry():
     assert (ROOT / 'docs/effects.md').read_text(encoding='utf-8') == page()
+
+
+def test_every_picture_has_the_command_that_draws_it():
+    drawn = re.findall(r'^draw \w+ (\w+)', (ROOT / 'tools/pictures.sh').read_text(), re.MULTILINE)
+    there = {path.stem for path in (ROOT / 'docs/images').glob('*.png')}
+    # Of a test, of a program among the examples, and composed of a page's planes by hand.
+    assert there - set(drawn) == {'energy_monitor', 'hull_shapes', 'cfd_gtmab', 'cfd_slices'}
+    assert set(drawn) <= there

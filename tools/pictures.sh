@@ -1,0 +1,52 @@
+#!/bin/sh
+# Draw the pictures of docs/images again: tools/pictures.sh [NAME ...]; those that take minutes where none is named.
+#
+# At the end, one line a picture: its name, which picture of its page it is, and what makes the
+# page in the folder that is given last.
+set -eu
+cd "$(dirname "$0")/.."
+wanted=" $* "
+made=$(mktemp -d)
+trap 'rm -rf "$made"' EXIT
+
+# Draw what was asked for by name, and a quick one also where nothing was.
+draw() {
+    pace=$1 name=$2 picture=$3
+    shift 3
+    case "$wanted" in
+    '  ') [ "$pace" = quick ] || return 0 ;;
+    *" $name "*) ;;
+    *) return 0 ;;
+    esac
+    echo "picture: $name ..."
+    "$@" "$made/$name" >"$made/log" 2>&1 || {
+        cat "$made/log" >&2
+        exit 1
+    }
+    .venv/bin/python -c '
+import sys
+from pathlib import Path
+from lta_analysis.report.pictures import write_pictures
+write_pictures(Path(sys.argv[1]), Path(sys.argv[2]))
+' "$made/$name"/*.html "$made/$name.pictures"
+    cp "$made/$name.pictures/$picture.png" "docs/images/$name.png"
+}
+
+compared() {
+    ./lta simulate --seed 3 --out "$1.a"
+    ./lta simulate --seed 4 --out "$1.b"
+    ./lta compare "$1.a" "$1.b" --out "$1"
+}
+
+draw quick flight top ./lta fly --seed 1 --out
+draw quick compare top compared
+draw quick discover top ./lta discover --demo --out
+draw quick platforms top ./lta platforms --seeds 2 --out
+draw quick cells top ./lta cells --out
+draw quick energy_budget top ./lta energy budget --out
+draw quick energy_hover top ./lta energy hover --out
+draw quick mounting top ./lta energy mounting --out
+draw quick light_plan plan ./lta light plan warehouse --out
+draw quick mission charge ./lta mission greenhouse_summer --out
+draw long evaluate top ./lta light evaluate --seeds 50 --out
+draw long cfd_sphere sphere ./lta cfd validate --fidelity reference --out
