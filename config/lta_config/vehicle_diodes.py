@@ -95,6 +95,11 @@ class Diodes(Record):
         0.0, 's', 'even sampling'
     )
 
+    @property
+    def top(self) -> float:
+        """Largest reading of the converter. [counts]"""
+        return 2.0**self.bits - 1.0
+
     @model_validator(mode='after')
     def _one_axis_each(self) -> Self:
         if self.axes is not None and len(self.axes.value) != self.count:

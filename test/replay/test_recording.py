@@ -53,7 +53,8 @@ from std_msgs.msg import Float64
 
 STORED = Path(__file__).with_name('lamp.mcap')
 TABLE = topic_table()
-DIODES = diodes_of(load_vehicle_file('gtmab').sensors.diodes)
+ENTRY = load_vehicle_file('gtmab').sensors.diodes
+DIODES = diodes_of(ENTRY)
 NODES = ('demodulator', 'navigator')
 ANSWERS = [name for node in NODES for name in TABLE.published_by(node)]
 KEPT = ['photodiodes', 'odom', 'energy/reserve', 'energy/status', *ANSWERS]
@@ -99,7 +100,7 @@ def answered(folder, demodulation=None, mission=None):
     """Return the bag that the cores of both nodes make of the stored one, without a graph."""
     settings, mission = demodulation or Demodulation(), mission or MissionSettings()
     light, prior = TABLE.light, LampPrior()
-    listener = Listener(settings, light.sample_rate.si, light.samples)
+    listener = Listener(settings, light.sample_rate.si, light.samples, ENTRY.top)
     odometry, reserves = recorded('odom'), recorded('energy/reserve')
     motions = {from_stamp(m.header.stamp): to_reckoned(m) for _, m in odometry}
     state, plan, finder = Mission(), strategy('bag'), DirectionFinder(DIODES)

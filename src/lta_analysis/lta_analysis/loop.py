@@ -134,7 +134,10 @@ class Loop:
         self._finder = DirectionFinder(diodes, compiled(fit)[0], np.array)
         self._axes = carried_axes(self._ring)
         self._listener = Listener(
-            policy.demodulation, table.light.sample_rate.si, table.light.samples
+            policy.demodulation,
+            table.light.sample_rate.si,
+            table.light.samples,
+            vehicle.file.sensors.diodes.top,
         )
         ranger = world.range_settings
         self._reach = carried.single(ranger.minimum), carried.single(ranger.maximum)

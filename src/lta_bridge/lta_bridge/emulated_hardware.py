@@ -96,8 +96,9 @@ def emulated(
         If a file is wrong, or the UDP port is taken.
 
     """
-    table, diodes = topic_table(), load_vehicle(vehicle).file.sensors.diodes.count
-    light = BoardServer(EmulatedBoard(0, table.light.sample_rate.si, diodes), light_port, beacon)
+    table, entry = topic_table(), load_vehicle(vehicle).file.sensors.diodes
+    board = EmulatedBoard(0, table.light.sample_rate.si, entry.count, bits=entry.bits)
+    light = BoardServer(board, light_port, beacon)
     body = flown(vehicle, scenario, seed, light.light)
     try:
         crazyflie = Server(Firmware(body), port)

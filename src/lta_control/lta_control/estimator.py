@@ -2,8 +2,10 @@
 The drone's own idea of its motion, from its sensors and commands only.
 
 At rest on level ground it first learns the biases of the IMU and the pressure of the floor
-(`rest_time`). Then attitude, altitude and airspeed are filtered step by step. Position is dead
-reckoning through the air and says so by its covariance.
+(`rest_time`), and anew where it is moved meanwhile. Where the biases are more than the sensor's,
+it waits for others, and takes them in the end: a drone out of balance stands tilted. Then
+attitude, altitude and airspeed are filtered step by step. Position is dead reckoning through the
+air and says so by its covariance.
 """
 
 import math
@@ -16,7 +18,9 @@ from lta_control.allocation import Columns
 from lta_control.altitude import Altitude, AltitudeSettings, correct, predict
 from lta_control.attitude import attitude_step, heading, Quaternion, up_in_body, Vector
 from lta_control.per_rotor import NONE, PerRotor
-from lta_control.rest import Biases, biases_of, Rest, rest_step
+from lta_control.rest import Biases, biases_of, plausible, Rest, rest_step
+
+PATIENCE = 5.0  # rest times without being moved, after which implausible biases are taken
 
 
 class EstimatorSettings(Settings):
@@ -151,11 +155,14 @@ def _at_rest(
 ) -> Estimate:
     """Gather means while the drone stands still, until the rest is over."""
     rest = rest_step(state.rest, inputs.rates, inputs.force, inputs.pressure)
-    ready = rest.samples * dt >= settings.rest_time and rest.pressures > 0
+    rested = rest.samples * dt
     # The gear's height is known better than a range finder this near to the floor tells it.
     height = body.standing_height
     altitude = correct(state.altitude, height, settings.altitude.range_noise, False)
-    biases = biases_of(rest, height, settings.air_density) if ready else state.biases
+    ready, biases = False, state.biases
+    if rested >= settings.rest_time and rest.pressures > 0:
+        biases = biases_of(rest, height, settings.air_density)
+        ready = plausible(biases) or rested >= PATIENCE * settings.rest_time
     return Estimate(
         ready,
         rest,

@@ -2,14 +2,22 @@
 What the drone learns at rest on level ground.
 
 The means of what the IMU reads while nothing moves are its biases; the mean pressure, taken down
-to the floor, is the zero of the pressure height.
+to the floor, is the zero of the pressure height. Who is moved meanwhile begins anew. A drone that
+floats sways: what it may is more than wind does to one that stands on the floor (6 deg/s and
+0.03 g off the mean in a gusty hall), and its mean is then nearly that of one at rest.
 """
 
 import math
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_control.attitude import Vector
+
+MOVED_RATE: Final = math.radians(10.0)  # rad/s off the mean; a hand turns it by more
+MOVED_FORCE: Final = 0.1 * STANDARD_GRAVITY  # m/s2 off the mean
+# Three times what the data sheet of the IMU allows: more is a drone that turns, or stands tilted.
+MOST_RATE: Final = math.radians(3.0)  # rad/s
+MOST_FORCE: Final = 0.06 * STANDARD_GRAVITY  # m/s2
 
 
 class Rest(NamedTuple):
@@ -32,7 +40,7 @@ class Biases(NamedTuple):
 
 def rest_step(rest: Rest, rates: Vector, force: Vector, pressure: float) -> Rest:
     """
-    Return the sums with one more sample.
+    Return the sums with one more sample; of that one alone where the drone has been moved.
 
     Parameters
     ----------
@@ -44,14 +52,40 @@ def rest_step(rest: Rest, rates: Vector, force: Vector, pressure: float) -> Rest
         Measured pressure, NaN where none has come. [Pa]
 
     """
+    kept = 0 if _disturbed(rest, rates, force) else 1
+    w, f, air = rest.rates, rest.force, kept * rest.pressure
     heard = math.isfinite(pressure)
     return Rest(
-        rest.samples + 1,
-        (rest.rates[0] + rates[0], rest.rates[1] + rates[1], rest.rates[2] + rates[2]),
-        (rest.force[0] + force[0], rest.force[1] + force[1], rest.force[2] + force[2]),
-        rest.pressure + pressure if heard else rest.pressure,
-        rest.pressures + 1 if heard else rest.pressures,
+        kept * rest.samples + 1,
+        (kept * w[0] + rates[0], kept * w[1] + rates[1], kept * w[2] + rates[2]),
+        (kept * f[0] + force[0], kept * f[1] + force[1], kept * f[2] + force[2]),
+        air + pressure if heard else air,
+        kept * rest.pressures + (1 if heard else 0),
     )
+
+
+def _disturbed(rest: Rest, rates: Vector, force: Vector) -> bool:
+    """Tell whether a sample lies farther off the means so far than a drone at rest sways."""
+    if rest.samples == 0:
+        return False
+    n = 1.0 * rest.samples
+    return _beyond(rates, rest.rates, n, MOVED_RATE) or _beyond(force, rest.force, n, MOVED_FORCE)
+
+
+def _beyond(sample: Vector, sums: Vector, n: float, limit: float) -> bool:
+    return (
+        abs(sample[0] - sums[0] / n) > limit
+        or abs(sample[1] - sums[1] / n) > limit
+        or abs(sample[2] - sums[2] / n) > limit
+    )
+
+
+def plausible(biases: Biases) -> bool:
+    """Tell whether a sensor may be as far off as that, with some margin."""
+    p, q, r = biases.rates
+    x, y, z = biases.force
+    turns = max(abs(p), abs(q), abs(r)) > MOST_RATE
+    return not turns and max(abs(x), abs(y), abs(z)) <= MOST_FORCE
 
 
 def biases_of(rest: Rest, height: float, air_density: float) -> Biases:

@@ -58,9 +58,6 @@ class Demodulation(Settings):
         low=0.0,
         high=400.0,
     )
-    full_scale: float = setting(
-        4095.0, 'Largest reading of the ADC', unit='counts', low=1.0, high=65_535.0
-    )
 
     @property
     def beacons(self) -> tuple[float, ...]:

@@ -1,6 +1,7 @@
 """What a drone does with one light block after another: hear, and follow the lamps' clocks."""
 
 from functools import lru_cache
+import math
 
 from lta_config.errors import BadInput
 from lta_vlc.bins import Bins, plan_beacons
@@ -28,6 +29,8 @@ class Listener:
         Samples a second of each diode. [Hz]
     samples : int
         Samples in a block.
+    full_scale : float
+        The ADC's largest reading; infinite where nothing clips. [counts]
 
     Raises
     ------
@@ -43,8 +46,14 @@ class Listener:
 
     """
 
-    def __init__(self, settings: Demodulation, sample_rate: float, samples: int) -> None:
-        self._settings = settings
+    def __init__(
+        self,
+        settings: Demodulation,
+        sample_rate: float,
+        samples: int,
+        full_scale: float = math.inf,
+    ) -> None:
+        self._settings, self._full_scale = settings, full_scale
         self._shape = sample_rate, samples
         self._width = sample_rate / samples
         self._planned = lru_cache(maxsize=64)(self._plan)
@@ -129,7 +138,7 @@ class Listener:
         """
         errors = [self._trackers[one].error for one in self.beacons]
         steps = tuple(round(error * STEPS / self._width) for error in errors)
-        hearing = hear(block, self._planned(self.beacons, steps), self._settings.full_scale)
+        hearing = hear(block, self._planned(self.beacons, steps), self._full_scale)
         for one, peaks, frequency in zip(
             self.beacons, hearing.peaks, hearing.frequencies, strict=True
         ):

@@ -24,10 +24,12 @@ from lta_sim.readings import Outcome
 from lta_sim.scenario import load_scenario, Scenario
 from lta_sim.vehicle import load_vehicle
 from lta_sim.world import World
+from lta_vlc.faults import Fault
 import numpy as np
 import pytest
 import yaml
 
+BLOCKS = 11  # control steps until the first light block is read
 SEEDS = (1, 2, 3, 4, 5)
 SPEED = 0.5
 
@@ -320,3 +322,19 @@ def test_a_course_ends_on_the_floor_with_its_motors_off_and_counts_as_reached():
     assert heights[40.0] == pytest.approx(began, abs=0.02)
     assert turned == pytest.approx(math.pi / 2, abs=0.1)
     assert set(loop.duties) == {0.0}
+
+
+def test_a_finer_converter_hears_the_lamp_as_well(tmp_path):
+    """Sixteen times as many counts, by the vehicle file; as of 12 bits all would be clipped."""
+    content = load_yaml(find('vehicle', 'gtmab'))
+    snr = []
+    for bits in (12, 16):
+        content['sensors']['diodes']['bits'] = bits
+        path = tmp_path / f'{bits}.yaml'
+        path.write_text(yaml.safe_dump(content, sort_keys=False), encoding='utf-8')
+        loop = start(1, path)
+        for _ in range(BLOCKS):
+            loop.step()
+        assert set(loop.light.hearing.faults) == {Fault.NONE}
+        snr.append(loop.light.hearing.peaks[0].snr.max())
+    assert snr[1] > 0.9 * snr[0] > 10.0

@@ -15,8 +15,12 @@ from lta_control.estimator import (
     Inputs,
     Rest,
 )
+from lta_control.nodes.estimator import learned
 from lta_control.per_rotor import NONE, slots
+from lta_control.rest import Biases, MOST_RATE, plausible
 from lta_control.vehicle_side import body_of
+from lta_graph.health import Level
+from lta_sim.sensors.imu import bounds_of, ImuSettings
 from lta_sim.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -73,7 +77,7 @@ def test_it_waits_for_a_pressure():
 def test_it_learns_the_biases_exactly():
     """Means of readings that differ, gravity taken off; pressure counts where there was one."""
     generator = np.random.default_rng(3)
-    rates = generator.normal(0.0, 0.1, (200, 3))
+    rates = generator.normal(0.0, 0.02, (200, 3))
     force = generator.normal(0.0, 0.1, (200, 3)) + np.array((0.0, 0.0, G))
     state, heard = Estimate(), []
     for k in range(200):
@@ -87,6 +91,58 @@ def test_it_learns_the_biases_exactly():
     assert state.altitude.height == pytest.approx(0.42, abs=1e-6)
     floor = np.mean(heard) + 1.2041 * G * 0.42
     assert state.biases.pressure == pytest.approx(floor, rel=1e-14)
+
+
+CARRIED = STILL._replace(rates=(0.2, 0.0, 0.5), force=(1.5, 0.0, 9.7), pressure=101_000.0)
+
+
+def test_who_is_carried_learns_once_it_stands():
+    """Turned and tilted in the hand first; that became its biases for good."""
+    state = run(Estimate(), CARRIED, 300)
+    assert learned(state)[1].startswith('learning the biases: keep the drone still')
+    still = STILL._replace(range=0.05, pressure=101_000.0)
+    assert not run(state, still, 199).ready
+    state = run(state, still, 200)
+    assert state.biases == rested().biases
+    assert learned(state) == (Level.OK, 'biases are known')
+    assert run(state, still, 1000).rates == pytest.approx((0.0, 0.0, 0.0), abs=1e-15)
+
+
+def test_a_jolt_begins_the_rest_anew():
+    still = STILL._replace(pressure=101_000.0)
+    state = run(Estimate(), still, 150)
+    for jolt in ({'rates': (0.01, 0.2, 0.03)}, {'force': (0.1, -0.2, G + 1.5)}):
+        knocked = run(run(state, still._replace(**jolt), 1), still, 1)
+        assert knocked.rest.samples == 1
+        assert run(knocked, still, 199).ready
+
+
+def test_who_sways_in_a_draught_learns_in_one_rest():
+    """5 deg/s and 0.03 g about its mean, one and a half times in two seconds."""
+    state = Estimate()
+    for k in range(200):
+        wave = math.sin(2.0 * math.pi * 0.75 * k * DT)
+        rates, force = (0.01, -0.02 + 0.087 * wave, 0.03), (0.1 + 0.3 * wave, -0.2, G + 0.3)
+        state = run(state, Inputs(rates, force, 0.05, 101_000.0, OFF), 1)
+    assert learned(state)[0] is Level.OK
+    assert state.biases.rates == pytest.approx(STILL.rates, abs=MOST_RATE)
+
+
+@pytest.mark.parametrize(
+    'odd', [{'rates': (0.01, -0.02, 0.1)}, {'force': (1.2, -0.2, G)}], ids=['turns', 'tilted']
+)
+def test_biases_that_no_sensor_has_are_waited_with_and_told(odd):
+    state = run(Estimate(), STILL._replace(pressure=101_000.0, **odd), 999)
+    assert not state.ready
+    state = run(state, STILL._replace(pressure=101_000.0, **odd), 1)
+    assert state.ready
+    assert learned(state)[0] is Level.WARN
+    assert 'uncertain' in learned(state)[1]
+
+
+def test_a_sensor_may_be_off_by_what_its_data_sheet_says():
+    most = [2.0 * offset for offset in bounds_of(ImuSettings()).offset]
+    assert plausible(Biases(tuple(most[3:]), tuple(most[:3])))
 
 
 def test_standing_still_stays_still():

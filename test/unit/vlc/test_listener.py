@@ -138,6 +138,16 @@ def test_spoilt_diodes_are_flagged_gated_and_pull_nothing():
     assert np.isfinite(heard.peaks[0].amplitude).all()
 
 
+@pytest.mark.parametrize(('bits', 'factor'), [(10, 1.0), (12, 1.0), (16, 16.0)])
+def test_what_clips_is_what_the_converter_says(bits, factor):
+    """800 counts of 12 bits with 200 of a lamp on them: the top of 10 bits, and far from it."""
+    top = 2.0**bits - 1.0
+    ears = Listener(Demodulation(), RATE, SAMPLES, top)
+    heard = ears.hear((factor * counts((150.0, 400.0, 0)).astype(float)).clip(0.0, top))
+    assert (heard.faults[0] is Fault.SATURATED) == (bits == 10)
+    assert heard.faults[4] is Fault.NONE
+
+
 def test_a_tone_that_nobody_knows_is_told_and_mains_are_known():
     strange = counts((150.0, 5.0, 0)) + np.rint(200.0 + 40.0 * tone(3210.0))[:, None].astype(int)
     assert set(listener().hear(strange).faults) == {Fault.ALIASED}

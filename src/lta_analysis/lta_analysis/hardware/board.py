@@ -9,12 +9,12 @@ from lta_analysis.doctor.check import Check
 from lta_bridge.teensy.light_board import LightBlock, LightBoard, LightPeaks
 from lta_bridge.teensy.reader import Reader
 from lta_config.topics import Light
+from lta_config.vehicle_diodes import Diodes
 from lta_vlc.bins import Bins
 from lta_vlc.demodulation import hear
 from lta_vlc.faults import SPOILT
 import numpy as np
 
-ADC_BITS: Final = 12
 PAUSE: Final = 0.05  # s between two looks at the clock
 
 
@@ -77,7 +77,7 @@ class BoardHeard:
 def listen(
     port: str,
     light: Light,
-    diodes: int,
+    diodes: Diodes,
     bins: Bins,
     seconds: float,
     tick: Callable[[float], None],
@@ -91,8 +91,8 @@ def listen(
         As for `open_port`.
     light : Light
         What a block is.
-    diodes : int
-        How many the vehicle has.
+    diodes : Diodes
+        Those of the vehicle file.
     bins : Bins
         Where the beacon stands in a block.
     seconds : float
@@ -106,7 +106,7 @@ def listen(
         If the port cannot be opened.
 
     """
-    board = LightBoard(light, diodes)
+    board = LightBoard(light, diodes.count, bits=diodes.bits)
     blocks: list[LightBlock] = []
 
     def keep(told: LightBlock | LightPeaks) -> None:
@@ -136,15 +136,27 @@ def listen(
         uncertainty=clock.uncertainty if clock.known else None,
         wrong=board.wrong,
         trouble=reader.trouble,
-        diodes=tuple(of_diodes(blocks, bins)),
+        diodes=tuple(of_diodes(blocks, bins, diodes.top)),
     )
 
 
-def of_diodes(blocks: Sequence[LightBlock], bins: Bins) -> Iterator[DiodeHeard]:
-    """Yield what blocks say of each diode: extremes over all, the median SNR, every fault."""
+def of_diodes(blocks: Sequence[LightBlock], bins: Bins, top: float) -> Iterator[DiodeHeard]:
+    """
+    Yield what blocks say of each diode: extremes over all, the median SNR, every fault.
+
+    Parameters
+    ----------
+    blocks : sequence of LightBlock
+        What the board sent.
+    bins : Bins
+        Where the beacon stands in a block.
+    top : float
+        Largest reading of the converter. [counts]
+
+    """
     if not blocks:
         return
-    heard = [hear(block.samples, (bins,), 2**ADC_BITS - 1) for block in blocks]
+    heard = [hear(block.samples, (bins,), top) for block in blocks]
     samples = np.stack([block.samples for block in blocks])
     snr = np.median([each.peaks[0].snr for each in heard], axis=0)
     for k in range(samples.shape[2]):

@@ -22,7 +22,6 @@ from lta_config.errors import BadInput
 from lta_config.topics import topic_table
 from lta_config.vehicle_file import load_vehicle_file
 from lta_vlc.demodulation import Demodulation, plan_bins
-from lta_vlc.diodes import diodes_of
 
 INSTALL = '.venv/bin/pip install -c constraints.txt -r requirements-hardware.txt'
 
@@ -176,7 +175,7 @@ def _board(
     asked: Asked, port: str, tell: Callable[[str, float], None]
 ) -> tuple[BoardHeard, list[Check]]:
     light = topic_table().light
-    diodes = len(diodes_of(load_vehicle_file(asked.vehicle).sensors.diodes).axes)
+    diodes = load_vehicle_file(asked.vehicle).sensors.diodes
     settings = Demodulation(frequency=asked.frequency)
     bins = plan_bins(settings, light.sample_rate.si, light.samples)
     heard = board.listen(

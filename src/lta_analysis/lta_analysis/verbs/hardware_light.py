@@ -77,7 +77,7 @@ def light(
     demodulation = Demodulation(frequency=frequency)
     with Bar(console, TextColumn('reading light blocks {task.completed:.0f}')) as bar:
         readings = read(
-            flight, diodes, demodulation, table, 2**entry.bits - 1, lambda n: bar.move(advance=n)
+            flight, diodes, demodulation, table, entry.top, lambda n: bar.move(advance=n)
         )
     zero = offset(readings)
     found, blocks = studied(readings, 'bench', zero if align else 0.0)

@@ -75,8 +75,8 @@ class TeensyBridge(DeviceNode):
             self._outputs = {name: self.output(name) for name in answers}
         else:
             self._outputs = {'photodiodes': self.output('photodiodes')}
-        diodes = diodes_of(load_vehicle_file(self._settings.vehicle).sensors.diodes)
-        self._finder = LampFinder(diodes)
+        self._entry = load_vehicle_file(self._settings.vehicle).sensors.diodes
+        self._finder = LampFinder(diodes_of(self._entry))
         if self._settings.peaks:
             self._finder.prepare()
         self._reader: Reader | None = None
@@ -96,7 +96,8 @@ class TeensyBridge(DeviceNode):
     def _opened(self) -> Reader:
         """Return the open link, after some patience; `BadInput` where it stays away."""
         port, until = self._settings.port, time.monotonic() + self._settings.patience
-        board = LightBoard(self.table.light, len(self._finder.diodes.axes), self._settings.peaks)
+        entry, peaks = self._entry, self._settings.peaks
+        board = LightBoard(self.table.light, entry.count, peaks, entry.bits)
         while True:
             try:
                 return Reader(port, board, self._publish, self._now_ns)

@@ -88,6 +88,10 @@ class EmulatedBoard:
         What happens to its frames of light.
     first : int
         Number of its first row.
+    dialect : int
+        The version of its messages.
+    bits : int
+        Of its converter.
 
     Attributes
     ----------
@@ -107,10 +111,11 @@ class EmulatedBoard:
         faults: Faults | None = None,
         first: int = 0,
         dialect: int = DIALECT,
+        bits: int = 12,
     ) -> None:
         self._boot_ns, self._rate, self._diodes, self._drift = boot_ns, sample_rate, diodes, drift
         self.faults = faults or Faults()
-        self._dialect = dialect
+        self._dialect, self._bits = dialect, bits
         self._first, self._rows, self._turn = first, 0, 0
         self._paused = 0  # ns of its clock in which it sampled nothing
         self._hears = Framing()
@@ -224,7 +229,7 @@ class EmulatedBoard:
             rows=(self._first + self._rows) % WRAP,
             sample_rate=self._rate,
             diodes=self._diodes,
-            adc_bits=12,
+            adc_bits=self._bits,
             dialect=self._dialect,
         )
 

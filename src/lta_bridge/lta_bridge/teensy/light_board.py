@@ -68,6 +68,8 @@ class LightBoard:
         How many the vehicle has.
     finds_peaks : bool
         Whether it is to find the peaks itself and send no samples.
+    bits : int or None
+        Of the vehicle's converter; None where any will do.
 
     Attributes
     ----------
@@ -91,8 +93,11 @@ class LightBoard:
 
     """
 
-    def __init__(self, light: Light, diodes: int, finds_peaks: bool = False) -> None:
+    def __init__(
+        self, light: Light, diodes: int, finds_peaks: bool = False, bits: int | None = None
+    ) -> None:
         self._light, self._diodes, self._finds_peaks = light, diodes, finds_peaks
+        self._bits = bits
         self._sent = 0
         self._asked: list[int] = []
         self._next_beat = self._next_ask = 0
@@ -260,6 +265,7 @@ class LightBoard:
     def _take_status(self, record: np.void) -> None:
         self.overruns = int(record['overruns'])
         dialect, rate = int(record['dialect']), float(record['sample_rate'])
+        bits = int(record['adc_bits'])
         wanted = self._light.sample_rate.si
         self._unlike = ''
         if dialect != DIALECT:
@@ -271,6 +277,11 @@ class LightBoard:
             self._unlike = (
                 f'The light board samples at {rate:g} Hz and topics.yaml says {wanted:g} Hz; '
                 'give both the same.'
+            )
+        elif self._bits not in (None, bits):
+            self._unlike = (
+                f'The light board converts to {bits} bits and the vehicle file says {self._bits}; '
+                'give both the same, or a reading that clips is not known.'
             )
 
 

@@ -4,6 +4,7 @@ from lta_config.settings import setting
 from lta_control.control import elapsed
 from lta_control.estimator import Estimate, estimator_step, EstimatorSettings
 from lta_control.messages import fits, from_estimate, is_felt, to_duties, to_inputs
+from lta_control.rest import plausible
 from lta_control.vehicle_side import body_of
 from lta_graph.health import Level
 from lta_graph.inbox import Step
@@ -53,10 +54,19 @@ class Estimator(GraphNode):
             self.health.report('imu', Level.ERROR, text, refused=self._refused)
         self._odom.publish(from_estimate(step.last('imu').header.stamp, self._estimate))
         if learning:
-            ready = self._estimate.ready
-            level = Level.OK if ready else Level.WARN
-            text = 'biases are known' if ready else 'learning the biases: keep the drone still'
-            self.health.report('estimate', level, text)
+            self.health.report('estimate', *learned(self._estimate))
+
+
+def learned(estimate: Estimate) -> tuple[Level, str]:
+    """Return how well the biases are known, as level and sentence."""
+    if not estimate.ready:
+        return Level.WARN, 'learning the biases: keep the drone still and level'
+    if plausible(estimate.biases):
+        return Level.OK, 'biases are known'
+    return Level.WARN, (
+        'the biases are uncertain: the drone turned or stood tilted while it learned them; '
+        'start the estimator anew with it still and level'
+    )
 
 
 def main(args: list[str] | None = None) -> None:

@@ -49,8 +49,8 @@ class Demodulator(GraphNode):
         self.listen(inputs, trigger='photodiodes', on_step=self._on_step)
 
     def _listener_of(self, settings: DemodulatorParameters) -> Listener:
-        light = self.table.light
-        return Listener(settings, light.sample_rate.si, light.samples)
+        light, entry = self.table.light, load_vehicle_file(settings.vehicle).sensors.diodes
+        return Listener(settings, light.sample_rate.si, light.samples, entry.top)
 
     def _begin(self, settings: DemodulatorParameters) -> None:
         self._listener = self._listener_of(settings)

@@ -97,8 +97,8 @@ def samples(distance: float = TRACE) -> np.ndarray:
 
 def frequency() -> float:
     """Return the frequency that is found at the paper's range. [Hz]"""
-    light = topic_table().light
-    listener = Listener(Demodulation(), light.sample_rate.si, light.samples)
+    light, top = topic_table().light, load_vehicle(VEHICLE).file.sensors.diodes.top
+    listener = Listener(Demodulation(), light.sample_rate.si, light.samples, top)
     peaks = listener.hear(samples(RANGE)).peaks[0]
     return float(peaks.frequency[int(peaks.snr.argmax())])
 
