@@ -25,17 +25,19 @@ def matrix(lamp):
     )
 
 
-def test_straight_ahead_by_hand():
-    lamp = lamp_estimate(direction(0.0, 0.0, [[0.05**2, 0.0], [0.0, 0.1**2]]), PRIOR)
-    assert lamp[:3] == pytest.approx([4.0, 0.0, 0.0])
-    # Along: 3^2. Left: (4^2 + 3^2) 0.05^2. Up: 25 x 0.1^2.
-    assert matrix(lamp) == pytest.approx(np.diag([9.0, 0.0625, 0.25]), abs=1e-12)
-
-
-def test_to_the_left_by_hand():
-    lamp = lamp_estimate(direction(math.pi / 2, 0.0, [[0.05**2, 0.0], [0.0, 0.1**2]]), PRIOR)
-    assert lamp[:3] == pytest.approx([0.0, 4.0, 0.0], abs=1e-12)
-    assert matrix(lamp) == pytest.approx(np.diag([0.0625, 9.0, 0.25]), abs=1e-12)
+@pytest.mark.parametrize(
+    ('azimuth', 'place', 'variances'),
+    [
+        (0.0, [4.0, 0.0, 0.0], [9.0, 0.0625, 0.25]),
+        (math.pi / 2, [0.0, 4.0, 0.0], [0.0625, 9.0, 0.25]),
+    ],
+    ids=['ahead', 'left'],
+)
+def test_ahead_and_to_the_left_by_hand(azimuth, place, variances):
+    """Along: 3^2. Across: (4^2 + 3^2) 0.05^2. Up: 25 x 0.1^2."""
+    lamp = lamp_estimate(direction(azimuth, 0.0, [[0.05**2, 0.0], [0.0, 0.1**2]]), PRIOR)
+    assert lamp[:3] == pytest.approx(place, abs=1e-12)
+    assert matrix(lamp) == pytest.approx(np.diag(variances), abs=1e-12)
 
 
 @pytest.mark.parametrize(('azimuth', 'elevation'), [(-2.5, 0.0), (0.4, 0.6), (1.1, -0.9)])

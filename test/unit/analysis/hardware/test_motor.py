@@ -5,7 +5,6 @@ import io
 import json
 import os
 import signal
-import threading
 import time
 
 from lta_analysis.hardware.motor import ended_by_signals, MotorBench
@@ -108,10 +107,13 @@ def test_ctrl_c_and_errors_stop_it(drone, error):
 
 def test_sigterm_stops_it(drone):
     link, bench = bench_of(drone)
-    timer = threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGTERM))
-    timer.start()
+
+    def end(_):
+        until(lambda: drone.firmware.body.duties[1] > 0.0)
+        os.kill(os.getpid(), signal.SIGTERM)
+
     with pytest.raises(KeyboardInterrupt), ended_by_signals():
-        bench.turn(0.2, 10.0, lambda _: None)
+        bench.turn(0.2, 10.0, end)
     assert at_rest(drone)
     link.close()
 

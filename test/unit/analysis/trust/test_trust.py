@@ -278,7 +278,6 @@ def test_families_and_roles():
 
 def test_every_limit_has_a_reason():
     assert all(field.description for field in Limits.model_fields.values())
-    assert list(CHECKS) == list(dict.fromkeys(CHECKS))
 
 
 def test_clean_simulated_flights_have_no_findings_and_each_check_is_pure(bench):
@@ -314,7 +313,7 @@ def test_corruptions_of_simulated_flights_are_found(bench, clean, kind):
         if done == CASES[kind]:
             break
     assert done == CASES[kind]
-    assert missed <= 1  # 95 % of many
+    assert missed == 0  # of these few; docs/trust.md has the shares of many
 
 
 def test_every_kind_of_check_is_scored(bench):

@@ -137,15 +137,10 @@ def test_a_pose_at_five_hertz_is_refused(flights, gtmab):
         _believed(flights, gtmab, one)
 
 
-def test_flights_without_commands_are_refused(flights, gtmab):
-    one = _changed(flights[0], lambda _: None, 'motors/')
-    with pytest.raises(BadInput, match=r'A: The recording has no command of up_left'):
-        _believed(flights, gtmab, one)
-
-
-def test_flights_without_a_pose_are_refused(flights, gtmab):
-    one = _changed(flights[0], lambda _: None, TRUTH)
-    with pytest.raises(BadInput, match=r'A: The recording has no pose'):
+@pytest.mark.parametrize(('gone', 'lacks'), [('motors/', 'command of up_left'), (TRUTH, 'pose')])
+def test_flights_without_commands_or_pose_are_refused(flights, gtmab, gone, lacks):
+    one = _changed(flights[0], lambda _: None, gone)
+    with pytest.raises(BadInput, match=f'A: The recording has no {lacks}'):
         _believed(flights, gtmab, one)
 
 
