@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 import time
 
+from lta_analysis.doctor import CHECKS
 from lta_config.files import known
 import pytest
 import yaml
@@ -191,6 +192,7 @@ def test_launch_shows_the_arguments_of_a_file(lta):
 def test_the_doctor_ends_well_or_says_what_to_do(lta):
     result = lta.run('doctor', '--json')
     checks = json.loads(result.stdout)
+    assert [check['name'] for check in checks] == list(CHECKS)
     failed = [check for check in checks if check['state'] == 'fail']
     assert result.returncode == (1 if failed else 0)
     assert all(check['remedy'] for check in failed)

@@ -145,7 +145,9 @@ def test_a_second_ctrl_c_changes_nothing(lta, flying, tmp_path):
     flight.interrupt()
     assert flight.end() == 130
     assert last_line(flight) == 'Stopped.'
-    read_bag(out / 'bag')
+    bag = read_bag(out / 'bag')
+    assert bag.complete
+    assert bag.topics['/lta1/imu'].count > 50  # a second was flown
 
 
 @pytest.mark.long

@@ -1,6 +1,5 @@
 """Whole flights, over DDS and in one process: the same every time, readable by others."""
 
-from collections import defaultdict
 import json
 from pathlib import Path
 
@@ -9,20 +8,12 @@ from lta_analysis.bag.reader import read_bag
 from lta_config.files import find, load_yaml
 from lta_config.topics import topic_table
 import pytest
-from rosbags.highlevel import AnyReader
 import yaml
+
+from .contents import contents
 
 TABLE = topic_table()
 REPEATABLE = [f'/lta1/{name}' for name, topic in TABLE.topics.items() if topic.repeatable]
-
-
-def contents(bag: Path) -> dict[str, list[tuple[int, bytes]]]:
-    """Return log times and bytes by topic, as the genuine rosbags library reads them."""
-    found = defaultdict(list)
-    with AnyReader([bag]) as reader:
-        for connection, log_time, data in reader.messages():
-            found[connection.topic].append((log_time, bytes(data)))
-    return found
 
 
 @pytest.fixture

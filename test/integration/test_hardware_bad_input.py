@@ -6,13 +6,14 @@ from lta_bridge.crazyflie.claim import Claim
 from lta_bridge.crazyflie.emulated.body import Bench
 from lta_bridge.crazyflie.emulated.firmware import Firmware
 from lta_bridge.crazyflie.emulated.server import Server
+from ports import free_port, UDP
 import pytest
 from std_srvs.srv import SetBool
 
 from .peer import Peer, start
 
 CRAZYFLIE, TEENSY = 'crazyflie_bridge', 'teensy_bridge'
-TAKEN = 'udp://127.0.0.1:19999'
+TAKEN = f'udp://127.0.0.1:{free_port(UDP)}'
 REFUSED = [
     (CRAZYFLIE, 'uri:=udp://here', r"The URI 'udp://here' names no Crazyflie; give one such as"),
     (CRAZYFLIE, f'uri:={TAKEN}', r'commanded by another program \(process \d+\); end that one'),

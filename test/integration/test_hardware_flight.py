@@ -3,8 +3,8 @@
 import os
 from pathlib import Path
 import signal
-import socket
 
+from ports import free_port, UDP
 import pytest
 from std_srvs.srv import SetBool
 
@@ -30,12 +30,6 @@ def near(tmp_path):
     return path
 
 
-def free_port():
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(('127.0.0.1', 0))
-        return probe.getsockname()[1]
-
-
 @pytest.mark.parametrize(
     ('vehicle', 'command', 'finds_peaks'),
     [('gtmab', 'motors', False), ('multirotor', 'setpoint', True)],
@@ -56,7 +50,7 @@ def test_through_both_bridges_it_finds_the_lamp_and_comes_down(
         f'vehicle:={vehicle}',
         f'command:={command}',
         f'scenario:={near}',
-        f'port:={free_port()}',
+        f'port:={free_port(UDP)}',
         f'light_port:={tmp_path}/light_board',
         f'bag:={tmp_path}/bag',
         *light,

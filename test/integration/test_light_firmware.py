@@ -21,6 +21,7 @@ FIRMWARE = Path(__file__).resolve().parents[2] / 'firmware/light_board'
 LIGHT = topic_table().light
 RATE = LIGHT.sample_rate.si
 DRIFT = 80e-6
+PATIENCE = 60.0  # s for what takes four
 
 pytestmark = pytest.mark.skipif(
     not (shutil.which('gcc') and shutil.which('make')), reason='the firmware needs gcc and make'
@@ -45,7 +46,11 @@ def run(built, folder, samples, rate, drift, peak=0.0):
     board = subprocess.Popen(
         [built / 'light_board', *map(str, words)], stderr=subprocess.PIPE, text=True
     )
+    deadline = time.monotonic() + PATIENCE
     while True:
+        if time.monotonic() > deadline:
+            board.kill()
+            raise AssertionError(f'the board still sends; {board.communicate()[1]}')
         alive = board.poll() is None
         data = cable.read(0.005)
         yield cable, data

@@ -46,7 +46,9 @@ def test_a_topic_is_loose_until_its_writer_has_found_every_reader_of_the_graph(n
     rest = [name for name in TOPICS if name not in ('imu', 'wind')]
     with Links(node, topic_table()) as links:
         await_loose(links, {}, TOPICS)
+        deadline = time.monotonic() + PATIENCE
         while not out.get_subscription_count():
+            assert time.monotonic() < deadline
             time.sleep(0.01)
         out.publish(told('lta2', wind=0))  # another drone's
         out.publish(told('lta1', **dict.fromkeys(rest, 0)))

@@ -8,10 +8,10 @@ import subprocess
 import sys
 
 from lta_graph.suspicion import role_of
+from ports import free_port, UDP
 import pytest
 
 from .command import processes, ROOT
-from .test_hardware_flight import free_port
 
 TABLES = ('udp', 'udp6', 'tcp', 'tcp6')
 BOUND = ('07', '0A')  # states of /proc/net: UDP that is bound, TCP that listens
@@ -80,7 +80,11 @@ def entered(**chosen: str) -> dict[str, str]:
 
 def test_the_graph_listens_on_the_loopback_alone_and_plain_ros_finds_it(lta, hear, tmp_path):
     """Drone, light board, live view and nodes; then who has Fast DDS's own settings looks on."""
-    ports = (f'port:={free_port()}', f'light_port:={tmp_path}/board', f'live_port:={free_port()}')
+    ports = (
+        f'port:={free_port(UDP)}',
+        f'light_port:={tmp_path}/board',
+        f'live_port:={free_port()}',
+    )
     graph = lta.start('launch', 'emulated', *ports, 'record:=false', 'live:=true')
     nodes = {'crazyflie_bridge', 'teensy_bridge', 'estimator', 'demodulator', 'navigator', 'live'}
     hear(lambda facts: nodes <= {role_of(task.partition(':')[0]) for task in facts})

@@ -8,6 +8,7 @@ import os
 from pathlib import Path
 import signal
 import socket
+import time
 
 from lta_analysis.bag.reader import read_bag
 from lta_bridge.live.server import LiveServer
@@ -16,6 +17,7 @@ from lta_config.views import load_views, place_of
 from lta_graph.ros.message_types import message_type
 from lta_graph.ros.qos import profile
 from lta_graph.ros.stamps import to_stamp
+from ports import free_port
 import pytest
 import rclpy
 from rclpy.context import Context
@@ -24,7 +26,7 @@ from rosbags.typesys import get_types_from_msg, get_typestore, Stores
 
 import foxglove
 
-from .viewer import Viewer
+from .viewer import PATIENCE, Viewer
 
 TABLE = topic_table()
 TOPICS = {name if name.startswith('/') else f'/lta1/{name}' for name in TABLE.topics}
@@ -43,9 +45,7 @@ JAZZY = get_typestore(Stores.ROS2_JAZZY)
 @pytest.fixture
 def port():
     """Return a port that nobody listens on."""
-    with socket.socket() as probe:
-        probe.bind(('127.0.0.1', 0))
-        return probe.getsockname()[1]
+    return free_port()
 
 
 def listening(port):
@@ -179,7 +179,9 @@ def test_a_viewer_that_takes_nothing_keeps_no_other_from_seeing(port):
         for each in (sleeper, viewer):
             each.until(lambda each=each: each.channels)
             each.subscribe()
+        deadline = time.monotonic() + PATIENCE
         while server.audience.viewers < 2:
+            assert time.monotonic() < deadline
             server.tell_time(1)
             viewer.until(lambda: viewer.times)
             viewer.times.clear()
@@ -213,7 +215,9 @@ def test_nonsense_ends_no_view(domain_id, lta, port, hear):
         viewer.until(lambda: len(viewer.channels) > len(TABLE.topics))
         viewer.subscribe()
         hear(lambda facts: 'live: view' in facts)
+        deadline = time.monotonic() + PATIENCE
         while len(viewer.messages.get('/lta1/odom', [])) < 40:
+            assert time.monotonic() < deadline
             for message in (*nonsense, good):
                 odom.publish(message)
                 ticks.publish(backwards)

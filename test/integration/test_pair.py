@@ -1,9 +1,7 @@
 """Two drones in one launch: each as alone, both in one bag, and faults named with their robot."""
 
-from collections import defaultdict
 import json
 import os
-from pathlib import Path
 import signal
 import time
 
@@ -11,21 +9,13 @@ from lta_analysis.bag.flight import open_flight
 from lta_analysis.bag.reader import read_bag
 from lta_config.topics import topic_table
 import pytest
-from rosbags.highlevel import AnyReader
+
+from .contents import contents
 
 TABLE = topic_table()
 REPEATABLE = [name for name, topic in TABLE.topics.items() if topic.repeatable]
 GOALS = {'radius': '6.5 m', 'time_limit': '30 s'}  # 0.5 m from the one start, 0.8 from the other
 OFFSET = -2.0
-
-
-def contents(bag: Path) -> dict[str, list[tuple[int, bytes]]]:
-    """Return log times and bytes by topic, as the genuine rosbags library reads them."""
-    found = defaultdict(list)
-    with AnyReader([bag]) as reader:
-        for connection, log_time, data in reader.messages():
-            found[connection.topic].append((log_time, bytes(data)))
-    return found
 
 
 def verdicts(text):

@@ -9,11 +9,11 @@ import os
 from pathlib import Path
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import time
 
+from ports import free_port
 import pytest
 import rclpy
 from rclpy.context import Context
@@ -87,13 +87,6 @@ def declared() -> list[tuple[str, str]]:
         names = [text.split(' = ')[0] for text in lines if ' = ' in text and ':' in text]
         found += [(package, name) for name in names]
     return found
-
-
-def free_port() -> int:
-    """Return a port that nobody listens on."""
-    with socket.socket() as probe:
-        probe.bind(('127.0.0.1', 0))
-        return int(probe.getsockname()[1])
 
 
 NEEDS = {  # without which it refuses

@@ -9,6 +9,7 @@ import time
 
 from lta_bridge.teensy.emulator import EmulatedBoard
 import numpy as np
+from ports import free_port, UDP
 import pytest
 
 mavsdk = pytest.importorskip('mavsdk', reason='MAVSDK is an optional judge: pip install mavsdk')
@@ -28,7 +29,7 @@ def test_mavsdk_reads_our_blocks_from_our_xml():
         ours.bind(('127.0.0.1', 0))
         kind = mavsdk.ComponentType.GROUND_STATION
         station = mavsdk.Mavsdk(mavsdk.Configuration.create_with_component_type(kind))
-        port = free_port()
+        port = free_port(UDP)
         station.add_any_connection(f'udpin://127.0.0.1:{port}')
         board = EmulatedBoard(0)
 
@@ -59,9 +60,3 @@ def until(condition):
         assert time.monotonic() < deadline
         time.sleep(0.05)
     return found
-
-
-def free_port():
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(('127.0.0.1', 0))
-        return probe.getsockname()[1]

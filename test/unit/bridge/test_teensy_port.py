@@ -13,6 +13,7 @@ from lta_bridge.teensy.reader import Reader
 from lta_config.errors import BadInput
 from lta_config.topics import topic_table
 import numpy as np
+from ports import free_port, UDP
 import pytest
 
 LIGHT = topic_table().light
@@ -89,14 +90,14 @@ def test_no_right_to_open_names_the_group(cable, tmp_path, monkeypatch):
         open_port(str(tmp_path / 'ttyACM0'))
 
 
-def test_a_udp_port_answers_the_board(free_port):
-    port = open_port(f'udp://127.0.0.1:{free_port}')
+def test_a_udp_port_answers_the_board(udp_port):
+    port = open_port(f'udp://127.0.0.1:{udp_port}')
     with pytest.raises(BadInput, match='stop what uses it or give another port'):
-        open_port(f'udp://127.0.0.1:{free_port}')
+        open_port(f'udp://127.0.0.1:{udp_port}')
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as board:
         board.settimeout(PATIENCE)
         port.write(b'to nobody')
-        board.sendto(b'light', ('127.0.0.1', free_port))
+        board.sendto(b'light', ('127.0.0.1', udp_port))
         assert until(lambda: port.read(0.1)) == b'light'
         port.write(b'time?')
         assert board.recv(100) == b'time?'
@@ -120,12 +121,12 @@ class Sender:
 
 
 @pytest.fixture
-def people(free_port):
+def people(udp_port):
     """Return a function that makes senders to the port, and closes them in the end."""
     made = []
 
     def sender(host='127.0.0.1'):
-        made.append(Sender(free_port, host))
+        made.append(Sender(udp_port, host))
         return made[-1]
 
     yield sender
@@ -148,11 +149,11 @@ SIZE = 4
 
 
 def test_a_stranger_on_the_udp_port_is_neither_heard_nor_answered_and_counted(
-    free_port, people, monkeypatch
+    udp_port, people, monkeypatch
 ):
     monkeypatch.setattr('lta_bridge.teensy.port.MOST', 8)  # a flood ends no read
     clock = [0]
-    port = UdpPort(f'udp://127.0.0.1:{free_port}', lambda: clock[0])
+    port = UdpPort(f'udp://127.0.0.1:{udp_port}', lambda: clock[0])
     board, stranger = people(), people()
     board.says(b'one.')
     assert heard_all(port, 1) == b'one.'
@@ -168,9 +169,9 @@ def test_a_stranger_on_the_udp_port_is_neither_heard_nor_answered_and_counted(
     port.close()
 
 
-def test_another_is_believed_once_the_board_has_been_silent(free_port, people):
+def test_another_is_believed_once_the_board_has_been_silent(udp_port, people):
     clock = [0]
-    port = UdpPort(f'udp://127.0.0.1:{free_port}', lambda: clock[0])
+    port = UdpPort(f'udp://127.0.0.1:{udp_port}', lambda: clock[0])
     board, again = people(), people()
     board.says(b'one.')
     assert heard_all(port, 1) == b'one.'
@@ -185,8 +186,8 @@ def test_another_is_believed_once_the_board_has_been_silent(free_port, people):
     port.close()
 
 
-def test_a_port_for_one_address_is_deaf_to_all_others_from_the_first(free_port, people):
-    port = UdpPort(f'udp://127.0.0.1:{free_port}?from=127.0.0.2')
+def test_a_port_for_one_address_is_deaf_to_all_others_from_the_first(udp_port, people):
+    port = UdpPort(f'udp://127.0.0.1:{udp_port}?from=127.0.0.2')
     stranger, board = people(), people('127.0.0.2')
     stranger.says(b'lamp')
     assert heard_all(port, 1) == b''
@@ -197,10 +198,8 @@ def test_a_port_for_one_address_is_deaf_to_all_others_from_the_first(free_port, 
 
 
 @pytest.fixture
-def free_port():
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(('127.0.0.1', 0))
-        return probe.getsockname()[1]
+def udp_port():
+    return free_port(UDP)
 
 
 def test_a_cable_that_comes_back_is_read_on(cable, tmp_path):
