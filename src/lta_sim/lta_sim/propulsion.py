@@ -70,16 +70,15 @@ class Unit:
         length = math.hypot(*rotor.axis.vector)
         x, y, z = (number / length for number in rotor.axis.vector)
         axis, (p, q, r) = (x, y, z), rotor.position.vector
-        jet = (*axis, q * z - r * y, r * x - p * z, p * y - q * x)
-        back = jet
+        forward = backward = (x, y, z, q * z - r * y, r * x - p * z, p * y - q * x)
         if column:
-            jet = back = (*column.force.vector, *column.moment.vector)
+            forward = backward = _six((*column.force.vector, *column.moment.vector))
             if column.reverse:
-                back = (*column.reverse.force.vector, *column.reverse.moment.vector)
-        forward, backward = _turned(jet, rotor, axis), _turned(back, rotor, axis)
+                backward = _six((*column.reverse.force.vector, *column.reverse.moment.vector))
+        forward, backward = (_turned(each, rotor, axis) for each in (forward, backward))
         a, b = curve.a.si, curve.b.si
         if curve.reverse:  # the column carries it: the curve of the model is an odd function
-            backward = _scaled(backward, curve.reverse.si / (a + b))
+            backward = _six(curve.reverse.si / (a + b) * number for number in backward)
         return cls(name, rotor.reversible, (p, q, r), axis, a, b, forward, backward)
 
 
@@ -115,7 +114,7 @@ def _curve(file: VehicleFile, rotor: Rotor) -> ThrustCurve:
     return curve
 
 
-def _turned(jet: Iterable[float], rotor: Rotor, axis: Three) -> Six:
+def _turned(jet: Six, rotor: Rotor, axis: Three) -> Six:
     """Return a column with the torque of the motor; per newton it is the same in reverse."""
     a, b, c, d, e, f = jet
     x, y, z = axis
@@ -125,6 +124,6 @@ def _turned(jet: Iterable[float], rotor: Rotor, axis: Three) -> Six:
     return (a, b, c, d + turn * x, e + turn * y, f + turn * z)
 
 
-def _scaled(column: Six, share: float) -> Six:
-    a, b, c, d, e, f = column
-    return (share * a, share * b, share * c, share * d, share * e, share * f)
+def _six(numbers: Iterable[float]) -> Six:
+    a, b, c, d, e, f = numbers
+    return (a, b, c, d, e, f)
