@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+import re
 import subprocess
 
 from lta_analysis.app import status
@@ -51,6 +52,16 @@ def test_a_hidden_effect_is_found_added_and_shown(bags, tmp_path):
     value = Nominal.of(learned).value('linear_drag', 'surge')
     assert value == pytest.approx(surge['value'], rel=1e-9)
     _is_overlay(out / 'overlay.mcap')
+
+
+def test_the_demonstration_finds_what_it_has_hidden(tmp_path):
+    words = [ROOT / 'lta', 'discover', '--demo', '--out', tmp_path / 'demo']
+    done = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE)
+    assert done.returncode == 0, done.stderr
+    hidden, found = re.search(
+        r'^Hidden was (.*) = \S+; found was (.*) = \S+$', done.stdout, re.MULTILINE
+    ).groups()
+    assert found == hidden
 
 
 def _is_overlay(path):

@@ -34,6 +34,7 @@ from lta_sim.state import ACTUATORS
 
 GAIN: Final = 'wrench_gain'
 BEYOND: Final = 3.0  # deviations; by which a value may seem to lie beyond its bounds
+STEEP: Final = 2.0  # times too large, that a straight line may take an effect for
 Target = tuple[str, str]
 Reach = Literal['chain', 'wrench', 'body', 'memory', 'reading', 'delay']
 
@@ -118,6 +119,14 @@ class Knob:
         """
         near = BEYOND * deviation
         return self.low - near <= value <= self.high + near
+
+    def promising(self, value: float, deviation: float) -> bool:
+        """
+        Tell whether a glance may mean a value that there can be.
+
+        A glance takes every effect for straight: 0.58 of a Munk moment lost looks like 1.19.
+        """
+        return self.possible(value / STEEP, deviation / STEEP)
 
     @property
     def reaches(self) -> Reach:

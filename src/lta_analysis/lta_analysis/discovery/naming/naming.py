@@ -194,7 +194,7 @@ class Naming:
                 seen = [
                     s
                     for s in scan(reduced, this.group.at, prior, self.knobs)
-                    if s.name not in out and self._knob(s.name).possible(s.value, s.deviation)
+                    if s.name not in out and self._knob(s.name).promising(s.value, s.deviation)
                 ]
                 for one in seen[:QUICK]:
                     if one.gain > WORTH:

@@ -76,3 +76,12 @@ def test_a_leak_that_fills_the_envelope_cannot_be(gtmab: tuple[Nominal, list[Kno
     assert not leak.possible(-1e-5, 2e-6)
     pure = next(knob for knob in gtmab[1] if knob.name == 'gas_purity.purity')
     assert not pure.possible(pure.high + 0.01, 0.001)
+
+
+def test_a_glance_may_overshoot_and_not_turn_round(gtmab: tuple[Nominal, list[Knob]]) -> None:
+    munk = next(knob for knob in gtmab[1] if knob.name == 'munk_moment.lost')
+    assert munk.promising(1.19, 0.015)  # 0.58, bent straight
+    assert not munk.possible(1.19, 0.015)
+    assert not munk.promising(2.2, 0.015)
+    drag = next(knob for knob in gtmab[1] if knob.name == 'linear_drag.heave')
+    assert not drag.promising(-0.011, 0.0025)
