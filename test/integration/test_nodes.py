@@ -213,8 +213,9 @@ def test_a_flight_in_real_time_is_open_to_people(lta, peer, flying, hear, tmp_pa
     *told, last = flight.text.splitlines()
     assert last == 'Stopped.'
     # An error that is over before the terminal looks is not told there; in which order is chance.
-    passing = {line for line in told if line.startswith('simulator: refused duties [1.0, 1.0]')}
-    assert set(told) - passing == {
+    # The last two are what a slow machine says.
+    may = ('simulator: refused duties [1.0, 1.0]', 'Waiting for ', 'recorder: slow')
+    assert {line for line in told if not line.startswith(may)} == {
         'controller: published by others too: motors (/lta1/peer); stop all but one.',
         'controller: emergency stop: restart the controller to fly again.',
     }
