@@ -21,7 +21,7 @@ run -n auto --maxprocesses 4 --dist loadfile -m "(not integration or beside) and
 # The second part is looked for where it is, unless the arguments name files of their own.
 case " $* " in
     *' test/'*) clocked= ;;
-    *) clocked="test/integration $(grep -rl 'mark\.integration' test --include='test_*.py')" ;;
+    *) clocked="test/integration $(grep -rl 'mark\.integration' test --include='test_*.py' | sort)" ;;
 esac
 # shellcheck disable=SC2086  # words
 run -m "integration and not beside and ($chosen)" $clocked "$@"

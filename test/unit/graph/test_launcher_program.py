@@ -46,6 +46,8 @@ class Program:
             stdout=subprocess.PIPE,
             text=True,
             env={**os.environ, 'PYTHONPATH': path},
+            # A shell's background job ignores Ctrl-C, and so does what it starts.
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
         )
         self._watchdog = threading.Timer(20.0, self.popen.kill)  # so that no test can hang
         self._watchdog.start()
