@@ -17,7 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-STARTING: Final = 4.5  # lengths of flow before a transient is averaged
+# Lengths of flow before a transient is averaged: 4 until what came in first is past the hull, and
+# 2 for its wake.
+STARTING: Final = 6.0
 BATCH: Final = 5.0  # lengths of flow, about one swing of a wake
 
 

@@ -15,12 +15,13 @@ from typing import Final, final
 
 from lta_sim.cfd.case import Case, Step
 from lta_sim.cfd.dictionary import dictionary, Entry
-from lta_sim.cfd.fields import STEADY, TRANSITION, tunnel_fields
+from lta_sim.cfd.fields import DETACHED, TRANSITION, tunnel_fields
 from lta_sim.cfd.mesh import BASE, block, mesh_case, snappy
 from lta_sim.cfd.model import HULL, Model
 from lta_sim.cfd.numerics import (
     clock,
     control,
+    EDDY_VISCOSITY,
     forces_on,
     momentum_through,
     slice_through,
@@ -63,6 +64,8 @@ class Fineness:
     ----------
     hull, parts : int
         Levels on the hull and on other bodies.
+    trail : int
+        Level behind the hull, to 1.5 lengths; one less on to 3.
     shell : float
         How far around the hull the air is refined to level 3. [lengths]
     layers, expansion : int, float
@@ -76,6 +79,7 @@ class Fineness:
 
     hull: int = 4
     parts: int = 5
+    trail: int = 2
     shell: float = 0.12
     layers: int = 6
     expansion: float = 1.3
@@ -85,8 +89,8 @@ class Fineness:
 
 PREVIEW: Final = Fineness()
 COARSE: Final = Fineness(hull=3, parts=4, cells=100_000)
-REFERENCE: Final = Fineness(shell=0.15, layers=5, expansion=1.4, cells=189_000)
-ROUGH: Final = Fineness(hull=3, parts=4, shell=0.15, layers=5, expansion=1.4, cells=100_000)
+REFERENCE: Final = Fineness(trail=3, shell=0.15, layers=8, expansion=1.4, cells=346_000)
+ROUGH: Final = Fineness(hull=3, parts=4, shell=0.15, layers=8, expansion=1.4, cells=100_000)
 
 
 def planes_of(model: Model, axis: str) -> tuple[bool, bool]:
@@ -127,9 +131,11 @@ def tunnel_mesh(model: Model, axis: str, fine: Fineness, planes: tuple[bool, boo
     patches |= {name: [f'{name[-1].lower()}-'] for name in halves}
     wide, near = 1.0 * size, 0.75 * size
     regions = {
-        'wake': (_box((-wide, -wide, -wide), (3.0 * size, wide, wide)), 1),
+        'wake': (_box((-wide, -wide, -wide), (3.0 * size, wide, wide)), fine.trail - 1),
         'near': (_box((-near, -near, -near), (1.5 * size, near, near)), 2),
     }
+    if fine.trail > PREVIEW.trail:
+        regions['trail'] = (_box((0.0, -near, -near), (1.5 * size, near, near)), fine.trail)
     text = snappy(
         {name: fine.hull if name == HULL else fine.parts for name in surfaces},
         regions,
@@ -158,13 +164,22 @@ def transport(viscosity: float) -> str:
     return dictionary('transportProperties', {'transportModel': 'Newtonian', 'nu': viscosity})
 
 
-def turbulence(model: str | None) -> str:
-    """Return turbulenceProperties of a RANS model, or of none."""
-    if model is None:
-        return dictionary('turbulenceProperties', {'simulationType': 'laminar'})
+def turbulence(model: str) -> str:
+    """Return turbulenceProperties of a RANS model."""
     return dictionary('turbulenceProperties', {
         'simulationType': 'RAS',
         'RAS': {'RASModel': model, 'turbulence': True, 'printCoeffs': False},
+    })  # fmt: skip
+
+
+def detached(model: str) -> str:
+    """Return turbulenceProperties of a model that solves eddies as large as its cells."""
+    return dictionary('turbulenceProperties', {
+        'simulationType': 'LES',
+        'LES': {
+            'LESModel': model, 'turbulence': True, 'printCoeffs': False, 'delta': 'maxDeltaxyz',
+            'maxDeltaxyzCoeffs': {},
+        },
     })  # fmt: skip
 
 
@@ -244,16 +259,16 @@ def transient_wind(
     end = SETTLING + lengths * model.length
     longest = 0.03 * model.length * 2.0 ** (4 - fine.hull)
     eddies = {
-        'constant/turbulenceProperties': turbulence(None),
+        'constant/turbulenceProperties': detached('SpalartAllmarasDDES'),
         'system/fvSchemes': transient_schemes(),
         'system/fvSolution': transient_solution(),
     }
     steps = [
         Step('settle', ('simpleFoam',), {
             **air,
-            'constant/turbulenceProperties': turbulence('kOmegaSST'),
-            'system/fvSchemes': steady_schemes(),
-            'system/fvSolution': solution(),
+            'constant/turbulenceProperties': turbulence('SpalartAllmaras'),
+            'system/fvSchemes': steady_schemes(EDDY_VISCOSITY),
+            'system/fvSolution': solution(carried=EDDY_VISCOSITY),
             'system/controlDict': control('simpleFoam', 0, SETTLING, {}),
         }, SETTLING),
         Step('begin', ('pimpleFoam',), {
@@ -270,5 +285,5 @@ def transient_wind(
             ),
         }, int(1.5 * lengths * model.length / longest), f'{begin:.8g}'),
     ]  # fmt: skip
-    files = {**tunnel_fields(STEADY, walls, ()), **empty()}
+    files = {**tunnel_fields(DETACHED, walls, (), viscosity / speed), **empty()}
     return Case(f'{axis} {speed:g} m/s', files, steps, mesh, mesh.cells)

@@ -23,10 +23,10 @@ from lta_sim.cfd.tunnel import (
     transient_wind,
 )
 
-LENGTHS: Final = 25.0  # diameters of flow; 20.5 of them are averaged
+LENGTHS: Final = 26.0  # diameters of flow; 20 of them are averaged
 SETTINGS: Final = {'wind': 'steady, {} cells', 'transient': 'transient, {} cells'}
 CASES: Final[dict[str, tuple[tuple[float, Fineness], ...]]] = {
-    'reference': ((1.0, ROUGH), (1.0, REFERENCE), (2.0, REFERENCE)),
+    'reference': ((2.0, REFERENCE), (1.0, REFERENCE), (1.0, ROUGH)),
 }
 
 
