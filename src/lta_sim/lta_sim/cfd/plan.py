@@ -25,8 +25,8 @@ Kind = Literal['wind', 'coarse', 'transient', 'spin', 'blow']
 Air = tuple[float, float]  # density [kg/m3], kinematic viscosity [m2/s]
 WINDS: Final = tuple(TURNS)
 MIDDLE: Final = 1.0  # m/s
-LENGTHS: Final = 16.0  # of flow in a transient, the first of which are not averaged
-REFERENCE_SPEEDS: Final = (0.2, 1.0)  # m/s; at 2 m/s a sphere's drag falls too early
+SLOW: Final = 0.2  # m/s, at which the steady model is right for a sphere
+LENGTHS: Final = 26.0  # of flow in a transient, all but the first of which are averaged
 
 
 @final
@@ -119,9 +119,10 @@ def _winds(model: Model, fidelity: str, viscosity: float) -> Iterator[Flow]:
             case = steady_wind(model, axis, viscosity, PREVIEW)
             yield Flow('wind', axis, case, SPEEDS)
             continue
-        for speed in REFERENCE_SPEEDS:
-            case = transient_wind(model, axis, viscosity, REFERENCE, speed, LENGTHS)
-            yield Flow('transient', axis, case, (speed,))
+        eddies = transient_wind(model, axis, viscosity, REFERENCE, MIDDLE, LENGTHS)
+        yield Flow('transient', axis, eddies, (MIDDLE,))
+        slow = steady_wind(model, axis, viscosity, PREVIEW, (SLOW,))
+        yield Flow('wind', axis, replace(slow, name=f'{axis}, slow'), (SLOW,))
 
 
 def _coarse(model: Model, viscosity: float) -> Iterator[Flow]:

@@ -80,10 +80,10 @@ def warnings_of(sweep: Sweep) -> list[str]:
             'steady model: on a sphere its drag is right at 0.2 m/s and up to 30 % low at 2 m/s'
         )
     if sweep.fidelity == 'reference':
-        told.append(
-            'drag above 1 m/s is extrapolated: on a sphere the transient model is right at 1 m/s '
-            'and low at 2 m/s'
+        top = min(
+            (solved(sweep, axis)[-1].speed for axis in ALONG if solved(sweep, axis)), default=0
         )
+        told.append(f'drag above {top:g} m/s is extrapolated')
     for pattern in sweep.blows:
         share = linear(sweep, pattern)
         if share is not None and abs(share - 1.0) > 0.05:

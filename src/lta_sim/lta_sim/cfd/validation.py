@@ -8,7 +8,7 @@ from typing import Final, final
 
 from lta_sim.cfd.crew import Crew, points_or_why
 from lta_sim.cfd.model import HULL, Model
-from lta_sim.cfd.plan import Air, Flow
+from lta_sim.cfd.plan import Air, Flow, LENGTHS
 from lta_sim.cfd.shape import ellipse, revolved
 from lta_sim.cfd.sphere import morrison, off
 from lta_sim.cfd.sweep_table import Blow, Point
@@ -23,7 +23,6 @@ from lta_sim.cfd.tunnel import (
     transient_wind,
 )
 
-LENGTHS: Final = 26.0  # diameters of flow; 20 of them are averaged
 SETTINGS: Final = {'wind': 'steady, {} cells', 'transient': 'transient, {} cells'}
 CASES: Final[dict[str, tuple[tuple[float, Fineness], ...]]] = {
     'reference': ((2.0, REFERENCE), (1.0, REFERENCE), (1.0, ROUGH)),

@@ -12,7 +12,8 @@ from lta_sim.cfd.dictionary import dictionary
 from lta_sim.cfd.engine import CaseFailed, Programs, why
 from lta_sim.cfd.forces import read_forces, read_mesh, table
 from lta_sim.cfd.model import model_of
-from lta_sim.cfd.plan import flows
+from lta_sim.cfd.plan import flows, LENGTHS
+from lta_sim.cfd.reduce import STARTING
 from lta_sim.cfd.solve import check_memory
 from lta_sim.cfd.stage import Stages
 import pytest
@@ -65,6 +66,29 @@ def test_a_speed_changes_the_flow_and_not_its_mesh():
     )
     assert cold.key != warm.key
     assert cold.mesh.key == warm.mesh.key
+
+
+def test_the_air_of_a_transient_brings_no_eddies_and_begins_with_some():
+    eddies, _ = flows(model_of('gtmab'), 'reference', AIR, ['heave'])
+    words = eddies.case.files['0/nuTilda'].replace(';', '').split()
+    begins = float(words[words.index('internalField') + 2])
+    comes = float(words[words.index('inlet') + 6])
+    assert begins == pytest.approx(5.0 * 1.5e-5)
+    assert comes < 1e-6 * 1.5e-5
+    # The model that begins with a flow is the one that goes on with it.
+    settle, *later = eddies.case.steps
+    assert 'SpalartAllmaras;' in settle.files['constant/turbulenceProperties']
+    assert all('SpalartAllmarasDDES' in s.files['constant/turbulenceProperties'] for s in later)
+
+
+def test_a_reference_is_transient_where_the_steady_model_is_low():
+    """Steady at 0.2 m/s, where it is right for a sphere; 20 lengths averaged at 1 m/s."""
+    found = flows(model_of('gtmab'), 'reference', AIR, ['surge'])
+    assert [(flow.kind, *flow.speeds) for flow in found] == [('transient', 1.0), ('wind', 0.2)]
+    assert LENGTHS - STARTING == 20.0
+    trail = found[0].case.mesh.files['system/snappyHexMeshDict']
+    assert 'trail' in trail
+    assert 'trail' not in found[1].case.mesh.files['system/snappyHexMeshDict']
 
 
 def test_every_flow_of_a_vehicle_is_planned_once():

@@ -53,7 +53,8 @@ def test_a_coarser_mesh_tells_what_the_mesh_decides():
 def test_what_a_fidelity_cannot_do_is_a_warning():
     sweep = surge()
     assert 'up to 30 % low at 2 m/s' in warnings_of(sweep)[-1]
-    slow = sweep.model_copy(update={'fidelity': 'reference'})
+    points = [point(speed, (-0.1, 0.0, 0.0)) for speed in (0.2, 1.0)]
+    slow = sweep.model_copy(update={'fidelity': 'reference', 'axes': {'surge': points}})
     assert 'above 1 m/s is extrapolated' in warnings_of(slow)[-1]
 
 
