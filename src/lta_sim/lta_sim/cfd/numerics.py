@@ -1,9 +1,10 @@
 """
 Schemes, solvers and control of the solvers, as they proved themselves on round bodies.
 
-Steady: SIMPLEC with a bounded second-order scheme. Transient: detached eddies (Spalart's DDES).
-The air comes without any, so that the layer along a hull is laminar until it leaves it. Without a
-model, a sphere's drag fell at 2 m/s already, as that of real ones does at twice the speed.
+Steady: SIMPLEC with a bounded second-order scheme. Transient: implicit large eddies, no model but
+LUST's own dissipation; where that brings the drag crisis too early (`tunnel.MODELLED`), detached
+eddies (Spalart's DDES). The air brings none, so that the layer along a hull is laminar until it
+leaves it.
 """
 
 from collections.abc import Iterable, Mapping, Sequence

@@ -11,6 +11,8 @@ from lta_sim.cfd.still import AXES as SPINS
 from lta_sim.cfd.still import blowing, RATES, spinning
 from lta_sim.cfd.tunnel import (
     COARSE,
+    FAST,
+    is_modelled,
     PREVIEW,
     REFERENCE,
     SPEEDS,
@@ -119,7 +121,8 @@ def _winds(model: Model, fidelity: str, viscosity: float) -> Iterator[Flow]:
             case = steady_wind(model, axis, viscosity, PREVIEW)
             yield Flow('wind', axis, case, SPEEDS)
             continue
-        eddies = transient_wind(model, axis, viscosity, REFERENCE, MIDDLE, LENGTHS)
+        fine = FAST if is_modelled(model, viscosity, MIDDLE) else REFERENCE
+        eddies = transient_wind(model, axis, viscosity, fine, MIDDLE, LENGTHS)
         yield Flow('transient', axis, eddies, (MIDDLE,))
         slow = steady_wind(model, axis, viscosity, PREVIEW, (SLOW,))
         yield Flow('wind', axis, replace(slow, name=f'{axis}, slow'), (SLOW,))

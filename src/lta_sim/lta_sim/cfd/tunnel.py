@@ -89,8 +89,18 @@ class Fineness:
 
 PREVIEW: Final = Fineness()
 COARSE: Final = Fineness(hull=3, parts=4, cells=100_000)
-REFERENCE: Final = Fineness(trail=3, shell=0.15, layers=8, expansion=1.4, cells=346_000)
-ROUGH: Final = Fineness(hull=3, parts=4, shell=0.15, layers=8, expansion=1.4, cells=100_000)
+REFERENCE: Final = Fineness(shell=0.15, layers=5, expansion=1.4, cells=189_000)
+ROUGH: Final = Fineness(hull=3, parts=4, shell=0.15, layers=5, expansion=1.4, cells=100_000)
+FAST: Final = Fineness(trail=3, shell=0.15, layers=8, expansion=1.4, cells=346_000)
+# Reynolds number of the hull up to which a transient needs no model. Beyond, a sphere's drag fell
+# as that of real ones does at twice the speed; a model of detached eddies keeps the layer along it
+# laminar, and is a tenth too high below.
+MODELLED: Final = 1e5
+
+
+def is_modelled(model: Model, viscosity: float, speed: float) -> bool:
+    """Tell whether eddies are modelled in a transient: viscosity in m2/s, speed in m/s."""
+    return speed * model.length / viscosity > MODELLED
 
 
 def planes_of(model: Model, axis: str) -> tuple[bool, bool]:
@@ -164,8 +174,10 @@ def transport(viscosity: float) -> str:
     return dictionary('transportProperties', {'transportModel': 'Newtonian', 'nu': viscosity})
 
 
-def turbulence(model: str) -> str:
-    """Return turbulenceProperties of a RANS model."""
+def turbulence(model: str | None) -> str:
+    """Return turbulenceProperties of a RANS model, or of none."""
+    if model is None:
+        return dictionary('turbulenceProperties', {'simulationType': 'laminar'})
     return dictionary('turbulenceProperties', {
         'simulationType': 'RAS',
         'RAS': {'RASModel': model, 'turbulence': True, 'printCoeffs': False},
@@ -257,9 +269,12 @@ def transient_wind(
     air = {'constant/transportProperties': transport(viscosity / speed)}
     begin = SETTLING + round(BEGINNING * model.length, 4)
     end = SETTLING + lengths * model.length
+    modelled = is_modelled(model, viscosity, speed)
     longest = 0.03 * model.length * 2.0 ** (4 - fine.hull)
     eddies = {
-        'constant/turbulenceProperties': detached('SpalartAllmarasDDES'),
+        'constant/turbulenceProperties': (
+            detached('SpalartAllmarasDDES') if modelled else turbulence(None)
+        ),
         'system/fvSchemes': transient_schemes(),
         'system/fvSolution': transient_solution(),
     }

@@ -14,6 +14,7 @@ from lta_sim.cfd.sphere import morrison, off
 from lta_sim.cfd.sweep_table import Blow, Point
 from lta_sim.cfd.tunnel import (
     COARSE,
+    FAST,
     Fineness,
     PREVIEW,
     REFERENCE,
@@ -24,9 +25,12 @@ from lta_sim.cfd.tunnel import (
 )
 
 SETTINGS: Final = {'wind': 'steady, {} cells', 'transient': 'transient, {} cells'}
-CASES: Final[dict[str, tuple[tuple[float, Fineness], ...]]] = {
-    'reference': ((2.0, REFERENCE), (1.0, REFERENCE), (1.0, ROUGH)),
-}
+# Speed [m/s], mesh, and diameters of flow: the wake of the fast one swings more.
+TRANSIENTS: Final[tuple[tuple[float, Fineness, float], ...]] = (
+    (2.0, FAST, 56.0),
+    (1.0, REFERENCE, LENGTHS),
+    (1.0, ROUGH, LENGTHS),
+)
 
 
 @final
@@ -59,8 +63,8 @@ def flows(model: Model, fidelity: str, air: Air) -> list[Flow]:
             Flow('wind', 'surge', steady_wind(model, 'surge', viscosity, COARSE), SPEEDS),
         ]
     found = []
-    for speed, fine in CASES['reference']:
-        case = transient_wind(model, 'surge', viscosity, fine, speed, LENGTHS)
+    for speed, fine, lengths in TRANSIENTS:
+        case = transient_wind(model, 'surge', viscosity, fine, speed, lengths)
         named = replace(case, name=f'{case.name}, hull at level {fine.hull}')
         found.append(Flow('transient', 'surge', named, (speed,)))
     return found

@@ -75,20 +75,23 @@ def test_the_air_of_a_transient_brings_no_eddies_and_begins_with_some():
     comes = float(words[words.index('inlet') + 6])
     assert begins == pytest.approx(5.0 * 1.5e-5)
     assert comes < 1e-6 * 1.5e-5
-    # The model that begins with a flow is the one that goes on with it.
-    settle, *later = eddies.case.steps
-    assert 'SpalartAllmaras;' in settle.files['constant/turbulenceProperties']
-    assert all('SpalartAllmarasDDES' in s.files['constant/turbulenceProperties'] for s in later)
 
 
-def test_a_reference_is_transient_where_the_steady_model_is_low():
-    """Steady at 0.2 m/s, where it is right for a sphere; 20 lengths averaged at 1 m/s."""
-    found = flows(model_of('gtmab'), 'reference', AIR, ['surge'])
-    assert [(flow.kind, *flow.speeds) for flow in found] == [('transient', 1.0), ('wind', 0.2)]
+def test_eddies_are_modelled_beyond_a_reynolds_number():
+    """GT-MAB's hull is below 1e5 at 1 m/s, Skye's of 2.7 m beyond."""
+    for name, model in (('gtmab', 'laminar;'), ('skye', 'SpalartAllmarasDDES')):
+        eddies, slow = flows(model_of(name), 'reference', AIR, ['surge'])
+        settle, *later = eddies.case.steps
+        assert 'SpalartAllmaras;' in settle.files['constant/turbulenceProperties']
+        assert all(model in step.files['constant/turbulenceProperties'] for step in later)
+        trails = 'trail' in eddies.case.mesh.files['system/snappyHexMeshDict']
+        assert trails == (name == 'skye')
+        assert (eddies.kind, *eddies.speeds) == ('transient', 1.0)
+        assert (slow.kind, *slow.speeds) == ('wind', 0.2)
+
+
+def test_a_transient_is_averaged_over_twenty_lengths():
     assert LENGTHS - STARTING == 20.0
-    trail = found[0].case.mesh.files['system/snappyHexMeshDict']
-    assert 'trail' in trail
-    assert 'trail' not in found[1].case.mesh.files['system/snappyHexMeshDict']
 
 
 def test_every_flow_of_a_vehicle_is_planned_once():
