@@ -15,6 +15,8 @@ from std_msgs.msg import Float64
 
 from .peer import PATIENCE, Peer, start
 
+pytestmark = pytest.mark.beside
+
 NODE = 'lta_vlc.nodes.demodulator'
 PERIOD = topic_table()['photodiodes'].period_ns
 LATENCY = 2e-3  # s from block in to bearing out, with DDS both ways
@@ -96,6 +98,7 @@ def vehicle_of(folder, diodes, bits=12):
     return path
 
 
+@pytest.mark.alone
 @pytest.mark.parametrize('diodes', [8, 16])
 def test_a_block_is_answered_within_two_milliseconds(domain_id, tmp_path, diodes):
     with Listening(domain_id, diodes) as peer:

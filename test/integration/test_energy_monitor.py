@@ -25,7 +25,10 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import BatteryState
 
 # rclpy generates message support through lark, which imports a module that Python retires.
-pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
+pytestmark = [
+    pytest.mark.beside,
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
 
 ROOT = Path(__file__).resolve().parents[2]
 TABLE = topic_table()

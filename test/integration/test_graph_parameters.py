@@ -7,6 +7,8 @@ from rcl_interfaces.srv import GetParameters
 
 from .peer import PATIENCE, Peer, start
 
+pytestmark = pytest.mark.beside
+
 NODE = 'lta_vlc.nodes.demodulator'
 TOO_FAST = 'The beacon at 6000 Hz cannot be seen at 10000 samples/s; sample at more than twice'
 

@@ -12,6 +12,8 @@ from std_msgs.msg import Bool
 
 from .peer import PATIENCE, Peer, start
 
+pytestmark = pytest.mark.beside
+
 PERIOD = topic_table()['light/estimate'].period_ns
 RESTING, ALOFT, LANDING = 0.0, 0.5, 0.3  # m; what the navigator asks for
 OK, WARN, ERROR = b'\x00', b'\x01', b'\x02'
