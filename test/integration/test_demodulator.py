@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from std_msgs.msg import Float64
 
-from .peer import PATIENCE, Peer, start
+from .peer import complaints, PATIENCE, Peer, start
 
 pytestmark = pytest.mark.beside
 
@@ -85,7 +85,7 @@ def vehicle(domain_id):
 def ended(process):
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=PATIENCE)
-    assert (process.returncode, errors) == (0, '')
+    assert (process.returncode, complaints(errors)) == (0, [])
 
 
 def vehicle_of(folder, diodes, bits=12):

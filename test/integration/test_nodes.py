@@ -14,7 +14,7 @@ from rcl_interfaces.srv import DescribeParameters
 from rclpy.qos import ReliabilityPolicy
 from std_srvs.srv import SetBool, Trigger
 
-from .peer import PATIENCE, Peer, start, TABLE
+from .peer import complaints, PATIENCE, Peer, start, TABLE
 
 pytestmark = pytest.mark.beside
 
@@ -44,7 +44,7 @@ def controller(peer: Pilot) -> Iterator[Pilot]:
     yield peer
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=PATIENCE)
-    assert (process.returncode, errors) == (0, '')
+    assert (process.returncode, complaints(errors)) == (0, [])
 
 
 def estimate(peer, step, **position):
