@@ -14,14 +14,7 @@ from chaos_together import TOGETHER  # noqa: E402
 PATIENCE = 200.0  # s; twenty where nobody else works
 
 
-# Nonsense in real time comes to each node alone in test_spoilt_inputs.py, and nodes that hang or
-# die in test_faults.py.
-LONG = ('realtime',)
-
-
-@pytest.mark.parametrize(
-    'way', [pytest.param(way, marks=pytest.mark.long if way in LONG else ()) for way in TOGETHER]
-)
+@pytest.mark.parametrize('way', TOGETHER)
 def test_each_fault_is_named_at_once_and_survived_or_ends_in_order(way):
     outcome = tried(Case(way, 0), FOLDER / 'chaos_together.py', PATIENCE)
     assert outcome['wrong'] == '', outcome
