@@ -6,10 +6,11 @@ A test in `test/unit` is marked `unit`, and so on; one elsewhere that watches th
 ROS_DOMAIN_ID that no other test on this machine has, in whatever process it runs.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 import os
 from pathlib import Path
 import sys
+from typing import Any
 
 # Before numpy is imported: more threads only take the cores from the processes under test.
 os.environ.update(OPENBLAS_NUM_THREADS='1', OMP_NUM_THREADS='1', MKL_NUM_THREADS='1')
@@ -21,6 +22,7 @@ import left_behind
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
+Called = Callable[..., tuple[int, Any]]
 MARKED = ('unit', 'property', 'contract', 'integration', 'benchmark')
 
 # Tests of cores run without a built workspace as well.
@@ -64,6 +66,23 @@ def installed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     marker.touch()
     monkeypatch.setenv('AMENT_PREFIX_PATH', str(tmp_path))
     (tmp_path / 'share/lta_config').symlink_to(ROOT / 'config')
+
+
+@pytest.fixture
+def call(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Called:
+    """
+    Return a function that calls `lta` in this process: its status, and what it said.
+
+    A process of its own costs a second of imports each time.
+    """
+    from lta_analysis import app
+
+    def call(*words: object, columns: int = 120) -> tuple[int, Any]:
+        monkeypatch.setenv('COLUMNS', str(columns))
+        monkeypatch.setattr(sys, 'argv', ['lta', *map(str, words)])
+        return app.status(), capsys.readouterr()
+
+    return call
 
 
 @pytest.fixture(autouse=True)

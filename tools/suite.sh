@@ -2,7 +2,8 @@
 # Run the tests that a marker expression chooses: tools/suite.sh EXPRESSION [pytest's arguments]
 #
 # What needs nothing but a core, or waits for events alone, goes side by side, a file at a time on
-# each core. What starts processes and watches the clock follows one by one. Either part may have no test (status 5).
+# each core. What starts processes and watches the clock follows one by one: where not the whole
+# file does, its tests that do are marked `alone`. Either part may have no test (status 5).
 set -u
 chosen=$1
 shift
@@ -17,12 +18,13 @@ run() {
     # Interrupted: the rest is not wanted either.
     [ "$now" = 2 ] && exit "$status"
 }
-run -n auto --maxprocesses 4 --dist loadfile -m "(not integration or beside) and ($chosen)" "$@"
+clock='integration and (alone or not beside)'
+run -n auto --maxprocesses 4 --dist loadfile -m "not ($clock) and ($chosen)" "$@"
 # The second part is looked for where it is, unless the arguments name files of their own.
 case " $* " in
-    *' test/'*) clocked= ;;
-    *) clocked="test/integration $(grep -rl 'mark\.integration' test --include='test_*.py' | sort)" ;;
+    *' test/'*) files= ;;
+    *) files="test/integration $(grep -rl 'mark\.integration' test --include='test_*.py' | sort)" ;;
 esac
 # shellcheck disable=SC2086  # words
-run -m "integration and not beside and ($chosen)" $clocked "$@"
+run -m "$clock and ($chosen)" $files "$@"
 exit "$status"

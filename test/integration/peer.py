@@ -50,6 +50,11 @@ def _end_with_us() -> None:
     LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
+def complaints(errors: str) -> list[str]:
+    """Return what a node said on leaving, but that it had waited: a slow machine makes it wait."""
+    return [line for line in errors.splitlines() if 'waiting for ' not in line]
+
+
 def put_away() -> None:
     """End what a failed test has left: an open pipe would fail whichever test comes next."""
     while STARTED:

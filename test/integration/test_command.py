@@ -1,4 +1,8 @@
-"""What people type wrong gets one sentence and exit status 2 before anything starts."""
+"""
+What people type wrong gets one sentence and exit status 2 before anything starts.
+
+Each is called in this process; what a process of its own may change is tried with a few.
+"""
 
 import json
 from pathlib import Path
@@ -31,7 +35,7 @@ COMMANDS = {
     'time': (['fly', '--time', 'slow'], "Invalid value for '--time'"),
     'option': (['fly', '--sped', '2'], 'No such option: --sped'),
     'verb': (['flie'], "No such command 'flie'"),
-    'launch file': (['launch', 'soar'], "Unknown launch file 'soar'; known: fly, pair."),
+    'launch file': (['launch', 'soar'], "Unknown launch file 'soar'; known: emulated, fly, pair."),
     'launch path': (['launch', './x.launch.yaml'], 'x.launch.yaml; check the path.'),
     'launch argument': (['launch', 'fly', 'sed:=2'], "Unknown launch argument 'sed'"),
     'launch pair': (['launch', 'fly', 'seed=2'], "'seed=2' is no launch argument"),
@@ -66,67 +70,83 @@ VEHICLES = {
 }
 
 
-def refused(lta, *arguments):
-    """Run a command that must be refused, and return its one sentence."""
-    result = lta.run(*arguments)
-    assert result.returncode == 2, result.stderr
-    assert result.stdout.strip() == ''
-    (sentence,) = [line for line in result.stderr.splitlines() if line.strip()]
+def sentence_of(status, out, errors):
+    """Return the one sentence of a command that must have been refused."""
+    assert status == 2, errors
+    assert out.strip() == ''
+    (sentence,) = [line for line in errors.splitlines() if line.strip()]
     assert sentence.endswith('.')
     return sentence
 
 
-def some(table, kept):
-    """Return a table's rows as parameters; a second of imports each makes all but `kept` long."""
-    marks = {name: () if name in kept else pytest.mark.long for name in table}
-    return [pytest.param(*row, id=name, marks=marks[name]) for name, row in table.items()]
+@pytest.fixture
+def refused(call):
+    """Return a function that calls what must be refused, and returns its one sentence."""
+
+    def refused(*arguments):
+        status, said = call(*arguments)
+        return sentence_of(status, said.out, said.err)
+
+    return refused
 
 
-KEPT = (
-    'vehicle',
-    'strategy',
-    'seed',
-    'verb',
-    'launch argument',
-    'executable',
-    'node parameter',
-    'no bag',
+def rejected(lta, *arguments):
+    """Run a process that must be refused, and return its one sentence."""
+    result = lta.run(*arguments)
+    return sentence_of(result.returncode, result.stdout, result.stderr)
+
+
+def rows(table, names, short=()):
+    """Return some rows of a table as parameters; all but `short` are long, if any are short."""
+    marks = {name: pytest.mark.long if short and name not in short else () for name in names}
+    return [pytest.param(*table[name], id=name, marks=marks[name]) for name in names]
+
+
+NODES = ('node word', 'node parameter', 'parameter file')  # said by the node that `run` becomes
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'words'), rows(COMMANDS, [name for name in COMMANDS if name not in NODES])
 )
-
-
-@pytest.mark.parametrize(('arguments', 'words'), some(COMMANDS, KEPT))
-def test_a_mistyped_command_is_one_sentence(lta, tmp_path, monkeypatch, arguments, words):
+def test_a_mistyped_command_is_one_sentence(refused, tmp_path, monkeypatch, arguments, words):
     monkeypatch.chdir(tmp_path)
-    assert words in refused(lta, *arguments)
+    assert words in refused(*arguments)
     assert list(tmp_path.iterdir()) == [], 'nothing may be made or started'
 
 
 @pytest.mark.parametrize(
-    ('old', 'new', 'words'), some(VEHICLES, ('unknown key', 'missing unit', 'negative mass'))
+    ('arguments', 'words'), rows(COMMANDS, ('vehicle', *NODES), ('vehicle', 'node parameter'))
 )
-def test_a_wrong_vehicle_file_is_one_sentence(lta, tmp_path, old, new, words):
+def test_a_mistyped_process_is_one_sentence(lta, tmp_path, monkeypatch, arguments, words):
+    monkeypatch.chdir(tmp_path)
+    assert words in rejected(lta, *arguments)
+    assert list(tmp_path.iterdir()) == [], 'nothing may be made or started'
+
+
+@pytest.mark.parametrize(('old', 'new', 'words'), rows(VEHICLES, VEHICLES))
+def test_a_wrong_vehicle_file_is_one_sentence(refused, tmp_path, old, new, words):
     assert old in GTMAB
     path = tmp_path / 'mine.yaml'
     path.write_text(GTMAB.replace(old, new, 1))
-    sentence = refused(lta, 'fly', '--vehicle', path, '--out', tmp_path / 'out')
+    sentence = refused('fly', '--vehicle', path, '--out', tmp_path / 'out')
     assert str(path) in sentence
     assert words in sentence
     assert not (tmp_path / 'out').exists()
 
 
-def test_a_busy_folder_stays_as_it_is(lta, tmp_path):
+def test_a_busy_folder_stays_as_it_is(refused, tmp_path):
     out = tmp_path / 'out'
     out.mkdir()
     (out / 'thesis.tex').write_text('mine')
-    assert 'is not empty' in refused(lta, 'fly', '--out', out)
+    assert 'is not empty' in refused('fly', '--out', out)
     assert [path.name for path in out.iterdir()] == ['thesis.tex']
     assert (out / 'thesis.tex').read_text() == 'mine'
-    assert 'cannot be made' in refused(lta, 'fly', '--out', out / 'thesis.tex')
+    assert 'cannot be made' in refused('fly', '--out', out / 'thesis.tex')
 
 
-def test_a_domain_that_cannot_be_is_one_sentence(lta, tmp_path, monkeypatch):
+def test_a_domain_that_cannot_be_is_one_sentence(refused, tmp_path, monkeypatch):
     monkeypatch.setenv('ROS_DOMAIN_ID', 'home')
-    assert "ROS_DOMAIN_ID is 'home'" in refused(lta, 'fly', '--out', tmp_path / 'out')
+    assert "ROS_DOMAIN_ID is 'home'" in refused('fly', '--out', tmp_path / 'out')
     assert not (tmp_path / 'out').exists()
 
 
@@ -134,7 +154,7 @@ def test_a_domain_that_cannot_be_is_one_sentence(lta, tmp_path, monkeypatch):
 def test_two_flights_on_one_domain_are_refused_and_the_first_flies_on(lta, flying, tmp_path):
     first = lta.start('fly', '--no-page', '--out', tmp_path / 'first')
     flying(0.1)
-    sentence = refused(lta, 'fly', '--out', tmp_path / 'second')
+    sentence = rejected(lta, 'fly', '--out', tmp_path / 'second')
     assert 'lta1 is flying on ROS domain' in sentence
     assert not (tmp_path / 'second').exists()
     assert first.popen.poll() is None
@@ -163,7 +183,7 @@ def test_a_lonely_node_says_what_it_waits_for_and_writes_no_log_file(lta, tmp_pa
 
 def test_another_middleware_is_refused_before_it_ends_the_process(lta, monkeypatch):
     monkeypatch.setenv('RMW_IMPLEMENTATION', 'rmw_none')
-    assert "RMW_IMPLEMENTATION is 'rmw_none', which is not" in refused(lta, 'doctor')
+    assert "RMW_IMPLEMENTATION is 'rmw_none', which is not" in rejected(lta, 'doctor')
 
 
 VERBS = {
@@ -172,21 +192,21 @@ VERBS = {
 }
 
 
-@pytest.mark.parametrize('verb', some(VERBS, ('', 'fly')))
-def test_every_verb_explains_itself(lta, verb):
-    result = lta.run(*verb, '--help')
-    assert (result.returncode, result.stderr) == (0, '')
-    assert 'Usage:' in result.stdout
-    assert len(result.stdout.splitlines()) > 8
+@pytest.mark.parametrize('verb', rows(VERBS, VERBS))
+def test_every_verb_explains_itself(call, verb):
+    status, said = call(*verb, '--help')
+    assert (status, said.err) == (0, '')
+    assert 'Usage:' in said.out
+    assert len(said.out.splitlines()) > 8
 
 
-def test_launch_shows_the_arguments_of_a_file(lta):
-    result = lta.run('launch', 'fly', '--show-args')
-    assert (result.returncode, result.stderr) == (0, '')
+def test_launch_shows_the_arguments_of_a_file(call):
+    status, said = call('launch', 'fly', '--show-args')
+    assert (status, said.err) == (0, '')
     shipped = yaml.safe_load((ROOT / 'config/launch/fly.launch.yaml').read_text())['launch']
     for item in shipped:
         if 'arg' in item:
-            assert item['arg']['name'] in result.stdout
+            assert item['arg']['name'] in said.out
 
 
 def test_the_doctor_ends_well_or_says_what_to_do(lta):

@@ -19,6 +19,8 @@ from std_srvs.srv import SetBool, Trigger
 
 from .peer import Peer, start
 
+pytestmark = pytest.mark.beside
+
 TABLE = topic_table()
 ROTORS = load_vehicle('gtmab').rotor_names
 DUTIES = [0.1, 0.2, 0.3, 0.4]
@@ -85,6 +87,7 @@ def fly(peer, drone):
     return send
 
 
+@pytest.mark.alone
 def test_sensors_come_in_our_units_within_milliseconds(peer, drone, bridge):
     late, seen = [], {}
 
@@ -105,6 +108,7 @@ def test_sensors_come_in_our_units_within_milliseconds(peer, drone, bridge):
     assert drone.firmware.parameters.values['supervisor.landedTimeout'] == 60000
 
 
+@pytest.mark.alone
 def test_motors_turn_only_armed_and_ramp_down_when_commands_stop(peer, drone, bridge, hear):
     heard = []
     peer.hear('battery', heard.append)

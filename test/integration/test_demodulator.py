@@ -13,7 +13,9 @@ import numpy as np
 import pytest
 from std_msgs.msg import Float64
 
-from .peer import PATIENCE, Peer, start
+from .peer import complaints, PATIENCE, Peer, start
+
+pytestmark = pytest.mark.beside
 
 NODE = 'lta_vlc.nodes.demodulator'
 PERIOD = topic_table()['photodiodes'].period_ns
@@ -83,7 +85,7 @@ def vehicle(domain_id):
 def ended(process):
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=PATIENCE)
-    assert (process.returncode, errors) == (0, '')
+    assert (process.returncode, complaints(errors)) == (0, [])
 
 
 def vehicle_of(folder, diodes, bits=12):
@@ -96,6 +98,7 @@ def vehicle_of(folder, diodes, bits=12):
     return path
 
 
+@pytest.mark.alone
 @pytest.mark.parametrize('diodes', [8, 16])
 def test_a_block_is_answered_within_two_milliseconds(domain_id, tmp_path, diodes):
     with Listening(domain_id, diodes) as peer:

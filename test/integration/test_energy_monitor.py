@@ -24,8 +24,13 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import BatteryState
 
+from .peer import complaints
+
 # rclpy generates message support through lark, which imports a module that Python retires.
-pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
+pytestmark = [
+    pytest.mark.beside,
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
 
 ROOT = Path(__file__).resolve().parents[2]
 TABLE = topic_table()
@@ -144,7 +149,7 @@ def graph(domain_id: int, mode: str, *arguments: str) -> Iterator[Vehicle]:
         rclpy.try_shutdown(context=context)
         process.send_signal(signal.SIGINT)
         _, errors = process.communicate(timeout=PATIENCE)
-    assert (process.returncode, errors) == (0, '')
+    assert (process.returncode, complaints(errors)) == (0, [])
 
 
 @pytest.fixture(params=['realtime', 'lockstep'])

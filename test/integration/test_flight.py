@@ -100,7 +100,7 @@ def test_a_changed_parameter_is_kept_in_files_that_the_graph_flies(lta, tmp_path
         assert one[topic] == two[topic] != [], topic
 
 
-def test_a_flight_to_the_goal(fly, lta):
+def test_a_flight_to_the_goal(fly, call):
     """The bag is whole: every topic of the table has every message that its rhythm makes due."""
     flown = fly('near', radius='6.5 m')
     assert (flown['outcome'], flown['status']) == ('reached', 0)
@@ -120,10 +120,10 @@ def test_a_flight_to_the_goal(fly, lta):
             assert due - 1 <= bag.topics[full].count <= due, name
     for key in ('seed', 'commit', 'config_sha256', 'vehicle_file', 'scenario_file', 'strategy'):
         assert bag.provenance[key]
-    table = lta.run('bag', 'info', flown['bag'])
-    assert table.returncode == 0
-    assert '/lta1/photodiodes' in table.stdout
-    facts = json.loads(lta.run('bag', 'info', '--json', flown['bag']).stdout)
+    status, table = call('bag', 'info', flown['bag'])
+    assert status == 0
+    assert '/lta1/photodiodes' in table.out
+    facts = json.loads(call('bag', 'info', '--json', flown['bag'])[1].out)
     assert facts['complete']
     assert facts['messages'] == sum(len(each) for each in contents(Path(flown['bag'])).values())
 

@@ -17,6 +17,8 @@ import yaml
 
 from .peer import PATIENCE, Peer, start, TABLE
 
+pytestmark = pytest.mark.beside
+
 ROW = TABLE['odom']
 START = TABLE.start_ns
 NO_VERSIONS = 'from lta_bridge import provenance; provenance.version = lambda name: "0"; '

@@ -10,18 +10,18 @@ from ..unit.analysis.report_flight import write_flight  # noqa: TID252 - `test` 
 pytestmark = pytest.mark.beside
 
 
-def test_the_page_comes_again_from_the_bag(lta, tmp_path):
+def test_the_page_comes_again_from_the_bag(lta, call, tmp_path):
     bag = write_flight(tmp_path / 'run' / 'bag')
     result = lta.run('report', bag)
     assert (result.returncode, result.stderr) == (0, '')
     page = tmp_path / 'run' / 'report.html'
     assert result.stdout == f'Page {page}\n'
     assert 'reached it in 12.0 s' in page.read_text()
-    assert lta.run('report', bag / 'bag_0.mcap', '--out', tmp_path / 'x.html').returncode == 0
+    assert call('report', bag / 'bag_0.mcap', '--out', tmp_path / 'x.html')[0] == 0
     assert (tmp_path / 'x.html').stat().st_size > 1_000_000
 
 
-def test_what_cannot_be_is_one_sentence_and_makes_nothing(lta, tmp_path):
+def test_what_cannot_be_is_one_sentence_and_makes_nothing(call, tmp_path):
     bag = write_flight(tmp_path / 'bag', until=1.0)
     (tmp_path / 'mine').mkdir()
     (tmp_path / 'mine' / 'thesis.tex').write_text('mine')
@@ -30,13 +30,14 @@ def test_what_cannot_be_is_one_sentence_and_makes_nothing(lta, tmp_path):
         ((bag, '--pictures', tmp_path / 'mine'), 'is not empty'),
         ((bag, '--out', tmp_path / 'no' / 'x.html'), 'cannot be written'),
     ):
-        result = lta.run('report', *words)
-        assert result.returncode == 2
-        assert sentence in result.stderr
-        assert result.stderr.count('\n') == 1
+        status, said = call('report', *words)
+        assert status == 2
+        assert sentence in said.err
+        assert said.err.count('\n') == 1
     assert sorted(path.name for path in tmp_path.iterdir()) == ['bag', 'mine']
 
 
+@pytest.mark.long  # test_page.py draws the same pictures without the command
 def test_every_panel_becomes_a_picture(lta, tmp_path):
     try:
         find_chromium()

@@ -1,5 +1,6 @@
 """The simulator's node alone: what it says of its sensors, and which commands it flies."""
 
+from contextlib import ExitStack
 from types import SimpleNamespace
 
 from lta_graph.health import Level
@@ -24,11 +25,12 @@ class Kept:
 
 @pytest.fixture
 def simulator(domain_id):
-    rclpy.init(args=[], domain_id=domain_id)
-    node = Simulator()
-    yield node
-    node.destroy_node()
-    rclpy.try_shutdown()
+    with ExitStack() as after:
+        after.callback(rclpy.try_shutdown)
+        rclpy.init(args=[], domain_id=domain_id)
+        node = Simulator()
+        after.callback(node.destroy_node)
+        yield node
 
 
 @pytest.fixture

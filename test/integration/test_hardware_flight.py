@@ -32,11 +32,16 @@ def near(tmp_path):
 
 @pytest.mark.parametrize(
     ('vehicle', 'command', 'finds_peaks'),
-    [('gtmab', 'motors', False), ('multirotor', 'setpoint', True)],
+    [
+        ('gtmab', 'motors', False),
+        # Faults in flight (test_fault_kinds.py) fly by setpoints too, and peaks come through the
+        # board in test_light_emulated.py.
+        pytest.param('multirotor', 'setpoint', True, marks=pytest.mark.long),
+    ],
     ids=['motors-samples', 'setpoint-peaks'],
 )
 def test_through_both_bridges_it_finds_the_lamp_and_comes_down(
-    lta, hear, domain_id, near, tmp_path: Path, vehicle, command, finds_peaks
+    lta, call, hear, domain_id, near, tmp_path: Path, vehicle, command, finds_peaks
 ):
     """
     In both command modes; the board of the second finds the peaks, without a demodulator.
@@ -73,11 +78,9 @@ def test_through_both_bridges_it_finds_the_lamp_and_comes_down(
     hear(lambda facts: facts['crazyflie_bridge: safety'].message.startswith(why))
     graph.interrupt()
     assert graph.end() == 130, graph.text  # as after any Ctrl-C
-    bag = lta.run('bag', 'info', tmp_path / 'bag')
-    assert bag.returncode == 0
-    counts = {
-        line.split()[0]: line.split()[2] for line in bag.stdout.splitlines() if '/msg/' in line
-    }
+    status, bag = call('bag', 'info', tmp_path / 'bag')
+    assert status == 0
+    counts = {line.split()[0]: line.split()[2] for line in bag.out.splitlines() if '/msg/' in line}
     for topic in ('imu', 'range', 'battery', 'light/estimate', 'setpoint/pose'):
         assert int(counts[f'/lta1/{topic}']) > 50
     assert (counts['/lta1/photodiodes'] == '0') == finds_peaks

@@ -13,6 +13,8 @@ import pytest
 
 from .command import processes, ROOT
 
+pytestmark = pytest.mark.beside
+
 TABLES = ('udp', 'udp6', 'tcp', 'tcp6')
 BOUND = ('07', '0A')  # states of /proc/net: UDP that is bound, TCP that listens
 PATIENCE = 20.0  # s

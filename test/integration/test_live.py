@@ -28,6 +28,8 @@ import foxglove
 
 from .viewer import PATIENCE, Viewer
 
+pytestmark = pytest.mark.beside
+
 TABLE = topic_table()
 TOPICS = {name if name.startswith('/') else f'/lta1/{name}' for name in TABLE.topics}
 SILENT = {f'/lta1/{name}' for name, row in TABLE.topics.items() if row.source == 'teleop'}
@@ -71,6 +73,7 @@ def seen(viewer, name):
     ]
 
 
+@pytest.mark.alone
 def test_a_viewer_sees_the_flight_that_is_recorded(lta, scenario, tmp_path, port, hear):
     out, scene = tmp_path / 'out', scenario(time_limit='5 s')
     words = ('--live', '--live-port', port, '--scenario', scene, '--no-page', '--json')

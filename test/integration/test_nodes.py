@@ -14,7 +14,9 @@ from rcl_interfaces.srv import DescribeParameters
 from rclpy.qos import ReliabilityPolicy
 from std_srvs.srv import SetBool, Trigger
 
-from .peer import PATIENCE, Peer, start, TABLE
+from .peer import complaints, PATIENCE, Peer, start, TABLE
+
+pytestmark = pytest.mark.beside
 
 ROTORS = ['up_left', 'up_right', 'forward_left', 'forward_right']
 STEP = TABLE.control_ns
@@ -42,7 +44,7 @@ def controller(peer: Pilot) -> Iterator[Pilot]:
     yield peer
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=PATIENCE)
-    assert (process.returncode, errors) == (0, '')
+    assert (process.returncode, complaints(errors)) == (0, [])
 
 
 def estimate(peer, step, **position):
@@ -163,6 +165,7 @@ def test_disarmed_motors_stand_still_and_armed_ones_turn(controller):
     assert any(estimate(controller, step + 2))
 
 
+@pytest.mark.alone
 def test_a_flight_in_real_time_is_open_to_people(lta, peer, flying, hear, tmp_path):
     """Quality of service, parameters and services of a whole graph, as users find them."""
     flight = lta.start('fly', '--no-page', '--time', 'realtime', '--out', tmp_path / 'out')

@@ -195,7 +195,13 @@ def typed(*words):
         assert app.status() == 0
 
 
-@pytest.fixture(scope='module', params=PAGES)
+LONG = ('tune', 'evaluate')  # their flights take longer than all other pages together
+
+
+@pytest.fixture(
+    scope='module',
+    params=[pytest.param(name, marks=pytest.mark.long if name in LONG else ()) for name in PAGES],
+)
 def page(request, tmp_path_factory):
     try:
         find_chromium()

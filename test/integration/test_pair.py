@@ -7,8 +7,11 @@ import time
 
 from lta_analysis.bag.flight import open_flight
 from lta_analysis.bag.reader import read_bag
+from lta_analysis.progress import FlightProgress
+from lta_analysis.simulate import simulate_once, Simulated
 from lta_config.topics import topic_table
 import pytest
+from rich.console import Console
 
 from .contents import contents
 
@@ -35,8 +38,12 @@ def pair(lta, scenario, tmp_path):
     return bag, verdicts(result.stdout)
 
 
-def test_each_flies_as_it_would_alone(lta, scenario, tmp_path, pair):
-    """Byte for byte and log time by log time, though one flies on when the other is there."""
+def test_each_flies_as_it_would_alone(call, scenario, tmp_path, pair):
+    """
+    Byte for byte and log time by log time, though one flies on when the other is there.
+
+    Alone they fly in one process: test_flight.py holds that to the graph of one.
+    """
     bag, told = pair
     assert {robot: item['outcome'] for robot, item in told.items()} == {
         'lta1': 'reached',
@@ -46,10 +53,11 @@ def test_each_flies_as_it_would_alone(lta, scenario, tmp_path, pair):
     both = contents(bag)
     for robot, seed, offset in (('lta1', 8, 0.0), ('lta2', 7, OFFSET)):
         alone = tmp_path / f'alone-{robot}'
-        words = (f'seed:={seed}', f'offset_y:={offset}', 'time:=lockstep', f'bag:={alone}')
-        result = lta.run('launch', 'fly', f'scenario:={scenario(**GOALS)}', *words)
-        assert result.returncode == 0, result.stderr
-        single = contents(alone)
+        changes = (f'scenario.start.position.1={offset} m',)
+        order = Simulated('gtmab', str(scenario(**GOALS)), 'bag', 'gtmab', seed, changes, alone)
+        flown, _ = simulate_once(order, FlightProgress(Console(quiet=True)))
+        assert flown.outcome == 'reached'
+        single = contents(flown.bag)
         for name in REPEATABLE:
             assert single[f'/lta1/{name}'], name
             assert both[f'/{robot}/{name}'] == single[f'/lta1/{name}'], (robot, name)
@@ -62,28 +70,28 @@ def test_each_flies_as_it_would_alone(lta, scenario, tmp_path, pair):
     assert times[-1] > start + float(told['lta1']['time_s'])
     assert times[-1] <= start + float(told['lta2']['time_s'])
     assert read_bag(bag).complete
-    check_reading(lta, bag)
+    check_reading(call, bag)
 
 
-def check_reading(lta, bag):
+def check_reading(call, bag):
     """Look at the bag of both by the command: with a robot's name, and without."""
-    result = lta.run('report', bag)
-    assert (result.returncode, result.stdout) == (2, '')
-    assert result.stderr == (
+    status, said = call('report', bag)
+    assert (status, said.out) == (2, '')
+    assert said.err == (
         f"'{bag}' holds several robots (lta1, lta2); name the one to look at, as in "
         '--robot lta2.\n'
     )
-    result = lta.run('report', bag, '--robot', 'lta2')
-    assert result.returncode == 0, result.stderr
+    status, said = call('report', bag, '--robot', 'lta2')
+    assert status == 0, said.err
     page = (bag.parent / 'report-lta2.html').read_text()
     assert 'seed 7' in page
     assert 'launch fly vehicle:=gtmab' in page
     assert f'offset_y:={OFFSET}' in page
-    shown = lta.run('bag', 'info', bag).stdout
+    shown = call('bag', 'info', bag)[1].out
     assert 'messages of lta1 and lta2 in' in shown
     for line in ('/lta1/odom', '/lta2/odom', 'lta1/seed: 8', 'lta2/seed: 7'):
         assert line in shown
-    facts = json.loads(lta.run('bag', 'info', '--json', bag).stdout)
+    facts = json.loads(call('bag', 'info', '--json', bag)[1].out)
     assert facts['robots'] == ['lta1', 'lta2']
     flight = open_flight(bag, 'lta2')
     assert flight.provenance['seed'] == '7'

@@ -245,7 +245,7 @@ def test_a_node_that_does_not_answer_ends_the_replay_and_is_named(recorded, peer
     assert (said['outcome'], said['answers'], said['owed']) == ('unanswered', '0', '402')
 
 
-def test_what_a_player_cannot_do_is_one_sentence(lta, meters, tmp_path):
+def test_what_a_player_cannot_do_is_one_sentence(lta, call, meters, tmp_path):
     def refused(*words):
         done = lta.run('run', 'lta_bridge', 'player', '--ros-args', *words)
         assert done.returncode == 2
@@ -257,8 +257,8 @@ def test_what_a_player_cannot_do_is_one_sentence(lta, meters, tmp_path):
     assert 'loop in lockstep has no end' in refused(
         *bag, '-p', 'loop:=true', '-p', 'time:=lockstep'
     )
-    done = lta.run('replay', meters, '--out', tmp_path / 'replay')
-    assert (done.returncode, done.stderr) == (
+    status, told = call('replay', meters, '--out', tmp_path / 'replay')
+    assert (status, told.err) == (
         2,
         f"'{meters}' has no 'photodiodes', which demodulator answers; leave demodulator out of "
         '--nodes.\n',

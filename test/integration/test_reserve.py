@@ -10,7 +10,9 @@ from nav_msgs.msg import Odometry
 import pytest
 from std_msgs.msg import Bool
 
-from .peer import PATIENCE, Peer, start
+from .peer import complaints, PATIENCE, Peer, start
+
+pytestmark = pytest.mark.beside
 
 PERIOD = topic_table()['light/estimate'].period_ns
 RESTING, ALOFT, LANDING = 0.0, 0.5, 0.3  # m; what the navigator asks for
@@ -73,7 +75,7 @@ def drone(domain_id):
         yield made
         process.send_signal(signal.SIGINT)
         _, errors = process.communicate(timeout=PATIENCE)
-    assert (process.returncode, errors) == (0, '')
+    assert (process.returncode, complaints(errors)) == (0, [])
 
 
 def test_it_waits_for_good_energy_flies_and_obeys_the_reserve(drone):

@@ -8,6 +8,7 @@ what is published can be sent and holds no duty beyond 1, and /diagnostics tells
 
 from array import array
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from copy import deepcopy
 from functools import partial
 import math
@@ -28,6 +29,7 @@ from lta_graph.ros.sound import fault
 from lta_sim.nodes.simulator import Simulator
 from lta_vlc.nodes.demodulator import Demodulator
 import numpy as np
+from ports import free_port, UDP
 import pytest
 import rclpy
 from rclpy.publisher import Publisher
@@ -38,6 +40,8 @@ from .peer import TABLE
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / 'score'))
 from chaos_spoilt import over_fields, spoil, SPOILT
+
+pytestmark = pytest.mark.beside
 
 NODES: dict[str, type[GraphNode]] = {
     'estimator': Estimator,
@@ -57,7 +61,6 @@ BESIDE = {  # topics that a node hears as they come, beside what the table says 
     'teleop': ['/diagnostics', 'odom'],
     'live': [*TABLE.topics],
 }  # fmt: skip
-WORDS = {'controller': ['-p', 'armed:=true']}
 BEGUN = 250  # control periods until all fly: the estimator learns for two seconds
 STRUCK = 10  # control periods with a spoilt message
 CURED = 30  # without
@@ -143,22 +146,31 @@ class Trial:
 @pytest.fixture
 def trial(role: str, domain_id: int, monkeypatch) -> Iterator[Trial]:
     """Return a node in flight, in this process."""
-    words = ['--ros-args', '-r', '__ns:=/lta1', *WORDS.get(role, [])]
-    rclpy.init(args=['node', *words], domain_id=domain_id)
+    words = ['--ros-args', '-r', '__ns:=/lta1', *words_of(role)]
     made: list[Trial] = []
-    monkeypatch.setattr(
-        Publisher, 'publish', lambda own, message: made[0].says(own, message) if made else None
-    )
-    node = NODES[role]()
-    made.append(Trial(node))
-    try:
+    with ExitStack() as after:
+        after.callback(rclpy.try_shutdown)
+        rclpy.init(args=['node', *words], domain_id=domain_id)
+        monkeypatch.setattr(
+            Publisher, 'publish', lambda own, message: made[0].says(own, message) if made else None
+        )
+        node = NODES[role]()
+        after.callback(node.destroy_node)
+        after.callback(node.close)
+        after.callback(made.clear)
+        made.append(Trial(node))
         made[0].live(BEGUN)
         yield made[0]
-    finally:
-        made.clear()
-        node.close()
-        node.destroy_node()
-        rclpy.shutdown()
+
+
+def words_of(role: str) -> list[str]:
+    """Return a node's parameters: nothing that others on this machine may have."""
+    words = {
+        'controller': 'armed:=true',
+        'crazyflie_bridge': f'uri:=udp://127.0.0.1:{free_port(UDP)}',
+        'live': f'port:={free_port()}',
+    }
+    return ['-p', words[role]] if role in words else []
 
 
 def is_told(name: str, kind: str, message: Any) -> bool:

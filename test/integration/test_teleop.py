@@ -12,6 +12,8 @@ from sensor_msgs.msg import Joy
 
 from .peer import Peer, start
 
+pytestmark = pytest.mark.beside
+
 LAYOUT = Layout()
 
 

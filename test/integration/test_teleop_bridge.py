@@ -14,6 +14,8 @@ from std_srvs.srv import SetBool
 
 from .peer import Peer, start
 
+pytestmark = pytest.mark.beside
+
 
 class Watched:
     """A bench that remembers what it was asked to do."""

@@ -2,7 +2,7 @@
 
 import math
 
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_control.strategies import STRATEGIES
 from lta_control.strategies.protocol import Course, Sight
@@ -30,6 +30,7 @@ sights = st.lists(
     min_size=1,
     max_size=30,
 )
+laws = settings(max_examples=40)  # of up to thirty sights each, of which most is drawing them
 each = pytest.mark.parametrize('name', STRATEGIES)
 WATCHING = [name for name, strategy in STRATEGIES.items() if strategy.watch]
 
@@ -51,6 +52,7 @@ def flown(strategy, heading, seen):
 
 
 @each
+@laws
 @given(heading=angle, seen=sights)
 def test_courses_are_finite_and_no_faster_than_the_cruise(name, heading, seen):
     for course, memory in flown(STRATEGIES[name], heading, seen):
@@ -63,6 +65,7 @@ def test_courses_are_finite_and_no_faster_than_the_cruise(name, heading, seen):
 
 
 @each
+@laws
 @given(heading=angle, seen=sights)
 def test_the_same_again_gives_the_same_again(name, heading, seen):
     """Nothing is kept but the memory that is handed in and out."""
@@ -71,6 +74,7 @@ def test_the_same_again_gives_the_same_again(name, heading, seen):
 
 
 @each
+@laws
 @given(heading=angle, seen=sights)
 def test_who_never_arrives_never_says_so(name, heading, seen):
     """And one that does, does not before it has seen any light."""
@@ -82,6 +86,7 @@ def test_who_never_arrives_never_says_so(name, heading, seen):
 
 
 @pytest.mark.parametrize('name', WATCHING)
+@laws
 @given(heading=angle, seen=sights)
 def test_what_is_learnt_in_the_climb_keeps_the_heading(name, heading, seen):
     strategy = STRATEGIES[name]
@@ -93,6 +98,7 @@ def test_what_is_learnt_in_the_climb_keeps_the_heading(name, heading, seen):
 
 
 @each
+@laws
 @given(turned=st.floats(-3.0, 3.0), seen=sights)
 def test_no_heading_is_special(name, turned, seen):
     """Turn the odom frame, and the courses turn with it."""
@@ -119,6 +125,7 @@ def test_no_heading_is_special(name, turned, seen):
 
 
 @each
+@laws
 @given(heading=angle)
 def test_memory_begins_with_the_heading(name, heading):
     """The mission holds `memory[0]` while it climbs and lands."""
@@ -126,6 +133,7 @@ def test_memory_begins_with_the_heading(name, heading):
 
 
 @each
+@laws
 @given(heading=angle, seen=sights)
 def test_memory_keeps_the_last_heading_asked_for(name, heading, seen):
     for course, memory in flown(STRATEGIES[name], heading, seen):

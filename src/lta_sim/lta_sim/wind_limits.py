@@ -114,15 +114,16 @@ def _pitched(vehicle: Vehicle, model: Model) -> float:
         return any(_balanced(vehicle, model, speed, pitch) for pitch in PITCHES)
 
     grid = [0.0, *np.geomspace(0.1, FASTEST, 60).tolist()]
-    held = [k for k, speed in enumerate(grid) if holds(speed)]
-    if not held:
+    # From the fastest down: only the last that is held matters, and each is many balances.
+    held = next((k for k in reversed(range(len(grid))) if holds(grid[k])), None)
+    if held is None:
         raise BadInput(
             f'{vehicle.file.name} cannot fly level at any speed or pitch; trim it nearer to the '
             'air, or give it rotors that can carry it.'
         )
-    if held[-1] == len(grid) - 1:
+    if held == len(grid) - 1:
         return math.inf
-    return _largest(holds, grid[held[-1]], grid[held[-1] + 1], 0.01)
+    return _largest(holds, grid[held], grid[held + 1], 0.01)
 
 
 def _largest(

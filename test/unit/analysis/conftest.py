@@ -1,8 +1,5 @@
 """Small bags to read, and the command to read them with."""
 
-import sys
-
-from lta_analysis import app
 from lta_bridge.bag import BagWriter, offered_qos
 from lta_bridge.bag.schemas import jazzy
 import numpy as np
@@ -40,18 +37,6 @@ def odometry(time, i):
             np.zeros(36),
         ),
     )
-
-
-@pytest.fixture
-def call(monkeypatch, capsys):
-    """Return a function that calls `lta` in this process: its status, and what it said."""
-
-    def call(*words, columns=120):
-        monkeypatch.setenv('COLUMNS', str(columns))
-        monkeypatch.setattr(sys, 'argv', ['lta', *map(str, words)])
-        return app.status(), capsys.readouterr()
-
-    return call
 
 
 @pytest.fixture

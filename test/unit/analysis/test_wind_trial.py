@@ -128,6 +128,7 @@ def test_the_command_prints_a_table_json_and_a_page(tmp_path):
     assert isinstance(kept.exception, BadInput)
     assert 'is not empty' in str(kept.exception)
     call[-1] = str(tmp_path / 'json')
+    call[1:4] = ['multirotor']
     printed = CliRunner().invoke(put_together(()), [*call, '--json'])
     assert json.loads(printed.stdout)['units']['static'] == 'm/s'
 

@@ -129,7 +129,7 @@ hostile = st.one_of(*map(frame_of, MESSAGES.values()), resized, unknown, st.bina
 
 @pytest.mark.parametrize('peaks', [False, True])
 @given(st.lists(st.lists(hostile, max_size=4), max_size=8))
-@settings(max_examples=60)
+@settings(max_examples=30)  # each lives through six seconds and more
 def test_any_frames_are_survived_and_the_board_s_light_comes_again(peaks, spoilt):
     link = Linked(peaks)
     for frames in spoilt:

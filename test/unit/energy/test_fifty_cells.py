@@ -1,5 +1,7 @@
 """
-The monitor over 50 cells of unknown charge that feed flights, through the simulator's meters.
+The monitor over cells of unknown charge that feed flights, through the simulator's meters.
+
+16 cells, and 50 by `make test-long`.
 
 The cells differ from their file by the tolerances in `metered`. Readings come once a second here,
 which leaves the filter less to work with than the ten of the graph; `test/score/energy_monitor.py`
@@ -13,13 +15,18 @@ import pytest
 
 from .metered import ABOARD, CELL, follow, Metered, SETTINGS
 
-SEEDS = range(50)
 TEN_MINUTES = 600  # readings
+each = pytest.mark.parametrize(
+    'seeds',
+    [range(16), pytest.param(range(50), marks=pytest.mark.long)],
+    ids=lambda some: str(len(some)),
+)
 
 
-def test_the_charge_is_known_to_five_percent_after_ten_minutes():
+@each
+def test_the_charge_is_known_to_five_percent_after_ten_minutes(seeds):
     errors, alarms = [], set()
-    for seed in SEEDS:
+    for seed in seeds:
         cell = Metered(seed, off=True, period=1.0)
         estimate = follow(cell.reading() for _ in range(TEN_MINUTES))
         errors.append((estimate.charge - cell.charge) / estimate.deviation)
@@ -30,9 +37,10 @@ def test_the_charge_is_known_to_five_percent_after_ten_minutes():
     assert 0.02 < np.mean(np.square(errors)) < 2.0
 
 
-def test_the_time_to_empty_is_known_to_ten_percent_at_half_charge():
+@each
+def test_the_time_to_empty_is_known_to_ten_percent_at_half_charge(seeds):
     scores = []
-    for seed in SEEDS:
+    for seed in seeds:
         cell, estimate = Metered(seed, (0.55, 0.75), off=True, period=1.0), Estimate()
         while cell.charge > 0.5:
             estimate = update(SETTINGS, ABOARD, estimate, cell.reading())

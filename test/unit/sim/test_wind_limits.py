@@ -1,12 +1,13 @@
 """The static limit in wind, by hand and against the paper."""
 
+from functools import cache
 import math
 
 from lta_analysis.ingredients import gather
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.files import checked
 from lta_config.vehicle_file import VehicleFile
-from lta_sim import limits
+from lta_sim import limits, wind_limits
 from lta_sim.vehicle import load_vehicle, Vehicle
 from lta_sim.wind_limits import (
     air_wrench,
@@ -19,7 +20,19 @@ import pytest
 from scipy.optimize import brentq
 
 
-def test_gtmab_by_hand():
+@cache
+def rises(name: str) -> float:
+    """Return where a shipped hull rises: seconds of balances, which several tests ask for."""
+    return rise_speed(load_vehicle(name))
+
+
+@pytest.fixture
+def once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let `static_limit` of a shipped vehicle take the speed at which it rises as found before."""
+    monkeypatch.setattr(wind_limits, 'rise_speed', lambda vehicle: rises(vehicle.file.name))
+
+
+def test_gtmab_by_hand(once):
     """Two forward rotors at full against its drag: F = D1 v + D2 v^2."""
     vehicle = load_vehicle('gtmab')
     effects = vehicle.effects()
@@ -31,7 +44,7 @@ def test_gtmab_by_hand():
     assert thrust_speed(vehicle) == pytest.approx(speed, abs=2e-4)
     # The seed paper's thrust allows 1.5 (a sphere's drag) to 1.9 m/s.
     assert 1.5 < speed < 1.9
-    assert static_limit(vehicle) == rise_speed(vehicle) < limits.tumble_speed(vehicle) < speed
+    assert static_limit(vehicle) == rises('gtmab') < limits.tumble_speed(vehicle) < speed
 
 
 def test_gtmab_rises_where_the_balance_by_hand_says():
@@ -58,17 +71,17 @@ def test_gtmab_rises_where_the_balance_by_hand_says():
         hull = 0.359 * (speed * s) ** 2 * c - 0.092 * (speed * c) ** 2 * s
         return (push * s + down * c) * force + hull - vehicle.heaviness * STANDARD_GRAVITY
 
-    assert rise_speed(vehicle) == pytest.approx(brentq(excess, 0.9, 1.15), abs=0.02)
+    assert rises('gtmab') == pytest.approx(brentq(excess, 0.9, 1.15), abs=0.02)
 
 
 def test_weight_holds_it_down():
     told = gather('gtmab', 'hall', 'bag', '')
     heavy = told.with_values({'vehicle.trim.heaviness': {'value': 10, 'unit': 'g'}})
     vehicle = Vehicle(checked(VehicleFile, heavy.contents['vehicle'], 'heavy'))
-    assert rise_speed(vehicle) > rise_speed(load_vehicle('gtmab')) + 0.1
+    assert rise_speed(vehicle) > rises('gtmab') + 0.1
 
 
-def test_8_metres_a_second_aloft_are_at_the_edge_of_what_the_platform_can_and_14_beyond():
+def test_8_metres_a_second_aloft_are_at_the_edge_of_what_the_platform_can_and_14_beyond(once):
     vehicle = load_vehicle('gtmab')
     share = share_at_hull(vehicle, 0.5, 10.0, 0.3)
     assert 8.0 * share == pytest.approx(1.083, abs=2e-3)
@@ -96,8 +109,7 @@ def test_the_air_turns_with_the_pitch():
 
 def test_a_drone_without_a_known_limit_has_none():
     """Linear rotor drag alone: 0.0064 N s/m never meets the 0.58 N that a tilt leaves."""
-    assert thrust_speed(load_vehicle('multirotor')) == math.inf
-    assert static_limit(load_vehicle('multirotor')) == math.inf
+    assert static_limit(load_vehicle('multirotor')) == math.inf  # and so is the thrust's
 
 
 def test_a_glider_flies_pitched():

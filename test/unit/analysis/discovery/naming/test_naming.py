@@ -29,7 +29,12 @@ def _named(known: Known, changes: Changes, seed: int) -> Named:
     return Naming(nominal, pair).run()
 
 
-@pytest.mark.parametrize('name', HIDDEN)
+LONG = ('linear_drag.surge',)  # which the study of test_study.py names as well
+
+
+@pytest.mark.parametrize(
+    'name', [pytest.param(name, marks=pytest.mark.long if name in LONG else ()) for name in HIDDEN]
+)
 def test_a_hidden_effect_is_named_and_nothing_else(gtmab: Known, name: str) -> None:
     expected, found = HIDDEN[name], _named(gtmab, CASES[name], 40)
     assert found.names == (name,)
