@@ -27,7 +27,8 @@ DRAWN: Final = (
 METHOD: Final = (
     'One mesh a direction, the air at 1 m/s, the viscosity divided by the speed that is meant. '
     'preview: steady k-omega SST with transition, half or a quarter of the air where the vehicle '
-    'mirrors. reference: transient at 1 m/s, detached eddies, the whole tunnel; steady at 0.2.',
+    'mirrors. reference: transient at 1 m/s, the whole tunnel, implicit large eddies, detached '
+    'ones beyond a Reynolds number of 1e5; steady at 0.2 m/s.',
     'Rotors are momentum sources in their disks, without swirl. Turning is steady, in a frame '
     'that turns along: the damping of small fast swings is under-predicted.',
     'A number is refused where a disk has under 30 cells, where the force still swings by over '

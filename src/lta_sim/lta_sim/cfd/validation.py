@@ -27,7 +27,7 @@ from lta_sim.cfd.tunnel import (
 SETTINGS: Final = {'wind': 'steady, {} cells', 'transient': 'transient, {} cells'}
 # Speed [m/s], mesh, and diameters of flow: the wake of the fast one swings more.
 TRANSIENTS: Final[tuple[tuple[float, Fineness, float], ...]] = (
-    (2.0, FAST, 56.0),
+    (2.0, FAST, 41.0),
     (1.0, REFERENCE, LENGTHS),
     (1.0, ROUGH, LENGTHS),
 )
