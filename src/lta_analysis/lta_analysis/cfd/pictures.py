@@ -5,7 +5,7 @@ from itertools import cycle
 from typing import Final
 
 from lta_analysis.report.drawing import blank
-from lta_analysis.report.palette import ESTIMATE, GOOD, HEAT, LAMP, RAW, TRUTH, WALL
+from lta_analysis.report.palette import ESTIMATE, GOOD, HEAT, LAMP, RAW, SETPOINT, TRUTH, WALL
 from lta_sim.cfd.refit import ABOUT, drags, fits_of, solved
 from lta_sim.cfd.slices import Slice
 from lta_sim.cfd.sphere import morrison, SCATTER, SCATTER_RANGE
@@ -15,7 +15,7 @@ import numpy as np
 from plotly.graph_objects import Figure, Heatmap, Scatter
 
 COLOURS: Final = (TRUTH, ESTIMATE, GOOD)
-SETTINGS: Final = (ESTIMATE, LAMP, GOOD, TRUTH)
+SETTINGS: Final = (ESTIMATE, LAMP, GOOD, TRUTH, SETPOINT)
 
 
 def drag_picture(sweep: Sweep, turning: bool) -> Figure:
@@ -112,7 +112,7 @@ def sphere_picture(found: Sequence[Judged]) -> Figure:
             )
         )  # fmt: skip
     figure.update_xaxes(type='log', title_text='Reynolds number', exponentformat='power', dtick=1)
-    figure.update_yaxes(title_text='drag coefficient', range=[0.2, 0.6])
+    figure.update_yaxes(title_text='drag coefficient', range=[0.2, 0.54])
     figure.update_layout(showlegend=True, legend={'orientation': 'h', 'y': 1.12})
     return figure
 

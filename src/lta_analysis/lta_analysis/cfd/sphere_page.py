@@ -22,8 +22,8 @@ CAPTION: Final = (
 METHOD: Final = (
     'The steady model makes the boundary layer turbulent too early and sheds no wake: it is right '
     'at 0.2 m/s and low at 2 m/s, the more the finer the mesh. It is for comparing designs.',
-    'The transient setting was chosen because it met a sphere, up to a Reynolds number of 1e5 with '
-    'no model of eddies and beyond with one; it is no independent test of it.',
+    'The transient setting was chosen because it met a sphere: up to a Reynolds number of 1e5 '
+    'without a model of eddies, beyond with one. It is no independent test of it.',
 )
 
 
