@@ -13,8 +13,6 @@ import pytest
 import rclpy
 from rclpy.context import Context
 
-pytestmark = pytest.mark.beside
-
 
 @pytest.fixture
 def other_ros(tmp_path, monkeypatch):
@@ -54,7 +52,6 @@ def test_a_second_graph_on_the_domain_is_refused_whoever_comes_first(lta, flying
     assert first.end() == 130
 
 
-@pytest.mark.alone
 def test_a_node_that_hangs_is_named(lta, flying, tmp_path):
     command = lta.start('launch', 'fly', f'bag:={tmp_path / "bag"}')
     flying(2.5)  # until DDS has found everyone
