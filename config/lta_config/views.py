@@ -75,6 +75,11 @@ class Views(Record):
         """The actuators of the vehicle, in the order of `motors`."""
         return list(load_vehicle_file(self.vehicle).rotors)
 
+    @property
+    def top(self) -> float:
+        """Largest reading of the vehicle's photodiodes. [counts]"""
+        return load_vehicle_file(self.vehicle).sensors.diodes.top
+
     def panels(self) -> Iterator[Panel]:
         """Yield every panel."""
         for columns in self.tabs.values():

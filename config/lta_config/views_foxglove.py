@@ -150,7 +150,7 @@ def _image(views: Views, panel: Panel) -> Config:
             'colorMode': 'colormap',
             'colorMap': 'turbo',
             'minValue': 0.0,
-            'maxValue': 4095.0,  # of a 12-bit converter
+            'maxValue': views.top,
         }
     }
 

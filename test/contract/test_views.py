@@ -9,6 +9,7 @@ import foxglove.layouts as sdk
 from lta_bridge.bag.schemas import jazzy
 from lta_config import views_foxglove, views_plotjuggler
 from lta_config.errors import BadInput
+from lta_config.files import find, load_yaml
 from lta_config.topics import robot_topic, topic_table
 from lta_config.vehicle_file import load_vehicle_file
 from lta_config.views import load_views, main, place_of, Views
@@ -16,6 +17,7 @@ from lta_energy.messages import figures
 from pydantic import ValidationError
 import pytest
 from rosbags.typesys.store import Nodetype
+import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
 TABLE = topic_table()
@@ -162,6 +164,17 @@ def test_both_layouts_are_fresh():
     assert (ROOT / 'config/foxglove/lta.json').read_text(encoding='utf-8') == made
     made = views_plotjuggler.layout(views)
     assert (ROOT / 'config/plotjuggler/lta.xml').read_text(encoding='utf-8') == made
+
+
+def test_an_image_of_light_ends_where_the_vehicles_converter_does(tmp_path):
+    content = load_yaml(find('vehicle', 'gtmab'))
+    content['sensors']['diodes']['bits'] = 16
+    path = tmp_path / 'fine.yaml'
+    path.write_text(yaml.safe_dump(content), encoding='utf-8')
+    views = load_views().model_copy(update={'vehicle': str(path)})
+    configs = json.loads(views_foxglove.layout(views))['configById'].values()
+    (image,) = [config['imageMode'] for config in configs if 'imageMode' in config]
+    assert image['maxValue'] == 65535.0
 
 
 def test_both_layouts_have_the_five_tabs_and_the_same_plots():

@@ -18,6 +18,7 @@ from lta_analysis.ingredients import gather, loop_of
 from lta_analysis.loop import Loop
 from lta_analysis.trust.recording import Recording
 from lta_config.constants import STANDARD_GRAVITY
+from lta_config.files import find
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
@@ -113,7 +114,8 @@ def simulated(seed: int, vehicle: str | None = None) -> Recording:
     topics = subset(rng)
     channels = dict(of_flown(kept, rng, declared))
     chosen = (channel for topic in topics for channel in channels.get(topic, ()))
-    return recording(chosen, SIMULATED if declared else MEASURED)
+    file = {'vehicle_file': find('vehicle', craft).read_text(encoding='utf-8')}
+    return recording(chosen, (SIMULATED if declared else MEASURED) | file)
 
 
 def flew(kept: dict[str, Any]) -> bool:

@@ -1,7 +1,7 @@
 """What is wrong with a running graph: who holds it up, told once it is sure, and what ails."""
 
 from collections.abc import Callable, Collection, Iterable, Mapping
-import math
+from dataclasses import dataclass
 import re
 import time
 from typing import final
@@ -15,7 +15,7 @@ GOING = {FLIGHT: 'flying', PLAYBACK: 'playing'}  # their outcomes until they end
 SETTLE = 0.5  # wall seconds; nodes look at their inputs at different moments
 DISCOVERY = 4.0  # wall seconds; while some nodes have not been found yet, the others mislead
 FIGURE = re.compile(r'[0-9.]+')
-REPEATED = 10.0  # wall seconds in which an error that comes and goes is told once
+REPEATED = 10.0  # wall seconds in which an error that comes and goes is told once, then counted
 ELSEWHERE = (INPUTS, 'processes')  # tasks whose errors have sentences of their own
 START = 8.0  # wall seconds that nodes take to load on a busy machine; longer is worth a word
 
@@ -65,6 +65,18 @@ class Blame:
 
 
 @final
+@dataclass(slots=True)
+class Ailment:
+    """One error of a node: when it was said and last seen [wall s], and how often it came back."""
+
+    said: float
+    seen: float
+    text: str
+    again: int = 0
+    here: bool = True
+
+
+@final
 class Lookout:
     """
     Name who holds a running graph up, each time that somebody else does, and tell what ails.
@@ -83,7 +95,7 @@ class Lookout:
     ) -> None:
         self._say = say
         self._tell = tell
-        self._ailing: dict[str, float] = {}
+        self._ailing: dict[str, Ailment] = {}
         self._blame = Blame()
         self._named: list[str] = []
         self._begun = time.monotonic()
@@ -127,16 +139,35 @@ class Lookout:
         self._complain(facts.values())
 
     def _complain(self, facts: Iterable[Fact]) -> None:
-        """Say what nodes call an error, each once in a while."""
+        """Say what nodes call an error, each once in a while; what came back since is counted."""
         now = time.monotonic()
+        found: dict[str, str] = {}
         for fact in facts:
             node, _, task = fact.task.partition(': ')
-            if fact.level != Level.ERROR or task in ELSEWHERE:
-                continue
-            error = f'{node}: {FIGURE.sub("#", fact.message)}'
-            if now - self._ailing.get(error, -math.inf) > REPEATED:
-                self._say(f'{node}: {fact.message.rstrip(".")}.')
-            self._ailing[error] = now
+            if fact.level == Level.ERROR and task not in ELSEWHERE:
+                error = f'{node}: {FIGURE.sub("#", fact.message)}'
+                found[error] = f'{node}: {fact.message.rstrip(".")}'
+        for error, text in found.items():
+            known = self._ailing.get(error)
+            if known is None or now - known.seen > REPEATED:
+                self._recount(error)
+                self._say(f'{text}.')
+                self._ailing[error] = Ailment(now, now, text)
+            else:
+                known.again += not known.here
+                known.seen, known.text = now, text
+        for error, known in self._ailing.items():
+            known.here = error in found
+            if known.again and now - known.said > REPEATED:
+                self._recount(error)
+                known.said, known.again = now, 0
+
+    def _recount(self, error: str) -> None:
+        """Say how often an error came back since it was said, if it did."""
+        known = self._ailing.get(error)
+        if known is not None and known.again:
+            times = 'once' if known.again == 1 else f'{known.again} times'
+            self._say(f'{known.text} (again {times} in {time.monotonic() - known.said:.0f} s).')
 
     def _excuse(self, loading: list[str]) -> None:
         """Say once for whom the others wait while they load, when that takes long."""

@@ -46,7 +46,8 @@ FLAGS: Final = (
     '--password-store=basic',
 )
 READ, WRITE = 3, 4  # where Chromium expects its ends of the pipes
-PATIENCE = 30.0  # s; a cold start on a busy machine takes a few
+PATIENCE = 300.0  # s; a cold start or one page on a busy machine took more than 30
+FAILED = 30.0  # s for a page of which a script failed: what it still draws, it draws soon
 
 
 def find_chromium() -> str:
@@ -167,10 +168,15 @@ class Browser:
 
     def wait(self, expression: str) -> None:
         """Wait until an expression holds in the page; `BadInput` if it never does."""
-        end = time.monotonic() + PATIENCE
+        begun, before = time.monotonic(), len(self.events)
         while not self.evaluate(f'Boolean({expression})'):
-            if time.monotonic() > end:
-                raise BadInput(f'The page is not drawn within {PATIENCE:g} s; open it by hand.')
+            took = time.monotonic() - begun
+            failed = any(name == 'Runtime.exceptionThrown' for name, _ in self.events[before:])
+            if took > (FAILED if failed else PATIENCE):
+                why = 'a script of it failed' if failed else 'perhaps the machine is too busy'
+                raise BadInput(
+                    f'The page is not drawn within {took:.0f} s, {why}; open it by hand.'
+                )
             time.sleep(0.02)
 
     def _next(self, method: str) -> dict[str, Any]:
@@ -179,7 +185,10 @@ class Browser:
         while b'\0' not in self._buffer:
             ready, _, _ = select.select([self._in], [], [], max(0.0, end - time.monotonic()))
             if not ready:
-                raise BadInput(f'Chromium does not answer {method} within {PATIENCE:g} s.')
+                raise BadInput(
+                    f'Chromium runs and does not answer {method} within {PATIENCE:g} s; try again '
+                    'when the machine is less busy.'
+                )
             data = os.read(self._in, 1 << 20)
             if not data:
                 raise self._died(method)

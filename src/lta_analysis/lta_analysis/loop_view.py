@@ -24,7 +24,7 @@ from lta_sim.state import POSITION, QUATERNION, VELOCITY
 import numpy as np
 
 KEPT = {'ground_truth/odom', 'odom', 'battery'}
-LIT = {'light/bearing', 'light/peaks', 'setpoint/pose', 'setpoint/velocity'}
+LIT = {'light/bearing', 'light/estimate', 'light/peaks', 'setpoint/pose', 'setpoint/velocity'}
 
 
 @final
@@ -65,9 +65,11 @@ class LoopView:
             began = (readings.block[0] - self._start) * 1e-9
             found = loop.light.bearing
             vector = (0.0, 0.0) if found is None else (found.x, found.y)
+            lamp = loop.light.lamp
+            place = (0.0, 0.0) if lamp is None else (lamp.x, lamp.y)
             asked = loop.asked
             snr = loop.light.peaks.snr.astype(np.float32).astype(np.float64)
-            self._light.append((began, vector, snr, asked.altitude, asked.speed))
+            self._light.append((began, vector, snr, asked.altitude, asked.speed, place))
         if loop.energy is not None and readings.battery is not None:
             reading = loop.energy.reading
             self._power.append((time, reading.voltage, reading.current))
@@ -123,10 +125,18 @@ class LoopView:
         return Points(time, {'snr': np.array([row[2] for row in self._light])})
 
     @cached_property
+    def sighting(self) -> Arrow:
+        """Direction to the lamp that the drone steers by, at the middle of its block."""
+        return self._arrow(5)
+
+    @cached_property
     def bearing(self) -> Arrow:
-        """Measured direction to the lamp, at the middle of its block."""
+        """The paper's direction to the lamp, at the middle of its block."""
+        return self._arrow(1)
+
+    def _arrow(self, column: int) -> Arrow:
         time = np.array([row[0] for row in self._light]) + half_block()
-        return Arrow(time, pointed(np.array([row[1] for row in self._light])))
+        return Arrow(time, pointed(np.array([row[column] for row in self._light])))
 
     @cached_property
     def battery(self) -> Electricity:

@@ -3,9 +3,10 @@ The drone's own idea of its motion, from its sensors and commands only.
 
 At rest on level ground it first learns the biases of the IMU and the pressure of the floor
 (`rest_time`), and anew where it is moved meanwhile. Where the biases are more than the sensor's,
-it waits for others, and takes them in the end: a drone out of balance stands tilted. Then
-attitude, altitude and airspeed are filtered step by step. Position is dead reckoning through the
-air and says so by its covariance.
+it waits for others. A tilt is taken in the end, since a drone out of balance stands tilted; a turn
+never is, since what turns does not rest, and would turn in its own eyes ever after. Then attitude,
+altitude and airspeed are filtered step by step. Position is dead reckoning through the air and
+says so by its covariance.
 """
 
 import math
@@ -18,9 +19,9 @@ from lta_control.allocation import Columns
 from lta_control.altitude import Altitude, AltitudeSettings, correct, predict
 from lta_control.attitude import attitude_step, heading, Quaternion, up_in_body, Vector
 from lta_control.per_rotor import NONE, PerRotor
-from lta_control.rest import Biases, biases_of, plausible, Rest, rest_step
+from lta_control.rest import Biases, biases_of, kept, Rest, rest_step, tilted, turning
 
-PATIENCE = 5.0  # rest times without being moved, after which implausible biases are taken
+PATIENCE = 5.0  # rest times unmoved, after which a tilt is taken, and a turn refused
 
 
 class EstimatorSettings(Settings):
@@ -69,6 +70,8 @@ class Body(NamedTuple):
         Thrust curve T = a u^2 + b u by slot. [N]
     lag_up, lag_down : float
         Time constants of the motors. [s]
+    rate_bias, force_bias : tuple
+        Biases of the IMU that are told of it: what is learned lies about them. [rad/s, m/s2]
 
     """
 
@@ -82,10 +85,16 @@ class Body(NamedTuple):
     b: PerRotor
     lag_up: float
     lag_down: float
+    rate_bias: Vector = (0.0, 0.0, 0.0)
+    force_bias: Vector = (0.0, 0.0, 0.0)
 
 
 class Estimate(NamedTuple):
-    """Everything the estimator remembers; nothing but `rest` and the height until it is ready."""
+    """
+    Everything the estimator remembers; nothing but `rest` and the height until it is ready.
+
+    Until then `biases` are the last ones that were refused.
+    """
 
     ready: bool = False  # whether the biases are known
     rest: Rest = Rest()
@@ -161,8 +170,13 @@ def _at_rest(
     altitude = correct(state.altitude, height, settings.altitude.range_noise, False)
     ready, biases = False, state.biases
     if rested >= settings.rest_time and rest.pressures > 0:
-        biases = biases_of(rest, height, settings.air_density)
-        ready = plausible(biases) or rested >= PATIENCE * settings.rest_time
+        found = biases_of(rest, height, settings.air_density)
+        turns, long = turning(found, body.rate_bias), rested >= PATIENCE * settings.rest_time
+        ready = not turns and (long or not tilted(found, body.force_bias))
+        if ready or long:
+            biases = found
+        # What has turned until now says nothing of when it stands.
+        rest = kept(rest, ready or not long)
     return Estimate(
         ready,
         rest,

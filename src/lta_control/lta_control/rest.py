@@ -15,7 +15,8 @@ from lta_control.attitude import Vector
 
 MOVED_RATE: Final = math.radians(10.0)  # rad/s off the mean; a hand turns it by more
 MOVED_FORCE: Final = 0.1 * STANDARD_GRAVITY  # m/s2 off the mean
-# Three times what the data sheet of the IMU allows: more is a drone that turns, or stands tilted.
+# Three times what the data sheet of the IMU allows, about the bias that the vehicle file tells:
+# more is a drone that turns, or stands tilted.
 MOST_RATE: Final = math.radians(3.0)  # rad/s
 MOST_FORCE: Final = 0.06 * STANDARD_GRAVITY  # m/s2
 
@@ -52,15 +53,28 @@ def rest_step(rest: Rest, rates: Vector, force: Vector, pressure: float) -> Rest
         Measured pressure, NaN where none has come. [Pa]
 
     """
-    kept = 0 if _disturbed(rest, rates, force) else 1
-    w, f, air = rest.rates, rest.force, kept * rest.pressure
+    before = kept(rest, not _disturbed(rest, rates, force))
+    w, f, air = before.rates, before.force, before.pressure
     heard = math.isfinite(pressure)
     return Rest(
-        kept * rest.samples + 1,
-        (kept * w[0] + rates[0], kept * w[1] + rates[1], kept * w[2] + rates[2]),
-        (kept * f[0] + force[0], kept * f[1] + force[1], kept * f[2] + force[2]),
+        before.samples + 1,
+        (w[0] + rates[0], w[1] + rates[1], w[2] + rates[2]),
+        (f[0] + force[0], f[1] + force[1], f[2] + force[2]),
         air + pressure if heard else air,
-        kept * rest.pressures + (1 if heard else 0),
+        before.pressures + (1 if heard else 0),
+    )
+
+
+def kept(rest: Rest, still: bool) -> Rest:
+    """Return the sums, or none where the rest begins anew; products, so that types stay."""
+    one = 1 if still else 0
+    w, f = rest.rates, rest.force
+    return Rest(
+        one * rest.samples,
+        (one * w[0], one * w[1], one * w[2]),
+        (one * f[0], one * f[1], one * f[2]),
+        one * rest.pressure,
+        one * rest.pressures,
     )
 
 
@@ -80,12 +94,29 @@ def _beyond(sample: Vector, sums: Vector, n: float, limit: float) -> bool:
     )
 
 
-def plausible(biases: Biases) -> bool:
-    """Tell whether a sensor may be as far off as that, with some margin."""
-    p, q, r = biases.rates
-    x, y, z = biases.force
-    turns = max(abs(p), abs(q), abs(r)) > MOST_RATE
-    return not turns and max(abs(x), abs(y), abs(z)) <= MOST_FORCE
+def turning(biases: Biases, told: Vector) -> bool:
+    """
+    Tell whether the rates are a turn: no gyroscope is so far off what is told of it.
+
+    Parameters
+    ----------
+    biases : Biases
+        The means at rest.
+    told : tuple of float
+        The bias that the vehicle file gives the gyroscope. [rad/s]
+
+    """
+    return _apart(biases.rates, told) > MOST_RATE
+
+
+def tilted(biases: Biases, told: Vector) -> bool:
+    """Tell whether the force is that of a tilt; `told` as in `turning`, in m/s2."""
+    return _apart(biases.force, told) > MOST_FORCE
+
+
+def _apart(found: Vector, told: Vector) -> float:
+    x, y, z = found[0] - told[0], found[1] - told[1], found[2] - told[2]
+    return max(abs(x), abs(y), abs(z))
 
 
 def biases_of(rest: Rest, height: float, air_density: float) -> Biases:

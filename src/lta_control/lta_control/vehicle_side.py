@@ -1,10 +1,12 @@
 """What the control cores need to know of a vehicle, taken from its file's nominal numbers."""
 
+from collections.abc import Mapping
 import math
 from typing import cast
 
 from lta_control.airspeed import Hull
 from lta_control.allocation import ALIKE, Column, Columns, Rotors, WEIGHTS, Wrench
+from lta_control.attitude import Vector
 from lta_control.estimator import Body
 from lta_control.per_rotor import PerRotor, SLOTS, slots
 from lta_sim.propulsion import Unit
@@ -91,7 +93,8 @@ def body_of(vehicle: Vehicle) -> Body:
     """Return the hull, motors and sensor places for the estimator."""
     aero = vehicle.file.aero
     a, b = curves_of(vehicle)
-    lag = vehicle.effects().get('motor_lag', {'up': 0.0, 'down': 0.0})
+    effects = vehicle.effects()
+    lag = effects.get('motor_lag', {'up': 0.0, 'down': 0.0})
     sensors = vehicle.file.sensors
     imu_x, imu_y, imu_z = sensors.imu_position.vector
     x, y, z = sensors.range_position.vector
@@ -110,4 +113,11 @@ def body_of(vehicle: Vehicle) -> Body:
         b=b,
         lag_up=lag['up'],
         lag_down=lag['down'],
+        rate_bias=_axes(effects.get('gyro_bias', {})),
+        force_bias=_axes(effects.get('imu_bias', {})),
     )
+
+
+def _axes(told: Mapping[str, float]) -> Vector:
+    """Return what a file tells of each axis, 0 where it tells nothing."""
+    return told.get('x', 0.0), told.get('y', 0.0), told.get('z', 0.0)

@@ -35,6 +35,7 @@ TOPICS = {
     'photodiodes': 'sensor_msgs/msg/Image',
     'light/peaks': 'sensor_msgs/msg/PointCloud2',
     'light/bearing': 'geometry_msgs/msg/Vector3Stamped',
+    'light/estimate': 'geometry_msgs/msg/PoseWithCovarianceStamped',
     'battery': 'sensor_msgs/msg/BatteryState',
     'panel': 'sensor_msgs/msg/BatteryState',
 }
@@ -185,6 +186,23 @@ def bearing(time):
     )
 
 
+def sighting(time):
+    """Return a lamp 4 m away that is 0.02 rad to the left, and seen longer than the bearing."""
+    seen = time >= SEEK and not 10.0 <= time < 11.0
+    covariance = np.zeros(36)
+    covariance[0] = 1.0 if seen else -1.0
+    place = (4.0 * math.cos(0.02), 4.0 * math.sin(0.02), 0.3) if seen else (0.0, 0.0, 0.0)
+    return make(
+        'geometry_msgs/msg/PoseWithCovarianceStamped',
+        header=header(time),
+        pose=make(
+            'geometry_msgs/msg/PoseWithCovariance',
+            pose=pose(*place, 0.0),
+            covariance=covariance,
+        ),
+    )
+
+
 @dataclass(frozen=True)
 class Stream:
     period: float
@@ -219,6 +237,7 @@ STREAMS = {
     'photodiodes': Stream(0.1, block),
     'light/peaks': Stream(0.1, peaks),
     'light/bearing': Stream(0.1, bearing),
+    'light/estimate': Stream(0.1, sighting),
     'battery': Stream(0.1, battery),
     'panel': Stream(0.1, panel),
 }

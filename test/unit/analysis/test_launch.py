@@ -135,8 +135,27 @@ def test_what_nodes_call_an_error_is_said_once_until_it_is_another(clock):
     assert len(said) == 2
     clock[0] += REPEATED + 0.1
     lookout.look({fact.task: fact}, [])
-    assert said[2:] == ['bridge: unplugged.']
+    assert said[2:] == ['bridge: unplugged (again once in 10 s).', 'bridge: unplugged.']
     assert told == []  # the node says it itself
+
+
+def test_an_error_that_keeps_coming_back_is_counted(clock):
+    """It was said once, and never again for as long as it came back within ten seconds."""
+    said = []
+    lookout = Lookout(said.append)
+    for k in range(24):  # on for a second, off for a second
+        fact = Fact('bridge: link', Level.OK if k % 2 else Level.ERROR, f'silent for {k} s')
+        lookout.look({fact.task: fact}, [])
+        clock[0] += 1.0
+    assert said == [
+        'bridge: silent for 0 s.',
+        'bridge: silent for 10 s (again 5 times in 11 s).',
+        'bridge: silent for 22 s (again 6 times in 11 s).',
+    ]
+    for _ in range(30):
+        lookout.look({}, [])
+        clock[0] += 1.0
+    assert len(said) == 3  # all is told, and nothing ails
 
 
 def test_errors_that_have_sentences_of_their_own_are_not_said_twice(clock):

@@ -15,11 +15,13 @@ from lta_analysis.platforms.summary import margin, mean, reversals
 from lta_analysis.verbs.platforms import platforms
 from lta_config.comparison_file import Change, load_comparison
 from lta_config.errors import BadInput
+from lta_config.files import find, load_yaml
 from lta_config.manoeuvre_file import load_manoeuvre
 from lta_sim.readings import Outcome
 from lta_sim.scenario import load_scenario
 import numpy as np
 import pytest
+import yaml
 
 COMPARISON = load_comparison('platforms')
 SCENARIO = load_scenario(COMPARISON.scenario)
@@ -201,6 +203,27 @@ def test_speed_before_height_lifts_sblimp_away_and_swings_it():
     assert not flight.held
     assert flight.height.steady_error < -1.0
     assert math.degrees(flight.tilt) > 25.0
+
+
+def test_a_top_heavy_vehicle_turns_over_and_is_told_so(tmp_path):
+    """GT-MAB's frame on its back instead of its belly: it stands, and flips once it has risen."""
+    content = load_yaml(find('vehicle', 'gtmab'))
+    content['trim']['unstable'] = 'allowed'
+    frame = content['layers']['propulsion_and_control']['frame']
+    frame['position']['value'] = [0.0, 0.0, 120.0]  # cm: 2 cm above balance
+    path = tmp_path / 'top_heavy.yaml'
+    path.write_text(yaml.safe_dump(content, sort_keys=False), encoding='utf-8')
+    made = COMPARISON.contestants['gtmab'].model_copy(update={'vehicle': str(path)})
+    climb = load_manoeuvre('climb')
+    brief = climb.model_copy(update={'until': climb.until.model_copy(update={'value': 15.0})})
+    flight = fly(entrant(made, DENSITY), SCENARIO, brief, 1)
+    assert flight.lost == 'turned over'
+    assert not flight.held
+    assert math.degrees(flight.tilt) > 150.0
+    assert flight.duties[-1].max() == 0.0  # the motors are off for good
+    content = printed(row_of(Job('platforms', 'contestant', 'gtmab', 'climb', 2), flight))
+    assert (content['lost'], content['held']) == ('turned over', False)
+    assert flown('gtmab', 'climb').lost == ''
 
 
 def test_a_parameter_that_is_none_is_refused():

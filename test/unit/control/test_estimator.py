@@ -4,6 +4,7 @@ import ast
 import inspect
 import math
 
+from lta_config.files import find, load_yaml
 from lta_control import estimator
 from lta_control.airspeed import Airspeed, Hull
 from lta_control.altitude import Altitude
@@ -17,7 +18,7 @@ from lta_control.estimator import (
 )
 from lta_control.nodes.estimator import learned
 from lta_control.per_rotor import NONE, slots
-from lta_control.rest import Biases, MOST_RATE, plausible
+from lta_control.rest import Biases, MOST_RATE, tilted, turning
 from lta_control.vehicle_side import body_of
 from lta_graph.health import Level
 from lta_sim.sensors.imu import bounds_of, ImuSettings
@@ -25,6 +26,7 @@ from lta_sim.vehicle import load_vehicle
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+import yaml
 
 G = 9.80665
 DT = 0.01
@@ -99,12 +101,12 @@ CARRIED = STILL._replace(rates=(0.2, 0.0, 0.5), force=(1.5, 0.0, 9.7), pressure=
 def test_who_is_carried_learns_once_it_stands():
     """Turned and tilted in the hand first; that became its biases for good."""
     state = run(Estimate(), CARRIED, 300)
-    assert learned(state)[1].startswith('learning the biases: keep the drone still')
+    assert learned(state, BODY)[1].startswith('learning the biases: keep the drone still')
     still = STILL._replace(range=0.05, pressure=101_000.0)
     assert not run(state, still, 199).ready
     state = run(state, still, 200)
     assert state.biases == rested().biases
-    assert learned(state) == (Level.OK, 'biases are known')
+    assert learned(state, BODY) == (Level.OK, 'biases are known')
     assert run(state, still, 1000).rates == pytest.approx((0.0, 0.0, 0.0), abs=1e-15)
 
 
@@ -124,25 +126,66 @@ def test_who_sways_in_a_draught_learns_in_one_rest():
         wave = math.sin(2.0 * math.pi * 0.75 * k * DT)
         rates, force = (0.01, -0.02 + 0.087 * wave, 0.03), (0.1 + 0.3 * wave, -0.2, G + 0.3)
         state = run(state, Inputs(rates, force, 0.05, 101_000.0, OFF), 1)
-    assert learned(state)[0] is Level.OK
+    assert learned(state, BODY)[0] is Level.OK
     assert state.biases.rates == pytest.approx(STILL.rates, abs=MOST_RATE)
 
 
-@pytest.mark.parametrize(
-    'odd', [{'rates': (0.01, -0.02, 0.1)}, {'force': (1.2, -0.2, G)}], ids=['turns', 'tilted']
-)
-def test_biases_that_no_sensor_has_are_waited_with_and_told(odd):
-    state = run(Estimate(), STILL._replace(pressure=101_000.0, **odd), 999)
+def test_a_tilt_is_waited_with_and_told():
+    tilt = STILL._replace(pressure=101_000.0, force=(1.2, -0.2, G))
+    state = run(Estimate(), tilt, 999)
     assert not state.ready
-    state = run(state, STILL._replace(pressure=101_000.0, **odd), 1)
+    state = run(state, tilt, 1)
     assert state.ready
-    assert learned(state)[0] is Level.WARN
-    assert 'uncertain' in learned(state)[1]
+    assert learned(state, BODY)[0] is Level.WARN
+    assert 'uncertain' in learned(state, BODY)[1]
+
+
+TURNED = STILL._replace(pressure=101_000.0, rates=(0.01, -0.02, 0.1))
+
+
+def test_an_even_turn_is_never_a_bias():
+    """5.7 deg/s for 10 s were taken, and the drone turned in its own eyes ever after."""
+    state = run(Estimate(), TURNED, 1000)
+    assert not state.ready
+    level, sentence = learned(state, BODY)
+    assert level is Level.ERROR
+    assert 'the drone turns by 5.7 deg/s, and no gyroscope is off by more than 3;' in sentence
+    assert not run(state, TURNED, 5000).ready
+    still = STILL._replace(range=0.05, pressure=101_000.0)
+    state = run(state, still, 200)
+    assert state.biases == rested().biases
+    assert learned(state, BODY) == (Level.OK, 'biases are known')
+
+
+def test_a_bias_that_the_vehicle_file_tells_is_learned_at_once():
+    """A bad gyroscope that is known to be one; 8 deg/s less than it says are a turn."""
+    bad = BODY._replace(rate_bias=(0.0, 0.0, 0.14), force_bias=(1.0, 0.0, 0.0))
+    state = Estimate()
+    for _ in range(200):
+        read = STILL._replace(pressure=101_000.0, rates=(0.0, 0.0, 0.13), force=(1.1, 0.0, G))
+        state = estimator_step(SETTINGS, bad, state, read, DT)
+    assert state.ready
+    assert state.biases.rates == pytest.approx((0.0, 0.0, 0.13), abs=1e-15)
+    assert learned(state, bad) == (Level.OK, 'biases are known')
+    assert turning(Biases(), bad.rate_bias)
+
+
+def test_the_biases_of_a_vehicle_are_those_of_its_effects(tmp_path):
+    content = load_yaml(find('vehicle', 'gtmab'))
+    bias = {'z': {'value': 8.0, 'unit': 'deg/s', 'source': 'test'}}
+    content.setdefault('effects', {})['gyro_bias'] = bias
+    path = tmp_path / 'bad.yaml'
+    path.write_text(yaml.safe_dump(content, sort_keys=False), encoding='utf-8')
+    body = body_of(load_vehicle(str(path)))
+    assert body.rate_bias == pytest.approx((0.0, 0.0, math.radians(8.0)))
+    assert body_of(load_vehicle('gtmab')).rate_bias == (0.0, 0.0, 0.0)
 
 
 def test_a_sensor_may_be_off_by_what_its_data_sheet_says():
     most = [2.0 * offset for offset in bounds_of(ImuSettings()).offset]
-    assert plausible(Biases(tuple(most[3:]), tuple(most[:3])))
+    biases = Biases(tuple(most[3:]), tuple(most[:3]))
+    assert not turning(biases, (0.0, 0.0, 0.0))
+    assert not tilted(biases, (0.0, 0.0, 0.0))
 
 
 def test_standing_still_stays_still():

@@ -55,8 +55,13 @@ class Evidence(Protocol):
         ...
 
     @property
+    def sighting(self) -> Arrow:
+        """Direction to the lamp that the drone steers by, at the middle of its block."""
+        ...
+
+    @property
     def bearing(self) -> Arrow:
-        """Measured direction to the lamp, at the middle of its block."""
+        """The paper's direction to the lamp, at the middle of its block."""
         ...
 
     @property

@@ -65,6 +65,7 @@ def sentence(results: Results) -> str:
 def tiles(results: Results) -> list[Tile]:
     """Return the figures that matter most."""
     r = results
+    paper = amount(r.bearing_error, '°', 1, DEGREES)
     return [
         Tile('Time to the lamp', number(r.search_time, 1), 's',
              f'{amount(r.flight_time, "s", 1)} from leaving the ground'),
@@ -74,8 +75,8 @@ def tiles(results: Results) -> list[Tile]:
              f'true mean, \N{PLUS-MINUS SIGN} {number(r.airspeed_spread)} over the cruise'),
         Tile('Altitude', number(r.altitude), 'm',
              f'{amount(r.altitude_error, "cm", 1, 100.0)} RMS off the set-point'),
-        Tile('Bearing error', number(r.bearing_error, 1, DEGREES), '° RMS',
-             f'from {amount(r.bearing_share, "%", 0, 100.0)} of the light blocks'),
+        Tile('Direction of the lamp', number(r.lamp_error, 1, DEGREES), '° RMS off',
+             f"as the drone steers by it; the paper's bearing {paper}"),
         Tile('Signal to noise', f'{number(r.snr_start, 0)} → {number(r.snr_end, 0)}', '',
              'best diode, first and last half second'),
         Tile('Power', number(r.cruise_power), 'W',
@@ -103,7 +104,9 @@ def table(results: Results) -> list[Row]:
         Row('altitude of the hull centre, cruise', amount(r.altitude, 'm'), '0.5 m'),
         Row('altitude off its set-point, RMS, cruise', amount(r.altitude_error, 'cm', 1, 100.0)),
         Row('nose off the lamp, RMS, cruise', amount(r.heading_error, '°', 1, DEGREES)),
-        Row('bearing error, RMS', amount(r.bearing_error, '°', 1, DEGREES)),
+        Row('direction of the lamp that it steers by, RMS error',
+            amount(r.lamp_error, '°', 1, DEGREES)),
+        Row("the paper's bearing beside it, RMS error", amount(r.bearing_error, '°', 1, DEGREES)),
         Row('power, cruise', amount(r.cruise_power, 'W'), '1.52 to 1.54 W'),
         Row('energy from leaving the ground to the goal', amount(r.energy, 'J', 1)),
         Row('estimated altitude, RMS error', amount(r.altitude_estimate_error, 'cm', 1, 100.0)),

@@ -10,7 +10,7 @@ tracker.
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any, final, NamedTuple
 
-from lta_analysis.report.curves import Array, held, Motion, sampled, Spot
+from lta_analysis.report.curves import Array, Arrow, held, Motion, sampled, Spot
 from lta_analysis.report.evidence import Evidence
 import numpy as np
 from numpy.typing import NDArray
@@ -46,8 +46,14 @@ class Results:
     altitude: float | None = figure('m', 'true altitude of the hull centre, mean over the cruise')
     altitude_error: float | None = figure('m', 'true altitude against set-point, RMS, cruise')
     heading_error: float | None = figure('rad', 'nose against the true lamp, RMS, cruise')
-    bearing_error: float | None = figure('rad', 'measured bearing against the true one, RMS')
-    bearing_share: float | None = figure('1', 'part of the light blocks that gave a bearing')
+    lamp_error: float | None = figure(
+        'rad', 'direction of the lamp that the drone steers by, against the true one, RMS'
+    )
+    lamp_share: float | None = figure('1', 'part of the light blocks that gave this direction')
+    bearing_error: float | None = figure(
+        'rad', "the paper's bearing, of light/bearing, against the true one, RMS"
+    )
+    bearing_share: float | None = figure('1', 'part of the light blocks that gave this bearing')
     snr_start: float | None = figure('1', 'SNR of the best diode when the search starts')
     snr_end: float | None = figure('1', 'SNR of the best diode at the end')
     altitude_estimate_error: float | None = figure('m', 'estimated altitude, RMS, in flight')
@@ -209,15 +215,10 @@ def cruise(view: Evidence, phases: Phases) -> dict[str, float]:
 def light(view: Evidence, phases: Phases) -> dict[str, float]:
     """Return what the photodiodes were worth during the search."""
     found = {}
+    if view.has('light/estimate'):
+        found['lamp_error'], found['lamp_share'] = aimed(view, phases, view.sighting)
     if view.has('light/bearing'):
-        time, angle = view.bearing
-        searched = within(time, phases.search, phases.end)
-        found['bearing_share'] = mean(np.isfinite(angle[searched]))
-        if view.has('ground_truth/odom'):
-            truth = view.truth
-            x, y, yaw = (sampled(time, truth.time, part) for part in (truth.x, truth.y, truth.yaw))
-            there = truth._replace(time=time, x=x, y=y, yaw=yaw)
-            found['bearing_error'] = rms(wrapped(angle - direction(there, view.lamp))[searched])
+        found['bearing_error'], found['bearing_share'] = aimed(view, phases, view.bearing)
     if view.has('light/peaks'):
         time, parts = view.peaks
         best = parts['snr'].max(axis=1)[within(time, phases.search, phases.end)]
@@ -225,6 +226,19 @@ def light(view: Evidence, phases: Phases) -> dict[str, float]:
             found['snr_start'] = float(np.median(best[:ENDS]))
             found['snr_end'] = float(np.median(best[-ENDS:]))
     return found
+
+
+def aimed(view: Evidence, phases: Phases, arrow: Arrow) -> tuple[float, float]:
+    """Return how far directions to the lamp were off, RMS [rad], and the part that there was."""
+    time, angle = arrow
+    searched = within(time, phases.search, phases.end)
+    share = mean(np.isfinite(angle[searched]))
+    if not view.has('ground_truth/odom'):
+        return np.nan, share
+    truth = view.truth
+    x, y, yaw = (sampled(time, truth.time, part) for part in (truth.x, truth.y, truth.yaw))
+    there = truth._replace(time=time, x=x, y=y, yaw=yaw)
+    return rms(wrapped(angle - direction(there, view.lamp))[searched]), share
 
 
 def estimates(view: Evidence, phases: Phases) -> dict[str, float]:

@@ -10,6 +10,7 @@ from functools import cached_property
 from typing import Any, Final, final
 
 from lta_analysis.bag.attitude import angles
+from lta_analysis.bag.channels import UNKNOWN
 from lta_analysis.bag.flight import Flight, Points
 from lta_analysis.bag.series import Series
 from lta_analysis.report.curves import (
@@ -40,6 +41,7 @@ TOGETHER: Final = (
     'range',
     'motors',
     'light/bearing',
+    'light/estimate',
     'battery',
     'panel',
     'photodiodes',
@@ -202,8 +204,16 @@ class View:
         return Points(points.time + self.half_block, of_wanted(points.fields))
 
     @cached_property
+    def sighting(self) -> Arrow:
+        """Direction to the lamp that the drone steers by, body frame, mid-block."""
+        series = self.series('light/estimate')
+        place = series.vector('pose.pose.position')
+        seen = series['pose.covariance[0]'] != UNKNOWN
+        return Arrow(series.time + self.half_block, pointed(np.where(seen[:, None], place, 0.0)))
+
+    @cached_property
     def bearing(self) -> Arrow:
-        """Measured direction to the lamp in the body frame, at the middle of its block."""
+        """The paper's direction to the lamp in the body frame, at the middle of its block."""
         series = self.series('light/bearing')
         return Arrow(series.time + self.half_block, pointed(series.vector('vector')))
 

@@ -143,8 +143,8 @@ def figures_of(made: Made, told: dict[str, float], *, success: bool) -> dict[str
         'path_length': told['path_length'],
         'straight_length': math.hypot(goal.x - x, goal.y - y) - goal.radius,
         'closest': told['closest'],
-        'bearing_error': ratio(told['squares'], told['bearings']) ** 0.5,
-        'bearing_share': ratio(told['bearings'], told['blocks']),
+        'lamp_error': ratio(told['squares'], told['bearings']) ** 0.5,
+        'lamp_share': ratio(told['bearings'], told['blocks']),
         'energy': told['energy'] if aloft > 0.0 else math.nan,
         'power': ratio(told['energy'], aloft),
     }

@@ -20,6 +20,10 @@ import numpy as np
 KIND = 'clipped'
 NEIGHBOURS = 3
 ADC = 'photodiodes'
+UNKNOWN_TOP = (
+    'How far the converter of the photodiodes counts is unknown, since the recording holds no '
+    'vehicle file that can be read: what reaches its upper end cannot be judged.'
+)
 
 
 def check(evidence: Evidence) -> Verdict:
@@ -29,8 +33,9 @@ def check(evidence: Evidence) -> Verdict:
         if roles.restless(channel):
             found += piled(channel, evidence.limits, evidence.recording.simulated)
         elif channel.topic == ADC and channel.field.startswith(('min[', 'max[')):
-            found += railed(channel, evidence.limits)
-    return Verdict(tuple(found))
+            found += railed(channel, evidence)
+    lit = any(channel.topic == ADC for channel in evidence.recording.channels.values())
+    return Verdict(tuple(found), (UNKNOWN_TOP,) if lit and evidence.top is None else ())
 
 
 def piled(channel: Channel, limits: Limits, simulated: bool) -> Iterator[Finding]:
@@ -63,12 +68,13 @@ def piled(channel: Channel, limits: Limits, simulated: bool) -> Iterator[Finding
         )  # fmt: skip
 
 
-def railed(channel: Channel, limits: Limits) -> Iterator[Finding]:
+def railed(channel: Channel, evidence: Evidence) -> Iterator[Finding]:
     """Yield where the blocks of one diode reach an end of the converter."""
-    top = channel.field.startswith('max[')
-    end = limits.adc_top if top else 0.0
+    end = evidence.top if channel.field.startswith('max[') else 0.0
+    if end is None:
+        return
     at = channel.values == end
-    if int(at.sum()) >= limits.adc_blocks:
+    if int(at.sum()) >= evidence.limits.adc_blocks:
         times = channel.time[at]
         yield Finding(
             KIND, channel.name, float(times[0]), float(times[-1]),

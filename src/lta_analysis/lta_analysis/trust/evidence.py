@@ -3,11 +3,14 @@
 from functools import cached_property
 from typing import final
 
+from lta_analysis.report.scene import parsed
 from lta_analysis.trust.likeness import Likeness, likeness
 from lta_analysis.trust.limits import Limits
 from lta_analysis.trust.motion import Inertial, inertials, Pose, poses
 from lta_analysis.trust.pairs import Pair, pairs
 from lta_analysis.trust.recording import Recording
+from lta_config.errors import BadInput
+from lta_config.vehicle_file import VehicleFile
 
 
 @final
@@ -37,6 +40,15 @@ class Evidence:
     def inertials(self) -> list[Inertial]:
         """Inertial sensors."""
         return inertials(self.recording.channels)
+
+    @cached_property
+    def top(self) -> float | None:
+        """Largest reading of the diodes' converter; None where no vehicle file tells. [counts]"""
+        try:
+            vehicle = parsed(VehicleFile, self.recording.provenance, 'vehicle_file')
+        except BadInput:  # of another version: its flight can still be checked
+            return None
+        return vehicle.sensors.diodes.top if vehicle else None
 
     @cached_property
     def likenesses(self) -> list[tuple[Pair, Likeness | None]]:

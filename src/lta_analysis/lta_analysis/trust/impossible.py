@@ -1,6 +1,6 @@
 """Values that cannot be, whatever the flight."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from lta_analysis.bag.channels import Channel
 from lta_analysis.trust import roles
@@ -8,7 +8,7 @@ from lta_analysis.trust.evidence import Evidence
 from lta_analysis.trust.finding import Finding, Severity, Verdict
 from lta_analysis.trust.limits import Limits
 from lta_analysis.trust.motion import Inertial, Pose
-from lta_analysis.trust.possible import CELLS, RANGES
+from lta_analysis.trust.possible import CELLS, of_light, Range, RANGES
 from lta_analysis.trust.runs import merged, runs
 from lta_config.constants import STANDARD_GRAVITY
 import numpy as np
@@ -24,8 +24,9 @@ def check(evidence: Evidence) -> Verdict:
     """Find values outside what their quantity can have."""
     channels, limits = evidence.recording.channels, evidence.limits
     found: list[Finding] = []
+    ranges = (*RANGES, *of_light(evidence.top))
     for channel in channels.values():
-        found += outside(channel)
+        found += outside(channel, ranges)
         found += not_numbers(channel)
         if channel.name == 'battery/voltage':
             found += no_cell(channel)
@@ -51,9 +52,9 @@ def stretches(
         )  # fmt: skip
 
 
-def outside(channel: Channel) -> Iterator[Finding]:
+def outside(channel: Channel, ranges: Sequence[Range]) -> Iterator[Finding]:
     """Yield values outside the range of their quantity."""
-    for known in RANGES:
+    for known in ranges:
         if known.names.search(channel.name):
             values = channel.values
             finite = np.isfinite(values)

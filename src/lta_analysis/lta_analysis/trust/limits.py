@@ -23,7 +23,6 @@ class Limits(Settings):
     clipped_pile: float = setting(
         2.5, 'As many times as readings at the next values: noise thins out towards an extreme.'
     )
-    adc_top: float = setting(4095.0, 'Largest count of the 12-bit converter.')
     adc_blocks: int = setting(3, 'Blocks at an end of the converter: one may be a flash.')
 
     duplicated_samples: int = setting(16, 'Readings in a row that are equal bit for bit.')

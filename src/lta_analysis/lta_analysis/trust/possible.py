@@ -33,11 +33,29 @@ RANGES: Final = (
     ),
     Range(re.compile(r'linear\.[xyz]$'), -60.0, 60.0, 'no craft flown in a room is so fast'),
     Range(re.compile(r'\.(yaw|pitch|roll)$'), -7.0, 7.0, 'an angle in radians within one turn'),
-    Range(re.compile(r'^photodiodes/(min|max|mean)\['), 0.0, 4095.0, 'the converter has 12 bit'),
-    Range(re.compile(r'^photodiodes/std\['), 0.0, 2048.0, 'half the span of the converter'),
-    Range(re.compile(r'^light/peaks/amplitude\['), 0.0, 4095.0, 'the converter has 12 bit'),
     Range(re.compile(r'^light/peaks/snr\['), 0.0, INFINITE, 'a ratio of powers'),
     Range(re.compile(r'/temperature$'), -60.0, 150.0, 'nothing flies colder or hotter'),
 )
+COUNTS: Final = re.compile(r'^photodiodes/(min|max|mean)\[|^light/peaks/amplitude\[')
+SPREAD: Final = re.compile(r'^photodiodes/std\[')
 # Of one cell and of packs; between 4.4 and 5 V and below 2.5 V there is none. [V]
 CELLS: Final = ((2.5, 4.4), (5.0, 61.0))
+
+
+def of_light(top: float | None) -> tuple[Range, ...]:
+    """
+    Return what readings of light can be.
+
+    Parameters
+    ----------
+    top : float or None
+        Largest reading of the converter, which the vehicle file tells; None where nobody does.
+        [counts]
+
+    """
+    if top is None:
+        return tuple(Range(n, 0.0, INFINITE, 'a count is not negative') for n in (COUNTS, SPREAD))
+    return (
+        Range(COUNTS, 0.0, top, f'the converter counts from 0 to {top:.0f}'),
+        Range(SPREAD, 0.0, (top + 1.0) / 2.0, f'the converter spans {top + 1.0:.0f} counts'),
+    )

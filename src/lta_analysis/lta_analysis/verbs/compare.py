@@ -20,7 +20,9 @@ from lta_analysis.compare.terminal import show
 from lta_analysis.compare.timing import Align
 from lta_analysis.compare.told import to_dict
 from lta_analysis.out_option import folder
+from lta_analysis.pictures_option import can_be_taken, Pictures
 from lta_analysis.plain_console import plain_console
+from lta_analysis.report.pictures import write_pictures
 from lta_analysis.results_folder import keep_json, page_line, results_folder
 from lta_bridge.bag.writer import empty_folder
 from lta_config.errors import BadInput
@@ -81,6 +83,7 @@ def compare(
         ),
     ] = None,
     page: Annotated[bool, typer.Option(help='Write the page.')] = True,
+    pictures: Pictures = None,
     json: Annotated[bool, typer.Option('--json', help='Print everything as JSON.')] = False,
 ) -> None:
     """
@@ -105,6 +108,9 @@ def compare(
     robots = (robot or '').partition(':')
     one = opened(a, robots[0], 'A')
     other = opened(b, robots[2] or robots[0], 'B')
+    if pictures is not None and not page:
+        raise BadInput('--pictures are taken of the page; leave --no-page out.')
+    can_be_taken(pictures)
     if out is not None and out.exists():
         empty_folder(out.absolute())  # refused before the work, not after
     with CompareProgress(console, ticks(one, other, asked)) as progress:
@@ -114,6 +120,8 @@ def compare(
     content = to_dict(found)
     keep_json(content, target / 'compare.json')
     written = write_page(found, target / NAME) if page else None
+    if written is not None and pictures is not None:
+        write_pictures(written, pictures)
     if json:
         made = {} if written is None else {'page': str(written)}
         sys.stdout.write(json_text.dumps({**content, **made}, indent=1) + '\n')

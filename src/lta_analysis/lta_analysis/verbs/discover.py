@@ -15,7 +15,9 @@ from lta_analysis.discovery.results.terminal import found_words, show
 from lta_analysis.discovery.run import Asked, Discovered
 from lta_analysis.discovery.run import discover as discovered
 from lta_analysis.out_option import Out
+from lta_analysis.pictures_option import can_be_taken, Pictures
 from lta_analysis.plain_console import plain_console
+from lta_analysis.report.pictures import write_pictures
 from lta_analysis.results_folder import can_be_made, page_line, results_folder
 from lta_analysis.typed import near, typed
 from lta_config.errors import BadInput
@@ -56,6 +58,7 @@ def discover(
     ] = SCENE,
     seed: Annotated[int, typer.Option(help='Seed of all chance.', min=0, max=2**31 - 1)] = 1,
     out: Out = None,
+    pictures: Pictures = None,
     json: Annotated[bool, typer.Option('--json', help='Print discovery.json, alone.')] = False,
 ) -> None:
     """
@@ -90,6 +93,9 @@ def discover(
         'train': train or [], 'confirm': confirm or [], 'holdout': holdout or [],
     }  # fmt: skip
     _sensible(vehicle, any(bags.values()), demo, between is not None)
+    if pictures is not None and between is not None:
+        raise BadInput('--between writes no page to take pictures of; leave --pictures out.')
+    can_be_taken(pictures)
     folder = results_folder(out, 'discover-demo' if demo else 'discover')
     can_be_made(folder)
     if between is not None and vehicle is not None:
@@ -104,6 +110,8 @@ def discover(
         else:
             asked = Asked(vehicle, bags, seed, robot, plan)
             found = discovered(asked, folder, progress.stage)
+    if pictures is not None:
+        write_pictures(found.page, pictures)
     if json:
         told_json(found, hidden)
     else:

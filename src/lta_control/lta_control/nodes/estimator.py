@@ -1,10 +1,12 @@
 """The estimator node: from the drone's own sensors and commands to its motion."""
 
+import math
+
 from lta_config.settings import setting
 from lta_control.control import elapsed
-from lta_control.estimator import Estimate, estimator_step, EstimatorSettings
+from lta_control.estimator import Body, Estimate, estimator_step, EstimatorSettings
 from lta_control.messages import fits, from_estimate, is_felt, to_duties, to_inputs
-from lta_control.rest import plausible
+from lta_control.rest import MOST_RATE, tilted, turning
 from lta_control.vehicle_side import body_of
 from lta_graph.health import Level
 from lta_graph.inbox import Step
@@ -54,18 +56,26 @@ class Estimator(GraphNode):
             self.health.report('imu', Level.ERROR, text, refused=self._refused)
         self._odom.publish(from_estimate(step.last('imu').header.stamp, self._estimate))
         if learning:
-            self.health.report('estimate', *learned(self._estimate))
+            self.health.report('estimate', *learned(self._estimate, self._body))
 
 
-def learned(estimate: Estimate) -> tuple[Level, str]:
+def learned(estimate: Estimate, body: Body) -> tuple[Level, str]:
     """Return how well the biases are known, as level and sentence."""
+    if not estimate.ready and turning(estimate.biases, body.rate_bias):
+        pairs = zip(estimate.biases.rates, body.rate_bias, strict=True)
+        off = math.degrees(max(abs(read - told) for read, told in pairs))
+        return Level.ERROR, (
+            f'the biases are not learned: the drone turns by {off:.1f} deg/s, and no gyroscope is '
+            f'off by more than {math.degrees(MOST_RATE):.0f}; keep it still, or where it stands '
+            'still give its bias in the vehicle file (effects.gyro_bias)'
+        )
     if not estimate.ready:
         return Level.WARN, 'learning the biases: keep the drone still and level'
-    if plausible(estimate.biases):
+    if not tilted(estimate.biases, body.force_bias):
         return Level.OK, 'biases are known'
     return Level.WARN, (
-        'the biases are uncertain: the drone turned or stood tilted while it learned them; '
-        'start the estimator anew with it still and level'
+        'the biases are uncertain: the drone stood tilted while it learned them; start the '
+        'estimator anew with it still and level'
     )
 
 

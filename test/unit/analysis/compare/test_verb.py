@@ -45,6 +45,21 @@ def test_the_command_writes_page_and_figures_and_tells_by_its_status(
     assert run(monkeypatch, a, a, '--out', tmp_path / '3', '--same', '--no-page') == 0
 
 
+def test_the_pictures_of_the_page_are_taken_if_asked_for(tmp_path, monkeypatch, capsys):
+    taken = []
+    monkeypatch.setattr('lta_analysis.pictures_option.find_chromium', lambda: 'chromium')
+    monkeypatch.setattr(
+        'lta_analysis.verbs.compare.write_pictures', lambda *given: taken.append(given)
+    )
+    bag, out, pictures = write_motion(tmp_path / 'a', until=5.0), tmp_path / 'out', tmp_path / 'p'
+    assert run(monkeypatch, bag, bag, '--out', out, '--pictures', pictures) == 0
+    assert taken == [(out / 'compare.html', pictures)]
+    (pictures / 'mine').mkdir(parents=True)
+    assert run(monkeypatch, bag, bag, '--out', tmp_path / '2', '--pictures', pictures) == 2
+    assert 'is not empty' in capsys.readouterr().err
+    assert not (tmp_path / '2').exists()
+
+
 @pytest.mark.parametrize(
     ('words', 'sentence'),
     [
@@ -60,6 +75,10 @@ def test_the_command_writes_page_and_figures_and_tells_by_its_status(
         (['--tolerance', f'{Z}=5 deg'], f"The tolerance of {Z} is '5 deg', but {Z} is in m;"),
         (['--robot', 'lta7'], "Unknown robot 'lta7'; known: lta1"),
         (['--align', 'motion'], 'The flights show no start of motion or commands'),
+        (
+            ['--pictures', 'p', '--no-page'],
+            '--pictures are taken of the page; leave --no-page out.',
+        ),
     ],
 )
 def test_bad_input_is_one_sentence(words, sentence, tmp_path, monkeypatch, capsys):

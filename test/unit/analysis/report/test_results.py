@@ -4,6 +4,7 @@ import math
 
 from lta_analysis.bag import open_flight
 from lta_analysis.report.curves import held, Track
+from lta_analysis.report.outcome import tiles
 from lta_analysis.report.results import Results, results_of, wrapped
 from lta_analysis.report.view import View
 from lta_config.errors import BadInput
@@ -43,11 +44,19 @@ def test_cruise(found):
 
 
 def test_light(found):
-    assert found.bearing_error == pytest.approx(0.05)
+    assert found.lamp_error == pytest.approx(0.02)  # what the drone steers by
+    assert found.lamp_share == pytest.approx(110 / 120)
+    assert found.bearing_error == pytest.approx(0.05)  # the paper's
     assert found.bearing_share == pytest.approx(100 / 120)  # blocks of 12 s, those of 2 s without
     # 10 x 500 counts m2 / r^2 at the median of the first and last five blocks, 6.9 m and 1.15 m.
     assert found.snr_start == pytest.approx(5000.0 / 6.9**2, rel=1e-6)
     assert found.snr_end == pytest.approx(5000.0 / 1.15**2, rel=1e-6)
+
+
+def test_the_tile_is_of_what_the_drone_steers_by(found):
+    (tile,) = [each for each in tiles(found) if each.name == 'Direction of the lamp']
+    assert (tile.value, tile.unit) == ('1.1', '° RMS off')
+    assert tile.note == "as the drone steers by it; the paper's bearing 2.9°"
 
 
 def test_estimator_errors(found):
@@ -106,7 +115,8 @@ def test_flight_that_ends_early_has_not_reached(tmp_path):
         ('ground_truth/odom', ['success', 'airspeed', 'heading_drift', 'energy'], ['snr_end']),
         ('odom', ['altitude_estimate_error', 'heading_drift'], ['airspeed', 'energy']),
         ('battery', ['energy', 'power', 'cruise_power'], ['airspeed']),
-        ('light/bearing', ['bearing_error', 'bearing_share'], ['snr_start']),
+        ('light/bearing', ['bearing_error', 'bearing_share'], ['snr_start', 'lamp_error']),
+        ('light/estimate', ['lamp_error', 'lamp_share'], ['snr_start', 'bearing_error']),
         ('light/peaks', ['snr_start', 'snr_end'], ['bearing_error']),
         ('setpoint/velocity', ['search_time', 'airspeed', 'snr_start'], ['path_length']),
         ('setpoint/pose', ['altitude_error'], ['altitude']),

@@ -16,8 +16,10 @@ from lta_analysis.trust.roles import family, measured_topic
 from lta_analysis.trust.runs import merged, runs
 from lta_analysis.trust.smooth import kernel, smoothed
 from lta_analysis.trust.twins import twins
+from lta_config.files import find, load_yaml
 import numpy as np
 import pytest
+import yaml
 
 FOLDER = Path(__file__).resolve().parents[3] / 'score'
 GYRO, FORCE = 'imu/angular_velocity', 'imu/linear_acceleration'
@@ -114,6 +116,44 @@ def test_a_limit_is_found_at_the_values_that_reach_it():
     assert found[0].values == {'limit': 0.09, 'readings': float((tone >= 0.09).sum())}
 
 
+def lit(counts, bits):
+    """Return light blocks that reach so many counts, of a vehicle with so many bits or of none."""
+    time = np.arange(10) * 0.1
+    blocks = {'max': counts, 'min': counts - 10.0, 'mean': counts - 5.0, 'std': counts / 2.0}
+    made = {f'photodiodes/{what}[0]': (time, np.full(10, v)) for what, v in blocks.items()}
+    made |= {'light/peaks/amplitude[0]': (time, np.full(10, counts / 2.0))}
+    told = {'vehicle_file': yaml.safe_dump(with_bits(bits))} if bits else {}
+    return replace(recording(**made), provenance=told)
+
+
+def with_bits(bits):
+    """Return what a vehicle file holds whose converter has so many bits."""
+    content = load_yaml(find('vehicle', 'gtmab'))
+    content['sensors']['diodes']['bits'] = bits
+    return content
+
+
+@pytest.mark.parametrize('bits', [8, 12, 16])
+def test_what_light_can_read_is_the_top_of_the_vehicles_converter(bits):
+    top = 2.0**bits - 1.0
+    assert not checked(lit(top - 1.0, bits)).findings
+    (found,) = checked(lit(top, bits)).findings
+    assert (found.kind, found.channel) == ('clipped', 'photodiodes/max[0]')
+    assert found.values == {'limit': top, 'blocks': 10.0}
+    beyond = {f.channel for f in checked(lit(top + 8.0, bits)).findings if f.kind == 'impossible'}
+    assert beyond == {f'photodiodes/{what}[0]' for what in ('max', 'mean', 'std')}
+
+
+@pytest.mark.parametrize('file', [None, 'name: of another version'])
+def test_without_a_vehicle_nobody_knows_where_a_converter_ends(file):
+    flight = lit(60000.0, None)
+    flight = flight if file is None else replace(flight, provenance={'vehicle_file': file})
+    report = checked(flight)
+    assert report.findings == ()
+    assert [text for text in report.unjudged if 'converter' in text]
+    assert {f.kind for f in checked(lit(-3.0, None)).findings} == {'impossible'}
+
+
 def test_a_stretch_again_names_both():
     data = resting()
     time, values = data[f'{FORCE}.y']
@@ -137,7 +177,7 @@ def test_hashes_are_those_of_equal_windows_only():
         ('illuminance/illuminance', -1.0, 'not negative'),
         ('battery/voltage', 4.7, 'no cell has'),
         ('motors/effort.left', 1.2, 'a duty is'),
-        ('photodiodes/max[0]', 4096.0, '12 bit'),
+        ('photodiodes/max[0]', -1.0, 'not negative'),
         ('pressure/fluid_pressure', 2e5, 'air'),
     ],
 )
