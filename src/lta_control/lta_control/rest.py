@@ -106,15 +106,16 @@ def turning(biases: Biases, told: Vector) -> bool:
         The bias that the vehicle file gives the gyroscope. [rad/s]
 
     """
-    return _apart(biases.rates, told) > MOST_RATE
+    return apart(biases.rates, told) > MOST_RATE
 
 
 def tilted(biases: Biases, told: Vector) -> bool:
     """Tell whether the force is that of a tilt; `told` as in `turning`, in m/s2."""
-    return _apart(biases.force, told) > MOST_FORCE
+    return apart(biases.force, told) > MOST_FORCE
 
 
-def _apart(found: Vector, told: Vector) -> float:
+def apart(found: Vector, told: Vector) -> float:
+    """Return how far a mean is off what is told of it, on the worst axis; unit as they have."""
     x, y, z = found[0] - told[0], found[1] - told[1], found[2] - told[2]
     return max(abs(x), abs(y), abs(z))
 

@@ -12,9 +12,11 @@ from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import Tile
 from lta_analysis.report.pieces import section, tile_html
 from lta_bridge.provenance import commit
+from lta_sim.cfd.plan import MIDDLE, SLOW
 from lta_sim.cfd.refit import ABOUT, ALONG, fits_of, processor_time, solved, warnings_of
 from lta_sim.cfd.slices import Slice
 from lta_sim.cfd.sweep_table import Axis, Sweep
+from lta_sim.cfd.tunnel import MODELLED
 
 INTRODUCTION: Final = (
     'Drag along and about six axes, and what each rotor pushes with the hull in its jet, from the '
@@ -27,8 +29,8 @@ DRAWN: Final = (
 METHOD: Final = (
     'One mesh a direction, the air at 1 m/s, the viscosity divided by the speed that is meant. '
     'preview: steady k-omega SST with transition, half or a quarter of the air where the vehicle '
-    'mirrors. reference: transient at 1 m/s, the whole tunnel, implicit large eddies, detached '
-    'ones beyond a Reynolds number of 1e5; steady at 0.2 m/s.',
+    f'mirrors. reference: transient at {MIDDLE:g} m/s, the whole tunnel, implicit large eddies, '
+    f'detached ones beyond a Reynolds number of {MODELLED:,.0f}; steady at {SLOW:g} m/s.',
     'Rotors are momentum sources in their disks, without swirl. Turning is steady, in a frame '
     'that turns along: the damping of small fast swings is under-predicted.',
     'A number is refused where a disk has under 30 cells, where the force still swings by over '

@@ -13,6 +13,7 @@ from lta_analysis.report.outcome import Tile
 from lta_analysis.report.pieces import section, tile_html
 from lta_bridge.provenance import commit
 from lta_sim.cfd.engine import version
+from lta_sim.cfd.tunnel import MODELLED
 from lta_sim.cfd.validation import Judged
 
 CAPTION: Final = (
@@ -22,8 +23,9 @@ CAPTION: Final = (
 METHOD: Final = (
     'The steady model makes the boundary layer turbulent too early and sheds no wake: it is right '
     'at 0.2 m/s and low at 2 m/s, the more the finer the mesh. It is for comparing designs.',
-    'The transient setting was chosen because it met a sphere: up to a Reynolds number of 1e5 '
-    'without a model of eddies, beyond with one. It is no independent test of it.',
+    'The transient setting was chosen because it met a sphere: up to a Reynolds number of '
+    f'{MODELLED:,.0f} without a model of eddies, beyond with one. It is no independent test of '
+    'it.',
 )
 
 

@@ -43,7 +43,7 @@ def validate(
 
     The steady model is right at slow speeds and low at fast ones, where its boundary layer is
     turbulent too early and its wake does not shed; two meshes show what finer ones change. The
-    transient one averages 20 diameters of flow, at 2 m/s 35.
+    transient one averages 20 diameters of flow or more.
 
     Exit status 0: done, however far off. 1: nothing could be solved. 2: bad input. 130: Ctrl-C.
 

@@ -6,7 +6,7 @@ from lta_config.settings import setting
 from lta_control.control import elapsed
 from lta_control.estimator import Body, Estimate, estimator_step, EstimatorSettings
 from lta_control.messages import fits, from_estimate, is_felt, to_duties, to_inputs
-from lta_control.rest import MOST_RATE, tilted, turning
+from lta_control.rest import apart, MOST_RATE, tilted, turning
 from lta_control.vehicle_side import body_of
 from lta_graph.health import Level
 from lta_graph.inbox import Step
@@ -62,8 +62,7 @@ class Estimator(GraphNode):
 def learned(estimate: Estimate, body: Body) -> tuple[Level, str]:
     """Return how well the biases are known, as level and sentence."""
     if not estimate.ready and turning(estimate.biases, body.rate_bias):
-        pairs = zip(estimate.biases.rates, body.rate_bias, strict=True)
-        off = math.degrees(max(abs(read - told) for read, told in pairs))
+        off = math.degrees(apart(estimate.biases.rates, body.rate_bias))
         return Level.ERROR, (
             f'the biases are not learned: the drone turns by {off:.1f} deg/s, and no gyroscope is '
             f'off by more than {math.degrees(MOST_RATE):.0f}; keep it still, or where it stands '

@@ -79,11 +79,9 @@ def warnings_of(sweep: Sweep) -> list[str]:
         told.append(
             'steady model: on a sphere its drag is right at 0.2 m/s and up to 30 % low at 2 m/s'
         )
-    if sweep.fidelity == 'reference':
-        top = min(
-            (solved(sweep, axis)[-1].speed for axis in ALONG if solved(sweep, axis)), default=0
-        )
-        told.append(f'drag above {top:g} m/s is extrapolated')
+    tops = [solved(sweep, axis)[-1].speed for axis in ALONG if solved(sweep, axis)]
+    if sweep.fidelity == 'reference' and tops:
+        told.append(f'drag above {min(tops):g} m/s is extrapolated')
     for pattern in sweep.blows:
         share = linear(sweep, pattern)
         if share is not None and abs(share - 1.0) > 0.05:

