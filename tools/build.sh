@@ -29,4 +29,6 @@ if ! env -u PYTHONPATH -u COLCON_PREFIX_PATH VIRTUAL_ENV="$root/.venv" \
     echo 'colcon could not build the workspace; the lines above and log/latest_build say why.' >&2
     exit 2
 fi
+# Once, not by a dozen processes at the same time when the first graph starts.
+.venv/bin/python -m compileall -q -j 0 config src
 echo "$wanted" >"$stamp"

@@ -10,20 +10,22 @@ from lta_graph.health import Fact, Level
 NOT_CONFIGURED = 'not configured'
 
 
-def condition(bridge: Bridge, keeper: Keeper | None, protocol: int, seen: Seen) -> Iterator[Fact]:
-    """Yield how link and drone are by what is known; without a keeper nothing is configured."""
-    yield _link(bridge, keeper, protocol, seen)
+def condition(
+    bridge: Bridge, why: str, attempts: int, protocol: int, seen: Seen
+) -> Iterator[Fact]:
+    """Yield how link and drone are by what is known, and by why there is no link."""
+    yield _link(bridge, why, attempts, protocol, seen)
     yield _safety(bridge, seen)
     yield bridge.malformed.fact('packets', 'all can be read')
     yield bridge.unasked.fact('commands', 'all can be flown')
 
 
-def why(keeper: Keeper | None) -> str:
-    """Return why there is no link; empty where there is one."""
-    return NOT_CONFIGURED if keeper is None else keeper.why
+def kept(keeper: Keeper | None) -> tuple[str, int]:
+    """Return why there is no link, empty where there is one, and how often it was tried."""
+    return (NOT_CONFIGURED, 0) if keeper is None else (keeper.why, keeper.attempts)
 
 
-def _link(bridge: Bridge, keeper: Keeper | None, protocol: int, seen: Seen) -> Fact:
+def _link(bridge: Bridge, why: str, attempts: int, protocol: int, seen: Seen) -> Fact:
     figures = {
         'protocol': protocol,
         'silence_s': f'{seen.silence:.3f}',
@@ -32,10 +34,10 @@ def _link(bridge: Bridge, keeper: Keeper | None, protocol: int, seen: Seen) -> F
         'drift_ppm': f'{1e6 * bridge.clock.drift:.1f}',
         'clock_restarts': bridge.clock.line.restarts,
         'packets': bridge.packets,
-        'attempts': 0 if keeper is None else keeper.attempts,
+        'attempts': attempts,
     }
     heard = seen.linked and seen.silence < SILENT
-    silent = f'silent for {seen.silence:.1f} s' if seen.linked else why(keeper)
+    silent = f'silent for {seen.silence:.1f} s' if seen.linked else why
     level, message = (Level.OK, 'connected') if heard else (Level.ERROR, silent)
     return Fact('link', level, message, {key: str(value) for key, value in figures.items()})
 

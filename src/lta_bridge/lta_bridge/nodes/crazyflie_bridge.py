@@ -13,8 +13,7 @@ from typing import Any
 from lta_bridge.crazyflie import messages, readings
 from lta_bridge.crazyflie.bridge import Bridge, RATE, Stamped
 from lta_bridge.crazyflie.claim import Claim
-from lta_bridge.crazyflie.condition import condition
-from lta_bridge.crazyflie.condition import why as no_link
+from lta_bridge.crazyflie.condition import condition, kept
 from lta_bridge.crazyflie.consumption import Consumption
 from lta_bridge.crazyflie.keeper import Keeper
 from lta_bridge.crazyflie.link import Lost, Malformed, Ping
@@ -276,12 +275,13 @@ class CrazyflieBridge(DeviceNode):
 
     def publish_health(self) -> None:
         """Tell how the link and the drone stand."""
-        why = no_link(self._keeper)
+        # Read once: it changes in the keeper's thread, and what is shown is to be said as well.
+        why, attempts = kept(self._keeper)
         if why not in (self._complained, ''):
             self._complained = why
             self.get_logger().warning(f'no link: {why}')
         seen = self._bridge.seen(self._graph_ns(), self._up, self.active)
-        for fact in condition(self._bridge, self._keeper, self._link.protocol, seen):
+        for fact in condition(self._bridge, why, attempts, self._link.protocol, seen):
             self.health.report(fact.task, fact.level, fact.message, **fact.values)
         super().publish_health()
 

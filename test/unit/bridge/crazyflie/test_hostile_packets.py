@@ -64,7 +64,7 @@ class Flight:
     @property
     def facts(self):
         seen = self.bridge.seen(self.now, True, True)
-        return {fact.task: fact for fact in condition(self.bridge, None, 12, seen)}
+        return {fact.task: fact for fact in condition(self.bridge, '', 0, 12, seen)}
 
     @property
     def duties(self):
