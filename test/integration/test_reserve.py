@@ -5,7 +5,7 @@ import signal
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from lta_config.topics import topic_table
-from lta_graph.ros.stamps import to_stamp
+from lta_graph.ros.stamps import from_stamp, to_stamp
 from nav_msgs.msg import Odometry
 import pytest
 from std_msgs.msg import Bool
@@ -24,9 +24,12 @@ class Drone(Peer):
 
     def __init__(self, domain_id):
         super().__init__(domain_id)
-        self.asked, self.facts, self.turns = [], {}, 0
-        self.hear('setpoint/pose', lambda message: self.asked.append(message.pose.position.z))
+        self.asked, self.facts, self.turns = {}, {}, 0
+        self.hear('setpoint/pose', self._hear_setpoint)
         self.hear('/diagnostics', self._hear_facts)
+
+    def _hear_setpoint(self, message):
+        self.asked[from_stamp(message.header.stamp)] = message.pose.position.z
 
     def _hear_facts(self, message):
         self.facts |= {status.name: status.message for status in message.status}
@@ -41,9 +44,20 @@ class Drone(Peer):
         self.publisher('energy/status').publish(DiagnosticArray(status=[status]))
         self.publisher('energy/reserve').publish(Bool(data=reserve))
 
+    def meet(self):
+        """Send blocks until one is answered: before all have met, a word or its answer is lost."""
+        self.until(lambda: self.send() and self.asked)
+
     def turn(self):
         """Send one light block in which no lamp is seen; return the altitude asked for."""
-        stamp = to_stamp(1_000_000_000 + self.turns * PERIOD)
+        stamp = self.send()
+        self.until(lambda: stamp in self.asked)
+        return self.asked[stamp]
+
+    def send(self):
+        """Send one light block in which no lamp is seen; return its stamp."""
+        now = 1_000_000_000 + self.turns * PERIOD
+        stamp = to_stamp(now)
         self.turns += 1
         odom = Odometry()
         odom.header.stamp = stamp
@@ -53,17 +67,16 @@ class Drone(Peer):
         light.header.stamp = stamp
         light.pose.covariance[0] = -1.0
         self.publisher('light/estimate').publish(light)
-        self.until(lambda: len(self.asked) == self.turns)
-        return self.asked[-1]
+        return now
 
     def until_asked(self, altitude, **energy):
         """Go on until an altitude is asked for: words of the energy and light may overtake."""
         for _ in range(50):
-            if energy:
-                self.energy(**energy)
+            self.energy(**energy)
             if self.turn() == altitude:
                 return
-        raise AssertionError(f'{altitude} m is not asked for, but {self.asked}; {self.facts}')
+        asked = list(self.asked.values())
+        raise AssertionError(f'{altitude} m is not asked for, but {asked}; {self.facts}')
 
 
 @pytest.fixture
@@ -72,6 +85,7 @@ def drone(domain_id):
     with Drone(domain_id) as made:
         for name in ('odom', 'light/estimate', 'energy/status', 'energy/reserve'):
             made.until(lambda name=name: made.publisher(name).get_subscription_count())
+        made.meet()
         yield made
         process.send_signal(signal.SIGINT)
         _, errors = process.communicate(timeout=PATIENCE)
