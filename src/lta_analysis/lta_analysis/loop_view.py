@@ -1,7 +1,7 @@
 """What a flight in this process came through, as the results look at it: no bag in between."""
 
 from functools import cached_property
-from typing import Any, final
+from typing import final, NamedTuple
 
 from lta_analysis.bag.flight import Points
 from lta_analysis.loop import Loop
@@ -22,9 +22,21 @@ from lta_control.autopilot import ESTIMATE
 from lta_sim.flat import Array
 from lta_sim.state import POSITION, QUATERNION, VELOCITY
 import numpy as np
+from numpy.typing import NDArray
 
 KEPT = {'ground_truth/odom', 'odom', 'battery'}
 LIT = {'light/bearing', 'light/estimate', 'light/peaks', 'setpoint/pose', 'setpoint/velocity'}
+
+
+class Block(NamedTuple):
+    """What one block of light says, and what is asked for by it."""
+
+    began: float  # [s]
+    bearing: tuple[float, float]  # the paper's vector; (0, 0) is none
+    lamp: tuple[float, float]  # where it is taken to be [m, body]; (0, 0) is nowhere
+    snr: NDArray[np.float64]  # of each diode
+    altitude: float  # [m]
+    speed: float  # [m/s]
 
 
 @final
@@ -50,7 +62,7 @@ class LoopView:
         self._truth: list[tuple[float, ...]] = []
         self._winds: list[tuple[float, ...]] = []
         self._estimates: list[Array] = []
-        self._light: list[tuple[Any, ...]] = []
+        self._light: list[Block] = []
         self._power: list[tuple[float, float, float]] = []
 
     def take(self) -> None:
@@ -62,14 +74,16 @@ class LoopView:
             self._truth.append((time, *readings.truth))
         self._estimates.append(loop.autopilot.believed())
         if readings.block is not None and loop.light is not None and loop.asked is not None:
-            began = (readings.block[0] - self._start) * 1e-9
-            found = loop.light.bearing
-            vector = (0.0, 0.0) if found is None else (found.x, found.y)
-            lamp = loop.light.lamp
-            place = (0.0, 0.0) if lamp is None else (lamp.x, lamp.y)
-            asked = loop.asked
-            snr = loop.light.peaks.snr.astype(np.float32).astype(np.float64)
-            self._light.append((began, vector, snr, asked.altitude, asked.speed, place))
+            found, lamp, asked = loop.light.bearing, loop.light.lamp, loop.asked
+            block = Block(
+                began=(readings.block[0] - self._start) * 1e-9,
+                bearing=(0.0, 0.0) if found is None else (found.x, found.y),
+                lamp=(0.0, 0.0) if lamp is None else (lamp.x, lamp.y),
+                snr=loop.light.peaks.snr.astype(np.float32).astype(np.float64),
+                altitude=asked.altitude,
+                speed=asked.speed,
+            )
+            self._light.append(block)
         if loop.energy is not None and readings.battery is not None:
             reading = loop.energy.reading
             self._power.append((time, reading.voltage, reading.current))
@@ -103,40 +117,38 @@ class LoopView:
         place = np.hstack([position, height])
         return laid(moved(time, place, attitude, surge[:, 0]), self.truth)
 
-    def _track(self, column: int) -> Track:
-        rows = [(row[0], row[column]) for row in self._light]
-        time, value = np.array(rows, dtype=np.float64).reshape(-1, 2).T
-        return Track(time, value)
-
     @property
     def altitude_setpoint(self) -> Track:
         """Altitude to hold. [m]"""
-        return self._track(3)
+        return Track(self._began, np.array([block.altitude for block in self._light]))
 
     @property
     def speed_setpoint(self) -> Track:
         """Forward airspeed to hold. [m/s]"""
-        return self._track(4)
+        return Track(self._began, np.array([block.speed for block in self._light]))
 
     @cached_property
     def peaks(self) -> Points:
         """SNR of each diode, at the middle of its block."""
-        time = np.array([row[0] for row in self._light]) + half_block()
-        return Points(time, {'snr': np.array([row[2] for row in self._light])})
+        return Points(self._middle, {'snr': np.array([block.snr for block in self._light])})
 
     @cached_property
     def sighting(self) -> Arrow:
         """Direction to the lamp that the drone steers by, at the middle of its block."""
-        return self._arrow(5)
+        return Arrow(self._middle, pointed(np.array([block.lamp for block in self._light])))
 
     @cached_property
     def bearing(self) -> Arrow:
         """The paper's direction to the lamp, at the middle of its block."""
-        return self._arrow(1)
+        return Arrow(self._middle, pointed(np.array([block.bearing for block in self._light])))
 
-    def _arrow(self, column: int) -> Arrow:
-        time = np.array([row[0] for row in self._light]) + half_block()
-        return Arrow(time, pointed(np.array([row[column] for row in self._light])))
+    @property
+    def _began(self) -> NDArray[np.float64]:
+        return np.array([block.began for block in self._light])
+
+    @property
+    def _middle(self) -> NDArray[np.float64]:
+        return self._began + half_block()
 
     @cached_property
     def battery(self) -> Electricity:
