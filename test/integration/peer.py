@@ -18,6 +18,7 @@ import rclpy
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
+from std_srvs.srv import SetBool
 
 ROOT = Path(__file__).resolve().parents[2]
 TABLE = topic_table()
@@ -127,6 +128,16 @@ class Peer:
         future = client.call_async(kind.Request(**fields))
         self.until(future.done)
         return future.result()
+
+    def arm(self) -> None:
+        """Arm, and ask again, as a person would, while a slow machine has not heard the drone."""
+
+        def told() -> bool:
+            answer = self.ask(SetBool, 'crazyflie_bridge/arm', data=True)
+            assert answer.success or 'the Crazyflie has' in answer.message, answer.message
+            return bool(answer.success)
+
+        self.until(told)
 
     def set(self, node: str, name: str, value: object) -> Any:
         """Set a parameter and return what the node said to it."""

@@ -110,7 +110,7 @@ def test_the_bridge_flies_it_by_setpoints_and_brings_it_down_unlocked(uri, domai
                 publisher.publish(message)
 
         hear(lambda facts: safety(facts, 'disarmed', turning=False))
-        assert peer.ask(SetBool, 'crazyflie_bridge/arm', data=True).success
+        peer.arm()
         hear(lambda facts: send() or safety(facts, 'flying', turning=True))
         hear(lambda facts: safety(facts, 'disarmed: the newest command', turning=False))
         refused = peer.ask(SetBool, 'crazyflie_bridge/arm', data=False)

@@ -64,8 +64,7 @@ def test_through_both_bridges_it_finds_the_lamp_and_comes_down(
     hear(lambda facts: all(n in facts and facts[n].message == word for n, word in ready.items()))
     assert 'took off' not in graph.text
     with Peer(domain_id) as pilot:
-        # Again, as a person would, where the machine was too slow to hear the drone just then.
-        pilot.until(lambda: pilot.ask(SetBool, ARM, data=True).success)
+        pilot.arm()
         graph.said('It took off, 4.0 m from the lamp')
         graph.said('It reached the lamp')
         if finds_peaks:  # the board's cable is pulled, and nobody asks

@@ -10,7 +10,6 @@ from lta_control.messages import from_setpoint
 from nav_msgs.msg import Odometry
 import pytest
 from std_msgs.msg import Bool
-from std_srvs.srv import SetBool
 
 from .peer import Peer, start
 
@@ -90,8 +89,7 @@ def test_a_person_s_word_is_flown_and_their_silence_lands(body, bridge, domain_i
                 say('teleop', person['speed'])
 
         peer.node.create_timer(0.02, go_on)
-        armed = peer.ask(SetBool, 'crazyflie_bridge/arm', data=True)
-        assert armed.success, armed.message
+        peer.arm()
 
         def flown(speed):
             return body.hover is not None and body.hover.forward == pytest.approx(speed, abs=1e-6)

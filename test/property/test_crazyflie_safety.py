@@ -304,6 +304,7 @@ def test_refusals_name_the_remedy():
         ({'voltage': math.nan}, 'has not told'),
         ({'word': int(Bit.LOCKED)}, 'off and on'),
         ({'silence': 1.0}, 'said nothing'),
+        ({'silence': math.inf}, 'ask again'),
     ):
         state, order = tick(State(), 0.0, FIT._replace(**change), Asked(arm=True), LIMITS)
         assert order.arm is None

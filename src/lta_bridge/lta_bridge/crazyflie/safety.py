@@ -158,6 +158,8 @@ def refusal(state: State, seen: Seen, limits: Limits) -> str:
         return 'no Crazyflie is connected'
     if not seen.active:
         return 'the bridge is not active: activate it first'
+    if math.isinf(seen.silence):
+        return 'the Crazyflie has not told how it is yet: ask again'
     if seen.silence > SILENT:
         return f'the Crazyflie has said nothing for {seen.silence:.1f} s'
     if math.isnan(seen.voltage):
