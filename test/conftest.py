@@ -49,6 +49,15 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.flaky(reruns=2))
 
 
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Say why a test was tried again: it may have passed since, and would be forgotten."""
+    for report in terminalreporter.getreports('rerun'):
+        crash = getattr(report.longrepr, 'reprcrash', None)
+        why = report.longreprtext if crash is None else crash.message
+        place = '' if crash is None else f' (line {crash.lineno})'
+        terminalreporter.write_line(f'RERUN {report.nodeid}{place}: {" ".join(why.split())[:600]}')
+
+
 @pytest.fixture(scope='module', autouse=True)
 def as_found() -> Iterator[None]:
     """Hold a file of tests to leave the process as it was: the next one may be any other."""

@@ -3,7 +3,9 @@
 #
 # What needs nothing but a core, or waits for events alone, goes side by side, a file at a time on
 # each core. What starts processes and watches the clock follows one by one: where not the whole
-# file does, its tests that do are marked `alone`. Either part may have no test (status 5).
+# file does, its tests that do are marked `alone`. Either part may have no test (status 5). Files
+# go by their names: by their numbers of tests, long files of few tests would come last, and two
+# that compile the same kernel at the same time.
 set -u
 chosen=$1
 shift
@@ -19,7 +21,7 @@ run() {
     [ "$now" = 2 ] && exit "$status"
 }
 clock='integration and (alone or not beside)'
-run -n auto --maxprocesses 4 --dist loadfile -m "not ($clock) and ($chosen)" "$@"
+run -n auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder -m "not ($clock) and ($chosen)" "$@"
 # The second part is looked for where it is, unless the arguments name files of their own.
 case " $* " in
     *' test/'*) files= ;;
