@@ -11,10 +11,8 @@ from lta_sim.cfd.still import AXES as SPINS
 from lta_sim.cfd.still import blowing, RATES, spinning
 from lta_sim.cfd.tunnel import (
     COARSE,
-    FAST,
-    is_modelled,
+    fineness,
     PREVIEW,
-    REFERENCE,
     SPEEDS,
     steady_wind,
     transient_wind,
@@ -121,7 +119,7 @@ def _winds(model: Model, fidelity: str, viscosity: float) -> Iterator[Flow]:
             case = steady_wind(model, axis, viscosity, PREVIEW)
             yield Flow('wind', axis, case, SPEEDS)
             continue
-        fine = FAST if is_modelled(model, viscosity, MIDDLE) else REFERENCE
+        fine = fineness(model, viscosity, MIDDLE)
         eddies = transient_wind(model, axis, viscosity, fine, MIDDLE, LENGTHS)
         yield Flow('transient', axis, eddies, (MIDDLE,))
         slow = steady_wind(model, axis, viscosity, PREVIEW, (SLOW,))

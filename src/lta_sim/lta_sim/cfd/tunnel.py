@@ -103,6 +103,11 @@ def is_modelled(model: Model, viscosity: float, speed: float) -> bool:
     return speed * model.length / viscosity > MODELLED
 
 
+def fineness(model: Model, viscosity: float, speed: float) -> Fineness:
+    """Return how a transient is meshed: viscosity in m2/s, speed in m/s."""
+    return FAST if is_modelled(model, viscosity, speed) else REFERENCE
+
+
 def planes_of(model: Model, axis: str) -> tuple[bool, bool]:
     """Tell whether the tunnel's planes y = 0 and z = 0 are planes of symmetry."""
     turn = TURNS[axis]

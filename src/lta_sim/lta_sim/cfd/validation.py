@@ -8,16 +8,14 @@ from typing import Final, final
 
 from lta_sim.cfd.crew import Crew, points_or_why
 from lta_sim.cfd.model import HULL, Model
-from lta_sim.cfd.plan import Air, Flow, LENGTHS
+from lta_sim.cfd.plan import Air, Flow, LENGTHS, MIDDLE
 from lta_sim.cfd.shape import ellipse, revolved
 from lta_sim.cfd.sphere import morrison, off
 from lta_sim.cfd.sweep_table import Blow, Point
 from lta_sim.cfd.tunnel import (
     COARSE,
-    FAST,
-    Fineness,
+    fineness,
     PREVIEW,
-    REFERENCE,
     ROUGH,
     SPEEDS,
     steady_wind,
@@ -25,12 +23,8 @@ from lta_sim.cfd.tunnel import (
 )
 
 SETTINGS: Final = {'wind': 'steady, {} cells', 'transient': 'transient, {} cells'}
-# Speed [m/s], mesh, and diameters of flow: the wake of the fast one swings more.
-TRANSIENTS: Final[tuple[tuple[float, Fineness, float], ...]] = (
-    (2.0, FAST, 41.0),
-    (1.0, REFERENCE, LENGTHS),
-    (1.0, ROUGH, LENGTHS),
-)
+# Speed [m/s] and diameters of flow: the wake of the fast one swings more.
+TRANSIENTS: Final = ((2.0, 41.0), (MIDDLE, LENGTHS))
 
 
 @final
@@ -62,8 +56,9 @@ def flows(model: Model, fidelity: str, air: Air) -> list[Flow]:
             Flow('wind', 'surge', steady_wind(model, 'surge', viscosity, PREVIEW), SPEEDS),
             Flow('wind', 'surge', steady_wind(model, 'surge', viscosity, COARSE), SPEEDS),
         ]
+    wanted = [(speed, fineness(model, viscosity, speed), long) for speed, long in TRANSIENTS]
     found = []
-    for speed, fine, lengths in TRANSIENTS:
+    for speed, fine, lengths in (*wanted, (MIDDLE, ROUGH, LENGTHS)):
         case = transient_wind(model, 'surge', viscosity, fine, speed, lengths)
         named = replace(case, name=f'{case.name}, hull at level {fine.hull}')
         found.append(Flow('transient', 'surge', named, (speed,)))
