@@ -1,13 +1,15 @@
 """Tables of a sweep, for page and terminal."""
 
+import math
+
 from lta_analysis.energy.tables import Table
 from lta_sim.cfd.columns import linear, summed
 from lta_sim.cfd.refit import (
     fits_of,
+    fitted_of,
     hull_share,
     mesh_share,
     middle_of,
-    points_of,
     ratio_by_hand,
     solved,
 )
@@ -19,11 +21,12 @@ def coefficients(sweep: Sweep) -> Table:
     """Return linear and quadratic drag of each axis, how well they fit, and what is beside."""
     rows = []
     for axis, fit in fits_of(sweep).items():
-        points = points_of(sweep, axis)
+        points = fitted_of(sweep, axis)
         middle = middle_of(sweep, axis)
         rows.append([
             axis, f'{fit.linear:.2g}', f'{fit.quadratic:.3g}', f'{100 * fit.error:.1f}',
-            f'{fit.exponent:.2f}', f'{100 * max(p.evidence.spread for p in points):.1f}',
+            '' if math.isnan(fit.exponent) else f'{fit.exponent:.2f}',
+            f'{100 * max(p.evidence.spread for p in points):.1f}',
             f'{middle.evidence.cells}' if solved(sweep, axis) else 'by hand',
             _percent(mesh_share(sweep, axis), '+.0f'), _percent(hull_share(sweep, axis), '.0f'),
             f'{ratio_by_hand(sweep, axis):.2f}',

@@ -11,9 +11,9 @@ from lta_sim.cfd.refit import (
     ALONG,
     beside_of,
     fits_of,
+    fitted_of,
     hull_share,
     mesh_share,
-    points_of,
     ratio_by_hand,
     solved,
     warnings_of,
@@ -98,10 +98,10 @@ def aero_of(sweep: Sweep) -> dict[str, Any]:
 
 
 def _fitted(sweep: Sweep, axis: Axis, fit: Fit) -> dict[str, Any]:
-    points = points_of(sweep, axis)
+    points = fitted_of(sweep, axis)
     told = {
         'points': len(points),
-        'error': _three(fit.error),
+        'error': _three(round(fit.error, 9)),  # two points are met but for rounding
         'exponent': None if math.isnan(fit.exponent) else float(f'{fit.exponent:.4g}'),
         'spread': max(point.evidence.spread for point in points),
         'cells': max(point.evidence.cells for point in points),

@@ -17,6 +17,7 @@ ALONG: Final[dict[Axis, int]] = {'surge': 0, 'sway': 1, 'heave': 2}
 LIKE: Final[dict[Axis, Axis]] = {'sway': 'surge', 'pitch': 'roll'}  # after a quarter turn
 NOTICED: Final = 0.05  # of the drag: a lift that is told
 MESHED: Final = 0.1  # of the drag: what a coarser mesh may change
+JOINED: Final = 0.05  # how far a fit of steady and transient points may miss one of them
 UNSTEADY: Final = 'the damping of small fast swings is under-predicted: the air turns along'
 
 
@@ -31,9 +32,25 @@ def fits_of(sweep: Sweep) -> dict[Axis, Fit]:
     """Return the fit of each axis; by hand where no flow was solved."""
     fits: dict[Axis, Fit] = {}
     for axis in AXES:
-        points = points_of(sweep, axis)
-        fits[axis] = fit_drag([point.speed for point in points], drags(axis, points))
+        fits[axis] = _fit(axis, fitted_of(sweep, axis))
     return fits
+
+
+def _fit(axis: Axis, points: Sequence[Point]) -> Fit:
+    return fit_drag([point.speed for point in points], drags(axis, points))
+
+
+def fitted_of(sweep: Sweep, axis: Axis) -> Sequence[Point]:
+    """
+    Return the points that an axis is fitted to: of a reference, the transient alone at need.
+
+    Its slow point is of the steady model, whose wake does not shed. Where no drag of ours goes
+    through both, that one is wrong.
+    """
+    points = points_of(sweep, axis)
+    if sweep.fidelity != 'reference' or not solved(sweep, axis) or axis in ABOUT:
+        return points
+    return points if _fit(axis, points).error <= JOINED else points[-1:]
 
 
 def solved(sweep: Sweep, axis: Axis) -> Sequence[Point]:
@@ -82,6 +99,7 @@ def warnings_of(sweep: Sweep) -> list[str]:
     tops = [solved(sweep, axis)[-1].speed for axis in ALONG if solved(sweep, axis)]
     if sweep.fidelity == 'reference' and tops:
         told.append(f'drag above {min(tops):g} m/s is extrapolated')
+        told += [_unjoined(sweep, axis) for axis in ALONG if _is_unjoined(sweep, axis)]
     for pattern in sweep.blows:
         share = linear(sweep, pattern)
         if share is not None and abs(share - 1.0) > 0.05:
@@ -91,6 +109,20 @@ def warnings_of(sweep: Sweep) -> list[str]:
             )
     told += [f'{name}: refused: {reason}' for name, reason in sweep.refused.items()]
     return told
+
+
+def _is_unjoined(sweep: Sweep, axis: Axis) -> bool:
+    return len(fitted_of(sweep, axis)) < len(points_of(sweep, axis))
+
+
+def _unjoined(sweep: Sweep, axis: Axis) -> str:
+    """Say of the slow point of a reference that the fit leaves it out."""
+    slow = points_of(sweep, axis)[0]
+    share = drags(axis, [slow])[0] / _fit(axis, fitted_of(sweep, axis)).at(slow.speed)
+    return (
+        f'{axis}: the steady flow at {slow.speed:g} m/s has {100 * (share - 1):+.0f} % of drag '
+        'beside the transient one, and is left out of the fit'
+    )
 
 
 def middle_of(sweep: Sweep, axis: Axis) -> Point:

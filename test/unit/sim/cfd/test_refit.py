@@ -4,7 +4,14 @@ from lta_config.aero_file import AeroFile
 from lta_config.files import checked
 from lta_sim.cfd.aero_text import aero_text
 from lta_sim.cfd.model import model_of
-from lta_sim.cfd.refit import beside_of, hull_share, mesh_share, processor_time, warnings_of
+from lta_sim.cfd.refit import (
+    beside_of,
+    fits_of,
+    hull_share,
+    mesh_share,
+    processor_time,
+    warnings_of,
+)
 from lta_sim.cfd.solve import sweep_of
 from lta_sim.cfd.sweep_table import Evidence, Point
 import pytest
@@ -53,11 +60,27 @@ def test_a_coarser_mesh_tells_what_the_mesh_decides():
 def test_what_a_fidelity_cannot_do_is_a_warning():
     sweep = surge()
     assert 'up to 30 % low at 2 m/s' in warnings_of(sweep)[-1]
-    points = [point(speed, (-0.1, 0.0, 0.0)) for speed in (0.2, 1.0)]
-    slow = sweep.model_copy(update={'fidelity': 'reference', 'axes': {'surge': points}})
-    assert 'above 1 m/s is extrapolated' in warnings_of(slow)[-1]
+    assert 'above 1 m/s is extrapolated' in warnings_of(reference(0.3, 0.32))[-1]
     still = sweep.model_copy(update={'fidelity': 'reference', 'axes': {}})
     assert not any('extrapolated' in each for each in warnings_of(still))
+
+
+def reference(fast, slow):
+    """Return a sweep with a transient drag at 1 m/s and a steady one at 0.2 m/s. [N s2/m2]"""
+    points = [point(0.2, (-slow, 0.0, 0.0)), point(1.0, (-fast, 0.0, 0.0))]
+    return surge().model_copy(update={'fidelity': 'reference', 'axes': {'surge': points}})
+
+
+def test_a_slow_steady_flow_that_does_not_join_the_transient_is_left_out():
+    joined = fits_of(reference(0.3, 0.35))['surge']  # a + b = 0.3, 5 a + b = 0.35
+    assert (joined.linear, joined.quadratic) == pytest.approx((0.0125, 0.2875))
+    low = reference(0.3, 0.24)
+    fit = fits_of(low)['surge']
+    assert (fit.linear, fit.quadratic) == pytest.approx((0.0, 0.3))
+    said = 'surge: the steady flow at 0.2 m/s has -20 % of drag beside the transient one'
+    assert said in warnings_of(low)[-1]
+    read = checked(AeroFile, yaml.safe_load(aero_text(low)), 'the text')
+    assert read.evidence.axes['surge'].points == 1
 
 
 def test_what_all_flows_took_is_told():
