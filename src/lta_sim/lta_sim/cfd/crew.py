@@ -12,7 +12,8 @@ from typing import Final, final, Protocol
 from lta_sim.cfd import gates, reduce
 from lta_sim.cfd.case import Case
 from lta_sim.cfd.engine import CaseFailed, Programs, version
-from lta_sim.cfd.forces import read_mesh
+from lta_sim.cfd.forces import read_mesh, read_patches
+from lta_sim.cfd.mesh import standing
 from lta_sim.cfd.model import Model
 from lta_sim.cfd.plan import Flow
 from lta_sim.cfd.stage import Progress, Stages
@@ -133,6 +134,9 @@ def found_of(stages: Stages, model: Model, flow: Flow, density: float) -> Found:
 
     """
     mesh = meshed(stages, mesh_of(flow))
+    if flow.kind != 'coarse':  # which is to tell what the mesh decides
+        patches = read_patches(mesh)
+        gates.check_bodies(mesh_of(flow).name, patches, standing(mesh_of(flow), patches))
     place = stages.solve(flow.case)
     spent = round(stages.seconds(flow.case), 1)
     if flow.kind == 'blow':

@@ -102,3 +102,10 @@ def read_mesh(folder: Path) -> dict[str, float | dict[str, int]]:
         'negative': float(negative[1]) if negative else 0.0,
         'zones': found,
     }
+
+
+def read_patches(folder: Path) -> dict[str, int]:
+    """Return the faces of each patch of a mesh; a patch that came to nothing is not there."""
+    check = (folder / 'log.check').read_text(encoding='utf-8')
+    rows = re.findall(r'^ +(\w+) +(\d+) +\d+ +ok \(', check, re.MULTILINE)
+    return {name: int(faces) for name, faces in rows}

@@ -1,10 +1,11 @@
 """What a flow must show before its numbers are taken."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Final
 
 from lta_sim.cfd.engine import CaseFailed
 
+FACES: Final = 20  # of the mesh, on each body
 ZONE: Final = 30  # cells of a rotor's disk
 SPREAD: Final = 0.15  # of a steady flow's window; edge-on wakes swing by 7 %
 BALANCE: Final = 0.10  # of the force
@@ -32,6 +33,16 @@ def check_mesh(name: str, facts: Mapping[str, float | Mapping[str, int]]) -> Non
         raise CaseFailed(
             f'The {name} has {negative:.0f} cells of negative volume; simplify the shape.'
         )
+
+
+def check_bodies(name: str, faces: Mapping[str, int], bodies: Iterable[str]) -> None:
+    """Refuse a mesh that has lost a body, as a plate or a bar between the cells' middles is."""
+    for body in bodies:
+        if faces.get(body, 0) < FACES:
+            raise CaseFailed(
+                f'The {name} has {faces.get(body, 0)} faces on {body}, fewer than {FACES}: it is '
+                'too thin to be found; draw it thicker, or take --fidelity analytic.'
+            )
 
 
 def check_zones(zones: Mapping[str, int], shares: Mapping[str, float]) -> None:

@@ -5,7 +5,8 @@ All lengths are in lengths of the hull, so that a mesh of a small drone is that 
 The base cube is a quarter of it; each level halves it.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
+from io import BytesIO
 from typing import Final
 
 from lta_sim.cfd.case import Case, Step
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 import trimesh
 
 Array = NDArray[np.float64]
+SURFACES: Final = 'constant/triSurface/'
 BASE: Final = 0.25  # of the hull's length
 FEATURE: Final = 130.0  # deg: layers go around the edges of boxes
 QUALITY: Final[Mapping[str, Entry]] = {
@@ -159,7 +161,7 @@ def mesh_case(
     from lta_sim.cfd.numerics import control, solution, steady_schemes
 
     files: dict[str, str | bytes] = {
-        f'constant/triSurface/{each}.stl': _stl(mesh) for each, mesh in surfaces.items()
+        f'{SURFACES}{each}.stl': _stl(mesh) for each, mesh in surfaces.items()
     }
     files |= {
         'system/blockMeshDict': block_text,
@@ -177,6 +179,22 @@ def mesh_case(
         steps.append(Step('zones', ('topoSet',)))
     steps.append(Step('check', ('checkMesh',)))
     return Case(name, files, steps, cells=cells)
+
+
+def standing(mesh: Case, patches: Container[str]) -> list[str]:
+    """Return the bodies of a mesh that reach into the part of the tunnel that is solved."""
+    found = []
+    for path, data in mesh.files.items():
+        if not path.startswith(SURFACES):
+            continue
+        assert isinstance(data, bytes)
+        _, high_y, high_z = trimesh.load_mesh(BytesIO(data), file_type='stl').bounds[1]
+        # Of a tunnel that is cut, y > 0 and z > 0 is left.
+        if not ('symmetryY' in patches and high_y <= 0.0) and not (
+            'symmetryZ' in patches and high_z <= 0.0
+        ):
+            found.append(path.removeprefix(SURFACES).removesuffix('.stl'))
+    return found
 
 
 def _stl(mesh: trimesh.Trimesh) -> bytes:

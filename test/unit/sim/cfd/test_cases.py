@@ -6,16 +6,19 @@ import math
 import shutil
 
 from lta_config.errors import BadInput
+from lta_config.mount_file import load_mount
 from lta_sim.cfd import engine, gates
 from lta_sim.cfd.case import Case, Step
 from lta_sim.cfd.dictionary import dictionary
 from lta_sim.cfd.engine import CaseFailed, Programs, why
 from lta_sim.cfd.forces import read_forces, read_mesh, table
+from lta_sim.cfd.mesh import standing
 from lta_sim.cfd.model import model_of
 from lta_sim.cfd.plan import flows, LENGTHS
 from lta_sim.cfd.reduce import STARTING
 from lta_sim.cfd.solve import check_memory
 from lta_sim.cfd.stage import Stages
+from lta_sim.cfd.tunnel import PREVIEW, steady_wind
 import pytest
 
 AIR = (1.2, 1.5e-5)
@@ -257,9 +260,18 @@ def test_a_mesh_that_is_none_is_refused(tmp_path, check, said):
         gates.check_mesh('mesh', read_mesh(tmp_path))
 
 
+def test_bodies_of_the_half_that_is_cut_off_are_not_missed():
+    mesh = steady_wind(model_of('gtmab', load_mount('bottom')), 'surge', 1.5e-5, PREVIEW).mesh
+    whole = {'envelope', 'gondola', 'frame', 'panel_left', 'panel_right', 'arm_left', 'arm_right'}
+    assert set(standing(mesh, ())) == whole
+    assert set(standing(mesh, ('symmetryY',))) == whole - {'panel_left', 'arm_left'}
+
+
 @pytest.mark.parametrize(
     ('gate', 'given', 'said'),
     [
+        (gates.check_bodies, ('mesh', {'bar': 19}, ['bar']), '19 faces on bar, fewer than 20'),
+        (gates.check_bodies, ('mesh', {'hull': 900}, ['hull', 'bar']), '0 faces on bar'),
         (gates.check_zones, ({'up_left': 12}, {'up_left': 1.0}), 'of up_left has 12 cells, fewer'),
         (gates.check_zones, ({}, {'up_left': 1.0}), 'of up_left has 0 cells, fewer than 30'),
         (gates.check_spread, (0.2, 50), 'swings by 20 %'),
@@ -282,6 +294,7 @@ def test_gates_refuse_with_the_figure(gate, given, said):
 
 
 def test_gates_let_pass_what_is_at_their_limits():
+    gates.check_bodies('mesh', {'bar': gates.FACES}, ['bar'])
     gates.check_zones({'up_left': gates.ZONE}, {'up_left': 1.0})
     gates.check_spread(gates.SPREAD, gates.WINDOW)
     gates.check_balance(gates.BALANCE)

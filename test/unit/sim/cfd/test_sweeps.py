@@ -86,6 +86,13 @@ def test_a_flow_whose_momentum_is_lost_is_refused(fake, monkeypatch, flow, refus
     assert sweep.axes == sweep.blows == {}
 
 
+def test_a_body_that_the_mesh_has_lost_is_told_before_anything_is_solved(fake, monkeypatch):
+    monkeypatch.setenv('FAKE_FAULT', 'heave mesh:lost')
+    sweep, _ = swept(fake, 'heave')
+    assert 'The heave mesh has 8 faces on envelope, fewer than 20' in sweep.refused['heave']
+    assert (sweep.axes, list(sweep.coarse)) == ({}, ['heave'])
+
+
 def test_a_disk_of_few_cells_does_not_blow(fake, monkeypatch):
     monkeypatch.setenv('FAKE_FAULT', 'still mesh:coarse')
     sweep, _ = swept(fake, 'up_left')
