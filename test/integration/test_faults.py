@@ -26,10 +26,7 @@ def last_line(flight):
 
 @pytest.mark.parametrize(
     'name',
-    [
-        pytest.param(name, marks=() if name in ('estimator', 'recorder') else pytest.mark.long)
-        for name in NODES
-    ],
+    [pytest.param(name, marks=() if name == 'estimator' else pytest.mark.long) for name in NODES],
 )
 def test_a_node_that_hangs_and_then_dies_is_named_twice(lta, flying, hear, tmp_path, name):
     out = tmp_path / 'out'

@@ -48,7 +48,7 @@ def test_one_seed_is_one_flight_and_another_is_another(fly):
         assert [data for _, data in other[topic]] != [data for _, data in one[topic]], topic
 
 
-def test_one_process_flies_the_flight_of_the_graph(lta, tmp_path):
+def test_a_flight_to_the_lamp_is_whole_and_that_of_one_process(lta, call, tmp_path):
     """
     From rest to the lamp: every repeatable topic has the same messages, bytes and log times.
 
@@ -69,6 +69,32 @@ def test_one_process_flies_the_flight_of_the_graph(lta, tmp_path):
     own = {'pace', 'bag', 'page'}
     kept = [{k: v for k, v in told.items() if k not in own} for told in results.values()]
     assert kept[0] == kept[1]
+    check_whole(results['fly']['bag'], call)
+
+
+def check_whole(path, call):
+    """Hold a bag to every topic of the table, with every message that its rhythm makes due."""
+    bag = read_bag(path)
+    assert bag.complete
+    end = max(when for _, when, _ in bag.messages(['/lta1/imu']))
+    for name, topic in TABLE.topics.items():
+        full = name if name.startswith('/') else f'/lta1/{name}'
+        if not topic.recorded:
+            assert full not in bag.topics
+            continue
+        assert bag.topics[full].type_name == topic.type
+        if topic.period_ns:
+            # What lags may be answered after the end: the last step is not awaited by all.
+            due = TABLE.due(name, end)
+            assert due - 1 <= bag.topics[full].count <= due, name
+    for key in ('seed', 'commit', 'config_sha256', 'vehicle_file', 'scenario_file', 'strategy'):
+        assert bag.provenance[key]
+    status, table = call('bag', 'info', path)
+    assert status == 0
+    assert '/lta1/photodiodes' in table.out
+    facts = json.loads(call('bag', 'info', '--json', path)[1].out)
+    assert facts['complete']
+    assert facts['messages'] == sum(len(each) for each in contents(Path(path)).values())
 
 
 @pytest.mark.long
@@ -98,34 +124,6 @@ def test_a_changed_parameter_is_kept_in_files_that_the_graph_flies(lta, tmp_path
     one, two = (contents(tmp_path / name / 'bag') for name in ('graph', 'loop'))
     for topic in REPEATABLE:
         assert one[topic] == two[topic] != [], topic
-
-
-def test_a_flight_to_the_goal(fly, call):
-    """The bag is whole: every topic of the table has every message that its rhythm makes due."""
-    flown = fly('near', radius='6.5 m')
-    assert (flown['outcome'], flown['status']) == ('reached', 0)
-    assert flown['pace'] > 1.0
-    bag = read_bag(flown['bag'])
-    assert bag.complete
-    end = max(when for _, when, _ in bag.messages(['/lta1/imu']))
-    for name, topic in TABLE.topics.items():
-        full = name if name.startswith('/') else f'/lta1/{name}'
-        if not topic.recorded:
-            assert full not in bag.topics
-            continue
-        assert bag.topics[full].type_name == topic.type
-        if topic.period_ns:
-            # What lags may be answered after the end: the last step is not awaited by all.
-            due = TABLE.due(name, end)
-            assert due - 1 <= bag.topics[full].count <= due, name
-    for key in ('seed', 'commit', 'config_sha256', 'vehicle_file', 'scenario_file', 'strategy'):
-        assert bag.provenance[key]
-    status, table = call('bag', 'info', flown['bag'])
-    assert status == 0
-    assert '/lta1/photodiodes' in table.out
-    facts = json.loads(call('bag', 'info', '--json', flown['bag'])[1].out)
-    assert facts['complete']
-    assert facts['messages'] == sum(len(each) for each in contents(Path(flown['bag'])).values())
 
 
 def test_real_time_is_real_time(fly):

@@ -52,6 +52,7 @@ def test_a_second_graph_on_the_domain_is_refused_whoever_comes_first(lta, flying
     assert first.end() == 130
 
 
+@pytest.mark.long  # test_faults.py has the same of `lta fly`
 def test_a_node_that_hangs_is_named(lta, flying, tmp_path):
     command = lta.start('launch', 'fly', f'bag:={tmp_path / "bag"}')
     flying(2.5)  # until DDS has found everyone
