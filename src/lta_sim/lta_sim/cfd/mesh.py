@@ -67,6 +67,7 @@ def block(low: Array, high: Array, size: float, patches: Mapping[str, Sequence[s
 
 def snappy(
     bodies: Mapping[str, int],
+    cube: float,
     regions: Mapping[str, tuple[Mapping[str, Entry], int]],
     inside: Sequence[float],
     shell: tuple[float, int],
@@ -81,6 +82,8 @@ def snappy(
     ----------
     bodies : mapping of str to int
         Level of refinement on each surface.
+    cube : float
+        Edge of the base cube. [m]
     regions : mapping of str to (mapping, int)
         Shape of each refined region, and its level.
     inside : sequence of 3 floats
@@ -101,6 +104,11 @@ def snappy(
         name: {'mode': 'inside', 'levels': [[1e15, level]]} for name, (_, level) in regions.items()
     }
     around[HULL] = {'mode': 'distance', 'levels': [list(shell)]}
+    around |= {
+        name: {'mode': 'distance', 'levels': _shells(cube, level)}
+        for name, level in bodies.items()
+        if name != HULL
+    }
     return dictionary('snappyHexMeshDict', {
         'castellatedMesh': True, 'snap': True, 'addLayers': layers > 0,
         'geometry': geometry,
@@ -179,6 +187,16 @@ def mesh_case(
         steps.append(Step('zones', ('topoSet',)))
     steps.append(Step('check', ('checkMesh',)))
     return Case(name, files, steps, cells=cells)
+
+
+def _shells(cube: float, level: int) -> list[Entry]:
+    """
+    Return how near to a body the air is refined, level by level.
+
+    A surface is only seen between the middles of two cells, so a thin plate or bar would be missed
+    by coarse ones: they are refined where a corner of theirs may touch it.
+    """
+    return [[2.0 * cube * 2.0**-each, each] for each in range(level, 2, -1)]
 
 
 def standing(mesh: Case, patches: Container[str]) -> list[str]:

@@ -55,6 +55,7 @@ def still_mesh(model: Model, most: int = 3_000_000) -> Case:
             regions[f'{name}_{k}'] = (_jet(rotor, wide, long), max(level - coarser, 0))
     text = snappy(
         {name: 3 if name == HULL else min(finest, 5) for name in model.bodies},
+        BASE * size,
         regions,
         [-2.613 * size, 2.137 * size, 2.071 * size],
         (0.12 * size, 3),

@@ -153,6 +153,7 @@ def tunnel_mesh(model: Model, axis: str, fine: Fineness, planes: tuple[bool, boo
         regions['trail'] = (_box((0.0, -near, -near), (1.5 * size, near, near)), fine.trail)
     text = snappy(
         {name: fine.hull if name == HULL else fine.parts for name in surfaces},
+        BASE * size,
         regions,
         [-2.913 * size, 1.137 * size, 1.071 * size],
         (fine.shell * size, 3),

@@ -3,6 +3,7 @@
 from concurrent.futures import ThreadPoolExecutor
 import errno
 import math
+import re
 import shutil
 
 from lta_config.errors import BadInput
@@ -12,7 +13,7 @@ from lta_sim.cfd.case import Case, Step
 from lta_sim.cfd.dictionary import dictionary
 from lta_sim.cfd.engine import CaseFailed, Programs, why
 from lta_sim.cfd.forces import read_forces, read_mesh, table
-from lta_sim.cfd.mesh import standing
+from lta_sim.cfd.mesh import BASE, standing
 from lta_sim.cfd.model import model_of
 from lta_sim.cfd.plan import flows, LENGTHS
 from lta_sim.cfd.reduce import STARTING
@@ -265,6 +266,17 @@ def test_bodies_of_the_half_that_is_cut_off_are_not_missed():
     whole = {'envelope', 'gondola', 'frame', 'panel_left', 'panel_right', 'arm_left', 'arm_right'}
     assert set(standing(mesh, ())) == whole
     assert set(standing(mesh, ('symmetryY',))) == whole - {'panel_left', 'arm_left'}
+
+
+def test_no_cell_is_so_coarse_that_a_bar_lies_between_the_middles_of_two_unseen():
+    mesh = steady_wind(model_of('gtmab', load_mount('bottom')), 'surge', 1.5e-5, PREVIEW).mesh
+    around = mesh.files['system/snappyHexMeshDict'].split('refinementRegions')[1]
+    levels = re.search(r'arm_left\s*{\s*mode distance;\s*levels \(\((.*)\)\);', around)[1]
+    rows = [tuple(map(float, row.split())) for row in levels.split(') (')]
+    assert [level for _, level in rows] == [5, 4, 3]  # from the bar outwards; all is at 2 there
+    for far, level in rows:
+        coarser = BASE * 2.0 ** (1 - level)
+        assert far > 0.5 * math.sqrt(3.0) * coarser  # a corner of it touches the bar at most
 
 
 @pytest.mark.parametrize(
