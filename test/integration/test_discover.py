@@ -54,7 +54,7 @@ def test_a_hidden_effect_is_found_added_and_shown(bags, tmp_path):
     _is_overlay(out / 'overlay.mcap')
 
 
-@pytest.mark.long
+@pytest.mark.long  # the test before has all that it does, but for the flights of its own
 def test_the_demonstration_finds_what_it_has_hidden(tmp_path):
     words = [ROOT / 'lta', 'discover', '--demo', '--out', tmp_path / 'demo']
     done = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE)

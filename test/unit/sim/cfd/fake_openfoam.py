@@ -35,8 +35,9 @@ def main(program):
         Path('constant/polyMesh').mkdir()
     elif program == 'checkMesh':
         say('    cells:  45000\n    Mesh non-orthogonality Max: 42.0 average: 5\n')
+        say('    Patch  Faces  Points  Surface topology')
         for each in Path('constant/triSurface').glob('*.stl'):
-            say(f'  {each.stem}  {8 if fault == "lost" else 500}  600  ok (closed)')
+            say(f'    {each.stem}  {8 if fault == "lost" else 500}  600  ok (closed)')
     elif program == 'topoSet':
         for name in re.findall(r'name (\w+)_set;', Path('system/topoSetDict').read_text()):
             say(f'    cellZoneSet {name} now size {12 if fault == "coarse" else 59}')

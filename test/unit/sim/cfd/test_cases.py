@@ -12,7 +12,7 @@ from lta_sim.cfd import engine, gates
 from lta_sim.cfd.case import Case, Step
 from lta_sim.cfd.dictionary import dictionary
 from lta_sim.cfd.engine import CaseFailed, Programs, why
-from lta_sim.cfd.forces import read_forces, read_mesh, table
+from lta_sim.cfd.forces import read_forces, read_mesh, read_patches, table
 from lta_sim.cfd.mesh import BASE, standing
 from lta_sim.cfd.model import model_of
 from lta_sim.cfd.plan import flows, LENGTHS
@@ -259,6 +259,22 @@ def test_a_mesh_that_is_none_is_refused(tmp_path, check, said):
     (tmp_path / 'log.check').write_text(check)
     with pytest.raises(CaseFailed, match=said):
         gates.check_mesh('mesh', read_mesh(tmp_path))
+
+
+PATCHES = """
+Checking patch topology for multiply connected surfaces...
+                   Patch    Faces   Points                  Surface topology
+                envelope     1250     1555  ok (non-closed singly connected)
+                 gondola      128      152  multiply connected (shared edge)
+
+Checking faceZone topology for multiply connected surfaces...
+    No faceZones found.
+"""
+
+
+def test_every_patch_of_a_mesh_has_its_faces_whatever_its_topology(tmp_path):
+    (tmp_path / 'log.check').write_text(SOUND + PATCHES)
+    assert read_patches(tmp_path) == {'envelope': 1250, 'gondola': 128}
 
 
 def test_bodies_of_the_half_that_is_cut_off_are_not_missed():

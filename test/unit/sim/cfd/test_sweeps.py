@@ -91,6 +91,7 @@ def test_a_body_that_the_mesh_has_lost_is_told_before_anything_is_solved(fake, m
     sweep, _ = swept(fake, 'heave')
     assert 'The heave mesh has 8 faces on envelope, fewer than 20' in sweep.refused['heave']
     assert (sweep.axes, list(sweep.coarse)) == ({}, ['heave'])
+    assert 'heave\n' not in {each.read_text() for each in fake.glob('*/name')}
 
 
 def test_a_disk_of_few_cells_does_not_blow(fake, monkeypatch):
