@@ -46,6 +46,35 @@ def test_the_vehicle_of_the_sweep_has_its_rotors(name):
     assert sweep.rotors.keys() in (rotors.keys(), set())
 
 
+@pytest.mark.parametrize('name', ['beavis', 'sblimp'])
+def test_a_vehicle_flies_with_the_columns_of_its_rotors(name):
+    flown, found = load_vehicle(name).file.aero, load_aero_file(name).aero
+    for rotor, column in found.thrust_allocation.items():
+        own = flown.thrust_allocation[rotor]
+        assert (own.force.vector, own.moment.vector) == (column.force.vector, column.moment.vector)
+    assert bool(flown.coupling) == bool(found.coupling)
+    if found.coupling:
+        assert flown.coupling.force.vector == found.coupling.force.vector
+
+
+@pytest.mark.parametrize(
+    ('k', 'axis', 'within'), [(0, 'surge', 0.03), (1, 'sway', 0.03), (2, 'heave', 0.12)]
+)
+def test_gtmab_flies_with_the_drag_of_transient_flows(k, axis, within):
+    aero = load_vehicle('gtmab').file.aero
+    flown = aero.linear_drag.force.vector[k] + aero.quadratic_drag.force.vector[k]
+    solved = {point.speed: -point.force[k] for point in sweep_of('gtmab_reference').axes[axis]}
+    assert flown == pytest.approx(solved[MIDDLE], rel=within)
+
+
+def test_gtmab_flies_with_the_columns_of_its_rotors():
+    flown, found = load_vehicle('gtmab').file.aero, load_aero_file('gtmab').aero
+    for rotor, column in found.thrust_allocation.items():
+        own = flown.thrust_allocation[rotor]
+        assert own.force.vector == pytest.approx(column.force.vector, abs=0.005)
+        assert own.moment.vector == pytest.approx(column.moment.vector, abs=0.005)
+
+
 def is_of_a_steady_flow(evidence, is_balanced=True):
     """Hold evidence to its gates; where the air turns along, nobody sums its momentum."""
     assert evidence.spread <= SPREAD
