@@ -21,10 +21,17 @@ from lta_sim.cfd.refit import (
 from lta_sim.cfd.sweep_table import AXES, Axis, Sweep
 import yaml
 
+NOTHING = 1e-9  # of any coefficient: symmetry cancels some but for rounding
+
+
+def _four(number: float) -> float:
+    """Return a number with four digits; what rounding leaves of nothing is nothing."""
+    return float(f'{number:.4g}') if abs(number) > NOTHING else 0.0
+
 
 def quantity(value: float | Sequence[float], unit: str, source: str) -> dict[str, Any]:
     """Return a quantity as YAML has it, with four digits."""
-    numbers = [float(f'{each:.4g}') for each in value] if isinstance(value, Sequence) else value
+    numbers = [_four(each) for each in value] if isinstance(value, Sequence) else value
     return {'value': numbers, 'unit': unit, 'source': source}
 
 

@@ -2,7 +2,7 @@
 
 from lta_config.aero_file import AeroFile
 from lta_config.files import checked
-from lta_sim.cfd.aero_text import aero_text
+from lta_sim.cfd.aero_text import aero_text, quantity
 from lta_sim.cfd.columns import column, coupling, linear, summed
 from lta_sim.cfd.model import model_of
 from lta_sim.cfd.solve import by_hand, sweep_of
@@ -55,6 +55,10 @@ def test_a_quarter_turn_brings_a_lateral_rotor_to_the_next():
     # The rear one by half a turn; the left one across the diagonal, as it is turned the other way.
     assert column(sweep, 'rear').wrench == pytest.approx([-0.95, -0.25, -0.06, -0.09, 0.39, 0.05])
     assert column(sweep, 'left').wrench == pytest.approx([0.25, 0.95, -0.06, 0.39, -0.09, -0.05])
+
+
+def test_what_symmetry_cancels_is_nothing():
+    assert str(quantity([4e-17, -0.0, -0.86061], 'N/N', '')['value']) == '[0.0, 0.0, -0.8606]'
 
 
 def test_two_jets_apart_are_the_sum_of_both():
