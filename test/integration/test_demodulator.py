@@ -34,7 +34,7 @@ class Listening(Peer):
 
     def __init__(self, domain_id, diodes=8):
         super().__init__(domain_id)
-        self.bearings, self.facts = {}, {}
+        self.bearings, self.facts, self._back = {}, {}, {}
         self.first = 0  # block, of those that the tests count
         chance = np.random.default_rng(1)
         facing = np.cos(np.arange(diodes) * math.tau / diodes).clip(0.0) ** 1.2 + 0.03
@@ -51,36 +51,44 @@ class Listening(Peer):
             values = {pair.key: pair.value for pair in status.values}
             self.facts[status.name] = (status.message, values)
 
+    def _hear_back(self, message):
+        self._back[from_stamp(message.header.stamp)] = time.perf_counter()
+
     def meet(self):
-        """Send blocks until one is answered: DDS finds the way back in its own time."""
+        """Send blocks until one is answered."""
+
+        def send():
+            self.send(0)
+            self.first += 1
+
+        self._until_heard(send, self.bearings)
+
+    def meet_returning(self):
+        """Send blocks to the process that only returns a vector until one comes."""
+        self.node.create_subscription(Vector3Stamped, VECTOR, self._hear_back, 10)
+        self._out = self.offering(BLOCK, Image, qos_profile_sensor_data)
+        self._until_heard(lambda: self._send_out(0), self._back)
+
+    def _until_heard(self, send, heard):
+        """Send until something is heard: DDS finds the way back in its own time."""
         again = 0.0
 
         def answered():
             nonlocal again
             if time.monotonic() > again:
                 again = time.monotonic() + 0.5
-                self.send(0)
-                self.first += 1
-            return self.bearings
+                send()
+            return heard
 
         self.until(answered)
 
-    def meet_returning(self):
-        """Find the process that returns vectors."""
-        self._back = {}
-        self.node.create_subscription(
-            Vector3Stamped,
-            VECTOR,
-            lambda m: self._back.__setitem__(from_stamp(m.header.stamp), time.perf_counter()),
-            10,
-        )
-        self._out = self.offering(BLOCK, Image, qos_profile_sensor_data)
-        self.until(lambda: self.node.count_publishers(VECTOR))
+    def _send_out(self, stamp):
+        self._out.publish(light_block(to_stamp(stamp), self.block))
 
     def returned(self, stamp):
         """Send a block to the process that only returns a vector; return what it took. [s]"""
         begin = time.perf_counter()
-        self._out.publish(light_block(to_stamp(stamp), self.block))
+        self._send_out(stamp)
         self.until(lambda: stamp in self._back)
         return self._back[stamp] - begin
 
