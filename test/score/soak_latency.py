@@ -1,4 +1,8 @@
-"""How long a step takes through a graph in lockstep, as an onlooker sees it."""
+"""
+How long a step takes through a graph in lockstep, by the times at which its nodes wrote.
+
+DDS sends with each message when it was written: whoever looks on may get it late, and out of turn.
+"""
 
 import struct
 import time
@@ -11,7 +15,6 @@ from lta_graph.ros.qos import profile
 import numpy as np
 from numpy.typing import NDArray
 from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
 TABLE: Final = topic_table()
@@ -40,25 +43,17 @@ class Latency:
             enable_rosout=False,
             start_parameter_services=False,
         )
-        self._came: dict[str, dict[int, float]] = {name: {} for name in ENDS}
         for name in ENDS:
-            hear = lambda data, name=name: self._hear(name, data)  # noqa: E731
             row = TABLE[name]
             self._node.create_subscription(
-                message_type(row), name, hear, profile(row, lockstep=True), raw=True
+                message_type(row), name, print, profile(row, lockstep=True), raw=True
             )
-        self._executor = SingleThreadedExecutor(context=self._context)
-        self._executor.add_node(self._node)
         return self
 
     def __exit__(self, *_: object) -> None:
         """Leave the graph."""
-        self._executor.shutdown()
         self._node.destroy_node()
         self._context.try_shutdown()
-
-    def _hear(self, name: str, data: bytes) -> None:
-        self._came[name].setdefault(stamp_of(data), time.monotonic())
 
     def during(self, seconds: float) -> NDArray[np.float64]:
         """
@@ -70,20 +65,18 @@ class Latency:
             [s]
 
         """
-        until = time.monotonic() + seconds
-        handles = [(item.handle, item.callback) for item in self._node.subscriptions]
-        kinds = [item.msg_type for item in self._node.subscriptions]
-        caught_up = 0.0
-        while (now := time.monotonic()) < until:
+        began, until = time.time_ns(), time.monotonic() + seconds
+        written: dict[str, dict[int, int]] = {name: {} for name in ENDS}
+        readers = [(each.handle, each.msg_type) for each in self._node.subscriptions]
+        while time.monotonic() < until:
             found = 0
-            for (handle, callback), kind in zip(handles, kinds, strict=True):
+            for (handle, kind), name in zip(readers, ENDS, strict=True):
                 while (taken := handle.take_message(kind, True)) is not None:
-                    callback(taken[0])
+                    data, about = taken
+                    written[name][stamp_of(data)] = about['source_timestamp']
                     found += 1
             if not found:
-                caught_up = caught_up or now  # what was kept for us has come at once
                 time.sleep(NAP)
-        first, last = (self._came[name] for name in ENDS)
-        return np.array(
-            [last[k] - first[k] for k in last if k in first and first[k] > caught_up > 0.0]
-        )
+        first, last = (written[name] for name in ENDS)
+        both = [k for k in last if k in first and first[k] >= began]
+        return np.array([1e-9 * (last[k] - first[k]) for k in both])
