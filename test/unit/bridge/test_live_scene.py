@@ -114,7 +114,7 @@ def test_the_cone_is_where_the_lamp_shines_half_as_bright():
 
 
 def test_the_cone_begins_at_the_lamp_and_opens_along_its_axis():
-    entity = lamp(ROOM)
+    entity = lamp('lamp', ROOM.lamps['lamp'])
     (cone,) = shapes(entity, Cylinder)
     assert (cone.bottom, cone.top) == (0.0, 1.0)
     tip = np.array(cone.place) + applied(cone.turn, (0.0, 0.0, -cone.size[2] / 2))
@@ -123,7 +123,18 @@ def test_the_cone_begins_at_the_lamp_and_opens_along_its_axis():
     assert mouth - tip == pytest.approx((-1.0, 0.0, 0.0), abs=1e-9)
     opening = 2.0 * math.atan2(cone.size[0] / 2, cone.size[2])
     assert math.degrees(opening) == pytest.approx(120.0)
-    assert [label.text for label in shapes(entity, Label)] == ['150 Hz']
+    assert [label.text for label in shapes(entity, Label)] == ['lamp, 150 Hz']
+
+
+def test_every_lamp_stands_and_every_stop_of_the_route_has_its_circle():
+    patrol = load_scenario('warehouse_patrol')
+    things = {each.name: each for each in standing(patrol)}
+    assert list(things) == ['room', 'lamp/dock', 'lamp/aisle', 'lamp/gate', 'goal']
+    bulbs = [shapes(things[f'lamp/{name}'], Ellipsoid)[0].place for name in patrol.lamps]
+    assert bulbs == [(-3.5, -2.0, 0.1), (3.5, -2.0, 0.1), (0.0, 4.0, 0.1)]
+    aisle, gate = shapes(things['goal'], Line)  # dock is on no route
+    assert aisle.points[0] == pytest.approx((4.5, -2.0, 0.0))
+    assert gate.points[0] == pytest.approx((1.0, 4.0, 0.0))
 
 
 def test_the_room_has_a_floor_twelve_edges_and_walls_only_where_they_are_solid():

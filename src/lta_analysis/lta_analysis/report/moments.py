@@ -3,8 +3,9 @@
 from typing import Final, NamedTuple
 
 from lta_analysis.report.curves import Array, sampled
+from lta_analysis.report.goal import distance
 from lta_analysis.report.palette import ESTIMATE, TRUTH
-from lta_analysis.report.results import distance, phases_of
+from lta_analysis.report.results import phases_of
 from lta_analysis.report.view import View
 from lta_config.topics import topic_table
 import numpy as np
@@ -43,5 +44,5 @@ def where(view: View, time: float) -> str:
     """Return in words how far from the lamp the drone is."""
     if view.lamp is None or not view.has('ground_truth/odom'):
         return f'at {time:.1f} s'
-    away = distance(view.truth, view.lamp)
+    away = distance(view, view.truth)
     return f'{float(sampled(np.array([time]), view.truth.time, away)[0]):.1f} m away'

@@ -55,6 +55,8 @@ def sentence(results: Results) -> str:
     """Return the outcome in one sentence."""
     if results.success is None:
         return 'A flight was recorded; whether it reached a lamp, its bag does not tell'
+    if not results.success and results.closest is None:
+        return 'The drone did not reach the lamp: one before it on the route was not reached'
     if not results.success:
         near = amount(results.closest, 'm', 1)
         return f'The drone did not reach the lamp: it came no nearer than {near}'

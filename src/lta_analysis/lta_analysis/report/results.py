@@ -3,15 +3,24 @@ What a flight came to, in numbers.
 
 The flight starts when the drone leaves the ground, the search when a forward speed is first asked
 for, the cruise when 90 % of that speed is first flown. All end when the hull centre is within the
-goal radius of the lamp, horizontally, or with the recording. Truth comes from the simulator or a
-tracker.
+goal radius of the lamp, horizontally, or with the recording; on a route, of the last lamp, after
+all before it. Truth comes from the simulator or a tracker.
 """
 
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any, final, NamedTuple
 
-from lta_analysis.report.curves import Array, Arrow, held, Motion, sampled, Spot
+from lta_analysis.report.curves import Array, Arrow, held, sampled
 from lta_analysis.report.evidence import Evidence
+from lta_analysis.report.goal import (
+    arrivals,
+    direction,
+    distance,
+    stops,
+    straight,
+    turn,
+    wrapped,
+)
 import numpy as np
 from numpy.typing import NDArray
 
@@ -39,8 +48,10 @@ class Results:
     flight_time: float | None = figure('s', 'from leaving the ground to the goal')
     search_time: float | None = figure('s', 'from the first forward set-point to the goal')
     path_length: float | None = figure('m', 'true horizontal path to the goal')
-    straight_length: float | None = figure('m', 'straight line from the start to the goal circle')
-    closest: float | None = figure('m', 'nearest to the lamp, horizontally')
+    straight_length: float | None = figure(
+        'm', 'straight line from the start to the goal circle, over the lamps of the route'
+    )
+    closest: float | None = figure('m', 'nearest to the lamp, horizontally, in its turn')
     airspeed: float | None = figure('m/s', 'true forward airspeed, mean over the cruise')
     airspeed_spread: float | None = figure('m/s', 'its standard deviation over the cruise')
     altitude: float | None = figure('m', 'true altitude of the hull centre, mean over the cruise')
@@ -111,8 +122,8 @@ def phases_of(view: Evidence) -> Phases:
     if view.has('ground_truth/odom'):
         truth = view.truth
         lift_off = first(truth.time, truth.z > truth.z[0] + LIFTED)
-        arrival = first(truth.time, distance(truth, view.lamp) <= goal_radius(view))
-        end = arrival if np.isfinite(arrival) else end
+        there = arrivals(view)
+        end = there[-1] if there and len(there) == len(stops(view)) else end
     if view.has('setpoint/velocity'):
         setpoint = view.speed_setpoint
         search = first(setpoint.time, setpoint.value > 0.0)
@@ -132,30 +143,6 @@ def cruise_start(view: Evidence, search: float) -> float:
 def first(time: Array, holds: Flags) -> float:
     """Return the first instant at which a condition holds, NaN if it never does. [s]"""
     return float(time[np.argmax(holds)]) if np.any(holds) else np.nan
-
-
-def distance(motion: Motion, lamp: Spot | None) -> Array:
-    """Return the horizontal distance to the lamp, NaN where no lamp is known. [m]"""
-    if lamp is None:
-        return np.full(len(motion.time), np.nan)
-    return np.hypot(lamp.x - motion.x, lamp.y - motion.y)
-
-
-def direction(motion: Motion, lamp: Spot | None) -> Array:
-    """Return the direction to the lamp in the body frame. [rad]"""
-    if lamp is None:
-        return np.full(len(motion.time), np.nan)
-    return wrapped(np.arctan2(lamp.y - motion.y, lamp.x - motion.x) - motion.yaw)
-
-
-def goal_radius(view: Evidence) -> float:
-    """Return how near counts as reached; NaN where it is not known. [m]"""
-    return np.nan if view.scene.scenario is None else view.scene.scenario.goal.radius.si
-
-
-def wrapped(angle: Array) -> Array:
-    """Return angles in [-pi, pi). [rad]"""
-    return (angle + np.pi) % (2.0 * np.pi) - np.pi
 
 
 def within(time: Array, start: float, end: float) -> Flags:
@@ -179,18 +166,19 @@ def reached(view: Evidence, phases: Phases) -> dict[str, float | bool]:
     if not view.has('ground_truth/odom') or view.lamp is None:
         return {}
     truth = view.truth
-    away = distance(truth, view.lamp)
+    last = len(stops(view)) - 1
+    away = distance(view, truth)[turn(view, truth.time) == last]
     flown = truth.time <= phases.end
     path = float(np.hypot(np.diff(truth.x[flown]), np.diff(truth.y[flown])).sum())
-    success = bool(np.min(away) <= goal_radius(view))
+    success = len(arrivals(view)) == len(stops(view))
     end = phases.end if success else np.nan
     return {
         'success': success,
         'flight_time': end - phases.lift_off,
         'search_time': end - phases.search,
         'path_length': path,
-        'straight_length': float(away[0]) - goal_radius(view),
-        'closest': float(np.min(away)),
+        'straight_length': straight(view),
+        'closest': float(np.min(away)) if len(away) else np.nan,
     }
 
 
@@ -205,7 +193,7 @@ def cruise(view: Evidence, phases: Phases) -> dict[str, float]:
         'airspeed': mean(speed),
         'airspeed_spread': float(np.std(speed)) if len(speed) else np.nan,
         'altitude': mean(height),
-        'heading_error': rms(direction(truth, view.lamp)[flown]),
+        'heading_error': rms(direction(view, truth)[flown]),
     }
     if view.has('setpoint/pose'):
         found['altitude_error'] = rms(height - held(truth.time[flown], view.altitude_setpoint))
@@ -238,7 +226,7 @@ def aimed(view: Evidence, phases: Phases, arrow: Arrow) -> tuple[float, float]:
     truth = view.truth
     x, y, yaw = (sampled(time, truth.time, part) for part in (truth.x, truth.y, truth.yaw))
     there = truth._replace(time=time, x=x, y=y, yaw=yaw)
-    return rms(wrapped(angle - direction(there, view.lamp))[searched]), share
+    return rms(wrapped(angle - direction(view, there))[searched]), share
 
 
 def estimates(view: Evidence, phases: Phases) -> dict[str, float]:

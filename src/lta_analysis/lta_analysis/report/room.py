@@ -1,10 +1,12 @@
-"""The room from above: walls, the lamp and its light, the goal and the start."""
+"""The room from above: walls, the lamps and their light, the goals and the start."""
 
 import math
 
+from lta_analysis.report.curves import Array
 from lta_analysis.report.palette import GLOW, GOOD, INK, LAMP, PAPER, scale, VEIL, WALL
-from lta_sim.light.lamp import direct
+from lta_sim.light.lamp import direct, Lamp
 from lta_sim.scenario import Scenario
+from lta_sim.scenario_light import LampScene
 import numpy as np
 from plotly.graph_objects import Contour, Figure, Scatter
 
@@ -37,7 +39,9 @@ def draw_room(figure: Figure, scenario: Scenario, height: float) -> None:
         type='rect', x0=-length / 2, x1=length / 2, y0=-width / 2, y1=width / 2,
         line={'color': WALL, 'width': 3}, layer='below',
     )  # fmt: skip
-    draw_goal(figure, scenario)
+    draw_goals(figure, scenario)
+    for name, lamp in scenario.lamps.items():
+        draw_lamp(figure, name, lamp)
     x, y = scenario.start.position.vector
     figure.add_trace(
         Scatter(
@@ -48,41 +52,44 @@ def draw_room(figure: Figure, scenario: Scenario, height: float) -> None:
     word(figure, (x, y), 'start', INK, 0, -16)
 
 
-def draw_goal(figure: Figure, scenario: Scenario) -> None:
-    """Draw the lamp, and the circle within which it counts as reached."""
-    x, y, _ = scenario.lamp.position.vector
-    radius, frequency = scenario.goal.radius.si, scenario.lamp.frequency.si
-    ahead, left, _ = scenario.lamp.facing.vector
-    facing = math.degrees(math.atan2(left, ahead))
-    figure.add_shape(
-        type='circle', x0=x - radius, x1=x + radius, y0=y - radius, y1=y + radius,
-        line={'color': GOOD, 'width': 1.5, 'dash': 'dash'},
-    )  # fmt: skip
+def draw_goals(figure: Figure, scenario: Scenario) -> None:
+    """Draw the circle within which each lamp of the route, or the one lamp, counts as reached."""
+    radius = scenario.goal.radius.si
+    for x, y in dict.fromkeys(stop.position.vector[:2] for stop in scenario.stops):
+        figure.add_shape(
+            type='circle', x0=x - radius, x1=x + radius, y0=y - radius, y1=y + radius,
+            line={'color': GOOD, 'width': 1.5, 'dash': 'dash'},
+        )  # fmt: skip
+        word(figure, (x, y - radius), f'goal: within {radius:g} m', GOOD, 0, -10)
+
+
+def draw_lamp(figure: Figure, name: str, lamp: LampScene) -> None:
+    """Draw a lamp as it faces."""
+    x, y, _ = lamp.position.vector
+    ahead, left, _ = lamp.facing.vector
+    facing, frequency = math.degrees(math.atan2(left, ahead)), lamp.frequency.si
     figure.add_trace(
         Scatter(
-            x=[x], y=[y], mode='markers', name='lamp',
+            x=[x], y=[y], mode='markers', name=name,
             marker={
                 'symbol': 'triangle-up', 'size': 15, 'color': LAMP,
                 'angle': 90.0 - facing, 'line': {'color': PAPER, 'width': 1.5},
             },
-            hovertemplate=f'lamp, {frequency:g} Hz<extra></extra>',
+            hovertemplate=f'{name}, {frequency:g} Hz<extra></extra>',
         )
     )  # fmt: skip
-    word(figure, (x, y), f'lamp<br>{frequency:g} Hz', LAMP, 30, 0)
-    word(figure, (x, y - radius), f'goal: within {radius:g} m', GOOD, 0, -10)
+    word(figure, (x, y), f'{name}<br>{frequency:g} Hz', LAMP, 30, 0)
 
 
 def glow(scenario: Scenario, height: float) -> Contour:
-    """Return the lamp's direct light at a height, a shade for each factor of two."""
+    """Return the direct light of all lamps at a height, a shade for each factor of two."""
     length, width, _ = scenario.room.size.vector
     x, y = (
         np.linspace(-side / 2, side / 2, min(round(side / CELL), MOST_CELLS) + 1)
         for side in (length, width)
     )
     points = np.stack([*np.meshgrid(x, y), np.full((len(y), len(x)), height)], axis=-1)
-    towards = np.array(scenario.lamp.position.vector) - points
-    towards /= np.maximum(np.linalg.norm(towards, axis=-1, keepdims=True), CELL)
-    light = direct(scenario.light_field.lamp, points, towards)
+    light = sum(facing(lamp, points) for lamp in scenario.light_field.lamps)
     return Contour(
         x=x.astype(np.float32),
         y=y.astype(np.float32),
@@ -96,3 +103,25 @@ def glow(scenario: Scenario, height: float) -> Contour:
         line={'width': 0},
         hoverinfo='skip',
     )
+
+
+def facing(lamp: Lamp, points: Array) -> Array:
+    """
+    Return the light of a lamp on planes that face it.
+
+    Parameters
+    ----------
+    lamp : Lamp
+        The lamp.
+    points : ndarray, shape (..., 3)
+        Where. [m, map]
+
+    Returns
+    -------
+    ndarray, shape (...)
+        [lx]
+
+    """
+    towards = np.array(lamp.position) - points
+    towards /= np.maximum(np.linalg.norm(towards, axis=-1, keepdims=True), CELL)
+    return direct(lamp, points, towards)

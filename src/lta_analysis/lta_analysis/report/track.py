@@ -1,7 +1,8 @@
 """The flight as the page replays it: a few numbers at even instants."""
 
 from lta_analysis.report.curves import Array, sampled
-from lta_analysis.report.results import direction, distance, phases_of
+from lta_analysis.report.goal import direction, distance
+from lta_analysis.report.results import phases_of
 from lta_analysis.report.view import View
 from lta_sim.hull import half_axes
 import numpy as np
@@ -31,11 +32,11 @@ def track_of(view: View) -> dict[str, list[float | None]]:
         part: sampled(time, truth.time, getattr(truth, part))
         for part in ('x', 'y', 'z', 'yaw', 'speed')
     }
-    columns['distance'] = sampled(time, truth.time, distance(truth, view.lamp))
+    columns['distance'] = sampled(time, truth.time, distance(view, truth))
     if view.has('light/bearing'):
         columns['bearing'] = latest(time, *view.bearing)
     elif view.lamp is not None:
-        columns['bearing'] = sampled(time, truth.time, direction(truth, view.lamp))
+        columns['bearing'] = sampled(time, truth.time, direction(view, truth))
     if view.has('light/peaks'):
         when, parts = view.peaks
         columns['snr'] = latest(time, when, parts['snr'].max(axis=1))

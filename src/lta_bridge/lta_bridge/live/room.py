@@ -1,4 +1,4 @@
-"""The world of a scenario as shapes in the map frame: walls, the lamp and its light, the goal."""
+"""The world of a scenario as shapes in the map frame: walls, lamps with their light, goals."""
 
 import math
 from typing import Final
@@ -19,6 +19,7 @@ from lta_bridge.live.shapes import (
 )
 from lta_sim.light.lamp import Lamp
 from lta_sim.scenario import Scenario
+from lta_sim.scenario_light import LampScene
 
 MAP: Final = 'map'
 FLOOR: Final[Colour] = (0.50, 0.52, 0.55, 0.25)
@@ -40,7 +41,8 @@ def half_power(lamp: Lamp) -> float:
 
 def standing(scenario: Scenario) -> list[Entity]:
     """Return everything of a scenario that never moves."""
-    return [walls(scenario), lamp(scenario), goal(scenario)]
+    lamps = [lamp(name, scene) for name, scene in scenario.lamps.items()]
+    return [walls(scenario), *lamps, goals(scenario)]
 
 
 def walls(scenario: Scenario) -> Entity:
@@ -68,9 +70,9 @@ def _edges(x: float, y: float, height: float) -> list[Three]:
     return points
 
 
-def lamp(scenario: Scenario) -> Entity:
-    """Return the lamp, and the cone in which it is at least half as bright as ahead."""
-    source = scenario.light_field.lamp
+def lamp(name: str, scene: LampScene) -> Entity:
+    """Return a lamp, and the cone in which it is at least half as bright as ahead."""
+    source = scene.lamp
     place = three(source.position)
     size = math.hypot(*source.axis)
     axis = three(tuple(number / size for number in source.axis))
@@ -82,16 +84,21 @@ def lamp(scenario: Scenario) -> Entity:
         along(Z, axis),
         bottom=0.0,
     )
-    words = Label(shifted(place, Z, 0.3), f'{scenario.lamp.frequency.si:g} Hz', 0.15, LAMP)
-    return Entity('lamp', MAP, (Ellipsoid(place, (BULB, BULB, BULB), LAMP), cone, words))
+    words = Label(shifted(place, Z, 0.3), f'{name}, {scene.frequency.si:g} Hz', 0.15, LAMP)
+    shapes = Ellipsoid(place, (BULB, BULB, BULB), LAMP), cone, words
+    return Entity(f'lamp/{name}', MAP, shapes)
 
 
-def goal(scenario: Scenario) -> Entity:
-    """Return the circle on the floor within which the lamp counts as reached."""
-    x, y, _ = scenario.lamp.position.vector
+def goals(scenario: Scenario) -> Entity:
+    """Return the circles on the floor within which the lamps of the route count as reached."""
     radius = scenario.goal.radius.si
     angles = [2.0 * math.pi * k / CORNERS for k in range(CORNERS + 1)]
-    points = tuple(
-        (x + radius * math.cos(angle), y + radius * math.sin(angle), 0.0) for angle in angles
-    )
-    return Entity('goal', MAP, (Line(points, 0.02, GOAL),))
+    circles = [
+        Line(
+            tuple((x + radius * math.cos(a), y + radius * math.sin(a), 0.0) for a in angles),
+            0.02,
+            GOAL,
+        )
+        for x, y in dict.fromkeys(stop.position.vector[:2] for stop in scenario.stops)
+    ]
+    return Entity('goal', MAP, tuple(circles))

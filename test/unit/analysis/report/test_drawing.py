@@ -9,7 +9,7 @@ from lta_analysis.report.moments import moments
 from lta_analysis.report.panels import light, path
 from lta_analysis.report.panels.registry import PANELS
 from lta_analysis.report.rays import graded
-from lta_analysis.report.room import CELL, glow, MOST_CELLS
+from lta_analysis.report.room import BRIGHTEST, CELL, glow, MOST_CELLS
 from lta_analysis.report.view import of_wanted, View
 from lta_sim.scenario import load_scenario
 from lta_vlc.spectrum import amplitude_spectrum
@@ -143,6 +143,15 @@ def test_a_hall_is_shaded_in_larger_cells():
     drawn = glow(hall, 0.5)
     assert (len(drawn.x), len(drawn.y)) == (MOST_CELLS + 1, round(8 / CELL) + 1)
     assert (drawn.x[0], drawn.x[-1]) == (-200.0, 200.0)
+
+
+def test_the_floor_is_lit_by_every_lamp():
+    patrol = load_scenario('warehouse_patrol')
+    drawn = glow(patrol, 0.5)
+    places = [lamp.position.vector[:2] for lamp in patrol.lamps.values()]
+    at = [drawn.z[np.abs(drawn.y - y).argmin(), np.abs(drawn.x - x).argmin()] for x, y in places]
+    assert min(at) > BRIGHTEST  # half a metre above 10,000 lm
+    assert drawn.z[0, 0] < BRIGHTEST  # a corner
 
 
 def test_single_blocks_are_those_of_the_whole_topic(view):

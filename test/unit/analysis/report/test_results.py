@@ -4,8 +4,9 @@ import math
 
 from lta_analysis.bag import open_flight
 from lta_analysis.report.curves import held, Track
+from lta_analysis.report.goal import wrapped
 from lta_analysis.report.outcome import tiles
-from lta_analysis.report.results import Results, results_of, wrapped
+from lta_analysis.report.results import Results, results_of
 from lta_analysis.report.view import View
 from lta_config.errors import BadInput
 import numpy as np

@@ -2,8 +2,8 @@
 
 from lta_analysis.report.curves import sampled
 from lta_analysis.report.drawing import extent, Label, label_ends, line, over_time
+from lta_analysis.report.goal import direction, wrapped
 from lta_analysis.report.palette import ESTIMATE, LAMP, SETPOINT, TRUTH
-from lta_analysis.report.results import direction, wrapped
 from lta_analysis.report.view import View
 import numpy as np
 from plotly.graph_objects import Figure
@@ -17,7 +17,7 @@ def picture(view: View) -> Figure:
     labels = [Label('truth', heading[-1], TRUTH)]
     shown = [heading]
     if view.lamp is not None:
-        lamp = heading + np.degrees(direction(truth, view.lamp))
+        lamp = heading + np.degrees(direction(view, truth))
         figure.add_trace(line('to the lamp', truth.time, lamp, LAMP, unit='°', width=1.2))
         labels.append(Label('to the lamp', lamp[-1], LAMP))
         shown.append(lamp)
