@@ -3,10 +3,13 @@
 import math
 from pathlib import Path
 import sys
+from types import SimpleNamespace
 
-from lta_config.topics import topic_table
+from lta_config.topics import robot_topic, topic_table
+from lta_config.vehicle_file import load_vehicle_file
 from lta_graph.ros.message_types import message_type
 from lta_graph.ros.stamps import from_stamp
+from lta_sim.scenario import load_scenario
 import numpy as np
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
@@ -16,9 +19,13 @@ sys.path.append(str(FOLDER))
 
 from chaos_spoilt import AGE_NS, spoil, SPOILT  # noqa: E402
 import reliability  # noqa: E402
+import soak  # noqa: E402
+from soak_flight import endless  # noqa: E402
+from soak_latency import STAMP  # noqa: E402
 from soak_memory import LEAK, slope_of  # noqa: E402
 
-TOPICS = topic_table().topics
+TABLE = topic_table()
+TOPICS = TABLE.topics
 
 
 @pytest.mark.parametrize('kind', SPOILT)
@@ -71,3 +78,45 @@ def test_a_leak_is_told_from_noise(leak, flat):
     found = slope_of(times, 100.0 + noise + leak * times / 3600.0)
     assert found.flat == flat
     assert abs(found.slope - leak) < 2.0 * found.within
+
+
+def test_the_soak_flies_for_longer_than_a_day(tmp_path):
+    scene, vehicle, strategy = (each.split(':=')[1] for each in endless(tmp_path))
+    scenario = load_scenario(scene)
+    assert scenario.goal.time_limit.si == 86400.0
+    assert len(scenario.route) * 29.0 > 86400.0  # 7 m at less than 0.25 m/s
+    assert scenario.room.walls == 'solid'  # nobody escapes
+    assert load_vehicle_file(vehicle).energy.battery.capacity.si == 250.0 * 3600.0  # C
+    assert strategy == 'homing'
+
+
+STEPS = 100  # of control, in a bag of one second
+
+
+def of_one_second(topic, row):
+    """Return the messages of a topic in a bag of one second: topic, log time, bytes."""
+    stamps = range(TABLE.start_ns, TABLE.start_ns + STEPS * TABLE.control_ns, row.period_ns)
+    return [(topic, at, bytes(4) + STAMP.pack(*divmod(at, 1_000_000_000))) for at in stamps]
+
+
+@pytest.mark.parametrize(
+    ('spoilt', 'word'),
+    [
+        (lambda found: found, ''),
+        (lambda found: found[:50] + found[51:], 'is due'),
+        (lambda found: found[:50] + found[49:], 'is due'),
+        (lambda found: found[:60], 'ended early'),
+        (lambda found: found[40:], 'began late'),
+        (lambda found: [], 'began late'),
+    ],
+)
+@pytest.mark.parametrize('name', ['imu', 'motors', 'ground_truth/odom'])
+def test_the_soak_sees_each_message_that_is_not_there(monkeypatch, tmp_path, name, spoilt, word):
+    told = []
+    for other in soak.PERIODIC:
+        topic = robot_topic(soak.ROBOT, other)
+        whole = of_one_second(topic, TABLE[other])
+        told += spoilt(whole) if other == name else whole
+    bag = SimpleNamespace(complete=True, messages=lambda names: iter(told))
+    monkeypatch.setattr(soak, 'read_bag', lambda path: bag)
+    assert (word in soak.lost(tmp_path, STEPS)) if word else not soak.lost(tmp_path, STEPS)
