@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+import tracemalloc
 
 from lta_bridge.bag import BagWriter, free_space, offered_qos, storage, StorageFault
 from lta_config.errors import BadInput
@@ -286,6 +287,26 @@ def test_chunks_close_by_themselves_and_out_of_order_times_count(tmp_path):
     assert (statistics.message_start_time, statistics.message_end_time) == (100, 900)
     with Reader(tmp_path / 'bag') as reader:
         assert (reader.start_time, reader.duration) == (100, 801)
+
+
+def test_a_long_recording_keeps_of_each_chunk_only_what_the_summary_will_say(tmp_path):
+    """Hours of a flight with a flush each second: 24 topics in every chunk."""
+    names = [f'/t{k}' for k in range(24)]
+    chunks = 1000
+    with BagWriter(tmp_path / 'bag', {}) as bag:
+        for name in names:
+            bag.add_topic(name, 'std_msgs/msg/Bool', [])
+        tracemalloc.start()
+        for k in range(chunks):
+            if k == chunks // 10:  # whatever is made once has been made
+                before = tracemalloc.get_traced_memory()[0]
+            for name in names:
+                bag.write(name, b'\x00\x01\x00\x00\x01', k)
+            bag.flush()
+        held = tracemalloc.get_traced_memory()[0] - before
+        tracemalloc.stop()
+        said = 24 * 10 + 80  # bytes of a chunk's index: ten a topic and the head
+        assert held / (0.9 * chunks) < 1.5 * said  # a growing array has room to spare
 
 
 def test_small_messages_cost_little(tmp_path):

@@ -6,7 +6,7 @@ with it. Format: https://mcap.dev/spec.
 """
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import final
 import zlib
@@ -18,7 +18,6 @@ from lta_bridge.bag.storage import RecordFile
 from mcap.opcode import Opcode
 from mcap.records import (
     Channel,
-    ChunkIndex,
     DataEnd,
     Footer,
     Header,
@@ -53,7 +52,10 @@ class McapFile:
         self._builder = ChunkBuilder()
         self._schemas: dict[Definition, Schema] = {}
         self._channels: list[Channel] = []
-        self._chunks: list[ChunkIndex] = []
+        # As the summary will hold it: as objects it would take ten times the memory.
+        self._chunk_index = bytearray()
+        self._chunks = 0
+        self._span: tuple[int, int] | None = None
         self._metadata: list[MetadataIndex] = []
         self._summary_size = 0
         self.counts: Counter[int] = Counter()
@@ -71,12 +73,12 @@ class McapFile:
     @property
     def start(self) -> int:
         """Earliest log time in the file. [ns]"""
-        return min((chunk.message_start_time for chunk in self._chunks), default=0)
+        return 0 if self._span is None else self._span[0]
 
     @property
     def end(self) -> int:
         """Latest log time in the file. [ns]"""
-        return max((chunk.message_end_time for chunk in self._chunks), default=0)
+        return 0 if self._span is None else self._span[1]
 
     @property
     def summary_size(self) -> int:
@@ -144,9 +146,13 @@ class McapFile:
         """Hand a whole chunk to the operating system; its channels must have been announced."""
         chunk = sealed.at(self._file.size)
         self._file.append(chunk.data)
-        self._chunks.append(chunk.index)
+        index = encoded([chunk.index])
+        self._chunk_index += index
+        self._chunks += 1
+        self._summary_size += len(index)
+        start, end = self._span or (sealed.start, sealed.end)
+        self._span = min(start, sealed.start), max(end, sealed.end)
         self.counts.update(chunk.counts)
-        self._summary_size += len(encoded([chunk.index]))
 
     def close(self, *, sync: bool = True) -> None:
         """Write the summary of what reached the disk, and close the file; see `RecordFile`."""
@@ -165,7 +171,7 @@ class McapFile:
             attachment_count=0,
             channel_count=len(self._channels),
             channel_message_counts=dict(self.counts),
-            chunk_count=len(self._chunks),
+            chunk_count=self._chunks,
             message_count=self.counts.total(),
             message_end_time=self.end,
             message_start_time=self.start,
@@ -177,16 +183,15 @@ class McapFile:
         """Return everything from the end of the data to the end of the file."""
         ending = encoded([DataEnd(0)])
         start = offset + len(ending)
-        groups: dict[Opcode, Iterable[McapRecord]] = {
-            Opcode.SCHEMA: self._schemas.values(),
-            Opcode.CHANNEL: self._channels,
-            Opcode.STATISTICS: [self._statistics()],
-            Opcode.CHUNK_INDEX: self._chunks,
-            Opcode.METADATA_INDEX: self._metadata,
+        groups = {
+            Opcode.SCHEMA: encoded(self._schemas.values()),
+            Opcode.CHANNEL: encoded(self._channels),
+            Opcode.STATISTICS: encoded([self._statistics()]),
+            Opcode.CHUNK_INDEX: bytes(self._chunk_index),
+            Opcode.METADATA_INDEX: encoded(self._metadata),
         }
         body, places = b'', []
-        for opcode, records in groups.items():
-            data = encoded(records)
+        for opcode, data in groups.items():
             if data:
                 places.append(SummaryOffset(opcode, start + len(body), len(data)))
             body += data
