@@ -4,10 +4,10 @@ How long a step takes through a graph in lockstep, by the times at which its nod
 DDS sends with each message when it was written: whoever looks on may get it late, and out of turn.
 """
 
-import struct
 import time
 from typing import Final, Self
 
+from lta_bridge.bookkeeping import stamp_of
 from lta_config.topics import topic_table
 from lta_graph.ros.command_line import join
 from lta_graph.ros.message_types import message_type
@@ -19,14 +19,7 @@ from rclpy.node import Node
 
 TABLE: Final = topic_table()
 ENDS: Final = ('imu', 'motors')  # of a step
-STAMP: Final = struct.Struct('<iI')  # of a header, behind the four bytes that tell the encoding
 NAP: Final = 0.001  # s
-
-
-def stamp_of(data: bytes) -> int:
-    """Return the stamp of a message that begins with a header. [ns]"""
-    seconds, nanoseconds = STAMP.unpack_from(data, 4)
-    return int(seconds) * 1_000_000_000 + int(nanoseconds)
 
 
 class Latency:
@@ -73,7 +66,7 @@ class Latency:
             for (handle, kind), name in zip(readers, ENDS, strict=True):
                 while (taken := handle.take_message(kind, True)) is not None:
                     data, about = taken
-                    written[name][stamp_of(data)] = about['source_timestamp']
+                    written[name][stamp_of(data) or 0] = about['source_timestamp']
                     found += 1
             if not found:
                 time.sleep(NAP)

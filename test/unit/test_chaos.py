@@ -2,6 +2,7 @@
 
 import math
 from pathlib import Path
+import struct
 import sys
 from types import SimpleNamespace
 
@@ -21,7 +22,6 @@ from chaos_spoilt import AGE_NS, spoil, SPOILT  # noqa: E402
 import reliability  # noqa: E402
 import soak  # noqa: E402
 from soak_flight import endless  # noqa: E402
-from soak_latency import STAMP  # noqa: E402
 from soak_memory import LEAK, slope_of  # noqa: E402
 
 TABLE = topic_table()
@@ -96,7 +96,8 @@ STEPS = 100  # of control, in a bag of one second
 def of_one_second(topic, row):
     """Return the messages of a topic in a bag of one second: topic, log time, bytes."""
     stamps = range(TABLE.start_ns, TABLE.start_ns + STEPS * TABLE.control_ns, row.period_ns)
-    return [(topic, at, bytes(4) + STAMP.pack(*divmod(at, 1_000_000_000))) for at in stamps]
+    head = b'\x00\x01\x00\x00'  # little-endian
+    return [(topic, 0, head + struct.pack('<iI', *divmod(at, 1_000_000_000))) for at in stamps]
 
 
 @pytest.mark.parametrize(
@@ -120,3 +121,14 @@ def test_the_soak_sees_each_message_that_is_not_there(monkeypatch, tmp_path, nam
     bag = SimpleNamespace(complete=True, messages=lambda names: iter(told))
     monkeypatch.setattr(soak, 'read_bag', lambda path: bag)
     assert (word in soak.lost(tmp_path, STEPS)) if word else not soak.lost(tmp_path, STEPS)
+
+
+@pytest.mark.parametrize('name', ['light/beacon', 'energy/reserve'])
+def test_the_soak_counts_what_has_no_stamp(monkeypatch, tmp_path, name):
+    told = []
+    for other in soak.PERIODIC:
+        whole = of_one_second(robot_topic(soak.ROBOT, other), TABLE[other])
+        told += whole[2:] if other == name else whole
+    bag = SimpleNamespace(complete=True, messages=lambda names: iter(told))
+    monkeypatch.setattr(soak, 'read_bag', lambda path: bag)
+    assert f'/lta1/{name} has 8 messages' in soak.lost(tmp_path, STEPS)

@@ -12,10 +12,10 @@ from lta_analysis.report.curves import (
     Motion,
     moved,
     pointed,
-    Spot,
     through_air,
     Track,
 )
+from lta_analysis.report.goal import Goal
 from lta_analysis.report.scene import Scene
 from lta_analysis.report.view import half_block
 from lta_control.autopilot import ESTIMATE
@@ -35,6 +35,7 @@ class Block(NamedTuple):
     bearing: tuple[float, float]  # the paper's vector; (0, 0) is none
     lamp: tuple[float, float]  # where it is taken to be [m, body]; (0, 0) is nowhere
     snr: NDArray[np.float64]  # of each diode
+    frequency: NDArray[np.float64]  # of each diode's peak [Hz]
     altitude: float  # [m]
     speed: float  # [m/s]
 
@@ -56,8 +57,6 @@ class LoopView:
         world = loop.world
         self._start = world.stamp_ns
         self.scene = Scene(world.scenario, world.vehicle.file)
-        x, y, _ = world.scenario.lamp.position.vector
-        self.lamp: Spot | None = Spot(x, y)
         self._times: list[float] = []
         self._truth: list[tuple[float, ...]] = []
         self._winds: list[tuple[float, ...]] = []
@@ -80,6 +79,7 @@ class LoopView:
                 bearing=(0.0, 0.0) if found is None else (found.x, found.y),
                 lamp=(0.0, 0.0) if lamp is None else (lamp.x, lamp.y),
                 snr=loop.light.peaks.snr.astype(np.float32).astype(np.float64),
+                frequency=loop.light.peaks.frequency,
                 altitude=asked.altitude,
                 speed=asked.speed,
             )
@@ -97,6 +97,11 @@ class LoopView:
     def span(self) -> tuple[float, float]:
         """First and last instant. [s]"""
         return self._times[0], self._times[-1]
+
+    @cached_property
+    def goal(self) -> Goal:
+        """The lamps to be reached, and when each was."""
+        return Goal(self.scene.scenario, self.truth)
 
     @cached_property
     def truth(self) -> Motion:
@@ -129,8 +134,12 @@ class LoopView:
 
     @cached_property
     def peaks(self) -> Points:
-        """SNR of each diode, at the middle of its block."""
-        return Points(self._middle, {'snr': np.array([block.snr for block in self._light])})
+        """SNR and frequency of each diode's peak, at the middle of its block."""
+        names = ('snr', 'frequency')
+        fields = {
+            name: np.array([getattr(block, name) for block in self._light]) for name in names
+        }
+        return Points(self._middle, fields)
 
     @cached_property
     def sighting(self) -> Arrow:

@@ -1,7 +1,8 @@
 """
 The scenario file: the world a flight happens in, its start and its goal.
 
-A scene has one lamp under `lamp`, or several by name under `lamps`; the goal is the first of them.
+A scene has one lamp under `lamp`, or several by name under `lamps`; the goal is the first of them,
+or all of a route.
 Map frame: origin on the floor at the centre of the room, ENU, z up.
 """
 
@@ -146,6 +147,12 @@ class Scenario(Record):
         """The lamps to reach, in order."""
         names = self.route or tuple(self.lamps)[:1]
         return tuple(self.lamps[name] for name in names)
+
+    @property
+    def goal_places(self) -> tuple[tuple[float, float], ...]:
+        """Where the lamps to reach stand on the floor plan, each once. [m, map]"""
+        places = (stop.position.vector for stop in self.stops)
+        return tuple(dict.fromkeys((x, y) for x, y, _ in places))
 
     @property
     def beacons(self) -> tuple[tuple[str, float], ...]:

@@ -191,7 +191,7 @@ class World:
 
     @property
     def distance(self) -> float:
-        """Horizontal distance from the hull centre to the lamp. [m]."""
+        """Horizontal distance from the hull centre to the lamp that is next. [m]."""
         return self._referee.distance(float(self.state[0]), float(self.state[1]))
 
     @property

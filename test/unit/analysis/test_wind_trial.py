@@ -39,6 +39,12 @@ def test_the_wind_blows_from_the_lamp_to_the_start(flight):
     assert abs(over.profile.towards.si) == pytest.approx(math.pi)
 
 
+def test_on_a_route_it_blows_from_the_first_lamp():
+    made_of = gather('gtmab', 'warehouse', 'homing', 'gtmab')  # from (-9, -2) to (-3, -2)
+    air = Scenario.model_validate(blowing(made_of, 2.0, Ground(None)).contents['scenario']).air
+    assert air.wind.vector == pytest.approx((-2.0, 0.0, 0.0), abs=1e-12)
+
+
 def made_up(monkeypatch, limit_of):
     """Fly nothing: a wind is flyable below a limit that depends on airspeed and seed."""
     flown = []

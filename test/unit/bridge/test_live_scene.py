@@ -117,10 +117,11 @@ def test_the_cone_begins_at_the_lamp_and_opens_along_its_axis():
     entity = lamp('lamp', ROOM.lamps['lamp'])
     (cone,) = shapes(entity, Cylinder)
     assert (cone.bottom, cone.top) == (0.0, 1.0)
+    assert math.hypot(cone.size[0] / 2, cone.size[2]) == pytest.approx(1.0)  # along its edge
     tip = np.array(cone.place) + applied(cone.turn, (0.0, 0.0, -cone.size[2] / 2))
     mouth = np.array(cone.place) + applied(cone.turn, (0.0, 0.0, cone.size[2] / 2))
     assert tip == pytest.approx((3.5, 0.0, 1.0))
-    assert mouth - tip == pytest.approx((-1.0, 0.0, 0.0), abs=1e-9)
+    assert mouth - tip == pytest.approx((-0.5, 0.0, 0.0), abs=1e-9)
     opening = 2.0 * math.atan2(cone.size[0] / 2, cone.size[2])
     assert math.degrees(opening) == pytest.approx(120.0)
     assert [label.text for label in shapes(entity, Label)] == ['lamp, 150 Hz']
@@ -132,6 +133,8 @@ def test_every_lamp_stands_and_every_stop_of_the_route_has_its_circle():
     assert list(things) == ['room', 'lamp/dock', 'lamp/aisle', 'lamp/gate', 'goal']
     bulbs = [shapes(things[f'lamp/{name}'], Ellipsoid)[0].place for name in patrol.lamps]
     assert bulbs == [(-3.5, -2.0, 0.1), (3.5, -2.0, 0.1), (0.0, 4.0, 0.1)]
+    cones = [shapes(things[f'lamp/{name}'], Cylinder)[0] for name in patrol.lamps]
+    assert max(cone.size[0] for cone in cones) < 2.0  # of lanterns that shine nearly sideways
     aisle, gate = shapes(things['goal'], Line)  # dock is on no route
     assert aisle.points[0] == pytest.approx((4.5, -2.0, 0.0))
     assert gate.points[0] == pytest.approx((1.0, 4.0, 0.0))

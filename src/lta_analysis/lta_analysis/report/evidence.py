@@ -3,7 +3,8 @@
 from typing import Protocol
 
 from lta_analysis.bag.flight import Points
-from lta_analysis.report.curves import Arrow, Electricity, Motion, Spot, Track
+from lta_analysis.report.curves import Arrow, Electricity, Motion, Track
+from lta_analysis.report.goal import Goal
 from lta_analysis.report.scene import Scene
 
 
@@ -25,8 +26,8 @@ class Evidence(Protocol):
         ...
 
     @property
-    def lamp(self) -> Spot | None:
-        """Where the lamp is."""
+    def goal(self) -> Goal:
+        """The lamps to be reached, and when each was."""
         ...
 
     @property
@@ -51,7 +52,7 @@ class Evidence(Protocol):
 
     @property
     def peaks(self) -> Points:
-        """Amplitude and SNR of each diode, at the middle of its block."""
+        """SNR and frequency of each diode's peak, at the middle of its block."""
         ...
 
     @property

@@ -3,7 +3,6 @@
 from typing import Final, NamedTuple
 
 from lta_analysis.report.curves import Array, sampled
-from lta_analysis.report.goal import distance
 from lta_analysis.report.palette import ESTIMATE, TRUTH
 from lta_analysis.report.results import phases_of
 from lta_analysis.report.view import View
@@ -42,7 +41,7 @@ def moments(view: View) -> list[Moment]:
 
 def where(view: View, time: float) -> str:
     """Return in words how far from the lamp the drone is."""
-    if view.lamp is None or not view.has('ground_truth/odom'):
+    if not view.goal.places or not view.has('ground_truth/odom'):
         return f'at {time:.1f} s'
-    away = distance(view, view.truth)
+    away = view.goal.distance(view.truth)
     return f'{float(sampled(np.array([time]), view.truth.time, away)[0]):.1f} m away'

@@ -55,13 +55,16 @@ def sentence(results: Results) -> str:
     """Return the outcome in one sentence."""
     if results.success is None:
         return 'A flight was recorded; whether it reached a lamp, its bag does not tell'
-    if not results.success and results.closest is None:
-        return 'The drone did not reach the lamp: one before it on the route was not reached'
-    if not results.success:
-        near = amount(results.closest, 'm', 1)
-        return f'The drone did not reach the lamp: it came no nearer than {near}'
+    count, near = int(results.lamps or 1), amount(results.closest, 'm', 1)
     time, path = amount(results.search_time, 's', 1), amount(results.path_length, 'm', 1)
-    return f'The drone found the lamp and reached it in {time} over {path}'
+    if count > 1 and results.success:
+        return f'The drone reached all {count} lamps of its route in {time} over {path}'
+    if count > 1:
+        reached = f'{results.lamps_reached:.0f} of the {count} lamps of its route'
+        return f'The drone reached {reached}, and came no nearer to the next than {near}'
+    if results.success:
+        return f'The drone found the lamp and reached it in {time} over {path}'
+    return f'The drone did not reach the lamp: it came no nearer than {near}'
 
 
 def tiles(results: Results) -> list[Tile]:
@@ -72,7 +75,8 @@ def tiles(results: Results) -> list[Tile]:
         Tile('Time to the lamp', number(r.search_time, 1), 's',
              f'{amount(r.flight_time, "s", 1)} from leaving the ground'),
         Tile('Path', number(r.path_length), 'm',
-             f'straight line to the goal {amount(r.straight_length, "m")}'),
+             f'{"shortest way" if (r.lamps or 1) > 1 else "straight line"} to the goal '
+             f'{amount(r.straight_length, "m")}'),
         Tile('Airspeed', number(r.airspeed), 'm/s',
              f'true mean, \N{PLUS-MINUS SIGN} {number(r.airspeed_spread)} over the cruise'),
         Tile('Altitude', number(r.altitude), 'm',

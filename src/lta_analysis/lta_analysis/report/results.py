@@ -10,17 +10,9 @@ all before it. Truth comes from the simulator or a tracker.
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any, final, NamedTuple
 
-from lta_analysis.report.curves import Array, Arrow, held, sampled
+from lta_analysis.report.curves import Array, Arrow, held, Motion, sampled
 from lta_analysis.report.evidence import Evidence
-from lta_analysis.report.goal import (
-    arrivals,
-    direction,
-    distance,
-    stops,
-    straight,
-    turn,
-    wrapped,
-)
+from lta_analysis.report.goal import wrapped
 import numpy as np
 from numpy.typing import NDArray
 
@@ -41,7 +33,9 @@ def figure(unit: str, about: str) -> Any:  # noqa: ANN401 - a field of any type
 class Results:
     """The results of one flight; None is what its bag cannot tell. SI units, angles in rad."""
 
-    success: bool | None = figure('', 'came within the goal radius')
+    success: bool | None = figure('', 'came within the goal radius, of each lamp of the route')
+    lamps: float | None = figure('1', 'lamps that were to be reached')
+    lamps_reached: float | None = figure('1', 'those that were, in their order')
     lift_off: float | None = figure('s', 'left the ground')
     search_start: float | None = figure('s', 'was first asked to fly forward')
     end: float | None = figure('s', 'reached the goal, or the end of the recording')
@@ -49,9 +43,9 @@ class Results:
     search_time: float | None = figure('s', 'from the first forward set-point to the goal')
     path_length: float | None = figure('m', 'true horizontal path to the goal')
     straight_length: float | None = figure(
-        'm', 'straight line from the start to the goal circle, over the lamps of the route'
+        'm', 'shortest way from the start to the goal circle, by those of the route'
     )
-    closest: float | None = figure('m', 'nearest to the lamp, horizontally, in its turn')
+    closest: float | None = figure('m', 'nearest to the lamp that was next at last, horizontally')
     airspeed: float | None = figure('m/s', 'true forward airspeed, mean over the cruise')
     airspeed_spread: float | None = figure('m/s', 'its standard deviation over the cruise')
     altitude: float | None = figure('m', 'true altitude of the hull centre, mean over the cruise')
@@ -122,8 +116,7 @@ def phases_of(view: Evidence) -> Phases:
     if view.has('ground_truth/odom'):
         truth = view.truth
         lift_off = first(truth.time, truth.z > truth.z[0] + LIFTED)
-        there = arrivals(view)
-        end = there[-1] if there and len(there) == len(stops(view)) else end
+        end = view.goal.arrivals[-1] if view.goal.reached else end
     if view.has('setpoint/velocity'):
         setpoint = view.speed_setpoint
         search = first(setpoint.time, setpoint.value > 0.0)
@@ -163,22 +156,24 @@ def mean(values: Array) -> float:
 
 def reached(view: Evidence, phases: Phases) -> dict[str, float | bool]:
     """Return whether, when and over which path the lamp was reached."""
-    if not view.has('ground_truth/odom') or view.lamp is None:
+    goal = view.goal
+    if goal.truth is None or not goal.places:
         return {}
-    truth = view.truth
-    last = len(stops(view)) - 1
-    away = distance(view, truth)[turn(view, truth.time) == last]
+    truth = goal.truth
+    next_lamp = min(len(goal.arrivals), len(goal.places) - 1)
+    away = goal.distance(truth)[goal.leg(truth.time) == next_lamp]
     flown = truth.time <= phases.end
     path = float(np.hypot(np.diff(truth.x[flown]), np.diff(truth.y[flown])).sum())
-    success = len(arrivals(view)) == len(stops(view))
-    end = phases.end if success else np.nan
+    end = phases.end if goal.reached else np.nan
     return {
-        'success': success,
+        'success': goal.reached,
+        'lamps': len(goal.places),
+        'lamps_reached': len(goal.arrivals),
         'flight_time': end - phases.lift_off,
         'search_time': end - phases.search,
         'path_length': path,
-        'straight_length': straight(view),
-        'closest': float(np.min(away)) if len(away) else np.nan,
+        'straight_length': goal.shortest,
+        'closest': float(np.nanmin(away)) if np.isfinite(away).any() else np.nan,
     }
 
 
@@ -193,7 +188,7 @@ def cruise(view: Evidence, phases: Phases) -> dict[str, float]:
         'airspeed': mean(speed),
         'airspeed_spread': float(np.std(speed)) if len(speed) else np.nan,
         'altitude': mean(height),
-        'heading_error': rms(direction(view, truth)[flown]),
+        'heading_error': rms(view.goal.direction(truth)[flown]),
     }
     if view.has('setpoint/pose'):
         found['altitude_error'] = rms(height - held(truth.time[flown], view.altitude_setpoint))
@@ -226,7 +221,18 @@ def aimed(view: Evidence, phases: Phases, arrow: Arrow) -> tuple[float, float]:
     truth = view.truth
     x, y, yaw = (sampled(time, truth.time, part) for part in (truth.x, truth.y, truth.yaw))
     there = truth._replace(time=time, x=x, y=y, yaw=yaw)
-    return rms(wrapped(angle - direction(view, there))[searched]), share
+    return rms(wrapped(angle - meant(view, there))[searched]), share
+
+
+def meant(view: Evidence, motion: Motion) -> Array:
+    """Return the direction to the lamp that the drone listens for, body frame. [rad]"""
+    if not view.has('light/peaks') or 'frequency' not in view.peaks.fields:
+        return view.goal.direction(motion)
+    time, parts = view.peaks
+    best = parts['snr'].argmax(axis=1)
+    frequency = parts['frequency'][np.arange(len(time)), best]
+    newest = np.searchsorted(time, motion.time, side='right') - 1
+    return view.goal.heard(motion, frequency[np.maximum(newest, 0)])
 
 
 def estimates(view: Evidence, phases: Phases) -> dict[str, float]:

@@ -53,9 +53,9 @@ def draw_room(figure: Figure, scenario: Scenario, height: float) -> None:
 
 
 def draw_goals(figure: Figure, scenario: Scenario) -> None:
-    """Draw the circle within which each lamp of the route, or the one lamp, counts as reached."""
+    """Draw the circle within which each lamp that is to be reached counts as reached."""
     radius = scenario.goal.radius.si
-    for x, y in dict.fromkeys(stop.position.vector[:2] for stop in scenario.stops):
+    for x, y in scenario.goal_places:
         figure.add_shape(
             type='circle', x0=x - radius, x1=x + radius, y0=y - radius, y1=y + radius,
             line={'color': GOOD, 'width': 1.5, 'dash': 'dash'},
@@ -89,12 +89,12 @@ def glow(scenario: Scenario, height: float) -> Contour:
         for side in (length, width)
     )
     points = np.stack([*np.meshgrid(x, y), np.full((len(y), len(x)), height)], axis=-1)
-    light = sum(facing(lamp, points) for lamp in scenario.light_field.lamps)
+    light = sum(lit(lamp, points) for lamp in scenario.light_field.lamps)
     return Contour(
         x=x.astype(np.float32),
         y=y.astype(np.float32),
         z=np.log2(np.maximum(light, 1.0)).astype(np.float32),
-        name='light of the lamp',
+        name='light of the lamps',
         colorscale=scale(GLOW),
         showscale=False,
         zmin=FAINTEST,
@@ -105,7 +105,7 @@ def glow(scenario: Scenario, height: float) -> Contour:
     )
 
 
-def facing(lamp: Lamp, points: Array) -> Array:
+def lit(lamp: Lamp, points: Array) -> Array:
     """
     Return the light of a lamp on planes that face it.
 

@@ -1,7 +1,6 @@
 """The flight as the page replays it: a few numbers at even instants."""
 
 from lta_analysis.report.curves import Array, sampled
-from lta_analysis.report.goal import direction, distance
 from lta_analysis.report.results import phases_of
 from lta_analysis.report.view import View
 from lta_sim.hull import half_axes
@@ -32,11 +31,11 @@ def track_of(view: View) -> dict[str, list[float | None]]:
         part: sampled(time, truth.time, getattr(truth, part))
         for part in ('x', 'y', 'z', 'yaw', 'speed')
     }
-    columns['distance'] = sampled(time, truth.time, distance(view, truth))
+    columns['distance'] = sampled(time, truth.time, view.goal.distance(truth))
     if view.has('light/bearing'):
         columns['bearing'] = latest(time, *view.bearing)
-    elif view.lamp is not None:
-        columns['bearing'] = sampled(time, truth.time, direction(view, truth))
+    elif view.goal.places:
+        columns['bearing'] = sampled(time, truth.time, view.goal.direction(truth))
     if view.has('light/peaks'):
         when, parts = view.peaks
         columns['snr'] = latest(time, when, parts['snr'].max(axis=1))

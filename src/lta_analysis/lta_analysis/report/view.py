@@ -22,10 +22,10 @@ from lta_analysis.report.curves import (
     Motion,
     moved,
     pointed,
-    Spot,
     through_air,
     Track,
 )
+from lta_analysis.report.goal import Goal
 from lta_analysis.report.scene import scene_of
 from lta_config.topics import topic_table
 import numpy as np
@@ -115,12 +115,9 @@ class View:
         return 0.0, 0.0 if bag.start is None or bag.end is None else (bag.end - bag.start) * 1e-9
 
     @cached_property
-    def lamp(self) -> Spot | None:
-        """Where the lamp is, if it is flown to."""
-        if self.scene.scenario is None or self.scene.scenario.course is not None:
-            return None
-        x, y, _ = self.scene.scenario.lamp.position.vector
-        return Spot(x, y)
+    def goal(self) -> Goal:
+        """The lamps to be reached, and when each was."""
+        return Goal(self.scene.scenario, self.truth if self.has('ground_truth/odom') else None)
 
     @cached_property
     def truth(self) -> Motion:
@@ -199,7 +196,7 @@ class View:
 
     @cached_property
     def peaks(self) -> Points:
-        """Amplitude [counts] and SNR of each diode for the wanted lamp, mid-block."""
+        """Amplitude [counts], SNR and frequency [Hz] of each diode, wanted lamp, mid-block."""
         points = self.flight.points('light/peaks')
         return Points(points.time + self.half_block, of_wanted(points.fields))
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import math
 from typing import Any, final
 
-from lta_analysis.ingredients import Ingredients, loop_of
+from lta_analysis.ingredients import Ingredients, loop_of, parts_of
 from lta_sim.readings import Outcome
 
 LATE = 20.0  # s, the last of a flight, in which it must come nearer
@@ -55,7 +55,9 @@ class Flyable:
 def blowing(made_of: Ingredients, wind: float, ground: Ground) -> Ingredients:
     """Return a flight in so much wind, from the lamp to the start; other air stays as it is."""
     scene: dict[str, Any] = made_of.contents['scenario']
-    (x, y), (u, v) = _two(scene['lamp']['position']), _two(scene['start']['position'])
+    _, scenario, _ = parts_of(made_of)
+    x, y = scenario.goal_places[0]
+    u, v = scenario.start.position.vector
     towards = math.atan2(v - y, u - x)
     even = wind if ground.roughness is None else 0.0
     air = {
@@ -75,12 +77,6 @@ def blowing(made_of: Ingredients, wind: float, ground: Ground) -> Ingredients:
 
 def _quantity(value: float | list[float], unit: str) -> dict[str, Any]:
     return {'value': value, 'unit': unit}
-
-
-def _two(place: Any) -> tuple[float, float]:  # noqa: ANN401 - what YAML holds
-    """Return the first two numbers of a place, in whatever unit."""
-    x, y, *_ = place['value']
-    return x, y
 
 
 def makes_way(made_of: Ingredients, seed: int) -> bool:

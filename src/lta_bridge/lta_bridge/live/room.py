@@ -30,7 +30,7 @@ BEAM: Final[Colour] = (1.0, 0.90, 0.40, 0.12)
 GOAL: Final[Colour] = (0.20, 0.65, 0.30, 1.0)
 THIN: Final = 0.01  # m, of a floor or wall
 BULB: Final = 0.12  # m across
-BEAM_LENGTH: Final = 1.0  # m, of the drawn cone: the light goes on
+BEAM_LENGTH: Final = 1.0  # m, of the edge of the drawn cone: the light goes on
 CORNERS: Final = 48  # of the circle around the goal
 
 
@@ -76,10 +76,11 @@ def lamp(name: str, scene: LampScene) -> Entity:
     place = three(source.position)
     size = math.hypot(*source.axis)
     axis = three(tuple(number / size for number in source.axis))
-    across = 2.0 * BEAM_LENGTH * math.tan(half_power(source))
+    edge = half_power(source)
+    across, ahead = 2.0 * BEAM_LENGTH * math.sin(edge), BEAM_LENGTH * math.cos(edge)
     cone = Cylinder(
-        shifted(place, axis, BEAM_LENGTH / 2),
-        (across, across, BEAM_LENGTH),
+        shifted(place, axis, ahead / 2),
+        (across, across, ahead),
         BEAM,
         along(Z, axis),
         bottom=0.0,
@@ -99,6 +100,6 @@ def goals(scenario: Scenario) -> Entity:
             0.02,
             GOAL,
         )
-        for x, y in dict.fromkeys(stop.position.vector[:2] for stop in scenario.stops)
+        for x, y in scenario.goal_places
     ]
     return Entity('goal', MAP, tuple(circles))

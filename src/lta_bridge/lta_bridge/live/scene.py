@@ -50,7 +50,7 @@ class Scene:
     vehicle : Vehicle
         Gives hull, parts, rotors and sensors.
     scenario : Scenario
-        Gives room, lamp and goal.
+        Gives room, lamps and goals.
 
     """
 

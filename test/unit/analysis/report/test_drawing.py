@@ -9,11 +9,12 @@ from lta_analysis.report.moments import moments
 from lta_analysis.report.panels import light, path
 from lta_analysis.report.panels.registry import PANELS
 from lta_analysis.report.rays import graded
-from lta_analysis.report.room import BRIGHTEST, CELL, glow, MOST_CELLS
+from lta_analysis.report.room import BRIGHTEST, CELL, draw_room, glow, MOST_CELLS
 from lta_analysis.report.view import of_wanted, View
 from lta_sim.scenario import load_scenario
 from lta_vlc.spectrum import amplitude_spectrum
 import numpy as np
+from plotly.graph_objects import Figure
 import pytest
 
 from ..report_flight import write_flight  # noqa: TID252 - `test` is Python's own
@@ -152,6 +153,17 @@ def test_the_floor_is_lit_by_every_lamp():
     at = [drawn.z[np.abs(drawn.y - y).argmin(), np.abs(drawn.x - x).argmin()] for x, y in places]
     assert min(at) > BRIGHTEST  # half a metre above 10,000 lm
     assert drawn.z[0, 0] < BRIGHTEST  # a corner
+
+
+def test_every_lamp_is_drawn_and_every_goal_has_its_circle():
+    patrol = load_scenario('warehouse_patrol')
+    figure = Figure()
+    draw_room(figure, patrol, 0.5)
+    names = [trace.name for trace in figure.data]
+    assert names == ['light of the lamps', 'dock', 'aisle', 'gate', 'start']
+    circles = [shape for shape in figure.layout.shapes if shape.type == 'circle']
+    middles = [((c.x0 + c.x1) / 2, (c.y0 + c.y1) / 2) for c in circles]
+    assert middles == [pytest.approx((3.5, -2.0)), pytest.approx((0.0, 4.0))]
 
 
 def test_single_blocks_are_those_of_the_whole_topic(view):

@@ -80,7 +80,7 @@ def picture(flown: Sequence[Drawn], scenario: Scenario, height: float) -> Figure
         constraintoward='top', **shared,
     )  # fmt: skip
     for trace in figure.data:
-        if trace.name in ('start', 'light of the lamp', *scenario.lamps):
+        if trace.name in ('start', 'light of the lamps', *scenario.lamps):
             trace.showlegend = False
     return figure.update_layout(
         hovermode='closest', showlegend=True, legend=LEGEND,

@@ -2,7 +2,7 @@
 
 from lta_analysis.report.curves import sampled
 from lta_analysis.report.drawing import extent, Label, label_ends, line, over_time
-from lta_analysis.report.goal import direction, wrapped
+from lta_analysis.report.goal import wrapped
 from lta_analysis.report.palette import ESTIMATE, LAMP, SETPOINT, TRUTH
 from lta_analysis.report.view import View
 import numpy as np
@@ -16,8 +16,8 @@ def picture(view: View) -> Figure:
     heading = np.degrees(truth.yaw)
     labels = [Label('truth', heading[-1], TRUTH)]
     shown = [heading]
-    if view.lamp is not None:
-        lamp = heading + np.degrees(direction(view, truth))
+    if view.goal.places:
+        lamp = heading + np.degrees(view.goal.direction(truth))
         figure.add_trace(line('to the lamp', truth.time, lamp, LAMP, unit='°', width=1.2))
         labels.append(Label('to the lamp', lamp[-1], LAMP))
         shown.append(lamp)

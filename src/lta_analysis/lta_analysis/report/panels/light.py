@@ -2,8 +2,8 @@
 
 from lta_analysis.report.curves import Array
 from lta_analysis.report.drawing import extent, Label, label_ends, line, over_time
-from lta_analysis.report.goal import direction
 from lta_analysis.report.palette import ESTIMATE, GOOD, HEAT, LAMP, scale, SOFT
+from lta_analysis.report.results import meant
 from lta_analysis.report.view import View
 import numpy as np
 from plotly.graph_objects import Figure, Heatmap, Scatter
@@ -23,9 +23,9 @@ def picture(view: View) -> Figure:
     figure.add_trace(amplitudes(*shown), row=1, col=1)
     if view.has('light/bearing'):
         figure.add_trace(bearings(view), row=1, col=1)
-    if view.has('ground_truth/odom') and view.lamp is not None:
+    if view.has('ground_truth/odom') and view.goal.places:
         truth = view.truth
-        angle = broken(np.degrees(direction(view, truth)))
+        angle = broken(np.degrees(meant(view, truth)))
         figure.add_trace(line('true', truth.time, angle, LAMP, unit='°', width=1.4), row=1, col=1)
     figure.update_yaxes(title_text='left of the nose [°]', tickvals=[-90, 0, 90, 180], row=1)
     best = parts['snr'].max(axis=1)

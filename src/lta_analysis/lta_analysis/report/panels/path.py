@@ -126,6 +126,8 @@ def draw_times(figure: Figure, view: View) -> None:
         )
         course = np.arctan2(ahead_y - y, ahead_x - x)
         across, up = -np.sin(course), np.cos(course)
-        if view.lamp is not None and across * (view.lamp.x - x) + up * (view.lamp.y - y) > 0.0:
-            across, up = -across, -up
+        if places := view.goal.places:
+            lamp = places[int(view.goal.leg(np.array([time]))[0])]
+            away = -1.0 if across * (lamp.x - x) + up * (lamp.y - y) > 0.0 else 1.0
+            across, up = away * across, away * up
         word(figure, (x, y), f'{time:g} s', SOFT, 20.0 * across, 14.0 * up)

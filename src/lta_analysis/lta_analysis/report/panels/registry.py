@@ -54,7 +54,7 @@ PANELS: Final = (
         'From above',
         'The true path, coloured and labelled by time. Short rays are the bearings to the lamp as '
         'the drone measured them, stronger in colour with a better signal; the dotted line is '
-        'where it would believe to be by dead reckoning. Shading is the direct light of the lamp '
+        'where it would believe to be by dead reckoning. Shading is the direct light of all lamps '
         'at flight height, a step for each factor of two.',
         ('ground_truth/odom',),
         path.picture,

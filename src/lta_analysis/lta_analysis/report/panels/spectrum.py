@@ -46,16 +46,16 @@ def picture(view: View) -> Figure:
 
 
 def mark(figure: Figure, view: View) -> None:
-    """Name the lamp's fundamental and harmonics, and the mains' flicker."""
+    """Name the fundamental of each lamp, the harmonics of one alone, and the mains' flicker."""
     scenario = view.scene.scenario
     if scenario is None:
         return
-    lamp, mains = scenario.lamp.frequency.si, scenario.ambient.mains_frequency.si
-    marks = [
-        (mains, f'mains {mains:g} Hz', SOFT, 'right'),
-        (lamp, f'lamp {lamp:g} Hz', LAMP, 'left'),
-    ]
-    marks += [(k * lamp, f'{k} f', LAMP, 'left') for k in (3, 5) if k * lamp <= HIGHEST]
+    mains = scenario.ambient.mains_frequency.si
+    marks = [(mains, f'mains {mains:g} Hz', SOFT, 'right')]
+    marks += [(beat, f'{name} {beat:g} Hz', LAMP, 'left') for name, beat in scenario.beacons]
+    if len(scenario.beacons) == 1:
+        ((_, beat),) = scenario.beacons
+        marks += [(k * beat, f'{k} f', LAMP, 'left') for k in (3, 5) if k * beat <= HIGHEST]
     for frequency, text, colour, side in marks:
         figure.add_vline(
             frequency, line={'color': colour, 'width': 1, 'dash': 'dot'}, layer='below'
