@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from reliability import put
 from rich.progress import Progress
 from soak_flight import endless
-from soak_latency import Latency
+from soak_latency import latency
 from soak_memory import LEAK, resident, Slope, slope_of
 
 TABLE: Final = topic_table()
@@ -198,16 +198,14 @@ def soaked(lta: Lta, folder: Path, seconds: float) -> Soaked:
             listener.poll(0.1)
             assert graph.popen.poll() is None, graph.text
         fast = work_time()
-        with Latency() as latency:
-            begin = latency.during(window)
+        begin = latency(window)
         listener.poll(0.2)
         before, at = flown(listener), time.monotonic()
         times, held, legs = watched(graph, listener, seconds - 2.0 * window)
         far = flown(listener) - before
         pace = far / (time.monotonic() - at)
         idle = legs < int(far / LONGEST_LEG)
-        with Latency() as latency:
-            end = latency.during(window)
+        end = latency(window)
         slowness = work_time() / fast
         listener.poll(0.5)
         far, wrong = flown(listener), faults(listener)

@@ -4,72 +4,60 @@ How long a step takes through a graph in lockstep, by the times at which its nod
 DDS sends with each message when it was written: whoever looks on may get it late, and out of turn.
 """
 
+from collections.abc import Sequence
 import time
-from typing import Final, Self
+from typing import Final
 
 from lta_bridge.bookkeeping import stamp_of
 from lta_config.topics import topic_table
-from lta_graph.ros.command_line import join
 from lta_graph.ros.message_types import message_type
 from lta_graph.ros.qos import profile
+from lta_graph.ros.visitor import visitor
 import numpy as np
 from numpy.typing import NDArray
-from rclpy.context import Context
-from rclpy.node import Node
+from rclpy.subscription import Subscription
 
 TABLE: Final = topic_table()
 ENDS: Final = ('imu', 'motors')  # of a step
 NAP: Final = 0.001  # s
 
 
-class Latency:
-    """An onlooker: `with Latency() as latency: latency.during(10.0)`."""
+def latency(seconds: float) -> NDArray[np.float64]:
+    """
+    Look on for a while [s], and return how long each step took.
 
-    def __enter__(self) -> Self:
-        """Join the graph."""
-        self._context = Context()
-        join([], self._context)
-        self._node = Node(
-            'onlooker',
-            namespace='/lta1',
-            context=self._context,
-            enable_rosout=False,
-            start_parameter_services=False,
-        )
+    Returns
+    -------
+    ndarray, shape (steps,)
+        [s]
+
+    """
+    with visitor('onlooker', '/lta1') as (node, _):
+        readers = []
         for name in ENDS:
             row = TABLE[name]
-            self._node.create_subscription(
-                message_type(row), name, print, profile(row, lockstep=True), raw=True
-            )
-        return self
+            kind, quality = message_type(row), profile(row, lockstep=True)
+            readers.append(node.create_subscription(kind, name, taken_by_hand, quality, raw=True))
+        return timed(readers, seconds)
 
-    def __exit__(self, *_: object) -> None:
-        """Leave the graph."""
-        self._node.destroy_node()
-        self._context.try_shutdown()
 
-    def during(self, seconds: float) -> NDArray[np.float64]:
-        """
-        Return how long each step took in a while.
+def taken_by_hand(data: bytes) -> None:
+    """Never called: nobody spins."""
 
-        Returns
-        -------
-        ndarray, shape (steps,)
-            [s]
 
-        """
-        began, until = time.time_ns(), time.monotonic() + seconds
-        written: dict[str, dict[int, int]] = {name: {} for name in ENDS}
-        readers = [(each.handle, each.msg_type) for each in self._node.subscriptions]
-        while time.monotonic() < until:
-            found = 0
-            for (handle, kind), name in zip(readers, ENDS, strict=True):
-                while (taken := handle.take_message(kind, True)) is not None:
-                    data, about = taken
-                    written[name][stamp_of(data) or 0] = about['source_timestamp']
-                    found += 1
-            if not found:
-                time.sleep(NAP)
-        first, last = (written[name] for name in ENDS)
-        both = [k for k in last if k in first and first[k] >= began]
-        return np.array([1e-9 * (last[k] - first[k]) for k in both])
+def timed(readers: Sequence[Subscription], seconds: float) -> NDArray[np.float64]:
+    """Return how long each step took [s] that the readers of the two ends hear in a while. [s]"""
+    began, until = time.time_ns(), time.monotonic() + seconds
+    written: dict[str, dict[int, int]] = {name: {} for name in ENDS}
+    while time.monotonic() < until:
+        found = 0
+        for reader, name in zip(readers, ENDS, strict=True):
+            while (taken := reader.handle.take_message(reader.msg_type, True)) is not None:
+                data, about = taken
+                written[name][stamp_of(data) or 0] = about['source_timestamp']
+                found += 1
+        if not found:
+            time.sleep(NAP)
+    first, last = (written[name] for name in ENDS)
+    both = [k for k in last if k in first and first[k] >= began]
+    return np.array([1e-9 * (last[k] - first[k]) for k in both])

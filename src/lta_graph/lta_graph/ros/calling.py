@@ -1,14 +1,10 @@
 """Call a service of a running graph once, as `ros2 service call` does."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 import time
 from typing import Any, Final, NamedTuple
 
 from lta_config.errors import BadInput
-from lta_graph.ros.command_line import join
-from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor
+from lta_graph.ros.visitor import visitor
 from rclpy.node import Node
 from std_srvs.srv import SetBool, Trigger
 
@@ -42,7 +38,7 @@ def call(name: str, data: bool | None) -> Answer:
         If there is no such service, it wants something else, or it does not answer.
 
     """
-    with visitor() as (node, executor):
+    with visitor('lta_call') as (node, executor):
         kind = found(node, name)
         if (kind is SetBool) is (data is None):
             wanted = 'true or false' if kind is SetBool else 'nothing'
@@ -56,22 +52,6 @@ def call(name: str, data: bool | None) -> Answer:
             raise BadInput(f"Service '{name}' did not answer in {ANSWER:.0f} s; see /diagnostics.")
         answer = future.result()
         return Answer(bool(answer.success), str(answer.message))
-
-
-@contextmanager
-def visitor() -> Iterator[tuple[Node, SingleThreadedExecutor]]:
-    """Join the graph as a node of no role, and leave it."""
-    context = Context()
-    join([], context)
-    node = Node('lta_call', context=context, enable_rosout=False, start_parameter_services=False)
-    executor = SingleThreadedExecutor(context=context)
-    executor.add_node(node)
-    try:
-        yield node, executor
-    finally:
-        executor.shutdown()
-        node.destroy_node()
-        context.try_shutdown()
 
 
 def found(node: Node, name: str) -> Any:  # noqa: ANN401 - a generated class

@@ -1,6 +1,7 @@
 """Hear /diagnostics from outside the graph, and speak there: for bars and for naming faults."""
 
 from collections.abc import Iterable
+from contextlib import ExitStack
 import time
 from types import TracebackType
 from typing import final, Self
@@ -8,10 +9,7 @@ from typing import final, Self
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_graph.health import Fact, Level
 from lta_graph.interrupts import held_interrupts
-from lta_graph.ros.command_line import join
-from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor
-from rclpy.node import Node
+from lta_graph.ros.visitor import visitor
 
 DEPTH = 100  # messages of all nodes together that may wait until the next look
 DISCOVERY = 10.0  # wall seconds after the first node in which DDS finds all, on a busy machine
@@ -45,23 +43,16 @@ class DiagnosticsListener:
         self._heard: dict[str, float] = {}
         self._begun: float | None = None
         self._complete: float | None = None
-        self._context = Context()
 
     def __enter__(self) -> Self:
         """Join the graph."""
-        join([], self._context)
-        self._node = Node(
-            'lta_listener',
-            context=self._context,
-            enable_rosout=False,
-            start_parameter_services=False,
-        )
-        self._subscription = self._node.create_subscription(
-            DiagnosticArray, '/diagnostics', self._hear, DEPTH
-        )
-        self._publisher = self._node.create_publisher(DiagnosticArray, '/diagnostics', DEPTH)
-        self._executor = SingleThreadedExecutor(context=self._context)
-        self._executor.add_node(self._node)
+        with ExitStack() as stack:
+            node, self._executor = stack.enter_context(visitor('lta_listener'))
+            self._subscription = node.create_subscription(
+                DiagnosticArray, '/diagnostics', self._hear, DEPTH
+            )
+            self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', DEPTH)
+            self._stack = stack.pop_all()
         return self
 
     def __exit__(
@@ -71,9 +62,7 @@ class DiagnosticsListener:
         trace: TracebackType | None,
     ) -> None:
         """Leave the graph."""
-        self._executor.shutdown()
-        self._node.destroy_node()
-        self._context.try_shutdown()
+        self._stack.close()
 
     def _hear(self, message: DiagnosticArray) -> None:
         ours = [status for status in message.status if status.hardware_id in self._prefix]

@@ -61,6 +61,7 @@ def picture(flown: Sequence[Drawn], scenario: Scenario, height: float) -> Figure
     """Return the ways of some flights in their room."""
     figure = blank()
     draw_room(figure, scenario, height)
+    figure.update_traces(showlegend=False)
     for each in flown:
         shade = colour(each.strategy)
         figure.add_trace(
@@ -79,9 +80,6 @@ def picture(flown: Sequence[Drawn], scenario: Scenario, height: float) -> Figure
         range=[-width / 2 - MARGIN, width / 2 + MARGIN], title_text='y [m]', scaleanchor='x',
         constraintoward='top', **shared,
     )  # fmt: skip
-    for trace in figure.data:
-        if trace.name in ('start', 'light of the lamps', *scenario.lamps):
-            trace.showlegend = False
     return figure.update_layout(
         hovermode='closest', showlegend=True, legend=LEGEND,
         margin={'l': 44, 'r': 12, 't': 26, 'b': 40},
