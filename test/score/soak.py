@@ -10,6 +10,7 @@ part of docs/reliability.md.
 import argparse
 from collections import Counter
 from pathlib import Path
+import signal
 import sys
 import tempfile
 import time
@@ -253,6 +254,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description='A long flight.')
     parser.add_argument('--minutes', type=float, default=MINUTES)
     minutes = parser.parse_args().minutes
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # the graph ends with us
     with tempfile.TemporaryDirectory() as name, free_domain():
         lta = Lta()
         try:
