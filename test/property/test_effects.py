@@ -8,6 +8,7 @@ import textwrap
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from lta_analysis.discovery.model.candidates import alongside, DESIGN, NO_CANDIDATE, TOGETHER
 from lta_config.quantity import UNITS
 from lta_sim.effects import EFFECTS
 from lta_sim.effects.basis import basis
@@ -299,3 +300,66 @@ def test_memory_settles(effect, duty, data):
         abs(late) <= abs(early)
         for late, early in zip(effect.rate(values, memory, duty, around), first, strict=True)
     )
+
+
+def anything(effect, generator):
+    """Return something of everything else that the functions of an effect are given."""
+    number = lambda count, low=-5.0, high=5.0: tuple(generator.uniform(low, high, count).tolist())  # noqa: E731
+    memory = number(len(getattr(effect, 'memory', ())))
+    around = (*number(6), *number(1, 0.0, 1000.0), *number(1, 2.5, 4.2))
+    match effect:
+        case WrenchEffect():
+            turn = Rotation.from_euler('ZYX', number(3)).as_matrix().ravel()
+            body = (1.0, *number(9), *number(6, 0.0, 1.0), 0.4, *number(6 * ACTUATORS))
+            moving = (tuple(turn.tolist()), number(3), number(3), number(3))
+            motion = Motion(number(3), *moving, body, number(COMMAND), around)
+            return memory, motion, number(ACTUATORS, -1.0, 1.0)
+        case AirEffect():
+            return memory, Place(number(3), number(3), number(3), around)
+        case ActuatorEffect():
+            return memory, *number(1, 0.0, 1.0), around
+        case InertiaEffect():
+            return ()
+        case BodyEffect():
+            return (Rigid(1.0, number(3), number(6), 0.4),)
+        case MeasurementEffect():
+            return number(CHANNELS[effect.channel]), *number(1, 0.0, 1e4)
+
+
+def answers(effect, values, given):
+    """Return what the functions of an effect say."""
+    said = [functions(effect)[0](values, *given)]
+    if len(functions(effect)) > 1:
+        said.append(effect.rate(values, *given[: 2 if isinstance(effect, WrenchEffect) else None]))
+    return said
+
+
+# Of the drag along each axis, which a vehicle has, it makes one across: no constant stands beside.
+ALONE = [e for e in EFFECTS.values() if e.name not in {*DESIGN, 'cross_flow'}]
+
+
+@pytest.mark.parametrize('effect', ALONE, ids=of)
+def test_each_candidate_does_something_alone(effect):
+    """As discovery tries it on a vehicle that lacks the effect: what is `beside` it given."""
+    generator = np.random.default_rng(1)
+    scenes = [anything(effect, generator) for _ in range(200)]
+    taken = {p.name: p.null for p in seen(effect)} | alongside(effect.name)
+    together = TOGETHER.get(effect.name, ())
+    for parameter in seen(effect):
+        if f'{effect.name}.{parameter.name}' in NO_CANDIDATE or parameter.beside is not None:
+            continue
+        moved = {parameter.name, *(together if parameter.name in together else ())}
+        tries = []
+        for by in (0.0, 1.0, -1.0):
+            off = {
+                p.name: min(max(taken[p.name] + by * p.spread, p.low), p.high)
+                for p in seen(effect)
+                if p.name in moved and by
+            }
+            tries.append(tuple((taken | off).values()))
+        assert any(
+            len({str(answers(effect, values, scene)) for values in tries}) > 1 for scene in scenes
+        ), (
+            f'{effect.name}.{parameter.name} alone does nothing: say of the number that it needs '
+            'what that is taken to be (Parameter(..., beside=...))'
+        )

@@ -25,7 +25,7 @@ _NOMINAL = (
 _SENSITIVITY = 'mean voltage: 1; force per duty in Crazyflie flights goes with V^0.6 to V^0.7'
 
 SHARED = (
-    Parameter('voltage', 'V', 0.0, 0.0, 60.0, 0.1, _NOMINAL),
+    Parameter('voltage', 'V', 0.0, 0.0, 60.0, 0.1, _NOMINAL, beside=3.7),
     Parameter('sensitivity', '1', 1.0, 0.0, 2.0, 0.3, _SENSITIVITY),
 )
 

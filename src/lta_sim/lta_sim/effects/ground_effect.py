@@ -23,7 +23,7 @@ _RADIUS = 'of the propeller, 23.5 mm for 47 mm ones; prior: 1 mm'
 
 PARAMETERS = (
     Parameter('gain', '1', 0.0, 0.0, 5.0, 0.5, _GAIN),
-    Parameter('radius', 'm', 0.0, 0.005, 1.0, 0.001, _RADIUS),
+    Parameter('radius', 'm', 0.0, 0.005, 1.0, 0.001, _RADIUS, beside=0.0225),
 )
 
 

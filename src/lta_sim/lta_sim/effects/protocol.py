@@ -18,7 +18,7 @@ The kinds follow the way of a command through the vehicle:
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final, NamedTuple
 
 from lta_sim.state import ACTUATORS
@@ -134,6 +134,9 @@ class Parameter:
         Prior standard deviation of a plausible deviation, for identification.
     source : str
         Where bounds and spread come from.
+    beside : float, optional
+        What it is taken to be where identification tries the other numbers of an effect that a
+        vehicle lacks, which alone would do nothing; then it is not tried itself.
 
     """
 
@@ -144,6 +147,7 @@ class Parameter:
     high: float
     spread: float
     source: str
+    beside: float | None = None
 
 
 def no_check(values: Mapping[str, float]) -> str:
@@ -266,9 +270,7 @@ class ActuatorEffect:
     def parameters(self) -> tuple[Parameter, ...]:
         """All parameters: the shared ones, then those of each rotor, parameter by parameter."""
         own = (
-            Parameter(f'{p.name}_{i}', p.unit, p.null, p.low, p.high, p.spread, p.source)
-            for p in self.each
-            for i in range(1, ACTUATORS + 1)
+            replace(p, name=f'{p.name}_{i}') for p in self.each for i in range(1, ACTUATORS + 1)
         )
         return (*self.shared, *own)
 

@@ -35,10 +35,12 @@ PARAMETERS = (
     Parameter(
         'lag', 's', 0.0, 1.0, 1e4, 40.0,
         'prior: heat balance above; bounds: a thin film alone, a stratospheric balloon (assumed)',
+        beside=40.0,
     ),
     Parameter(
         'slack', '1', 0.0, 0.0, 1.0, 0.3,
         'by definition between taut and slack; prior: not known of a foil balloon (assumed)',
+        beside=0.3,
     ),
 )  # fmt: skip
 

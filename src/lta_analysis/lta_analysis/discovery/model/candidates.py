@@ -1,7 +1,8 @@
 """
 Which parameters of the registry of effects are candidates, and which go together.
 
-Whatever is declared nowhere here is a candidate by itself, within the bounds of its parameter.
+Whatever is declared nowhere here is a candidate by itself, within the bounds of its parameter; but
+for those that stand beside others (`Parameter.beside`).
 """
 
 import math
@@ -11,12 +12,8 @@ from lta_sim.effects import EFFECTS
 
 # What moves together: one candidate of several parameters.
 TOGETHER: Final[dict[str, tuple[str, ...]]] = {'motor_lag': ('up', 'down')}
-# Absent effects of which one number alone does nothing, with what the rest is taken to be.
-COMPANIONS: Final[dict[str, dict[str, float]]] = {
-    'battery_sag': {'voltage': 3.7, 'sensitivity': 0.0},
-    'ground_effect': {'radius': 0.0225},
-    'superheat': {'lag': 40.0, 'slack': 0.3},
-}
+# Where a candidate of an absent effect begins other than at its null value.
+BEGINS: Final[dict[str, dict[str, float]]] = {'battery_sag': {'sensitivity': 0.0}}
 # These describe what a vehicle was designed to be, or where it flies, not what went missing.
 DESIGN: Final = frozenset(
     {
@@ -37,9 +34,14 @@ SIGNS: Final[dict[str, tuple[float, float]]] = {
 }
 NO_CANDIDATE: Final = frozenset(
     {
-        'battery_sag.voltage', 'ground_effect.radius', 'superheat.slack', 'superheat.lag',
         'cross_flow.surge', 'cross_flow.sway', 'cross_flow.heave',
         'ballast.x', 'ballast.y', 'ballast.z', 'payload.x', 'payload.y', 'payload.z',
         'wind_gradient.x', 'wind_gradient.y', 'wind_gradient.z',
     }
 )  # fmt: skip
+
+
+def alongside(effect: str) -> dict[str, float]:
+    """Return what numbers of an effect that a vehicle lacks are taken to be, by name."""
+    beside = {p.name: p.beside for p in EFFECTS[effect].parameters if p.beside is not None}
+    return beside | BEGINS.get(effect, {})

@@ -13,7 +13,7 @@ import math
 from typing import Final, final, Literal
 
 from lta_analysis.discovery.model.candidates import (
-    COMPANIONS,
+    alongside,
     DESIGN,
     FITTED,
     NO_CANDIDATE,
@@ -219,11 +219,11 @@ def _of_effect(nominal: Nominal, effect: str) -> Iterator[Knob]:
     """Yield a knob for each parameter of an effect, or one for those that move together."""
     parameters = {known.name: known for known in EFFECTS[effect].parameters}
     together = TOGETHER.get(effect)
-    begun = {} if effect in nominal.given else COMPANIONS.get(effect, {})
+    begun = {} if effect in nominal.given else alongside(effect)
     for group in [together] if together else [(name,) for name in parameters]:
         known = parameters[group[0]]
         name = effect if together else f'{effect}.{known.name}'
-        if name in NO_CANDIDATE:
+        if name in NO_CANDIDATE or known.beside is not None:
             continue
         now = begun.get(known.name, nominal.value(effect, known.name))
         least, most = SIGNS.get(name, (-math.inf, math.inf))

@@ -1,5 +1,9 @@
 """Names that are one to a kind of data: by hand, and as they are frozen."""
 
+from pathlib import Path
+import subprocess
+import sys
+
 from lta_analysis.discovery.fit.evidence import OWN, Reduced
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
@@ -86,6 +90,16 @@ def test_the_frozen_file_is_that_of_the_candidates_as_they_are(gtmab: Known) -> 
     assert frozen().digest == digest(gtmab[1]), 'run make classes'
     names = {knob.name for knob in gtmab[1] if knob.typical > 0.0}
     assert all(set(kind.reach) == names for kind in frozen().kinds.values())
+
+
+@pytest.mark.long
+def test_the_frozen_classes_are_those_that_follow_now() -> None:
+    """From vehicle, gains, scene and simulator as they are, of which the digest knows nothing."""
+    script = Path(__file__).resolve().parents[4] / 'score/classes.py'
+    done = subprocess.run(
+        [sys.executable, script, '--check'], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_one_constant_force_has_many_names_and_one_delay_two() -> None:
