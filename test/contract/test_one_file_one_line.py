@@ -128,6 +128,12 @@ def test_an_effect_with_the_test_of_its_tutorial(tmp_path, titled):
     its_test = tmp_path / 'test_guide_rope.py'
     its_test.write_text(titled['test/unit/sim/test_guide_rope.py'])
     assert '3 passed' in python(tmp_path, '-m', 'pytest', '-q', '-p', 'no:cacheprovider', its_test)
+    shutil.copytree(ROOT / 'test/property', tmp_path / 'property')
+    laws = python(
+        tmp_path, '-m', 'pytest', '-q', '-n', '0', '-p', 'no:cacheprovider',
+        '--import-mode=importlib', 'property', '-k', 'guide_rope',
+    )  # fmt: skip
+    assert ' passed' in laws
     shutil.copytree(ROOT / 'test/unit/sim/oracle', tmp_path / 'oracle')
     given = 'from oracle.given import at_centre, NONE\n\n\n'
     (tmp_path / 'second.py').write_text(given + titled['test/unit/sim/oracle/lift.py'])
