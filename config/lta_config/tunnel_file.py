@@ -9,7 +9,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Literal
 
-from lta_config.files import find, load, Record
+from lta_config.errors import BadInput
+from lta_config.files import find, load, load_yaml, Record
 from lta_config.quantity import Quantity, si
 from lta_config.vehicle_body import Length, Place
 from pydantic import AliasChoices, Field, model_validator
@@ -64,4 +65,15 @@ class TunnelFile(Record):
 def load_tunnel_file(name: str) -> tuple[TunnelFile, Path]:
     """Return a tunnel file by shipped name or path, and where it is."""
     path = find('tunnel', name)
+    _refuse_vehicle(path)
     return load(TunnelFile, path), path
+
+
+def _refuse_vehicle(path: Path) -> None:
+    """Refuse a vehicle file by what it is: its faults as a tunnel file would help nobody."""
+    content = load_yaml(path)
+    if isinstance(content, dict) and {'hull', 'rotors'} <= content.keys():
+        raise BadInput(
+            f'{path} is a vehicle file, not a tunnel file; copy one of config/tunnels and name '
+            f'this one in it (vehicle: {path}).'
+        )

@@ -67,10 +67,8 @@ class Unit:
     @classmethod
     def of(cls, name: str, rotor: Rotor, column: RotorColumn | None, curve: ThrustCurve) -> Self:
         """Return a rotor from what the file says of it."""
-        length = math.hypot(*rotor.axis.vector)
-        x, y, z = (number / length for number in rotor.axis.vector)
+        x, y, z, *_ = forward = backward = by_geometry(rotor)
         axis, (p, q, r) = (x, y, z), rotor.position.vector
-        forward = backward = (x, y, z, q * z - r * y, r * x - p * z, p * y - q * x)
         if column:
             forward = backward = _six((*column.force.vector, *column.moment.vector))
             if column.reverse:
@@ -80,6 +78,14 @@ class Unit:
         if curve.reverse:  # the column carries it: the curve of the model is an odd function
             backward = _six(curve.reverse.si / (a + b) * number for number in backward)
         return cls(name, rotor.reversible, (p, q, r), axis, a, b, forward, backward)
+
+
+def by_geometry(rotor: Rotor) -> Six:
+    """Return the column of a rotor's place and axis alone, without its motor's torque. [1, m]."""
+    length = math.hypot(*rotor.axis.vector)
+    x, y, z = (number / length for number in rotor.axis.vector)
+    p, q, r = rotor.position.vector
+    return (x, y, z, q * z - r * y, r * x - p * z, p * y - q * x)
 
 
 def units(file: VehicleFile) -> tuple[Unit, ...]:

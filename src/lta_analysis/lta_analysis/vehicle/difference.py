@@ -7,6 +7,7 @@ from typing import Any, final
 
 from lta_analysis.vehicle.entries import entries, Entry
 from lta_analysis.vehicle.figure import Figure
+from lta_analysis.vehicle.outdated import kept
 from lta_analysis.vehicle.sheet import Sheet, sheet_of
 from lta_config.errors import BadInput, unknown
 from lta_config.files import checked, find, load_yaml
@@ -73,6 +74,12 @@ class Difference:
         """The effects that differ, of which no figure need say anything."""
         places = [change.place.split('.') for change in self.changes]
         return list(dict.fromkeys(place[1] for place in places if place[0] == 'effects'))
+
+    @property
+    def kept(self) -> list[str]:
+        """Sentences on what of the aero block did not follow rotors and hull."""
+        columns = self.after.vehicle.file.aero.thrust_allocation
+        return list(kept([change.place for change in self.changes], columns))
 
 
 def vehicle_with(name: str, sets: Sequence[str] = (), swaps: Sequence[str] = ()) -> Vehicle:

@@ -10,6 +10,7 @@ import math
 from pathlib import Path
 from typing import Final, final, NamedTuple
 
+from lta_analysis.vehicle.outdated import columns_elsewhere
 from lta_analysis.vehicle.sheet import Sheet, sheet_of
 from lta_config.constants import AIR_DENSITY
 from lta_config.errors import BadInput
@@ -24,7 +25,6 @@ from pydantic import ValidationError
 SHALLOW: Final = 2.0  # cm that the CG hangs below the CB
 LEANING: Final = 3.0  # degrees off the vertical
 STEEP: Final = 30.0  # degrees at full push
-ASIDE: Final = 30.0  # degrees between a rotor's axis and its push
 BUSY: Final = 70.0  # % of duty in hover
 SOON: Final = 7.0  # days at the highest leak
 LIGHT: Final = 1.0  # g of ballast left to take off
@@ -190,24 +190,10 @@ def _push(sheet: Sheet) -> Iterator[str]:
             f'It can fly {level.shown}, but its hull may tumble above {tumble.shown}; limit '
             'its speed.'
         )
-    yield from _columns(sheet.vehicle)
+    yield from columns_elsewhere(sheet.vehicle.file)
     turns = [f[f'push_turn_{side}'].value for side in ('left', 'right')]
     if not all(turns):
         yield 'Its rotors cannot turn it to both sides.'
-
-
-def _columns(vehicle: Vehicle) -> Iterator[str]:
-    """Yield which rotors push elsewhere than they point: one of the two is out of date."""
-    for rotor in vehicle.rotors:
-        force = rotor.column[:3]
-        length = math.hypot(*force)
-        along = sum(a * b for a, b in zip(force, rotor.axis, strict=True))
-        if length > 0.0 and along < length * math.cos(math.radians(ASIDE)):
-            angle = math.degrees(math.acos(max(-1.0, along / length)))
-            yield (
-                f'The rotor {rotor.name} points {angle:.0f} degrees away from where its column of '
-                'aero.thrust_allocation pushes, which is what flies; measure the column again.'
-            )
 
 
 def _sources(sheet: Sheet) -> Iterator[str]:

@@ -70,6 +70,7 @@ def plain_difference(found: Difference) -> dict[str, object]:
             }
             for change in found.changes
         ],
+        'warnings': found.kept,
         'consequences': {
             item.figure.key: {
                 'words': item.figure.words,

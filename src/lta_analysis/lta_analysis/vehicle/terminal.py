@@ -129,8 +129,9 @@ def show_difference(found: Difference, names: tuple[str, str], console: Console)
             'does is seen where it flies with and without it (lta simulate, lta compare).',
             highlight=False,
         )
+    show_warnings(found.kept, console)
     if not found.consequences:
-        if not found.effects:
+        if not found.effects and not found.kept:
             console.print('Nothing follows from that.')
         return
     follows = _table('What follows')

@@ -128,7 +128,8 @@ def check(name: Named, json: Json = False) -> None:
     Say everything that is wrong with a vehicle file, and what should be looked at.
 
     Exit status 2 if the file cannot fly; warnings (an unsteady balance, rotors that cannot lift,
-    thin margins, a hull that does not fit its gas, numbers that are assumed) leave it at 0.
+    thin margins, a hull that does not fit its gas, columns that do not fit their rotors, numbers
+    that are assumed) leave it at 0.
 
     Example: lta vehicle check my_blimp.yaml
     """

@@ -116,7 +116,7 @@ def test_warnings_leave_the_status_at_zero(call):
         (
             'value: [0, 0, 1], unit: "1"',
             'value: [0, 1, 0], unit: "1"',
-            'up_left points 89 degrees away',
+            'up_left points along .* 89 degrees away from',
         ),
     ],
 )

@@ -1,6 +1,7 @@
 """Surfaces of hulls against closed forms; what users draw against what could be wrong with it."""
 
 from lta_config.errors import BadInput
+from lta_config.files import find
 from lta_config.mount_file import load_mount
 from lta_sim.cfd.analytic import drag
 from lta_sim.cfd.crossing import crossing
@@ -137,6 +138,13 @@ def test_a_rotor_in_a_body_is_refused(tmp_path):
     )
     with pytest.raises(BadInput, match=r'rotor up_left .* is inside block'):
         model_of(tunnel(tmp_path, more))
+
+
+def test_a_vehicle_file_is_told_from_a_tunnel_file(tmp_path):
+    path = tmp_path / 'mine.yaml'
+    path.write_text(find('vehicle', 'gtmab').read_text('utf-8'))
+    with pytest.raises(BadInput, match='is a vehicle file, not a tunnel file; copy one of'):
+        model_of(str(path))
 
 
 def test_a_pattern_of_strangers_is_refused(tmp_path):
