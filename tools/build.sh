@@ -16,6 +16,7 @@ wanted=$(
 )
 [ "$(cat "$stamp" 2>/dev/null || :)" != "$wanted" ] || exit 0
 
+begun=$(date +%s)
 echo 'workspace: colcon build (about ten seconds) ...'
 rm -rf build install
 mkdir -p log
@@ -32,3 +33,4 @@ fi
 # Once, not by a dozen processes at the same time when the first graph starts.
 .venv/bin/python -m compileall -q -j 0 config src
 echo "$wanted" >"$stamp"
+echo "workspace: ready after $(($(date +%s) - begun)) s."

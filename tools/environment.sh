@@ -117,6 +117,7 @@ case $found in
 "test $wanted" | "$level $wanted") exit 0 ;;
 esac
 
+begun=$(date +%s)
 check_machine
 rm -f "$stamp"
 if [ "$found" != "run $wanted" ]; then
@@ -135,3 +136,4 @@ if [ "$level" = test ]; then
     install --requirement locked/run.txt --requirement locked/test.txt
 fi
 echo "$level $wanted" >"$stamp"
+echo "environment: ready after $(($(date +%s) - begun)) s."

@@ -59,15 +59,24 @@ class _UniqueKeys(yaml.CSafeLoader):
     """A safe YAML loader to which a repeated key is an error instead of a silent override."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        seen = set()
+        seen: dict[Hashable, int] = {}
         for key_node, _ in node.value:
             key = self.construct_object(key_node, deep=True)
             if not isinstance(key, Hashable):
                 raise BadInput(f'{key_node.start_mark.name}: the key {key} must be one word.')
+            line = key_node.start_mark.line + 1
             if key in seen:
-                raise BadInput(f"{key_node.start_mark.name}: the key '{key}' stands twice.")
-            seen.add(key)
+                raise BadInput(
+                    f"{key_node.start_mark.name}: the key '{key}' stands twice "
+                    f'({_lines(seen[key], line)}); merge them.'
+                )
+            seen[key] = line
         return super().construct_mapping(node, deep)
+
+
+def _lines(first: int, second: int) -> str:
+    """Return the places of two keys, as one finds them in an editor."""
+    return f'lines {first} and {second}' if first != second else f'line {first}'
 
 
 @cache

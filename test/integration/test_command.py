@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 GTMAB = (ROOT / 'config/vehicles/gtmab.yaml').read_text()
 
 COMMANDS = {
-    'vehicle': (['fly', '--vehicle', 'zeppelin'], "Unknown vehicle 'zeppelin'; known: beavis, "),
+    'vehicle': (['fly', '--vehicle', 'zeppelin'], "Unknown vehicle 'zeppelin'; known: "),
     'scenario': (
         ['fly', '--scenario', 'moon'],
         f"Unknown scenario 'moon'; known: {', '.join(known('scenarios'))}.",

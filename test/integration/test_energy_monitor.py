@@ -262,7 +262,7 @@ def test_an_unknown_vehicle_is_one_sentence_and_exit_2(domain_id: int) -> None:
     _, errors = process.communicate(timeout=PATIENCE)
     assert process.returncode == 2
     assert errors.count('\n') == 1
-    assert "Unknown vehicle 'zeppelin'; known: beavis, blimp2b, gtmab" in errors
+    assert "Unknown vehicle 'zeppelin'; known: " in errors
 
 
 def test_a_bad_parameter_at_the_start_is_one_sentence_and_exit_2(domain_id: int) -> None:

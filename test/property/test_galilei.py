@@ -37,10 +37,12 @@ def test_effects_see_the_air_and_not_the_ground(effect, data):
     values, motion = data.draw(parameters(effect)), data.draw(motions())
     thrust, memory = data.draw(thrusts), data.draw(memories(effect))
     moved = motion._replace(position=data.draw(vectors), velocity=data.draw(vectors))
-    assert effect.wrench(values, memory, motion, thrust) == effect.wrench(
-        values, memory, moved, thrust
+    here = effect.wrench(values, memory, motion, thrust), effect.rate(values, memory, motion)
+    there = effect.wrench(values, memory, moved, thrust), effect.rate(values, memory, moved)
+    assert here == there, (
+        f'{effect.name} knows where it is, or its speed over ground; '
+        'declare placed=True, or let it take the airspeed.'
     )
-    assert effect.rate(values, memory, motion) == effect.rate(values, memory, moved)
 
 
 def some_values(effect, seed):

@@ -57,7 +57,7 @@ def told(found: Derived) -> OfKind:
 
 def frozen() -> Frozen:
     """Return all that is kept."""
-    known = knobs(Nominal.of(load_vehicle(deriving.VEHICLE)))
+    known = deriving.shipped(knobs(Nominal.of(load_vehicle(deriving.VEHICLE))))
     return Frozen(
         digest=deriving.digest(known),
         vehicle=deriving.VEHICLE,

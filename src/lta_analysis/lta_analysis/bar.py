@@ -1,5 +1,6 @@
 """What all progress bars share: they show while something lasts, and only to a person."""
 
+import sys
 from types import TracebackType
 from typing import Any, Self
 
@@ -68,6 +69,17 @@ class Bar:
     def move(self, **change: Any) -> None:  # noqa: ANN401 - as rich takes them
         """Change description, total, completed, or fields; `advance` adds to what is done."""
         self._bar.update(self._task, **change)
+
+    def wait_for(self, what: str) -> None:
+        """
+        Show what lasts before anything moves: on the bar, or as a line where there is none.
+
+        The line goes to stderr: what a program prints for others stays as they expect it.
+        """
+        self.move(description=what)
+        if not self._console.is_terminal:
+            sys.stderr.write(f'{what} ...\n')
+            sys.stderr.flush()
 
     @property
     def speed(self) -> float | None:

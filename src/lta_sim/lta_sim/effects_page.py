@@ -9,7 +9,7 @@ import inspect
 import re
 import sys
 
-from lta_sim.effects import EFFECTS
+from lta_sim.effects import built_in
 from lta_sim.effects.protocol import (
     ActuatorEffect,
     AirEffect,
@@ -83,12 +83,12 @@ def parameters(effect: Effect) -> Iterator[str]:
 
 
 def page() -> str:
-    """Return the page, a table for each kind."""
+    """Return the page, a table for each kind; what others installed is not in it."""
     texts = [HEAD]
     for kind, (title, about) in KINDS.items():
         rows = [
             f'| `{name}` | {summary(effect)} | {"; ".join(parameters(effect))} |\n'
-            for name, effect in EFFECTS.items()
+            for name, effect in built_in().items()
             if type(effect) is kind
         ]
         table = '| effect | what | parameters |\n|---|---|---|\n' + ''.join(rows)

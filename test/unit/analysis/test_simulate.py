@@ -1,9 +1,12 @@
 """A flight in this process: its figures are those of its bag, and its changes are kept."""
 
+import json
+
 from lta_analysis.bag import open_flight, read_bag
 from lta_analysis.report.results import results_of
 from lta_analysis.report.view import View
 from lta_analysis.simulate import simulate_once, Simulated
+from lta_analysis.verbs import simulate as verb
 from lta_bridge import provenance
 from lta_config.errors import BadInput
 from lta_config.topics import topic_table
@@ -72,3 +75,13 @@ def test_nothing_is_made_for_what_cannot_be_flown(tmp_path):
     with pytest.raises(BadInput, match='Unknown key'):
         simulated(tmp_path / 'out', 'vehicle.trim.weight=4 g')
     assert not (tmp_path / 'out').exists()
+
+
+def test_a_model_that_is_compiled_first_is_told_where_no_bar_shows(call, monkeypatch):
+    few = ('--no-bag', '--json', '--set', 'scenario.goal.time_limit=0.1 s')
+    monkeypatch.setattr(verb, 'is_compiled', lambda: False)
+    _, said = call('simulate', *few)
+    assert said.err.splitlines()[0] == f'{verb.COMPILING} ...'
+    assert json.loads(said.out)['outcome'] == 'timeout'
+    monkeypatch.setattr(verb, 'is_compiled', lambda: True)
+    assert verb.COMPILING not in call('simulate', *few)[1].err

@@ -51,8 +51,8 @@ def test_a_good_file(write):
     [
         ('', 'holds no mapping of keys; compare it with a shipped file.'),
         ('[1]', 'holds no mapping of keys'),
-        ('name: a\nname: b', "the key 'name' stands twice."),
-        ('name: a\ngains: {kp: 1, kp: 1}', "the key 'kp' stands twice."),
+        ('name: a\nname: b', "the key 'name' stands twice (lines 1 and 2); merge them."),
+        ('name: a\ngains: {kp: 1, kp: 1}', "the key 'kp' stands twice (line 2); merge them."),
         ('{}', "the key 'name' is missing; add it."),
         ('nam: a', "the key 'name' is missing and 'nam' is not known; correct its spelling."),
         ('name: a\nnam: b', "the key 'nam' is not known; remove it or correct its spelling."),

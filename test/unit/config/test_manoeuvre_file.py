@@ -74,7 +74,8 @@ def test_the_shipped_comparison_names_what_there_is():
         asked |= {*each.manoeuvres}
         assert each.why  # an ablation says what it changes
     assert asked <= {*known('manoeuvres')}
-    assert {each.vehicle for each in comparison.contestants.values()} == {*known('vehicles')}
+    # A vehicle may ship without taking part; a line in the comparison enters it.
+    assert {each.vehicle for each in comparison.contestants.values()} <= {*known('vehicles')}
 
 
 def test_an_ablation_of_nobody_is_refused():

@@ -11,6 +11,7 @@ from lta_sim.effects import (
 )
 from lta_sim.effects.basis import basis
 from lta_sim.effects.protocol import Motion, WrenchEffect
+from lta_sim.effects_page import page
 from lta_sim.state import BODY, COMMAND, DISPLACED, MASS, MASS_MOMENT, SURROUNDINGS
 import numpy as np
 import pytest
@@ -119,3 +120,12 @@ def test_installed_effects_are_checked(monkeypatch, effect, words):
     monkeypatch.setattr(effects, 'entry_points', lambda group: [Point(effect)])
     with pytest.raises(BadInput, match=words):
         effects.merged({'linear_drag': effects.EFFECTS['linear_drag']})
+
+
+def test_what_others_install_is_not_of_the_library(monkeypatch):
+    rope = WrenchEffect('guide_rope', (), weight_and_buoyancy.wrench)
+    before = page()
+    monkeypatch.setitem(effects.EFFECTS, 'guide_rope', rope)
+    assert effects.get('guide_rope') is rope
+    assert list(effects.built_in()) == list(effects.BUILT_IN)
+    assert page() == before

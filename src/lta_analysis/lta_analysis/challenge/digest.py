@@ -1,7 +1,7 @@
 """What a score is about, in a few letters: the effects that could be named, and the vehicle."""
 
 import ast
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 import hashlib
 import json
 from typing import Any, Final
@@ -49,10 +49,10 @@ def _bare(text: str) -> str:
     return ast.unparse(tree)
 
 
-def registry_digest() -> str:
+def registry_digest(effects: Mapping[str, Effect] = EFFECTS) -> str:
     """Return what changes with a parameter or an equation of an effect, and with nothing else."""
     told = []
-    for name, effect in EFFECTS.items():
+    for name, effect in effects.items():
         extract = Extract()
         for function in _equations(effect):
             extract.add(function, name)

@@ -155,8 +155,10 @@ def markdown(scores: Sequence[tuple[dict[str, Any], Sequence[Judged]]]) -> str:
     first = scores[0][0]
     parts = [
         '# Scores of discovery on hidden effects',
-        'Made by `lta challenge score ... --markdown docs/discovery_scores.md`; edits here are '
-        'lost. What is hidden and how: `lta challenge --help`.',
+        'Made by `lta challenge score ... --markdown docs/discovery_scores.md`, which overwrites '
+        'what is edited here. One thing is written by hand, below the heading: a paragraph '
+        '`**Stale:** ...` that says what has changed since, until the scores are made again. '
+        'What is hidden and how: `lta challenge --help`.',
         f'Scored: effects `{first["registry"]}`, vehicle `{first["vehicle"]}` '
         f'`{first["vehicle_digest"]}`, commit {_commits(about for about, _ in scores)}.',
         METHOD,

@@ -56,7 +56,9 @@ def simulate(
     order = Simulated(
         vehicle, scenario, strategy, gains, seed, tuple(changes or ()), out, record=bag
     )
-    with FlightProgress(console, 'loading the world' if is_compiled() else COMPILING) as progress:
+    with FlightProgress(console, 'loading the world') as progress:
+        if not is_compiled():
+            progress.wait_for(COMPILING)
         flight, figures = simulate_once(order, progress)
     target = flight.folder / 'report.html' if bag else None
     if target is not None:

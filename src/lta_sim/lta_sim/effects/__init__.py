@@ -104,6 +104,11 @@ EFFECTS: dict[str, Effect] = merged(
 )
 
 
+def built_in() -> dict[str, Effect]:
+    """Return the effects of the library, without those that others installed."""
+    return {name: EFFECTS[name] for name in BUILT_IN}
+
+
 def get(name: str) -> Effect:
     """
     Return an effect by name.

@@ -18,6 +18,7 @@ from lta_analysis.discovery.planning.pairs import Pairs
 from lta_analysis.discovery.planning.rehearsal import along, prepared, rehearse, Sensors
 from lta_analysis.discovery.replay.linear import origin
 from lta_analysis.ingredients import gather, Ingredients, parts_of
+from lta_sim.effects import BUILT_IN, EFFECTS
 import numpy as np
 from numpy.typing import NDArray
 from scipy.cluster.hierarchy import fcluster, linkage
@@ -128,7 +129,7 @@ def derive(kinds: Sequence[str] = tuple(KINDS), flights: int = FLIGHTS) -> Mappi
     """Return what each kind of data can tell."""
     made = gather(VEHICLE, 'hall', 'bag', '')
     vehicle = parts_of(made)[0]
-    turned = knobs(Nominal.of(vehicle))
+    turned = shipped(knobs(Nominal.of(vehicle)))
     out: dict[str, Derived] = {}
     flown = {}
     for kind in kinds:
@@ -162,6 +163,12 @@ def compared(pairs: Pairs, more: Pairs) -> Derived:
             if reach[i] >= SEEN and reach[j] >= SEEN:
                 cosine[i, j] = cosine[j, i] = abs(pairs.pair(a, at[j]).cosine)
     return Derived(tuple(pairs.knobs[k].name for k in at), cosine, reach, cap)
+
+
+def shipped(known: Sequence[Knob]) -> list[Knob]:
+    """Return those of the library: what is frozen knows nothing of effects that others install."""
+    foreign = set(EFFECTS) - set(BUILT_IN)
+    return [knob for knob in known if foreign.isdisjoint(effect for effect, _ in knob.moves)]
 
 
 def digest(known: Sequence[Knob]) -> str:

@@ -15,11 +15,12 @@ from lta_analysis.discovery.naming.classes import (
     others,
     same_class,
 )
-from lta_analysis.discovery.planning.deriving import compared, digest, together
+from lta_analysis.discovery.planning.deriving import compared, digest, shipped, together
 from lta_analysis.discovery.planning.pairs import Pair, Pairs
 from lta_analysis.discovery.replay.linear import SENSORS
 from lta_analysis.discovery.replay.linearise import Linearised
 from lta_config.errors import BadInput
+from lta_sim.effects import EFFECTS
 import numpy as np
 import pytest
 
@@ -87,8 +88,9 @@ def test_every_two_of_a_group_are_alike() -> None:
 
 
 def test_the_frozen_file_is_that_of_the_candidates_as_they_are(gtmab: Known) -> None:
-    assert frozen().digest == digest(gtmab[1]), 'run make classes'
-    names = {knob.name for knob in gtmab[1] if knob.typical > 0.0}
+    known = shipped(gtmab[1])
+    assert frozen().digest == digest(known), 'run make classes'
+    names = {knob.name for knob in known if knob.typical > 0.0}
     assert all(set(kind.reach) == names for kind in frozen().kinds.values())
 
 
@@ -100,6 +102,13 @@ def test_the_frozen_classes_are_those_that_follow_now() -> None:
         [sys.executable, script, '--check'], capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_effects_that_others_install_are_not_frozen(monkeypatch: pytest.MonkeyPatch) -> None:
+    places = [('vehicle', 'mass'), ('net_lift', 'force'), ('guide_rope', 'line')]
+    mass, lift, rope = (Knob('.'.join(at), '1', {at: 1.0}, 1e-5, 1e-4) for at in places)
+    monkeypatch.setitem(EFFECTS, 'guide_rope', EFFECTS['net_lift'])
+    assert shipped([mass, lift, rope]) == [mass, lift]
 
 
 def test_one_constant_force_has_many_names_and_one_delay_two() -> None:
