@@ -203,14 +203,13 @@ def soaked(lta: Lta, folder: Path, seconds: float) -> Soaked:
         listener.poll(0.2)
         before, at = flown(listener), time.monotonic()
         times, held, legs = watched(graph, listener, seconds - 2.0 * window)
-        far = flown(listener) - before
-        pace = far / (time.monotonic() - at)
-        idle = legs < int(far / LONGEST_LEG)
+        watched_for = flown(listener) - before
+        pace = watched_for / (time.monotonic() - at)
         end = latency(window)
         slowness = work_time() / fast
         listener.poll(0.5)
         far, wrong = flown(listener), faults(listener)
-        if idle:
+        if legs < int(watched_for / LONGEST_LEG):
             wrong.append(f'the drone flew from lantern to lantern {legs} times')
         graph.interrupt()
         graph.end()
