@@ -201,6 +201,7 @@ def test_leaving_in_flight_comes_down_and_disarms(peer, drone, bridge):
     assert not drone.firmware.supervisor.locked
 
 
+@pytest.mark.long
 def test_past_the_firmware_on_a_tether_it_lets_go_of_the_motors_on_leaving(peer, drone):
     """The emulated drone turns them by `motorPowerSet` alone, and would for ever."""
     words = ('-p', f'uri:={drone.uri}', '-p', 'command:=override', '-p', 'tethered:=true')
@@ -214,6 +215,7 @@ def test_past_the_firmware_on_a_tether_it_lets_go_of_the_motors_on_leaving(peer,
     assert not drone.firmware.supervisor.armed
 
 
+@pytest.mark.long
 def test_the_shutdown_transition_comes_down_and_disarms(peer, drone, bridge):
     fly(peer, drone)
     wanted = Transition(id=Transition.TRANSITION_ACTIVE_SHUTDOWN)

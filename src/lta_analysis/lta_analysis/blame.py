@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
+import math
 import re
 import time
 from typing import final
@@ -15,7 +16,8 @@ GOING = {FLIGHT: 'flying', PLAYBACK: 'playing'}  # their outcomes until they end
 SETTLE = 0.5  # wall seconds; nodes look at their inputs at different moments
 DISCOVERY = 4.0  # wall seconds; while some nodes have not been found yet, the others mislead
 FIGURE = re.compile(r'[0-9.]+')
-REPEATED = 10.0  # wall seconds in which an error that comes and goes is told once, then counted
+REPEATED = 10.0  # wall seconds in which an error that comes and goes is told twice, then counted
+AWAY = 1.0  # wall seconds without an error after which it is another one
 ELSEWHERE = (INPUTS, 'processes')  # tasks whose errors have sentences of their own
 START = 8.0  # wall seconds that nodes take to load on a busy machine; longer is worth a word
 
@@ -67,11 +69,16 @@ class Blame:
 @final
 @dataclass(slots=True)
 class Ailment:
-    """One error of a node: when it was said and last seen [wall s], and how often it came back."""
+    """
+    One error of a node: when it was said and last seen [wall s], and how often it came back.
+
+    The first time it comes back is said at once: a hiccup before a fault must not hide the fault.
+    """
 
     said: float
     seen: float
     text: str
+    back: bool = False  # whether that has been said of it
     again: int = 0
     here: bool = True
 
@@ -149,10 +156,11 @@ class Lookout:
                 found[error] = f'{node}: {fact.message.rstrip(".")}'
         for error, text in found.items():
             known = self._ailing.get(error)
-            if known is None or now - known.seen > REPEATED:
+            away = math.inf if known is None else now - known.seen
+            if known is None or away > REPEATED or (away > AWAY and not known.back):
                 self._recount(error)
                 self._say(f'{text}.')
-                self._ailing[error] = Ailment(now, now, text)
+                self._ailing[error] = Ailment(now, now, text, back=away <= REPEATED)
             else:
                 known.again += not known.here
                 known.seen, known.text = now, text

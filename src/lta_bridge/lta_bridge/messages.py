@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_bridge.bag.qos import Interval, Profile
 from lta_bridge.fault_watch import Status
-from lta_graph.ros.company import over
+from lta_graph.ros.peer_listener import over
 from rclpy.duration import Duration
 from rclpy.qos import HistoryPolicy, LivelinessPolicy, QoSProfile
 

@@ -5,11 +5,11 @@ from lta_bridge.teensy.emulator import EmulatedBoard
 from lta_bridge.teensy.light_board import LightBoard, LightPeaks
 from lta_config.topics import topic_table
 from lta_config.vehicle_file import load_vehicle_file
-from lta_vlc.demodulation import Demodulation
 from lta_vlc.diodes import diodes_of
 from lta_vlc.lamp import LampPrior
 from lta_vlc.lamp_finder import LampFinder
 from lta_vlc.listener import Listener
+from lta_vlc.settings import Demodulation
 import numpy as np
 import pytest
 

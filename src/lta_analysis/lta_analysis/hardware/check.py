@@ -21,7 +21,8 @@ from lta_config.crazyflie_file import crazyflie_of
 from lta_config.errors import BadInput
 from lta_config.topics import topic_table
 from lta_config.vehicle_file import load_vehicle_file
-from lta_vlc.demodulation import Demodulation, plan_bins
+from lta_vlc.demodulation import plan_bins
+from lta_vlc.settings import Demodulation
 
 INSTALL = '.venv/bin/pip install -c constraints.txt -r requirements-hardware.txt'
 

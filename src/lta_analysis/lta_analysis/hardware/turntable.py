@@ -21,11 +21,12 @@ from lta_config.errors import BadInput
 from lta_config.topics import topic_table
 from lta_control.cascade import wrap
 from lta_vlc.array import bearing
-from lta_vlc.demodulation import Demodulation, hear, plan_bins
+from lta_vlc.demodulation import hear, plan_bins
 from lta_vlc.diodes import Diodes
 from lta_vlc.direction import DirectionFinder
 from lta_vlc.fit import fit
 from lta_vlc.lamp import LampPrior
+from lta_vlc.settings import Demodulation
 import numpy as np
 from numpy.typing import NDArray
 

@@ -148,14 +148,14 @@ class CflibLink:
             self.close()
             raise
 
-    def _guarded(self, drone: object, heed: Callable[..., None]) -> Callable[..., None]:
+    def _guarded(self, drone: object, callback: Callable[..., None]) -> Callable[..., None]:
         """Return a callback that is deaf to every drone object but the present one."""
 
-        def callback(*words: object) -> None:
+        def guarded(*words: object) -> None:
             if self._drone is drone:
-                heed(*words)
+                callback(*words)
 
-        return callback
+        return guarded
 
     def _lost(self, _: str, why: str) -> None:
         self.events.put(Lost(remedied(str(why))))
@@ -178,8 +178,8 @@ class CflibLink:
             config = cflib.crazyflie.log.LogConfig(block.name, block.period_ms)
             for name, kind in block.variables.items():
                 config.add_variable(name, kind)
-            heed = partial(self._packet, block.name)
-            config.data_received_cb.add_callback(self._guarded(drone, heed))
+            callback = partial(self._packet, block.name)
+            config.data_received_cb.add_callback(self._guarded(drone, callback))
             config.started_cb.add_callback(lambda one, _: outcomes.put((one.name, '')))
             config.error_cb.add_callback(lambda one, why: outcomes.put((one.name, str(why))))
             try:
@@ -212,7 +212,8 @@ class CflibLink:
         self._overrides, self._sizes = False, {}
         if drone is not None:
             # cflib's last word is a thrust of zero: it would drop a drone that lands by itself.
-            drone.commander.send_setpoint = lambda *_: None
+            # Its threads send on meanwhile, and end in a traceback on the socket that is gone.
+            drone.send_packet = lambda *_, **__: None
             leaving = threading.Thread(target=drone.close_link, name='cflib_close', daemon=True)
             leaving.start()
             leaving.join(CLOSING)
@@ -228,8 +229,8 @@ class CflibLink:
         group, _, word = name.partition('.')
         echoes: SimpleQueue[float] = SimpleQueue()
         param = self._drone.param
-        heed = lambda _, text: echoes.put(float(text))  # noqa: E731 - removed by the same name
-        param.add_update_callback(group, word, heed)
+        callback = lambda _, text: echoes.put(float(text))  # noqa: E731 - removed by the same name
+        param.add_update_callback(group, word, callback)
         try:
             param.set_value(name, value if value % 1.0 else int(value))
             if echoes.get(timeout=deadline) != value:
@@ -239,7 +240,7 @@ class CflibLink:
         except Empty:
             raise LinkFailed(f'parameter {name} was not confirmed in {deadline:.0f} s') from None
         finally:
-            param.remove_update_callback(group, word, heed)
+            param.remove_update_callback(group, word, callback)
 
     def arm(self, on: bool) -> None:
         """Ask to arm or disarm; firmware before protocol 12 is asked on its own port."""

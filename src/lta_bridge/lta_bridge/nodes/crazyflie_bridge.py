@@ -83,12 +83,12 @@ class CrazyflieBridge(DeviceNode):
 
     def _subscribe(self) -> None:
         self.listen(self.table.read_by('vehicle'), trigger='motors', on_step=self._on_motors)
-        for name, heed in (
+        for name, callback in (
             ('odom', self._on_odom),
             ('setpoint/pose', self._on_pose),
             ('setpoint/velocity', self._on_velocity),
         ):
-            self.hear(name, heed)
+            self.hear(name, callback)
         self._helm = Helm(self, self._steer)
         self._links = Links(self, self.table)
 

@@ -25,10 +25,10 @@ from lta_bridge.playback.reel import Reel
 from lta_bridge.playback.settings import FOREVER, PlayerSettings
 from lta_config.errors import BadInput
 from lta_graph.health import Level
-from lta_graph.ros.company import OVER
 from lta_graph.ros.gathering import gather
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.peer_listener import OVER
 from lta_graph.ros.process import run
 from lta_graph.ros.qos import profile
 from lta_graph.ros.replay_due import from_due

@@ -59,7 +59,7 @@ DISK_PERIOD = 0.1  # wall seconds between looks at the disk
 QUIET = 0.3  # wall seconds without a message after which nothing more is on the way
 LINGER = 3.0  # wall seconds to wait for that quiet at most
 DISK = 'disk'  # the task in which it tells of one that does not keep up
-SLOW = 0.5  # wall seconds of one write, from which the disk is called slow
+SLOW = 0.3  # wall seconds of one write, from which the disk is called slow: a flush later, in 1 s
 NAP_NS = 20_000_000  # between looks: waking up for every message would cost half a core
 MB = 1_000_000
 

@@ -20,11 +20,12 @@ from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.process import run
 from lta_graph.ros.stamps import to_stamp
 from lta_sim.messages import light_block
-from lta_vlc.demodulation import Demodulation, Peaks
+from lta_vlc.demodulation import Peaks
 from lta_vlc.diodes import diodes_of
 from lta_vlc.lamp import LampPrior
 from lta_vlc.lamp_finder import LampFinder
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks
+from lta_vlc.settings import Demodulation
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_msgs.msg import Header
 

@@ -66,8 +66,8 @@ class Teleop(GraphNode):
         self._odom: Any = None
         self._odom_at = -FRESH
         self._state, self._ticked = State(), time.monotonic()
-        for name, heed in (('odom', self._on_odom), ('/diagnostics', self._flyers.heard)):
-            self.hear(name, heed)
+        for name, callback in (('odom', self._on_odom), ('/diagnostics', self._flyers.heard)):
+            self.hear(name, callback)
         self._device = self._made(self._settings.value)
         self.create_timer(PERIOD, self._tick, clock=Clock(clock_type=ClockType.STEADY_TIME))
 

@@ -19,8 +19,11 @@ from lta_config.crazyflie_file import load_crazyflie
 from lta_sim.vehicle import load_vehicle
 import pytest
 
-# cflib logs to files and sockets that its daemon threads close when they please.
-pytestmark = pytest.mark.filterwarnings('ignore::pytest.PytestUnraisableExceptionWarning')
+pytestmark = [
+    pytest.mark.integration,  # a real link against the wall clock: nothing else may run beside it
+    # cflib logs to files and sockets that its daemon threads close when they please.
+    pytest.mark.filterwarnings('ignore::pytest.PytestUnraisableExceptionWarning'),
+]
 
 PATIENCE = 10.0  # s; what comes normally comes within milliseconds
 FILE, ROTORS = load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names
@@ -63,7 +66,7 @@ def test_one_motor_turns_alone_and_stands_afterwards(drone, call, typed):
     typed('spin m2\n')
     words = ('--uri', drone.uri, '--duty', '0.2', '--seconds', '0.6', '--json')
     status, said = call('hardware', 'bench', 'm2', *words)
-    assert status == 0
+    assert status == 0, said.err
     told = json.loads(said.out)
     assert told['duty'] == pytest.approx(0.2, abs=0.001)
     assert told['others'] == 0.0

@@ -89,6 +89,23 @@ def test_what_lands_by_itself_goes_on_when_the_link_is_closed(until, linked):
         assert server.firmware.commander.wish(server.now).land
 
 
+def test_no_thread_of_cflib_sends_while_its_link_is_being_closed(linked):
+    """It would meet a socket that is gone, and end in a traceback."""
+    with Server(Firmware(Bench())) as server:
+        link = linked(server)
+        drone, sent = link._drone, []
+        shut = drone.link.close
+
+        def close():
+            drone.link.send_packet = sent.append
+            drone.link_statistics.latency.ping()
+            shut()
+
+        drone.link.close = close
+        link.close()
+        assert sent == []
+
+
 def test_a_driver_that_fails_in_the_middle_of_sending_ends_the_link_and_no_thread(until):
     """cflib then keeps its lock for ever: nothing more may be sent by this object."""
     with Server(Firmware(Bench())) as server:
