@@ -6,9 +6,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from lta_config.errors import BadInput
-from lta_vlc.demodulation import Demodulation, hear
+from lta_vlc.demodulation import hear
 from lta_vlc.faults import Fault, SPOILT
 from lta_vlc.listener import Listener
+from lta_vlc.settings import Demodulation
 import numpy as np
 import pytest
 

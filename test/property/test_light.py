@@ -10,10 +10,11 @@ from lta_sim.light.lamp import direct, Lamp
 from lta_sim.sensors.light_block import Board
 from lta_sim.sensors.photodiode import PhotodiodeArray
 from lta_vlc.array import bearing
-from lta_vlc.demodulation import demodulate, Demodulation, Peaks, plan_bins
+from lta_vlc.demodulation import demodulate, Peaks, plan_bins
 from lta_vlc.diodes import ring_of
 from lta_vlc.modulation import cycles, SquareWave
 from lta_vlc.ring import azimuths, Ring
+from lta_vlc.settings import Demodulation
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

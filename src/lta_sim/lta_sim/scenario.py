@@ -138,7 +138,7 @@ class Scenario(Record):
         return self.several if self.alone is None else {'lamp': self.alone}
 
     @property
-    def lamp(self) -> LampScene:
+    def goal_lamp(self) -> LampScene:
         """The lamp that is the goal: the last of the route, or else the first there is."""
         return self.stops[-1]
 

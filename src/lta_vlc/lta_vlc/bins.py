@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from lta_vlc.demodulation import Demodulation
+    from lta_vlc.settings import Demodulation
 
 QUIET_BINS = 16  # the mean of so many Rayleigh distributed magnitudes is known to 13 %
 BESIDE = 1.5  # bins on either side of the flicker of the mains, whose frequency wanders
@@ -45,6 +45,11 @@ class Bins:
     unlit: NDArray[np.intp]
     width: float
     samples: int
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Lowest and highest frequency whose nearest bin is searched. [Hz]"""
+        return (self.first - 0.5) * self.width, (self.last + 0.5) * self.width
 
 
 def plan_beacons(

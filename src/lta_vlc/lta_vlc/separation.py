@@ -8,7 +8,7 @@ from lta_config.errors import BadInput
 from lta_vlc.spectrum import target_bin
 
 if TYPE_CHECKING:
-    from lta_vlc.demodulation import Demodulation
+    from lta_vlc.settings import Demodulation
 
 HARMONICS = 3, 5  # of a lamp that is on for half of the time; weaker ones `lta light plan` avoids
 MAINS_HARMONICS = 10  # of the flicker at twice the mains' frequency: those of lamps and dimmers

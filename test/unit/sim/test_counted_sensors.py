@@ -15,8 +15,9 @@ from lta_sim.scenario import load_scenario
 from lta_sim.sensors import imu, pressure, range
 from lta_sim.vehicle import load_vehicle
 from lta_vlc.array import bearing
-from lta_vlc.demodulation import demodulate, Demodulation, Peaks, plan_bins
+from lta_vlc.demodulation import demodulate, Peaks, plan_bins
 from lta_vlc.diodes import ring_of
+from lta_vlc.settings import Demodulation
 import numpy as np
 import pytest
 
@@ -79,7 +80,10 @@ def test_the_barometer_is_the_same():
     assert counted.pressure_reading(SENSORS, ERRORS, SEED, STEP, 0.7, 3.0) == expected
 
 
-@pytest.mark.parametrize('distance', [1.0, 3.0, 7.0])
+@pytest.mark.parametrize(
+    'distance',
+    [pytest.param(1.0, marks=pytest.mark.long), 3.0, pytest.param(7.0, marks=pytest.mark.long)],
+)
 def test_the_lamp_is_heard_as_through_blocks(distance):
     """
     Magnitude, SNR and bearing of many blocks against the chain of ADC and transform.

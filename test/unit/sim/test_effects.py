@@ -10,7 +10,7 @@ from lta_sim.effects import (
     weight_and_buoyancy,
 )
 from lta_sim.effects.basis import basis
-from lta_sim.effects.protocol import Motion, WrenchEffect
+from lta_sim.effects.protocol import Motion, Parameter, WrenchEffect
 from lta_sim.effects_page import page
 from lta_sim.state import BODY, COMMAND, DISPLACED, MASS, MASS_MOMENT, SURROUNDINGS
 import numpy as np
@@ -98,6 +98,9 @@ def test_basis_holds_the_other_parameters():
     assert column[2, 0] == pytest.approx(0.015, rel=1e-12)
 
 
+POUNDS = Parameter('pull', 'lbf', 0.0, 0.0, 1.0, 0.1, 'nobody: a unit that no file knows')
+
+
 class Point:
     """An entry point that names `effect`."""
 
@@ -114,6 +117,7 @@ class Point:
         (effects.EFFECTS['linear_drag'], 'linear_drag of somewhere:EFFECT exists already'),
         ('wind', 'no effect'),
         (WrenchEffect('side-wind', (), weight_and_buoyancy.wrench), 'underscores'),
+        (WrenchEffect('tow', (POUNDS,), weight_and_buoyancy.wrench), "tow.pull .* is in 'lbf'"),
     ],
 )
 def test_installed_effects_are_checked(monkeypatch, effect, words):

@@ -8,9 +8,10 @@ from lta_sim.light.lamp import Lamp
 from lta_sim.light.room import even, Room
 from lta_sim.sensors.photodiode import PhotodiodeArray
 from lta_vlc.array import bearing
-from lta_vlc.demodulation import demodulate, Demodulation, plan_bins
+from lta_vlc.demodulation import demodulate, plan_bins
 from lta_vlc.diodes import ring_of
 from lta_vlc.modulation import SquareWave
+from lta_vlc.settings import Demodulation
 import numpy as np
 import pytest
 

@@ -158,7 +158,7 @@ def lamps(tmp_path, change):
 def test_several_lamps_have_names_and_the_first_is_the_goal(tmp_path):
     scene = load_scenario(lamps(tmp_path, lambda content: None))
     assert scene.beacons == (('gate', 150.0), ('shelf', 210.0))
-    assert scene.lamp.position.vector == (3.5, 0.0, 1.0)
+    assert scene.goal_lamp.position.vector == (3.5, 0.0, 1.0)
     assert [lamp.wave.frequency for lamp in scene.light_field.lamps] == [150.0, 210.0]
 
 

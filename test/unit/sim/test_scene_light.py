@@ -10,7 +10,8 @@ from lta_sim.scenario import load_scenario, Scenario
 from lta_sim.state import WIND
 from lta_sim.vehicle import load_vehicle
 from lta_sim.world import World
-from lta_vlc.demodulation import demodulate, Demodulation, plan_bins
+from lta_vlc.demodulation import demodulate, plan_bins
+from lta_vlc.settings import Demodulation
 import numpy as np
 from pydantic import ValidationError
 import pytest

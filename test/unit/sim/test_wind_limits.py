@@ -112,5 +112,6 @@ def test_a_drone_without_a_known_limit_has_none():
     assert static_limit(load_vehicle('multirotor')) == math.inf  # and so is the thrust's
 
 
+@pytest.mark.long
 def test_a_glider_flies_pitched():
     assert 0.5 < thrust_speed(load_vehicle('rgblimp')) < 1.5

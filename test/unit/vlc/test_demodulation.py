@@ -3,8 +3,9 @@
 import math
 
 from lta_config.errors import BadInput
-from lta_vlc.demodulation import demodulate, Demodulation, find_peaks, plan_bins
+from lta_vlc.demodulation import demodulate, find_peaks, plan_bins
 from lta_vlc.modulation import SquareWave
+from lta_vlc.settings import Demodulation
 import numpy as np
 from pydantic import ValidationError
 import pytest

@@ -3,9 +3,10 @@
 import math
 
 from lta_config.errors import BadInput
-from lta_vlc.demodulation import Demodulation, hear
+from lta_vlc.demodulation import hear
 from lta_vlc.faults import Fault
 from lta_vlc.listener import Listener
+from lta_vlc.settings import Demodulation
 from lta_vlc.wish import NO_WISH
 import numpy as np
 import pytest

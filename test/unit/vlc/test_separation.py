@@ -1,9 +1,9 @@
 """Which beacons are refused, and with what sentence."""
 
 from lta_config.errors import BadInput
-from lta_vlc.demodulation import Demodulation
 from lta_vlc.listener import Listener
 from lta_vlc.separation import check_beacons, folded, mains_flicker
+from lta_vlc.settings import Demodulation
 import pytest
 
 

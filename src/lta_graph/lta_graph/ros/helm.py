@@ -44,12 +44,12 @@ class Helm:
             return
         self._tell()
         # What is made last is taken first: a word is there before the helm changes hands.
-        for name, heed in (
+        for name, callback in (
             ('teleop/held', self._on_held),
             ('teleop/velocity', self._on_velocity),
             ('teleop/pose', self._on_pose),
         ):
-            node.hear(name, heed)
+            node.hear(name, callback)
 
     def steering(self, pose: Any, velocity: Any) -> tuple[Any, Any]:  # noqa: ANN401 - messages
         """Return the pose and velocity that count; the person's in place of the navigator's."""

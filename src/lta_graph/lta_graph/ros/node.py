@@ -19,10 +19,10 @@ from lta_graph.health import Health, Level
 from lta_graph.inbox import Inbox, Step
 from lta_graph.ros.links import LINKS
 from lta_graph.ros.message_types import message_type
-from lta_graph.ros.others import Others
 from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.publisher_conflict import PublisherConflict
 from lta_graph.ros.qos import profile
-from lta_graph.ros.replay_due import DUE, heed
+from lta_graph.ros.replay_due import DUE, follow_due
 from lta_graph.ros.sound import MESSAGES, Soundness
 from lta_graph.ros.spin import spin
 from lta_graph.ros.stamps import from_stamp
@@ -80,7 +80,7 @@ class GraphNode(Node):
         self._inbox: Inbox | None = None
         self._inputs: dict[str, Subscription] = {}
         self._writers: dict[str, Publisher] = {}
-        self._others = Others(self, self._writers)
+        self._conflict = PublisherConflict(self, self._writers)
         self._waiting_since: float | None = None
         self._heard: dict[str, float] = {}
         self._reported = 0.0
@@ -135,7 +135,7 @@ class GraphNode(Node):
         self._trigger = trigger
         if self.replayed:
             then = partial(self._answer, inbox, on_step)
-            self._told = heed(self, self.table, inbox, then)
+            self._told = follow_due(self, self.table, inbox, then)
 
     def overhear(self, name: str, callback: Callable[[bytes], None]) -> Subscription:
         """Return a subscription that gets a topic's messages as they come on the wire."""
@@ -231,7 +231,7 @@ class GraphNode(Node):
             self.health.take(unsound.fact(MESSAGES))
         self._tell_lonely(now)
         self.health.report(LINKS, Level.OK, 'readers of each topic', **self.readers())
-        self._others.look(self.health)
+        self._conflict.look(self.health)
         if self.health.changed or now - self._reported >= REPORT_PERIOD:
             self.publish_health()
 

@@ -2,34 +2,42 @@
 
 import signal
 import sys
+import traceback
+from typing import NoReturn
 
 from lta_config.errors import BadInput
 from lta_graph.health import Level
+from lta_graph.leave import leave
 from lta_graph.ros.command_line import join, refuse_unknown
 from lta_graph.ros.node import GraphNode
 import rclpy
 
 
-def run(node_class: type[GraphNode], args: list[str] | None = None) -> None:
+def run(node_class: type[GraphNode], args: list[str] | None = None) -> NoReturn:
     """
-    Run one node as a process.
+    Run one node as a process, and end that.
 
     Exit status 0 after a shut-down, 2 with one sentence on bad input, 130 after Ctrl-C before the
-    node was made; anything else is a crash with its traceback.
+    node was made, 1 after a crash with its traceback.
     """
     words = sys.argv if args is None else args
+    status = 0
     try:
         # `lta run` holds Ctrl-C back while Python starts; one that came meanwhile comes now.
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
         join(words)
         live(node_class, words)
     except KeyboardInterrupt:  # before the handlers were there
-        sys.exit(128 + signal.SIGINT)
+        status = 128 + signal.SIGINT
     except BadInput as error:
         sys.stderr.write(f'{error}\n')
-        sys.exit(2)
+        status = 2
+    except Exception:
+        traceback.print_exc()
+        status = 1
     finally:
         rclpy.try_shutdown()
+    leave(status)
 
 
 def live(node_class: type[GraphNode], words: list[str]) -> None:

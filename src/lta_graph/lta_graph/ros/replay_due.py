@@ -46,7 +46,9 @@ def hear_due(
     return node.create_subscription(Int64MultiArray, DUE, hear, profile(table[DUE], True))
 
 
-def heed(node: Node, table: TopicTable, inbox: Inbox, then: Callable[[], None]) -> Subscription:
+def follow_due(
+    node: Node, table: TopicTable, inbox: Inbox, then: Callable[[], None]
+) -> Subscription:
     """Return a subscription by which an inbox learns what is due, and do something then."""
 
     def learn(due: dict[str, Sequence[int]]) -> None:

@@ -9,6 +9,7 @@ from importlib import import_module
 from importlib.metadata import entry_points
 
 from lta_config.errors import BadInput, unknown
+from lta_config.quantity import UNITS
 from lta_sim.effects.protocol import ActuatorEffect, Effect, KernelEffect
 from lta_sim.state import ACTUATORS
 
@@ -74,7 +75,8 @@ def merged(known: dict[str, Effect]) -> dict[str, Effect]:
     Raises
     ------
     BadInput
-        If an installed effect takes a name that exists, or is no effect.
+        If an installed effect takes a name that exists, is no effect, or has a parameter in a
+        unit that no file could give it in.
 
     """
     effects = dict(known)
@@ -95,6 +97,13 @@ def merged(known: dict[str, Effect]) -> dict[str, Effect]:
                 f'The effect {effect.name} of {point.value} exists already; '
                 'rename or uninstall it.'
             )
+        for parameter in effect.parameters:
+            if UNITS.get(parameter.unit) != (parameter.unit, 1.0):
+                raise BadInput(
+                    f'The parameter {effect.name}.{parameter.name} of {point.value} is in '
+                    f'{parameter.unit!r}, which is no SI unit that files know; take one of '
+                    f'{", ".join(sorted({unit for unit, _ in UNITS.values()}))}.'
+                )
         effects[effect.name] = effect
     return effects
 

@@ -31,7 +31,8 @@ from lta_sim.light.passage import on_diodes
 from lta_sim.light.pencils import DAY, LAMPS, SHARE
 from lta_sim.light.surround import Surround
 from lta_sim.sensors.photodiode import noise_terms, PhotodiodeArray, sensitivity
-from lta_vlc.demodulation import Demodulation, find_peaks, plan_bins
+from lta_vlc.demodulation import find_peaks, plan_bins
+from lta_vlc.settings import Demodulation
 from lta_vlc.spectrum import amplitude_spectrum
 import numpy as np
 from numpy.typing import NDArray

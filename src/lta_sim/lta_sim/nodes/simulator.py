@@ -18,10 +18,10 @@ import time
 from lta_config.recorded import is_wanted
 from lta_graph.health import Level
 from lta_graph.inbox import Step
-from lta_graph.ros.company import Company, OVER, PULSE
 from lta_graph.ros.gathering import gather, settle
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.peer_listener import OVER, PeerListener, PULSE
 from lta_graph.ros.process import run
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_sim import messages
@@ -61,7 +61,7 @@ class Simulator(GraphNode):
         self._outputs = {name: self.output(name) for name in names}
         inputs = self.table.read_by('vehicle')
         self.listen(inputs, trigger='motors', on_step=self._on_motors)
-        self._company = Company(self, self._settings.peers.split(), self._on_news)
+        self._peers = PeerListener(self, self._settings.peers.split(), self._on_news)
         self._duties = [0.0] * len(vehicle.rotor_names)
         self._lowest = [-1.0 if reversible else 0.0 for reversible in vehicle.reversible]
         self._refused = False
@@ -77,7 +77,7 @@ class Simulator(GraphNode):
 
     def work(self) -> None:
         """Wait for the graph, then fly."""
-        gather(self, self._lonely, PATIENCE * (1 + len(self._company.names)))
+        gather(self, self._lonely, PATIENCE * (1 + len(self._peers.names)))
         if not self.lockstep:
             settle(self, PATIENCE)
         self._began = self._anchor = time.monotonic()
@@ -94,7 +94,7 @@ class Simulator(GraphNode):
         for name, publisher in self._outputs.items():
             readers = set(self.table[name].subscribers)
             if name == PULSE:
-                readers |= {f'{peer}/vehicle' for peer in self._company.names}
+                readers |= {f'{peer}/vehicle' for peer in self._peers.names}
             if publisher.get_subscription_count() < len(readers):
                 waiting |= readers
             recorded = self._settings.record and is_wanted(words, robot, name, self.table[name])
@@ -119,24 +119,24 @@ class Simulator(GraphNode):
     def _on_news(self) -> None:
         """Go on when the others let us, or leave with them."""
         if self._finished is None:
-            if self.lockstep and self._company.holding:
+            if self.lockstep and self._peers.holding:
                 self._step()
-        elif self._company.flying:
-            self._tell_clock(self._company.now(self._world.stamp_ns))
+        elif self._peers.flying:
+            self._tell_clock(self._peers.now(self._world.stamp_ns))
         else:
             self.running = False
 
     def awaited(self) -> Iterable[Subscription]:
         """Return what to wake up for: the others, where they are what we wait for."""
-        if self._company.holding or self._finished is not None:
-            return self._company.subscriptions
+        if self._peers.holding or self._finished is not None:
+            return self._peers.subscriptions
         return super().awaited()
 
     def missing(self) -> list[str]:
         """Return the inputs that this node is waiting for: none once its flight is over."""
         if self._finished is not None:
             return []
-        return self._company.missing() if self._company.holding else super().missing()
+        return self._peers.missing() if self._peers.holding else super().missing()
 
     def _take(self, names: list[str], duties: list[float]) -> None:
         """Accept a command, or stop the motors on one that cannot be meant."""
@@ -198,7 +198,7 @@ class Simulator(GraphNode):
             self._watch()  # the others may be waiting for this
             self._on_news()
             return False
-        if not self._company.lets(self._world.stamp_ns + self.table.control_ns):
+        if not self._peers.lets(self._world.stamp_ns + self.table.control_ns):
             return False
         self._world.advance(self._duties)
         self._watch_supply()

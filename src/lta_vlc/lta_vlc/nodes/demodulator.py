@@ -8,13 +8,14 @@ from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.process import run
 from lta_vlc.condition import conditions, WANTED
-from lta_vlc.demodulation import Demodulation, Hearing, Peaks
+from lta_vlc.demodulation import Hearing, Peaks
 from lta_vlc.diodes import diodes_of
 from lta_vlc.lamp import LampPrior
 from lta_vlc.lamp_finder import Found, LampFinder
 from lta_vlc.listener import Listener
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks, to_block
 from lta_vlc.sequence import Sequence
+from lta_vlc.settings import Demodulation
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 

@@ -5,7 +5,7 @@ import os
 import time
 
 from lta_graph.health import Health, Level
-from lta_graph.ros.others import OTHERS, Others
+from lta_graph.ros.publisher_conflict import OTHERS, PublisherConflict
 import pytest
 from rclpy.context import Context
 from rclpy.node import Node
@@ -34,23 +34,23 @@ def node() -> Iterator[Callable[[str], Node]]:
 def test_a_stranger_is_named_until_it_is_gone(node):
     own, stranger, health = node('own'), node('stranger'), Health()
     writers = {name: own.create_publisher(Header, name, 10) for name in ('/diagnostics', 'imu')}
-    others = Others(own, writers)
+    conflict = PublisherConflict(own, writers)
 
     def told(level: Level) -> str:
         deadline = time.monotonic() + PATIENCE
         while not health.facts or health.facts[0].level != level:
             assert time.monotonic() < deadline, health.facts
-            others.look(health)
+            conflict.look(health)
             time.sleep(0.01)
         return health.facts[0].message
 
     stranger.create_publisher(Header, '/diagnostics', 10)  # of every node
-    others.look(health)
+    conflict.look(health)
     assert OTHERS not in health
     rival = stranger.create_publisher(Header, 'imu', 10)
     expected = f'published by others too: imu (/{ROBOT}/stranger); stop all but one'
     assert told(Level.ERROR) == expected
-    others.look(health)
+    conflict.look(health)
     assert health.facts[0].message == expected
     stranger.destroy_publisher(rival)
     assert told(Level.OK) == 'nobody else publishes the same'

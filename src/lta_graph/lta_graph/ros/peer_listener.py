@@ -19,7 +19,7 @@ OVER = 'over'  # and the value in it
 
 
 @final
-class Company:
+class PeerListener:
     """
     The other robots, for a node that must keep step with them.
 

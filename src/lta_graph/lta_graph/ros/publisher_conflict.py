@@ -12,7 +12,7 @@ COMMON = '/diagnostics'  # of every node
 
 
 @final
-class Others:
+class PublisherConflict:
     """
     Looks at who else publishes the outputs of a node.
 

@@ -1,0 +1,45 @@
+"""Which beacons are listened for, and how: what can be set about the demodulation."""
+
+from typing import Annotated, final
+
+from lta_config.settings import setting, Settings
+from pydantic import Field
+
+Frequency = Annotated[float, Field(ge=1.0, le=100_000.0)]
+
+
+@final
+class Demodulation(Settings):
+    """
+    Which beacons to listen for, and how.
+
+    In white noise alone a diode passes the threshold T in a share (2 window + 1) exp(-pi T^2 / 4)
+    of the blocks: 0.43 % at T = 3 and a window of 2 (0.49 % in 128 000 blocks, as the noise is the
+    mean of some 300 bins), never at 6, which leaves room for noise that is not white.
+    """
+
+    frequency: float = setting(
+        150.0, 'Frequency at which the first beacon flickers', unit='Hz', low=1.0, high=100_000.0
+    )
+    others: tuple[Frequency, ...] = setting((), 'Frequencies of further beacons', unit='Hz')
+    window: int = setting(
+        2, 'Bins searched and masked on either side of a harmonic', unit='1', low=0, high=100
+    )
+    harmonics: int = setting(
+        50, 'Harmonics kept out of the noise, the fundamental included', unit='1', low=1, high=1000
+    )
+    threshold: float = setting(
+        6.0, 'SNR from which a diode is believed', unit='1', low=1.0, high=1000.0
+    )
+    mains: float = setting(
+        50.0,
+        'Frequency of the mains, whose lamps flicker at twice that; 0 where there are none',
+        unit='Hz',
+        low=0.0,
+        high=400.0,
+    )
+
+    @property
+    def beacons(self) -> tuple[float, ...]:
+        """The frequencies of all beacons, the first one first. [Hz]"""
+        return (self.frequency, *self.others)

@@ -1,0 +1,43 @@
+"""How a node leaves: by its status and its words."""
+
+import subprocess
+import sys
+
+import pytest
+
+pytestmark = pytest.mark.beside
+
+PATIENCE = 60.0  # s, to start and to leave
+CODE = """
+from lta_config.errors import BadInput
+from lta_graph.ros.node import GraphNode
+from lta_graph.ros.process import run
+
+class Node(GraphNode):
+    def __init__(self):
+        super().__init__('energy_monitor')
+
+    def work(self):
+        print('worked', end='')
+        {act}
+
+run(Node, ['node'])
+"""
+
+
+@pytest.mark.parametrize(
+    ('act', 'status', 'said'),
+    [
+        ('pass', 0, ''),
+        ("raise BadInput('No air here.')", 2, 'No air here.\n'),
+        ("raise OSError('torn')", 1, 'OSError: torn\n'),
+    ],
+)
+def test_it_says_all_and_leaves_by_its_status(domain_id, act, status, said):
+    left = subprocess.run(
+        [sys.executable, '-c', CODE.format(act=act)],
+        capture_output=True, text=True, timeout=PATIENCE, check=False,
+    )  # fmt: skip
+    assert (left.returncode, left.stdout) == (status, 'worked')
+    assert left.stderr.endswith(said)
+    assert bool(said) == bool(left.stderr)
