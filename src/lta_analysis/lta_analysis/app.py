@@ -1,13 +1,16 @@
 """
 The `lta` command, put together from its verbs: one file a verb in `verbs/`.
 
-Only the verb that is asked for is loaded: all of them take a second.
+Only the verb that is asked for is loaded, all of them take seconds; a list of verbs reads what
+each says of itself from its file.
 """
 
-from collections.abc import Mapping, Sequence
+import ast
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
 import inspect
+from pathlib import Path
 import sys
 from typing import Annotated, Any, Final, final
 
@@ -17,6 +20,7 @@ from lta_config.version import VERSION
 import typer
 from typer.core import TyperGroup
 
+FOLDER: Final = Path(__file__).parent / 'verbs'
 STOPPED = 130  # the shell's own status after Ctrl-C, and Typer's
 EPILOG: Final = (
     'Results go to runs/<time>-<name>/. "lta VERB --help" tells all of a verb.\n\n'
@@ -27,16 +31,26 @@ EPILOG: Final = (
 @final
 @dataclass(frozen=True, slots=True)
 class Verb:
-    """Where a verb is: its file in `verbs/`, the function or group in it, and its settings."""
+    """Where a verb is: its file in `verbs/`, the function in it, and its settings."""
 
     file: str
     name: str
     settings: Mapping[str, Any] = field(default_factory=dict)
     several: tuple[str, ...] = ()  # options that take several values: --train A B
 
-    def load(self) -> Any:  # noqa: ANN401 - a function, or a group of them
+    def load(self) -> Callable[..., None]:
         """Return what the verb does."""
-        return getattr(import_module(f'lta_analysis.verbs.{self.file}'), self.name)
+        verb: Callable[..., None] = getattr(
+            import_module(f'lta_analysis.verbs.{self.file}'), self.name
+        )
+        return verb
+
+    def told(self) -> str:
+        """Return what the verb says of itself, which is found without loading it."""
+        for node in ast.parse((FOLDER / f'{self.file}.py').read_text(encoding='utf-8')).body:
+            if isinstance(node, ast.FunctionDef) and node.name == self.name:
+                return ast.get_docstring(node) or ''
+        raise LookupError(f'{self.file}.py has no {self.name}')
 
 
 @final
@@ -48,6 +62,24 @@ class Group:
     verbs: Mapping[str, Verb]
 
 
+VEHICLE: Final = Group(
+    'Make a vehicle file, look at it, and weigh what flew.',
+    {
+        'new': Verb('vehicle_new', 'new'),
+        'show': Verb('vehicle_show', 'show'),
+        'check': Verb('vehicle_check', 'check'),
+        'diff': Verb('vehicle_diff', 'diff'),
+        'trim': Verb('vehicle_trim', 'trim'),
+        'urdf': Verb('vehicle_urdf', 'urdf'),
+    },
+)
+CHALLENGE: Final = Group(
+    'Hide effects in flights, and score what is found in them.',
+    {
+        'make': Verb('challenge_make', 'make'),
+        'score': Verb('challenge_score', 'score'),
+    },
+)
 BAG: Final = Group(
     'Look at recordings, check and mend them, turn them into other files.',
     {
@@ -105,7 +137,7 @@ VERBS: Final[dict[str, Verb | Group]] = {
     'tune': Verb('tune', 'tune'),
     'wind': Verb('wind', 'wind'),
     'platforms': Verb('platforms', 'platforms'),
-    'vehicle': Verb('vehicle', 'vehicle'),
+    'vehicle': VEHICLE,
     'cells': Verb('cells', 'cells'),
     'cfd': CFD,
     'light': LIGHT,
@@ -114,7 +146,7 @@ VERBS: Final[dict[str, Verb | Group]] = {
     'hardware': HARDWARE,
     'compare': Verb('compare', 'compare'),
     'discover': Verb('discover', 'discover', several=('--train', '--confirm', '--holdout')),
-    'challenge': Verb('challenge', 'challenge'),
+    'challenge': CHALLENGE,
     'import': Verb('import_', 'import_'),
     'report': Verb('report', 'report'),
     'reproduce': Verb('reproduce', 'reproduce'),
@@ -132,8 +164,12 @@ class InOrder(TyperGroup):
         return [name for name in VERBS if name in self.commands]
 
 
-def put_together(words: Sequence[str]) -> typer.Typer:
-    """Return the command with the verb that some words ask for, or with all where none is."""
+def put_together(words: Sequence[str] | None = None) -> typer.Typer:
+    """
+    Return the command with the verb that some words ask for.
+
+    Where they ask for none, verbs can only be listed; without any words all are loaded.
+    """
     app = typer.Typer(
         name='lta',
         cls=InOrder,
@@ -144,23 +180,31 @@ def put_together(words: Sequence[str]) -> typer.Typer:
         pretty_exceptions_enable=False,
     )
     app.callback()(options)
-    for name in asked(VERBS, words):
-        add(app, name, VERBS[name], words[1:])
+    add_all(app, VERBS, words)
     return app
 
 
-def asked(known: Mapping[str, object], words: Sequence[str]) -> list[str]:
-    """Return the first word if it is known, else all that are."""
-    return [words[0]] if words and words[0] in known else list(known)
+def add_all(
+    app: typer.Typer, verbs: Mapping[str, Verb | Group], words: Sequence[str] | None
+) -> None:
+    """Add to a command or a group the verb that some words ask for, or all."""
+    if words is None:
+        for name, verb in verbs.items():
+            add(app, name, verb, None)
+    elif words and words[0] in verbs:
+        add(app, words[0], verbs[words[0]], words[1:])
+    else:
+        for name, verb in verbs.items():
+            text = verb.about if isinstance(verb, Group) else flowing(verb.told())
+            app.command(name, context_settings=ANYTHING, help=text)(comes_first)
 
 
-def add(app: typer.Typer, name: str, verb: Verb | Group, words: Sequence[str]) -> None:
+def add(app: typer.Typer, name: str, verb: Verb | Group, words: Sequence[str] | None) -> None:
     """Add a verb, or those behind its word, to the command."""
     if isinstance(verb, Group):
         group = typer.Typer(help=verb.about, no_args_is_help=True)
         group.callback()(lambda: None)  # one verb alone would stand for its group
-        for inner in asked(verb.verbs, words):
-            add(group, inner, verb.verbs[inner], ())
+        add_all(group, verb.verbs, words)
         app.add_typer(group, name=name)
         return
     try:
@@ -168,14 +212,14 @@ def add(app: typer.Typer, name: str, verb: Verb | Group, words: Sequence[str]) -
     except ModuleNotFoundError as missing:
         if not is_of_ros(missing.name):
             raise
-        app.command(name, context_settings=ANYTHING, help=flowing(refuse))(refuse)
+        app.command(name, context_settings=ANYTHING, help=documented(refuse))(refuse)
         return
-    if isinstance(found, typer.Typer):
-        for command in found.registered_commands:
-            command.help = flowing(command.callback)
-        app.add_typer(found, name=name)
-        return
-    app.command(name, context_settings=dict(verb.settings), help=flowing(found))(found)
+    app.command(name, context_settings=dict(verb.settings), help=documented(found))(found)
+
+
+def comes_first(context: typer.Context) -> None:
+    """Refuse a verb that is listed alone: other words came before it."""
+    raise BadInput(f"A verb comes first: '{context.command_path} ...'.")
 
 
 def repeated(words: Sequence[str]) -> list[str]:
@@ -193,10 +237,14 @@ def repeated(words: Sequence[str]) -> list[str]:
     return out
 
 
-def flowing(does: object) -> str:
-    """Return a docstring's paragraphs without the line breaks, ragged on any other width."""
-    paragraphs = (inspect.getdoc(does) or '').split('\n\n')
-    return '\n\n'.join(' '.join(text.split()) for text in paragraphs)
+def documented(does: object) -> str:
+    """Return the docstring of what does something."""
+    return flowing(inspect.getdoc(does) or '')
+
+
+def flowing(text: str) -> str:
+    """Return a text's paragraphs without the line breaks, ragged on any other width."""
+    return '\n\n'.join(' '.join(paragraph.split()) for paragraph in text.split('\n\n'))
 
 
 def tell_version(wanted: bool) -> None:
@@ -219,7 +267,7 @@ def status() -> int:
     """Run the command line and return its exit status; what the user can mend is one sentence."""
     try:
         words = repeated(sys.argv[1:])
-        return put_together(words)(words, standalone_mode=False) or 0
+        return put_together(words)(words, prog_name='lta', standalone_mode=False) or 0
     except BadInput as error:
         sys.stderr.write(f'{error}\n')
         return 2

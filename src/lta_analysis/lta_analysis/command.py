@@ -12,12 +12,13 @@ from typing import NoReturn
 
 from lta_analysis.streams import outlive_readers
 from lta_graph.ament import middlewares
+from lta_graph.leave import leave
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 MIDDLEWARE = 'RMW_IMPLEMENTATION'
 
 
-def main() -> None:
+def main() -> NoReturn:
     """Run the command line and leave with its status."""
     signal.signal(signal.SIGINT, _leave)
     # The lta script holds SIGINT back while Python starts; one that came meanwhile comes now.
@@ -43,7 +44,7 @@ def main() -> None:
     if result == STOPPED:
         sys.stderr.write('Stopped.\n')
         result = 128 + (caught[0] if caught else signal.SIGINT)
-    sys.exit(result)
+    leave(result)
 
 
 def wrong_middleware() -> str | None:

@@ -14,18 +14,17 @@ from typing import final, Literal, Protocol, TYPE_CHECKING
 
 from lta_analysis.blame import FLIGHT, Lookout
 from lta_analysis.domain_lock import DomainLock
+from lta_analysis.preflight import check
 from lta_analysis.results_folder import results_folder
 from lta_analysis.viewers import invite, refuse_taken_ports, viewers
 from lta_bridge.bag.writer import empty_folder
 from lta_config.errors import BadInput
 from lta_config.files import find
-from lta_control.laws.aboard import check_aboard
 from lta_control.strategies import strategy
 from lta_graph.child import Ended
 from lta_graph.health import Fact, Level
 from lta_graph.launch_file import load
 from lta_graph.launcher import Launcher
-from lta_sim import in_scene
 from lta_sim.scenario import load_scenario
 from lta_sim.vehicle import load_vehicle
 
@@ -100,13 +99,10 @@ def fly_once(order: Order, watcher: Watcher) -> Flown:
 
     """
     scenario = load_scenario(order.scenario)
-    vehicle = load_vehicle(order.vehicle, scenario.air.density)
     strategy(order.strategy)
-    _ = vehicle.hover_duty
-    in_scene.check(vehicle, scenario)
-    check_aboard(vehicle)
     folder = results_folder(order.out, f'{scenario.name}-{order.seed}')
     plan = load(find('launch file', 'fly', '.launch.yaml'), choices(order, folder / 'bag'))
+    check(plan)
     spare = viewers(plan)
     # Here, and not above: who flies without a graph needs no ROS.
     from lta_graph.ros.listener import DiagnosticsListener

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, final
 
+from lta_analysis.listening import check_listening
 from lta_analysis.loop import Loop
 from lta_analysis.policy import Policy
 from lta_config.errors import BadInput, unknown
@@ -34,8 +35,8 @@ from lta_sim import in_scene
 from lta_sim.scenario import beside, Scenario
 from lta_sim.vehicle import Vehicle
 from lta_sim.world import World
-from lta_vlc.demodulation import Demodulation
 from lta_vlc.lamp import LampPrior
+from lta_vlc.settings import Demodulation
 from pydantic import BaseModel
 import yaml
 
@@ -222,6 +223,7 @@ def parts_of(made_of: Ingredients) -> tuple[Vehicle, Scenario, Policy]:
         law=law(vehicle_file.control.law if vehicle_file.control else CASCADE),
     )
     check_route(policy.strategy, len(scenario.route))
+    check_listening(scenario, policy.demodulation)
     check_reserve(policy.reserve, policy.strategy)
     vehicle = Vehicle(vehicle_file, scenario.air.density)
     _ = vehicle.hover_duty

@@ -3,13 +3,19 @@
 import json
 from pathlib import Path
 import sys
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 Json = Annotated[bool, typer.Option('--json', help='Print the results as JSON.')]
 
 
-def print_json(content: str, page: Path) -> None:
+def print_json(content: Any, page: Path | None = None) -> None:  # noqa: ANN401 - plain data
+    """Print results, and where their page is."""
+    told = content if page is None else {**content, 'page': str(page)}
+    sys.stdout.write(json.dumps(told, indent=1) + '\n')
+
+
+def print_kept_json(text: str, page: Path) -> None:
     """Print the results that a file holds as JSON, and where their page is."""
-    sys.stdout.write(json.dumps({**json.loads(content), 'page': str(page)}) + '\n')
+    print_json(json.loads(text), page)

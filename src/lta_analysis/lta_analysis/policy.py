@@ -17,8 +17,8 @@ from lta_control.reserve import ReserveSettings
 from lta_control.strategies.protocol import Strategy
 from lta_energy.monitor import MonitorSettings
 from lta_sim.vehicle import Vehicle
-from lta_vlc.demodulation import Demodulation
 from lta_vlc.lamp import LampPrior
+from lta_vlc.settings import Demodulation
 
 
 @final

@@ -3,9 +3,10 @@
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
+from lta_analysis.listening import check_listening
 from lta_config.constants import AIR_DENSITY
 from lta_config.errors import BadInput
-from lta_config.files import parse_yaml
+from lta_config.files import checked, parse_yaml
 from lta_control.laws.aboard import check_aboard
 from lta_control.strategies import check_route, strategy
 from lta_graph.launch_file import LaunchPlan
@@ -13,15 +14,19 @@ from lta_sim import in_scene
 from lta_sim.scenario import load_scenario
 from lta_sim.start_offset import started
 from lta_sim.vehicle import load_vehicle
+from lta_vlc.settings import Demodulation
 
 OURS = 'lta_'
-CONTROLLER = 'controller'
+CONTROLLER, DEMODULATOR, NAVIGATOR = 'controller', 'demodulator', 'navigator'
+FILE_OPTION = '--params-file'
 SEEDS = range(2**31)
 
 
 def check(plan: LaunchPlan) -> None:
     """
     Refuse a vehicle, scenario, strategy or seed that LTA's own nodes would refuse.
+
+    And a lamp that nobody listens for, of which no node knows by itself.
 
     Raises
     ------
@@ -33,6 +38,7 @@ def check(plan: LaunchPlan) -> None:
         if process.package.startswith(OURS):
             for given in by_robot(parameters(process.arguments)):
                 check_parameters(given, controls=process.executable == CONTROLLER)
+    check_heard(plan)
 
 
 def check_parameters(given: Mapping[str, object], controls: bool) -> None:
@@ -64,6 +70,27 @@ def check_parameters(given: Mapping[str, object], controls: bool) -> None:
     if 'seed' in given and not (type(given['seed']) is int and given['seed'] in SEEDS):
         raise BadInput(
             f'The seed is {given["seed"]}, but must be a whole number from 0 to {SEEDS[-1]}.'
+        )
+
+
+def check_heard(plan: LaunchPlan) -> None:
+    """Refuse a scene whose lamp the demodulator beside its navigator does not listen for."""
+    ours = {
+        (process.namespace, process.executable): process.arguments
+        for process in plan.processes
+        if process.package.startswith(OURS)
+    }
+    for (namespace, executable), arguments in ours.items():
+        listener = ours.get((namespace, DEMODULATOR))
+        scenario = parameters(arguments).get('scenario')
+        if executable != NAVIGATOR or listener is None or not isinstance(scenario, str):
+            continue
+        if FILE_OPTION in listener:  # what it is set to stands in a file of whoever wrote it
+            continue
+        own = parameters(listener)
+        given = {name: own[name] for name in Demodulation.model_fields if name in own}
+        check_listening(
+            load_scenario(scenario), checked(Demodulation, given, 'the settings of demodulator')
         )
 
 

@@ -21,7 +21,8 @@ PATIENCE = 300  # wall s, on however busy a machine; a verb that waits for ever 
 DISK = 1 << 28  # bytes of a file that it may write
 STREAMS = {1: '.out', 2: '.err'}
 VERBS = 'bag_check bag_export bag_info bag_plot bag_recover cfd_run compare import_ light_plan'
-VERBS += ' mission replay report simulate sweep vehicle'
+VERBS += ' mission replay report simulate sweep'
+VERBS += ' vehicle_check vehicle_diff vehicle_show vehicle_trim vehicle_urdf'
 LOADED = ['app', *(f'verbs.{name}' for name in VERBS.split()), 'foreign.run']
 
 

@@ -253,7 +253,7 @@ def sensors_of(vehicle: Vehicle, floor: float) -> Sensors:
 def goal_of(scenario: Scenario) -> Goal:
     """Return how a flight in a scene ends."""
     length, width, height = scenario.room.size.vector
-    x, y, _ = scenario.lamp.position.vector
+    x, y, _ = scenario.goal_lamp.position.vector
     goal = scenario.goal
     return Goal(x, y, goal.radius.si, goal.time_limit.si, length / 2, width / 2, height)
 

@@ -11,8 +11,8 @@ from lta_analysis.report.drawing import blank, thinned
 from lta_analysis.report.frame import framed, written
 from lta_analysis.report.outcome import number, Tile
 from lta_analysis.report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, TIME, TRUTH
-from lta_analysis.report.pictures import picture
 from lta_analysis.report.pieces import section, tile_html
+from lta_analysis.report.screenshots import picture
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 

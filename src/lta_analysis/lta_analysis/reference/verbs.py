@@ -17,7 +17,7 @@ Generated from the command line by `python -m lta_analysis.reference verbs > doc
 
 def page() -> str:
     """Return the page: a section for each verb, in the order of `lta --help`."""
-    sections = (section(words, verb) for words, verb in verbs(get_command(put_together(()))))
+    sections = (section(words, verb) for words, verb in verbs(get_command(put_together())))
     return HEAD + ''.join(sections)
 
 

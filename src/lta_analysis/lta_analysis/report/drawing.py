@@ -4,9 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from lta_analysis.report.curves import Array
-from lta_analysis.report.palette import GRID, INK, PAPER, SOFT, WALL
-from lta_analysis.report.results import phases_of
-from lta_analysis.report.view import View
+from lta_analysis.report.palette import GRID, INK, PAPER, SOFT
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 from plotly.graph_objs.layout import Template
@@ -58,30 +56,6 @@ def blank(rows: int = 1, heights: Sequence[float] | None = None) -> Figure:
         row_heights=heights and list(heights),
     )
     return figure.update_layout(template=TEMPLATE)
-
-
-def over_time(view: View, rows: int = 1, heights: Sequence[float] | None = None) -> Figure:
-    """Return an empty picture over the time of the flight, its phases marked."""
-    figure = blank(rows, heights)
-    figure.update_xaxes(range=list(view.span), hoverformat='.2f', unifiedhovertitle_text='%{x} s')
-    figure.update_xaxes(title_text='time [s]', row=rows)
-    phases = phases_of(view)
-    marks = [
-        (phases.lift_off, 'lift-off', 'right'),
-        (phases.search, 'search', 'left'),
-        (phases.end, 'at the lamp', 'right'),
-    ]
-    for time, text, side in marks:
-        if view.span[0] < time < view.span[1]:
-            figure.add_shape(
-                type='line', x0=time, x1=time, y0=0.0, y1=1.0, yref='paper', layer='below',
-                line={'color': WALL, 'width': 1, 'dash': '2px,3px'},
-            )  # fmt: skip
-            figure.add_annotation(
-                x=time, y=1.0, yref='paper', yanchor='bottom', text=text, xanchor=side,
-                font={'size': 10, 'color': SOFT},
-            )  # fmt: skip
-    return figure
 
 
 def thinned(time: Array, values: Array) -> tuple[Array, Array]:

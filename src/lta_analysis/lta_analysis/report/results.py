@@ -2,9 +2,10 @@
 What a flight came to, in numbers.
 
 The flight starts when the drone leaves the ground, the search when a forward speed is first asked
-for, the cruise when 90 % of that speed is first flown. All end when the hull centre is within the
-goal radius of the lamp, horizontally, or with the recording; on a route, of the last lamp, after
-all before it. Truth comes from the simulator or a tracker.
+for, the cruise when 90 % of that speed is first flown, less the rests at the lamps of a route. All
+end when the hull centre is within the goal radius of the lamp, horizontally, or with the
+recording; on a route, of the last lamp, after all before it. Truth comes from the simulator or a
+tracker.
 """
 
 from dataclasses import asdict, dataclass, field, fields
@@ -34,8 +35,8 @@ class Results:
     """The results of one flight; None is what its bag cannot tell. SI units, angles in rad."""
 
     success: bool | None = figure('', 'came within the goal radius, of each lamp of the route')
-    lamps: float | None = figure('1', 'lamps that were to be reached')
-    lamps_reached: float | None = figure('1', 'those that were, in their order')
+    lamps: int | None = figure('1', 'lamps that were to be reached')
+    lamps_reached: int | None = figure('1', 'those that were, in their order')
     lift_off: float | None = figure('s', 'left the ground')
     search_start: float | None = figure('s', 'was first asked to fly forward')
     end: float | None = figure('s', 'reached the goal, or the end of the recording')
@@ -91,7 +92,7 @@ class Phases(NamedTuple):
 def results_of(view: Evidence) -> Results:
     """Return the results of a flight."""
     phases = phases_of(view)
-    found: dict[str, float | bool] = {
+    found: dict[str, float] = {
         'lift_off': phases.lift_off,
         'search_start': phases.search,
         'end': phases.end,
@@ -102,7 +103,7 @@ def results_of(view: Evidence) -> Results:
         **electricity(view, phases),
     }
     known: dict[str, Any] = {
-        name: value if isinstance(value, bool) else float(value)
+        name: value if isinstance(value, int) else float(value)
         for name, value in found.items()
         if np.isfinite(value)
     }
@@ -154,7 +155,7 @@ def mean(values: Array) -> float:
     return float(np.mean(values)) if len(values) else np.nan
 
 
-def reached(view: Evidence, phases: Phases) -> dict[str, float | bool]:
+def reached(view: Evidence, phases: Phases) -> dict[str, float]:
     """Return whether, when and over which path the lamp was reached."""
     goal = view.goal
     if goal.truth is None or not goal.places:
@@ -182,7 +183,7 @@ def cruise(view: Evidence, phases: Phases) -> dict[str, float]:
     if not view.has('ground_truth/odom'):
         return {}
     truth = view.truth
-    flown = within(truth.time, phases.cruise, phases.end)
+    flown = cruising(view, phases, truth.time)
     speed, height = truth.speed[flown], truth.z[flown]
     found = {
         'airspeed': mean(speed),
@@ -193,6 +194,13 @@ def cruise(view: Evidence, phases: Phases) -> dict[str, float]:
     if view.has('setpoint/pose'):
         found['altitude_error'] = rms(height - held(truth.time[flown], view.altitude_setpoint))
     return found
+
+
+def cruising(view: Evidence, phases: Phases, time: Array) -> Flags:
+    """Tell which instants [s] are of the cruise: a rest at a lamp of the route is not."""
+    if not view.has('setpoint/velocity'):
+        return np.zeros(len(time), dtype=bool)
+    return within(time, phases.cruise, phases.end) & (held(time, view.speed_setpoint) > 0.0)
 
 
 def light(view: Evidence, phases: Phases) -> dict[str, float]:
@@ -265,5 +273,5 @@ def electricity(view: Evidence, phases: Phases) -> dict[str, float]:
     return {
         'energy': energy,
         'power': energy / (phases.end - phases.lift_off),
-        'cruise_power': mean(power[within(time, phases.cruise, phases.end)]),
+        'cruise_power': mean(power[cruising(view, phases, time)]),
     }

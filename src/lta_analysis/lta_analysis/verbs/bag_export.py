@@ -1,14 +1,13 @@
 """lta bag export: a recording for other programs."""
 
-import json as json_text
 from pathlib import Path
-import sys
 from typing import Annotated
 
 from lta_analysis.bag.recording import open_recording
 from lta_analysis.export.progress import ExportProgress
 from lta_analysis.export.run import Done, FORMATS, Order
 from lta_analysis.export.run import export as export_files
+from lta_analysis.json_option import print_json
 from lta_analysis.out_option import folder
 from lta_analysis.plain_console import plain_console
 from lta_analysis.results_folder import results_folder
@@ -66,7 +65,7 @@ def export(
     with ExportProgress(console) as progress:
         done = export_files(recording, Order(form, names, rate, method), target, progress)
     if json:
-        sys.stdout.write(json_text.dumps(printed(done, target), indent=1) + '\n')
+        print_json(printed(done, target))
     for file in done.files:
         console.print(
             f'{file.topic}: {file.rows} rows, {file.columns} columns',

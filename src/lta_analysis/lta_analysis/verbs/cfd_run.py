@@ -13,7 +13,7 @@ from lta_analysis.energy.tables import show
 from lta_analysis.out_option import Out
 from lta_analysis.pictures_option import can_be_taken, Pictures
 from lta_analysis.plain_console import plain_console
-from lta_analysis.report.pictures import write_pictures
+from lta_analysis.report.screenshots import write_pictures
 from lta_analysis.results_folder import all_at_once, can_be_made, page_line, results_folder
 from lta_analysis.typed import near, typed
 from lta_config.errors import unknown

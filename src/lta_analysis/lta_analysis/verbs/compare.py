@@ -2,11 +2,9 @@
 
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
-import json as json_text
 import math
 from pathlib import Path
 import re
-import sys
 from typing import Annotated
 
 from lta_analysis.bag.flight import Flight, open_flight
@@ -19,10 +17,11 @@ from lta_analysis.compare.progress import CompareProgress
 from lta_analysis.compare.terminal import show
 from lta_analysis.compare.timing import Align
 from lta_analysis.compare.told import to_dict
+from lta_analysis.json_option import print_json
 from lta_analysis.out_option import folder
 from lta_analysis.pictures_option import can_be_taken, Pictures
 from lta_analysis.plain_console import plain_console
-from lta_analysis.report.pictures import write_pictures
+from lta_analysis.report.screenshots import write_pictures
 from lta_analysis.results_folder import keep_json, page_line, results_folder
 from lta_bridge.bag.writer import empty_folder
 from lta_config.errors import BadInput
@@ -124,7 +123,7 @@ def compare(
         write_pictures(written, pictures)
     if json:
         made = {} if written is None else {'page': str(written)}
-        sys.stdout.write(json_text.dumps({**content, **made}, indent=1) + '\n')
+        print_json({**content, **made})
     show(found, console)
     if written is not None:
         console.print(page_line(written), highlight=False, markup=False, soft_wrap=True)

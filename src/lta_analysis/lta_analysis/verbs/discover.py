@@ -1,8 +1,6 @@
 """lta discover: which effect a vehicle file lacks, by measured flights."""
 
-import json as json_text
 from pathlib import Path
-import sys
 from typing import Annotated
 
 from lta_analysis.discovery.demo.demo import demonstrate
@@ -14,10 +12,11 @@ from lta_analysis.discovery.progress import DiscoverProgress
 from lta_analysis.discovery.results.terminal import found_words, show
 from lta_analysis.discovery.run import Asked, Discovered
 from lta_analysis.discovery.run import discover as discovered
+from lta_analysis.json_option import print_json
 from lta_analysis.out_option import Out
 from lta_analysis.pictures_option import can_be_taken, Pictures
 from lta_analysis.plain_console import plain_console
-from lta_analysis.report.pictures import write_pictures
+from lta_analysis.report.screenshots import write_pictures
 from lta_analysis.results_folder import can_be_made, page_line, results_folder
 from lta_analysis.typed import near, typed
 from lta_config.errors import BadInput
@@ -136,7 +135,7 @@ def told_json(found: Discovered, hidden: Hidden | None) -> None:
     content = {**found.told, 'page': str(found.page)}
     if hidden is not None:
         content['hidden'] = {'name': hidden.name, 'value': hidden.value, 'unit': hidden.unit}
-    sys.stdout.write(json_text.dumps(content, indent=1, ensure_ascii=False) + '\n')
+    print_json(content)
 
 
 def told(found: Discovered, hidden: Hidden | None, folder: Path, console: Console) -> None:
@@ -167,7 +166,7 @@ def told_plan(planned: Next, vehicle: str, folder: Path, json: bool, console: Co
             'expected_nats': planned.nats,
             'scenario': None if path is None else str(path),
         }
-        sys.stdout.write(json_text.dumps(content, indent=1, ensure_ascii=False) + '\n')
+        print_json(content)
     console.print(planned.text, highlight=False, soft_wrap=True)
     if path is not None:
         show_flight(vehicle, path, console)

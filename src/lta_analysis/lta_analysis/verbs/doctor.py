@@ -2,11 +2,10 @@
 
 from contextlib import nullcontext
 from dataclasses import asdict
-import json as json_text
-import sys
 from typing import Annotated
 
 from lta_analysis.doctor import checks, show, status
+from lta_analysis.json_option import print_json
 from lta_analysis.plain_console import plain_console
 import typer
 
@@ -24,7 +23,7 @@ def doctor(
     with waiting if console.is_terminal else nullcontext():
         results = list(checks())
     if json:
-        sys.stdout.write(json_text.dumps([asdict(item) for item in results], indent=1) + '\n')
+        print_json([asdict(item) for item in results])
     else:
         show(results, console)
     raise typer.Exit(status(results))

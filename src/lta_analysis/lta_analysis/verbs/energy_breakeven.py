@@ -5,11 +5,11 @@ from typing import Annotated
 from lta_analysis.energy.breakeven.page import title, write_page
 from lta_analysis.energy.breakeven.study import map_of, table
 from lta_analysis.energy.tables import show
-from lta_analysis.json_option import Json, print_json
+from lta_analysis.json_option import Json, print_kept_json
 from lta_analysis.out_option import Out
 from lta_analysis.pictures_option import can_be_taken, Pictures
 from lta_analysis.plain_console import plain_console
-from lta_analysis.report.pictures import write_pictures
+from lta_analysis.report.screenshots import write_pictures
 from lta_analysis.results_folder import keep_json, page_line, results_folder
 from lta_analysis.typed import near, typed
 from lta_bridge.bag.writer import empty_folder
@@ -57,7 +57,7 @@ def breakeven(
     if pictures is not None:
         write_pictures(page, pictures)
     if json:
-        print_json(content, page)
+        print_kept_json(content, page)
     show(table(found), console)
     lines = [title(found), page_line(near(page))]
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

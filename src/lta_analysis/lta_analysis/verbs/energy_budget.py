@@ -7,11 +7,11 @@ from lta_analysis.energy.budget.run import budget as find_budget
 from lta_analysis.energy.budget.run import count, plain
 from lta_analysis.energy.tables import show
 from lta_analysis.energy.watched import watched
-from lta_analysis.json_option import Json, print_json
+from lta_analysis.json_option import Json, print_kept_json
 from lta_analysis.out_option import Out
 from lta_analysis.pictures_option import can_be_taken, Pictures
 from lta_analysis.plain_console import plain_console
-from lta_analysis.report.pictures import write_pictures
+from lta_analysis.report.screenshots import write_pictures
 from lta_analysis.results_folder import keep_json, page_line, results_folder
 from lta_analysis.typed import near, typed
 from lta_bridge.bag.writer import empty_folder
@@ -52,7 +52,7 @@ def budget(
     if pictures is not None:
         write_pictures(page, pictures)
     if json:
-        print_json(content, page)
+        print_kept_json(content, page)
     for each in (table(found), why(found)):
         show(each, console)
     lines = [*notes(found), title(found), page_line(near(page))]

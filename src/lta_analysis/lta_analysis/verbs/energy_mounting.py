@@ -8,11 +8,11 @@ from lta_analysis.energy.mounting.rows import plain, tables
 from lta_analysis.energy.mounting.run import Order, study
 from lta_analysis.energy.tables import show, turned
 from lta_analysis.energy.watched import watched
-from lta_analysis.json_option import Json, print_json
+from lta_analysis.json_option import Json, print_kept_json
 from lta_analysis.out_option import Out
 from lta_analysis.pictures_option import can_be_taken, Pictures
 from lta_analysis.plain_console import plain_console
-from lta_analysis.report.pictures import write_pictures
+from lta_analysis.report.screenshots import write_pictures
 from lta_analysis.results_folder import keep_json, page_line, results_folder
 from lta_analysis.typed import near, typed
 from lta_bridge.bag.writer import empty_folder
@@ -79,7 +79,7 @@ def mounting(
     if pictures is not None:
         write_pictures(page, pictures)
     if json:
-        print_json(content, page)
+        print_kept_json(content, page)
     for table in tables(found):
         show(turned(table), console)
     lines = [*verdict.sentences(found), verdict.title(found), page_line(near(page))]

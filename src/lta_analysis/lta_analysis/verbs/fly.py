@@ -1,13 +1,11 @@
 """lta fly: a whole flight, recorded and reported."""
 
-import json as json_text
 from pathlib import Path
-import sys
 from typing import Annotated, Literal
 
 from lta_analysis.bag.flight import open_flight
 from lta_analysis.flight import Flown, fly_once, Order
-from lta_analysis.json_option import Json
+from lta_analysis.json_option import Json, print_json
 from lta_analysis.out_option import Out
 from lta_analysis.plain_console import plain_console
 from lta_analysis.progress import FlightProgress
@@ -68,7 +66,7 @@ def fly(
     target = flight.folder / 'report.html' if page else None
     figures = reported(flight, target)
     if json:
-        sys.stdout.write(json_text.dumps(printed(flight, figures, target), indent=1) + '\n')
+        print_json(printed(flight, figures, target))
     console.print(told(flight, figures), highlight=False, soft_wrap=True)
     if figures is not None:
         show_files(flight.bag, target, console)

@@ -1,7 +1,6 @@
 """lta hardware bench: one motor of a tethered drone."""
 
 from contextlib import closing
-import json as json_text
 import math
 import sys
 import time
@@ -10,6 +9,7 @@ from typing import Annotated
 from lta_analysis.bar import Bar
 from lta_analysis.hardware.drone import DEADLINE
 from lta_analysis.hardware.motor import ended_by_signals, MotorBench, Turned
+from lta_analysis.json_option import print_json
 from lta_analysis.plain_console import plain_console
 from lta_bridge.crazyflie.claim import Claim
 from lta_bridge.crazyflie.link import Link, LinkFailed
@@ -67,7 +67,7 @@ def bench(
     if json:
         volts = turned.voltage if math.isfinite(turned.voltage) else None
         told = {**turned._asdict(), 'voltage': volts, 'alone': right}
-        sys.stdout.write(json_text.dumps(told, indent=1) + '\n')
+        print_json(told)
     console.print(sentence(motor, turned, right), highlight=False, soft_wrap=True)
     if not right:
         raise typer.Exit(1)

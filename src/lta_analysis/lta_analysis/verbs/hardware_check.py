@@ -1,6 +1,5 @@
 """lta hardware check: what hangs on this machine, and how it is."""
 
-import json as json_text
 import sys
 from typing import Annotated
 
@@ -8,9 +7,10 @@ from lta_analysis.bar import Bar
 from lta_analysis.doctor import show, status
 from lta_analysis.hardware.check import Asked, checked
 from lta_analysis.hardware.figures import diode_rows, stream_rows, to_json
+from lta_analysis.json_option import print_json
 from lta_analysis.plain_console import plain_console
 from lta_bridge.devices import rules, RULES_FILE
-from lta_vlc.demodulation import Demodulation
+from lta_vlc.settings import Demodulation
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn
 from rich.table import Table
@@ -64,7 +64,7 @@ def check(
     with Bar(console, *columns, begin='looking around', total=1.0) as bar:
         outcome = checked(asked, lambda doing, part: bar.move(description=doing, completed=part))
     if json:
-        sys.stdout.write(json_text.dumps(to_json(outcome), indent=1) + '\n')
+        print_json(to_json(outcome))
     show(outcome.checks, console)
     if outcome.drone is not None:
         print_table('Log blocks', stream_rows(outcome.drone.streams), console)

@@ -1,9 +1,7 @@
 """lta hardware light: a real board on a turntable."""
 
-import json as json_text
 import math
 from pathlib import Path
-import sys
 from typing import Annotated, Any
 
 from lta_analysis.bag.flight import open_flight
@@ -11,7 +9,7 @@ from lta_analysis.bar import Bar
 from lta_analysis.hardware.response import Response, response
 from lta_analysis.hardware.turntable import offset, read, studied, Table
 from lta_analysis.hardware.turntable_page import claims, gain_rows, write_page
-from lta_analysis.json_option import Json
+from lta_analysis.json_option import Json, print_json
 from lta_analysis.light.bearing.study_page import rows
 from lta_analysis.out_option import Out
 from lta_analysis.plain_console import plain_console
@@ -22,8 +20,8 @@ from lta_bridge.bag.writer import empty_folder
 from lta_bridge.provenance import commit
 from lta_config.errors import BadInput
 from lta_config.vehicle_file import load_vehicle_file
-from lta_vlc.demodulation import Demodulation
 from lta_vlc.diodes import diodes_of
+from lta_vlc.settings import Demodulation
 from rich.progress import TextColumn
 import typer
 
@@ -94,7 +92,7 @@ def light(
         again(bag, table, align, vehicle, frequency), target / 'report.html',
     )  # fmt: skip
     if json:
-        sys.stdout.write(json_text.dumps({**content, 'page': str(page)}, indent=1) + '\n')
+        print_json(content, page)
     show('Median errors over 16 directions', rows([found]), console)
     show('What the paper says, counted', claims(found), console)
     show('Gains', gain_rows(fitted), console)

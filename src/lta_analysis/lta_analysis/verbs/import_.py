@@ -1,12 +1,10 @@
 """lta import: other people's logs as bags."""
 
 from dataclasses import asdict
-import json as json_text
 from pathlib import Path
-import sys
 from typing import Annotated, get_args, TYPE_CHECKING
 
-from lta_analysis.json_option import Json
+from lta_analysis.json_option import Json, print_json
 from lta_analysis.out_option import Out
 from lta_analysis.plain_console import plain_console
 from lta_analysis.results_folder import results_folder
@@ -75,7 +73,7 @@ def import_(
     with ImportProgress(console, len(sources)) as progress:
         done = import_all(order, target, progress)
     if json:
-        sys.stdout.write(json_text.dumps([asdict(one) for one in done], indent=1) + '\n')
+        print_json([asdict(one) for one in done])
         return
     for one in done:
         _show(one, console)

@@ -1,13 +1,11 @@
 """lta light bearing: how well the direction to a lamp is known, ours beside the paper's."""
 
-import json as json_text
 import math
 from pathlib import Path
-import sys
 from typing import Annotated
 
 from lta_analysis.bar import Bar
-from lta_analysis.json_option import Json
+from lta_analysis.json_option import Json, print_json
 from lta_analysis.light.bearing.page import far, rows, write_page
 from lta_analysis.light.bearing.places import made_of, PLACES
 from lta_analysis.light.bearing.run import Asked, judge, to_json
@@ -91,7 +89,7 @@ def bearing(
     keep_json(content, target / 'bearing.json')
     page = write_page(found, asked, target / 'report.html')
     if json:
-        sys.stdout.write(json_text.dumps({**content, 'page': str(page)}, indent=1) + '\n')
+        print_json(content, page)
     show(rows(found), console)
     console.print(page_line(near(page)), highlight=False, markup=False, soft_wrap=True)
 

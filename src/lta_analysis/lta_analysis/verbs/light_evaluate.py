@@ -5,7 +5,7 @@ import sys
 from typing import Annotated
 
 from lta_analysis.browser import find_chromium
-from lta_analysis.json_option import print_json
+from lta_analysis.json_option import print_kept_json
 from lta_analysis.light.evaluation import scores_page
 from lta_analysis.light.evaluation.findings import Findings
 from lta_analysis.light.evaluation.flying import MOST
@@ -15,7 +15,7 @@ from lta_analysis.light.evaluation.run import Evaluated, Order
 from lta_analysis.light.evaluation.sets import SETS
 from lta_analysis.out_option import folder
 from lta_analysis.plain_console import plain_console
-from lta_analysis.report.pictures import write_pictures
+from lta_analysis.report.screenshots import write_pictures
 from lta_analysis.results_folder import keep_json, page_line
 from lta_bridge.bag.writer import empty_folder
 from rich.console import Console
@@ -88,7 +88,7 @@ def evaluate(
     if markdown:
         sys.stdout.write(scores_page.page(found))
     if json:
-        print_json(content, page)
+        print_kept_json(content, page)
     tell(found, done, console)
     console.print(page_line(page), highlight=False, markup=False, soft_wrap=True)
     if done.stopped:

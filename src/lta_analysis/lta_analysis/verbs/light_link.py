@@ -2,12 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict
-import json as json_text
 from pathlib import Path
-import sys
 from typing import Annotated
 
-from lta_analysis.json_option import Json
+from lta_analysis.json_option import Json, print_json
 from lta_analysis.light.link.measured import Link, link_of
 from lta_analysis.light.link.page import cells, HEADS, write_page
 from lta_analysis.out_option import folder
@@ -81,7 +79,7 @@ def link(
     keep_json(content, target / 'link.json')
     page = write_page(found, again, vehicle, target / 'report.html')
     if json:
-        sys.stdout.write(json_text.dumps({**content, 'page': str(page)}, indent=1) + '\n')
+        print_json(content, page)
     show(found, console)
     console.print(page_line(near(page)), highlight=False, markup=False, soft_wrap=True)
 

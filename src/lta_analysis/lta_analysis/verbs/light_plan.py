@@ -19,7 +19,7 @@ from lta_analysis.light.plan.scene import scene_text
 from lta_analysis.light.plan.told import plain
 from lta_analysis.out_option import Out
 from lta_analysis.plain_console import plain_console
-from lta_analysis.report.pictures import write_pictures
+from lta_analysis.report.screenshots import write_pictures
 from lta_analysis.results_folder import (
     all_at_once,
     can_be_made,

@@ -1,13 +1,11 @@
 """lta light study: the paper's study of the number of photodiodes, by both estimators."""
 
 from collections.abc import Sequence
-import json as json_text
 from pathlib import Path
-import sys
 from typing import Annotated
 
 from lta_analysis.bar import Bar
-from lta_analysis.json_option import Json
+from lta_analysis.json_option import Json, print_json
 from lta_analysis.light.bearing.places import made_of, PLACES
 from lta_analysis.light.bearing.study import COUNTS, DIRECTIONS, READINGS, study, verdicts
 from lta_analysis.light.bearing.study_page import claims, DEFECT, rows, write_page
@@ -66,7 +64,7 @@ def light_study(
     keep_json(content, target / 'study.json')
     page = write_page(found, vehicle, readings, seed, target / 'report.html')
     if json:
-        sys.stdout.write(json_text.dumps({**content, 'page': str(page)}, indent=1) + '\n')
+        print_json(content, page)
     show('Median errors over 16 directions, the lamp 3 m away', rows(found), console)
     show(
         'What the paper says, counted',

@@ -1,19 +1,17 @@
 """lta mission: live on light for days."""
 
 from dataclasses import asdict
-import json as json_text
-import sys
 from typing import Annotated, Literal
 
 from lta_analysis.bar import Bar
 from lta_analysis.energy.tables import show, turned
-from lta_analysis.json_option import Json
+from lta_analysis.json_option import Json, print_json
 from lta_analysis.mission.page import tables, title, write_page
 from lta_analysis.mission.run import gain, order_of, run, SCHEDULES
 from lta_analysis.out_option import Out
 from lta_analysis.pictures_option import can_be_taken, Pictures
 from lta_analysis.plain_console import plain_console
-from lta_analysis.report.pictures import write_pictures
+from lta_analysis.report.screenshots import write_pictures
 from lta_analysis.results_folder import keep_json, page_line, results_folder
 from lta_analysis.typed import near, typed
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
@@ -84,7 +82,7 @@ def mission(
     if pictures is not None:
         write_pictures(page, pictures)
     if json:
-        sys.stdout.write(json_text.dumps({**content, 'page': str(page)}, indent=1) + '\n')
+        print_json(content, page)
     schedules_table, ratios = tables(order, lives)
     show(turned(schedules_table), console)
     show(ratios, console)

@@ -12,7 +12,7 @@ from lta_analysis.platforms.page import Told, write_page
 from lta_analysis.platforms.run import check, fly_all, jobs, printed, processors, Row
 from lta_analysis.platforms.summary import reversals
 from lta_analysis.platforms.verdict import title
-from lta_analysis.report.pictures import write_pictures
+from lta_analysis.report.screenshots import write_pictures
 from lta_analysis.results_folder import keep_json, page_line, results_folder
 from lta_analysis.typed import typed
 from lta_bridge.bag.writer import empty_folder

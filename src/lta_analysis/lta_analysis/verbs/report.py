@@ -8,7 +8,7 @@ from lta_analysis.bag.folder import bag_in
 from lta_analysis.bag.reader import read_bag
 from lta_analysis.plain_console import plain_console
 from lta_analysis.report.page import write_page
-from lta_analysis.report.pictures import write_pictures
+from lta_analysis.report.screenshots import write_pictures
 from lta_bridge.bag.writer import empty_folder
 import typer
 

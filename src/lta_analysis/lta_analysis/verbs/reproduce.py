@@ -1,18 +1,18 @@
 """lta reproduce: the seed paper, claim by claim."""
 
 from collections.abc import Sequence
-import json as json_text
 from pathlib import Path
 import sys
 from typing import Annotated
 
 from lta_analysis.bar import Bar
 from lta_analysis.energy.tables import show, Table
+from lta_analysis.json_option import print_kept_json
 from lta_analysis.out_option import folder
 from lta_analysis.pictures_option import can_be_taken, Pictures
 from lta_analysis.plain_console import plain_console
 from lta_analysis.platforms.run import processors
-from lta_analysis.report.pictures import write_pictures
+from lta_analysis.report.screenshots import write_pictures
 from lta_analysis.reproduce import figures_file, lines, markdown
 from lta_analysis.reproduce.kept import Kept
 from lta_analysis.reproduce.page import write_page
@@ -81,7 +81,7 @@ def reproduce(
     if as_markdown:
         sys.stdout.write(markdown.page(rows, kepts))
     if json:
-        sys.stdout.write(json_text.dumps({**json_text.loads(told), 'page': str(page)}) + '\n')
+        print_kept_json(told, page)
     show(Table('Claims of the paper', lines.SUMMARY_HEADS, lines.summary(rows, kepts)), console)
     console.print(lines.title(rows, kepts), highlight=False, soft_wrap=True)
     console.print(page_line(near(page)), highlight=False, markup=False, soft_wrap=True)

@@ -1,10 +1,8 @@
 """lta simulate: a whole flight in one process."""
 
-import json as json_text
-import sys
 from typing import Annotated
 
-from lta_analysis.json_option import Json
+from lta_analysis.json_option import Json, print_json
 from lta_analysis.out_option import Out
 from lta_analysis.plain_console import plain_console
 from lta_analysis.progress import FlightProgress
@@ -67,7 +65,7 @@ def simulate(
         content = printed(flight, figures, target)
         if not bag:
             del content['bag']
-        sys.stdout.write(json_text.dumps(content, indent=1) + '\n')
+        print_json(content)
     console.print(told(flight, figures), highlight=False, soft_wrap=True)
     console.print(f'Simulated at {flight.pace:.1f} x real time.', highlight=False)
     if bag:

@@ -1,13 +1,12 @@
 """lta sweep: many flights of one design."""
 
 from collections import Counter
-import json as json_text
 import math
 from pathlib import Path
-import sys
 from typing import Annotated
 
 from lta_analysis.fleet.fly import Device
+from lta_analysis.json_option import print_json
 from lta_analysis.out_option import folder
 from lta_analysis.plain_console import plain_console
 from lta_analysis.results_folder import page_line
@@ -85,7 +84,7 @@ def sweep(
         console.print('What was flown is kept; the same command goes on from there.')
         raise
     if json:
-        sys.stdout.write(json_text.dumps(printed(done), indent=1) + '\n')
+        print_json(printed(done))
     tell(done, console)
     if any(row.outcome == FAILED for row in done.rows):
         raise typer.Exit(1)

@@ -1,13 +1,11 @@
 """lta tune: gains over a spread of helium losses."""
 
 from dataclasses import asdict
-import json as json_text
 import math
 from pathlib import Path
-import sys
 from typing import Annotated, Any
 
-from lta_analysis.json_option import Json
+from lta_analysis.json_option import Json, print_json
 from lta_analysis.json_value import finite
 from lta_analysis.out_option import folder
 from lta_analysis.plain_console import plain_console
@@ -130,7 +128,7 @@ def tune(
             done, *(traced(scene, side.gains, examined) for side in (done.old, done.new))
         )
     if json:
-        sys.stdout.write(json_text.dumps(printed(done, target), indent=1) + '\n')
+        print_json(printed(done, target))
     tell(done, target, console)
 
 

@@ -1,14 +1,12 @@
 """lta wind: the wind that each platform can fly in."""
 
 from collections.abc import Sequence
-import json as json_text
 import math
 from pathlib import Path
-import sys
 from typing import Annotated
 
 from lta_analysis.bar import Bar
-from lta_analysis.json_option import Json
+from lta_analysis.json_option import Json, print_json
 from lta_analysis.out_option import folder
 from lta_analysis.plain_console import plain_console
 from lta_analysis.results_folder import keep_json, page_line, results_folder
@@ -96,7 +94,7 @@ def wind(
     rows = table(found, asked)
     page = keep(target, content, found, asked)
     if json:
-        sys.stdout.write(json_text.dumps({**content, 'page': str(page)}, indent=1) + '\n')
+        print_json(content, page)
     show(rows, found, asked, console)
     console.print(page_line(near(page)), highlight=False, markup=False, soft_wrap=True)
 

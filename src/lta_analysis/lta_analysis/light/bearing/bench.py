@@ -73,7 +73,7 @@ class Bench:
         self._finder = DirectionFinder(believed, compiled(fit)[0], np.array)
         self._diodes = set_for(self.scenario.light_field, self._vehicle)
         self._middle = self._vehicle.diodes.planes[:, :3].mean(axis=0)
-        self._lamp = np.array(self.scenario.lamp.position.vector)
+        self._lamp = np.array(self.scenario.goal_lamp.position.vector)
 
     def drawn(self, chance: Generator) -> PhotodiodeArray:
         """Return the diodes of one such vehicle, their gains by chance."""

@@ -56,21 +56,21 @@ def draw_place(
     scenario: Scenario, distance: float | None, chance: Generator
 ) -> tuple[float, float]:
     """Return a place on the plan, at a distance from the lamp or anywhere. [m]"""
-    lamp_x, lamp_y, _ = scenario.lamp.position.vector
+    lamp_x, lamp_y, _ = scenario.goal_lamp.position.vector
     length, width, _ = scenario.room.size.vector
     if distance is None:
         reach = [min(0.5 * side - CLEAR, FARTHEST) for side in (length, width)]
         x, y = (chance.uniform(-each, each) for each in reach)
         return x, y
-    ahead_x, ahead_y, _ = scenario.lamp.facing.vector
+    ahead_x, ahead_y, _ = scenario.goal_lamp.facing.vector
     angle = math.atan2(ahead_y, ahead_x) + chance.uniform(-BESIDE, BESIDE)
     return lamp_x + distance * math.cos(angle), lamp_y + distance * math.sin(angle)
 
 
 def is_before_the_lamp(scenario: Scenario, x: float, y: float) -> bool:
     """Tell whether a place [m] is in the room, not too near the lamp and within its beam."""
-    lamp_x, lamp_y, _ = scenario.lamp.position.vector
-    ahead = np.array(scenario.lamp.facing.vector[:2])
+    lamp_x, lamp_y, _ = scenario.goal_lamp.position.vector
+    ahead = np.array(scenario.goal_lamp.facing.vector[:2])
     length, width, _ = scenario.room.size.vector
     way = np.array([x - lamp_x, y - lamp_y])
     away = math.hypot(*way)

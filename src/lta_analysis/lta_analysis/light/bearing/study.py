@@ -119,8 +119,8 @@ def one_ring(
 
 def before(bench: Bench, direction: float) -> Pose:
     """Return the level pose beside the lamp's axis with the lamp in a direction. [rad]"""
-    x, y, _ = bench.scenario.lamp.position.vector
-    ahead_x, ahead_y, _ = bench.scenario.lamp.facing.vector
+    x, y, _ = bench.scenario.goal_lamp.position.vector
+    ahead_x, ahead_y, _ = bench.scenario.goal_lamp.facing.vector
     facing = math.atan2(ahead_y, ahead_x) + ASIDE
     half = 0.5 * (facing + math.pi - direction)
     # The ring sits under the hull's middle, so that level it stands where the hull does.

@@ -37,7 +37,7 @@ def pilot(world: World, top: float) -> Strategy:
         Most airspeed that the controller allows. [m/s]
 
     """
-    lamp_x, lamp_y, _ = world.scenario.lamp.position.vector
+    lamp_x, lamp_y, _ = world.scenario.goal_lamp.position.vector
 
     def start(heading: float) -> Memory:
         return (heading,)

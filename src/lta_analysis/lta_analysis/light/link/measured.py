@@ -22,7 +22,8 @@ from lta_sim.light.view import LightView, Pose
 from lta_sim.scenario import Scenario
 from lta_sim.sensors.photodiode import PhotodiodeArray
 from lta_sim.vehicle import Vehicle
-from lta_vlc.demodulation import demodulate, Demodulation, plan_bins
+from lta_vlc.demodulation import demodulate, plan_bins
+from lta_vlc.settings import Demodulation
 import numpy as np
 from numpy.typing import NDArray
 

@@ -5,7 +5,7 @@ from typing import final
 
 from lta_config.topics import Light
 from lta_sim.vehicle import Vehicle
-from lta_vlc.demodulation import Demodulation
+from lta_vlc.settings import Demodulation
 
 
 @final

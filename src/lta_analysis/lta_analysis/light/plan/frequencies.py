@@ -23,7 +23,7 @@ from typing import Final, final
 
 from lta_analysis.light.plan.polygon import Array, Mask
 from lta_config.errors import BadInput
-from lta_vlc.demodulation import Demodulation
+from lta_vlc.settings import Demodulation
 import numpy as np
 
 LOWEST: Final = 150.0  # Hz, the paper's; slower flicker is seen by people

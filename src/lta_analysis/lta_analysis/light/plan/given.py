@@ -10,7 +10,7 @@ from lta_config.override import assignment, override
 from lta_config.topics import topic_table
 from lta_config.vehicle_file import VehicleFile
 from lta_sim.vehicle import Vehicle
-from lta_vlc.demodulation import Demodulation
+from lta_vlc.settings import Demodulation
 
 ROOTS = ('plan', 'vehicle', 'demodulator')
 

@@ -1,6 +1,7 @@
 """Forward speed through the air."""
 
-from lta_analysis.report.drawing import extent, Label, label_ends, line, over_time
+from lta_analysis.report.drawing import extent, Label, label_ends, line
+from lta_analysis.report.over_time import over_time
 from lta_analysis.report.palette import ESTIMATE, SETPOINT, TRUTH
 from lta_analysis.report.view import View
 from plotly.graph_objects import Figure

@@ -1,7 +1,8 @@
 """Altitude of the hull centre."""
 
 from lta_analysis.report.curves import held
-from lta_analysis.report.drawing import dots, extent, Label, label_ends, line, over_time
+from lta_analysis.report.drawing import dots, extent, Label, label_ends, line
+from lta_analysis.report.over_time import over_time
 from lta_analysis.report.palette import ESTIMATE, RAW, SETPOINT, TRUTH
 from lta_analysis.report.results import phases_of
 from lta_analysis.report.view import View

@@ -1,6 +1,7 @@
 """What the controller asks of each rotor."""
 
-from lta_analysis.report.drawing import over_time, thinned
+from lta_analysis.report.drawing import thinned
+from lta_analysis.report.over_time import over_time
 from lta_analysis.report.palette import FILL, INK, TRUTH
 from lta_analysis.report.view import View
 import numpy as np

@@ -1,8 +1,9 @@
 """Where the nose points, and where the lamp is."""
 
 from lta_analysis.report.curves import sampled
-from lta_analysis.report.drawing import extent, Label, label_ends, line, over_time
+from lta_analysis.report.drawing import extent, Label, label_ends, line
 from lta_analysis.report.goal import wrapped
+from lta_analysis.report.over_time import over_time
 from lta_analysis.report.palette import ESTIMATE, LAMP, SETPOINT, TRUTH
 from lta_analysis.report.view import View
 import numpy as np

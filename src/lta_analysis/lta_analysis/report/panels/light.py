@@ -1,7 +1,8 @@
 """What the ring of photodiodes sees of the lamp."""
 
 from lta_analysis.report.curves import Array
-from lta_analysis.report.drawing import extent, Label, label_ends, line, over_time
+from lta_analysis.report.drawing import extent, Label, label_ends, line
+from lta_analysis.report.over_time import over_time
 from lta_analysis.report.palette import ESTIMATE, GOOD, HEAT, LAMP, scale, SOFT
 from lta_analysis.report.results import meant
 from lta_analysis.report.view import View

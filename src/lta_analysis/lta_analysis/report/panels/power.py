@@ -1,6 +1,7 @@
 """What the flight costs."""
 
-from lta_analysis.report.drawing import extent, Label, label_ends, line, over_time
+from lta_analysis.report.drawing import extent, Label, label_ends, line
+from lta_analysis.report.over_time import over_time
 from lta_analysis.report.palette import ESTIMATE, GOOD
 from lta_analysis.report.view import View
 import numpy as np

@@ -18,8 +18,8 @@ from lta_config.topics import topic_table
 from lta_sim.light.setting import set_for
 from lta_sim.scenario import load_scenario
 from lta_sim.vehicle import load_vehicle
-from lta_vlc.demodulation import Demodulation
 from lta_vlc.listener import Listener
+from lta_vlc.settings import Demodulation
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 

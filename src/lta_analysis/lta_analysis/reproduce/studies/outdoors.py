@@ -157,7 +157,7 @@ def pictures(asked: Asked, winds: Group, rough: Group | None = None) -> list[Pic
         )
         made.append(Picture(name, heading, TRACKS, above, again, bag))
         if name == 'wind_8':
-            x, y, _ = scenario.lamp.position.vector
+            x, y, _ = scenario.goal_lamp.position.vector
             lines = {
                 each.strategy: (each.time, np.hypot(each.x - x, each.y - y)) for each in tracks
             }
