@@ -14,12 +14,12 @@ import time
 
 from bench import Figure
 from lta_config.compiled import compiled
-from lta_vlc.demodulation import Demodulation
 from lta_vlc.diodes import ring_of
 from lta_vlc.direction import DirectionFinder
 from lta_vlc.fit import fit
 from lta_vlc.lamp import lamp_estimate, LampPrior
 from lta_vlc.listener import Listener
+from lta_vlc.settings import Demodulation
 import numpy as np
 from scipy import fft
 

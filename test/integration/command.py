@@ -107,6 +107,11 @@ class Lta:
         self._started.append(Started(self.mark, tuple(map(str, arguments))))
         return self._started[-1]
 
+    @property
+    def text(self) -> str:
+        """What all that was started has said."""
+        return '\n'.join(started.text for started in self._started)
+
     def left(self) -> list[str]:
         """Return what still runs, once the kernel has had a moment to take the dead away."""
         deadline = time.monotonic() + 1.0

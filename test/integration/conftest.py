@@ -54,7 +54,7 @@ def diagnostics(domain_id: int) -> Iterator[DiagnosticsListener]:
 
 
 @pytest.fixture
-def hear(diagnostics: DiagnosticsListener):
+def hear(diagnostics: DiagnosticsListener, lta: Lta):
     """Return a function that listens until a condition on all facts holds; it returns when."""
 
     def wait(condition: Callable[[dict[str, Fact]], object]) -> float:
@@ -62,7 +62,8 @@ def hear(diagnostics: DiagnosticsListener):
         while time.monotonic() < deadline:
             if condition(diagnostics.poll(0.02)):
                 return time.monotonic()
-        raise AssertionError(f'not heard; the last facts: {diagnostics.facts}')
+        heard = {name: fact.message for name, fact in diagnostics.facts.items()}
+        raise AssertionError(f'not heard; the last facts: {heard}; said:\n{lta.text}')
 
     return wait
 

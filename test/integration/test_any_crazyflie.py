@@ -85,6 +85,7 @@ def test_duties_hold_for_as_long_as_their_packet_says(drone):
     assert Bit.LOCKED not in drone.word
 
 
+@pytest.mark.long
 def test_the_bridge_flies_it_by_setpoints_and_brings_it_down_unlocked(uri, domain_id, hear):
     """Through the node and its services; judged by what the node heard of the drone."""
     node = start(

@@ -10,6 +10,7 @@ import time
 
 from lta_analysis.doctor import CHECKS
 from lta_config.files import known
+from lta_config.kernel_cache import cache_root
 import pytest
 import yaml
 
@@ -117,6 +118,7 @@ def test_a_mistyped_command_is_one_sentence(refused, tmp_path, monkeypatch, argu
 @pytest.mark.parametrize(
     ('arguments', 'words'), rows(COMMANDS, ('vehicle', *NODES), ('vehicle', 'node parameter'))
 )
+@pytest.mark.long
 def test_a_mistyped_process_is_one_sentence(lta, tmp_path, monkeypatch, arguments, words):
     monkeypatch.chdir(tmp_path)
     assert words in rejected(lta, *arguments)
@@ -173,9 +175,11 @@ def test_ctrl_c_while_a_node_loads_is_no_traceback(lta, seconds):
 
 @pytest.mark.long
 def test_a_lonely_node_says_what_it_waits_for_and_writes_no_log_file(lta, tmp_path, monkeypatch):
+    # Compiled code goes where it always does.
+    monkeypatch.setenv('XDG_CACHE_HOME', str(cache_root().parents[1]))
     monkeypatch.setenv('HOME', str(tmp_path))
     command = lta.start('run', 'lta_vlc', 'demodulator')
-    command.said('waiting for photodiodes from vehicle')
+    command.said('waiting for light/beacon, photodiodes from navigator, vehicle')
     command.interrupt()
     assert command.end() == 0
     assert list(tmp_path.iterdir()) == []

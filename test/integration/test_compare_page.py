@@ -4,7 +4,7 @@ from lta_analysis.bag import open_flight
 from lta_analysis.browser import Browser, find_chromium
 from lta_analysis.compare.comparison import Asked, compare_flights
 from lta_analysis.compare.page import write_page
-from lta_analysis.report.pictures import complaints, COUNT_PANELS, Drawn, fetched, show
+from lta_analysis.report.screenshots import complaints, COUNT_PANELS, Drawn, fetched, show
 from lta_config.errors import BadInput
 import pytest
 
@@ -40,7 +40,9 @@ def browser(page):
         yield running
 
 
-@pytest.mark.parametrize(('theme', 'width'), [('light', 390), ('dark', 1280)])
+@pytest.mark.parametrize(
+    ('theme', 'width'), [('light', 390), pytest.param('dark', 1280, marks=pytest.mark.long)]
+)
 def test_every_picture_is_drawn_without_a_complaint_or_a_request(browser, page, theme, width):
     browser.events.clear()
     show(browser, page, theme, width)

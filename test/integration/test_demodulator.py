@@ -213,6 +213,7 @@ def test_the_wanted_beacon_is_the_one_that_is_estimated(vehicle):
     ended(process)
 
 
+@pytest.mark.long
 def test_where_a_reading_clips_is_said_by_the_vehicle(vehicle, tmp_path):
     process = start(NODE, '-p', f'vehicle:={vehicle_of(tmp_path, 8, bits=10)}')
     vehicle.block[:] = vehicle.block.clip(0, 1023)

@@ -7,7 +7,7 @@ from lta_analysis.discovery.outside.unexplained import Remainder
 from lta_analysis.discovery.page import write_page
 from lta_analysis.discovery.replay.linear import origin
 from lta_analysis.discovery.study import Shown
-from lta_analysis.report.pictures import complaints, COUNT_PANELS, fetched, show
+from lta_analysis.report.screenshots import complaints, COUNT_PANELS, fetched, show
 from lta_config.errors import BadInput
 import pytest
 
@@ -16,7 +16,7 @@ from ..unit.analysis.discovery.hidden_flight import nominal  # noqa: TID252
 from ..unit.analysis.discovery.hidden_study import DRAG, study  # noqa: TID252
 from .test_pages import CONTRAST, HEADS, NAMELESS
 
-pytestmark = pytest.mark.beside
+pytestmark = [pytest.mark.beside, pytest.mark.long]
 
 REMAINS = (Remainder('surge', 0.0072, 18.25, ('surge speed',), 0.81),)
 PANELS = {'heat', 'conditions', 'above', 'overtime', 'white', 'power', 'latent', 'follows'}

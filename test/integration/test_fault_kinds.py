@@ -5,6 +5,8 @@ from pathlib import Path
 import subprocess
 import sys
 
+import pytest
+
 TRIAL = Path(__file__).resolve().parents[1] / 'score/fault_trial.py'
 CASES = [
     ('silent', 0),
@@ -15,6 +17,7 @@ CASES = [
 PATIENCE = 240.0  # s; half a minute where nobody else works
 
 
+@pytest.mark.long
 def test_the_motors_stand_in_the_stated_time_and_the_bag_tells_why():
     flights = [
         subprocess.Popen(

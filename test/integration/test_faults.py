@@ -52,6 +52,7 @@ def test_a_node_that_hangs_and_then_dies_is_named_twice(lta, flying, hear, tmp_p
 SECOND = 1_000_000_000
 
 
+@pytest.mark.long
 def test_what_is_a_second_old_survives_the_recorder(lta, call, flying, tmp_path, diagnostics):
     """The bag reaches to the flight time that the simulator told a wall second before."""
     out = tmp_path / 'out'
@@ -93,6 +94,7 @@ def small_disk(tmp_path: Path):
     subprocess.run(['umount', folder], check=True)
 
 
+@pytest.mark.long
 def test_a_full_disk_ends_the_flight_with_a_sentence_and_a_bag_that_opens(lta, small_disk):
     result = lta.run('fly', '--no-page', '--out', small_disk / 'out')
     assert result.returncode == 2
@@ -134,6 +136,7 @@ def test_who_ends_or_hangs_up_a_flight_stops_it_in_order(lta, flying, tmp_path, 
     assert read_bag(out / 'bag').complete
 
 
+@pytest.mark.long
 def test_a_second_ctrl_c_changes_nothing(lta, flying, tmp_path):
     out = tmp_path / 'out'
     flight = lta.start('fly', '--no-page', '--out', out)

@@ -126,6 +126,7 @@ def test_a_changed_parameter_is_kept_in_files_that_the_graph_flies(lta, tmp_path
         assert one[topic] == two[topic] != [], topic
 
 
+@pytest.mark.long
 def test_real_time_is_real_time(fly):
     """Or it is said that the machine cannot keep pace."""
     flown = fly('real', '--time', 'realtime', time_limit='5 s')

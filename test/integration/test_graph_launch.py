@@ -35,6 +35,7 @@ def test_the_command_of_the_wheels_never_asks_another_ros(lta, other_ros, tmp_pa
     assert result.stderr == 'There is no vehicle file /nowhere/v.yaml; check the path.\n'
 
 
+@pytest.mark.long
 def test_a_second_graph_on_the_domain_is_refused_whoever_comes_first(lta, flying, tmp_path):
     first = lta.start('launch', 'fly', f'bag:={tmp_path / "bag"}')
     flying(0.1)

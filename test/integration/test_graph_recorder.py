@@ -168,6 +168,7 @@ def test_everything_is_found_as_its_publishers_offer_it(recording):
     assert named == {'/lta1/strange': 'std_srvs/srv/SetBool_Event'}
 
 
+@pytest.mark.long
 def test_some_topics_in_files_of_half_a_second(recording, lta):
     recording.start(topics='"odom /clock"', split_duration=0.5)
     publisher = recording.publisher('odom')

@@ -49,8 +49,18 @@ DENIED = (  # as cflib passes on what libusb says
 @pytest.mark.parametrize(
     ('uri', 'before', 'sentence'),
     [
-        ('usb://7', '', 'no such Crazyflie is on a cable: plug it in and switch it on'),
-        ('usb://0', DENIED, 'you may not open the USB device: add the udev rule of'),
+        pytest.param(
+            'usb://7',
+            '',
+            'no such Crazyflie is on a cable: plug it in and switch it on',
+            marks=pytest.mark.long,
+        ),
+        pytest.param(
+            'usb://0',
+            DENIED,
+            'you may not open the USB device: add the udev rule of',
+            marks=pytest.mark.long,
+        ),
         ('old', '', 'the firmware speaks protocol 7, older than 9: update it'),
     ],
 )

@@ -74,6 +74,7 @@ def seen(viewer, name):
 
 
 @pytest.mark.alone
+@pytest.mark.long
 def test_a_viewer_sees_the_flight_that_is_recorded(lta, scenario, tmp_path, port, hear):
     out, scene = tmp_path / 'out', scenario(time_limit='5 s')
     words = ('--live', '--live-port', port, '--scenario', scene, '--no-page', '--json')
@@ -271,6 +272,7 @@ def test_a_view_that_hangs_and_dies_changes_no_byte_of_a_flight(
     assert repeatable(out / 'bag') == repeatable(alone / 'bag')
 
 
+@pytest.mark.long
 def test_a_port_that_is_taken_is_refused_before_the_flight(lta, tmp_path, port):
     sentence = f'Port {port} cannot be used for the live view (Address already in use); end what'
     with socket.socket() as holder:

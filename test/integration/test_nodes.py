@@ -6,7 +6,7 @@ import signal
 
 from lta_graph.health import Level
 from lta_graph.ros.message_types import message_type
-from lta_graph.ros.others import OTHERS
+from lta_graph.ros.publisher_conflict import OTHERS
 from lta_graph.ros.qos import profile
 from lta_graph.ros.stamps import to_stamp
 import pytest
@@ -166,6 +166,7 @@ def test_disarmed_motors_stand_still_and_armed_ones_turn(controller):
 
 
 @pytest.mark.alone
+@pytest.mark.long
 def test_a_flight_in_real_time_is_open_to_people(lta, peer, flying, hear, tmp_path):
     """Quality of service, parameters and services of a whole graph, as users find them."""
     flight = lta.start('fly', '--no-page', '--time', 'realtime', '--out', tmp_path / 'out')

@@ -8,7 +8,7 @@ from lta_analysis import browser
 from lta_analysis.browser import Browser, find_chromium
 from lta_analysis.report import write_page
 from lta_analysis.report.panels.registry import PANELS
-from lta_analysis.report.pictures import check, picture, SHARPNESS, show, write_pictures
+from lta_analysis.report.screenshots import check, picture, SHARPNESS, show, write_pictures
 from lta_config.errors import BadInput
 import pytest
 
@@ -57,7 +57,9 @@ def session(running, page):
     return running
 
 
-@pytest.mark.parametrize(('theme', 'width'), [('dark', 1280), ('light', 390)])
+@pytest.mark.parametrize(
+    ('theme', 'width'), [('dark', 1280), pytest.param('light', 390, marks=pytest.mark.long)]
+)
 def test_every_panel_is_drawn_without_a_complaint_or_a_request(page, theme, width):
     found = check(page, theme, width)
     assert found.messages == []
@@ -132,6 +134,7 @@ def size(png):
     return struct.unpack('>II', data[16:24])
 
 
+@pytest.mark.long
 def test_pictures_of_the_whole_top_and_of_every_panel(page, tmp_path):
     written = write_pictures(page, tmp_path / 'pictures')
     assert [path.stem for path in written] == ['top', *NAMES]
@@ -141,6 +144,7 @@ def test_pictures_of_the_whole_top_and_of_every_panel(page, tmp_path):
     assert all(height > 300 * SHARPNESS for _, height in sizes.values())
 
 
+@pytest.mark.long
 def test_picture_of_an_unknown_panel_names_the_known_ones(page, tmp_path):
     with pytest.raises(BadInput, match=r"Unknown panel 'nose'; known: .*path.*top"):
         picture(page, tmp_path / 'x.png', 'nose')

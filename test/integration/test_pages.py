@@ -13,7 +13,7 @@ from lta_analysis.replay.order import Order
 from lta_analysis.replay.page import write_page as write_replay
 from lta_analysis.replay.verdict import judged
 from lta_analysis.report import write_page
-from lta_analysis.report.pictures import complaints, fetched, show, take, window
+from lta_analysis.report.screenshots import complaints, fetched, show, take, window
 from lta_analysis.tune import crew, limit
 from lta_analysis.tune.mission import Sought
 from lta_bridge.bag.writer import BagWriter
@@ -195,7 +195,8 @@ def typed(*words):
         assert app.status() == 0
 
 
-LONG = ('tune', 'evaluate')  # their flights take longer than all other pages together
+# What takes long to make; the report that all share is looked at on the other pages.
+LONG = ('sweep', 'wind', 'light_link', 'bearing', 'study', 'platforms', 'evaluate', 'tune')
 
 
 @pytest.fixture(

@@ -38,6 +38,7 @@ def pair(lta, scenario, tmp_path):
     return bag, verdicts(result.stdout)
 
 
+@pytest.mark.long
 def test_each_flies_as_it_would_alone(call, scenario, tmp_path, pair):
     """
     Byte for byte and log time by log time, though one flies on when the other is there.

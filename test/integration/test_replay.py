@@ -80,6 +80,7 @@ def test_every_node_answers_its_own_recording_to_the_last_bit(lta, recorded, tmp
     assert 'Identical to the last bit' in Path(said['page']).read_text(encoding='utf-8')
 
 
+@pytest.mark.long
 def test_a_changed_window_is_shown_and_fails(lta, tmp_path):
     """On the stored recording, which another machine may have made."""
     words = ['--nodes', 'demodulator', '--against', '--json', '--out', tmp_path / 'replay']
@@ -94,6 +95,7 @@ def test_a_changed_window_is_shown_and_fails(lta, tmp_path):
     assert said['decisions']['lamp seen']['changed'] == 0
 
 
+@pytest.mark.long
 def test_a_graph_flies_through_gaps_of_a_recording_from_another_age(lta, recorded, tmp_path):
     """
     Every third range lost, a second of IMU and its beginning, the first light, and all panel.
@@ -231,6 +233,7 @@ def test_a_player_at_a_high_rate_comes_to_its_end(meters, peer, player):
     assert (said['outcome'], said['messages'], said['time_s']) == ('played', '5', '0.200')
 
 
+@pytest.mark.long
 def test_a_node_that_does_not_answer_ends_the_replay_and_is_named(recorded, peer, player):
     """The peer stands in for the controller, and never sends any duties."""
     for name in TABLE.read_by('controller'):

@@ -15,10 +15,10 @@ from lta_sim.scenario import load_scenario
 from lta_sim.vehicle import load_vehicle
 from lta_sim.world import World
 from lta_vlc.array import bearing
-from lta_vlc.demodulation import Demodulation
 from lta_vlc.diodes import diodes_of
 from lta_vlc.listener import Listener
 from lta_vlc.messages import to_block
+from lta_vlc.settings import Demodulation
 import pytest
 
 from .peer import PATIENCE, Peer, start, TABLE
@@ -186,6 +186,7 @@ def test_a_pulled_cable_is_told_and_put_back(bench, tmp_path):
     ended(process)
 
 
+@pytest.mark.long
 def test_another_dialect_is_told_and_its_light_is_not_published(domain_id, tmp_path):
     with Bench(domain_id, tmp_path, dialect=2) as bench:
         process = start(BRIDGE, '-p', f'port:={tmp_path}/ttyACM0')
@@ -204,6 +205,7 @@ def test_another_dialect_is_told_and_its_light_is_not_published(domain_id, tmp_p
         bench.end()
 
 
+@pytest.mark.long
 def test_a_port_that_one_may_not_open_is_refused_told_and_ends_with_one_sentence(bench, tmp_path):
     """As pyserial says it; whoever runs the tests may be allowed to open everything."""
     denied = (
@@ -225,6 +227,7 @@ def test_a_port_that_one_may_not_open_is_refused_told_and_ends_with_one_sentence
     assert errors.splitlines()[-1].startswith(sentence)
 
 
+@pytest.mark.long
 def test_a_second_source_of_light_is_told(bench, tmp_path):
     process = start(BRIDGE, '-p', f'port:={tmp_path}/ttyACM0')
     bench.told('light comes')

@@ -55,6 +55,7 @@ def bridge(drone):
         node.communicate(timeout=30)
 
 
+@pytest.mark.long
 def test_a_person_s_word_is_flown_and_their_silence_lands(body, bridge, domain_id):
     with Peer(domain_id) as peer:
         power = []

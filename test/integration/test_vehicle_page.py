@@ -1,7 +1,7 @@
 """The page of a vehicle in a real browser: nothing to complain of, everything drawn, to scale."""
 
 from lta_analysis.browser import Browser, find_chromium
-from lta_analysis.report.pictures import complaints, fetched, show
+from lta_analysis.report.screenshots import complaints, fetched, show
 from lta_analysis.vehicle.page import write_page
 from lta_analysis.vehicle.sheet import sheet_of
 from lta_config.errors import BadInput

@@ -120,7 +120,12 @@ NEEDS = {  # without which it refuses
 }
 # The command, and the drone at the other end of a link, are no nodes.
 OTHERS = {('lta_analysis', 'lta'), ('lta_bridge', 'emulated_hardware')}
-NODES = [pair for pair in declared() if pair not in OTHERS]
+QUICK = ('simulator', 'controller', 'recorder', 'player')  # the others start alike
+NODES = [
+    pytest.param(*pair, marks=() if pair[1] in QUICK else pytest.mark.long)
+    for pair in declared()
+    if pair not in OTHERS
+]
 
 
 def test_every_package_is_in_the_ament_index(installed):

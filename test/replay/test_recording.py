@@ -39,12 +39,12 @@ from lta_sim.start_offset import started
 from lta_sim.vehicle import load_vehicle
 from lta_sim.world import World
 from lta_vlc.array import bearing
-from lta_vlc.demodulation import Demodulation
 from lta_vlc.diodes import diodes_of
 from lta_vlc.direction import DirectionFinder
 from lta_vlc.lamp import lamp_estimate, LampPrior
 from lta_vlc.listener import Listener
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks, to_block
+from lta_vlc.settings import Demodulation
 from lta_vlc.wish import NO_WISH
 import numpy as np
 import pytest

@@ -19,7 +19,7 @@ from outcome import Outcome, tried
 from peer import Peer
 
 BEGUN: Final = 1.0  # s of flight
-# An error that comes again within ten seconds is not said again: no two that sound alike.
+# An error that keeps coming back within ten seconds is only counted: no two that sound alike.
 TOGETHER: Final = {
     'lockstep': ('message nan', 'flood', 'parameter', 'killed'),
     'realtime': ('clock', 'message lengths', 'message names', 'exception'),

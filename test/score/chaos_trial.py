@@ -76,7 +76,7 @@ def judged(graph: Graph, strikes: list[Strike]) -> list[str]:
         wrong.append(f'the status is {status}')
     text = graph.started.text
     if 'Traceback' in text and not ends:
-        wrong.append(f'a traceback: {text[text.index("Traceback") :][:600]}')
+        wrong.append(f'a traceback: {text[text.index("Traceback") :][:2000]}')
     if left := graph.left():
         wrong.append(left)
     try:

@@ -23,8 +23,8 @@ from energy.metered import ABOARD, CELL, follow, Metered, SETTINGS
 from lta_analysis.report.drawing import blank, line
 from lta_analysis.report.frame import framed, written
 from lta_analysis.report.palette import RAW, SETPOINT, TRUTH
-from lta_analysis.report.pictures import picture
 from lta_analysis.report.pieces import section
+from lta_analysis.report.screenshots import picture
 from lta_energy.estimate import Estimate
 from lta_energy.monitor import time_to_empty, update
 

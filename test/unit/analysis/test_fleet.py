@@ -125,6 +125,7 @@ def test_an_open_loop_is_the_worlds_to_rounding():
     np.testing.assert_allclose(found, ending(world, path), rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.long
 def test_the_air_and_the_walls_of_a_scene_are_the_worlds():
     """A gust drives one hull against a wall, to rounding; eddies stir others, by chance."""
     still = 'scenario.start.heading_spread=0 deg'

@@ -28,6 +28,7 @@ import yaml
 COMPARISON = load_comparison('platforms')
 SCENARIO = load_scenario(COMPARISON.scenario)
 DENSITY = SCENARIO.air.density
+OTHERS = [pytest.param(name, marks=pytest.mark.long) for name in ('beavis', 'skye', 'multirotor')]
 
 
 def changed(name, **change):
@@ -123,20 +124,23 @@ def test_every_platform_that_hovers_climbs_and_holds(name, error, overshoot):
     assert flight.metrics.overshoot < overshoot
 
 
-@pytest.mark.parametrize('name', ['gtmab', 'beavis', 'skye', 'multirotor'])
+@pytest.mark.parametrize('name', ['gtmab', *OTHERS])
 def test_they_turn_and_hold_heading(name):
     flight = flown(name, 'turn')
     assert flight.held
     assert abs(flight.metrics.steady_error) < math.radians(2.0)
 
 
-@pytest.mark.parametrize('name', ['gtmab', 'beavis', 'sblimp', 'skye', 'multirotor'])
+@pytest.mark.parametrize(
+    'name', ['gtmab', pytest.param('sblimp', marks=pytest.mark.long), *OTHERS]
+)
 def test_they_cruise_at_half_a_metre_a_second(name):
     flight = flown(name, 'cruise')
     assert flight.held
     assert abs(flight.metrics.steady_error) < 0.05
 
 
+@pytest.mark.long
 def test_a_heading_that_moves_is_followed_late_by_rate_over_gain():
     """GT-MAB: 6 deg/s by 0.6 per second is 10 degrees; it turns back thrice, so a little less."""
     flight = flown('gtmab', 'follow')
@@ -144,6 +148,7 @@ def test_a_heading_that_moves_is_followed_late_by_rate_over_gain():
     assert math.degrees(flight.metrics.rms) == pytest.approx(10.0, abs=1.5)
 
 
+@pytest.mark.long
 def test_the_glider_soars_but_does_not_hover():
     assert flown('rgblimp', 'soar').held
     sunk = flown('rgblimp', 'climb')
@@ -159,6 +164,7 @@ def test_open_loop_overshoots_and_closing_the_loop_reverses_it():
     assert flown('blimp2b_closed', 'climb', ablation=True).held
 
 
+@pytest.mark.long
 def test_open_loop_reaches_the_published_steady_surge():
     """0.76 m/s at full front thrust: sqrt(0.040 / 0.07); its failure counts only after that."""
     full = math.sqrt(0.040 / 0.07)
@@ -180,6 +186,7 @@ def test_beavis_has_the_published_margin_and_still_fails_by_a_linear_b():
     assert flown('beavis_paper', 'climb').held
 
 
+@pytest.mark.long
 def test_beavis_neither_lifts_more_than_its_jets_nor_sinks_without_weight():
     heavy = flown('beavis_too_heavy', 'climb', ablation=True)
     neutral = flown('beavis_neutral', 'climb', ablation=True)
@@ -190,6 +197,7 @@ def test_beavis_neither_lifts_more_than_its_jets_nor_sinks_without_weight():
     assert neutral.metrics.steady_error < -1.0  # rises on
 
 
+@pytest.mark.long
 def test_sblimp_pushes_sideways_only_by_what_it_carries():
     """By what it carries it saturates; heavier, it reaches the published 0.8 m/s."""
     light = flown('sblimp', 'cruise', 0.8)
@@ -199,6 +207,7 @@ def test_sblimp_pushes_sideways_only_by_what_it_carries():
     assert heavy.held
 
 
+@pytest.mark.long
 def test_speed_before_height_lifts_sblimp_away_and_swings_it():
     flight = flown('sblimp_speed_first', 'cruise', 0.8, ablation=True)
     assert not flight.held
@@ -239,6 +248,7 @@ def test_every_entry_can_be_built():
     assert {job.seed for job in every} == {1, 2}
 
 
+@pytest.mark.long
 def test_the_page_says_what_each_change_turns(tmp_path):
     few = COMPARISON.model_copy(
         update={

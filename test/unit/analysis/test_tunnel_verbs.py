@@ -93,6 +93,7 @@ def test_a_cluster_without_dask_is_one_sentence(run, monkeypatch):
     assert '-r requirements-dask' in told.err
 
 
+@pytest.mark.long
 def test_a_sphere_is_judged(fake, call, monkeypatch, tmp_path):
     """The transients begin with a small step, whatever the steady flow before them took."""
     monkeypatch.chdir(tmp_path)

@@ -89,6 +89,7 @@ def test_flights_that_make_way_and_that_do_not(flight):
     assert not makes_way(blowing(flight, 1.5, Ground(None)), 1)
 
 
+@pytest.mark.long
 def test_limits_of_a_platform_flown_and_not(monkeypatch):
     made_up(monkeypatch, lambda speed, seed: 0.4)
     count = []
@@ -112,6 +113,7 @@ def test_limits_of_a_platform_flown_and_not(monkeypatch):
     assert 'over 0.3 m of roughness' in made
 
 
+@pytest.mark.long
 def test_ground_that_leaves_no_wind_is_refused():
     with pytest.raises(BadInput, match='not below the reference height of 10 m'):
         measured(asked(roughness=(20.0,), fly=False), 'gtmab', lambda: None)
@@ -121,7 +123,7 @@ def test_ground_that_leaves_no_wind_is_refused():
 
 def test_the_command_prints_a_table_json_and_a_page(tmp_path):
     call = ['wind', 'gtmab', 'skye', 'multirotor', '--no-fly', '--out', str(tmp_path)]
-    told = CliRunner().invoke(put_together(()), call)
+    told = CliRunner().invoke(put_together(), call)
     assert told.exit_code == 0, told.output
     for text in ('1.84', '1.67', '3.7', 'multirotor: its known drag sets no limit below 60 m/s.'):
         assert text in told.stdout
@@ -130,21 +132,21 @@ def test_the_command_prints_a_table_json_and_a_page(tmp_path):
     page = (tmp_path / 'report.html').read_text()
     assert 'Flyable wind against the roughness' in page
     assert '$' not in page.split('<main ')[1].split('</main>')[0].split('<script')[0]
-    kept = CliRunner().invoke(put_together(()), call)
+    kept = CliRunner().invoke(put_together(), call)
     assert isinstance(kept.exception, BadInput)
     assert 'is not empty' in str(kept.exception)
     call[-1] = str(tmp_path / 'json')
     call[1:4] = ['multirotor']
-    printed = CliRunner().invoke(put_together(()), [*call, '--json'])
+    printed = CliRunner().invoke(put_together(), [*call, '--json'])
     assert json.loads(printed.stdout)['units']['static'] == 'm/s'
 
 
 def test_an_unknown_vehicle_is_bad_input(tmp_path):
-    told = CliRunner().invoke(put_together(()), ['wind', 'zeppelin', '--out', str(tmp_path)])
+    told = CliRunner().invoke(put_together(), ['wind', 'zeppelin', '--out', str(tmp_path)])
     assert isinstance(told.exception, BadInput)
     assert 'zeppelin' in str(told.exception)
     call = ['wind', 'gtmab', 'zeppelin', '--out', str(tmp_path / 'out')]
-    assert 'zeppelin' in str(CliRunner().invoke(put_together(()), call).exception)
+    assert 'zeppelin' in str(CliRunner().invoke(put_together(), call).exception)
     assert not (tmp_path / 'out').exists()
 
 

@@ -77,6 +77,7 @@ def numbers(value):
     return [value]
 
 
+@pytest.mark.long
 def test_control_compiles():
     fast, generator = compiled(control_step), np.random.default_rng(1)
     rotors, drag = rotors_of(VEHICLE), (0.001, 0.092)
@@ -95,6 +96,7 @@ def test_control_compiles():
     assert isinstance(slow_memory.shortfall, Demand)
 
 
+@pytest.mark.long
 def test_the_estimator_compiles():
     fast, generator = compiled(estimator_step), np.random.default_rng(2)
     settings, body = EstimatorSettings(rest_time=0.5), body_of(VEHICLE)
@@ -123,7 +125,13 @@ def test_the_attitude_filter_compiles():
     assert fast(*arguments) == attitude_step(*arguments)
 
 
-@pytest.mark.parametrize('name', STRATEGIES)
+LONG = ('homing', 'dga')  # with the filter of the lamp, which takes ten seconds to compile
+
+
+@pytest.mark.parametrize(
+    'name',
+    [pytest.param(name, marks=pytest.mark.long if name in LONG else ()) for name in STRATEGIES],
+)
 def test_every_strategy_compiles(name):
     strategy, settings = STRATEGIES[name], StrategySettings()
     start, steer = compiled(strategy.start), compiled(strategy.steer)

@@ -169,6 +169,7 @@ def test_an_idle_drone_that_never_sleeps_goes_out_in_the_night():
     assert abs(diary.imbalance) < 1e-3
 
 
+@pytest.mark.long
 def test_steps_of_half_a_minute_are_as_good_as_of_a_second(monkeypatch):
     """A day on the perch in the light of clouds, without flights."""
     upkeep = Upkeep(CELL, CHARGER, HARVEST, 0.097, 0.006, (0.0, 0.0), 0.25, 0.3, HOUR)

@@ -230,16 +230,16 @@ def test_what_is_whole_or_empty_is_refused(tmp_path, whole):
 
 def test_verb(tmp_path, whole):
     source = damage(tmp_path, hit(whole, 1))
-    result = CliRunner().invoke(put_together(()), ['bag', 'recover', str(source), '--json'])
+    result = CliRunner().invoke(put_together(), ['bag', 'recover', str(source), '--json'])
     assert result.exit_code == 0
     told = json.loads(result.stdout)
     assert told['messages'] == (CHUNKS - 1) * PER_CHUNK
     assert told['missing']['/c'] == {'count': SEAL, 'source': 'index'}
     assert read_bag(tmp_path / 'bag-recovered').complete
     result = CliRunner().invoke(
-        put_together(()), ['bag', 'recover', str(source), '--out', str(tmp_path / 'n')]
+        put_together(), ['bag', 'recover', str(source), '--out', str(tmp_path / 'n')]
     )
     assert result.exit_code == 0
     assert '/c lacks 4 messages (index).' in result.stdout
-    again = CliRunner().invoke(put_together(()), ['bag', 'recover', str(tmp_path / 'n')])
+    again = CliRunner().invoke(put_together(), ['bag', 'recover', str(tmp_path / 'n')])
     assert isinstance(again.exception, BadInput)  # which `lta` turns into status 2

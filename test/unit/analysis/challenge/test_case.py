@@ -59,6 +59,7 @@ def test_each_row_records_what_it_says(name: str) -> None:
         assert 0.3 < np.median(height) < 5.0
 
 
+@pytest.mark.long
 def test_what_is_outside_comes_to_the_strength_that_was_drawn() -> None:
     reached = [drawn(number, 'outside').answer['floors'] for number in range(12)]
     assert sum(0.4 * CLEAR[0] < each < 1.6 * CLEAR[1] for each in reached) >= 11

@@ -111,6 +111,7 @@ def test_the_compiled_truth_pushes_as_the_plain_function_does(name: str) -> None
         assert pushed(name, motion, **given) == pytest.approx(happened.strange[k], abs=1e-9)
 
 
+@pytest.mark.long
 def test_what_comes_to_nothing_is_drawn_again() -> None:
     # Rotors that hover do not stall.
     floors = []
@@ -149,6 +150,7 @@ def test_a_leash_takes_energy_and_gives_none() -> None:
         assert along / np.linalg.norm(along) == pytest.approx(to_stand / np.linalg.norm(to_stand))
 
 
+@pytest.mark.long
 def test_a_seam_has_hysteresis_of_the_width_that_is_asked_for() -> None:
     given = {'size': 0.004, 'half': 0.1, 'lever': 0.15}
     rate = OUTSIDE['seam'].effect.rate
@@ -173,6 +175,7 @@ def test_a_seam_has_hysteresis_of_the_width_that_is_asked_for() -> None:
     assert lacks[3:] == pytest.approx(np.cross([0.15, 0.0, 0.0], lacks[:3]))
 
 
+@pytest.mark.long
 def test_rotors_stall_while_sinking_and_recover_late() -> None:
     given = {'size': 0.5, 'middle': 0.04, 'half': 0.02}
 
@@ -205,6 +208,7 @@ def test_warm_air_rises_over_its_patch_and_is_drawn_in() -> None:
     assert abs(mean) < 0.1 * 0.01
 
 
+@pytest.mark.long
 def test_a_charge_is_drawn_by_its_image() -> None:
     coulomb = (1e-6) ** 2 / (16.0 * math.pi * 8.8541878128e-12)
     assert coulomb == pytest.approx(2.2e-3, rel=0.03)
@@ -263,6 +267,7 @@ def test_a_motor_loses_step_at_a_jump_and_not_at_a_slope() -> None:
     assert lost[3:] == pytest.approx(np.cross([0.0, 0.1, -0.4], lost[:3]))
 
 
+@pytest.mark.long
 def test_a_wet_hull_dries_faster_in_the_wind() -> None:
     given = {'size': 0.02, 'takes': 60.0}
     still = changed('drying', lambda _: moving(), 60.0, (1.0,), **given)[-1, 0]

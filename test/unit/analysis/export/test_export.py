@@ -267,7 +267,7 @@ def test_a_topic_larger_than_a_matlab_file_is_refused(flight_bag, tmp_path, monk
 
 def test_the_command_says_what_it_wrote(flight_bag, tmp_path):
     line = ['bag', 'export', str(flight_bag), '--topics', 'odom', '--json']
-    result = CliRunner().invoke(put_together(()), [*line, '--out', str(tmp_path / 'out')])
+    result = CliRunner().invoke(put_together(), [*line, '--out', str(tmp_path / 'out')])
     assert result.exit_code == 0, result.output
     found = json.loads(result.stdout)
     assert found['files'] == [

@@ -102,6 +102,7 @@ def test_nanobench_is_consistent_in_axes_units_and_time(bring, measured):
     assert volts == np.float32(raw['pwr_pm_vbat']).tolist()
 
 
+@pytest.mark.long
 def test_an_aeroplanes_recording_is_the_same_afterwards(bring, measured):
     source = measured('outdoor_mcap/cub_stabilize_2025_11_13.mcap')
     mapping = (

@@ -7,7 +7,7 @@ from lta_analysis.light.plan.laying import lay_out
 from lta_analysis.light.plan.mounts import mounts_of
 from lta_config.topics import topic_table
 from lta_sim.vehicle import load_vehicle
-from lta_vlc.demodulation import Demodulation
+from lta_vlc.settings import Demodulation
 import yaml
 
 HALL = """

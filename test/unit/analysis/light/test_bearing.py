@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 SCENE = load_scenario('lamp_room')
-LAMP = np.array(SCENE.lamp.position.vector)
+LAMP = np.array(SCENE.goal_lamp.position.vector)
 
 
 @pytest.fixture(scope='module')

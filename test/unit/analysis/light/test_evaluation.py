@@ -31,6 +31,7 @@ from rich.console import Console
 import yaml
 
 QUIET = Console(file=io.StringIO())
+LONG = ('uniform', 'range', 'winds', 'roughness', 'ambient')  # built as the others are
 NEAR = {
     'schema': 1, 'name': 'near', 'about': 'From close by.', 'vehicle': 'gtmab',
     'scenario': 'lamp_room', 'strategy': 'bag', 'gains': 'gtmab', 'seeds': {'count': 3},
@@ -114,7 +115,9 @@ def test_the_factor_that_makes_the_order_is_named():
     assert said.endswith(', and none of the factors alone brings it about.')
 
 
-@pytest.mark.parametrize('name', SETS)
+@pytest.mark.parametrize(
+    'name', [pytest.param(name, marks=pytest.mark.long if name in LONG else ()) for name in SETS]
+)
 def test_a_set_is_a_sweep_that_can_be_flown(name):
     """Each case builds; the pilot is there; places on the axis differ from case to case."""
     plan = plan_of(name)
@@ -138,6 +141,7 @@ def test_every_shipped_sweep_of_the_light_is_a_set():
     }
 
 
+@pytest.mark.long
 def test_a_wind_is_told_as_share_of_what_the_vehicle_flies():
     """8 m/s at 10 m over 0.3 m are 1.09 m/s at the hull; 1.05 m/s is what it flies at most."""
     field = gather('gtmab', 'windy_field', 'bag', 'gtmab')

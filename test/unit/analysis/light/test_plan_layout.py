@@ -228,7 +228,7 @@ def test_shipped_floor_plans_are_what_their_files_are_called(name):
 
 
 def call(*words):
-    return CliRunner().invoke(put_together(()), ['light', 'plan', *map(str, words)])
+    return CliRunner().invoke(put_together(), ['light', 'plan', *map(str, words)])
 
 
 def test_the_command_writes_page_numbers_and_scenario(tmp_path):

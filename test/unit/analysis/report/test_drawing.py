@@ -4,8 +4,9 @@ import re
 
 from lta_analysis.bag import open_flight
 from lta_analysis.report import palette
-from lta_analysis.report.drawing import extent, Label, label_ends, MOST_POINTS, over_time, thinned
+from lta_analysis.report.drawing import extent, Label, label_ends, MOST_POINTS, thinned
 from lta_analysis.report.moments import moments
+from lta_analysis.report.over_time import over_time
 from lta_analysis.report.panels import light, path
 from lta_analysis.report.panels.registry import PANELS
 from lta_analysis.report.rays import graded

@@ -19,6 +19,7 @@ import pytest
 from ..report_flight import provenance, STREAMS, write_flight  # noqa: TID252 - `test` is Python's own
 
 VOID = {'meta', 'link', 'img', 'input', 'br', 'hr', 'base', 'source'}
+BASIC = {'odom', 'motors', 'light/bearing'}  # topics without which a page is tried every time
 FETCHING = {'src', 'href', 'srcset', 'data', 'poster', 'action'}
 
 
@@ -131,7 +132,13 @@ def test_page_of_the_same_bag_is_the_same(bag, written, tmp_path):
     assert again.read_bytes() == written.read_bytes()
 
 
-@pytest.mark.parametrize('missing', sorted(STREAMS))
+@pytest.mark.parametrize(
+    'missing',
+    [
+        pytest.param(name, marks=() if name in BASIC else pytest.mark.long)
+        for name in sorted(STREAMS)
+    ],
+)
 def test_page_does_without_any_one_topic(tmp_path, missing):
     write_page(write_flight(tmp_path / 'bag', without=[missing], until=6.0), tmp_path / 'p.html')
     reading = Reading((tmp_path / 'p.html').read_text(encoding='utf-8'))

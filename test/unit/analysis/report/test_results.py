@@ -1,12 +1,13 @@
 """The results of a flight against figures worked out by hand."""
 
 import math
+from types import SimpleNamespace
 
 from lta_analysis.bag import open_flight
 from lta_analysis.report.curves import held, Track
 from lta_analysis.report.goal import wrapped
 from lta_analysis.report.outcome import tiles
-from lta_analysis.report.results import Results, results_of
+from lta_analysis.report.results import cruising, Phases, Results, results_of
 from lta_analysis.report.view import View
 from lta_config.errors import BadInput
 import numpy as np
@@ -171,3 +172,11 @@ def test_set_point_holds_until_the_next_one():
     track = Track(np.array([1.0, 2.0]), np.array([5.0, 7.0]))
     given = held(np.array([0.5, 1.0, 1.9, 2.0, 9.0]), track)
     np.testing.assert_array_equal(given, [np.nan, 5.0, 5.0, 7.0, 7.0])
+
+
+def test_a_rest_at_a_lamp_of_the_route_is_not_cruised():
+    asked = Track(np.array([1.0, 4.0, 6.0]), np.array([0.5, 0.0, 0.5]))
+    flight = SimpleNamespace(has=lambda _: True, speed_setpoint=asked)
+    time = np.arange(10.0)
+    flown = cruising(flight, Phases(0.0, 1.0, 2.0, 8.0), time)
+    assert time[flown].tolist() == [2.0, 3.0, 6.0, 7.0, 8.0]

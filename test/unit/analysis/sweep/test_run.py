@@ -89,6 +89,7 @@ def test_a_sweep_is_flown_kept_and_not_flown_again(sweep, tmp_path):
     assert again.rows == done.rows
 
 
+@pytest.mark.long
 def test_a_row_is_the_flight_itself(sweep, tmp_path):
     """Flown by a worker or by hand, a flight comes to the same figures."""
     file = sweep(1)
@@ -210,9 +211,8 @@ def heeds_no_interrupt(pid):
     return bool((int(lines['SigBlk'], 16) | int(lines['SigIgn'], 16)) & 1 << (signal.SIGINT - 1))
 
 
-@pytest.mark.parametrize(
-    'number', [signal.SIGKILL, pytest.param(signal.SIGINT, marks=pytest.mark.long)]
-)
+@pytest.mark.long
+@pytest.mark.parametrize('number', [signal.SIGKILL, signal.SIGINT])
 def test_a_sweep_that_is_stopped_goes_on_where_it_was(sweep, tmp_path, number):
     """Killed, or by Ctrl-C to all its processes; no worker outlives it, no flight is lost."""
     file, folder, script = sweep(20), tmp_path / 'out', tmp_path / 'script.py'

@@ -128,6 +128,7 @@ def test_the_gain_margin_is_where_the_flight_begins_to_swing(delayed):
     assert math.pi * crossings / 3.0 == pytest.approx(found.oscillation, rel=0.15)
 
 
+@pytest.mark.long
 def test_the_swing_that_the_linear_loop_foretells_grows_in_flight(delayed):
     """The hull hangs in the speed loop like a pendulum, which swings up unless it is stopped."""
     del delayed

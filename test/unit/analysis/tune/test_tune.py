@@ -174,6 +174,7 @@ def test_lost_lift_is_carried_by_the_rotors_and_not_told():
     assert one.altitude[-1] == pytest.approx(1.0, abs=0.1)
 
 
+@pytest.mark.long
 def test_a_mission_that_is_too_heavy_is_not_reached():
     # The climb may ask for 0.2 N: 20.4 g, 18.4 g beyond the trim.
     scene, gains = Scene('gtmab'), load_gains('gtmab')
@@ -197,6 +198,7 @@ def test_a_limit_is_bracketed():
     assert limit.bracket(lambda value: False, 30.0) == (None, 0.0)
 
 
+@pytest.mark.long
 def test_gains_that_may_ask_for_less_hold_less(monkeypatch):
     monkeypatch.setattr(limit, 'TRIED', 2)
     monkeypatch.setattr(limit, 'HALVINGS', 0)

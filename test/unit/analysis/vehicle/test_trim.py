@@ -77,6 +77,7 @@ def test_a_flown_load_is_found_to_a_fifth_of_a_gram(gtmab, hover):
     assert found.duration >= 10.0
 
 
+@pytest.mark.long
 def test_lost_lift_and_another_seed_as_well(gtmab, tmp_path):
     """0.01 N of lift gone: 1.02 g."""
     bag = write_hover(tmp_path / 'bag', 'vehicle.effects.net_lift.force=-0.01 N', seed=2)

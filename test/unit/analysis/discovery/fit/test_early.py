@@ -38,6 +38,7 @@ def test_a_stage_that_ends_lost_is_no_place_to_go_on_from(
     np.testing.assert_array_equal(deviations, fitter.floor)
 
 
+@pytest.mark.long
 def test_a_centre_of_gravity_far_too_low_does_not_run_away(
     gtmab: tuple[Nominal, list[Knob]],
 ) -> None:

@@ -78,6 +78,7 @@ def test_a_glance_is_the_difference_of_two_evidences(gtmab: Known, linear: Linea
         assert seen.deviation == pytest.approx(there.covariance[k, k] ** 0.5, rel=1e-3)
 
 
+@pytest.mark.long
 def test_linearised_at_the_truth_scores_are_those_of_noise(gtmab: Known) -> None:
     # Nuisances that may be anything, so that it does not matter which the truth has.
     nominal, knobs = gtmab

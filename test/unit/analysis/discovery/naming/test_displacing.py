@@ -31,6 +31,7 @@ from ..unknown_physics import KINDS  # noqa: TID252 - `test` is Python's own
 Known = tuple[Nominal, list[Knob]]
 
 
+@pytest.mark.long
 def test_a_tether_is_given_no_name(gtmab: Known) -> None:
     nominal, knobs = gtmab
     make, _, strong = KINDS['tether']

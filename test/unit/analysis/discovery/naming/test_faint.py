@@ -61,6 +61,7 @@ def _proven(known: Known, changes: dict[str, object]) -> tuple[tuple[str, ...], 
     return named.names, Proof(nominal, flights).run(named)
 
 
+@pytest.mark.long
 def test_a_drag_too_small_for_one_flight_is_named_by_two(gtmab: Known) -> None:
     alone, found = _proven(gtmab, FAINT)
     assert alone == ()
@@ -72,6 +73,7 @@ def test_a_drag_too_small_for_one_flight_is_named_by_two(gtmab: Known) -> None:
     assert abs(value - SIZE) < 3.0 * spread
 
 
+@pytest.mark.long
 def test_what_may_be_nothing_by_its_interval_is_not_named(
     gtmab: Known, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -79,6 +81,7 @@ def test_what_may_be_nothing_by_its_interval_is_not_named(
     assert _proven(gtmab, FAINT)[1].names == ()
 
 
+@pytest.mark.long
 def test_flights_without_it_name_nothing(gtmab: Known) -> None:
     alone, found = _proven(gtmab, {})
     assert alone == found.names == ()

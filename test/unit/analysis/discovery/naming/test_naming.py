@@ -29,7 +29,7 @@ def _named(known: Known, changes: Changes, seed: int) -> Named:
     return Naming(nominal, pair).run()
 
 
-LONG = ('linear_drag.surge',)  # which the study of test_study.py names as well
+LONG = ('linear_drag.surge', 'command_delay.delay')  # test_study.py names the first as well
 
 
 @pytest.mark.parametrize(
@@ -45,6 +45,7 @@ def test_a_hidden_effect_is_named_and_nothing_else(gtmab: Known, name: str) -> N
         assert abs(one.fitted.mean[k] - expected) < 4.0 * spread + 0.005 * expected
 
 
+@pytest.mark.long
 def test_an_effect_that_cannot_be_so_large_is_not_named(gtmab: Known) -> None:
     nominal, knobs = gtmab
     name = 'linear_drag.surge'
@@ -58,6 +59,7 @@ def test_a_vehicle_within_its_tolerances_names_nothing(gtmab: Known) -> None:
     assert all(not trial.accepted for step in found.steps for trial in step.trials)
 
 
+@pytest.mark.long
 def test_the_gap_goes_from_nominal_over_tuned_to_named(gtmab: Known) -> None:
     nominal, knobs = gtmab
     flight = prepared(flown(CASES['linear_drag.surge'], 70, LENGTH), knobs)
@@ -90,6 +92,7 @@ def test_a_candidate_that_loses_on_one_flight_what_it_wins_on_the_other_is_torn(
     assert not Trial('a', 240.0, 4.0, 200.0, 1.0, 0.1).both
 
 
+@pytest.mark.long
 def test_only_what_is_unlike_a_torn_candidate_gets_past_it(gtmab: Known) -> None:
     nominal, knobs = gtmab
     pair = tuple([prepared(flown({}, seed, 20.0), knobs)] for seed in (60, 61))

@@ -102,6 +102,7 @@ def test_on_a_clean_flight_no_group_wins(quiet: tuple[Standing, list[Group]]) ->
     assert max(one.gain for one in gains.values()) < 3.0
 
 
+@pytest.mark.long
 def test_wash_over_a_fin_is_found_and_described(gtmab: Known) -> None:
     make, _, strong = KINDS['swirl']
     flights = [

@@ -40,7 +40,10 @@ def test_one_flight_alone_makes_no_line() -> None:
     assert lines(flights, TIMES, noise) == []
 
 
-@pytest.mark.parametrize('colour', [0.0, 0.5, 0.9])
+@pytest.mark.parametrize(
+    'colour',
+    [pytest.param(0.0, marks=pytest.mark.long), pytest.param(0.5, marks=pytest.mark.long), 0.9],
+)
 def test_noise_has_no_line(colour: float) -> None:
     noise = [np.ones(len(CHANNELS))] * 2
     found = [lines([_left(k, colour), _left(k + 500, colour)], TIMES, noise) for k in range(40)]

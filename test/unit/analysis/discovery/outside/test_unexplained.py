@@ -37,6 +37,7 @@ def test_noise_follows_nothing() -> None:
     assert share < 0.15
 
 
+@pytest.mark.long
 def test_turbulence_remains_on_the_axes_that_it_pushes(gtmab: Known) -> None:
     air = {
         f'vehicle.effects.turbulence.{name}': {'value': value, 'unit': unit}

@@ -109,6 +109,7 @@ def test_what_is_not_safe_is_said() -> None:
         assert words in said
 
 
+@pytest.mark.long
 def test_steps_of_height_tell_a_wind_from_one_that_grows_with_height(planner: Planner) -> None:
     """Both have one size at one height: only another height tells them apart."""
     wind, grows = planner.knob('steady_wind.x'), planner.knob('wind_gradient.x_z')
@@ -122,6 +123,7 @@ def test_steps_of_height_tell_a_wind_from_one_that_grows_with_height(planner: Pl
     assert steps > 2.0 * hover
 
 
+@pytest.mark.long
 def test_the_flight_that_tells_two_drags_apart_changes_its_speed(planner: Planner) -> None:
     drags = [planner.knob(f'{name}.surge') for name in ('linear_drag', 'quadratic_drag')]
     first, other = (Rival(knob, value) for knob, value in zip(drags, (0.02, 0.15), strict=True))

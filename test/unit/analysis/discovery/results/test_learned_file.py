@@ -9,8 +9,6 @@ from lta_config.files import find
 from lta_sim.vehicle import load_vehicle
 import pytest
 
-VEHICLES = ('gtmab', 'skye')  # of revolution about z, and a sphere
-
 
 def _finding(effects=(), vehicle='gtmab'):
     bags = {'train': ('A',), 'confirm': ('B',), 'holdout': ('C',)}
@@ -39,7 +37,9 @@ def _written(vehicle, path, names, finding=None):
     return known, learned, load_vehicle(str(path))
 
 
-@pytest.mark.parametrize('vehicle', VEHICLES)
+@pytest.mark.parametrize(  # of revolution about z, and a sphere
+    'vehicle', ['gtmab', pytest.param('skye', marks=pytest.mark.long)]
+)
 def test_every_candidate_has_its_place_in_the_file(vehicle, tmp_path):
     turnable = [k.name for k in knobs(Nominal.of(load_vehicle(vehicle))) if k.typical]
     # Those that would make it too heavy to be a vehicle, all at once, are tried one by one.

@@ -40,6 +40,7 @@ def _seen(known: Known, flight: Linearised) -> Seen:
     return Seen('one', flight, begin, fit(flight, nominal, tolerances(knobs), begin, rounds=3))
 
 
+@pytest.mark.long
 def test_a_rotor_that_fails_is_told_with_its_time(gtmab: Known, failing: Linearised) -> None:
     found = places([_seen(gtmab, failing)], 1)
     assert [one.ratio_to_noise for one in found] == sorted(
