@@ -1,4 +1,8 @@
-"""Nothing of a graph listens outside this machine unless asked, and others on it still find it."""
+"""
+Nothing of a graph listens outside this machine unless asked, and others on it still find it.
+
+Nor does it use shared memory, where a node that is killed may hold a lock of all the others.
+"""
 
 from collections.abc import Iterator
 import ipaddress
@@ -70,6 +74,12 @@ def sockets(pid: int) -> set[str]:
     return {address for inode, address in addresses() if inode in inodes}
 
 
+def shared(pid: int) -> list[str]:
+    """Return the files of Fast DDS's shared memory that a process has mapped."""
+    mapped = Path(f'/proc/{pid}/maps').read_text().splitlines()
+    return [line for line in mapped if '/dev/shm/' in line and 'fastrtps' in line]
+
+
 def entered(**chosen: str) -> dict[str, str]:
     """Return the environment of the workspace, entered with nothing chosen but this."""
     given = {name: value for name, value in os.environ.items() if name not in CHOSEN}
@@ -93,6 +103,7 @@ def test_the_graph_listens_on_the_loopback_alone_and_plain_ros_finds_it(lta, hea
     found = {line: sockets(pid) for pid, line in processes(lta.mark).items()}
     assert sum(bool(addresses) for addresses in found.values()) > len(nodes)
     assert {line: told for line, told in found.items() if told - {'127.0.0.1'}} == {}
+    assert [line for pid, line in processes(lta.mark).items() if shared(pid)] == []
 
     plain = {name: value for name, value in os.environ.items() if name not in CHOSEN}
     visitors = [
@@ -125,4 +136,6 @@ def test_who_asks_for_the_network_gets_it(chosen, outside):
     ) as node:
         assert node.stdout.readline() == 'here\n'
         assert ('0.0.0.0' in sockets(node.pid)) == outside
+        # For peers that are named ROS adds what it likes, shared memory as well.
+        assert bool(shared(node.pid)) == ('ROS_STATIC_PEERS' in chosen)
         node.communicate('\n', timeout=PATIENCE)

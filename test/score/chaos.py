@@ -30,7 +30,7 @@ from reliability import put
 
 HERE: Final = Path(__file__).resolve().parent
 TRIAL: Final = HERE / 'chaos_trial.py'
-PACKAGES: Final = HERE.parents[1] / 'src'
+PACKAGES, CONFIG = (HERE.parents[1] / name for name in ('src', 'config'))
 EACH: Final = 12
 HUNG: Final = 240.0  # s after which a trial hangs
 NAMED: Final = 1.0  # s
@@ -73,8 +73,10 @@ By the phase in which it struck, as stated of all:
 
 
 def code() -> str:
-    """Return a hash of what decides the outcomes: all nodes, and the trials."""
-    return version([*PACKAGES.rglob('*.py'), *HERE.glob('chaos_*.py'), HERE / 'outcome.py'])
+    """Return a hash of what decides the outcomes: all nodes, their declarations, the trials."""
+    declared = [path for kind in ('*.py', '*.yaml', '*.xml') for path in CONFIG.rglob(kind)]
+    trials = [*HERE.glob('chaos_*.py'), HERE / 'outcome.py']
+    return version([*PACKAGES.rglob('*.py'), *declared, *trials])
 
 
 def trial(case: Case) -> Row:

@@ -1,12 +1,11 @@
 """The checks of `lta doctor`: each finds what it looks for, and the conversation is a real one."""
 
-import fcntl
 import io
 import socket
 from types import SimpleNamespace
 
 from lta_analysis import doctor
-from lta_analysis.doctor import dds, machine, shared_memory, software
+from lta_analysis.doctor import dds, machine, software
 from lta_analysis.doctor.check import Check, graded
 import pytest
 from rich.console import Console
@@ -58,46 +57,10 @@ def test_platform(monkeypatch):
     assert 'aarch64' in check.found
 
 
-@pytest.mark.parametrize(
-    ('free', 'memory', 'disk'),
-    [(64e6, 'ok', 'fail'), (20e6, 'warn', 'fail'), (900e6, 'ok', 'warn')],
-)
-def test_room(monkeypatch, tmp_path, free, memory, disk):
+@pytest.mark.parametrize(('free', 'state'), [(64e6, 'fail'), (900e6, 'warn'), (9e9, 'ok')])
+def test_disk(monkeypatch, tmp_path, free, state):
     monkeypatch.setattr(machine.shutil, 'disk_usage', lambda _: SimpleNamespace(free=free))
-    assert shared_memory.room(tmp_path).state == memory
-    assert machine.disk(tmp_path / 'not' / 'yet' / 'there').state == disk
-
-
-DEAD, ALIVE = (f'fastrtps_{digit * 16}' for digit in '1a')
-PORT, SHARED = 'fastrtps_port7411', 'fastrtps_port7400'
-USED = 'fastrtps_port7413'  # without a lock: left in order, and used again
-
-
-def test_what_killed_nodes_left_in_shared_memory_is_named(tmp_path):
-    """One segment and one port are stale; others are held, or nobody's business."""
-    folder, locks = tmp_path / 'shm', tmp_path / 'locks'
-    folder.mkdir()
-    left = [DEAD, f'{DEAD}_el', PORT, f'{PORT}_el', f'sem.{PORT}_mutex']
-    kept = [ALIVE, f'{ALIVE}_el', SHARED, f'{SHARED}_sl', f'sem.{SHARED}_mutex', USED, 'other_el']
-    for name in [*left, *kept]:
-        (folder / name).touch()
-    held = [(folder / name).stat().st_ino for name in (f'{ALIVE}_el', f'{SHARED}_sl')]
-    lines = [f'{k}: FLOCK  ADVISORY  WRITE 7 00:1b:{inode} 0 EOF' for k, inode in enumerate(held)]
-    locks.write_text('\n'.join(lines))
-    assert sorted(file.name for file in shared_memory.stale(folder, locks)) == sorted(left)
-    locks.unlink()
-    assert shared_memory.stale(folder, locks) == []  # nobody can tell
-
-
-def test_a_lock_that_a_living_process_holds_is_seen_and_the_command_is_named(tmp_path):
-    for name in (DEAD, f'{DEAD}_el', ALIVE, f'{ALIVE}_el'):
-        (tmp_path / name).write_bytes(500_000 * b'x')
-    with (tmp_path / f'{ALIVE}_el').open() as living:
-        fcntl.flock(living, fcntl.LOCK_EX)
-        check = shared_memory.room(tmp_path)
-    assert check.state == 'warn'
-    assert 'left 2 files (1 MB)' in check.found
-    assert "fastdds shm clean': it removes them, and none of a node" in check.remedy
+    assert machine.disk(tmp_path / 'not' / 'yet' / 'there').state == state
 
 
 def test_memory_is_read_in_kibibytes(tmp_path):

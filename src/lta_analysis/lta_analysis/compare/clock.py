@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import Akima1DInterpolator, CubicSpline
 from scipy.ndimage import gaussian_filter1d
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 LIKE: Final = 0.5  # correlation of a channel that is used for the fine step
 MOST: Final = 12  # channels of the fine step
@@ -196,7 +196,7 @@ def widened(channels: Sequence[Prepared], span: float) -> float:
     """
     width = max(each.width for each in channels)
     lost = min(0.5, 2.0 * width * BLOCKS / (math.sqrt(math.pi) * span)) if span > 0.0 else 0.5
-    few = float(student.ppf(0.975, BLOCKS - 1)) / NORMAL
+    few = float(stdtrit(BLOCKS - 1, 0.975)) / NORMAL
     return few**2 / (1.0 - lost)
 
 

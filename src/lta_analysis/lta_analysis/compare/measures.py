@@ -6,7 +6,7 @@ from typing import Final, final
 
 from lta_analysis.compare.line import Aligned, Array, wrapped
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 DRAWS: Final = 400
 TAIL: Final = 2.5  # percent left on either side of an interval
@@ -148,7 +148,7 @@ def rms_interval(
     apart = np.log(np.maximum(means, 1e-300) / mean)
     # Cut at the ends of blocks, resemblance is lost; and few blocks tell their own scatter badly.
     lost = math.sqrt(1.0 / (1.0 - min(0.5, alike / length)))
-    few = float(student.ppf(1.0 - TAIL / 100.0, max(blocks - 1, 1)) / NORMAL)
+    few = float(stdtrit(max(blocks - 1, 1), 1.0 - TAIL / 100.0) / NORMAL)
     low, high = np.percentile(apart, [TAIL, 100.0 - TAIL]) * lost * few
     # No mean lies beyond what was averaged.
     lowest, highest = math.sqrt(float(squares.min())), math.sqrt(float(squares.max()))

@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterable, Iterator
 from lta_analysis.doctor.check import Check, State
 from lta_analysis.doctor.dds import conversation, ports
 from lta_analysis.doctor.machine import cores, disk, memory, platform, python
-from lta_analysis.doctor.shared_memory import room
 from lta_analysis.doctor.software import browser, packages, versions, wheels
 from rich.console import Console
 from rich.table import Table
@@ -24,7 +23,6 @@ CHECKS: dict[str, Callable[[], Check]] = {
     'packages': packages,
     'dds': conversation,
     'ports': ports,
-    'shared memory': room,
     'disk': disk,
     'cores': cores,
     'memory': memory,

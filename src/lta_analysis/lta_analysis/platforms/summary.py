@@ -12,7 +12,7 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_sim.hover import lifting
 from lta_sim.vehicle import Vehicle
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 
 class Mean(NamedTuple):
@@ -53,7 +53,7 @@ def mean(values: Sequence[float]) -> Mean:
     middle = float(np.mean(good))
     if len(good) == 1:
         return Mean(middle, math.nan, math.nan)
-    half = float(student.ppf(0.975, len(good) - 1) * np.std(good, ddof=1) / math.sqrt(len(good)))
+    half = float(stdtrit(len(good) - 1, 0.975) * np.std(good, ddof=1) / math.sqrt(len(good)))
     return Mean(middle, middle - half, middle + half)
 
 

@@ -9,7 +9,7 @@ from typing import final, NamedTuple
 from lta_analysis.energy.tables import Table
 import numpy as np
 from plotly.graph_objects import Figure
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 
 class Value(NamedTuple):
@@ -78,7 +78,7 @@ def over(values: Sequence[float]) -> Value:
     count, middle = len(values), float(np.mean(values))
     if count < 2:
         return Value(middle, seeds=count)
-    half = float(student.ppf(0.975, count - 1) * np.std(values, ddof=1) / math.sqrt(count))
+    half = float(stdtrit(count - 1, 0.975) * np.std(values, ddof=1) / math.sqrt(count))
     return Value(middle, middle - half, middle + half, count)
 
 

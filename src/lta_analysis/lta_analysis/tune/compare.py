@@ -12,7 +12,7 @@ from lta_analysis.tune.exam import Case, Scene, Step, STEPS
 from lta_analysis.tune.marks import Report
 from lta_control.cascade import CascadeGains
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 FRESH = 1000  # seeds from here on: none that the search has seen
 
@@ -99,7 +99,7 @@ def difference(old: Flights, new: Flights) -> Difference:
     count = len(gaps)
     half = math.inf
     if count > 1:
-        quantile = float(student.ppf(0.975, count - 1))
+        quantile = float(stdtrit(count - 1, 0.975))
         half = quantile * float(gaps.std(ddof=1)) / math.sqrt(count)
     mean = float(gaps.mean())
     return Difference(mean, mean - half, mean + half)

@@ -25,7 +25,7 @@ from lta_config.errors import BadInput
 from lta_sim.declared import Effects, OTHER_CURVES
 from lta_sim.vehicle import Vehicle
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 STRETCH: Final = 2.0  # s
 CALM_CLIMB: Final = 0.05  # m/s, mean over a stretch
@@ -124,7 +124,7 @@ def _weighed(
 ) -> Weighing:
     values = np.array(found)
     spread = float(values.std(ddof=1)) / math.sqrt(len(values))
-    factor = float(student.ppf(0.5 + 0.5 * CONFIDENCE, len(values) - 1))
+    factor = float(stdtrit(len(values) - 1, 0.5 + 0.5 * CONFIDENCE))
     lifts = [max(rotor.column[2], 0.0) for rotor in vehicle.rotors]
     busy = [i for i, lift in enumerate(lifts) if lift > 0.5] or list(range(len(lifts)))
     duties = np.concatenate([_duties_at(commands, grid)[part] for part in kept])
