@@ -181,14 +181,17 @@ class Strike:
 
     def _goes_on(self) -> None:
         """Take down which nodes are gone, and whether flight time stands still."""
-        graph = self.graph
-        if not graph.alive:  # its flight was over, or a node has died
+        graph, expected = self.graph, NODES[self.graph.way]
+        gone = lambda: sorted(set(expected) - set(alive(graph, expected)))  # noqa: E731
+        if gone():  # its flight is over, or a node has died: whoever started it is about to say
+            until = time.monotonic() + HEARD
+            self._until(lambda: not graph.alive or time.monotonic() > until)
+        if not graph.alive:
             if died := re.search('.* (was killed by|ended with status) .*', graph.started.text):
                 self.wrong(died.group())
             return
-        expected = NODES[graph.way]
-        if gone := sorted(set(expected) - set(alive(graph, expected))):
-            self.wrong(f'{", ".join(gone)} ended')
+        if gone():
+            self.wrong(f'{", ".join(gone())} ended')
         elif graph.way != 'hardware':
             before, until = graph.flown, time.monotonic() + HEARD
             self._until(lambda: graph.flown > before or time.monotonic() > until)

@@ -22,7 +22,7 @@ from lta_sim.vehicle import load_vehicle
 import numpy as np
 import pytest
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 NAN = math.nan
 
 
