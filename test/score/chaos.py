@@ -42,10 +42,10 @@ WAYS: Final = {
 HEAD: Final = """\
 ## Whole graphs in trouble
 
-`make chaos` flies whole graphs as a user starts them: `lta fly` in lockstep, `lta launch fly` in
-real time, and the same behind an emulated Crazyflie and light board that was armed. In a phase of
-the flight that chance chooses, one thing goes wrong, in a node, topic or parameter that chance
-chooses. Then
+`make chaos` flies whole graphs as a user starts them: `lta fly` in lockstep, from lantern to
+lantern without an end; `lta launch fly` in real time; and the same behind an emulated Crazyflie
+and light board that was armed. In a phase of the flight that chance chooses, one thing goes wrong,
+in a node, topic or parameter that chance chooses. Then
 
 - the fault must be named within {named:.0f} s of wall time by /diagnostics and on the terminal (of
   a parameter: refused with a reason, to whoever set it);
@@ -75,7 +75,7 @@ By the phase in which it struck, as stated of all:
 def code() -> str:
     """Return a hash of what decides the outcomes: all nodes, their declarations, the trials."""
     declared = [path for kind in ('*.py', '*.yaml', '*.xml') for path in CONFIG.rglob(kind)]
-    trials = [*HERE.glob('chaos_*.py'), HERE / 'outcome.py']
+    trials = [*HERE.glob('chaos_*.py'), HERE / 'endless.py', HERE / 'outcome.py']
     return version([*PACKAGES.rglob('*.py'), *declared, *trials])
 
 

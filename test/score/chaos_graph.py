@@ -14,6 +14,7 @@ from unittest.mock import patch
 import beside  # noqa: F401
 from command import Lta, processes
 from diagnostic_msgs.msg import DiagnosticArray
+from endless import endless
 from lta_bridge.emulated_hardware import emulated, Hardware
 from lta_config.topics import topic_table
 from lta_graph.ros.message_types import message_type
@@ -112,7 +113,10 @@ class Graph:
 
     def _words(self) -> list[object]:
         if self.way == 'lockstep':
-            return ['fly', '--no-page', '--out', self.bag.parent]
+            # On a fast machine one to the lamp would be over before all has happened to it.
+            flown = endless(self._folder).items()
+            what = [word for name, value in flown for word in (f'--{name}', value)]
+            return ['fly', '--no-page', '--out', self.bag.parent, *what]
         launch = ['launch', 'fly', f'bag:={self.bag}', 'queue_size:=1.0']
         if self.way == 'realtime':
             return launch

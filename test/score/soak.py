@@ -19,6 +19,7 @@ from typing import Final, NamedTuple
 import beside  # noqa: F401
 from command import Lta, Started
 from domain import free_domain
+from endless import endless
 from lta_analysis.bag.reader import read_bag
 from lta_bridge.bookkeeping import stamp_of
 from lta_config.topics import robot_topic, topic_table
@@ -28,7 +29,6 @@ import numpy as np
 from numpy.typing import NDArray
 from reliability import put
 from rich.progress import Progress
-from soak_flight import endless
 from soak_latency import latency
 from soak_memory import LEAK, resident, Slope, slope_of
 
@@ -193,7 +193,9 @@ def soaked(lta: Lta, folder: Path, seconds: float) -> Soaked:
     window = min(LONGEST_WINDOW, WINDOW * seconds)
     with DiagnosticsListener(ROBOT) as listener:
         graph = lta.start(
-            'launch', 'fly', 'time:=lockstep', *endless(folder), f'bag:={folder / "bag"}',
+            'launch', 'fly', 'time:=lockstep',
+            *(f'{name}:={what}' for name, what in endless(folder).items()),
+            f'bag:={folder / "bag"}',
         )  # fmt: skip
         while flown(listener) < BEGUN:
             listener.poll(0.1)

@@ -19,9 +19,9 @@ FOLDER = Path(__file__).resolve().parents[1] / 'score'
 sys.path.append(str(FOLDER))
 
 from chaos_spoilt import AGE_NS, spoil, SPOILT  # noqa: E402
+from endless import endless  # noqa: E402
 import reliability  # noqa: E402
 import soak  # noqa: E402
-from soak_flight import endless  # noqa: E402
 from soak_memory import LEAK, slope_of  # noqa: E402
 
 TABLE = topic_table()
@@ -81,7 +81,7 @@ def test_a_leak_is_told_from_noise(leak, flat):
 
 
 def test_the_soak_flies_for_longer_than_a_day(tmp_path):
-    scene, vehicle, strategy = (each.split(':=')[1] for each in endless(tmp_path))
+    scene, vehicle, strategy = map(str, endless(tmp_path).values())
     scenario = load_scenario(scene)
     assert scenario.goal.time_limit.si == 86400.0
     assert len(scenario.route) * 29.0 > 86400.0  # 7 m at less than 0.25 m/s

@@ -49,7 +49,6 @@ def test_what_is_measured_is_a_flight(gtmab, every):
     assert np.linalg.norm(last[10:13]) < 3.0
 
 
-@pytest.mark.long  # compiles the whole batch
 def test_scattered_vehicles_differ_and_their_mass_matrices_hold(gtmab):
     states, fleet, duties, surroundings = gtmab.scattered(5)
     assert len(np.unique(fleet.body[:, 0])) == 5

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Final
 
+import beside  # noqa: F401
 from command import ROOT
 
 ROUNDS: Final = 1000  # of three lanterns, half a minute each: more than a day takes
@@ -10,15 +11,15 @@ ENDLESS: Final = '86400 s'  # the longest that a scenario takes
 STRATEGY: Final = 'homing'  # says when it has arrived, which a route needs
 
 
-def endless(folder: Path) -> tuple[str, ...]:
-    """Write the shipped scene and vehicle without an end, and return the launch arguments."""
+def endless(folder: Path) -> dict[str, object]:
+    """Write the shipped scene and vehicle without an end; return what to fly, by its kind."""
     scene = _changed(
         'scenarios/warehouse_patrol.yaml', folder,
         {'route: [aisle, gate]': f'route: [{", ".join(("aisle", "gate", "dock") * ROUNDS)}]',
          'time_limit: 180 s': f'time_limit: {ENDLESS}'},
     )  # fmt: skip
     vehicle = _changed('vehicles/gtmab.yaml', folder, {'250, unit: mA h': '250, unit: A h'})
-    return f'scenario:={scene}', f'vehicle:={vehicle}', f'strategy:={STRATEGY}'
+    return {'scenario': scene, 'vehicle': vehicle, 'strategy': STRATEGY}
 
 
 def _changed(name: str, folder: Path, changes: dict[str, str]) -> Path:
