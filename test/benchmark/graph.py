@@ -1,7 +1,8 @@
 """
 Measure the graph: a whole flight, and the way of one message.
 
-`graph.realtime` is a whole lockstep flight of seven processes, flight seconds a wall second.
+`graph.realtime` is a whole lockstep flight of seven processes, flight seconds a wall second; the
+peer is the same with Fast DDS's own settings in place of `config/fastdds/`.
 `spin.*` sends a message there and back between two processes, with our spin and with rclpy's own
 executor.
 """
@@ -23,6 +24,7 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import Imu
+from start import as_it_comes, PLAIN
 
 ROUNDS = 3000
 
@@ -38,7 +40,14 @@ class Silent:
         sys.stderr.write(sentence + '\n')
 
 
-def flight() -> float:
+def flight(environment: dict[str, str]) -> float:
+    """Return the pace of one flight in a process of its own. [s/s]"""
+    command = [sys.executable, __file__, 'flight']
+    done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, text=True, check=True)
+    return float(done.stdout)
+
+
+def fly() -> float:
     """Return the pace of one flight. [s/s]"""
     with tempfile.TemporaryDirectory() as folder:
         order = Order('gtmab', 'lamp_room', 'bag', 1, 'lockstep', Path(folder) / 'flight')
@@ -122,11 +131,23 @@ def figures() -> list[Figure]:
     median, unit = statistics.median, 'us'
     lean, plain = partial(round_trip, 'lean'), partial(round_trip, 'rclpy')
     return [
-        Figure('graph.realtime', 's/s', flight, 3, median),
+        Figure('graph.realtime', 's/s', partial(flight, dict(os.environ)), 5, median),
+        Figure(
+            'graph.defaults',
+            's/s',
+            partial(flight, as_it_comes()),
+            5,
+            median,
+            'graph.realtime',
+            PLAIN,
+        ),
         Figure('spin.lean', unit, lean, 3, median),
         Figure('spin.rclpy', unit, plain, 3, median, 'spin.lean', f'rclpy {version("rclpy")}'),
     ]
 
 
 if __name__ == '__main__':
-    echo(sys.argv[1])
+    if sys.argv[1] == 'flight':
+        sys.stdout.write(f'{fly()}\n')
+    else:
+        echo(sys.argv[1])

@@ -14,7 +14,7 @@ import sys
 import time
 
 from bench import Figure
-from start import LOCALHOST, PROFILES, told
+from start import as_it_comes, PLAIN, told
 
 WATCHERS, VICTIMS = 3, 2
 KILLS = 12
@@ -25,16 +25,14 @@ RANDOM = Random(1)
 
 def figures() -> list[Figure]:
     """Return what can be measured here."""
-    ours = dict(os.environ)
-    theirs = {name: value for name, value in ours.items() if name != PROFILES} | LOCALHOST
     figure = partial(Figure, unit='s', rounds=4, choose=max)
     return [
-        figure('killed.silence', measure=partial(silence, ours)),
+        figure('killed.silence', measure=partial(silence, dict(os.environ))),
         figure(
             'killed.defaults',
-            measure=partial(silence, theirs),
+            measure=partial(silence, as_it_comes()),
             of='killed.silence',
-            peer='Fast DDS as it comes',
+            peer=PLAIN,
         ),
     ]
 

@@ -189,6 +189,8 @@ class Strike:
         if not graph.alive:
             if died := re.search('.* (was killed by|ended with status) .*', graph.started.text):
                 self.wrong(died.group())
+            elif graph.way == 'lockstep':  # which has no end of its own
+                self.wrong('the flight ended')
             return
         if gone():
             self.wrong(f'{", ".join(gone())} ended')
