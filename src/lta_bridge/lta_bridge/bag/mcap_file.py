@@ -12,7 +12,7 @@ from typing import final
 import zlib
 
 from lta_bridge.bag.chunk import ChunkBuilder, SealedChunk
-from lta_bridge.bag.records import encoded, MAGIC
+from lta_bridge.bag.records import encoded, MAGIC, PackedRecords
 from lta_bridge.bag.schemas import Definition
 from lta_bridge.bag.storage import RecordFile
 from mcap.opcode import Opcode
@@ -52,9 +52,7 @@ class McapFile:
         self._builder = ChunkBuilder()
         self._schemas: dict[Definition, Schema] = {}
         self._channels: list[Channel] = []
-        # As the summary will hold it: as objects it would take ten times the memory.
-        self._chunk_index = bytearray()
-        self._chunks = 0
+        self._chunk_index = PackedRecords()
         self._span: tuple[int, int] | None = None
         self._metadata: list[MetadataIndex] = []
         self._summary_size = 0
@@ -146,10 +144,7 @@ class McapFile:
         """Hand a whole chunk to the operating system; its channels must have been announced."""
         chunk = sealed.at(self._file.size)
         self._file.append(chunk.data)
-        index = encoded([chunk.index])
-        self._chunk_index += index
-        self._chunks += 1
-        self._summary_size += len(index)
+        self._summary_size += self._chunk_index.add(chunk.index)
         start, end = self._span or (sealed.start, sealed.end)
         self._span = min(start, sealed.start), max(end, sealed.end)
         self.counts.update(chunk.counts)
@@ -171,7 +166,7 @@ class McapFile:
             attachment_count=0,
             channel_count=len(self._channels),
             channel_message_counts=dict(self.counts),
-            chunk_count=self._chunks,
+            chunk_count=self._chunk_index.count,
             message_count=self.counts.total(),
             message_end_time=self.end,
             message_start_time=self.start,
@@ -187,7 +182,7 @@ class McapFile:
             Opcode.SCHEMA: encoded(self._schemas.values()),
             Opcode.CHANNEL: encoded(self._channels),
             Opcode.STATISTICS: encoded([self._statistics()]),
-            Opcode.CHUNK_INDEX: bytes(self._chunk_index),
+            Opcode.CHUNK_INDEX: self._chunk_index.unpacked(),
             Opcode.METADATA_INDEX: encoded(self._metadata),
         }
         body, places = b'', []
