@@ -22,10 +22,10 @@ build:  ## the environment in .venv and the workspace in install/, where they ch
 	@tools/environment.sh run
 	@tools/build.sh
 
-test: check  ## style, types and the whole suite but the long tests
+test: checked  ## style, types and the whole suite but the long tests
 	@$(enter) && tools/suite.sh 'not long and not benchmark' $(ARGS)
 
-test-long: check  ## the long tests as well
+test-long: checked  ## the long tests as well
 	@$(enter) && tools/suite.sh 'not benchmark' $(ARGS)
 
 bench: test-environment  ## the measurements, beside those of others (ARGS='kernel mujoco': some)
@@ -73,6 +73,14 @@ pictures: test-environment  ## draw the pictures of docs/images again, with a Ch
 lock: test-environment docs  ## write locked/ and docs/licences.md after a change of requirements*.txt or constraints.txt
 	@.venv/bin/python tools/lock.py
 	@.venv/bin/python tools/licences.py
+
+# On one core types are checked; on the other the model is compiled, once for all tests.
+.PHONY: checked model
+checked: test-environment
+	@$(MAKE) -j 2 check model
+
+model: test-environment
+	@./lta simulate --no-bag >/dev/null
 
 check: test-environment  ## style and types only
 	@.venv/bin/ruff check --quiet $(sources)
