@@ -80,7 +80,7 @@ install() {
     : >>"$venv/install.log"
     tell_progress &
     telling=$!
-    if ! "$venv/bin/python" -m pip install --disable-pip-version-check --no-input \
+    if ! "$venv/bin/python" -m pip install --disable-pip-version-check --no-input --no-compile \
         --require-hashes "$@" >>"$venv/install.log" 2>&1; then
         reason=$(sed -n "s/^ERROR: //p" "$venv/install.log" | head -n 1)
         stop "pip cannot install the environment (${reason:-see $venv/install.log}); check the" \
@@ -135,5 +135,8 @@ if [ "$level" = test ]; then
     echo 'environment: what the tests need (half a minute on a free machine) ...'
     install --requirement locked/run.txt --requirement locked/test.txt
 fi
+# On all cores, where pip takes one, and without the half that nobody imports: tests of packages and
+# pymavlink's sixty dialects. What does not compile stays as it is, as with pip.
+(cd "$venv" && bin/python -m compileall -q -j 0 -x '/(tests|dialects)/' lib >>install.log 2>&1) || :
 echo "$level $wanted" >"$stamp"
 echo "environment: ready after $(($(date +%s) - begun)) s."
