@@ -52,7 +52,7 @@ rgblimp: test-environment  ## score forecasts of RGBlimp's real flights; writes 
 faults: test-environment  ## faults in flights of emulated hardware, 20 of each kind; writes docs/hardware_faults.md (hours)
 	@$(enter) && .venv/bin/python test/score/faults.py $(ARGS)
 
-chaos: test-environment  ## whole graphs in trouble, 12 of each kind; writes docs/reliability.md (hours)
+chaos: test-environment  ## whole graphs in trouble, 12 of each kind; writes docs/reliability.md (an hour)
 	@$(enter) && .venv/bin/python test/score/chaos.py $(ARGS)
 
 soak: test-environment  ## two hours at the graph's full speed; writes docs/reliability.md (ARGS='--minutes 5': less)
@@ -99,7 +99,7 @@ test-environment:  ## what the tests need, to run some of them by hand
 wheel: build  ## all that needs no ROS as one wheel in dist/
 	@tools/wheel.sh
 
-release-check: test-environment  ## what must hold before a release (minutes)
+release-check: test-environment  ## what must hold before a release, the long tests among it
 	@tools/release.sh
 
 clean:  ## remove all that make made; runs/ stays

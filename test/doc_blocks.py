@@ -26,6 +26,8 @@ BLOCK = re.compile(
 )
 MARK = re.compile(r'^<!-- (quick|not run)(?:, ([^:\n]*?))?(?:: (.*))? -->$', re.MULTILINE)
 CODE = re.compile(r'`((?:\./)?lta [a-z][^`]*|make [a-z][^`]*)`')
+SETTING = re.compile(r'`(-p )?([a-z_.]+):=[^`]*`')
+FENCED = re.compile(r'^```.*?^```', re.MULTILINE | re.DOTALL)
 APART = {'&&', '||', ';', '|', '(', ')', '&'}
 HIDDEN = {'docs/verbs.md', 'docs/parameters.md'}  # made of the declarations that would check them
 
@@ -106,6 +108,18 @@ def spoken():
             (str(path.relative_to(ROOT)), code)
             for path in PAGES
             for code in CODE.findall(path.read_text(encoding='utf-8'))
+            if str(path.relative_to(ROOT)) not in HIDDEN
+        }
+    )
+
+
+def settings_spoken():
+    """Return settings that stand alone in running text: page, whether of a node (-p), name."""
+    return sorted(
+        {
+            (str(path.relative_to(ROOT)), bool(of_node), name)
+            for path in PAGES
+            for of_node, name in SETTING.findall(FENCED.sub('', path.read_text(encoding='utf-8')))
             if str(path.relative_to(ROOT)) not in HIDDEN
         }
     )

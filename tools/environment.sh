@@ -23,10 +23,10 @@ stop() {
     exit 2
 }
 
-# Print the first interpreter that can make an environment, newest first.
+# Print the first interpreter that can make an environment, newest first; 3.14 where there is no other.
 choose_python() {
     lacking=
-    for python in ${PYTHON:-python3.13 python3.12 python3.11 python3}; do
+    for python in ${PYTHON:-python3.13 python3.12 python3.11 python3 python3.14}; do
         "$python" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 15))' \
             2>/dev/null || continue
         if "$python" -c 'import ensurepip, venv' 2>/dev/null; then

@@ -3,9 +3,9 @@
 from importlib.util import find_spec
 import re
 
-from doc_blocks import blocks, PAGES, pieces, ROOT, run, simple, spoken, stage
+from doc_blocks import blocks, PAGES, pieces, ROOT, run, settings_spoken, simple, spoken, stage
 from lta_analysis.app import put_together, repeated
-from lta_config.files import find
+from lta_config.files import find, known
 from lta_graph.launch_file import arguments
 import pytest
 from typer.main import get_command
@@ -13,6 +13,7 @@ from typer.main import get_command
 BLOCKS = blocks()
 TARGETS = set(re.findall(r'^([a-z-]+):', (ROOT / 'Makefile').read_text(), re.MULTILINE))
 LEFT_OUT = re.compile(r'\.\.\.|\$')
+SUFFIX = '.launch.yaml'
 
 
 def parse(words):
@@ -35,9 +36,7 @@ def parse(words):
 
 def launch_arguments(words):
     """Ask the launch file whether it has the arguments that it is given."""
-    known = {
-        argument.name for argument in arguments(find('launch file', words[0], '.launch.yaml'))
-    }
+    known = {argument.name for argument in arguments(find('launch file', words[0], SUFFIX))}
     given = {word.partition(':=')[0] for word in words[1:] if ':=' in word}
     assert given <= known, f'{given - known} are no arguments of {words[0]}'
 
@@ -75,6 +74,16 @@ def test_a_command_in_running_text_can_be_meant(page, code):
     words = simple(code)[0]
     if len(words) == 2 or not LEFT_OUT.search(code):
         spoken_words(words)
+
+
+@pytest.mark.parametrize(('page', 'of_node', 'name'), settings_spoken())
+def test_a_setting_in_running_text_is_one_of_a_launch_file_or_of_a_node(page, of_node, name):
+    del page
+    if of_node:
+        assert f'`{name}`' in (ROOT / 'docs/parameters.md').read_text()
+        return
+    files = [find('launch file', one, SUFFIX) for one in known('launch', SUFFIX)]
+    assert name in {argument.name for file in files for argument in arguments(file)}
 
 
 def spoken_words(words):

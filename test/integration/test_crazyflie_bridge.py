@@ -203,12 +203,12 @@ def test_leaving_in_flight_comes_down_and_disarms(peer, drone, bridge):
 
 @pytest.mark.long
 def test_past_the_firmware_on_a_tether_it_lets_go_of_the_motors_on_leaving(peer, drone):
-    """The emulated drone turns them by `motorPowerSet` alone, and would for ever."""
+    """The emulated drone turns them by `motorPowerSet`, and would for ever; a terminal is shut."""
     words = ('-p', f'uri:={drone.uri}', '-p', 'command:=override', '-p', 'tethered:=true')
     bridge = start('lta_bridge.nodes.crazyflie_bridge', *words)
     fly(peer, drone)
     assert drone.firmware.parameters.values['motorPowerSet.enable'] == 1
-    bridge.send_signal(signal.SIGTERM)
+    bridge.send_signal(signal.SIGHUP)
     bridge.communicate(timeout=30)
     assert turning(drone) == (0.0,) * 4
     assert drone.firmware.parameters.values['motorPowerSet.enable'] == 0

@@ -31,6 +31,7 @@ run(Node, ['node'])
         ('pass', 0, ''),
         ("raise BadInput('No air here.')", 2, 'No air here.\n'),
         ("raise OSError('torn')", 1, 'OSError: torn\n'),
+        ('import os; os.kill(os.getpid(), 1); assert not self.running', 0, ''),  # hung up
     ],
 )
 def test_it_says_all_and_leaves_by_its_status(domain_id, act, status, said):

@@ -8,6 +8,7 @@ each says of itself from its file.
 import ast
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+import errno
 from importlib import import_module
 import inspect
 from pathlib import Path
@@ -22,6 +23,11 @@ from typer.core import TyperGroup
 
 FOLDER: Final = Path(__file__).parent / 'verbs'
 STOPPED = 130  # the shell's own status after Ctrl-C, and Typer's
+# What is wrong with a place where the verb itself has no better word for it.
+UNUSABLE: Final = {
+    errno.EACCES, errno.EBUSY, errno.EDQUOT, errno.EIO, errno.ENAMETOOLONG, errno.ENOSPC,
+    errno.EPERM, errno.EROFS, errno.ESTALE,
+}  # fmt: skip
 EPILOG: Final = (
     'Results go to runs/<time>-<name>/. "lta VERB --help" tells all of a verb.\n\n'
     'Exit status 0: done. 1: the run failed. 2: bad input, one sentence on stderr.'
@@ -279,6 +285,11 @@ def status() -> int:
         if not is_of_ros(missing.name):
             raise
         sys.stderr.write(f'{lacking(missing)}\n')
+        return 2
+    except OSError as error:
+        if error.filename is None or error.errno not in UNUSABLE:
+            raise
+        sys.stderr.write(f"'{error.filename}' cannot be used ({error.strerror}).\n")
         return 2
     except Exception as error:
         # Typer's own complaints about the command line are private to it but for this method.

@@ -192,5 +192,6 @@ def flying(facts: Mapping[str, Fact], node: str) -> bool:
     robot, slash, _ = node.rpartition('/')
     told = {task: facts.get(robot + slash + task) for task in GOING}
     return all(
-        fact is None or fact.values['outcome'] == GOING[task] for task, fact in told.items()
+        fact is None or fact.values.get('outcome', GOING[task]) == GOING[task]
+        for task, fact in told.items()
     )

@@ -169,9 +169,12 @@ def watch(
 def show(facts: Mapping[str, Fact], watcher: Watcher) -> None:
     """Show the simulator's newest word on the flight."""
     fact = facts.get(FLIGHT)
-    if fact is not None and fact.level == Level.OK:
-        values = fact.values
-        watcher.at(float(values['time_s']), float(values['distance_m']), float(values['pace']))
+    if (
+        fact is not None
+        and fact.level == Level.OK
+        and (told := fact.numbers('time_s', 'distance_m', 'pace'))
+    ):
+        watcher.at(*told)
 
 
 def refused(end: Ended) -> bool:

@@ -6,14 +6,16 @@ from contextlib import ExitStack
 from lta_analysis.blame import Lookout
 from lta_analysis.domain_lock import DomainLock
 from lta_analysis.viewers import invite, refuse_taken_ports, viewers
+from lta_bridge.crazyflie.safety import LEAVE
 from lta_graph.child import Ended
 from lta_graph.launch_file import LaunchPlan
-from lta_graph.launcher import Launcher
+from lta_graph.launcher import GRACE, Launcher
 from lta_graph.ros.listener import DiagnosticsListener
 from lta_graph.watch import OnLine
 
 LOOK = 0.1  # wall seconds between looks at the processes and the diagnostics
 TELLERS = (('lta_sim', 'simulator'), ('lta_bridge', 'player'))  # who may tell /clock
+LANDS = ('lta_bridge', 'crazyflie_bridge')  # who may be in the air when it is asked to end
 
 
 def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> Ended:
@@ -43,7 +45,7 @@ def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> 
         spare = viewers(plan)
         refuse_taken_ports(plan)
         invite(plan, say)
-        launcher = stack.enter_context(Launcher(plan, on_line, spare=spare))
+        launcher = stack.enter_context(Launcher(plan, on_line, grace=grace(plan), spare=spare))
         while (outcome := launcher.outcome) is None:
             facts = listener.poll(LOOK)
             # Of a node that is not ours nothing is ever heard: that is no fault of it.
@@ -57,6 +59,12 @@ def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> 
                 if not end.success and end.name not in spare:
                     listener.tell(f'{end.sentence}.')
         return outcome
+
+
+def grace(plan: LaunchPlan) -> float:
+    """Return how long the processes of a plan have to end: a drone comes down meanwhile. [s]"""
+    lands = any((each.package, each.executable) == LANDS for each in plan.processes)
+    return GRACE + (LEAVE if lands else 0.0)
 
 
 def simulated(plan: LaunchPlan) -> list[str]:

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from lta_analysis.preflight import parameters
 from lta_analysis.typed import near
-from lta_bridge.live.address import app_url, refuse_taken
+from lta_bridge.live.address import app_url, LOCAL, PORT, refuse_taken
 from lta_config.errors import BadInput
 from lta_config.files import share
 from lta_graph.launch_file import LaunchPlan
@@ -16,6 +16,16 @@ LAYOUT = 'foxglove/lta.json'  # below the folder of LTA's own data
 
 def _looks(process: Process) -> bool:
     return (process.package, process.executable) == LIVE
+
+
+def _places(plan: LaunchPlan) -> list[tuple[Process, object, object]]:
+    """Return the live views with host and port, but those that a file of parameters may move."""
+    found = []
+    for process in filter(_looks, plan.processes):
+        if '--params-file' not in process.arguments:
+            given = parameters(process.arguments)
+            found.append((process, given.get('host', LOCAL), given.get('port', PORT)))
+    return found
 
 
 def viewers(plan: LaunchPlan) -> frozenset[str]:
@@ -35,9 +45,7 @@ def refuse_taken_ports(plan: LaunchPlan) -> None:
 
     """
     seen: set[object] = set()
-    for process in filter(_looks, plan.processes):
-        given = parameters(process.arguments)
-        port = given['port']
+    for _, host, port in _places(plan):
         if port in seen:
             raise BadInput(f'Two live views were given port {port}; give each its own.')
         seen.add(port)
@@ -45,14 +53,14 @@ def refuse_taken_ports(plan: LaunchPlan) -> None:
             raise BadInput(
                 f'The port of the live view is {port}, but must be a whole number from 1 to 65535.'
             )
-        refuse_taken(str(given['host']), port)
+        refuse_taken(str(host), port)
 
 
 def invite(plan: LaunchPlan, say: Callable[[str], None]) -> None:
     """Tell where people can look on; nothing where a plan has no live view."""
-    views = list(filter(_looks, plan.processes))
-    for process in views:
-        url = app_url(int(str(parameters(process.arguments)['port'])))
+    views = _places(plan)
+    for process, _, port in views:
+        url = app_url(int(str(port)))
         whose = f'{process.namespace.strip("/")}; ' if len(views) > 1 else ''
         say(f'Live   {url}  ({whose}or, in the Foxglove app, Open connection)')
     if views:

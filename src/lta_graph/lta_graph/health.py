@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
+import math
 from typing import final
 
 
@@ -24,6 +25,14 @@ class Fact:
     level: Level
     message: str
     values: Mapping[str, str] = field(default_factory=dict)
+
+    def numbers(self, *names: str) -> tuple[float, ...] | None:
+        """Return figures; None where one is missing or no number, as anybody may speak."""
+        try:
+            found = tuple(float(self.values[name]) for name in names)
+        except (KeyError, ValueError):
+            return None
+        return found if all(map(math.isfinite, found)) else None
 
 
 @final

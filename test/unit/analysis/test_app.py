@@ -36,6 +36,18 @@ def test_an_empty_folder_is_refused(call):
     assert said.err == "Invalid value for '--out': it is empty; give a folder; see --help.\n"
 
 
+@pytest.mark.parametrize(
+    'words', [('vehicle', 'show'), ('bag', 'info'), ('cfd', 'run'), ('launch',)], ids=' '.join
+)
+def test_a_place_that_cannot_be_used_is_one_sentence(call, words):
+    """A name that is too long; a folder that may not be entered ends so too, but not for root."""
+    status, said = call(*words, f'./{"long" * 80}.launch.yaml')
+    assert status == 2
+    assert 'long' in said.err
+    assert said.err.endswith('.\n')
+    assert len(said.err.splitlines()) == 1
+
+
 def test_only_the_verb_that_is_asked_for_is_loaded():
     """All of them take a second, and `lta bag info` a tenth of it."""
     code = (

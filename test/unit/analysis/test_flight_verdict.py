@@ -1,7 +1,10 @@
 """How a flight went is the simulator's own last word, whatever /diagnostics carried."""
 
-from lta_analysis.flight import verdict
+from lta_analysis.blame import flying, GOING
+from lta_analysis.flight import FLIGHT, show, verdict
 from lta_graph.child import Ended
+from lta_graph.health import Fact, Level
+import pytest
 
 
 def ended(name, *stdout):
@@ -17,3 +20,28 @@ def test_a_simulator_that_died_has_said_nothing():
     assert verdict([ended('simulator'), ended('estimator', '{"outcome": "reached"}')]) is None
     assert verdict([ended('simulator', 'Traceback (most recent call last):')]) is None
     assert verdict([ended('simulator', '[1, 2]')]) is None
+
+
+@pytest.mark.parametrize(
+    'values',
+    [
+        {},
+        {'time_s': '1', 'distance_m': '2'},
+        {'time_s': 'soon', 'distance_m': '2', 'pace': '3'},
+        {'time_s': 'nan', 'distance_m': '2', 'pace': '3'},
+    ],
+)
+def test_whatever_somebody_says_in_its_name_ends_nothing(values):
+    shown = []
+
+    class Eyes:
+        def at(self, *told):
+            shown.append(told)
+
+    show({FLIGHT: Fact(FLIGHT, Level.OK, '', values)}, Eyes())
+    assert shown == []
+    whole = {'time_s': '1', 'distance_m': '2', 'pace': '3'}
+    show({FLIGHT: Fact(FLIGHT, Level.OK, '', whole)}, Eyes())
+    assert shown == [(1.0, 2.0, 3.0)]
+    for task in GOING:
+        assert flying({task: Fact(task, Level.OK, '', values)}, 'recorder')

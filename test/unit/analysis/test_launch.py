@@ -3,8 +3,13 @@
 from lta_analysis import blame
 from lta_analysis.blame import FLIGHT, Lookout, REPEATED
 from lta_analysis.domain_lock import who
+from lta_analysis.graph import grace
 from lta_analysis.verbs import launch
+from lta_bridge.crazyflie.safety import LEAVE
+from lta_config.files import find
 from lta_graph.health import Fact, Level
+from lta_graph.launch_file import load
+from lta_graph.launcher import GRACE
 import pytest
 
 
@@ -187,3 +192,10 @@ def test_a_full_disk_is_said_before_the_recorder_has_left(clock):
     full = Fact('recorder: recording', Level.ERROR, 'The disk is full: make room.')
     Lookout(said.append).look({full.task: full}, [])
     assert said == ['recorder: The disk is full: make room.']
+
+
+def test_a_real_drone_gets_the_time_to_land_and_a_simulated_one_none():
+    path = find('launch file', 'fly', '.launch.yaml')
+    assert grace(load(path, {'source': 'sim'})) == GRACE
+    # It lands, then the keeper of its link has 5 s to close it.
+    assert grace(load(path, {'source': 'crazyflie'})) > LEAVE + 5.0

@@ -36,6 +36,18 @@ def test_people_are_told_where_to_look():
     assert len(said) == 2
 
 
+def test_a_view_of_another_s_launch_file_may_keep_its_defaults_or_have_them_in_a_file():
+    alone, filed = (
+        Process('lta_bridge', 'live', 'live', f'/{name}', ('--ros-args', *words), False)
+        for name, words in (('a', ()), ('b', ('--params-file', 'live.yaml')))
+    )
+    said = []
+    invite(LaunchPlan((alone, filed)), said.append)
+    assert 'ws://localhost:8765 ' in said[0]
+    assert len(said) == 2
+    refuse_taken_ports(LaunchPlan((filed, filed)))
+
+
 @pytest.mark.parametrize('port', ['0', '65536', "'8765'", '80.5', 'true'])
 def test_what_is_no_port_is_refused(port):
     with pytest.raises(BadInput, match='whole number from 1 to 65535'):

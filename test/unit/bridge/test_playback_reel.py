@@ -8,6 +8,7 @@ from lta_bridge.bag.writer import BagWriter
 from lta_bridge.playback.pace import Pace
 from lta_bridge.playback.recording import open_recording
 from lta_bridge.playback.reel import Reel, shifted
+from lta_config.bounded_memory import bounded_memory
 from lta_config.errors import BadInput
 from lta_config.topics import topic_table
 from mcap.writer import Writer
@@ -218,3 +219,28 @@ def test_in_lockstep_a_pause_holds_behind_the_last_message():
     assert pace.now(99.0) == 4000
     pace.resume(2.0)
     assert pace.now(2.0) > 10**18
+
+
+@pytest.mark.parametrize('finished', [False, True])
+def test_a_chunk_that_unpacks_to_more_than_there_is_is_one_sentence(
+    tmp_path, monkeypatch, finished
+):
+    """Of zeros, which pack to a thousandth: the library makes room for all that it says it is."""
+    path = tmp_path / 'bomb.mcap'
+    with path.open('wb') as stream:
+        writer = Writer(stream, chunk_size=1 << 30)
+        writer.start('ros2')
+        schema = writer.register_schema('std_msgs/msg/Bool', 'ros2msg', b'bool data')
+        channel = writer.register_channel('/lta1/energy/reserve', 'cdr', schema)
+        writer.add_message(channel, 0, bytes(300 << 20), 0)
+        writer.finish()
+    if not finished:
+        path.write_bytes(path.read_bytes()[:-8])
+    monkeypatch.setattr('lta_config.bounded_memory.READER_MEMORY', 100 << 20)
+
+    def play():
+        found = open_recording(path, '', TABLE)
+        list(found.messages(found.topics))
+
+    with pytest.raises(BadInput, match='takes more memory than a replay may'), bounded_memory():
+        play()

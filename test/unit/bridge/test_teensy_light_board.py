@@ -86,6 +86,21 @@ def test_light_of_a_board_that_was_just_reset_waits_for_its_new_clock():
     assert after[0].stamp_ns == pytest.approx(again.our_ns(1000), abs=1_000_000)
 
 
+def test_our_own_clock_set_back_by_an_hour_costs_no_more_than_a_few_blocks():
+    board = EmulatedBoard(BOOT)
+    link, _ = flown(board)
+    hour, now = 3600 * 10**9, BOOT + 5_000_000_000
+    found = []
+    for k in range(20):
+        answer = board.answer(link.due(now - hour), now + 150_000)
+        found += link.take(answer, now + 300_000 - hour)
+        found += link.take(board.light(SAMPLES[1000 * k : 1000 * (k + 1)]), now + 10**8 - hour)
+        now += 10**8
+    assert link.clock.restarts == 1
+    assert len(found) >= 15  # and the last lacks rows that fill no frame yet
+    assert found[-1].stamp_ns == pytest.approx(board.our_ns(48_000) - hour, abs=10**6)
+
+
 def test_a_datagram_that_was_overtaken_is_no_reset():
     board = EmulatedBoard(BOOT)
     link, _ = flown(board)

@@ -2,6 +2,7 @@
 
 import os
 import socket
+import termios
 import threading
 import time
 
@@ -87,6 +88,15 @@ def test_no_right_to_open_names_the_group(cable, tmp_path, monkeypatch):
 
     monkeypatch.setattr(os, 'open', refuse)
     with pytest.raises(BadInput, match='sudo usermod -aG dialout'):
+        open_port(str(tmp_path / 'ttyACM0'))
+
+
+def test_a_cable_that_goes_while_it_is_opened_is_no_port_yet(cable, tmp_path, monkeypatch):
+    def gone(*_):
+        raise termios.error(5, 'Input/output error')
+
+    monkeypatch.setattr(termios, 'tcsetattr', gone)
+    with pytest.raises(BadInput, match='no serial port that can be opened'):
         open_port(str(tmp_path / 'ttyACM0'))
 
 

@@ -191,6 +191,20 @@ def test_a_clock_that_is_set_back_is_learnt_anew():
     assert (tracked.sieve.set_back, tracked.clock.restarts) == (1, 1)
 
 
+def test_our_own_clock_set_back_by_an_hour_keeps_nothing_from_being_told():
+    tracked = Tracked(NOWHERE, NOWHERE, 2 * MS)
+    list(stream(tracked, 5, 50 * S))
+    told = []
+    for k in range(100):
+        true = 10**18 + 5 * S + k * TEN
+        arrival = true + 2 * MS - 3600 * S
+        told += tracked.heard(true + 50 * S, at(1.5 + 0.3e-9 * k * TEN), arrival)
+    assert tracked.clock.restarts == 1
+    assert len(told) > 90
+    x = told[-1].pose.place[0] / 0.3
+    assert told[-1].stamp_ns == pytest.approx(10**18 + x * 1e9 - 3600 * S, abs=MS)
+
+
 def test_frames_are_placed_where_the_settings_say():
     """A tracker turned left by 90 degrees, 1 m east; the hull 0.3 m above the markers."""
     tracked = Tracked(planted(1, 0, 0, math.pi / 2), planted(0, 0, 0.3, 0), 0)

@@ -13,6 +13,7 @@ from typing import Any, Final, final, NamedTuple
 
 from lta_analysis.bag.table import AXES, Table
 from lta_analysis.bag.table_text import DIM
+from lta_analysis.even_grid import fits
 from lta_config.errors import BadInput, unknown
 import numpy as np
 from numpy.typing import NDArray
@@ -151,6 +152,11 @@ def even(tables: Sequence[Table], rate: float) -> Stamps:
     start = tables[0].start
     first = (min(int(each.min()) for each in stamps) - start) * 1e-9
     last = (max(int(each.max()) for each in stamps) - start) * 1e-9
+    if not fits((last - first) * rate, sum(map(len, stamps))):
+        raise BadInput(
+            f'The stamps reach over {last - first:.0f} s, too far for a clock of {rate:g} Hz; '
+            'give a lower rate, or see with `lta bag check` whether a clock was set meanwhile.'
+        )
     steps = np.arange(np.ceil(first * rate - 1e-6), np.floor(last * rate + 1e-6) + 1)
     return start + np.rint(steps * (1e9 / rate)).astype(np.int64)
 

@@ -20,8 +20,8 @@ import struct
 from typing import final, NamedTuple
 import zlib
 
-from lta_analysis.foreign.bounded import refuse_large
 from lta_analysis.foreign.clocks import CLOCK
+from lta_analysis.foreign.large import refuse_large
 from lta_analysis.foreign.protocol import Tables
 from lta_analysis.foreign.table import Table
 from lta_config.errors import BadInput

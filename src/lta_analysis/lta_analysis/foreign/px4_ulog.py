@@ -11,10 +11,11 @@ from pathlib import Path
 import struct
 from typing import Any
 
-from lta_analysis.foreign.bounded import bounded_memory, refuse_large
 from lta_analysis.foreign.clocks import CLOCK
+from lta_analysis.foreign.large import refuse_large
 from lta_analysis.foreign.protocol import Tables
 from lta_analysis.foreign.table import Table, Times
+from lta_config.bounded_memory import bounded_memory
 from lta_config.errors import BadInput
 from lta_config.import_file import Mapping as MappingFile
 import numpy as np

@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any, final
 
 from lta_analysis.foreign.bag_rows import BagTables, Decode, tables_of, wanted_tables
-from lta_analysis.foreign.bounded import bounded_memory
 from lta_analysis.foreign.definitions import from_store
 from lta_analysis.foreign.protocol import Passed, Raw, Reached
 from lta_analysis.foreign.rosbags_doubts import refuse
 from lta_bridge.bag.schemas import jazzy
+from lta_config.bounded_memory import bounded_memory
 from lta_config.errors import BadInput
 from lta_config.import_file import Mapping as MappingFile
 from rosbags.convert.converter import is_same_wireformat, migrate_bytes

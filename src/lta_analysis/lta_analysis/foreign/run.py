@@ -89,18 +89,23 @@ def import_all(order: Order, out: Path, progress: ImportProgress) -> list[Import
 @contextmanager
 def _in_one_step(out: Path) -> Iterator[Path]:
     """Give a folder beside `out` to work in; it becomes `out` if all goes well, else it goes."""
-    existed = out.exists()
+    new = not out.exists()
     empty_folder(out)
-    out.rmdir()
-    work = Path(tempfile.mkdtemp(prefix=f'.{out.name}-', dir=out.parent))
+    try:
+        work = Path(tempfile.mkdtemp(prefix=f'.{out.name}-', dir=out.parent))
+    except OSError as error:
+        raise BadInput(
+            f"'{out.parent}' takes nothing beside '{out.name}' ({error.strerror}); choose another "
+            'folder with --out.'
+        ) from None
     try:
         work.chmod(0o755)
         yield work
         work.rename(out)
     except BaseException:
         shutil.rmtree(work, ignore_errors=True)
-        if existed:
-            out.mkdir(exist_ok=True)
+        if new:
+            out.rmdir()
         raise
 
 

@@ -19,7 +19,7 @@ from lta_config.crazyflie_file import CrazyflieFile, Expected
 
 DEADLINE: Final = 8.0  # s for the connection, as the bridge has it
 LOSSY: Final = 0.01  # part of the packets whose loss is worth a word
-SLOW: Final = 0.05  # s of round trip from which the bridge's 250 ms for a command get short
+SLOW: Final = 0.05  # s of round trip from which the bridge's 300 ms for a command get short
 RELEASE: Final = ('firmware.revision0', 'firmware.revision1')
 
 

@@ -22,6 +22,7 @@ from lta_bridge.crazyflie.safety import Asked as Wish
 from lta_bridge.crazyflie.safety import Stage
 from lta_bridge.crazyflie.supervisor import Bit
 from lta_config.crazyflie_file import CrazyflieFile, MOTORS
+from lta_graph.interrupts import held_interrupts
 
 STARTING: Final = 3.0  # s for telemetry to come, and again for the supervisor to arm
 CONFIRMING: Final = 1.0  # s for the supervisor to say that it is disarmed
@@ -157,7 +158,7 @@ class MotorBench:
 
     def _disarm(self) -> None:
         """Disarm, which stops motors at once, until the supervisor confirms it; else for good."""
-        with held_back(), suppress(LinkFailed):
+        with held_interrupts(), suppress(LinkFailed):
             asked = time.monotonic()
             known = len(self._logged)
             while time.monotonic() - asked < CONFIRMING:
@@ -170,17 +171,6 @@ class MotorBench:
             for _ in range(STOPS):
                 self._link.stop()
                 time.sleep(1.0 / RATE)
-
-
-@contextmanager
-def held_back() -> Iterator[None]:
-    """Hold Ctrl-C and SIGTERM back: what stops a motor is not to be stopped itself."""
-    signals = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, signals)
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager

@@ -98,8 +98,9 @@ def watch(launcher: Launcher, listener: DiagnosticsListener, watcher: Watcher) -
     while launcher.outcome is None:
         facts = listener.poll(LOOK)
         launcher.poll()
-        if (fact := facts.get(PLAYBACK)) is not None:
-            watcher.at(float(fact.values['time_s']), float(fact.values['pace']))
+        fact = facts.get(PLAYBACK)
+        if fact is not None and (told := fact.numbers('time_s', 'pace')):
+            watcher.at(*told)
         running = launcher.running
         lookout.look(facts, listener.silent(running), listener.unheard(running))
         if lookout.standing > PATIENCE:

@@ -16,8 +16,9 @@ def draw_rays(figure: Figure, view: View) -> None:
     time, angle = view.bearing
     phases = phases_of(view)
     start = phases.search if np.isfinite(phases.search) else view.span[0]
-    chosen = np.unique(np.searchsorted(time, np.arange(start, phases.end, PERIOD)))
-    chosen = chosen[chosen < len(time)]
+    inside = np.flatnonzero((time >= start) & (time < phases.end))
+    _, first = np.unique(np.floor((time[inside] - start) / PERIOD), return_index=True)
+    chosen = inside[first]
     chosen = chosen[np.isfinite(angle[chosen])]
     if not len(chosen):
         return

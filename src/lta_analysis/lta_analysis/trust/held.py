@@ -10,6 +10,7 @@ one only drifts, or falls in less than a second.
 from collections.abc import Iterator
 from typing import final, NamedTuple
 
+from lta_analysis.even_grid import even_grid
 from lta_analysis.trust import roles
 from lta_analysis.trust.evidence import Evidence
 from lta_analysis.trust.finding import Finding, Severity, Verdict
@@ -84,7 +85,7 @@ def accelerations(place: Vector) -> Array:
 def shaking(vector: Vector, values: Array, limits: Limits) -> Shaking:
     """Return the RMS in the bands, by windows on an even grid."""
     step = period(vector.time)
-    grid = np.arange(vector.time[0], vector.time[-1], step)
+    grid = even_grid(vector.time, step)
     table, known = on_grid(vector.time, values, grid)
     count = round(limits.hold_window / step)
     starts = np.arange(0, len(grid) - count + 1, max(1, count // HOP))
@@ -159,7 +160,7 @@ def carried(
 ) -> Iterator[Finding]:
     """Yield stretches in which something moves a craft whose rotors are idle."""
     step = max(period(place.time), 0.01)
-    grid = np.arange(place.time[0], place.time[-1], step)
+    grid = even_grid(place.time, step)
     if len(grid) < limits.least_samples:
         return
     table, known = on_grid(place.time, place.values, grid)

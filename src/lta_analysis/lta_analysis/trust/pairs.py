@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import final
 
 from lta_analysis.bag.channels import Channel
+from lta_analysis.even_grid import even_grid
 from lta_analysis.trust import roles
 from lta_analysis.trust.limits import Limits
 from lta_analysis.trust.motion import Inertial, inertials, Pose, poses, turned, Vector
@@ -135,7 +136,7 @@ def _of_inertial(pose: Pose, sensor: Inertial, limits: Limits) -> Iterator[Pair 
 def _force(place: Vector, attitude: Vector, told: Vector, limits: Limits) -> Pair | None:
     """Compare specific force with acceleration and gravity."""
     step = max(period(place.time), FINEST)
-    grid = np.arange(place.time[0], place.time[-1], step)
+    grid = even_grid(place.time, step)
     if len(grid) * step < limits.pair_time:
         return None
     table, _ = on_grid(place.time, place.values, grid)
@@ -192,7 +193,9 @@ def _pair(
     begin, end = max(time[0], told.time[0]), min(time[-1], told.time[-1])
     if not end - begin >= limits.pair_time:
         return None
-    grid = np.arange(begin, end, step)
+    grid = even_grid(np.array([begin, end]), step)
+    if not len(grid):
+        return None
     weights = kernel(limits.kernel, step)
     left, there = on_grid(told.time, told.values, grid)
     right, also = on_grid(time, derived, grid)

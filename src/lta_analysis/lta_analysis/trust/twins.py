@@ -9,6 +9,7 @@ each offset, all channels at one; one run agrees almost wholly somewhere, two ru
 from collections.abc import Sequence
 from typing import Final
 
+from lta_analysis.even_grid import even_grid
 from lta_analysis.trust import roles
 from lta_analysis.trust.finding import Finding, Severity
 from lta_analysis.trust.limits import Limits
@@ -80,7 +81,7 @@ def prints(recording: Recording) -> dict[str, Array]:
         return {}
     begin = max(float(time[0]) for time, _ in some.values())
     last = min(float(time[-1]) for time, _ in some.values())
-    grid = np.arange(begin, last, STEP)
+    grid = even_grid(np.array([begin, last]), STEP)
     if len(grid) * STEP < 3.0 * TREND:
         return {}
     table = np.stack([on_grid(*part, grid)[0][:, 0] for part in some.values()], axis=1)

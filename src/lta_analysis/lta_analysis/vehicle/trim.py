@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import math
 from typing import Final, final
 
+from lta_analysis.even_grid import even_grid
 from lta_analysis.vehicle.recorded import Array, Commands, Path
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
@@ -157,7 +158,12 @@ def _velocity(path: Path, grid: Array) -> Array:
     """Return the velocity at some times, the slope of a line through the poses around each."""
     step = float(np.median(np.diff(path.time)))
     half = max(1, round(0.5 * SMOOTH / step))
-    uniform = np.arange(path.time[0], path.time[-1], step)
+    uniform = even_grid(path.time, step)
+    if not len(uniform):
+        raise BadInput(
+            f'The stamps of the poses reach over {path.time[-1] - path.time[0]:.0f} s, too far '
+            f'for {len(path.time)} of them; a clock was set meanwhile: see `lta bag check`.'
+        )
     weights = np.arange(-half, half + 1) / (step * sum(k * k for k in range(-half, half + 1)))
     velocity = np.zeros((len(grid), 3))
     for axis in range(3):

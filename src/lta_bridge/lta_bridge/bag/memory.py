@@ -137,6 +137,7 @@ class SnapshotMemory:
                 if not counts[self._topics[name].channel]:
                     bag.write(name, data, log_time)
             for chunk in self._chunks:
+                bag.check_room()
                 bag.add_chunk(chunk)
             bag.flush()
             return Snapshot(path, bag.total)

@@ -27,8 +27,19 @@ def storage_fault(error: OSError, path: Path) -> StorageFault:
 
 
 def free_space(path: Path) -> int:
-    """Return the space left to us on the disk that holds `path`, which must exist. [bytes]"""
-    return shutil.disk_usage(path).free
+    """
+    Return the space left to us on the disk that holds `path`. [bytes]
+
+    Raises
+    ------
+    StorageFault
+        If nobody can tell: it is not there any more.
+
+    """
+    try:
+        return shutil.disk_usage(path).free
+    except OSError as error:
+        raise storage_fault(error, path) from error
 
 
 @final

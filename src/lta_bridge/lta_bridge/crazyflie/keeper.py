@@ -5,7 +5,7 @@ Opening and closing block, so they never happen in a callback of the node. Each 
 once and followed by a pause that doubles.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 import threading
 from typing import Final, final
@@ -50,6 +50,8 @@ class Keeper:
         Opened and closed from here alone.
     expected : mapping
         Parameters by name.
+    given_back : callable
+        Called, from the thread, when the link is closed for good.
 
     Attributes
     ----------
@@ -62,8 +64,13 @@ class Keeper:
 
     """
 
-    def __init__(self, link: Link, expected: Mapping[str, Expected]) -> None:
-        self._link, self._expected = link, expected
+    def __init__(
+        self,
+        link: Link,
+        expected: Mapping[str, Expected],
+        given_back: Callable[[], None] = lambda: None,
+    ) -> None:
+        self._link, self._expected, self._given_back = link, expected, given_back
         self.up, self.why, self.attempts = False, 'connecting', 0
         self._leave = threading.Event()
         self._again = threading.Event()
@@ -98,12 +105,14 @@ class Keeper:
             self.why = failed
             self._leave.wait(pause)
             pause = min(2.0 * pause, LONGEST)
+        self._given_back()
 
     def _held(self) -> str:
         """Connect, and hold it until told otherwise; return why it did not come up, if so."""
         try:
             self._link.open(DEADLINE)
-            agree(self._link, self._expected)
+            if not self._leave.is_set():
+                agree(self._link, self._expected)
         except LinkFailed as error:
             return str(error)
         except Exception as error:  # a driver's own: without this thread there is no other try

@@ -22,6 +22,7 @@ ASKING: Final = 1.0  # s for the supervisor to confirm that it is armed
 AGAIN: Final = 0.1  # s between two requests without answer
 HANDING: Final = 0.3  # s in which the hand-over is told again: no answer says that it came
 SETTLING: Final = 10.0  # s for the firmware to land what was handed over
+LEAVE: Final = 15.0  # s at most to land and to hear that it is disarmed, before the link is let go
 STOPS: Final = 10  # emergency stops that are sent: nobody confirms one
 
 

@@ -20,7 +20,7 @@ from lta_bridge.crazyflie.link import Lost, Malformed, Ping
 from lta_bridge.crazyflie.links import link_to
 from lta_bridge.crazyflie.log_table import BLOCKS, check
 from lta_bridge.crazyflie.override import check_tether, expected
-from lta_bridge.crazyflie.safety import Asked, Stage
+from lta_bridge.crazyflie.safety import Asked, LEAVE, Stage
 from lta_bridge.crazyflie.settings import BridgeSettings
 from lta_config.crazyflie_file import crazyflie_of
 from lta_config.errors import BadInput
@@ -38,8 +38,7 @@ from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_srvs.srv import SetBool, Trigger
 
 HEARING = 5.0  # s at most until all nodes hear each other: what a user runs beside may never fit
-LEAVE = 15.0  # s at most to land before the link is let go
-CONFIRMING = 1.0  # s of them for the drone to say that it is disarmed
+CONFIRMING = 1.0  # s of LEAVE for the drone to say that it is disarmed
 ALOFT = (Stage.READY, Stage.FLYING, Stage.LANDING)
 DEAD = 2.0  # s of silence after which the link is made anew: blocks may be gone (firmware #428)
 
@@ -65,7 +64,6 @@ class CrazyflieBridge(DeviceNode):
         file = self._file = crazyflie_of(settings.vehicle, vehicle.file.name, settings.crazyflie)
         self._bridge = Bridge(link, file, self._names, settings.command, settings.watchdog)
         self._keeper: Keeper | None = None
-        self._claim: Claim | None = None
         self.autostart = settings.autostart
         self._asked = Asked()
         self._was_up, self._connected, self._complained = False, 0.0, ''
@@ -104,12 +102,13 @@ class CrazyflieBridge(DeviceNode):
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Open the link, and keep it open."""
         try:
-            self._claim = Claim(self._settings.uri)
+            claim = Claim(self._settings.uri)
         except BadInput as error:
             self.refusal = str(error)
             self.get_logger().error(self.refusal)
             return TransitionCallbackReturn.FAILURE
-        self._keeper = Keeper(self._link, expected(self._file, self._bridge.command))
+        # A connection that is still being made outlives its keeper by seconds; so does the claim.
+        self._keeper = Keeper(self._link, expected(self._file, self._bridge.command), claim.close)
         return super().on_configure(state)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -150,9 +149,6 @@ class CrazyflieBridge(DeviceNode):
                 self._link.arm(False)
             self._keeper.close()
             self._keeper = None
-        if self._claim is not None:
-            self._claim.close()
-            self._claim = None
 
     # What people ask.
 

@@ -23,6 +23,7 @@ from lta_bridge.playback.pace import Pace
 from lta_bridge.playback.recording import open_recording
 from lta_bridge.playback.reel import Reel
 from lta_bridge.playback.settings import FOREVER, PlayerSettings
+from lta_config.bounded_memory import bounded_memory
 from lta_config.errors import BadInput
 from lta_graph.health import Level
 from lta_graph.ros.gathering import gather
@@ -281,4 +282,5 @@ class Player(GraphNode):
 
 def main(args: list[str] | None = None) -> None:
     """Run the node until the recording ends or it is told to stop."""
-    run(Player, args)
+    with bounded_memory():
+        run(Player, args)

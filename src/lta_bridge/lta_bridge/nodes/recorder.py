@@ -27,6 +27,7 @@ from lta_bridge.bag.split import Split
 from lta_bridge.bag.storage import StorageFault
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.cdr import serialise
+from lta_bridge.crazyflie.safety import LEAVE
 from lta_bridge.intake import Intake
 from lta_bridge.messages import profiles, statuses
 from lta_bridge.playback.origin import of_replay
@@ -57,7 +58,7 @@ DIAGNOSTICS = '/diagnostics'
 LOOK_PERIOD = 0.4  # wall seconds between looks at the graph and at the losses
 DISK_PERIOD = 0.1  # wall seconds between looks at the disk
 QUIET = 0.3  # wall seconds without a message after which nothing more is on the way
-LINGER = 3.0  # wall seconds to wait for that quiet at most
+LINGER = 3.0  # wall seconds to wait for that quiet at most; a real drone lands meanwhile
 DISK = 'disk'  # the task in which it tells of one that does not keep up
 SLOW = 0.3  # wall seconds of one write, from which the disk is called slow: a flush later, in 1 s
 NAP_NS = 20_000_000  # between looks: waking up for every message would cost half a core
@@ -113,8 +114,8 @@ class Recorder(GraphNode):
                     raise BadInput(str(fault)) from None
                 unfinished.callback(self._writer.close)  # ... and closed, whoever ends it here
             whole = self.lockstep and not self.replayed  # a recording may begin anywhere
-            real = self.get_parameter('source').value == 'crazyflie'
-            begun_ns = self.get_clock().now().nanoseconds if real else None
+            self._real = self.get_parameter('source').value == 'crazyflie'
+            begun_ns = self.get_clock().now().nanoseconds if self._real else None
             self._intake = Intake(self.table, whole, robots, self._writer, begun_ns)
             everything = told.topics.split() == [EVERYTHING]
             self._taps = Taps(self, self._receiver, self._wants if everything else None)
@@ -273,7 +274,7 @@ class Recorder(GraphNode):
             self._taps.mend()
             going = lambda: self.running and not self._taps.due  # noqa: E731
             spin(self, going, awaited=list, wait_ns=NAP_NS)
-        deadline = time.monotonic() + LINGER
+        deadline = time.monotonic() + (LEAVE if self._real else LINGER)
         if not self._fault:
             self._intake.latest = time.monotonic()
             end = lambda: time.monotonic() < min(deadline, self._intake.latest + QUIET)  # noqa: E731

@@ -3,6 +3,9 @@ The MCAP files of a bag, read with the format's own library: what is in them, an
 
 A finished file is read by its index. One that was cut short has none: what is whole in it is taken
 into memory and put in order.
+
+The library believes what a file says of its own size: whoever reads one of a stranger's bounds the
+memory of the process (`bounded_memory`).
 """
 
 from collections.abc import Collection, Iterator
@@ -13,6 +16,7 @@ from typing import BinaryIO, final, NamedTuple
 
 from lta_bridge.bag.records import MAGIC, PROVENANCE
 from lta_config.errors import BadInput
+from lta_config.limits import READER_MEMORY
 from mcap.exceptions import McapError
 from mcap.reader import make_reader, McapReader
 from mcap.records import Channel, Message, Metadata, Schema
@@ -23,7 +27,15 @@ from zstandard import ZstdError
 
 ADVICE = 'give a rosbag2 folder or an .mcap file'
 # What the library raises where a file ends too early or its bytes make no sense.
-BROKEN = (McapError, struct.error, EOFError, LookupError, ValueError, MemoryError, ZstdError)
+BROKEN = (McapError, struct.error, EOFError, LookupError, ValueError, ZstdError)
+
+
+def too_large(file: Path) -> BadInput:
+    """Return the sentence on a file for which there is not enough memory."""
+    return BadInput(
+        f"'{file}' takes more memory than a replay may, {READER_MEMORY >> 20} MB; write it anew "
+        'in small chunks with `lta bag recover`.'
+    )
 
 
 @final
@@ -55,6 +67,8 @@ def announced(files: list[Path]) -> tuple[dict[str, str], dict[str, str]]:
                 found, origin = whole(stream) or torn(stream)
         except OSError as error:
             raise BadInput(f"'{file}' cannot be read ({error.strerror}); {ADVICE}.") from error
+        except MemoryError:
+            raise too_large(file) from None
         types |= found
         told |= origin
     return types, told
@@ -136,17 +150,21 @@ def ordered(file: Path, topics: Collection[str], since_ns: int | None) -> Iterat
 
     """
     with file.open('rb') as stream:
-        found = indexed(stream)
-        if found is None:
-            yield from sorted(loose(stream, topics, since_ns or 0), key=lambda item: item.time_ns)
-            return
         try:
+            found = indexed(stream)
+            if found is None:
+                yield from sorted(
+                    loose(stream, topics, since_ns or 0), key=lambda item: item.time_ns
+                )
+                return
             for _, channel, message in found[0].iter_messages(topics, starting_at=since_ns):
                 yield Logged(channel.topic, message.log_time, message.data)
         except BROKEN as error:
             raise BadInput(
                 f"'{file}' is damaged ({error}); mend it with `lta bag recover`."
             ) from error
+        except MemoryError:
+            raise too_large(file) from None
 
 
 def loose(stream: BinaryIO, topics: Collection[str], since_ns: int) -> Iterator[Logged]:

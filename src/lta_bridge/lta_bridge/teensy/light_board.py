@@ -100,7 +100,7 @@ class LightBoard:
         self._bits = bits
         self._sent = 0
         self._asked: list[int] = []
-        self._next_beat = self._next_ask = 0
+        self._next_beat = self._next_ask = self._looked_ns = 0
         self._replies: list[bytes] = []
         self.sender = OneSender()
         self.framing = Framing()
@@ -145,6 +145,10 @@ class LightBoard:
     def due(self, now_ns: int) -> bytes:
         """Return what is to be sent now: a heartbeat, a question for the time, answers."""
         out, self._replies = b''.join(self._replies), []
+        if now_ns < self._looked_ns - BACK_NS:  # our own clock was set back
+            self._next_beat = self._next_ask = now_ns
+            self.clock.begin_anew()
+        self._looked_ns = now_ns
         if now_ns >= self._next_beat:
             self._next_beat = now_ns + BEAT_NS
             out += self._frame(

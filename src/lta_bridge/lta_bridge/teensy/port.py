@@ -5,6 +5,7 @@ import errno
 import re
 import select
 import socket
+import termios
 import time
 from typing import Final, final, Protocol
 
@@ -80,7 +81,7 @@ class SerialPort:
             self._port = serial.Serial(
                 path, BAUD, timeout=0.0, write_timeout=SEND_TIMEOUT, exclusive=True
             )
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, termios.error) as error:  # the last, as it is pulled out
             raise BadInput(_why(path, error)) from None
 
     def read(self, timeout: float) -> bytes:
@@ -199,7 +200,7 @@ def _resolved(host: str, address: str) -> str:
         ) from None
 
 
-def _why(path: str, error: OSError | ValueError) -> str:
+def _why(path: str, error: Exception) -> str:
     """Return why a serial port cannot be opened and what to do."""
     number = getattr(error, 'errno', None)
     if number == errno.ENOENT:

@@ -76,7 +76,10 @@ class Tracked:
             self.clock.restart()
         if (self.sieve.set_back, self.sieve.found) != (set_back, found):
             self.window.clear()
+        restarts = self.clock.restarts
         self.clock.stamp(stamp_ns, arrival_ns)
+        if self.clock.restarts > restarts:  # of two clocks one was set: ours, perhaps back
+            self._told = 0
         self._offset_ns = stamp_ns - self.clock.ours(stamp_ns)
         placed = chained(chained(self._origin, unit(pose)), self._body)
         for motion in self.window.add(stamp_ns, placed):

@@ -7,6 +7,7 @@ from typing import NoReturn
 
 from lta_config.errors import BadInput
 from lta_graph.health import Level
+from lta_graph.interrupts import STOPS
 from lta_graph.leave import leave
 from lta_graph.ros.command_line import join, refuse_unknown
 from lta_graph.ros.node import GraphNode
@@ -45,8 +46,9 @@ def live(node_class: type[GraphNode], words: list[str]) -> None:
     node = node_class()  # type: ignore[call-arg]
     try:
         refuse_unknown(node, words)
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, lambda *_: setattr(node, 'running', False))
+        for number in STOPS:
+            if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # by nohup
+                signal.signal(number, lambda *_: setattr(node, 'running', False))
         node.work()
     except BadInput:
         raise

@@ -110,6 +110,8 @@ def test_clocks(flight_bag):
     even_rate = flight.aligned('odom', rate=50.0)
     np.testing.assert_allclose(even_rate.time, 0.02 * np.arange(20), rtol=0, atol=1e-12)
     assert even([numbers('a', [105, 250], x=[0, 0])], 10.0).tolist() == at([200]).tolist()
+    with pytest.raises(BadInput, match='reach over 1770000000 s, too far for a clock of 50 Hz'):
+        even([numbers('a', [0, 1_770_000_000_000], x=[0, 0])], 50.0)
     for wrong, said in [
         ({'rate': 5.0, 'on': 'odom'}, "A rate of 5.0 Hz and 'odom' are two clocks; give one"),
         ({'rate': 0.0}, 'A rate of 0.0 Hz makes no clock'),

@@ -121,6 +121,27 @@ def test_sigterm_stops_it(drone):
     link.close()
 
 
+def test_a_second_ctrl_c_waits_until_it_stands(drone):
+    """One that interrupts it while it disarms; cflib's threads take signals as well as ours."""
+    link, bench = bench_of(drone)
+    sent = link.arm
+
+    def arm(wanted):
+        sent(wanted)
+        if not wanted:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    def end(_):
+        until(lambda: drone.firmware.body.duties[1] > 0.0)
+        link.arm = arm
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        bench.turn(0.2, 10.0, end)
+    assert at_rest(drone)
+    link.close()
+
+
 def test_a_drone_that_falls_silent_is_disarmed_although_nobody_hears_it_say_so(drone):
     link, bench = bench_of(drone)
 

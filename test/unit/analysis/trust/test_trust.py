@@ -250,6 +250,18 @@ def test_degrees_and_a_turned_sign_of_a_gyroscope_are_told():
     assert '-z is z' in turned.evidence
 
 
+def test_a_clock_that_was_set_by_decades_is_named_and_fills_no_memory():
+    """From 1970 to today, as of a computer without a battery for its clock."""
+    data = {name: (one.time, one.values) for name, one in swinging().channels.items()}
+    time = data[f'{GYRO}.x'][0]
+    for axis in 'xyz':
+        data[f'ground_truth/odom/pose.pose.position.{axis}'] = (time, 0.1 * np.sin(time))
+    data = {n: (np.where(t > 10.0, t + 1.77e9, t), v) for n, (t, v) in data.items()}
+    found = [f for f in checked(recording(**data)).findings if f.kind == 'stamps']
+    assert found
+    assert max(f.to_s - f.from_s for f in found) == pytest.approx(1.77e9, rel=1e-6)
+
+
 def test_stamps_that_go_back_or_leave_out_are_found():
     data = resting()
     late = {n: (np.where(t > 5.0, t - 0.3, t), v) for n, (t, v) in data.items()}

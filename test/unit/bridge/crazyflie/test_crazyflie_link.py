@@ -3,6 +3,7 @@
 import math
 from random import Random
 import socket
+import threading
 import time
 
 from lta_bridge.crazyflie import duties_packet
@@ -147,6 +148,34 @@ def test_a_keeper_outlives_whatever_a_driver_raises(until):
     assert not keeper.up
     assert 'No such device' in keeper.why
     assert keeper.close(PATIENCE)
+
+
+class Slow:
+    """A link that takes its time to open."""
+
+    def __init__(self):
+        self.opening, self.may = threading.Event(), threading.Event()
+
+    def open(self, deadline):
+        self.opening.set()
+        assert self.may.wait(PATIENCE)
+
+    def parameter(self, name):
+        raise AssertionError('the drone is not ours any more')
+
+    def close(self):
+        pass
+
+
+def test_a_keeper_that_leaves_while_it_connects_writes_nothing_and_says_when_it_is_done():
+    link, done = Slow(), threading.Event()
+    keeper = Keeper(link, load_crazyflie('gtmab').parameters, done.set)
+    assert link.opening.wait(PATIENCE)
+    assert not keeper.close(0.0)
+    assert not done.is_set()
+    link.may.set()
+    assert done.wait(PATIENCE)
+    assert (keeper.up, keeper.why) == (False, 'connecting')
 
 
 def test_an_old_firmware_is_refused_by_name():

@@ -1,18 +1,11 @@
-"""Bounds around readers of others, which trust what a file says of its own size."""
+"""A bound around readers of others, which trust what a file says of its own size."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 import resource
 
-from lta_config.errors import BadInput
-from lta_config.limits import LOG_BYTES, READER_MEMORY
-
-
-def refuse_large(path: Path) -> None:
-    """Raise BadInput for a log that would be read whole and is too large for that."""
-    if path.stat().st_size > LOG_BYTES:
-        raise BadInput(f"'{path}' is larger than {LOG_BYTES} bytes; cut the log into parts.")
+from lta_config.limits import READER_MEMORY
 
 
 @contextmanager
