@@ -26,7 +26,8 @@ BLOCK = re.compile(
 )
 MARK = re.compile(r'^<!-- (quick|not run)(?:, ([^:\n]*?))?(?:: (.*))? -->$', re.MULTILINE)
 CODE = re.compile(r'`((?:\./)?lta [a-z][^`]*|make [a-z][^`]*)`')
-SETTING = re.compile(r'`(-p )?([a-z_.]+):=[^`]*`')
+SPAN = re.compile(r'`([^`]*:=[^`]*)`')
+SETTING = re.compile(r'(-p )?\b([a-z0-9_.]+):=')
 FENCED = re.compile(r'^```.*?^```', re.MULTILINE | re.DOTALL)
 APART = {'&&', '||', ';', '|', '(', ')', '&'}
 HIDDEN = {'docs/verbs.md', 'docs/parameters.md'}  # made of the declarations that would check them
@@ -119,7 +120,8 @@ def settings_spoken():
         {
             (str(path.relative_to(ROOT)), bool(of_node), name)
             for path in PAGES
-            for of_node, name in SETTING.findall(FENCED.sub('', path.read_text(encoding='utf-8')))
+            for span in SPAN.findall(FENCED.sub('', path.read_text(encoding='utf-8')))
+            for of_node, name in SETTING.findall(span)
             if str(path.relative_to(ROOT)) not in HIDDEN
         }
     )

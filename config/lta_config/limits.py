@@ -17,7 +17,7 @@ CHUNK_BYTES: Final = 1 << 27  # of a chunk or message, unpacked
 NOTE_BYTES: Final = 1 << 24  # of a schema, channel or metadata record
 CHANNELS: Final = 4000  # of a recording; the largest robots have hundreds
 SUMMARY_BYTES: Final = 1 << 28  # of the directory at the end of a recording
-GRID: Final = 20_000_000  # points of an even clock over it, or as many as it has itself
+GRID: Final = 2_000_000  # points of an even clock over it; more where it has many itself
 DEFINITION_BYTES: Final = 250_000  # of the text that defines a message type
 ARRAY_PARTS: Final = 4096  # of its fixed arrays of texts or messages, each of which becomes code
 

@@ -1,8 +1,8 @@
 """
 An even clock over a recording, where its stamps allow one.
 
-A computer that sets its clock while it records, from 1970 to today for example, makes stamps that
-reach over decades: a clock of 100 Hz over these would be larger than any memory.
+A computer that sets its clock while it records, by hours or from 1970 to today, makes stamps that
+reach far: a clock of 100 Hz over these could be larger than any memory.
 """
 
 from lta_config.limits import GRID
@@ -10,25 +10,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 EMPTY = np.empty(0)
+HOLES = 3.0  # points to a sample, beyond which it is nearly all holes
 
 
-def fits(points: float, samples: int) -> bool:
+def fits(points: float, samples: int, most: float = HOLES) -> bool:
     """Tell whether an even clock over so many samples may have so many points."""
-    return bool(points <= max(GRID, samples))
+    return points <= max(GRID, most * samples)
 
 
-def even_grid(time: NDArray[np.float64], step: float) -> NDArray[np.float64]:
+def even_grid(first: float, last: float, step: float, samples: int) -> NDArray[np.float64]:
     """
-    Return an even clock from the first time to the last; empty where it would be too long.
+    Return an even clock; empty where it would be too long.
 
     Parameters
     ----------
-    time : ndarray, shape (n,)
-        Rising. [s]
-    step : float
+    first, last, step : float
         [s]
+    samples : int
+        How many there are between the two.
 
     """
-    if not len(time) or not fits((time[-1] - time[0]) / step, len(time)):
-        return EMPTY
-    return np.arange(time[0], time[-1], step)
+    return np.arange(first, last, step) if fits((last - first) / step, samples) else EMPTY

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from lta_analysis.preflight import parameters
+from lta_analysis.preflight import FILE_OPTION, parameters
 from lta_analysis.typed import near
 from lta_bridge.live.address import app_url, LOCAL, PORT, refuse_taken
 from lta_config.errors import BadInput
@@ -19,11 +19,11 @@ def _looks(process: Process) -> bool:
 
 
 def _places(plan: LaunchPlan) -> list[tuple[Process, object, object]]:
-    """Return the live views with host and port, but those that a file of parameters may move."""
+    """Return the live views with host and port, but those that have theirs in a file."""
     found = []
     for process in filter(_looks, plan.processes):
-        if '--params-file' not in process.arguments:
-            given = parameters(process.arguments)
+        given = parameters(process.arguments)
+        if 'port' in given or FILE_OPTION not in process.arguments:
             found.append((process, given.get('host', LOCAL), given.get('port', PORT)))
     return found
 

@@ -46,6 +46,10 @@ def test_a_view_of_another_s_launch_file_may_keep_its_defaults_or_have_them_in_a
     assert 'ws://localhost:8765 ' in said[0]
     assert len(said) == 2
     refuse_taken_ports(LaunchPlan((filed, filed)))
+    words = ('--ros-args', '--params-file', 'live.yaml', '-p', 'port:=9000')
+    told = Process('lta_bridge', 'live', 'live', '/b', words, False)
+    with pytest.raises(BadInput, match='Two live views were given port 9000'):
+        refuse_taken_ports(LaunchPlan((told, told)))
 
 
 @pytest.mark.parametrize('port', ['0', '65536', "'8765'", '80.5', 'true'])

@@ -262,6 +262,11 @@ def test_free_space_is_what_the_system_says(tmp_path):
     assert free_space(tmp_path) == pytest.approx(status.f_bavail * status.f_frsize, rel=0.05)
 
 
+def test_a_folder_that_is_gone_is_a_fault_of_the_disk_and_said(tmp_path):
+    with pytest.raises(StorageFault, match='cannot be reached any more'):
+        free_space(tmp_path / 'gone')
+
+
 def test_bag_is_finished_when_its_user_fails(tmp_path):
     def record_and_fail():
         with BagWriter(tmp_path / 'bag', {}) as bag:

@@ -122,6 +122,18 @@ def test_a_full_disk_costs_a_snapshot_and_not_the_memory(tmp_path, monkeypatch):
     writer.close()
 
 
+def test_a_nearly_full_disk_gets_a_whole_snapshot_of_what_still_fits(tmp_path, monkeypatch):
+    memory, left = memory_of(tmp_path / 'bag'), iter([1 << 40] * 3)
+    for k in range(100):
+        memory.write('/a', FALSE, k * S // 10)
+    monkeypatch.setattr(storage, 'free_space', lambda _: next(left, 0))
+    with pytest.raises(StorageFault, match='ends here, whole'):
+        memory.save('')
+    bag = read_bag(tmp_path / 'bag' / 'snapshot_0')
+    assert bag.complete
+    assert 0 < bag.topics['/a'].count < 50
+
+
 def test_a_busy_folder_is_refused(tmp_path):
     (tmp_path / 'mine.txt').write_text('keep')
     with pytest.raises(BadInput, match='choose another folder'):

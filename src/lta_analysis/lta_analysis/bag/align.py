@@ -18,6 +18,7 @@ from lta_config.errors import BadInput, unknown
 import numpy as np
 from numpy.typing import NDArray
 
+DENSE: Final = 20.0  # rows of an even clock to a row of the recording, if they are many
 TINY: Final = 1e-8  # rad between quaternions, below which an arc is a line
 PERIODS: Final = 3.0  # of its own that a topic may be silent, where no gap is given
 LEFT_OUT: Final = ('clock.', 'stamp.')  # with headers and covariances
@@ -152,7 +153,7 @@ def even(tables: Sequence[Table], rate: float) -> Stamps:
     start = tables[0].start
     first = (min(int(each.min()) for each in stamps) - start) * 1e-9
     last = (max(int(each.max()) for each in stamps) - start) * 1e-9
-    if not fits((last - first) * rate, sum(map(len, stamps))):
+    if not fits((last - first) * rate, sum(map(len, stamps)), DENSE):
         raise BadInput(
             f'The stamps reach over {last - first:.0f} s, too far for a clock of {rate:g} Hz; '
             'give a lower rate, or see with `lta bag check` whether a clock was set meanwhile.'

@@ -1,11 +1,8 @@
 """An import from the first look at the files to the bags; all of it stays, or nothing."""
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-import shutil
-import tempfile
 from typing import final
 
 from lta_analysis.bag.folder import bag_in
@@ -15,6 +12,7 @@ from lta_analysis.foreign.origin import origin
 from lta_analysis.foreign.progress import ImportProgress
 from lta_analysis.foreign.protocol import Reached
 from lta_analysis.foreign.writing import write
+from lta_analysis.results_folder import all_at_once
 from lta_bridge.bag.storage import StorageFault
 from lta_bridge.bag.writer import empty_folder
 from lta_config.errors import BadInput, one_line
@@ -75,7 +73,9 @@ def import_all(order: Order, out: Path, progress: ImportProgress) -> list[Import
 
     """
     done = []
-    with _in_one_step(out) as folder:
+    if out.exists():
+        empty_folder(out)
+    with all_at_once(out, BAG) as folder:
         for source, name in zip(order.sources, _names(order.sources), strict=True):
             progress.begin(source.name)
             inside = Path(name) / BAG if len(order.sources) > 1 else Path(BAG)
@@ -84,29 +84,6 @@ def import_all(order: Order, out: Path, progress: ImportProgress) -> list[Import
             done.append(found)
             progress.end()
     return done
-
-
-@contextmanager
-def _in_one_step(out: Path) -> Iterator[Path]:
-    """Give a folder beside `out` to work in; it becomes `out` if all goes well, else it goes."""
-    new = not out.exists()
-    empty_folder(out)
-    try:
-        work = Path(tempfile.mkdtemp(prefix=f'.{out.name}-', dir=out.parent))
-    except OSError as error:
-        raise BadInput(
-            f"'{out.parent}' takes nothing beside '{out.name}' ({error.strerror}); choose another "
-            'folder with --out.'
-        ) from None
-    try:
-        work.chmod(0o755)
-        yield work
-        work.rename(out)
-    except BaseException:
-        shutil.rmtree(work, ignore_errors=True)
-        if new:
-            out.rmdir()
-        raise
 
 
 def _names(sources: Sequence[Path]) -> list[str]:

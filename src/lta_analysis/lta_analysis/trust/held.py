@@ -85,7 +85,7 @@ def accelerations(place: Vector) -> Array:
 def shaking(vector: Vector, values: Array, limits: Limits) -> Shaking:
     """Return the RMS in the bands, by windows on an even grid."""
     step = period(vector.time)
-    grid = even_grid(vector.time, step)
+    grid = even_grid(vector.time[0], vector.time[-1], step, len(vector.time))
     table, known = on_grid(vector.time, values, grid)
     count = round(limits.hold_window / step)
     starts = np.arange(0, len(grid) - count + 1, max(1, count // HOP))
@@ -160,7 +160,7 @@ def carried(
 ) -> Iterator[Finding]:
     """Yield stretches in which something moves a craft whose rotors are idle."""
     step = max(period(place.time), 0.01)
-    grid = even_grid(place.time, step)
+    grid = even_grid(place.time[0], place.time[-1], step, len(place.time))
     if len(grid) < limits.least_samples:
         return
     table, known = on_grid(place.time, place.values, grid)

@@ -136,7 +136,7 @@ def _of_inertial(pose: Pose, sensor: Inertial, limits: Limits) -> Iterator[Pair 
 def _force(place: Vector, attitude: Vector, told: Vector, limits: Limits) -> Pair | None:
     """Compare specific force with acceleration and gravity."""
     step = max(period(place.time), FINEST)
-    grid = even_grid(place.time, step)
+    grid = even_grid(place.time[0], place.time[-1], step, len(place.time))
     if len(grid) * step < limits.pair_time:
         return None
     table, _ = on_grid(place.time, place.values, grid)
@@ -193,7 +193,7 @@ def _pair(
     begin, end = max(time[0], told.time[0]), min(time[-1], told.time[-1])
     if not end - begin >= limits.pair_time:
         return None
-    grid = even_grid(np.array([begin, end]), step)
+    grid = even_grid(begin, end, step, len(time) + len(told.time))
     if not len(grid):
         return None
     weights = kernel(limits.kernel, step)

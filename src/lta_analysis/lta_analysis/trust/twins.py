@@ -81,7 +81,7 @@ def prints(recording: Recording) -> dict[str, Array]:
         return {}
     begin = max(float(time[0]) for time, _ in some.values())
     last = min(float(time[-1]) for time, _ in some.values())
-    grid = even_grid(np.array([begin, last]), STEP)
+    grid = even_grid(begin, last, STEP, sum(len(time) for time, _ in some.values()))
     if len(grid) * STEP < 3.0 * TREND:
         return {}
     table = np.stack([on_grid(*part, grid)[0][:, 0] for part in some.values()], axis=1)

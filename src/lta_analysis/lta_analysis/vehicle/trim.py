@@ -158,7 +158,7 @@ def _velocity(path: Path, grid: Array) -> Array:
     """Return the velocity at some times, the slope of a line through the poses around each."""
     step = float(np.median(np.diff(path.time)))
     half = max(1, round(0.5 * SMOOTH / step))
-    uniform = even_grid(path.time, step)
+    uniform = even_grid(path.time[0], path.time[-1], step, len(path.time))
     if not len(uniform):
         raise BadInput(
             f'The stamps of the poses reach over {path.time[-1] - path.time[0]:.0f} s, too far '

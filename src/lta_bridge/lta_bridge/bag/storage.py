@@ -32,14 +32,26 @@ def free_space(path: Path) -> int:
 
     Raises
     ------
-    StorageFault
-        If nobody can tell: it is not there any more.
+    FolderGone
+        If it is not there any more.
 
     """
     try:
         return shutil.disk_usage(path).free
     except OSError as error:
-        raise storage_fault(error, path) from error
+        raise FolderGone(error.errno, error.strerror, str(path)) from error
+
+
+@final
+class FolderGone(StorageFault):
+    """Somebody has removed the folder, or the disk that it was on."""
+
+    def __str__(self) -> str:
+        """Return the sentence for the user."""
+        return (
+            f"The folder '{self.filename}' cannot be reached any more ({self.strerror}), nor what "
+            'was recorded in it; leave it alone during a flight.'
+        )
 
 
 @final

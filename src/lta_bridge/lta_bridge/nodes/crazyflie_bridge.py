@@ -64,6 +64,7 @@ class CrazyflieBridge(DeviceNode):
         file = self._file = crazyflie_of(settings.vehicle, vehicle.file.name, settings.crazyflie)
         self._bridge = Bridge(link, file, self._names, settings.command, settings.watchdog)
         self._keeper: Keeper | None = None
+        self._former: Keeper | None = None  # whose connection may still be closing
         self.autostart = settings.autostart
         self._asked = Asked()
         self._was_up, self._connected, self._complained = False, 0.0, ''
@@ -102,6 +103,10 @@ class CrazyflieBridge(DeviceNode):
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Open the link, and keep it open."""
         try:
+            if self._former is not None and not self._former.close(0.0):
+                raise BadInput(
+                    'The last connection is still being closed; try again in some seconds.'
+                )
             claim = Claim(self._settings.uri)
         except BadInput as error:
             self.refusal = str(error)
@@ -148,7 +153,7 @@ class CrazyflieBridge(DeviceNode):
             if self._keeper.up:
                 self._link.arm(False)
             self._keeper.close()
-            self._keeper = None
+            self._former, self._keeper = self._keeper, None
 
     # What people ask.
 

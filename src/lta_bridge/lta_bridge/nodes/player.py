@@ -27,7 +27,7 @@ from lta_config.bounded_memory import bounded_memory
 from lta_config.errors import BadInput
 from lta_graph.health import Level
 from lta_graph.ros.gathering import gather
-from lta_graph.ros.node import GraphNode
+from lta_graph.ros.node import GraphNode, WHOLE
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.peer_listener import OVER
 from lta_graph.ros.process import run
@@ -203,7 +203,7 @@ class Player(GraphNode):
         self._tell_clock()
         late = not self.lockstep and time.monotonic() - self._news < QUIET
         if self._reel.next_ns is None and not self._owed.all_left and not late:
-            self._ended, self.running = 'played', False
+            self._ended, self.running, self.farewell = 'played', False, WHOLE
 
     def _publish(self) -> None:
         """Publish the next message."""

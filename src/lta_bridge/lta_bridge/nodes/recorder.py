@@ -35,6 +35,7 @@ from lta_bridge.playback.recording import open_recording
 from lta_bridge.provenance import joined
 from lta_bridge.recorder_settings import Origin, RecorderSettings
 from lta_bridge.snapshots import Snapshots
+from lta_config.bounded_memory import bounded_memory
 from lta_config.errors import BadInput
 from lta_config.recorded import EVERYTHING, wanted
 from lta_config.settings import setting, Settings
@@ -58,7 +59,7 @@ DIAGNOSTICS = '/diagnostics'
 LOOK_PERIOD = 0.4  # wall seconds between looks at the graph and at the losses
 DISK_PERIOD = 0.1  # wall seconds between looks at the disk
 QUIET = 0.3  # wall seconds without a message after which nothing more is on the way
-LINGER = 3.0  # wall seconds to wait for that quiet at most; a real drone lands meanwhile
+LINGER = 3.0  # wall seconds to wait for that quiet at most
 DISK = 'disk'  # the task in which it tells of one that does not keep up
 SLOW = 0.3  # wall seconds of one write, from which the disk is called slow: a flush later, in 1 s
 NAP_NS = 20_000_000  # between looks: waking up for every message would cost half a core
@@ -141,7 +142,9 @@ class Recorder(GraphNode):
         origin = joined(each) if each else told.told(lockstep=lockstep)
         if told.replay and self.get_parameter('source').value == 'replay':
             own = self.get_namespace().strip('/')
-            return of_replay(open_recording(Path(told.replay), '', self.table, own), origin)
+            with bounded_memory():
+                played = open_recording(Path(told.replay), '', self.table, own)
+            return of_replay(played, origin)
         return origin
 
     def _begin(self, path: Path, origin: dict[str, str]) -> BackgroundWriter:
@@ -274,11 +277,19 @@ class Recorder(GraphNode):
             self._taps.mend()
             going = lambda: self.running and not self._taps.due  # noqa: E731
             spin(self, going, awaited=list, wait_ns=NAP_NS)
-        deadline = time.monotonic() + (LEAVE if self._real else LINGER)
+        landed = time.monotonic() + LEAVE
+        coming_down = lambda: self._aloft() and time.monotonic() < landed  # noqa: E731
+        spin(self, coming_down, awaited=list, wait_ns=NAP_NS)
+        deadline = time.monotonic() + LINGER
         if not self._fault:
             self._intake.latest = time.monotonic()
             end = lambda: time.monotonic() < min(deadline, self._intake.latest + QUIET)  # noqa: E731
             spin(self, end, awaited=list, wait_ns=NAP_NS)
+
+    def _aloft(self) -> bool:
+        """Tell whether a real drone has its bridge yet: that comes down before it leaves."""
+        own = (f'/{robot}/imu'.replace('//', '/') for robot in self._robots)
+        return self._real and not self.hurried and any(map(self.count_publishers, own))
 
     def close(self) -> None:
         """Finish the bag, or save a last snapshot; say so if it had to end early."""

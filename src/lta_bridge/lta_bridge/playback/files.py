@@ -31,10 +31,10 @@ BROKEN = (McapError, struct.error, EOFError, LookupError, ValueError, ZstdError)
 
 
 def too_large(file: Path) -> BadInput:
-    """Return the sentence on a file for which there is not enough memory."""
+    """Return the sentence on a file without an index for which there is not enough memory."""
     return BadInput(
-        f"'{file}' takes more memory than a replay may, {READER_MEMORY >> 20} MB; write it anew "
-        'in small chunks with `lta bag recover`.'
+        f"'{file}' has no index, and is damaged or takes more memory than a replay may "
+        f'({READER_MEMORY >> 20} MB); `lta bag recover` writes what is whole, with an index.'
     )
 
 
@@ -77,7 +77,7 @@ def announced(files: list[Path]) -> tuple[dict[str, str], dict[str, str]]:
 def indexed(stream: BinaryIO) -> tuple[McapReader, Summary] | None:
     """Return a finished file's reader and summary; None where it has none."""
     stream.seek(0)
-    with suppress(*BROKEN):
+    with suppress(*BROKEN, MemoryError):
         reader = make_reader(stream)
         summary = reader.get_summary()
         if summary is not None:
@@ -97,7 +97,7 @@ def whole(stream: BinaryIO) -> tuple[dict[str, str], dict[str, str]] | None:
         if channel.schema_id in summary.schemas and played(channel)
     }
     told: dict[str, str] = {}
-    with suppress(*BROKEN):
+    with suppress(*BROKEN, MemoryError):
         for record in reader.iter_metadata():
             told |= record.metadata if record.name == PROVENANCE else {}
     return types, told
@@ -150,21 +150,22 @@ def ordered(file: Path, topics: Collection[str], since_ns: int | None) -> Iterat
 
     """
     with file.open('rb') as stream:
+        found = indexed(stream)
+        if found is None:
+            try:
+                kept = sorted(loose(stream, topics, since_ns or 0), key=lambda item: item.time_ns)
+            except MemoryError:
+                raise too_large(file) from None
+            yield from kept
+            return
         try:
-            found = indexed(stream)
-            if found is None:
-                yield from sorted(
-                    loose(stream, topics, since_ns or 0), key=lambda item: item.time_ns
-                )
-                return
             for _, channel, message in found[0].iter_messages(topics, starting_at=since_ns):
                 yield Logged(channel.topic, message.log_time, message.data)
-        except BROKEN as error:
+        except (*BROKEN, MemoryError) as error:
+            why = str(error) or f'a chunk wants more than {READER_MEMORY >> 20} MB'
             raise BadInput(
-                f"'{file}' is damaged ({error}); mend it with `lta bag recover`."
+                f"'{file}' is damaged ({why}); mend it with `lta bag recover`."
             ) from error
-        except MemoryError:
-            raise too_large(file) from None
 
 
 def loose(stream: BinaryIO, topics: Collection[str], since_ns: int) -> Iterator[Logged]:

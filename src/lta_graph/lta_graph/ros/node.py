@@ -35,6 +35,7 @@ from rclpy.subscription import Subscription
 WATCH_PERIOD = 0.1  # wall seconds between looks at what is missing
 REPORT_PERIOD = 0.3  # wall seconds between two /diagnostics without news
 FAREWELL = 0.2  # wall seconds for the last messages to be acknowledged
+WHOLE = 5.0  # the same where all went well, and nobody is dead: a recorder may be far behind
 PATIENCE = 0.5  # wall seconds of waiting after which the missing input is named
 LONELY = 5.0  # wall seconds without any input after which a person at the terminal is told
 
@@ -73,6 +74,8 @@ class GraphNode(Node):
         self.lockstep = graph.time == 'lockstep'
         self.replayed = self.lockstep and graph.source == 'replay'
         self.running = True
+        self.farewell = FAREWELL
+        self.hurried = False  # told to end once more, while it was ending
         self.begun = False  # whether the first message has gone or come
         self.health = Health()
         self.health.report('state', Level.OK, 'starting')
@@ -272,7 +275,7 @@ class GraphNode(Node):
 
     def close(self) -> None:
         """Leave everything outside in order; called once on every way out but SIGKILL."""
-        deadline = time.monotonic() + FAREWELL
+        deadline = time.monotonic() + self.farewell
         for publisher in self.publishers:
             left = max(0.0, deadline - time.monotonic())
             publisher.wait_for_all_acked(Duration(seconds=left))

@@ -44,11 +44,16 @@ def run(node_class: type[GraphNode], args: list[str] | None = None) -> NoReturn:
 def live(node_class: type[GraphNode], words: list[str]) -> None:
     """Make a node, let it work until it should stop, and close it whatever happens."""
     node = node_class()  # type: ignore[call-arg]
+
+    def stop(*_: object) -> None:
+        node.hurried = not node.running
+        node.running = False
+
     try:
         refuse_unknown(node, words)
         for number in STOPS:
             if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # by nohup
-                signal.signal(number, lambda *_: setattr(node, 'running', False))
+                signal.signal(number, stop)
         node.work()
     except BadInput:
         raise

@@ -19,7 +19,7 @@ from lta_config.recorded import is_wanted
 from lta_graph.health import Level
 from lta_graph.inbox import Step
 from lta_graph.ros.gathering import gather, settle
-from lta_graph.ros.node import GraphNode
+from lta_graph.ros.node import GraphNode, WHOLE
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.peer_listener import OVER, PeerListener, PULSE
 from lta_graph.ros.process import run
@@ -194,7 +194,7 @@ class Simulator(GraphNode):
         if self._finished is not None:
             return False
         if self._ended():
-            self._finished = time.monotonic()
+            self._finished, self.farewell = time.monotonic(), WHOLE
             self._watch()  # the others may be waiting for this
             self._on_news()
             return False
