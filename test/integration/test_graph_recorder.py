@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from pathlib import Path
 import signal
+import subprocess
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_analysis.bag.reader import read_bag
@@ -45,13 +46,16 @@ class Recording(Peer):
 
     def end(self):
         """Press Ctrl-C; return the exit status and what was said."""
-        self._process.send_signal(signal.SIGINT)
-        _, errors = self._process.communicate(timeout=PATIENCE)
-        return self._process.returncode, errors
+        self.interrupt()
+        return self.wait()
 
-    def wait(self):
+    def interrupt(self):
+        """Press Ctrl-C."""
+        self._process.send_signal(signal.SIGINT)
+
+    def wait(self, patience=PATIENCE):
         """Wait for the end."""
-        _, errors = self._process.communicate(timeout=PATIENCE)
+        _, errors = self._process.communicate(timeout=patience)
         return self._process.returncode, errors
 
     def __exit__(self, *error: object) -> None:
@@ -102,6 +106,32 @@ def facts(folder, task):
         for status in bag.decode(topic, data).status
         if status.name == f'recorder: {task}'
     ]
+
+
+@pytest.mark.parametrize('twice', [False, True])
+def test_it_stays_while_a_real_drone_comes_down_unless_told_twice(recording, twice):
+    """The bridge leaves last; what it says on the way down belongs into the bag."""
+    recording.start(source='crazyflie')
+    bridge = recording.publisher('imu')
+
+    def feel(count):
+        message = message_type(TABLE['imu'])()
+        message.header.stamp = recording.node.get_clock().now().to_msg()
+        bridge.publish(message)
+        recording.until(lambda: arrived(recording.bag, '/lta1/imu', count))
+
+    feel(1)
+    recording.interrupt()
+    with pytest.raises(subprocess.TimeoutExpired):
+        recording.wait(1.0)  # three times as long as nobody may say anything
+    feel(2)
+    if twice:
+        recording.interrupt()
+    else:
+        recording.node.destroy_publisher(bridge)
+    assert recording.wait() == (0, '')
+    assert len(heard(recording.bag, '/lta1/imu')) == 2
+    assert read_bag(recording.bag).complete
 
 
 def test_nonsense_is_recorded_counted_and_dates_nothing(recording):
