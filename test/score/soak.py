@@ -150,11 +150,13 @@ def lost(bag_path: Path, steps: int) -> str:
 
 def faults(listener: DiagnosticsListener) -> list[str]:
     """Return what nodes say of messages that they have not got."""
-    told = [fact for task, fact in listener.facts.items() if task.endswith(': losses')]
+    told = [fact.message for task, fact in listener.facts.items() if task.endswith(': losses')]
     recorder = listener.facts.get('recorder: recording')
-    return [fact.message for fact in told] + (
-        [recorder.message] if recorder and recorder.message != 'recording' else []
-    )
+    if recorder and recorder.message != 'recording':
+        figures = recorder.values.items()
+        topics = ', '.join(f'{key}: {count}' for key, count in figures if 'lost' in key)
+        told.append(f'{recorder.message} ({topics})')
+    return told
 
 
 def table(begin: NDArray[np.float64], end: NDArray[np.float64]) -> list[str]:
