@@ -136,7 +136,7 @@ if [ "$level" = test ]; then
     install --requirement locked/run.txt --requirement locked/test.txt
 fi
 # On all cores, where pip takes one, and without the half that nobody imports: tests of packages and
-# pymavlink's sixty dialects. What does not compile stays as it is, as with pip.
+# pymavlink's dialects. What does not compile stays as it is, as with pip.
 (cd "$venv" && bin/python -m compileall -q -j 0 -x '/(tests|dialects)/' lib >>install.log 2>&1) || :
 echo "$level $wanted" >"$stamp"
 echo "environment: ready after $(($(date +%s) - begun)) s."

@@ -5,10 +5,18 @@ from lta_analysis.report.palette import SOFT, STRENGTH
 from lta_analysis.report.results import phases_of
 from lta_analysis.report.view import View
 import numpy as np
+from numpy.typing import NDArray
 from plotly.graph_objects import Figure, Scatter
 
 LENGTH = 0.75  # m; long enough to see a direction, short enough not to hide the next
 PERIOD = 1.0  # s
+
+
+def first_of_each(time: Array, start: float, end: float) -> NDArray[np.intp]:
+    """Return the first sample of each period between two times, where it has one."""
+    inside = np.flatnonzero((time >= start) & (time < end))
+    _, first = np.unique(np.floor((time[inside] - start) / PERIOD), return_index=True)
+    return inside[first]
 
 
 def draw_rays(figure: Figure, view: View) -> None:
@@ -16,9 +24,7 @@ def draw_rays(figure: Figure, view: View) -> None:
     time, angle = view.bearing
     phases = phases_of(view)
     start = phases.search if np.isfinite(phases.search) else view.span[0]
-    inside = np.flatnonzero((time >= start) & (time < phases.end))
-    _, first = np.unique(np.floor((time[inside] - start) / PERIOD), return_index=True)
-    chosen = inside[first]
+    chosen = first_of_each(time, start, phases.end)
     chosen = chosen[np.isfinite(angle[chosen])]
     if not len(chosen):
         return

@@ -111,6 +111,16 @@ def test_results_of_others_are_not_touched(lta, tmp_path):
     assert (tmp_path / 'out' / 'mine').read_text() == 'precious'
 
 
+def test_an_empty_folder_that_cannot_be_replaced_is_filled(lta, tmp_path):
+    """Behind a link here; a disk that is mounted there is no more to be renamed."""
+    (tmp_path / 'trace.txt').write_text(TRACE)
+    (tmp_path / 'disk').mkdir()
+    (tmp_path / 'out').symlink_to(tmp_path / 'disk')
+    words = ['import', tmp_path / 'trace.txt', '--mapping', 'tum', '--out', tmp_path / 'out']
+    assert lta(*words)[0] == 0
+    assert [path.name for path in (tmp_path / 'disk').iterdir()] == ['bag']
+
+
 @pytest.mark.parametrize('name', known('imports'))
 def test_shipped_mappings_are_named_as_their_files(name):
     mapping, text = load_mapping(name)

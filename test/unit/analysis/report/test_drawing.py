@@ -9,7 +9,7 @@ from lta_analysis.report.moments import moments
 from lta_analysis.report.over_time import over_time
 from lta_analysis.report.panels import light, path
 from lta_analysis.report.panels.registry import PANELS
-from lta_analysis.report.rays import graded
+from lta_analysis.report.rays import first_of_each, graded
 from lta_analysis.report.room import BRIGHTEST, CELL, draw_room, glow, MOST_CELLS
 from lta_analysis.report.view import of_wanted, View
 from lta_sim.scenario import load_scenario
@@ -186,3 +186,9 @@ def test_of_two_beacons_the_wanted_one_is_drawn():
     assert of_wanted(fields)['snr'].tolist() == [[5.0, 2.0], [7.0, 3.0]]
     one = {name: values[:1, :2] for name, values in fields.items()}
     assert of_wanted(one)['snr'].tolist() == [[5.0, 2.0]]
+
+
+def test_there_is_a_ray_a_second_where_something_was_seen_however_long_it_was_not():
+    time = np.array([0.5, 1.0, 1.2, 2.1, 4.9, 5.0, 1.77e9, 1.77e9 + 0.5, 1.77e9 + 2.0])
+    assert first_of_each(time, 1.0, 1.77e9 + 1.0).tolist() == [1, 3, 4, 5, 6]
+    assert first_of_each(time, 6.0, 7.0).tolist() == []
