@@ -38,6 +38,7 @@ CHOSEN = {
     'motor_lag': {'up': 0.07, 'down': 0.1},
     'thrust_curve': {'a_1': 0.09, 'b_1': 0.07, 'b_3': 0.1},
     'rotor_thrust': {'heave_1': 0.96, 'surge_3': 0.98},
+    'battery_compensation': {'voltage': 4.2, 'full': 0.06, 'c_1': 0.0106, 'c_3': 0.0014},
     'battery_sag': {'voltage': 4.2, 'sensitivity': 0.8},
     'motor_deadband': {'threshold': 0.45},
     'thrust_polynomial': {'voltage': 4.2, 'linear_to': 0.8, 'c_1': 0.05, 'c_3': 0.002},

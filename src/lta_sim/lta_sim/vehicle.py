@@ -179,6 +179,16 @@ class Vehicle:
         return curves.pop()
 
     @property
+    def battery_compensated(self) -> bool:
+        """
+        Whether the firmware corrects duties for the voltage of the battery.
+
+        A duty is then a share of a thrust, and not of the present voltage: the file switches on
+        the effect `battery_compensation`.
+        """
+        return self.effects().get('battery_compensation', {}).get('voltage', 0.0) > 0.0
+
+    @property
     def full_thrust(self) -> float:
         """Thrust of one rotor at full duty. [N]."""
         return sum(self.thrust_curve)

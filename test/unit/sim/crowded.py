@@ -28,6 +28,8 @@ FIXED = {
     'moving_mass': {'mass': 0.05, 'x': 0.07, 'y': 0.01, 'z': -0.24, 'lag': 0.3, 'speed': 0.4},
     'added_mass': {'surge': 0.14, 'sway': 0.15, 'heave': 0.37},
     'added_inertia': {'roll': 4e-3, 'pitch': 5e-3, 'yaw': 1e-3},
+    'battery_compensation': {'voltage': 4.0, 'full': 0.12, 'least': 0.0128}
+    | {'c_0': -0.0248, 'c_1': 0.0652, 'c_2': -0.0268, 'c_3': 0.00678},
     'battery_sag': {'voltage': 4.0, 'sensitivity': 0.8},
     'motor_deadband': {'threshold': 0.15},
     'motor_lag': {'up': 0.07, 'down': 0.1},

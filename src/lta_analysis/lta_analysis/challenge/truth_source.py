@@ -27,6 +27,7 @@ APART: Final = frozenset(
         'weight_and_buoyancy', 'rotor_thrust', 'rotor_misalignment', 'floor_contact', 'walls',
         'wind_profile', 'turbulence', 'gusts', 'superheat', 'moving_mass', 'hull_lift',
         'thrust_polynomial', 'rotor_envelope_interaction', 'ceiling_effect',
+        'battery_compensation',
     }
 )  # fmt: skip
 RIGID: Final = 18  # position, rotation matrix, momentum, angular momentum

@@ -41,6 +41,7 @@ BUILT_IN = (  # each is the file of this name
     'munk_moment',
     'hull_lift',
     'strip_damping',
+    'battery_compensation',
     'battery_sag',
     'motor_deadband',
     'motor_lag',

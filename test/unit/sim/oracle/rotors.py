@@ -5,6 +5,18 @@ import numpy as np
 from .given import NONE
 
 
+def battery_compensation(p, i, memory, duty, scene):
+    if p('voltage') == 0.0:
+        return duty, NONE
+    supply = scene.voltage or p('voltage')
+    newtons = p('full') * duty
+    if supply < 2.0 or newtons <= 0.0 or newtons < p('least'):
+        return 0.0, NONE
+    roots = np.roots([p('c_3'), p('c_2'), p('c_1'), p('c_0') - newtons])
+    mean = roots.real[np.argmin(abs(roots.imag))]
+    return min(mean / supply, 1.0), NONE
+
+
 def battery_sag(p, i, memory, duty, scene):
     if p('voltage') == 0.0 or scene.voltage == 0.0:
         return duty, NONE
@@ -47,6 +59,7 @@ def rotor_fault(p, i, memory, newtons, scene):
 
 
 ROTORS = {
+    'battery_compensation': battery_compensation,
     'battery_sag': battery_sag,
     'motor_deadband': motor_deadband,
     'motor_lag': motor_lag,

@@ -20,6 +20,7 @@ DESIGN: Final = frozenset(
         'rotor_thrust', 'thrust_curve', 'thrust_polynomial', 'weight_and_buoyancy', 'walls',
         'floor_contact', 'hull_lift', 'strip_damping', 'moving_mass', 'gas_state', 'air_state',
         'turbulence', 'gusts', 'wind_profile', 'rotor_envelope_interaction', 'ceiling_effect',
+        'battery_compensation',
     }
 )  # fmt: skip
 # Of those, what may well be off where a vehicle has them: numbers that were fitted to flights.

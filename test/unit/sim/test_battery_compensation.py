@@ -1,0 +1,168 @@
+"""What the firmware of a Crazyflie makes of a duty at the present voltage of its battery."""
+
+from itertools import pairwise
+
+from lta_config.errors import BadInput
+from lta_sim.effects import (
+    battery_compensation,
+    battery_sag,
+    initial_memory,
+    thrust_polynomial,
+)
+from lta_sim.kernel import advance, thrusts
+from lta_sim.state import pack, SURROUNDINGS, VOLTAGE
+from lta_sim.vehicle import load_vehicle
+import numpy as np
+import pytest
+
+from .changed_vehicle import build
+
+NOMINAL = 3.7
+# crazyflie-firmware 2026.08, platform_defaults_cf2.h: full and least thrust of a motor [N], and
+# its cubic.
+FIRMWARE = {
+    '2.1+': (0.12, 0.0128176, -0.0247654, 0.0652379, -0.0267925, 0.00677679),
+    'legacy': (0.12, 0.0128176, -0.0148307, 0.0472447, -0.0184736, 0.00596092),
+    'upgrade kit': (0.18, 0.0192264, 0.00672813, 0.0101156, 0.0102632, 0.00283586),
+}
+NAMES = ('full', 'least', 'c_0', 'c_1', 'c_2', 'c_3')
+
+
+def around(volts):
+    surroundings = [0.0] * SURROUNDINGS
+    surroundings[VOLTAGE] = volts
+    return tuple(surroundings)
+
+
+def pwm(duty, volts=NOMINAL, which='2.1+', nominal=NOMINAL):
+    return battery_compensation.output((nominal, *FIRMWARE[which]), (), duty, around(volts))
+
+
+def cubic(mean, which='2.1+'):
+    """Return the thrust at a mean voltage of a motor. [N]"""
+    _, _, c_0, c_1, c_2, c_3 = FIRMWARE[which]
+    return c_0 + c_1 * mean + c_2 * mean**2 + c_3 * mean**3
+
+
+@pytest.mark.parametrize(
+    ('duty', 'ratio'), [(0.05, 0.0), (0.10, 0.0), (0.11, 0.21), (0.5, 0.59), (1.0, 0.83)]
+)
+def test_what_the_stock_firmware_gives_at_3_7_volts(duty, ratio):
+    assert pwm(duty) == pytest.approx(ratio, abs=0.01)
+
+
+def test_by_hand():
+    # 2.1+ at 2 V: -0.0247654 + 0.1304758 - 0.1071700 + 0.0542143 = 0.0527547 N, of 0.12 N.
+    assert pwm(0.0527547 / 0.12, 4.0) == pytest.approx(0.5, abs=1e-6)
+    # upgrade kit at 3 V: 0.0067281 + 0.0303468 + 0.0923688 + 0.0765682 = 0.2060119 N of 0.18 N,
+    # and at 2.5 V: 0.0067281 + 0.0252890 + 0.0641450 + 0.0443103 = 0.1404724 N.
+    assert pwm(0.1404724 / 0.18, 4.0, 'upgrade kit') == pytest.approx(0.625, abs=1e-6)
+    assert pwm(1.0, 2.7, 'upgrade kit') == 1.0
+
+
+@pytest.mark.parametrize('which', FIRMWARE)
+@pytest.mark.parametrize('volts', [2.0, 3.0, 3.7, 4.2, 8.4])
+def test_it_inverts_the_cubic(which, volts):
+    full, least = FIRMWARE[which][:2]
+    for duty in np.linspace(0.0, 1.0, 101).tolist():
+        ratio, wanted = pwm(duty, volts, which), full * duty
+        if wanted < least:
+            assert ratio == 0.0
+        elif cubic(volts, which) <= wanted:
+            assert ratio == 1.0
+        else:
+            assert cubic(ratio * volts, which) == pytest.approx(wanted, rel=1e-12)
+
+
+def test_it_rises_without_a_jump_from_the_least_thrust_to_the_whole_voltage():
+    duties = np.linspace(0.1069, 1.0, 500).tolist()
+    for volts in (2.5, 3.0, 3.7, 4.2):
+        ratios = [pwm(duty, volts) for duty in duties]
+        steps = [late - early for early, late in pairwise(ratios)]
+        assert min(steps) >= 0.0
+        assert max(steps) < 0.01
+    assert pwm(1.0, 2.5) == 1.0
+
+
+def test_the_edges():
+    least = 0.0128176 / 0.12
+    assert pwm(0.999 * least) == 0.0
+    assert pwm(1.001 * least) > 0.2
+    assert pwm(0.0) == pwm(-0.5) == pwm(-1.0) == 0.0
+    assert pwm(0.5, 1.999) == 0.0
+    assert pwm(0.5, 2.001) > 0.9
+    assert pwm(0.5, 0.0) == pwm(0.5, NOMINAL)  # nobody knows the voltage
+    assert pwm(0.5, 3.3, nominal=0.0) == 0.5  # off
+
+
+def test_the_thrust_stays_while_the_battery_sags():
+    """Compensation, sag and the cubic one after the other give the share of the full thrust."""
+    full, _, *coefficients = FIRMWARE['2.1+']
+    for volts in (0.0, 3.2, 3.7, 4.2):
+        sagged = battery_sag.output((NOMINAL, 1.0), (), pwm(0.55, volts), around(volts))
+        motor = (NOMINAL, 0.774, *coefficients)
+        thrust = thrust_polynomial.output(motor, (), sagged, around(volts))
+        assert thrust == pytest.approx(0.55 * full, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ('changes', 'words'),
+    [
+        ({}, ''),
+        ({'full': 0.12}, 'voltage must be'),
+        ({'voltage': 3.7}, 'full must be more'),
+        ({'voltage': 3.7, 'full': 0.12, 'least': 0.12, 'c_1': 0.03}, 'full must be more'),
+        ({'voltage': 3.7, 'full': 0.12}, 'must rise'),
+        ({'voltage': 3.7, 'full': 0.12, 'c_1': 0.03}, ''),
+        ({'voltage': 3.7, 'full': 0.12, 'c_1': 0.03, 'c_2': -0.02, 'c_3': 0.004}, 'must rise'),
+        ({'voltage': 3.7} | dict(zip(NAMES, FIRMWARE['2.1+'], strict=True)), ''),
+        ({'voltage': 3.7} | dict(zip(NAMES, FIRMWARE['upgrade kit'], strict=True)), ''),
+    ],
+)
+def test_a_cubic_must_have_an_inverse(changes, words):
+    values = {parameter.name: parameter.null for parameter in battery_compensation.SHARED}
+    objection = battery_compensation.EFFECT.check({**values, **changes})
+    assert words in objection
+    assert bool(objection) == bool(words)
+
+
+UNITS = ('V', 'N', 'N', 'N', 'N/V', 'N/V2', 'N/V3')
+
+
+def declared(nominal=NOMINAL):
+    """Return the effect as a vehicle file has it."""
+    values = zip(('voltage', *NAMES), (nominal, *FIRMWARE['2.1+']), UNITS, strict=True)
+    return {
+        name: {'value': value, 'unit': unit, 'source': 'crazyflie-firmware 2026.08'}
+        for name, value, unit in values
+    }
+
+
+def thrust_of(vehicle, duty, volts):
+    """Return the thrust of the first rotor after half a second of a duty. [N]"""
+    model, command = vehicle.model(), vehicle.command((duty,) * 4)
+    start = pack((0.0, 0.0, 2.0), memory=initial_memory())
+    late = advance(start, model, command, around(volts), 2.5e-3, 200)
+    return thrusts(late, model, command, around(volts))[0]
+
+
+class TestOfAVehicle:
+    def test_it_says_whether_its_firmware_compensates(self):
+        assert not load_vehicle('gtmab').battery_compensated
+        assert build(('effects.battery_compensation', declared())).battery_compensated
+
+    def test_null_values_do_not_count(self):
+        off = {name: {**each, 'value': 0} for name, each in declared().items()}
+        assert not build(('effects.battery_compensation', off)).battery_compensated
+
+    def test_a_duty_flies_as_the_firmware_gives_it(self):
+        plain, stock = build(), build(('effects.battery_compensation', declared()))
+        ratio = pwm(0.5, 3.4)
+        commanded = thrust_of(stock, 0.5, 3.4)
+        assert commanded == pytest.approx(thrust_of(plain, ratio, 3.4), rel=1e-12)
+        assert thrust_of(plain, 0.5, 3.4) == thrust_of(plain, 0.5, 4.1)
+
+    def test_a_cubic_without_an_inverse_is_refused(self):
+        wrong = declared() | {'c_1': {**declared()['c_1'], 'value': 0}}
+        with pytest.raises(BadInput, match='must rise with the voltage'):
+            build(('effects.battery_compensation', wrong))
