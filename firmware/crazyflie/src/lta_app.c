@@ -2,48 +2,68 @@
  *
  * It is an out-of-tree controller that hands four forces to the stock power distribution
  * (controlModeForce), so everything of the firmware that stops motors stays in force: arming,
- * tumble check, emergency stop, lock. The app renews a setpoint without any thrust, so that the
- * commander's watchdog does not lock a drone whose motors the app itself has stopped: when packets
- * end, the motors stop after the packets' own time-out, and once the firmware takes the drone for
- * landed, 2 s later, the app lets go of the commander.
+ * tumble check, emergency stop, lock, landing and preflight time-outs.
+ *
+ * When packets end, the motors stop after the packets' own time-out. The app then renews a
+ * setpoint without thrust, because the commander's watchdog would lock a drone that counts as
+ * flying, disarms after DISARM_MS, and lets go of the commander after LET_GO_MS.
  */
 #include <string.h>
 
 #include "FreeRTOS.h"
 #include "app.h"
 #include "app_channel.h"
+#include "autoconf.h"
 #include "commander.h"
 #include "controller.h"
 #include "lta_duties.h"
 #include "param.h"
+#include "supervisor.h"
 #include "task.h"
 
 #define LOOK_MS 20
-#define LANDED_MS 2500 /* supervisor.c: 2000 with the motors off, and a margin */
+#define DISARM_MS 1000 /* a link that is back within this time flies on */
+#define LET_GO_MS 1500 /* the supervisor has seen the disarming by then */
 
 static lta_duties_t newest;
-static uint8_t present = 1;
+static uint8_t version = 2; /* of the packets and of what this file promises */
+#ifdef CONFIG_ENABLE_THRUST_BAT_COMPENSATED
+static uint8_t compensated = 1;
+#else
+static uint8_t compensated = 0;
+#endif
+static bool feeding;
 
 static uint32_t milliseconds(void) { return T2M(xTaskGetTickCount()); }
 
-static uint32_t fed_until;
-static bool feeding;
+static void renew_setpoint(void) {
+  setpoint_t setpoint;
+  memset(&setpoint, 0, sizeof(setpoint));
+  setpoint.timestamp = xTaskGetTickCount();
+  commanderSetSetpoint(&setpoint, COMMANDER_PRIORITY_CRTP);
+}
 
-/* Renew the setpoint for as long as the drone may count as flying, and then let go. */
+static void let_go(void) {
+  commanderRelaxPriority();
+  feeding = false;
+  taskENTER_CRITICAL();
+  lta_duties_forget(&newest);
+  taskEXIT_CRITICAL();
+}
+
 static void feed(void) {
-  const uint32_t now = milliseconds();
+  const uint32_t silence = lta_duties_silence(&newest, milliseconds());
   if (!feeding) {
     return;
   }
-  if ((int32_t)(fed_until - now) > 0) {
-    setpoint_t setpoint;
-    memset(&setpoint, 0, sizeof(setpoint));
-    setpoint.timestamp = xTaskGetTickCount();
-    commanderSetSetpoint(&setpoint, COMMANDER_PRIORITY_CRTP);
-  } else {
-    commanderRelaxPriority();
-    feeding = false;
+  if (silence >= LET_GO_MS) {
+    let_go();
+    return;
   }
+  if (silence >= DISARM_MS) {
+    supervisorRequestArming(false);
+  }
+  renew_setpoint();
 }
 
 void ltaAppStep(void) {
@@ -54,7 +74,6 @@ void ltaAppStep(void) {
     taskENTER_CRITICAL(); /* the controller must not see half of a packet */
     newest = next;
     taskEXIT_CRITICAL();
-    fed_until = milliseconds() + newest.hold_ms + LANDED_MS;
     feeding = true;
   }
   feed();
@@ -79,5 +98,6 @@ void controllerOutOfTree(control_t *control, const setpoint_t *setpoint,
 }
 
 PARAM_GROUP_START(lta)
-PARAM_ADD(PARAM_UINT8 | PARAM_RONLY, app, &present)
+PARAM_ADD(PARAM_UINT8 | PARAM_RONLY, app, &version)
+PARAM_ADD(PARAM_UINT8 | PARAM_RONLY, compensated, &compensated)
 PARAM_GROUP_STOP(lta)

@@ -9,6 +9,11 @@ bool lta_duties_hold(const lta_duties_t *duties, uint32_t now_ms) {
   return now_ms - duties->since_ms < duties->hold_ms;
 }
 
+uint32_t lta_duties_silence(const lta_duties_t *duties, uint32_t now_ms) {
+  const uint32_t age = now_ms - duties->since_ms;
+  return age < duties->hold_ms ? 0 : age - duties->hold_ms;
+}
+
 bool lta_duties_take(lta_duties_t *duties, const uint8_t *data, size_t size, uint32_t now_ms) {
   if (size != SIZE || data[0] != LTA_MARK) {
     return false;
@@ -20,6 +25,7 @@ bool lta_duties_take(lta_duties_t *duties, const uint8_t *data, size_t size, uin
   for (int motor = 0; motor < LTA_MOTORS; motor++) {
     const float duty = (float)(int16_t)u16(data + 2 + 2 * motor) / LTA_FULL;
     duties->duty[motor] = duty < 0.0f ? 0.0f : duty > 1.0f ? 1.0f : duty;
+    duties->turned |= duty > 0.0f;
   }
   duties->sequence = data[1];
   duties->since_ms = now_ms;
@@ -32,4 +38,9 @@ void lta_duties_now(const lta_duties_t *duties, uint32_t now_ms, float out[LTA_M
   for (int motor = 0; motor < LTA_MOTORS; motor++) {
     out[motor] = holds ? duties->duty[motor] : 0.0f;
   }
+  if (holds && duties->turned && out[0] < LTA_KEEP_FLYING) {
+    out[0] = LTA_KEEP_FLYING;
+  }
 }
+
+void lta_duties_forget(lta_duties_t *duties) { duties->turned = false; }

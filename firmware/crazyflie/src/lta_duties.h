@@ -8,12 +8,15 @@
 #define LTA_MOTORS 4
 #define LTA_MARK 0x4C
 #define LTA_FULL 32767
+/* One step of 65535, and a half so that no rounding loses it: below the 8 bits of the PWM. */
+#define LTA_KEEP_FLYING (1.5f / 65535.0f)
 
 typedef struct {
   float duty[LTA_MOTORS]; /* 0 to 1; these rotors do not reverse */
   uint32_t since_ms;      /* when the newest packet came */
   uint32_t hold_ms;       /* for how long it holds; 0: nothing holds */
   uint8_t sequence;
+  bool turned; /* whether a motor was commanded to turn since lta_duties_forget */
 } lta_duties_t;
 
 /* Take a packet, `<BB4hH`: mark, sequence, duties in 1/32767, time-out in ms.
@@ -23,5 +26,15 @@ bool lta_duties_take(lta_duties_t *duties, const uint8_t *data, size_t size, uin
 /* Tell whether the newest packet still holds. */
 bool lta_duties_hold(const lta_duties_t *duties, uint32_t now_ms);
 
-/* Write what the motors shall do: the duties while they hold, nothing otherwise. */
+/* Return for how long no packet has held; 0 while one does. [ms] */
+uint32_t lta_duties_silence(const lta_duties_t *duties, uint32_t now_ms);
+
+/* Write what the motors shall do: the duties while they hold, nothing otherwise.
+ *
+ * The supervisor takes a drone whose motors stand for 2 s as landed, and disarms it 3 s later. A
+ * blimp coasts for longer. So once it has flown, the first motor keeps LTA_KEEP_FLYING while
+ * packets hold: that counts as flying and leaves the pin low. */
 void lta_duties_now(const lta_duties_t *duties, uint32_t now_ms, float out[LTA_MOTORS]);
+
+/* Forget that a motor turned: the flight is over. */
+void lta_duties_forget(lta_duties_t *duties);

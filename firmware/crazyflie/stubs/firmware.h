@@ -36,6 +36,7 @@ uint32_t xTaskGetTickCount(void);
 size_t appchannelReceiveDataPacket(void *buffer, size_t most, int timeout_ms);
 void commanderSetSetpoint(setpoint_t *setpoint, int priority);
 void commanderRelaxPriority(void);
+bool supervisorRequestArming(bool arm);
 void appMain(void);
 void ltaAppStep(void);
 void controllerOutOfTreeInit(void);

@@ -6,7 +6,7 @@
 uint32_t host_now_ms;
 uint8_t host_packet[APPCHANNEL_MTU];
 size_t host_size;
-int host_setpoints, host_relaxed;
+int host_setpoints, host_relaxed, host_disarmed;
 
 uint32_t xTaskGetTickCount(void) { return host_now_ms; }
 
@@ -24,3 +24,8 @@ void commanderSetSetpoint(setpoint_t *setpoint, int priority) {
 }
 
 void commanderRelaxPriority(void) { host_relaxed++; }
+
+bool supervisorRequestArming(bool arm) {
+  host_disarmed += !arm;
+  return true;
+}

@@ -47,6 +47,13 @@ class App:
         assert control.mode == 2  # controlModeForce: four forces, one a motor
         return pytest.approx(tuple(control.forces), abs=1e-4)
 
+    def ratios(self, now_ms):
+        """Return the steps of 65535 that the firmware makes of the forces at a time."""
+        self._now.value = now_ms
+        control = Control()
+        self.library.controllerOutOfTree(ctypes.byref(control), None, None, None, 0)
+        return tuple(int(force * 65535) for force in control.forces)
+
 
 @pytest.fixture(scope='module')
 def library(tmp_path_factory):
@@ -81,16 +88,44 @@ def test_duties_hold_for_their_time_out_and_then_the_motors_stop(app):
     assert app.at(1200) == OFF
 
 
-def test_the_commander_is_fed_until_the_drone_counts_as_landed(app):
+def test_when_packets_end_it_disarms_after_a_second_and_lets_go_of_the_commander(app):
     app.at(900)
     assert app.count('setpoints') == 0
     app.at(1000, duties_packet.packed(1, SOME, 200))
-    for now in range(1020, 3680, 20):  # 0.2 s of duties, then 2.5 s; a look takes 20 ms
+    for now in range(1020, 2180, 20):  # 0.2 s of duties, and a second; a look takes 20 ms
         app.at(now)
-    assert (app.count('setpoints'), app.count('relaxed')) == (134, 0)
-    app.at(3680)
+    assert app.count('disarmed') == 0
+    app.at(2180)
+    assert (app.count('disarmed'), app.count('relaxed')) == (1, 0)
+    for now in range(2200, 2680, 20):
+        app.at(now)
+    renewed = app.count('setpoints')
+    app.at(2680)
     app.at(9000)
-    assert (app.count('setpoints'), app.count('relaxed')) == (134, 1)
+    assert (app.count('setpoints'), app.count('relaxed')) == (renewed, 1)
+
+
+def test_a_link_that_is_back_within_a_second_flies_on(app):
+    app.at(1000, duties_packet.packed(1, SOME, 200))
+    for now in range(1020, 2160, 20):
+        assert app.at(now) == (SOME if now < 1200 else OFF)
+    assert app.at(2160, duties_packet.packed(2, SOME, 200)) == SOME
+    assert app.count('disarmed') == 0
+
+
+def test_a_coasting_drone_counts_as_flying_and_its_pins_stay_low(app):
+    """The supervisor disarms what stands for 5 s; one step of 65535 is below the PWM's 8 bits."""
+    app.at(1000, duties_packet.packed(1, OFF, 200))
+    assert app.ratios(1010) == (0, 0, 0, 0)  # it has not flown yet
+    app.at(1020, duties_packet.packed(2, SOME, 200))
+    app.at(1040, duties_packet.packed(3, OFF, 200))
+    assert app.ratios(1050) == (1, 0, 0, 0)
+    assert 1 >> 8 == 0
+    assert app.ratios(1240) == (0, 0, 0, 0)  # no packet holds any more
+    for now in range(1260, 2900, 20):
+        app.at(now)
+    app.at(3000, duties_packet.packed(4, OFF, 200))
+    assert app.ratios(3010) == (0, 0, 0, 0)  # another flight
 
 
 def test_the_clock_may_wrap_and_a_first_packet_may_have_any_number(app):

@@ -1,0 +1,79 @@
+/* A body that only rises and sinks: enough for a firmware whose safety is judged, not its flight.
+ *
+ * It stays level, so that the IMU shows gravity and vertical acceleration alone. Defaults are a
+ * Crazyflie; LTA_BODY_MASS [kg], LTA_BODY_LIFT [N of buoyancy], LTA_BODY_THRUST [N of all four
+ * motors at 4.2 V] and LTA_BODY_DRAG [N s2/m2] make it a blimp.
+ */
+#include <math.h>
+#include <pthread.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "linux_platform.h"
+
+#define GRAVITY 9.81f
+#define FULL_VOLTAGE 4.2f
+#define STANDING 0.03f      /* m from the range finder to the ground it stands on */
+#define SEA_LEVEL 1013.25f  /* mbar */
+#define MBAR_PER_METRE 0.12f
+
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+static float height, speed, specific_force = 1.0f, voltage = 4.0f, upside_down;
+
+static float from_environment(const char *name, float otherwise) {
+  const char *text = getenv(name);
+  return text ? strtof(text, NULL) : otherwise;
+}
+
+void body_step(float dt, const float ratios[MOTORS]) {
+  static float mass, lift, full_thrust, drag;
+  if (mass == 0.0f) {
+    mass = from_environment("LTA_BODY_MASS", 0.032f);
+    lift = from_environment("LTA_BODY_LIFT", 0.0f);
+    full_thrust = from_environment("LTA_BODY_THRUST", 0.6f);
+    drag = from_environment("LTA_BODY_DRAG", 0.01f);
+  }
+  pthread_mutex_lock(&lock);
+  float thrust = 0.0f;
+  for (int motor = 0; motor < MOTORS; motor++) {
+    const float mean = ratios[motor] * voltage / FULL_VOLTAGE;
+    thrust += full_thrust / MOTORS * mean * mean;
+  }
+  float force = lift + thrust - drag * speed * fabsf(speed);
+  const bool on_ground = height <= 0.0f && force < mass * GRAVITY;
+  if (on_ground) {
+    force = mass * GRAVITY;
+    height = speed = 0.0f;
+  }
+  specific_force = force / (mass * GRAVITY);
+  speed += dt * (force / mass - GRAVITY);
+  height += dt * speed;
+  pthread_mutex_unlock(&lock);
+}
+
+readings_t body_read(void) {
+  pthread_mutex_lock(&lock);
+  readings_t readings = {
+      .acc = {0.0f, 0.0f, upside_down ? -specific_force : specific_force},
+      .range = STANDING + height,
+      .pressure = SEA_LEVEL - MBAR_PER_METRE * height,
+      .voltage = voltage,
+  };
+  pthread_mutex_unlock(&lock);
+  return readings;
+}
+
+int body_set(const char *name, float value) {
+  int known = 1;
+  pthread_mutex_lock(&lock);
+  if (strcmp(name, "voltage") == 0) {
+    voltage = value;
+  } else if (strcmp(name, "upside_down") == 0) {
+    upside_down = value;
+  } else {
+    known = 0;
+  }
+  pthread_mutex_unlock(&lock);
+  return known;
+}

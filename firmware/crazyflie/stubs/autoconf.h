@@ -1,0 +1,1 @@
+/* The build without compensation, as app-config has it. */
