@@ -21,7 +21,8 @@ from lta_analysis.discovery.replay.linearise import Linearised
 from lta_analysis.discovery.replay.replay import Replay, STEPS
 from lta_analysis.discovery.replay.sensing import Places
 from lta_config.constants import STANDARD_GRAVITY
-from lta_sim.vehicle import load_vehicle
+from lta_config.vehicle_file import load_vehicle_file
+from lta_sim.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
 import pandas as pd
@@ -36,6 +37,7 @@ FLYING: Final = 0.3  # m; lower it may stand on the floor
 TURNING: Final = 0.1  # duty of every motor; less is a start or a landing
 HORIZONS: Final = (0.4, 1.0)  # s
 MOTORS: Final = [f'motor_motor_m{i}' for i in (1, 2, 3, 4)]
+FIRMWARE: Final = {'battery_compensation', 'battery_sag', 'thrust_polynomial'}
 POSE: Final = ['px', 'py', 'pz', 'qx', 'qy', 'qz', 'qw']
 
 
@@ -81,9 +83,22 @@ def exponent(flight: Flown, timed: bool) -> tuple[float, float]:
     return float(fit[1]), float(np.sqrt(spread))
 
 
+def by_pwm() -> Vehicle:
+    """
+    Return the multirotor with GT-MAB's thrust curve, which is by PWM.
+
+    The firmware logs its PWM; the shipped multirotor takes what comes before the compensation of
+    the battery.
+    """
+    file = load_vehicle_file('multirotor')
+    effects = {name: each for name, each in file.effects.items() if name not in FIRMWARE}
+    curve = load_vehicle_file('gtmab').thrust_curve
+    return Vehicle(file.model_copy(update={'effects': effects, 'thrust_curve': curve}))
+
+
 def lost(path: Path) -> list[float]:
     """Return how far a replay without a controller is off at HORIZONS. [m]"""
-    vehicle, table = load_vehicle('multirotor'), pd.read_csv(path)
+    vehicle, table = by_pwm(), pd.read_csv(path)
     time = table['t'].to_numpy(dtype=np.float64)
     duty = Stream(time - time[0], np.nan_to_num(table[MOTORS].to_numpy() / 65535.0))
     pose = Stream(time - time[0], table[POSE].to_numpy(dtype=np.float64))
@@ -104,7 +119,7 @@ def main() -> None:
     """Score, print and write."""
     if not DATA.is_dir():
         sys.exit(f'There is no {DATA}; set LTA_DATA to the folder that has crazyflie_flights/.')
-    nominal = Nominal.of(load_vehicle('multirotor'))
+    nominal = Nominal.of(by_pwm())
     a, b = (nominal.value('thrust_curve', f'{c}_1') for c in 'ab')
     paths = sorted(DATA.glob('*.csv.gz'))
     flights = [read(path, nominal.mass, a, b) for path in paths]

@@ -9,7 +9,7 @@ from lta_sim.cfd.sweep_table import read_sweep
 from lta_sim.effects import initial_memory
 from lta_sim.hull import added_mass
 from lta_sim.limits import level_force, level_speed, tumble_speed
-from lta_sim.state import pack
+from lta_sim.state import pack, SURROUNDINGS, VOLTAGE
 from lta_sim.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -243,15 +243,38 @@ class TestSkye:
 
 
 class TestMultirotor:
-    """Crazyflie 2.1: 27 g on four rotors of 0.159 N."""
+    """Crazyflie 2.1 with stock firmware: 27 g on four rotors, each asked for 0.12 N at most."""
 
     def test_hover_duty_by_hand(self, vehicles):
         vehicle = vehicles['multirotor']
-        a, b, each = 0.0915, 0.0677, 0.027 * G / 4
-        duty = (-b + math.sqrt(b * b + 4 * a * each)) / (2 * a)
-        assert vehicle.hover_duty == pytest.approx(duty, rel=1e-12)
-        # Bitcraze's bench: 24.4 g at 50 %, 41.7 g at 75 % of duty; 27 g lies between.
-        assert 0.50 < duty < 0.58
+        assert vehicle.battery_compensated
+        assert vehicle.full_thrust == 0.12
+        assert vehicle.hover_duty == pytest.approx(0.027 * G / 4 / 0.12, rel=1e-12)
+
+    @pytest.mark.parametrize('volts', [3.1, 3.7, 4.2])
+    def test_it_hovers_at_any_voltage(self, vehicles, volts):
+        vehicle = vehicles['multirotor']
+        model, command = vehicle.model(), vehicle.command((vehicle.hover_duty,) * 4)
+        around = np.zeros(SURROUNDINGS)
+        around[VOLTAGE] = volts
+        start = pack((0.0, 0.0, 1.0), memory=initial_memory())
+        late = kernel.advance(start, model, command, around, 2.5e-3, 800)
+        lift = kernel.thrusts(late, model, command, around).sum()
+        assert lift == pytest.approx(0.027 * G, rel=1e-9)
+
+    def test_its_motors_hover_between_two_rows_of_the_bench(self, vehicles):
+        """Bitcraze's bench: 24.4 g at 50 % of 3.71 V, 41.7 g at 75 % of 3.56 V."""
+        motor = vehicles['multirotor'].effects()['thrust_polynomial']
+        cubic = [motor[name] for name in ('c_3', 'c_2', 'c_1', 'c_0')]
+        assert np.polyval(cubic, 0.5 * 3.71) < 0.027 * G / 4 < np.polyval(cubic, 0.75 * 3.56)
+
+    def test_what_its_firmware_inverts_is_what_its_motors_follow(self, vehicles):
+        given = vehicles['multirotor'].effects()
+        firmware, motor = given['battery_compensation'], given['thrust_polynomial']
+        for name in ('voltage', 'c_0', 'c_1', 'c_2', 'c_3'):
+            assert firmware[name] == motor[name]
+        assert given['battery_sag'] == {'voltage': firmware['voltage'], 'sensitivity': 1.0}
+        assert firmware['full'] == vehicles['multirotor'].full_thrust
 
     def test_at_the_hover_duty_it_stays(self, vehicles):
         vehicle = vehicles['multirotor']

@@ -5,7 +5,7 @@ import math
 
 from lta_analysis.ingredients import gather
 from lta_config.constants import STANDARD_GRAVITY
-from lta_config.files import checked
+from lta_config.files import checked, find, load_yaml
 from lta_config.vehicle_file import VehicleFile
 from lta_sim import limits, wind_limits
 from lta_sim.vehicle import load_vehicle, Vehicle
@@ -107,9 +107,21 @@ def test_the_air_turns_with_the_pitch():
     assert wrench[2] == pytest.approx(0.0, abs=1e-12)
 
 
+def test_a_multirotor_leans_as_far_as_its_thrust_carries_it():
+    """Held up, its level drag is 0.0064 N s/m at any pitch; 0.48 N carry 0.265 N up to 51 deg."""
+    weight, pitch = 0.027 * STANDARD_GRAVITY, math.radians(51.0)  # of a grid of 3 degrees
+    assert static_limit(load_vehicle('multirotor')) == pytest.approx(
+        weight * math.tan(pitch) / 0.0064, abs=0.01
+    )
+
+
 def test_a_drone_without_a_known_limit_has_none():
-    """Linear rotor drag alone: 0.0064 N s/m never meets the 0.58 N that a tilt leaves."""
-    assert static_limit(load_vehicle('multirotor')) == math.inf  # and so is the thrust's
+    """Half of that drag never meets the 0.40 N that a tilt leaves."""
+    drag = {'value': [3.2e-3, 3.2e-3, 3.6e-3], 'unit': 'N s/m', 'source': 'test'}
+    slippery = load_yaml(find('vehicle', 'multirotor'))
+    slippery['aero']['linear_drag']['force'] = drag
+    vehicle = Vehicle(VehicleFile.model_validate(slippery))
+    assert static_limit(vehicle) == math.inf  # and so is the thrust's
 
 
 @pytest.mark.long

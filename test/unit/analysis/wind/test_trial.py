@@ -10,6 +10,7 @@ from lta_analysis.wind.limits import Asked, measured, ticks, to_json
 from lta_analysis.wind.page import page
 from lta_analysis.wind.trial import blowing, Flyable, flyable, Ground, makes_way
 from lta_config.errors import BadInput
+from lta_config.files import find
 from lta_sim.scenario import Scenario
 import pytest
 from typer.testing import CliRunner
@@ -121,11 +122,22 @@ def test_ground_that_leaves_no_wind_is_refused():
         measured(asked(roughness=(1.0,), fly=False), 'gtmab', lambda: None)
 
 
+def test_a_drone_without_a_known_limit_is_told_of(tmp_path):
+    file = tmp_path / 'slippery.yaml'
+    text = find('vehicle', 'multirotor').read_text(encoding='utf-8')
+    assert '[6.4e-3, 6.4e-3, 7.2e-3]' in text
+    file.write_text(text.replace('[6.4e-3, 6.4e-3, 7.2e-3]', '[3.2e-3, 3.2e-3, 3.6e-3]'))
+    call = ['wind', str(file), '--no-fly', '--out', str(tmp_path / 'out')]
+    told = CliRunner().invoke(put_together(), call)
+    assert told.exit_code == 0, told.output
+    assert 'its known drag sets no limit below 60 m/s.' in ' '.join(told.stdout.split())
+
+
 def test_the_command_prints_a_table_json_and_a_page(tmp_path):
     call = ['wind', 'gtmab', 'skye', 'multirotor', '--no-fly', '--out', str(tmp_path)]
     told = CliRunner().invoke(put_together(), call)
     assert told.exit_code == 0, told.output
-    for text in ('1.84', '1.67', '3.7', 'multirotor: its known drag sets no limit below 60 m/s.'):
+    for text in ('1.84', '1.67', '3.7', '51.09'):
         assert text in told.stdout
     content = json.loads((tmp_path / 'wind.json').read_text())
     assert [v['name'] for v in content['vehicles']] == ['gtmab', 'skye', 'multirotor']
