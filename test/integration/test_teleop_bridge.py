@@ -3,6 +3,7 @@
 import signal
 
 from lta_bridge.crazyflie.emulated.body import Bench
+from lta_bridge.crazyflie.emulated.build import AS_SOLD
 from lta_bridge.crazyflie.emulated.firmware import Firmware
 from lta_bridge.crazyflie.emulated.server import Server
 from lta_control.cascade import Setpoint
@@ -41,7 +42,7 @@ def body():
 
 @pytest.fixture
 def drone(body):
-    with Server(Firmware(body)) as server:
+    with Server(Firmware(body, build=AS_SOLD)) as server:
         yield server
 
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from random import Random
 from typing import Any, Final
 
-from lta_bridge.crazyflie.emulated.body import Body
 from lta_bridge.crazyflie.emulated.firmware import Firmware
+from lta_bridge.crazyflie.emulated.flown import Flown
 from lta_bridge.crazyflie.emulated.server import Server
 
 ALONE: Final = 'the drone stops by itself: the app, or the lock after 2 s'
@@ -26,6 +26,11 @@ SILENT: Final = (1.3, 6.0)  # told after half a second of silence
 LATE: Final = (2.3, 7.0)  # the same, and a second for it to arrive
 SLACK: Final = 1.0  # s more, for a machine with other work
 NEVER: Final = (0.0, 0.0)  # no motor ever turns
+
+
+def made(body: Flown, **words: Any) -> Firmware:
+    """Return the firmware that a body flies with."""
+    return Firmware(body, build=body.build, **words)
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +63,7 @@ class Kind:
     word: str = ''
     ends: str = 'lands'
     flies_on: bool = False
-    firmware: Callable[[Body, Random], Firmware] = lambda body, random: Firmware(body)
+    firmware: Callable[[Flown, Random], Firmware] = lambda body, random: made(body)
 
 
 def link(**faults: float | bool) -> Callable[[Any], None]:
@@ -77,15 +82,20 @@ def one_way(name: str) -> Callable[[Any], None]:
     return lambda trial: setattr(getattr(trial.server, name), 'silent', True)
 
 
-def told(name: str) -> Callable[[Any], None]:
-    """Return what sets a bit of the supervisor."""
-    return lambda trial: setattr(trial.server.firmware.supervisor, name, True)
+def torn(trial: Any) -> None:
+    """Tear what comes from the drone: a setpoint that is torn makes the firmware start anew."""
+    trial.server.down.torn = 0.2
+
+
+def turn_over(trial: Any) -> None:
+    """Turn the drone upside down, for its accelerometer."""
+    trial.server.firmware.acceleration = (0.0, 0.0, -1.0)
 
 
 def reboot(trial: Any) -> None:
     """Let the cell fail for a moment: unarmed, and all log blocks are forgotten."""
     server: Server = trial.server
-    server.firmware = Firmware(server.firmware.body, boot_ms=-int(1e3 * server.now))
+    server.firmware = made(trial.body, boot_ms=-int(1e3 * server.now))
 
 
 def empty(trial: Any) -> None:
@@ -93,20 +103,20 @@ def empty(trial: Any) -> None:
     trial.server.firmware.voltage = 3.0
 
 
-def refusing(code: int) -> Callable[[Body, Random], Firmware]:
+def refusing(code: int) -> Callable[[Flown, Random], Firmware]:
     """Return firmware that refuses every log block with an errno."""
 
-    def made(body: Body, random: Random) -> Firmware:
-        firmware = Firmware(body)
+    def refused(body: Flown, random: Random) -> Firmware:
+        firmware = made(body)
         firmware.log.refuse = code
         return firmware
 
-    return made
+    return refused
 
 
-def wrapping(body: Body, random: Random) -> Firmware:
+def wrapping(body: Flown, random: Random) -> Firmware:
     """Return firmware whose fast clock wraps within its first seconds of flight."""
-    return Firmware(body, boot_ms=WRAP_MS - random.randrange(7000, 14000), drift=200e-6)
+    return made(body, boot_ms=WRAP_MS - random.randrange(7000, 14000), drift=200e-6)
 
 
 KINDS: Final = {
@@ -114,12 +124,12 @@ KINDS: Final = {
     'double': Kind('half come twice', LANDS, link(double=0.5), 'asked to', flies_on=True),
     'reorder': Kind('overtaking by up to 60 ms', LANDS, link(jitter=0.06), 'asked to',
                     flies_on=True),
-    'torn': Kind('20 % end in the middle', LANDS, link(torn=0.2), 'asked to', flies_on=True),
+    'torn': Kind('20 % from the drone end in the middle', LANDS, torn, 'asked to', flies_on=True),
     'delay': Kind('100 ms later', LANDS, link(delay=0.1), 'asked to', flies_on=True),
     'wrap': Kind('its clock 200 ppm fast, its stamps wrap', LANDS, word='asked to',
                  flies_on=True, firmware=wrapping),
     'old': Kind('protocol 11', LANDS, word='asked to', flies_on=True,
-                firmware=lambda body, random: Firmware(body, protocol=11)),
+                firmware=lambda body, random: made(body, protocol=11)),
     'late': Kind('1 s later', LATE, link(delay=1.0), 'said nothing'),
     'silent': Kind('nothing, both ways', CUT_OFF, link(silent=True), 'said nothing', ALONE),
     'dumb': Kind('nothing from the drone', SILENT, one_way('down'), 'said nothing'),
@@ -131,8 +141,9 @@ KINDS: Final = {
     'reboot': Kind('it starts anew in the air', AT_ONCE, reboot, 'said nothing', 'stops at once'),
     'locked': Kind('locked', AT_ONCE, lambda trial: trial.server.firmware.supervisor.lock(),
                    'locked', 'stops at once'),
-    'tumbled': Kind('tumbled', AT_ONCE, told('tumbled'), 'tumbled', 'stops at once'),
-    'crashed': Kind('crashed', AT_ONCE, told('crashed'), 'crashed', 'stops at once'),
+    'tumbled': Kind('upside down', AT_ONCE, turn_over, 'crashed', 'stops at once'),
+    'crashed': Kind('crashed', AT_ONCE, lambda trial: trial.server.firmware.supervisor.crash(),
+                    'crashed', 'stops at once'),
     'low cell': Kind('3.0 V', LOW, empty, 'the cell has'),
     'too far': Kind('estimated 60 m away', LANDS, lambda trial: trial.stray(60.0), 'farther than'),
     'no command': Kind('commands end', STALE, lambda trial: trial.fall_silent(),
@@ -146,7 +157,7 @@ KINDS: Final = {
     'killed': Kind('SIGKILL to the bridge', CUT_OFF, lambda trial: trial.bridge.kill(), '',
                    ALONE),
     'protocol 7': Kind('protocol 7', NEVER, word='older than 9',
-                       firmware=lambda body, random: Firmware(body, protocol=7)),
+                       firmware=lambda body, random: made(body, protocol=7)),
     'E2BIG': Kind('log blocks refused: E2BIG', NEVER, word='was refused', firmware=refusing(7)),
     'ENOMEM': Kind('log blocks refused: ENOMEM', NEVER, word='was refused',
                    firmware=refusing(12)),

@@ -51,12 +51,11 @@ class Trial:
 
     def __init__(self, name: str, number: int, folder: Path, peer: Peer) -> None:
         kind = KINDS[name]
-        self._kind, self._peer = kind, peer
+        self.name, self._kind, self._peer = name, kind, peer
         self.by_setpoints = bool(number % 2)
         self._random = Random(f'{name} {number}')
         vehicle = VEHICLES[self.by_setpoints]
-        self._body = flown(vehicle, 'lamp_room', number)
-        self.server = Server(kind.firmware(self._body, self._random))
+        self.body, self.server = self._drone(name, vehicle, number)
         self.bag = folder / 'bag'
         self.recorder = start('lta_bridge.nodes.recorder', '-p', f'bag:={self.bag}')
         self.bridge = start(
@@ -65,13 +64,18 @@ class Trial:
         )  # fmt: skip
         self._words: set[str] = set()
         peer.node.create_subscription(DiagnosticArray, '/diagnostics', self._on_diagnostics, 10)
-        self._names = self._body.world.vehicle.rotor_names
+        self._names = self.body.world.vehicle.rotor_names
         names = ('odom', 'setpoint/pose', 'setpoint/velocity') if self.by_setpoints else (
             'odom', 'motors')  # fmt: skip
         self._publishers = {name: peer.publisher(name) for name in names}
         self._factor, self._distance, self._silent = 1.0, 0.0, False
         self._commanded = self._turned = -math.inf
         self.began = math.inf
+
+    def _drone(self, name: str, vehicle: str, number: int) -> tuple[Any, Any]:
+        """Return the body that flies and what its link ends at."""
+        body = flown(vehicle, 'lamp_room', number)
+        return body, Server(self._kind.firmware(body, self._random))
 
     # What a fault may do.
 
@@ -90,6 +94,13 @@ class Trial:
     def emergency(self) -> None:
         """Ask for an emergency stop."""
         self._peer.ask(Trigger, 'crazyflie_bridge/emergency_stop')
+
+    def _strike(self) -> None:
+        self._kind.strike(self)
+
+    def _wrapped(self) -> bool:
+        """Tell whether the drone's stamps have begun anew."""
+        return bool(self.server.firmware.milliseconds(self.server.now) > WRAP_MS + 1000)
 
     # The flight.
 
@@ -128,7 +139,7 @@ class Trial:
 
         def done() -> object:
             self._send()
-            if any(self._body.duties):
+            if any(self.body.duties):
                 self._turned = time.monotonic()
             return condition()
 
@@ -152,11 +163,11 @@ class Trial:
             if self._kind.stated is NEVER:
                 return self._refused()
             self._fly_until(self._armed)
-            self._fly_until(lambda: any(self._body.duties))
+            self._fly_until(lambda: any(self.body.duties))
             self.began = time.monotonic()
             self._for(self._random.uniform(0.3, 9.0))
             phase, struck = self.phase, time.monotonic()
-            self._kind.strike(self)
+            self._strike()
             flew_on = self._goes_on()
             if flew_on:
                 struck = time.monotonic()
@@ -175,9 +186,7 @@ class Trial:
             return False
         self._for(GOES_ON)
         if self._kind.about.endswith('wrap'):
-            self._fly_until(
-                lambda: self.server.firmware.milliseconds(self.server.now) > WRAP_MS + 1000
-            )
+            self._fly_until(self._wrapped)
         return time.monotonic() < self._turned + 0.2
 
     def _refused(self) -> Outcome:

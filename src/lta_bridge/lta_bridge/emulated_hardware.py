@@ -101,7 +101,7 @@ def emulated(
     light = BoardServer(board, light_port, beacon)
     body = flown(vehicle, scenario, seed, light.light)
     try:
-        crazyflie = Server(Firmware(body), port)
+        crazyflie = Server(Firmware(body, build=body.build), port)
     except OSError as error:
         raise BadInput(
             f'UDP port {port} cannot be had ({error.strerror}): end the other emulated drone, or '

@@ -35,10 +35,10 @@ class Bench:
     def fly(self, now: float, wish: Wish) -> None:
         """Turn the motors, at a time [s]: a hover and a landing take half duty here."""
         del now
-        if wish.duties is not None:
-            self.duties = tuple(max(0.0, duty) for duty in wish.duties)
-        else:
-            self.duties = (0.5,) * 4 if wish.hover is not None or wish.land else STILL
+        duties = wish.duties
+        if duties is None:
+            duties = (0.5,) * 4 if wish.hover is not None or wish.land else STILL
+        self.duties = tuple(max(wish.idle, duty) for duty in duties)
 
     def read(self) -> Mapping[str, float]:
         """Return what a Crazyflie at rest on a bench says."""

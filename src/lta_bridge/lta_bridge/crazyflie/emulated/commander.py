@@ -1,18 +1,27 @@
-"""What the emulated Crazyflie is told: setpoints, landing, and duties over the app channel."""
+"""What the emulated Crazyflie is told: setpoints, and to land."""
 
+from collections.abc import Mapping
+import errno
 import math
 import struct
-from typing import final, NamedTuple
+from typing import Final, final, NamedTuple
 
-from lta_bridge.crazyflie.duties_packet import Duties, is_newer, unpacked
-from lta_bridge.crazyflie.emulated.supervisor import LEVEL_OUT
-
-GENERIC = {
-    # id: layout, and the sign of its yaw rate, which older packets count the other way
-    5: ('<ffff', -1.0),
-    10: ('<ffff', 1.0),
-}
+# Port 7, by their id: layout of the setpoints whose length the firmware asserts
+# (crtp_commander_generic.c). A stop (0) and a position (7) may have any.
+LAYOUTS: Final[Mapping[int, str]] = {
+    1: '<ffff', 2: '<ffff', 4: '<ffff', 5: '<ffff', 6: '<9hi3h', 8: '<ffff', 9: '<ffff',
+    10: '<ffff', 11: '<fffHB',
+}  # fmt: skip
+CPPM = 3  # whose length its first byte tells
+YAW_SIGN: Final[Mapping[int, float]] = {5: -1.0, 10: 1.0}  # the hovers; older ones count it so
+NOTIFY, NOTIFIED = 0, 4  # port 7, channel 1: no more setpoints come; bytes of its argument
 LAND = 8  # port 8, "land2"
+LAST = 13  # of the commands of port 8
+UNBLOCKED: Final = (0, 3, 6)  # of these, what may be asked for while nothing flies
+
+
+class Asserted(Exception):
+    """The firmware asserts that this packet is otherwise: it stops its motors and starts anew."""
 
 
 class Hover(NamedTuple):
@@ -25,91 +34,116 @@ class Hover(NamedTuple):
 
 
 class Wish(NamedTuple):
-    """What the body shall do: duties of M1 to M4, or a hover, or come down; all None is rest."""
+    """
+    What the body shall do: duties of M1 to M4, or a hover, or come down; none of them is rest.
+
+    `idle` is the least duty of every motor.
+    """
 
     duties: tuple[float, ...] | None = None
     hover: Hover | None = None
     land: bool = False
+    idle: float = 0.0
+
+
+def check_length(data: bytes, size: int) -> None:
+    """
+    Look at the length of a setpoint of port 7 as the firmware does.
+
+    Raises
+    ------
+    Asserted
+        If it is wrong.
+
+    """
+    wanted = None
+    if size and data[0] in LAYOUTS:
+        wanted = 1 + struct.calcsize(LAYOUTS[data[0]])
+    elif size and data[0] == CPPM:
+        wanted = 10 + 2 * (data[1] & 0x0F)
+    if not size or wanted not in (None, size):
+        raise Asserted
 
 
 @final
 class Commander:
-    """The newest of everything that was said, and what is in force."""
+    """
+    The newest of everything that was said, and what is in force.
+
+    Of the setpoints only a hover is flown; any other is in force without thrust, since no bridge
+    of ours sends one.
+    """
 
     def __init__(self) -> None:
         self._hover: Hover | None = None
-        self._stop = False
         self._said: float | None = None  # when the low-level setpoint in force came
         self._land = False
-        self._duties: Duties | None = None
-        self._until = 0.0
         self.thrust_packets = 0
 
-    def generic(self, channel: int, data: bytes, now: float) -> None:
-        """Take a packet of port 7 at a time [s]: a setpoint, or that no more will come."""
-        if channel == 1 and data[:1] == b'\0':
-            self._said, self._hover, self._stop = None, None, False
-            return
-        if channel != 0 or not data:
-            return
-        if data[0] == 0:
-            self._hover, self._stop, self._said, self._land = None, True, now, False
-        elif data[0] in GENERIC:
-            layout, sign = GENERIC[data[0]]
-            if len(data) != 1 + struct.calcsize(layout):
-                return
-            forward, left, yaw, height = struct.unpack(layout, data[1:])
-            if all(map(math.isfinite, (forward, left, yaw, height))):
-                self._hover = Hover(forward, left, math.radians(sign * yaw), height)
-                self._stop, self._said, self._land = False, now, False
+    def generic(self, channel: int, data: bytes, size: int, now: float) -> None:
+        """
+        Take a packet of port 7 at a time [s]: a setpoint, or that no more will come.
+
+        Raises
+        ------
+        Asserted
+            If its length is wrong.
+
+        """
+        if channel == 1 and data[0] == NOTIFY:
+            if size != 1 + NOTIFIED:
+                raise Asserted
+            self.relax()
+        elif channel == 0:
+            check_length(data, size)
+            self._take(self._hover_of(data), now)
+
+    @staticmethod
+    def _hover_of(data: bytes) -> Hover | None:
+        """Return a hover; None for anything else, and for one that is no number."""
+        if data[0] not in YAW_SIGN:
+            return None
+        forward, left, yaw, height = struct.unpack_from('<ffff', data, 1)
+        if not all(map(math.isfinite, (forward, left, yaw, height))):
+            return None
+        return Hover(forward, left, math.radians(YAW_SIGN[data[0]] * yaw), height)
+
+    def _take(self, hover: Hover | None, now: float) -> None:
+        self._hover, self._said, self._land = hover, now, False
 
     def attitude(self, now: float) -> None:
-        """Take a packet of roll, pitch, yaw rate and thrust at a time [s]: its stop is flown."""
+        """Take a packet of roll, pitch, yaw rate and thrust at a time. [s]"""
         self.thrust_packets += 1
-        self._hover, self._stop, self._said, self._land = None, False, now, False
+        self._take(None, now)
 
-    def high_level(self, data: bytes) -> bytes:
-        """Take a packet of port 8; return the answer."""
-        known = data[:1] == bytes([LAND])
-        self._land = known and self._said is None
-        return (data[:3] + b'\0\0\0')[:3] + (b'\0' if known else b'\x08')
+    def rest(self, now: float) -> None:
+        """Take a setpoint without thrust from aboard, at a time. [s]"""
+        self._take(None, now)
 
-    def app(self, data: bytes, now: float) -> None:
-        """Take a packet of the app channel at a time [s], as the app aboard does."""
-        duties = unpacked(data)
-        if duties is None:
-            return
-        stale = self._duties is not None and now < self._until
-        if stale and self._duties and not is_newer(duties.sequence, self._duties.sequence):
-            return
-        self._duties, self._until = duties, now + duties.timeout_ms * 1e-3
+    def relax(self) -> None:
+        """Let go of the low-level setpoint."""
+        self._said, self._hover = None, None
+
+    def high_level(self, data: bytes, blocked: bool) -> bytes:
+        """Take a packet of port 8, which may be blocked; return the answer."""
+        command, group = data[0], data[1]
+        status = 0
+        if command > LAST:
+            status = errno.ENOEXEC
+        elif blocked and command not in UNBLOCKED:
+            status = errno.EBUSY
+        elif command == LAND and group == 0:
+            self._land = self._said is None
+        return data[:3] + bytes([status])
 
     def age(self, now: float) -> float | None:
-        """
-        Return the age of the low-level setpoint in force; None without one. [s]
+        """Return the age of the low-level setpoint in force; None without one. [s]"""
+        return None if self._said is None else now - self._said
 
-        The app feeds the commander while its duties hold, and lets go when they do not.
-        """
-        if self.driven(now) or self._said is None:
-            return None
-        return now - self._said
-
-    @property
-    def stopped(self) -> bool:
-        """Whether the setpoint in force is a stop."""
-        return self._stop
-
-    def driven(self, now: float) -> bool:
-        """Tell whether duties of the app channel hold at a time. [s]"""
-        return self._duties is not None and now < self._until
-
-    def wish(self, now: float) -> Wish:
-        """Return what is in force at a time. [s]"""
-        if self.driven(now) and self._duties is not None:
-            return Wish(duties=self._duties.duties)
-        if self._said is not None:
-            hover = self._hover
-            if hover is not None and now - self._said > LEVEL_OUT:
-                hover = Hover(height=hover.height)
-            return Wish(hover=hover)
-        return Wish(land=self._land)
+    def wish(self, level: bool) -> Wish:
+        """Return what is in force; where it levels out, only the height of a hover is."""
+        if self._said is None:
+            return Wish(land=self._land)
+        if level and self._hover is not None:
+            return Wish(hover=Hover(height=self._hover.height))
+        return Wish(hover=self._hover)

@@ -14,7 +14,7 @@ PARAMETER_TYPES = {
     0x05: 'e', 0x06: 'f', 0x07: 'd',
 }  # fmt: skip
 BASIC = 0x0F  # bits of a parameter's type that say how it is packed
-EXTENDED, READ_ONLY = 0x10, 0x40
+EXTENDED, CORE, READ_ONLY = 0x10, 0x20, 0x40
 
 
 class LogVariable(NamedTuple):
@@ -59,7 +59,7 @@ class Contents(Generic[Entry]):
         """Return the answer to a question of version 2; None where it asks nothing known."""
         if question[:1] == b'\x03':
             return struct.pack('<BHI', 3, len(self.entries), self.crc) + self._limits
-        if question[:1] != b'\x02' or len(question) < 3:
+        if question[:1] != b'\x02':
             return None
         number = int.from_bytes(question[1:3], 'little')
         if number >= len(self.entries):

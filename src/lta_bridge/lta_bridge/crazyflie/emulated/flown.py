@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 import math
 from typing import Any, final
 
+from lta_bridge.crazyflie.emulated.build import build_for
 from lta_bridge.crazyflie.emulated.commander import Hover, Wish
 from lta_bridge.crazyflie.emulated.controlled import Controlled
 from lta_bridge.crazyflie.wiring import rotor_places
@@ -16,6 +17,7 @@ from lta_sim.world import World
 
 DESCENT = 0.3  # m/s of a landing
 FARTHEST = 65.535  # m: the most that 16 bits of millimetres tell
+PWM_STEP = 1.0 / 256.0  # duty: the motors' PWM has 8 bits (motors.c)
 SLIP = 20  # control periods of delay that are made up for at once
 
 
@@ -23,6 +25,9 @@ SLIP = 20  # control periods of delay that are made up for at once
 class Flown:
     """
     A `World` at the pace of the wall clock.
+
+    Where the firmware corrects duties for the battery's voltage, the vehicle does: its file has
+    the effect `battery_compensation`. `duties` are those before it.
 
     Parameters
     ----------
@@ -37,6 +42,11 @@ class Flown:
         Gets each light block with the time of its first sample since the boot [s], for whoever
         plays the light board.
 
+    Attributes
+    ----------
+    build : Build
+        The firmware that it flies with.
+
     """
 
     def __init__(
@@ -50,6 +60,7 @@ class Flown:
         self._start_ns = table.start_ns
         vehicle = world.vehicle
         self._order = rotor_places(file.motors, vehicle.rotor_names)
+        self.build = build_for(file.command)
         self._law = Controlled(vehicle) if file.command == 'setpoint' else None
         self.duties: tuple[float, ...] = (0.0,) * len(self._order)
         self._values: dict[str, float] = {}
@@ -78,13 +89,15 @@ class Flown:
         rotors = [0.0] * len(self._world.vehicle.rotor_names)
         if wish.duties is not None:
             for place, duty in zip(self._order, wish.duties, strict=True):
-                rotors[place] = max(0.0, duty)
+                rotors[place] = duty
         elif self._law is not None and (wish.hover is not None or wish.land):
             rotors = list(self._controlled(wish.hover)[: len(rotors)])
         elif self._law is not None:
             self._law.forget()
+        for place in self._order:
+            rotors[place] = max(wish.idle, rotors[place])
         self.duties = tuple(rotors[place] for place in self._order)
-        self._world.advance(rotors)
+        self._world.advance([duty if duty >= PWM_STEP else 0.0 for duty in rotors])
         self._sense()
 
     def _controlled(self, hover: Hover | None) -> tuple[float, ...]:

@@ -1,6 +1,6 @@
 """One CRTP packet: a header of port and channel, and up to 30 bytes."""
 
-from typing import NamedTuple
+from typing import final, NamedTuple
 
 MOST = 30  # bytes of payload
 
@@ -37,3 +37,21 @@ def unpacked(datagram: bytes) -> Packet | None:
         return None
     header = datagram[0]
     return Packet(header >> 4, header & 3, datagram[1:])
+
+
+@final
+class Buffer:
+    """
+    Where the firmware receives packets.
+
+    Most of its services look at no length: what a short packet leaves out, they read of an earlier
+    one, and what is too much they leave.
+    """
+
+    def __init__(self) -> None:
+        self._bytes = bytearray(MOST)
+
+    def take(self, data: bytes) -> bytes:
+        """Receive a payload; return all that its service sees."""
+        self._bytes[: len(data)] = data
+        return bytes(self._bytes)

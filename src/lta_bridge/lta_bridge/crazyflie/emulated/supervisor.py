@@ -1,125 +1,270 @@
 """
-What lets the motors turn: armed, flying, landed, locked.
+What lets the motors turn: states, transitions and times of firmware 2026.08's supervisor.
 
-Times are those of firmware 2026.08 (supervisor.c), seen on the firmware as a Linux process.
+Read in supervisor.c and supervisor_state_machine.c, and seen on the firmware as a Linux process.
+Left out: decks that fail, motors that do not respond, and the bits of the high-level commander.
 """
 
-from dataclasses import dataclass
-from typing import final
+from collections.abc import Callable, Mapping
+from enum import auto, Enum
+from typing import Final, final, NamedTuple
 
 from lta_bridge.crazyflie.supervisor import Bit
 
-HYSTERESIS = 2.0  # s with the motors off after which it counts as landed
+PERIOD: Final = 0.04  # s between two looks
+HYSTERESIS: Final = 2.0  # s with the motors at idle after which it counts as landed
 LEVEL_OUT, SHUT_DOWN = 0.5, 2.0  # s of age of a low-level setpoint
-WATCHDOG = 1.0  # s after the newest word to the emergency-stop watchdog
+WATCHDOG: Final = 1.0  # s after the newest word to the emergency-stop watchdog
+TILTED, TILTED_TIME = 0.5, 1.0  # g upwards, less than which it is tilted; s until that counts
+UPSIDE_DOWN, UPSIDE_DOWN_TIME = -0.2, 0.1  # g, s
+FREE_FALL: Final = 0.1  # g on every axis
+Acceleration = tuple[float, float, float]
+
+
+class State(Enum):
+    """Where the supervisor stands."""
+
+    CHECKS_NOT_PASSED = auto()
+    CHECKS_PASSED = auto()
+    ARMING = auto()
+    READY = auto()
+    FLYING = auto()
+    LANDED = auto()
+    RESET = auto()
+    LEVEL_OUT = auto()
+    FREE_FALL = auto()
+    LOCKED = auto()
+    CRASHED = auto()
+
+
+class Conditions(NamedTuple):
+    """What a transition may ask for."""
+
+    armed: bool
+    flying: bool  # a motor over idle within the last two seconds
+    tumbled: bool
+    crashed: bool
+    stop: bool  # an emergency stop, or its watchdog
+    old: bool  # the setpoint, from half a second on
+    too_old: bool  # from two seconds on
+    preflight_over: bool
+    landed_over: bool
+
+
+Transition = tuple[Callable[[Conditions], bool], State]
+# The first that applies is taken, one at a look.
+TRANSITIONS: Final[Mapping[State, tuple[Transition, ...]]] = {
+    State.CHECKS_NOT_PASSED: (
+        (lambda c: c.stop, State.FREE_FALL),
+        (lambda c: not c.tumbled, State.CHECKS_PASSED),
+    ),
+    State.CHECKS_PASSED: (
+        (lambda c: c.stop, State.FREE_FALL),
+        (lambda c: c.tumbled, State.CHECKS_NOT_PASSED),
+        (lambda c: c.armed, State.ARMING),
+    ),
+    State.ARMING: (
+        (lambda c: c.stop, State.FREE_FALL),
+        (lambda c: c.tumbled or not c.armed, State.CHECKS_NOT_PASSED),
+        (lambda _: True, State.READY),
+    ),
+    State.READY: (
+        (lambda c: c.stop, State.FREE_FALL),
+        (lambda c: c.tumbled or c.preflight_over or not c.armed, State.CHECKS_NOT_PASSED),
+        (lambda c: c.flying, State.FLYING),
+    ),
+    State.FLYING: (
+        (lambda c: c.stop or c.too_old, State.FREE_FALL),
+        (lambda c: c.tumbled, State.CRASHED),
+        (lambda c: not c.armed, State.RESET),
+        (lambda c: c.old, State.LEVEL_OUT),
+        (lambda c: not c.flying, State.LANDED),
+    ),
+    # Neither an emergency stop nor an old setpoint ends this one: its own time-out does.
+    State.LANDED: (
+        (lambda c: c.landed_over or not c.armed, State.RESET),
+        (lambda c: c.flying, State.FLYING),
+    ),
+    State.RESET: ((lambda _: True, State.CHECKS_NOT_PASSED),),
+    # Nor does disarming end this one.
+    State.LEVEL_OUT: (
+        (lambda c: c.stop or c.too_old or c.tumbled, State.FREE_FALL),
+        (lambda c: not c.old, State.FLYING),
+    ),
+    State.FREE_FALL: ((lambda _: True, State.LOCKED),),
+    State.LOCKED: (),
+    State.CRASHED: (
+        (lambda c: not c.crashed and not c.tumbled, State.CHECKS_NOT_PASSED),
+        (lambda c: c.stop, State.LOCKED),
+    ),
+}
+FLIES: Final = frozenset({State.READY, State.FLYING, State.LEVEL_OUT, State.LANDED})
+RUNS: Final = FLIES | {State.ARMING}
 
 
 @final
-@dataclass(slots=True)
+class Tumble:
+    """How long it has been tilted."""
+
+    def __init__(self) -> None:
+        self._since: float | None = None
+
+    def look(self, acceleration: Acceleration, now: float) -> bool:
+        """Tell whether it has tumbled, by the specific force on it [g] at a time [s]."""
+        up = acceleration[2]
+        if up >= TILTED or all(abs(each) < FREE_FALL for each in acceleration):
+            self._since = None
+        if up >= TILTED:
+            return False
+        self._since = now if self._since is None else self._since
+        tilted = now - self._since
+        return tilted > TILTED_TIME or (up < UPSIDE_DOWN and tilted > UPSIDE_DOWN_TIME)
+
+
+@final
 class Supervisor:
     """
-    The supervisor's memory.
+    The supervisor's memory, from the moment at which the firmware is up.
+
+    Parameters
+    ----------
+    arms_itself : bool
+        Whether the build arms itself as soon as its checks are passed.
 
     Attributes
     ----------
-    armed, locked, tumbled, crashed : bool
+    state : State
+        Where it stands.
+    armed, tumbled, crashed : bool
         As its word tells them.
+    word : int
+        The bits that `supervisor.info` and port 9 tell, of its newest look.
     landed_timeout, preflight_timeout : float
         After which it disarms by itself. [s]
+    tumble_check : bool
+        Whether it minds being upside down.
 
     """
 
-    armed: bool = False
-    locked: bool = False
-    tumbled: bool = False
-    crashed: bool = False
-    landed_timeout: float = 3.0
-    preflight_timeout: float = 30.0
-    _armed_at: float = 0.0
-    _turned_at: float | None = None
-    _landed_at: float | None = None
-    _fed_at: float | None = None
+    def __init__(self, arms_itself: bool = False) -> None:
+        self._arms_itself = self.armed = arms_itself
+        self.state = State.CHECKS_PASSED
+        self.tumbled = self.crashed = self._stop = False
+        self.landed_timeout, self.preflight_timeout = 3.0, 30.0
+        self.tumble_check = True
+        self._tumble = Tumble()
+        self._due = 0.0
+        self._since = 0.0  # when it came to its state
+        self._turned_at: float | None = None
+        self._fed_at: float | None = None
+        self.word = self._told()
 
     @property
-    def can_be_armed(self) -> bool:
-        """Whether a request to arm succeeds."""
-        return not (self.locked or self.tumbled or self.crashed or self.armed)
+    def locked(self) -> bool:
+        """Whether only a restart helps."""
+        return self.state is State.LOCKED
 
     @property
-    def allows(self) -> bool:
+    def runs(self) -> bool:
         """Whether motors may turn."""
-        return self.armed and not (self.locked or self.tumbled or self.crashed)
+        return self.state in RUNS
 
-    def arm(self, on: bool, now: float) -> bool:
-        """Arm or disarm at a time [s]; return whether that was done."""
+    @property
+    def flies(self) -> bool:
+        """Whether setpoints are flown; while it arms they are not, and motors idle."""
+        return self.state in FLIES
+
+    def arm(self, on: bool) -> bool:
+        """Arm or disarm; return whether that was done."""
         if on == self.armed:
             return True
-        if on and not self.can_be_armed:
+        if on and self.state is not State.CHECKS_PASSED:
             return False
         self.armed = on
-        self._armed_at, self._turned_at, self._landed_at = now, None, None
         return True
 
     def recover(self) -> bool:
-        """Leave the crashed state."""
-        self.crashed = self.crashed and self.tumbled
-        return not self.crashed
+        """Leave the crashed state; return whether that was done."""
+        if self.crashed and self.tumbled:
+            return False
+        self.crashed = False
+        return True
+
+    def stop(self) -> None:
+        """Stop for good at the next look."""
+        self._stop = True
 
     def lock(self) -> None:
-        """Stop for good: only a reboot helps."""
-        self.locked, self.armed = True, False
+        """Lock at once, for tests."""
+        self._enter(State.LOCKED, self._since)
+        self.word = self._told()
+
+    def crash(self) -> None:
+        """Crash at once, for tests."""
+        self._enter(State.CRASHED, self._since)
+        self.word = self._told()
 
     def feed(self, now: float) -> None:
         """Start the emergency-stop watchdog at a time [s], or keep it quiet."""
         self._fed_at = now
 
-    def flying(self, now: float) -> bool:
-        """Tell whether a motor turned within two seconds before a time. [s]"""
-        return self._turned_at is not None and now - self._turned_at < HYSTERESIS
-
-    def watch(self, now: float, turning: bool, age: float | None, stopped: bool) -> None:
+    def watch(
+        self, now: float, turning: bool, age: float | None, acceleration: Acceleration
+    ) -> None:
         """
-        Look at the clock.
+        Look, as often as is due.
 
         Parameters
         ----------
         now : float
             Since the boot. [s]
         turning : bool
-            Whether a motor turns.
+            Whether a motor turns faster than at idle.
         age : float or None
             Of the low-level setpoint; None where none is in force. [s]
-        stopped : bool
-            Whether that setpoint is a stop, which locks on the ground as well.
+        acceleration : tuple of float
+            Specific force on it. [g]
 
         """
-        if self._fed_at is not None and now - self._fed_at > WATCHDOG:
-            self.lock()
-        if age is not None and age > SHUT_DOWN and (stopped or (self.armed and self.flying(now))):
-            self.lock()
-        if self.tumbled or self.crashed:
-            self.armed = False
-        if not self.armed:
-            self._turned_at = None
-            return
-        if turning:
-            self._turned_at, self._landed_at = now, None
-        elif self._turned_at is None:
-            if now - self._armed_at > self.preflight_timeout:
-                self.armed = False
-        elif not self.flying(now):
-            landed = self._turned_at + HYSTERESIS
-            self._landed_at = landed
-            if now - landed > self.landed_timeout:
-                self.armed = False
+        self._due = max(self._due, now - HYSTERESIS)  # what nobody looked at longer ago is over
+        while self._due <= now:
+            self._due += PERIOD
+            self._look(now, turning, age or 0.0, acceleration)
 
-    def word(self, now: float) -> int:
-        """Return the bits that `supervisor.info` and port 9 tell at a time. [s]"""
+    def _look(self, now: float, turning: bool, age: float, acceleration: Acceleration) -> None:
+        self._turned_at = now if turning else self._turned_at
+        self.tumbled = self._tumble.look(acceleration, now) and self.tumble_check
+        late = self._fed_at is not None and now - self._fed_at >= WATCHDOG
+        conditions = Conditions(
+            armed=self.armed,
+            flying=self._turned_at is not None and now - self._turned_at < HYSTERESIS,
+            tumbled=self.tumbled,
+            crashed=self.crashed,
+            stop=self._stop or late,
+            old=age > LEVEL_OUT,
+            too_old=age > SHUT_DOWN,
+            preflight_over=now - self._since > self.preflight_timeout,
+            landed_over=now - self._since > self.landed_timeout,
+        )
+        for applies, state in TRANSITIONS[self.state]:
+            if applies(conditions):
+                self._enter(state, now)
+                break
+        self.word = self._told()
+
+    def _enter(self, state: State, now: float) -> None:
+        self.state, self._since = state, now
+        self.crashed |= state is State.CRASHED
+        if state not in RUNS:
+            self.armed = self._arms_itself and state is State.CHECKS_PASSED
+
+    def _told(self) -> int:
         told = {
-            Bit.CAN_BE_ARMED: self.can_be_armed,
+            Bit.CAN_BE_ARMED: self.state is State.CHECKS_PASSED,
             Bit.ARMED: self.armed,
-            Bit.CAN_FLY: self.allows,
-            Bit.FLYING: self.armed and self.flying(now),
+            Bit.AUTO_ARM: self._arms_itself,
+            Bit.CAN_FLY: self.flies,
+            Bit.FLYING: self.state in (State.FLYING, State.LEVEL_OUT),
             Bit.TUMBLED: self.tumbled,
             Bit.LOCKED: self.locked,
             Bit.CRASHED: self.crashed,

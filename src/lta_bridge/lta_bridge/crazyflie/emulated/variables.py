@@ -1,8 +1,18 @@
 """The variables and parameters that the emulated Crazyflie knows, with the firmware's types."""
 
-from lta_bridge.crazyflie.emulated.contents import EXTENDED, LogVariable, Parameter, READ_ONLY
+from lta_bridge.crazyflie.emulated.app import VERSION
+from lta_bridge.crazyflie.emulated.build import Build
+from lta_bridge.crazyflie.emulated.contents import (
+    CORE,
+    EXTENDED,
+    LogVariable,
+    Parameter,
+    READ_ONLY,
+)
 
 FLOAT, U8, U16, I8, I16 = 7, 1, 2, 4, 5
+BYTE, WORD, LONG = 0x08, 0x09, 0x0A  # of parameters
+PID, OUT_OF_TREE = 1, 6  # controllers (controller.h)
 
 LOG = (
     *(LogVariable(f'acc.{axis}', FLOAT) for axis in 'xyz'),
@@ -15,14 +25,28 @@ LOG = (
     *(LogVariable(f'motor.m{number}', U16) for number in range(1, 5)),
     LogVariable('supervisor.info', U16),
 )
-PARAMETERS = (
-    Parameter('supervisor.landedTimeout', 0x09 | EXTENDED, 3000),
-    Parameter('supervisor.prefltTimeout', 0x09, 30000),
-    Parameter('supervisor.tmblChckEn', 0x08 | EXTENDED, 1),
-    Parameter('stabilizer.controller', 0x08, 1),
-    Parameter('stabilizer.stop', 0x08, 0),
-    Parameter('motorPowerSet.enable', 0x08, 0),
-    *(Parameter(f'motorPowerSet.m{number}', 0x09, 0) for number in range(1, 5)),
-    Parameter('lta.app', 0x08 | READ_ONLY, 1),
-    Parameter('firmware.revision0', 0x0A | READ_ONLY, 0x2026_0800),
-)
+
+
+def default_controller(build: Build) -> int:
+    """Return the controller that a build selects by itself."""
+    return OUT_OF_TREE if build.app else PID
+
+
+def parameters(build: Build) -> tuple[Parameter, ...]:
+    """Return the parameters of a build, with the values they have when it is up."""
+    app = (
+        Parameter('lta.app', BYTE | READ_ONLY, VERSION),
+        Parameter('lta.compensated', BYTE | READ_ONLY, int(build.compensated)),
+    )
+    return (
+        Parameter('supervisor.landedTimeout', WORD | EXTENDED, 3000),
+        Parameter('supervisor.prefltTimeout', WORD | EXTENDED, 30000),
+        Parameter('supervisor.tmblChckEn', BYTE | EXTENDED, 1),
+        Parameter('powerDist.idleThrust', LONG | EXTENDED | CORE, build.idle_thrust),
+        Parameter('stabilizer.controller', BYTE | CORE, default_controller(build)),
+        Parameter('stabilizer.stop', BYTE | CORE, 0),
+        Parameter('motorPowerSet.enable', BYTE | CORE, 0),
+        *(Parameter(f'motorPowerSet.m{number}', WORD | CORE, 0) for number in range(1, 5)),
+        *(app if build.app else ()),
+        Parameter('firmware.revision0', LONG | READ_ONLY, 0x2026_0800),
+    )
