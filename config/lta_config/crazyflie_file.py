@@ -1,7 +1,7 @@
 """The Crazyflie file: how the Crazyflie aboard a vehicle is commanded, wired, set and limited."""
 
 from collections.abc import Mapping
-from typing import Annotated, Literal
+from typing import Annotated, Final, Literal
 
 from lta_config.errors import BadInput
 from lta_config.files import checked, find, FOLDERS, known, load_yaml, Record
@@ -20,6 +20,30 @@ class Expected(Record):
     why: str
 
 
+# What every drone must meet, whichever firmware it has; a Crazyflie file adds to it.
+REQUIRED: Final[Mapping[str, Expected]] = {
+    'motorPowerSet.enable': Expected(
+        value=0,
+        write=True,
+        why='the override turns motors whatever watchdog, lock and disarming say (motors.c)',
+    ),
+    'powerDist.idleThrust': Expected(
+        value=0,
+        write=True,
+        why='motors would turn as soon as the drone is armed, 7000 of 65535 by default '
+        '(power_distribution_quadrotor.c)',
+    ),
+    'supervisor.landedTimeout': Expected(
+        value=3000,
+        write=True,
+        why='a longer one keeps a drone armed that has landed, and nobody watches',
+    ),
+    'supervisor.tmblChckEn': Expected(
+        value=1, write=True, why='what has turned over must not drive on'
+    ),
+}
+
+
 class FlightLimits(Record):
     """What ends a flight."""
 
@@ -30,13 +54,19 @@ class FlightLimits(Record):
 
 
 class CrazyflieFile(Record):
-    """A whole file."""
+    """
+    A whole file.
+
+    Its `parameters` are those beside `REQUIRED`; `expected` has both.
+    """
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
     vehicle: str
     command: Literal['setpoint', 'motors']
     motors: Mapping[str, str]
-    parameters: Mapping[Annotated[str, Field(pattern=r'^\w+\.\w+$')], Expected]
+    parameters: Mapping[Annotated[str, Field(pattern=r'^\w+\.\w+$')], Expected] = Field(
+        default_factory=dict
+    )
     limits: FlightLimits
 
     @model_validator(mode='after')
@@ -46,6 +76,22 @@ class CrazyflieFile(Record):
                 f'has the motors {dict(self.motors)}; name one rotor each for m1, m2, m3, m4'
             )
         return self
+
+    @model_validator(mode='after')
+    def _what_is_required_stays(self) -> 'CrazyflieFile':
+        for name, want in self.parameters.items():
+            required = REQUIRED.get(name)
+            if required is not None and want.value != required.value:
+                raise ValueError(
+                    f'sets the parameter {name} to {want.value:g}, which must be '
+                    f'{required.value:g} on every drone ({required.why}); remove that line'
+                )
+        return self
+
+    @property
+    def expected(self) -> Mapping[str, Expected]:
+        """What each parameter must be: the file's own first, then what every drone must meet."""
+        return {**self.parameters, **REQUIRED}
 
 
 def load_crazyflie(name: str, vehicle: str = '') -> CrazyflieFile:

@@ -9,6 +9,7 @@ from lifecycle_msgs.srv import ChangeState
 from lta_bridge.crazyflie.emulated.body import Bench
 from lta_bridge.crazyflie.emulated.firmware import Firmware
 from lta_bridge.crazyflie.emulated.server import Server
+from lta_config.crazyflie_file import load_crazyflie
 from lta_config.topics import topic_table
 from lta_graph.ros.message_types import message_type
 from lta_graph.ros.stamps import from_stamp
@@ -22,6 +23,7 @@ pytestmark = pytest.mark.beside
 
 TABLE = topic_table()
 ROTORS = load_vehicle('gtmab').rotor_names
+FILE = load_crazyflie('gtmab')
 DUTIES = [0.1, 0.2, 0.3, 0.4]
 ARM, STOP = 'crazyflie_bridge/arm', 'crazyflie_bridge/emergency_stop'
 
@@ -104,7 +106,10 @@ def test_sensors_come_in_our_units_on_our_clock(peer, drone, bridge):
     assert seen['battery'].voltage == pytest.approx(4.0)
     # How late the others are is the machine's: docs/hardware.md has its distribution.
     assert 0.0 < min(late) < 5.0
-    assert drone.firmware.parameters.values['supervisor.landedTimeout'] == 60000
+    values = drone.firmware.parameters.values
+    assert {name: values[name] for name in FILE.expected} == {
+        name: want.value for name, want in FILE.expected.items()
+    }
 
 
 @pytest.mark.alone
@@ -167,7 +172,7 @@ def test_an_emergency_stop_locks_and_is_not_flown_out_of(peer, drone, bridge):
 
 
 def test_while_it_lands_to_be_deactivated_an_emergency_stop_is_heeded_at_once(peer, drone, bridge):
-    """The landing is a callback, until 2 s after the motors: a stop must not wait for its end."""
+    """The landing is a callback, until 1 s after the motors: a stop must not wait for its end."""
     fly(peer, drone)
     change = peer.node.create_client(ChangeState, 'crazyflie_bridge/change_state')
     peer.until(change.service_is_ready)

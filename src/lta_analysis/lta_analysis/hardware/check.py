@@ -21,6 +21,7 @@ from lta_config.crazyflie_file import crazyflie_of
 from lta_config.errors import BadInput
 from lta_config.topics import topic_table
 from lta_config.vehicle_file import load_vehicle_file
+from lta_sim.vehicle import load_vehicle
 from lta_vlc.demodulation import plan_bins
 from lta_vlc.settings import Demodulation
 
@@ -156,7 +157,8 @@ def checked(asked: Asked, tell: Callable[[str, float], None]) -> Outcome:
 def _drone(
     asked: Asked, uri: str, tell: Callable[[str, float], None]
 ) -> tuple[DroneHeard | None, list[Check]]:
-    file = crazyflie_of(asked.vehicle, load_vehicle_file(asked.vehicle).name)
+    craft = load_vehicle(asked.vehicle)
+    file = crazyflie_of(asked.vehicle, craft.file.name)
     link = link_to(uri, BLOCKS, time.time_ns)
     tell(f'connecting to {uri}', 0.0)
     with closing(Claim(uri)), closing(link):  # two would take each other's answers
@@ -169,7 +171,7 @@ def _drone(
             link, uri, file, asked.seconds,
             lambda been: tell('listening to the Crazyflie', been / asked.seconds),
         )  # fmt: skip
-    return heard, list(drone.judged(heard, file))
+    return heard, list(drone.judged(heard, file, craft.battery_compensated))
 
 
 def _board(

@@ -11,6 +11,7 @@ from lta_analysis.doctor.check import Check
 from lta_analysis.hardware.stream import Streamed, streamed
 from lta_bridge.crazyflie import readings
 from lta_bridge.crazyflie.clock import DeviceClock
+from lta_bridge.crazyflie.keeper import compensates, mismatch
 from lta_bridge.crazyflie.link import Link, LogPacket, Lost, Ping
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.crazyflie.round_trips import RoundTrips
@@ -48,7 +49,9 @@ class DroneHeard:
     word : int or None
         The supervisor's; None where it said nothing.
     parameters : mapping of str to float or None
-        Those of its Crazyflie file; None for one that the firmware lacks.
+        Those that its vehicle needs; None for one that the firmware lacks.
+    compensates : bool
+        Whether the firmware corrects duties for the battery's voltage.
     lost : str
         Why the link went; empty where it did not.
 
@@ -63,6 +66,7 @@ class DroneHeard:
     voltage: float
     word: int | None
     parameters: Mapping[str, float | None]
+    compensates: bool
     lost: str
 
 
@@ -114,7 +118,8 @@ def listen(
         drift=clock.drift,
         voltage=power[0].voltage if power else math.nan,
         word=words[0] if words else None,
-        parameters={name: link.parameter(name) for name in file.parameters},
+        parameters={name: link.parameter(name) for name in file.expected},
+        compensates=compensates(link),
         lost=lost,
     )
 
@@ -127,8 +132,20 @@ def revision(told: Mapping[str, float | None]) -> str:
     return f'{int(high):08x}' + ('' if low is None else f'{int(low):04x}')
 
 
-def judged(heard: DroneHeard, file: CrazyflieFile) -> Iterator[Check]:
-    """Yield what is to be said of a Crazyflie, the most fundamental first."""
+def judged(heard: DroneHeard, file: CrazyflieFile, compensated: bool) -> Iterator[Check]:
+    """
+    Yield what is to be said of a Crazyflie, the most fundamental first.
+
+    Parameters
+    ----------
+    heard : DroneHeard
+        What it told.
+    file : CrazyflieFile
+        What it should be like.
+    compensated : bool
+        Whether the vehicle counts on firmware that corrects duties.
+
+    """
     if heard.lost:
         yield Check('link', 'fail', f'lost: {heard.lost}', 'Bring it nearer, and switch it on.')
     yield Check(
@@ -138,7 +155,8 @@ def judged(heard: DroneHeard, file: CrazyflieFile) -> Iterator[Check]:
     yield _latency(heard.latency)
     yield _battery(heard.voltage, file.limits.voltage.si)
     yield _supervisor(heard.word)
-    for name, want in file.parameters.items():
+    yield _duties(heard, compensated)
+    for name, want in file.expected.items():
         check = _parameter(name, heard.parameters[name], want)
         if check is not None:
             yield check
@@ -183,6 +201,19 @@ def _supervisor(word: int | None) -> Check:
         return Check('supervisor', 'warn', 'armed by somebody', 'Disarm it before you touch it.')
     ready = bool(word & Bit.CAN_BE_ARMED)
     return Check('supervisor', 'ok', 'disarmed, and can be armed' if ready else 'disarmed')
+
+
+def _duties(heard: DroneHeard, compensated: bool) -> Check:
+    """Return what becomes of a duty on its way to a motor."""
+    if why := mismatch(heard.compensates, compensated):
+        found, _, remedy = why.partition(': ')
+        return Check('duties', 'fail', found, f'{remedy[0].upper()}{remedy[1:]}.')
+    idle = heard.parameters['powerDist.idleThrust']
+    thrust = 'unknown' if idle is None else f'{idle:g} of 65535'
+    corrected = '' if heard.compensates else 'not '
+    return Check(
+        'duties', 'ok', f"idle thrust {thrust}, {corrected}corrected for the battery's voltage"
+    )
 
 
 def _parameter(name: str, value: float | None, want: Expected) -> Check | None:

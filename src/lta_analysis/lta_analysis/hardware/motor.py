@@ -6,7 +6,7 @@ pulled cable included, ends the motor with it. The firmware's own override (`mot
 no such end, and is not used.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 import math
 from queue import Empty
@@ -23,6 +23,7 @@ from lta_bridge.crazyflie.safety import Stage
 from lta_bridge.crazyflie.supervisor import Bit
 from lta_config.crazyflie_file import CrazyflieFile, MOTORS
 from lta_graph.interrupts import held_interrupts
+from lta_sim.vehicle import Vehicle
 
 STARTING: Final = 3.0  # s for telemetry to come, and again for the supervisor to arm
 CONFIRMING: Final = 1.0  # s for the supervisor to say that it is disarmed
@@ -62,15 +63,16 @@ class MotorBench:
         Open.
     file : CrazyflieFile
         Parameters, wiring and limits.
-    rotors : sequence of str
-        The vehicle's.
+    vehicle : Vehicle
+        What flies with it.
     motor : str
         'm1' to 'm4'.
 
     """
 
-    def __init__(self, link: Link, file: CrazyflieFile, rotors: Sequence[str], motor: str) -> None:
-        self._link, self._file = link, file
+    def __init__(self, link: Link, file: CrazyflieFile, vehicle: Vehicle, motor: str) -> None:
+        self._link, self._file, self._vehicle = link, file, vehicle
+        rotors = vehicle.rotor_names
         self._bridge = Bridge(link, file, rotors, 'motors')
         self._motor = MOTORS.index(motor)
         self._place = list(rotors).index(file.motors[motor])
@@ -97,7 +99,7 @@ class MotorBench:
             If the drone refuses, disarms itself, or falls silent.
 
         """
-        agree(self._link, self._file.parameters)
+        agree(self._link, self._file.expected, self._vehicle.battery_compensated)
         try:
             self._arm()
             self._drive(duty, seconds, tick)

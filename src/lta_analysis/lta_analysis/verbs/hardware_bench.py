@@ -24,6 +24,7 @@ import typer
 
 MOST = 0.3  # duty: turns every rotor, lifts nothing
 LONGEST = 10.0  # s
+LEAST = 1.0 / 256.0  # duty that turns a motor: PWM has 8 bits, and the app keeps m1 just above 0
 
 
 def bench(
@@ -51,7 +52,7 @@ def bench(
     """
     console = plain_console(stderr=json)
     craft = load_vehicle(vehicle)
-    file, rotors = crazyflie_of(vehicle, craft.file.name), craft.rotor_names
+    file = crazyflie_of(vehicle, craft.file.name)
     if motor not in MOTORS:
         raise unknown('motor', motor, list(MOTORS))
     if file.command != 'motors':
@@ -62,8 +63,8 @@ def bench(
     link = link_to(uri, BLOCKS, time.time_ns)
     with closing(Claim(uri)):
         confirm(motor, file.motors[motor], duty, seconds, console)
-        turned = turn(MotorBench(link, file, rotors, motor), link, (motor, duty, seconds), console)
-    right = turned.duty > 0.5 * duty and turned.others == 0.0
+        turned = turn(MotorBench(link, file, craft, motor), link, (motor, duty, seconds), console)
+    right = turned.duty > 0.5 * duty and turned.others < LEAST
     if json:
         volts = turned.voltage if math.isfinite(turned.voltage) else None
         told = {**turned._asdict(), 'voltage': volts, 'alone': right}

@@ -19,24 +19,60 @@ CONFIRM: Final = 2.0  # s for one parameter
 FIRST, LONGEST = 0.5, 8.0  # s of pause after a failure
 
 
-def agree(link: Link, expected: Mapping[str, Expected]) -> None:
+def agree(link: Link, expected: Mapping[str, Expected], compensated: bool | None = None) -> None:
     """
-    Bring parameters to what the vehicle needs.
+    Bring parameters to what the vehicle needs; nothing is written to a drone that is refused.
+
+    Parameters
+    ----------
+    link : Link
+        Open.
+    expected : mapping
+        Parameters by name.
+    compensated : bool or None
+        Whether the vehicle counts on firmware that corrects duties for the battery's voltage;
+        None where that does not matter.
 
     Raises
     ------
     LinkFailed
-        If one is missing, or differs and may not or cannot be written.
+        If one is missing, or differs and may not or cannot be written; or if the firmware corrects
+        duties and the vehicle does not count on it, or the other way round.
 
     """
     for name, want in expected.items():
         value = link.parameter(name)
         if value is None:
             raise LinkFailed(f'the firmware has no parameter {name} ({want.why})')
-        if value != want.value:
-            if not want.write:
-                raise LinkFailed(f'{name} is {value:g}, not {want.value:g} ({want.why})')
+        if value != want.value and not want.write:
+            raise LinkFailed(f'{name} is {value:g}, not {want.value:g} ({want.why})')
+    if compensated is not None and (why := mismatch(compensates(link), compensated)):
+        raise LinkFailed(why)
+    for name, want in expected.items():
+        if link.parameter(name) != want.value:
             link.write(name, want.value, CONFIRM)
+
+
+def compensates(link: Link) -> bool:
+    """Tell whether the firmware corrects duties for the battery's voltage; stock firmware does."""
+    return link.parameter('lta.compensated') != 0.0
+
+
+def mismatch(firmware: bool, vehicle: bool) -> str:
+    """Return why a drone that compensates, or not, cannot fly a vehicle; empty where it can."""
+    if firmware and not vehicle:
+        return (
+            "the firmware corrects duties for the battery's voltage, and the vehicle file has no "
+            'effect battery_compensation: flash the build of firmware/crazyflie, or add the '
+            'effect to the vehicle file'
+        )
+    if vehicle and not firmware:
+        return (
+            'the firmware takes duties as they are, and the vehicle file has the effect '
+            'battery_compensation: flash stock firmware, or remove the effect from the vehicle '
+            'file'
+        )
+    return ''
 
 
 @final
@@ -52,6 +88,8 @@ class Keeper:
         Parameters by name.
     given_back : callable
         Called, from the thread, when the link is closed for good.
+    compensated : bool or None
+        As for `agree`.
 
     Attributes
     ----------
@@ -69,8 +107,10 @@ class Keeper:
         link: Link,
         expected: Mapping[str, Expected],
         given_back: Callable[[], None] = lambda: None,
+        compensated: bool | None = None,
     ) -> None:
         self._link, self._expected, self._given_back = link, expected, given_back
+        self._compensated = compensated
         self.up, self.why, self.attempts = False, 'connecting', 0
         self._leave = threading.Event()
         self._again = threading.Event()
@@ -112,7 +152,7 @@ class Keeper:
         try:
             self._link.open(DEADLINE)
             if not self._leave.is_set():
-                agree(self._link, self._expected)
+                agree(self._link, self._expected, self._compensated)
         except LinkFailed as error:
             return str(error)
         except Exception as error:  # a driver's own: without this thread there is no other try

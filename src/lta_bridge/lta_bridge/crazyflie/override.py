@@ -9,9 +9,10 @@ from collections.abc import Mapping
 
 from lta_config.crazyflie_file import CrazyflieFile, Expected
 from lta_config.errors import BadInput
+from lta_sim.vehicle import Vehicle
 
 OVERRIDE = 'override'
-APP = 'lta.'  # parameters of firmware/crazyflie, which the override does without
+APP = ('lta.', 'stabilizer.controller')  # of firmware/crazyflie, which the override does without
 
 
 def check_tether(command: str, tethered: bool) -> None:
@@ -34,5 +35,10 @@ def check_tether(command: str, tethered: bool) -> None:
 def expected(file: CrazyflieFile, command: str) -> Mapping[str, Expected]:
     """Return the parameters that a way to command it needs."""
     if command != OVERRIDE:
-        return file.parameters
-    return {name: want for name, want in file.parameters.items() if not name.startswith(APP)}
+        return file.expected
+    return {name: want for name, want in file.expected.items() if not name.startswith(APP)}
+
+
+def compensated(vehicle: Vehicle, command: str) -> bool | None:
+    """Return whether duties must be corrected aboard; None by a way that goes past that."""
+    return None if command == OVERRIDE else vehicle.battery_compensated

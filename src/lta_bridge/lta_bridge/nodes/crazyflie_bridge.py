@@ -19,7 +19,7 @@ from lta_bridge.crazyflie.keeper import Keeper
 from lta_bridge.crazyflie.link import Lost, Malformed, Ping
 from lta_bridge.crazyflie.links import link_to
 from lta_bridge.crazyflie.log_table import BLOCKS, check
-from lta_bridge.crazyflie.override import check_tether, expected
+from lta_bridge.crazyflie.override import check_tether, compensated, expected
 from lta_bridge.crazyflie.safety import Asked, LEAVE, Stage
 from lta_bridge.crazyflie.settings import BridgeSettings
 from lta_config.crazyflie_file import crazyflie_of
@@ -57,7 +57,7 @@ class CrazyflieBridge(DeviceNode):
         }
         settings = self._settings = Parameters(self, BridgeSettings).value
         check_tether(settings.command, settings.tethered)
-        vehicle = load_vehicle(settings.vehicle)
+        vehicle = self._vehicle = load_vehicle(settings.vehicle)
         self._names = vehicle.rotor_names
         self._consumption = Consumption.of(vehicle.file.energy)
         link = self._link = link_to(settings.uri, BLOCKS, self._graph_ns)
@@ -113,7 +113,13 @@ class CrazyflieBridge(DeviceNode):
             self.get_logger().error(self.refusal)
             return TransitionCallbackReturn.FAILURE
         # A connection that is still being made outlives its keeper by seconds; so does the claim.
-        self._keeper = Keeper(self._link, expected(self._file, self._bridge.command), claim.close)
+        command = self._bridge.command
+        self._keeper = Keeper(
+            self._link,
+            expected(self._file, command),
+            claim.close,
+            compensated(self._vehicle, command),
+        )
         return super().on_configure(state)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:

@@ -1,5 +1,6 @@
 """Unmodified cflib against the emulated Crazyflie, through the link and its keeper."""
 
+from contextlib import nullcontext
 import math
 from random import Random
 import socket
@@ -9,15 +10,17 @@ import time
 from lta_bridge.crazyflie import duties_packet
 from lta_bridge.crazyflie.cflib_link import CflibLink
 from lta_bridge.crazyflie.emulated.body import Bench
+from lta_bridge.crazyflie.emulated.build import APP, ARMING, AS_SOLD, build_for
 from lta_bridge.crazyflie.emulated.firmware import Firmware
 from lta_bridge.crazyflie.emulated.server import Server
 from lta_bridge.crazyflie.keeper import agree, Keeper
 from lta_bridge.crazyflie.link import LinkFailed, LogPacket, Lost, Malformed
 from lta_bridge.crazyflie.links import link_to
 from lta_bridge.crazyflie.log_table import BLOCKS
+from lta_bridge.crazyflie.override import compensated
 from lta_bridge.crazyflie.packet_check import fault
 from lta_bridge.crazyflie.wiring import rotor_places
-from lta_config.crazyflie_file import crazyflie_of, Expected, load_crazyflie
+from lta_config.crazyflie_file import crazyflie_of, Expected, load_crazyflie, REQUIRED
 from lta_config.errors import BadInput
 from lta_config.files import find
 from lta_sim.vehicle import load_vehicle
@@ -63,11 +66,12 @@ def test_setpoints_and_the_hand_over_reach_the_drone(until, linked):
     with Server(Firmware(Bench())) as server:
         link = linked(server)
         link.arm(True)
+        until(lambda: server.firmware.supervisor.flies)
         link.hover(0.3, 0.5, 1.2)
-        wish = until(lambda: server.firmware.commander.wish(server.now).hover)
+        wish = until(lambda: server.firmware.commander.wish(level=False).hover)
         assert wish == pytest.approx((0.3, 0.0, 0.5, 1.2), abs=1e-6)
         link.hand_over(land=True)
-        until(lambda: server.firmware.commander.wish(server.now).land)
+        until(lambda: server.firmware.commander.wish(level=False).land)
         link.close()
 
 
@@ -76,10 +80,11 @@ def test_what_lands_by_itself_goes_on_when_the_link_is_closed(until, linked):
     with Server(Firmware(Bench())) as server:
         link = linked(server)
         link.arm(True)
+        until(lambda: server.firmware.supervisor.flies)
         link.hover(0.0, 0.0, 1.0)
-        until(lambda: server.firmware.commander.wish(server.now).hover)
+        until(lambda: server.firmware.commander.wish(level=False).hover)
         link.hand_over(land=True)
-        until(lambda: server.firmware.commander.wish(server.now).land)
+        until(lambda: server.firmware.commander.wish(level=False).land)
         heard, receive = [], server.firmware.receive
         server.firmware.receive = lambda packet, now: heard.append(packet) or receive(packet, now)
         link.close()
@@ -87,7 +92,7 @@ def test_what_lands_by_itself_goes_on_when_the_link_is_closed(until, linked):
             last.sendto(b'\xfe\x07', ('127.0.0.1', int(server.uri.rpartition(':')[2])))
             until(lambda: (15, 2, b'\x07') in heard)
         assert not [packet for packet in heard if packet.port in (3, 7)]
-        assert server.firmware.commander.wish(server.now).land
+        assert server.firmware.commander.wish(level=False).land
 
 
 def test_no_thread_of_cflib_sends_while_its_link_is_being_closed(linked):
@@ -111,7 +116,7 @@ def test_a_driver_that_fails_in_the_middle_of_sending_ends_the_link_and_no_threa
     """cflib then keeps its lock for ever: nothing more may be sent by this object."""
     with Server(Firmware(Bench())) as server:
         link = CflibLink(server.uri, BLOCKS, time.time_ns)
-        keeper = Keeper(link, load_crazyflie('gtmab').parameters)
+        keeper = Keeper(link, load_crazyflie('gtmab').expected)
         until(lambda: keeper.up)
 
         def broken(packet):
@@ -169,7 +174,7 @@ class Slow:
 
 def test_a_keeper_that_leaves_while_it_connects_writes_nothing_and_says_when_it_is_done():
     link, done = Slow(), threading.Event()
-    keeper = Keeper(link, load_crazyflie('gtmab').parameters, done.set)
+    keeper = Keeper(link, load_crazyflie('gtmab').expected, done.set)
     assert link.opening.wait(PATIENCE)
     assert not keeper.close(0.0)
     assert not done.is_set()
@@ -208,7 +213,7 @@ def test_a_closed_port_is_told_and_the_keeper_finds_the_drone_again(until):
     server = Server(Firmware(Bench()))
     port = int(server.uri.rpartition(':')[2])
     link = CflibLink(server.uri, BLOCKS, time.time_ns)
-    keeper = Keeper(link, load_crazyflie('gtmab').parameters)
+    keeper = Keeper(link, load_crazyflie('gtmab').expected)
     with server:
         until(lambda: keeper.up)
     until(lambda: isinstance(link.events.get(timeout=PATIENCE), Lost))
@@ -238,11 +243,118 @@ def test_parameters_are_brought_to_what_the_vehicle_needs_or_refused(linked):
         link = linked(server)
         with pytest.raises(LinkFailed, match=r'has no parameter lta.new \(why\)'):
             agree(link, {'lta.new': Expected(value=1, write=True, why='why')})
-        with pytest.raises(LinkFailed, match=r'lta.app is 1, not 2 \(why\)'):
-            agree(link, {'lta.app': Expected(value=2, write=False, why='why')})
+        with pytest.raises(LinkFailed, match=r'lta.app is 2, not 3 \(why\)'):
+            agree(link, {'lta.app': Expected(value=3, write=False, why='why')})
         with pytest.raises(LinkFailed, match=r'firmware\.revision0 cannot be written'):
             agree(link, {'firmware.revision0': Expected(value=2, write=True, why='why')})
         link.close()
+
+
+def test_on_the_arming_build_the_connection_brings_idle_thrust_to_nothing(until, linked):
+    """The build's motors would turn at 10.7 % as soon as it is armed."""
+    with Server(Firmware(Bench(), build=ARMING)) as server:
+        link, firmware = linked(server), server.firmware
+        link.arm(True)
+        until(lambda: firmware.body.duties == pytest.approx((7000 / 65535,) * 4))
+        link.arm(False)
+        until(lambda: firmware.body.duties == (0.0,) * 4)
+        agree(link, load_crazyflie('multirotor').expected, compensated=True)
+        assert firmware.parameters.values['powerDist.idleThrust'] == 0
+        until(lambda: link.arm(True) or firmware.supervisor.flies)
+        assert firmware.body.duties == (0.0,) * 4
+        link.close()
+
+
+def test_what_every_drone_must_meet_is_written_to_it(linked):
+    other = {'motorPowerSet.enable': 4, 'powerDist.idleThrust': 7000,
+             'supervisor.landedTimeout': 60000, 'supervisor.tmblChckEn': 0}  # fmt: skip
+    assert other.keys() == REQUIRED.keys()
+    with Server(Firmware(Bench())) as server:
+        server.firmware.parameters.values.update(other, **{'stabilizer.controller': 1})
+        link = linked(server)
+        agree(link, load_crazyflie('gtmab').expected, compensated=False)
+        values = server.firmware.parameters.values
+        assert {name: values[name] for name in other} == {
+            name: want.value for name, want in REQUIRED.items()
+        }
+        assert values['stabilizer.controller'] == 6
+        link.close()
+
+
+@pytest.mark.parametrize(
+    ('build', 'version', 'sentence'),
+    [
+        (
+            AS_SOLD,
+            None,
+            r'has no parameter lta\.app \(.*flash the present firmware/crazyflie',
+        ),
+        (APP, 1, r'lta\.app is 1, not 2 \(.*flash the present firmware/crazyflie'),
+    ],
+)
+def test_without_the_present_app_a_blimp_is_refused_and_nothing_is_written(
+    build, version, sentence, linked
+):
+    with Server(Firmware(Bench(), build=build)) as server:
+        values = server.firmware.parameters.values
+        values['supervisor.landedTimeout'] = 60000
+        if version is not None:
+            values['lta.app'] = version
+        link = linked(server)
+        with pytest.raises(LinkFailed, match=sentence):
+            agree(link, load_crazyflie('gtmab').expected, compensated=False)
+        assert values['supervisor.landedTimeout'] == 60000
+        link.close()
+
+
+@pytest.mark.parametrize(
+    ('build', 'counted_on', 'sentence'),
+    [
+        (APP, False, ''),
+        (APP._replace(compensated=True), True, ''),
+        (AS_SOLD, True, ''),
+        (AS_SOLD, None, ''),
+        (AS_SOLD, False, 'has no effect battery_compensation: flash the build of firmware/crazyf'),
+        (APP._replace(compensated=True), False, "corrects duties for the battery's voltage, and"),
+        (APP, True, 'has the effect battery_compensation: flash stock firmware, or remove'),
+    ],
+)
+def test_firmware_and_vehicle_agree_on_the_correction_for_the_battery(
+    build, counted_on, sentence, linked
+):
+    with Server(Firmware(Bench(), build=build)) as server:
+        link = linked(server)
+        with pytest.raises(LinkFailed, match=sentence) if sentence else nullcontext():
+            agree(link, {}, counted_on)
+        link.close()
+
+
+@pytest.mark.parametrize('name', ['gtmab', 'multirotor'])
+def test_the_shipped_vehicles_and_the_builds_they_fly_with_agree(name):
+    build = build_for(load_crazyflie(name).command)
+    assert compensated(load_vehicle(name), '') == build.compensated
+    assert compensated(load_vehicle(name), 'override') is None
+
+
+def file_with(tmp_path, parameter):
+    text, path = find('crazyflie', 'gtmab').read_text(), tmp_path / 'gtmab.yaml'
+    path.write_text(text.replace('parameters:', f'parameters:\n  {parameter}'))
+    return str(path)
+
+
+def test_a_file_that_sets_a_required_parameter_otherwise_is_one_sentence(tmp_path):
+    mine = file_with(tmp_path, 'supervisor.landedTimeout: {value: 60000, write: true, why: mine}')
+    with pytest.raises(BadInput) as refused:
+        load_crazyflie(mine, 'gtmab')
+    assert (
+        'sets the parameter supervisor.landedTimeout to 60000, which must be 3000 on every drone '
+        '(a longer one keeps a drone armed that has landed, and nobody watches); remove that line'
+    ) in str(refused.value)
+
+
+def test_a_file_may_name_a_required_parameter_with_its_value(tmp_path):
+    same = file_with(tmp_path, 'powerDist.idleThrust: {value: 0, write: false, why: mine}')
+    assert load_crazyflie(same, 'gtmab').expected['powerDist.idleThrust'].write
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ from lta_bridge.crazyflie.emulated.server import Server
 from lta_bridge.crazyflie.override import check_tether, expected
 from lta_bridge.crazyflie.safety import Asked as AskedBy
 from lta_bridge.crazyflie.supervisor import Bit
+from lta_config.crazyflie_file import REQUIRED
 from lta_config.errors import BadInput
 import pytest
 
@@ -90,4 +91,5 @@ def test_untethered_it_is_refused_and_no_app_is_asked_for():
     check_tether('motors', tethered=False)
     assert 'lta.app' in expected(FILE, 'motors')
     assert not any(name.startswith('lta.') for name in expected(FILE, 'override'))
-    assert expected(FILE, 'override')['motorPowerSet.enable'].value == 0
+    assert 'stabilizer.controller' not in expected(FILE, 'override')  # stock firmware has no 6
+    assert REQUIRED.keys() <= expected(FILE, 'override').keys()
