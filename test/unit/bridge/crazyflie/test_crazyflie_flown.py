@@ -38,3 +38,16 @@ def test_the_multirotor_hovers_by_setpoint_and_lands():
     state = fly(drone, 5.0, 11.0, Wish(land=True))
     assert state[2] < 0.05
     assert drone.duties == (0.0,) * 4
+    fly(drone, 11.0, 20.0, Wish())  # and stands
+    assert drone.read()['acc.z'] == pytest.approx(1.0, abs=0.1)
+
+
+def test_motors_turn_at_idle_and_by_eight_bits_of_duty():
+    drone = flown('gtmab', 'lamp_room', 1)
+    fly(drone, 0.0, 0.1, Wish(duties=(0.5, 0.0, 0.0, 0.0), idle=0.107))
+    assert drone.duties == (0.5, 0.107, 0.107, 0.107)
+    still, stepped = flown('gtmab', 'lamp_room', 1), flown('gtmab', 'lamp_room', 1)
+    fly(still, 0.0, 3.0, Wish(duties=(0.0,) * 4))
+    fly(stepped, 0.0, 3.0, Wish(duties=(1.0 / 65535, 0.0, 0.0, 0.0)))
+    assert stepped.duties[0] > 0.0
+    assert (stepped.world.state == still.world.state).all()

@@ -16,6 +16,7 @@ from lta_control.laws.protocol import Motion
 from lta_sim.world import World
 
 DESCENT = 0.3  # m/s of a landing
+TOUCH = 0.03  # m above where it stands, below which a landing is over
 FARTHEST = 65.535  # m: the most that 16 bits of millimetres tell
 PWM_STEP = 1.0 / 256.0  # duty: the motors' PWM has 8 bits (motors.c)
 SLIP = 20  # control periods of delay that are made up for at once
@@ -98,7 +99,20 @@ class Flown:
             rotors[place] = max(wish.idle, rotors[place])
         self.duties = tuple(rotors[place] for place in self._order)
         self._world.advance([duty if duty >= PWM_STEP else 0.0 for duty in rotors])
+        if self._law is not None and not any(self.duties) and self._on_floor:
+            self._stand()
         self._sense()
+
+    @property
+    def _on_floor(self) -> bool:
+        return bool(self._world.state[2] < self._world.vehicle.standing_height + TOUCH)
+
+    def _stand(self) -> None:
+        """Stand on four feet: the world's floor holds it at one point, on which it would fall."""
+        state = self._world.state
+        half = 0.5 * _yaw(state[3:7].tolist())
+        state[3:7] = 0.0, 0.0, math.sin(half), math.cos(half)
+        state[10:13] = 0.0
 
     def _controlled(self, hover: Hover | None) -> tuple[float, ...]:
         """Return what the law does for a hover; without one it comes down where it is."""
@@ -108,7 +122,7 @@ class Flown:
         motion = Motion(position, turn, tuple(state[7:10]), tuple(state[10:13]))
         if hover is None:
             height = self._wanted.altitude - DESCENT * self._dt
-            if position[2] < self._world.vehicle.standing_height + 0.03:
+            if self._on_floor:
                 return (0.0,) * len(self._world.vehicle.rotor_names)
             self._wanted = Setpoint(height, self._wanted.heading, 0.0)
         else:
