@@ -9,6 +9,7 @@ from lta_analysis.hardware.check import refuse_nothing
 from lta_analysis.hardware.stream import streamed
 from lta_bridge import devices as found
 from lta_bridge.crazyflie.emulated.body import Bench
+from lta_bridge.crazyflie.emulated.build import ARMING
 from lta_bridge.crazyflie.emulated.firmware import Firmware
 from lta_bridge.crazyflie.emulated.server import Server
 from lta_bridge.crazyflie.link import LogPacket
@@ -139,6 +140,8 @@ def test_a_drone_and_a_board_are_heard_and_their_figures_told(call, tmp_path):
     assert status == 1  # for the dead diode
     assert {name for name, state in states.items() if state == 'fail'} == {'diodes'}
     assert states['battery'] == states['supervisor'] == states["board's clock"] == 'ok'
+    (duties,) = (check['found'] for check in told['checks'] if check['name'] == 'duties')
+    assert duties == "idle thrust 0 of 65535, not corrected for the battery's voltage"
     drone = told['drone']
     assert (drone['protocol'], drone['voltage']) == (12, 4.0)
     assert drone['revision'] == '20260800'
@@ -170,6 +173,20 @@ def test_a_locked_drone_with_an_empty_cell_and_without_the_app_is_not_in_order(c
     assert set(failed) == {'battery', 'supervisor', 'lta.app'}
     assert 'locked: switch the Crazyflie off and on' in failed['supervisor']
     assert failed['battery'].startswith('3.10 V')
+
+
+def test_stock_firmware_under_a_blimp_is_told_what_it_lacks(call):
+    with Server(Firmware(Bench(), build=ARMING)) as server:
+        status, said = call('hardware', 'check', '--uri', server.uri, '--seconds', '0.5', '--json')
+    checks = {check['name']: check for check in json.loads(said.out)['checks']}
+    assert status == 1
+    assert {name for name, check in checks.items() if check['state'] == 'fail'} == {
+        'duties',
+        'lta.app',
+    }
+    assert 'no effect battery_compensation' in checks['duties']['found']
+    assert checks['duties']['remedy'].startswith('Flash the build of firmware/crazyflie, or add')
+    assert checks['powerDist.idleThrust']['found'].startswith('7000, not 0 (motors would turn')
 
 
 def test_torn_frames_and_another_dialect_are_told(call, tmp_path):
