@@ -25,6 +25,9 @@ STALE: Final = (1.1, 5.9)  # told after 0.3 s, and after what a setpoint may be 
 SILENT: Final = (1.3, 6.0)  # told after half a second of silence
 LATE: Final = (2.3, 7.0)  # the same, and a second for it to arrive
 SLACK: Final = 1.0  # s more, for a machine with other work
+STARTS: Final = (
+    2.0  # s: its gyroscope alone is calibrated for one, at rest (sensors_bmi088_bmp3xx.c)
+)
 NEVER: Final = (0.0, 0.0)  # no motor ever turns
 
 
@@ -95,7 +98,8 @@ def turn_over(trial: Any) -> None:
 def reboot(trial: Any) -> None:
     """Let the cell fail for a moment: unarmed, and all log blocks are forgotten."""
     server: Server = trial.server
-    server.firmware = made(trial.body, boot_ms=-int(1e3 * server.now))
+    up_at = server.now + STARTS
+    server.firmware = made(trial.body, boot_ms=-int(1e3 * server.now), up_at=up_at)
 
 
 def empty(trial: Any) -> None:

@@ -267,6 +267,16 @@ def test_motors_of_the_arming_build_idle_as_soon_as_it_is_armed_until_somebody_w
     assert drone.body.duties == STILL
 
 
+def test_while_it_starts_it_hears_nothing_and_turns_nothing():
+    drone = Firmware(Bench(), build=AS_SOLD, up_at=2.0)
+    assert run(drone, 0.0, 1.9, HOVER) == 0.0
+    assert drone.receive(Packet(15, 0, b'a'), 1.9) == []
+    assert run(drone, 1.9, 2.0, HOVER) == 1.9
+    assert drone.body.duties == STILL
+    run(drone, 2.0, 2.2, HOVER)
+    assert drone.body.duties == (0.5,) * 4
+
+
 def test_the_builds_have_their_own_parameters():
     app, sold = Firmware(Bench(), build=APP), Firmware(Bench(), build=AS_SOLD)
     wanted = {'lta.app': 2, 'lta.compensated': 0, 'stabilizer.controller': 6}

@@ -1,8 +1,8 @@
 """
 The emulated Crazyflie without a link: packets and time in, packets out.
 
-`Firmware.receive` answers a packet, `Firmware.tick` sends what is due. Time counts from when it is
-up; its own clock may run fast or slow.
+`Firmware.receive` answers a packet, `Firmware.tick` sends what is due. Its own clock may run fast
+or slow.
 """
 
 from collections.abc import Mapping
@@ -52,6 +52,8 @@ class Firmware:
         By how much its clock runs fast. [1]
     build : Build
         Which firmware it is.
+    up_at : float
+        Until when it starts: it hears nothing, and motors stand. [s]
 
     Attributes
     ----------
@@ -70,6 +72,7 @@ class Firmware:
         boot_ms: int = 0,
         drift: float = 0.0,
         build: Build = APP,
+        up_at: float = 0.0,
     ) -> None:
         self.body, self.build = body, build
         self.supervisor = Supervisor(arms_itself=not build.requires_arming)
@@ -82,7 +85,7 @@ class Firmware:
         self.acceleration: Acceleration | None = None
         self.halted = False
         self._protocol, self._boot_ms, self._drift = protocol, boot_ms, drift
-        self._buffer = Buffer()
+        self._up_at, self._buffer = up_at, Buffer()
         self._controller = default_controller(build)
         self._values: Mapping[str, float] = {}
 
@@ -94,7 +97,7 @@ class Firmware:
 
     def receive(self, packet: Packet, now: float) -> list[Packet]:
         """Take a packet at a time [s]; return the answers."""
-        if self.halted:
+        if self.halted or now < self._up_at:
             return []
         try:
             answer = self._answer(packet, now)
@@ -207,7 +210,7 @@ class Firmware:
 
     def tick(self, now: float) -> list[Packet]:
         """Go on to a time; return the log packets that are due. [s]"""
-        if self.halted:
+        if self.halted or now < self._up_at:
             self.body.fly(now, Wish(duties=STILL))
             return []
         self._run_app(now)
