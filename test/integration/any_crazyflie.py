@@ -14,6 +14,7 @@ import time
 
 from lta_bridge.crazyflie import readings
 from lta_bridge.crazyflie.cflib_link import CflibLink
+from lta_bridge.crazyflie.emulated.build import Build
 from lta_bridge.crazyflie.emulated.firmware import Firmware
 from lta_bridge.crazyflie.emulated.server import Server
 from lta_bridge.crazyflie.link import LinkFailed, LogPacket
@@ -24,19 +25,27 @@ import pytest
 
 PATIENCE = 20.0  # s; what comes normally comes within a second
 EVERY = 0.02  # s between two setpoints
+PWM_STEP = 1 / 256  # duty: a smaller one leaves the motor's pin low
+PID, OUT_OF_TREE = 1, 6  # stabilizer.controller
 
 
 @contextmanager
-def served() -> Iterator[str]:
-    """Yield the URI of a Crazyflie."""
+def served(build: Build) -> Iterator[str]:
+    """Yield the URI of a Crazyflie: that of `LTA_CF_URI`, or an emulated one of a build."""
     uri = os.environ.get('LTA_CF_URI', '')
     if uri:
         if not uri.startswith('udp://') and os.environ.get('LTA_CF_PROPELLERS') != 'off':
             pytest.fail(f'{uri}: take the propellers off, and set LTA_CF_PROPELLERS=off.')
         yield uri
     else:
-        with Server(Firmware(flown('multirotor', 'lamp_room', 1))) as server:
+        body = flown('multirotor', 'lamp_room', 1)
+        with Server(Firmware(body, build=build)) as server:
             yield server.uri
+
+
+def turning(motors: readings.Motors) -> bool:
+    """Tell whether any motor turns."""
+    return any(duty >= PWM_STEP for duty in motors.duties)
 
 
 class Drone:
@@ -91,12 +100,22 @@ class Drone:
 
     @property
     def turns(self) -> bool:
-        return any(self.motors.duties)
+        return turning(self.motors)
+
+    @property
+    def has_app(self) -> bool:
+        """Whether the app of firmware/crazyflie is aboard."""
+        return self.link.parameter('lta.app') is not None
+
+    @property
+    def arms_itself(self) -> bool:
+        """Whether this firmware arms itself, and again where somebody disarms it."""
+        return Bit.AUTO_ARM in self.word
 
     def turned(self, since: float) -> bool:
         """Tell whether a motor turned at any time since. [s]"""
         return any(
-            any(readings.motors(packet.values).duties)
+            turning(readings.motors(packet.values))
             for packet in self.heard['motors']
             if 1e-3 * packet.stamp_ms > since
         )
@@ -108,8 +127,14 @@ class Drone:
         """Ask until the supervisor says that it is armed."""
         self.until(lambda: Bit.ARMED in self.word, lambda: self.link.arm(True))
 
+    def control_by(self, controller: int) -> None:
+        """Choose the firmware's controller, where there is more than its own."""
+        if self.has_app:
+            self.link.write('stabilizer.controller', controller, PATIENCE)
+
     def fly(self) -> None:
-        """Arm, and hover until motors have turned for a second."""
+        """Arm, and hover by the firmware's own controller until motors have turned for a second."""
+        self.control_by(PID)
         self.arm()
         self.until(lambda: self.turns, self.hover)
         self.wait(1.0, self.hover)

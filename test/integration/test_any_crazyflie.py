@@ -1,22 +1,26 @@
 """
 What firmware 2026.08 does when we fail (docs/hardware.md), judged by its log packets alone.
 
-On the emulated Crazyflie, or on the one that `LTA_CF_URI` names: the outcomes are the same. Times
-are the drone's own. What locks it comes last.
+On the emulated Crazyflie in three builds, or on the one that `LTA_CF_URI` names: the outcomes are
+the same. Times are the drone's own. What locks it comes last.
 """
 
 import itertools
+import os
 
 from lta_bridge.crazyflie import duties_packet
+from lta_bridge.crazyflie.emulated.build import APP, ARMING, AS_SOLD
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.crazyflie.supervisor import Bit
+from lta_config.crazyflie_file import REQUIRED
 from lta_config.topics import topic_table
 from lta_graph.ros.message_types import message_type
+from lta_sim.vehicle import load_vehicle
 import numpy as np
 import pytest
 from std_srvs.srv import SetBool
 
-from .any_crazyflie import connected, served
+from .any_crazyflie import connected, OUT_OF_TREE, PATIENCE, PID, served
 from .peer import Peer, start
 
 pytestmark = pytest.mark.filterwarnings('ignore::pytest.PytestUnraisableExceptionWarning')
@@ -24,11 +28,20 @@ pytestmark = pytest.mark.filterwarnings('ignore::pytest.PytestUnraisableExceptio
 STALE = 0.5  # s by which the emulated drone's clock and a busy machine may be late
 HEIGHT = 0.45  # m
 TABLE = topic_table()
+BUILDS = {'as sold': AS_SOLD, 'arming': ARMING, 'app': APP}
 
 
-@pytest.fixture
-def uri():
-    with served() as uri:
+@pytest.fixture(
+    params=[
+        pytest.param('as sold', marks=pytest.mark.long),
+        pytest.param('arming', marks=pytest.mark.long),
+        'app',
+    ]
+)
+def uri(request):
+    if os.environ.get('LTA_CF_URI') and request.param != 'app':
+        pytest.skip('the one that LTA_CF_URI names has one build')
+    with served(BUILDS[request.param]) as uri:
         yield uri
 
 
@@ -46,14 +59,17 @@ def test_every_log_block_comes_at_its_rate(drone):
 
 
 def test_unarmed_no_setpoint_turns_a_motor(drone):
-    if Bit.AUTO_ARM in drone.word:
+    if drone.arms_itself:
         pytest.skip('this firmware arms itself')
+    drone.control_by(PID)
     before = drone.now
     drone.wait(1.0, drone.hover)
     assert not drone.turned(before)
 
 
 def test_disarmed_in_flight_it_stops_at_once_and_can_be_armed_again(drone):
+    if drone.arms_itself:
+        pytest.skip('this firmware arms itself again')
     drone.fly()
     before = drone.now
     drone.until(lambda: not drone.turns, lambda: drone.link.arm(False))
@@ -70,8 +86,9 @@ def test_handed_over_it_lands_and_does_not_lock(drone):
 
 
 def test_duties_hold_for_as_long_as_their_packet_says(drone):
-    if drone.link.parameter('lta.app') is None:
+    if not drone.has_app:
         pytest.skip('this firmware has no app: flash firmware/crazyflie')
+    drone.control_by(OUT_OF_TREE)
     drone.arm()
     numbers = itertools.count(1)
 
@@ -82,15 +99,29 @@ def test_duties_hold_for_as_long_as_their_packet_says(drone):
     before = drone.now
     drone.until(lambda: not drone.turns)
     assert drone.now - before < 0.25 + STALE
+    drone.until(lambda: Bit.ARMED not in drone.word)
+    assert drone.now - before < 0.2 + 1.0 + 0.15 + STALE
     assert Bit.LOCKED not in drone.word
 
 
+def test_no_motor_turns_once_the_bridge_has_set_what_every_drone_must_have(drone):
+    """Where arming is required, Kconfig's idle thrust turns all motors as soon as it is armed."""
+    for name, wanted in REQUIRED.items():
+        drone.link.write(name, wanted.value, PATIENCE)
+    drone.arm()
+    before = drone.now
+    drone.wait(1.0)
+    assert not drone.turned(before)
+
+
 @pytest.mark.long
-def test_the_bridge_flies_it_by_setpoints_and_brings_it_down_unlocked(uri, domain_id, hear):
-    """Through the node and its services; judged by what the node heard of the drone."""
-    node = start(
-        'lta_bridge.nodes.crazyflie_bridge', '-p', f'uri:={uri}', '-p', 'vehicle:=multirotor'
-    )
+def test_the_bridge_flies_it_and_brings_it_down_unlocked(uri, domain_id, hear):
+    """By duties where the app is aboard, by setpoints elsewhere; through the node's services."""
+    with connected(uri) as drone:
+        by_duties = drone.has_app
+    vehicle = load_vehicle('gtmab' if by_duties else 'multirotor')
+    words = ('-p', f'uri:={uri}', '-p', f'vehicle:={vehicle.file.name}')
+    node = start('lta_bridge.nodes.crazyflie_bridge', *words)
 
     def safety(facts, word, turning):
         fact = facts.get('crazyflie_bridge: safety')
@@ -99,23 +130,26 @@ def test_the_bridge_flies_it_by_setpoints_and_brings_it_down_unlocked(uri, domai
         return fact is not None and fact.message.startswith(word) and motors and turns == turning
 
     with Peer(domain_id) as peer:
-        wanted = {n: peer.publisher(n) for n in ('odom', 'setpoint/pose', 'setpoint/velocity')}
+        commands = ('motors',) if by_duties else ('setpoint/pose', 'setpoint/velocity')
+        publishers = {name: peer.publisher(name) for name in ('odom', *commands)}
 
         def send():
             stamp = peer.node.get_clock().now().to_msg()
-            for name, publisher in wanted.items():
+            for name, publisher in publishers.items():
                 message = message_type(TABLE[name])()
                 message.header.stamp = stamp
                 if name == 'setpoint/pose':
                     message.pose.position.z = HEIGHT
+                elif name == 'motors':
+                    message.name = vehicle.rotor_names
+                    message.effort = [0.1] * len(vehicle.rotor_names)
                 publisher.publish(message)
 
         hear(lambda facts: safety(facts, 'disarmed', turning=False))
         peer.arm()
         hear(lambda facts: send() or safety(facts, 'flying', turning=True))
         hear(lambda facts: safety(facts, 'disarmed: the newest command', turning=False))
-        refused = peer.ask(SetBool, 'crazyflie_bridge/arm', data=False)
-        assert refused.success
+        assert peer.ask(SetBool, 'crazyflie_bridge/arm', data=False).success
         node.send_signal(2)
         _, text = node.communicate(timeout=30)
         assert node.returncode == 0, text

@@ -5,7 +5,6 @@
  * motors at 4.2 V] and LTA_BODY_DRAG [N s2/m2] make it a blimp.
  */
 #include <math.h>
-#include <pthread.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,7 +17,6 @@
 #define SEA_LEVEL 1013.25f  /* mbar */
 #define MBAR_PER_METRE 0.12f
 
-static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static float height, speed, specific_force = 1.0f, voltage = 4.0f, upside_down;
 
 static float from_environment(const char *name, float otherwise) {
@@ -34,7 +32,6 @@ void body_step(float dt, const float ratios[MOTORS]) {
     full_thrust = from_environment("LTA_BODY_THRUST", 0.6f);
     drag = from_environment("LTA_BODY_DRAG", 0.01f);
   }
-  pthread_mutex_lock(&lock);
   float thrust = 0.0f;
   for (int motor = 0; motor < MOTORS; motor++) {
     const float mean = ratios[motor] * voltage / FULL_VOLTAGE;
@@ -49,31 +46,24 @@ void body_step(float dt, const float ratios[MOTORS]) {
   specific_force = force / (mass * GRAVITY);
   speed += dt * (force / mass - GRAVITY);
   height += dt * speed;
-  pthread_mutex_unlock(&lock);
 }
 
 readings_t body_read(void) {
-  pthread_mutex_lock(&lock);
-  readings_t readings = {
+  return (readings_t){
       .acc = {0.0f, 0.0f, upside_down ? -specific_force : specific_force},
       .range = STANDING + height,
       .pressure = SEA_LEVEL - MBAR_PER_METRE * height,
       .voltage = voltage,
   };
-  pthread_mutex_unlock(&lock);
-  return readings;
 }
 
 int body_set(const char *name, float value) {
-  int known = 1;
-  pthread_mutex_lock(&lock);
   if (strcmp(name, "voltage") == 0) {
     voltage = value;
   } else if (strcmp(name, "upside_down") == 0) {
     upside_down = value;
   } else {
-    known = 0;
+    return 0;
   }
-  pthread_mutex_unlock(&lock);
-  return known;
+  return 1;
 }

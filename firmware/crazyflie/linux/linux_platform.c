@@ -7,11 +7,13 @@
  * memory stands what a test needs; commander, supervisor, controllers, power distribution, motors,
  * parameters, logging and the app layer are the firmware's own files.
  *
- * LTA_BOOT_MS is where its clock begins, LTA_CLOCK_PPM by how much that clock runs fast.
+ * SIGUSR1 switches it off and on. LTA_BOOT_MS is where its clock begins, LTA_CLOCK_PPM by how much
+ * that clock runs fast.
  */
 #include <arpa/inet.h>
 #include <errno.h>
 #include <pthread.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -88,7 +90,7 @@ uint64_t usecTimestamp(void) { return firmware_us(); }
 static int open_socket(const char *port) {
   struct sockaddr_in address = {.sin_family = AF_INET, .sin_port = htons((uint16_t)atoi(port))};
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  const int opened = socket(AF_INET, SOCK_DGRAM, 0);
+  const int opened = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (opened < 0 || bind(opened, (struct sockaddr *)&address, sizeof(address)) != 0) {
     fprintf(stderr, "UDP port %s cannot be opened: %s\n", port, strerror(errno));
     exit(2);
@@ -100,8 +102,10 @@ static int link_receive(CRTPPacket *packet) {
   uint8_t data[64];
   struct sockaddr_in sender;
   socklen_t length = sizeof(sender);
+  give_core();
   const ssize_t size =
       recvfrom(link_socket, data, sizeof(data), 0, (struct sockaddr *)&sender, &length);
+  take_core();
   if (size < 1 || size > 1 + CRTP_MAX_DATA_SIZE) {
     return -1;
   }
@@ -165,9 +169,9 @@ void sensorsWaitDataReady(void) {
     next_step_us = now; /* a machine that stood still for so long is not caught up with */
   }
   next_step_us += STEP_US;
-  if (next_step_us > now) {
-    usleep((useconds_t)(next_step_us - now));
-  }
+  give_core();
+  usleep(next_step_us > now ? (useconds_t)(next_step_us - now) : 0);
+  take_core();
   step_body();
   if (++step % POWER_STEPS == 0) {
     send_voltage();
@@ -217,6 +221,7 @@ static void *serve_bench(void *argument) {
     if (recvfrom(bench_socket, text, sizeof(text) - 1, 0, (struct sockaddr *)&sender, &length) < 1) {
       continue;
     }
+    take_core();
     if (strcmp(text, "get") == 0) {
       snprintf(answer, sizeof(answer), "%d %u %u %u %u %u %u %u %u %u %.4f", is_running,
                xTaskGetTickCount(), motorsGetRatio(0), motorsGetRatio(1), motorsGetRatio(2),
@@ -227,6 +232,7 @@ static void *serve_bench(void *argument) {
     } else {
       snprintf(answer, sizeof(answer), "unknown: %s", text);
     }
+    give_core();
     sendto(bench_socket, answer, strlen(answer), 0, (struct sockaddr *)&sender, length);
   }
   return NULL;
@@ -287,14 +293,24 @@ const char *V_STAG = "linux";
 ledseqContext_t seq_charged, seq_charging, seq_lowbat;
 ledseqContext_t seq_user_notification_success, seq_user_notification_fail;
 
+static char **own_words;
+
+static void restart(int signal_number) { execv(own_words[0], own_words); }
+
 int main(int count, char **words) {
   if (count != 3) {
     fprintf(stderr, "usage: %s LINK_PORT BENCH_PORT\n", words[0]);
     return 2;
   }
+  own_words = words;
+  sigset_t none;
+  sigemptyset(&none); /* a restart out of the handler leaves its signal blocked */
+  sigprocmask(SIG_SETMASK, &none, NULL);
+  signal(SIGUSR1, restart);
   began_us = monotonic_us();
   link_socket = open_socket(words[1]);
   bench_socket = open_socket(words[2]);
+  take_core();
   if (platformInit() != 0) {
     fprintf(stderr, "the firmware does not know its platform\n");
     return 3;
@@ -326,6 +342,8 @@ int main(int count, char **words) {
   systemStart();
   pthread_t bench;
   pthread_create(&bench, NULL, serve_bench, NULL);
-  pause();
-  return 0;
+  give_core();
+  while (true) {
+    pause();
+  }
 }

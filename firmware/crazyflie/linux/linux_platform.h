@@ -11,6 +11,10 @@ uint64_t monotonic_us(void);
 /* The firmware's own clock, which may begin anywhere and run fast. [us] */
 uint64_t firmware_us(void);
 
+/* Only one thread runs at a time: the one that has the core. Around whatever waits it is given. */
+void take_core(void);
+void give_core(void);
+
 /* What the body senses. */
 typedef struct {
   float acc[3];  /* specific force, body FLU [g] */

@@ -1,4 +1,8 @@
-/* FreeRTOS's interface on POSIX threads; see include/FreeRTOS.h. */
+/* FreeRTOS's interface on POSIX threads; see include/FreeRTOS.h.
+ *
+ * The firmware relies on a single core: its log task frees blocks that another task may send. So
+ * one thread runs at a time, the one that has the core, and gives it away only where it waits.
+ */
 #include <errno.h>
 #include <pthread.h>
 #include <stdlib.h>
@@ -8,7 +12,7 @@
 #include "FreeRTOS.h"
 #include "linux_platform.h"
 
-static pthread_mutex_t critical = PTHREAD_RECURSIVE_MUTEX_INITIALIZER_NP;
+static pthread_mutex_t core = PTHREAD_MUTEX_INITIALIZER;
 
 struct thread {
   TaskFunction_t function;
@@ -16,14 +20,12 @@ struct thread {
 };
 
 struct rtos_queue {
-  pthread_mutex_t lock;
   pthread_cond_t changed;
   size_t length, size, count, first;
   uint8_t *items;
 };
 
 struct rtos_timer {
-  pthread_mutex_t lock;
   pthread_cond_t changed;
   uint64_t due_us; /* 0: it stands */
   TickType_t period;
@@ -37,21 +39,24 @@ static struct timespec at_us(uint64_t us) {
   return when;
 }
 
-static void init_sync(pthread_mutex_t *lock, pthread_cond_t *changed) {
+void take_core(void) { pthread_mutex_lock(&core); }
+
+void give_core(void) { pthread_mutex_unlock(&core); }
+
+static void init_condition(pthread_cond_t *changed) {
   pthread_condattr_t attributes;
   pthread_condattr_init(&attributes);
   pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
-  pthread_mutex_init(lock, NULL);
   pthread_cond_init(changed, &attributes);
 }
 
 /* Wait for a change until a time on CLOCK_MONOTONIC; false once it has passed. */
-static bool wait_for_change(pthread_cond_t *changed, pthread_mutex_t *lock, uint64_t until_us) {
+static bool wait_for_change(pthread_cond_t *changed, uint64_t until_us) {
   if (until_us == UINT64_MAX) {
-    return pthread_cond_wait(changed, lock) == 0;
+    return pthread_cond_wait(changed, &core) == 0;
   }
   const struct timespec when = at_us(until_us);
-  return pthread_cond_timedwait(changed, lock, &when) != ETIMEDOUT;
+  return pthread_cond_timedwait(changed, &core, &when) != ETIMEDOUT;
 }
 
 static uint64_t deadline_us(TickType_t ticks) {
@@ -63,7 +68,9 @@ static uint64_t deadline_us(TickType_t ticks) {
 static void *run_thread(void *argument) {
   struct thread thread = *(struct thread *)argument;
   free(argument);
+  take_core();
   thread.function(thread.argument);
+  give_core();
   return NULL;
 }
 
@@ -96,7 +103,9 @@ TickType_t xTaskGetTickCount(void) { return (TickType_t)(firmware_us() / 1000); 
 
 void vTaskDelay(TickType_t ticks) {
   const struct timespec until = at_us(ticks == portMAX_DELAY ? UINT64_MAX / 2 : deadline_us(ticks));
+  give_core();
   clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, NULL);
+  take_core();
 }
 
 void vTaskDelayUntil(TickType_t *last, TickType_t ticks) {
@@ -107,15 +116,11 @@ void vTaskDelayUntil(TickType_t *last, TickType_t ticks) {
   }
 }
 
-void vTaskEnterCritical(void) { pthread_mutex_lock(&critical); }
-
-void vTaskExitCritical(void) { pthread_mutex_unlock(&critical); }
-
 /* Queues. */
 
 QueueHandle_t xQueueCreate(UBaseType_t length, UBaseType_t size) {
   QueueHandle_t queue = calloc(1, sizeof(*queue));
-  init_sync(&queue->lock, &queue->changed);
+  init_condition(&queue->changed);
   queue->length = length, queue->size = size;
   queue->items = calloc(length, size ? size : 1);
   return queue;
@@ -142,12 +147,11 @@ static void drop_first(QueueHandle_t queue) {
   pthread_cond_broadcast(&queue->changed);
 }
 
-/* Wait until a queue holds another number of items than `unwanted`; the lock is held then. */
-static bool lock_when_not(QueueHandle_t queue, size_t unwanted, TickType_t ticks) {
+/* Wait until a queue holds another number of items than `unwanted`; return whether it does. */
+static bool wait_while(QueueHandle_t queue, size_t unwanted, TickType_t ticks) {
   const uint64_t until_us = deadline_us(ticks);
-  pthread_mutex_lock(&queue->lock);
   while (queue->count == unwanted) {
-    if (ticks == 0 || !wait_for_change(&queue->changed, &queue->lock, until_us)) {
+    if (ticks == 0 || !wait_for_change(&queue->changed, until_us)) {
       return queue->count != unwanted;
     }
   }
@@ -155,57 +159,45 @@ static bool lock_when_not(QueueHandle_t queue, size_t unwanted, TickType_t ticks
 }
 
 BaseType_t xQueueSend(QueueHandle_t queue, const void *item, TickType_t ticks) {
-  const bool room = lock_when_not(queue, queue->length, ticks);
+  const bool room = wait_while(queue, queue->length, ticks);
   if (room) {
     put_item(queue, item);
   }
-  pthread_mutex_unlock(&queue->lock);
   return room;
 }
 
 BaseType_t xQueueReceive(QueueHandle_t queue, void *item, TickType_t ticks) {
-  const bool found = lock_when_not(queue, 0, ticks);
+  const bool found = wait_while(queue, 0, ticks);
   if (found) {
     copy_first(queue, item);
     drop_first(queue);
   }
-  pthread_mutex_unlock(&queue->lock);
   return found;
 }
 
 BaseType_t xQueuePeek(QueueHandle_t queue, void *item, TickType_t ticks) {
-  const bool found = lock_when_not(queue, 0, ticks);
+  const bool found = wait_while(queue, 0, ticks);
   if (found) {
     copy_first(queue, item);
   }
-  pthread_mutex_unlock(&queue->lock);
   return found;
 }
 
 BaseType_t xQueueOverwrite(QueueHandle_t queue, const void *item) {
-  pthread_mutex_lock(&queue->lock);
   if (queue->count == queue->length) {
     drop_first(queue);
   }
   put_item(queue, item);
-  pthread_mutex_unlock(&queue->lock);
   return pdPASS;
 }
 
 BaseType_t xQueueReset(QueueHandle_t queue) {
-  pthread_mutex_lock(&queue->lock);
   queue->count = queue->first = 0;
   pthread_cond_broadcast(&queue->changed);
-  pthread_mutex_unlock(&queue->lock);
   return pdPASS;
 }
 
-UBaseType_t uxQueueMessagesWaiting(QueueHandle_t queue) {
-  pthread_mutex_lock(&queue->lock);
-  const size_t count = queue->count;
-  pthread_mutex_unlock(&queue->lock);
-  return count;
-}
+UBaseType_t uxQueueMessagesWaiting(QueueHandle_t queue) { return queue->count; }
 
 SemaphoreHandle_t xSemaphoreCreateBinary(void) { return xQueueCreate(1, 0); }
 
@@ -219,36 +211,31 @@ SemaphoreHandle_t xSemaphoreCreateMutex(void) {
 
 static void run_timer(void *argument) {
   TimerHandle_t timer = argument;
-  pthread_mutex_lock(&timer->lock);
   while (true) {
     const uint64_t due_us = timer->due_us ? timer->due_us : UINT64_MAX;
     if (due_us > monotonic_us()) {
-      wait_for_change(&timer->changed, &timer->lock, due_us);
+      wait_for_change(&timer->changed, due_us);
       continue;
     }
     timer->due_us = timer->repeats ? due_us + 1000ULL * timer->period : 0;
-    pthread_mutex_unlock(&timer->lock);
-    timer->callback(timer);
-    pthread_mutex_lock(&timer->lock);
-  }
+      timer->callback(timer);
+    }
 }
 
 TimerHandle_t xTimerCreate(const char *name, TickType_t period, UBaseType_t repeats, void *id,
                            TimerCallbackFunction_t callback) {
   (void)name;
   TimerHandle_t timer = calloc(1, sizeof(*timer));
-  init_sync(&timer->lock, &timer->changed);
+  init_condition(&timer->changed);
   timer->period = period, timer->repeats = repeats, timer->id = id, timer->callback = callback;
   start_thread(run_timer, timer);
   return timer;
 }
 
 static BaseType_t set_timer(TimerHandle_t timer, TickType_t period) {
-  pthread_mutex_lock(&timer->lock);
   timer->due_us = period ? monotonic_us() + 1000ULL * period : 0;
   timer->period = period ? period : timer->period;
   pthread_cond_broadcast(&timer->changed);
-  pthread_mutex_unlock(&timer->lock);
   return pdPASS;
 }
 

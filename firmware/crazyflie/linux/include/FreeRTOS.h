@@ -1,6 +1,7 @@
 /* The part of FreeRTOS's interface that the firmware uses, on POSIX threads (rtos.c).
  *
- * A tick is a millisecond of CLOCK_MONOTONIC. Priorities are not kept: every task is a thread.
+ * A tick is a millisecond of CLOCK_MONOTONIC. Every task is a thread, and one runs at a time until
+ * it waits: no task interrupts another, whatever its priority.
  */
 #pragma once
 
@@ -45,10 +46,10 @@ typedef TickType_t portTickType;
 #define portSET_INTERRUPT_MASK_FROM_ISR() 0
 #define portCLEAR_INTERRUPT_MASK_FROM_ISR(mask) ((void)(mask))
 #define tskIDLE_PRIORITY 0
-#define taskENTER_CRITICAL() vTaskEnterCritical()
-#define taskEXIT_CRITICAL() vTaskExitCritical()
-#define portENTER_CRITICAL() vTaskEnterCritical()
-#define portEXIT_CRITICAL() vTaskExitCritical()
+#define taskENTER_CRITICAL()
+#define taskEXIT_CRITICAL()
+#define portENTER_CRITICAL()
+#define portEXIT_CRITICAL()
 
 #include "FreeRTOSConfig.h"
 
@@ -62,8 +63,6 @@ TickType_t xTaskGetTickCount(void);
 #define xTaskGetTickCountFromISR xTaskGetTickCount
 void vTaskDelay(TickType_t ticks);
 void vTaskDelayUntil(TickType_t *last, TickType_t ticks);
-void vTaskEnterCritical(void);
-void vTaskExitCritical(void);
 #define vTaskSetApplicationTaskTag(task, tag) ((void)(tag))
 #define vTaskSuspendAll()
 #define xTaskResumeAll() pdTRUE

@@ -1,0 +1,220 @@
+"""
+What a Crazyflie does with its motors in each situation that matters, as scripts.
+
+`test/score/real_firmware.py` plays them against the firmware and keeps the outcomes in
+`test/golden/crazyflie_firmware.json`; `test_firmware_contract.py` plays them against the emulator.
+A script is packets at times. An outcome is when the supervisor's word changed and when the motors
+began and ceased to turn.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+import struct
+from typing import Final, NamedTuple, Protocol
+
+from lta_bridge.crazyflie import duties_packet
+
+SOLD, ARMING, APP = 'sold', 'arming', 'app'  # builds, as in firmware/crazyflie/linux
+BUILDS: Final = (SOLD, ARMING, APP)
+PERIOD: Final = 0.02  # s between two packets of a stream, and between two samples
+WORD_BITS: Final = 0xFF  # of the supervisor's word: without the high-level commander
+PWM_STEP: Final = 256  # of 65535: a smaller ratio leaves the pin low
+IDLE_THRUST: Final = 7000  # Kconfig's default where arming is required
+BRIEF: Final = 0.1  # s: what lasts for less is a step on the way
+FULL: Final = 65535
+
+U8, U16, U32 = 0x08, 0x09, 0x0A  # types of parameters
+FORMS: Final = {U8: '<B', U16: '<H', U32: '<I'}
+ARM, DISARM = (9, 1, b'\x01\x01'), (9, 1, b'\x01\x00')
+EMERGENCY, OLD_EMERGENCY = (9, 1, b'\x03'), (6, 1, b'\x03')
+WATCHDOG = (9, 1, b'\x04')
+STOP_SETPOINT, NOTIFY = (7, 0, b'\0'), (7, 1, bytes(5))
+HOVER = (7, 0, b'\x0a' + struct.pack('<ffff', 0.0, 0.0, 0.0, 0.45))
+
+Packet = tuple[int, int, bytes]  # port, channel, payload
+
+
+def set_by_name(name: str, kind: int, value: int) -> Packet:
+    """Return the packet that sets a parameter by its name."""
+    group, _, own = name.partition('.')
+    text = f'{group}\0{own}\0'.encode()
+    return (2, 3, b'\0' + text + bytes([kind]) + struct.pack(FORMS[kind], value))
+
+
+def duties(level: float, hold_ms: int = 200) -> Callable[[int], Packet]:
+    """Return a stream's packets to the app, by their number."""
+    return lambda number: (13, 2, duties_packet.packed(number, (level,) * 4, hold_ms))
+
+
+class Stream(NamedTuple):
+    """Packets from one time to another, `PERIOD` apart. [s]"""
+
+    begin: float
+    end: float
+    packet: Callable[[int], Packet]
+
+
+def hover(begin: float, end: float) -> Stream:
+    """Return hover setpoints from one time to another. [s]"""
+    return Stream(begin, end, lambda number: HOVER)
+
+
+class Scenario(NamedTuple):
+    """
+    A script.
+
+    Attributes
+    ----------
+    about : str
+        What happens, in the words of the page.
+    builds : tuple of str
+        On which it is played.
+    seconds : float
+        How long. [s]
+    packets : tuple
+        Times [s] and packets.
+    streams : tuple of Stream
+        Packets that repeat.
+    bench : tuple
+        Times [s], and what is then changed at the body: its name and value.
+    since : float
+        From when the outcome counts: motors that hover may stand for a moment. [s]
+
+    """
+
+    about: str
+    builds: tuple[str, ...]
+    seconds: float
+    packets: tuple[tuple[float, Packet], ...] = ()
+    streams: tuple[Stream, ...] = ()
+    bench: tuple[tuple[float, str, float], ...] = ()
+    since: float = 0.0
+
+
+class Sample(NamedTuple):
+    """A time [s], the supervisor's word, and the ratios of M1 to M4. [1/65535]"""
+
+    time: float
+    word: int
+    ratios: tuple[int, ...]
+
+
+class Change(NamedTuple):
+    """From when on what held: time [s], word, motors ('still', 'idle', 'turn')."""
+
+    time: float
+    word: int
+    motors: str
+
+
+class Player(Protocol):
+    """A freshly started drone that a script is played to."""
+
+    def play(self, scenario: Scenario) -> list[Sample]:
+        """Play a script to its end; return what was seen."""
+        ...
+
+
+PID: Final = (0.05, set_by_name('stabilizer.controller', U8, 1))
+ARMED: Final = (0.2, ARM)
+STRUCK: Final = 1.5  # s at which most scripts strike
+
+
+def _in_hover(about: str, *packets: tuple[float, Packet], until: float = STRUCK,
+              seconds: float = 5.0, **more: object) -> Scenario:  # fmt: skip
+    """Return a script that hovers by setpoints, which a build with the app needs PID for."""
+    streams = (hover(0.4, until),)
+    return Scenario(about, BUILDS, seconds, (PID, ARMED, *packets), streams, since=STRUCK - 0.1,
+                    **more)  # type: ignore[arg-type] # fmt: skip
+
+
+SCENARIOS: Final[dict[str, Scenario]] = {
+    'armed and idle': Scenario('armed, no command', BUILDS, 2.0, (ARMED,)),
+    'armed for too long': Scenario(
+        'armed, no command, preflight time-out of 1 s', BUILDS, 3.0,
+        ((0.05, set_by_name('supervisor.prefltTimeout', U16, 1000)), ARMED),
+    ),
+    'unarmed': Scenario('setpoints, not armed', (ARMING, APP), 1.5, (PID,),
+                        (hover(0.2, 1.5),)),
+    'setpoints end': _in_hover('setpoints end in flight'),
+    'disarmed': _in_hover('disarmed in flight', (STRUCK, DISARM), until=2.5),
+    'emergency': _in_hover('emergency stop', (STRUCK, EMERGENCY), until=3.0, seconds=3.0),
+    'old emergency': _in_hover('emergency stop on port 6', (STRUCK, OLD_EMERGENCY), until=3.0,
+                               seconds=3.0),
+    'watchdog': _in_hover('one word to the watchdog', (STRUCK, WATCHDOG), until=4.0,
+                          seconds=4.0),
+    'stop parameter': _in_hover('stabilizer.stop = 1',
+                                (STRUCK, set_by_name('stabilizer.stop', U8, 1)), until=3.0,
+                                seconds=3.0),
+    'stop setpoint': _in_hover('a stop setpoint, then silence', (STRUCK, STOP_SETPOINT)),
+    'handed over': _in_hover('handed over, no landing asked for', (STRUCK, NOTIFY), seconds=9.0),
+    'upside down': _in_hover('turned over in flight', until=4.0, seconds=4.0,
+                             bench=((STRUCK, 'upside_down', 1.0),)),
+    'duties end': Scenario('packets of duties end', (APP,), 4.0, (ARMED,),
+                           (Stream(0.4, STRUCK, duties(0.3)),), since=0.3),
+    'duties end, idle thrust': Scenario(
+        'packets of duties end, idle thrust 7000', (APP,), 4.0,
+        ((0.05, set_by_name('powerDist.idleThrust', U32, IDLE_THRUST)), ARMED),
+        (Stream(0.4, STRUCK, duties(0.3)),), since=0.3,
+    ),
+    'coasting': Scenario('duties of zero for 8 s', (APP,), 12.0, (ARMED,),
+                         (Stream(0.4, 1.0, duties(0.3)), Stream(1.0, 9.0, duties(0.0))),
+                         since=0.3),
+    'waiting': Scenario('duties of zero before any other', (APP,), 4.0,
+                        ((0.05, set_by_name('supervisor.prefltTimeout', U16, 1000)), ARMED),
+                        (Stream(0.4, 4.0, duties(0.0)),)),
+    'duties, hover controller': Scenario('duties under the PID controller', (APP,), 2.0,
+                                         (PID, ARMED), (Stream(0.4, 2.0, duties(0.3)),)),
+    'idle thrust 0': Scenario('idle thrust set to 0, then armed', (ARMING,), 2.0,
+                              ((0.05, set_by_name('powerDist.idleThrust', U32, 0)), ARMED)),
+    'override': Scenario(
+        'motorPowerSet.enable, not armed, then an emergency stop', BUILDS, 2.0,
+        ((0.2, set_by_name('motorPowerSet.m1', U16, 30000)),
+         (0.4, set_by_name('motorPowerSet.enable', U8, 1)),
+         (1.0, EMERGENCY),
+         (1.5, set_by_name('motorPowerSet.enable', U8, 0))),
+    ),
+}  # fmt: skip
+
+
+def motors_of(ratios: Sequence[int]) -> str:
+    """Return 'still', 'idle' where all run at the idle thrust, or 'turn'."""
+    if max(ratios) < PWM_STEP:
+        return 'still'
+    return 'idle' if set(ratios) == {IDLE_THRUST} else 'turn'
+
+
+def changes(samples: Iterable[Sample], since: float) -> list[Change]:
+    """Return from when on what held; what is brief, and what was before a time [s], is left out."""
+    told: list[Change] = []
+    held = [Change(s.time, s.word & WORD_BITS, motors_of(s.ratios)) for s in samples]
+    for place, one in enumerate(held):
+        lasting = all(
+            other[1:] == one[1:] for other in held[place:] if other.time < one.time + BRIEF
+        )
+        if lasting and (not told or told[-1][1:] != one[1:]):
+            told.append(one)
+    begun = [place for place, one in enumerate(told) if one.time <= since]
+    return told[begun[-1] if begun else 0 :]
+
+
+def disagreement(seen: Sequence[Change], kept: Sequence[Change], tolerance: float) -> str:
+    """Return in what two outcomes differ beyond a tolerance of their times [s]; empty: they agree."""
+    if [one[1:] for one in seen] != [one[1:] for one in kept]:
+        return f'saw {list(map(tuple, seen))}, the firmware did {list(map(tuple, kept))}'
+    late = [
+        f'{one.motors} {one.word:#x} at {one.time:.2f} s, the firmware at {other.time:.2f} s'
+        for one, other in list(zip(seen, kept, strict=True))[1:]
+        if abs(one.time - other.time) > tolerance
+    ]
+    return '; '.join(late)
+
+
+def due(scenario: Scenario, begin: float, end: float) -> list[Packet]:
+    """Return the packets of a script in a span of time [s], in their order."""
+    found = [(time, packet) for time, packet in scenario.packets if begin <= time < end]
+    for stream in scenario.streams:
+        number = max(0, round((begin - stream.begin) / PERIOD))
+        time = stream.begin + number * PERIOD
+        if begin - 1e-9 <= time < min(end, stream.end) - 1e-9:
+            found.append((time, stream.packet(round(time / PERIOD))))
+    return [packet for _, packet in sorted(found, key=lambda one: one[0])]
