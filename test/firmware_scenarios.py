@@ -150,15 +150,15 @@ SCENARIOS: Final[dict[str, Scenario]] = {
     'upside down': _in_hover('turned over in flight', until=4.0, seconds=4.0,
                              bench=((STRUCK, 'upside_down', 1.0),)),
     'duties end': Scenario('packets of duties end', (APP,), 4.0, (ARMED,),
-                           (Stream(0.4, STRUCK, duties(0.3)),), since=0.3),
+                           (Stream(0.4, STRUCK, duties(0.3)),), since=0.4),
     'duties end, idle thrust': Scenario(
         'packets of duties end, idle thrust 7000', (APP,), 4.0,
         ((0.05, set_by_name('powerDist.idleThrust', U32, IDLE_THRUST)), ARMED),
-        (Stream(0.4, STRUCK, duties(0.3)),), since=0.3,
+        (Stream(0.4, STRUCK, duties(0.3)),), since=0.4,
     ),
     'coasting': Scenario('duties of zero for 8 s', (APP,), 12.0, (ARMED,),
                          (Stream(0.4, 1.0, duties(0.3)), Stream(1.0, 9.0, duties(0.0))),
-                         since=0.3),
+                         since=0.4),
     'waiting': Scenario('duties of zero before any other', (APP,), 4.0,
                         ((0.05, set_by_name('supervisor.prefltTimeout', U16, 1000)), ARMED),
                         (Stream(0.4, 4.0, duties(0.0)),)),
@@ -184,7 +184,7 @@ def motors_of(ratios: Sequence[int]) -> str:
 
 
 def changes(samples: Iterable[Sample], since: float) -> list[Change]:
-    """Return from when on what held; what is brief, and what was before a time [s], is left out."""
+    """Return from when on what held, without what is brief or was before a time [s]."""
     told: list[Change] = []
     held = [Change(s.time, s.word & WORD_BITS, motors_of(s.ratios)) for s in samples]
     for place, one in enumerate(held):
@@ -198,7 +198,7 @@ def changes(samples: Iterable[Sample], since: float) -> list[Change]:
 
 
 def disagreement(seen: Sequence[Change], kept: Sequence[Change], tolerance: float) -> str:
-    """Return in what two outcomes differ beyond a tolerance of their times [s]; empty: they agree."""
+    """Return how two outcomes differ, their times by more than a tolerance [s]; or ''."""
     if [one[1:] for one in seen] != [one[1:] for one in kept]:
         return f'saw {list(map(tuple, seen))}, the firmware did {list(map(tuple, kept))}'
     late = [

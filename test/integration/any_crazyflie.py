@@ -133,7 +133,7 @@ class Drone:
             self.link.write('stabilizer.controller', controller, PATIENCE)
 
     def fly(self) -> None:
-        """Arm, and hover by the firmware's own controller until motors have turned for a second."""
+        """Arm, and hover by the firmware's controller until motors have turned for a second."""
         self.control_by(PID)
         self.arm()
         self.until(lambda: self.turns, self.hover)

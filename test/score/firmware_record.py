@@ -138,5 +138,3 @@ def record(program: Path) -> dict[str, Any]:
         },
         'scenarios': scenarios_of(program),
     }
-
-

@@ -1,13 +1,16 @@
 """
-One fault in one flight of the real firmware: `firmware_trial.py KIND NUMBER PROGRAM`.
+One fault in one flight of the real firmware: `firmware_trial.py BUILD/KIND NUMBER`.
 
 As `fault_trial.py`, with the firmware as a Linux process (firmware/crazyflie/linux) in place of
-the emulated one, and a link between it and the bridge that can be spoilt.
+the emulated one, and a link between it and the bridge that can be spoilt. The build with our app
+flies GT-MAB by duties, the others fly the multirotor by setpoints. `LTA_FIRMWARE_BUILDS` is the
+folder that has the programs.
 """
 
 from collections.abc import Callable
 from dataclasses import asdict
 import json
+import os
 from pathlib import Path
 import socket
 import sys
@@ -101,9 +104,7 @@ class Relay:
             for datagram in self.up.out(self.now):
                 self._pass(lambda datagram=datagram: self._far.send(datagram))
             for datagram in self.down.out(self.now):
-                if self._peer is not None:
-                    peer = self._peer
-                    self._pass(lambda datagram=datagram: self._near.sendto(datagram, peer))
+                self._pass(lambda datagram=datagram: self._near.sendto(datagram, self._peer))
 
     def _take(self) -> None:
         """Take what has come from either side."""
@@ -118,7 +119,7 @@ class Relay:
         """Return what a socket gives; None where it has nothing, or nobody is there."""
         try:
             return act()
-        except OSError:
+        except (OSError, TypeError):  # TypeError: nobody has spoken yet
             return None
 
 
@@ -164,7 +165,14 @@ class FirmwareTrial(Trial):
         return self._relay.process.look().stamp_ms > WRAP_MS + 1000
 
 
+def fly(build: str, name: str, number: int) -> Outcome:
+    """Return the outcome of a flight; a number decides its chance."""
+    FirmwareTrial.program = Path(os.environ['LTA_FIRMWARE_BUILDS']) / build / 'crazyflie'
+    by_setpoints = build != APP
+    turn = 2 * number + by_setpoints  # even numbers fly by duties, odd ones by setpoints
+    return tried(lambda folder, peer: FirmwareTrial(name, turn, folder, peer).fly(), Outcome)
+
+
 if __name__ == '__main__':
-    kind, number, FirmwareTrial.program = sys.argv[1], int(sys.argv[2]), Path(sys.argv[3])
-    outcome = tried(lambda folder, peer: FirmwareTrial(kind, number, folder, peer).fly(), Outcome)
-    sys.stdout.write(json.dumps(asdict(outcome)) + '\n')
+    build, _, name = sys.argv[1].partition('/')
+    sys.stdout.write(json.dumps(asdict(fly(build, name, int(sys.argv[2])))) + '\n')

@@ -42,6 +42,7 @@ def build(firmware: Path, name: str, folder: Path) -> Path:
 
 def commit_of(firmware: Path) -> str:
     """Return the commit of the sources, with -modified where they were changed."""
+
     def git(*words: str) -> str:
         return subprocess.run(['git', '-C', str(firmware), *words], capture_output=True, text=True,
                               check=True).stdout.strip()  # fmt: skip
@@ -103,6 +104,11 @@ class Process:
     def uri(self) -> str:
         """Where cflib finds it."""
         return f'udp://127.0.0.1:{self.port}'
+
+    @property
+    def pid(self) -> int:
+        """The number of the process; SIGUSR1 switches the firmware off and on."""
+        return self._process.pid
 
     def __enter__(self) -> Self:
         return self

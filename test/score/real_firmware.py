@@ -1,0 +1,241 @@
+"""
+The real Crazyflie firmware under the bridge: `make real-firmware FIRMWARE=/path/to/sources`.
+
+Builds the firmware for Linux (firmware/crazyflie/linux) as it is sold, with arming required and
+with our app; plays every script of `firmware_scenarios.py` and keeps the outcomes, which hold the
+emulator, in test/golden/crazyflie_firmware.json; runs the suite for any Crazyflie against each
+build; flies each fault 20 times on each; writes docs/hardware_firmware.md. The faults take hours,
+and go on where they were stopped: `--steps record suite` leaves them out.
+"""
+
+import argparse
+from collections.abc import Iterator
+import json
+import os
+from pathlib import Path
+import re
+import signal
+import subprocess
+import sys
+from typing import Any, Final
+
+import beside  # noqa: F401
+from campaign import campaign, Case, Row, tried, turn_about
+from campaign import told as printed
+from campaign import version as hashed
+from fault_kinds import Kind, KINDS, SLACK
+from firmware_record import DUTIES, record, VOLTAGES
+from firmware_scenarios import APP, ARMING, BUILDS, SCENARIOS, SOLD
+from firmware_trial import IMPOSSIBLE
+from linux_crazyflie import build, commit_of, Process
+import lta_bridge
+
+HERE: Final = Path(__file__).resolve().parent
+ROOT: Final = HERE.parents[1]
+RECORD: Final = ROOT / 'test/golden/crazyflie_firmware.json'
+PAGE: Final = ROOT / 'docs/hardware_firmware.md'
+SUITE: Final = 'test/integration/test_any_crazyflie.py'
+STEPS: Final = ('record', 'suite', 'faults', 'page')
+HUNG: Final = 240.0  # s after which a flight hangs
+PASSED: Final = re.compile(r'(\d+) (passed|failed|skipped|error)')
+WORDS: Final = {SOLD: 'as sold', ARMING: 'arming required', APP: 'with our app'}
+POSSIBLE: Final = tuple(name for name in KINDS if name not in IMPOSSIBLE)
+
+
+def cases(builds: list[str], each: int) -> list[Case]:
+    """Return all flights, every kind on every build by turns."""
+    return turn_about([f'{name}/{kind}' for kind in POSSIBLE for name in builds], each)
+
+
+def version(commit: str) -> str:
+    """Return a hash of what decides the outcomes: bridge, app, trial and firmware."""
+    app = ROOT / 'firmware/crazyflie'
+    code = hashed([
+        *Path(lta_bridge.__file__).parent.rglob('*.py'),
+        *HERE.glob('fault_*.py'),
+        HERE / 'firmware_trial.py',
+        *(app / 'src').iterdir(),
+        app / 'app-config',
+    ])  # fmt: skip
+    return f'{code}-{commit[:10]}'
+
+
+def suite(program: Path) -> dict[str, int]:
+    """Run the suite for any Crazyflie against a build; return how many tests did what."""
+    with Process(program) as process:
+        environment = os.environ | {
+            'LTA_CF_URI': process.uri,
+            'LTA_CF_RESTART': f'kill -{signal.SIGUSR1} {process.pid}; sleep 0.5',
+        }
+        words = [sys.executable, '-m', 'pytest', '-q', SUITE, '-k', 'app']
+        done = subprocess.run(
+            words, cwd=ROOT, env=environment, capture_output=True, text=True, check=False
+        )
+    lines = done.stdout.splitlines()
+    sys.stdout.write('\n'.join(line for line in lines if 'one build' not in line) + '\n')
+    return {word: int(count) for count, word in PASSED.findall(lines[-1])}
+
+
+def fault_rows(outcomes: dict[Case, Row]) -> Iterator[str]:
+    """Yield the lines of the table of faults."""
+    for name in POSSIBLE:
+        cells = []
+        for each in BUILDS:
+            found = [row for case, row in outcomes.items() if case.kind == f'{each}/{name}']
+            times = [row['took'] for row in found if row['took'] is not None]
+            stated = KINDS[name].stated[each != APP]
+            well = sum(not row['wrong'] for row in found)
+            longest = f'{max(times):.2f} s' if times else '-'
+            cells.append(f'{stated:.1f} s; {longest}; {well} of {len(found)}')
+        yield f'| {KINDS[name].about} | {fate(KINDS[name])} | ' + ' | '.join(cells) + ' |'
+
+
+def fate(kind: Kind) -> str:
+    """Return what becomes of a flight, in words."""
+    return 'flies on, and lands when asked to' if kind.flies_on else kind.ends
+
+
+def ratio_rows(kept: dict[str, Any]) -> Iterator[str]:
+    """Yield the lines of the table of duties."""
+    for place, duty in enumerate(DUTIES):
+        cells = [
+            f'{kept["builds"][name]["ratios"][f"{voltage:g}"][place][1]:.3f}'
+            for name in (APP, SOLD)
+            for voltage in VOLTAGES
+        ]
+        yield f'| {duty:.2f} | ' + ' | '.join(cells) + ' |'
+
+
+def scenario_rows(kept: dict[str, Any]) -> Iterator[str]:
+    """Yield the lines of the table of outcomes."""
+    for name, scenario in SCENARIOS.items():
+        cells = []
+        for each in BUILDS:
+            told = kept['builds'][each]['scenarios'].get(name, ())
+            cells.append(
+                ', '.join(f'{motors} {word:#04x} at {at:.1f} s' for at, word, motors in told)
+            )
+        yield f'| {scenario.about} | ' + ' | '.join(cells) + ' |'
+
+
+def page(kept: dict[str, Any], suites: dict[str, Any], outcomes: dict[Case, Row]) -> str:
+    """Return the page."""
+    wrong = [
+        f'- {case.kind}, flight {case.number}: {row["wrong"]}.'
+        for case, row in outcomes.items()
+        if row['wrong']
+    ]
+    suite_cells = ' | '.join(
+        ', '.join(f'{count} {word}' for word, count in suites.get(name, {}).items()) or '-'
+        for name in BUILDS
+    )
+    heads = ' | '.join(WORDS[name] for name in BUILDS)
+    volts = ' | '.join(f'{voltage:g} V' for voltage in VOLTAGES)
+    lines = [
+        '# The real Crazyflie firmware',
+        '',
+        '`make real-firmware FIRMWARE=/path/to/crazyflie-firmware` wrote this page. It compiles '
+        "the firmware's own files for Linux",
+        f'(commit `{kept["commit"]}`) in three builds: as sold, which arms itself; with '
+        '`CONFIG_MOTORS_REQUIRE_ARMING=y` and nothing else; and with our app and',
+        '`firmware/crazyflie/app-config`. Sensors, radio and processor are stubs: a body that '
+        'rises and sinks, UDP, and POSIX threads of which one runs at a time.',
+        'Nothing here ran on a drone.',
+        '',
+        '## The suite for any Crazyflie',
+        '',
+        f'`{SUITE}`, through cflib and the bridge:',
+        '',
+        f'| {heads} |',
+        '|---|---|---|',
+        f'| {suite_cells} |',
+        '',
+        'What is skipped: a build as sold arms itself, so that it is never unarmed and disarming '
+        'does not keep it disarmed; builds without the app take no duties.',
+        '',
+        '## Duties',
+        '',
+        'The PWM ratio that the compiled `motors.c` sets for a commanded duty. Our build passes '
+        'it on; a build as sold corrects it for the voltage, with the curve of its propellers.',
+        '',
+        f'| duty | our app: {volts} | as sold: {volts} |',
+        '|---' * (1 + 2 * len(VOLTAGES)) + '|',
+        *ratio_rows(kept),
+        '',
+        '## What the supervisor does',
+        '',
+        'When the motors changed and what the word of the supervisor then was. A script arms at '
+        '0.2 s, flies from 0.4 s on, and mostly strikes at 1.5 s. *still*: the pins are low; '
+        '*idle*: all at the idle thrust.',
+        '',
+        f'| script | {heads} |',
+        '|---' * (1 + len(BUILDS)) + '|',
+        *scenario_rows(kept),
+        '',
+        'The emulator is held to this table (`test_firmware_contract.py`).',
+        '',
+        '## Faults in flight',
+        '',
+        'As [on the emulated drone](hardware_faults.md): by duties with our app, by setpoints '
+        f'on the others. Stated time to motors that stand ({SLACK:.0f} s more counts as stated, '
+        'for a machine with other work), the longest that was seen, and how many went as stated.',
+        '',
+        f'| fault | what becomes of the flight | {heads} |',
+        '|---' * (2 + len(BUILDS)) + '|',
+        *fault_rows(outcomes),
+        *(['', 'Not as stated:', '', *wrong] if wrong else []),
+    ]
+    return '\n'.join(lines) + '\n'
+
+
+def parsed() -> argparse.Namespace:
+    """Return what the command line asks for."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[1] if __doc__ else '')
+    parser.add_argument('firmware', type=Path, help='folder of the sources, at tag 2026.08')
+    parser.add_argument('--builds', nargs='*', default=list(BUILDS), choices=BUILDS)
+    parser.add_argument('--steps', nargs='*', default=list(STEPS), choices=STEPS)
+    parser.add_argument('--each', type=int, default=20, help='flights of each fault')
+    parser.add_argument('--side', type=int, default=os.cpu_count() or 1, help='side by side')
+    parser.add_argument('--out', type=Path, default=Path('runs/firmware'))
+    words = parser.parse_args()
+    if not (words.firmware / 'src/modules/src/supervisor.c').is_file():
+        parser.error(
+            f'{words.firmware} has no firmware sources; clone bitcraze/crazyflie-firmware there '
+            'and check out 2026.08.'
+        )
+    words.firmware, words.out = words.firmware.resolve(), words.out.resolve()
+    words.out.mkdir(parents=True, exist_ok=True)
+    return words
+
+
+def main() -> int:
+    """Do the steps; 1 where anything was not as stated."""
+    words, status = parsed(), 0
+    commit = commit_of(words.firmware)
+    programs = {name: build(words.firmware, name, words.out) for name in words.builds}
+    kept = json.loads(RECORD.read_text()) if RECORD.exists() else {'builds': {}}
+    suites_file = words.out / 'suites.json'
+    suites = json.loads(suites_file.read_text()) if suites_file.exists() else {}
+    if 'record' in words.steps:
+        kept['commit'] = commit
+        kept['builds'] |= {name: record(program) for name, program in programs.items()}
+        RECORD.write_text(json.dumps(kept, indent=1) + '\n')
+    if 'suite' in words.steps:
+        suites |= {name: suite(program) for name, program in programs.items()}
+        suites_file.write_text(json.dumps(suites))
+        status |= any('failed' in counts or 'error' in counts for counts in suites.values())
+    os.environ['LTA_FIRMWARE_BUILDS'] = str(words.out)
+    path = words.out / f'{version(commit)}.jsonl'
+    wanted = cases(words.builds, words.each) if 'faults' in words.steps else []
+    outcomes = campaign(
+        wanted, path, words.side, lambda case: tried(case, HERE / 'firmware_trial.py', HUNG)
+    )
+    if wanted:
+        status |= printed(list(fault_rows(outcomes)), path, outcomes)
+    if 'page' in words.steps:
+        PAGE.write_text(page(kept, suites, outcomes))
+    return status
+
+
+if __name__ == '__main__':
+    sys.exit(main())
