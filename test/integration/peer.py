@@ -76,6 +76,7 @@ class Peer:
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._publishers: dict[str, Any] = {}
+        self._clients: dict[str, Any] = {}
         self._beside: list[Any] = []
 
     def __enter__(self) -> Self:
@@ -123,7 +124,9 @@ class Peer:
 
     def ask(self, kind: Any, name: str, **fields: object) -> Any:
         """Call a service and return its answer."""
-        client = self.node.create_client(kind, name)
+        if name not in self._clients:
+            self._clients[name] = self.node.create_client(kind, name)
+        client = self._clients[name]
         self.until(client.service_is_ready)
         future = client.call_async(kind.Request(**fields))
         self.until(future.done)

@@ -40,6 +40,7 @@ DUTIES: Final = {  # up_left, up_right, forward_left, forward_right: never all s
 }
 HEIGHTS: Final = {'climb': 1.0, 'cruise': 1.0, 'descent': 0.6}  # m
 SPEEDS: Final = {'climb': 0.0, 'cruise': 0.2, 'descent': 0.0}  # m/s
+ASKED: Final = 0.3  # s between two requests to arm
 HEARD: Final = 5.0  # s for the bridge's word to be heard
 STANDS: Final = 1.5  # s without a motor turning after which they stand
 GOES_ON: Final = 2.0  # s that a flight must go on where it may
@@ -69,7 +70,7 @@ class Trial:
             'odom', 'motors')  # fmt: skip
         self._publishers = {name: peer.publisher(name) for name in names}
         self._factor, self._distance, self._silent = 1.0, 0.0, False
-        self._commanded = self._turned = -math.inf
+        self._commanded = self._turned = self._asked = -math.inf
         self.began = math.inf
 
     def _drone(self, name: str, vehicle: str, number: int) -> tuple[Any, Any]:
@@ -153,7 +154,10 @@ class Trial:
         return time.monotonic() > self._turned + STANDS
 
     def _armed(self) -> bool:
-        """Ask to arm once, and say whether it was done."""
+        """Ask to arm, but not all the time, and say whether it was done."""
+        if time.monotonic() < self._asked + ASKED:
+            return False
+        self._asked = time.monotonic()
         return bool(self._peer.ask(SetBool, 'crazyflie_bridge/arm', data=True).success)
 
     def fly(self) -> Outcome:

@@ -10,8 +10,10 @@ folder that has the programs.
 from collections.abc import Callable
 from dataclasses import asdict
 import json
+import math
 import os
 from pathlib import Path
+from select import select
 import socket
 import sys
 import threading
@@ -27,6 +29,9 @@ from lta_sim.vehicle import load_vehicle
 from outcome import Outcome, tried
 
 TICK: Final = 0.002  # s between two looks at what is delayed
+IDLE: Final = 0.05  # s where nothing is
+LOOKED: Final = 0.01  # s between two looks at the motors
+STILL: Final = (0.0,) * 4
 STRIKES: Final[dict[str, Callable[['Relay'], None]]] = {
     'log reset': lambda relay: relay.send(b'\x5d\x05'),
     'reboot': lambda relay: relay.process.restart(),
@@ -96,10 +101,12 @@ class Relay:
 
     def _work(self) -> None:
         while self._running.is_set():
-            time.sleep(TICK)
             if self._shut.is_set():
                 self._near.close()
+                time.sleep(TICK)
                 continue
+            delayed = self.up.waiting or self.down.waiting
+            select([self._near, self._far], [], [], TICK if delayed else IDLE)
             self._take()
             for datagram in self.up.out(self.now):
                 self._pass(lambda datagram=datagram: self._far.send(datagram))
@@ -127,17 +134,23 @@ class Motors:
     """The motors as the firmware's own timers turn them."""
 
     def __init__(self, process: Process, vehicle: str) -> None:
-        self._process = process
+        self._process, self._looked, self._duties = process, -math.inf, STILL
         self.world = self
         self.vehicle = load_vehicle(vehicle)
 
     @property
     def duties(self) -> tuple[float, ...]:
         """Duty of M1 to M4; less than a step of the PWM is none."""
+        now = time.monotonic()
+        if now > self._looked + LOOKED:
+            self._looked, self._duties = now, self._look()
+        return self._duties
+
+    def _look(self) -> tuple[float, ...]:
         try:
             ratios = self._process.look().ratios
         except OSError:  # it is being switched off and on
-            return (0.0,) * 4
+            return STILL
         return tuple(ratio / FULL if ratio >= PWM_STEP else 0.0 for ratio in ratios)
 
 

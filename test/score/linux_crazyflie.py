@@ -11,6 +11,7 @@ import os
 from pathlib import Path
 import socket
 import subprocess
+import threading
 import time
 from typing import Final, final, NamedTuple, Self
 
@@ -20,6 +21,7 @@ from ports import free_port, UDP
 
 ROOT: Final = Path(__file__).resolve().parents[2]
 SOURCES: Final = ROOT / 'firmware/crazyflie/linux'
+BOOTS: Final = 2.0  # s that a drone takes to calibrate its sensors when it is switched on
 STARTS: Final = 20.0  # s within which the firmware must be up
 READY: Final = Bit.CAN_BE_ARMED | Bit.ARMED  # after its own checks
 ANSWERS: Final = 1.0  # s for one answer on this machine
@@ -84,6 +86,7 @@ class Process:
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.settimeout(ANSWERS)
         self._socket.connect(('127.0.0.1', self._bench_port))
+        self._boot: threading.Timer | None = None
         self._start()
 
     def _start(self, **environment: str) -> None:
@@ -118,15 +121,19 @@ class Process:
 
     def close(self) -> None:
         """Switch off."""
+        if self._boot is not None:
+            self._boot.cancel()
+            self._boot.join()
         self._process.kill()
         self._process.wait()
         self._socket.close()
 
     def restart(self) -> None:
-        """Switch off and on, at the same ports."""
+        """Switch off at once, and on after the time that a drone takes to start."""
         self._process.kill()
         self._process.wait()
-        self._start()
+        self._boot = threading.Timer(BOOTS, self._start)
+        self._boot.start()
 
     def _ask(self, text: str) -> str:
         self._socket.send(text.encode())

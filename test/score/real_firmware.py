@@ -21,6 +21,7 @@ from typing import Any, Final
 
 import beside  # noqa: F401
 from campaign import campaign, Case, Row, tried, turn_about
+from campaign import kept as flown
 from campaign import told as printed
 from campaign import version as hashed
 from fault_kinds import Kind, KINDS, SLACK
@@ -226,12 +227,15 @@ def main() -> int:
         status |= any('failed' in counts or 'error' in counts for counts in suites.values())
     os.environ['LTA_FIRMWARE_BUILDS'] = str(words.out)
     path = words.out / f'{version(commit)}.jsonl'
-    wanted = cases(words.builds, words.each) if 'faults' in words.steps else []
-    outcomes = campaign(
-        wanted, path, words.side, lambda case: tried(case, HERE / 'firmware_trial.py', HUNG)
-    )
-    if wanted:
-        status |= printed(list(fault_rows(outcomes)), path, outcomes)
+    if 'faults' in words.steps:
+        campaign(
+            cases(words.builds, words.each),
+            path,
+            words.side,
+            lambda case: tried(case, HERE / 'firmware_trial.py', HUNG),
+        )
+    outcomes = flown(path)
+    status |= printed(list(fault_rows(outcomes)), path, outcomes)
     if 'page' in words.steps:
         PAGE.write_text(page(kept, suites, outcomes))
     return status
