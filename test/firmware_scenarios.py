@@ -167,7 +167,7 @@ SCENARIOS: Final[dict[str, Scenario]] = {
     'idle thrust 0': Scenario('idle thrust set to 0, then armed', (ARMING,), 2.0,
                               ((0.05, set_by_name('powerDist.idleThrust', U32, 0)), ARMED)),
     'override': Scenario(
-        'motorPowerSet.enable, not armed, then an emergency stop', BUILDS, 2.0,
+        'override, not armed; emergency stop at 1 s', BUILDS, 2.0,
         ((0.2, set_by_name('motorPowerSet.m1', U16, 30000)),
          (0.4, set_by_name('motorPowerSet.enable', U8, 1)),
          (1.0, EMERGENCY),

@@ -148,8 +148,10 @@ class Motors:
 
     def _look(self) -> tuple[float, ...]:
         try:
-            ratios = self._process.look().ratios
-        except OSError:  # it is being switched off and on
+            ratios = self._process.look(LOOKED).ratios
+        except TimeoutError:  # the machine is busy, and the pilot must go on
+            return self._duties
+        except OSError:  # it is switched off
             return STILL
         return tuple(ratio / FULL if ratio >= PWM_STEP else 0.0 for ratio in ratios)
 

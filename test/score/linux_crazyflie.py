@@ -84,7 +84,6 @@ class Process:
         self._program, self._environment = program, dict(environment or {})
         self.port, self._bench_port = port or free_port(UDP), free_port(UDP)
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._socket.settimeout(ANSWERS)
         self._socket.connect(('127.0.0.1', self._bench_port))
         self._boot: threading.Timer | None = None
         self._start()
@@ -135,13 +134,14 @@ class Process:
         self._boot = threading.Timer(BOOTS, self._start)
         self._boot.start()
 
-    def _ask(self, text: str) -> str:
+    def _ask(self, text: str, patience: float = ANSWERS) -> str:
+        self._socket.settimeout(patience)
         self._socket.send(text.encode())
         return self._socket.recv(256).decode()
 
-    def look(self) -> Bench:
-        """Return what the bench tells."""
-        words = self._ask('get').split()
+    def look(self, patience: float = ANSWERS) -> Bench:
+        """Return what the bench tells; `TimeoutError` after so long. [s]"""
+        words = self._ask('get', patience).split()
         numbers = tuple(map(int, words[1:10]))
         return Bench(numbers[0], numbers[1:5], numbers[5:9], float(words[10]))
 

@@ -25,6 +25,7 @@ from campaign import kept as flown
 from campaign import told as printed
 from campaign import version as hashed
 from fault_kinds import Kind, KINDS, SLACK
+from firmware_picture import draw
 from firmware_record import DUTIES, record, VOLTAGES
 from firmware_scenarios import APP, ARMING, BUILDS, SCENARIOS, SOLD
 from firmware_trial import IMPOSSIBLE
@@ -35,6 +36,7 @@ HERE: Final = Path(__file__).resolve().parent
 ROOT: Final = HERE.parents[1]
 RECORD: Final = ROOT / 'test/golden/crazyflie_firmware.json'
 PAGE: Final = ROOT / 'docs/hardware_firmware.md'
+PICTURE: Final = ROOT / 'docs/images/firmware_motors.svg'
 SUITE: Final = 'test/integration/test_any_crazyflie.py'
 STEPS: Final = ('record', 'suite', 'faults', 'page')
 HUNG: Final = 240.0  # s after which a flight hangs
@@ -165,6 +167,9 @@ def page(kept: dict[str, Any], suites: dict[str, Any], outcomes: dict[Case, Row]
         '',
         '## What the supervisor does',
         '',
+        '![When motors turn, run idle and stand in each script, by build]'
+        '(images/firmware_motors.svg)',
+        '',
         'When the motors changed and what the word of the supervisor then was. A script arms at '
         '0.2 s, flies from 0.4 s on, and mostly strikes at 1.5 s. *still*: the pins are low; '
         '*idle*: all at the idle thrust.',
@@ -237,6 +242,7 @@ def main() -> int:
     outcomes = flown(path)
     status |= printed(list(fault_rows(outcomes)), path, outcomes)
     if 'page' in words.steps:
+        PICTURE.write_text(draw(kept['builds']))
         PAGE.write_text(page(kept, suites, outcomes))
     return status
 
