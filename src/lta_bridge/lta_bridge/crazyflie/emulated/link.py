@@ -47,6 +47,11 @@ class Link:
                 datagram = datagram[: self.random.randrange(len(datagram) + 1)]
             heapq.heappush(self._waiting, (due, self._count, datagram))
 
+    @property
+    def waiting(self) -> bool:
+        """Whether anything is on the way."""
+        return bool(self._waiting)
+
     def out(self, now: float) -> list[bytes]:
         """Return what has arrived by a time [s], in the order of arrival."""
         arrived = []
