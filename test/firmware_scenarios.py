@@ -8,6 +8,7 @@ began and ceased to turn.
 """
 
 from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
 import struct
 from typing import Final, NamedTuple, Protocol
 
@@ -31,6 +32,14 @@ STOP_SETPOINT, NOTIFY = (7, 0, b'\0'), (7, 1, bytes(5))
 HOVER = (7, 0, b'\x0a' + struct.pack('<ffff', 0.0, 0.0, 0.0, 0.45))
 
 Packet = tuple[int, int, bytes]  # port, channel, payload
+
+
+def app_files() -> list[Path]:
+    """Return our files that decide what a recorded build does."""
+    folder = Path(__file__).resolve().parents[1] / 'firmware/crazyflie'
+    parts = (folder / 'src', folder / 'linux', folder / 'linux/include')
+    found = [path for part in parts for path in part.iterdir() if path.is_file()]
+    return [folder / 'app-config', *found]
 
 
 def set_by_name(name: str, kind: int, value: int) -> Packet:
@@ -147,6 +156,9 @@ SCENARIOS: Final[dict[str, Scenario]] = {
                                 seconds=3.0),
     'stop setpoint': _in_hover('a stop setpoint, then silence', (STRUCK, STOP_SETPOINT)),
     'handed over': _in_hover('handed over, no landing asked for', (STRUCK, NOTIFY), seconds=9.0),
+    'emergency, landed': _in_hover('handed over, emergency stop 3 s later', (STRUCK, NOTIFY),
+                                   (STRUCK + 3.0, EMERGENCY), seconds=9.0),
+    'disarmed, level': _in_hover('setpoints end, disarmed 1 s later', (STRUCK + 1.0, DISARM)),
     'upside down': _in_hover('turned over in flight', until=4.0, seconds=4.0,
                              bench=((STRUCK, 'upside_down', 1.0),)),
     'duties end': Scenario('packets of duties end', (APP,), 4.0, (ARMED,),

@@ -36,10 +36,10 @@ REQUIRED: Final[Mapping[str, Expected]] = {
     'supervisor.landedTimeout': Expected(
         value=3000,
         write=True,
-        why='a longer one keeps a drone armed that has landed, and nobody watches',
+        why='a longer one keeps a landed drone armed with nobody watching',
     ),
     'supervisor.tmblChckEn': Expected(
-        value=1, write=True, why='what has turned over must not drive on'
+        value=1, write=True, why='a drone that has tipped over must stop its motors'
     ),
 }
 
@@ -90,8 +90,8 @@ class CrazyflieFile(Record):
 
     @property
     def expected(self) -> Mapping[str, Expected]:
-        """What each parameter must be: the file's own first, then what every drone must meet."""
-        return {**self.parameters, **REQUIRED}
+        """What each parameter must be: what every drone must meet first, then the file's own."""
+        return {**REQUIRED, **self.parameters, **REQUIRED}
 
 
 def load_crazyflie(name: str, vehicle: str = '') -> CrazyflieFile:

@@ -21,6 +21,7 @@ from ports import free_port, UDP
 
 ROOT: Final = Path(__file__).resolve().parents[2]
 SOURCES: Final = ROOT / 'firmware/crazyflie/linux'
+LATEST: Final = 0.05  # s by which a packet of a script may be late
 BOOTS: Final = 2.0  # s that a drone takes to calibrate its sensors when it is switched on
 STARTS: Final = 20.0  # s within which the firmware must be up
 READY: Final = Bit.CAN_BE_ARMED | Bit.ARMED  # after its own checks
@@ -51,6 +52,10 @@ def commit_of(firmware: Path) -> str:
 
     changed = git('status', '--porcelain', '--untracked-files=no', 'src', 'configs', 'Kconfig')
     return git('rev-parse', 'HEAD') + ('-modified' if changed else '')
+
+
+class TooLate(Exception):
+    """The machine was too busy to play a script at its times."""
 
 
 class Bench(NamedTuple):
@@ -135,6 +140,10 @@ class Process:
         self._boot.start()
 
     def _ask(self, text: str, patience: float = ANSWERS) -> str:
+        self._socket.settimeout(0.0)
+        with suppress(BlockingIOError):  # late answers to what nobody waited for
+            while self._socket.recv(256):
+                pass
         self._socket.settimeout(patience)
         self._socket.send(text.encode())
         return self._socket.recv(256).decode()
@@ -207,6 +216,8 @@ class RealPlayer:
         for turn in range(round(scenario.seconds / PERIOD)):
             now = turn * PERIOD
             time.sleep(max(0.0, begun + now - time.monotonic()))
+            if time.monotonic() > begun + now + LATEST:
+                raise TooLate
             for at, name, value in scenario.bench:
                 if last <= at < now:
                     self._process.set(name, value)

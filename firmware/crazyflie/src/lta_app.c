@@ -2,7 +2,8 @@
  *
  * It is an out-of-tree controller that hands four forces to the stock power distribution
  * (controlModeForce), so everything of the firmware that stops motors stays in force: arming,
- * tumble check, emergency stop, lock, landing and preflight time-outs.
+ * tumble check, emergency stop, lock and preflight time-out. The landing time-out runs once packets
+ * have ended: until then a blimp that coasts counts as flying (lta_duties.h).
  *
  * When packets end, the motors stop after the packets' own time-out. The app then renews a
  * setpoint without thrust, because the commander's watchdog would lock a drone that counts as
@@ -43,21 +44,14 @@ static void renew_setpoint(void) {
   commanderSetSetpoint(&setpoint, COMMANDER_PRIORITY_CRTP);
 }
 
-static void let_go(void) {
-  commanderRelaxPriority();
-  feeding = false;
-  taskENTER_CRITICAL();
-  lta_duties_forget(&newest);
-  taskEXIT_CRITICAL();
-}
-
 static void feed(void) {
   const uint32_t silence = lta_duties_silence(&newest, milliseconds());
   if (!feeding) {
     return;
   }
   if (silence >= LET_GO_MS) {
-    let_go();
+    commanderRelaxPriority();
+    feeding = false;
     return;
   }
   if (silence >= DISARM_MS) {
@@ -75,6 +69,11 @@ void ltaAppStep(void) {
     newest = next;
     taskEXIT_CRITICAL();
     feeding = true;
+  }
+  if (!supervisorIsArmed()) {
+    taskENTER_CRITICAL();
+    lta_duties_forget(&newest);
+    taskEXIT_CRITICAL();
   }
   feed();
 }

@@ -19,7 +19,8 @@ bool lta_duties_take(lta_duties_t *duties, const uint8_t *data, size_t size, uin
     return false;
   }
   const uint8_t ahead = (uint8_t)(data[1] - duties->sequence);
-  if (lta_duties_hold(duties, now_ms) && (ahead == 0 || ahead >= 128)) {
+  const bool ordered = duties->known && lta_duties_silence(duties, now_ms) < LTA_FORGET_MS;
+  if (ordered && (ahead == 0 || ahead >= 128)) {
     return false; /* doubled, or overtaken on the way */
   }
   for (int motor = 0; motor < LTA_MOTORS; motor++) {
@@ -29,7 +30,9 @@ bool lta_duties_take(lta_duties_t *duties, const uint8_t *data, size_t size, uin
   }
   duties->sequence = data[1];
   duties->since_ms = now_ms;
-  duties->hold_ms = u16(data + 2 + 2 * LTA_MOTORS);
+  const uint32_t asked_ms = u16(data + 2 + 2 * LTA_MOTORS);
+  duties->hold_ms = asked_ms < LTA_MOST_HOLD_MS ? asked_ms : LTA_MOST_HOLD_MS;
+  duties->known = true;
   return true;
 }
 

@@ -37,6 +37,7 @@ size_t appchannelReceiveDataPacket(void *buffer, size_t most, int timeout_ms);
 void commanderSetSetpoint(setpoint_t *setpoint, int priority);
 void commanderRelaxPriority(void);
 bool supervisorRequestArming(bool arm);
+bool supervisorIsArmed(void);
 void appMain(void);
 void ltaAppStep(void);
 void controllerOutOfTreeInit(void);

@@ -6,7 +6,7 @@
 uint32_t host_now_ms;
 uint8_t host_packet[APPCHANNEL_MTU];
 size_t host_size;
-int host_setpoints, host_relaxed, host_disarmed;
+int host_setpoints, host_relaxed, host_disarmed, host_armed = 1;
 
 uint32_t xTaskGetTickCount(void) { return host_now_ms; }
 
@@ -27,5 +27,8 @@ void commanderRelaxPriority(void) { host_relaxed++; }
 
 bool supervisorRequestArming(bool arm) {
   host_disarmed += !arm;
+  host_armed = arm;
   return true;
 }
+
+bool supervisorIsArmed(void) { return host_armed; }

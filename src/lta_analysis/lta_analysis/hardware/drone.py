@@ -223,6 +223,8 @@ def _parameter(name: str, value: float | None, want: Expected) -> Check | None:
     if value == want.value:
         return None
     found = f'{value:g}, not {want.value:g} ({want.why})'
+    if name == 'motorPowerSet.enable':
+        return Check(name, 'fail', found, 'Switch the drone off and on: its motors may turn.')
     if want.write:
         return Check(name, 'ok', f'{found}; the bridge sets it before it flies')
     return Check(name, 'fail', found, 'Flash the firmware that the vehicle needs.')

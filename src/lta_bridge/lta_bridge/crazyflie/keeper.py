@@ -16,12 +16,16 @@ from lta_config.crazyflie_file import Expected
 
 DEADLINE: Final = 8.0  # s for one attempt; a TOC of 700 entries over the radio takes about five
 CONFIRM: Final = 2.0  # s for one parameter
+TURNING: Final = ('motorPowerSet.enable', 'powerDist.idleThrust')  # without any command
 FIRST, LONGEST = 0.5, 8.0  # s of pause after a failure
 
 
 def agree(link: Link, expected: Mapping[str, Expected], compensated: bool | None = None) -> None:
     """
-    Bring parameters to what the vehicle needs; nothing is written to a drone that is refused.
+    Bring parameters to what the vehicle needs.
+
+    What turns motors without a command is switched off first, on a drone that is then refused as
+    well. Nothing else is written to one that is refused.
 
     Parameters
     ----------
@@ -40,6 +44,9 @@ def agree(link: Link, expected: Mapping[str, Expected], compensated: bool | None
         duties and the vehicle does not count on it, or the other way round.
 
     """
+    for name in TURNING:
+        if link.parameter(name):
+            link.write(name, 0.0, CONFIRM)
     for name, want in expected.items():
         value = link.parameter(name)
         if value is None:

@@ -183,6 +183,7 @@ def test_stock_firmware_under_a_blimp_is_told_what_it_lacks(call):
     assert {name for name, check in checks.items() if check['state'] == 'fail'} == {
         'duties',
         'lta.app',
+        'lta.compensated',
     }
     assert 'no effect battery_compensation' in checks['duties']['found']
     assert checks['duties']['remedy'].startswith('Flash the build of firmware/crazyflie, or add')

@@ -122,10 +122,20 @@ def test_a_coasting_drone_counts_as_flying_and_its_pins_stay_low(app):
     assert app.ratios(1050) == (1, 0, 0, 0)
     assert 1 >> 8 == 0
     assert app.ratios(1240) == (0, 0, 0, 0)  # no packet holds any more
-    for now in range(1260, 2900, 20):
+    for now in range(1260, 2900, 20):  # it disarms meanwhile
         app.at(now)
+    ctypes.c_int.in_dll(app.library, 'host_armed').value = 1
     app.at(3000, duties_packet.packed(4, OFF, 200))
     assert app.ratios(3010) == (0, 0, 0, 0)  # another flight
+
+
+def test_what_came_before_arming_keeps_nothing_flying(app):
+    armed = ctypes.c_int.in_dll(app.library, 'host_armed')
+    armed.value = 0
+    app.at(1000, duties_packet.packed(1, SOME, 200))
+    armed.value = 1
+    app.at(1020, duties_packet.packed(2, OFF, 200))
+    assert app.ratios(1030) == (0, 0, 0, 0)
 
 
 def test_the_clock_may_wrap_and_a_first_packet_may_have_any_number(app):
@@ -144,9 +154,18 @@ def test_doubled_and_overtaken_packets_do_not_count(app):
     assert app.at(1000, duties_packet.packed(2, OFF, 200)) == OFF
 
 
-def test_no_time_at_all_hands_over_at_once(app):
+def test_no_time_at_all_hands_over_at_once_and_no_overtaken_packet_takes_it_back(app):
     app.at(0, duties_packet.packed(1, SOME, 200))
-    assert app.at(10, duties_packet.packed(2, SOME, 0)) == OFF
+    assert app.at(10, duties_packet.packed(3, SOME, 0)) == OFF
+    assert app.at(20, duties_packet.packed(2, SOME, 200)) == OFF
+    assert app.at(30, duties_packet.packed(3, SOME, 200)) == OFF
+    assert app.at(1100, duties_packet.packed(2, SOME, 200)) == SOME  # of another flight
+
+
+def test_no_packet_holds_for_longer_than_half_a_second(app):
+    app.at(0, duties_packet.packed(1, SOME, 65535))
+    assert app.at(499) == SOME
+    assert app.at(500) == OFF
 
 
 def test_rotors_that_do_not_reverse_stand_still_instead(app):

@@ -287,23 +287,26 @@ def test_what_every_drone_must_meet_is_written_to_it(linked):
         (
             AS_SOLD,
             None,
-            r'has no parameter lta\.app \(.*flash the present firmware/crazyflie',
+            r'has no parameter lta\.app \(.*flash the current firmware/crazyflie',
         ),
-        (APP, 1, r'lta\.app is 1, not 2 \(.*flash the present firmware/crazyflie'),
+        (APP, 1, r'lta\.app is 1, not 2 \(.*flash the current firmware/crazyflie'),
     ],
 )
-def test_without_the_present_app_a_blimp_is_refused_and_nothing_is_written(
+def test_without_the_present_app_a_blimp_is_refused_with_what_turns_motors_switched_off(
     build, version, sentence, linked
 ):
+    """A bench that died may have left the override on; nothing else is written."""
     with Server(Firmware(Bench(), build=build)) as server:
         values = server.firmware.parameters.values
         values['supervisor.landedTimeout'] = 60000
+        values['motorPowerSet.enable'], values['powerDist.idleThrust'] = 1, 7000
         if version is not None:
             values['lta.app'] = version
         link = linked(server)
         with pytest.raises(LinkFailed, match=sentence):
             agree(link, load_crazyflie('gtmab').expected, compensated=False)
         assert values['supervisor.landedTimeout'] == 60000
+        assert (values['motorPowerSet.enable'], values['powerDist.idleThrust']) == (0, 0)
         link.close()
 
 
@@ -348,7 +351,7 @@ def test_a_file_that_sets_a_required_parameter_otherwise_is_one_sentence(tmp_pat
         load_crazyflie(mine, 'gtmab')
     assert (
         'sets the parameter supervisor.landedTimeout to 60000, which must be 3000 on every drone '
-        '(a longer one keeps a drone armed that has landed, and nobody watches); remove that line'
+        '(a longer one keeps a landed drone armed with nobody watching); remove that line'
     ) in str(refused.value)
 
 

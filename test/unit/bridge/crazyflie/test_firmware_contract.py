@@ -5,12 +5,14 @@ The same scripts, played to the emulator at a clock of its own; words, motors an
 be those of test/golden/crazyflie_firmware.json.
 """
 
+import hashlib
 import json
 from pathlib import Path
 import struct
 
 from firmware_scenarios import (
     APP,
+    app_files,
     ARMING,
     Change,
     changes,
@@ -83,6 +85,24 @@ def without(told, bit):
     left = [one._replace(word=one.word & ~bit) for one in told]
     return [one for before, one in zip([None, *left], left, strict=False)
             if before is None or before[1:] != one[1:]]  # fmt: skip
+
+
+def test_the_record_is_of_the_present_app():
+    """Or run `make real-firmware FIRMWARE=/path ARGS='--steps record suite page'` again."""
+    digest = hashlib.sha256()
+    for path in sorted(app_files()):
+        digest.update(path.read_bytes())
+    for kept in KEPT['builds'].values():
+        assert kept['ours'] == digest.hexdigest()[:12]
+
+
+def test_our_build_has_no_idle_thrust_and_no_compensation():
+    assert KEPT['builds'][APP]['config'] == {
+        'requires_arming': 1,
+        'idle_thrust': 0,
+        'compensated': 0,
+        'app': 1,
+    }
 
 
 @pytest.mark.parametrize('build', BUILDS)

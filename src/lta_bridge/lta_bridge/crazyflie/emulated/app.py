@@ -9,6 +9,7 @@ FULL_RATIO: Final = 65535
 STEP: Final = 1.0 / FULL_RATIO  # of motor 1: over idle to the supervisor, nothing to the motor
 REST: Final = 1.0  # s after the last duties have held until it disarms the drone
 LET_GO: Final = 0.5  # s more until it lets go of the commander
+MOST: Final = 0.5  # s that duties hold at most, whatever their packet asks for
 
 
 @final
@@ -32,9 +33,10 @@ class App:
         if duties is None:
             return
         newest = self._newest
-        if self.holds(now) and newest and not is_newer(duties.sequence, newest.sequence):
+        ordered = newest is not None and now < self._until + REST
+        if ordered and newest and not is_newer(duties.sequence, newest.sequence):
             return
-        self._newest, self._until = duties, now + duties.timeout_ms * 1e-3
+        self._newest, self._until = duties, now + min(duties.timeout_ms * 1e-3, MOST)
         self._feeding = True
         self._turned |= any(duty > 0.0 for duty in duties.duties)
 
@@ -61,5 +63,9 @@ class App:
         """Tell, once, that the app lets go of the commander. [s]"""
         if not self._feeding or now < self._until + REST + LET_GO:
             return False
-        self._feeding = self._turned = False
+        self._feeding = False
         return True
+
+    def forget(self) -> None:
+        """Forget that a motor turned: nobody is armed."""
+        self._turned = False

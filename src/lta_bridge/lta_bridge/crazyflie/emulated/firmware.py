@@ -224,6 +224,8 @@ class Firmware:
 
     def _run_app(self, now: float) -> None:
         """Let the app feed the commander, disarm, and let go."""
+        if not self.supervisor.armed:
+            self.app.forget()
         if self.app.lets_go(now):
             self.commander.relax()
         elif self.app.feeds():
