@@ -20,6 +20,7 @@ from domain import free_domain
 from hypothesis import settings
 import left_behind
 import pytest
+from time_report import TimeReport
 
 ROOT = Path(__file__).resolve().parents[1]
 Called = Callable[..., tuple[int, Any]]
@@ -34,6 +35,7 @@ settings.load_profile('lta')
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    config.pluginmanager.register(TimeReport())
     # rclpy's message classes import a parser that imports modules Python has renamed.
     config.addinivalue_line('filterwarnings', "ignore:module 'sre_:DeprecationWarning")
 
@@ -43,19 +45,6 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         folder = item.path.relative_to(ROOT / 'test').parts[0]
         if folder in MARKED:
             item.add_marker(folder)
-        if item.get_closest_marker('integration'):
-            # Real processes against the wall clock, on machines that others use: two more tries,
-            # which the summary counts as reruns.
-            item.add_marker(pytest.mark.flaky(reruns=2))
-
-
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """Say why a test was tried again: it may have passed since, and would be forgotten."""
-    for report in terminalreporter.getreports('rerun'):
-        crash = getattr(report.longrepr, 'reprcrash', None)
-        why = report.longreprtext if crash is None else crash.message
-        place = '' if crash is None else f' (line {crash.lineno})'
-        terminalreporter.write_line(f'RERUN {report.nodeid}{place}: {" ".join(why.split())[:600]}')
 
 
 @pytest.fixture(scope='module', autouse=True)
