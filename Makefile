@@ -10,7 +10,7 @@ export PYTHON
 enter := root='$(CURDIR)' && . tools/workspace.sh
 sources := config src test examples tools
 
-.PHONY: help demo build test test-long bench bench-compare flights trust classes plan rgblimp crazyflie faults real-firmware chaos soak docs reference pictures lock check format clean
+.PHONY: help demo build test test-fast test-long bench bench-compare flights trust classes plan rgblimp crazyflie faults real-firmware chaos soak docs reference pictures lock check format clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
@@ -24,6 +24,9 @@ build:  ## the environment in .venv and the workspace in install/, where they ch
 
 test: checked  ## style, types and the whole suite but the long tests
 	@$(enter) && tools/suite.sh 'not long and not benchmark' $(ARGS)
+
+test-fast: test-environment  ## the unit tests nearest to what changed against main: a minute at most
+	@$(enter) && tools/fast.sh $(ARGS)
 
 test-long: checked  ## the long tests as well
 	@$(enter) && tools/suite.sh 'not benchmark' $(ARGS)

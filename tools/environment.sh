@@ -57,37 +57,53 @@ check_machine() {
         "$free_mb MB are free under $root; make room and run make again."
 }
 
-fetched() {
-    grep -c '^Collecting' "$venv/install.log" 2>/dev/null || :
-}
-
-# Say every 20 s how far pip is, whose own bars show on a terminal alone and tell of one package.
-# Ends with this script; sleep does not keep the output open for whoever reads it.
+# Say every 20 s that it goes on; ends with this script. sleep does not keep the output open for
+# whoever reads it.
 tell_progress() {
     seconds=0
-    before=$(fetched)
     while sleep 20 >/dev/null 2>&1 && kill -0 $$ 2>/dev/null; do
         seconds=$((seconds + 20))
-        doing="$(($(fetched) - before)) packages fetched"
-        if tail -n 3 "$venv/install.log" | grep -q '^Installing collected'; then
-            doing='unpacking them'
-        fi
-        echo "environment: $seconds s, $doing ..."
+        echo "environment: $seconds s, fetching and unpacking packages ..."
     done
 }
 
+# uv does not read pip's configuration: pass on where packages come from and which certificates hold.
+pass_settings_to_uv() {
+    settings=$("$venv/bin/python" -m pip config list 2>/dev/null) || return 0
+    setting() {
+        printf '%s\n' "$settings" | sed -n "s/^[^=]*\.$1='\(.*\)'\$/\1/p" | head -n 1
+    }
+    : "${UV_DEFAULT_INDEX:=$(setting index-url)}" "${UV_INDEX:=$(setting extra-index-url)}"
+    : "${UV_FIND_LINKS:=$(setting find-links)}" "${SSL_CERT_FILE:=$(setting cert)}"
+    for name in UV_DEFAULT_INDEX UV_INDEX UV_FIND_LINKS SSL_CERT_FILE; do
+        eval "[ -z \"\$$name\" ] || export $name"
+    done
+}
+
+# Both take the listed packages alone, and only files with a listed hash, from whatever index.
+with_pip() {
+    "$venv/bin/python" -m pip install --disable-pip-version-check --no-input --no-compile \
+        --no-deps --require-hashes "$@" >>"$venv/install.log" 2>&1
+}
+
+with_uv() {
+    [ -x "$venv/bin/uv" ] && UV_INDEX_STRATEGY=unsafe-best-match "$venv/bin/uv" pip install \
+        --quiet --no-config --python "$venv/bin/python" --no-deps --no-build-isolation \
+        --require-hashes "$@" >>"$venv/install.log" 2>&1
+}
+
+# What comes as source only is built with the setuptools of locked/build.txt, not with the newest.
 install() {
-    : >>"$venv/install.log"
-    tell_progress &
-    telling=$!
-    if ! "$venv/bin/python" -m pip install --disable-pip-version-check --no-input --no-compile \
-        --require-hashes "$@" >>"$venv/install.log" 2>&1; then
-        reason=$(sed -n "s/^ERROR: //p" "$venv/install.log" | head -n 1)
-        stop "pip cannot install the environment (${reason:-see $venv/install.log}); check the" \
-            'network and the pip configuration and run make again.'
+    if ! with_uv "$@"; then
+        echo 'environment: uv could not install the packages; pip goes on ...'
+        with_pip --no-build-isolation "$@" || fail_to_install
     fi
-    kill "$telling" 2>/dev/null || :
-    telling=
+}
+
+fail_to_install() {
+    reason=$(sed -n 's/^ERROR: //p' "$venv/install.log" | head -n 1)
+    stop "pip cannot install the environment (${reason:-see $venv/install.log}); check the" \
+        'network and the pip configuration and run make again.'
 }
 
 # colcon takes a prefix with a local_setup file for a workspace to build upon; the package.xml
@@ -102,7 +118,7 @@ make_underlay() {
 key() {
     {
         echo "$root $("$1" -c 'import sys; print(sys.version, sys.base_prefix)')"
-        cat locked/build.txt locked/run.txt locked/test.txt tools/environment.sh
+        cat locked/uv.txt locked/build.txt locked/run.txt locked/test.txt tools/environment.sh
     } | sha256sum | cut -d ' ' -f 1
 }
 
@@ -126,15 +142,23 @@ if [ "$found" != "run $wanted" ]; then
     echo "environment: $("$python" -V) in .venv (first time: about a minute on a free machine) ..."
     rm -rf "$venv"
     "$python" -m venv "$venv"
-    install --requirement locked/build.txt
-    # Some pure Python comes as source only: built with the pinned setuptools, not the newest.
-    install --no-build-isolation --requirement locked/run.txt
+    : >"$venv/install.log"
+    with_pip --requirement locked/build.txt || fail_to_install
+    with_pip --requirement locked/uv.txt || : # pip does its work then
     make_underlay
 fi
-if [ "$level" = test ]; then
-    echo 'environment: what the tests need (half a minute on a free machine) ...'
-    install --requirement locked/run.txt --requirement locked/test.txt
-fi
+pass_settings_to_uv
+tell_progress &
+telling=$!
+case $level in
+run) install --requirement locked/build.txt --requirement locked/run.txt ;;
+test)
+    echo 'environment: what the tests need as well ...'
+    install --requirement locked/build.txt --requirement locked/run.txt --requirement locked/test.txt
+    ;;
+esac
+kill "$telling" 2>/dev/null || :
+telling=
 # On all cores, where pip takes one, and without the half that nobody imports: tests of packages and
 # pymavlink's dialects. What does not compile stays as it is, as with pip.
 (cd "$venv" && bin/python -m compileall -q -j 0 -x '/(tests|dialects)/' lib >>install.log 2>&1) || :

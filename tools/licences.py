@@ -16,6 +16,7 @@ import xml.etree.ElementTree as ElementTree
 ROOT: Final = Path(__file__).resolve().parents[1]
 PAGE: Final = ROOT / 'docs/licences.md'
 LOCKS: Final = {
+    'uv': 'What installs the rest',
     'build': 'What builds the rest',
     'run': 'What flying needs',
     'test': 'What tests need beside it, not installed by `make demo`',

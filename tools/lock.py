@@ -36,6 +36,7 @@ class Lock(NamedTuple):
 
 
 LOCKS: Final = {
+    'uv': Lock('uv'),
     'build': Lock('setuptools'),
     'run': Lock('requirements.txt', ('build',)),
     'test': Lock('requirements-test.txt', ('build', 'run')),

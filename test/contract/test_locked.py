@@ -37,22 +37,22 @@ def for_this(name):
             if one.marker is None or one.marker.evaluate()}  # fmt: skip
 
 
-@pytest.mark.parametrize('name', ['build', 'run', 'test'])
+@pytest.mark.parametrize('name', ['uv', 'build', 'run', 'test'])
 def test_locked_is_what_the_requirements_need_here(name):
-    needed = import_module('lock').locked(('build', 'run', 'test'), (HERE,))[name]
+    needed = import_module('lock').locked(('uv', 'build', 'run', 'test'), (HERE,))[name]
     assert for_this(name) == needed.keys(), 'make lock'
 
 
 @pytest.mark.skipif(NEWEST, reason='the newest Python lacks what older ones alone need')
-@pytest.mark.parametrize('name', ['build', 'run', 'test'])
+@pytest.mark.parametrize('name', ['uv', 'build', 'run', 'test'])
 def test_locked_is_what_the_requirements_need_of_each_python(name):
-    marks = import_module('lock').locked(('build', 'run', 'test'))[name]
+    marks = import_module('lock').locked(('uv', 'build', 'run', 'test'))[name]
     wanted = {package: Requirement(f'{package}; {mark}').marker if mark else None
               for package, mark in marks.items()}  # fmt: skip
     assert {package: one.marker for package, one in locked(name).items()} == wanted, 'make lock'
 
 
-@pytest.mark.parametrize('name', ['build', 'run', 'test', 'docs'])
+@pytest.mark.parametrize('name', ['uv', 'build', 'run', 'test', 'docs'])
 def test_locked_versions_are_the_pinned_ones(name):
     lock = import_module('lock')
     pins = lock.pins('constraints.txt', lock.LOCKS[name].source)
@@ -62,7 +62,7 @@ def test_locked_versions_are_the_pinned_ones(name):
 
 
 def test_everything_that_is_asked_for_is_pinned_and_nothing_else():
-    needed = {package for name in ('build', 'run', 'test') for package in locked(name)}
+    needed = {package for name in ('uv', 'build', 'run', 'test') for package in locked(name)}
     assert needed == import_module('lock').pins('constraints.txt').keys()
 
 
