@@ -4,6 +4,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 import time
 
+from lta_analysis.browser import Browser
+from lta_config.errors import BadInput
 from lta_graph.health import Fact
 from lta_graph.ros.listener import DiagnosticsListener
 import pytest
@@ -17,6 +19,17 @@ def nothing_left() -> Iterator[None]:
     """Put away the nodes of a test that failed."""
     yield
     put_away()
+
+
+@pytest.fixture(scope='session')
+def browser() -> Iterator[Browser]:
+    """Return the browser in which all pages are looked at: to start one takes seconds."""
+    try:
+        session = Browser()
+    except BadInput as reason:
+        pytest.skip(str(reason))
+    with session:
+        yield session
 
 
 @pytest.fixture

@@ -1,11 +1,9 @@
 """The page of a comparison in a real browser: nothing to complain of, any channel to pick."""
 
 from lta_analysis.bag import open_flight
-from lta_analysis.browser import Browser, find_chromium
 from lta_analysis.compare.comparison import Asked, compare_flights
 from lta_analysis.compare.page import write_page
 from lta_analysis.report.screenshots import complaints, COUNT_PANELS, Drawn, fetched, show
-from lta_config.errors import BadInput
 import pytest
 
 from ..unit.analysis.compare.compare_flight import write_motion  # noqa: TID252 - `test` is Python's own
@@ -17,12 +15,8 @@ PANELS = ['path', 'x', 'y', 'altitude', 'heading', 'channel', 'spectrum']
 
 
 @pytest.fixture(scope='module')
-def page(tmp_path_factory):
+def page(browser, tmp_path_factory):
     folder = tmp_path_factory.mktemp('compare')
-    try:
-        find_chromium()
-    except BadInput as reason:
-        pytest.skip(str(reason))
     bags = [
         write_motion(folder / 'a', noise=0.01, seed=1, until=30.0),
         write_motion(
@@ -32,12 +26,6 @@ def page(tmp_path_factory):
     ]  # fmt: skip
     found = compare_flights(*map(open_flight, bags), Asked())
     return write_page(found, folder / 'compare.html')
-
-
-@pytest.fixture(scope='module')
-def browser(page):
-    with Browser() as running:
-        yield running
 
 
 @pytest.mark.parametrize(

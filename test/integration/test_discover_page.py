@@ -2,13 +2,11 @@
 
 from dataclasses import replace
 
-from lta_analysis.browser import Browser, find_chromium
 from lta_analysis.discovery.outside.unexplained import Remainder
 from lta_analysis.discovery.page import write_page
 from lta_analysis.discovery.replay.linear import origin
 from lta_analysis.discovery.study import Shown
 from lta_analysis.report.screenshots import complaints, COUNT_PANELS, fetched, show
-from lta_config.errors import BadInput
 import pytest
 
 from ..unit.analysis.discovery.hidden_cases import CASES  # noqa: TID252 - `test` is Python's own
@@ -24,11 +22,7 @@ DRAWN = "document.querySelector('[data-panel=%s]').data"
 
 
 @pytest.fixture(scope='module')
-def page(tmp_path_factory):
-    try:
-        find_chromium()
-    except BadInput as reason:
-        pytest.skip(str(reason))
+def page(browser, tmp_path_factory):
     found = study(nominal(), CASES[DRAG])
     shown = tuple(
         Shown(
@@ -43,42 +37,36 @@ def page(tmp_path_factory):
     return write_page(given, tmp_path_factory.mktemp('study'))
 
 
-@pytest.fixture(scope='module')
-def session(page):
-    with Browser() as running:
-        yield running
-
-
 @pytest.mark.parametrize(('theme', 'width'), [('light', 390), ('dark', 1280)])
-def test_all_is_drawn_without_a_complaint_or_a_request(session, page, theme, width):
-    session.events.clear()
-    show(session, page, theme, width)
-    assert complaints(session) == []
-    assert fetched(session, page) == []
-    assert session.evaluate('document.documentElement.scrollWidth') <= width
-    assert session.evaluate(CONTRAST) == []
-    assert session.evaluate(NAMELESS) == []
-    assert session.evaluate(HEADS) == 0
-    panels = {panel['name']: panel for panel in session.evaluate(COUNT_PANELS)}
+def test_all_is_drawn_without_a_complaint_or_a_request(browser, page, theme, width):
+    browser.events.clear()
+    show(browser, page, theme, width)
+    assert complaints(browser) == []
+    assert fetched(browser, page) == []
+    assert browser.evaluate('document.documentElement.scrollWidth') <= width
+    assert browser.evaluate(CONTRAST) == []
+    assert browser.evaluate(NAMELESS) == []
+    assert browser.evaluate(HEADS) == 0
+    panels = {panel['name']: panel for panel in browser.evaluate(COUNT_PANELS)}
     assert set(panels) == PANELS
     assert all(panel['marks'] > 0 for panel in panels.values())
 
 
-def pick(session, number):
-    session.evaluate(
+def pick(browser, number):
+    browser.evaluate(
         f"(() => {{ const select = document.getElementById('flight'); select.value = '{number}';"
         "select.dispatchEvent(new Event('change')); })()"
     )
-    session.wait(f"document.documentElement.dataset.flight === '{number}'")
-    return session.evaluate(f'Array.from({DRAWN % "above"}[0].x).slice(0, 40)')
+    browser.wait(f"document.documentElement.dataset.flight === '{number}'")
+    return browser.evaluate(f'Array.from({DRAWN % "above"}[0].x).slice(0, 40)')
 
 
-def test_any_flight_can_be_looked_at(session, page):
-    show(session, page, 'light', 1280)
-    first = session.evaluate(f'Array.from({DRAWN % "above"}[0].x).slice(0, 40)')
-    assert pick(session, 1) != first
+def test_any_flight_can_be_looked_at(browser, page):
+    show(browser, page, 'light', 1280)
+    first = browser.evaluate(f'Array.from({DRAWN % "above"}[0].x).slice(0, 40)')
+    assert pick(browser, 1) != first
     # How far a prediction is off starts small in every piece and is never negative.
-    away = session.evaluate(f'Array.from({DRAWN % "overtime"}[6].y).filter(Number.isFinite)')
+    away = browser.evaluate(f'Array.from({DRAWN % "overtime"}[6].y).filter(Number.isFinite)')
     assert 0.0 <= min(away) < 0.02 < max(away)
-    assert pick(session, 0) == first
-    assert complaints(session) == []
+    assert pick(browser, 0) == first
+    assert complaints(browser) == []

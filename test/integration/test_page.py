@@ -4,11 +4,20 @@ import os
 import re
 import struct
 
-from lta_analysis import browser
-from lta_analysis.browser import Browser, find_chromium
+from lta_analysis.browser import Browser, find_chromium, OVERRIDE
 from lta_analysis.report import write_page
 from lta_analysis.report.panels.registry import PANELS
-from lta_analysis.report.screenshots import check, picture, SHARPNESS, show, write_pictures
+from lta_analysis.report.screenshots import (
+    check,
+    complaints,
+    COUNT_PANELS,
+    Drawn,
+    fetched,
+    picture,
+    SHARPNESS,
+    show,
+    write_pictures,
+)
 from lta_config.errors import BadInput
 import pytest
 
@@ -34,38 +43,31 @@ DRONE = """(() => {
 
 
 @pytest.fixture(scope='module')
-def page(tmp_path_factory):
+def page(browser, tmp_path_factory):
     folder = tmp_path_factory.mktemp('page')
-    try:
-        find_chromium()
-    except BadInput as reason:
-        pytest.skip(str(reason))
     write_page(write_flight(folder / 'bag'), folder / 'page.html')
     return folder / 'page.html'
 
 
-@pytest.fixture(scope='module')
-def running(page):
-    with Browser() as session:
-        yield session
-
-
 @pytest.fixture
-def session(running, page):
+def session(browser, page):
     """Return a browser that has just opened the page."""
-    show(running, page, 'light', 1280)
-    return running
+    browser.events.clear()
+    show(browser, page, 'light', 1280)
+    return browser
 
 
 @pytest.mark.parametrize(
     ('theme', 'width'), [('dark', 1280), pytest.param('light', 390, marks=pytest.mark.long)]
 )
-def test_every_panel_is_drawn_without_a_complaint_or_a_request(page, theme, width):
-    found = check(page, theme, width)
-    assert found.messages == []
-    assert found.fetched == []
-    assert [panel.name for panel in found.panels] == NAMES
-    for panel in found.panels:
+def test_every_panel_is_drawn_without_a_complaint_or_a_request(browser, page, theme, width):
+    browser.events.clear()
+    show(browser, page, theme, width)
+    assert complaints(browser) == []
+    assert fetched(browser, page) == []
+    panels = [Drawn(**panel) for panel in browser.evaluate(COUNT_PANELS)]
+    assert [panel.name for panel in panels] == NAMES
+    for panel in panels:
         assert panel.traces > 0, panel
         assert panel.marks > 0, panel
         assert panel.width > 250, panel
@@ -176,18 +178,18 @@ def test_browser_leaves_no_process_behind(page):
 
 def test_without_a_browser_the_sentence_says_how_to_get_one(monkeypatch, tmp_path):
     monkeypatch.setenv('PATH', str(tmp_path))
-    monkeypatch.delenv(browser.OVERRIDE, raising=False)
+    monkeypatch.delenv(OVERRIDE, raising=False)
     with pytest.raises(BadInput, match='sudo apt install chromium'):
         find_chromium()
 
 
 def test_named_browser_must_exist(monkeypatch):
-    monkeypatch.setenv(browser.OVERRIDE, '/no/such/program')
+    monkeypatch.setenv(OVERRIDE, '/no/such/program')
     with pytest.raises(BadInput, match="LTA_CHROMIUM names '/no/such/program'"):
         find_chromium()
 
 
 def test_program_that_is_no_browser_is_one_sentence(monkeypatch):
-    monkeypatch.setenv(browser.OVERRIDE, 'true')
+    monkeypatch.setenv(OVERRIDE, 'true')
     with pytest.raises(BadInput, match=r'true ended at .+ with status 0; start it by hand'):
         Browser().__enter__()

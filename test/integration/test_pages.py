@@ -7,7 +7,6 @@ import sys
 from lta_analysis import app
 from lta_analysis.bag.flight import open_flight
 from lta_analysis.bag.reader import read_bag
-from lta_analysis.browser import Browser, find_chromium
 from lta_analysis.light.evaluation.sets import FlightSet, SETS
 from lta_analysis.replay.order import Order
 from lta_analysis.replay.page import write_page as write_replay
@@ -18,7 +17,6 @@ from lta_analysis.tune import crew, limit
 from lta_analysis.tune.mission import Sought
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.playback.reel import shifted
-from lta_config.errors import BadInput
 import pytest
 import yaml
 
@@ -203,34 +201,21 @@ LONG = ('sweep', 'wind', 'light_link', 'bearing', 'study', 'platforms', 'evaluat
     scope='module',
     params=[pytest.param(name, marks=pytest.mark.long if name in LONG else ()) for name in PAGES],
 )
-def page(request, tmp_path_factory):
-    try:
-        find_chromium()
-    except BadInput as reason:
-        pytest.skip(str(reason))
+def page(request, browser, tmp_path_factory):
     folder = tmp_path_factory.mktemp(request.param)
     PAGES[request.param](folder, typed)
     return folder / 'report.html'
 
 
 @pytest.fixture(scope='module')
-def running():
-    try:
-        with Browser() as session:
-            yield session
-    except BadInput as reason:
-        pytest.skip(str(reason))
-
-
-@pytest.fixture(scope='module')
-def opened(running):
+def opened(browser):
     """Return a function that opens a page as a reader prefers it, unless it is open already."""
     last = []
 
     def opened(*asked):
         if last != [asked]:
-            running.events.clear()
-            show(running, *asked)
+            browser.events.clear()
+            show(browser, *asked)
             last[:] = [asked]
         return last  # emptied by who leaves the page otherwise than it was opened
 
@@ -239,14 +224,14 @@ def opened(running):
 
 @pytest.mark.parametrize(('theme', 'width'), [('light', 390), ('dark', 1280)])
 def test_it_shows_all_without_a_complaint_or_a_request(
-    running, opened, page, theme, width, tmp_path
+    browser, opened, page, theme, width, tmp_path
 ):
     opened(page, theme, width)
-    assert complaints(running) == []
-    assert fetched(running, page) == []
-    assert running.evaluate('document.documentElement.scrollWidth') <= width
-    assert running.evaluate(CONTRAST) == []
-    take(running, 'top', tmp_path / 'top.png')
+    assert complaints(browser) == []
+    assert fetched(browser, page) == []
+    assert browser.evaluate('document.documentElement.scrollWidth') <= width
+    assert browser.evaluate(CONTRAST) == []
+    take(browser, 'top', tmp_path / 'top.png')
     assert (tmp_path / 'top.png').stat().st_size > 10_000
 
 
@@ -258,37 +243,37 @@ def press(session, key, code):
         )  # fmt: skip
 
 
-def test_it_is_used_by_keyboard_and_read_aloud(running, opened, page):
+def test_it_is_used_by_keyboard_and_read_aloud(browser, opened, page):
     shown = opened(page, 'dark', 1280)
     asked = shown.pop()
-    press(running, 'Tab', 9)
-    assert running.evaluate(FOCUS) == 'skip'
-    press(running, 'Tab', 9)
-    assert running.evaluate(FOCUS) == 'theme'
+    press(browser, 'Tab', 9)
+    assert browser.evaluate(FOCUS) == 'skip'
+    press(browser, 'Tab', 9)
+    assert browser.evaluate(FOCUS) == 'theme'
     for theme, pressed in (('light', 'false'), ('dark', 'true')):
-        press(running, 'Enter', 13)
-        running.wait(f"document.documentElement.dataset.theme === '{theme}'")
-        assert running.evaluate("document.getElementById('theme').ariaPressed") == pressed
-    assert running.evaluate('document.documentElement.lang') == 'en'
-    assert running.evaluate(NAMELESS) == []
-    assert running.evaluate(HEADS) == 0
-    headings = running.evaluate(HEADINGS)
+        press(browser, 'Enter', 13)
+        browser.wait(f"document.documentElement.dataset.theme === '{theme}'")
+        assert browser.evaluate("document.getElementById('theme').ariaPressed") == pressed
+    assert browser.evaluate('document.documentElement.lang') == 'en'
+    assert browser.evaluate(NAMELESS) == []
+    assert browser.evaluate(HEADS) == 0
+    headings = browser.evaluate(HEADINGS)
     assert headings[0] == 'H1'
     assert headings.count('H1') == 1
-    target = running.evaluate("document.querySelector('.skip').getAttribute('href').slice(1)")
-    assert running.evaluate(f'document.getElementById({json.dumps(target)}).tagName') == 'MAIN'
+    target = browser.evaluate("document.querySelector('.skip').getAttribute('href').slice(1)")
+    assert browser.evaluate(f'document.getElementById({json.dumps(target)}).tagName') == 'MAIN'
     shown.append(asked)
 
 
-def test_it_prints_on_white_paper_within_its_margins(running, opened, page):
+def test_it_prints_on_white_paper_within_its_margins(browser, opened, page):
     opened(page, 'dark', 1280).clear()
-    window(running, PAPER_WIDTH, 900)
-    running.call('Emulation.setEmulatedMedia', media='print')
-    running.evaluate("dispatchEvent(new Event('beforeprint'))")
-    running.wait("document.documentElement.dataset.theme === 'light'")
-    assert not running.evaluate("document.getElementById('theme').checkVisibility()")
-    assert running.evaluate('getComputedStyle(document.body).backgroundImage') == 'none'
-    running.wait(f'document.documentElement.scrollWidth <= {PAPER_WIDTH}')  # pictures follow
-    printed = running.call('Page.printToPDF', paperWidth=8.27, paperHeight=11.69)
+    window(browser, PAPER_WIDTH, 900)
+    browser.call('Emulation.setEmulatedMedia', media='print')
+    browser.evaluate("dispatchEvent(new Event('beforeprint'))")
+    browser.wait("document.documentElement.dataset.theme === 'light'")
+    assert not browser.evaluate("document.getElementById('theme').checkVisibility()")
+    assert browser.evaluate('getComputedStyle(document.body).backgroundImage') == 'none'
+    browser.wait(f'document.documentElement.scrollWidth <= {PAPER_WIDTH}')  # pictures follow
+    printed = browser.call('Page.printToPDF', paperWidth=8.27, paperHeight=11.69)
     assert len(printed['data']) > 20_000
-    running.call('Emulation.setEmulatedMedia', media='')
+    browser.call('Emulation.setEmulatedMedia', media='')
