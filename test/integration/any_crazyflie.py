@@ -22,8 +22,8 @@ from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.crazyflie.supervisor import Bit
 from lta_bridge.emulated_hardware import flown
 import pytest
+from waiting import PATIENCE, wait_until
 
-PATIENCE = 20.0  # s; what comes normally comes within a second
 EVERY = 0.02  # s between two setpoints
 PWM_STEP = 1 / 256  # duty: a smaller one leaves the motor's pin low
 PID, OUT_OF_TREE = 1, 6  # stabilizer.controller
@@ -72,13 +72,17 @@ class Drone:
         self, condition: Callable[[], object], each: Callable[[], object] = lambda: None
     ) -> None:
         """Listen until something holds, and do something every 20 ms meanwhile."""
-        deadline = time.monotonic() + PATIENCE
-        self._listen()
-        while not condition():
-            assert time.monotonic() < deadline, f'word {self.word!r}, motors {self.motors.duties}'
+
+        def step() -> None:
             each()
             time.sleep(EVERY)
             self._listen()
+
+        def arrived() -> str:
+            return f'word {self.word!r}, motors {self.motors.duties}'
+
+        self._listen()
+        wait_until(condition, 'the drone', arrived, step)
 
     def wait(self, seconds: float, each: Callable[[], object] = lambda: None) -> None:
         """Listen for so long, by the drone's own clock."""

@@ -1,5 +1,6 @@
 """The real `lta` command as a process, its nodes, and the watch over what it leaves behind."""
 
+from contextlib import suppress
 import os
 from pathlib import Path
 import signal
@@ -8,9 +9,12 @@ import threading
 import time
 import uuid
 
+from time_report import spent, STARTING, WAITING
+from waiting import PATIENCE, wait_until
+
 ROOT = Path(__file__).resolve().parents[2]
-PATIENCE = 60.0  # s of wall time; a flight of these tests takes five
 MARK = 'LTA_TEST_MARK'
+LINGER = 20.0  # s for which the dead may stand in /proc on a busy machine
 
 
 def processes(mark: str) -> dict[int, str]:
@@ -32,15 +36,16 @@ class Started:
     def __init__(self, mark: str, arguments: tuple[str, ...]) -> None:
         self._mark = mark
         self.lines: list[tuple[float, str]] = []
-        self.popen = subprocess.Popen(
-            [ROOT / 'lta', *arguments],
-            env={**os.environ, MARK: mark},
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            start_new_session=True,
-            preexec_fn=_heed_interrupts,
-        )
+        with spent(STARTING):
+            self.popen = subprocess.Popen(
+                [ROOT / 'lta', *arguments],
+                env={**os.environ, MARK: mark},
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                text=True,
+                start_new_session=True,
+                preexec_fn=heed_signals,
+            )
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 
@@ -67,23 +72,24 @@ class Started:
 
     def said(self, word: str) -> float:
         """Wait until a line holds a word, and return when it came."""
-        deadline = time.monotonic() + PATIENCE
-        while time.monotonic() < deadline:
-            for when, line in self.lines:
-                if word in line:
-                    return when
-            time.sleep(0.01)
-        raise AssertionError(f'{word!r} was not said in:\n{self.text}')
+
+        def found() -> float | None:
+            return next((when for when, line in self.lines if word in line), None)
+
+        return wait_until(found, repr(word), lambda: self.text)
 
     def end(self) -> int:
         """Wait for the end and return the exit status."""
-        status = self.popen.wait(PATIENCE)
-        self._reader.join(PATIENCE)
+        with spent(WAITING):
+            status = self.popen.wait(PATIENCE)
+            self._reader.join(PATIENCE)
         return status
 
 
-def _heed_interrupts() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
+def heed_signals() -> None:
+    """Heed Ctrl-C and a shut terminal in a child, even where the tests run under nohup."""
+    for number in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
 
 
 class Lta:
@@ -95,13 +101,14 @@ class Lta:
 
     def run(self, *arguments: object) -> 'subprocess.CompletedProcess[str]':
         """Run to the end."""
-        return subprocess.run(
-            [ROOT / 'lta', *map(str, arguments)],
-            env={**os.environ, MARK: self.mark},
-            capture_output=True,
-            text=True,
-            timeout=PATIENCE,
-        )
+        with spent(WAITING):
+            return subprocess.run(
+                [ROOT / 'lta', *map(str, arguments)],
+                env={**os.environ, MARK: self.mark},
+                capture_output=True,
+                text=True,
+                timeout=PATIENCE,
+            )
 
     def start(self, *arguments: object) -> Started:
         self._started.append(Started(self.mark, tuple(map(str, arguments))))
@@ -113,11 +120,10 @@ class Lta:
         return '\n'.join(started.text for started in self._started)
 
     def left(self) -> list[str]:
-        """Return what still runs, once the kernel has had a moment to take the dead away."""
-        deadline = time.monotonic() + 1.0
-        while (found := processes(self.mark)) and time.monotonic() < deadline:
-            time.sleep(0.02)
-        return list(found.values())
+        """Return what still runs, once the kernel has had time to take the dead away."""
+        with suppress(AssertionError):
+            wait_until(lambda: not processes(self.mark), 'processes to go', patience=LINGER)
+        return list(processes(self.mark).values())
 
     def kill(self) -> None:
         for pid in processes(self.mark):

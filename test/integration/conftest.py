@@ -2,15 +2,15 @@
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
-import time
 
 from lta_analysis.browser import Browser
 from lta_config.errors import BadInput
 from lta_graph.health import Fact
 from lta_graph.ros.listener import DiagnosticsListener
 import pytest
+from waiting import wait_until
 
-from .command import Lta, PATIENCE, ROOT
+from .command import Lta, ROOT
 from .peer import put_away
 
 
@@ -68,15 +68,19 @@ def diagnostics(domain_id: int) -> Iterator[DiagnosticsListener]:
 
 @pytest.fixture
 def hear(diagnostics: DiagnosticsListener, lta: Lta):
-    """Return a function that listens until a condition on all facts holds; it returns when."""
+    """Return a function that listens until a condition on all facts holds."""
 
-    def wait(condition: Callable[[dict[str, Fact]], object]) -> float:
-        deadline = time.monotonic() + PATIENCE
-        while time.monotonic() < deadline:
-            if condition(diagnostics.poll(0.02)):
-                return time.monotonic()
-        heard = {name: fact.message for name, fact in diagnostics.facts.items()}
-        raise AssertionError(f'not heard; the last facts: {heard}; said:\n{lta.text}')
+    def wait(condition: Callable[[dict[str, Fact]], object]) -> None:
+        def arrived() -> str:
+            heard = {name: fact.message for name, fact in diagnostics.facts.items()}
+            return f'{heard}; said:\n{lta.text}'
+
+        wait_until(
+            lambda: condition(diagnostics.facts),
+            'facts in /diagnostics',
+            arrived,
+            step=lambda: diagnostics.poll(0.02),
+        )
 
     return wait
 

@@ -1,5 +1,6 @@
 """A node of a test's own in the robot's namespace, and nodes of this source tree as processes."""
 
+from collections import Counter
 from collections.abc import Callable
 import ctypes
 import os
@@ -7,7 +8,6 @@ from pathlib import Path
 import signal
 import subprocess
 import sys
-import time
 from typing import Any, Self
 
 from lta_config.topics import topic_table
@@ -19,10 +19,13 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool
+from time_report import spent, STARTING
+from waiting import wait_until
+
+from .command import heed_signals
 
 ROOT = Path(__file__).resolve().parents[2]
 TABLE = topic_table()
-PATIENCE = 30.0  # s of wall time; what comes normally comes within milliseconds
 LIBC = ctypes.CDLL(None)  # before any fork
 PR_SET_PDEATHSIG = 1  # linux/prctl.h
 STARTED: 'list[subprocess.Popen[str]]' = []
@@ -30,9 +33,16 @@ STARTED: 'list[subprocess.Popen[str]]' = []
 
 def start(module: str, *words: object, before: str = '') -> 'subprocess.Popen[str]':
     """Start a node of this very source tree: its module, its ROS arguments, code before it."""
-    paths = [str(path.parent) for path in ROOT.glob('src/*/package.xml')]
     code = f'{before}from {module} import main; main()'
-    process = subprocess.Popen(
+    with spent(STARTING):
+        process = _start(code, words)
+    STARTED.append(process)
+    return process
+
+
+def _start(code: str, words: tuple[object, ...]) -> 'subprocess.Popen[str]':
+    paths = [str(path.parent) for path in ROOT.glob('src/*/package.xml')]
+    return subprocess.Popen(
         [sys.executable, '-c', code, '--ros-args', '-r', '__ns:=/lta1', *map(str, words)],
         env={
             **os.environ,
@@ -42,12 +52,11 @@ def start(module: str, *words: object, before: str = '') -> 'subprocess.Popen[st
         text=True,
         preexec_fn=_end_with_us,
     )
-    STARTED.append(process)
-    return process
 
 
 def _end_with_us() -> None:
     """Let the kernel kill a node whose test is killed: it would stay in its domain for ever."""
+    heed_signals()
     LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
@@ -66,6 +75,13 @@ def put_away() -> None:
         process.stderr.close()
 
 
+def _place_of(condition: Callable[[], Any]) -> str:
+    code = getattr(condition, '__code__', None)
+    if code is None:
+        return repr(condition)
+    return f'the condition in {Path(code.co_filename).name}, line {code.co_firstlineno}'
+
+
 class Peer:
     """A node beside those under test, in a DDS domain: `with Peer(domain) as peer: ...`."""
 
@@ -78,6 +94,7 @@ class Peer:
         self._publishers: dict[str, Any] = {}
         self._clients: dict[str, Any] = {}
         self._beside: list[Any] = []
+        self.heard: Counter[str] = Counter()  # messages by topic
 
     def __enter__(self) -> Self:
         return self
@@ -96,17 +113,23 @@ class Peer:
 
     def until(self, condition: Callable[[], Any]) -> Any:
         """Take what comes until something holds, and return that."""
-        deadline = time.monotonic() + PATIENCE
-        while not (found := condition()):
-            assert time.monotonic() < deadline, f'the graph did not answer; {vars(self)}'
-            self._executor.spin_once(timeout_sec=0.02)
-        return found
+        return wait_until(
+            condition,
+            _place_of(condition),
+            lambda: sorted(self.heard.items()),
+            step=lambda: self._executor.spin_once(timeout_sec=0.02),
+        )
 
     def hear(self, name: str, callback: Callable[[Any], object]) -> None:
         """Listen to a topic of the table."""
         row = TABLE[name]
         quality = profile(row, lockstep=False)
-        self.node.create_subscription(message_type(row), name, callback, quality)
+
+        def take(message: Any) -> None:
+            self.heard[name] += 1
+            callback(message)
+
+        self.node.create_subscription(message_type(row), name, take, quality)
 
     def publisher(self, name: str) -> Any:
         """Return the publisher of a topic of the table, once somebody has found it."""

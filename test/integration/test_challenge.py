@@ -10,7 +10,7 @@ from lta_analysis.challenge.tally import CLEAR
 from lta_analysis.platforms.run import processors
 import pytest
 
-pytestmark = [pytest.mark.beside, pytest.mark.long]
+pytestmark = pytest.mark.long
 
 MANY = 20  # ten seconds of work each
 WRONG = 2  # at the 2 % that are wanted, more is seen once in 100 or less

@@ -14,8 +14,6 @@ from lta_config.kernel_cache import cache_root
 import pytest
 import yaml
 
-pytestmark = pytest.mark.beside
-
 ROOT = Path(__file__).resolve().parents[2]
 GTMAB = (ROOT / 'config/vehicles/gtmab.yaml').read_text()
 

@@ -8,8 +8,6 @@ import pytest
 
 from ..unit.analysis.compare.compare_flight import write_motion  # noqa: TID252 - `test` is Python's own
 
-pytestmark = pytest.mark.beside
-
 Z = 'odom/pose.pose.position.z'
 PANELS = ['path', 'x', 'y', 'altitude', 'heading', 'channel', 'spectrum']
 

@@ -2,13 +2,10 @@
 
 from xml.etree import ElementTree
 
-import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 
 from .peer import Peer, start
-
-pytestmark = pytest.mark.beside
 
 
 def test_a_viewer_that_comes_late_gets_the_urdf(domain_id):

@@ -13,8 +13,6 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 import pytest
 
-pytestmark = pytest.mark.beside
-
 HIDDEN = Hidden('linear_drag.surge', 0.04, 'N s/m')
 SECONDS = 26.0
 PATIENCE = 600.0  # s of wall time; alone on a machine it takes ten

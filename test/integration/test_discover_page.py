@@ -14,7 +14,7 @@ from ..unit.analysis.discovery.hidden_flight import nominal  # noqa: TID252
 from ..unit.analysis.discovery.hidden_study import DRAG, study  # noqa: TID252
 from .test_pages import CONTRAST, HEADS, NAMELESS
 
-pytestmark = [pytest.mark.beside, pytest.mark.long]
+pytestmark = pytest.mark.long
 
 REMAINS = (Remainder('surge', 0.0072, 18.25, ('surge speed',), 0.81),)
 PANELS = {'heat', 'conditions', 'above', 'overtime', 'white', 'power', 'latent', 'follows'}

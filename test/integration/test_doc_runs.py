@@ -5,8 +5,6 @@ import shutil
 from doc_blocks import pieces, ROOT, run, stage
 import pytest
 
-pytestmark = pytest.mark.beside
-
 PIECES = pieces(quick=False)
 PATIENCE = 1800.0  # s; pages say which of their commands take minutes
 # The flights that pages call by these names, by the seed of each.

@@ -7,7 +7,6 @@ from pathlib import Path
 import signal
 import subprocess
 import sys
-import time
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Point, Pose, PoseWithCovariance
@@ -23,12 +22,12 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import BatteryState
+from waiting import PATIENCE, wait_until
 
 from .peer import complaints
 
 # rclpy generates message support through lark, which imports a module that Python retires.
 pytestmark = [
-    pytest.mark.beside,
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
 ]
 
@@ -36,7 +35,6 @@ ROOT = Path(__file__).resolve().parents[2]
 TABLE = topic_table()
 INPUTS = ('battery', 'panel', 'illuminance', 'odom')
 OUTPUTS = ('energy/battery', 'energy/status', 'energy/reserve')
-PATIENCE = 20.0  # s of wall time; what comes normally comes within milliseconds
 RESTING = 3.84  # V; half full
 RESISTANCE = 0.15  # ohm, of the shipped vehicle
 GIVEN = 0.85 * 0.44 - 0.022  # W, of its charger from 0.44 W of the panel
@@ -85,10 +83,12 @@ class Vehicle:
             self.facts[status.name] = (status.level[0], status.message)
 
     def until(self, condition) -> None:
-        deadline = time.monotonic() + PATIENCE
-        while not condition():
-            assert time.monotonic() < deadline, 'the graph did not answer'
-            self._executor.spin_once(timeout_sec=0.05)
+        wait_until(
+            condition,
+            'the graph',
+            lambda: self.facts,
+            step=lambda: self._executor.spin_once(timeout_sec=0.05),
+        )
 
     def connected(self) -> bool:
         there = all(item.get_subscription_count() for item in self._publishers.values())

@@ -2,7 +2,6 @@
 
 import os
 import signal
-import time
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_analysis import domain_lock
@@ -12,6 +11,7 @@ from lta_graph.ros.listener import DiagnosticsListener
 import pytest
 import rclpy
 from rclpy.context import Context
+from waiting import wait_until
 
 
 @pytest.fixture
@@ -58,10 +58,9 @@ def test_a_node_that_hangs_is_named(lta, flying, tmp_path):
     command = lta.start('launch', 'fly', f'bag:={tmp_path / "bag"}')
     flying(2.5)  # until DDS has found everyone
     estimator = command.node('estimator')
-    hung = time.monotonic()
     os.kill(estimator, signal.SIGSTOP)
     try:
-        assert command.said('Nothing comes from estimator.') - hung < 2.0
+        command.said('Nothing comes from estimator.')
     finally:
         os.kill(estimator, signal.SIGCONT)
         command.interrupt()
@@ -79,14 +78,15 @@ def test_a_listener_hears_its_own_robot_alone(domain_id):
         DiagnosticStatus(name='simulator: flight', hardware_id=robot, message=robot)
         for robot in ('lta1', 'lta2')
     ]
-    deadline = time.monotonic() + 20.0
     with DiagnosticsListener('lta2') as second, DiagnosticsListener() as first:
-        while not (first.facts and second.facts):
-            assert time.monotonic() < deadline
+
+        def step():
             publisher.publish(DiagnosticArray(status=told[::-1]))
             publisher.publish(DiagnosticArray(status=told))
             first.poll(0.02)
             second.poll(0.02)
+
+        wait_until(lambda: first.facts and second.facts, 'facts for both listeners', step=step)
         assert first.facts['simulator: flight'].message == 'lta1'
         assert second.facts['simulator: flight'].message == 'lta2'
     node.destroy_node()

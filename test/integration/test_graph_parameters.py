@@ -4,10 +4,9 @@ import signal
 
 import pytest
 from rcl_interfaces.srv import GetParameters
+from waiting import PATIENCE
 
-from .peer import complaints, PATIENCE, Peer, start
-
-pytestmark = pytest.mark.beside
+from .peer import complaints, Peer, start
 
 NODE = 'lta_vlc.nodes.demodulator'
 TOO_FAST = 'The beacon at 6000 Hz cannot be seen at 10000 samples/s; sample at more than twice'

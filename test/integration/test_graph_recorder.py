@@ -14,11 +14,10 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import serialize_message
 from std_msgs.msg import Bool, String
 from std_srvs.srv import SetBool, Trigger
+from waiting import PATIENCE
 import yaml
 
-from .peer import PATIENCE, Peer, start, TABLE
-
-pytestmark = pytest.mark.beside
+from .peer import Peer, start, TABLE
 
 ROW = TABLE['odom']
 START = TABLE.start_ns

@@ -7,8 +7,6 @@ import pytest
 
 from ..unit.analysis.report_flight import write_flight  # noqa: TID252 - `test` is Python's own
 
-pytestmark = pytest.mark.beside
-
 
 def test_the_page_comes_again_from_the_bag(lta, call, tmp_path):
     bag = write_flight(tmp_path / 'run' / 'bag')

@@ -12,8 +12,6 @@ from std_srvs.srv import SetBool
 
 from .peer import Peer, start
 
-pytestmark = pytest.mark.beside
-
 CRAZYFLIE, TEENSY = 'crazyflie_bridge', 'teensy_bridge'
 TAKEN = f'udp://127.0.0.1:{free_port(UDP)}'
 REFUSED = [

@@ -19,6 +19,7 @@ from lta_bridge.teensy.light_board import LightBoard
 from lta_config.topics import topic_table
 import numpy as np
 import pytest
+from waiting import PATIENCE
 
 FIRMWARE = Path(__file__).resolve().parents[2] / 'firmware/light_board'
 NEEDED = ('arm-none-eabi-gcc', 'qemu-system-arm', 'make')
@@ -28,7 +29,6 @@ ROW = 100_000  # ns
 FRAME = 15 * ROW  # ns: what the board knows and we have not heard yet
 BOOT = 10**18  # ns: where our clock is when the board's is 0
 ENOUGH = 5  # blocks
-PATIENCE = 120.0  # s
 
 pytestmark = pytest.mark.skipif(
     not all(map(shutil.which, NEEDED)), reason=f'an emulated Cortex-M7 needs {", ".join(NEEDED)}'
@@ -69,7 +69,7 @@ def switched_on(tmp_path):
         while time.monotonic() < deadline:
             assert boards[-1].poll() is None
             yield cable, cable.read(0.02)
-        raise AssertionError('the board has not sent enough')
+        raise AssertionError(f'the board has not sent enough within {PATIENCE:.0f} s')
 
     yield run
     for board in boards:

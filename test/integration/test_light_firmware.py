@@ -16,12 +16,12 @@ from lta_config.topics import topic_table
 from lta_vlc.modulation import SquareWave
 import numpy as np
 import pytest
+from waiting import PATIENCE
 
 FIRMWARE = Path(__file__).resolve().parents[2] / 'firmware/light_board'
 LIGHT = topic_table().light
 RATE = LIGHT.sample_rate.si
 DRIFT = 80e-6
-PATIENCE = 60.0  # s for what takes four
 
 pytestmark = pytest.mark.skipif(
     not (shutil.which('gcc') and shutil.which('make')), reason='the firmware needs gcc and make'

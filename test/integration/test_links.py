@@ -1,7 +1,6 @@
 """A flight begins in real time once every writer has found the readers that the graph has."""
 
 from collections.abc import Iterator
-import time
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Vector3Stamped
@@ -10,8 +9,8 @@ from lta_graph.ros.links import LINKS, Links
 import pytest
 from rclpy.context import Context
 from rclpy.node import Node
+from waiting import wait_until
 
-PATIENCE = 20.0  # s
 TOPICS = [name for name, row in topic_table().topics.items() if row.period_ns]
 
 
@@ -35,10 +34,7 @@ def told(robot: str, **readers: int) -> DiagnosticArray:
 
 def await_loose(links: Links, own: dict[str, int], wanted: list[str]) -> None:
     """Wait until just these topics are loose."""
-    deadline = time.monotonic() + PATIENCE
-    while (loose := links.loose(own)) != wanted:
-        assert time.monotonic() < deadline, loose
-        time.sleep(0.01)
+    wait_until(lambda: links.loose(own) == wanted, str(wanted), lambda: links.loose(own))
 
 
 def test_a_topic_is_loose_until_its_writer_has_found_every_reader_of_the_graph(node):
@@ -46,10 +42,7 @@ def test_a_topic_is_loose_until_its_writer_has_found_every_reader_of_the_graph(n
     rest = [name for name in TOPICS if name not in ('imu', 'wind')]
     with Links(node, topic_table()) as links:
         await_loose(links, {}, TOPICS)
-        deadline = time.monotonic() + PATIENCE
-        while not out.get_subscription_count():
-            assert time.monotonic() < deadline
-            time.sleep(0.01)
+        wait_until(out.get_subscription_count, 'a reader of /diagnostics')
         out.publish(told('lta2', wind=0))  # another drone's
         out.publish(told('lta1', **dict.fromkeys(rest, 0)))
         await_loose(links, {'imu': 0}, ['wind'])

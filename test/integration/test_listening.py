@@ -14,14 +14,12 @@ import sys
 from lta_graph.suspicion import role_of
 from ports import free_port, UDP
 import pytest
+from waiting import PATIENCE
 
 from .command import processes, ROOT
 
-pytestmark = pytest.mark.beside
-
 TABLES = ('udp', 'udp6', 'tcp', 'tcp6')
 BOUND = ('07', '0A')  # states of /proc/net: UDP that is bound, TCP that listens
-PATIENCE = 20.0  # s
 CHOSEN = ('ROS_AUTOMATIC_DISCOVERY_RANGE', 'FASTRTPS_DEFAULT_PROFILES_FILE')
 VISITOR = """
 import sys, time
@@ -36,9 +34,9 @@ heard = set()
 node.create_subscription(Imu, '/lta1/imu', lambda _: heard.add('imu'), qos_profile_sensor_data)
 node.create_subscription(DiagnosticArray, '/diagnostics', lambda _: heard.add('health'), 10)
 client = node.create_client(GetParameters, '/lta1/estimator/get_parameters')
-client.wait_for_service(20.0)
+client.wait_for_service(100.0)
 answer = client.call_async(GetParameters.Request(names=['time']))
-deadline = time.monotonic() + 20.0
+deadline = time.monotonic() + 100.0
 while not (len(heard) == 2 and answer.done()) and time.monotonic() < deadline:
     rclpy.spin_once(node, timeout_sec=0.1)
 print(*sorted(heard), answer.done() and answer.result().values[0].string_value)
@@ -112,7 +110,7 @@ def test_the_graph_listens_on_the_loopback_alone_and_plain_ros_finds_it(lta, hea
         )
         for chosen in ({}, {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'})
     ]
-    told = [visitor.communicate(timeout=3 * PATIENCE)[0].split() for visitor in visitors]
+    told = [visitor.communicate(timeout=PATIENCE)[0].split() for visitor in visitors]
     assert told == [['health', 'imu', 'realtime']] * 2
     graph.interrupt()
     graph.end()

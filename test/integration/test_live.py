@@ -8,7 +8,6 @@ import os
 from pathlib import Path
 import signal
 import socket
-import time
 
 from lta_analysis.bag.reader import read_bag
 from lta_bridge.live.server import LiveServer
@@ -23,12 +22,11 @@ import rclpy
 from rclpy.context import Context
 from rclpy.serialization import serialize_message
 from rosbags.typesys import get_types_from_msg, get_typestore, Stores
+from waiting import wait_until
 
 import foxglove
 
-from .viewer import PATIENCE, Viewer
-
-pytestmark = pytest.mark.beside
+from .viewer import Viewer
 
 TABLE = topic_table()
 TOPICS = {name if name.startswith('/') else f'/lta1/{name}' for name in TABLE.topics}
@@ -73,7 +71,6 @@ def seen(viewer, name):
     ]
 
 
-@pytest.mark.alone
 @pytest.mark.long
 def test_a_viewer_sees_the_flight_that_is_recorded(lta, scenario, tmp_path, port, hear):
     out, scene = tmp_path / 'out', scenario(time_limit='5 s')
@@ -183,12 +180,13 @@ def test_a_viewer_that_takes_nothing_keeps_no_other_from_seeing(port):
         for each in (sleeper, viewer):
             each.until(lambda each=each: each.channels)
             each.subscribe()
-        deadline = time.monotonic() + PATIENCE
-        while server.audience.viewers < 2:
-            assert time.monotonic() < deadline
+
+        def tell() -> None:
             server.tell_time(1)
             viewer.until(lambda: viewer.times)
             viewer.times.clear()
+
+        wait_until(lambda: server.audience.viewers == 2, 'both viewers', step=tell)
         assert server.audience.newcomer('/block')
         assert not server.audience.newcomer('/block')
         for k in range(2000):  # 32 MB: more than any socket holds
@@ -219,13 +217,17 @@ def test_nonsense_ends_no_view(domain_id, lta, port, hear):
         viewer.until(lambda: len(viewer.channels) > len(TABLE.topics))
         viewer.subscribe()
         hear(lambda facts: 'live: view' in facts)
-        deadline = time.monotonic() + PATIENCE
-        while len(viewer.messages.get('/lta1/odom', [])) < 40:
-            assert time.monotonic() < deadline
+
+        def publish() -> None:
             for message in (*nonsense, good):
                 odom.publish(message)
                 ticks.publish(backwards)
                 viewer.pause(0.02)
+
+        def seen() -> int:
+            return len(viewer.messages.get('/lta1/odom', []))
+
+        wait_until(lambda: seen() >= 40, '40 messages of odom', seen, publish)
         hear(lambda facts: int(facts['live: view'].values['unreadable']) > 0)
     node.destroy_node()
     context.try_shutdown()

@@ -13,10 +13,9 @@ import pytest
 from rcl_interfaces.srv import DescribeParameters
 from rclpy.qos import ReliabilityPolicy
 from std_srvs.srv import SetBool, Trigger
+from waiting import PATIENCE
 
-from .peer import complaints, PATIENCE, Peer, start, TABLE
-
-pytestmark = pytest.mark.beside
+from .peer import complaints, Peer, start, TABLE
 
 ROTORS = ['up_left', 'up_right', 'forward_left', 'forward_right']
 STEP = TABLE.control_ns
@@ -165,7 +164,6 @@ def test_disarmed_motors_stand_still_and_armed_ones_turn(controller):
     assert any(estimate(controller, step + 2))
 
 
-@pytest.mark.alone
 @pytest.mark.long
 def test_a_flight_in_real_time_is_open_to_people(lta, peer, flying, hear, tmp_path):
     """Quality of service, parameters and services of a whole graph, as users find them."""

@@ -23,8 +23,6 @@ import pytest
 
 from ..unit.analysis.report_flight import write_flight  # noqa: TID252 - `test` is Python's own
 
-pytestmark = pytest.mark.beside
-
 NAMES = [panel.name for panel in PANELS]
 TIMED = [panel.name for panel in PANELS if panel.timed]
 RANGES = """Object.fromEntries([...document.querySelectorAll('.plot')].map(

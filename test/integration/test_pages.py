@@ -22,8 +22,6 @@ import yaml
 
 from ..unit.analysis.report_flight import write_flight  # noqa: TID252 - `test` is Python's own
 
-pytestmark = pytest.mark.beside
-
 SWEEP = {
     'schema': 1, 'name': 'short', 'about': 'Short flights.', 'vehicle': 'gtmab',
     'scenario': 'lamp_room', 'strategy': 'bag', 'gains': 'gtmab', 'seeds': {'count': 2},

@@ -4,10 +4,10 @@ import subprocess
 import sys
 
 import pytest
+from waiting import PATIENCE
 
-pytestmark = pytest.mark.beside
+from .command import heed_signals
 
-PATIENCE = 60.0  # s, to start and to leave
 CODE = """
 from lta_config.errors import BadInput
 from lta_graph.ros.node import GraphNode
@@ -38,7 +38,17 @@ def test_it_says_all_and_leaves_by_its_status(domain_id, act, status, said):
     left = subprocess.run(
         [sys.executable, '-c', CODE.format(act=act)],
         capture_output=True, text=True, timeout=PATIENCE, check=False,
+        preexec_fn=heed_signals,
     )  # fmt: skip
     assert (left.returncode, left.stdout) == (status, 'worked')
     assert left.stderr.endswith(said)
     assert bool(said) == bool(left.stderr)
+
+
+def test_under_nohup_it_goes_on_when_the_terminal_is_shut(domain_id):
+    act = 'import os; os.kill(os.getpid(), 1); assert self.running'
+    left = subprocess.run(
+        ['nohup', sys.executable, '-c', CODE.format(act=act)],
+        capture_output=True, text=True, timeout=PATIENCE, check=False, stdin=subprocess.DEVNULL,
+    )  # fmt: skip
+    assert (left.returncode, left.stdout) == (0, 'worked'), left.stderr

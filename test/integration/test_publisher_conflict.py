@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator
 import os
-import time
 
 from lta_graph.health import Health, Level
 from lta_graph.ros.publisher_conflict import OTHERS, PublisherConflict
@@ -10,8 +9,8 @@ import pytest
 from rclpy.context import Context
 from rclpy.node import Node
 from std_msgs.msg import Header
+from waiting import wait_until
 
-PATIENCE = 20.0  # s
 ROBOT = f'robot{os.getpid()}'  # of nobody else, whatever others left on the domain
 
 
@@ -37,11 +36,11 @@ def test_a_stranger_is_named_until_it_is_gone(node):
     conflict = PublisherConflict(own, writers)
 
     def told(level: Level) -> str:
-        deadline = time.monotonic() + PATIENCE
-        while not health.facts or health.facts[0].level != level:
-            assert time.monotonic() < deadline, health.facts
+        def looked() -> bool:
             conflict.look(health)
-            time.sleep(0.01)
+            return bool(health.facts) and health.facts[0].level == level
+
+        wait_until(looked, f'level {level}', lambda: health.facts)
         return health.facts[0].message
 
     stranger.create_publisher(Header, '/diagnostics', 10)  # of every node

@@ -21,10 +21,9 @@ from lta_graph.ros.stamps import from_stamp
 import pytest
 from rich.console import Console
 from std_srvs.srv import SetBool, Trigger
+from waiting import PATIENCE
 
-from .peer import PATIENCE, Peer, ROOT, TABLE
-
-pytestmark = pytest.mark.beside
+from .peer import Peer, ROOT, TABLE
 
 LAMP = ROOT / 'test/replay/lamp.mcap'
 NODES = 'estimator,controller,demodulator,navigator,energy_monitor'

@@ -9,10 +9,9 @@ from lta_graph.ros.stamps import from_stamp, to_stamp
 from nav_msgs.msg import Odometry
 import pytest
 from std_msgs.msg import Bool
+from waiting import PATIENCE
 
-from .peer import complaints, PATIENCE, Peer, start
-
-pytestmark = pytest.mark.beside
+from .peer import complaints, Peer, start
 
 PERIOD = topic_table()['light/estimate'].period_ns
 RESTING, ALOFT, LANDING = 0.0, 0.5, 0.3  # m; what the navigator asks for

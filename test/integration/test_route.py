@@ -8,7 +8,7 @@ from lta_config.files import find, load_yaml
 import pytest
 import yaml
 
-pytestmark = [pytest.mark.beside, pytest.mark.long]
+pytestmark = pytest.mark.long
 
 
 @pytest.fixture

@@ -41,8 +41,6 @@ from .peer import TABLE
 sys.path.append(str(Path(__file__).resolve().parents[1] / 'score'))
 from chaos_spoilt import over_fields, spoil, SPOILT
 
-pytestmark = pytest.mark.beside
-
 NODES: dict[str, type[GraphNode]] = {
     'estimator': Estimator,
     'controller': Controller,

@@ -20,10 +20,9 @@ from lta_vlc.listener import Listener
 from lta_vlc.messages import to_block
 from lta_vlc.settings import Demodulation
 import pytest
+from waiting import PATIENCE
 
-from .peer import PATIENCE, Peer, start, TABLE
-
-pytestmark = pytest.mark.beside
+from .peer import Peer, start, TABLE
 
 BRIDGE, DEMODULATOR = 'lta_bridge.nodes.teensy_bridge', 'lta_vlc.nodes.demodulator'
 BLOCKS = 8

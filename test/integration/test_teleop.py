@@ -12,8 +12,6 @@ from sensor_msgs.msg import Joy
 
 from .peer import Peer, start
 
-pytestmark = pytest.mark.beside
-
 LAYOUT = Layout()
 
 

@@ -14,8 +14,6 @@ from std_msgs.msg import Bool
 
 from .peer import Peer, start
 
-pytestmark = pytest.mark.beside
-
 
 class Watched:
     """A bench that remembers what it was asked to do."""

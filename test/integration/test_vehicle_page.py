@@ -7,8 +7,6 @@ from lta_config.files import known
 from lta_sim.vehicle import load_vehicle
 import pytest
 
-pytestmark = pytest.mark.beside
-
 WARNING = 'Only 0.3 g of ballast is left to take off.'
 BOX = """(() => { const { x, y, width, height } = document.querySelector('%s').getBBox();
   return [x, y, width, height]; })()"""

@@ -8,8 +8,6 @@ from lta_sim.cfd.tunnel import COARSE, steady_wind
 from lta_sim.cfd.validation import judged, sphere
 import pytest
 
-pytestmark = pytest.mark.beside
-
 AIR = (1.2, 1.5e-5)
 SLOW = 0.2  # m/s, where the steady model is right
 

@@ -21,8 +21,6 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-pytestmark = pytest.mark.beside
-
 ROOT = Path(__file__).resolve().parents[2]
 START = 120.0  # s; a cold start on a busy machine, with the kernel to compile
 REPORTS = 2  # by a timer, after which all that a node has before any message comes has fired

@@ -10,10 +10,11 @@ import socket
 import struct
 import time
 
+from waiting import PATIENCE, wait_until
+
 GUID = '258EAFA5-E914-47DA-95CA-C5AB0DC85B11'  # RFC 6455, 1.3
 TEXT, BINARY, CLOSE, PING, PONG = 1, 2, 8, 9, 10
 DATA, TIME = 1, 2  # opcodes of the server's binary messages
-PATIENCE = 30.0  # s of wall time
 
 
 class Viewer:
@@ -36,14 +37,7 @@ class Viewer:
     """
 
     def __init__(self, port: int) -> None:
-        deadline = time.monotonic() + PATIENCE
-        while True:
-            try:
-                self._socket = socket.create_connection(('127.0.0.1', port), timeout=PATIENCE)
-                break
-            except ConnectionRefusedError:
-                assert time.monotonic() < deadline, 'nothing listens'
-                time.sleep(0.05)
+        self._socket = wait_until(lambda: _connected(port), f'a server on port {port}')
         self._rest = b''
         self.channels: dict[str, dict[str, object]] = {}
         self.info: dict[str, object] = {}
@@ -97,11 +91,16 @@ class Viewer:
 
     def until(self, holds: Callable[[], object]) -> None:
         """Take what comes until a condition holds."""
-        deadline = time.monotonic() + PATIENCE
-        while not holds():
-            assert time.monotonic() < deadline, f'not seen; statuses: {self.statuses}'
+
+        def step() -> None:
             if not self._take():
                 raise EOFError('the server has gone')
+
+        def arrived() -> dict[str, object]:
+            seen = {topic: len(messages) for topic, messages in self.messages.items()}
+            return {**seen, 'statuses': self.statuses}
+
+        wait_until(holds, 'messages of the live view', arrived, step)
 
     def pause(self, seconds: float) -> None:
         """Take what comes within a while."""
@@ -161,3 +160,10 @@ class Viewer:
     def close(self) -> None:
         """Leave."""
         self._socket.close()
+
+
+def _connected(port: int) -> socket.socket | None:
+    try:
+        return socket.create_connection(('127.0.0.1', port), timeout=PATIENCE)
+    except ConnectionRefusedError:
+        return None
