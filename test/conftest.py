@@ -1,9 +1,9 @@
 """
-What all tests share: markers by folder, a DDS domain each, nothing left behind, seeds.
+What all tests share: markers by folder, the order, a DDS domain each, nothing left behind.
 
-A test in `test/unit` is marked `unit`, and so on; one elsewhere that watches the clock is marked
-`integration` by its own file, so that nothing runs beside it. An integration test has a
-ROS_DOMAIN_ID that no other test on this machine has, in whatever process it runs.
+A test in `test/unit` is marked `unit`, and so on; one elsewhere that starts processes is marked
+`integration` by its own file. An integration test has a ROS_DOMAIN_ID that no other test on this
+machine has, in whatever process it runs.
 """
 
 from collections.abc import Callable, Iterator
@@ -45,6 +45,23 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         folder = item.path.relative_to(ROOT / 'test').parts[0]
         if folder in MARKED:
             item.add_marker(folder)
+    items[:] = mixed(items)
+
+
+def mixed(items: list[pytest.Item]) -> list[pytest.Item]:
+    """
+    Return the files that start processes, and so mostly wait, evenly among those that compute.
+
+    Side by side the latter then have the cores that the former leave.
+    """
+    place: dict[Path, float] = {}
+    for waits in (True, False):
+        paths = [
+            item.path for item in items if waits == bool(item.get_closest_marker('integration'))
+        ]
+        files = list(dict.fromkeys(paths))
+        place |= {path: k / len(files) for k, path in enumerate(files)}
+    return sorted(items, key=lambda item: place[item.path])
 
 
 @pytest.fixture(scope='module', autouse=True)

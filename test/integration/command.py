@@ -9,6 +9,7 @@ import threading
 import time
 import uuid
 
+from signals import heed_signals
 from time_report import spent, STARTING, WAITING
 from waiting import PATIENCE, wait_until
 
@@ -84,12 +85,6 @@ class Started:
             status = self.popen.wait(PATIENCE)
             self._reader.join(PATIENCE)
         return status
-
-
-def heed_signals() -> None:
-    """Heed Ctrl-C and a shut terminal in a child, even where the tests run under nohup."""
-    for number in (signal.SIGINT, signal.SIGHUP):
-        signal.signal(number, signal.SIG_DFL)
 
 
 class Lta:

@@ -18,11 +18,10 @@ import rclpy
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
+from signals import heed_signals
 from std_srvs.srv import SetBool
 from time_report import spent, STARTING
 from waiting import wait_until
-
-from .command import heed_signals
 
 ROOT = Path(__file__).resolve().parents[2]
 TABLE = topic_table()

@@ -134,7 +134,7 @@ def test_the_light_is_told_with_its_faults(vehicle):
     vehicle.until(lambda: vehicle.light()[1].get('blocks_missing') == '4')
     values = vehicle.light()[1]
     assert (values['saturated_diodes'], values['flat_diodes']) == ('2', '2')
-    assert vehicle.bearings[stamp][1].x > 0.4  # and none of them pulls
+    assert vehicle.bearings[stamp].x > 0.4  # and none of them pulls
 
     short = light_block(to_stamp(0), vehicle.block[:999])
     torn = light_block(to_stamp(0), vehicle.block)
@@ -160,13 +160,13 @@ def test_the_wanted_beacon_is_the_one_that_is_estimated(vehicle):
     vehicle.meet()
     stamp = vehicle.send(0)
     vehicle.until(lambda: stamp in vehicle.bearings)
-    assert vehicle.bearings[stamp][1].x > 0.4
+    assert vehicle.bearings[stamp].x > 0.4
     vehicle.publisher('light/beacon').publish(Float64(data=250.0))
 
     def turned():
         newest = vehicle.send(1 + len(vehicle.bearings))
         vehicle.until(lambda: newest in vehicle.bearings)
-        return vehicle.bearings[newest][1].x < -0.4
+        return vehicle.bearings[newest].x < -0.4
 
     vehicle.until(turned)
     vehicle.until(lambda: 'demodulator: beacon at 150 Hz' in vehicle.facts)

@@ -4,9 +4,8 @@ import subprocess
 import sys
 
 import pytest
+from signals import heed_signals
 from waiting import PATIENCE
-
-from .command import heed_signals
 
 CODE = """
 from lta_config.errors import BadInput

@@ -74,14 +74,14 @@ def tried(case: Case, script: Path, patience: float) -> Row:
     one counts whatever it is. Whatever else is wrong is never done again.
     """
     for again in range(TRIES):
-        row = _tried(case, script, patience)
+        row = tried_once(case, script, patience)
         row['again'] = again
         if not (row['wrong'] and row.get('timing') and row['late'] > STALLED):
             break
     return row
 
 
-def _tried(case: Case, script: Path, patience: float) -> Row:
+def tried_once(case: Case, script: Path, patience: float) -> Row:
     """Return the outcome of one trial, in a process of its own."""
     words = [sys.executable, str(script), case.kind, str(case.number)]
     mark = f'{MARK}={uuid.uuid4().hex}'
