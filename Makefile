@@ -10,7 +10,7 @@ export PYTHON
 enter := root='$(CURDIR)' && . tools/workspace.sh
 sources := config src test examples tools
 
-.PHONY: help demo build test test-fast test-long bench bench-compare flights trust classes plan rgblimp crazyflie faults real-firmware chaos soak docs reference pictures lock check format clean
+.PHONY: help demo build test test-fast test-long bench bench-compare flights trust classes plan rgblimp crazyflie faults real-firmware mutation chaos soak docs reference pictures lock check format clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
@@ -57,6 +57,9 @@ faults: test-environment  ## faults in flights of emulated hardware, 20 of each 
 
 real-firmware: test-environment  ## the bridge against Crazyflie sources of yours (FIRMWARE=/path; ARGS='--steps record suite': minutes)
 	@$(enter) && .venv/bin/python test/score/real_firmware.py '$(FIRMWARE)' $(ARGS)
+
+mutation: test-environment  ## break the code in many small ways and see whether tests notice (ARGS='--areas control': minutes)
+	@$(enter) && nice .venv/bin/python test/score/mutation.py $(ARGS)
 
 chaos: test-environment  ## whole graphs in trouble, 12 of each kind; writes docs/reliability.md (an hour)
 	@$(enter) && .venv/bin/python test/score/chaos.py $(ARGS)
