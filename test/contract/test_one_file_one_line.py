@@ -99,13 +99,13 @@ def with_line(path, after, line):
     path.write_text(text.replace(after, f'{after}\n{line.rstrip()}'), encoding='utf-8')
 
 
-def python(tmp_path, *arguments):
+def python(tmp_path, *arguments, **more):
     """Run Python on the copy in place of the package, and return what it said."""
     path = os.pathsep.join([str(tmp_path), *(entry for entry in sys.path if entry)])
     done = subprocess.run(
         [sys.executable, *arguments],
         cwd=tmp_path,
-        env={**os.environ, 'PYTHONPATH': path},
+        env={**os.environ, 'PYTHONPATH': path, **more},
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
@@ -121,18 +121,20 @@ def titled():
     return dict(TITLED.findall(page))
 
 
-def test_an_effect_with_the_test_of_its_tutorial(tmp_path, titled):
+@pytest.mark.parametrize('plain', ['1', pytest.param('0', marks=pytest.mark.long)])
+def test_an_effect_with_the_test_of_its_tutorial(tmp_path, titled, plain):
+    """As Python, and compiled, which takes the time of all effects together."""
+    more = {'NUMBA_DISABLE_JIT': plain}
     folder = with_copy(tmp_path, 'lta_sim') / 'effects'
     (folder / 'guide_rope.py').write_text(titled['src/lta_sim/lta_sim/effects/guide_rope.py'])
     with_line(folder / '__init__.py', "    'floor_contact',", titled['BUILT_IN'])
     its_test = tmp_path / 'test_guide_rope.py'
     its_test.write_text(titled['test/unit/sim/test_guide_rope.py'])
-    assert '3 passed' in python(tmp_path, '-m', 'pytest', '-q', '-p', 'no:cacheprovider', its_test)
+    once = ('-m', 'pytest', '-q', '-p', 'no:cacheprovider')
+    assert '3 passed' in python(tmp_path, *once, its_test, **more)
     shutil.copytree(ROOT / 'test/property', tmp_path / 'property')
-    laws = python(
-        tmp_path, '-m', 'pytest', '-q', '-n', '0', '-p', 'no:cacheprovider',
-        '--import-mode=importlib', 'property', '-k', 'guide_rope',
-    )  # fmt: skip
+    words = ('-n', '0', '--import-mode=importlib', 'property', '-k', 'guide_rope')
+    laws = python(tmp_path, *once, *words, **more)
     assert ' passed' in laws
     shutil.copytree(ROOT / 'test/unit/sim/oracle', tmp_path / 'oracle')
     given = 'from oracle.given import at_centre, NONE\n\n\n'

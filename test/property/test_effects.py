@@ -80,7 +80,7 @@ def parameters(effect):
     )
 
 
-laws = settings(deadline=None, max_examples=50)
+laws = settings(deadline=None, max_examples=25)
 number = st.floats(-5.0, 5.0, allow_subnormal=False)
 share = st.floats(0.0, 1.0, allow_subnormal=False)
 vectors = st.tuples(number, number, number)

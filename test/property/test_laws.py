@@ -62,7 +62,11 @@ def test_whatever_comes_the_duties_are_ones_that_the_rotors_can_obey(name, fligh
             assert low.vector[0] <= memory.command.mass_place[0] <= high.vector[0]
 
 
-@pytest.mark.parametrize('name', LAWS)
+@pytest.mark.parametrize(
+    'name',
+    # All are compiled in one way, and each takes a quarter of a minute.
+    [pytest.param(name, marks=() if name == 'quadrotor' else pytest.mark.long) for name in LAWS],
+)
 @settings(max_examples=20, deadline=None)
 @given(flight=flights)
 def test_compiled_it_is_the_same_to_the_last_bit(name, flight):

@@ -1,11 +1,15 @@
-"""What tests of several packages share: stand-ins for OpenFOAM, a disk that is full."""
+"""What tests of several packages share: stand-ins for OpenFOAM, a full disk, plain laws."""
 
 from contextlib import contextmanager
 from pathlib import Path
 import resource
 import sys
 
+from lta_config.kernel_cache import load
+from lta_control import pilot
 from lta_sim.cfd.engine import PROGRAMS
+from lta_sim.flat import source
+from numba.core import config
 import pytest
 
 FAKE = Path(__file__).parent / 'sim' / 'cfd' / 'fake_openfoam.py'
@@ -37,3 +41,21 @@ def room():
             resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
     return limited
+
+
+@pytest.fixture(scope='module')
+def plain_laws():
+    """
+    Fly control laws by their texts as Python, and return what takes one in place of `compiled`.
+
+    It takes a quarter of a minute to compile one; test/property/test_laws.py does, and compares.
+    """
+
+    def plain(*words):
+        with pytest.MonkeyPatch.context() as while_loading:
+            while_loading.setattr(config, 'DISABLE_JIT', 1)
+            return load(source(*words)).step
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(pilot, 'compiled', plain)
+        yield plain

@@ -1,7 +1,9 @@
-"""Small bags to read, and the command to read them with."""
+"""Small bags to read, the command to read them with, and batches of flights."""
 
+from lta_analysis.fleet import fly
 from lta_bridge.bag import BagWriter, offered_qos
 from lta_bridge.bag.schemas import jazzy
+from numba.core import config
 import numpy as np
 import pytest
 
@@ -37,6 +39,25 @@ def odometry(time, i):
             np.zeros(36),
         ),
     )
+
+
+@pytest.fixture(params=['plain', pytest.param('compiled', marks=pytest.mark.long)])
+def batches(request, monkeypatch):
+    """
+    Fly batches by one text, as Python and compiled; return which.
+
+    It takes minutes to compile. Only short flights can be flown without.
+    """
+    made = fly._kernel.__wrapped__
+
+    def plain(*words):
+        with monkeypatch.context() as while_loading:
+            while_loading.setattr(config, 'DISABLE_JIT', 1)
+            return made(*words)
+
+    if request.param == 'plain':
+        monkeypatch.setattr(fly, '_kernel', plain)
+    return request.param
 
 
 @pytest.fixture

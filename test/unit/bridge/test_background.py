@@ -10,8 +10,8 @@ from lta_analysis.bag.reader import read_bag
 from lta_bridge.bag import background, BagWriter, storage, StorageFault
 from lta_bridge.bag.background import BackgroundWriter
 import pytest
+from waiting import PATIENCE
 
-PATIENCE = 20.0
 TYPE = 'sensor_msgs/msg/Image'
 
 

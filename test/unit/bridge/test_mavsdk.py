@@ -5,18 +5,17 @@ from pathlib import Path
 from queue import SimpleQueue
 import socket
 import threading
-import time
 
 from lta_bridge.teensy.emulator import EmulatedBoard
 import numpy as np
 from ports import free_port, UDP
 import pytest
+from waiting import PATIENCE, wait_until
 
 mavsdk = pytest.importorskip('mavsdk', reason='MAVSDK is an optional judge: pip install mavsdk')
 
 XML = Path(__file__).resolve().parents[3] / 'firmware/light_board/mavlink/lta.xml'
 ROWS = 15
-PATIENCE = 20.0  # s
 
 
 def test_mavsdk_reads_our_blocks_from_our_xml():
@@ -40,7 +39,7 @@ def test_mavsdk_reads_our_blocks_from_our_xml():
         sender = threading.Thread(target=send)
         sender.start()
         try:
-            (system,) = until(station.get_systems)
+            (system,) = wait_until(station.get_systems, 'a system')
             direct = MavlinkDirect(system)
             direct.load_custom_xml(XML.read_text())
             direct.subscribe_message('LTA_LIGHT_BLOCK', lambda message, *_: told.put(message))
@@ -52,11 +51,3 @@ def test_mavsdk_reads_our_blocks_from_our_xml():
     assert fields['samples'] == samples.ravel().tolist()
     assert (fields['rows'], fields['diodes']) == (ROWS, 8)
     assert fields['sequence'] % ROWS == 0
-
-
-def until(condition):
-    deadline = time.monotonic() + PATIENCE
-    while not (found := condition()):
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
-    return found

@@ -17,9 +17,9 @@ from lta_graph.health import Level
 import numpy as np
 import pytest
 from rosbags.highlevel import AnyReader
+from waiting import PATIENCE
 
 S = 10**9
-PATIENCE = 20.0
 TYPE = 'sensor_msgs/msg/Image'
 FALSE = b'\0\1\0\0\0'
 

@@ -16,9 +16,9 @@ from lta_config.topics import topic_table
 import numpy as np
 from ports import free_port, UDP
 import pytest
+from waiting import PATIENCE, wait_until
 
 LIGHT = topic_table().light
-PATIENCE = 20.0  # s; what comes normally comes within milliseconds
 ROWS = np.arange(1200 * 8, dtype=np.uint16).reshape(1200, 8)
 
 
@@ -29,22 +29,14 @@ def cable(tmp_path):
     made.pull()
 
 
-def until(condition):
-    deadline = time.monotonic() + PATIENCE
-    while not (found := condition()):
-        assert time.monotonic() < deadline
-        time.sleep(0.002)
-    return found
-
-
 def test_bytes_go_both_ways_unaltered(cable, tmp_path):
     """Every value of a byte: a terminal that is not raw would eat some."""
     port = open_port(str(tmp_path / 'ttyACM0'))
     every = bytes(range(256))
     port.write(every)
-    assert until(lambda: cable.read(0.1)) == every
+    assert wait_until(lambda: cable.read(0.1), 'the bytes') == every
     cable.write(every)
-    assert until(lambda: port.read(0.1)) == every
+    assert wait_until(lambda: port.read(0.1), 'the bytes') == every
     port.close()
 
 
@@ -52,7 +44,7 @@ def test_a_pulled_cable_is_noticed(cable, tmp_path):
     port = open_port(str(tmp_path / 'ttyACM0'))
     cable.pull()
     with pytest.raises(Unplugged):
-        until(lambda: port.read(0.1))
+        wait_until(lambda: port.read(0.1), 'the pull')
     port.close()
 
 
@@ -108,7 +100,7 @@ def test_a_udp_port_answers_the_board(udp_port):
         board.settimeout(PATIENCE)
         port.write(b'to nobody')
         board.sendto(b'light', ('127.0.0.1', udp_port))
-        assert until(lambda: port.read(0.1)) == b'light'
+        assert wait_until(lambda: port.read(0.1), 'the light') == b'light'
         port.write(b'time?')
         assert board.recv(100) == b'time?'
     port.close()
@@ -222,13 +214,14 @@ def test_a_cable_that_comes_back_is_read_on(cable, tmp_path):
         cable.write(board.light(ROWS))
         return len(blocks) >= count
 
-    until(lambda: heard(3))
+    wait_until(lambda: heard(3), 'three blocks', lambda: len(blocks))
     cable.pull()
-    until(lambda: 'There is no serial port' in reader.trouble)
+    absent = 'There is no serial port'
+    wait_until(lambda: absent in reader.trouble, 'the pull', lambda: reader.trouble)
     cable.plug()
-    until(lambda: not reader.trouble)
+    wait_until(lambda: not reader.trouble, 'the port again', lambda: reader.trouble)
     before = len(blocks)
-    until(lambda: heard(before + 2))
+    wait_until(lambda: heard(before + 2), 'two more blocks', lambda: len(blocks))
     assert reader.unplugged == 1
     reader.close()
     assert 'light board' not in [thread.name for thread in threading.enumerate()]

@@ -11,6 +11,7 @@ from lta_control.pilot import Pilot
 from lta_sim.vehicle import load_vehicle
 import pytest
 
+pytestmark = pytest.mark.usefixtures('plain_laws')
 FORCE, DT = (0.0, 0.0, 9.80665), 0.01  # what an accelerometer at rest feels; s
 UP = Setpoint(1.2, 0.0, 0.0)
 
@@ -28,7 +29,7 @@ def piloted(name):
 
 
 @pytest.fixture(scope='module', params=['multirotor', 'sblimp'])
-def tracked(request):
+def tracked(request, plain_laws):
     """Return functions that fly by a tracker: at a roll, and from the beginning."""
     pilot = piloted(request.param)
 

@@ -3,21 +3,18 @@
 import os
 from pathlib import Path
 import signal
-import time
 
 from lta_config.errors import BadInput
 from lta_graph.launch_file import LaunchPlan, Process
 from lta_graph.launcher import Launcher
 import pytest
+from waiting import PATIENCE
 
 from .tiny_processes import fleet as fleet
-from .tiny_processes import FOREVER, POLITE, run_to_end, until
-
-# Real processes against the wall clock: nothing else may run beside them.
-pytestmark = pytest.mark.integration
+from .tiny_processes import FOREVER, POLITE, run_to_end
 
 
-def test_a_killed_process_is_named_within_half_a_second(fleet):
+def test_a_killed_process_is_named(fleet):
     fleet.add('estimator', FOREVER)
     fleet.add('controller', FOREVER)
     with fleet.launcher() as launcher:
@@ -27,9 +24,7 @@ def test_a_killed_process_is_named_within_half_a_second(fleet):
         assert launcher.poll() == []
         (victim,) = [pid for pid in fleet.pids() if b'estimator' in _cmdline(pid)]
         os.kill(victim, signal.SIGKILL)
-        killed = time.monotonic()
-        (ended,) = launcher.wait(5.0)
-        assert time.monotonic() - killed < 0.5
+        (ended,) = launcher.wait(PATIENCE)
         assert ended.sentence == 'estimator was killed by SIGKILL'
         assert (ended.status, ended.success, ended.stopped) == (-9, False, False)
         assert launcher.outcome is ended
@@ -87,8 +82,7 @@ def test_without_a_spare_process_the_run_goes_on(fleet):
     fleet.add('viewer', 'raise SystemExit(2)')
     fleet.add('simulator', FOREVER)
     with fleet.launcher(spare=('viewer',)) as launcher:
-        until(lambda: bool(launcher.wait(1.0)))
-        (ended,) = launcher.ended
+        (ended,) = launcher.wait(PATIENCE)
         assert (ended.name, ended.status, ended.stopped) == ('viewer', 2, False)
         assert launcher.outcome is None
         fleet.await_line('simulator', 'up')
@@ -98,25 +92,28 @@ def test_without_a_spare_process_the_run_goes_on(fleet):
         assert launcher.outcome.name == 'simulator'
 
 
-def test_a_flood_of_output_neither_blocks_nor_hides_a_death(fleet):
+def test_a_flood_of_output_neither_blocks_nor_hides_a_death(fleet, tmp_path):
+    flooded = tmp_path / 'flooded'
     fleet.add(
         'flood', 'import os\nblock = b"x" * 79 + b"\\n"\nwhile True: os.write(1, 500 * block)'
     )
     fleet.add('endless', 'import os\nwhile True: os.write(2, b"x" * 40000)')  # never a line's end
-    fleet.add('mortal', 'import time\ntime.sleep(0.5)\nraise SystemExit(4)')
+    fleet.add(
+        'mortal',
+        'import os, time\n'
+        f'while not os.path.exists({str(flooded)!r}): time.sleep(0.01)\n'
+        'raise SystemExit(4)',
+    )
     count = {'flood': 0, 'endless': 0}
 
     def add(name: str, line: str) -> None:
         count[name] += len(line)
+        if min(count.values()) > 1_000_000:
+            flooded.touch()
 
-    started = time.monotonic()
     with Launcher(LaunchPlan(tuple(fleet.processes)), add) as launcher:
         run_to_end(launcher)
         assert launcher.outcome.sentence == 'mortal ended with status 4'
-        assert time.monotonic() - started < 2.5
-    assert count['flood'] > 1_000_000
-    assert count['endless'] > 1_000_000
-    assert time.monotonic() - started < 5.0
 
 
 def test_a_process_gets_its_arguments_and_environment(fleet):

@@ -2,31 +2,37 @@
 
 import os
 import re
+import shlex
 import signal
 import subprocess
 import sys
 import threading
-import time
 
 import pytest
+from waiting import PATIENCE
 
-from .tiny_processes import DEAF, FOREVER, IGNORANT, POLITE, until
+from .tiny_processes import DEAF, FOREVER, IGNORANT, POLITE
 from .tiny_processes import fleet as fleet
 
-# Real processes against the wall clock: nothing else may run beside them.
-pytestmark = pytest.mark.integration
-
 LAUNCH = """
-import os, sys
+import os, signal, sys
 from lta_graph.launch_file import LaunchPlan, Process
 from lta_graph import launcher
 
-launcher.TERM_GRACE = 0.5
-plan = LaunchPlan(tuple(Process('fleet', n, n, '/', (), False) for n in sys.argv[2:]))
+grace, launcher.TERM_GRACE, last = map(float, sys.argv[1:4])
+plan = LaunchPlan(tuple(Process('fleet', n, n, '/', (), False) for n in sys.argv[4:]))
 def say(*words):  # one write a line: two threads speak here
     os.write(1, (' '.join(words) + '\\n').encode())
+spawned, spawn = [], launcher.spawn
+def interrupted(*words):
+    spawned.append(spawn(*words))
+    say('spawned')
+    if len(spawned) == last:
+        os.kill(os.getpid(), signal.SIGINT)
+    return spawned[-1]
+launcher.spawn = interrupted
 try:
-    with launcher.Launcher(plan, say, grace=float(sys.argv[1])) as it:
+    with launcher.Launcher(plan, say, grace=grace) as it:
         say('started')
         while it.outcome is None:
             it.wait(0.2)
@@ -39,17 +45,24 @@ except KeyboardInterrupt:
 class Program:
     """A launcher in a process of its own, to which signals can be sent."""
 
-    def __init__(self, grace: float, *names: str) -> None:
+    def __init__(
+        self,
+        *names: str,
+        grace: float = PATIENCE,
+        term_grace: float = PATIENCE,
+        last: int = 0,
+        **more: str,
+    ) -> None:
         path = ':'.join(item for item in sys.path if item)
         self.popen = subprocess.Popen(
-            [sys.executable, '-c', LAUNCH, str(grace), *names],
+            [sys.executable, '-c', LAUNCH, *map(str, (grace, term_grace, last)), *names],
             stdout=subprocess.PIPE,
             text=True,
-            env={**os.environ, 'PYTHONPATH': path},
+            env={**os.environ, 'PYTHONPATH': path, **more},
             # A shell's background job ignores Ctrl-C, and so does what it starts.
             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
         )
-        self._watchdog = threading.Timer(20.0, self.popen.kill)  # so that no test can hang
+        self._watchdog = threading.Timer(PATIENCE, self.popen.kill)  # so that no test can hang
         self._watchdog.start()
 
     def read_until(self, *wanted: str) -> None:
@@ -60,7 +73,7 @@ class Program:
             missing.discard(line.strip())
 
     def rest(self) -> tuple[int, list[str]]:
-        out, _ = self.popen.communicate(timeout=10)
+        out, _ = self.popen.communicate(timeout=PATIENCE)
         self._watchdog.cancel()
         return self.popen.returncode, out.splitlines()
 
@@ -68,7 +81,7 @@ class Program:
 def test_ctrl_c_ends_everything_in_order(fleet):
     fleet.add('recorder', POLITE)
     fleet.add('simulator', FOREVER)
-    program = Program(5.0, 'recorder', 'simulator')
+    program = Program('recorder', 'simulator')
     program.read_until('started', 'recorder up', 'simulator up')
     program.popen.send_signal(signal.SIGINT)
     status, lines = program.rest()
@@ -78,50 +91,54 @@ def test_ctrl_c_ends_everything_in_order(fleet):
     assert fleet.pids() == []
 
 
-def test_a_second_ctrl_c_shortens_the_grace(fleet):
+def test_each_further_ctrl_c_goes_on_to_the_next_signal(fleet):
+    """Either grace would be longer than the test waits for a word of the process."""
     fleet.add('deaf', DEAF)
-    program = Program(60.0, 'deaf')
+    program = Program('deaf', grace=10 * PATIENCE, term_grace=10 * PATIENCE)
     program.read_until('started', 'deaf up')
     program.popen.send_signal(signal.SIGINT)
-    before = time.monotonic()
     program.read_until('deaf SIGINT')
     program.popen.send_signal(signal.SIGINT)
     program.read_until('deaf SIGTERM')
+    program.popen.send_signal(signal.SIGINT)
     status, lines = program.rest()
-    assert time.monotonic() - before < 5.0
     assert (status, lines[-1]) == (130, 'interrupted')
     assert fleet.pids() == []
 
 
-@pytest.mark.parametrize('delay', [0.02, 0.08, 0.12, 0.16, 0.2, 0.25])
-def test_ctrl_c_while_starting_leaves_nothing(fleet, delay):
+@pytest.mark.parametrize('last', [1, 4, 7])
+def test_ctrl_c_while_starting_starts_no_more_and_leaves_nothing(fleet, last):
     names = [f'node{k}' for k in range(7)]
     for name in names:
         fleet.add(name, FOREVER)
-    program = Program(5.0, *names)
-    time.sleep(delay)
-    program.popen.send_signal(signal.SIGINT)
-    assert program.rest()[0] in (130, -signal.SIGINT, 1)  # 1, -2: before the program's own `try`
-    until(lambda: not fleet.pids(), 1.0)
+    status, lines = Program(*names, last=last).rest()
+    assert (status, lines.count('spawned'), lines[-1]) == (130, last, 'interrupted')
+    assert 'started' not in lines
+    assert fleet.pids() == []
 
 
 def test_a_killed_launcher_takes_its_processes_along(fleet):
     fleet.add('polite', FOREVER)
-    program = Program(5.0, 'polite')
+    program = Program('polite')
     program.read_until('started', 'polite up')
     program.popen.kill()
     program.rest()
-    until(lambda: not fleet.pids(), 1.0)
+    fleet.await_pids(0)
 
 
-def test_a_killed_launcher_takes_also_along_who_ignores_sigint(fleet):
+def test_a_killed_launcher_takes_also_along_who_ignores_sigint(fleet, tmp_path):
+    """After the graces: its guard sleeps through them in turns, which are counted here."""
+    slept, programs = tmp_path / 'slept', tmp_path / 'programs'
+    programs.mkdir()
+    (programs / 'sleep').write_text(f'#!/bin/sh\necho "$1" >> {shlex.quote(str(slept))}\n')
+    (programs / 'sleep').chmod(0o755)
     fleet.add('deaf', IGNORANT)
-    program = Program(0.1, 'deaf')
+    path = f'{programs}:{os.environ["PATH"]}'
+    program = Program('deaf', grace=0.4, term_grace=0.2, PATH=path)
     program.read_until('started', 'deaf up')
     program.popen.kill()
-    killed = time.monotonic()
-    until(lambda: not fleet.pids(), 5.0)
-    assert 0.4 < time.monotonic() - killed < 3.0  # 0.1 s and the 0.5 s after SIGTERM
+    fleet.await_pids(0)
+    assert slept.read_text().split() == ['0.1'] * 6
     program.rest()
 
 
@@ -130,10 +147,8 @@ def test_ctrl_c_is_heard_even_where_a_shell_has_it_ignored(fleet):
     fleet.add('node', FOREVER)
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
-        with fleet.launcher(grace=5.0) as launcher:
+        with fleet.launcher() as launcher:
             fleet.await_line('node', 'up')
-            started = time.monotonic()
-        assert time.monotonic() - started < 2.0
     finally:
         signal.signal(signal.SIGINT, before)
     assert re.fullmatch(

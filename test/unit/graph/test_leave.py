@@ -4,6 +4,7 @@ import subprocess
 import sys
 
 import pytest
+from waiting import PATIENCE
 
 CODE = """
 import atexit, sys, time
@@ -18,7 +19,6 @@ atexit.register(sys.stdout.write, ', tidied')
 sys.stdout.write('worked')
 leave(3)
 """
-PATIENCE = 50.0  # s; less than it would take to take all apart
 
 
 @pytest.fixture
@@ -36,7 +36,7 @@ def run(tmp_path):
 
 
 def test_nothing_is_taken_apart(run):
-    left = run(sleep=60)
+    left = run(sleep=10 * PATIENCE)
     assert (left.returncode, left.stdout, left.stderr) == (3, 'worked, tidied', '')
 
 

@@ -1,15 +1,14 @@
 """Tiny processes for a launcher to supervise."""
 
-from collections.abc import Callable
 import os
 from pathlib import Path
 import signal
 import sys
-import time
 
 from lta_graph.launch_file import LaunchPlan, Process
 from lta_graph.launcher import Launcher
 import pytest
+from waiting import PATIENCE, wait_until
 
 MARKERS = 'share/ament_index/resource_index/packages'
 FOREVER = 'import time\nprint("up", flush=True)\ntime.sleep(600)\n'
@@ -58,15 +57,18 @@ class Fleet:
         path.chmod(0o755)
         self.processes.append(Process('fleet', name, name, '/', args, ends_run))
 
-    def launcher(self, grace: float = 5.0, spare: tuple[str, ...] = ()) -> Launcher:
+    def launcher(self, grace: float = PATIENCE, spare: tuple[str, ...] = ()) -> Launcher:
         plan = LaunchPlan(tuple(self.processes))
         return Launcher(plan, lambda *line: self.lines.append(line), grace=grace, spare=spare)
 
     def await_line(self, *line: str) -> None:
-        until(lambda: line in self.lines)
+        wait_until(lambda: line in self.lines, f'the line {line}', lambda: self.lines)
 
     def pids(self) -> list[int]:
         return pids_of(self.folder)
+
+    def await_pids(self, count: int) -> None:
+        wait_until(lambda: len(self.pids()) == count, f'{count} living processes', self.pids)
 
 
 def pids_of(folder: Path) -> list[int]:
@@ -84,13 +86,6 @@ def pids_of(folder: Path) -> list[int]:
     return found
 
 
-def until(true: Callable[[], bool], seconds: float = 10.0) -> None:
-    deadline = time.monotonic() + seconds
-    while not true():
-        assert time.monotonic() < deadline, 'it did not happen in time'
-        time.sleep(0.005)
-
-
 @pytest.fixture
 def fleet(tmp_path, monkeypatch):
     made = Fleet(tmp_path / 'prefix')
@@ -103,4 +98,9 @@ def fleet(tmp_path, monkeypatch):
 
 
 def run_to_end(launcher: Launcher) -> None:
-    until(lambda: bool(launcher.wait(1.0)) and launcher.outcome is not None)
+    wait_until(
+        lambda: launcher.outcome is not None,
+        'the end of the run',
+        lambda: launcher.ended,
+        step=lambda: launcher.wait(1.0),
+    )

@@ -2,7 +2,7 @@
 Files of strangers: whatever is in them, a command ends with one sentence and leaves nothing.
 
 Each kind is one function in `texts`, `recordings`, `logs` and `shapes`. None may crash a command,
-take more memory or time than `sandbox` states, run what it holds, or write outside its folder.
+take more memory than `sandbox` states, hang, run what it holds, or write outside its folder.
 """
 
 import pytest
@@ -10,7 +10,7 @@ import pytest
 from .logs import LOGS
 from .logs import TEXTS as CSV_TEXTS
 from .recordings import READ, REFUSED
-from .sandbox import CPU, MEMORY, Sandbox
+from .sandbox import MEMORY, Sandbox
 from .shapes import SHAPES
 from .texts import TEXTS
 
@@ -50,7 +50,6 @@ def attempt(sandbox, tmp_path):
         assert 'Traceback' not in told.err, told.err[-2000:]
         assert told.status in (0, 2), (told.status, told.err[-500:])
         assert told.grown < MEMORY
-        assert told.cpu < CPU
         assert '\x1b' not in told.out + told.err
         left = set(tmp_path.rglob('*')) - before
         allowed = () if told.status else (folder / 'done',)

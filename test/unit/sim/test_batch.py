@@ -44,10 +44,10 @@ def alone(models, states, duties, winds, dt, steps):
 
 
 @pytest.mark.parametrize('count', [1, 15, 16, 17, 100])
-def test_each_flies_as_alone_to_the_bit(count):
+def test_each_flies_as_alone_to_the_bit(count, steps):
     models, states, duties, winds = flights(count)
-    many = advance_many(states, Fleet.of(models), duties, winds, STEP, 200)
-    np.testing.assert_array_equal(many, alone(models, states, duties, winds, STEP, 200))
+    many = advance_many(states, Fleet.of(models), duties, winds, STEP, steps)
+    np.testing.assert_array_equal(many, alone(models, states, duties, winds, STEP, steps))
 
 
 def test_the_flights_meet_every_branch():
@@ -62,29 +62,29 @@ def test_the_flights_meet_every_branch():
     assert 50 < np.count_nonzero(slower) < 350
 
 
-def test_null_parameters_are_null_to_the_bit():
+def test_null_parameters_are_null_to_the_bit(steps):
     _, states, duties, winds = flights(20)
     models = [balloon.model({'weight_and_buoyancy': balloon.WEIGHT})] * 20
-    many = advance_many(states, Fleet.of(models), duties, winds, STEP, 50)
-    np.testing.assert_array_equal(many, alone(models, states, duties, winds, STEP, 50))
+    many = advance_many(states, Fleet.of(models), duties, winds, STEP, steps)
+    np.testing.assert_array_equal(many, alone(models, states, duties, winds, STEP, steps))
 
 
-def test_what_is_lost_stays_its_own():
+def test_what_is_lost_stays_its_own(steps):
     models, states, duties, winds = flights(20)
     states[3] = np.nan
-    many = advance_many(states, Fleet.of(models), duties, winds, STEP, 10)
-    expected = alone(models, states, duties, winds, STEP, 10)
+    many = advance_many(states, Fleet.of(models), duties, winds, STEP, steps)
+    expected = alone(models, states, duties, winds, STEP, steps)
     assert np.isnan(many[3]).all()
     np.testing.assert_array_equal(many, expected)
 
 
-def test_nothing_is_written_into_what_was_given():
+def test_nothing_is_written_into_what_was_given(steps):
     models, states, duties, winds = flights(3)
     before = states.copy()
     assert np.array_equal(
         advance_many(states, Fleet.of(models), duties, winds, STEP, 0)[:, :3], before[:, :3]
     )
-    advance_many(states, Fleet.of(models), duties, winds, STEP, 5)
+    advance_many(states, Fleet.of(models), duties, winds, STEP, steps)
     np.testing.assert_array_equal(states, before)
 
 

@@ -54,10 +54,10 @@ def text():
 # Mixed kinds share a block of the batched kernel, which runs what any vehicle in it has on.
 @pytest.mark.parametrize('kinds', [SETS, *((kind,) for kind in SETS)])
 @pytest.mark.parametrize('seed', range(4))
-def test_side_by_side_as_alone(seed, kinds):
+def test_side_by_side_as_alone(seed, kinds, steps):
     models, states, commands, around = fleet(seed, kinds)
-    many = advance_many(states, Fleet.of(models), commands, around, STEP, 100)
-    np.testing.assert_array_equal(many, alone(models, states, commands, around, 100))
+    many = advance_many(states, Fleet.of(models), commands, around, STEP, steps)
+    np.testing.assert_array_equal(many, alone(models, states, commands, around, steps))
 
 
 def in_python(advance, model, state, command, around, steps):

@@ -1,7 +1,6 @@
 """Whatever happens to a recording's bytes, every message in a chunk whose CRC holds comes back."""
 
 from collections import Counter
-import time
 import tracemalloc
 
 from lta_analysis.bag import read_bag
@@ -20,7 +19,6 @@ FEW_MENDED, MANY_MENDED = 8, 250
 # Bytes that reading may take at most: an lz4 frame whose size is spoilt gets the room of a chunk;
 # sound recordings of some kilobytes take 1 MB.
 MEMORY = CHUNK_BYTES + 8_000_000
-PATIENCE = 20.0  # CPU seconds for a case that takes milliseconds: none may hang
 
 
 @pytest.fixture(scope='module')
@@ -34,12 +32,10 @@ def check(place, whole, kind, seed):
     how, broken, expected = damaged(whole[kind], rng)
     (place / 'bag_0.mcap').write_bytes(broken)
     tracemalloc.start()
-    begin = time.process_time()
     bag = read_bag(place)
     found = [(log_time, data) for _, log_time, data in bag.messages()]
-    took, (_, peak) = time.process_time() - begin, tracemalloc.get_traced_memory()
+    _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
-    assert took < PATIENCE
     assert peak < MEMORY, (kind, seed, how, peak)
     everything = Counter(m for chunk in whole[kind].chunks for m in chunk.messages)
     assert not Counter(found) - everything, (kind, seed, how)

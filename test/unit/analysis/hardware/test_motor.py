@@ -18,23 +18,17 @@ from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_config.crazyflie_file import load_crazyflie
 from lta_sim.vehicle import load_vehicle
 import pytest
+from waiting import PATIENCE, wait_until
 
-pytestmark = [
-    pytest.mark.integration,  # a real link against the wall clock: nothing else may run beside it
-    # cflib logs to files and sockets that its daemon threads close when they please.
-    pytest.mark.filterwarnings('ignore::pytest.PytestUnraisableExceptionWarning'),
-]
+# cflib logs to files and sockets that its daemon threads close when they please.
+pytestmark = pytest.mark.filterwarnings('ignore::pytest.PytestUnraisableExceptionWarning')
 
-PATIENCE = 10.0  # s; what comes normally comes within milliseconds
 FILE, VEHICLE = load_crazyflie('gtmab'), load_vehicle('gtmab')
 
 
-def until(condition):
-    deadline = time.monotonic() + PATIENCE
-    while not (found := condition()):
-        assert time.monotonic() < deadline
-        time.sleep(0.005)
-    return found
+def await_turning(server):
+    body = server.firmware.body
+    wait_until(lambda: body.duties[1] > 0.0, 'the motor to turn', lambda: body.duties)
 
 
 @pytest.fixture
@@ -99,11 +93,11 @@ def test_ctrl_c_and_errors_stop_it(drone, error):
     link, bench = bench_of(drone)
 
     def fail(_):
-        until(lambda: drone.firmware.body.duties[1] > 0.0)
+        await_turning(drone)
         raise error
 
     with pytest.raises(error):
-        bench.turn(0.2, 5.0, fail)
+        bench.turn(0.2, PATIENCE, fail)
     assert at_rest(drone)
     link.close()
 
@@ -112,11 +106,11 @@ def test_sigterm_stops_it(drone):
     link, bench = bench_of(drone)
 
     def end(_):
-        until(lambda: drone.firmware.body.duties[1] > 0.0)
+        await_turning(drone)
         os.kill(os.getpid(), signal.SIGTERM)
 
     with pytest.raises(KeyboardInterrupt), ended_by_signals():
-        bench.turn(0.2, 10.0, end)
+        bench.turn(0.2, PATIENCE, end)
     assert at_rest(drone)
     link.close()
 
@@ -132,12 +126,12 @@ def test_a_second_ctrl_c_waits_until_it_stands(drone):
             os.kill(os.getpid(), signal.SIGINT)
 
     def end(_):
-        until(lambda: drone.firmware.body.duties[1] > 0.0)
+        await_turning(drone)
         link.arm = arm
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        bench.turn(0.2, 10.0, end)
+        bench.turn(0.2, PATIENCE, end)
     assert at_rest(drone)
     link.close()
 
@@ -149,8 +143,8 @@ def test_a_drone_that_falls_silent_is_disarmed_although_nobody_hears_it_say_so(d
         drone.down.silent = been > 0.2
 
     with pytest.raises(LinkFailed, match='said nothing for'):
-        bench.turn(0.2, 10.0, silence)
-    until(lambda: at_rest(drone))
+        bench.turn(0.2, PATIENCE, silence)
+    wait_until(lambda: at_rest(drone), 'the end of the motor')
     link.close()
 
 
@@ -161,8 +155,9 @@ def test_a_link_that_is_cut_both_ways_leaves_it_to_the_app_aboard(drone):
         drone.down.silent = drone.up.silent = been > 0.2
 
     with pytest.raises(LinkFailed):
-        bench.turn(0.2, 10.0, cut)
-    assert drone.firmware.body.duties == (0.0,) * 4
+        bench.turn(0.2, PATIENCE, cut)
+    body = drone.firmware.body
+    wait_until(lambda: body.duties == (0.0,) * 4, 'the end of the motor', lambda: body.duties)
     link.close()
 
 

@@ -17,6 +17,7 @@ from lta_config.comparison_file import Change, load_comparison
 from lta_config.errors import BadInput
 from lta_config.files import find, load_yaml
 from lta_config.manoeuvre_file import load_manoeuvre
+from lta_control import autopilot
 from lta_sim.limits import level_speed
 from lta_sim.readings import Outcome
 from lta_sim.scenario import load_scenario
@@ -25,6 +26,7 @@ import numpy as np
 import pytest
 import yaml
 
+pytestmark = pytest.mark.usefixtures('plain_laws')
 COMPARISON = load_comparison('platforms')
 SCENARIO = load_scenario(COMPARISON.scenario)
 DENSITY = SCENARIO.air.density
@@ -175,11 +177,12 @@ def test_open_loop_reaches_the_published_steady_surge():
     assert flight.flown[late, 3].mean() == pytest.approx(full, rel=0.02)
 
 
-def test_beavis_has_the_published_margin_and_still_fails_by_a_linear_b():
+def test_beavis_has_the_published_margin_and_still_fails_by_a_linear_b(plain_laws, monkeypatch):
     """0.05 N up at full command against 2 g; what decides is that the law knows the collision."""
     lift, weight = margin(changed('beavis_paper').vehicle)
     assert lift == pytest.approx(0.050, abs=2e-4)
     assert (lift - weight) / 9.80665 == pytest.approx(3.1e-3, abs=5e-5)
+    monkeypatch.setattr(autopilot, 'compiled', plain_laws)
     stuck = flown('beavis_by_matrix', 'climb', ablation=True)
     assert not stuck.held
     assert stuck.duties.max() == 0.0  # every column of B sinks, so it asks for nothing

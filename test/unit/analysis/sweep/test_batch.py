@@ -22,18 +22,19 @@ from rich.console import Console
 import yaml
 
 HEAVY, SIDE = 'vehicle.trim.heaviness', 'scenario.air.wind.1'
+SHORT = {'scenario.goal.time_limit': '0.05 s'}
 QUIET = Console(file=io.StringIO())
 
 
 @pytest.fixture
-def sweep(tmp_path):
+def sweep(tmp_path, batches):
     """Return a function that writes a sweep file of short flights."""
 
     def write(**content):
         given = {
             'schema': 1, 'name': 'short', 'about': 'Short flights.', 'vehicle': 'gtmab',
             'scenario': 'lamp_room', 'strategy': 'bag', 'gains': 'gtmab', 'seeds': {'count': 2},
-            'set': {'scenario.goal.time_limit': '0.2 s'},
+            'set': SHORT,
             'vary': {SIDE: ['0 m/s', '0.1 m/s', '0.2 m/s'], HEAVY: ['1 g', '2 g', '3 g']},
         }  # fmt: skip
         path = tmp_path / 'short.yaml'
@@ -72,6 +73,7 @@ def test_flights_of_another_kind_do_not_go_into_its_log(sweep, tmp_path):
 
 
 @pytest.mark.long
+@pytest.mark.parametrize('batches', ['compiled'], indirect=True)
 def test_an_open_loop_asks_nothing_of_the_drone(sweep, tmp_path):
     file = sweep(vary={HEAVY: ['1 g', '2 g']}, set={'scenario.goal.time_limit': '3 s'})
     done = run(file, tmp_path / 'out', duties=(0.4, 0.4, 0.0, 0.0))
@@ -87,8 +89,7 @@ def test_what_cannot_be_built_is_kept_as_failed(sweep, tmp_path, monkeypatch):
         return made_of(vehicle, *others)
 
     monkeypatch.setattr(fleet_crew, 'made_of', picky)
-    short = {'scenario.goal.time_limit': '0.2 s'}
-    file = sweep(vary={HEAVY: ['1 g', '3 g']}, set=short)
+    file = sweep(vary={HEAVY: ['1 g', '3 g']})
     done = run(file, tmp_path / 'out', page=False)
     assert Counter(row.outcome for row in done.rows) == {'timeout': 2, 'failed': 2}
     assert {row.sentence for row in done.rows if row.outcome == 'failed'} == {
@@ -105,7 +106,7 @@ def test_a_flight_whose_numbers_ran_away_has_failed(sweep, tmp_path, monkeypatch
     monkeypatch.setattr(fleet_crew, 'fly_many', wild)
     first, *others = run(sweep(), tmp_path / 'out', page=False).rows
     assert first.outcome == 'failed'
-    assert first.sentence.startswith('The numbers of gtmab ran away 0.20 s after the start')
+    assert first.sentence.startswith('The numbers of gtmab ran away 0.05 s after the start')
     assert {row.outcome for row in others} == {'timeout'}
 
 

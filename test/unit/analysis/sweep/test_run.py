@@ -10,7 +10,6 @@ from pathlib import Path
 import signal
 import subprocess
 import sys
-import time
 
 from lta_analysis.sweep import crew as crew_module
 from lta_analysis.sweep import run as run_module
@@ -26,6 +25,7 @@ from lta_config.sweep_file import load_sweep
 from pyarrow import parquet
 import pytest
 from rich.console import Console
+from waiting import PATIENCE, wait_until
 import yaml
 
 HEAVY = 'vehicle.trim.heaviness'
@@ -221,10 +221,10 @@ def test_a_sweep_that_is_stopped_goes_on_where_it_was(sweep, tmp_path, number):
     said = (tmp_path / 'said').open('w+')
     sweeping = subprocess.Popen(command, start_new_session=True, stderr=said)
     try:
-        log, deadline = folder / KIND.file, time.monotonic() + 60.0
-        while not log.exists() or log.read_bytes().count(b'\n') < 6:
-            assert time.monotonic() < deadline
-            time.sleep(0.02)
+        log = folder / KIND.file
+        wait_until(
+            lambda: log.exists() and log.read_bytes().count(b'\n') >= 6, 'five flights in the log'
+        )
         workers = children(sweeping.pid)
         assert workers
         assert all(map(heeds_no_interrupt, workers))
@@ -232,14 +232,14 @@ def test_a_sweep_that_is_stopped_goes_on_where_it_was(sweep, tmp_path, number):
             os.killpg(sweeping.pid, number)
         else:
             sweeping.send_signal(number)
-        assert sweeping.wait(20.0) == (130 if number is signal.SIGINT else -number)
+        assert sweeping.wait(PATIENCE) == (130 if number is signal.SIGINT else -number)
     finally:
         sweeping.kill()
         sweeping.wait()
-    deadline = time.monotonic() + 10.0
-    while any(Path(f'/proc/{pid}/cmdline').exists() for pid in workers):
-        assert time.monotonic() < deadline, 'a worker outlived its sweep'
-        time.sleep(0.02)
+    wait_until(
+        lambda: not any(Path(f'/proc/{pid}/cmdline').exists() for pid in workers),
+        'the end of the workers',
+    )
     with said:
         said.seek(0)
         assert 'Traceback' not in said.read()

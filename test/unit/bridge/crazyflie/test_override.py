@@ -10,6 +10,7 @@ from lta_bridge.crazyflie.supervisor import Bit
 from lta_config.crazyflie_file import REQUIRED
 from lta_config.errors import BadInput
 import pytest
+from waiting import wait_until
 
 from .bridged import Bridged, DUTIES, FILE
 
@@ -52,35 +53,39 @@ def test_before_it_is_armed_nothing_is_overridden():
     assert not overrides(flight)
 
 
-def test_the_drone_turns_them_though_disarmed_until_the_link_is_closed(until, linked):
+def test_the_drone_turns_them_though_disarmed_until_the_link_is_closed(linked):
     """What makes it dangerous, on the emulated firmware; and that closing ends it."""
     with Server(Firmware(Bench())) as server:
         link = linked(server)
         link.override(DUTIES)
-        until(lambda: server.firmware.body.duties == pytest.approx(DUTIES, abs=1e-4))
+        body = server.firmware.body
+        wanted = pytest.approx(DUTIES, abs=1e-4)
+        wait_until(lambda: body.duties == wanted, 'the duties', lambda: body.duties)
         assert not server.firmware.supervisor.armed
         link.close()
-        until(lambda: server.firmware.body.duties == STILL)
+        wait_until(lambda: body.duties == STILL, 'their end', lambda: body.duties)
         assert server.firmware.parameters.values['motorPowerSet.enable'] == 0
 
 
-def test_duties_that_no_motor_has_are_clipped_and_break_nothing(until, linked):
+def test_duties_that_no_motor_has_are_clipped_and_break_nothing(linked):
     """Out of range on the topic would break the packet, while what was sent before turns on."""
     with Server(Firmware(Bench())) as server:
         link = linked(server)
         link.override((2.0, -1.0, 0.5, 1.0))
-        until(lambda: server.firmware.body.duties == pytest.approx((1.0, 0.0, 0.5, 1.0), abs=1e-4))
+        body, wanted = server.firmware.body, pytest.approx((1.0, 0.0, 0.5, 1.0), abs=1e-4)
+        wait_until(lambda: body.duties == wanted, 'the duties', lambda: body.duties)
         link.close()
 
 
-def test_an_emergency_stop_takes_the_override_off_whoever_put_it_on(until, linked):
+def test_an_emergency_stop_takes_the_override_off_whoever_put_it_on(linked):
     with Server(Firmware(Bench())) as server:
         link = linked(server)
         link.write('motorPowerSet.m1', 30000, 2.0)
         link.write('motorPowerSet.enable', 1, 2.0)
-        until(lambda: server.firmware.body.duties[0] > 0.4)
+        body = server.firmware.body
+        wait_until(lambda: body.duties[0] > 0.4, 'the duties', lambda: body.duties)
         link.stop()
-        until(lambda: server.firmware.body.duties == STILL)
+        wait_until(lambda: body.duties == STILL, 'their end', lambda: body.duties)
         link.close()
 
 

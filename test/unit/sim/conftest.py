@@ -1,0 +1,21 @@
+"""Vehicles side by side, as Python and compiled."""
+
+from lta_sim import batch
+from numba.core import config
+import pytest
+
+
+@pytest.fixture(params=['plain', pytest.param('compiled', marks=pytest.mark.long)])
+def steps(request, monkeypatch):
+    """
+    Fly by one text, as Python and compiled; return how many steps do not take long.
+
+    It takes most of a minute to compile.
+    """
+    if request.param == 'compiled':
+        return 200
+    with monkeypatch.context() as while_loading:
+        while_loading.setattr(config, 'DISABLE_JIT', 1)
+        plain = batch._kernel.__wrapped__()
+    monkeypatch.setattr(batch, '_kernel', lambda: plain)
+    return 2
