@@ -118,7 +118,7 @@ NEEDS = {  # without which it refuses
 }
 # The command, and the drone at the other end of a link, are no nodes.
 OTHERS = {('lta_analysis', 'lta'), ('lta_bridge', 'emulated_hardware')}
-QUICK = ('simulator', 'controller', 'recorder', 'player')  # the others start alike
+QUICK = ('controller', 'player')  # the others start alike
 NODES = [
     pytest.param(*pair, marks=() if pair[1] in QUICK else pytest.mark.long)
     for pair in declared()
