@@ -2,7 +2,11 @@
 
 from dataclasses import dataclass
 import math
-from typing import final
+from typing import Final, final
+
+# What no meter of a small cell reads: one believed reading of 1e30 A spoils the filter for good.
+MOST_VOLTS: Final = 100.0
+MOST_AMPERES: Final = 100.0
 
 
 @final
@@ -55,8 +59,8 @@ class Reading:
 
     @property
     def usable(self) -> bool:
-        """Whether the cell's voltage and current are numbers."""
-        return math.isfinite(self.voltage) and math.isfinite(self.current)
+        """Whether the cell's voltage and current are numbers that a meter can read."""
+        return abs(self.voltage) <= MOST_VOLTS and abs(self.current) <= MOST_AMPERES
 
     @property
     def harvest(self) -> float:
@@ -65,8 +69,9 @@ class Reading:
 
     @property
     def income(self) -> float:
-        """Power of the panel as the books take it: 0 where it is not measured. [W]"""
-        return self.harvest if math.isfinite(self.harvest) else 0.0
+        """Power of the panel as the books take it: 0 where no meter can have read it. [W]"""
+        known = abs(self.panel_voltage) <= MOST_VOLTS and abs(self.panel_current) <= MOST_AMPERES
+        return self.harvest if known else 0.0
 
     @property
     def power(self) -> float:

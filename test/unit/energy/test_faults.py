@@ -234,3 +234,18 @@ def test_a_latch_changes_only_when_its_condition_has_lasted(conditions, rise, fa
         if latch.on != before.on:
             assert latch.on is condition
             lasted = 0.0
+
+
+@pytest.mark.parametrize(
+    'impossible', [{'current': 1e30}, {'voltage': -1e30}, {'voltage': 1e5, 'panel_voltage': 1e30}]
+)
+def test_what_no_meter_reads_is_named_and_leaves_nothing_behind(impossible):
+    _, clean = series(lit=True)
+    before = follow(clean(BEFORE))
+    struck = follow([replace(one, **impossible) for one in clean(10)], estimate=before)
+    assert 'not a number' in names(struck)
+    assert 'the cell cannot have ' in alarms.battery(SETTINGS, CELL, struck)[1]
+    after = follow(clean(AFTER), estimate=struck)
+    assert after.charge == pytest.approx(before.charge, abs=0.02)
+    assert after.belief.deviation < 1.1 * before.belief.deviation
+    assert after.books.harvested < before.books.harvested + 10.0  # J in 11 s of bright light
