@@ -6,6 +6,7 @@ import fcntl
 import os
 from pathlib import Path
 import tempfile
+from typing import TextIO
 
 DOMAINS = range(20, 102)  # above 101 the ports meet Linux's ephemeral ones; low ones are people's
 
@@ -15,7 +16,7 @@ def free_domain() -> Iterator[int]:
     """Yield a domain of one's own, set for this process and those that it starts."""
     before = dict(os.environ)
     for domain in DOMAINS:
-        with (Path(tempfile.gettempdir()) / f'lta-test-domain-{domain}').open('a') as lock:
+        with _opened(Path(tempfile.gettempdir()) / f'lta-test-domain-{domain}') as lock:
             try:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
@@ -31,3 +32,11 @@ def free_domain() -> Iterator[int]:
                     os.environ |= {name: before[name]} if name in before else {}
             return
     raise RuntimeError('All DDS domains are in use by other tests; wait for them to end.')
+
+
+def _opened(path: Path) -> TextIO:
+    """Open a file to lock it: another user's may only be read, which is enough."""
+    try:
+        return path.open()
+    except FileNotFoundError:
+        return path.open('a')
