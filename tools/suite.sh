@@ -7,6 +7,7 @@
 set -u
 chosen=$1
 shift
-workers=$(($(nproc) + 1))
+# OMP_NUM_THREADS, which make sets for the tests, would be taken for the number of cores.
+workers=$(($(env -u OMP_NUM_THREADS nproc) + 1))
 exec .venv/bin/python -m pytest -q -n "$workers" --maxprocesses 5 --dist loadfile \
     --no-loadscope-reorder -m "$chosen" "$@"
