@@ -129,7 +129,7 @@ hostile = st.one_of(*map(frame_of, MESSAGES.values()), resized, unknown, st.bina
 
 @pytest.mark.parametrize('peaks', [False, True])
 @given(st.lists(st.lists(hostile, max_size=4), max_size=8))
-@settings(max_examples=30)  # each lives through six seconds and more
+@settings(max_examples=15)  # each lives through six seconds and more
 def test_any_frames_are_survived_and_the_board_s_light_comes_again(peaks, spoilt):
     link = Linked(peaks)
     for frames in spoilt:
@@ -145,7 +145,7 @@ def test_any_frames_are_survived_and_the_board_s_light_comes_again(peaks, spoilt
 
 @pytest.mark.parametrize('message', MESSAGES.values(), ids=lambda one: one.name)
 @given(data=st.data())
-@settings(max_examples=40)
+@settings(max_examples=20)
 def test_a_message_at_its_extremes_breaks_nothing(message, data):
     for peaks in (False, True):
         link = LightBoard(LIGHT, 8, peaks)

@@ -5,6 +5,7 @@ Run as a program it is the process that has all verbs loaded and forks one for e
 """
 
 from dataclasses import dataclass
+import gc
 import importlib
 import json
 import os
@@ -74,6 +75,7 @@ def serve():
         importlib.import_module(f'lta_analysis.{name}')
     pages = int(Path('/proc/self/statm').read_text().split()[1])
     loaded = pages * resource.getpagesize() // 1024
+    gc.freeze()  # a child that looked through all that is loaded would copy it
     for line in sys.stdin:
         order = json.loads(line)
         child = os.fork()

@@ -47,7 +47,8 @@ EYE, FLAT = Eye(1.2, 0.0), Eye(1.0, 0.0)
 DARK = Ambient(LED)
 DAYLIGHT = Daylight(90_000.0, math.radians(30.0), math.radians(45.0), 15_000.0, 0.2, 105.0)
 OUTSIDE = Outside(DAYLIGHT, 1.0, 2.0, 2.2)
-GATHER, ON_THE_WAY, ON_FACES = (compiled(f)[0] for f in (gather, on_the_way, on_faces))
+# As the simulator has them, which has compiled them before the tests.
+(GATHER, ON_THE_WAY), (ON_FACES,) = compiled(gather, on_the_way), compiled(on_faces)
 
 
 def gathered(field, position, q=(0.0, 0.0, 0.0, 1.0), eye=EYE, hull=HULL, ring=RING):

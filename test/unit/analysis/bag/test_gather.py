@@ -114,7 +114,7 @@ def check(type_name, messages):
 
 
 @pytest.mark.parametrize('type_name', OURS + OTHERS)
-@settings(max_examples=15)
+@settings(max_examples=8)
 @example(turns=[], shapes=[0], seed=0, batch=4, new=1)
 @example(turns=[(0, False), (0, False)], shapes=[0] * 4, seed=0, batch=1, new=0)
 @given(
@@ -188,7 +188,7 @@ def test_what_does_not_fit_is_refused_as_an_object_is(change, at):
 
 
 @given(data=st.binary(max_size=60), type_name=st.sampled_from(OURS + OTHERS))
-@settings(max_examples=300)
+@settings(max_examples=150)
 def test_any_bytes_have_a_layout_only_where_they_are_a_message(data, type_name):
     kind = typed(type_name)
     data = b'\x00\x01\x00\x00' + data

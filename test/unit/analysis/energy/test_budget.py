@@ -22,7 +22,7 @@ SHORT = {'GO': 5.0, 'SETTLED': 24.0, 'AWAY': 30.0, 'CRUISING': 35.0, 'END': 39.0
 
 
 @pytest.fixture(scope='module')
-def found(tmp_path_factory):
+def found(tmp_path_factory, plain_laws):
     """Return what the verb finds in flights that are shorter than its own."""
     folder = tmp_path_factory.mktemp('budget') / 'found'
     words = ['lta', 'energy', 'budget', '--seeds', '1', '--out', str(folder)]
