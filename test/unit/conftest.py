@@ -1,4 +1,4 @@
-"""What tests of several packages share: stand-ins for OpenFOAM, a full disk, plain laws."""
+"""What tests of several packages share: stand-ins, a full disk, plain laws, a prompt cflib."""
 
 from contextlib import contextmanager
 from pathlib import Path
@@ -59,3 +59,15 @@ def plain_laws():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(pilot, 'compiled', plain)
         yield plain
+
+
+@pytest.fixture
+def prompt_cflib(monkeypatch):
+    """Let cflib, which waits for packets a second at a time, see sooner that all is over."""
+    udpdriver = pytest.importorskip('cflib.crtp.udpdriver')
+    receive = udpdriver.UdpDriver.receive_packet
+
+    def promptly(driver, wait=0):
+        return receive(driver, min(wait, 0.05))
+
+    monkeypatch.setattr(udpdriver.UdpDriver, 'receive_packet', promptly)

@@ -26,7 +26,10 @@ import pytest
 from waiting import PATIENCE
 
 # cflib logs to files and sockets that its daemon threads close when they please.
-pytestmark = pytest.mark.filterwarnings('ignore::pytest.PytestUnraisableExceptionWarning')
+pytestmark = [
+    pytest.mark.filterwarnings('ignore::pytest.PytestUnraisableExceptionWarning'),
+    pytest.mark.usefixtures('prompt_cflib'),
+]
 
 BEACON = 150.0  # Hz
 TALK = 0.005  # s between two of the board's words

@@ -28,7 +28,10 @@ import pytest
 from waiting import PATIENCE, wait_until
 
 # cflib logs to files and sockets that its daemon threads close when they please.
-pytestmark = pytest.mark.filterwarnings('ignore::pytest.PytestUnraisableExceptionWarning')
+pytestmark = [
+    pytest.mark.filterwarnings('ignore::pytest.PytestUnraisableExceptionWarning'),
+    pytest.mark.usefixtures('prompt_cflib'),
+]
 
 NAMES = {block.name for block in BLOCKS}
 

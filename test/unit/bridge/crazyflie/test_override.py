@@ -14,7 +14,10 @@ from waiting import wait_until
 
 from .bridged import Bridged, DUTIES, FILE
 
-pytestmark = pytest.mark.filterwarnings('ignore::pytest.PytestUnraisableExceptionWarning')
+pytestmark = [
+    pytest.mark.filterwarnings('ignore::pytest.PytestUnraisableExceptionWarning'),
+    pytest.mark.usefixtures('prompt_cflib'),
+]
 
 STILL = (0.0,) * 4
 
