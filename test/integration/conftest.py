@@ -22,14 +22,21 @@ def nothing_left() -> Iterator[None]:
 
 
 @pytest.fixture(scope='session')
-def browser() -> Iterator[Browser]:
-    """Return the browser in which all pages are looked at: to start one takes seconds."""
+def chromium() -> Iterator[Browser]:
+    """Return the one browser: to start it takes seconds."""
     try:
         session = Browser()
     except BadInput as reason:
         pytest.skip(str(reason))
     with session:
         yield session
+
+
+@pytest.fixture(scope='module')
+def browser(chromium: Browser) -> Iterator[Browser]:
+    """Return the browser to look at pages with; the last one does not play on."""
+    yield chromium
+    chromium.call('Page.navigate', url='about:blank')
 
 
 @pytest.fixture
