@@ -38,7 +38,8 @@ it is copied into LTA.
 The base install has nothing under the GPL alone (`test_locked.py`). docutils, which colcon brings,
 names the GPL for a few of its files beside the public domain and BSD of the rest. cflib (GPL) and
 pymavlink (LGPL) are tools of the tests; to fly a real Crazyflie you install cflib yourself. What
-is asked for by hand (`requirements-bench.txt`, `-dask`, `-docs`, `-gpu`, `-pybamm`) is not listed.
+is asked for by hand (`requirements-bench.txt`, `-dask`, `-docs`, `-gpu`, `-mutation`, `-pybamm`)
+is not listed.
 """
 
 

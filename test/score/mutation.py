@@ -1,318 +1,319 @@
 """
-Break the code in many small ways and see whether the tests notice: `make mutation`.
+Mutation scores: `make mutation ARGS='--each 60 --areas control bridge --seed 1'`.
 
-cosmic-ray makes the mutants: another operator, number, comparison or condition within a function.
-Each is put into a copy of the project, never into the checkout, and the area's tests run there
-until one fails. What no test fails on has survived, and is printed as a line of code before and
-after. Outcomes are kept in `runs/mutation`: what was killed is not tried again while its module is
-the same, what survived is.
-
-Left out is what would raise the score for nothing: operators on bits in place of those on numbers,
-which no float survives, and decorators. So is what stands outside functions: declarations, which
-contract tests hold against the pages.
+A test suite is only worth what it catches. Of each area's physics and safety code a seeded sample
+of mutants (`mutants.py`) is tried, one small change each, in a copy of the tree
+(`mutation_trial.py`), on the tests that import the changed module and those that `AREAS` names.
+A failing test kills a mutant; so does one that never ends. What was stopped goes on where it was
+while the area's sources stay the same; `--again` tries the survivors once more, after a test was
+added. Writes docs/testing_mutation.md when every area was asked for.
 """
 
 import argparse
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
-import difflib
+from collections import Counter
+from collections.abc import Sequence
+import importlib.util
 import json
 import math
 import os
 from pathlib import Path
+from queue import SimpleQueue
 from random import Random
-import shutil
-import subprocess
 import sys
 import tempfile
 from typing import Final, NamedTuple
 
-from campaign import version as version_of
+from campaign import campaign, Case, kept, Row
+from campaign import version as hashed
+from mutants import changed, MISSING, mutant, Place, Spot, spots
+from mutation_equal import EQUAL
+from mutation_trial import Copy, INCOMPETENT, KILLED, STOPPED, SURVIVED, Trial
 
-ROOT: Final = Path(__file__).resolve().parents[2]
-OUT: Final = ROOT / 'runs' / 'mutation'
-LEFT_OUT: Final = ('RemoveDecorator', 'Bit', 'Shift')
-PATIENCE: Final = 300.0  # s for the tests of one mutant; an endless loop is noticed as well
-KILLED, TIMED_OUT, SURVIVED = 'killed', 'timed out', 'survived'
-MISSING: Final = (
-    'cosmic-ray is not installed; run .venv/bin/pip install -r requirements-mutation.txt first.'
-)
+HERE: Final = Path(__file__).resolve().parent
+ROOT: Final = HERE.parents[1]
+sys.path.append(str(ROOT / 'tools'))
+
+from nearest_tests import Imports, module_of, nearest, read_imports  # noqa: E402
+
+PAGE: Final = ROOT / 'docs/testing_mutation.md'
+EACH: Final = 40
+SPARE: Final = 30  # s of processor time that a mutant has beyond three times that of all tests
 
 
 class Area(NamedTuple):
-    """Modules of one kind, and the tests that ought to notice a change in them."""
+    """
+    What is changed, and what ought to see it.
 
-    modules: tuple[str, ...]  # patterns below src
-    tests: tuple[str, ...]  # below test, the quickest first
-    compiled: bool = True  # or as plain Python, where a mutant would compile the whole model anew
+    Attributes
+    ----------
+    package : str
+        Folder of the modules.
+    modules : tuple of str
+        Patterns within it.
+    folder : str
+        Where the tests are that count when they import the module.
+    tests : tuple of str
+        Tests that see a module without naming it.
+    compiled : bool
+        Whether numba compiles the kernels; as Python they do not wait for the compiler.
+    left_out : tuple of str
+        Names of tests that take too long so: they fly.
+
+    """
+
+    package: str
+    modules: tuple[str, ...]
+    folder: str
+    tests: tuple[str, ...] = ()
+    compiled: bool = False
+    left_out: tuple[str, ...] = ()
 
 
 AREAS: Final = {
     'effects': Area(
-        ('lta_sim/lta_sim/effects/*.py', 'lta_sim/lta_sim/mass.py',
-         'lta_sim/lta_sim/rotor_sum.py'),
-        ('unit/sim/test_effects.py', 'unit/sim/test_mass.py',
-         'unit/sim/test_[!w]*_effects.py', 'unit/sim/test_wind_effects.py',
-         'unit/sim/test_kernel_oracle.py', 'unit/sim/test_rotor_*.py',
-         'unit/sim/test_battery_compensation.py', 'unit/sim/test_turbulence.py'),
-        compiled=False,
+        'src/lta_sim/lta_sim',
+        ('effects/[!_bp]*.py', 'effects/p[!r]*.py', 'effects/b*y*.py', 'effects/ballast.py',
+         'rigid_body.py', 'mass.py', 'hull.py', 'gas.py', 'rotor_sum.py', 'supply_step.py'),
+        'test/unit/sim',
+        ('test/unit/sim/test_effects.py', 'test/unit/sim/test_kernel_oracle.py',
+         'test/unit/sim/test_measurement_effects.py', 'test/unit/sim/test_lift_effects.py'),
+        left_out=('flights', 'platforms', 'world', 'counted', 'shipped', 'sphere', 'surface',
+                  'lambertian', 'extract'),
     ),
     'vlc': Area(
-        tuple(f'lta_vlc/lta_vlc/{name}.py' for name in (
-            'tone', 'fit', 'listener', 'demodulation', 'direction', 'array', 'modulation', 'lamp',
-            'spectrum', 'separation', 'snr', 'sequence')),
-        ('unit/vlc/test_*.py', 'property/test_demodulation.py'),
-        compiled=False,
+        'src/lta_vlc/lta_vlc',
+        ('[adf]*.py', 'bins.py', 'condition.py', 'lamp*.py', 'modulation.py', 'presence.py',
+         'ring.py', 's[aenpu]*.py', 'tone.py', 'tracker.py'),
+        'test/unit/vlc',
+        ('test/unit/vlc/test_lamp.py',),
+        compiled=True,
     ),
     'control': Area(
-        tuple(f'lta_control/lta_control/{name}.py' for name in (
-            'pid', 'cascade', 'allocation', 'altitude', 'attitude', 'airspeed', 'estimator',
-            'reserve', 'obedience', 'control', 'onboard')),
-        ('unit/control/test_*.py', 'property/test_control.py'),
-        compiled=False,
+        'src/lta_control/lta_control',
+        ('[aceopr]*.py', 'mission.py', 'pid.py', 'phases.py', 'sighting.py', 'vehicle_side.py',
+         'laws/*.py', 'strategies/*.py'),
+        'test/unit/control',
+        ('test/property/test_laws.py', 'test/property/test_control.py'),
     ),
     'energy': Area(
-        tuple(f'lta_energy/lta_energy/{name}.py' for name in (
-            'battery', 'belief', 'panel', 'power_path', 'circuit', 'rotor', 'reserve', 'outlook',
-            'way_home', 'monitor', 'diode_fit', 'faults/*')),
-        ('unit/energy/test_battery.py', 'unit/energy/test_panel.py', 'unit/energy/test_*.py'),
-        compiled=False,
+        'src/lta_energy/lta_energy',
+        ('[abceghlopr]*.py', 'diode_fit.py', 'mission.py', 'monitor.py', 'new_clock.py',
+         'schedule.py', 'way_home.py', 'faults/*.py'),
+        'test/unit/energy',
     ),
     'discovery': Area(
-        ('lta_analysis/lta_analysis/discovery/fit/*.py',
-         'lta_analysis/lta_analysis/discovery/naming/*.py',
-         'lta_analysis/lta_analysis/discovery/outside/spectral_line.py'),
-        ('unit/analysis/discovery/fit', 'unit/analysis/discovery/naming',
-         'unit/analysis/discovery/outside'),
+        'src/lta_analysis/lta_analysis/discovery',
+        ('fit/*.py', 'flights/[hlnosw]*.py', 'forecast/[cd]*.py', 'model/rotations.py',
+         'naming/[aips]*.py', 'outside/*.py', 'replay/[lrst]*.py', 'where/*.py'),
+        'test/unit/analysis/discovery',
+        compiled=True,
     ),
     'bridge': Area(
-        (*(f'lta_bridge/lta_bridge/crazyflie/{name}.py' for name in (
-            'safety', 'keeper', 'duties_packet', 'packet_check', 'readings', 'override',
-            'supervisor', 'clock', 'condition')), 'lta_bridge/lta_bridge/fault_watch.py'),
-        ('unit/bridge/crazyflie/test_crazyflie_cores.py', 'unit/bridge/crazyflie/test_bridge.py',
-         'unit/bridge/crazyflie/test_override.py', 'unit/bridge/crazyflie/test_crazyflie_link.py',
-         'unit/bridge/crazyflie/test_hostile_packets.py', 'property/test_crazyflie_safety.py',
-         'unit/bridge/crazyflie/test_emulated.py'),
+        'src/lta_bridge/lta_bridge',
+        ('crazyflie/c[!f]*.py', 'crazyflie/[dkoprs]*.py', 'crazyflie/log_table.py',
+         'teensy/[bcdfr]*.py', 'teensy/message.py', 'teensy/one_sender.py', 'one_way_clock.py',
+         'fault_watch.py', 'intake.py'),
+        'test/unit/bridge',
+        ('test/property/test_crazyflie_safety.py',),
     ),
 }  # fmt: skip
 
 
-class Mutant(NamedTuple):
-    """One change of one module: which operator of cosmic-ray, and at which of its places."""
+class Drawn(NamedTuple):
+    """A mutant of the sample: the file from the root, its changed text, and what changed."""
 
-    area: str
-    module: str  # below the root
-    version: str  # of the module's text
-    operator: str
-    occurrence: int
-
-
-class Outcome(NamedTuple):
-    """What became of a mutant."""
-
-    mutant: Mutant
-    became: str
-    change: str  # the lines that differ, before and after
+    path: Path
+    line: int
+    text: str
+    before: str
+    after: str
 
 
-def main() -> int:
-    """Try the mutants that are not tried yet, and print scores and survivors."""
-    chosen = _arguments()
-    try:
-        import cosmic_ray.mutating  # noqa: F401 - cosmic_ray.plugins needs it first
-    except ImportError:
-        sys.stderr.write(f'{MISSING}\n')
-        return 2
-    OUT.mkdir(parents=True, exist_ok=True)
-    mutants = [one for name in chosen.areas for one in sample(name, chosen.each, chosen.seed)]
-    log = OUT / 'outcomes.jsonl'
-    known = read(log)
-    killed = {one for one, outcome in known.items() if outcome.became != SURVIVED}
-    waiting = [one for one in mutants if one not in killed]
-    with Copies(chosen.side) as copies, ThreadPoolExecutor(chosen.side) as pool:
-        for name in sorted({one.area for one in waiting}):
-            copies.check(name)
-        for k, outcome in enumerate(pool.map(copies.outcome, waiting)):
-            known[outcome.mutant] = outcome
-            with log.open('a', encoding='utf-8') as file:
-                file.write(json.dumps(outcome) + '\n')
-            told = f'{k + 1} of {len(waiting)}: {outcome.mutant.area}, {outcome.became}'
-            sys.stdout.write(f'{told}\n')
-            sys.stdout.flush()
-    sys.stdout.write(report([known[one] for one in mutants]) + '\n')
-    return 0
+def sources(area: Area, root: Path = ROOT) -> list[Path]:
+    """Return the files of an area that are changed."""
+    folder = root / area.package
+    found = {path for pattern in area.modules for path in folder.glob(pattern)}
+    return sorted(path for path in found if path.name not in ('__init__.py', 'messages.py'))
 
 
-def _arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=(__doc__ or '').strip().splitlines()[0])
-    parser.add_argument('--areas', nargs='*', default=list(AREAS), choices=list(AREAS))
-    parser.add_argument('--each', type=int, default=40, help='mutants of each area')
-    parser.add_argument('--seed', type=int, default=1, help='which mutants are drawn')
-    parser.add_argument('--side', type=int, default=os.cpu_count() or 1, help='side by side')
-    return parser.parse_args()
+def sample(area: Area, each: int, seed: int, root: Path = ROOT) -> list[Drawn]:
+    """
+    Return so many mutants, chosen by the seed alone; a larger sample begins with a smaller.
 
-
-def sample(area: str, each: int, seed: int) -> list[Mutant]:
-    """Return mutants of an area: first a place is drawn, then one of the operators that fit it."""
-    chance = Random(f'{area} {seed}')
-    places: dict[tuple[str, object], list[Mutant]] = {}
-    for pattern in AREAS[area].modules:
-        for path in sorted((ROOT / 'src').glob(pattern)):
-            for place, mutant in mutants_of(area, path):
-                places.setdefault((mutant.module, place), []).append(mutant)
-    drawn = chance.sample(sorted(places, key=str), min(each, len(places)))
-    return [chance.choice(places[place]) for place in drawn]
-
-
-def mutants_of(area: str, path: Path) -> Iterator[tuple[object, Mutant]]:
-    """Yield every mutant of a module, with its place in the text."""
-    from cosmic_ray.ast import ast_nodes, get_ast_from_path
-    from cosmic_ray.ast.ast_query import ASTQuery
-    from cosmic_ray.plugins import get_operator, operator_names
-
-    nodes = list(ast_nodes(get_ast_from_path(path)))
-    module, version = str(path.relative_to(ROOT)), version_of([path])
-    for name in sorted(operator_names()):
-        kind = get_operator(name)
-        if kind.arguments() or any(word in name for word in LEFT_OUT):
-            continue
-        spots = ((node, spot) for node in nodes for spot in kind().mutation_positions(node))
-        for occurrence, (node, spot) in enumerate(spots):
-            if ASTQuery(node).get_definition_name():
-                yield spot, Mutant(area, module, version, name, occurrence)
-
-
-def mutated(mutant: Mutant, text: str) -> str:
-    """Return the text of a module with the change of a mutant."""
-    from cosmic_ray.mutating import mutate_code
-    from cosmic_ray.plugins import get_operator
-
-    found = mutate_code(text, get_operator(mutant.operator)(), mutant.occurrence)
-    assert isinstance(found, str), mutant
+    First a place is drawn, then what becomes of it.
+    """
+    chance = Random(seed)
+    places: dict[tuple[Path, Place], list[Spot]] = {}
+    texts = {path: path.read_text(encoding='utf-8') for path in sources(area, root)}
+    for path, text in texts.items():
+        for spot in spots(text):
+            places.setdefault((path, spot.place), []).append(spot)
+    found: list[Drawn] = []
+    for path, place in chance.sample(list(places), len(places)):
+        if len(found) == each:
+            break
+        text = mutant(texts[path], chance.choice(places[path, place]))
+        if text:
+            line = changed(texts[path], text)
+            found.append(Drawn(path.relative_to(root), place[0][0], text, *line))
     return found
 
 
-class Copies:
-    """Copies of the project, one for each that works: `with Copies(2) as copies: ...`."""
+def tests_of(path: Path, area: Area, imports: Imports, root: Path) -> list[str]:
+    """Return the files of tests that ought to see a change, the likeliest first."""
+    near = [
+        test
+        for test in nearest(root / path, imports, root)
+        if test.is_relative_to(root / area.folder)
+        and not any(word in test.stem for word in area.left_out)
+    ]
+    near.sort(key=lambda test: (path.stem not in test.stem, len(imports[test])))
+    names = [str(test.relative_to(root)) for test in near]
+    return list(dict.fromkeys([*names, *area.tests])) or [area.folder]
 
-    def __init__(self, count: int) -> None:
-        self._home = Path(tempfile.mkdtemp(prefix='lta-mutation-'))
-        self._free = [self._home / str(k) for k in range(count)]
-        for folder in self._free:
-            _copy(folder)
 
-    def __enter__(self) -> 'Copies':
-        return self
+def run(name: str, told: argparse.Namespace, copies: Sequence[Copy]) -> dict[Case, Row]:
+    """Return what became of each mutant of an area."""
+    area, imports = AREAS[name], read_imports(ROOT)
+    path = told.out / f'{name}-{told.seed}-{hashed(sources(area))}.jsonl'
+    if told.again:
+        forget(path)
+    cases = {Case(name, k): one for k, one in enumerate(sample(area, told.each, told.seed))}
+    chosen = {one.path: tests_of(one.path, area, imports, ROOT) for one in cases.values()}
+    done = kept(path)
+    if all(case in done for case in cases):
+        return {case: done[case] for case in cases}
+    every = list(dict.fromkeys(test for tests in chosen.values() for test in tests))
+    first = module_of(next(ROOT / path for path in chosen), ROOT)
+    whole = copies[0].outcome(Trial(first, every, 3600, area.compiled))
+    if whole.fate != SURVIVED:
+        sys.exit(f'{name}: the tests fail without any mutant: {whole.why}')
+    limit = int(3.0 * whole.took) + SPARE
+    sys.stderr.write(f'{name}: {len(every)} files of tests take {whole.took:.0f} s unchanged\n')
+    free: SimpleQueue[Copy] = SimpleQueue()
+    for copy in copies:
+        free.put(copy)
 
-    def __exit__(self, *_: object) -> None:
-        shutil.rmtree(self._home, ignore_errors=True)
-
-    def check(self, area: str) -> None:
-        """Refuse an area whose tests fail without any mutant."""
-        became, said = run(self._free[0], area)
-        if became != SURVIVED:
-            sys.exit(f'The tests of {area} fail without a mutant; mend them first.\n{said}')
-
-    def outcome(self, mutant: Mutant) -> Outcome:
-        """Try one mutant."""
-        folder = self._free.pop()
-        path = folder / mutant.module
-        text = path.read_text(encoding='utf-8')
-        changed = mutated(mutant, text)
-        path.write_text(changed, encoding='utf-8')
+    def tried(case: Case) -> Row:
+        one, copy = cases[case], free.get()
+        module = module_of(ROOT / one.path, ROOT)
         try:
-            return Outcome(mutant, run(folder, mutant.area)[0], difference(text, changed))
+            outcome = copy.tried(
+                one.path, one.text, Trial(module, chosen[one.path], limit, area.compiled)
+            )
         finally:
-            path.write_text(text, encoding='utf-8')
-            self._free.append(folder)
+            free.put(copy)
+        where = one._replace(text='')._asdict() | {'path': str(one.path)}
+        return {**outcome._asdict(), **where}
+
+    return campaign(list(cases), path, len(copies), tried)
 
 
-def _copy(folder: Path) -> None:
-    """Copy what git knows of and what is new, and lead to the environment."""
-    words = ['git', 'ls-files', '-z', '--cached', '--others', '--exclude-standard']
-    names = subprocess.run(words, cwd=ROOT, capture_output=True, check=True).stdout.decode()
-    for name in filter(None, names.split('\0')):
-        if (ROOT / name).is_file():
-            (folder / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy2(ROOT / name, folder / name)
+def forget(path: Path) -> None:
+    """Take the survivors out of what was tried."""
+    left = {case: row for case, row in kept(path).items() if row['fate'] != SURVIVED}
+    if path.exists():
+        lines = (json.dumps({'case': case, **row}) + '\n' for case, row in left.items())
+        path.write_text(''.join(lines), encoding='utf-8')
 
 
-def run(folder: Path, area: str) -> tuple[str, str]:
-    """Run the tests of an area in a copy; return what became of the mutant, and what was said."""
-    tests = [
-        str(path.relative_to(folder))
-        for pattern in AREAS[area].tests
-        for path in sorted((folder / 'test').glob(pattern))
+def wilson(hits: int, of: int) -> tuple[float, float]:
+    """Return the 95 % interval of a share (Wilson 1927)."""
+    if not of:
+        return 0.0, 1.0
+    z, share = 1.96, hits / of
+    middle = share + z * z / (2 * of)
+    half = z * math.sqrt(share * (1.0 - share) / of + z * z / (4 * of * of))
+    return (middle - half) / (1 + z * z / of), (middle + half) / (1 + z * z / of)
+
+
+def reason(row: Row) -> str:
+    """Return why no test can see a mutant; empty where one could."""
+    return EQUAL.get((row['path'], row['before'], row['after']), '')
+
+
+def table_row(name: str, rows: Sequence[Row]) -> str:
+    """Return an area's line of the table."""
+    fates = Counter(row['fate'] for row in rows)
+    equal = sum(row['fate'] == SURVIVED and bool(reason(row)) for row in rows)
+    killed = fates[KILLED] + fates[STOPPED]
+    counted = killed + fates[SURVIVED] - equal
+    low, high = wilson(killed, counted)
+    share = f'{killed / max(counted, 1):.0%} ({low:.0%} to {high:.0%})'.replace('%', ' %')
+    cells = (name, len(rows), killed, fates[STOPPED], fates[SURVIVED] - equal, equal,
+             fates[INCOMPETENT], share)  # fmt: skip
+    return '| ' + ' | '.join(map(str, cells)) + ' |'
+
+
+TABLE: Final = (
+    '| area | mutants | killed | of them never ended | survived | equivalent | did not import | '
+    'killed of those that count |\n|---|---|---|---|---|---|---|---|'
+)
+
+
+def told_of(row: Row) -> str:
+    """Return a survivor in one line."""
+    place = f'{row["path"].split("/", 2)[-1]}:{row["line"]}'
+    return f'{place}: `{row["before"]}` became `{row["after"]}`'
+
+
+def page(found: dict[str, list[Row]], seed: int) -> str:
+    """Return the page: the table, and every survivor."""
+    alive = [row for rows in found.values() for row in rows if row['fate'] == SURVIVED]
+    open_ones = [f'- {told_of(row)}' for row in alive if not reason(row)]
+    equal = [f'- {told_of(row)}. {reason(row)}' for row in alive if reason(row)]
+    parts = [
+        '# What the tests catch',
+        'A mutant is the code with one small change: another sign, a neighbouring comparison, a '
+        'number one larger or smaller, a loop that never runs. `make mutation` draws a sample of '
+        'the physics and\nsafety code and runs the tests that ought to see it; a mutant on which '
+        f'one fails is killed. cosmic-ray made these, seed {seed}; '
+        '`mutants.py` says which operators and places stay\nout, and why. The '
+        'interval is that of a share of a sample (Wilson, 95 %).',
+        '\n'.join([TABLE, *(table_row(name, rows) for name, rows in found.items())]),
     ]
-    packages = [folder / 'config', *(path.parent for path in folder.glob('src/*/package.xml'))]
-    environment = os.environ | {
-        'PYTHONPATH': os.pathsep.join(map(str, [*packages, os.environ.get('PYTHONPATH', '')])),
-        'NUMBA_DISABLE_JIT': str(int(not AREAS[area].compiled)),
-        'PYTHONDONTWRITEBYTECODE': '1',
-    }
-    words = [
-        sys.executable,
-        *['-m', 'pytest', '-x', '-q', '-p', 'no:cacheprovider', '-m'],
-        'not long',
-    ]
-    try:
-        done = subprocess.run(
-            [*words, *dict.fromkeys(tests)],
-            cwd=folder, env=environment, timeout=PATIENCE,
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
-        )  # fmt: skip
-    except subprocess.TimeoutExpired:
-        return TIMED_OUT, ''
-    return (SURVIVED if done.returncode == 0 else KILLED), done.stdout
+    if open_ones:
+        parts += ['## Survivors', 'No test sees these.', '\n'.join(open_ones)]
+    if equal:
+        parts += ['## Equivalent', 'No test could see these; they do not count.', '\n'.join(equal)]
+    return '\n\n'.join(parts) + '\n'
 
 
-def difference(before: str, after: str) -> str:
-    """Return the lines that differ, each with its number before."""
-    lines = before.splitlines(), after.splitlines()
-    found = []
-    for kind, a, b, c, d in difflib.SequenceMatcher(None, *lines).get_opcodes():
-        if kind != 'equal':
-            old, new = (' '.join(map(str.strip, part)) for part in (lines[0][a:b], lines[1][c:d]))
-            found.append(f'{a + 1}: {old}  ->  {new}')
-    return '; '.join(found)
+def asked() -> argparse.Namespace:
+    """Return what the command line asks for."""
+    parser = argparse.ArgumentParser(description='Mutation scores.')
+    parser.add_argument('--each', type=int, default=EACH, help='mutants of each area')
+    parser.add_argument('--areas', nargs='*', default=list(AREAS), choices=list(AREAS))
+    parser.add_argument('--seed', type=int, default=0)
+    parser.add_argument('--side', type=int, default=os.cpu_count() or 1, help='side by side')
+    parser.add_argument('--again', action='store_true', help='try the survivors once more')
+    parser.add_argument('--out', type=Path, default=Path('runs') / 'mutation')
+    told = parser.parse_args()
+    told.out.mkdir(parents=True, exist_ok=True)
+    return told
 
 
-def read(log: Path) -> dict[Mutant, Outcome]:
-    """Return the outcomes that are kept; of one that was tried twice, the last."""
-    if not log.exists():
-        return {}
-    rows = map(json.loads, log.read_text(encoding='utf-8').splitlines())
-    outcomes = (Outcome(Mutant(*mutant), became, change) for mutant, became, change in rows)
-    return {outcome.mutant: outcome for outcome in outcomes}
-
-
-def report(outcomes: Sequence[Outcome]) -> str:
-    """Return the scores by area, with 95 % intervals (Wilson), and the survivors."""
-    lines = [f'{"area":10} mutants  killed  timed out  survived  score']
-    for area in dict.fromkeys(one.mutant.area for one in outcomes):
-        count = counter(one.became for one in outcomes if one.mutant.area == area)
-        total = sum(map(count, (KILLED, TIMED_OUT, SURVIVED)))
-        low, high = wilson(total - count(SURVIVED), total)
-        lines.append(
-            f'{area:10} {total:7} {count(KILLED):7} {count(TIMED_OUT):10} {count(SURVIVED):9}'
-            f'  {1 - count(SURVIVED) / total:.0%} ({low:.0%} to {high:.0%})'
-        )
-    lines += [f'{one.mutant.module}:{one.change}' for one in outcomes if one.became == SURVIVED]
-    return '\n'.join(lines)
-
-
-def counter(words: Iterable[str]) -> Callable[[str], int]:
-    """Return how often each word stands among some."""
-    return list(words).count
-
-
-def wilson(hits: int, total: int, z: float = 1.96) -> tuple[float, float]:
-    """Return Wilson's interval of a share (Wilson 1927, doi:10.1080/01621459.1927.10502953)."""
-    share = hits / total
-    middle = (share + z * z / (2 * total)) / (1 + z * z / total)
-    half = math.sqrt(share * (1 - share) / total + z * z / (4 * total * total))
-    half *= z / (1 + z * z / total)
-    return middle - half, middle + half
+def main() -> int:
+    """Print the table and the survivors, and write the page."""
+    told = asked()
+    if importlib.util.find_spec('cosmic_ray') is None:
+        sys.stderr.write(f'{MISSING}\n')
+        return 2
+    base = os.environ.get('XDG_CACHE_HOME') or Path.home() / '.cache'
+    found: dict[str, list[Row]] = {}
+    with tempfile.TemporaryDirectory(prefix='lta-mutation-') as folder:
+        copies = [
+            Copy(ROOT, Path(folder) / str(k), Path(base) / 'lta' / 'kernels')
+            for k in range(told.side)
+        ]
+        for name in told.areas:
+            found[name] = list(run(name, told, copies).values())
+            sys.stdout.write(f'{table_row(name, found[name])}\n')
+            sys.stdout.flush()
+    if set(told.areas) == set(AREAS):
+        PAGE.write_text(page(found, told.seed), encoding='utf-8')
+    sys.stdout.write(page(found, told.seed))
+    return 0
 
 
 if __name__ == '__main__':

@@ -109,6 +109,7 @@ def test_darkness_gives_nothing():
 @pytest.mark.parametrize(
     ('key', 'value', 'sentence'),
     [
+        ('ideality', 2.5, 'has a curve too square for its ideality of 2.5'),
         ('ideality', 3.5, 'has a curve too square for its ideality of 3.5'),
         ('current', 297.0, 'has its maximum power at or above the short-circuit current'),
         ('voltage', 5.6, 'has its maximum power at or above the open-circuit voltage'),

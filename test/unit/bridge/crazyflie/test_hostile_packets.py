@@ -18,6 +18,7 @@ from lta_bridge.crazyflie.safety import LOST, LOW, Stage
 from lta_bridge.crazyflie.supervisor import Bit
 from lta_graph.ros.stamps import to_stamp
 from lta_sim.vehicle import load_vehicle
+import pytest
 from rclpy.serialization import serialize_message
 
 from .bridged import FILE, Kept, NOTHING, TICK
@@ -192,6 +193,30 @@ def test_a_log_packet_has_the_size_of_its_block_and_no_other(number, size):
     assert (fault(5, 2, data, SIZES) == '') == (size == SIZES[number])
     assert fault(5, 2, bytes([99]) + data[1:], SIZES) == 'log block 99 was never asked for'
     assert fault(5, 2, data, {}) == ''  # of an earlier connection
+
+
+@pytest.mark.parametrize(
+    ('port', 'fewest'),
+    [
+        (0, (0,)),  # console
+        (2, (1, 2, 2, 1)),  # parameters
+        (4, (1, 1, 1)),  # memory
+        (5, (1, 3)),  # log: table of contents, settings
+        (6, (None, 1)),  # localization: generic
+        (8, (1,)),  # high-level commander
+        (9, (1, 1)),  # supervisor
+        (13, (1, 1, 0)),  # platform: command, version, app
+        (15, (0, 0, 0, 0)),  # link
+    ],
+)
+def test_a_drone_speaks_on_its_own_ports_and_says_enough(port, fewest):
+    """crtp.h and the handlers of the firmware: what is shorter would end in cflib's log."""
+    for channel in range(4):
+        least = fewest[channel] if channel < len(fewest) else None
+        for size in range(MOST + 2):
+            fits = least is not None and least <= size <= 30
+            if (port, channel) != (5, 2):
+                assert (fault(port, channel, bytes(size), SIZES) == '') == fits
 
 
 @given(st.binary(max_size=31))

@@ -1,0 +1,22 @@
+"""
+Mutants that no test can see, each with its reason: they count for nothing.
+
+By file, line before and line after; what is not certain stands among the survivors instead.
+"""
+
+from typing import Final
+
+Line = tuple[str, str, str]
+
+EQUAL: Final[dict[Line, str]] = {
+    (
+        'src/lta_control/lta_control/mission.py',
+        'return mission._replace(asked=mission.leg + 1, turns=0, heard=0)',
+        'return mission._replace(asked=mission.leg + 1, turns=0, heard= -1)',
+    ): 'The next turn sets the count to 0 before anything reads it: `SWITCHING` turns must pass.',
+    (
+        'src/lta_energy/lta_energy/mission.py',
+        'self._seen += (light.sun / due - self._seen) * min(dt / HOUR, 1.0)',
+        'self._seen += (light.sun / due - self._seen) * min(dt / HOUR, 2.0)',
+    ): 'The light is looked at every 30 s at least, so that the share stays below 1 either way.',
+}
