@@ -8,6 +8,7 @@ import sys
 
 from doc_blocks import ROOT
 import pytest
+from waiting import PATIENCE
 
 TITLED = re.compile(r'^```python title="([^"]+)"\n(.*?)^```', re.MULTILINE | re.DOTALL)
 STRATEGY = """
@@ -61,9 +62,9 @@ from lta_config.crazyflie_file import Expected
 
 link = link_to('string://12m', BLOCKS, int)
 keeper = Keeper(link, {'any.thing': Expected(value=7, write=False, why='a test')})
-print(link.events.get(timeout=60))
-assert keeper.close(60)
-print(link.events.get(timeout=60), keeper.attempts, link.uri)
+print(link.events.get(timeout=PATIENCE))
+assert keeper.close(PATIENCE)
+print(link.events.get(timeout=PATIENCE), keeper.attempts, link.uri)
 """
 SECOND = """
 from types import SimpleNamespace
@@ -158,7 +159,7 @@ def test_a_link_that_the_keeper_of_links_opens_and_closes(tmp_path):
     folder = with_copy(tmp_path, 'lta_bridge') / 'crazyflie'
     (folder / 'string_link.py').write_text(LINK)
     with_line(folder / 'links.py', "    'cflib_link',", "    'string_link',")
-    said = python(tmp_path, '-c', HELD)
+    said = python(tmp_path, '-c', HELD.replace('PATIENCE', str(PATIENCE)))
     assert said == 'Ping(round_trip=0.1)\nNone 1 string://12m\n'
 
 

@@ -21,7 +21,7 @@ def fake(tmp_path, monkeypatch):
     programs = tmp_path / 'bin'
     programs.mkdir()
     for name in PROGRAMS:
-        (programs / name).write_text(f'#!/bin/sh\nexec {sys.executable} -S {FAKE} {name}\n')
+        (programs / name).write_text(f'#!/bin/sh\nexec {sys.executable} -IS {FAKE} {name}\n')
         (programs / name).chmod(0o755)
     monkeypatch.setenv('PATH', f'{programs}:/usr/bin:/bin')
     return tmp_path / 'cases'

@@ -219,7 +219,13 @@ def test_a_sweep_that_is_stopped_goes_on_where_it_was(sweep, tmp_path, number):
     script.write_text(SCRIPT)
     command = [sys.executable, str(script), file, str(folder), *sys.path]
     said = (tmp_path / 'said').open('w+')
-    sweeping = subprocess.Popen(command, start_new_session=True, stderr=said)
+    sweeping = subprocess.Popen(
+        command,
+        start_new_session=True,
+        stderr=said,
+        # A shell's background job ignores Ctrl-C, and so does what it starts.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
     try:
         log = folder / KIND.file
         wait_until(
