@@ -183,7 +183,8 @@ def is_told(name: str, kind: str, message: Any) -> bool:
         return False  # False and 0 are words
     if (name, kind) in (('range', 'infinite'), ('energy/status', 'lengths')):
         return False  # nothing in reach; the first status is the one that is read
-    return bool(SPOILS[kind](message) != message)  # bytes may differ in padding alone
+    # Their bytes may differ in the padding alone; as fields, no NaN equals another.
+    return repr(SPOILS[kind](message)) != repr(message)
 
 
 def heard_by(role: str) -> list[str]:
