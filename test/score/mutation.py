@@ -104,7 +104,8 @@ AREAS: Final = {
     'discovery': Area(
         'src/lta_analysis/lta_analysis/discovery',
         ('fit/[degp]*.py', 'flights/[hnos]*.py', 'forecast/[cd]*.py', 'model/rotations.py',
-         'naming/[ip]*.py', 'outside/[su]*.py', 'replay/[lst]*.py', 'where/*.py'),
+         'naming/[ip]*.py', 'outside/sp*.py', 'outside/u*.py', 'replay/[lst]*.py',
+         'where/*.py'),
         'test/unit/analysis/discovery',
         compiled=True,
         left_out=('page', 'study', 'carr', 'route', 'json', 'wrench', 'naming', 'displacing',
