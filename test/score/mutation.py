@@ -78,7 +78,7 @@ AREAS: Final = {
         ('test/unit/sim/test_effects.py', 'test/unit/sim/test_kernel_oracle.py',
          'test/unit/sim/test_measurement_effects.py', 'test/unit/sim/test_lift_effects.py'),
         left_out=('flights', 'platforms', 'world', 'counted', 'shipped', 'sphere', 'surface',
-                  'lambertian', 'extract'),
+                  'lambertian', 'extract', 'derivatives', 'physics'),
     ),
     'vlc': Area(
         'src/lta_vlc/lta_vlc',
