@@ -19,4 +19,9 @@ EQUAL: Final[dict[Line, str]] = {
         'self._seen += (light.sun / due - self._seen) * min(dt / HOUR, 1.0)',
         'self._seen += (light.sun / due - self._seen) * min(dt / HOUR, 2.0)',
     ): 'The light is looked at every 30 s at least, so that the share stays below 1 either way.',
+    (
+        'src/lta_vlc/lta_vlc/modulation.py',
+        'phase: float = 0.0',
+        'phase: float = -1.0',
+    ): 'A phase is a part of a cycle: a whole cycle earlier the wave is the same.',
 }

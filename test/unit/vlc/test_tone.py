@@ -44,6 +44,16 @@ def test_a_lone_tone_reads_itself_anywhere_between_bins(k, off, phase):
     assert found.amplitude[0, 0] == pytest.approx(7.0, rel=2.0 * near)
 
 
+@pytest.mark.parametrize('phase', [0.0, 0.4, 1.9])
+@pytest.mark.parametrize('off', [-0.2, -0.1, 0.1, 0.2, 0.3])
+def test_of_sixteen_samples_a_lone_tone_is_read_exactly(off, phase):
+    """Three bins of a tone lie in the span of three known vectors; nothing else is in them."""
+    wave = 7.0 * np.cos(2.0 * math.pi * (4.0 + off) * np.arange(16) / 16 + phase)
+    found = read(wave, [4], 16)
+    assert found.frequency[0] == pytest.approx(4.0 + off, abs=1e-12)
+    assert found.amplitude[0, 0] == pytest.approx(7.0, abs=1e-12)
+
+
 def test_all_diodes_share_a_frequency_and_keep_their_amplitudes():
     shares = np.array([1.0, 0.5, 0.01, 0.0])
     found = read(shares[:, None] * tone(153.7, 0.4, 100.0), [15])

@@ -1,0 +1,63 @@
+"""What /diagnostics says of the light, word by word."""
+
+import math
+
+from lta_graph.health import Level
+from lta_vlc.condition import conditions
+from lta_vlc.demodulation import Hearing, Peaks
+from lta_vlc.faults import Fault
+from lta_vlc.presence import Presence
+import numpy as np
+
+NOTHING = np.zeros(4)
+LOST, FOUND = Presence(False), Presence(True)
+
+
+def told(*presences, snr=(5.0, 3.0), faults=(Fault.NONE,) * 4):
+    """Return the facts of two beacons, at 150 and 250 Hz, that are heard 0.3 Hz too high."""
+    peaks = tuple(
+        Peaks(NOTHING, np.array([0.5 * best, best, 0.0, 0.0]), NOTHING, NOTHING) for best in snr
+    )
+    hearing = Hearing(peaks, (150.3, 250.3), faults, NOTHING)
+    return list(conditions(hearing, (150.0, 250.0), presences, 7, 2))
+
+
+def test_the_wanted_beacon_warns_where_no_diode_hears_it_and_another_never():
+    assert [(fact.task, fact.level, fact.message) for fact in told(FOUND, FOUND)] == [
+        ('light', Level.OK, 'beacon found'),
+        ('beacon at 250 Hz', Level.OK, 'beacon found'),
+    ]
+    assert [(fact.level, fact.message) for fact in told(LOST, LOST)] == [
+        (Level.WARN, 'no diode hears the beacon'),
+        (Level.OK, 'no diode hears the beacon'),
+    ]
+
+
+def test_what_concerns_the_diodes_is_told_once():
+    saturated = Fault.SATURATED | Fault.ALIASED
+    faults = (saturated, Fault.FLAT, Fault.SATURATED, Fault.SATURATED | Fault.NOT_A_NUMBER)
+    wanted, other = told(FOUND, FOUND, faults=faults)
+    assert wanted.values == {
+        'beacon_Hz': '150',
+        'best_snr': '5.0',
+        'frequency_error_Hz': '0.300',
+        'saturated_diodes': '3',
+        'flat_diodes': '1',
+        'wild_diodes': '1',
+        'aliased_diodes': '1',
+        'blocks_missing': '7',
+        'blocks_refused': '2',
+    }
+    assert other.values == {
+        'beacon_Hz': '250',
+        'best_snr': '3.0',
+        'frequency_error_Hz': '0.300',
+    }
+
+
+def test_one_that_is_not_heard_has_no_frequency_to_be_off():
+    assert math.isnan(float(told(LOST, FOUND)[0].values['frequency_error_Hz']))
+    deaf = told(FOUND, FOUND, snr=(0.0, 3.0))[0].values['frequency_error_Hz']
+    assert math.isnan(float(deaf))
+    faint = told(FOUND, FOUND, snr=(1.0, 1.0))[1].values['frequency_error_Hz']
+    assert faint == '0.300'
