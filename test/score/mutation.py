@@ -5,8 +5,8 @@ A test suite is only worth what it catches. Of each area's physics and safety co
 of mutants (`mutants.py`) is tried, one small change each, in a copy of the tree
 (`mutation_trial.py`), on the tests that import the changed module and those that `AREAS` names.
 A failing test kills a mutant; so does one that never ends. What was stopped goes on where it was
-while the area's sources stay the same; `--again` tries the survivors once more, after a test was
-added. Writes docs/testing_mutation.md when every area was asked for.
+while the sample stays the same; `--again` tries the survivors once more, after a test was added.
+Writes docs/testing_mutation.md when every area was asked for.
 """
 
 import argparse
@@ -178,7 +178,8 @@ def tests_of(path: Path, area: Area, imports: Imports, root: Path) -> list[str]:
 def run(name: str, told: argparse.Namespace, copies: Sequence[Copy]) -> dict[Case, Row]:
     """Return what became of each mutant of an area."""
     area, imports = AREAS[name], read_imports(ROOT)
-    path = told.out / f'{name}-{told.seed}-{hashed(sources(area))}.jsonl'
+    version = hashed([*sources(area), HERE / 'mutants.py'])
+    path = told.out / f'{name}-{told.seed}-{version}.jsonl'
     if told.again:
         forget(path)
     cases = {Case(name, k): one for k, one in enumerate(sample(area, told.each, told.seed))}
@@ -272,7 +273,8 @@ def page(found: dict[str, list[Row]], seed: int) -> str:
         'the physics and\nsafety code and runs the tests that ought to see it; a mutant on which '
         f'one fails is killed. cosmic-ray made these, seed {seed}; '
         '`mutants.py` says which operators and places stay\nout, and why. The '
-        'interval is that of a share of a sample (Wilson, 95 %).',
+        'interval is that of a share of a sample (Wilson, 95 %). Where survivors got tests, only '
+        'another `--seed` says fairly how good the suite is.',
         '\n'.join([TABLE, *(table_row(name, rows) for name, rows in found.items())]),
     ]
     if open_ones:

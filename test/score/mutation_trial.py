@@ -7,6 +7,7 @@ machine kills no mutant.
 """
 
 from collections.abc import Sequence
+from contextlib import suppress
 import importlib
 import multiprocessing
 import os
@@ -100,15 +101,18 @@ class Copy:
         forks: Any = multiprocessing.get_context('forkserver')
         forks.set_forkserver_preload(list(LIBRARIES))
         told = self.folder / 'told.txt'
+        told.write_text('')
         process = forks.Process(target=tell, args=(self.folder, trial, told))
         process.start()
         process.join(HUNG)
-        if process.is_alive():
-            process.kill()
-            process.join()
+        hung = process.is_alive()
+        with suppress(ProcessLookupError):  # and what it started
+            os.killpg(process.pid, signal.SIGKILL)
+        process.join()
+        if hung:
             return Outcome(STOPPED, f'it hung for {HUNG:.0f} s', HUNG)
         text, status = told.read_text(encoding='utf-8', errors='replace'), process.exitcode
-        if status in (-signal.SIGXCPU, -signal.SIGKILL):
+        if status == -signal.SIGXCPU:
             return Outcome(STOPPED, f'it computed for {trial.limit} s', float(trial.limit))
         if status == UNFIT:
             return Outcome(INCOMPETENT, last_line(text), 0.0)
@@ -129,7 +133,7 @@ def last_line(text: str) -> str:
 def tell(folder: Path, trial: Trial, told: Path) -> None:
     """Run the tests in this process; its exit status and a file tell what came of it."""
     os.setsid()
-    resource.setrlimit(resource.RLIMIT_CPU, (trial.limit, trial.limit + 5))
+    resource.setrlimit(resource.RLIMIT_CPU, (trial.limit, trial.limit + 60))
     output = os.open(told, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
     os.dup2(output, 1)
     os.dup2(output, 2)

@@ -59,6 +59,12 @@ def test_profile_has_its_direction_and_ends_at_the_ground():
         assert wind_profile.air(p, (), at(z=z)) == NO_AIR
 
 
+@pytest.mark.parametrize(('height', 'roughness'), [(10.0, 0.0), (0.3, 0.3), (0.2, 0.3)])
+def test_profile_without_ground_or_reference_above_it_is_no_wind(height, roughness):
+    """Its logarithm would be of nothing, or turn the wind round."""
+    assert wind_profile.air((3.0, -4.0, height, roughness, 0.3), (), at(z=2.0)) == NO_AIR
+
+
 @given(z=st.floats(-1.0, 20.0), half=st.sampled_from([0.0, 0.01, 0.3]))
 def test_profile_has_no_step(z, half):
     p, step = (8.0, 0.0, 10.0, 0.3, half), 1e-7
