@@ -118,9 +118,10 @@ def test_ctrl_c_at_any_moment_leaves_no_process_and_no_torn_bag(lta, tmp_path, s
         assert read_bag(out / 'bag').complete
 
 
+@pytest.mark.long  # test_launcher_stop.py has the order of signals, of small processes
 @pytest.mark.parametrize(
     ('number', 'status'),
-    [(signal.SIGTERM, 143), pytest.param(signal.SIGHUP, 129, marks=pytest.mark.long)],
+    [(signal.SIGTERM, 143), (signal.SIGHUP, 129)],
 )
 def test_who_ends_or_hangs_up_a_flight_stops_it_in_order(lta, flying, tmp_path, number, status):
     out = tmp_path / 'out'

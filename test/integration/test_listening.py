@@ -88,6 +88,7 @@ def entered(**chosen: str) -> dict[str, str]:
     return dict(item.split('=', 1) for item in done.stdout.decode().split('\0') if item)
 
 
+@pytest.mark.long  # the test below has the same of one node
 def test_the_graph_listens_on_the_loopback_alone_and_plain_ros_finds_it(lta, hear, tmp_path):
     """Drone, light board, live view and nodes; then who has Fast DDS's own settings looks on."""
     ports = (
