@@ -3,7 +3,7 @@
 import math
 
 from lta_config.light_day_file import load_light_day
-from lta_energy.light_of_days import elevation, light_of, MINUTES, through
+from lta_energy.light_of_days import burning, elevation, light_of, MINUTES, through
 import numpy as np
 import pytest
 
@@ -65,3 +65,16 @@ def test_lamps_burn_by_their_timers_over_midnight_too():
     assert [night.at(hour * HOUR).beacon > 0.0 for hour in (0.5, 4.9, 5.1, 22.9, 23.1)] == [
         True, True, False, False, True,
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ('hours', 'lit'),
+    [((5.0, 22.0), [False, True, True, False]), ((22.0, 5.0), [True, False, False, True])],
+)
+def test_a_timer_switches_at_the_second(hours, lit):
+    lamp = DOCK.lamps['beacon']
+    told = lamp.hours.model_copy(update={'value': hours})
+    lamp = lamp.model_copy(update={'hours': told})
+    times = np.array([5.0 * HOUR - 1.0, 5.0 * HOUR, 22.0 * HOUR - 1.0, 22.0 * HOUR])
+    assert (burning(lamp, times) > 0.0).tolist() == lit
+    assert (burning(lamp, times + 24.0 * HOUR) > 0.0).tolist() == lit

@@ -17,7 +17,7 @@ from lta_energy.light_of_days import light_of
 from lta_energy.mission import Landing, Life, Upkeep
 from lta_energy.panel import Panel
 from lta_energy.power_path import Charger, output
-from lta_energy.schedule import by_light, fixed, Known, night, outlook, Wish
+from lta_energy.schedule import at_work, by_light, fixed, Known, night, outlook, Wish
 import pytest
 
 ENERGY = load_vehicle_file('gtmab').energy
@@ -207,3 +207,24 @@ def test_states_are_told():
     assert {ALOFT, ASLEEP} <= set(diary.state)
     assert all(b >= a for a, b in pairwise(diary.time))
     assert not math.isnan(sum(diary.charge))
+
+
+@pytest.mark.parametrize(
+    ('work', 'hours', 'fits'),
+    [
+        ((7.0, 18.0), (6.99, 7.0, 17.8, 17.84, 24.0 + 12.0), (0, 1, 1, 0, 1)),
+        ((22.0, 4.0), (21.99, 22.0, 23.9, 0.0, 3.8, 3.84, 12.0), (0, 1, 1, 1, 1, 0, 0)),
+    ],
+)
+def test_a_flight_is_back_within_the_hours_of_work_with_half_of_it_to_spare(work, hours, fits):
+    """400 s take 600 s, a sixth of an hour; work may go on over midnight."""
+    hired = known(work=(work[0] * HOUR, work[1] * HOUR), flight=400.0)
+    assert [at_work(hired._replace(time=hour * HOUR)) for hour in hours] == list(map(bool, fits))
+
+
+def test_the_trace_has_every_change_and_else_a_minute_at_least_between_two_points():
+    diary = lived(SPRING, by_light)
+    points = list(zip(diary.time, diary.state, strict=True))
+    assert {state for _, state in points} == {ASLEEP, ALOFT}
+    for (before, one), (after, other) in pairwise(points):
+        assert one != other or one == ALOFT or after - before >= 60.0

@@ -6,6 +6,7 @@ from random import Random
 import socket
 import threading
 import time
+from types import SimpleNamespace
 
 from lta_bridge.crazyflie import duties_packet
 from lta_bridge.crazyflie.cflib_link import CflibLink
@@ -466,3 +467,17 @@ def test_nonsense_from_the_drone_is_counted_and_heard_out(linked, seed):
             hear_out(link, left)
         assert blocks_heard(link)
         link.close()
+
+
+def test_the_thread_of_a_keeper_keeps_no_process_alive():
+    """Whoever leaves without closing leaves: a drone without commands comes down by itself."""
+    link = SimpleNamespace(
+        open=lambda deadline: None, close=lambda: None, parameter=lambda _: None
+    )
+    keeper = Keeper(link, {})
+    try:
+        threads = [one for one in threading.enumerate() if one.name == 'crazyflie_link']
+        assert threads
+        assert all(one.daemon for one in threads)
+    finally:
+        assert keeper.close()
