@@ -83,13 +83,19 @@ lock: test-environment docs  ## write locked/ and docs/licences.md after a chang
 	@.venv/bin/python tools/lock.py
 	@.venv/bin/python tools/licences.py
 
-# On one core types are checked; on the other the model is compiled, once for all tests.
-.PHONY: checked model
+# On one core types are checked and tests collected; on the other kernels are compiled, once for all.
+.PHONY: checked kernels collected
 checked: test-environment
-	@$(MAKE) -j 2 check model
+	@$(MAKE) -j 2 collected kernels
 
-model: test-environment
+kernels: test-environment
 	@./lta simulate --no-bag >/dev/null
+	@$(enter) && .venv/bin/python test/compile_kernels.py
+
+# pytest rewrites the tests when it first imports them, which each worker would do by itself.
+collected: check
+	@ls test/contract/__pycache__/*-pytest-*.pyc >/dev/null 2>&1 || { $(enter) && \
+		.venv/bin/python -m pytest -q --collect-only >/dev/null 2>&1 || :; }
 
 check: test-environment  ## style and types only
 	@.venv/bin/ruff check --quiet $(sources)

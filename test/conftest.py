@@ -7,6 +7,7 @@ machine has, in whatever process it runs.
 """
 
 from collections.abc import Callable, Iterator
+import gc
 import os
 from pathlib import Path
 import sys
@@ -46,6 +47,11 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         if folder in MARKED:
             item.add_marker(folder)
     items[:] = mixed(items)
+
+
+def pytest_collection_finish() -> None:
+    # What was imported stays: the collector need not look through it again and again.
+    gc.freeze()
 
 
 def mixed(items: list[pytest.Item]) -> list[pytest.Item]:

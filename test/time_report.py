@@ -1,9 +1,10 @@
 """
 Print after the tests which were slowest, and what share of the time went into what.
 
-Compiling kernels, starting processes and waiting for events are measured where they happen:
-`spent` is a context manager for the latter two. Each worker of pytest-xdist sends its sums to the
-process that prints.
+Compiling kernels and waiting for events are measured where they happen; `spent` is the context
+manager that measures the latter. The first wait after a process was started (`process_started`) is
+for its imports and for others to find it, and counts as its start. Each worker of pytest-xdist
+sends its sums to the process that prints.
 """
 
 from collections import Counter
@@ -16,17 +17,25 @@ from numba.core import event
 import pytest
 
 SLOWEST = 20
-COMPILING, STARTING, WAITING = 'compiling kernels', 'starting graphs', 'waiting for events'
+COMPILING, STARTING, WAITING = 'compiling kernels', 'starting processes', 'waiting for events'
 SPENT: Counter[str] = Counter()  # s, in this process
 _ACTIVE: list[str] = []
+_STARTED: list[bool] = []  # processes for which nobody has waited yet
+
+
+def process_started() -> None:
+    """Count the next wait as the start of a process."""
+    _STARTED.append(True)
 
 
 @contextmanager
-def spent(kind: str) -> Iterator[None]:
-    """Count the time within as of a kind; within another kind it counts as that one alone."""
+def spent() -> Iterator[None]:
+    """Count the time within as waiting, or as the start of a process; not twice where nested."""
     if _ACTIVE:
         yield
         return
+    kind = STARTING if _STARTED else WAITING
+    _STARTED.clear()
     _ACTIVE.append(kind)
     begin = time.perf_counter()
     try:

@@ -4,7 +4,7 @@ from collections.abc import Callable
 import time
 from typing import TypeVar
 
-from time_report import spent, WAITING
+from time_report import spent
 
 Found = TypeVar('Found')
 PATIENCE = 120.0  # s of wall time: what takes milliseconds, on a machine that others use as well
@@ -41,7 +41,7 @@ def wait_until(
 
     """
     deadline = time.monotonic() + patience
-    with spent(WAITING):
+    with spent():
         while not (found := condition()):
             if time.monotonic() > deadline:
                 instead = '' if arrived is None else f'; what had arrived: {arrived()}'

@@ -10,7 +10,7 @@ import time
 import uuid
 
 from signals import heed_signals
-from time_report import spent, STARTING, WAITING
+from time_report import process_started, spent
 from waiting import PATIENCE, wait_until
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -37,16 +37,16 @@ class Started:
     def __init__(self, mark: str, arguments: tuple[str, ...]) -> None:
         self._mark = mark
         self.lines: list[tuple[float, str]] = []
-        with spent(STARTING):
-            self.popen = subprocess.Popen(
-                [ROOT / 'lta', *arguments],
-                env={**os.environ, MARK: mark},
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                text=True,
-                start_new_session=True,
-                preexec_fn=heed_signals,
-            )
+        self.popen = subprocess.Popen(
+            [ROOT / 'lta', *arguments],
+            env={**os.environ, MARK: mark},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            start_new_session=True,
+            preexec_fn=heed_signals,
+        )
+        process_started()
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 
@@ -81,7 +81,7 @@ class Started:
 
     def end(self) -> int:
         """Wait for the end and return the exit status."""
-        with spent(WAITING):
+        with spent():
             status = self.popen.wait(PATIENCE)
             self._reader.join(PATIENCE)
         return status
@@ -96,7 +96,7 @@ class Lta:
 
     def run(self, *arguments: object) -> 'subprocess.CompletedProcess[str]':
         """Run to the end."""
-        with spent(WAITING):
+        with spent():
             return subprocess.run(
                 [ROOT / 'lta', *map(str, arguments)],
                 env={**os.environ, MARK: self.mark},

@@ -20,7 +20,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
 from signals import heed_signals
 from std_srvs.srv import SetBool
-from time_report import spent, STARTING
+from time_report import process_started
 from waiting import wait_until
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -33,9 +33,9 @@ STARTED: 'list[subprocess.Popen[str]]' = []
 def start(module: str, *words: object, before: str = '') -> 'subprocess.Popen[str]':
     """Start a node of this very source tree: its module, its ROS arguments, code before it."""
     code = f'{before}from {module} import main; main()'
-    with spent(STARTING):
-        process = _start(code, words)
+    process = _start(code, words)
     STARTED.append(process)
+    process_started()
     return process
 
 
