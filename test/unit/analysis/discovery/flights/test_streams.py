@@ -81,7 +81,7 @@ def test_newtons_become_duties(
 
 
 def ordered(vehicle: str, values: list[list[float]], wrench: Stream | None = None) -> Array:
-    """Return the duties of commands that say nothing of their unit, and whether they changed."""
+    """Return what becomes of commands of which nobody says the unit."""
     told = Streams(
         Stream(np.zeros(1), np.zeros((1, 7))),
         Stream(np.arange(float(len(values))), np.array(values)),
