@@ -38,6 +38,38 @@ def test_a_stage_that_ends_lost_is_no_place_to_go_on_from(
     np.testing.assert_array_equal(deviations, fitter.floor)
 
 
+def test_each_stage_begins_with_what_the_one_before_has_found(
+    gtmab: tuple[Nominal, list[Knob]], clean: Linearised, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """0.8 s of each piece, then 2.4 s: 20 and 60 points; deviations of 2.5 floors at most."""
+    nominal, knobs = gtmab
+    fitter = Fitter(nominal, [clean], own_variance(knobs), floor_of(nominal))
+    points = [origin(nominal, knobs, len(clean.replay.first))]
+    left = [np.array([299.0, 2.4, 2.6, 0.5, 1.0, 1.0]), np.full(6, 9.0)]
+    seen, begun_with = [], []
+
+    def about(self, at, there, prior=None):
+        seen.append((at, there, self.flights[0].replay.cut.inside[0].sum()))
+        return f'about {at}'
+
+    def fitted(self, prior, group, deviations, rounds, rest, narrow):
+        begun_with.append((group, deviations / self.floor, rounds, rest, narrow))
+        return SimpleNamespace(deviations=left[len(begun_with) - 1] * self.floor)
+
+    monkeypatch.setattr(Fitter, 'about', about)
+    monkeypatch.setattr(Fitter, 'fit', fitted)
+    monkeypatch.setattr(Fitter, 'onward', lambda *_: (f'at {len(seen)}', [f'point {len(seen)}']))
+    at, then, deviations = begun(fitter, shared(knobs), points)
+    assert [each[2] for each in seen] == [20, 60]
+    assert seen[1][:2] == ('at 1', ['point 1'])
+    assert [each[0] for each in begun_with][1:] == ['about at 1']
+    assert [each[2:] for each in begun_with] == [(6, 10.0, True)] * 2
+    np.testing.assert_allclose(begun_with[0][1], 1.0)
+    np.testing.assert_allclose(begun_with[1][1], [2.5, 2.4, 2.5, 0.5, 1.0, 1.0])
+    assert (at, then) == ('at 2', ['point 2'])
+    np.testing.assert_allclose(deviations, 2.5 * fitter.floor)
+
+
 @pytest.mark.long
 def test_a_centre_of_gravity_far_too_low_does_not_run_away(
     gtmab: tuple[Nominal, list[Knob]],

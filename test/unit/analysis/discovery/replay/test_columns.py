@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
-from lta_analysis.discovery.replay.linear import KNOTS, origin, RANDOM
+from lta_analysis.discovery.replay.linear import KNOTS, origin, RANDOM, SENSORS
 from lta_analysis.discovery.replay.linearise import Linearised
 from lta_analysis.discovery.replay.replay import Replay, STEPS
 from lta_analysis.discovery.replay.tangent import WIDTH
@@ -67,6 +67,40 @@ def test_states_knots_and_pressure_have_theirs(
     moved[:, k] = 1e-5
     change = (_left(clean, gtmab[0], still) - _left(clean, gtmab[0], moved)) / 1e-5
     assert _differ(change, columns[..., k]) < 0.01
+
+
+@pytest.mark.parametrize('k', range(len(SENSORS)))
+def test_errors_of_sensors_that_no_effect_has_have_theirs(
+    gtmab: Known, clean: Linearised, columns: NDArray[np.float64], k: int
+) -> None:
+    point = origin(gtmab[0], gtmab[1], len(clean.replay.first))
+    grid, rows = clean.trajectory(point)[:, ::STEPS], gtmab[0].rows()
+    values = point.values.copy()
+    values[len(gtmab[1]) + k] = 0.01
+    there = replace(point, values=values)
+    change = clean.left(grid, point, rows) - clean.left(grid, there, rows)
+    noise = clean.replay.flight.noise
+    assert _differ(change / noise / 0.01, columns[..., RANDOM + len(gtmab[1]) + k]) < 1e-9
+
+
+def test_some_pieces_have_the_columns_of_those_and_all_readings_are_counted(
+    gtmab: Known, clean: Linearised, columns: NDArray[np.float64]
+) -> None:
+    point = origin(gtmab[0], gtmab[1], len(clean.replay.first))
+    table, left = clean.columns(point, slice(1, 3))
+    np.testing.assert_allclose(table, columns[1:3], rtol=1e-9, atol=1e-9)
+    none = clean.at(point, np.zeros(len(gtmab[1]), dtype=bool))
+    np.testing.assert_array_equal(none.residual[1:3], left)
+    known = np.isfinite(none.residual)
+    assert none.rows.tolist() == known.sum(axis=(1, 2)).tolist()
+    full = np.concatenate([columns, none.residual[..., None]], axis=-1)
+    full[~known] = 0.0
+    full[..., RANDOM : RANDOM + len(gtmab[1])] = 0.0  # no knob is wanted
+    flat = full.reshape(len(full), -1, full.shape[-1])
+    np.testing.assert_allclose(
+        none.grams, np.swapaxes(flat, 1, 2) @ flat, rtol=1e-8, atol=1e-6 * np.abs(flat).max()
+    )
+    assert none.names == (*(knob.name for knob in gtmab[1]), *SENSORS)
 
 
 @pytest.mark.parametrize('pushed', [0.0, 0.002])
