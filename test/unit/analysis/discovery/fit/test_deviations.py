@@ -143,6 +143,28 @@ def test_a_stride_that_does_not_help_is_halved_four_times() -> None:
     np.testing.assert_allclose(at, FLOOR)
 
 
+@pytest.mark.parametrize(
+    ('kept', 'places'),
+    [
+        # As much as was promised: each stride is twice as long, up to a thousand floors.
+        (1.0, [0, 1, 3, 7, 15, np.log(1e3) / (0.5 * np.log(2.0))]),
+        (0.7, [*range(13)]),  # less: twelve strides, all as long
+    ],
+)
+def test_strides_grow_on_a_hillside_that_hardly_bends(kept: float, places: list[float]) -> None:
+    """With a slope of half the bend a stride is half of the logarithm of 2."""
+    seen: list[float] = []
+
+    def value(deviations: Array) -> float:
+        seen.append(float(np.log(deviations[0] / FLOOR[0])))
+        return kept * 0.5 * seen[-1]
+
+    slope = np.r_[0.5, np.zeros(5)]
+    at, found = best(value, lambda _: Steepness(0.0, slope, np.eye(6)), FLOOR, FLOOR)
+    np.testing.assert_allclose(seen, 0.5 * np.log(2.0) * np.array(places), atol=1e-9)
+    assert found == pytest.approx(kept * 0.5 * np.log(at[0] / FLOOR[0]))
+
+
 def test_a_start_from_small_deviations_is_tried_as_well(
     begun: tuple[Group, Prior], monkeypatch: pytest.MonkeyPatch
 ) -> None:

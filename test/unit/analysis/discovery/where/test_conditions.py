@@ -4,7 +4,6 @@ from dataclasses import replace
 
 from lta_analysis.discovery.flights.measured import Measured, Stream
 from lta_analysis.discovery.where.conditions import (
-    Condition,
     conditions_of,
     largest,
     sector,
@@ -157,16 +156,23 @@ def test_what_differs_by_less_than_three_to_five_is_not_worth_telling(ratio, tol
     assert _told(40, 95, 2, ratio) == told
 
 
-def test_of_two_conditions_the_better_is_told():
-    """By the likelihood of two variances; a lower one is no disagreement."""
+@pytest.mark.parametrize('unit', [1.0, 1e-6])
+def test_of_two_conditions_the_better_is_told(unit):
+    """By the likelihood of two variances, in whatever unit; a lower one is no disagreement."""
     squares = np.ones(200)
-    squares[50:90], squares[90:100] = 16.0, 9.0
+    squares[50:90], squares[90:100] = 16.0, 6.0
     wide, narrow, low = np.zeros((3, 200))
     wide[50:100], narrow[50:90], low[100:160] = 1.0, 1.0, 1.0
     known = {name: (values, '1') for name, values in
              (('narrow', narrow), ('wide', wide), ('low', low))}  # fmt: skip
-    found = largest(squares, known, 4, 1)
-    assert isinstance(found, Condition)
-    # n ln s less the same of each side, twice: 200 ln 4.35 - 50 ln 14.6 = 160.0 for wide,
-    # 200 ln 4.35 - 40 ln 16 - 160 ln 1.4375 = 125.1 for narrow.
+    found = largest(unit * squares, known, 4, 1)
+    # n ln s less the same of each side, twice: 200 ln 4.25 - 50 ln 14 = 157.4 for wide,
+    # 200 ln 4.25 - 40 ln 16 - 160 ln 1.3125 = 135.0 for narrow.
     assert found.name == 'wide above 0'
+    np.testing.assert_array_equal(found.holds, wide > 0.0)
+
+
+def test_a_disagreement_that_is_there_under_a_condition_alone_is_told():
+    heading = np.repeat([0.0, 0.5 * np.pi, 0.0], [30, 30, 40])
+    squares = np.where(heading > 0.0, 1.0, 0.0)
+    assert largest(squares, {'heading': (heading, 'rad')}, 2, 1).name == 'heading north'
