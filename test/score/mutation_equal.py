@@ -21,6 +21,11 @@ EQUAL: Final[dict[Line, str]] = {
         'up = np.broadcast_to(np.array([0.0, 0.0, 1.0]), (*states.shape[:- 0], 3))',
     ): 'One vector instead of as many as there are states: numpy spreads it as well.',
     (
+        f'{DISCOVERY}flights/said_once.py',
+        'if len(names) == 1 and (len(said) == 1 or rests[0].startswith(IS)):',
+        'if len(names) == 1 and (len(said) == 1 or rests[ -1].startswith(IS)):',
+    ): 'Sentences become one only where they begin alike.',
+    (
         'src/lta_control/lta_control/mission.py',
         'return mission._replace(asked=mission.leg + 1, turns=0, heard=0)',
         'return mission._replace(asked=mission.leg + 1, turns=0, heard= -1)',

@@ -9,6 +9,7 @@ from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.replay.linear import origin
 from lta_analysis.discovery.replay.linearise import Linearised
+from lta_config.errors import BadInput
 import numpy as np
 import pytest
 
@@ -32,8 +33,10 @@ def test_a_stage_that_ends_lost_is_no_place_to_go_on_from(
     fitter = Fitter(nominal, [clean], own_variance(knobs), floor_of(nominal))
     points = [origin(nominal, knobs, len(clean.replay.first))]
     lost = SimpleNamespace(deviations=np.where(np.arange(6) == 4, 1000.0, 1.0) * fitter.floor)
-    monkeypatch.setattr(Fitter, 'fit', lambda *_, **__: lost)
+    stages: list[Fitter] = []
+    monkeypatch.setattr(Fitter, 'fit', lambda self, *_, **__: stages.append(self) or lost)
     at, then, deviations = begun(fitter, shared(knobs), points)
+    assert len(stages) == 1
     assert (then, at is points[0].values) == (points, True)
     np.testing.assert_array_equal(deviations, fitter.floor)
 
@@ -68,6 +71,25 @@ def test_each_stage_begins_with_what_the_one_before_has_found(
     np.testing.assert_allclose(begun_with[1][1], [2.5, 2.4, 2.5, 0.5, 1.0, 1.0])
     assert (at, then) == ('at 2', ['point 2'])
     np.testing.assert_allclose(deviations, 2.5 * fitter.floor)
+
+
+def test_a_stage_that_cannot_be_flown_is_the_last(
+    gtmab: tuple[Nominal, list[Knob]], clean: Linearised, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    nominal, knobs = gtmab
+    fitter = Fitter(nominal, [clean], own_variance(knobs), floor_of(nominal))
+    points = [origin(nominal, knobs, len(clean.replay.first))]
+    tried: list[Fitter] = []
+
+    def about(self, *_):
+        tried.append(self)
+        raise BadInput('no such vehicle can be')
+
+    monkeypatch.setattr(Fitter, 'about', about)
+    at, then, deviations = begun(fitter, shared(knobs), points)
+    assert len(tried) == 1
+    assert (then, at is points[0].values) == (points, True)
+    np.testing.assert_array_equal(deviations, fitter.floor)
 
 
 @pytest.mark.long

@@ -116,6 +116,20 @@ def test_a_misaligned_tracker_is_turned_back_into_the_map(
     np.testing.assert_allclose(back, truth, atol=1e-12)
 
 
+def test_the_frame_of_a_tracker_is_that_at_the_origin_and_level() -> None:
+    """Of one that turns with the place, and of which the place follows attitude and time."""
+
+    def bent(p: object, values: tuple[float, ...], time: float) -> tuple[float, ...]:
+        *place, i, j, k, w = values
+        tilted = 1.0 if (i, j, k, w, time) == (0.0, 0.0, 0.0, 1.0, 0.0) else 5.0
+        turned = (i, j, k, w) if place == [0.0, 0.0, 0.0] and time == 0.0 else (w, k, j, i)
+        return (*(2.0 * tilted * each for each in place), *turned)
+
+    matrix, turn = tracker_frame({'pose': ((bent, ()),)})
+    np.testing.assert_array_equal(matrix, 2.0 * np.eye(3))
+    np.testing.assert_array_equal(turn, [0.0, 0.0, 0.0, 1.0])
+
+
 def test_without_an_effect_the_frame_of_the_tracker_is_the_map(
     gtmab: tuple[Nominal, list[Knob]],
 ) -> None:

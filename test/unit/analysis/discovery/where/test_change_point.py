@@ -57,9 +57,17 @@ def test_the_pieces_together_are_the_flight(quiet: Fit) -> None:
     )
 
 
-def test_what_is_won_is_the_log_evidence_of_one_unknown_more(gtmab: Known, quiet: Fit) -> None:
+@pytest.mark.parametrize('off', [0.0, 0.5])
+def test_what_is_won_is_the_log_evidence_of_one_unknown_more(
+    gtmab: Known, quiet: Fit, off: float
+) -> None:
+    """About the vehicle file, and half of each tolerance from it."""
     knobs, name, piece = gtmab[1], 'net_lift.force', 5
     this = _changed(_longer(quiet, 2), knobs, name, 0.02, piece)
+    values = this.linear.point.values + off * np.sqrt(np.diag(tolerances(knobs).covariance))
+    this = replace(
+        this, linear=replace(this.linear, point=replace(this.linear.point, values=values))
+    )
     found = change(this, knobs, 1)
     assert found is not None
     assert (found.piece, found.knob) == (piece, name)

@@ -176,3 +176,18 @@ def test_a_disagreement_that_is_there_under_a_condition_alone_is_told():
     heading = np.repeat([0.0, 0.5 * np.pi, 0.0], [30, 30, 40])
     squares = np.where(heading > 0.0, 1.0, 0.0)
     assert largest(squares, {'heading': (heading, 'rad')}, 2, 1).name == 'heading north'
+
+
+def test_what_chance_does_as_often_as_once_in_a_hundred_is_told():
+    """
+    A disagreement that comes back after half of the time is as large laid there.
+
+    Of 100 shifts one does so: none or one of 199 draws, with which it is told, come in 41 % of
+    all seeds (binomial), two at most in 68 %, none in 14 %.
+    """
+    heading = np.zeros(104)
+    heading[10:20] = heading[62:72] = 0.5 * np.pi
+    squares = np.where(heading > 0.0, 100.0, 1.0)
+    told = [largest(squares, {'heading': (heading, 'rad')}, 2, seed).name for seed in range(60)]
+    assert 17 <= told.count('heading north') <= 32
+    assert told.count('heading north') + told.count('always') == 60
