@@ -120,6 +120,12 @@ def test_a_line_that_moves_nothing_is_not_told() -> None:
     assert telling([faint], INVERSE, 0.1 * FLOOR) == (faint,)
 
 
+def test_each_channel_of_pose_and_imu_has_its_unit() -> None:
+    units = ['m', 'm', 'm', *['rad'] * 3, *['rad/s'] * 3, *['m/s2'] * 3]
+    assert CHANNELS[:12] == spectral_line.LOOKED_AT
+    assert [Line(channel, 2.0, 1.0, 9.0).unit for channel in CHANNELS[:12]] == units
+
+
 def test_what_the_knots_follow_is_no_line() -> None:
     flights, noise = [_left(1), _left(2)], [np.ones(len(CHANNELS))] * 2
     for hertz, found in ((0.5, []), (1.0, ['q'])):

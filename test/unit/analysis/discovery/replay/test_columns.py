@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
+from lta_analysis.discovery.replay import linearise
 from lta_analysis.discovery.replay.linear import KNOTS, origin, RANDOM, SENSORS
 from lta_analysis.discovery.replay.linearise import Linearised
 from lta_analysis.discovery.replay.replay import Replay, STEPS
@@ -84,8 +85,12 @@ def test_errors_of_sensors_that_no_effect_has_have_theirs(
 
 
 def test_some_pieces_have_the_columns_of_those_and_all_readings_are_counted(
-    gtmab: Known, clean: Linearised, columns: NDArray[np.float64]
+    gtmab: Known,
+    clean: Linearised,
+    columns: NDArray[np.float64],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    monkeypatch.setattr(linearise, 'CHUNK', 2)  # however many are flown at a time
     point = origin(gtmab[0], gtmab[1], len(clean.replay.first))
     table, left = clean.columns(point, slice(1, 3))
     np.testing.assert_allclose(table, columns[1:3], rtol=1e-9, atol=1e-9)
