@@ -139,6 +139,10 @@ def test_an_effect_is_removed_by_holding_it_at_zero() -> None:
     settled = proof.fitter.settled.call_args.args
     assert settled[0].at.tolist() == [3.0, 0.0]
     assert settled[1:] == ('prior', 'these')
+    begun = SimpleNamespace(prior='prior', group='group', deviations='those')
+    with mock.patch.object(Proof, '_without', return_value=begun):
+        proof._changed(last, 'b', ('a',))
+    assert proof.fitter.fit.call_args.args == ('prior', 'group', 'those', 4)
     assert group.at.tolist() == [3.0, 4.0]
 
 

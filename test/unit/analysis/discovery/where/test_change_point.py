@@ -157,6 +157,10 @@ def test_a_change_wins_eight_nats(monkeypatch: pytest.MonkeyPatch, won: float, t
 def test_five_pieces_have_too_few_orders_and_four_no_place(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Of five one order in ten has both of two pieces at its end."""
+    """Of five one order in ten has both of two pieces at its end, whatever they pull by."""
     assert _turned(monkeypatch, 5, slice(3, None), 99.0) is None
+    monkeypatch.setattr(change_point, 'CHANCE', 0.2)
+    found = _turned(monkeypatch, 5, slice(3, None), 99.0)
+    assert found is not None
+    assert found.piece == 3
     assert _turned(monkeypatch, 4, slice(2, None), 99.0) is None
