@@ -156,6 +156,11 @@ def test_what_differs_by_less_than_three_to_five_is_not_worth_telling(ratio, tol
     assert _told(40, 95, 2, ratio) == told
 
 
+def test_a_condition_that_wins_less_than_a_nat_is_told_where_chance_wins_nothing():
+    """Of 14 rows, half of 14 ln 1.457 - 4 ln 2.6 is 0.72; the other heading is lower, and wins 0."""
+    assert _told(4, 14, 2, 2.6) == 'heading north'
+
+
 @pytest.mark.parametrize('unit', [1.0, 1e-6])
 def test_of_two_conditions_the_better_is_told(unit):
     """By the likelihood of two variances, in whatever unit; a lower one is no disagreement."""

@@ -107,6 +107,11 @@ def test_each_channel_is_told_of_the_flight_where_it_is_worst(
     assert sizes == [49.0 - k for k in range(24)]
 
 
+def test_a_size_is_a_root_mean_square_and_0_of_nothing() -> None:
+    assert module._size(np.array([3.0, -4.0, 0.0, 0.0])) == pytest.approx(2.5)
+    assert module._size(np.empty(0)) == 0.0
+
+
 def test_a_second_of_a_channel_is_the_root_of_its_mean_square(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
