@@ -157,7 +157,7 @@ def test_what_differs_by_less_than_three_to_five_is_not_worth_telling(ratio, tol
 
 
 def test_a_condition_that_wins_less_than_a_nat_is_told_where_chance_wins_nothing():
-    """Of 14 rows, half of 14 ln 1.457 - 4 ln 2.6 is 0.72; the other heading is lower, and wins 0."""
+    """Of 14 rows, half of 14 ln 1.457 - 4 ln 2.6 is 0.72; the other heading wins 0."""
     assert _told(4, 14, 2, 2.6) == 'heading north'
 
 
