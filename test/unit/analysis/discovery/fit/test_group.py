@@ -116,11 +116,12 @@ def test_a_flight_that_stands_elsewhere_is_told_where_the_group_stands(
     gtmab: Known, halves: tuple[Pieces, Pieces]
 ) -> None:
     """As linear as it is, its shared values move and its residual with them."""
-    variance, single = own_variance(gtmab[1]), halves[1]
+    variance, linear = own_variance(gtmab[1]), halves[1].linear
     k = int(np.flatnonzero((variance == 0.0) & (tolerances(gtmab[1]).free))[0])
-    at = np.zeros(len(variance))
-    at[k] = 0.5 * np.sqrt(tolerances(gtmab[1]).covariance[k, k])
-    moved, still = (Group((single,), where, variance) for where in (at, np.zeros(len(at))))
+    stands, at = np.zeros((2, len(variance)))
+    stands[k], at[k] = np.array([0.3, -0.5]) * np.sqrt(tolerances(gtmab[1]).covariance[k, k])
+    single = Pieces(replace(linear, point=replace(linear.point, values=stands)))
+    moved, still = (Group((single,), where, variance) for where in (at, stands))
     prior = shared(gtmab[1], NAMED)
     one, other = (fitted(each.reduced(FLOOR), each.at, prior) for each in (moved, still))
     assert one.log_evidence == pytest.approx(other.log_evidence, abs=1e-4)

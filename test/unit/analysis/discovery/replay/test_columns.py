@@ -1,6 +1,7 @@
 """Columns are derivatives of what would be measured, and scale together as forces do."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
@@ -151,6 +152,15 @@ def test_what_is_not_wanted_costs_nothing_and_changes_nothing(
     )
     assert not some.grams[:, RANDOM + np.flatnonzero(~wanted)].any()
     np.testing.assert_array_equal(some.residual, whole.residual)
+
+
+def test_a_piece_that_ends_after_the_flight_repeats_its_last_point() -> None:
+    """Of 100 points the last has the number 99; the time goes on."""
+    flight = SimpleNamespace(time=0.3 + 0.04 * np.arange(100), noise=np.ones(14))
+    cut = SimpleNamespace(first=np.array([3, 97]), length=5)
+    found = Linearised(SimpleNamespace(flight=flight, cut=cut, span=5 * STEPS), [], None)
+    assert found.index.tolist() == [[3, 4, 5, 6, 7], [97, 98, 99, 99, 99]]
+    np.testing.assert_allclose(found.time, 0.3 + 0.04 * np.add.outer([3, 97], np.arange(5)))
 
 
 @pytest.fixture(scope='module')
