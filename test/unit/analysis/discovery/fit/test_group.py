@@ -106,6 +106,7 @@ def test_flights_stand_together_where_they_share_what_is_shared(
     there = np.zeros(len(variance))
     there[k] = 1e-3
     assert not replace(group, at=there).aligned
+    assert replace(group, at=1e-10 * there).aligned  # but for rounding
     joined = Group(halves[:1], there, variance).joined(Group(halves[1:], group.at, 2 * variance))
     assert joined.pieces == halves
     assert joined.at is there
@@ -126,6 +127,8 @@ def test_a_flight_that_stands_elsewhere_is_told_where_the_group_stands(
     one, other = (fitted(each.reduced(FLOOR), each.at, prior) for each in (moved, still))
     assert one.log_evidence == pytest.approx(other.log_evidence, abs=1e-4)
     np.testing.assert_allclose(one.mean, other.mean, rtol=1e-5, atol=1e-9)
+    alone = fitted(single.reduced(FLOOR), stands, tolerances(gtmab[1], NAMED))
+    assert other.log_evidence == pytest.approx(alone.log_evidence, abs=1e-4)
     narrow, kept = moved.narrowed(np.zeros(len(at), dtype=bool))
     assert kept.tolist() == sorted([*np.flatnonzero(variance), k])
     index = np.append(kept, len(at))
