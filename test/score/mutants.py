@@ -10,8 +10,9 @@ An operator stays out where its mutants say nothing of the tests:
 - a number of 100 or more made one larger or smaller: tolerances are there to pass that.
 
 A place stays out where no behaviour is decided: annotations and type aliases, the texts of
-messages and exceptions, and what `setting`, `Parameter` and `Field` declare, which the generated
-pages repeat and test/contract compares.
+messages and exceptions, what `setting`, `Parameter` and `Field` declare, which the generated
+pages repeat and test/contract compares, and guards against a mistake in the code itself:
+`frozen=` and `slots=` of a dataclass, `strict=` of `zip`.
 """
 
 import ast
@@ -49,6 +50,7 @@ OPERATORS: Final = (
 )
 LARGE: Final = 100
 DECLARED: Final = ('setting', 'Parameter', 'Field', 'TypeVar')
+GUARDS: Final = ('frozen', 'slots', 'strict')
 MISSING: Final = (
     'cosmic-ray makes the mutants and is not here: '
     '.venv/bin/pip install -c constraints.txt -r requirements-mutation.txt'
@@ -128,6 +130,8 @@ def undecided(source: str) -> list[Place]:
                 found.append(place_of(node))
             case ast.Call(func=ast.Name(id=name)) if name in DECLARED:
                 found.append(place_of(node))
+            case ast.Call(func=ast.Name(id='zip' | 'dataclass')):
+                found += [place_of(one) for one in node.keywords if one.arg in GUARDS]
             case ast.Module():
                 found += [place_of(one) for one in node.body if is_alias(one)]
     return found

@@ -8,7 +8,23 @@ from typing import Final
 
 Line = tuple[str, str, str]
 
+DISCOVERY: Final = 'src/lta_analysis/lta_analysis/discovery/'
 EQUAL: Final[dict[Line, str]] = {
+    (
+        f'{DISCOVERY}where/conditions.py',
+        'share = (1 + np.sum(by_chance >= won[best])) / (DRAWS + 1)',
+        'share = (1 + np.sum(by_chance >= won[best])) / (DRAWS + 2)',
+    ): 'At most 2 of 200 are 0.01 or less, and at most 2 of 201.',
+    (
+        f'{DISCOVERY}replay/sensing.py',
+        'up = np.broadcast_to(np.array([0.0, 0.0, 1.0]), (*states.shape[:-1], 3))',
+        'up = np.broadcast_to(np.array([0.0, 0.0, 1.0]), (*states.shape[:- 0], 3))',
+    ): 'One vector instead of as many as there are states: numpy spreads it as well.',
+    (
+        f'{DISCOVERY}flights/said_once.py',
+        'if len(names) == 1 and (len(said) == 1 or rests[0].startswith(IS)):',
+        'if len(names) == 1 and (len(said) == 1 or rests[ -1].startswith(IS)):',
+    ): 'Sentences become one only where they begin alike.',
     (
         'src/lta_control/lta_control/mission.py',
         'return mission._replace(asked=mission.leg + 1, turns=0, heard=0)',

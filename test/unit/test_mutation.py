@@ -79,6 +79,9 @@ def test_no_place_is_left_where_no_behaviour_is_decided():
         "        raise ValueError(f'{1 + 1} is wrong')\n"
         '    return setting(1.0 + 1.0)\n'
         'LARGE = 1000\n'
+        '@dataclass(frozen=True, slots=True, eq=False)\n'
+        'class Pair:\n'
+        '    both = [*zip(a, b, strict=True)]\n'
     )
     places = mutants.undecided(source)
 
@@ -87,9 +90,11 @@ def test_no_place_is_left_where_no_behaviour_is_decided():
         column = source.splitlines()[line - 1].index(text)
         return any(a <= (line, column) and (line, column + len(text)) <= b for a, b in places)
 
-    out = ('int | str', 'int | None', 'str | None', '1 + 1', '1.0 + 1.0', '1000')
+    out = ('int | str', 'int | None', 'str | None', '1 + 1', '1.0 + 1.0', '1000',
+           'frozen=True', 'slots=True', 'strict=True')  # fmt: skip
     assert all(map(left_out, out))
     assert not left_out('is None')
+    assert not left_out('eq=False')
 
 
 def test_a_sample_is_decided_by_its_seed_and_a_larger_one_begins_with_it(root):

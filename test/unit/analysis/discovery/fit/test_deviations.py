@@ -1,5 +1,6 @@
 """How much force flights leave unexplained is found along the slope of the evidence."""
 
+from lta_analysis.discovery.fit import deviations
 from lta_analysis.discovery.fit.deviations import best, strides, weighed
 from lta_analysis.discovery.fit.evidence import (
     evidence_of,
@@ -78,3 +79,110 @@ def test_no_stride_is_made_where_there_is_no_evidence() -> None:
     at, value = best(lambda _: -np.inf, steep, FLOOR, FLOOR)
     assert value == -np.inf
     assert at == pytest.approx(FLOOR)
+
+
+def test_no_stride_is_longer_than_two_of_a_logarithm() -> None:
+    for way in (1.0, -1.0):
+        seen = Steepness(0.0, np.full(6, way * 1e9), np.eye(6))
+        assert strides(seen) == pytest.approx(way * 2.0)
+
+
+def _hill(top: Array, bend: float = 4.0, steps: list[Array] | None = None) -> tuple[Array, float]:
+    """Return the best deviations of a value that falls as a variance leaves that of its top."""
+
+    def value(deviations: Array) -> float:
+        if steps is not None:
+            steps.append(deviations / FLOOR)
+        return float(-0.5 * bend * np.sum(np.log(deviations / FLOOR / top) ** 2))
+
+    def steep(deviations: Array) -> Steepness:
+        slope = -bend * np.log(deviations / FLOOR / top)
+        return Steepness(value(deviations), slope, bend * np.eye(6))
+
+    at, found = best(value, steep, FLOOR, FLOOR)
+    assert found == pytest.approx(value(at))
+    return at / FLOOR, found
+
+
+@pytest.mark.parametrize('factor', [0.2, 0.9, 1.1, 5.0])
+def test_a_top_is_found_within_a_twentieth_of_a_nat(factor: float) -> None:
+    top = factor ** np.array([1.0, 0.5, 0.0, 1.0, -0.2, 0.3])
+    at, value = _hill(top)
+    assert value > -0.05
+    np.testing.assert_allclose(np.log(at), np.log(top), atol=0.15)
+
+
+def test_deviations_end_at_a_twentieth_and_at_a_thousand_floors() -> None:
+    low, _ = _hill(np.full(6, 1e-4))
+    np.testing.assert_allclose(low, 0.05)
+    high, _ = _hill(np.full(6, 1e6))
+    np.testing.assert_allclose(high, 1e3)
+
+
+def test_a_stride_that_promises_nothing_is_not_made() -> None:
+    """Below 0.01 nats, which is where a bend of 4 has been left by 0.05."""
+    for off, made in ((0.04, False), (0.06, True)):
+        steps: list[Array] = []
+        _hill(np.exp(np.r_[off, np.zeros(5)]), 4.0, steps)
+        assert (np.ptp([step[0] for step in steps]) > 0.0) == made
+
+
+def test_a_stride_that_does_not_help_is_halved_four_times() -> None:
+    """And then given up: 1, 1/2, 1/4 and 1/8 of it are looked at."""
+    seen: list[float] = []
+
+    def value(deviations: Array) -> float:
+        seen.append(float(np.log(deviations[0] / FLOOR[0])))
+        return 0.0 if len(seen) == 1 else -1.0
+
+    slope = np.r_[1.5, np.zeros(5)]
+    at, found = best(value, lambda _: Steepness(0.0, slope, np.eye(6)), FLOOR, FLOOR)
+    whole = 0.5 * np.log(4.0)
+    np.testing.assert_allclose(seen, [0.0, whole, whole / 2, whole / 4, whole / 8], atol=1e-12)
+    assert found == 0.0
+    np.testing.assert_allclose(at, FLOOR)
+
+
+@pytest.mark.parametrize(
+    ('kept', 'places'),
+    [
+        # As much as was promised: each stride is twice as long, up to a thousand floors.
+        (1.0, [0, 1, 3, 7, 15, np.log(1e3) / (0.5 * np.log(2.0))]),
+        (0.7, [*range(13)]),  # less: twelve strides, all as long
+    ],
+)
+def test_strides_grow_on_a_hillside_that_hardly_bends(kept: float, places: list[float]) -> None:
+    """With a slope of half the bend a stride is half of the logarithm of 2."""
+    seen: list[float] = []
+
+    def value(deviations: Array) -> float:
+        seen.append(float(np.log(deviations[0] / FLOOR[0])))
+        return kept * 0.5 * seen[-1]
+
+    slope = np.r_[0.5, np.zeros(5)]
+    at, found = best(value, lambda _: Steepness(0.0, slope, np.eye(6)), FLOOR, FLOOR)
+    np.testing.assert_allclose(seen, 0.5 * np.log(2.0) * np.array(places), atol=1e-9)
+    assert found == pytest.approx(kept * 0.5 * np.log(at[0] / FLOOR[0]))
+
+
+def test_a_start_from_small_deviations_is_tried_as_well(
+    begun: tuple[Group, Prior], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At most 2.5 floors, where that is another start."""
+    group, prior = begun
+    starts: list[Array] = []
+
+    def climbed(value: object, steep: object, start: Array, floor: Array) -> tuple[Array, float]:
+        starts.append(start / floor)
+        return start, float(-start[0])
+
+    monkeypatch.setattr(deviations, 'best', climbed)
+    wide = FLOOR * np.array([9.0, 1.0, 2.0, 3.0, 2.5, 2.6])
+    found, _ = weighed(group, prior, wide, FLOOR)
+    np.testing.assert_allclose(
+        starts, [[9.0, 1.0, 2.0, 3.0, 2.5, 2.6], [2.5, 1.0, 2.0, 2.5, 2.5, 2.5]]
+    )
+    np.testing.assert_allclose(found, FLOOR * starts[1])  # the better of the two
+    starts.clear()
+    weighed(group, prior, 2.4 * FLOOR, FLOOR)
+    assert len(starts) == 1

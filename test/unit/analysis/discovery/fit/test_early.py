@@ -9,6 +9,7 @@ from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.replay.linear import origin
 from lta_analysis.discovery.replay.linearise import Linearised
+from lta_config.errors import BadInput
 import numpy as np
 import pytest
 
@@ -32,8 +33,61 @@ def test_a_stage_that_ends_lost_is_no_place_to_go_on_from(
     fitter = Fitter(nominal, [clean], own_variance(knobs), floor_of(nominal))
     points = [origin(nominal, knobs, len(clean.replay.first))]
     lost = SimpleNamespace(deviations=np.where(np.arange(6) == 4, 1000.0, 1.0) * fitter.floor)
-    monkeypatch.setattr(Fitter, 'fit', lambda *_, **__: lost)
+    stages: list[Fitter] = []
+    monkeypatch.setattr(Fitter, 'fit', lambda self, *_, **__: stages.append(self) or lost)
     at, then, deviations = begun(fitter, shared(knobs), points)
+    assert len(stages) == 1
+    assert (then, at is points[0].values) == (points, True)
+    np.testing.assert_array_equal(deviations, fitter.floor)
+
+
+def test_each_stage_begins_with_what_the_one_before_has_found(
+    gtmab: tuple[Nominal, list[Knob]], clean: Linearised, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """0.8 s of each piece, then 2.4 s: 20 and 60 points; deviations of 2.5 floors at most."""
+    nominal, knobs = gtmab
+    fitter = Fitter(nominal, [clean], own_variance(knobs), floor_of(nominal))
+    points = [origin(nominal, knobs, len(clean.replay.first))]
+    left = [np.array([299.0, 2.4, 2.6, 0.5, 1.0, 1.0]), np.full(6, 9.0)]
+    seen, begun_with = [], []
+
+    def about(self, at, there, prior=None):
+        seen.append((at, there, self.flights[0].replay.cut.inside[0].sum()))
+        return f'about {at}'
+
+    def fitted(self, prior, group, deviations, rounds, rest, narrow):
+        begun_with.append((group, deviations / self.floor, rounds, rest, narrow))
+        return SimpleNamespace(deviations=left[len(begun_with) - 1] * self.floor)
+
+    monkeypatch.setattr(Fitter, 'about', about)
+    monkeypatch.setattr(Fitter, 'fit', fitted)
+    monkeypatch.setattr(Fitter, 'onward', lambda *_: (f'at {len(seen)}', [f'point {len(seen)}']))
+    at, then, deviations = begun(fitter, shared(knobs), points)
+    assert [each[2] for each in seen] == [20, 60]
+    assert seen[1][:2] == ('at 1', ['point 1'])
+    assert [each[0] for each in begun_with][1:] == ['about at 1']
+    assert [each[2:] for each in begun_with] == [(6, 10.0, True)] * 2
+    np.testing.assert_allclose(begun_with[0][1], 1.0)
+    np.testing.assert_allclose(begun_with[1][1], [2.5, 2.4, 2.5, 0.5, 1.0, 1.0])
+    assert (at, then) == ('at 2', ['point 2'])
+    np.testing.assert_allclose(deviations, 2.5 * fitter.floor)
+
+
+def test_a_stage_that_cannot_be_flown_is_the_last(
+    gtmab: tuple[Nominal, list[Knob]], clean: Linearised, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    nominal, knobs = gtmab
+    fitter = Fitter(nominal, [clean], own_variance(knobs), floor_of(nominal))
+    points = [origin(nominal, knobs, len(clean.replay.first))]
+    tried: list[Fitter] = []
+
+    def about(self, *_):
+        tried.append(self)
+        raise BadInput('no such vehicle can be')
+
+    monkeypatch.setattr(Fitter, 'about', about)
+    at, then, deviations = begun(fitter, shared(knobs), points)
+    assert len(tried) == 1
     assert (then, at is points[0].values) == (points, True)
     np.testing.assert_array_equal(deviations, fitter.floor)
 

@@ -1,22 +1,31 @@
 """Evidence on small matrices is the evidence of the dense Gaussian."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 from lta_analysis.discovery.fit.evidence import (
+    evidence_of,
+    Fitted,
     fitted,
     FLOOR,
     knot_precision,
+    learned,
+    log_prior,
+    log_prior_slope,
     OWN,
+    own_variance,
     PIECE_PRESSURE,
     Pieces,
     Prior,
+    shared,
     STATE,
+    strain,
     tolerances,
 )
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.naming.scan import likeness, scan
-from lta_analysis.discovery.replay.linear import AXES, KNOTS, Linear, origin, RANDOM
+from lta_analysis.discovery.replay.linear import AXES, KNOTS, Linear, origin, Point, RANDOM
 from lta_analysis.discovery.replay.linearise import Linearised
 import numpy as np
 import pytest
@@ -111,3 +120,116 @@ def test_one_constant_force_has_many_names_and_drag_has_its_own(
     np.testing.assert_allclose(np.diag(cosine), 1.0)
     assert cosine[:3, :3].min() > 0.98
     assert cosine[3, :3].max() < 0.7
+
+
+def test_a_latent_force_forgets_itself_in_a_second_and_a_half() -> None:
+    """Nine knots of 6 s are half of that apart, those of 12 s as far."""
+    for length, apart in ((6.0, 0.5), (12.0, 1.0)):
+        covariance = np.linalg.inv(knot_precision(length))
+        steps = np.abs(np.subtract.outer(np.arange(9), np.arange(9)))
+        np.testing.assert_allclose(covariance, np.exp(-apart * steps), atol=1e-12)
+    np.testing.assert_array_equal(knot_precision(), knot_precision(6.0))
+
+
+KNOBS = [
+    SimpleNamespace(name='a', tolerance=0.2, typical=3.0, per_flight=True),
+    SimpleNamespace(name='b', tolerance=0.5, typical=0.0, per_flight=False),
+    SimpleNamespace(name='c', tolerance=0.0, typical=2.0, per_flight=False),
+]
+
+
+def test_what_is_known_beforehand_is_tolerances_and_the_size_of_what_is_named() -> None:
+    """20 cm of air at 12 Pa/m and 0.6 % of each force are a flight's own, as are its trims."""
+    own = [2.4**2] + [0.006**2] * 3
+    prior = tolerances(KNOBS, ('a', 'c'))
+    np.testing.assert_allclose(prior.covariance, np.diag([9.04, 0.25, 4.0, *own]))
+    assert not prior.mean.any()
+    bare = tolerances(KNOBS)
+    np.testing.assert_allclose(bare.covariance, np.diag([0.04, 0.25, 0.0, *own]))
+    assert bare.free.tolist() == [True, True, False] + [True] * 4
+    np.testing.assert_allclose(own_variance(KNOBS), [0.04, 0.0, 0.0, *own])
+    both = shared(KNOBS, ('a',))
+    np.testing.assert_allclose(both.covariance, np.diag([9.0, 0.25, 0.0, 0, 0, 0, 0]))
+
+
+def test_what_flights_taught_is_a_little_wider_for_the_next() -> None:
+    before = Fitted(0.0, np.array([1.0, 2.0]), np.array([[4.0, 1.0], [1.0, 2.0]]))
+    np.testing.assert_array_equal(learned(before).covariance, [[6.0, 1.5], [1.5, 3.0]])
+    np.testing.assert_array_equal(learned(before, 2.0).covariance, [[8.0, 2.0], [2.0, 4.0]])
+    assert learned(before).mean is before.mean
+
+
+def test_a_deviation_of_1_3_floors_is_the_likeliest() -> None:
+    """A factor of exp(0.7) either way is a standard deviation of its logarithm."""
+    usual = 1.3 * FLOOR
+    assert log_prior(usual) == pytest.approx(0.0, abs=1e-12)
+    off = usual * np.exp([0.7, -0.7, 1.4, 0.0, 0.0, 0.0])
+    assert log_prior(off) == pytest.approx(-0.5 * (1.0 + 1.0 + 4.0))
+    slope, bend = log_prior_slope(off)
+    np.testing.assert_allclose(slope, np.array([-1.0, 1.0, -2.0, 0.0, 0.0, 0.0]) / 0.7, atol=1e-12)
+    np.testing.assert_allclose(bend, np.eye(6) / 0.49)
+    assert log_prior(2.0 * off, 2.0 * FLOOR) == pytest.approx(log_prior(off))
+
+
+def test_strain_counts_in_deviations() -> None:
+    """2 cm, 2 degrees, 8 cm/s, 0.08 rad/s, 5 cm of air, and the latent wrench by its own."""
+    for k, size in ((0, 0.02), (2, 0.02), (3, np.radians(2.0)), (5, np.radians(2.0)), (6, 0.08),
+                    (8, 0.08), (9, 0.08), (11, 0.08), (RANDOM - 1, 0.05 * 12.0)):  # fmt: skip
+        random = np.zeros((2, RANDOM))
+        random[1, k] = 3.0 * size
+        assert strain(Point(None, None, random), DEVIATIONS) == pytest.approx(9.0, rel=0.01)
+    # A force that is the same at all knots of two axes: (1, ..., 1) K (1, ..., 1) is
+    # 1 + 8 tanh(1 / 4) of a process that forgets half of 1.5 s between two knots.
+    random = np.zeros((2, RANDOM))
+    random[0, 12:30] = np.repeat(2.0 * DEVIATIONS[:2], 9)
+    expected = 2.0 * 4.0 * (1.0 + 8.0 * np.tanh(0.25))
+    assert strain(Point(None, None, random), DEVIATIONS) == pytest.approx(expected)
+
+
+def _elsewhere(linear: Linear) -> Pieces:
+    """Return the flight about a point at which its unknowns do not rest."""
+    rng = np.random.default_rng(2)
+    scale = np.concatenate([STATE, np.repeat(DEVIATIONS, KNOTS), [PIECE_PRESSURE]])
+    random = scale * rng.normal(size=linear.point.random.shape)
+    return Pieces(replace(linear, point=replace(linear.point, random=random)))
+
+
+def test_a_flight_is_reduced_alike_whatever_else_is_wanted(gtmab: Known, linear: Linear) -> None:
+    pieces = _elsewhere(linear)
+    whole, found = pieces.reduced(DEVIATIONS), pieces.solution(DEVIATIONS)
+    size = np.sqrt(np.diag(whole.products))
+    size = np.outer(size, size) + 1e-300
+    np.testing.assert_allclose(found.reduced.products / size, whole.products / size, atol=1e-7)
+    assert found.reduced.constant == pytest.approx(whole.constant)
+    kept = np.flatnonzero(tolerances(gtmab[1]).free)
+    some = pieces.narrowed(kept)
+    index = np.append(kept, len(linear.names))
+    np.testing.assert_allclose(
+        some.reduced(DEVIATIONS).products, whole.products[np.ix_(index, index)]
+    )
+    assert some.linear.names == tuple(linear.names[k] for k in kept)
+    np.testing.assert_array_equal(some.linear.point.values, linear.point.values[kept])
+    prior, at = tolerances(gtmab[1]), linear.point.values
+    assert evidence_of(whole, at, prior) == fitted(whole, at, prior).log_evidence
+
+
+def test_unknowns_of_pieces_are_those_of_the_dense_least_squares(linear: Linear) -> None:
+    """Of the readings and of what is known beforehand, at another vehicle than the point's."""
+    pieces = _elsewhere(linear)
+    change = 1e-3 * np.random.default_rng(4).normal(size=len(linear.names))
+    found = pieces.solved(DEVIATIONS, change)
+    knots = np.linalg.inv(np.exp(-0.5 * np.abs(np.subtract.outer(np.arange(9), np.arange(9)))))
+    precision = np.zeros((RANDOM, RANDOM))
+    precision[np.diag_indices(12)] = STATE**-2.0
+    precision[12:66, 12:66] = np.kron(np.diag(DEVIATIONS**-2.0), knots)
+    precision[66, 66] = PIECE_PRESSURE**-2.0
+    for s, gram in enumerate(linear.grams):
+        before = pieces.linear.point.random[s]
+        # The slope of the misfit and of the strain, at what is found, is 0.
+        step = found[s] - before
+        pull = gram[:RANDOM, -1] - gram[:RANDOM, :RANDOM] @ step
+        pull -= gram[:RANDOM, RANDOM:-1] @ change
+        slope = (pull - precision @ found[s]) / np.sqrt(
+            np.diag(gram[:RANDOM, :RANDOM] + precision)
+        )
+        assert np.abs(slope).max() < 1e-6 * np.abs(pull).max()

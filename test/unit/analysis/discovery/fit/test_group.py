@@ -92,3 +92,49 @@ def test_a_vehicle_ten_times_as_heavy_has_a_floor_ten_times_as_high(gtmab: Known
     ratio = floor_of(heavy) / floor_of(nominal)
     np.testing.assert_allclose(ratio, [10.0] * 3 + [5.0] * 3)
     np.testing.assert_allclose(floor_of(nominal), FLOOR, rtol=0.02)
+
+
+def test_flights_stand_together_where_they_share_what_is_shared(
+    gtmab: Known, halves: tuple[Pieces, Pieces]
+) -> None:
+    """Whatever is their own may differ."""
+    variance = own_variance(gtmab[1])
+    group = Group(halves, np.zeros(len(variance)), variance)
+    assert group.aligned
+    assert not Group(halves, np.zeros(len(variance)), np.zeros(len(variance))).aligned
+    k = int(np.flatnonzero(variance == 0.0)[0])
+    there = np.zeros(len(variance))
+    there[k] = 1e-3
+    assert not replace(group, at=there).aligned
+    assert replace(group, at=1e-10 * there).aligned  # but for rounding
+    joined = Group(halves[:1], there, variance).joined(Group(halves[1:], group.at, 2 * variance))
+    assert joined.pieces == halves
+    assert joined.at is there
+    assert joined.variance is variance
+
+
+def test_a_flight_that_stands_elsewhere_is_told_where_the_group_stands(
+    gtmab: Known, halves: tuple[Pieces, Pieces]
+) -> None:
+    """As linear as it is, its shared values move and its residual with them."""
+    variance, linear = own_variance(gtmab[1]), halves[1].linear
+    k = int(np.flatnonzero((variance == 0.0) & (tolerances(gtmab[1]).free))[0])
+    stands, at = np.zeros((2, len(variance)))
+    stands[k], at[k] = np.array([0.3, -0.5]) * np.sqrt(tolerances(gtmab[1]).covariance[k, k])
+    single = Pieces(replace(linear, point=replace(linear.point, values=stands)))
+    moved, still = (Group((single,), where, variance) for where in (at, stands))
+    prior = shared(gtmab[1], NAMED)
+    one, other = (fitted(each.reduced(FLOOR), each.at, prior) for each in (moved, still))
+    assert one.log_evidence == pytest.approx(other.log_evidence, abs=1e-4)
+    np.testing.assert_allclose(one.mean, other.mean, rtol=1e-5, atol=1e-9)
+    alone = fitted(single.reduced(FLOOR), stands, tolerances(gtmab[1], NAMED))
+    assert other.log_evidence == pytest.approx(alone.log_evidence, abs=1e-4)
+    narrow, kept = moved.narrowed(np.zeros(len(at), dtype=bool))
+    assert kept.tolist() == sorted([*np.flatnonzero(variance), k])
+    index = np.append(kept, len(at))
+    expected = moved.reduced(FLOOR).products[np.ix_(index, index)]
+    size = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
+    np.testing.assert_allclose(narrow.reduced(FLOOR).products / size, expected / size, atol=1e-9)
+    assert narrow.at.tolist() == at[kept].tolist()
+    free = prior.free
+    assert still.narrowed(free)[1].tolist() == np.flatnonzero(free | (variance > 0.0)).tolist()

@@ -1,7 +1,9 @@
 """What the pieces disagree about counts; where the noise is as taken, it is what was expected."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
+from lta_analysis.discovery.fit import piecewise
 from lta_analysis.discovery.fit.evidence import FLOOR, own_variance, Pieces, shared
 from lta_analysis.discovery.fit.fit import Fitter, Joint
 from lta_analysis.discovery.fit.piecewise import variance
@@ -43,3 +45,36 @@ def test_noise_larger_than_taken_is_seen_by_the_pieces(begun: tuple[Fitter, Join
     after, before = np.diag(told.fitted.covariance), np.diag(joint.prior.covariance)
     shown = joint.prior.free & (after < 0.1 * before)  # by the flight, not beforehand
     assert np.max(variance(told)[shown] / after[shown]) > 2.0  # of 4 where no force hides it
+
+
+def test_a_piece_is_left_out_for_what_it_has_drawn_to_itself(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """
+    One knob of variance 0.04 after three pieces of information 1, 5 and 24 and a prior of 2.
+
+    They pull by what they say less what the knob, 0.1 above the point, has answered already, and
+    have drawn 4, 20 and 96 % of it, of which 90 % count.
+    """
+    products = np.zeros((3, 2, 2))
+    products[:, 0, 0], products[:, 0, 1] = (1.0, 5.0, 24.0), (0.5, -1.0, 2.0)
+    monkeypatch.setattr(piecewise, 'each_piece', lambda linear, deviations: products)
+    fitted = SimpleNamespace(covariance=np.array([[0.04]]), mean=np.array([0.3]))
+    linear = SimpleNamespace(point=SimpleNamespace(values=np.array([0.2])))
+    joint = SimpleNamespace(
+        fitted=fitted,
+        prior=SimpleNamespace(free=np.array([True]), covariance=np.array([[0.5]])),
+        members=[SimpleNamespace(linear=linear, fitted=fitted)],
+        deviations=None,
+        group=SimpleNamespace(variance=np.zeros(1)),
+    )
+    pulls = 0.04 * np.array([0.4, -1.5, -0.4]) / np.array([0.96, 0.8, 0.1])
+    np.testing.assert_allclose(variance(joint), [np.sum(pulls**2) + 0.04**2 * 2.0])
+    # As much for a knob that is each flight's own and answers to nobody: its prior alone.
+    joint.group.variance = np.array([0.25])
+    through = 1.0 - 30.0 / 34.0
+    scores = np.array([0.4, -1.5, -0.4]) * through
+    drawn = 0.04 * np.array([1.0, 5.0, 24.0]) * through**2
+    expected = np.sum((0.04 * scores / (1.0 - drawn)) ** 2)
+    expected += 0.04**2 * (2.0 + (30.0 / 34.0) ** 2 * 4.0)
+    np.testing.assert_allclose(variance(joint), [expected])

@@ -12,7 +12,7 @@ from lta_analysis.discovery.flights.measured import (
     Streams,
     WARM_UP,
 )
-from lta_analysis.discovery.flights.noise import noise_of
+from lta_analysis.discovery.flights.noise import LEAST, noise_of, pose_noise
 from lta_analysis.discovery.flights.streams import streams_of
 from lta_analysis.discovery.flights.windows import windows
 from lta_analysis.discovery.model.rotations import exponential
@@ -120,3 +120,52 @@ def test_a_held_value_counts_from_when_it_came() -> None:
     means = held_means(told, np.array([0.0, 1.0, 2.0, 3.0]))
     # 0.5 s of 1; 0.25 s of 1, 0.25 s of 3, 0.5 s of -2; all -2.
     np.testing.assert_allclose(means[:, 0], [0.5, 0.0, -2.0], atol=1e-12)
+
+
+def _shaking(amplitudes: list[float], count: int = 40) -> np.ndarray:
+    """Return series that go up and down by their amplitudes: third differences of 8 times that."""
+    return np.outer((-1.0) ** np.arange(count), amplitudes)
+
+
+UNIT = 8.0 / 0.6745 / 20.0**0.5  # noise with 1 + 9 + 9 + 1 of its variance in a third difference
+
+
+@pytest.mark.parametrize(('count', 'known'), [(10, False), (11, True), (40, True)])
+def test_noise_takes_eight_third_differences(count: int, known: bool) -> None:
+    found = noise_of(_shaking([0.5], count)[:, 0])
+    assert found == (pytest.approx(0.5 * UNIT) if known else np.inf)
+
+
+def test_the_noise_of_a_turn_is_twice_that_of_its_quaternion() -> None:
+    """A quaternion has three free numbers of four, each half a turn."""
+    levels, alike = pose_noise(_shaking([0.01, 0.02, 0.03, 1e-3, 2e-3, 3e-3, 4e-3]))
+    turn = 2.0 * np.sqrt((1.0 + 4.0 + 9.0 + 16.0) / 3.0) * 1e-3
+    np.testing.assert_allclose(levels, UNIT * np.array([0.01, 0.02, 0.03, turn, turn, turn]))
+    assert alike == 1.0
+
+
+@pytest.mark.parametrize(('middle', 'filtered'), [(0.19, True), (0.21, False)])
+def test_a_tracker_of_a_fifth_of_the_least_noise_was_filtered(
+    middle: float, filtered: bool
+) -> None:
+    """By the median of its axes; then 8 mm and 16 mrad, of 12.5 poses that say the same."""
+    size = [0.0, middle * 5e-4 / UNIT, 0.1, 0.0, 0.0, 0.0, 0.0]
+    levels, alike = pose_noise(_shaking(size))
+    largest = 0.1 * UNIT
+    if filtered:
+        expected = np.array([8e-3, 8e-3, largest, 16e-3, 16e-3, 16e-3]) * 12.5**0.5
+    else:
+        expected = np.array([5e-4, 5e-4, largest, 1e-3, 1e-3, 1e-3])
+    np.testing.assert_allclose(levels, expected)
+    assert alike == (12.5 if filtered else 1.0)
+
+
+def test_no_sensor_is_taken_for_better_than_it_can_be() -> None:
+    """0.3 mrad/s, 3 mm/s2, 1 mm and 0.3 Pa, of readings that do not change at all."""
+    told = helix()
+    others = {'rates': np.zeros((len(TIME), 3)), 'force': np.zeros((len(TIME), 3)),
+              'range': np.zeros((len(TIME), 1)), 'pressure': np.zeros((len(TIME), 1))}  # fmt: skip
+    streams = {name: Stream(TIME, values) for name, values in others.items()}
+    found = measured(replace(told, others=streams))
+    assert found.noise[6:].tolist() == [3e-4] * 3 + [3e-3] * 3 + [1e-3, 0.3]
+    assert len(LEAST) == len(found.noise)

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+from lta_analysis.discovery.flights.measured import Measured, Stream
 from lta_analysis.discovery.flights.outliers import wild, without_outliers
 from lta_analysis.discovery.replay.linearise import Linearised
 import numpy as np
@@ -42,3 +43,63 @@ def test_a_wild_pose_goes_as_a_whole_and_a_clean_flight_stays(clean: Linearised)
     rest = np.arange(len(position)) != 333
     np.testing.assert_array_equal(mended.position[rest], flight.position[rest])
     np.testing.assert_array_equal(mended.readings, flight.readings)
+
+
+def _still(quaternion: float) -> Measured:
+    """Return a flight that rests, with one attitude off and two wild readings."""
+    n = 100
+    turn = np.tile([0.0, 0.0, 0.0, 1.0], (n, 1))
+    turn[50, 1] = quaternion
+    readings = np.zeros((n, 8))
+    readings[20, 0], readings[30, 7] = 13.0 * 0.01, 13.0 * 0.5
+    noise = np.array([1e-3, 1e-3, 1e-3, 2e-3, 4e-3, 3e-3] + [0.01] * 7 + [0.5])
+    time, nothing = 0.04 * np.arange(n), Stream(np.zeros(1), np.zeros((1, 4)))
+    return Measured(time, np.zeros((n, 3)), turn, readings, noise, np.ones(n, bool), nothing, time)
+
+
+@pytest.mark.parametrize(('quaternion', 'wild_poses'), [(0.0235, 0), (0.0245, 1)])
+def test_half_of_the_largest_turn_is_the_noise_of_a_quaternion(
+    quaternion: float, wild_poses: int
+) -> None:
+    """Of 4 mrad, 12 times 2e-3; the readings are 13 times theirs."""
+    found, count = without_outliers(_still(quaternion))
+    assert count == 2 + wild_poses
+    assert np.flatnonzero(np.isnan(found.quaternion).all(axis=1)).tolist() == [50] * wild_poses
+    assert np.argwhere(np.isnan(found.readings)).tolist() == [[20, 0], [30, 7]]
+
+
+@pytest.mark.parametrize(('length', 'found'), [(8, 8), (9, 9), (10, 0)])
+def test_more_than_nine_readings_in_a_row_are_no_outliers(length: int, found: int) -> None:
+    """
+    Up and down by 1 about a rest of 0: off the cubic by 11 / 6 at the ends and by 8 / 3 between.
+
+    The neighbours are off by 5 / 6, which twelve deviations of 0.075 allow.
+    """
+    values = np.zeros(60)
+    values[30 : 30 + length] = (-1.0) ** np.arange(length)
+    assert wild(values, 0.075).sum() == found
+
+
+def test_what_is_off_by_less_than_a_third_of_the_worst_is_the_error_of_the_cubic() -> None:
+    values = np.zeros(60)
+    values[30:33] = 1.0, 0.32, -0.28
+    assert np.flatnonzero(wild(values, 1e-3)).tolist() == [30, 31]
+
+
+def test_a_cubic_however_steep_has_no_wild_readings() -> None:
+    """Fourth differences of it are 0; of t ^ 4 they are 24, a sixth of which is off."""
+    time = np.arange(40.0)
+    assert not wild(time**3, 1e-6).any()
+    values = time**3
+    values[20] += 0.02
+    assert np.flatnonzero(wild(values, 1e-3)).tolist() == [20]
+    assert np.flatnonzero(wild(values, 1.7e-3)).tolist() == []
+
+
+@pytest.mark.parametrize(('length', 'missing', 'found'), [(6, 0, []), (7, 0, [2]), (7, 1, [])])
+def test_a_wild_reading_needs_six_neighbours(length: int, missing: int, found: list[int]) -> None:
+    """Of five on either side; a reading that is missing tells nothing."""
+    values = np.zeros(length)
+    values[2] = 1.0
+    values[length - missing :] = np.nan
+    assert np.flatnonzero(wild(values, 0.06)).tolist() == found

@@ -28,3 +28,29 @@ def test_what_differs_in_numbers_alone_is_a_range() -> None:
 def test_one_flight_twice_is_one_flight() -> None:
     assert said_once(['A: 2 s are odd.', 'A: 3 s are odd.'], 9) == ['A: 2 to 3 s are odd.']
     assert said_once(['A is late.', 'A is late.'], 9) == ['A is late.']
+
+
+def test_three_flights_are_named_and_more_are_counted() -> None:
+    for count, names in ((2, 'A, B'), (3, 'A, B, C'), (4, 'A, B, C and 1 more')):
+        late = [f'{name} is late.' for name in 'ABCD'[:count]]
+        assert said_once(late) == [f'{names} are late.']
+
+
+def test_how_many_flights_there_are_is_said_of_two_and_more() -> None:
+    odd = ['A: 3 are odd.', 'B: 3 are odd.']
+    assert said_once(odd, 2) == ['In 2 of 2 flights (A, B): 3 are odd.']
+    assert said_once(odd, 1) == said_once(odd) == ['A, B: 3 are odd.']
+
+
+def test_only_numbers_of_their_own_are_ranges() -> None:
+    """Not those in a name or a word, and nothing in a sentence of what is."""
+    said = ['A: lost_3 misses 1.5 s.', 'B: lost_3 misses 0.5 s.', 'C: lost_4 misses 1 s.']
+    assert said_once(said, 3) == [
+        'In 2 of 3 flights (A, B): lost_3 misses 0.5 to 1.5 s.', 'C: lost_4 misses 1 s.',
+    ]  # fmt: skip
+    assert said_once(['A is 1 s late.', 'B is 2 s late.']) == ['A is 1 s late.', 'B is 2 s late.']
+
+
+def test_a_sentence_that_begins_with_no_name_stays() -> None:
+    said = ['The flight, A: is odd.', 'The other flight is odd.', 'A 1: 2 are odd.']
+    assert said_once(said * 2, 2) == said

@@ -1,5 +1,7 @@
 """Which flights teach, confirm and are held out where nobody says."""
 
+from dataclasses import replace
+
 from lta_analysis.discovery.flights.measured import Measured, measured, Stream, Streams
 from lta_analysis.discovery.flights.splitting import assigned, ONE, part, ROLES, TWO
 from lta_config.errors import BadInput
@@ -59,3 +61,40 @@ def test_what_is_given_stays_and_nothing_to_learn_from_is_refused(flight: Measur
     assert assigned(flights) == (flights, [])
     with pytest.raises(BadInput, match='learn from'):
         assigned([('B', 'confirm', flight)])
+
+
+def _usable(flight: Measured, count: int) -> Measured:
+    """Return the flight with so many usable points."""
+    usable = np.zeros(len(flight.usable), dtype=bool)
+    usable[100 : 100 + 3 * count : 3] = True
+    return replace(flight, usable=usable)
+
+
+def test_ten_points_in_three_parts_are_four_three_and_three(flight: Measured) -> None:
+    """A point belongs to the part that ends with it."""
+    found, _ = assigned([('A', 'train', _usable(flight, 10))])
+    where = [np.flatnonzero(each.usable).tolist() for _, _, each in found]
+    assert where == [[100, 103, 106, 109], [112, 115, 118], [121, 124, 127]]
+
+
+def test_ten_points_in_two_parts_are_six_and_four(flight: Measured) -> None:
+    found, _ = assigned([('A', 'train', _usable(flight, 10)), ('H', 'holdout', flight)])
+    assert [int(each.usable.sum()) for _, _, each in found[:2]] == [6, 4]
+    assert found[1][2].usable[[118, 121, 124, 127]].all()
+
+
+@pytest.mark.parametrize(('count', 'kept'), [(0, 0), (1, 1), (2, 1)])
+def test_a_part_of_hardly_any_points_is_what_there_is(
+    flight: Measured, count: int, kept: int
+) -> None:
+    """Of one point, all of it comes at its end; of two, the second does."""
+    assert part(_usable(flight, count), 0.5, 1.0).usable.sum() == kept
+
+
+@pytest.mark.parametrize(('count', 'teach'), [(2, 1), (3, 2), (4, 2), (5, 3)])
+def test_of_an_odd_number_of_flights_one_more_teaches(
+    flight: Measured, count: int, teach: int
+) -> None:
+    found, _ = assigned([(f'F{k}', 'train', flight) for k in range(count)])
+    assert [role for _, role, _ in found] == ['train'] * teach + ['confirm'] * (count - teach)
+    assert [name for name, _, _ in found] == [f'F{k}' for k in range(count)]

@@ -3,11 +3,9 @@
 from dataclasses import replace
 from typing import Final
 
-from lta_analysis.bag.channels import Channel
 from lta_analysis.discovery.fit.evidence import floor_of, own_variance, shared
 from lta_analysis.discovery.fit.fit import Fitter
 from lta_analysis.discovery.flights.measured import measured, PERIOD, Stream, Streams
-from lta_analysis.discovery.flights.streams import in_duties, streams_of
 from lta_analysis.discovery.flights.windows import windows
 from lta_analysis.discovery.model.knobs import knobs
 from lta_analysis.discovery.model.nominal import Nominal
@@ -88,64 +86,6 @@ def test_a_short_gap_ends_no_piece(driven: Linearised) -> None:
         assert inside.any()
         assert not np.isfinite(flight.position[inside]).any()
         assert flight.usable[inside].all() == (end - begin < 0.5)
-
-
-def channel(name: str, time: Array, values: Array) -> Channel:
-    """Return a channel."""
-    return Channel(name, '', time, values)
-
-
-def recorded(wrench: dict[str, float], motors: dict[str, float]) -> dict[str, Channel]:
-    """Return the channels of a resting pose and constant commands."""
-    time = np.arange(0.0, 2.0, 1.0 / RATE)
-    zero = np.zeros_like(time)
-    pose = [f'pose/pose.position.{axis}' for axis in 'xyz']
-    turn = [f'pose/pose.orientation.{angle}' for angle in ('yaw', 'pitch', 'roll')]
-    told = {name: channel(name, time, zero) for name in (*pose, *turn)}
-    for name, value in {**wrench, **motors}.items():
-        told[name] = channel(name, time, zero + value)
-    return told
-
-
-def test_motors_are_taken_before_a_wrench() -> None:
-    """A drone that records both is not pushed twice."""
-    wrench = {'wrench_command/wrench.force.x': 0.1}
-    both = streams_of(recorded(wrench, {'motors/effort.one': 0.5}), ('one',))
-    assert both.wrench is None
-    assert both.commands.values[0].tolist() == [0.5]
-
-
-def test_a_wrench_may_leave_axes_out() -> None:
-    """NaN, or not there: nobody commands it."""
-    wrench = {'wrench_command/wrench.force.x': 0.1, 'wrench_command/wrench.torque.z': np.nan}
-    told = streams_of(recorded(wrench, {}), ('one',)).wrench
-    assert told is not None
-    assert told.values[0].tolist() == [0.1, 0.0, 0.0, 0.0, 0.0, 0.0]
-
-
-MAPPING: Final = 'topics: [{topic: motors, actuators: {left: {effort: {column: a, unit: N}}}}]'
-
-
-@pytest.mark.parametrize(
-    ('vehicle', 'provenance', 'told', 'duty'),
-    [
-        ('rgblimp', {}, 0.03, 0.5),  # 0.060 N at full duty
-        ('rgblimp', {}, 0.3, 0.3),  # more than it has in newtons
-        ('gtmab', {'mapping_file': MAPPING}, 0.0915 / 4 + 0.0677 / 2, 0.5),  # a u2 + b u
-        ('gtmab', {}, 0.05, 0.05),
-        ('gtmab', {'mapping_file': 'topics: [5, {topic: motors, actuators: 7}]'}, 0.05, 0.05),
-        ('gtmab', {'mapping_file': 'topics: ['}, 0.05, 0.05),
-    ],
-)
-def test_newtons_become_duties(
-    vehicle: str, provenance: dict[str, str], told: float, duty: float
-) -> None:
-    """By what the import says, or by how faint the rotors are."""
-    nominal = Nominal.of(load_vehicle(vehicle))
-    time = np.zeros(1)
-    streams = Streams(Stream(time, np.zeros((1, 7))), Stream(time, np.full((1, 2), told)))
-    found = in_duties(streams, nominal, provenance).commands.values
-    assert found == pytest.approx(np.full((1, 2), duty), rel=1e-3)
 
 
 def test_poses_smoother_than_any_tracker_count_for_less() -> None:

@@ -1,7 +1,10 @@
 """What forecasts warn of."""
 
+from dataclasses import replace
+
 from lta_analysis.discovery.finding import Gap
 from lta_analysis.discovery.forecast.cautions import cautions
+import pytest
 
 
 def gap(channel: str, horizon: float, before: float, after: float, coast: float, most: float):
@@ -29,3 +32,18 @@ def test_a_fit_that_predicts_worse_is_said_and_so_is_a_model_of_no_use() -> None
 
 def test_a_fit_that_helps_is_not_warned_of() -> None:
     assert cautions([gap('position', 5.0, 0.3, 0.1, 0.5, 0.7)]) == []
+
+
+@pytest.mark.parametrize(('most', 'worse'), [(0.0, 0), (-1e-6, 1)])
+def test_a_fit_is_worse_where_even_the_best_of_its_interval_is(most: float, worse: int) -> None:
+    assert len(cautions([gap('position', 5.0, 0.3, 0.31, 0.5, most)])) == worse
+
+
+@pytest.mark.parametrize('better', ['before', 'tuned', 'after'])
+def test_a_model_is_of_use_where_any_predicts_as_well_as_keeping_velocity(better: str) -> None:
+    told = replace(gap('attitude', 3.0, 0.5, 0.5, 0.3, 0.7), **{better: 0.3})
+    assert cautions([told]) == []
+    (idle,) = cautions([replace(told, coast=0.29)])
+    assert (
+        idle == 'Keeping velocity and rates predicts better than any model (attitude after 3 s).'
+    )

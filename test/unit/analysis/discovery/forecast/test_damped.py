@@ -41,3 +41,36 @@ def test_damping_is_eased_and_raised() -> None:
     """Fivefold, and never below the least."""
     assert next_damping(START, False) == pytest.approx(5.0 * START)
     assert next_damping(LEAST, True) == LEAST
+    assert next_damping(1.0, True) == 0.2
+    assert next_damping(1.0, False) == 5.0
+    assert next_damping(4.9e-5, True) == LEAST == 1e-5
+
+
+@pytest.mark.parametrize(
+    ('at', 'right', 'expected'),
+    [
+        ((0.0, 5.0), (3.0, 3.0), (3.0, 5.0)),  # the second is at its upper bound
+        ((0.0, 5.0), (3.0, -3.0), (3.0, 2.0)),  # and may go down from there
+        ((0.0, 5.0), (-3.0, 3.0), (0.0, 5.0)),  # both are held
+        ((1.0, 4.0), (-3.0, 3.0), (0.0, 5.0)),  # both end at their bounds
+        ((0.0, 0.0), (9.0, -1.0), (5.0, 0.0)),
+    ],
+)
+def test_a_knob_is_held_only_where_it_is_pushed_beyond_its_bound(
+    at: tuple[float, float], right: tuple[float, float], expected: tuple[float, float]
+) -> None:
+    low, high = np.zeros(2), np.full(2, 5.0)
+    found = bounded(np.eye(2), np.array(right), np.array(at), low, high)
+    np.testing.assert_allclose(found, expected)
+
+
+def test_what_is_held_may_free_nobody_and_hold_another() -> None:
+    """
+    Of three at a bound the first is held, then the second, and the third moves alone.
+
+    Freely (5 4 0; 4 5 0; 0 0 2) x = (-9, -1, 4): -41/9 and 31/9; without the first: -1/5.
+    """
+    inner = np.array([[5.0, 4.0, 0.0], [4.0, 5.0, 0.0], [0.0, 0.0, 2.0]])
+    right, high = np.array([-9.0, -1.0, 4.0]), np.full(3, 9.0)
+    found = bounded(inner, right, np.zeros(3), np.zeros(3), high)
+    np.testing.assert_allclose(found, [0.0, 0.0, 2.0])

@@ -12,6 +12,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 RNG = np.random.default_rng(1)
+AXIS = np.array([0.6, 0.0, 0.8])
 A, B = RNG.normal(size=(2, 50, 3))
 
 
@@ -28,3 +29,9 @@ def test_operations_are_those_of_scipy() -> None:
 def test_small_rotations_keep_their_size() -> None:
     tiny = np.array([[1e-9, -2e-9, 3e-9], [0.0, 0.0, 0.0], [1e-5, 0.0, 0.0]])
     np.testing.assert_allclose(logarithm(exponential(tiny)), tiny, rtol=1e-7, atol=1e-16)
+
+
+def test_half_a_turn_keeps_its_axis_and_more_is_less_the_other_way() -> None:
+    np.testing.assert_allclose(logarithm(np.array([0.6, 0.0, 0.8, 0.0])), np.pi * AXIS)
+    turned = logarithm(exponential((np.pi + 0.1) * AXIS))
+    np.testing.assert_allclose(turned, -(np.pi - 0.1) * AXIS)

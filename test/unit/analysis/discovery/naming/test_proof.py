@@ -3,7 +3,10 @@
 from types import SimpleNamespace
 from unittest import mock
 
+from lta_analysis.discovery.fit.evidence import Prior
+from lta_analysis.discovery.fit.group import Group
 from lta_analysis.discovery.naming.proof import Proof
+import numpy as np
 import pytest
 
 
@@ -29,3 +32,202 @@ def test_the_better_of_two_names_stands(
     assert name == named
     assert fitted is (then if named == 'other' else full)
     assert found == others
+
+
+def _proof(*knobs: tuple[str, float]) -> Proof:
+    """Return a proof of such candidates, by name and typical size, without flights."""
+    proof = object.__new__(Proof)
+    proof.knobs = [SimpleNamespace(name=name, typical=typical) for name, typical in knobs]
+    proof._order = [name for name, _ in knobs]
+    proof.fitter = mock.Mock()
+    return proof
+
+
+def _worth(evidence: float) -> SimpleNamespace:
+    return SimpleNamespace(evidence=evidence)
+
+
+def test_a_cost_is_refitted_unless_it_is_certain() -> None:
+    """Of 60 nats about the old point."""
+    asked = []
+    linear, refitted = {'a': 139.9, 'b': 140.1, 'c': 140.0}, {'b': 150.0}
+
+    def without(self, last, name, names):
+        asked.append((name, names))
+        return _worth(linear[name])
+
+    with (
+        mock.patch.object(Proof, '_without', without),
+        mock.patch.object(Proof, '_changed', lambda self, last, name, _: _worth(refitted[name])),
+    ):
+        costs = _proof()._costs(('a', 'b', 'c'), _worth(200.0), _worth(1.0))
+    assert costs == pytest.approx({'a': 60.1, 'b': 50.0, 'c': 60.0})
+    assert asked == [('a', ('b', 'c')), ('b', ('a', 'c')), ('c', ('a', 'b'))]
+    assert _proof()._costs(('a',), _worth(200.0), _worth(180.0)) == {'a': 20.0}
+
+
+def test_what_is_near_looks_somewhat_like_it_and_costs_little() -> None:
+    """A cosine of 0.3 at least, and at most 15 nats in a linear world."""
+    proof = _proof(
+        ('a', 1.0), ('named', 1.0), ('none', 0.0), ('faint', 1.0), ('some', 1.0), ('twin', 1.0),
+        ('nan', 1.0), ('far', 1.0), ('just', 1.0),
+    )  # fmt: skip
+    cosines = [[1.0, 0.29, 0.31, -0.91, np.nan, 0.95, 0.89]]
+    lost = {'some': 14.9, 'twin': 3.0, 'far': 15.1, 'just': -2.0}
+    asked = []
+
+    def without(self, last, name, names):
+        asked.append(names)
+        return _worth(100.0 - lost[names[0]])
+
+    likeness = mock.patch(
+        'lta_analysis.discovery.naming.proof.likeness', return_value=np.array(cosines)
+    )
+    full = SimpleNamespace(evidence=100.0, reduced='r', prior='p')
+    with likeness as alike, mock.patch.object(Proof, '_without', without):
+        near = proof._near('a', ('a', 'named'), full)
+    assert alike.call_args.args[2] == ['a', 'faint', 'some', 'twin', 'nan', 'far', 'just']
+    assert asked == [(name, 'named') for name in ('some', 'twin', 'far', 'just')]
+    assert [*near] == ['just', 'twin', 'some']
+    assert near == {
+        'just': (pytest.approx(102.0), False),
+        'twin': (pytest.approx(97.0), True),
+        'some': (pytest.approx(85.1), False),
+    }
+
+
+def test_two_rivals_are_refitted_and_what_is_within_a_tie_is_told() -> None:
+    """A third counts by what it is in a linear world; nearer than 3 nats is a tie."""
+    near = {'b': (99.0, False), 'c': (98.5, False), 'd': (97.1, False), 'e': (97.0, False)}
+    refitted = {'b': 97.2, 'c': 103.0}
+    asked = []
+
+    def changed(self, last, name, names):
+        asked.append((name, names))
+        return _worth(refitted[names[1]])
+
+    with (
+        mock.patch.object(Proof, '_near', return_value=near),
+        mock.patch.object(Proof, '_changed', changed),
+    ):
+        found, _, name = _proof()._swapped('a', ('x', 'a'), _worth(100.0))
+    assert asked == [('a', ('x', 'b')), ('a', ('x', 'c'))]
+    assert name == 'a'  # 3 nats better is a tie as well
+    assert [*found] == ['c', 'b', 'd']
+
+
+def test_a_measured_value_has_no_usual_size() -> None:
+    """Of 30 typical sizes any is as good as another."""
+    proof = _proof(('a', 0.5), ('b', 2.0))
+    full = SimpleNamespace(
+        prior=Prior(np.array([1.0, 2.0]), np.diag([0.1, 0.2])), group='group', deviations='these'
+    )
+    proof._measured(full, ('a',))
+    prior, *others = proof.fitter.fit.call_args.args
+    np.testing.assert_allclose(prior.covariance, np.diag([0.1 + 225.0, 0.2]))
+    assert prior.mean.tolist() == [1.0, 2.0]
+    assert others == ['group', 'these', 4]
+    assert full.prior.covariance[0, 0] == 0.1
+
+
+def test_an_effect_is_removed_by_holding_it_at_zero() -> None:
+    proof = _proof(('a', 1.0), ('b', 1.0))
+    group = Group((), np.array([3.0, 4.0]), np.zeros(2))
+    last = SimpleNamespace(group=group, deviations='these')
+    with mock.patch('lta_analysis.discovery.naming.proof.shared', return_value='prior'):
+        proof._without(last, 'b', ('a',))
+    settled = proof.fitter.settled.call_args.args
+    assert settled[0].at.tolist() == [3.0, 0.0]
+    assert settled[1:] == ('prior', 'these')
+    begun = SimpleNamespace(prior='prior', group='group', deviations='those')
+    with mock.patch.object(Proof, '_without', return_value=begun):
+        proof._changed(last, 'b', ('a',))
+    assert proof.fitter.fit.call_args.args == ('prior', 'group', 'those', 4)
+    assert group.at.tolist() == [3.0, 4.0]
+
+
+def test_both_sides_begin_together_between_their_deviations() -> None:
+    proof = _proof(('a', 1.0))
+    sides = tuple(
+        SimpleNamespace(group=Group((name,), np.zeros(1), np.zeros(1)), deviations=np.array(size))
+        for name, size in (('teach', [1.0, 4.0]), ('confirm', [9.0, 1.0]))
+    )
+    with mock.patch('lta_analysis.discovery.naming.proof.shared', return_value='prior'):
+        proof._joined(('a',), sides)
+    prior, group, deviations, rounds = proof.fitter.fit.call_args.args
+    assert (prior, group.pieces, rounds) == ('prior', ('teach', 'confirm'), 4)
+    np.testing.assert_allclose(deviations, [3.0, 2.0])
+
+
+def test_what_costs_too_little_goes_and_the_rest_stands_by_its_costs() -> None:
+    """Below 5 nats, the weakest first; what is found later has its own cost."""
+    costs = [{'a': 4.9, 'b': 4.0, 'c': 30.0}, {'a': 5.0, 'c': 29.0}]
+    asked = []
+
+    def changed(self, last, name, names):
+        asked.append((name, names))
+        return 'changed'
+
+    step = SimpleNamespace(named='d', trials=[SimpleNamespace(together=12.0)], tied=('t',))
+    last = SimpleNamespace(named='', trials=[], tied=())
+    named = SimpleNamespace(
+        names=('a', 'b', 'c'), fits='fits', bare=(SimpleNamespace(group=Group((1, 2), 0, 0)),) * 2
+    )
+    with (
+        mock.patch.object(Proof, '_joined', lambda self, names, pair: ('joined', names)),
+        mock.patch.object(Proof, '_costs', side_effect=costs),
+        mock.patch.object(Proof, '_changed', changed),
+        mock.patch.object(
+            Proof,
+            '_swapped',
+            lambda self, name, names, full: (
+                ({'a': True, 'r': False}, 'swapped', 'e') if name == 'a' else ({}, full, name)
+            ),
+        ),
+        mock.patch.object(Proof, '_fainter', return_value=((step, last), 'full')) as fainter,
+        mock.patch.object(Proof, '_measured', return_value='measured') as measured,
+    ):
+        found = _proof().run(named)
+    assert asked == [('b', ('a', 'c'))]
+    assert fainter.call_args.args == (('e', 'c'), 'swapped', 2)
+    assert found.names == ('c', 'd', 'e')
+    assert found.costs == {'c': 29.0, 'd': 12.0, 'e': 5.0}
+    assert found.rivals == {'e': ('a', 'r'), 'c': (), 'd': ('t',)}
+    assert found.unlike == {'e': ('r',), 'c': (), 'd': ()}
+    assert measured.call_args.args == ('full', ('c', 'd', 'e'))
+    assert (found.full, found.bare, found.measured) == ('full', ('joined', ()), 'measured')
+
+
+def test_nothing_named_leaves_the_flights_bare() -> None:
+    named = SimpleNamespace(
+        names=(), fits='fits', bare=(SimpleNamespace(group=Group((1,), 0, 0)),) * 2
+    )
+    with (
+        mock.patch.object(Proof, '_joined', return_value='bare'),
+        mock.patch.object(Proof, '_fainter', lambda self, names, full, teach: ((), full)),
+    ):
+        found = _proof().run(named)
+    assert (found.names, found.full, found.measured) == ((), 'bare', 'bare')
+
+
+@pytest.mark.parametrize(('rounds', 'named'), [(['x', 'y', ''], True), ([''], False)])
+def test_fainter_effects_are_added_until_a_round_names_none(
+    rounds: list[str], named: bool
+) -> None:
+    """Then the flights are settled once more, if any was named."""
+    proof = _proof()
+    proof.fitter.settled.return_value = 'settled'
+    quiet = SimpleNamespace(group='group', prior='prior', deviations='these')
+    steps = iter(SimpleNamespace(named=name) for name in rounds)
+    asked = []
+
+    def following(names, last):
+        asked.append(names)
+        return next(steps), quiet
+
+    faint = mock.Mock(quiet=lambda full: quiet, next=following)
+    with mock.patch('lta_analysis.discovery.naming.proof.Faint', return_value=faint):
+        found, full = proof._fainter(('a',), 'full', 1)
+    assert [step.named for step in found] == rounds
+    assert asked == [('a', *rounds[:k]) for k in range(len(rounds))]
+    assert full == ('settled' if named else 'full')

@@ -1,7 +1,15 @@
 """A forcing that knots cannot follow is a line; noise of any colour has none."""
 
 from lta_analysis.discovery.flights.measured import CHANNELS, PERIOD
-from lta_analysis.discovery.outside.spectral_line import Line, lines, spectrum, telling
+from lta_analysis.discovery.outside import spectral_line
+from lta_analysis.discovery.outside.spectral_line import (
+    Line,
+    lines,
+    Spectrum,
+    spectrum,
+    telling,
+    whole,
+)
 import numpy as np
 import pytest
 
@@ -112,6 +120,12 @@ def test_a_line_that_moves_nothing_is_not_told() -> None:
     assert telling([faint], INVERSE, 0.1 * FLOOR) == (faint,)
 
 
+def test_each_channel_of_pose_and_imu_has_its_unit() -> None:
+    units = ['m', 'm', 'm', *['rad'] * 3, *['rad/s'] * 3, *['m/s2'] * 3]
+    assert CHANNELS[:12] == spectral_line.LOOKED_AT
+    assert [Line(channel, 2.0, 1.0, 9.0).unit for channel in CHANNELS[:12]] == units
+
+
 def test_what_the_knots_follow_is_no_line() -> None:
     flights, noise = [_left(1), _left(2)], [np.ones(len(CHANNELS))] * 2
     for hertz, found in ((0.5, []), (1.0, ['q'])):
@@ -119,3 +133,156 @@ def test_what_the_knots_follow_is_no_line() -> None:
         for flight in moved:
             flight[:, :, CHANNELS.index('q')] += _wave(hertz, 1.5)
         assert [one.channel for one in lines(moved, TIMES, noise)] == found
+
+
+@pytest.mark.parametrize(('known', 'pieces'), [(134, 0), (135, 1)])
+def test_a_piece_counts_with_nine_tenths_of_its_readings(known: int, pieces: int) -> None:
+    wave = _wave(3.0, 2.0)[:1]
+    wave[:, known:] = np.nan
+    assert spectrum(wave).pieces == pieces
+
+
+def test_frequencies_begin_at_0_7_hertz() -> None:
+    """Of 10 s each is a tenth of a hertz from the next."""
+    np.testing.assert_allclose(spectrum(np.zeros((2, 250))).hertz, 0.1 * np.arange(7, 126))
+
+
+def test_a_parabola_is_no_wave_and_a_cubic_is() -> None:
+    """Whatever its size: what is slower than the knots is taken out first."""
+    ramp = np.linspace(-1.0, 1.0, SIZE)
+    slow = np.array([[1e3 + 2e3 * ramp - 3e3 * ramp**2], [5e3 * ramp]])[:, 0]
+    assert spectrum(slow).power.max() < 1e-12
+    assert whole(slow, TIME[:2], 2 * SIZE).power.max() < 1e-12
+    cubic = slow + ramp**3
+    assert spectrum(cubic).power.max() > 1e-7
+    np.testing.assert_allclose(
+        spectrum(cubic).power, spectrum(np.tile(ramp**3, (2, 1))).power, rtol=1e-4
+    )
+    gone = np.vstack([_wave(3.0, 2.0)[:1], np.full((1, SIZE), np.nan)])
+    found = whole(gone, TIME[:2], 2 * SIZE)  # by the readings that are known
+    assert found.power.max() == pytest.approx(4.0, rel=0.02)
+
+
+def test_a_flight_has_two_bins_for_each_of_its_own() -> None:
+    size = PIECES * SIZE
+    found = whole(_wave(2.0, 1.5), TIME + 7.0, size)
+    assert np.diff(found.hertz) == pytest.approx(0.5 / (size * PERIOD))
+    assert found.hertz[found.power.argmax()] == pytest.approx(2.0)
+    assert found.power.max() == pytest.approx(1.5**2, rel=0.02)
+    assert found.pieces == 1
+
+
+@pytest.mark.parametrize(
+    ('wide', 'plateau', 'kept'),
+    [(0.5, 2, False), (0.5, 3, True), (0.4, 2, False), (0.4, 3, True), (0.1, 1, False),
+     (0.1, 2, True)],
+)  # fmt: skip
+def test_a_level_is_the_median_of_an_odd_number_of_neighbours(
+    wide: float, plateau: int, kept: bool
+) -> None:
+    """Of bins 0.1 Hz apart, three at least: what is higher over more than half of them stays."""
+    power = np.ones(100)
+    power[50 : 50 + plateau] = 5.0
+    found = spectral_line._levelled(0.1 * np.arange(100), power, 3, wide)
+    assert found.level.max() == (5.0 if kept else 1.0)
+    assert found.medians.max() == (1.0 if kept else 5.0)
+    assert (found.pieces, len(found.power)) == (3, 93)
+
+
+def test_the_neighbours_of_a_bin_reach_as_far_as_is_said() -> None:
+    """2.5 Hz of the mean of pieces are 15 bins of 1/6 Hz; 1 Hz of a flight 121 of 1/120 Hz."""
+    left = _left(5)[:, :, 0]
+    for found, size in ((spectrum(left), 15), (whole(left, TIME, PIECES * SIZE), 121)):
+        at = np.arange(size, len(found.power) - size)
+        middle = [np.median(found.power[k - size // 2 : k + size // 2 + 1]) for k in at]
+        np.testing.assert_allclose(found.level[at], middle)
+
+
+def _spectra(*peaks: tuple[int, float], pieces: tuple[int, ...] = (10, 10)) -> list[Spectrum]:
+    """Return spectra of 100 bins and a level of 1, each with a peak."""
+    out = []
+    for (at, height), count in zip(peaks, pieces, strict=False):
+        power = np.ones(100)
+        power[at] = height
+        out.append(Spectrum(0.1 * np.arange(100), power, np.ones(100), count))
+    return out
+
+
+@pytest.mark.parametrize(
+    ('heights', 'found'),
+    [
+        # exp(-x) = 1e-4 / 100 at x = 13.816; 1.3 of that by ln 2 is 25.91.
+        ((25.8,), False), ((26.0,), True),
+        # exp(-x) (1 + x) = 1e-4 / 300 at x = 17.850; half of 1.3 of that by ln 2 is 16.74.
+        ((16.7, 16.7), False), ((16.8, 16.8), True),
+        # No flight less than 1.3 ln(3 / 0.01) by ln 2, 10.70.
+        ((10.6, 90.0), False), ((10.8, 90.0), True),
+    ],
+)  # fmt: skip
+def test_a_steady_line_is_as_unlikely_as_is_said(heights: tuple[float, ...], found: bool) -> None:
+    seen = _spectra(*((50, height) for height in heights))
+    assert spectral_line._steady(seen) == (50 if found else None)
+
+
+@pytest.mark.parametrize(
+    ('heights', 'apart', 'at'),
+    [
+        ((40.0, 39.0), 0, 50), ((40.0, 39.0), 2, 50), ((39.0, 40.0), 2, 52),  # the higher
+        ((40.0, 39.0), 3, 51), ((40.0, 39.0), 4, 52),  # the first between them
+        ((40.0, 39.0), 5, None),
+    ],
+)  # fmt: skip
+def test_a_steady_line_may_be_two_bins_from_its_place_in_each_flight(
+    heights: tuple[float, float], apart: int, at: int | None
+) -> None:
+    seen = _spectra((50, heights[0]), (50 + apart, heights[1]))
+    assert spectral_line._steady(seen) == at
+
+
+@pytest.mark.parametrize(
+    ('heights', 'pieces', 'found'),
+    [
+        ((4.9, 4.9), (10, 10), False), ((5.1, 5.1), (10, 10), True),  # five medians
+        ((2.9, 9.0), (10, 10), False), ((3.1, 7.0), (10, 10), True),  # three of each
+        ((3.5, 9.0), (30, 10), False), ((4.0, 9.0), (30, 10), True),  # each by its pieces
+        ((9.0, 9.0), (9, 1), False),
+        # Gamma of 4: 1e-6 beyond 21.350, half beyond 3.672; 1.3 of 5.814 is 7.56.
+        ((7.5, 7.5), (2, 2), False), ((7.6, 7.6), (2, 2), True),
+    ],
+)  # fmt: skip
+def test_a_line_of_the_pieces_stands_over_its_neighbours(
+    heights: tuple[float, float], pieces: tuple[int, int], found: bool
+) -> None:
+    seen = _spectra(*((50, height) for height in heights), pieces=pieces)
+    assert spectral_line._averaged(seen) == (50 if found else None)
+
+
+@pytest.mark.parametrize(('apart', 'found'), [(2, True), (3, False)])
+def test_a_line_of_the_pieces_may_be_a_bin_from_its_place(apart: int, found: bool) -> None:
+    seen = _spectra((50, 9.0), (50 + apart, 9.0))
+    assert spectral_line._averaged(seen) == (51 if found else None)
+
+
+def test_a_line_has_its_mean_amplitude_and_its_least_medians() -> None:
+    """Of the bin itself and its neighbours: 3 and 2 of noise of 0.1 and 0.2."""
+    first, second = _spectra((51, 9.0), (49, 4.0))
+    line = spectral_line._line('q', [first, second], 50, [0.1, 0.2])
+    assert line == ('q', pytest.approx(5.0), pytest.approx(0.5 * (0.3 + 0.4)), 4.0)
+    far = spectral_line._line('q', _spectra((2, 9.0), (1, 4.0)), 0, [1.0, 1.0])
+    assert far == ('q', 0.0, 1.5, 1.0)
+
+
+def test_the_strongest_line_comes_first_and_a_channel_without_noise_has_none() -> None:
+    flights, noise = [_left(1), _left(2)], [np.ones(len(CHANNELS)), np.ones(len(CHANNELS))]
+    for flight in flights:
+        for channel, amplitude in (('p', 1.0), ('q', 3.0), ('r', 2.0)):
+            flight[:, :, CHANNELS.index(channel)] += _wave(2.0, amplitude)
+    assert [one.channel for one in lines(flights, TIMES, noise)] == ['q', 'r', 'p']
+    noise[1][CHANNELS.index('r')] = np.inf
+    assert [one.channel for one in lines(flights, TIMES, noise)] == ['q', 'p']
+
+
+@pytest.mark.parametrize(('size', 'told'), [(0.99, False), (1.01, True)])
+def test_a_line_is_told_above_the_floor(size: float, told: bool) -> None:
+    line = Line('fz', 2.0, size * FLOOR[2] * INVERSE[2, 2] * np.sqrt(2.0), 12.0)
+    assert telling([line], INVERSE, FLOOR) == ((line,) if told else ())

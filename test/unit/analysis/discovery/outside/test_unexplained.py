@@ -1,14 +1,24 @@
 """What has no name is described: its axis, its size, and what it follows on both flights."""
 
+from types import SimpleNamespace
+
 from lta_analysis.discovery.fit.evidence import FLOOR, tolerances
 from lta_analysis.discovery.fit.fit import fit
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
-from lta_analysis.discovery.outside.unexplained import followed, remaining
-from lta_analysis.discovery.replay.linear import origin
+from lta_analysis.discovery.outside import unexplained
+from lta_analysis.discovery.outside.unexplained import (
+    followed,
+    knots_of,
+    remaining,
+    states_at_knots,
+    terms,
+)
+from lta_analysis.discovery.replay.linear import origin, RANDOM
 from lta_sim.effects.protocol import AXES
 import numpy as np
 import pytest
+from scipy.linalg import hadamard
 
 from ..hidden_flight import flown, prepared  # noqa: TID252 - `test` is Python's own
 
@@ -57,3 +67,113 @@ def test_turbulence_remains_on_the_axes_that_it_pushes(gtmab: Known) -> None:
     assert {'surge', 'sway'} <= {one.axis for one in left}
     for one in left:
         assert one.size == pytest.approx(one.floors * FLOOR[AXES.index(one.axis)])
+
+
+def test_knots_are_told_piece_by_piece_and_axis_by_axis() -> None:
+    """After the twelve of the state there are nine of surge, nine of sway, and so on."""
+    asked = []
+
+    def solved(deviations, change):
+        asked.append((deviations, change))
+        return np.arange(3.0 * RANDOM).reshape(3, RANDOM)
+
+    fitted = SimpleNamespace(
+        pieces=SimpleNamespace(solved=solved),
+        deviations='these',
+        linear=SimpleNamespace(names=tuple('abc')),
+    )
+    knots = knots_of(fitted)
+    assert knots.shape == (27, 6)
+    for piece, knot, axis in ((0, 0, 0), (0, 8, 1), (2, 3, 5)):
+        assert knots[9 * piece + knot, axis] == RANDOM * piece + 12 + 9 * axis + knot
+    assert asked[0][0] == 'these'
+    np.testing.assert_array_equal(asked[0][1], np.zeros(3))
+
+
+def test_states_are_taken_at_the_nine_knots_from_the_first_to_the_last() -> None:
+    states = np.arange(2.0 * 17 * 13).reshape(2, 17, 13)
+    flight = SimpleNamespace(trajectory=lambda point: states if point == 'here' else None)
+    fitted = SimpleNamespace(linear=SimpleNamespace(point='here'))
+    found = states_at_knots(flight, fitted)
+    np.testing.assert_array_equal(found, np.vstack([states[0, ::2], states[1, ::2]]))
+
+
+def test_terms_are_those_of_the_state() -> None:
+    """Of one state, yawed by 30 degrees."""
+    half = np.radians(15.0)
+    state = [1.0, 2.0, 3.0, 0.0, 0.0, np.sin(half), np.cos(half), 0.1, -0.2, 0.3, 0.4, 0.5, -0.6]
+    found = {name: float(value[0]) for name, value in terms(np.array([state])).items()}
+    expected = {
+        'constant': 1.0, 'x': 1.0, 'y': 2.0, 'height': 3.0, 'heading (cosine)': 0.75**0.5,
+        'heading (sine)': 0.5, 'surge speed': 0.1, 'sway speed squared': -0.04,
+        'sway speed either way': 0.2, 'heave speed squared': 0.09, 'yaw rate either way': 0.6,
+        'surge speed x sway speed': -0.02, 'surge speed x yaw rate': -0.06,
+        'pitch rate x yaw rate': -0.3,
+    }  # fmt: skip
+    assert {name: found[name] for name in expected} == pytest.approx(expected)
+    assert len(found) == 6 + 3 * 6 + 15
+
+
+# Seven series of which no one follows another, each of a mean square of 1.
+APART = hadamard(64)[:, [1, 2, 4, 8, 16, 32, 63]].astype(float)
+
+
+@pytest.mark.parametrize(
+    ('shares', 'names', 'told'),
+    [
+        ((0.90, 0.06, 0.04), 'ab', 0.96),  # a twentieth more, or it is not worth a term
+        ((0.30, 0.25, 0.20, 0.15), 'abc', 0.75),  # three at most
+        ((0.10, 0.20), 'ba', 0.30),  # the strongest first
+        ((0.16,), 'a', 0.16),
+        ((0.14,), '', 0.14),  # no more than gusts
+        ((0.04,), '', 0.0),
+    ],
+)
+def test_a_force_follows_terms_by_their_shares(
+    monkeypatch: pytest.MonkeyPatch, shares: tuple[float, ...], names: str, told: float
+) -> None:
+    known = dict(zip('abcdef', 0.01 * APART.T, strict=False))
+    monkeypatch.setattr(unexplained, 'terms', lambda states: known)
+    parts = np.zeros(7)
+    parts[: len(shares)] = shares
+    parts[6] = 1.0 - sum(shares)  # follows nothing
+    force = 3.0 * APART @ np.sqrt(parts)
+    found, share = followed([APART, APART], [force, force])
+    assert ''.join(found) == names
+    assert share == pytest.approx(told, abs=1e-4)
+
+
+def test_what_holds_on_one_flight_alone_is_not_followed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It has to explain either by what the other taught."""
+    known = dict(zip('abcd', APART[:, [0, 3, 4, 5]].T, strict=True))
+    monkeypatch.setattr(unexplained, 'terms', lambda states: known)
+    for pair in ((APART[:, 0], APART[:, 1]), (APART[:, 1], APART[:, 0])):
+        assert followed([APART, APART], pair) == ((), 0.0)
+    # Fitted where it is twice as strong it explains nothing, though half of it is there:
+    # 1 - (1 - 2) ^ 2 / 1 of the one, 1 - (1 - 1 / 2) ^ 2 = 3 / 4 of the other.
+    assert followed([APART, APART], [APART[:, 0], 2.0 * APART[:, 0]]) == ((), 0.0)
+    names, share = followed([APART, APART], [APART[:, 0], 1.5 * APART[:, 0]])
+    assert (names, share) == (('a',), pytest.approx(0.75, abs=1e-2))
+
+
+def test_an_axis_counts_where_all_flights_together_stand_clear(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """By the geometric mean of both sides: 2.449, 2.550, 3, 10, 1 and 2.49 floors."""
+    sizes = ([1.0, 1.3, 9.0, 4.0, 1.0, 2.49], [6.0, 5.0, 1.0, 25.0, 1.0, 2.49])
+    fits = [[SimpleNamespace(deviations=np.array(size) * FLOOR)] for size in sizes]
+    knots = [np.arange(12.0).reshape(2, 6), np.arange(12.0, 24.0).reshape(2, 6)]
+    monkeypatch.setattr(unexplained, '_known', lambda flights, fits: (['states'], knots))
+    asked = []
+    monkeypatch.setattr(
+        unexplained, 'followed', lambda states, forces: asked.append(forces) or (('x',), 0.5)
+    )
+    found = remaining([[], []], fits)
+    assert [one.axis for one in found] == ['roll', 'heave', 'sway']
+    np.testing.assert_allclose([one.floors for one in found], [10.0, 3.0, 6.5**0.5])
+    np.testing.assert_allclose([one.size for one in found], [8e-4, 12e-4, 4e-4 * 6.5**0.5])
+    assert [[each.tolist() for each in forces] for forces in asked] == [
+        [[k, k + 6.0], [k + 12.0, k + 18.0]] for k in (1.0, 2.0, 3.0)
+    ]
+    lower = remaining([[], []], fits, 0.5 * FLOOR, 4.95)
+    assert [one.axis for one in lower] == ['roll', 'heave', 'sway', 'yaw']

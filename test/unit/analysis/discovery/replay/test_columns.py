@@ -1,10 +1,12 @@
 """Columns are derivatives of what would be measured, and scale together as forces do."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
-from lta_analysis.discovery.replay.linear import KNOTS, origin, RANDOM
+from lta_analysis.discovery.replay import linearise
+from lta_analysis.discovery.replay.linear import KNOTS, origin, RANDOM, SENSORS
 from lta_analysis.discovery.replay.linearise import Linearised
 from lta_analysis.discovery.replay.replay import Replay, STEPS
 from lta_analysis.discovery.replay.tangent import WIDTH
@@ -69,6 +71,44 @@ def test_states_knots_and_pressure_have_theirs(
     assert _differ(change, columns[..., k]) < 0.01
 
 
+@pytest.mark.parametrize('k', range(len(SENSORS)))
+def test_errors_of_sensors_that_no_effect_has_have_theirs(
+    gtmab: Known, clean: Linearised, columns: NDArray[np.float64], k: int
+) -> None:
+    point = origin(gtmab[0], gtmab[1], len(clean.replay.first))
+    grid, rows = clean.trajectory(point)[:, ::STEPS], gtmab[0].rows()
+    values = point.values.copy()
+    values[len(gtmab[1]) + k] = 0.01
+    there = replace(point, values=values)
+    change = clean.left(grid, point, rows) - clean.left(grid, there, rows)
+    noise = clean.replay.flight.noise
+    assert _differ(change / noise / 0.01, columns[..., RANDOM + len(gtmab[1]) + k]) < 1e-9
+
+
+def test_some_pieces_have_the_columns_of_those_and_all_readings_are_counted(
+    gtmab: Known,
+    clean: Linearised,
+    columns: NDArray[np.float64],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(linearise, 'CHUNK', 2)  # however many are flown at a time
+    point = origin(gtmab[0], gtmab[1], len(clean.replay.first))
+    table, left = clean.columns(point, slice(1, 3))
+    np.testing.assert_allclose(table, columns[1:3], rtol=1e-9, atol=1e-9)
+    none = clean.at(point, np.zeros(len(gtmab[1]), dtype=bool))
+    np.testing.assert_array_equal(none.residual[1:3], left)
+    known = np.isfinite(none.residual)
+    assert none.rows.tolist() == known.sum(axis=(1, 2)).tolist()
+    full = np.concatenate([columns, none.residual[..., None]], axis=-1)
+    full[~known] = 0.0
+    full[..., RANDOM : RANDOM + len(gtmab[1])] = 0.0  # no knob is wanted
+    flat = full.reshape(len(full), -1, full.shape[-1])
+    np.testing.assert_allclose(
+        none.grams, np.swapaxes(flat, 1, 2) @ flat, rtol=1e-8, atol=1e-6 * np.abs(flat).max()
+    )
+    assert none.names == (*(knob.name for knob in gtmab[1]), *SENSORS)
+
+
 @pytest.mark.parametrize('pushed', [0.0, 0.002])
 def test_all_forces_and_inertias_scaled_together_move_nothing(
     gtmab: Known, clean: Linearised, pushed: float
@@ -112,6 +152,15 @@ def test_what_is_not_wanted_costs_nothing_and_changes_nothing(
     )
     assert not some.grams[:, RANDOM + np.flatnonzero(~wanted)].any()
     np.testing.assert_array_equal(some.residual, whole.residual)
+
+
+def test_a_piece_that_ends_after_the_flight_repeats_its_last_point() -> None:
+    """Of 100 points the last has the number 99; the time goes on."""
+    flight = SimpleNamespace(time=0.3 + 0.04 * np.arange(100), noise=np.ones(14))
+    cut = SimpleNamespace(first=np.array([3, 97]), length=5)
+    found = Linearised(SimpleNamespace(flight=flight, cut=cut, span=5 * STEPS), [], None)
+    assert found.index.tolist() == [[3, 4, 5, 6, 7], [97, 98, 99, 99, 99]]
+    np.testing.assert_allclose(found.time, 0.3 + 0.04 * np.add.outer([3, 97], np.arange(5)))
 
 
 @pytest.fixture(scope='module')

@@ -1,6 +1,7 @@
 """A change for good is as likely as an unknown more makes it, and found where it is."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 from lta_analysis.discovery.fit.evidence import fitted, Prior, tolerances
 from lta_analysis.discovery.fit.fit import Fit, fit
@@ -9,6 +10,7 @@ from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.replay.linear import origin
 from lta_analysis.discovery.replay.linearise import Linearised
+from lta_analysis.discovery.where import change_point
 from lta_analysis.discovery.where.change_point import change
 import numpy as np
 import pytest
@@ -55,9 +57,17 @@ def test_the_pieces_together_are_the_flight(quiet: Fit) -> None:
     )
 
 
-def test_what_is_won_is_the_log_evidence_of_one_unknown_more(gtmab: Known, quiet: Fit) -> None:
+@pytest.mark.parametrize('off', [0.0, 0.5])
+def test_what_is_won_is_the_log_evidence_of_one_unknown_more(
+    gtmab: Known, quiet: Fit, off: float
+) -> None:
+    """About the vehicle file, and half of each tolerance from it."""
     knobs, name, piece = gtmab[1], 'net_lift.force', 5
     this = _changed(_longer(quiet, 2), knobs, name, 0.02, piece)
+    values = this.linear.point.values + off * np.sqrt(np.diag(tolerances(knobs).covariance))
+    this = replace(
+        this, linear=replace(this.linear, point=replace(this.linear.point, values=values))
+    )
     found = change(this, knobs, 1)
     assert found is not None
     assert (found.piece, found.knob) == (piece, name)
@@ -87,3 +97,70 @@ def test_what_is_won_is_the_log_evidence_of_one_unknown_more(gtmab: Known, quiet
 def test_where_nothing_changes_nothing_is_found(gtmab: Known, quiet: Fit) -> None:
     assert change(quiet, gtmab[1], 1) is None
     assert change(_longer(quiet, 3), gtmab[1], 1) is None
+
+
+INFORMATION = 10.0  # information of each piece
+
+
+def _turned(
+    monkeypatch: pytest.MonkeyPatch, pieces: int, changed: slice, pull: float
+) -> change_point.Change | None:
+    """Return what is found where some pieces pull at one number, and harder at others."""
+    each = np.zeros((pieces, 4, 4))
+    each[:, range(3), range(3)] = INFORMATION
+    each[changed, 1, -1] = pull
+    each[changed, 0, -1] = each[changed, 2, -1] = 3.0 * pull
+    knobs = [
+        SimpleNamespace(name='vehicle.mass', typical=1.0),  # cannot change in flight
+        SimpleNamespace(name='rotor_fault.lost_1', typical=1.0),
+        SimpleNamespace(name='net_lift.force', typical=0.0),  # is no candidate
+    ]
+    held = Prior(np.zeros(3), np.zeros((3, 3)))
+    monkeypatch.setattr(change_point, 'each_piece', lambda *_: each)
+    monkeypatch.setattr(change_point, 'tolerances', lambda _: held)
+    point = SimpleNamespace(values=np.zeros(3))
+    return change(SimpleNamespace(linear=SimpleNamespace(point=point), deviations=None), knobs, 1)
+
+
+def _won(count: int, pull: float) -> float:
+    """Return the log Bayes factor of a number of variance 9 that so many pieces pull at."""
+    information = count * INFORMATION
+    square = 0.5 * (count * pull) ** 2 / (information + 1.0 / 9.0)
+    return float(square - 0.5 * np.log(1.0 + 9.0 * information))
+
+
+@pytest.mark.parametrize(('pieces', 'first'), [(8, 4), (10, 8)])
+def test_a_change_begins_with_the_first_piece_that_pulls(
+    monkeypatch: pytest.MonkeyPatch, pieces: int, first: int
+) -> None:
+    found = _turned(monkeypatch, pieces, slice(first, None), 14.0)
+    assert found is not None
+    assert (found.piece, found.knob) == (first, 'rotor_fault.lost_1')
+    assert found.won == pytest.approx(_won(pieces - first, 14.0))
+
+
+def test_what_only_the_first_two_pieces_lack_changed_after_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    found = _turned(monkeypatch, 10, slice(2, None), 14.0)
+    assert found is not None
+    assert found.piece == 2
+
+
+@pytest.mark.parametrize(('won', 'told'), [(7.9, False), (8.1, True)])
+def test_a_change_wins_eight_nats(monkeypatch: pytest.MonkeyPatch, won: float, told: bool) -> None:
+    gained = 2.0 * (won + 0.5 * np.log(1.0 + 9.0 * 40.0)) * (40.0 + 1.0 / 9.0)
+    found = _turned(monkeypatch, 8, slice(4, None), float(np.sqrt(gained)) / 4.0)
+    assert (found is not None) == told
+
+
+def test_five_pieces_have_too_few_orders_and_four_no_place(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of five one order in ten has both of two pieces at its end, whatever they pull by."""
+    assert _turned(monkeypatch, 5, slice(3, None), 99.0) is None
+    monkeypatch.setattr(change_point, 'CHANCE', 0.2)
+    found = _turned(monkeypatch, 5, slice(3, None), 99.0)
+    assert found is not None
+    assert found.piece == 3
+    assert _turned(monkeypatch, 4, slice(2, None), 99.0) is None

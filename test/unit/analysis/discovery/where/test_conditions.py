@@ -3,7 +3,13 @@
 from dataclasses import replace
 
 from lta_analysis.discovery.flights.measured import Measured, Stream
-from lta_analysis.discovery.where.conditions import conditions_of, largest, sector, speed, splits
+from lta_analysis.discovery.where.conditions import (
+    conditions_of,
+    largest,
+    sector,
+    speed,
+    splits,
+)
 import numpy as np
 import pytest
 
@@ -78,3 +84,115 @@ def test_headings_fall_into_quarters_about_the_axes_of_the_map():
 
 def test_what_never_changes_makes_no_condition():
     assert splits('height', np.full(50, 1.5), 'm') == []
+
+
+@pytest.mark.parametrize(('points', 'known'), [(13, []), (14, [6, 7]), (15, [6, 7, 8])])
+def test_a_speed_takes_six_points_on_either_side(points, known):
+    """Of t ^ 2 the difference across a place is its slope there, exactly."""
+    flight, _ = _flight(points)
+    position = np.outer(flight.time**2, [0.3, 0.0, 0.4])
+    found = speed(replace(flight, position=position))
+    assert np.flatnonzero(np.isfinite(found)).tolist() == known
+    np.testing.assert_allclose(found[known], 2.0 * 0.5 * flight.time[known])
+
+
+def test_a_commanded_force_has_no_moment_and_duties_no_sign():
+    flight, _ = _flight()
+    wrench = Stream(np.array([0.0]), np.array([[3.0, 0.0, 4.0, 7.0, 7.0, 7.0]]))
+    commands = Stream(np.array([0.0, 20.0]), np.array([[-0.2, 0.4], [-0.6, -1.0]]))
+    known = conditions_of(replace(flight, wrench=wrench, commands=commands))
+    np.testing.assert_allclose(known['commanded force'][0], 5.0)
+    assert known['duty'][0][[0, 499, 500, -1]] == pytest.approx([0.3, 0.3, 0.8, 0.8])
+    still = Stream(np.zeros(1), np.zeros((1, 2)))
+    assert 'duty' not in conditions_of(replace(flight, commands=still))
+
+
+def test_a_split_has_a_side_above_and_one_that_ends_with_its_value():
+    """Of 0, 1, ... 60 the shares 0.2, 0.25, ... 0.8 are 12, 15, ... 48."""
+    values = np.append(np.arange(61.0), np.nan)
+    found = splits('height', values, 'm')
+    assert [one.name for one in found[:2]] == ['height above 12 m', 'height below 12 m']
+    assert [one.name for one in found[-2:]] == ['height above 48 m', 'height below 48 m']
+    assert [int(one.holds.sum()) for one in found] == [
+        count for at in range(12, 49, 3) for count in (60 - at, at + 1)
+    ]
+    assert not any(one.holds[-1] for one in found)
+    assert splits('duty', values, '1')[0].name == 'duty above 12'
+
+
+def test_a_value_that_is_taken_often_makes_one_split():
+    values = np.repeat([1.0, 2.0], [90, 10])
+    assert [one.name for one in splits('height', values, 'm')] == [
+        'height above 1 m', 'height below 1 m',
+    ]  # fmt: skip
+    assert splits('height', np.full(5, np.nan), 'm') == []
+
+
+def _told(north, n, block, ratio=100.0, east=False):
+    """Return what is told of a disagreement while the heading is north, or while it is not."""
+    heading = np.zeros(n)
+    heading[10 : 10 + north] = 0.5 * np.pi
+    squares = np.ones(n)
+    squares[heading == 0.0 if east else heading > 0.0] = ratio
+    return largest(squares, {'heading': (heading, 'rad')}, block, 3).name
+
+
+@pytest.mark.parametrize(
+    ('north', 'n', 'block', 'told'),
+    [  # a tenth of all, or twice what the disagreement remembers
+        (8, 95, 2, False), (9, 95, 2, True), (9, 90, 2, True), (8, 90, 2, False),
+        (5, 40, 3, False), (6, 40, 3, True),
+        (11, 35, 6, False), (12, 35, 6, False), (12, 36, 6, True),  # and six times that in all
+    ],
+)  # fmt: skip
+def test_a_condition_holds_often_enough(north, n, block, told):
+    assert _told(north, n, block) == ('heading north' if told else 'always')
+    assert _told(north, n, block, east=True) == ('heading east' if told else 'always')
+
+
+@pytest.mark.parametrize(('ratio', 'told'), [(2.5, 'always'), (2.6, 'heading north')])
+def test_what_differs_by_less_than_three_to_five_is_not_worth_telling(ratio, told):
+    """1.58 and 1.61 of the root mean squares."""
+    assert _told(40, 95, 2, ratio) == told
+
+
+def test_a_condition_that_wins_less_than_a_nat_is_told_where_chance_wins_nothing():
+    """Of 14 rows, half of 14 ln 1.457 - 4 ln 2.6 is 0.72; the other heading wins 0."""
+    assert _told(4, 14, 2, 2.6) == 'heading north'
+
+
+@pytest.mark.parametrize('unit', [1.0, 1e-6])
+def test_of_two_conditions_the_better_is_told(unit):
+    """By the likelihood of two variances, in whatever unit; a lower one is no disagreement."""
+    squares = np.ones(200)
+    squares[50:90], squares[90:100] = 16.0, 6.0
+    wide, narrow, low = np.zeros((3, 200))
+    wide[50:100], narrow[50:90], low[100:160] = 1.0, 1.0, 1.0
+    known = {name: (values, '1') for name, values in
+             (('narrow', narrow), ('wide', wide), ('low', low))}  # fmt: skip
+    found = largest(unit * squares, known, 4, 1)
+    # n ln s less the same of each side, twice: 200 ln 4.25 - 50 ln 14 = 157.4 for wide,
+    # 200 ln 4.25 - 40 ln 16 - 160 ln 1.3125 = 135.0 for narrow.
+    assert found.name == 'wide above 0'
+    np.testing.assert_array_equal(found.holds, wide > 0.0)
+
+
+def test_a_disagreement_that_is_there_under_a_condition_alone_is_told():
+    heading = np.repeat([0.0, 0.5 * np.pi, 0.0], [30, 30, 40])
+    squares = np.where(heading > 0.0, 1.0, 0.0)
+    assert largest(squares, {'heading': (heading, 'rad')}, 2, 1).name == 'heading north'
+
+
+def test_what_chance_does_as_often_as_once_in_a_hundred_is_told():
+    """
+    A disagreement that comes back after half of the time is as large laid there.
+
+    Of 100 shifts one does so: none or one of 199 draws, with which it is told, come in 41 % of
+    all seeds (binomial), two at most in 68 %, none in 14 %.
+    """
+    heading = np.zeros(104)
+    heading[10:20] = heading[62:72] = 0.5 * np.pi
+    squares = np.where(heading > 0.0, 100.0, 1.0)
+    told = [largest(squares, {'heading': (heading, 'rad')}, 2, seed).name for seed in range(60)]
+    assert 17 <= told.count('heading north') <= 32
+    assert told.count('heading north') + told.count('always') == 60
