@@ -162,3 +162,4 @@ def test_what_came_cannot_be_changed():
     for value, name in ((frame, 'system'), (HEARTBEAT, 'number')):
         with pytest.raises(FrozenInstanceError):
             setattr(value, name, 5)
+        assert not hasattr(value, '__dict__')  # a thousand come each second
