@@ -40,7 +40,7 @@ class Pulled:
         self.open = False
 
 
-slept, patience = [], []  # how long it slept, and waited for bytes, each time
+slept, patience, threads = [], [], []  # how long it slept and waited for bytes; its threads
 
 
 @pytest.fixture
@@ -55,7 +55,8 @@ def read(monkeypatch):
         monkeypatch.setattr(reader.time, 'sleep', slept.append)
         monkeypatch.setattr(reader, 'threading', SimpleNamespace(
             Event=lambda: ended,
-            Thread=lambda target, **_: SimpleNamespace(start=target, join=lambda: None),
+            Thread=lambda target, **told: threads.append(told)
+            or SimpleNamespace(start=target, join=lambda: None),
         ))  # fmt: skip
         board = SimpleNamespace(due=lambda now: b'', take=lambda data, now: [])
         return reader.Reader('any', board, lambda block: None, lambda: 0), ended.waited
@@ -92,3 +93,9 @@ def test_bytes_gather_for_a_millisecond_and_are_waited_for_fifty(read):
     read([Pulled(well=3), Pulled()], 2)
     assert patience == [0.05] * 3
     assert slept == [0.001] * 3
+
+
+def test_its_thread_keeps_no_process_alive(read):
+    threads.clear()
+    read([Pulled()], 1)
+    assert threads == [{'name': 'light board', 'daemon': True}]

@@ -3,6 +3,7 @@
 from dataclasses import replace
 import math
 
+from lta_config.vehicle_file import load_vehicle_file
 from lta_energy import alarms
 from lta_energy.aboard import Aboard
 from lta_energy.battery import Battery
@@ -98,6 +99,11 @@ def test_at_first_nothing_is_known_and_the_reserve_counts_as_reached():
     assert not none.watch.faults
     assert WELL.urgent is False
     assert (WELL.charge, WELL.deviation) == (0.5, pytest.approx(0.02))
+
+
+def test_what_is_aboard_is_what_the_file_says():
+    energy = load_vehicle_file('gtmab').energy
+    assert Aboard.of(energy) == (Battery.of(energy), Charger.of(energy))
 
 
 def test_the_charger_takes_its_own_and_gives_nothing_in_the_dark():

@@ -92,6 +92,20 @@ def test_a_flight_is_taken_to_need_what_the_last_twenty_that_came_home_did():
     assert told.landed == told.time == sum(row[1] for row in rows) + 3600.0
 
 
+def test_a_flight_begins_with_what_there_is():
+    """Time, power path, the drone's own charge, light, and how many flights there were."""
+    begun, pilot = [], flights((1.0, 100.0, 'home'), (1.0, 50.0, 'home'))
+    _, seen, _ = lived(
+        [rest(120.0), fly, fly], lambda one: begun.append(one) or pilot(one), sun=7.0
+    )
+    assert [one.time for one in begun] == [120.0, 220.0]
+    assert [one.told for one in begun] == [seen[1].gauge.charge, 0.7]
+    assert [one.light for one in begun] == [(7.0, 0.0, 0.0, 0.5)] * 2
+    assert [one.number for one in begun] == [0, 1]
+    assert begun[0].store is begun[1].store
+    assert begun[0].store.charge == pytest.approx(0.6, abs=1e-3)
+
+
 def test_a_flight_makes_the_charge_less_sure_by_its_meter():
     _, seen, _ = lived([fly], flights((100.0, 100.0, 'home')))
     assert seen[1].gauge == (0.7, pytest.approx(0.05 + 0.04 * 0.003))

@@ -99,6 +99,8 @@ def test_a_doubtful_charge_counts_as_reserve_reached():
     assert estimate.reserve
     assert not estimate.urgent
     assert 'doubtful' in alarms.battery(strict, CELL, estimate)[1]
+    edge = MonitorSettings(doubt=estimate.deviation)
+    assert not follow(readings(*[resting(0.9)] * 50), edge).reserve
 
 
 def test_the_way_home_brings_the_reserve_nearer():

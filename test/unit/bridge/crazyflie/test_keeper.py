@@ -78,6 +78,24 @@ def test_a_link_that_was_up_is_tried_again_at_once_and_then_with_the_shortest_pa
     assert (kept.attempts, drone.closed) == (5, 5)
 
 
+def test_before_its_thread_has_begun_it_is_down_and_leaving_it_takes_five_seconds(monkeypatch):
+    waited, alive = [], [True, False]
+    thread = SimpleNamespace(start=lambda: None, join=waited.append, is_alive=lambda: alive.pop(0))
+    flags = []
+    event = SimpleNamespace(set=lambda: flags.append('set'))
+    monkeypatch.setattr(
+        keeper, 'threading', SimpleNamespace(Event=lambda: event, Thread=lambda **_: thread)
+    )
+    kept = Keeper(Drone(), {})
+    assert (kept.up, kept.why, kept.attempts) == (False, 'connecting', 0)
+    kept.up = True
+    kept.lost('no packet')
+    assert (kept.up, kept.why, flags) == (False, 'no packet', ['set'])
+    kept.up = True
+    assert [kept.close(), kept.close(1.5)] == [False, True]
+    assert (kept.up, waited) == (False, [5.0, 1.5])
+
+
 def want(value, write=True):
     return Expected(value=value, write=write, why='why')
 
