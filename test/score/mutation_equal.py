@@ -20,6 +20,11 @@ EQUAL: Final[dict[Line, str]] = {
         'return mission._replace(asked=mission.leg + 1, turns=0, heard= -1)',
     ): 'The next turn sets the count to 0 before anything reads it: `SWITCHING` turns must pass.',
     (
+        'src/lta_energy/lta_energy/faults/watch.py',
+        'memories, latches, conditions, sentences = zip(*rows, strict=True)',
+        'memories, latches, conditions, sentences = zip(*rows, strict=False)',
+    ): 'Each row is made of four just above.',
+    (
         'src/lta_energy/lta_energy/mission.py',
         'self._seen += (light.sun / due - self._seen) * min(dt / HOUR, 1.0)',
         'self._seen += (light.sun / due - self._seen) * min(dt / HOUR, 2.0)',

@@ -125,3 +125,18 @@ def test_the_sun_gives_nothing_below_the_horizon():
     assert told == pytest.approx(
         [0.0, 0.65 * 549.0 * math.exp(-0.114), 0.65 * 1098.0 * math.exp(-0.057)], rel=1e-4
     )
+
+
+def test_clouds_are_as_long_as_the_file_says_and_may_be_there_at_midnight():
+    """A quarter of the sky in clouds of 12 minutes: 30 a day, of which 1 in 24 meets no minute."""
+    cover = SPRING.sun.clouds.cover.model_copy(update={'value': (25.0, 25.0)})
+    clouds, chance = (
+        SPRING.sun.clouds.model_copy(update={'cover': cover}),
+        np.random.default_rng(5),
+    )
+    days = np.array([through(clouds, chance) for _ in range(400)])
+    assert (days < 1.0).mean() == pytest.approx(0.25, abs=0.015)
+    assert (days[:, 0] < 1.0).mean() == pytest.approx(0.25, abs=0.07)
+    assert (days[:, -1] < 1.0).mean() == pytest.approx(0.25, abs=0.07)
+    each = [len(np.unique(day[day < 1.0])) for day in days]
+    assert np.mean(each) == pytest.approx(30.0 * 23.0 / 24.0, abs=1.0)

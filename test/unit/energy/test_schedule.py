@@ -72,6 +72,8 @@ def test_the_naive_schedule_to_the_second(asleep):
     assert schedule(known(need=1e6)) == Wish(False, 9 * HOUR + 300.0, asleep)
     assert schedule(known(time=6 * HOUR)) == Wish(False, 7 * HOUR, True)
     assert fixed(4.0)(known(need=1e6)).asleep is False
+    with pytest.raises(TypeError):
+        fixed(4.0, asleep)  # by its name alone: a bare True says nothing
 
 
 def test_the_light_aware_schedule_to_the_second():
