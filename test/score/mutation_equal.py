@@ -26,6 +26,11 @@ EQUAL: Final[dict[Line, str]] = {
     ): 'Each row is made of four just above.',
     (
         'src/lta_energy/lta_energy/mission.py',
+        'self._perch(self.now + STEP, 0.0, OUT)',
+        'self._perch(self.now + STEP, 1.0, OUT)',
+    ): 'It is one step, and a supply that has failed feeds no load in it.',
+    (
+        'src/lta_energy/lta_energy/mission.py',
         'self._seen += (light.sun / due - self._seen) * min(dt / HOUR, 1.0)',
         'self._seen += (light.sun / due - self._seen) * min(dt / HOUR, 2.0)',
     ): 'The light is looked at every 30 s at least, so that the share stays below 1 either way.',

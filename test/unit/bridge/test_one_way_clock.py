@@ -18,6 +18,9 @@ def test_a_drift_is_told_after_five_seconds_and_is_that_of_a_crystal():
             drifts.append(clock.drift)
         assert drifts[:4] == [0.0] * 4
         assert drifts[4:] == pytest.approx([drift] * 2, rel=1e-6)
+        # The line goes on with its slope; a steeper one passes under the lowest of all messages.
+        ahead = min(-1000 * ppm * k - round(1e9 * drift * (15 - k)) for k in (0, 5))
+        assert clock.ours(15 * 10**9) - 15 * 10**9 == pytest.approx(ahead, abs=10)
 
 
 def test_the_fastest_of_the_last_sixty_seconds_counts():

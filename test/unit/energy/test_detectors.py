@@ -237,7 +237,7 @@ LOOK = Seen(WELL, WELL, 0.1, CELL)
 
 def test_a_clean_watch_knows_of_nothing():
     watch = Watch()
-    assert watch.memories == tuple(detector.start for detector in DETECTORS)
+    assert watch.memories == ((), (), (0.0,), (0.0, 0.0), (), (0.0, 0.0), *((),) * 6, (0.0,))
     assert watch.latches == ((False, 0.0),) * 13
     assert (watch.seen, watch.sentences) == ((False,) * 13, ('',) * 13)
     assert (watch.faults, watch.spoilt, watch.doubtful) == ((), False, False)

@@ -115,6 +115,7 @@ def test_rest_lasts_a_minute_at_least_and_never_beyond_the_last_day():
     _, seen, ends = lived([rest(10.0), rest(60.0), rest(100.0)])
     assert ends == [60.0, 120.0, 220.0, 12000.0]
     assert [known.time for known in seen] == [0.0, 60.0, 120.0, 220.0]
+    assert lived([rest(60.5)])[2][0] == 60.5
 
 
 @pytest.mark.parametrize(('asleep', 'watts'), [(True, 0.006), (False, 0.097)])

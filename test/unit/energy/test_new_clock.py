@@ -8,7 +8,14 @@ import pytest
 
 @pytest.mark.parametrize(
     ('before', 'stamp', 'after'),
-    [((), 5, (5,)), ((5,), 6, (5, 6)), ((5,), 5, (5,)), ((5, 6), 4, (4,)), ((3, 6), 7, (3, 6, 7))],
+    [
+        ((), 5, (5,)),
+        ((5,), 6, (5, 6)),
+        ((5,), 5, (5,)),
+        ((5, 6), 4, (4,)),
+        ((3, 9), 7, (7,)),
+        ((3, 6), 7, (3, 6, 7)),
+    ],
 )
 def test_stamps_are_in_order_while_each_is_later(before, stamp, after):
     assert in_order(before, stamp) == after
