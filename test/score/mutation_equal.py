@@ -25,16 +25,35 @@ EQUAL: Final[dict[Line, str]] = {
         'if len(names) == 1 and (len(said) == 1 or rests[0].startswith(IS)):',
         'if len(names) == 1 and (len(said) == 1 or rests[ -1].startswith(IS)):',
     ): 'Sentences become one only where they begin alike.',
+        'src/lta_bridge/lta_bridge/crazyflie/packet_check.py',
+        '15: {0: 0, 1: 0, 2: 0, 3: 0}, # link: echo, source, sink, null',
+        '15: {0: 0, 1: 0, 2: -1, 3: 0}, # link: echo, source, sink, null',
+    ): 'No packet has fewer bytes than none.',
     (
         'src/lta_control/lta_control/mission.py',
         'return mission._replace(asked=mission.leg + 1, turns=0, heard=0)',
         'return mission._replace(asked=mission.leg + 1, turns=0, heard= -1)',
     ): 'The next turn sets the count to 0 before anything reads it: `SWITCHING` turns must pass.',
     (
+        'src/lta_energy/lta_energy/faults/watch.py',
+        'memories, latches, conditions, sentences = zip(*rows, strict=True)',
+        'memories, latches, conditions, sentences = zip(*rows, strict=False)',
+    ): 'Each row is made of four just above.',
+    (
+        'src/lta_energy/lta_energy/mission.py',
+        'self._perch(self.now + STEP, 0.0, OUT)',
+        'self._perch(self.now + STEP, 1.0, OUT)',
+    ): 'It is one step, and a supply that has failed feeds no load in it.',
+    (
         'src/lta_energy/lta_energy/mission.py',
         'self._seen += (light.sun / due - self._seen) * min(dt / HOUR, 1.0)',
         'self._seen += (light.sun / due - self._seen) * min(dt / HOUR, 2.0)',
     ): 'The light is looked at every 30 s at least, so that the share stays below 1 either way.',
+    (
+        'src/lta_energy/lta_energy/monitor.py',
+        'return 0.0 if beyond else abs(surprise.innovation) / surprise.deviation',
+        'return -1.0 if beyond else abs(surprise.innovation) / surprise.deviation',
+    ): 'Only whether it is above 5 is asked of it.',
     (
         'src/lta_vlc/lta_vlc/modulation.py',
         'phase: float = 0.0',

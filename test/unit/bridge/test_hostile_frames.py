@@ -1,8 +1,11 @@
 """Whatever comes on the light board's link, from the board or in its name, is survived."""
 
+from types import SimpleNamespace
+
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_bridge.teensy.condition import condition
+from lta_bridge.teensy.clock import Exchange
+from lta_bridge.teensy.condition import condition, TASK
 from lta_bridge.teensy.dialect import (
     LTA_LIGHT_BLOCK,
     LTA_LIGHT_PEAKS,
@@ -17,6 +20,7 @@ from lta_bridge.teensy.message import Message
 from lta_bridge.teensy.one_sender import LOYAL_NS, OneSender
 from lta_config.topics import topic_table
 from lta_config.vehicle_file import load_vehicle_file
+from lta_graph.health import Fact, Level
 from lta_graph.ros.stamps import to_stamp
 from lta_sim.messages import light_block
 from lta_vlc.diodes import diodes_of
@@ -240,3 +244,45 @@ def test_one_of_two_is_believed_at_a_time(words):
             assert now - last[before] > LOYAL_NS
         if believed:
             last[who] = now
+
+
+@pytest.mark.parametrize(
+    ('now', 'believed'), [(LOYAL_NS, False), (LOYAL_NS + 1, True), (-1, True)]
+)
+def test_another_is_believed_after_two_seconds_and_where_the_clock_was_set_back(now, believed):
+    assert LOYAL_NS == 2_000_000_000
+    one = OneSender()
+    assert one.believes('a', 0)
+    assert not one.believes('b', 0)  # at the same time
+    assert one.believes('b', now) is believed
+    assert (one.who, one.others) == ('b' if believed else 'a', 2 - believed)
+    assert one.believes('a', now) is not believed
+
+
+def test_a_link_is_silent_after_half_a_second_and_its_own_trouble_comes_first():
+    link = LightBoard(LIGHT, 8)
+    reader = SimpleNamespace(board=link, trouble='', strangers=3, unplugged=2)
+
+    def told(now, active=True):
+        fact = condition(reader, now, active)
+        return fact.level, fact.message
+
+    assert condition(None, 0, True) == Fact(TASK, Level.WARN, 'not configured')
+    assert told(10**9) == (Level.WARN, 'nothing has come yet')
+    link.heard_ns = 10**9
+    assert told(10**9) == (Level.WARN, 'its time is not known yet')
+    for turn in range(4):
+        link.clock.add(Exchange(turn, turn, turn + 2_000))
+    assert told(1_500_000_000) == (Level.OK, 'light comes')
+    assert told(1_500_000_000, active=False)[1] == 'light comes and is not published'
+    assert told(1_500_000_001) == (Level.ERROR, 'silent for 0.5 s')
+    assert list(link.take(EmulatedBoard(0, dialect=9).status(), 10**9)) == []
+    level, message = told(10**9)
+    assert (level, message) == (Level.ERROR, link.wrong)
+    assert 'version 9' in message
+    reader.trouble = 'pulled'
+    assert told(10**9) == (Level.ERROR, 'pulled')
+    figures = condition(reader, 10**9, True).values
+    assert (figures['of_other_senders'], figures['unplugged']) == ('3', '2')
+    # 250 * 2 us + 20 us of deviation by each of four answers: half of 20.5 us.
+    assert (figures['round_trip_ms'], figures['uncertainty_ms']) == ('0.002', '0.010')

@@ -4,6 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_bridge.teensy.blocks import Blocks, WRAP
 import numpy as np
+import pytest
 
 ROWS = 15
 
@@ -72,3 +73,48 @@ def test_a_board_that_counts_anew_is_followed():
     assert (blocks.old, blocks.lost) == (4 * ROWS, 0)
     assert found[0].board_ns == 4 * 1_500_000
     assert len(found) == (30 - 4) * ROWS // 100
+
+
+def test_the_numbers_of_rows_have_32_bits():
+    blocks = Blocks(30, 10e3)
+    assert list(blocks.take(0, 2**32 - 15, rows(0))) == []
+    (block,) = blocks.take(1_500_000, 0, rows(15))
+    assert block.samples[:, 0].tolist() == list(range(30))
+    assert list(blocks.take(4_500_000, 30, rows(45))) == []
+    assert (blocks.lost, blocks.old, blocks.whole, blocks.torn) == (15, 0, 1, 0)
+
+
+@pytest.mark.parametrize(('ahead', 'lost', 'old'), [(2**31 - 1, 2**31 - 1, 0), (2**31, 0, 15)])
+def test_half_of_the_circle_ahead_is_behind(ahead, lost, old):
+    blocks = Blocks(100, 10e3)
+    for number in (0, 15 + ahead):
+        list(blocks.take(0, number, rows(number)))
+    assert (blocks.lost, blocks.old) == (lost, old)
+
+
+def test_old_rows_between_good_ones_are_no_new_beginning():
+    blocks = Blocks(100, 10e3)
+    fill(blocks, [100, 0, 1, 2, 3, 101, 0, 1, 2, 3, 102])
+    assert (blocks.restarts, blocks.old, blocks.rows) == (0, 8 * ROWS, 3 * ROWS)
+    fill(blocks, [0, 1, 2, 3, 4])  # the fifth in a row
+    assert (blocks.restarts, blocks.old, blocks.rows) == (1, 12 * ROWS, 4 * ROWS)
+
+
+def test_nothing_is_torn_where_no_block_is_being_filled():
+    blocks = Blocks(30, 10e3)
+    assert len(fill(blocks, [0, 1])) == 1
+    blocks.begin_anew()
+    assert (blocks.torn, blocks.restarts) == (0, 1)
+    fill(blocks, [40])
+    blocks.begin_anew()
+    assert (blocks.torn, blocks.lost) == (1, 0)
+
+
+def test_rows_of_another_width_begin_a_block_of_their_own():
+    blocks = Blocks(30, 10e3)
+    list(blocks.take(0, 0, rows(0)))
+    narrow = [rows(15)[:, :4], rows(30)[:, :4]]
+    assert list(blocks.take(1_500_000, 15, narrow[0])) == []
+    (block,) = blocks.take(3_000_000, 30, narrow[1])
+    assert block.board_ns == 1_500_000
+    assert block.samples.tolist() == np.concatenate(narrow).tolist()

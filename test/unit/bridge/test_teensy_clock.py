@@ -86,3 +86,68 @@ def test_a_slow_answer_neither_restarts_nor_moves_the_clock(delay):
     clock.add(Exchange(now, board_of(there, DRIFT), there + 100_000))
     assert clock.restarts == 0
     assert clock.ours(board_of(now, DRIFT)) == pytest.approx(before, abs=40_000)
+
+
+def fitted(exchanges):
+    """Return offset about the newest answer [s], drift and uncertainty [s], by numpy's algebra."""
+    newest = exchanges[-1]
+    middles = np.array([(e.asked + e.heard) // 2 - (newest.asked + newest.heard) // 2
+                        for e in exchanges]) * 1e-9  # fmt: skip
+    board = np.array([e.board - newest.board for e in exchanges]) * 1e-9
+    trips = np.array([e.heard - e.asked for e in exchanges]) * 1e-9
+    # A quarter of the quickest and 20 us at best; beyond the quickest as much worse.
+    deviation = 0.25 * trips.min() + 20e-6 + trips - trips.min()
+    rows = np.stack([np.ones(len(board)), board], axis=1) / deviation[:, None]
+    # The drift of a crystal is 0 +- 100 ppm: a row of its own.
+    rows = np.concatenate([rows, [[0.0, 1.0 / 100e-6]]])
+    right = np.append((middles - board) / deviation, 0.0)
+    precision = rows.T @ rows
+    offset, drift = np.linalg.solve(precision, rows.T @ right)
+    return offset, drift, np.sqrt(np.linalg.inv(precision)[0, 0])
+
+
+def delayed(count, drift=30e-6, seed=4):
+    """Return exchanges at 4 Hz under delays of some tenths of a millisecond."""
+    chance = np.random.default_rng(seed)
+    for k in range(count):
+        asked = BOOT + 250_000_000 * k
+        there, back = (1e9 * (1e-4 + chance.exponential(3e-4, 2))).astype(int).tolist()
+        yield Exchange(asked, board_of(asked + there, drift), asked + there + back)
+
+
+@pytest.mark.parametrize('count', [4, 20, 128, 129, 140])
+def test_the_line_is_that_of_weighted_least_squares_over_the_newest_128(count):
+    clock, every = BoardClock(), list(delayed(count))
+    for exchange in every:
+        clock.add(exchange)
+    offset, drift, uncertainty = fitted(every[-128:])
+    assert clock.restarts == 0
+    assert clock.drift == pytest.approx(drift, rel=1e-6)
+    assert clock.uncertainty == pytest.approx(uncertainty, rel=1e-6)
+    newest = every[-1]
+    for later in (0, 5_000_000_000):
+        expected = later + 1e9 * offset + drift * later  # integers first: floats lack the digits
+        assert clock.ours(newest.board + later) - newest.middle == pytest.approx(expected, abs=1)
+
+
+@pytest.mark.parametrize('late', [False, True])
+def test_an_answer_may_contradict_by_two_milliseconds_and_three_deviations(late):
+    """All answers took 1 ms: a deviation of 270 us by each, of 135 us by four."""
+    for beyond, restarts in ((-2_000, 0), (2_000, 1)):
+        clock = BoardClock()
+        for k in range(4):
+            clock.add(Exchange(k, k + 500_000, k + 1_000_000))
+        assert clock.uncertainty == pytest.approx(135e-6, rel=1e-3)
+        slack = 2_000_000 + 3 * 135_000 + beyond
+        asked = 1_000_000 + slack if late else -1_000_000 - slack
+        heard = asked if late else -1_000_000 - slack
+        # By the line the board's 1.5 ms are our 1.5 ms, and its -0.5 ms our -0.5 ms.
+        board = 1_000_000 if late else -1_000_000
+        clock.add(Exchange(asked, board, heard))
+        assert clock.restarts == restarts
+
+
+def test_before_any_answer_nothing_is_known():
+    clock = BoardClock()
+    assert (clock.known, clock.drift, clock.uncertainty, clock.restarts) == (False, 0.0, 0.0, 0)
+    assert [Exchange(10, 0, 21).middle, Exchange(10, 0, 21).round_trip] == [15, 11]

@@ -1,11 +1,14 @@
 """Frames out of torn, false, foreign and malformed bytes."""
 
 from collections import Counter
+from dataclasses import FrozenInstanceError
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from lta_bridge.teensy.dialect import HEARTBEAT, LTA_LIGHT_STATUS
 from lta_bridge.teensy.emulator import EmulatedBoard, Faults, FOREIGN
 from lta_bridge.teensy.framing import Framing
+from lta_bridge.teensy.message import Message
 import numpy as np
 import pytest
 
@@ -83,3 +86,80 @@ def test_a_million_malformed_bytes_are_each_looked_at_once(kind, monkeypatch):
     # No byte is taken for a frame's beginning twice, but for one that waits for its end.
     assert looked['at'] <= len(data) + len(pieces)
     assert read(frame * 3, framing)[0]  # and it goes on
+
+
+def crc(data):
+    """CRC-16/MCRF4XX bit by bit: polynomial 0x1021 reflected, begun with ones."""
+    value = 0xFFFF
+    for byte in data:
+        value ^= byte
+        for _ in range(8):
+            value = value >> 1 ^ (0x8408 if value & 1 else 0)
+    return value.to_bytes(2, 'little')
+
+
+def test_a_frame_byte_by_byte():
+    """The layout of MAVLink 2; the check covers all but the marker, and the extra byte (50)."""
+    assert crc(b'123456789') == b'\x91\x6f'  # 0x6F91 of the catalogue of CRCs
+    head = bytes.fromhex('09 00 00 02 03 bf 00 00 00')  # length, flags, 258 modulo 256, 3, 191
+    body = head + bytes.fromhex('44332211 12 08 51 04 03')
+    values = {'type': 0x12, 'autopilot': 8, 'base_mode': 0x51, 'system_status': 4}
+    frame = HEARTBEAT.frame(258, 3, 191, custom_mode=0x11223344, mavlink_version=3, **values)
+    assert frame == b'\xfd' + body + crc(body + bytes([50]))
+    empty = LTA_LIGHT_STATUS.frame(0, 1, 2)
+    body = bytes.fromhex('01 00 00 00 01 02 9ad000 00')  # 53402; one zero at least is sent
+    assert empty == b'\xfd' + body + crc(body + bytes([193]))
+
+
+def test_a_payload_is_filled_up_with_zeros_and_cut_at_its_last_field():
+    whole = bytes([5, 0, 0, 0, 7, 8, 9, 10, 11])
+    assert HEARTBEAT.record(whole + b'\1\2').tobytes() == whole
+    assert HEARTBEAT.record(whole[:1]).tobytes() == whole[:1] + bytes(8)
+
+
+def signed(frame, extra):
+    """Return a frame with thirteen bytes of a signature, which nobody here checks."""
+    body = frame[1:2] + b'\1' + frame[3:-2]
+    return b'\xfd' + body + crc(body + bytes([extra])) + bytes(range(13))
+
+
+def test_a_stream_of_all_kinds_byte_by_byte():
+    """Ours, signed, foreign and noise: each is known as soon as it can be."""
+    ours = HEARTBEAT.frame(1, 1, 191, custom_mode=77)
+    foreign = FOREIGN.frame(0, 1, 1)
+    stream = b'ab' + ours + signed(ours, 50) + foreign + ours + signed(foreign, 0) + ours + b'c'
+    framing = Framing()
+    found = [frame for byte in stream for frame in framing.take(bytes([byte]))]
+    assert [int(frame.record['custom_mode']) for frame in found] == [77] * 4
+    assert [(frame.system, frame.component) for frame in found] == [(1, 191)] * 4
+    assert (framing.frames, framing.crc_errors, framing.unknown) == (4, 0, 2)
+    assert framing.stray == 3
+
+
+def test_a_head_with_a_flag_that_nobody_knows_begins_no_frame():
+    frame = bytearray(HEARTBEAT.frame(0, 1, 1, custom_mode=1))
+    for flags in (2, 3, 0x80):
+        frame[2] = flags
+        framing = Framing()
+        assert list(framing.take(bytes(frame[:9]))) == []
+        assert framing.stray == 0  # the number of the message is not whole yet
+        assert list(framing.take(bytes(frame[9:10]))) == []
+        assert framing.stray == 10
+
+
+def test_a_foreign_message_counts_where_a_frame_of_either_kind_follows_at_once():
+    foreign = Message(7, 'OTHER', 0, HEARTBEAT.layout).frame(0, 1, 1, custom_mode=3)
+    for behind, unknown in ((b'\xfd', 1), (b'\xfe', 1), (b'\xfc', 0)):
+        framing = Framing()
+        assert list(framing.take(foreign)) == []
+        assert (framing.unknown, framing.stray) == (0, 0)
+        assert list(framing.take(behind)) == []
+        assert framing.unknown == unknown
+
+
+def test_what_came_cannot_be_changed():
+    (frame,) = Framing().take(HEARTBEAT.frame(0, 1, 1))
+    for value, name in ((frame, 'system'), (HEARTBEAT, 'number')):
+        with pytest.raises(FrozenInstanceError):
+            setattr(value, name, 5)
+        assert not hasattr(value, '__dict__')  # a thousand come each second

@@ -33,10 +33,14 @@ class Pulled:
         if self.well == 0:
             raise Unplugged('pulled')
         self.well -= 1
+        patience.append(seconds)
         return b''
 
     def close(self):
         self.open = False
+
+
+slept, patience, threads = [], [], []  # how long it slept and waited for bytes; its threads
 
 
 @pytest.fixture
@@ -45,11 +49,14 @@ def read(monkeypatch):
 
     def read(ports, waits):
         ended, left = Ended(waits), iter(ports)
+        slept.clear()
+        patience.clear()
         monkeypatch.setattr(reader, 'open_port', lambda address: next(left))
-        monkeypatch.setattr(reader.time, 'sleep', lambda seconds: None)
+        monkeypatch.setattr(reader.time, 'sleep', slept.append)
         monkeypatch.setattr(reader, 'threading', SimpleNamespace(
             Event=lambda: ended,
-            Thread=lambda target, **_: SimpleNamespace(start=target, join=lambda: None),
+            Thread=lambda target, **told: threads.append(told)
+            or SimpleNamespace(start=target, join=lambda: None),
         ))  # fmt: skip
         board = SimpleNamespace(due=lambda now: b'', take=lambda data, now: [])
         return reader.Reader('any', board, lambda block: None, lambda: 0), ended.waited
@@ -80,3 +87,15 @@ def test_the_last_port_is_closed_at_the_end(read):
     held, _ = read([Pulled(), last], 2)
     assert not last.open
     assert (held.unplugged, held.trouble) == (1, '')
+
+
+def test_bytes_gather_for_a_millisecond_and_are_waited_for_fifty(read):
+    read([Pulled(well=3), Pulled()], 2)
+    assert patience == [0.05] * 3
+    assert slept == [0.001] * 3
+
+
+def test_its_thread_keeps_no_process_alive(read):
+    threads.clear()
+    read([Pulled()], 1)
+    assert threads == [{'name': 'light board', 'daemon': True}]

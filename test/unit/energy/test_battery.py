@@ -188,3 +188,33 @@ def test_the_cell_compiles_to_the_same():
     stored, state = compiled(battery.stored_energy, battery.state_of_charge)
     assert state(3.9) == battery.state_of_charge(3.9)
     assert stored(0.37, 900.0) == battery.stored_energy(0.37, 900.0)
+
+
+def test_a_cell_of_two_numbers_relaxes_at_once_and_has_the_limits_of_lithium_polymer():
+    assert CELL.model_dump() == {
+        'capacity': 900.0, 'resistance': 0.13, 'relaxation_resistance': 0.0,
+        'relaxation_time': 1.0, 'discharge_cutoff': 3.0, 'charge_cutoff': 4.2,
+        'charge_current': 1000.0,
+    }  # fmt: skip
+    assert battery.relax(CELL, 0.0, -1.0, 5.0) == (0.0, 0.0)
+    assert battery.relaxation_energy(CELL, 0.0) == 0.0
+    # 33 s / 0.09 ohm are 366.7 F; 30 mV on them 0.165 J.
+    assert battery.relaxation_energy(PAIR, -0.03) == pytest.approx(0.165)
+    assert battery.heat(CELL, 0.0, -2.0, 5.0) == pytest.approx(0.52)
+    shipped = battery.Battery.of(load_vehicle_file('gtmab').energy)
+    assert (shipped.relaxation_resistance, shipped.relaxation_time) == (0.09405, 33.0)
+    assert (shipped.discharge_cutoff, shipped.charge_cutoff, shipped.charge_current) == (
+        3.0, 4.2, 0.25,
+    )  # fmt: skip
+
+
+def test_warmth_adds_no_capacity_and_cold_takes_six_thousandths_a_kelvin():
+    told = [battery.capacity_by_cold(celsius) for celsius in (45.0, 25.0, 24.0, -15.0)]
+    assert told == pytest.approx([1.0, 1.0, 0.994, 0.76])
+
+
+def test_the_mean_voltage_between_two_charges_by_hand():
+    """Within a step of the chart the middle; over a knot by the parts: 3.83 and 3.845 V."""
+    assert battery.mean_open_circuit(0.51, 0.53) == pytest.approx(3.844)
+    assert battery.mean_open_circuit(0.52, 0.52) == pytest.approx(3.844)
+    assert battery.mean_open_circuit(0.45, 0.55) == pytest.approx((3.83 + 3.845) / 2.0)

@@ -117,3 +117,70 @@ def test_what_is_not_measured_is_less_and_less_known():
     assert deviations == sorted(deviations)
     # 0.4 A of doubt for each of five minutes: 24 C a minute, independent.
     assert deviations[-1] > math.sqrt(5.0) * 24.0 / 900.0
+
+
+def test_what_is_not_known_at_first_by_hand():
+    """A charge anywhere, 0.2 A over 94 mohm, 30 and 5 percent, and 10 mV of the chart."""
+    state = unknown(SETTINGS, CELL)
+    assert state.mean == (0.5, 0.0, 1.0, 1.0, 0.0)
+    variances = [1.0 / 12.0, 0.0188**2, 0.09, 0.0025, 1e-4]
+    np.testing.assert_allclose(spread(state), np.diag(variances), rtol=1e-12)
+
+
+@pytest.mark.parametrize('current', [-1.5, 0.4])
+def test_a_first_reading_under_load_is_looked_at_where_it_points_to(current):
+    """By the algebra of any book, linearised over 1 % to either side of that charge."""
+    told = open_circuit_voltage(0.62) + 0.15 * current
+    state = first_look(SETTINGS, CELL, told, current)
+    slope = (open_circuit_voltage(0.63) - open_circuit_voltage(0.61)) / 0.02
+    h = np.array([slope, 1.0, 0.15 * current, 0.0, 1.0])
+    start = unknown(SETTINGS, CELL)
+    p = spread(start)
+    expected = open_circuit_voltage(0.62) + slope * (0.5 - 0.62) + 0.15 * current
+    gain = p @ h / (h @ p @ h + 0.01**2)
+    np.testing.assert_allclose(state.mean, np.array(start.mean) + gain * (told - expected))
+    np.testing.assert_allclose(spread(state), p - np.outer(gain, h @ p), atol=1e-15)
+
+
+def sure(charge, deviation, chart=0.0):
+    """Return a belief of which only the charge is unsure."""
+    rows = [[0.0] * 5 for _ in range(5)]
+    rows[0][0] = deviation**2
+    return belief.Belief((charge, 0.0, 1.0, 1.0, chart), tuple(map(tuple, rows)))
+
+
+@pytest.mark.parametrize(
+    ('deviation', 'half'), [(0.001, 0.01), (0.05, 0.05), (0.2, 0.2), (0.4, 0.2)]
+)
+def test_the_slope_is_that_of_a_chord_as_wide_as_the_belief_from_1_to_20_percent(deviation, half):
+    rise = open_circuit_voltage(0.5 + half) - open_circuit_voltage(0.5 - half)
+    _, surprise = look(SETTINGS, CELL, sure(0.5, deviation), 3.85, 0.0)
+    assert surprise.innovation == pytest.approx(0.01)
+    assert surprise.deviation == pytest.approx(math.hypot(rise / (2 * half) * deviation, 0.01))
+
+
+def test_a_chord_ends_where_the_cell_is_empty_or_full():
+    assert belief.chord(0.0, 0.05) == pytest.approx((3.61 - 3.27) / 0.05)
+    assert belief.chord(1.0, 0.05) == pytest.approx((4.20 - 4.15) / 0.05)
+
+
+def test_an_error_of_the_chart_fades_with_a_fifth_of_the_charge():
+    """180 C are 20 % of 900 C: e times less is left, and as much of another has come."""
+    after = predict(SETTINGS, CELL, sure(0.5, 0.0, chart=0.02), -6.0, 0.0, 30.0)
+    assert after.charge == pytest.approx(0.3)
+    assert after.mean[belief.CHART] == pytest.approx(0.02 / math.e)
+    assert after.spread[4][4] == pytest.approx(1e-4 * (1.0 - math.exp(-2.0)))
+
+
+def test_at_rest_the_charge_becomes_less_sure_by_the_offset_of_the_meter_alone():
+    after = predict(SETTINGS, CELL, sure(0.5, 0.0), 0.0, 0.0, 400.0)
+    assert after.deviation == pytest.approx(1e-5 * 20.0)
+    assert after.mean == (0.5, 0.0, 1.0, 1.0, 0.0)
+
+
+def test_a_charge_ends_at_empty_and_full():
+    for current, end in ((-3.0, 0.0), (3.0, 1.0)):
+        after = predict(SETTINGS, CELL, sure(0.5, 0.1), current, 0.0, 600.0)
+        assert after.charge == end
+    for voltage, end in ((2.0, 0.0), (6.0, 1.0)):
+        assert look(SETTINGS, CELL, sure(0.5, 0.2), voltage, 0.0)[0].charge == end

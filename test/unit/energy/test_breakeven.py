@@ -3,8 +3,9 @@
 import math
 
 from lta_config.vehicle_file import load_vehicle_file
-from lta_energy.breakeven import break_even, income, LAMPS
+from lta_energy.breakeven import break_even, income, Lamp, LAMPS, light_of
 from lta_energy.harvest import Harvest
+from lta_energy.light_of_days import Light
 from lta_energy.panel import max_power, Panel
 from lta_energy.power_path import Charger
 import pytest
@@ -38,3 +39,19 @@ def test_idling_by_hand():
 
 def test_what_no_light_feeds_never_breaks_even():
     assert lux('white LED', 1.333) == math.inf
+
+
+def test_the_lamps_and_their_light_by_hand():
+    assert {
+        'white LED': Lamp(300.0, 1.0),
+        'flickering LED': Lamp(300.0, 0.5),
+        'sun': Lamp(110.0, 1.0),
+    } == LAMPS
+    assert light_of(Lamp(300.0, 1.0), 600.0) == Light(0.0, 2.0, 0.0, 1.0)
+    assert light_of(Lamp(300.0, 0.5), 600.0) == Light(0.0, 0.0, 2.0, 0.5)
+
+
+def test_up_to_a_hundred_thousand_lux_are_looked_at():
+    most = income(HARVEST, CHARGER, LAMPS['sun'], 100e3)
+    assert lux('sun', most) == pytest.approx(100e3)
+    assert lux('sun', math.nextafter(most, 9.0)) == math.inf

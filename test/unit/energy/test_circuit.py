@@ -4,11 +4,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.vehicle_file import load_vehicle_file
 from lta_energy.battery import Battery
-from lta_energy.circuit import at_rest, fed, held, NOTHING
+from lta_energy.circuit import added, at_rest, fed, held, NOTHING, Spent
 from lta_energy.harvest import Harvest
 from lta_energy.light_of_days import DARK
 from lta_energy.panel import max_power, Panel
 from lta_energy.power_path import Charger
+import numpy as np
 import pytest
 
 ENERGY = load_vehicle_file('gtmab').energy
@@ -62,3 +63,36 @@ def test_a_flickering_lamp_brings_its_duty_of_its_own_brightness():
     assert flickering > HARVEST.steady(100.0)  # a diode gives more than twice in twice the light
     both = HARVEST(DARK._replace(sun=100.0, beacon=200.0, duty=0.25))
     assert both == pytest.approx(0.75 * HARVEST.steady(100.0) + 0.25 * HARVEST.steady(300.0))
+
+
+def test_in_light_too_dim_for_the_charger_nothing_is_left_unharvested():
+    """22 mW of its own are 27.2 mW of the array."""
+    for available, curtailed in ((0.027, 0.0), (0.028, 60.0 * (0.028 * 0.95 - 0.022 / 0.85))):
+        _, spent = fed(CELL, CHARGER, at_rest(1.0), NOTHING, available, 0.0, 60.0)
+        assert spent.curtailed == pytest.approx(curtailed, abs=1e-9)
+
+
+def test_the_books_add_up_entry_by_entry():
+    assert NOTHING == (0.0, 0.0, 0.0, 0.0)
+    assert added(Spent(1.0, 2.0, 3.0, 4.0), Spent(10.0, 20.0, 30.0, 40.0)) == (11, 22, 33, 44)
+    before = Spent(1.0, 2.0, 3.0, 4.0)
+    store, once = fed(CELL, CHARGER, at_rest(0.5), NOTHING, 1.0, 0.1, 10.0)
+    again, twice = fed(CELL, CHARGER, at_rest(0.5), before, 1.0, 0.1, 10.0)
+    assert again == store
+    assert twice == pytest.approx(added(before, once))
+
+
+def test_the_table_has_256_points_from_a_hundredth_to_two_thousand_watts():
+    """There it is the diode itself, not a line between two."""
+    for light in np.geomspace(0.01, 2000.0, 256)[[0, 1, 100, 255]]:
+        voltage, current = max_power(PANEL, float(light))
+        assert HARVEST.steady(float(light)) == pytest.approx(voltage * current, rel=1e-9)
+    assert HARVEST.steady(0.0) == 0.0
+    assert HARVEST.steady(0.005) == pytest.approx(0.5 * HARVEST.steady(0.01))
+    assert HARVEST.steady(3000.0) == HARVEST.steady(2000.0)
+
+
+def test_without_a_beacon_light_is_sun_and_lamps():
+    both = HARVEST(DARK._replace(sun=100.0, lamps=20.0, duty=0.5))
+    assert both == pytest.approx(HARVEST.steady(120.0))
+    assert DARK == (0.0, 0.0, 0.0, 1.0)

@@ -220,3 +220,25 @@ def test_a_doubt_is_of_faults_that_bring_it_down_alone():
 def test_before_the_first_reading_nothing_is_drawn():
     assert Load() == (0.0, 0.0, 0.0, 0.0)
     assert first(3.0) == (3.0, 3.0, 9.0, 0.0)
+
+
+def test_a_watch_of_another_number_of_detectors_is_an_error():
+    """One detector that is paired with another's latch would tell of the wrong fault."""
+    for short in (Watch(latches=()), Watch(sentences=()), Watch(seen=()), Watch(memories=())):
+        with pytest.raises(ValueError, match='shorter'):
+            _ = (short.faults, short.doubtful, short.spoilt, watched(short, LOOK))
+    for name, told in (('latches', 'doubtful'), ('latches', 'faults'), ('seen', 'spoilt')):
+        with pytest.raises(ValueError, match='shorter'):
+            getattr(Watch(**{name: getattr(Watch(), name)[:-1]}), told)
+
+
+LOOK = Seen(WELL, WELL, 0.1, CELL)
+
+
+def test_a_clean_watch_knows_of_nothing():
+    watch = Watch()
+    assert watch.memories == ((), (), (0.0,), (0.0, 0.0), (), (0.0, 0.0), *((),) * 6, (0.0,))
+    assert watch.latches == ((False, 0.0),) * 13
+    assert (watch.seen, watch.sentences) == ((False,) * 13, ('',) * 13)
+    assert (watch.faults, watch.spoilt, watch.doubtful) == ((), False, False)
+    assert LOOK[4:] == (0.0, 0.0)

@@ -159,14 +159,18 @@ def test_a_clock_that_is_set_back_is_told_and_the_energy_stays_known(back):
     def earlier(reading):
         return replace(reading, stamp_ns=reading.stamp_ns - round(back * 1e9))
 
-    named, stored = set(), estimate.books.stored
+    named, stored, told = set(), estimate.books.stored, set()
     for reading in clean(550, earlier):
         last, estimate = estimate, update(SETTINGS, ABOARD, estimate, reading)
         named |= names(estimate)
+        told |= {fault.sentence for fault in estimate.watch.faults}
         assert not estimate.urgent
         assert not estimate.reserve
         assert abs(estimate.books.stored - last.books.stored) < 2.0  # J; of 0.2 s, not of the leap
     assert named == {'set back'}
+    # The first reading by the new clock came 0.1 s after the last one.
+    (sentence,) = told
+    assert sentence.startswith(f'the clock was set back by {back - 0.1:.1f} s: ')
     assert names(estimate) == set()
     assert estimate.charge == pytest.approx(cell.charge, abs=2.0 * estimate.deviation)
     assert estimate.books.stored < stored

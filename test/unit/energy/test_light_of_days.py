@@ -1,9 +1,10 @@
 """The light of days: sun by hand, clouds by their law, lamps by their timers."""
 
+import dataclasses
 import math
 
 from lta_config.light_day_file import load_light_day
-from lta_energy.light_of_days import burning, elevation, light_of, MINUTES, through
+from lta_energy.light_of_days import burning, clear_day, elevation, light_of, MINUTES, through
 import numpy as np
 import pytest
 
@@ -78,3 +79,64 @@ def test_a_timer_switches_at_the_second(hours, lit):
     times = np.array([5.0 * HOUR - 1.0, 5.0 * HOUR, 22.0 * HOUR - 1.0, 22.0 * HOUR])
     assert (burning(lamp, times) > 0.0).tolist() == lit
     assert (burning(lamp, times + 24.0 * HOUR) > 0.0).tolist() == lit
+
+
+def test_before_and_after_the_days_the_first_and_the_last_minute_stand():
+    light = light_of(SPRING, 2, 1)
+    assert light.end == 2 * 24 * HOUR
+    assert (len(light.sun), MINUTES) == (2880, 1440)
+    ramp = dataclasses.replace(light, sun=np.arange(2880.0), clear=np.arange(2880.0), mean=0.5)
+    told = [ramp.at(time).sun for time in (-90.0, 0.0, 59.9, 60.0, light.end - 1.0, light.end)]
+    assert told == [0.0, 0.0, 0.0, 1.0, 2879.0, 2879.0]
+    days = [ramp.expected(time).sun for time in (0.0, 61.0, 24 * HOUR - 1.0, 24 * HOUR + 61.0)]
+    assert days == [0.0, 0.5, 719.5, 0.5]
+
+
+def test_lux_are_watts_by_the_efficacy_of_each_and_a_beacon_counts_by_its_duty():
+    light = light_of(DOCK, 1, 1)
+    ones = np.ones(1440)
+    even = dataclasses.replace(
+        light, sun=ones, lamps=ones, beacon=ones, duty=0.25, efficacies=(110.0, 300.0, 200.0)
+    )
+    assert even.lux().tolist() == [460.0] * 1440
+    assert (light.mean, light.duty, light.efficacies) == (1.0, 0.5, (1.0, 300.0, 300.0))
+    spring = light_of(SPRING, 1, 1)
+    # Half of the sky, of which 35 % comes through: 1 - 0.5 * 0.65.
+    assert spring.mean == pytest.approx(0.675)
+    assert (spring.duty, spring.efficacies) == (1.0, (110.0, 1.0, 1.0))
+
+
+def test_a_day_without_clouds_is_clear_and_an_overcast_one_has_no_gap():
+    clouds = SPRING.sun.clouds
+    for cover, clear in (((0.0, 0.0), True), ((100.0, 100.0), False)):
+        told = clouds.cover.model_copy(update={'value': cover})
+        share = through(clouds.model_copy(update={'cover': told}), np.random.default_rng(1))
+        assert len(share) == MINUTES
+        assert (share == 1.0).all() == clear
+        assert clear or share.max() <= 0.5
+
+
+def test_the_sun_gives_nothing_below_the_horizon():
+    """Behind glass 65 % of Haurwitz; at sin h = 0.5 that is 1098 * 0.5 * exp(-0.114)."""
+    sun = SPRING.sun
+    equator = sun.latitude.model_copy(update={'value': 0.0})
+    times = np.array([0.0, 8.0 * HOUR, 12.0 * HOUR])
+    told = clear_day(sun.model_copy(update={'latitude': equator, 'day': 81}), times)
+    assert told == pytest.approx(
+        [0.0, 0.65 * 549.0 * math.exp(-0.114), 0.65 * 1098.0 * math.exp(-0.057)], rel=1e-4
+    )
+
+
+def test_clouds_are_as_long_as_the_file_says_and_may_be_there_at_midnight():
+    """A quarter of the sky in clouds of 12 minutes: 30 a day, of which 1 in 24 meets no minute."""
+    cover = SPRING.sun.clouds.cover.model_copy(update={'value': (25.0, 25.0)})
+    clouds, chance = (
+        SPRING.sun.clouds.model_copy(update={'cover': cover}),
+        np.random.default_rng(5),
+    )
+    days = np.array([through(clouds, chance) for _ in range(400)])
+    assert (days < 1.0).mean() == pytest.approx(0.25, abs=0.015)
+    assert (days[:, 0] < 1.0).mean() == pytest.approx(0.25, abs=0.07)
+    assert (days[:, -1] < 1.0).mean() == pytest.approx(0.25, abs=0.07)
+    each = [len(np.unique(day[day < 1.0])) for day in days]
+    assert np.mean(each) == pytest.approx(30.0 * 23.0 / 24.0, abs=1.0)

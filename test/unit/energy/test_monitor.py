@@ -4,8 +4,11 @@ from dataclasses import replace
 import math
 
 from lta_energy import alarms, battery
+from lta_energy.aboard import Aboard
+from lta_energy.belief import Belief, first_look, look, predict
 from lta_energy.estimate import Estimate
 from lta_energy.monitor import MonitorSettings, time_to_empty, time_to_full, update
+from lta_energy.power_path import Charger
 from lta_energy.reading import Reading, Whereabouts
 from lta_graph.health import Level
 import pytest
@@ -96,6 +99,8 @@ def test_a_doubtful_charge_counts_as_reserve_reached():
     assert estimate.reserve
     assert not estimate.urgent
     assert 'doubtful' in alarms.battery(strict, CELL, estimate)[1]
+    edge = MonitorSettings(doubt=estimate.deviation)
+    assert not follow(readings(*[resting(0.9)] * 50), edge).reserve
 
 
 def test_the_way_home_brings_the_reserve_nearer():
@@ -155,3 +160,82 @@ def test_what_is_said_of_the_meters():
     level, sentence = alarms.meters(follow(readings(*[(3.9, 0.4)] * 5)))
     assert level is Level.ERROR
     assert 'takes up 1.56 W but the panel gives 0.00 W: check the sign' in sentence
+
+
+def two(dt, second=-0.9, **before):
+    """Return the estimates after a first reading of -0.5 A, and after a second one."""
+    one = update(SETTINGS, ABOARD, Estimate(), Reading(TENTH, 3.8, -0.5, 4.4, 0.0))
+    one = one._replace(**before)
+    reading = Reading(TENTH + round(dt * 1e9), 3.75, second, 4.4, 0.0)
+    return one, update(SETTINGS, ABOARD, one, reading)
+
+
+@pytest.mark.parametrize('dt', [0.5, 1.0])
+def test_up_to_a_second_the_mean_of_two_readings_has_flowed_between_them(dt):
+    """0.7 A; unsure by three tenths of the change of 0.4 A and 1 mA."""
+    one, after = two(dt)
+    assert one.belief == first_look(SETTINGS.belief, CELL, 3.8, -0.5)
+    ahead = predict(SETTINGS.belief, CELL, one.belief, -0.7, 0.3 * 0.4 + 1e-3, dt)
+    belief, surprise = look(SETTINGS.belief, CELL, ahead, 3.75, -0.9)
+    assert after.belief.mean == pytest.approx(belief.mean, rel=1e-12)
+    for row, expected in zip(after.belief.spread, belief.spread, strict=True):
+        assert row == pytest.approx(expected, rel=1e-9, abs=1e-18)
+    assert after.surprise == pytest.approx(surprise)
+    assert after.gap == pytest.approx(dt)
+
+
+@pytest.mark.parametrize(('dt', 'second'), [(1.5, -0.9), (0.5, math.nan)])
+def test_through_a_gap_the_load_of_before_is_believed_and_may_be_as_wrong(dt, second):
+    one, after = two(dt, second)
+    current = one.load.quick / battery.open_circuit_voltage(one.charge)
+    assert current == pytest.approx(0.5)
+    ahead = predict(SETTINGS.belief, CELL, one.belief, -current, current + 1e-3, dt)
+    expected = ahead if math.isnan(second) else look(SETTINGS.belief, CELL, ahead, 3.75, second)[0]
+    assert after.belief.mean == pytest.approx(expected.mean, rel=1e-12)
+    assert after.deviation == pytest.approx(expected.deviation, rel=1e-9)
+
+
+def test_the_books_between_two_readings_by_hand_with_a_charger():
+    """0.5 and 0.3 W of the array: 0.85 of it less 22 mW reaches the rest."""
+    aboard = Aboard(CELL, Charger(tracking=0.95, conversion=0.85, idle=0.022))
+    one = update(SETTINGS, aboard, Estimate(), Reading(TENTH, 3.8, -0.5, 5.0, 0.1))
+    books = update(SETTINGS, aboard, one, Reading(6 * TENTH, 3.7, -0.9, 5.0, 0.06)).books
+    after = update(SETTINGS, aboard, one, Reading(6 * TENTH, 3.7, -0.9, 5.0, 0.06))
+    given = (0.403 + 0.233) / 2.0
+    assert books.harvested == pytest.approx(0.5 * 0.4)
+    assert books.consumed == pytest.approx(0.5 * (given + (1.9 + 3.33) / 2.0))
+    mean, volts = after.belief.mean, battery.open_circuit_voltage(after.charge)
+    resistance = mean[2] * 0.15 * (0.25 + 0.81) / 2.0
+    assert books.lost == pytest.approx(0.5 * (0.4 - given + resistance - 0.7 * mean[1]))
+    assert books.stored == pytest.approx(-0.5 * 0.7 * volts)
+
+
+@pytest.mark.parametrize(
+    ('charge', 'jump', 'swapped'),
+    [(0.5, 0.3, True), (0.5, -0.3, True), (0.985, 0.2, False), (0.015, -0.2, False),
+     (0.975, 0.2, True), (0.025, -0.3, True)],
+)  # fmt: skip
+def test_beyond_two_percent_from_either_end_no_voltage_is_another_cell(charge, jump, swapped):
+    """There cells leave the chart."""
+    rows = [[0.0] * 5 for _ in range(5)]
+    rows[0][0] = 1e-8
+    known = Belief((charge, 0.0, 1.0, 1.0, 0.0), tuple(map(tuple, rows)))
+    one = update(SETTINGS, ABOARD, Estimate(), Reading(TENTH, 3.8, -0.01, 4.4, 0.0))
+    one = one._replace(belief=known)
+    volts = battery.open_circuit_voltage(charge) + jump
+    for k in range(1, 6):
+        reading = Reading(TENTH * (1 + k), volts, -0.01 - 1e-6 * k, 4.4, 0.0)
+        one = update(SETTINGS, ABOARD, one, reading)
+    assert ('swapped' in {fault.name for fault in one.watch.faults}) is swapped
+
+
+def test_a_voltage_is_critical_at_3_2_and_well_again_above_3_3():
+    """To the hundredth, for 0.3 s and for 5 s."""
+    estimate = follow(readings(*[(3.5, -0.1)] * 20))
+    stamp = estimate.last.stamp_ns
+    for k, volts in enumerate([3.201] * 10 + [3.2] * 3 + [3.3] * 60 + [3.301] * 49 + [3.299]):
+        reading = Reading(stamp + (k + 1) * TENTH, volts, -0.1 - 1e-6 * k, 4.4, 0.0)
+        estimate = update(SETTINGS, ABOARD, estimate, reading)
+        assert estimate.critical.on is (k >= 12)
+    spoilt = Reading(stamp + 200 * TENTH, math.nan, -0.1)
+    assert update(SETTINGS, ABOARD, estimate, spoilt).critical == estimate.critical

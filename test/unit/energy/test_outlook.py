@@ -139,3 +139,54 @@ def test_the_reserve_has_hysteresis():
 
 def test_no_load_says_nothing():
     assert load.deviation(Load(), 5.0, 120.0) == 0.0
+
+
+def test_where_the_power_is_smoothed_by_no_time_the_newest_counts():
+    settings = WaySettings(smoothing=0.0)
+    travel = way_home.seen(settings, Travel(1.4, 0.5), Whereabouts(3.0, 1.0), 2.4, 0.1)
+    assert travel == (2.4, 1.0)
+    # A charging drone that moves takes nothing; from 0.1 m/s on it moves.
+    travel = way_home.seen(settings, Travel(1.4, 0.5), Whereabouts(3.0, 0.1), -2.0, 0.1)
+    assert travel == pytest.approx((0.0, 0.1))
+    assert way_home.reach(settings, Travel(0.0, 0.5), 60.0) == math.inf
+
+
+def test_a_reserve_is_reached_at_its_very_edge():
+    settings = ReserveSettings(reserve=0.25, hysteresis=0.0625)
+    for before, edge in ((False, 0.375), (True, 0.4375)):
+        assert reserve.reached(settings, before, Stock(edge, 0.125, 0.0))
+        assert not reserve.reached(settings, before, Stock(edge + 1e-9, 0.125, 0.0))
+
+
+def test_a_charge_that_is_not_sure_at_all_is_none():
+    """Lacking is the whole reserve; the cell may be smaller than its file."""
+    settings = ReserveSettings(reserve=0.25, caution=1.0)
+    told = reserve.stock(settings, CELL, known(0.1, inverse=1.25, deviation=0.2), 10.0)
+    assert told.sure == pytest.approx(-0.1)
+    assert told.home == pytest.approx(10.0 / (3.69 * 720.0))
+    assert told.spare == pytest.approx(-stored_energy(0.25, 720.0) - 10.0)
+
+
+def test_no_power_neither_empties_nor_fills():
+    assert outlook.to_empty(CELL, known(), 0.0, 0.1) == outlook.NEVER == (math.inf, math.inf)
+    assert outlook.to_full(CELL, known(), 0.0, 0.1) == outlook.NEVER
+    # Below nothing a power pulls no cell down: 3.0 V is below the chart.
+    assert outlook.empty_charge(CELL, known(), -9.0) == 0.0
+    stiff = CELL.model_copy(update={'discharge_cutoff': 3.69})
+    assert outlook.empty_charge(stiff, known(), -9.0) == pytest.approx(0.1)
+
+
+def test_a_load_by_hand():
+    """Half a minute of 5 s and of 30 s, then 2 W more for 5 s."""
+    before = Load(2.0, 1.0, 0.5, 60.0)
+    now = smoothed(before, 4.0, 5.0, 5.0, 30.0)
+    quick = 2.0 + (1.0 - math.exp(-1.0)) * 2.0
+    share = 1.0 - math.exp(-1.0 / 6.0)
+    off = quick - 1.0
+    assert now == pytest.approx(
+        (quick, 1.0 + share * off, (1.0 - share) * (0.5 + share * off * off), 65.0)
+    )
+    # The quick one is as old as 5 s are by its time: over 30 s a seventh of the variance is left.
+    assert load.deviation(Load(1.0, 1.0, 0.07, 60.0), 5.0, 30.0) == pytest.approx(0.1)
+    assert load.deviation(Load(1.0, 1.0, 0.04, 15.0), 5.0, 30.0) == pytest.approx(0.1)
+    assert load.deviation(Load(1.0, 1.0, 0.04, 0.0), 0.0, 30.0) == pytest.approx(0.2)

@@ -1,5 +1,7 @@
 """The array: the data sheet comes back, pvlib says the same, strings add up."""
 
+import math
+
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.cell_file import load_cell_file
@@ -8,8 +10,17 @@ from lta_config.errors import BadInput
 from lta_config.files import find, known, load_yaml
 from lta_config.settings import plain
 from lta_config.vehicle_file import load_vehicle_file
-from lta_energy.diode_fit import diode_of
-from lta_energy.panel import AIR_TEMPERATURE, current_at, curve, max_power, Panel
+from lta_energy.diode_fit import Diode, diode_of, THERMAL
+from lta_energy.panel import (
+    AIR_TEMPERATURE,
+    current_at,
+    curve,
+    highest,
+    junction_current,
+    max_power,
+    Panel,
+    power_slope,
+)
 import pytest
 import yaml
 
@@ -130,3 +141,69 @@ def test_the_array_compiles_to_the_same():
     brightest, at = compiled(max_power, current_at)
     assert brightest(panel, 60.0) == max_power(panel, 60.0)
     assert at(panel, 60.0, 3.0) == current_at(panel, 60.0, 3.0)
+
+
+def test_a_vehicle_without_an_array_has_a_panel_of_nothing():
+    assert Panel.of(load_vehicle_file('sblimp').energy).model_dump() == {
+        'light': 0.0, 'saturation': 0.0, 'thermal': 1.0, 'series': 0.0, 'shunt': 0.0, 'gap': 1.0,
+        'drift': 0.0, 'warming': 0.0,
+    }  # fmt: skip
+
+
+def test_a_curve_by_hand():
+    """A junction of 1 V by 0.5 V: the diode takes e^2 - 1 of its saturation current."""
+    numbers = (2.0, 0.01, 0.5, 0.1, 0.02)
+    diode = 0.01 * (math.exp(2.0) - 1.0)
+    assert junction_current(numbers, 1.0) == pytest.approx(2.0 - diode - 0.02)
+    assert highest(numbers) == pytest.approx(0.5 * math.log(201.0))
+    assert highest((2.0, 0.0, 0.5, 0.1, 0.02)) == 0.0
+    # P = (u - R I) I, differentiated by differences.
+    step = 1e-6
+    powers = [
+        (u - 0.1 * junction_current(numbers, u)) * junction_current(numbers, u)
+        for u in (1.0 - step, 1.0 + step)
+    ]
+    slope = (powers[1] - powers[0]) / (2.0 * step)
+    assert power_slope(numbers, 1.0) == pytest.approx(slope, rel=1e-6)
+
+
+def test_no_current_flows_back_and_the_warmth_is_that_of_the_light():
+    panel = Panel.wired('anysolar', 1, 1)
+    assert current_at(panel, 1000.0, 100.0) == 0.0
+    assert current_at(panel, -1.0, 0.0) == 0.0
+    unlit = panel.model_copy(update={'light': 0.0})
+    assert current_at(unlit, 1000.0, 0.0) == 0.0
+    assert max_power(unlit, 1000.0) == (0.0, 0.0)
+    # 20 degC of the air and 10 K by 1000 W/m2: 303.15 K of 298.15 K.
+    warm = panel.model_copy(update={'warming': 0.01, 'drift': 1e-3})
+    light, saturation, thermal, series, shunt = curve(warm, 1000.0)
+    ratio = 303.15 / 298.15
+    assert light == pytest.approx(panel.light * 1.005)
+    assert thermal == pytest.approx(panel.thermal * ratio)
+    freed = panel.gap * (1.0 - 1.0 / ratio) / (8.617333262e-5 * 298.15)
+    assert saturation == pytest.approx(panel.saturation * ratio**3 * math.exp(freed))
+    assert (series, shunt) == (panel.series, panel.shunt)
+    assert curve(warm, 500.0)[4] == pytest.approx(0.5 * panel.shunt)
+
+
+@pytest.mark.parametrize('name', CELLS)
+def test_the_diode_of_a_sheet_solves_its_three_equations(name):
+    """Short circuit, open circuit and maximum; there the power has no slope."""
+    sheet, diode = load_cell_file(name).electrical, diode_of(load_cell_file(name))
+    assert isinstance(diode, Diode)
+    # k T / q at 298.15 K.
+    assert pytest.approx(1.380649e-23 * 298.15 / 1.602176634e-19, rel=1e-7) == THERMAL
+    assert diode.thermal == pytest.approx(sheet.ideality.si * sheet.junctions * THERMAL)
+    assert diode.series >= 0.0
+    assert diode.shunt >= 0.0
+    for volts, amperes in (
+        (0.0, sheet.short_circuit.si),
+        (sheet.open_circuit.si, 0.0),
+        (sheet.voltage.si, sheet.current.si),
+    ):
+        junction = volts + diode.series * amperes
+        found = junction_current(diode, junction)
+        assert found == pytest.approx(amperes, abs=1e-9 * sheet.short_circuit.si)
+    at = sheet.voltage.si + diode.series * sheet.current.si
+    numbers = (diode.light, diode.saturation, diode.thermal, diode.series, diode.shunt)
+    assert power_slope(numbers, at) == pytest.approx(0.0, abs=1e-6 * sheet.current.si)

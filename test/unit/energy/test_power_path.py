@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.vehicle_file import load_vehicle_file
 from lta_energy.battery import Battery
-from lta_energy.power_path import at_rest, Charger, feed, held, output
+from lta_energy.power_path import at_rest, Charger, feed, held, most_taken, output
 import pytest
 
 ENERGY = load_vehicle_file('gtmab').energy
@@ -99,3 +99,42 @@ def test_without_an_array_nothing_is_harvested():
     assert harvested == 0.0
     assert consumed == pytest.approx(12.0)
     assert stored == pytest.approx(-12.0 - lost, rel=1e-4)
+
+
+def test_a_cell_at_rest_and_one_that_is_empty():
+    assert at_rest(0.5) == (0.5, 0.0, 3.84, 0.0, 0.0, 0.0, 0.0, True)
+    assert at_rest(0.0) == (0.0, 0.0, 3.27, 0.0, 0.0, 0.0, 0.0, False)
+    none = Charger.of(load_vehicle_file('sblimp').energy)
+    assert (none.tracking, none.conversion, none.idle) == (0.0, 0.0, 0.0)
+
+
+def test_what_a_cell_may_take_by_hand():
+    """0.25 A, or up to 4.2 V, or what fills it; at 3.84 V of rest and 0.15 ohm."""
+    cell = Battery(capacity=900.0, resistance=0.15, charge_current=0.25)
+    assert most_taken(cell, 0.5, 0.01, 1.0) == pytest.approx((3.85 + 0.0375) * 0.25)
+    # 4.19 V of rest and 10 mV of room: 66.7 mA up to 4.2 V.
+    assert most_taken(cell, 0.99, 0.0, 1.0) == pytest.approx(4.2 * (4.2 - 4.19) / 0.15)
+    # A tenth of 900 C in 900 s are 0.1 A.
+    assert most_taken(cell, 0.9, 0.0, 900.0) == pytest.approx((4.11 + 0.015) * 0.1)
+    assert most_taken(cell, 0.99, 0.1, 1.0) == 0.0
+    stiff = cell.model_copy(update={'resistance': 0.0})
+    assert most_taken(stiff, 0.5, 0.0, 1.0) == pytest.approx(3.84 * 0.25)
+    assert most_taken(stiff, 0.99, 0.1, 1.0) == 0.0
+
+
+def test_a_failed_supply_comes_back_at_a_twentieth_while_it_is_charged():
+    cell = Battery(capacity=900.0, resistance=0.15)
+    off = at_rest(0.0)
+    for charge, available, fed in ((0.05, 1.0, True), (0.0499, 1.0, False), (0.06, 0.0, False)):
+        flow = feed(cell, CHARGER, off._replace(charge=charge), available, 0.1, 1e-6)
+        assert flow.fed is fed
+        assert flow.consumed == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_supply_fails_below_its_cut_off_and_not_at_it():
+    cell = Battery(capacity=900.0, resistance=0.0)
+    begin = feed(cell, CHARGER, at_rest(0.5), 0.0, 1.0, 1.0)
+    at = cell.model_copy(update={'discharge_cutoff': begin.voltage})
+    assert feed(at, CHARGER, at_rest(0.5), 0.0, 1.0, 1.0).fed
+    above = cell.model_copy(update={'discharge_cutoff': begin.voltage + 1e-9})
+    assert not feed(above, CHARGER, at_rest(0.5), 0.0, 1.0, 1.0).fed

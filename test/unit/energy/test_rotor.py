@@ -58,3 +58,11 @@ def test_less_voltage_is_less_power_at_a_duty_and_the_same_at_a_thrust(duty, one
 
 def test_it_compiles_to_the_same():
     assert numba.njit(rotor.thrust_at)(0.4, 3.7) == rotor.thrust_at(0.4, 3.7)
+
+
+def test_a_rotor_turns_either_way_by_hand():
+    """0.25 of 4 V are 1 V: A + B."""
+    assert rotor.thrust_at(0.25, 4.0) == pytest.approx(8.64139e-3 + 1.665601e-2)
+    assert rotor.thrust_at(-0.5, 4.0) == pytest.approx(-(4 * 8.64139e-3 + 2 * 1.665601e-2))
+    assert rotor.power_at(-0.25, 4.0, 0.5, 10.0) == pytest.approx(0.5 + 0.2529740)
+    assert rotor.power_at(0.0, 4.0, 0.5, 10.0) == 0.0

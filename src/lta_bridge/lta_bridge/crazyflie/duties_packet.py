@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 MARK = 0x4C
 FULL = 32767
-MOTORS = 4
 FORM = struct.Struct('<BB4hH')
 
 

@@ -17,7 +17,6 @@ MILLIBAR: Final = 100.0  # Pa
 MILLIMETRE: Final = 1e-3  # m
 FULL_RATIO: Final = 65535.0
 NO_RETURN: Final = 5.0  # m: the firmware takes more for an outlier (zranger2.c)
-POWER: Final = {0: 'battery', 1: 'charging', 2: 'charged', 3: 'low', 4: 'shutting down'}
 
 # What a drone can measure at most, with room for its own calibration; what lies beyond was not
 # measured (BMI088: 24 g, 2000 deg/s; BMP388: 300 to 1250 mbar; decks take up to 17 V).

@@ -1,5 +1,6 @@
 """One bridge to a drone, and what is said where there is no way to one."""
 
+import hashlib
 import os
 from pathlib import Path
 import subprocess
@@ -89,3 +90,13 @@ def test_a_claim_ends_with_its_process(tmp_path):
 def test_what_a_library_says_becomes_one_sentence_with_the_remedy(said, told):
     assert told in remedied(said)
     assert '\n' not in remedied(said)
+
+
+def test_every_bridge_looks_for_the_same_file_and_writes_its_number_into_it(tmp_path):
+    """Bridges of different versions must meet there."""
+    name = hashlib.sha256(URI.encode()).hexdigest()[:16]
+    path = tmp_path / f'lta-crazyflie-{name}.lock'
+    path.write_text('123456789012')  # of one that died
+    claim = Claim(URI)
+    assert path.read_text() == str(os.getpid())
+    claim.close()

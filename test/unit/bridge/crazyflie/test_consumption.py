@@ -19,3 +19,12 @@ def test_four_motors_take_what_the_bench_measured():
     for row in BENCH[1:]:
         rotors = -GTMAB.current((row.duty,) * 4, row.voltage) - GTMAB.electronics / row.voltage
         assert rotors == pytest.approx(row.current - idle, abs=0.3)
+
+
+def test_each_load_counts_once_and_one_that_is_not_told_takes_nothing():
+    energy = load_vehicle('gtmab').file.energy
+    dark = energy.model_copy(update={'loads': energy.loads.model_copy(update={'sensing': None})})
+    assert Consumption.of(dark).electronics == pytest.approx(0.097 + 0.023)
+    # 2 W, and two rotors of 1 W and 10 W/N: at 4 V a duty of 0.25 is 1 V, 25.3 mN.
+    told = Consumption(2.0, 1.0, 10.0).current((0.25, 0.0, 0.25), 4.0)
+    assert told == pytest.approx(-(2.0 + 2 * 1.2530) / 4.0, rel=1e-4)

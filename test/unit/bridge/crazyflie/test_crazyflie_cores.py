@@ -1,6 +1,7 @@
 """Clock, log table, units and packets of the Crazyflie bridge, against hand calculation."""
 
 import math
+import struct
 
 from lta_bridge.crazyflie import duties_packet, messages, readings
 from lta_bridge.crazyflie.bridge import Asked, Bridge
@@ -8,7 +9,7 @@ from lta_bridge.crazyflie.clock import DeviceClock
 from lta_bridge.crazyflie.emulated.variables import LOG
 from lta_bridge.crazyflie.link import LogPacket
 from lta_bridge.crazyflie.log_table import Block, BLOCKS, check
-from lta_bridge.crazyflie.round_trips import RoundTrips
+from lta_bridge.crazyflie.round_trips import RoundTrips, sent_at
 from lta_bridge.crazyflie.safety import Limits
 from lta_config.crazyflie_file import load_crazyflie
 from lta_config.errors import BadInput
@@ -51,8 +52,10 @@ def test_the_drift_of_a_crystal_is_found():
 
 
 def test_the_stamp_wraps_after_four_and_a_half_hours():
-    errors = fly(DeviceClock(), 10.0, boot_ms=(1 << 24) - 5000, latency=2.0)
+    clock = DeviceClock()
+    errors = fly(clock, 10.0, boot_ms=(1 << 24) - 5000, latency=2.0)
     assert errors == pytest.approx(2.0, abs=1e-6)
+    assert clock.line.restarts == 0
 
 
 def test_late_and_swapped_packets_keep_their_own_stamps():
@@ -141,6 +144,14 @@ def test_duties_on_the_wire():
     assert duties_packet.is_newer(0, 255)
     assert not duties_packet.is_newer(255, 0)
     assert not duties_packet.is_newer(7, 7)
+    # Half of the circle, 128, is no longer ahead.
+    assert [duties_packet.is_newer(ahead, 0) for ahead in (1, 127, 128, 255)] == [
+        True,
+        True,
+        False,
+        False,
+    ]
+    assert duties_packet.unpacked(data).duties == (1.0, -1.0, 16384 / 32767, 0.0)
 
 
 def test_what_ends_a_flight_stands_in_the_file_alone():
@@ -179,3 +190,75 @@ def test_a_clock_that_is_set_back_makes_no_silence_fresh():
     bridge.heard(LogPacket('motors', 1000, values, 10**18))
     assert bridge.seen(10**18 + 100 * MS, True, True).silence == pytest.approx(0.1)
     assert math.isinf(bridge.seen(10**18 - 3600 * 1000 * MS, True, True).silence)
+
+
+@pytest.mark.parametrize(('back_ms', 'restarts'), [(100, 0), (101, 1)])
+def test_a_packet_is_a_tenth_of_a_second_late_or_of_another_clock(back_ms, restarts):
+    clock = DeviceClock()
+    clock.stamp(5000, 10**18)
+    clock.stamp(5000 - back_ms, 10**18)
+    assert clock.line.restarts == restarts
+
+
+def test_the_round_trips_of_a_minute_are_kept_and_the_newest_ten_seconds_told():
+    """Ten pings a second."""
+    trips = RoundTrips()
+    for took in (0.0, 10.0, 9.9, *[0.030] * 498, 0.002, *[0.008] * 100):
+        trips.add(took)
+    assert trips.one_way_ns == 1 * MS
+    assert trips.most == pytest.approx(0.008)
+    trips.add(9.0)
+    trips.add(9.0)
+    assert trips.most == pytest.approx(0.008)  # 95 of the newest 100
+    for _ in range(497):
+        trips.add(0.020)
+    assert trips.one_way_ns == 1 * MS
+    trips.add(0.020)
+    trips.add(0.020)
+    assert trips.one_way_ns == 4 * MS
+
+
+def test_a_ping_is_told_by_its_mark_and_its_size():
+    ping = b'\0' + struct.pack('<d', 12.5)
+    assert sent_at(ping) == 12.5
+    assert sent_at(b'\1' + ping[1:]) is None
+    assert sent_at(ping + b'\0') is None
+
+
+def test_a_log_block_has_26_bytes_at_most_and_a_drone_128_variables():
+    def block(kinds, period=10):
+        check((Block('b', period, {f'a.{n}': kind for n, kind in enumerate(kinds)}),))
+
+    for kind, size in (
+        ('float', 4),
+        ('uint32_t', 4),
+        ('uint16_t', 2),
+        ('uint8_t', 1),
+        ('int8_t', 1),
+    ):
+        many = 26 // size
+        block([kind] * many)
+        with pytest.raises(BadInput, match=f'has {size * (many + 1)} bytes'):
+            block([kind] * (many + 1))
+    block(['float'] * 6 + ['uint16_t'], 2540)
+    with pytest.raises(BadInput, match='has 27 bytes and a packet carries 26'):
+        block(['float'] * 6 + ['uint16_t', 'int8_t'])
+    sixteen = [Block(f'b{n}', 10, {f'a{n}.{m}': 'uint8_t' for m in range(8)}) for n in range(16)]
+    check(tuple(sixteen))
+    sixteen[0].variables['a.b'] = 'uint8_t'
+    with pytest.raises(BadInput, match='16 log blocks with 129 variables'):
+        check(tuple(sixteen))
+
+
+def test_how_often_what_is_read():
+    """A hundred times a second what the navigator turns by; the cell ten times."""
+    assert [(block.name, block.period_ms, len(block.variables)) for block in BLOCKS] == [
+        ('imu', 10, 6), ('air', 20, 2), ('attitude', 20, 3), ('motors', 50, 5), ('power', 100, 2),
+    ]  # fmt: skip
+
+
+def test_a_range_of_five_metres_is_none():
+    told = [
+        readings.air({'baro.pressure': 1.0, 'range.zrange': mm}).distance for mm in (4999, 5000)
+    ]
+    assert told == [pytest.approx(4.999), math.inf]

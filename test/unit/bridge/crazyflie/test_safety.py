@@ -6,8 +6,20 @@ The times are literal numbers: those that docs/hardware.md states, whatever the 
 
 import math
 
-from lta_bridge.crazyflie import condition, readings
-from lta_bridge.crazyflie.safety import Asked, Limits, Order, QUIET, Seen, Stage, State, tick
+from lta_bridge.crazyflie import readings
+from lta_bridge.crazyflie.safety import (
+    Asked,
+    LEAVE,
+    Limits,
+    Order,
+    QUIET,
+    Seen,
+    SILENT,
+    Stage,
+    State,
+    STOPS,
+    tick,
+)
 from lta_bridge.crazyflie.supervisor import Bit, trouble
 import pytest
 
@@ -259,5 +271,51 @@ def test_what_lies_beyond_the_reach_of_a_sensor_was_not_measured(block, name, le
         assert f'{name} is' in readings.unusable(block, {**values, name: value})
 
 
-def test_without_a_keeper_nothing_is_configured():
-    assert condition.kept(None) == ('not configured', 0)
+def test_at_first_nothing_is_known_asked_or_sent():
+    unknown = (pytest.approx(math.nan, nan_ok=True),) * 3  # voltage, height and distance
+    assert Seen() == (False, False, 0, math.inf, math.inf, *unknown, 0.0)
+    assert Asked() == (None, False)
+    assert State() == ('disarmed', 0.0, 0.0, 'not armed yet', 0, -math.inf, False, math.inf)
+
+
+def test_a_cell_at_its_limit_is_not_low_and_lands_at_the_very_time():
+    limit, low = ALOFT._replace(voltage=3.2), ALOFT._replace(voltage=3.19)
+    flying = FLYING._replace(since=0.0, began=0.0)
+    assert [stage for stage, _ in run(flying, (0.0, limit, NOTHING), (5.0, limit, NOTHING))] == [
+        Stage.FLYING, Stage.FLYING,
+    ]  # fmt: skip
+    assert run(flying, (0.0, low, NOTHING), (0.3, low, NOTHING))[1][0] is Stage.LANDING
+
+
+def test_what_is_told_again_is_told_after_exactly_a_tenth_of_a_second():
+    """From zero on, so that no difference of times is rounded."""
+    arm, hand_over = NO_ORDER._replace(arm=True), NO_ORDER._replace(hand_over=True)
+    for stage, seen, again in (
+        (Stage.DISARMED, ARMED, NO_ORDER._replace(arm=False)),
+        (Stage.ARMING, ON_THE_GROUND, arm),
+        (Stage.LANDING, ALOFT, hand_over),
+    ):
+        since = -0.5 if stage is Stage.LANDING else 0.0
+        state = State(stage, since=since, asked_at=0.0)
+        assert tick(state, 0.1, seen, NOTHING, LIMITS)[1] == again
+        assert tick(state, 0.099, seen, NOTHING, LIMITS)[1] == NO_ORDER
+
+
+def test_a_word_as_old_as_the_request_confirms_nothing():
+    state = State(Stage.ARMING, since=10.0, asked_at=10.0)
+    for silence, stage in ((0.125, Stage.ARMING), (0.124, Stage.READY)):
+        seen = ARMED._replace(silence=silence)
+        assert tick(state, 10.125, seen, NOTHING, LIMITS)[0].stage is stage
+
+
+def test_a_hand_over_is_told_until_eight_tenths_and_a_landing_may_end_after_six():
+    landing = State(Stage.LANDING, since=0.0)
+    told = [tick(landing, now, ALOFT, NOTHING, LIMITS)[1].hand_over for now in (0.5, 0.79, 0.8)]
+    assert told == [True, True, False]
+    stages = [tick(landing, now, ARMED, NOTHING, LIMITS)[0].stage for now in (0.6, 0.601)]
+    assert stages == [Stage.LANDING, Stage.DISARMED]
+
+
+def test_the_times_that_others_take_from_here():
+    """Of the node and the recorder; and a helm stops as often."""
+    assert (LEAVE, STOPS, SILENT) == (15.0, 10, 0.5)

@@ -1,0 +1,113 @@
+"""When a lost Crazyflie is tried again and what is written to it, without a thread or a drone."""
+
+from types import SimpleNamespace
+
+from lta_bridge.crazyflie import keeper
+from lta_bridge.crazyflie.keeper import agree, Keeper
+from lta_bridge.crazyflie.link import LinkFailed
+from lta_config.crazyflie_file import Expected
+import pytest
+
+
+class Drone:
+    """A link that keeps what was asked of it; it fails to open where it is told to."""
+
+    def __init__(self, parameters=None, fails=()):
+        self.parameters, self.fails = parameters or {}, iter(fails)
+        self.opened, self.written, self.closed = [], [], 0
+
+    def open(self, deadline):
+        self.opened.append(deadline)
+        if next(self.fails):
+            raise LinkFailed(f'try {len(self.opened)}')
+
+    def parameter(self, name):
+        return self.parameters.get(name)
+
+    def write(self, name, value, deadline):
+        self.written.append((name, value, deadline))
+
+    def close(self):
+        self.closed += 1
+
+
+class Leave:
+    """An event that is set after so many waits, and keeps how long they were."""
+
+    def __init__(self, waits):
+        self.left, self.waited = waits, []
+
+    def is_set(self):
+        return self.left == 0
+
+    def wait(self, seconds):
+        self.left -= 1
+        self.waited.append(seconds)
+
+
+@pytest.fixture
+def keep(monkeypatch):
+    """Return a function that keeps a link until so many pauses: the keeper, the pauses."""
+
+    def keep(drone, waits, given_back=lambda: None):
+        leave = Leave(waits)
+        again = SimpleNamespace(clear=lambda: None, is_set=lambda: False, wait=lambda: None)
+        events = iter((leave, again))
+        monkeypatch.setattr(keeper, 'threading', SimpleNamespace(
+            Event=lambda: next(events),
+            Thread=lambda target, **_: SimpleNamespace(start=target),
+        ))  # fmt: skip
+        return Keeper(drone, {}, given_back), leave.waited
+
+    return keep
+
+
+def test_each_failure_doubles_the_pause_from_half_a_second_to_eight(keep):
+    drone, done = Drone(fails=[True] * 7), []
+    kept, pauses = keep(drone, 7, lambda: done.append(True))
+    assert pauses == [0.5, 1.0, 2.0, 4.0, 8.0, 8.0, 8.0]
+    assert drone.opened == [8.0] * 7  # the deadline of one try
+    assert (kept.up, kept.why, kept.attempts) == (False, 'try 7', 7)
+    assert (drone.closed, done) == (7, [True])
+
+
+def test_a_link_that_was_up_is_tried_again_at_once_and_then_with_the_shortest_pause(keep):
+    drone = Drone(fails=[True, True, False, True, True])
+    kept, pauses = keep(drone, 4)
+    assert pauses == [0.5, 1.0, 0.5, 1.0]
+    assert (kept.attempts, drone.closed) == (5, 5)
+
+
+def test_before_its_thread_has_begun_it_is_down_and_leaving_it_takes_five_seconds(monkeypatch):
+    waited, alive = [], [True, False]
+    thread = SimpleNamespace(start=lambda: None, join=waited.append, is_alive=lambda: alive.pop(0))
+    flags = []
+    event = SimpleNamespace(set=lambda: flags.append('set'))
+    monkeypatch.setattr(
+        keeper, 'threading', SimpleNamespace(Event=lambda: event, Thread=lambda **_: thread)
+    )
+    kept = Keeper(Drone(), {})
+    assert (kept.up, kept.why, kept.attempts) == (False, 'connecting', 0)
+    kept.up = True
+    kept.lost('no packet')
+    assert (kept.up, kept.why, flags) == (False, 'no packet', ['set'])
+    kept.up = True
+    assert [kept.close(), kept.close(1.5)] == [False, True]
+    assert (kept.up, waited) == (False, [5.0, 1.5])
+
+
+def want(value, write=True):
+    return Expected(value=value, write=write, why='why')
+
+
+def test_what_turns_motors_is_switched_off_first_and_what_is_right_is_left():
+    drone = Drone({'motorPowerSet.enable': 1.0, 'powerDist.idleThrust': 0.0, 'a': 1.0, 'b': 2.0})
+    agree(drone, {'a': want(1.0, write=False), 'b': want(3.0)})
+    assert drone.written == [('motorPowerSet.enable', 0.0, 2.0), ('b', 3.0, 2.0)]
+
+
+def test_a_refused_drone_gets_nothing_but_what_stops_its_motors():
+    drone = Drone({'powerDist.idleThrust': 7000.0, 'a': 1.0, 'b': 2.0})
+    with pytest.raises(LinkFailed, match=r'b is 2, not 3 \(why\)'):
+        agree(drone, {'a': want(5.0), 'b': want(3.0, write=False)})
+    assert drone.written == [('powerDist.idleThrust', 0.0, 2.0)]

@@ -1,0 +1,33 @@
+"""Readings that come in order by a clock that was set back, by hand."""
+
+from lta_energy.estimate import Estimate
+from lta_energy.new_clock import ENOUGH, in_order, moved
+from lta_energy.reading import Reading
+import pytest
+
+
+@pytest.mark.parametrize(
+    ('before', 'stamp', 'after'),
+    [
+        ((), 5, (5,)),
+        ((5,), 6, (5, 6)),
+        ((5,), 5, (5,)),
+        ((5, 6), 4, (4,)),
+        ((3, 9), 7, (7,)),
+        ((3, 6), 7, (3, 6, 7)),
+    ],
+)
+def test_stamps_are_in_order_while_each_is_later(before, stamp, after):
+    assert in_order(before, stamp) == after
+    assert ENOUGH == 3
+
+
+def test_what_was_read_is_moved_to_the_new_clock_and_stays_one_reading():
+    last, good = Reading(1000, 3.8, -0.5), Reading(900, 3.8, -0.4)
+    both = moved(Estimate(last=last, good=last), 700)
+    assert (both.last.stamp_ns, both.last.current) == (300, -0.5)
+    assert both.good is both.last
+    apart = moved(Estimate(last=last, good=good), 700)
+    assert (apart.last.stamp_ns, apart.good.stamp_ns) == (300, 200)
+    assert (apart.last.current, apart.good.current) == (-0.5, -0.4)
+    assert moved(Estimate(), 700) == Estimate()
