@@ -2,8 +2,9 @@
 
 import itertools
 
+from lta_config.course import Course
 from lta_control.cascade import Setpoint
-from lta_control.mission import blind, mission_step, MissionSettings
+from lta_control.mission import blind, course_step, mission_step, MissionSettings
 from lta_control.phases import Mission, Phase
 from lta_control.reserve import Order
 from lta_control.strategies import strategy
@@ -96,3 +97,13 @@ def test_the_light_of_another_lamp_is_taken_out_of_a_sight():
 
 def test_a_fresh_mission_listens_to_its_first_lamp_at_once():
     assert Mission() == (Phase.REST, (), 0, 0, 2, 0, False, (0.0, 0.0), 0.0)
+
+
+def test_a_course_is_flown_as_its_rows_say_and_ends_where_the_energy_does():
+    row = {'at': '2 s', 'altitude': '1 m', 'heading': '0.5 rad', 'speed': '0.4 m/s'}
+    course = Course.model_validate({'between': 'step', 'rows': [row]})
+    assert course_step(course, 2.0, 0.3, 0.42, Order.FLY) == Setpoint(1.0, 0.5, 0.4)
+    assert course_step(course, 1.0, 0.3, 0.42, Order.FLY) == Setpoint(0.0, 0.5, 0.0)
+    assert course_step(course, 2.0, 0.3, None, Order.FLY) == Setpoint(0.0, 0.3, 0.0)
+    for order in (Order.RESERVE, Order.DOWN):
+        assert course_step(course, 2.0, 0.3, 0.42, order) == Setpoint(0.0, 0.5, 0.0)
