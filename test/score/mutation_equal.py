@@ -13,7 +13,7 @@ EQUAL: Final[dict[Line, str]] = {
         'src/lta_control/lta_control/autopilot.py',
         'HEARD = Layout(Heard((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))',
         'HEARD = Layout(Heard((0.0, 0.0, -1.0), (0.0, 0.0, 0.0)))',
-    ): 'A layout is made of the places and kinds of the numbers in its example, not of the numbers.',
+    ): 'A layout is made of places and kinds of the numbers in its example, not of their values.',
     (
         'src/lta_control/lta_control/mission.py',
         'return mission._replace(asked=mission.leg + 1, turns=0, heard=0)',
