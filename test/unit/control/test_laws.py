@@ -272,3 +272,16 @@ def test_a_steep_multirotor_makes_up_for_half_of_its_thrust_at_most():
         newtons = sum(after.thrusts) * vehicle.allocation[0][2]
         demands.append((newtons - after.missing) / constants.weight)
     assert demands == pytest.approx([1.0, 1.0 / math.cos(math.radians(59.0)), 2.0], rel=1e-6)
+
+
+def test_a_law_that_is_told_nothing_takes_itself_to_be_at_rest_at_its_start():
+    """A period of 10 ms, level, its nose along x, and nothing asked for."""
+    nowhere = (0.0, 0.0, 0.0)
+    assert Motion() == (nowhere, (0.0, 0.0, 0.0, 1.0), nowhere, nowhere)
+    assert Heard() == (Motion(), Setpoint(0.0, 0.0, 0.0), 0.01)
+    assert Command() == ((0.0,) * 8, nowhere)
+    for name, each in LAWS.items():
+        assert each.start.command == Command(), name
+        if name != 'cascade':  # its slopes have no measurement yet, which is no number
+            remembered = np.concatenate([np.ravel(part) for part in each.start[1:]])
+            assert not remembered.any(), name
