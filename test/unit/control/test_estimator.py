@@ -338,7 +338,10 @@ def test_the_truth_is_out_of_reach():
 
 
 def test_a_fresh_estimate_knows_nothing():
-    assert Estimate() == Estimate(ready=False, rest=Rest(), altitude=Altitude())
+    level = (0.0, 0.0, 0.0, 1.0)
+    nothing = (False, Rest(), Biases(), level, (0.0, 0.0, 0.0), Altitude(), Airspeed())
+    assert Estimate() == (*nothing, (0.0, 0.0), NONE, 0.0)
+    assert Airspeed() == (0.0,) * 4
 
 
 @pytest.mark.parametrize('place', [(0.0, 0.0, -0.36), (0.1, -0.2, -0.3)])
