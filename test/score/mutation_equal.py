@@ -29,6 +29,10 @@ EQUAL: Final[dict[Line, str]] = {
         '15: {0: 0, 1: 0, 2: 0, 3: 0}, # link: echo, source, sink, null',
         '15: {0: 0, 1: 0, 2: -1, 3: 0}, # link: echo, source, sink, null',
     ): 'No packet has fewer bytes than none.',
+        'src/lta_control/lta_control/autopilot.py',
+        'HEARD = Layout(Heard((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))',
+        'HEARD = Layout(Heard((0.0, 0.0, -1.0), (0.0, 0.0, 0.0)))',
+    ): 'A layout is made of places and kinds of the numbers in its example, not of their values.',
     (
         'src/lta_control/lta_control/mission.py',
         'return mission._replace(asked=mission.leg + 1, turns=0, heard=0)',
@@ -54,9 +58,18 @@ EQUAL: Final[dict[Line, str]] = {
         'return 0.0 if beyond else abs(surprise.innovation) / surprise.deviation',
         'return -1.0 if beyond else abs(surprise.innovation) / surprise.deviation',
     ): 'Only whether it is above 5 is asked of it.',
+        'src/lta_sim/lta_sim/effects/tracker_delay.py',
+        'return (values[0] - delay,)',
+        'return (values[ -1] - delay,)',
+    ): 'The time of a pose is a single number: the first is the last.',
     (
         'src/lta_vlc/lta_vlc/modulation.py',
         'phase: float = 0.0',
         'phase: float = -1.0',
     ): 'A phase is a part of a cycle: a whole cycle earlier the wave is the same.',
+    (
+        'src/lta_vlc/lta_vlc/tone.py',
+        'cosine, sine, off = np.zeros(3), np.zeros(3), np.zeros(3)',
+        'cosine, sine, off = np.zeros(3), np.zeros( 4), np.zeros(3)',
+    ): 'The three bins alone are written and read: every loop over them ends at three.',
 }

@@ -33,6 +33,7 @@ LIBRARIES: Final = (
 )
 HUNG: Final = 1800.0  # s after which a mutant hangs that computes nothing
 UNFIT: Final = 77  # the exit status of one that cannot be imported
+CRASHES: Final = (signal.SIGABRT, signal.SIGBUS, signal.SIGFPE, signal.SIGILL, signal.SIGSEGV)
 KILLED, SURVIVED, STOPPED, INCOMPETENT = 'killed', 'survived', 'stopped', 'incompetent'
 
 
@@ -114,6 +115,8 @@ class Copy:
         text, status = told.read_text(encoding='utf-8', errors='replace'), process.exitcode
         if status == -signal.SIGXCPU:
             return Outcome(STOPPED, f'it computed for {trial.limit} s', float(trial.limit))
+        if -status in CRASHES:  # compiled code that writes beyond its arrays
+            return Outcome(KILLED, f'it crashed: {signal.Signals(-status).name}', 0.0)
         if status == UNFIT:
             return Outcome(INCOMPETENT, last_line(text), 0.0)
         ended = re.findall(r'^took (\S+)$', text, re.MULTILINE)

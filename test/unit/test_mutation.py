@@ -60,6 +60,11 @@ def test_what_never_ends_is_stopped_by_the_time_that_it_computes(root, tmp_path)
     assert outcome.fate == STOPPED
 
 
+def test_what_crashes_is_killed(root, tmp_path):
+    outcome = fate(root, tmp_path, 'return min', '__import__("os").abort()\n    return min')
+    assert (outcome.fate, outcome.why) == (KILLED, 'it crashed: SIGABRT')
+
+
 def test_what_cannot_be_imported_counts_for_nothing(root, tmp_path):
     outcome = fate(root, tmp_path, 'def half', 'half = 1 / 0\ndef half')
     assert (outcome.fate, outcome.why) == (INCOMPETENT, 'ZeroDivisionError: division by zero')

@@ -98,3 +98,14 @@ def test_without_range_pressure_carries_on():
         state = correct(state, 1.3, 0.15, True)
     assert state.height + state.offset == pytest.approx(1.3, abs=1e-3)
     assert state.height == pytest.approx(1.0, abs=1e-2)
+
+
+def test_at_first_height_and_offset_are_known_to_a_metre_and_climb_to_10_cm_a_second():
+    """A measurement as good as the prior halves it; one second lets the climb in."""
+    state = Altitude()
+    assert state[:3] == (0.0, 0.0, 0.0)
+    assert correct(state, 1.0, 1.0, False).height == pytest.approx(0.5)
+    half = correct(state, 1.0, np.sqrt(2.0), True)  # of height and offset, a quarter each
+    assert (half.height, half.offset) == pytest.approx((0.25, 0.25))
+    later = predict(state, 0.0, 0.0, 0.0, 1.0)
+    assert later.p == pytest.approx((1.0 + 0.1**2, 0.1**2, 0.0, 0.1**2, 0.0, 1.0))

@@ -95,6 +95,11 @@ def test_every_axis_is_told_its_own_shortfall():
         (0.46, 0.0, 0.30, False),  # still above the floor
         (0.42, -0.06, 0.30, False),  # still coming down
         (0.42, 0.0, 0.50, False),  # asked to take off
+        (0.42, -0.05, 0.30, False),
+        (0.42, 0.05, 0.30, False),
+        (0.42, 0.0499, 0.30, True),
+        (0.4499, 0.0, 0.30, True),
+        (0.42 + 0.03, 0.0, 0.30, False),
     ],
 )
 def test_landed_is_standing_and_asked_to_be_no_higher(altitude, climb, asked, down):
@@ -110,3 +115,6 @@ def test_time_between_stamps():
     # The same stamp twice, or a clock that jumped back: time goes on, but hardly.
     assert elapsed(2_000_000_000, 2_000_000_000, period) == pytest.approx(0.001)
     assert elapsed(2_000_000_000, 1_000_000_000, period) == pytest.approx(0.001)
+    assert elapsed(1_000_000_000, 1_100_000_000, period) == pytest.approx(0.1)
+    assert elapsed(1_000_000_000, 1_101_000_000, period) == pytest.approx(0.1)
+    assert elapsed(0, 1_100_000, period) == pytest.approx(0.0011)

@@ -338,7 +338,10 @@ def test_the_truth_is_out_of_reach():
 
 
 def test_a_fresh_estimate_knows_nothing():
-    assert Estimate() == Estimate(ready=False, rest=Rest(), altitude=Altitude())
+    level = (0.0, 0.0, 0.0, 1.0)
+    nothing = (False, Rest(), Biases(), level, (0.0, 0.0, 0.0), Altitude(), Airspeed())
+    assert Estimate() == (*nothing, (0.0, 0.0), NONE, 0.0)
+    assert Airspeed() == (0.0,) * 4
 
 
 @pytest.mark.parametrize('place', [(0.0, 0.0, -0.36), (0.1, -0.2, -0.3)])
@@ -361,3 +364,10 @@ def test_turning_about_the_hull_centre_is_no_speed(place):
         fastest = max(fastest, abs(state.airspeed.surge), abs(state.airspeed.sway))
     assert fastest < 2e-3
     assert abs(state.altitude.climb) < 2e-3
+
+
+def test_a_motor_that_changes_its_direction_at_the_same_speed_slows_down_first():
+    before = rested()._replace(duties=slots((-0.5, 0.5)))
+    state = run(before, STILL._replace(duties=slots((0.5, -0.5))), 1)
+    down = 1.0 - math.exp(-DT / 0.1)
+    assert state.duties[:2] == pytest.approx((-0.5 + down, 0.5 - down))

@@ -2,8 +2,16 @@
 
 import math
 
-from lta_control.strategies import lamp_filter
-from lta_control.strategies.lamp_filter import begin, Fix, Optics, predict, see
+from lta_control.strategies.lamp_filter import (
+    bearing_deviation,
+    begin,
+    expected,
+    Fix,
+    Optics,
+    predict,
+    see,
+    surprise,
+)
 import numpy as np
 import pytest
 
@@ -24,8 +32,9 @@ def told(x, p, slopes, error, noise):
 
 def noises(x, deviation):
     squared = x[0] ** 2 + x[1] ** 2
-    across = deviation**2 + OPTICS.bearing_noise**2 + lamp_filter.ASIDE**2 / squared
-    return across, OPTICS.strength_noise**2 + (lamp_filter.OVER**2 / squared) ** 2
+    # A lamp may stand 10 cm aside and 80 cm higher or lower.
+    across = deviation**2 + OPTICS.bearing_noise**2 + 0.1**2 / squared
+    return across, OPTICS.strength_noise**2 + (0.8**2 / squared) ** 2
 
 
 def test_it_is_the_textbook_s_filter():
@@ -34,7 +43,7 @@ def test_it_is_the_textbook_s_filter():
     x, p = state_of(fix)
     ahead = np.eye(5)
     ahead[0, 2] = ahead[1, 3] = -0.1
-    growth = np.diag([lamp_filter.SLIP**2, lamp_filter.SLIP**2, 0.01, 0.01, lamp_filter.FADING**2])
+    growth = np.diag([0.01**2, 0.01**2, 0.01, 0.01, 0.15**2])
     for _ in range(60):
         moved = chance.normal(0.03, 0.02, 2)
         fix = predict(OPTICS, fix, *moved.tolist(), 0.1)
@@ -97,3 +106,62 @@ def test_the_covariance_stays_one():
     assert rows == pytest.approx(rows.T, abs=1e-12)
     assert np.linalg.eigvalsh(rows).min() > 0.0
     assert isinstance(fix, Fix)
+
+
+@pytest.mark.parametrize('bearing', [0.4, 2.5, -1.0])
+def test_a_first_sight_spreads_by_the_slopes_of_its_inputs(bearing):
+    """x, y and brightness by brightness, strength and bearing: J diag(variances) J'."""
+    fix = begin(OPTICS, bearing, 0.05, 80.0, (0.1, -0.2))
+    cos, sin, away = math.cos(bearing), math.sin(bearing), 5.0
+    slopes = np.array(
+        [
+            [0.5 * away * cos, -0.5 * away * cos, -away * sin],
+            [0.5 * away * sin, -0.5 * away * sin, away * cos],
+            [1.0, 0.0, 0.0],
+        ]
+    )
+    spread = slopes @ np.diag([0.5**2, 0.15**2, 0.05**2 + 0.03**2]) @ slopes.T
+    rows = np.zeros((5, 5))
+    rows[np.ix_([0, 1, 4], [0, 1, 4])] = spread
+    rows[2, 2] = rows[3, 3] = 0.4**2
+    assert fix[:5] == pytest.approx((away * cos, away * sin, 0.1, -0.2, math.log(2000.0)))
+    assert np.array(fix.rows) == pytest.approx(rows, abs=1e-12)
+
+
+def test_a_first_range_is_between_40_cm_and_50_m():
+    assert begin(OPTICS, 0.0, 0.05, 1e6, STILL).x == pytest.approx(0.4)
+    assert begin(OPTICS, 0.0, 0.05, 1e-3, STILL).x == pytest.approx(50.0)
+
+
+@pytest.mark.parametrize(('x', 'y'), [(3.0, -2.0), (-2.0, 0.01), (0.1, 0.2)])
+def test_what_a_fix_says_of_bearing_and_strength(x, y):
+    """By the row of slopes h: the variance is h P h'; nearer than 40 cm they are those there."""
+    factor = np.random.default_rng(5).normal(0.0, 0.3, (5, 5))
+    spread = factor @ factor.T
+    fix = Fix(x, y, 0.0, 0.0, math.log(1800.0), tuple(map(tuple, spread.tolist())))
+    squared = max(x * x + y * y, 0.16)
+    slopes = np.array([-y, x, 0.0, 0.0, 0.0]) / squared
+    variance = slopes @ spread @ slopes
+    assert bearing_deviation(fix) == pytest.approx(math.sqrt(variance))
+    noise = 0.05**2 + 0.03**2 + 0.1**2 / squared
+    for off in (-0.3, 0.2):  # the second one lies beyond pi
+        bearing = math.atan2(y, x) + off
+        told_off = abs(off) / math.sqrt(variance + noise)
+        assert surprise(fix, OPTICS, bearing, 0.05) == pytest.approx(told_off)
+        assert surprise(fix, OPTICS, bearing - math.tau, 0.05) == pytest.approx(told_off)
+    assert expected(fix) == pytest.approx(1800.0 / (x * x + y * y + 0.64))
+
+
+def test_nearer_than_40_cm_a_sight_is_weighed_as_from_there():
+    fix = Fix(0.1, 0.2, 0.0, 0.0, 7.0, tuple(map(tuple, (0.01 * np.eye(5)).tolist())))
+    x, p = state_of(fix)
+    error = 0.9 - math.atan2(0.2, 0.1)
+    noise = 0.05**2 + 0.03**2 + 0.1**2 / 0.16
+    x, p = told(x, p, [-0.2 / 0.16, 0.1 / 0.16, 0.0, 0.0, 0.0], error, noise)
+    squared = max(x[0] ** 2 + x[1] ** 2, 0.16)
+    slopes = [-2.0 * x[0] / squared, -2.0 * x[1] / squared, 0.0, 0.0, 1.0]
+    error = math.log(9000.0) - x[4] + math.log(squared)
+    x, p = told(x, p, slopes, error, 0.15**2 + (0.64 / squared) ** 2)
+    found = state_of(see(fix, OPTICS, 0.9, 0.05, 9000.0))
+    assert found[0] == pytest.approx(x)
+    assert found[1] == pytest.approx(p, abs=1e-12)

@@ -10,7 +10,7 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_control.allocation import duties, new_scratch
 from lta_control.cascade import Setpoint
 from lta_control.gains_file import load_gains_of
-from lta_control.laws import glide, lateral, law, omnidirectional, quadrotor, velocity
+from lta_control.laws import glide, lateral, law, omnidirectional, open_loop, quadrotor, velocity
 from lta_control.laws.protocol import Heard, Motion
 from lta_sim.vehicle import load_vehicle
 import numpy as np
@@ -88,7 +88,7 @@ def asked(monkeypatch):
         wrenches.append((wrench, start))
         return thrusts(rotors), GIVEN
 
-    for module in (omnidirectional, quadrotor, velocity):
+    for module in (omnidirectional, open_loop, quadrotor, velocity):
         monkeypatch.setattr(module, 'allocate', allocate)
     return wrenches
 
@@ -263,3 +263,35 @@ def test_the_lever_of_the_glider_is_half_the_distance_of_its_propellers():
     assert left[5] < 0.0 < right[5]
     assert constants.lever == pytest.approx((right[5] - left[5]) / 2)
     assert glide.TWO == 2
+
+
+@pytest.mark.parametrize('seed', SEEDS)
+@pytest.mark.parametrize('begun', [True, False])
+def test_blimp2b_asks_what_would_hold_its_setpoint_if_nothing_lagged(asked, seed, begun):
+    """Every second one is near enough to get there in this step."""
+    chance = np.random.default_rng(seed)
+    made, constants = ready('blimp2b')
+    vehicle, gains = load_vehicle('blimp2b'), constants.gains
+    _, setpoint, _ = somewhere(chance)
+    near = 0.5 * DT * chance.uniform(-1.0, 1.0) if seed % 2 else chance.normal()
+    altitude = setpoint.altitude - near * gains.climb_rate
+    heading = wrapped(setpoint.heading - near * gains.turn_rate)
+    memory = made.start._replace(begun=begun, altitude=altitude, heading=heading)
+    memory = memory._replace(thrusts=(0.5,) * 8)
+    after = made.step(constants, memory, Heard(Motion(), setpoint, DT), new_scratch())
+    if not begun:
+        altitude = vehicle.standing_height
+    limits = (gains.climb_rate, gains.turn_rate)
+    wanted = np.array([setpoint.altitude - altitude, wrapped(setpoint.heading - heading)]) / DT
+    climb, turn = np.clip(wanted, [-x for x in limits], limits)
+    linear, quadratic = vehicle.file.aero.linear_drag, vehicle.file.aero.quadratic_drag
+    terms = [*linear.force.vector, *linear.moment.vector]
+    squares = [*quadratic.force.vector, *quadratic.moment.vector]
+    wrench = [0.0, 0.0, vehicle.heaviness * STANDARD_GRAVITY, 0.0, 0.0, 0.0]
+    for axis, speed in ((0, setpoint.speed), (2, climb), (5, turn)):
+        wrench[axis] += terms[axis] * speed + squares[axis] * speed * abs(speed)
+    assert asked[0] == (close(wrench), (0.5,) * 8)
+    assert after.altitude == pytest.approx(altitude + DT * climb)
+    assert after.heading == pytest.approx(wrapped(heading + DT * turn))
+    assert (after.begun, after.thrusts) == (True, thrusts(constants.rotors))
+    assert after.command.duties == duties(constants.rotors, after.thrusts)

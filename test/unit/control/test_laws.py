@@ -1,6 +1,6 @@
 """Control laws by name: they hold a vehicle by its trim, and refuse what they cannot fly."""
 
-from dataclasses import replace
+from dataclasses import FrozenInstanceError, replace
 import math
 
 from lta_config.constants import STANDARD_GRAVITY
@@ -223,6 +223,8 @@ def test_frames_agree_with_scipy():
     small = Rotation.from_rotvec([0.002, -0.001, 0.003])
     there = tuple((known_turn * small).as_quat().tolist())
     assert turn_to(q, there) == pytest.approx((0.002, -0.001, 0.003), rel=1e-5)
+    other_sign = tuple(-part for part in there)  # the same attitude
+    assert turn_to(q, other_sign) == pytest.approx((0.002, -0.001, 0.003), rel=1e-5)
     assert turned(math.pi / 2, 2.0, 1.0) == pytest.approx((-1.0, 2.0))
 
 
@@ -247,3 +249,39 @@ def test_laws_are_called_what_the_registry_calls_them():
     assert all(name == each.name for name, each in LAWS.items())
     assert all(isinstance(each.start.command, Command) for each in LAWS.values())
     assert replace(LAWS['glide'], name='x') != LAWS['glide']
+    with pytest.raises(FrozenInstanceError):
+        LAWS['glide'].name = 'x'
+
+
+def test_what_each_law_weighs_in_its_allocation():
+    """Moments count by a lever: 1 / 0.01^2 in tilt and 1 / 0.1^2 in yaw for the multirotor."""
+    weights = {name: ready(name)[2].rotors.weights for name in ('multirotor', 'skye', 'sblimp')}
+    assert weights['multirotor'] == pytest.approx((0.0, 0.0, 1.0, 1e4, 1e4, 1e2))
+    assert weights['skye'] == (1.0,) * 6
+    height = ready('sblimp')[2].gains.height_weight
+    assert weights['sblimp'] == (1.0, 1.0, height, 0.0, 0.0, 1000.0)
+
+
+def test_a_steep_multirotor_makes_up_for_half_of_its_thrust_at_most():
+    """At 80 degrees the cosine is 0.17; the thrust is twice the weight, and not six times."""
+    vehicle, made, constants = ready('multirotor')
+    demands = []
+    for tilt in (0.0, math.radians(59.0), math.radians(80.0)):
+        motion = Motion((0.0, 0.0, 2.0), from_angles(0.0, tilt, 0.0))
+        after = once(made, constants, motion, Setpoint(2.0, 0.0, 0.0))
+        newtons = sum(after.thrusts) * vehicle.allocation[0][2]
+        demands.append((newtons - after.missing) / constants.weight)
+    assert demands == pytest.approx([1.0, 1.0 / math.cos(math.radians(59.0)), 2.0], rel=1e-6)
+
+
+def test_a_law_that_is_told_nothing_takes_itself_to_be_at_rest_at_its_start():
+    """A period of 10 ms, level, its nose along x, and nothing asked for."""
+    nowhere = (0.0, 0.0, 0.0)
+    assert Motion() == (nowhere, (0.0, 0.0, 0.0, 1.0), nowhere, nowhere)
+    assert Heard() == (Motion(), Setpoint(0.0, 0.0, 0.0), 0.01)
+    assert Command() == ((0.0,) * 8, nowhere)
+    for name, each in LAWS.items():
+        assert each.start.command == Command(), name
+        if name != 'cascade':  # its slopes have no measurement yet, which is no number
+            remembered = np.concatenate([np.ravel(part) for part in each.start[1:]])
+            assert not remembered.any(), name

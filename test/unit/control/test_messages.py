@@ -4,7 +4,7 @@ import math
 
 from lta_control.airspeed import Airspeed
 from lta_control.altitude import Altitude
-from lta_control.carried import velocity
+from lta_control.carried import level, reach, setpoint, single, velocity
 from lta_control.cascade import Setpoint
 from lta_control.estimator import Estimate
 from lta_control.messages import (
@@ -70,8 +70,8 @@ def test_a_distance_within_reach_counts():
 
 
 def test_a_setpoint_survives_the_way_there_and_back():
-    setpoint = Setpoint(0.7, -2.5, 0.3)
-    assert to_setpoint(*from_setpoint(Range().header.stamp, setpoint)) == pytest.approx(setpoint)
+    asked = Setpoint(0.7, -2.5, 0.3)
+    assert to_setpoint(*from_setpoint(Range().header.stamp, asked)) == pytest.approx(asked)
 
 
 @pytest.mark.parametrize(
@@ -97,3 +97,32 @@ def test_duties_survive_the_way_there_and_back(count):
     assert list(message.name) == names
     assert list(message.effort) == list(duties[:count])
     assert to_duties(message, names, NONE) == duties
+
+
+def test_the_ends_of_a_sensor_s_reach_count():
+    assert (reach(0.04, 0.04, 4.0), reach(4.0, 0.04, 4.0)) == (0.04, 4.0)
+    assert math.isnan(reach(0.03, 0.04, 4.0))
+    assert math.isnan(reach(4.1, 0.04, 4.0))
+
+
+def test_a_range_travels_in_32_bits_and_a_heading_as_a_level_attitude():
+    assert single(0.1) == 13421773 / 2**27  # the nearest of 24 bits
+    assert level(0.6) == (0.0, 0.0, math.sin(0.3), math.cos(0.3))
+    assert setpoint(0.7, level(-2.5), 0.3) == pytest.approx((0.7, -2.5, 0.3))
+
+
+@pytest.mark.parametrize(('upright', 'levelled'), [(0.11, True), (0.09, False)])
+def test_on_its_side_climb_and_heave_are_not_told_apart(upright, levelled):
+    """Pitched until body z is nearly level: forward is then down."""
+    pitch = math.acos(upright)
+    side = FLYING._replace(attitude=(0.0, math.sin(pitch / 2), 0.0, math.cos(pitch / 2)))
+    heave = (0.1 + 0.4 * math.sin(pitch)) / upright
+    assert velocity(side) == (0.4, 0.05, pytest.approx(heave if levelled else 0.1))
+
+
+def test_a_rolled_vehicle_climbs_by_its_sway():
+    roll = 0.3
+    rolled = FLYING._replace(attitude=(math.sin(roll / 2), 0.0, 0.0, math.cos(roll / 2)))
+    heave = (0.1 - 0.05 * math.sin(roll)) / math.cos(roll)
+    assert velocity(rolled) == pytest.approx((0.4, 0.05, heave))
+    assert to_measured(odometry(rolled)).climb == pytest.approx(0.1)

@@ -2,8 +2,9 @@
 
 import itertools
 
+from lta_config.course import Course
 from lta_control.cascade import Setpoint
-from lta_control.mission import mission_step, MissionSettings
+from lta_control.mission import blind, course_step, mission_step, MissionSettings
 from lta_control.phases import Mission, Phase
 from lta_control.reserve import Order
 from lta_control.strategies import strategy
@@ -35,7 +36,9 @@ def test_it_climbs_on_the_heading_it_stood_on():
     assert setpoint == Setpoint(0.5, 1.0, 0.0)
 
 
-@pytest.mark.parametrize(('altitude', 'phase'), [(0.459, Phase.CLIMB), (0.461, Phase.SEEK)])
+@pytest.mark.parametrize(
+    ('altitude', 'phase'), [(0.459, Phase.CLIMB), (0.5 - 0.04, Phase.CLIMB), (0.461, Phase.SEEK)]
+)
 def test_the_climb_ends_near_the_altitude(altitude, phase):
     assert go(Mission(Phase.CLIMB, (1.0,)), altitude=altitude)[1].phase is phase
 
@@ -84,3 +87,23 @@ def test_phases_only_go_forward():
         memory = () if phase is Phase.REST else (0.7,)
         _, after = go(Mission(phase, memory), sight, altitude, order)
         assert phases.index(after.phase) >= phases.index(phase)
+
+
+def test_the_light_of_another_lamp_is_taken_out_of_a_sight():
+    told = Sight(True, 0.4, 1.0, (5.0, 6.0), 0.1, 0.2, 800.0, 0.3, (1.0, 2.0), (0.5, 0.1))
+    without = (False, 0.0, 1.0, (5.0, 6.0), 0.1, 0.0, 0.0, 0.0, (1.0, 2.0), (0.5, 0.1))
+    assert blind(told) == without
+
+
+def test_a_fresh_mission_listens_to_its_first_lamp_at_once():
+    assert Mission() == (Phase.REST, (), 0, 0, 2, 0, False, (0.0, 0.0), 0.0)
+
+
+def test_a_course_is_flown_as_its_rows_say_and_ends_where_the_energy_does():
+    row = {'at': '2 s', 'altitude': '1 m', 'heading': '0.5 rad', 'speed': '0.4 m/s'}
+    course = Course.model_validate({'between': 'step', 'rows': [row]})
+    assert course_step(course, 2.0, 0.3, 0.42, Order.FLY) == Setpoint(1.0, 0.5, 0.4)
+    assert course_step(course, 1.0, 0.3, 0.42, Order.FLY) == Setpoint(0.0, 0.5, 0.0)
+    assert course_step(course, 2.0, 0.3, None, Order.FLY) == Setpoint(0.0, 0.3, 0.0)
+    for order in (Order.RESERVE, Order.DOWN):
+        assert course_step(course, 2.0, 0.3, 0.42, order) == Setpoint(0.0, 0.5, 0.0)

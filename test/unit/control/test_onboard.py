@@ -10,6 +10,7 @@ from lta_control.estimator import EstimatorSettings
 from lta_control.gains_file import load_gains
 from lta_control.onboard import Heard, Onboard, onboard_step
 from lta_control.per_rotor import NONE
+from lta_control.sighting import Reckoned
 from lta_sim.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -99,6 +100,8 @@ def test_the_autopilot_is_the_same_step_compiled():
         assert duties == memory.duties[:4]
         assert pilot.estimate == memory.estimate
         assert pilot.heading == memory.measured.heading
+        place, told = memory.estimate.position, memory.measured
+        assert pilot.reckoned == Reckoned(told.heading, *place, told.speed, told.sway)
         assert pilot.measured == (memory.measured if memory.estimate.ready else None)
     assert memory.estimate.flown > 5.0
     assert not memory.stopped
@@ -162,3 +165,36 @@ def test_the_numbers_of_the_estimate_are_the_callers_own():
     assert ESTIMATE.read(numbers) == pilot.estimate
     pilot.step(*STILL)
     assert ESTIMATE.read(numbers) != pilot.estimate
+
+
+def test_the_estimator_is_told_what_the_rotors_did_instead():
+    pilot, memory = Autopilot(DRONE), run(Onboard(), 1)
+    pilot.step(*STILL)
+    pilot.instead((0.1, 0.2, 0.3, 0.4))
+    assert pilot.duties == (0.1, 0.2, 0.3, 0.4)
+    told = memory._replace(duties=(0.1, 0.2, 0.3, 0.4, *NONE[4:]))
+    assert repr(pilot.memory) == repr(told)  # NaN where there is one
+
+
+def test_a_fresh_memory_holds_nothing():
+    fresh = Onboard()
+    assert fresh.measured == (0.0,) * 7
+    assert (fresh.guided, fresh.setpoint, fresh.duties, fresh.stopped) == (
+        False, (0.0, 0.0, 0.0), NONE, False,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize('place', range(3))
+@pytest.mark.parametrize('field', ['rates', 'force'])
+def test_any_number_that_is_none_leaves_its_sample_out(field, place):
+    flying = run(guided(), 20)
+    for odd in (math.nan, math.inf):
+        sample = tuple(odd if k == place else 0.1 for k in range(3))
+        assert run(flying, 1, STILL._replace(**{field: sample})).estimate == flying.estimate
+
+
+@pytest.mark.parametrize('place', range(3))
+def test_any_setpoint_that_is_no_number_stops_the_motors(place):
+    odd = Setpoint(*(math.inf if k == place else 0.5 for k in range(3)))
+    assert run(guided(run(guided(), 20), odd), 1).stopped
+    assert not run(run(guided(), 20)._replace(setpoint=odd, guided=False), 1).stopped

@@ -4,7 +4,15 @@ import math
 
 from lta_control.strategies import dither, gradient
 from lta_control.strategies.dither import Dither, DitherSettings
-from lta_control.strategies.gradient import GradientSettings, kept, NONE, PAIRS, steepest
+from lta_control.strategies.gradient import (
+    EMPTY,
+    Gradient,
+    GradientSettings,
+    kept,
+    NONE,
+    PAIRS,
+    steepest,
+)
 from lta_control.strategies.protocol import Sight
 from lta_control.strategies.settings import StrategySettings
 import numpy as np
@@ -107,3 +115,105 @@ def test_dga_computes_late_and_stops_for_a_sharp_turn():
     assert all(course.speed == 0.0 for course in courses[asked[0] :])  # it never comes round
     course, _ = gradient.steer(settings, memory, light(500.0, math.pi))
     assert course.speed == settings.speed
+
+
+def test_des_takes_a_mean_of_no_more_than_the_newest_light():
+    """Over 20 s the washout of 15 s is done: the mean is the level, and the scan asks nothing."""
+    settings = StrategySettings(des=DitherSettings(scan=0.3, gradient=0.0))
+    memory = Dither(0.0, 0.0, 1.0, True, 0.0, math.log(50.0))
+    late = light(100.0, 0.5)._replace(interval=20.0)
+    course, memory = dither.steer(settings, memory, late)
+    assert memory == Dither(
+        course.heading, 0.0, 21.0, True, math.log(105.0), pytest.approx(math.log(105.0))
+    )
+    assert (course.speed, course.arrived) == (settings.speed, False)
+
+
+def test_des_begins_with_the_level_as_its_mean():
+    settings = StrategySettings(des=DitherSettings(scan=0.3, gradient=1.0))
+    _, memory = dither.steer(settings, dither.start(0.2), light(100.0, 1.0))
+    assert memory[1:] == (0.2, 0.1, True, math.log(105.0), math.log(105.0))
+
+
+def test_the_plane_is_a_ridge_regression_of_the_newest_pairs():
+    """Of 12 pairs, by the normal equations in numpy; older ones do not count."""
+    chance = np.random.default_rng(9)
+    newest = chance.normal(0.0, 0.3, (12, 3)) + np.array((1.0, -2.0, 50.0))
+    older = ((9.0, 9.0, 900.0),) * (PAIRS - 12)
+    pairs = older + tuple(map(tuple, newest.tolist()))
+    for centred in (True, False):
+        own = GradientSettings(ridge=0.05, centred=centred)
+        rows = newest - newest.mean(axis=0) if centred else newest
+        places, levels = rows[:, :2], rows[:, 2]
+        slope = np.linalg.solve(places.T @ places + 12 * 0.05 * np.eye(2), places.T @ levels)
+        assert steepest(own, pairs, 12.0, 9.0) == pytest.approx(math.atan2(slope[1], slope[0]))
+
+
+@pytest.mark.parametrize(
+    ('place', 'more'),
+    [((-0.001, 0.03), 1.0), ((0.001, 0.039), 0.0), ((0.001, 0.041), 1.0), ((0.021, 0.03), 1.0)],
+)
+def test_a_cell_is_2_cm_wide_in_both_directions(place, more):
+    before = (*EMPTY[1:], (0.001, 0.03, 10.0))
+    pairs, added = kept(before, 1.0, (*place, 30.0), 0.02)
+    assert added == more
+    assert pairs[-1] == (*place, 30.0 if more else 20.0)
+    assert len(pairs) == PAIRS
+    assert kept(before, 0.0, (0.001, 0.03, 30.0), 0.02)[1] == 1.0  # there was none
+
+
+OWN = GradientSettings(least=3.0, computing=0.5, arc=0.4)
+FLOWN = StrategySettings(dga=OWN)
+BRIGHTER = ((0.0, 0.0, 1.0), (0.1, 0.0, 2.0), (0.0, 0.1, 1.0))  # along x
+
+
+def ascending(**changes):
+    """Return the memory of a drone that flies along a heading of 0.5 and has three pairs."""
+    memory = Gradient(0.5, 1.0, 2.0, 0.4, 0.5, 0.7, 0.0, False, 3.0, EMPTY[3:] + BRIGHTER)
+    return memory._replace(**changes)
+
+
+def ascended(memory, heading=0.5):
+    return gradient.steer(FLOWN, memory, light(1.0, heading)._replace(interval=0.25))
+
+
+def test_dga_moves_its_place_along_the_heading_that_it_asked_for():
+    _, memory = ascended(ascending())
+    assert memory.x == pytest.approx(1.0 + 0.1 * math.cos(0.5))
+    assert memory.y == pytest.approx(2.0 + 0.1 * math.sin(0.5))
+    assert memory.pairs[-1] == (memory.x, memory.y, 1.0)
+    assert (memory.filled, memory.speed) == (4.0, FLOWN.speed)
+    assert ascended(ascending(filled=float(PAIRS)))[1].filled == PAIRS
+
+
+def test_dga_takes_its_first_pairs_on_an_arc():
+    course, memory = ascended(ascending(filled=1.0), 3.0)
+    assert (course.heading, course.speed) == (pytest.approx(0.5 + 0.4 * 0.25), FLOWN.speed)
+    assert (memory.target, memory.next) == (course.heading, course.heading)
+    assert (memory.computed, memory.turning) == (0.5, False)
+    course, memory = ascended(ascending(filled=2.0))  # the third pair is enough
+    assert (course.heading, memory.computed) == (0.5, 0.25)
+
+
+def test_dga_uses_a_heading_when_it_has_been_computed():
+    course, memory = ascended(ascending(computed=0.125))
+    assert (course.heading, memory.next, memory.computed) == (0.5, 0.7, 0.375)
+    course, memory = ascended(ascending(computed=0.25))
+    assert (course.heading, memory.target, memory.computed) == (0.7, 0.7, 0.0)
+    assert memory.next == steepest(OWN, memory.pairs, 4.0, 0.5)
+
+
+@pytest.mark.parametrize(
+    ('off', 'turning', 'stands'),
+    [(1.19, False, False), (1.21, False, True), (0.51, True, True), (0.49, True, False)],
+)
+def test_dga_stands_to_turn_beyond_1_2_and_goes_within_half_a_radian(off, turning, stands):
+    for side in (-off, off):
+        course, memory = ascended(ascending(turning=turning), 0.5 + side)
+        assert (course.speed == 0.0, memory.turning) == (stands, stands)
+        assert memory.speed == course.speed
+
+
+def test_dga_begins_with_its_heading_and_nothing_else():
+    assert gradient.start(0.3) == (0.3, 0.0, 0.0, 0.0, 0.3, 0.3, 0.0, False, 0.0, EMPTY)
+    assert EMPTY == ((0.0, 0.0, 0.0),) * 40

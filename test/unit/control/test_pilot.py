@@ -7,7 +7,10 @@ from lta_control.estimator import EstimatorSettings
 from lta_control.gains_file import load_gains_of
 from lta_control.laws import law
 from lta_control.laws.frames import from_angles
+from lta_control.laws.protocol import Command
+from lta_control.per_rotor import NONE
 from lta_control.pilot import Pilot
+from lta_control.sighting import Reckoned
 from lta_sim.vehicle import load_vehicle
 import pytest
 
@@ -83,3 +86,75 @@ def test_turned_over_by_its_own_estimate_it_stops_too():
     assert not any(duties)
     for _ in range(300):
         assert not any(pilot.step((0.0, 0.0, 0.0), FORCE, 0.6, 101_000.0))
+
+
+@pytest.fixture(scope='module')
+def beavis(plain_laws):
+    """Return a pilot that flies by its own estimate, which has moved and turned a little."""
+    pilot = piloted('beavis')
+    for _ in range(10):
+        pilot.step((0.0, 0.0, 0.5), (0.3, -0.2, 9.80665), 0.6, 101_000.0)
+    return pilot
+
+
+def test_what_it_reckons_and_measures_is_its_estimate(beavis):
+    own = beavis.estimate
+    assert min(map(abs, (*own.position, own.airspeed.surge, own.airspeed.sway))) > 0.0
+    yaw = 2.0 * math.atan2(own.attitude[2], own.attitude[3])
+    assert yaw == pytest.approx(0.05, rel=1e-2)  # 0.1 s at 0.5 rad/s
+    found = beavis.reckoned
+    assert found.heading == pytest.approx(yaw, abs=1e-5)
+    assert found == Reckoned(beavis.heading, *own.position, own.airspeed.surge, own.airspeed.sway)
+    told = beavis.measured
+    assert (told.altitude, told.heading) == (own.altitude.height, beavis.heading)
+    assert told.climb == pytest.approx(own.altitude.climb, abs=1e-12)
+    assert told[3:] == (own.rates[2], own.airspeed.surge, own.airspeed.sway, own.rates[1])
+    assert beavis.motion.position == (*own.position, own.altitude.height)
+
+
+@pytest.mark.parametrize('place', range(6))
+def test_a_sample_that_is_no_number_leaves_its_estimate(beavis, place):
+    before, numbers = beavis.estimate, [0.0, 0.0, 0.5, 0.1, 0.1, 9.8]
+    for odd in (math.nan, math.inf):
+        sample = tuple(odd if k == place else x for k, x in enumerate(numbers))
+        beavis.step(sample[:3], sample[3:], 0.6, 101_000.0)
+        assert beavis.estimate == before
+
+
+def test_it_knows_what_the_rotors_did_instead(beavis):
+    beavis.instead((0.1, 0.2, 0.3, 0.4))
+    assert beavis.duties == (0.1, 0.2, 0.3, 0.4)
+    assert beavis.command.duties == (0.1, 0.2, 0.3, 0.4, *NONE[4:])
+    before = beavis.estimate.duties
+    beavis.step((0.0, 0.0, 0.0), FORCE, 0.6, 101_000.0)
+    heard = beavis.estimate.duties
+    for was, now, told in zip(before, heard, (0.1, 0.2, 0.3, 0.4), strict=False):
+        assert min(was, told) <= now <= max(was, told)
+        assert now != was
+
+
+def test_it_waits_for_a_setpoint_and_for_a_tracker():
+    """The moving mass of RGBlimp stays meanwhile where the vehicle file has it."""
+    vehicle = load_vehicle('rgblimp')
+    made = law('glide')
+    gains = load_gains_of(made.gains, 'rgblimp')
+    pilot = Pilot(made, gains, vehicle, EstimatorSettings(rest_time=0.1), DT)
+    rest = Command(NONE, vehicle.file.moving_mass.position.vector)
+    truth = (0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, *(0.0,) * 6)
+
+    def command():
+        pilot.step((0.0, 0.0, 0.0), FORCE, 0.6, 101_000.0)
+        return pilot.command
+
+    assert [command() for _ in range(12)] == [rest] * 12
+    assert pilot.measured is None
+    pilot.guide(Setpoint(1.2, 0.3, 0.5))
+    assert command() == rest
+    pilot.see((*truth, 9.0))  # what comes behind the rates is not looked at
+    assert command() != rest
+    assert pilot.measured.altitude == 1.0
+    pilot.see((0.5, 0.25, 1.0, *truth[3:]))
+    assert pilot.motion.position == (0.5, 0.25, 1.0)  # from where it was first seen
+    pilot.guide(Setpoint(0.0, 0.0, 0.0))
+    pilot.see((0.0, 0.0, vehicle.standing_height, *truth[3:]))
+    assert command() == rest  # it stands

@@ -65,6 +65,9 @@ def test_a_wall_rubs():
     wrench = touch((3.51, 0.0, 1.5), velocity=(0.0, 5.0, 0.0))
     # 0.4 of 2 N, at the touching point 0.5 m ahead.
     np.testing.assert_allclose(wrench[[0, 1, 5]], (-2.0, -0.8, -0.4), rtol=1e-4)
+    # At 5 cm/s, where friction is made smooth, the root of a half of it is left.
+    slow = touch((3.51, 0.0, 1.5), velocity=(0.0, 0.03, 0.04))
+    assert slow[1:3] == pytest.approx([-0.8 * math.sqrt(0.5) * 0.6, -0.8 * math.sqrt(0.5) * 0.8])
     # Rolling along the wall: the touching point stands still.
     rolling = touch((3.51, 0.0, 1.5), velocity=(0.0, 0.5, 0.0), rates=(0.0, 0.0, -1.0))
     assert rolling[1] == pytest.approx(0.0, abs=1e-12)
@@ -124,6 +127,25 @@ def test_a_room_too_small_is_refused():
     assert 'y_low' in walls.check({**named, 'y_high': -1.1})
     assert 'ceiling' in walls.check({**named, 'ceiling': 0.9})
     assert walls.check({**named, 'stiffness': 0.0, 'radius': 0.0}) == ''
+    assert 'half_height' in walls.check({**named, 'half_height': 0.0})
+
+
+@pytest.mark.parametrize(
+    ('changes', 'word'),
+    [
+        ({'x_low': -0.5, 'x_high': 0.5}, 'x_low'),
+        ({'y_low': -0.5, 'y_high': 0.5}, 'y_low'),
+        ({'ceiling': 1.0}, 'ceiling'),
+        ({'half_height': 0.75, 'ceiling': 1.5}, 'ceiling'),
+        ({'x_low': -0.5, 'x_high': 0.501}, ''),
+        ({'y_low': -0.5, 'y_high': 0.501, 'ceiling': 1.001}, ''),
+        ({'half_height': 0.75, 'ceiling': 1.501}, ''),
+    ],
+)
+def test_a_room_is_wider_than_its_hull(changes, word):
+    given = zip(walls.PARAMETERS, ROOM, strict=True)
+    said = walls.check({parameter.name: value for parameter, value in given} | changes)
+    assert (word in said) if word else said == ''
 
 
 UP = ((0.1, 0.2, -0.05), (0.0, 0.0, 1.0))

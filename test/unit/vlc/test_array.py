@@ -146,3 +146,11 @@ def test_deviation_is_that_of_many_noisy_blocks(amplitude, pedestal):
         assert abs(np.mean(errors)) < 0.15 * np.std(errors)
     inside = np.mean(np.abs(errors) < 1.96 * np.array(stated))
     assert 0.93 <= inside <= (0.97 if pedestal else 1.0)
+
+
+def test_a_diode_just_at_the_threshold_counts_with_its_noise_alone():
+    """1 and 1 at right angles, SNR 6 both: each error is sqrt(2 / pi) / 6, half of it across."""
+    ring = Ring((1.0, 0.0), (0.0, 1.0))
+    peaks = Peaks(np.ones(2), np.full(2, 6.0), np.zeros(2), np.ones(2))
+    each = math.sqrt(2.0 / math.pi) / 6.0
+    assert bearing(peaks, ring, 6.0).deviation == pytest.approx(each * math.sqrt(0.5))

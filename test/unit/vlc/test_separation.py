@@ -35,6 +35,11 @@ def test_lamps_on_the_mains_flicker_at_twice_its_frequency():
         ({'frequency': 175.0}, 'at 200 Hz; choose another'),
         ({'frequency': 230.0, 'mains': 60.0}, 'at 240 Hz'),
         ({'others': (6000.0,)}, 'at 6000 Hz cannot be seen'),
+        ({'others': (430.0,)}, 'Harmonic 3 of the beacon at 150 Hz falls on .* at 430 Hz'),
+        ({'others': (470.0,)}, 'Harmonic 3 of the beacon at 150 Hz falls on .* at 470 Hz'),
+        ({'others': (730.0,)}, 'Harmonic 5 of the beacon at 150 Hz falls on .* at 730 Hz'),
+        ({'frequency': 320.0}, 'sought within 2 bins of 10 Hz, .* the mains flicker, at 300 Hz'),
+        ({'frequency': 1020.0}, 'mains flicker, at 1000 Hz'),  # the tenth
     ],
 )
 def test_what_cannot_be_told_apart_is_refused_at_the_start(settings, sentence):
@@ -49,6 +54,11 @@ def test_what_cannot_be_told_apart_is_refused_at_the_start(settings, sentence):
         {'others': (200.0,), 'mains': 0.0},
         {'frequency': 310.0, 'mains': 60.0},
         {'frequency': 150.0, 'others': (180.0,), 'window': 1},
+        {'others': (420.0,), 'mains': 0.0},
+        {'others': (480.0,), 'mains': 0.0},
+        {'others': (720.0,), 'mains': 0.0},
+        {'frequency': 330.0},
+        {'frequency': 1100.0},  # the eleventh harmonic of the mains is no matter
     ],
 )
 def test_what_can_be_told_apart_is_taken(settings):

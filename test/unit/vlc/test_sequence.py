@@ -29,7 +29,7 @@ def test_missing_blocks_are_counted():
     assert sequence.missing == 6
 
 
-@pytest.mark.parametrize('late', [1, 0, 1.4, -8.9])
+@pytest.mark.parametrize('late', [1, 0, 1.4, 1.4999, -8.9999])
 def test_a_block_out_of_order_is_refused_and_the_newest_kept(late):
     sequence = Sequence(PERIOD)
     sequence.take(START + PERIOD)
@@ -47,3 +47,11 @@ def test_presence_takes_blocks_that_are_missing_for_silent():
     assert Presence(True).after(False, 5) == (False, 0)
     assert Presence(True, 4).after(True) == (True, 0)
     assert Presence().after(True).after(True) == (True, 0)
+
+
+def test_half_a_block_late_is_the_next_and_one_and_a_half_has_lost_one():
+    assert taken(0, 0.5) == [0, 0]
+    assert taken(0, 1.49) == [0, 0]
+    assert taken(0, 1.5) == [0, 1]
+    assert taken(0, 2.49, 3.49) == [0, 1, 0]
+    assert taken(10, 0, 1) == [0, 0, 0]  # ten blocks back it begins anew

@@ -93,6 +93,51 @@ def test_a_strong_lamp_between_bins_leaves_a_weak_one_alone():
     assert rms(np.array(off)) < 0.006
 
 
+@pytest.mark.parametrize(('k', 'read_at'), [(17.6, 16.0), (13.2, 14.0), (15.9, 15.9)])
+def test_a_tone_is_sought_within_one_bin_of_the_highest(k, read_at):
+    assert read(tone(10.0 * k), [15]).frequency[0] == pytest.approx(read_at, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ('k', 'highest', 'near'), [(1.6, 1, 0.02), (2.3, 0, 0.02), (6.7, 8, 1e-9), (7.3, 8, 1e-9)]
+)
+def test_at_the_ends_of_a_spectrum_the_bins_beside_are_used(k, highest, near):
+    """Neither the mean's bin nor the last; low ones hold what seems a second harmonic."""
+    wave = 3.0 * np.cos(2.0 * math.pi * k * np.arange(16) / 16 + 0.4)
+    spectrum = transform(wave[None, :])
+    found = read_tones(spectrum, np.array([highest]), np.ones(1), 16)
+    assert found.frequency[0] == pytest.approx(k, abs=near)
+    assert found.amplitude[0, 0] == pytest.approx(3.0, abs=5.0 * near)
+
+
+@pytest.mark.parametrize(('order', 'leaks'), [(8, False), (9, False), (10, True)])
+def test_leaks_are_taken_off_up_to_the_ninth_harmonic(order, leaks):
+    """A harmonic half as strong as the tone, whose leak is some 3e-5 of it."""
+    wave = tone(153.7, 0.4) + tone(order * 153.7, 1.1, 0.5)
+    off = abs(read(wave, [15]).amplitude[0, 0] - 1.0)
+    assert bool(off > 1e-5) is leaks
+
+
+def test_of_a_harmonic_beyond_the_last_bin_nothing_is_taken_off():
+    """The second one of 7.3 bins would stand at 14.6 of 16 samples, where no bin is."""
+    wave = 3.0 * np.cos(2.0 * math.pi * 7.3 * np.arange(16) / 16 + 0.4)
+    assert read(wave, [7], 16).amplitude[0, 0] == pytest.approx(3.0, abs=0.3)
+
+
+def test_a_diode_is_read_the_same_however_many_others_there_are():
+    """More diodes than bins: two tones in 64 samples, heard by fifty, only the first has a say."""
+    chance, time = np.random.default_rng(3), np.arange(64)
+    tones = [np.cos(2.0 * math.pi * k * time / 64 + p) for k, p in ((9.2, 0.3), (20.7, 1.0))]
+    waves = chance.uniform(1.0, 5.0, (50, 2)) @ np.array(tones)
+    spectrum, highest = transform(waves - waves.mean(axis=1, keepdims=True)), np.array([9, 21])
+    whole = read_tones(spectrum, highest, np.eye(50)[0], 64)
+    for diode in (1, 20, 40, 49):
+        pair = read_tones(spectrum[[0, diode]], highest, np.array([1.0, 0.0]), 64)
+        assert whole.frequency == pytest.approx(pair.frequency, rel=1e-12)
+        assert whole.amplitude[:, diode] == pytest.approx(pair.amplitude[:, 1], rel=1e-9)
+        assert whole.own[:, diode] == pytest.approx(pair.own[:, 1], rel=1e-9)
+
+
 def errors(snr: float, seed: int = 4) -> dict[str, np.ndarray]:
     """Return errors of frequency [bins] and amplitude by way, over tones anywhere in a bin."""
     chance = np.random.default_rng(seed)

@@ -1,0 +1,194 @@
+"""One step of homing, by hand: what fits, what is lost, where it flies then."""
+
+import math
+
+from lta_control.strategies.homing import (
+    followed,
+    homeward,
+    Homing,
+    HomingSettings,
+    onward,
+    optics_of,
+    searching,
+    start,
+    steer,
+    watch,
+    whole_turn,
+)
+from lta_control.strategies.lamp_filter import expected, Fix, predict, surprise
+from lta_control.strategies.protocol import Sight
+from lta_control.strategies.settings import StrategySettings
+import pytest
+
+QUICK = StrategySettings(homing=HomingSettings(hold=0.5, doubt=0.5, settling=5.0))
+QUARTER = 0.25  # s, so that sums of times are exact
+
+
+def placed(x=4.0, y=0.0, wind=(0.0, 0.0), **changes):
+    """Return the memory of a drone that takes a lamp to be somewhere, known to 10 cm."""
+    rows = tuple(tuple(0.01 * (k == j) for j in range(5)) for k in range(5))
+    fix = Fix(x, y, *wind, math.log(2000.0), rows)
+    memory = start(0.3)._replace(known=True, fix=fix, begun=True)
+    return memory._replace(**changes)
+
+
+def dark():
+    return Sight(False, 0.0, 0.0, (0.0,), QUARTER)
+
+
+def lit(memory, share=1.0, off=0.0):
+    """Return a light by its share of the strength that fits, so far off the bearing that does."""
+    bearing = math.atan2(memory.fix.y, memory.fix.x) + off
+    strength = share * expected(memory.fix)
+    return dark()._replace(seen=True, bearing=bearing, deviation=0.02, strength=strength)
+
+
+def test_the_drift_changes_more_until_the_airspeed_is_known():
+    own = HomingSettings(gusts=0.3, unsettled=0.4, settling=5.0)
+    first = (math.log(2100.0), 0.5, 0.03, 0.15, 0.4, pytest.approx(0.5))
+    assert optics_of(own, 0.0) == first
+    assert optics_of(own, 5.0).gusts == pytest.approx(math.hypot(0.3, 0.4 / math.e))
+
+
+def test_at_first_it_knows_nothing_and_keeps_its_heading():
+    memory = start(0.7)
+    assert memory[:2] == (0.7, False)
+    assert memory.fix == (0.0,) * 5 + (((0.0,) * 5,) * 5,)
+    assert memory[3:] == (False, (0.0, 0.0), 0.0, 0.0, 0.0, 0.0, False)
+    assert watch(QUICK, memory, dark()) == memory._replace(begun=True, flown=0.25, lost=0.25)
+
+
+def test_the_next_lamp_takes_over_wind_place_and_time_alone():
+    memory = Homing(0.1, True, placed().fix, True, (1.0, 2.0), 7.0, 3.0, 1.0, 2.0, True)
+    assert onward(memory) == memory._replace(
+        known=False, lost=0.0, doubted=0.0, searched=0.0, arrived=False
+    )
+    assert not onward(memory._replace(begun=False)).begun
+
+
+@pytest.mark.parametrize('factor', [1.0, 1.0 + 1e-12])
+def test_a_bearing_is_looked_at_up_to_the_trusted_deviation(factor):
+    seen = lit(placed())._replace(deviation=factor * QUICK.homing.trusted)
+    assert watch(QUICK, start(0.0), seen).known is (factor == 1.0)
+
+
+def test_the_faintest_light_counts_as_one_count():
+    """2100 counts at 1 m are 1 count at the root of 2100 m."""
+    memory = watch(QUICK, start(0.0), lit(placed())._replace(strength=0.5))
+    assert memory.fix.x == pytest.approx(math.sqrt(2100.0))
+
+
+@pytest.mark.parametrize(
+    ('share', 'lost', 'doubted'),
+    [
+        (0.2499, 0.5, 0.0),  # an echo
+        (0.25, 0.0, 0.0),
+        (4.0, 0.0, 0.0),
+        (4.001, 0.5, 0.5),  # another lamp
+    ],
+)
+def test_a_light_fits_from_a_quarter_to_four_times_its_strength(share, lost, doubted):
+    memory = placed(lost=0.25, doubted=0.25)
+    after = followed(QUICK, memory, lit(memory, share))
+    assert (after.lost, after.doubted, after.known) == (lost, doubted, True)
+    assert (after.fix.brightness == memory.fix.brightness) is (lost > 0.0)
+
+
+@pytest.mark.parametrize(('sigmas', 'fits'), [(3.99, True), (4.01, False)])
+def test_a_bearing_fits_within_four_deviations(sigmas, fits):
+    memory = placed()
+    ahead = predict(optics_of(QUICK.homing, 0.0), memory.fix, 0.0, 0.0, QUARTER)
+    one = 0.1 / surprise(ahead, optics_of(QUICK.homing, 0.0), 0.1, 0.02)
+    assert (followed(QUICK, memory, lit(memory, 1.0, sigmas * one)).lost == 0.0) is fits
+
+
+def test_a_light_elsewhere_is_taken_for_the_lamp_only_after_the_doubt():
+    memory = placed(wind=(0.0, 0.125))
+    other, fixes = lit(memory, 1.0, 2.0), []
+    for _ in range(3):
+        memory = followed(QUICK, memory, other)
+        fixes.append((memory.fix.x > 0.0, memory.lost, memory.doubted))
+    assert fixes == [(True, 0.25, 0.25), (True, 0.5, 0.5), (False, 0.0, 0.0)]
+    assert (memory.fix.wind_x, memory.fix.wind_y) == (0.0, 0.125)
+
+
+def test_any_light_is_followed_after_a_search_of_more_than_a_whole_turn():
+    turn = whole_turn(QUICK)
+    assert turn == pytest.approx(2.0 * math.pi / 0.3)
+    for searched, followed_it in ((turn, False), (1.001 * turn, True)):
+        memory = placed(searched=searched)
+        after = followed(QUICK, memory, lit(memory, 0.1))
+        assert (after.lost == 0.0) is followed_it
+    sought = placed(searched=1.001 * turn)
+    # A light that fits is fused with what is known; it does not begin anew with the prior.
+    assert followed(QUICK, sought, lit(sought)).fix.brightness != math.log(2100.0)
+
+
+def test_dead_reckoning_moves_the_lamp():
+    """From (1, 2) to (1.5, 1.75) through air that goes at 0.4 m/s to the left."""
+    memory = placed(wind=(0.0, 0.4), place=(1.0, 2.0), flown=3.0)
+    after = followed(QUICK, memory, dark()._replace(position=(1.5, 1.75)))
+    assert (after.fix.x, after.fix.y) == pytest.approx((3.5, 0.25 - 0.1))
+    assert (after.place, after.flown, after.begun) == ((1.5, 1.75), 3.25, True)
+
+
+@pytest.mark.parametrize(
+    ('away', 'before', 'arrived'),
+    [(0.8, False, True), (0.801, False, False), (1.6, True, True), (1.601, True, False)],
+)
+def test_it_arrives_at_80_cm_and_has_left_at_twice_that(away, before, arrived):
+    assert followed(QUICK, placed(away, arrived=before), dark()).arrived is arrived
+    unknown = placed(away, arrived=before, known=False)
+    assert not followed(QUICK, unknown, dark()).arrived
+
+
+def test_without_light_it_holds_its_course_and_then_searches():
+    memory, courses = placed(0.5, arrived=True), []
+    for _ in range(3):
+        course, memory = steer(QUICK, memory, dark())
+        courses.append((course.arrived, memory.lost, memory.searched, memory.arrived))
+    assert courses == [(True, 0.25, 0.0, True), (True, 0.5, 0.0, True), (False, 0.75, 0.25, False)]
+    assert course.heading == pytest.approx(math.atan2(0.0, 0.5) + 0.3 * QUARTER)
+    _, memory = steer(QUICK, memory._replace(lost=0.0), dark())
+    assert memory.searched == 0.5  # who searches goes on until there is light
+    course, memory = steer(QUICK, memory, lit(memory))
+    assert (memory.lost, memory.searched, course.arrived) == (0.0, 0.0, True)
+
+
+def test_who_knows_no_bearing_searches_at_the_first_loss():
+    """1 m off across the line at 1 m is 45 degrees or so; 0.8 rad is the limit."""
+    for across, searches in ((0.6, False), (0.7, True)):
+        rows = tuple(tuple(across * (k == j == 1) for j in range(5)) for k in range(5))
+        memory = placed(1.0)
+        memory = memory._replace(fix=memory.fix._replace(rows=rows))
+        assert (steer(QUICK, memory, dark())[1].searched > 0.0) is searches
+
+
+@pytest.mark.parametrize(
+    ('x', 'wind', 'speed', 'course'),
+    [
+        (4.0, 0.0, 0.5, (0.0, 0.5)),
+        (1.0, 0.0, 0.5, (0.0, 0.3)),  # 0.5 a second of what is beyond 0.4 m
+        (0.4, 0.0, 0.5, (0.0, 0.0)),
+        (0.0, 0.0, 0.5, (0.0, 0.0)),
+        (1.0, 0.5, 0.5, (0.0, 0.1)),  # carried there, with steerage way
+        (0.9, 0.5, 0.5, (math.pi, 0.25)),  # near it brakes
+        (0.5, 2.0, 0.5, (math.pi, 1.05)),
+        (9.0, 0.0, 1.2, (0.0, 1.2)),  # faster than the top speed where the cruise is
+    ],
+)
+def test_speed_on_the_line_to_the_lamp(x, wind, speed, course):
+    settings = StrategySettings(speed=speed)
+    heading, airspeed = homeward(settings, placed(x, wind=(wind, 0.0)))
+    assert (abs(heading), airspeed) == pytest.approx(course, abs=1e-6)
+
+
+def test_a_search_turns_once_and_then_flies_circles_that_widen_with_time():
+    turn = whole_turn(QUICK)
+    before, at, later = (
+        searching(QUICK, placed(searched=time), 0.1) for time in (0.99 * turn, turn, 3.0 * turn)
+    )
+    assert before == (pytest.approx(0.33), 0.0)
+    assert at == (pytest.approx(0.33), QUICK.speed)
+    assert later == (pytest.approx(0.31), QUICK.speed)
+    assert whole_turn(StrategySettings(search_rate=0.0)) == pytest.approx(2000.0 * math.pi)

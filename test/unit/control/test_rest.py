@@ -1,0 +1,78 @@
+"""What is learned at rest: how much a drone may sway, and how far off a bias may be."""
+
+import math
+
+from lta_control.rest import Biases, biases_of, kept, Rest, rest_step, tilted, turning
+import numpy as np
+import pytest
+
+G = 9.80665
+RATES, FORCE = (0.1, -0.2, 0.3), (0.4, -0.5, 9.7)
+AXES = [0, 1, 2]
+
+
+def at(vector, axis, change):
+    """Return a vector with one of its numbers changed."""
+    return tuple(x + change * (k == axis) for k, x in enumerate(vector))
+
+
+def rested(samples=4, pressure=101_000.0):
+    rest = Rest()
+    for _ in range(samples):
+        rest = rest_step(rest, RATES, FORCE, pressure)
+    return rest
+
+
+def test_sums_grow_by_each_sample_and_by_each_pressure():
+    rest = rest_step(Rest(), RATES, FORCE, math.nan)
+    assert rest == Rest(1, RATES, FORCE, 0.0, 0)
+    rest = rest_step(rest, (0.11, -0.19, 0.29), (0.5, -0.6, 9.8), 99_000.0)
+    assert rest[0] == 2
+    assert rest.rates == pytest.approx((0.21, -0.39, 0.59))
+    assert rest.force == pytest.approx((0.9, -1.1, 19.5))
+    assert rest[3:] == (99_000.0, 1)
+    assert rest_step(rest, RATES, FORCE, 1000.0)[3:] == (100_000.0, 2)
+
+
+@pytest.mark.parametrize('axis', AXES)
+@pytest.mark.parametrize('sign', [1.0, -1.0])
+def test_a_drone_at_rest_sways_by_10_degrees_a_second_and_a_tenth_of_g(axis, sign):
+    """A little less than that off the mean of four samples is kept, a little more begins anew."""
+    rest = rested()
+    for share, samples in ((0.999, 5), (1.001, 1)):
+        turn, push = share * sign * math.radians(10.0), share * sign * 0.1 * G
+        turned, pushed = at(RATES, axis, turn), at(FORCE, axis, push)
+        assert rest_step(rest, turned, FORCE, 1.0).samples == samples
+        assert rest_step(rest, RATES, pushed, 1.0).samples == samples
+    anew = rest_step(rest, at(RATES, axis, sign), FORCE, 1.0)
+    assert anew == Rest(1, at(RATES, axis, sign), FORCE, 1.0, 1)
+
+
+def test_the_first_sample_is_off_nothing():
+    assert rest_step(Rest(), (9.0, 9.0, 9.0), (9.0, 9.0, 9.0), 1.0).samples == 1
+
+
+def test_who_begins_anew_keeps_nothing():
+    assert kept(rested(), True) == rested()
+    assert kept(rested(), False) == Rest()
+    assert Rest() == (0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0)
+    assert Biases() == ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0)
+
+
+@pytest.mark.parametrize('axis', AXES)
+@pytest.mark.parametrize('sign', [1.0, -1.0])
+def test_a_bias_is_3_degrees_a_second_and_6_hundredths_of_g_at_most(axis, sign):
+    told = (0.2, -0.1, 0.3)
+    for share, beyond in ((0.999, False), (1.001, True)):
+        rates = at(told, axis, share * sign * math.radians(3.0))
+        force = at(told, axis, share * sign * 0.06 * G)
+        assert turning(Biases(rates=rates), told) is beyond
+        assert tilted(Biases(force=force), told) is beyond
+
+
+def test_biases_are_the_means_and_the_pressure_is_taken_down_to_the_floor():
+    rest = Rest(4, (0.4, -0.8, 1.2), (2.0, -1.0, 40.0), 202_000.0, 2)
+    found = biases_of(rest, 0.5, 1.2)
+    assert found.rates == pytest.approx((0.1, -0.2, 0.3))
+    np.testing.assert_allclose(found.force, (0.5, -0.25, 10.0 - G), rtol=1e-12)
+    assert found.pressure == pytest.approx(101_000.0 + 1.2 * G * 0.5, rel=1e-12)

@@ -1,0 +1,94 @@
+"""Where beacons are sought and what is quiet, at the very ends of what is allowed."""
+
+from dataclasses import FrozenInstanceError
+
+from lta_config.errors import BadInput
+from lta_vlc.array import Bearing
+from lta_vlc.bins import plan_beacons
+from lta_vlc.demodulation import Hearing, Peaks, plan_bins
+from lta_vlc.diodes import ring_of
+from lta_vlc.direction import Direction
+from lta_vlc.modulation import SquareWave
+from lta_vlc.ring import Ring
+from lta_vlc.settings import Demodulation
+from lta_vlc.tracker import Tracker
+import numpy as np
+import pytest
+
+
+def planned(samples, rate=None, **settings):
+    """Return the bins of one beacon in bins of 1 Hz, without mains where none are told."""
+    given = {'mains': 0.0, 'harmonics': 1} | settings
+    return plan_bins(Demodulation(**given), rate or float(samples), samples)
+
+
+def test_the_window_may_begin_at_the_first_bin_and_end_at_the_last():
+    bins = planned(100, frequency=3.0, window=2)
+    assert (bins.first, bins.last) == (1, 5)
+    assert bins.limits == (0.5, 5.5)
+    bins = planned(100, frequency=48.0, window=2)
+    assert (bins.first, bins.last) == (46, 50)
+    for frequency in (2.0, 49.0):
+        with pytest.raises(BadInput, match='too near'):
+            planned(100, frequency=frequency, window=2)
+
+
+def test_half_of_the_sample_rate_is_too_fast():
+    with pytest.raises(BadInput, match='at 50 Hz cannot be seen at 100 samples/s'):
+        planned(100, frequency=50.0, window=0)
+    assert planned(100, frequency=49.9, window=0).first == 50
+
+
+def test_sixteen_quiet_bins_are_enough():
+    """Bins 1 to 19 less the three of the beacon, and 1 to 18 less as many."""
+    assert planned(38, frequency=10.0, window=1).quiet.size == 16
+    sentence = r'^The beacon at 10 Hz and its harmonics leave 15 bins of a block of 36 .* 16 are'
+    with pytest.raises(BadInput, match=sentence):
+        planned(36, frequency=10.0, window=1)
+
+
+def test_what_is_unlit_is_more_than_one_bin_and_a_half_from_the_flicker():
+    """Mains of 10 Hz flicker at 20, 40 and so on; bins of 0.5 Hz are 1.5 of them apart."""
+    bins = planned(200, 100.0, frequency=5.0, window=0, mains=10.0)
+    quiet, unlit = bins.quiet.tolist(), bins.unlit.tolist()
+    assert quiet == [k for k in range(1, 101) if k != 10]
+    flicker = [40, 80]  # in bins; 60 Hz and above fold back to 40 and 20 Hz, or to 0
+    beside = {k + side for k in (0, *flicker) for side in (-1, 0, 1)}
+    assert unlit == [k for k in quiet if k not in beside]
+
+
+def test_flicker_between_two_bins_spoils_the_two_on_either_side():
+    """21 Hz in bins of 2 Hz is 10.5: 9 to 12 are within 1.5. 189 and 210 Hz fold to 11 and 10."""
+    bins = planned(100, 200.0, frequency=60.0, window=0, mains=10.5)
+    spoilt = set(bins.quiet.tolist()) - set(bins.unlit.tolist())
+    assert {k for k in spoilt if k < 15} == {4, 5, 6, 7, 9, 10, 11, 12}
+    without = planned(100, 200.0, frequency=60.0, window=0)
+    assert without.unlit.tolist() == without.quiet.tolist()
+
+
+def test_several_beacons_are_named_together():
+    with pytest.raises(
+        BadInput, match=r'^The beacons at 5, 10 Hz and their harmonics leave 9 bins'
+    ):
+        plan_beacons((5.0, 10.0), Demodulation(window=1, harmonics=1, mains=0.0), 30.0, 30)
+
+
+VALUES = {
+    'bearing': Bearing(0.1, 0.2, 0.3, 0.4),
+    'bins': planned(100, frequency=3.0),
+    'peaks': Peaks(*(np.zeros(1) for _ in range(4))),
+    'hearing': Hearing((), (), (), np.zeros(1)),
+    'diodes': ring_of(4),
+    'direction': Direction(1.0, *(0.0,) * 8),
+    'wave': SquareWave(150.0),
+    'ring': Ring((1.0,), (0.0,)),
+    'tracker': Tracker(150.0),
+}
+
+
+@pytest.mark.parametrize('value', VALUES.values(), ids=VALUES)
+def test_what_has_been_found_stays_as_it_is(value):
+    name = type(value).__slots__[0]
+    with pytest.raises(FrozenInstanceError):
+        setattr(value, name, 7.0)
+    assert not hasattr(value, '__dict__')

@@ -1,0 +1,133 @@
+"""Diodes as the drone believes them, at the ends of what they may be; what a finder expects."""
+
+from dataclasses import replace
+import math
+
+from lta_config.errors import BadInput
+from lta_config.vehicle_file import load_vehicle_file
+from lta_vlc.demodulation import Peaks
+from lta_vlc.diodes import Diodes, diodes_of, ring_of
+from lta_vlc.direction import Direction, DirectionFinder, expected_of
+from lta_vlc.fit import blind, Fit
+from lta_vlc.lamp import LampPrior
+import numpy as np
+import pytest
+
+ENTRY = load_vehicle_file('gtmab').sensors.diodes
+
+
+def test_a_ring_looks_outwards_from_its_middle():
+    diodes = ring_of(4, 0.07, 1.2, 0.02)
+    assert diodes.axes[1] == pytest.approx((0.0, 1.0, 0.0), abs=1e-15)
+    assert diodes.axes[2] == pytest.approx((-1.0, 0.0, 0.0), abs=1e-15)
+    assert diodes.places[3] == pytest.approx((0.0, -0.07, 0.0), abs=1e-15)
+    assert (diodes.response, diodes.gains, diodes.spread) == (1.2, (1.0,) * 4, 0.02)
+    assert diodes.ring.cosines == tuple(axis[0] for axis in diodes.axes)
+    assert diodes.ring.sines == tuple(axis[1] for axis in diodes.axes)
+    plain = ring_of(4)
+    assert plain.places == ((0.0, 0.0, 0.0),) * 4
+    assert (plain.response, plain.spread) == (1.0, 0.0)
+
+
+def test_places_are_told_from_the_middle_of_the_diodes():
+    """Three axes whose mean is (1/3, 1/3, 1/3), 3 m out."""
+    axes = {'value': ((2.0, 0.0, 0.0), (0.0, 3.0, 0.0), (0.0, 0.0, 0.5))}
+    entry = ENTRY.model_copy(
+        update={
+            'count': 3,
+            'axes': ENTRY.radius.model_copy(update=axes),
+            'radius': ENTRY.radius.model_copy(update={'value': 3.0, 'unit': 'm'}),
+            'dead': (1,),
+        }
+    )
+    diodes = diodes_of(entry)
+    assert diodes.axes == ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    assert diodes.gains == (1.0, 0.0, 1.0)
+    assert diodes.places == (
+        pytest.approx((2.0, -1.0, -1.0)),
+        pytest.approx((-1.0, 2.0, -1.0)),
+        pytest.approx((-1.0, -1.0, 2.0)),
+    )
+
+
+@pytest.mark.parametrize(
+    'allowed',
+    [
+        {'gains': (0.0,) * 4},
+        {'spread': 0.0},
+        {'response': 1e-9},
+        {'axes': ((1.0 + 0.9e-6, 0.0, 0.0), *ring_of(4).axes[1:])},
+    ],
+)
+def test_diodes_may_be_dead_equal_broad_and_rounded(allowed):
+    assert isinstance(replace(ring_of(4), **allowed), Diodes)
+
+
+@pytest.mark.parametrize(
+    'wrong',
+    [
+        {'gains': (1.0, 1.0, 1.0, -1e-9)},
+        {'gains': (math.inf, 1.0, 1.0, 1.0)},
+        {'spread': math.inf},
+        {'response': math.inf},
+        {'response': -1.0},
+        {'axes': ((1.0 + 1.1e-6, 0.0, 0.0), *ring_of(4).axes[1:])},
+        {'axes': (*ring_of(4).axes[:3], (0.0, 0.0, 0.0))},
+        {'places': ring_of(3).axes},
+        {'gains': (1.0,) * 5},
+    ],
+)
+def test_anything_beyond_is_refused(wrong):
+    with pytest.raises(BadInput):
+        replace(ring_of(4), **wrong)
+
+
+def test_what_is_expected_of_a_lamp_is_its_distance_and_its_height():
+    """1 / 4 m, known to 3 / 4^2; the angle of 1 m at 4 m; nothing is known for certain."""
+    prior = LampPrior(distance=4.0, distance_deviation=3.0, height_deviation=1.0)
+    assert expected_of(prior) == (
+        0.0, pytest.approx(math.atan2(1.0, 4.0)), 0.25, pytest.approx(3.0 / 16.0),
+    )  # fmt: skip
+    sure = LampPrior(distance=4.0, distance_deviation=0.0, height_deviation=0.0)
+    assert expected_of(sure) == (0.0, 1e-3, 0.25, 1e-3)
+
+
+@pytest.fixture
+def finder():
+    """Return a finder with a fit that says what it is told, and what that was."""
+    told = []
+
+    def core(array, expected, readings, errors, scratch):
+        told.append((readings, errors))
+        return Fit(True, 0.6, 0.0, 0.8, 0.1, 0.2, 0.3, 70.0, 9.0, 5.0)
+
+    return DirectionFinder(ring_of(4), core), told
+
+
+def test_a_fit_is_told_amplitudes_their_noise_and_which_are_spoilt(finder):
+    """White noise moves an amplitude by the root of 2 / pi of the mean of the quiet bins."""
+    find, told = finder
+    peaks = Peaks(np.array([9.0, 5.0, 1.0, 2.0]), np.array([6.0, 2.0, 0.0, 1.0]),
+                  np.full(4, 150.0), np.array([3.0, 2.0, 1.0, 4.0]))  # fmt: skip
+    found = find.find(peaks, 6.0, LampPrior())
+    part = math.sqrt(2.0 / math.pi)
+    assert told == [
+        ([9.0, 5.0, 1.0, 2.0], pytest.approx([3 * part, 2 * part, math.inf, 4 * part]))
+    ]
+    assert found == Direction(0.6, 0.0, 0.8, 0.1, 0.2, 0.3, 70.0, 3.0, 5.0)
+    assert found.covariance.tolist() == [[0.1, 0.2], [0.2, 0.3]]
+    assert (found.azimuth, found.elevation) == (0.0, pytest.approx(math.atan2(0.8, 0.6)))
+    assert find.find(peaks, 6.01, LampPrior()) is None
+    assert len(told) == 1
+
+
+def test_a_fit_that_finds_nothing_is_none():
+    find = DirectionFinder(ring_of(4), lambda *_: blind())
+    peaks = Peaks(np.ones(4), np.full(4, 9.0), np.full(4, 150.0), np.ones(4))
+    assert find.find(peaks, 6.0, LampPrior()) is None
+
+
+def test_a_finder_is_prepared_by_a_fit_of_darkness(finder):
+    find, told = finder
+    find.prepare()
+    assert told == [([0.0] * 4, [0.0] * 4)]
