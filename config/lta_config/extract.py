@@ -14,7 +14,7 @@ import inspect
 import math
 from pathlib import Path
 from types import FunctionType, ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 from lta_config.errors import BadInput
 
@@ -24,26 +24,6 @@ def _definitions(path: Path, changed_ns: int, size: int) -> dict[str, ast.Functi
     """Return the functions at the top of a file as it stood at that time."""
     tree = ast.parse(path.read_text(encoding='utf-8'))
     return {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
-
-
-def _definition(function: FunctionType) -> ast.FunctionDef:
-    """Return the syntax tree of a function at the top of its module."""
-    path = Path(inspect.getsourcefile(function) or '')
-    file = path.stat()
-    node = _definitions(path, file.st_mtime_ns, file.st_size).get(function.__qualname__)
-    if node is not None:
-        return copy.deepcopy(node)
-    raise BadInput(
-        f'No function {function.__name__} stands at the top of {path}; define it there.'
-    )
-
-
-def _bare(node: ast.FunctionDef) -> ast.FunctionDef:
-    """Return the function without annotations and decorators, which mean nothing compiled."""
-    node.decorator_list, node.returns = [], None
-    for argument in [*node.args.args, *node.args.posonlyargs, *node.args.kwonlyargs]:
-        argument.annotation = None
-    return node
 
 
 def _literal(value: object) -> bool:
@@ -62,6 +42,54 @@ class _Rename(ast.NodeTransformer):
     def visit_Name(self, node: ast.Name) -> ast.AST:
         """Return the name as the text knows it."""
         return ast.Name(self._names.get(node.id, node.id), node.ctx)
+
+
+class _Source(NamedTuple):
+    """Where a function is defined: its file as it stood at that time, and its name."""
+
+    path: Path
+    changed_ns: int
+    size: int
+    name: str
+
+    def bare(self) -> ast.FunctionDef:
+        """Return a tree of its own, without annotations and decorators: they mean nothing here."""
+        node = copy.deepcopy(_definitions(self.path, self.changed_ns, self.size)[self.name])
+        node.decorator_list, node.returns = [], None
+        for argument in [*node.args.args, *node.args.posonlyargs, *node.args.kwonlyargs]:
+            argument.annotation = None
+        return node
+
+
+def _source(function: FunctionType) -> _Source:
+    """Return where a function is defined."""
+    path = Path(inspect.getsourcefile(function) or '')
+    file = path.stat()
+    source = _Source(path, file.st_mtime_ns, file.st_size, function.__qualname__)
+    if source.name in _definitions(path, file.st_mtime_ns, file.st_size):
+        return source
+    raise BadInput(
+        f'No function {function.__name__} stands at the top of {path}; define it there.'
+    )
+
+
+@cache
+def _used(source: _Source, variables: tuple[str, ...]) -> list[str]:
+    """Return the names that a function with these variables takes from elsewhere, in order."""
+    node = source.bare()
+    names = [item for item in ast.walk(node) if isinstance(item, ast.Name)]
+    # What a comprehension binds is in no list of the function's own variables.
+    bound = {item.id for item in names if isinstance(item.ctx, ast.Store)}
+    return sorted({item.id for item in names} - bound - {*variables})
+
+
+@cache
+def _written(source: _Source, own: str, names: tuple[tuple[str, str], ...]) -> str:
+    """Return the text of a function called `own` whose globals have these names."""
+    node = source.bare()
+    _Rename(dict(names)).visit(node)
+    node.name = own
+    return ast.unparse(node)
 
 
 class Extract:
@@ -88,16 +116,12 @@ class Extract:
         if not isinstance(function, FunctionType):
             raise BadInput(f'{function!r} of {prefix} is no plain function; write it with def.')
         own = f'{prefix}_{function.__name__}'
-        node = _bare(_definition(function))
-        names_in = [item for item in ast.walk(node) if isinstance(item, ast.Name)]
-        # What a comprehension binds is in no list of the function's own variables.
-        local = {item.id for item in names_in if isinstance(item.ctx, ast.Store)}
-        local.update(function.__code__.co_varnames)
-        used = {item.id for item in names_in} - local
-        names = {name: self._global(function, name, prefix) for name in sorted(used)}
-        _Rename(names).visit(node)
-        node.name = own
-        return self._put(own, ast.unparse(node))
+        source = _source(function)
+        names = {
+            name: self._global(function, name, prefix)
+            for name in _used(source, function.__code__.co_varnames)
+        }
+        return self._put(own, _written(source, own, tuple(names.items())))
 
     def _global(self, function: FunctionType, name: str, prefix: str) -> str:
         """Return what a global is called in the text, having taken it along."""
