@@ -7,8 +7,7 @@ function nor of anything that it calls, in whichever file, can leave old physics
 
 import ast
 import builtins
-from collections.abc import Callable, Collection
-import copy
+from collections.abc import Callable, Collection, Mapping
 from functools import cache
 import inspect
 import math
@@ -21,9 +20,17 @@ from lta_config.errors import BadInput
 
 @cache
 def _definitions(path: Path, changed_ns: int, size: int) -> dict[str, ast.FunctionDef]:
-    """Return the functions at the top of a file as it stood at that time."""
+    """Return the functions at the top of a file as it stood at that time, bare."""
     tree = ast.parse(path.read_text(encoding='utf-8'))
-    return {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+    return {node.name: _bare(node) for node in tree.body if isinstance(node, ast.FunctionDef)}
+
+
+def _bare(node: ast.FunctionDef) -> ast.FunctionDef:
+    """Return the function without annotations and decorators, which mean nothing compiled."""
+    node.decorator_list, node.returns = [], None
+    for argument in [*node.args.args, *node.args.posonlyargs, *node.args.kwonlyargs]:
+        argument.annotation = None
+    return node
 
 
 def _literal(value: object) -> bool:
@@ -33,15 +40,16 @@ def _literal(value: object) -> bool:
     return isinstance(value, bool | int | float)
 
 
-class _Rename(ast.NodeTransformer):
-    """Give every global of a function its name in the extracted text."""
-
-    def __init__(self, names: dict[str, str]) -> None:
-        self._names = names
-
-    def visit_Name(self, node: ast.Name) -> ast.AST:
-        """Return the name as the text knows it."""
-        return ast.Name(self._names.get(node.id, node.id), node.ctx)
+def _renamed(part: Any, names: Mapping[str, str]) -> Any:  # noqa: ANN401 - any field of a node
+    """Return a copy of a part of a tree with other names."""
+    if isinstance(part, list):
+        return [_renamed(each, names) for each in part]
+    if not isinstance(part, ast.AST):
+        return part
+    new = {key: _renamed(value, names) for key, value in vars(part).items()}
+    if isinstance(part, ast.Name):
+        new['id'] = names.get(part.id, part.id)
+    return type(part)(**new)
 
 
 class _Source(NamedTuple):
@@ -52,13 +60,10 @@ class _Source(NamedTuple):
     size: int
     name: str
 
-    def bare(self) -> ast.FunctionDef:
-        """Return a tree of its own, without annotations and decorators: they mean nothing here."""
-        node = copy.deepcopy(_definitions(self.path, self.changed_ns, self.size)[self.name])
-        node.decorator_list, node.returns = [], None
-        for argument in [*node.args.args, *node.args.posonlyargs, *node.args.kwonlyargs]:
-            argument.annotation = None
-        return node
+    @property
+    def node(self) -> ast.FunctionDef:
+        """Return its syntax tree, which is shared."""
+        return _definitions(self.path, self.changed_ns, self.size)[self.name]
 
 
 def _source(function: FunctionType) -> _Source:
@@ -76,8 +81,7 @@ def _source(function: FunctionType) -> _Source:
 @cache
 def _used(source: _Source, variables: tuple[str, ...]) -> list[str]:
     """Return the names that a function with these variables takes from elsewhere, in order."""
-    node = source.bare()
-    names = [item for item in ast.walk(node) if isinstance(item, ast.Name)]
+    names = [item for item in ast.walk(source.node) if isinstance(item, ast.Name)]
     # What a comprehension binds is in no list of the function's own variables.
     bound = {item.id for item in names if isinstance(item.ctx, ast.Store)}
     return sorted({item.id for item in names} - bound - {*variables})
@@ -86,8 +90,7 @@ def _used(source: _Source, variables: tuple[str, ...]) -> list[str]:
 @cache
 def _written(source: _Source, own: str, names: tuple[tuple[str, str], ...]) -> str:
     """Return the text of a function called `own` whose globals have these names."""
-    node = source.bare()
-    _Rename(dict(names)).visit(node)
+    node = _renamed(source.node, dict(names))
     node.name = own
     return ast.unparse(node)
 
