@@ -7,35 +7,22 @@ function nor of anything that it calls, in whichever file, can leave old physics
 
 import ast
 import builtins
-from collections.abc import Callable, Collection
-import copy
+from collections.abc import Callable, Collection, Mapping
 from functools import cache
 import inspect
 import math
 from pathlib import Path
 from types import FunctionType, ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 from lta_config.errors import BadInput
 
 
 @cache
 def _definitions(path: Path, changed_ns: int, size: int) -> dict[str, ast.FunctionDef]:
-    """Return the functions at the top of a file as it stood at that time."""
+    """Return the functions at the top of a file as it stood at that time, bare."""
     tree = ast.parse(path.read_text(encoding='utf-8'))
-    return {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
-
-
-def _definition(function: FunctionType) -> ast.FunctionDef:
-    """Return the syntax tree of a function at the top of its module."""
-    path = Path(inspect.getsourcefile(function) or '')
-    file = path.stat()
-    node = _definitions(path, file.st_mtime_ns, file.st_size).get(function.__qualname__)
-    if node is not None:
-        return copy.deepcopy(node)
-    raise BadInput(
-        f'No function {function.__name__} stands at the top of {path}; define it there.'
-    )
+    return {node.name: _bare(node) for node in tree.body if isinstance(node, ast.FunctionDef)}
 
 
 def _bare(node: ast.FunctionDef) -> ast.FunctionDef:
@@ -53,15 +40,59 @@ def _literal(value: object) -> bool:
     return isinstance(value, bool | int | float)
 
 
-class _Rename(ast.NodeTransformer):
-    """Give every global of a function its name in the extracted text."""
+def _renamed(part: Any, names: Mapping[str, str]) -> Any:  # noqa: ANN401 - any field of a node
+    """Return a copy of a part of a tree with other names."""
+    if isinstance(part, list):
+        return [_renamed(each, names) for each in part]
+    if not isinstance(part, ast.AST):
+        return part
+    new = {key: _renamed(value, names) for key, value in vars(part).items()}
+    if isinstance(part, ast.Name):
+        new['id'] = names.get(part.id, part.id)
+    return type(part)(**new)
 
-    def __init__(self, names: dict[str, str]) -> None:
-        self._names = names
 
-    def visit_Name(self, node: ast.Name) -> ast.AST:
-        """Return the name as the text knows it."""
-        return ast.Name(self._names.get(node.id, node.id), node.ctx)
+class _Source(NamedTuple):
+    """Where a function is defined: its file as it stood at that time, and its name."""
+
+    path: Path
+    changed_ns: int
+    size: int
+    name: str
+
+    @property
+    def node(self) -> ast.FunctionDef:
+        """Return its syntax tree, which is shared."""
+        return _definitions(self.path, self.changed_ns, self.size)[self.name]
+
+
+def _source(function: FunctionType) -> _Source:
+    """Return where a function is defined."""
+    path = Path(inspect.getsourcefile(function) or '')
+    file = path.stat()
+    source = _Source(path, file.st_mtime_ns, file.st_size, function.__qualname__)
+    if source.name in _definitions(path, file.st_mtime_ns, file.st_size):
+        return source
+    raise BadInput(
+        f'No function {function.__name__} stands at the top of {path}; define it there.'
+    )
+
+
+@cache
+def _used(source: _Source, variables: tuple[str, ...]) -> list[str]:
+    """Return the names that a function with these variables takes from elsewhere, in order."""
+    names = [item for item in ast.walk(source.node) if isinstance(item, ast.Name)]
+    # What a comprehension binds is in no list of the function's own variables.
+    bound = {item.id for item in names if isinstance(item.ctx, ast.Store)}
+    return sorted({item.id for item in names} - bound - {*variables})
+
+
+@cache
+def _written(source: _Source, own: str, names: tuple[tuple[str, str], ...]) -> str:
+    """Return the text of a function called `own` whose globals have these names."""
+    node = _renamed(source.node, dict(names))
+    node.name = own
+    return ast.unparse(node)
 
 
 class Extract:
@@ -88,16 +119,12 @@ class Extract:
         if not isinstance(function, FunctionType):
             raise BadInput(f'{function!r} of {prefix} is no plain function; write it with def.')
         own = f'{prefix}_{function.__name__}'
-        node = _bare(_definition(function))
-        names_in = [item for item in ast.walk(node) if isinstance(item, ast.Name)]
-        # What a comprehension binds is in no list of the function's own variables.
-        local = {item.id for item in names_in if isinstance(item.ctx, ast.Store)}
-        local.update(function.__code__.co_varnames)
-        used = {item.id for item in names_in} - local
-        names = {name: self._global(function, name, prefix) for name in sorted(used)}
-        _Rename(names).visit(node)
-        node.name = own
-        return self._put(own, ast.unparse(node))
+        source = _source(function)
+        names = {
+            name: self._global(function, name, prefix)
+            for name in _used(source, function.__code__.co_varnames)
+        }
+        return self._put(own, _written(source, own, tuple(names.items())))
 
     def _global(self, function: FunctionType, name: str, prefix: str) -> str:
         """Return what a global is called in the text, having taken it along."""

@@ -83,6 +83,11 @@ for height in (-1.0, 0.5, 9.0):
     motion = Motion((1.0, 2.0, height), tuple(turn.ravel()), *3 * (nothing,), (), (), ())
     assert np.allclose(wrench((0.03, 2.0), (), motion, ()), told, rtol=1e-12, atol=0.0), height
 """
+PAGE = """
+from lta_sim.effects_page import page
+
+print(page())
+"""
 GREET = "    'greet': Verb('greet', 'greet'),"
 
 
@@ -140,8 +145,7 @@ def test_an_effect_with_the_test_of_its_tutorial(tmp_path, titled, plain):
     shutil.copytree(ROOT / 'test/unit/sim/oracle', tmp_path / 'oracle')
     given = 'from oracle.given import at_centre, NONE\n\n\n'
     (tmp_path / 'second.py').write_text(given + titled['test/unit/sim/oracle/lift.py'])
-    python(tmp_path, '-c', SECOND)
-    said = python(tmp_path, '-c', 'from lta_sim.effects_page import page; print(page())')
+    said = python(tmp_path, '-c', SECOND + PAGE)
     assert '| `guide_rope` | A rope that hangs to the floor' in said
 
 

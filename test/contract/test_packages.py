@@ -1,6 +1,7 @@
 """Every package says of itself what is true: name, version, dependencies, executables, fence."""
 
 import ast
+from functools import cache
 from importlib import import_module
 from itertools import accumulate
 import json
@@ -61,9 +62,15 @@ def sources(folder):
     return sorted((folder / name_of(folder)).rglob('*.py'))
 
 
+@cache
 def imports(path):
     """Return the full names of all modules that a file imports, wherever in the file."""
     return imports_of(ast.parse(path.read_text(encoding='utf-8')), str(path))
+
+
+def called(node):
+    """Return the name of what is called, without the module that it is taken from."""
+    return getattr(node.func, 'attr', getattr(node.func, 'id', ''))
 
 
 def imports_of(tree, where):
@@ -75,7 +82,7 @@ def imports_of(tree, where):
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f'{where}: relative import'
             found |= {f'{node.module}.{alias.name}' for alias in node.names}
-        elif isinstance(node, ast.Call) and 'import_module' in ast.unparse(node.func):
+        elif isinstance(node, ast.Call) and called(node) == 'import_module':
             name = node.args[0]
             found |= {name.value} if isinstance(name, ast.Constant) else set()
         elif isinstance(node, ast.Constant) and CODE.fullmatch(str(node.value)):

@@ -1,6 +1,7 @@
 """Laws over every registered effect, built in or installed, each by itself."""
 
 import ast
+from functools import cache
 import inspect
 import math
 import sys
@@ -72,6 +73,7 @@ def reach(parameter):
     return st.floats(min(low, high), max(low, high), allow_subnormal=False)
 
 
+@cache  # a strategy that is made anew for each example is checked anew as well
 def parameters(effect):
     """Return values that the effect's own check allows."""
     names = [parameter.name for parameter in seen(effect)]
@@ -102,10 +104,9 @@ def motions(draw):
     turn = Rotation.from_euler('ZYX', draw(vectors))
     rotation = tuple(turn.as_matrix().ravel().tolist())
     generator = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
-    rotors = []
-    for _ in range(ACTUATORS):
-        axis = Rotation.from_euler('ZYX', generator.uniform(-5.0, 5.0, 3)).as_matrix()[0]
-        rotors += [*generator.uniform(-5.0, 5.0, 3).tolist(), *axis.tolist()]
+    turns = Rotation.from_euler('ZYX', generator.uniform(-5.0, 5.0, (ACTUATORS, 3)))
+    where = generator.uniform(-5.0, 5.0, (ACTUATORS, 3))
+    rotors = np.hstack([where, turns.as_matrix()[:, 0]]).ravel().tolist()
     moments = generator.uniform(-5.0, 5.0, 9).tolist()
     added = generator.uniform(0.0, 1.0, 6).tolist()
     body = (draw(share) + 0.1, *moments, *added, draw(share), *rotors)
@@ -126,6 +127,7 @@ def motions(draw):
 places = st.builds(Place, vectors, vectors, vectors, surroundings)
 
 
+@cache
 def memories(effect):
     return some(len(effect.memory))
 

@@ -6,6 +6,7 @@ power) are linear in light current, saturation current and shunt conductance for
 resistance; the resistance is the one at which the power has its maximum where the sheet says.
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 from lta_config.cell_file import CellFile, Electrical
@@ -41,6 +42,7 @@ class Diode(NamedTuple):
     shunt: float
 
 
+@lru_cache(maxsize=16)  # every vehicle that is put together asks anew
 def diode_of(cell: CellFile) -> Diode:
     """
     Return the diode whose curve has the points of a data sheet.

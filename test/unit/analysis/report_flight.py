@@ -9,6 +9,7 @@ turned by 0.3 rad. The lamp is out of sight from 10 to 12 s.
 """
 
 from dataclasses import dataclass
+from functools import cache
 import math
 
 from lta_bridge.bag import BagWriter
@@ -257,6 +258,12 @@ def provenance():
     }
 
 
+@cache  # most flights that are written have most messages in common
+def encoded(topic, stream, time):
+    """Return the bytes of one message of a stream."""
+    return bytes(jazzy().serialize_cdr(stream.message(time), TOPICS[topic]))
+
+
 def write_flight(folder, *, without=(), until=END, facts=None, instead=None):
     """Write the bag of the flight, perhaps without some topics or cut short, and return it."""
     streams = STREAMS | (instead or {})
@@ -270,7 +277,6 @@ def write_flight(folder, *, without=(), until=END, facts=None, instead=None):
             if topic not in without:
                 bag.add_topic(f'/lta1/{topic}', TOPICS[topic], [])
         for time, topic in sorted(events):
-            message = streams[topic].message(round(time, 6))
-            data = bytes(jazzy().serialize_cdr(message, TOPICS[topic]))
+            data = encoded(topic, streams[topic], round(time, 6))
             bag.write(f'/lta1/{topic}', data, START + round(time * 1e9))
     return folder

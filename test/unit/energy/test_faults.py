@@ -201,7 +201,10 @@ def test_a_fault_is_taken_back_only_after_a_while():
     assert not estimate.reserve
 
 
-@pytest.mark.parametrize('seed', range(20))
+# Eight seeds are flown every time, the others by the long tests.
+@pytest.mark.parametrize(
+    'seed', [*range(8), *(pytest.param(k, marks=pytest.mark.long) for k in range(8, 20))]
+)
 @pytest.mark.parametrize('lit', [False, True])
 def test_clean_flights_raise_no_alarm(seed, lit):
     """A minute each of a cell that differs from its file, from the middle of some flight."""

@@ -60,12 +60,13 @@ def parameters(effect, generator):
     given = {}
     for known in effect.parameters:
         fixed = FIXED.get(effect.name, {}).get(known.name)
-        value = known.null + known.spread * generator.choice([-1, 1]) * generator.uniform(0.5, 1.5)
+        sign = (-1, 1)[generator.integers(2)]
+        value = known.null + known.spread * sign * generator.uniform(0.5, 1.5)
         if fixed is not None:
             value = fixed * generator.uniform(0.95, 1.05)
         elif not known.low <= value <= known.high:
             value = known.null + known.spread * generator.uniform(0.5, 1.5)
-        given[known.name] = float(np.clip(value, known.low, known.high))
+        given[known.name] = float(min(max(value, known.low), known.high))
     for group in ABSENT.get(effect.name, ()):
         if generator.random() < 0.2:
             given |= dict.fromkeys(group, 0.0)

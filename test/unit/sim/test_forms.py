@@ -1,5 +1,7 @@
 """One vehicle compiled, many side by side, and the text as plain Python: the same to the bit."""
 
+from functools import cache
+
 from lta_sim import kernel, row
 from lta_sim.batch import advance_many
 from lta_sim.compose import kernel_source
@@ -21,6 +23,7 @@ def names_of(kind, generator):
     return [name for name in EFFECTS if generator.random() < share]
 
 
+@cache  # built twice otherwise, for both forms
 def fleet(seed, kinds):
     """Return vehicles with random sets of effects on, and random states, commands and air."""
     generator = np.random.default_rng(seed)

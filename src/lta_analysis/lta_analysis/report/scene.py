@@ -1,6 +1,7 @@
 """The world of a flight, from the scenario and vehicle files that its bag carries."""
 
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import final, NamedTuple, TypeVar
 
 from lta_config.errors import BadInput
@@ -39,10 +40,13 @@ def scene_of(provenance: Mapping[str, str]) -> Scene:
 
 def parsed(model: type[Model], provenance: Mapping[str, str], key: str) -> Model | None:
     """Return one file of the provenance, checked against its model; None if it is not there."""
-    if key not in provenance:
-        return None
+    return _read(model, provenance[key], key) if key in provenance else None
+
+
+@lru_cache(maxsize=32)  # a study asks again and again of few flights; what is read is immutable
+def _read(model: type[Model], text: str, key: str) -> Model:
     try:
-        return model.model_validate(parse_yaml(provenance[key], f"The bag's {key}"))
+        return model.model_validate(parse_yaml(text, f"The bag's {key}"))
     except ValidationError as error:
         raise BadInput(
             f"The bag's {key} is not one that this version reads: {sentence(error)}"

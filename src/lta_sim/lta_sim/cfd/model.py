@@ -1,7 +1,7 @@
 """What stands in the wind tunnel: closed surfaces by name, and the disks of the rotors."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from hashlib import sha256
 import math
 from pathlib import Path
@@ -77,6 +77,8 @@ class Model:
     bodies: Mapping[str, trimesh.Trimesh]
     rotors: Mapping[str, Rotor]
     patterns: Mapping[str, Mapping[str, float]]
+    # By change, whether it leaves the bodies as they are: every flow of a sweep asks.
+    _alike: dict[bytes, bool] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @property
     def hull(self) -> trimesh.Trimesh:
@@ -107,14 +109,16 @@ class Model:
 
     def _leave(self, changes: Sequence[Array]) -> list[Array]:
         """Return which of some changes leave the bodies as they are."""
-        corners = np.vstack([mesh.vertices for mesh in self.bodies.values()])
-        tree, near = cKDTree(corners), ALIKE * self.length
-        # Whatever has no corner within reach is infinitely far: that ends the search early.
-        return [
-            each
-            for each in changes
-            if np.isfinite(tree.query(corners @ each.T, distance_upper_bound=near)[0]).all()
-        ]
+        asked = [((each + 0.0).tobytes(), each) for each in changes]
+        new = {key: each for key, each in asked if key not in self._alike}
+        if new:
+            corners = np.vstack([mesh.vertices for mesh in self.bodies.values()])
+            tree, near = cKDTree(corners), ALIKE * self.length
+            for key, each in new.items():
+                # Whatever has no corner within reach is infinitely far: the search ends early.
+                off, _ = tree.query(corners @ each.T, distance_upper_bound=near)
+                self._alike[key] = bool(np.isfinite(off).all())
+        return [each for key, each in asked if self._alike[key]]
 
     @property
     def fingerprint(self) -> str:

@@ -19,6 +19,7 @@ The kinds follow the way of a command through the vehicle:
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import final, NamedTuple
 
 from lta_sim.state import ACTUATORS
@@ -232,6 +233,12 @@ def no_rotor_rate(p: Values, memory: Values, value: float, surroundings: Values)
     return ()
 
 
+@cache
+def _of_rotors(each: tuple[Parameter, ...]) -> tuple[Parameter, ...]:
+    """Return the parameters of all rotors, parameter by parameter."""
+    return tuple(replace(p, name=f'{p.name}_{i}') for p in each for i in range(1, ACTUATORS + 1))
+
+
 @final
 @dataclass(frozen=True, slots=True)
 class ActuatorEffect:
@@ -269,10 +276,7 @@ class ActuatorEffect:
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """All parameters: the shared ones, then those of each rotor, parameter by parameter."""
-        own = (
-            replace(p, name=f'{p.name}_{i}') for p in self.each for i in range(1, ACTUATORS + 1)
-        )
-        return (*self.shared, *own)
+        return (*self.shared, *_of_rotors(self.each))
 
 
 @final

@@ -14,7 +14,7 @@ from rosbags.rosbag2 import Reader
 
 from .damaged_bags import damaged, DAMAGES, recordings
 
-FEW, MANY = 100, 2500  # cases of each of four kinds of recording
+FEW, MANY = 50, 2500  # cases of each of four kinds of recording
 FEW_MENDED, MANY_MENDED = 8, 250
 # Bytes that reading may take at most: an lz4 frame whose size is spoilt gets the room of a chunk;
 # sound recordings of some kilobytes take 1 MB.

@@ -1,5 +1,7 @@
 """Whole topics at a time give what object by object gives, for any message of any type."""
 
+from functools import cache
+
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from lta_analysis.bag import gather
@@ -81,6 +83,7 @@ def single(name, shape, values):
     return int(values.integers(limit.min, limit.max, dtype=kind, endpoint=True))
 
 
+@cache
 def typed(type_name):
     """Return a type and how to read it, by the definition that a bag would bring."""
     found = definition(type_name)
