@@ -11,7 +11,6 @@ from typing import Final, NamedTuple
 
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_config.constants import STANDARD_GRAVITY
-from scipy.spatial.transform import Rotation
 
 MILLIBAR: Final = 100.0  # Pa
 MILLIMETRE: Final = 1e-3  # m
@@ -86,9 +85,16 @@ def air(values: Values) -> Air:
 
 def attitude(values: Values) -> tuple[float, float, float, float]:
     """Return the firmware's attitude as a quaternion x y z w, body FLU to its start frame."""
-    roll, pitch, yaw = (values[f'stateEstimate.{angle}'] for angle in ('roll', 'pitch', 'yaw'))
-    x, y, z, w = Rotation.from_euler('ZYX', [yaw, -pitch, roll], degrees=True).as_quat().tolist()
-    return x, y, z, w
+    halves = (0.5 * math.radians(values[f'stateEstimate.{a}']) for a in ('roll', 'pitch', 'yaw'))
+    # Without scipy, whose import would delay each start of the bridge.
+    (sr, cr), (sp, cp), (sy, cy) = ((math.sin(half), math.cos(half)) for half in halves)
+    sp = -sp  # in FLU, a positive pitch puts the nose down
+    return (
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy,
+        cr * cp * cy + sr * sp * sy,
+    )
 
 
 def motors(values: Values) -> Motors:

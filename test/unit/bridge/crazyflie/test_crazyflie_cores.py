@@ -17,6 +17,7 @@ from lta_sim.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 MS = 1_000_000
 
@@ -115,6 +116,14 @@ def test_units_and_signs():
         {**{f'motor.m{n}': 13107.0 * n for n in range(1, 5)}, 'supervisor.info': 2}
     )
     assert told.duties == pytest.approx((0.2, 0.4, 0.6, 0.8))
+
+
+def test_an_attitude_is_the_quaternion_that_scipy_makes_of_its_angles():
+    for roll, pitch, yaw in ((10.0, 20.0, 30.0), (-170.0, 80.0, 200.0), (5.0, -89.0, -359.0)):
+        angles = {'roll': roll, 'pitch': pitch, 'yaw': yaw}
+        found = readings.attitude({f'stateEstimate.{name}': a for name, a in angles.items()})
+        turned = Rotation.from_euler('ZYX', [yaw, -pitch, roll], degrees=True)
+        assert found == pytest.approx(turned.as_quat().tolist(), abs=1e-12)
 
 
 def test_the_table_fits_a_crazyflie_that_knows_its_variables():
