@@ -5,7 +5,7 @@ import re
 import struct
 
 from lta_analysis.browser import Browser, find_chromium, OVERRIDE
-from lta_analysis.report import write_page
+from lta_analysis.report import screenshots, write_page
 from lta_analysis.report.panels.registry import PANELS
 from lta_analysis.report.screenshots import (
     check,
@@ -163,7 +163,14 @@ def test_no_page_is_one_sentence(browser, tmp_path):
         show(browser, tmp_path / 'none.html', 'light', 1280)
 
 
-def test_complaints_and_requests_are_seen(page, tmp_path):
+def test_complaints_and_requests_are_seen_and_the_browser_ends(monkeypatch, tmp_path):
+    started = []
+
+    def begun():
+        started.append(Browser())
+        return started[-1]
+
+    monkeypatch.setattr(screenshots, 'Browser', begun)
     bad = tmp_path / 'bad.html'
     bad.write_text(
         '<script>document.documentElement.dataset.drawn = "1"; console.warn("odd");'
@@ -173,13 +180,9 @@ def test_complaints_and_requests_are_seen(page, tmp_path):
     assert 'odd' in found.messages
     assert any('nothing is not defined' in message for message in found.messages)
     assert found.fetched == ['http://127.0.0.1:9/x']
-
-
-def test_browser_leaves_no_process_behind(page):
-    with Browser() as session:
-        process = session._process.pid
+    (session,) = started
     with pytest.raises(ProcessLookupError):
-        os.kill(process, 0)
+        os.kill(session._process.pid, 0)
 
 
 def test_without_a_browser_the_sentence_says_how_to_get_one(monkeypatch, tmp_path):
