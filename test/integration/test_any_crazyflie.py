@@ -151,7 +151,7 @@ def test_the_bridge_flies_it_and_brings_it_down_unlocked(uri, domain_id, hear):
         hear(lambda facts: safety(facts, 'disarmed: the newest command', turning=False))
         assert peer.ask(SetBool, 'crazyflie_bridge/arm', data=False).success
         node.send_signal(2)
-        _, text = node.communicate(timeout=30)
+        _, text = node.communicate(timeout=PATIENCE)
         assert node.returncode == 0, text
     with connected(uri) as drone:
         assert Bit.LOCKED not in drone.word

@@ -19,6 +19,7 @@ import pytest
 from rcl_interfaces.srv import GetParameters
 from rclpy.duration import Duration
 from std_srvs.srv import SetBool, Trigger
+from waiting import PATIENCE
 
 from .peer import Peer, running
 
@@ -206,7 +207,7 @@ def test_a_silent_drone_is_let_down_and_found_again(peer, drone, bridge, hear):
 def test_leaving_in_flight_comes_down_and_disarms(peer, drone, bridge):
     fly(peer, drone)
     bridge.send_signal(signal.SIGINT)
-    _, text = bridge.communicate(timeout=30)
+    _, text = bridge.communicate(timeout=PATIENCE)
     assert bridge.returncode == 0, text
     assert turning(drone) == (0.0,) * 4
     assert not drone.firmware.supervisor.armed
@@ -247,7 +248,7 @@ def test_past_the_firmware_on_a_tether_it_lets_go_of_the_motors_on_leaving(peer,
     fly(peer, drone)
     assert drone.firmware.parameters.values['motorPowerSet.enable'] == 1
     pair.bridge.send_signal(signal.SIGHUP)
-    pair.bridge.communicate(timeout=30)
+    pair.bridge.communicate(timeout=PATIENCE)
     assert turning(drone) == (0.0,) * 4
     assert drone.firmware.parameters.values['motorPowerSet.enable'] == 0
     assert not drone.firmware.supervisor.armed
@@ -262,4 +263,4 @@ def test_the_shutdown_transition_comes_down_and_disarms(peer, drone, bridge):
     assert not drone.firmware.supervisor.armed
     assert not drone.firmware.supervisor.locked
     bridge.send_signal(signal.SIGINT)  # shut down, it is of no use to another test
-    bridge.communicate(timeout=30)
+    bridge.communicate(timeout=PATIENCE)

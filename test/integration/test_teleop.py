@@ -9,6 +9,7 @@ from lta_control.messages import from_setpoint
 from nav_msgs.msg import Odometry
 import pytest
 from sensor_msgs.msg import Joy
+from waiting import PATIENCE
 
 from .peer import Peer, start
 
@@ -67,7 +68,7 @@ def nodes():
     for node in made:
         if node.poll() is None:
             node.send_signal(signal.SIGINT)
-            node.communicate(timeout=30)
+            node.communicate(timeout=PATIENCE)
 
 
 def test_a_stick_wins_until_handed_back_a_dead_teleop_lands_and_the_button_stops(nodes, domain_id):
