@@ -103,7 +103,7 @@ def test_a_full_disk_ends_the_flight_with_a_sentence_and_a_bag_that_opens(lta, s
 
 
 @pytest.mark.parametrize(
-    # Between two of the others nothing else happens: the graph starts up, and then it flies.
+    # 0.5 s is between 0.1 and 1.0 s, as the graph starts; 2.0 s before 3.0 s, when it flies.
     'seconds',
     [0.0, 0.1, pytest.param(0.5, marks=pytest.mark.long), 1.0,
      pytest.param(2.0, marks=pytest.mark.long), 3.0],
