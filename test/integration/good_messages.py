@@ -27,6 +27,7 @@ BEACON = 150.0  # Hz
 BLOCK = np.full((TABLE.light.samples, DIODES), 200, np.uint16)
 PEAKS = Peaks(*(np.full(DIODES, x) for x in (100.0, 20.0, BEACON, 5.0)))
 LAMP = LampEstimate(3.0, 0.5, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0, 1.0)
+NOISE = bounds_of(ImuSettings()).noise
 HOVER = Estimate(ready=True)
 AHEAD = Setpoint(1.0, 0.0, 0.2)
 
@@ -42,11 +43,8 @@ def good(name: str, stamp_ns: int) -> Any:
     """Return a message of a topic, stamped. [ns]"""
     stamp = to_stamp(stamp_ns)
     header = Header(stamp=stamp, frame_id=TABLE[name].frame)
-    pose, velocity = from_setpoint(stamp, AHEAD)
     made = {
-        'imu': lambda: messages.imu(
-            stamp, (0.0, 0.0, 9.81), (0.0, 0.0, 0.0), bounds_of(ImuSettings()).noise
-        ),
+        'imu': lambda: messages.imu(stamp, (0.0, 0.0, 9.81), (0.0, 0.0, 0.0), NOISE),
         'range': lambda: messages.range_(stamp, 1.0, RANGE),
         'pressure': lambda: messages.pressure(stamp, 101325.0, 1.0),
         'photodiodes': lambda: messages.light_block(stamp, BLOCK),
@@ -59,10 +57,10 @@ def good(name: str, stamp_ns: int) -> Any:
         'light/peaks': lambda: from_peaks(header, (PEAKS,), AXES),
         'light/bearing': lambda: from_bearing(header, None),
         'light/estimate': lambda: from_lamp(header, LAMP),
-        'setpoint/pose': lambda: pose,
-        'teleop/pose': lambda: pose,
-        'setpoint/velocity': lambda: velocity,
-        'teleop/velocity': lambda: velocity,
+        'setpoint/pose': lambda: from_setpoint(stamp, AHEAD)[0],
+        'teleop/pose': lambda: from_setpoint(stamp, AHEAD)[0],
+        'setpoint/velocity': lambda: from_setpoint(stamp, AHEAD)[1],
+        'teleop/velocity': lambda: from_setpoint(stamp, AHEAD)[1],
         'light/beacon': lambda: Float64(data=BEACON),
         'teleop/held': lambda: Bool(data=False),
         'energy/reserve': lambda: Bool(data=False),

@@ -1,7 +1,8 @@
 """A node of a test's own in the robot's namespace, and nodes of this source tree as processes."""
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 import ctypes
 import os
 from pathlib import Path
@@ -21,7 +22,7 @@ from rclpy.parameter import Parameter
 from signals import heed_signals
 from std_srvs.srv import SetBool
 from time_report import process_started
-from waiting import wait_until
+from waiting import PATIENCE, wait_until
 
 ROOT = Path(__file__).resolve().parents[2]
 TABLE = topic_table()
@@ -37,6 +38,20 @@ def start(module: str, *words: object, before: str = '') -> 'subprocess.Popen[st
     STARTED.append(process)
     process_started()
     return process
+
+
+@contextmanager
+def running(module: str, *words: object) -> 'Iterator[subprocess.Popen[str]]':
+    """Run a node that outlives a test: for as long as the context lasts, or until it ends."""
+    process = start(module, *words)
+    STARTED.remove(process)
+    try:
+        yield process
+    finally:
+        if process.poll() is None:
+            process.send_signal(signal.SIGINT)
+            process.communicate(timeout=PATIENCE)
+        process.stderr.close()
 
 
 def _start(code: str, words: tuple[object, ...]) -> 'subprocess.Popen[str]':

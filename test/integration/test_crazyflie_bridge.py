@@ -1,8 +1,10 @@
 """The bridge node between a graph and an emulated Crazyflie, over UDP and by unmodified cflib."""
 
+from contextlib import ExitStack
 import signal
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from domain import free_domain
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
 from lta_bridge.crazyflie.emulated.body import Bench
@@ -14,30 +16,66 @@ from lta_graph.ros.message_types import message_type
 from lta_graph.ros.stamps import from_stamp
 from lta_sim.vehicle import load_vehicle
 import pytest
+from rcl_interfaces.srv import GetParameters
+from rclpy.duration import Duration
 from std_srvs.srv import SetBool, Trigger
+from waiting import PATIENCE
 
-from .peer import Peer, start
+from .peer import Peer, running
 
 TABLE = topic_table()
 ROTORS = load_vehicle('gtmab').rotor_names
 FILE = load_crazyflie('gtmab')
+NODE = 'lta_bridge.nodes.crazyflie_bridge'
 DUTIES = [0.1, 0.2, 0.3, 0.4]
 ARM, STOP = 'crazyflie_bridge/arm', 'crazyflie_bridge/emergency_stop'
 
 
-@pytest.fixture
-def drone():
-    with Server(Firmware(Bench(), drift=30e-6)) as server:
-        yield server
+class Pair:
+    """A drone and its bridge for all tests, made anew where one has left them changed for good."""
+
+    def __init__(self):
+        self.after = ExitStack()
+        self.drone = self.bridge = None
+
+    def at_rest(self):
+        """Return whether both are as if they had just met."""
+        if self.drone is None or self.bridge.poll() is not None:
+            return False
+        supervisor = self.drone.firmware.supervisor
+        return not (supervisor.armed or supervisor.locked or self.drone.down.silent)
+
+    def renew(self, *words):
+        self.after.close()
+        self.drone = self.after.enter_context(Server(Firmware(Bench(), drift=30e-6)))
+        words = ('-p', f'uri:={self.drone.uri}', *words)
+        self.bridge = self.after.enter_context(running(NODE, *words))
+
+
+@pytest.fixture(scope='module')
+def domain_id():
+    """Return the one domain of all tests here: most of them share a bridge."""
+    with free_domain() as domain:
+        yield domain
+
+
+@pytest.fixture(scope='module')
+def pair(domain_id):
+    made = Pair()
+    with made.after:
+        yield made
 
 
 @pytest.fixture
-def bridge(drone):
-    node = start('lta_bridge.nodes.crazyflie_bridge', '-p', f'uri:={drone.uri}')
-    yield node
-    if node.poll() is None:
-        node.send_signal(signal.SIGINT)
-        node.communicate(timeout=30)
+def drone(pair):
+    if not pair.at_rest():
+        pair.renew()
+    return pair.drone
+
+
+@pytest.fixture
+def bridge(pair, drone):
+    return pair.bridge
 
 
 @pytest.fixture
@@ -95,7 +133,7 @@ def test_sensors_come_in_our_units_on_our_clock(peer, drone, bridge):
     peer.hear('imu', on_imu)
     for name in ('range', 'pressure', 'battery'):
         peer.hear(name, lambda message, name=name: seen.__setitem__(name, message))
-    peer.until(lambda: len(late) > 300 and len(seen) == 4)
+    peer.until(lambda: len(late) > 100 and len(seen) == 4)
     assert seen['imu'].linear_acceleration.z == pytest.approx(9.80665)
     assert seen['range'].range == pytest.approx(0.45)
     assert seen['pressure'].fluid_pressure == pytest.approx(101325.0)
@@ -131,19 +169,21 @@ def test_it_arms_once_the_nodes_hear_each_other(peer, drone, bridge):
     peer.hear('light/estimate', heard.append)
     beside = peer.publisher('/diagnostics')
     peer.until(lambda: heard)
-    client = peer.node.create_client(SetBool, ARM)
-    peer.until(client.service_is_ready)
-
     said = {'readers': '0', 'times': 0}
 
-    def tell():  # again and again: what is said before the two have found each other is lost
+    def tell():
         said['times'] += 1
         links = [KeyValue(key='light/estimate', value=said['readers'])]
         status = DiagnosticStatus(name='demodulator: links', hardware_id='lta1', values=links)
         beside.publish(DiagnosticArray(status=[status]))
 
     peer.node.create_timer(0.05, tell)
-    peer.until(lambda: said['times'] > 40)
+    # Once a word has come to every reader, and a question behind it is answered, it was taken.
+    peer.until(lambda: said['times'] and beside.wait_for_all_acked(Duration()))
+    for _ in range(2):
+        peer.ask(GetParameters, 'crazyflie_bridge/get_parameters', names=['uri'])
+    client = peer.node.create_client(SetBool, ARM)
+    peer.until(client.service_is_ready)
     armed = client.call_async(SetBool.Request(data=True))
     before = said['times']
     peer.until(lambda: said['times'] > before + 20)
@@ -151,6 +191,27 @@ def test_it_arms_once_the_nodes_hear_each_other(peer, drone, bridge):
     said['readers'] = '1'
     peer.until(armed.done)
     assert armed.result().success
+    assert peer.ask(SetBool, ARM, data=False).success
+
+
+def test_a_silent_drone_is_let_down_and_found_again(peer, drone, bridge, hear):
+    fly(peer, drone)
+    drone.down.silent = True
+    hear(lambda facts: 'said nothing' in safety(facts) or 'no link' in safety(facts))
+    peer.until(lambda: turning(drone) == (0.0,) * 4)
+    drone.down.silent = False
+    fly(peer, drone)
+    peer.until(lambda: not drone.firmware.supervisor.armed)  # commands have stopped
+
+
+def test_leaving_in_flight_comes_down_and_disarms(peer, drone, bridge):
+    fly(peer, drone)
+    bridge.send_signal(signal.SIGINT)
+    _, text = bridge.communicate(timeout=PATIENCE)
+    assert bridge.returncode == 0, text
+    assert turning(drone) == (0.0,) * 4
+    assert not drone.firmware.supervisor.armed
+    assert not drone.firmware.supervisor.locked
 
 
 def test_an_emergency_stop_locks_and_is_not_flown_out_of(peer, drone, bridge):
@@ -179,34 +240,15 @@ def test_while_it_lands_to_be_deactivated_an_emergency_stop_is_heeded_at_once(pe
     assert deactivated.result().success
 
 
-def test_a_silent_drone_is_let_down_and_found_again(peer, drone, bridge, hear):
-    fly(peer, drone)
-    drone.down.silent = True
-    hear(lambda facts: 'said nothing' in safety(facts) or 'no link' in safety(facts))
-    peer.until(lambda: turning(drone) == (0.0,) * 4)
-    drone.down.silent = False
-    fly(peer, drone)
-
-
-def test_leaving_in_flight_comes_down_and_disarms(peer, drone, bridge):
-    fly(peer, drone)
-    bridge.send_signal(signal.SIGINT)
-    _, text = bridge.communicate(timeout=30)
-    assert bridge.returncode == 0, text
-    assert turning(drone) == (0.0,) * 4
-    assert not drone.firmware.supervisor.armed
-    assert not drone.firmware.supervisor.locked
-
-
 @pytest.mark.long
-def test_past_the_firmware_on_a_tether_it_lets_go_of_the_motors_on_leaving(peer, drone):
+def test_past_the_firmware_on_a_tether_it_lets_go_of_the_motors_on_leaving(peer, pair):
     """The emulated drone turns them by `motorPowerSet`, and would for ever; a terminal is shut."""
-    words = ('-p', f'uri:={drone.uri}', '-p', 'command:=override', '-p', 'tethered:=true')
-    bridge = start('lta_bridge.nodes.crazyflie_bridge', *words)
+    pair.renew('-p', 'command:=override', '-p', 'tethered:=true')
+    drone = pair.drone
     fly(peer, drone)
     assert drone.firmware.parameters.values['motorPowerSet.enable'] == 1
-    bridge.send_signal(signal.SIGHUP)
-    bridge.communicate(timeout=30)
+    pair.bridge.send_signal(signal.SIGHUP)
+    pair.bridge.communicate(timeout=PATIENCE)
     assert turning(drone) == (0.0,) * 4
     assert drone.firmware.parameters.values['motorPowerSet.enable'] == 0
     assert not drone.firmware.supervisor.armed
@@ -220,3 +262,5 @@ def test_the_shutdown_transition_comes_down_and_disarms(peer, drone, bridge):
     assert turning(drone) == (0.0,) * 4
     assert not drone.firmware.supervisor.armed
     assert not drone.firmware.supervisor.locked
+    bridge.send_signal(signal.SIGINT)  # shut down, it is of no use to another test
+    bridge.communicate(timeout=PATIENCE)

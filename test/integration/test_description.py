@@ -4,6 +4,7 @@ from xml.etree import ElementTree
 
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
+from waiting import PATIENCE
 
 from .peer import Peer, start
 
@@ -17,5 +18,5 @@ def test_a_viewer_that_comes_late_gets_the_urdf(domain_id):
         peer.until(lambda: heard)
         assert ElementTree.fromstring(heard[0].data).get('name') == 'gtmab'
     process.terminate()
-    process.communicate(timeout=20.0)
+    process.communicate(timeout=PATIENCE)
     assert process.returncode == 0

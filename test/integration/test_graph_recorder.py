@@ -250,7 +250,7 @@ def test_snapshots_are_written_when_asked_for_and_at_a_fault(recording, chosen):
     def asked():
         answer = recording.snapshot()
         assert answer.success
-        return answer if heard(folder_in(answer), '/lta1/odom') else None
+        return answer if arrived(folder_in(answer), '/lta1/odom', 1) else None
 
     answer = recording.until(asked)
     folder = folder_in(answer)

@@ -9,6 +9,7 @@ from lta_bridge.crazyflie.emulated.server import Server
 from ports import free_port, UDP
 import pytest
 from std_srvs.srv import SetBool
+from waiting import PATIENCE
 
 from .peer import Peer, start
 
@@ -27,7 +28,7 @@ REFUSED = [
 def test_what_cannot_be_ends_the_node_with_one_sentence_and_status_2(domain_id):
     claim = Claim(TAKEN)
     started = [start(f'lta_bridge.nodes.{node}', '-p', word) for node, word, _ in REFUSED]
-    told = [process.communicate(timeout=60)[1] for process in started]
+    told = [process.communicate(timeout=PATIENCE)[1] for process in started]
     claim.close()
     for (_, _, sentence), process, text in zip(REFUSED, started, told, strict=True):
         assert process.returncode == 2, text
@@ -74,7 +75,7 @@ def test_what_may_yet_come_is_told_and_waited_for_and_never_armed(
         assert not refused.success
         assert 'no Crazyflie is connected' in refused.message
         node.send_signal(2)
-        _, text = node.communicate(timeout=60)
+        _, text = node.communicate(timeout=PATIENCE)
         assert f'no link: {sentence}' in text
         assert node.returncode == 0
         assert server.firmware.body.duties == (0.0,) * 4

@@ -23,10 +23,10 @@ HEARD = {'demodulator: light': 'beacon found'}
 
 @pytest.fixture
 def near(tmp_path):
-    """Return the shipped scene with a start that is nearer: 4 m from the lamp, 1 m to reach it."""
+    """Return the shipped scene with a start 2.2 m from the lamp, reached from 1 m."""
     text = (ROOT / 'config/scenarios/lamp_room.yaml').read_text()
     path = tmp_path / 'near.yaml'
-    path.write_text(text.replace('value: [-3.5, 0]', 'value: [-0.5, 0]'))
+    path.write_text(text.replace('value: [-3.5, 0]', 'value: [1.3, 0]'))
     return path
 
 
@@ -65,7 +65,7 @@ def test_through_both_bridges_it_finds_the_lamp_and_comes_down(
     assert 'took off' not in graph.text
     with Peer(domain_id) as pilot:
         pilot.arm()
-        graph.said('It took off, 4.0 m from the lamp')
+        graph.said('It took off, 2.2 m from the lamp')
         graph.said('It reached the lamp')
         if finds_peaks:  # the board's cable is pulled, and nobody asks
             os.kill(graph.node('emulated_hardware', robot=''), signal.SIGUSR1)

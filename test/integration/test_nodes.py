@@ -1,9 +1,11 @@
 """Nodes over DDS: parameters, services, quality of service, and what they make of nonsense."""
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 import math
 import signal
 
+from domain import free_domain
 from lta_graph.health import Level
 from lta_graph.ros.message_types import message_type
 from lta_graph.ros.publisher_conflict import OTHERS
@@ -15,18 +17,20 @@ from rclpy.qos import ReliabilityPolicy
 from std_srvs.srv import SetBool, Trigger
 from waiting import PATIENCE
 
-from .peer import complaints, Peer, start, TABLE
+from .peer import complaints, Peer, running, TABLE
 
 ROTORS = ['up_left', 'up_right', 'forward_left', 'forward_right']
 STEP = TABLE.control_ns
+ARMED = ('-p', 'armed:=true')
 
 
 class Pilot(Peer):
-    """A peer that hears the motors."""
+    """A peer that hears the motors, and counts the control steps that it has sent."""
 
     def __init__(self, domain_id: int) -> None:
         super().__init__(domain_id)
         self.motors = []
+        self.step = 0
         self.hear('motors', self.motors.append)
 
 
@@ -36,14 +40,36 @@ def peer(domain_id: int) -> Iterator[Pilot]:
         yield made
 
 
+@contextmanager
+def beside_a_controller(domain_id: int) -> Iterator[Pilot]:
+    """Yield the peer of a controller that flies alone, and leaves in order."""
+    with Pilot(domain_id) as pilot, running('lta_control.nodes.controller', *ARMED) as process:
+        yield pilot
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=PATIENCE)
+        assert (process.returncode, complaints(errors)) == (0, [])
+
+
 @pytest.fixture
-def controller(peer: Pilot) -> Iterator[Pilot]:
-    """Return the peer of a controller that flies alone."""
-    process = start('lta_control.nodes.controller', '-p', 'armed:=true')
-    yield peer
-    process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=PATIENCE)
-    assert (process.returncode, complaints(errors)) == (0, [])
+def controller(domain_id: int) -> Iterator[Pilot]:
+    """Return the peer of a controller whose motors may stop for good."""
+    with beside_a_controller(domain_id) as pilot:
+        yield pilot
+
+
+@pytest.fixture(scope='module')
+def shared() -> Iterator[tuple[int, Pilot]]:
+    """Return domain and peer of one controller, in which no test stops the motors for good."""
+    with free_domain() as domain, beside_a_controller(domain) as pilot:
+        yield domain, pilot
+
+
+@pytest.fixture
+def flown(shared: tuple[int, Pilot], monkeypatch: pytest.MonkeyPatch) -> Pilot:
+    """Return the peer of the one controller; who listens does so in its domain."""
+    domain, pilot = shared
+    monkeypatch.setenv('ROS_DOMAIN_ID', str(domain))
+    return pilot
 
 
 def estimate(peer, step, **position):
@@ -58,6 +84,7 @@ def estimate(peer, step, **position):
     peer.until(lambda: peer.motors)
     assert peer.motors[-1].header.stamp == odom.header.stamp
     assert peer.motors[-1].name == ROTORS
+    peer.step = max(peer.step, step)
     return list(peer.motors[-1].effort)
 
 
@@ -74,12 +101,12 @@ def setpoint(peer, altitude, step):
 
 def flying_controller(peer):
     """Bring a controller to answer with thrust: setpoints have no order with the estimates."""
-    step = 0
-    while not any(estimate(peer, step)):
+    first = peer.step + 1  # in order with those that another test has sent
+    for step in range(first, first + 500):
         setpoint(peer, 1.0, step)
-        step += 1
-        assert step < 500
-    return step
+        if any(estimate(peer, step)):
+            return step
+    raise AssertionError('no setpoint is flown')
 
 
 def motors(facts):
@@ -88,50 +115,50 @@ def motors(facts):
     return '' if fact is None or fact.level == Level.OK else fact.message
 
 
-def test_one_half_of_a_setpoint_waits_for_the_other(controller):
-    step = flying_controller(controller)
+def test_one_half_of_a_setpoint_waits_for_the_other(flown):
+    step = flying_controller(flown)
     velocity = message_type(TABLE['setpoint/velocity'])()
     velocity.twist.linear.x = 0.5
     for turn in range(30):  # the pose that came before is good for half a second
         velocity.header.stamp = to_stamp(TABLE.start_ns + (step + turn) * STEP)
-        controller.publisher('setpoint/velocity').publish(velocity)
-        forward = estimate(controller, step + turn)[2:]
+        flown.publisher('setpoint/velocity').publish(velocity)
+        forward = estimate(flown, step + turn)[2:]
         if min(forward) > 0.0:
             return
     raise AssertionError('the new speed was not flown without a new pose')
 
 
-def test_one_half_alone_keeps_no_setpoint_alive(controller, hear):
+def test_one_half_alone_keeps_no_setpoint_alive(flown, hear):
     """Its age is that of the older half: a speed that goes on coming does not renew a heading."""
-    step = flying_controller(controller)
+    step = flying_controller(flown)
     velocity = message_type(TABLE['setpoint/velocity'])()
     velocity.twist.linear.x = 0.5
     velocity.header.stamp = to_stamp(TABLE.start_ns + (step + 80) * STEP)
-    controller.publisher('setpoint/velocity').publish(velocity)
-    estimate(controller, step + 80)
+    flown.publisher('setpoint/velocity').publish(velocity)
+    estimate(flown, step + 80)
     hear(lambda facts: 'holding' in motors(facts))
 
 
-def test_a_stale_setpoint_is_held_and_then_the_drone_comes_down(controller, hear):
-    step = flying_controller(controller)
+def test_a_stale_setpoint_is_held_and_then_the_drone_comes_down(flown, hear):
+    step = flying_controller(flown)
     for seconds, word in ((0.6, 'holding'), (3.2, 'landing')):
-        estimate(controller, step + round(seconds * 1e9 / STEP))
+        estimate(flown, step + round(seconds * 1e9 / STEP))
         hear(lambda facts, word=word: word in motors(facts))
     # Landing asks for 0.2 m below where the drone is: no lift, whatever was asked before.
-    up = [estimate(controller, step + 400 + i)[:2] for i in range(200)][-1]
+    up = [estimate(flown, step + 400 + i)[:2] for i in range(200)][-1]
     assert up == pytest.approx([0.0, 0.0], abs=1e-9)
-    setpoint(controller, 1.0, step + 600)
-    hear(lambda facts: max(estimate(controller, step + 601)) > 0.0)
+    setpoint(flown, 1.0, step + 600)
+    hear(lambda facts: max(estimate(flown, step + 601)) > 0.0)
 
 
-def test_a_setpoint_of_the_future_is_as_old_as_none(controller, hear):
+def test_a_setpoint_of_the_future_is_as_old_as_none(flown, hear):
     """Held while its clock was ahead, it would keep a drone up for an hour after its sender."""
-    step = flying_controller(controller)
-    setpoint(controller, 1.0, step + 3600 * 10**9 // STEP)
-    controller.until(lambda: estimate(controller, step + 1)[:2] == [0.0, 0.0])
+    step = flying_controller(flown)
+    setpoint(flown, 1.0, step + 3600 * 10**9 // STEP)
+    flown.until(lambda: estimate(flown, step + 1)[:2] == [0.0, 0.0])
     hear(lambda facts: motors(facts) == 'a setpoint of the future: landing')
-    setpoint(controller, 1.0, step + 2)
-    hear(lambda facts: max(estimate(controller, step + 3)) > 0.0)
+    setpoint(flown, 1.0, step + 2)
+    hear(lambda facts: max(estimate(flown, step + 3)) > 0.0)
 
 
 def test_not_a_number_stops_the_motors_for_good(controller, hear):
@@ -156,12 +183,12 @@ def test_turned_over_the_motors_stop_for_good(controller, hear):
     assert estimate(controller, step + 4) == [0.0] * 4
 
 
-def test_disarmed_motors_stand_still_and_armed_ones_turn(controller):
-    step = flying_controller(controller)
-    assert controller.ask(SetBool, 'arm', data=False).success
-    assert estimate(controller, step + 1) == [0.0] * 4
-    assert controller.ask(SetBool, 'arm', data=True).success
-    assert any(estimate(controller, step + 2))
+def test_disarmed_motors_stand_still_and_armed_ones_turn(flown):
+    step = flying_controller(flown)
+    assert flown.ask(SetBool, 'arm', data=False).success
+    assert estimate(flown, step + 1) == [0.0] * 4
+    assert flown.ask(SetBool, 'arm', data=True).success
+    assert any(estimate(flown, step + 2))
 
 
 @pytest.mark.long

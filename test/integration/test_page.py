@@ -5,7 +5,7 @@ import re
 import struct
 
 from lta_analysis.browser import Browser, find_chromium, OVERRIDE
-from lta_analysis.report import write_page
+from lta_analysis.report import screenshots, write_page
 from lta_analysis.report.panels.registry import PANELS
 from lta_analysis.report.screenshots import (
     check,
@@ -47,12 +47,19 @@ def page(browser, tmp_path_factory):
     return folder / 'page.html'
 
 
-@pytest.fixture
+@pytest.fixture(scope='module')
 def session(browser, page):
-    """Return a browser that has just opened the page."""
-    browser.events.clear()
+    """Return a browser that has opened the page: what a test does to it, the others allow for."""
     show(browser, page, 'light', 1280)
     return browser
+
+
+def press_space(session):
+    for kind in ('keyDown', 'keyUp'):
+        session.call(
+            'Input.dispatchKeyEvent', type=kind, key=' ', code='Space', text=' ',
+            windowsVirtualKeyCode=32,
+        )  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -113,18 +120,19 @@ def test_button_changes_the_paper_of_page_and_pictures(session):
     session.evaluate("document.getElementById('theme').click()")
     session.wait(f"{paper}[1] === '#151b24'")
     assert session.evaluate(paper) == ['rgb(21, 27, 36)', '#151b24']
+    session.evaluate("document.getElementById('theme').click()")
+    session.wait(f"{paper}[1] === '#ffffff'")
+    assert session.evaluate(paper) == ['rgb(255, 255, 255)', '#ffffff']
 
 
 def test_flight_plays_from_the_keyboard(session):
     session.evaluate("document.getElementById('play').focus()")
-    for kind in ('keyDown', 'keyUp'):
-        session.call(
-            'Input.dispatchKeyEvent', type=kind, key=' ', code='Space', text=' ',
-            windowsVirtualKeyCode=32,
-        )  # fmt: skip
     start = session.evaluate("Number(document.getElementById('time').value)")
+    press_space(session)
     session.wait(f"Number(document.getElementById('time').value) > {start} + 0.3")
     assert session.evaluate("document.getElementById('play').ariaLabel") == 'Pause'
+    press_space(session)
+    assert session.evaluate("document.getElementById('play').ariaLabel") == 'Play the flight'
 
 
 def size(png):
@@ -150,12 +158,19 @@ def test_picture_of_an_unknown_panel_names_the_known_ones(page, tmp_path):
         picture(page, tmp_path / 'x.png', 'nose')
 
 
-def test_no_page_is_one_sentence(page, tmp_path):
+def test_no_page_is_one_sentence(browser, tmp_path):
     with pytest.raises(BadInput, match=r"^There is no page '.+'; check the path\.$"):
-        check(tmp_path / 'none.html')
+        show(browser, tmp_path / 'none.html', 'light', 1280)
 
 
-def test_complaints_and_requests_are_seen(page, tmp_path):
+def test_complaints_and_requests_are_seen_and_the_browser_ends(monkeypatch, tmp_path):
+    started = []
+
+    def begun():
+        started.append(Browser())
+        return started[-1]
+
+    monkeypatch.setattr(screenshots, 'Browser', begun)
     bad = tmp_path / 'bad.html'
     bad.write_text(
         '<script>document.documentElement.dataset.drawn = "1"; console.warn("odd");'
@@ -165,13 +180,9 @@ def test_complaints_and_requests_are_seen(page, tmp_path):
     assert 'odd' in found.messages
     assert any('nothing is not defined' in message for message in found.messages)
     assert found.fetched == ['http://127.0.0.1:9/x']
-
-
-def test_browser_leaves_no_process_behind(page):
-    with Browser() as session:
-        process = session._process.pid
+    (session,) = started
     with pytest.raises(ProcessLookupError):
-        os.kill(process, 0)
+        os.kill(session._process.pid, 0)
 
 
 def test_without_a_browser_the_sentence_says_how_to_get_one(monkeypatch, tmp_path):

@@ -117,7 +117,18 @@ def ended(process):
     assert 'Traceback' not in errors
 
 
-def test_the_bearing_is_that_of_the_simulated_light(bench, tmp_path):
+def is_pulled_and_put_back(bench):
+    """Pull the cable and plug it in again: both are told."""
+    with bench.hold:
+        bench.cable.pull()
+    bench.until(lambda: 'plug the light board in' in bench.facts[TASK][1])
+    assert bench.facts[TASK][0] == Level.ERROR
+    with bench.hold:
+        bench.cable.plug()
+    assert bench.told('light comes')['unplugged'] == '1'
+
+
+def test_the_bearing_is_that_of_the_simulated_light_and_a_pulled_cable_is_told(bench, tmp_path):
     light = simulated_light()
     nodes = [start(BRIDGE, '-p', f'port:={tmp_path}/ttyACM0'), start(DEMODULATOR)]
     bench.told('light comes')
@@ -132,6 +143,7 @@ def test_the_bearing_is_that_of_the_simulated_light(bench, tmp_path):
         assert time.monotonic() < deadline, f'{heard} bearings came of {bench.board.sent} frames'
     figures = bench.told('light comes')
     assert figures['rows_lost'] == '0'
+    is_pulled_and_put_back(bench)
     for process in nodes:
         ended(process)
 
@@ -169,19 +181,6 @@ def test_only_an_active_bridge_publishes_and_each_transition_reports(bench, tmp_
     assert bench.change(Transition.TRANSITION_CLEANUP)
     bench.until(lambda: 'not configured' in bench.facts[TASK][1])
     assert len(bench.blocks) == 1
-    ended(process)
-
-
-def test_a_pulled_cable_is_told_and_put_back(bench, tmp_path):
-    process = start(BRIDGE, '-p', f'port:={tmp_path}/ttyACM0')
-    bench.told('light comes')
-    with bench.hold:
-        bench.cable.pull()
-    bench.until(lambda: 'plug the light board in' in bench.facts[TASK][1])
-    assert bench.facts[TASK][0] == Level.ERROR
-    with bench.hold:
-        bench.cable.plug()
-    assert bench.told('light comes')['unplugged'] == '1'
     ended(process)
 
 

@@ -9,6 +9,7 @@ from lta_control.messages import from_setpoint
 from nav_msgs.msg import Odometry
 import pytest
 from sensor_msgs.msg import Joy
+from waiting import PATIENCE
 
 from .peer import Peer, start
 
@@ -67,10 +68,10 @@ def nodes():
     for node in made:
         if node.poll() is None:
             node.send_signal(signal.SIGINT)
-            node.communicate(timeout=30)
+            node.communicate(timeout=PATIENCE)
 
 
-def test_a_stick_wins_until_it_is_handed_back_and_a_dead_teleop_lands(nodes, domain_id):
+def test_a_stick_wins_until_handed_back_a_dead_teleop_lands_and_the_button_stops(nodes, domain_id):
     with Peer(domain_id) as peer:
         cockpit = Cockpit(peer)
         cockpit.until_helm('the navigator steers')
@@ -95,18 +96,17 @@ def test_a_stick_wins_until_it_is_handed_back_and_a_dead_teleop_lands(nodes, dom
         nodes[0] = start('lta_bridge.nodes.teleop')  # it learns from who flies by its word
         cockpit.until_helm('a person steers')
         cockpit.until_motors('flying by a person')
+        stops_for_good(cockpit)
+        assert all(node.poll() is None for node in nodes)
 
 
-def test_the_button_stops_the_motors_for_good(nodes, domain_id):
-    with Peer(domain_id) as peer:
-        cockpit = Cockpit(peer)
-        cockpit.axes[LAYOUT.climb] = 1.0
-        cockpit.until_motors('flying by a person')
-        peer.until(lambda: cockpit.duties[-1] > 0.0)
-        cockpit.press(LAYOUT.stop)
-        cockpit.until_motors('emergency stop')
-        cockpit.until_helm('heard by emergency_stop')
-        seen = len(cockpit.duties)
-        peer.until(lambda: len(cockpit.duties) > seen + 20)
-        assert set(cockpit.duties[seen + 2 :]) == {0.0}
-    assert nodes[0].poll() is None
+def stops_for_good(cockpit):
+    """Press the button in a climb; nothing turns any more, whatever is asked."""
+    cockpit.axes[LAYOUT.climb] = 1.0
+    cockpit.peer.until(lambda: cockpit.duties[-1] > 0.0)
+    cockpit.press(LAYOUT.stop)
+    cockpit.until_motors('emergency stop')
+    cockpit.until_helm('heard by emergency_stop')
+    seen = len(cockpit.duties)
+    cockpit.peer.until(lambda: len(cockpit.duties) > seen + 20)
+    assert set(cockpit.duties[seen + 2 :]) == {0.0}

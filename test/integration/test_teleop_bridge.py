@@ -11,6 +11,7 @@ from lta_control.messages import from_setpoint
 from nav_msgs.msg import Odometry
 import pytest
 from std_msgs.msg import Bool
+from waiting import PATIENCE
 
 from .peer import Peer, start
 
@@ -51,7 +52,7 @@ def bridge(drone):
     yield node
     if node.poll() is None:
         node.send_signal(signal.SIGINT)
-        node.communicate(timeout=30)
+        node.communicate(timeout=PATIENCE)
 
 
 @pytest.mark.long

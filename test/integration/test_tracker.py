@@ -5,6 +5,7 @@ from geometry_msgs.msg import PoseStamped, TransformStamped
 from lta_graph.ros.stamps import from_stamp, to_stamp
 import pytest
 from rclpy.qos import qos_profile_sensor_data
+from waiting import PATIENCE
 
 from .peer import Peer, start
 
@@ -83,5 +84,5 @@ def test_a_tracker_tells_the_truth_by_our_clock(domain_id, words, before, offere
         values = {item.key: item.value for item in facts['tracker: tracker'].values}
         assert float(values['clock_offset_s']) == pytest.approx(3600.0, abs=0.05)
     process.terminate()
-    process.communicate(timeout=20.0)
+    process.communicate(timeout=PATIENCE)
     assert process.returncode == 0
