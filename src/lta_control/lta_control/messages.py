@@ -173,15 +173,22 @@ def to_reckoned(message: Odometry) -> Reckoned:
 
 
 def heard_word(before: Word | None, step: Step) -> Word | None:
-    """Return what the energy monitor said last, dated by the step in which it came."""
+    """
+    Return what the energy monitor said last, dated by the step in which its reserve came.
+
+    The reserve and the status come on topics of their own, and either may come a step later.
+    """
     reserve, status = step.last('energy/reserve'), step.last('energy/status')
-    if reserve is None:
+    told = None if status is None or not status.status else status.status[0]
+    if reserve is None and told is None:
         return before
-    if status is None or not status.status:
-        urgent, why = (False, '') if before is None else (before.urgent, before.why)
-        return Word(step.stamp_ns, reserve.data, urgent, why)
-    energy = status.status[0]
-    return Word(step.stamp_ns, reserve.data, energy.level >= bytes([Level.ERROR]), energy.message)
+    # A reserve that nobody has told counts as reached.
+    word = Word(step.stamp_ns, True, False) if before is None else before
+    if told is not None:
+        word = word._replace(urgent=told.level >= bytes([Level.ERROR]), why=told.message)
+    if reserve is not None:
+        word = word._replace(stamp_ns=step.stamp_ns, reserve=reserve.data)
+    return word
 
 
 def to_lamp(message: PoseWithCovarianceStamped) -> Lamp | None:

@@ -2,6 +2,7 @@
 
 import math
 
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_control.airspeed import Airspeed
 from lta_control.altitude import Altitude
 from lta_control.carried import level, reach, setpoint, single, velocity
@@ -11,6 +12,7 @@ from lta_control.messages import (
     from_duties,
     from_estimate,
     from_setpoint,
+    heard_word,
     to_distance,
     to_duties,
     to_measured,
@@ -18,8 +20,11 @@ from lta_control.messages import (
     UNKNOWN,
 )
 from lta_control.per_rotor import NONE, slots
+from lta_control.reserve import Word
+from lta_graph.inbox import Step
 import pytest
 from sensor_msgs.msg import JointState, Range
+from std_msgs.msg import Bool
 
 PITCH = 0.3  # nose down
 FLYING = Estimate(
@@ -126,3 +131,35 @@ def test_a_rolled_vehicle_climbs_by_its_sway():
     heave = (0.1 - 0.05 * math.sin(roll)) / math.cos(roll)
     assert velocity(rolled) == pytest.approx((0.4, 0.05, heave))
     assert to_measured(odometry(rolled)).climb == pytest.approx(0.1)
+
+
+def energy(stamp, reserve=None, level=None, why=''):
+    """Return a step in which the energy monitor has said one thing, another, or both."""
+    status = [] if level is None else [DiagnosticStatus(level=level, message=why)]
+    heard = {
+        'energy/reserve': [] if reserve is None else [Bool(data=reserve)],
+        'energy/status': [DiagnosticArray(status=status)] if status else [],
+    }
+    return Step(stamp, heard)
+
+
+def test_a_reserve_and_its_status_count_in_whatever_step_they_come():
+    ok = heard_word(None, energy(1, False, b'\x00', 'all is well'))
+    assert ok == Word(1, False, False, 'all is well')
+    assert heard_word(ok, energy(2)) == ok
+    # The status first or last: the same in the end, and dated by the reserve.
+    first = heard_word(heard_word(ok, energy(2, level=b'\x02', why='hot')), energy(3, True))
+    last = heard_word(heard_word(ok, energy(3, True)), energy(4, level=b'\x02', why='hot'))
+    assert first == last == Word(3, True, True, 'hot')
+
+
+def test_a_reserve_that_nobody_has_told_is_reached():
+    assert heard_word(None, energy(1)) is None
+    assert heard_word(None, energy(1, level=b'\x01', why='warm')) == Word(1, True, False, 'warm')
+    assert heard_word(None, energy(1, False)) == Word(1, False, False, '')
+
+
+def test_an_alarm_is_heard_without_its_reserve():
+    ok = heard_word(None, energy(1, False, b'\x00'))
+    assert heard_word(ok, energy(2, level=b'\x01')).urgent is False
+    assert heard_word(ok, energy(2, level=b'\x02', why='hot')).urgent is True
