@@ -58,7 +58,7 @@ faults: test-environment  ## faults in flights of emulated hardware, 20 of each 
 real-firmware: test-environment  ## the bridge against Crazyflie sources of yours (FIRMWARE=/path; ARGS='--steps record suite': minutes)
 	@$(enter) && .venv/bin/python test/score/real_firmware.py '$(FIRMWARE)' $(ARGS)
 
-mutation: test-environment  ## break the code in many small ways and see whether tests notice; writes docs/testing_mutation.md (an hour; ARGS='--areas control': minutes)
+mutation: test-environment  ## break the code in many small ways and see whether tests notice; writes docs/testing_mutation.md (a quarter of an hour; ARGS='--areas control': minutes)
 	@$(enter) && nice .venv/bin/python test/score/mutation.py $(ARGS)
 
 chaos: test-environment  ## whole graphs in trouble, 12 of each kind; writes docs/reliability.md (an hour)
