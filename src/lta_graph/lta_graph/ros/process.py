@@ -26,9 +26,8 @@ def run(node_class: type[GraphNode], args: list[str] | None = None) -> NoReturn:
     try:
         # `lta run` holds Ctrl-C back while Python starts; one that came meanwhile comes now.
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-        join(words)
         live(node_class, words)
-    except KeyboardInterrupt:  # before the handlers were there
+    except KeyboardInterrupt:  # before the node could stop
         status = 128 + signal.SIGINT
     except BadInput as error:
         sys.stderr.write(f'{error}\n')
@@ -42,7 +41,11 @@ def run(node_class: type[GraphNode], args: list[str] | None = None) -> NoReturn:
 
 
 def live(node_class: type[GraphNode], words: list[str]) -> None:
-    """Make a node, let it work until it should stop, and close it whatever happens."""
+    """Join the graph, make a node, let it work until it should stop, and close it in any case."""
+    held: list[int] = []
+    # Within a C extension Python may lose what a signal raises: Ctrl-C waits for the node.
+    signal.signal(signal.SIGINT, lambda number, _: held.append(number))
+    join(words)
     node = node_class()  # type: ignore[call-arg]
 
     def stop(*_: object) -> None:
@@ -54,6 +57,8 @@ def live(node_class: type[GraphNode], words: list[str]) -> None:
         for number in STOPS:
             if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # by nohup
                 signal.signal(number, stop)
+        if held:
+            raise KeyboardInterrupt
         node.work()
     except BadInput:
         raise
