@@ -83,7 +83,7 @@ lock: test-environment docs  ## write locked/ and docs/licences.md after a chang
 	@.venv/bin/python tools/lock.py
 	@.venv/bin/python tools/licences.py
 
-# On one core types are checked and tests collected; on the other kernels are compiled, once for all.
+# One core checks types and collects the tests; the other compiles the kernels for all workers.
 .PHONY: checked kernels collected
 checked: test-environment
 	@$(MAKE) -j 2 collected kernels
@@ -92,7 +92,7 @@ kernels: test-environment
 	@./lta simulate --no-bag >/dev/null
 	@$(enter) && .venv/bin/python test/compile_kernels.py
 
-# pytest rewrites the tests when it first imports them, which each worker would do by itself.
+# The first import rewrites the tests' assertions and caches the result: once here, not in each worker.
 collected: check
 	@ls test/contract/__pycache__/*-pytest-*.pyc >/dev/null 2>&1 || { $(enter) && \
 		.venv/bin/python -m pytest -q --collect-only >/dev/null 2>&1 || :; }

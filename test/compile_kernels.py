@@ -1,8 +1,8 @@
 """
-Compile what several files of tests fly with, once: workers would do it side by side.
+Compile the kernels that several test files share, before the workers start.
 
-The kernels of the product's own flights come from `lta simulate`. These are those of discovery's
-replay and of the challenge's truth; each is compiled by its first call.
+Otherwise each worker would compile them by itself. `lta simulate` compiles those of a flight; this
+script adds those of discovery's replay and of the challenge, each by its first call.
 """
 
 from pathlib import Path

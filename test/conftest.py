@@ -50,7 +50,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 def pytest_collection_finish() -> None:
-    # What was imported stays: the collector need not look through it again and again.
+    # Imported modules stay alive: exclude them from every later pass of the garbage collector.
     gc.freeze()
 
 

@@ -1,10 +1,9 @@
 """
 Print after the tests which were slowest, and what share of the time went into what.
 
-Compiling kernels and waiting for events are measured where they happen; `spent` is the context
-manager that measures the latter. The first wait after a process was started (`process_started`) is
-for its imports and for others to find it, and counts as its start. Each worker of pytest-xdist
-sends its sums to the process that prints.
+Compiling kernels is measured by a numba event listener, waiting for events by the context manager
+`spent`. The first wait after `process_started` counts as the start of that process: it covers its
+imports and DDS discovery. Each pytest-xdist worker sends its sums to the process that prints.
 """
 
 from collections import Counter
@@ -20,7 +19,7 @@ SLOWEST = 20
 COMPILING, STARTING, WAITING = 'compiling kernels', 'starting processes', 'waiting for events'
 SPENT: Counter[str] = Counter()  # s, in this process
 _ACTIVE: list[str] = []
-_STARTED: list[bool] = []  # processes for which nobody has waited yet
+_STARTED: list[bool] = []  # one entry per process started since the last wait
 
 
 def process_started() -> None:
@@ -30,7 +29,7 @@ def process_started() -> None:
 
 @contextmanager
 def spent() -> Iterator[None]:
-    """Count the time within as waiting, or as the start of a process; not twice where nested."""
+    """Measure a wait; a nested one is part of the outer one."""
     if _ACTIVE:
         yield
         return

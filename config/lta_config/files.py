@@ -22,7 +22,7 @@ import yaml
 
 # What the YAML reader raises beside its own errors: no such date, a tag that does not fit.
 MISFITS = (ValueError, ArithmeticError, LookupError, TypeError, AttributeError)
-YAML_KEPT = 50_000  # bytes; no shipped file of a vehicle or scene has more
+YAML_KEPT = 50_000  # characters; larger texts are not cached
 NUMERAL = re.compile('[-+.:_0-9A-Fa-fxXoO]+')  # what YAML may read a number from
 
 # Where the files of each kind are shipped.
@@ -170,7 +170,7 @@ def parse_yaml(text: str | bytes, where: str) -> Any:  # noqa: ANN401 - YAML hol
         raise BadInput(f'{where} is larger than {YAML_BYTES} bytes; that is no file of ours.')
     if len(text) > YAML_KEPT:
         return _parsed(text, where)
-    return copy.deepcopy(_kept(text, where))  # whoever asked may change it
+    return copy.deepcopy(_kept(text, where))  # callers may change it
 
 
 def _parsed(text: str | bytes, where: str) -> Any:  # noqa: ANN401 - YAML holds anything
@@ -186,7 +186,7 @@ def _parsed(text: str | bytes, where: str) -> Any:  # noqa: ANN401 - YAML holds 
 
 @lru_cache(maxsize=64)
 def _kept(text: str | bytes, where: str) -> Any:  # noqa: ANN401 - YAML holds anything
-    """Return what a short text holds, parsed once: a copy takes a twentieth of the time."""
+    """Parse a short text once: copying the result takes a twentieth of the time."""
     return _parsed(text, where)
 
 

@@ -15,6 +15,7 @@ from lta_graph.ros.process import run
 class Node(GraphNode):
     def __init__(self):
         super().__init__('energy_monitor')
+        {made}
 
     def work(self):
         print('worked', end='')
@@ -35,7 +36,7 @@ run(Node, ['node'])
 )
 def test_it_says_all_and_leaves_by_its_status(domain_id, act, status, said):
     left = subprocess.run(
-        [sys.executable, '-c', CODE.format(act=act)],
+        [sys.executable, '-c', CODE.format(made='pass', act=act)],
         capture_output=True, text=True, timeout=PATIENCE, check=False,
         preexec_fn=heed_signals,
     )  # fmt: skip
@@ -47,7 +48,25 @@ def test_it_says_all_and_leaves_by_its_status(domain_id, act, status, said):
 def test_under_nohup_it_goes_on_when_the_terminal_is_shut(domain_id):
     act = 'import os; os.kill(os.getpid(), 1); assert self.running'
     left = subprocess.run(
-        ['nohup', sys.executable, '-c', CODE.format(act=act)],
+        ['nohup', sys.executable, '-c', CODE.format(made='pass', act=act)],
         capture_output=True, text=True, timeout=PATIENCE, check=False, stdin=subprocess.DEVNULL,
     )  # fmt: skip
     assert (left.returncode, left.stdout) == (0, 'worked'), left.stderr
+
+
+LOST = """import os
+        try:
+            os.kill(os.getpid(), 2)
+        except KeyboardInterrupt:
+            pass
+"""
+
+
+def test_ctrl_c_while_a_node_is_made_is_not_lost(domain_id):
+    """A C extension may drop the exception that a signal raises within it, as `LOST` does."""
+    left = subprocess.run(
+        [sys.executable, '-c', CODE.format(made=LOST, act='pass')],
+        capture_output=True, text=True, timeout=PATIENCE, check=False,
+        preexec_fn=heed_signals,
+    )  # fmt: skip
+    assert (left.returncode, left.stdout, left.stderr) == (130, '', '')

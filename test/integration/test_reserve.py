@@ -78,7 +78,7 @@ class Drone(Peer):
         raise AssertionError(f'{altitude} m is not asked for, but {asked}; {self.facts}')
 
     def until_told(self, mission, **energy):
-        """Go on until the navigator says something of its mission: its words come seldom."""
+        """Send energy and light until the navigator reports this mission."""
 
         def told():
             self.energy(**energy)

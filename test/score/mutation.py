@@ -261,7 +261,7 @@ def told_of(row: Row) -> str:
     return f'{place}: `{row["before"]}` became `{row["after"]}`'
 
 
-def page(found: dict[str, list[Row]], seed: int) -> str:
+def page(found: dict[str, list[Row]], each: int, seed: int) -> str:
     """Return the page: the table, and every survivor."""
     alive = [row for rows in found.values() for row in rows if row['fate'] == SURVIVED]
     open_ones = [f'- {told_of(row)}' for row in alive if not reason(row)]
@@ -269,18 +269,24 @@ def page(found: dict[str, list[Row]], seed: int) -> str:
     parts = [
         '# What the tests catch',
         'A mutant is the code with one small change: another sign, a neighbouring comparison, a '
-        'number one larger or smaller, a loop that never runs. `make mutation` draws a sample of '
-        'the physics and\nsafety code and runs the tests that ought to see it; a mutant on which '
-        f'one fails is killed. cosmic-ray made these, seed {seed}; '
-        '`mutants.py` says which operators and places stay\nout, and why. The '
-        'interval is that of a share of a sample (Wilson, 95 %). Where survivors got tests, only '
-        'another `--seed` says fairly how good the suite is.',
+        'number that is one larger or smaller, a loop that never runs. A mutant is killed if a '
+        'test fails on it.\n'
+        f"`make mutation ARGS='--each {each} --seed {seed}'` repeats the table. It draws a random "
+        'sample of mutants of the physics and safety code and runs on each the tests that should '
+        'fail.\ncosmic-ray makes the mutants; `test/score/mutants.py` lists the operators and '
+        'places that are left out, and why.',
+        'The interval is the 95 % Wilson interval of a share. Once survivors have got tests, only '
+        'a new seed gives an unbiased share.',
         '\n'.join([TABLE, *(table_row(name, rows) for name, rows in found.items())]),
     ]
     if open_ones:
-        parts += ['## Survivors', 'No test sees these.', '\n'.join(open_ones)]
+        parts += ['## Survivors', 'No test fails on these.', '\n'.join(open_ones)]
     if equal:
-        parts += ['## Equivalent', 'No test could see these; they do not count.', '\n'.join(equal)]
+        parts += [
+            '## Equivalent',
+            'These behave as the original does, and do not count.',
+            '\n'.join(equal),
+        ]
     return '\n\n'.join(parts) + '\n'
 
 
@@ -316,8 +322,8 @@ def main() -> int:
             sys.stdout.write(f'{table_row(name, found[name])}\n')
             sys.stdout.flush()
     if set(told.areas) == set(AREAS):
-        PAGE.write_text(page(found, told.seed), encoding='utf-8')
-    sys.stdout.write(page(found, told.seed))
+        PAGE.write_text(page(found, told.each, told.seed), encoding='utf-8')
+    sys.stdout.write(page(found, told.each, told.seed))
     return 0
 
 

@@ -115,7 +115,7 @@ class Copy:
         text, status = told.read_text(encoding='utf-8', errors='replace'), process.exitcode
         if status == -signal.SIGXCPU:
             return Outcome(STOPPED, f'it computed for {trial.limit} s', float(trial.limit))
-        if -status in CRASHES:  # compiled code that writes beyond its arrays
+        if -status in CRASHES:  # for instance compiled code that writes beyond its arrays
             return Outcome(KILLED, f'it crashed: {signal.Signals(-status).name}', 0.0)
         if status == UNFIT:
             return Outcome(INCOMPETENT, last_line(text), 0.0)

@@ -139,7 +139,7 @@ def row(fate, after='b'):
 def test_the_page_counts_as_it_says_and_names_each_survivor(monkeypatch):
     monkeypatch.setattr(mutation, 'EQUAL', {('src/p/m.py', 'a', 'c'): 'Never negative.'})
     rows = [*[row(KILLED)] * 7, row(STOPPED), row(INCOMPETENT), row(SURVIVED), row(SURVIVED, 'c')]
-    page = mutation.page({'toy': rows}, 7)
+    page = mutation.page({'toy': rows}, 3, 7)
     # 8 of 9: Wilson's interval from its own formula is 0.56499 to 0.98011.
     assert '| toy | 11 | 8 | 1 | 1 | 1 | 1 | 89 % (56 % to 98 %) |' in page
     assert '- m.py:3: `a` became `b`\n' in page

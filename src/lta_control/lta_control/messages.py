@@ -174,15 +174,15 @@ def to_reckoned(message: Odometry) -> Reckoned:
 
 def heard_word(before: Word | None, step: Step) -> Word | None:
     """
-    Return what the energy monitor said last, dated by the step in which its reserve came.
+    Return the energy monitor's latest report, stamped when its reserve message came.
 
-    The reserve and the status come on topics of their own, and either may come a step later.
+    The reserve and the status are separate topics, so either may arrive a step after the other.
     """
     reserve, status = step.last('energy/reserve'), step.last('energy/status')
     told = None if status is None or not status.status else status.status[0]
     if reserve is None and told is None:
         return before
-    # A reserve that nobody has told counts as reached.
+    # Until the first reserve message, assume that the reserve is reached: stay on the ground.
     word = Word(step.stamp_ns, True, False) if before is None else before
     if told is not None:
         word = word._replace(urgent=told.level >= bytes([Level.ERROR]), why=told.message)

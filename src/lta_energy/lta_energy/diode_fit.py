@@ -42,7 +42,7 @@ class Diode(NamedTuple):
     shunt: float
 
 
-@lru_cache(maxsize=16)  # every vehicle that is put together asks anew
+@lru_cache(maxsize=16)  # the fit takes longer than the rest of loading a vehicle
 def diode_of(cell: CellFile) -> Diode:
     """
     Return the diode whose curve has the points of a data sheet.

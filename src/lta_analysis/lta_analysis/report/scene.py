@@ -43,7 +43,7 @@ def parsed(model: type[Model], provenance: Mapping[str, str], key: str) -> Model
     return _read(model, provenance[key], key) if key in provenance else None
 
 
-@lru_cache(maxsize=32)  # a study asks again and again of few flights; what is read is immutable
+@lru_cache(maxsize=32)  # a study reads the same few files often; the models are frozen
 def _read(model: type[Model], text: str, key: str) -> Model:
     try:
         return model.model_validate(parse_yaml(text, f"The bag's {key}"))

@@ -214,7 +214,7 @@ class CflibLink:
             # cflib's last word is a thrust of zero: it would drop a drone that lands by itself.
             # Its threads send on meanwhile, and end in a traceback on the socket that is gone.
             drone.send_packet = lambda *_, **__: None
-            # Told before the last packet comes, its reader need not wait a second for another.
+            # Stop the reader while packets still come: afterwards it would wait 1 s for the next.
             drone.incoming.stop()
             leaving = threading.Thread(target=drone.close_link, name='cflib_close', daemon=True)
             leaving.start()

@@ -27,7 +27,7 @@ def run(node_class: type[GraphNode], args: list[str] | None = None) -> NoReturn:
         # `lta run` holds Ctrl-C back while Python starts; one that came meanwhile comes now.
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
         live(node_class, words)
-    except KeyboardInterrupt:  # before the node could stop
+    except KeyboardInterrupt:  # before the node was made
         status = 128 + signal.SIGINT
     except BadInput as error:
         sys.stderr.write(f'{error}\n')
@@ -43,7 +43,8 @@ def run(node_class: type[GraphNode], args: list[str] | None = None) -> NoReturn:
 def live(node_class: type[GraphNode], words: list[str]) -> None:
     """Join the graph, make a node, let it work until it should stop, and close it in any case."""
     held: list[int] = []
-    # Within a C extension Python may lose what a signal raises: Ctrl-C waits for the node.
+    # A C extension may drop a KeyboardInterrupt raised within it, and the node would run on:
+    # a Ctrl-C is only noted here, and acts once the node can close.
     signal.signal(signal.SIGINT, lambda number, _: held.append(number))
     join(words)
     node = node_class()  # type: ignore[call-arg]

@@ -77,7 +77,7 @@ class Model:
     bodies: Mapping[str, trimesh.Trimesh]
     rotors: Mapping[str, Rotor]
     patterns: Mapping[str, Mapping[str, float]]
-    # By change, whether it leaves the bodies as they are: every flow of a sweep asks.
+    # Cache: whether each rotation or mirroring maps the bodies onto themselves.
     _alike: dict[bytes, bool] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @property
@@ -115,7 +115,7 @@ class Model:
             corners = np.vstack([mesh.vertices for mesh in self.bodies.values()])
             tree, near = cKDTree(corners), ALIKE * self.length
             for key, each in new.items():
-                # Whatever has no corner within reach is infinitely far: the search ends early.
+                # A corner without a neighbour within reach is infinitely far: that ends it early.
                 off, _ = tree.query(corners @ each.T, distance_upper_bound=near)
                 self._alike[key] = bool(np.isfinite(off).all())
         return [each for key, each in asked if self._alike[key]]
