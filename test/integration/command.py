@@ -81,10 +81,9 @@ class Started:
 
     def end(self) -> int:
         """Wait for the end and return the exit status."""
-        with spent():
-            status = self.popen.wait(PATIENCE)
-            self._reader.join(PATIENCE)
-        return status
+        wait_until(lambda: self.popen.poll() is not None, 'the end', lambda: self.text)
+        self._reader.join(PATIENCE)
+        return self.popen.returncode
 
 
 class Lta:
