@@ -69,7 +69,7 @@ def imports(path):
 
 
 def called(node):
-    """Return the name of what is called, without the module that it is taken from."""
+    """Return the name of the called function, without its module."""
     return getattr(node.func, 'attr', getattr(node.func, 'id', ''))
 
 

@@ -42,7 +42,7 @@ def start(module: str, *words: object, before: str = '') -> 'subprocess.Popen[st
 
 @contextmanager
 def running(module: str, *words: object) -> 'Iterator[subprocess.Popen[str]]':
-    """Run a node that outlives a test: for as long as the context lasts, or until it ends."""
+    """Run a node as long as the context lasts; it may end by itself."""
     process = start(module, *words)
     STARTED.remove(process)
     try:

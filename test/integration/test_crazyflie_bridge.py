@@ -32,14 +32,16 @@ ARM, STOP = 'crazyflie_bridge/arm', 'crazyflie_bridge/emergency_stop'
 
 
 class Pair:
-    """A drone and its bridge for all tests, made anew where one has left them changed for good."""
+    """
+    A drone and its bridge for all tests, started again if a test has armed, locked or ended them.
+    """
 
     def __init__(self):
         self.after = ExitStack()
         self.drone = self.bridge = None
 
     def at_rest(self):
-        """Return whether both are as if they had just met."""
+        """Return whether the bridge runs and the drone is neither armed, locked nor silent."""
         if self.drone is None or self.bridge.poll() is not None:
             return False
         supervisor = self.drone.firmware.supervisor
@@ -54,7 +56,7 @@ class Pair:
 
 @pytest.fixture(scope='module')
 def domain_id():
-    """Return the one domain of all tests here: most of them share a bridge."""
+    """Return one domain for all tests here, since they share a bridge."""
     with free_domain() as domain:
         yield domain
 
@@ -178,7 +180,7 @@ def test_it_arms_once_the_nodes_hear_each_other(peer, drone, bridge):
         beside.publish(DiagnosticArray(status=[status]))
 
     peer.node.create_timer(0.05, tell)
-    # Once a word has come to every reader, and a question behind it is answered, it was taken.
+    # When a message is acknowledged and a later request answered, the bridge has read it.
     peer.until(lambda: said['times'] and beside.wait_for_all_acked(Duration()))
     for _ in range(2):
         peer.ask(GetParameters, 'crazyflie_bridge/get_parameters', names=['uri'])
@@ -201,7 +203,7 @@ def test_a_silent_drone_is_let_down_and_found_again(peer, drone, bridge, hear):
     peer.until(lambda: turning(drone) == (0.0,) * 4)
     drone.down.silent = False
     fly(peer, drone)
-    peer.until(lambda: not drone.firmware.supervisor.armed)  # commands have stopped
+    peer.until(lambda: not drone.firmware.supervisor.armed)  # no commands come any more
 
 
 def test_leaving_in_flight_comes_down_and_disarms(peer, drone, bridge):
@@ -262,5 +264,5 @@ def test_the_shutdown_transition_comes_down_and_disarms(peer, drone, bridge):
     assert turning(drone) == (0.0,) * 4
     assert not drone.firmware.supervisor.armed
     assert not drone.firmware.supervisor.locked
-    bridge.send_signal(signal.SIGINT)  # shut down, it is of no use to another test
+    bridge.send_signal(signal.SIGINT)  # after the shutdown transition no other test can use it
     bridge.communicate(timeout=PATIENCE)

@@ -52,21 +52,21 @@ def beside_a_controller(domain_id: int) -> Iterator[Pilot]:
 
 @pytest.fixture
 def controller(domain_id: int) -> Iterator[Pilot]:
-    """Return the peer of a controller whose motors may stop for good."""
+    """Return the peer of a controller of its own, which a test may stop for good."""
     with beside_a_controller(domain_id) as pilot:
         yield pilot
 
 
 @pytest.fixture(scope='module')
 def shared() -> Iterator[tuple[int, Pilot]]:
-    """Return domain and peer of one controller, in which no test stops the motors for good."""
+    """Return domain and peer of the controller that the tests share; none may stop it for good."""
     with free_domain() as domain, beside_a_controller(domain) as pilot:
         yield domain, pilot
 
 
 @pytest.fixture
 def flown(shared: tuple[int, Pilot], monkeypatch: pytest.MonkeyPatch) -> Pilot:
-    """Return the peer of the one controller; who listens does so in its domain."""
+    """Return the peer of the shared controller, and listen in its domain."""
     domain, pilot = shared
     monkeypatch.setenv('ROS_DOMAIN_ID', str(domain))
     return pilot
@@ -101,7 +101,7 @@ def setpoint(peer, altitude, step):
 
 def flying_controller(peer):
     """Bring a controller to answer with thrust: setpoints have no order with the estimates."""
-    first = peer.step + 1  # in order with those that another test has sent
+    first = peer.step + 1  # stamps go on from those of the test before
     for step in range(first, first + 500):
         setpoint(peer, 1.0, step)
         if any(estimate(peer, step)):

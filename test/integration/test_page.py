@@ -49,7 +49,7 @@ def page(browser, tmp_path_factory):
 
 @pytest.fixture(scope='module')
 def session(browser, page):
-    """Return a browser that has opened the page: what a test does to it, the others allow for."""
+    """Return a browser with the page open; a test leaves the page as it found it."""
     show(browser, page, 'light', 1280)
     return browser
 

@@ -194,7 +194,7 @@ def typed(*words):
 # What takes long to make; the report that all share is looked at on the other pages.
 LONG = ('sweep', 'wind', 'light_link', 'bearing', 'study', 'platforms', 'evaluate', 'tune')
 
-LARGEST = ('flight', 'replay')  # of those that every run looks at
+LARGEST = ('flight', 'replay')  # of the pages in the short suite
 
 
 @pytest.fixture(
@@ -223,7 +223,7 @@ def opened(browser):
 
 
 def shows_all(browser, page, width, picture):
-    """Look at an opened page: nothing is amiss, too wide, hard to read or left out."""
+    """Check an open page: no message, no request, no overflow, enough contrast, a picture."""
     assert complaints(browser) == []
     assert fetched(browser, page) == []
     assert browser.evaluate('document.documentElement.scrollWidth') <= width

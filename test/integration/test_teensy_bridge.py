@@ -118,7 +118,7 @@ def ended(process):
 
 
 def is_pulled_and_put_back(bench):
-    """Pull the cable and plug it in again: both are told."""
+    """Pull the cable and plug it in again; both are reported."""
     with bench.hold:
         bench.cable.pull()
     bench.until(lambda: 'plug the light board in' in bench.facts[TASK][1])

@@ -101,7 +101,7 @@ def test_a_stick_wins_until_handed_back_a_dead_teleop_lands_and_the_button_stops
 
 
 def stops_for_good(cockpit):
-    """Press the button in a climb; nothing turns any more, whatever is asked."""
+    """Press the stop button in a climb; the motors stay off whatever is asked."""
     cockpit.axes[LAYOUT.climb] = 1.0
     cockpit.peer.until(lambda: cockpit.duties[-1] > 0.0)
     cockpit.press(LAYOUT.stop)

@@ -73,7 +73,7 @@ def reach(parameter):
     return st.floats(min(low, high), max(low, high), allow_subnormal=False)
 
 
-@cache  # a strategy that is made anew for each example is checked anew as well
+@cache  # hypothesis validates each new strategy again
 def parameters(effect):
     """Return values that the effect's own check allows."""
     names = [parameter.name for parameter in seen(effect)]

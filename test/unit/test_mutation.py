@@ -115,7 +115,7 @@ def test_a_sample_is_decided_by_its_seed_and_a_larger_one_begins_with_it(root):
 
 
 def test_the_likeliest_tests_come_first(tmp_path):
-    """Of a tree of one package and its tests: to read all of them takes seconds."""
+    """A tree of one package is enough; reading all of them takes seconds."""
     for name in ('src/lta_control', 'test/unit/control'):
         shutil.copytree(mutation.ROOT / name, tmp_path / name)
     path = Path('src/lta_control/lta_control/pid.py')

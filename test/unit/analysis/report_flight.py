@@ -258,7 +258,7 @@ def provenance():
     }
 
 
-@cache  # most flights that are written have most messages in common
+@cache  # most flights share most messages
 def encoded(topic, stream, time):
     """Return the bytes of one message of a stream."""
     return bytes(jazzy().serialize_cdr(stream.message(time), TOPICS[topic]))

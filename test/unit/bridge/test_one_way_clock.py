@@ -1,16 +1,16 @@
-"""A device's clock out of arrivals alone, by hand: the line under the fastest messages."""
+"""A device clock from arrival times alone: the line below the fastest messages."""
 
 from lta_bridge.one_way_clock import OneWayClock
 import pytest
 
 
 def heard(clock, *pairs):
-    """Return the last stamp of messages of a device time and an arrival. [ns]"""
+    """Feed pairs of device time and arrival time; return the last stamp. [ns]"""
     return [clock.stamp(device, arrival) for device, arrival in pairs][-1]
 
 
 def test_a_drift_is_told_after_five_seconds_and_is_that_of_a_crystal():
-    """A device that is fast by 100 ppm; and one by 1000 ppm, which no crystal is."""
+    """A drift of 100 ppm is accepted; one of 1000 ppm is beyond any crystal."""
     for ppm, drift in ((100, 100e-6), (-100, -100e-6), (1000, 200e-6), (-1000, -200e-6)):
         clock, drifts = OneWayClock(), []
         for k in range(6):
@@ -24,7 +24,7 @@ def test_a_drift_is_told_after_five_seconds_and_is_that_of_a_crystal():
 
 
 def test_the_fastest_of_the_last_sixty_seconds_counts():
-    """One message 50 ms faster than all others: the line passes under it while it is kept."""
+    """The line passes below a message that is 50 ms faster than all others, for 60 s."""
     clock = OneWayClock()
     heard(clock, (0, 0), *((k * 10**9, k * 10**9 + 50_000_000) for k in range(1, 60)))
     assert clock.ours(59 * 10**9) < 59 * 10**9 + 49_000_000
@@ -35,7 +35,7 @@ def test_the_fastest_of_the_last_sixty_seconds_counts():
 
 def test_within_a_second_a_faster_message_moves_the_line_and_a_slower_one_does_not():
     clock = OneWayClock()
-    assert heard(clock, (0, 7_000), (500, 6_500)) == 6_500  # 6 us under way
+    assert heard(clock, (0, 7_000), (500, 6_500)) == 6_500  # the 6 us of transport delay
     assert heard(clock, (1000, 9_000)) == 7_000
     clock.one_way_ns = 250
     assert heard(clock, (2000, 9_000)) == 7_750

@@ -89,7 +89,9 @@ def test_a_slow_answer_neither_restarts_nor_moves_the_clock(delay):
 
 
 def fitted(exchanges):
-    """Return offset about the newest answer [s], drift and uncertainty [s], by numpy's algebra."""
+    """
+    Fit offset at the newest answer [s], drift and uncertainty [s] with numpy's least squares.
+    """
     newest = exchanges[-1]
     middles = np.array([(e.asked + e.heard) // 2 - (newest.asked + newest.heard) // 2
                         for e in exchanges]) * 1e-9  # fmt: skip
@@ -107,7 +109,7 @@ def fitted(exchanges):
 
 
 def delayed(count, drift=30e-6, seed=4):
-    """Return exchanges at 4 Hz under delays of some tenths of a millisecond."""
+    """Return exchanges at 4 Hz with random delays of some 0.1 ms."""
     chance = np.random.default_rng(seed)
     for k in range(count):
         asked = BOOT + 250_000_000 * k
@@ -126,13 +128,13 @@ def test_the_line_is_that_of_weighted_least_squares_over_the_newest_128(count):
     assert clock.uncertainty == pytest.approx(uncertainty, rel=1e-6)
     newest = every[-1]
     for later in (0, 5_000_000_000):
-        expected = later + 1e9 * offset + drift * later  # integers first: floats lack the digits
+        expected = later + 1e9 * offset + drift * later  # integers first, for precision
         assert clock.ours(newest.board + later) - newest.middle == pytest.approx(expected, abs=1)
 
 
 @pytest.mark.parametrize('late', [False, True])
 def test_an_answer_may_contradict_by_two_milliseconds_and_three_deviations(late):
-    """All answers took 1 ms: a deviation of 270 us by each, of 135 us by four."""
+    """Round trips of 1 ms have a deviation of 270 us each, so four of them have 135 us."""
     for beyond, restarts in ((-2_000, 0), (2_000, 1)):
         clock = BoardClock()
         for k in range(4):

@@ -7,20 +7,6 @@ from lta_bridge.teensy.port import Unplugged
 import pytest
 
 
-class Ended:
-    """An event that is set after so many waits, and keeps how long they were."""
-
-    def __init__(self, waits):
-        self.left, self.waited = waits, []
-
-    def is_set(self):
-        return self.left == 0
-
-    def wait(self, seconds):
-        self.left -= 1
-        self.waited.append(seconds)
-
-
 class Pulled:
     """A port that breaks at every read, or at some."""
 
@@ -44,11 +30,11 @@ slept, patience, threads = [], [], []  # how long it slept and waited for bytes;
 
 
 @pytest.fixture
-def read(monkeypatch):
+def read(monkeypatch, event_after):
     """Return a function that reads such ports to the end: the reader, its waits."""
 
     def read(ports, waits):
-        ended, left = Ended(waits), iter(ports)
+        ended, left = event_after(waits), iter(ports)
         slept.clear()
         patience.clear()
         monkeypatch.setattr(reader, 'open_port', lambda address: next(left))

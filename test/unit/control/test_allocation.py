@@ -164,13 +164,15 @@ def test_more_than_eight_rotors_are_refused():
 
 
 def test_what_sinks_with_the_surge_is_what_the_forward_jets_draw_down():
-    """GT-MAB: two columns of 0.981 along x and -0.061 along z; a multirotor has none."""
+    """GT-MAB's two forward rotors push 0.981 along x and -0.061 along z; a multirotor has none."""
     assert ROTORS.sink == pytest.approx(-0.061 / 0.981)
     assert rotors_of(load_vehicle('multirotor')).sink == 0.0
 
 
 def test_a_reversed_rotor_pushes_by_its_own_share_and_empty_slots_as_forward():
-    """Blimp2b: 45 of 40 mN, 25 of 30 and 25 of 45 by its authors."""
+    """
+    Blimp2b's rotors push 45 of 40 mN, 25 of 30 mN and 25 of 45 mN when reversed, by its authors.
+    """
     rotors = rotors_of(load_vehicle('blimp2b'))
     assert rotors.reverse == pytest.approx((1.125, 25 / 30, 25 / 45, *(1.0,) * 5))
     # Half of what each pushes reversed is the duty of half of what it pushes forward.

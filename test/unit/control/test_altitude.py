@@ -101,7 +101,10 @@ def test_without_range_pressure_carries_on():
 
 
 def test_at_first_height_and_offset_are_known_to_a_metre_and_climb_to_10_cm_a_second():
-    """A measurement as good as the prior halves it; one second lets the climb in."""
+    """
+    A measurement as accurate as the prior moves the height half way; after 1 s of prediction the
+    climb rate adds to the variance.
+    """
     state = Altitude()
     assert state[:3] == (0.0, 0.0, 0.0)
     assert correct(state, 1.0, 1.0, False).height == pytest.approx(0.5)

@@ -1,4 +1,4 @@
-"""One step of homing, by hand: what fits, what is lost, where it flies then."""
+"""One step of the homing strategy: matching light, losing the lamp, and the course."""
 
 import math
 
@@ -25,7 +25,7 @@ QUARTER = 0.25  # s, so that sums of times are exact
 
 
 def placed(x=4.0, y=0.0, wind=(0.0, 0.0), **changes):
-    """Return the memory of a drone that takes a lamp to be somewhere, known to 10 cm."""
+    """Return the memory of a drone that knows the lamp's position to 10 cm."""
     rows = tuple(tuple(0.01 * (k == j) for j in range(5)) for k in range(5))
     fix = Fix(x, y, *wind, math.log(2000.0), rows)
     memory = start(0.3)._replace(known=True, fix=fix, begun=True)
@@ -37,7 +37,9 @@ def dark():
 
 
 def lit(memory, share=1.0, off=0.0):
-    """Return a light by its share of the strength that fits, so far off the bearing that does."""
+    """
+    Return a reading with this share of the expected strength, `off` from the expected bearing.
+    """
     bearing = math.atan2(memory.fix.y, memory.fix.x) + off
     strength = share * expected(memory.fix)
     return dark()._replace(seen=True, bearing=bearing, deviation=0.02, strength=strength)
@@ -73,7 +75,7 @@ def test_a_bearing_is_looked_at_up_to_the_trusted_deviation(factor):
 
 
 def test_the_faintest_light_counts_as_one_count():
-    """2100 counts at 1 m are 1 count at the root of 2100 m."""
+    """A lamp of 2100 counts at 1 m gives 1 count at sqrt(2100) m."""
     memory = watch(QUICK, start(0.0), lit(placed())._replace(strength=0.5))
     assert memory.fix.x == pytest.approx(math.sqrt(2100.0))
 
@@ -125,7 +127,7 @@ def test_any_light_is_followed_after_a_search_of_more_than_a_whole_turn():
 
 
 def test_dead_reckoning_moves_the_lamp():
-    """From (1, 2) to (1.5, 1.75) through air that goes at 0.4 m/s to the left."""
+    """The drone moves from (1, 2) to (1.5, 1.75) while the wind blows at 0.4 m/s to the left."""
     memory = placed(wind=(0.0, 0.4), place=(1.0, 2.0), flown=3.0)
     after = followed(QUICK, memory, dark()._replace(position=(1.5, 1.75)))
     assert (after.fix.x, after.fix.y) == pytest.approx((3.5, 0.25 - 0.1))
@@ -150,13 +152,13 @@ def test_without_light_it_holds_its_course_and_then_searches():
     assert courses == [(True, 0.25, 0.0, True), (True, 0.5, 0.0, True), (False, 0.75, 0.25, False)]
     assert course.heading == pytest.approx(math.atan2(0.0, 0.5) + 0.3 * QUARTER)
     _, memory = steer(QUICK, memory._replace(lost=0.0), dark())
-    assert memory.searched == 0.5  # who searches goes on until there is light
+    assert memory.searched == 0.5  # a search goes on until there is light
     course, memory = steer(QUICK, memory, lit(memory))
     assert (memory.lost, memory.searched, course.arrived) == (0.0, 0.0, True)
 
 
 def test_who_knows_no_bearing_searches_at_the_first_loss():
-    """1 m off across the line at 1 m is 45 degrees or so; 0.8 rad is the limit."""
+    """A lateral error of 1 m at 1 m is about 45 degrees; the limit is 0.8 rad."""
     for across, searches in ((0.6, False), (0.7, True)):
         rows = tuple(tuple(across * (k == j == 1) for j in range(5)) for k in range(5))
         memory = placed(1.0)
@@ -171,7 +173,7 @@ def test_who_knows_no_bearing_searches_at_the_first_loss():
         (1.0, 0.0, 0.5, (0.0, 0.3)),  # 0.5 a second of what is beyond 0.4 m
         (0.4, 0.0, 0.5, (0.0, 0.0)),
         (0.0, 0.0, 0.5, (0.0, 0.0)),
-        (1.0, 0.5, 0.5, (0.0, 0.1)),  # carried there, with steerage way
+        (1.0, 0.5, 0.5, (0.0, 0.1)),  # drifting there with minimum speed
         (0.9, 0.5, 0.5, (math.pi, 0.25)),  # near it brakes
         (0.5, 2.0, 0.5, (math.pi, 1.05)),
         (9.0, 0.0, 1.2, (0.0, 1.2)),  # faster than the top speed where the cruise is

@@ -110,7 +110,10 @@ def test_the_covariance_stays_one():
 
 @pytest.mark.parametrize('bearing', [0.4, 2.5, -1.0])
 def test_a_first_sight_spreads_by_the_slopes_of_its_inputs(bearing):
-    """x, y and brightness by brightness, strength and bearing: J diag(variances) J'."""
+    """
+    The covariance of x, y and brightness is J diag(variances) J', J by brightness, strength and
+    bearing.
+    """
     fix = begin(OPTICS, bearing, 0.05, 80.0, (0.1, -0.2))
     cos, sin, away = math.cos(bearing), math.sin(bearing), 5.0
     slopes = np.array(
@@ -135,7 +138,7 @@ def test_a_first_range_is_between_40_cm_and_50_m():
 
 @pytest.mark.parametrize(('x', 'y'), [(3.0, -2.0), (-2.0, 0.01), (0.1, 0.2)])
 def test_what_a_fix_says_of_bearing_and_strength(x, y):
-    """By the row of slopes h: the variance is h P h'; nearer than 40 cm they are those there."""
+    """The variance is h P h' with the Jacobian row h; below 40 cm, h is that at 40 cm."""
     factor = np.random.default_rng(5).normal(0.0, 0.3, (5, 5))
     spread = factor @ factor.T
     fix = Fix(x, y, 0.0, 0.0, math.log(1800.0), tuple(map(tuple, spread.tolist())))

@@ -268,7 +268,7 @@ def test_the_lever_of_the_glider_is_half_the_distance_of_its_propellers():
 @pytest.mark.parametrize('seed', SEEDS)
 @pytest.mark.parametrize('begun', [True, False])
 def test_blimp2b_asks_what_would_hold_its_setpoint_if_nothing_lagged(asked, seed, begun):
-    """Every second one is near enough to get there in this step."""
+    """In every second case the setpoint is reached within this step."""
     chance = np.random.default_rng(seed)
     made, constants = ready('blimp2b')
     vehicle, gains = load_vehicle('blimp2b'), constants.gains

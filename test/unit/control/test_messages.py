@@ -118,7 +118,7 @@ def test_a_range_travels_in_32_bits_and_a_heading_as_a_level_attitude():
 
 @pytest.mark.parametrize(('upright', 'levelled'), [(0.11, True), (0.09, False)])
 def test_on_its_side_climb_and_heave_are_not_told_apart(upright, levelled):
-    """Pitched until body z is nearly level: forward is then down."""
+    """The drone is pitched until body z is nearly horizontal, so forward points down."""
     pitch = math.acos(upright)
     side = FLYING._replace(attitude=(0.0, math.sin(pitch / 2), 0.0, math.cos(pitch / 2)))
     heave = (0.1 + 0.4 * math.sin(pitch)) / upright
@@ -134,7 +134,7 @@ def test_a_rolled_vehicle_climbs_by_its_sway():
 
 
 def energy(stamp, reserve=None, level=None, why=''):
-    """Return a step in which the energy monitor has said one thing, another, or both."""
+    """Return a step with a reserve message, a status message, or both."""
     status = [] if level is None else [DiagnosticStatus(level=level, message=why)]
     heard = {
         'energy/reserve': [] if reserve is None else [Bool(data=reserve)],

@@ -118,7 +118,9 @@ def test_dga_computes_late_and_stops_for_a_sharp_turn():
 
 
 def test_des_takes_a_mean_of_no_more_than_the_newest_light():
-    """Over 20 s the washout of 15 s is done: the mean is the level, and the scan asks nothing."""
+    """
+    A step longer than the 15 s washout sets the mean to the level, so the scan has no demand.
+    """
     settings = StrategySettings(des=DitherSettings(scan=0.3, gradient=0.0))
     memory = Dither(0.0, 0.0, 1.0, True, 0.0, math.log(50.0))
     late = light(100.0, 0.5)._replace(interval=20.0)
@@ -136,7 +138,7 @@ def test_des_begins_with_the_level_as_its_mean():
 
 
 def test_the_plane_is_a_ridge_regression_of_the_newest_pairs():
-    """Of 12 pairs, by the normal equations in numpy; older ones do not count."""
+    """The expected plane solves the normal equations of the newest 12 pairs in numpy."""
     chance = np.random.default_rng(9)
     newest = chance.normal(0.0, 0.3, (12, 3)) + np.array((1.0, -2.0, 50.0))
     older = ((9.0, 9.0, 900.0),) * (PAIRS - 12)
@@ -159,7 +161,7 @@ def test_a_cell_is_2_cm_wide_in_both_directions(place, more):
     assert added == more
     assert pairs[-1] == (*place, 30.0 if more else 20.0)
     assert len(pairs) == PAIRS
-    assert kept(before, 0.0, (0.001, 0.03, 30.0), 0.02)[1] == 1.0  # there was none
+    assert kept(before, 0.0, (0.001, 0.03, 30.0), 0.02)[1] == 1.0  # no mean yet
 
 
 OWN = GradientSettings(least=3.0, computing=0.5, arc=0.4)
@@ -168,7 +170,7 @@ BRIGHTER = ((0.0, 0.0, 1.0), (0.1, 0.0, 2.0), (0.0, 0.1, 1.0))  # along x
 
 
 def ascending(**changes):
-    """Return the memory of a drone that flies along a heading of 0.5 and has three pairs."""
+    """Return the memory of a drone at heading 0.5 rad with three position and light pairs."""
     memory = Gradient(0.5, 1.0, 2.0, 0.4, 0.5, 0.7, 0.0, False, 3.0, EMPTY[3:] + BRIGHTER)
     return memory._replace(**changes)
 

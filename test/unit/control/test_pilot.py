@@ -90,7 +90,7 @@ def test_turned_over_by_its_own_estimate_it_stops_too():
 
 @pytest.fixture(scope='module')
 def beavis(plain_laws):
-    """Return a pilot that flies by its own estimate, which has moved and turned a little."""
+    """Return a pilot that uses its own estimate, after a little motion and rotation."""
     pilot = piloted('beavis')
     for _ in range(10):
         pilot.step((0.0, 0.0, 0.5), (0.3, -0.2, 9.80665), 0.6, 101_000.0)
@@ -134,7 +134,7 @@ def test_it_knows_what_the_rotors_did_instead(beavis):
 
 
 def test_it_waits_for_a_setpoint_and_for_a_tracker():
-    """The moving mass of RGBlimp stays meanwhile where the vehicle file has it."""
+    """Until then the moving mass of RGBlimp stays at the vehicle file's position."""
     vehicle = load_vehicle('rgblimp')
     made = law('glide')
     gains = load_gains_of(made.gains, 'rgblimp')
@@ -150,11 +150,11 @@ def test_it_waits_for_a_setpoint_and_for_a_tracker():
     assert pilot.measured is None
     pilot.guide(Setpoint(1.2, 0.3, 0.5))
     assert command() == rest
-    pilot.see((*truth, 9.0))  # what comes behind the rates is not looked at
+    pilot.see((*truth, 9.0))  # values after the rates are ignored
     assert command() != rest
     assert pilot.measured.altitude == 1.0
     pilot.see((0.5, 0.25, 1.0, *truth[3:]))
-    assert pilot.motion.position == (0.5, 0.25, 1.0)  # from where it was first seen
+    assert pilot.motion.position == (0.5, 0.25, 1.0)  # relative to the first pose
     pilot.guide(Setpoint(0.0, 0.0, 0.0))
     pilot.see((0.0, 0.0, vehicle.standing_height, *truth[3:]))
-    assert command() == rest  # it stands
+    assert command() == rest  # at rest

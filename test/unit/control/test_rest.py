@@ -1,4 +1,4 @@
-"""What is learned at rest: how much a drone may sway, and how far off a bias may be."""
+"""Bias calibration at rest: the limits on sway and on the bias."""
 
 import math
 
@@ -12,7 +12,7 @@ AXES = [0, 1, 2]
 
 
 def at(vector, axis, change):
-    """Return a vector with one of its numbers changed."""
+    """Return the vector with `change` added on one axis."""
     return tuple(x + change * (k == axis) for k, x in enumerate(vector))
 
 
@@ -37,7 +37,7 @@ def test_sums_grow_by_each_sample_and_by_each_pressure():
 @pytest.mark.parametrize('axis', AXES)
 @pytest.mark.parametrize('sign', [1.0, -1.0])
 def test_a_drone_at_rest_sways_by_10_degrees_a_second_and_a_tenth_of_g(axis, sign):
-    """A little less than that off the mean of four samples is kept, a little more begins anew."""
+    """A sample just within the limit is averaged; one just beyond it restarts the calibration."""
     rest = rested()
     for share, samples in ((0.999, 5), (1.001, 1)):
         turn, push = share * sign * math.radians(10.0), share * sign * 0.1 * G

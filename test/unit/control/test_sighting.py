@@ -66,12 +66,15 @@ def test_readings_of_another_number_of_diodes_are_an_error():
 
 
 def test_the_deviation_of_a_bearing_by_hand():
-    """Of (3, 4): along (9 xx + 24 xy + 16 yy) / 25, across (16 xx - 24 xy + 9 yy) / 25."""
+    """
+    Along (3, 4) the variance is (9 xx + 24 xy + 16 yy) / 25, across it (16 xx - 24 xy + 9 yy) /
+    25.
+    """
     along, across = (9 * 2.0 + 24 * 0.5 + 16 * 1.0) / 25, (16 * 2.0 - 24 * 0.5 + 9 * 1.0) / 25
     found = bearing_deviation(Lamp(3.0, 4.0, 7.0, (2.0, 0.5, 1.0)))
     assert found == pytest.approx(math.sqrt(across / (25.0 + along)))
     assert bearing_deviation(Lamp(0.0, 0.0, 7.0, (2.0, 0.5, 1.0))) == math.pi
-    # Rounding may leave a variance a little below zero.
+    # Rounding can make a variance slightly negative.
     assert bearing_deviation(Lamp(1.0, 0.0, 0.0, (1.0, 0.0, -1e-18))) == 0.0
     assert bearing_deviation(Lamp(1.0, 0.0, 0.0, (-1e-18, 0.0, 1.0))) == 1.0
 

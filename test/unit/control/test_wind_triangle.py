@@ -53,7 +53,7 @@ def test_a_wind_that_is_too_strong_leaves_some_way_along():
 
 @pytest.mark.parametrize('side', [1.0, -1.0])
 def test_95_per_cent_of_the_airspeed_at_most_are_held_against_the_wind(side):
-    """The root of 1 - 0.95^2 is left along the line."""
+    """With 0.95 of the airspeed against the crosswind, sqrt(1 - 0.95^2) is left along the line."""
     heading, speed = flown(EAST, (0.0, 3.0 * side), over_ground=9.0, top=2.0)
     left = math.sqrt(1.0 - 0.95**2)
     assert (heading, speed) == (pytest.approx(-side * math.atan2(0.95, left)), pytest.approx(2.0))
@@ -61,13 +61,13 @@ def test_95_per_cent_of_the_airspeed_at_most_are_held_against_the_wind(side):
 
 @pytest.mark.parametrize(('speed', 'flies'), [(0.1, True), (0.0999, False)])
 def test_below_10_cm_a_second_a_heading_means_nothing(speed, flies):
-    """A wind across alone: it stands into it, or looks along the line."""
+    """In a pure crosswind the drone heads into the wind if it flies, else along the line."""
     heading, asked = flown(EAST, (0.0, speed), over_ground=0.0)
     assert (heading, asked) == ((-math.pi / 2, speed) if flies else (0.0, 0.0))
 
 
 def test_a_line_in_any_direction():
-    """Along (-3, 4) / 5 with wind (1, 2) / 5: along it 1 / 5, to its left -2 / 5."""
+    """On the line (-3, 4) / 5 the wind (1, 2) / 5 has 1 / 5 along it and -2 / 5 to its left."""
     heading, speed = flown((-3.0, 4.0), (0.2, 0.4), over_ground=0.5)
     along, left = 0.5 - (-0.6 * 0.2 + 0.8 * 0.4), 0.6 * 0.4 + 0.8 * 0.2
     assert heading == pytest.approx(math.atan2(4.0, -3.0) + math.atan2(left, along))

@@ -1,4 +1,4 @@
-"""What a person hears of the energy, word by word; and what is known at first."""
+"""The texts of energy alarms, and the initial values."""
 
 from dataclasses import replace
 import math
@@ -10,12 +10,10 @@ from lta_energy.battery import Battery
 from lta_energy.belief import Belief
 from lta_energy.books import Books, enter
 from lta_energy.estimate import Estimate
-from lta_energy.faults.protocol import Detector, Seen
+from lta_energy.faults.protocol import Seen
 from lta_energy.faults.watch import watched
 from lta_energy.latch import Latch
-from lta_energy.light_of_days import LightOfDays
 from lta_energy.load import Load
-from lta_energy.mission import Upkeep
 from lta_energy.monitor import MonitorSettings
 from lta_energy.power_path import Charger
 from lta_energy.reading import Reading, Whereabouts
@@ -69,7 +67,7 @@ def test_what_is_worst_is_said_first():
     dead = watched(WELL.watch, Seen(replace(READ, voltage=0.0), READ, 0.1, CELL))
     assert said(watch=dead, **critical)[1].startswith('the cell reads 0.00 V: a brown-out')
     gap = watched(WELL.watch, Seen(READ, READ, 2.0, CELL))
-    assert said(watch=gap)[0] is Level.OK  # a warning of the meters is none of the battery
+    assert said(watch=gap)[0] is Level.OK  # a warning about meters is not one about the battery
     assert alarms.meters(WELL._replace(watch=gap)) == (
         Level.WARN, 'gap: more than 1 s passed without a reading: the charge is less certain',
     )  # fmt: skip
@@ -107,7 +105,7 @@ def test_what_is_aboard_is_what_the_file_says():
 
 
 def test_the_charger_takes_its_own_and_gives_nothing_in_the_dark():
-    """What the array gives is measured behind the tracking: 1 W * 0.85 - 22 mW."""
+    """The charger gives 1 W * 0.85 - 22 mW, measured behind the MPPT."""
     aboard = Aboard(CELL, Charger(tracking=0.95, conversion=0.85, idle=0.022))
     given = [aboard.given(watts) for watts in (1.0, 0.02, -1.0, math.nan, math.inf)]
     assert given == [pytest.approx(0.828), 0.0, 0.0, 0.0, 0.0]
@@ -129,14 +127,3 @@ def test_what_a_meter_can_read_ends_at_a_hundred():
     told = Reading(0, 3.8, -0.5, 4.0, 0.25)
     assert (told.power, told.harvest, told.income) == (pytest.approx(-1.9), 1.0, 1.0)
     assert math.isnan(Reading(0, 3.8, -0.5).harvest)
-
-
-@pytest.mark.parametrize(
-    'kind',
-    [Books, Detector, LightOfDays, Reading, Upkeep, Whereabouts],
-    ids=lambda kind: kind.__name__,
-)
-def test_a_record_cannot_be_changed_and_is_no_larger_than_its_fields(kind):
-    assert kind.__dataclass_params__.frozen
-    assert kind.__dictoffset__ == 0  # it has slots
-    assert (kind.__eq__ is object.__eq__) is (kind is LightOfDays)  # arrays are not compared

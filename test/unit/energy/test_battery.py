@@ -214,7 +214,9 @@ def test_warmth_adds_no_capacity_and_cold_takes_six_thousandths_a_kelvin():
 
 
 def test_the_mean_voltage_between_two_charges_by_hand():
-    """Within a step of the chart the middle; over a knot by the parts: 3.83 and 3.845 V."""
+    """
+    Between two knots the mean is the middle (3.83 V); across a knot it is weighted (3.845 V).
+    """
     assert battery.mean_open_circuit(0.51, 0.53) == pytest.approx(3.844)
     assert battery.mean_open_circuit(0.52, 0.52) == pytest.approx(3.844)
     assert battery.mean_open_circuit(0.45, 0.55) == pytest.approx((3.83 + 3.845) / 2.0)

@@ -120,7 +120,7 @@ def test_what_is_not_measured_is_less_and_less_known():
 
 
 def test_what_is_not_known_at_first_by_hand():
-    """A charge anywhere, 0.2 A over 94 mohm, 30 and 5 percent, and 10 mV of the chart."""
+    """The prior: any charge, 0.2 A over 94 mohm, 30 % and 5 %, and 10 mV of curve error."""
     state = unknown(SETTINGS, CELL)
     assert state.mean == (0.5, 0.0, 1.0, 1.0, 0.0)
     variances = [1.0 / 12.0, 0.0188**2, 0.09, 0.0025, 1e-4]
@@ -129,7 +129,7 @@ def test_what_is_not_known_at_first_by_hand():
 
 @pytest.mark.parametrize('current', [-1.5, 0.4])
 def test_a_first_reading_under_load_is_looked_at_where_it_points_to(current):
-    """By the algebra of any book, linearised over 1 % to either side of that charge."""
+    """The expected values follow from one Kalman update, linearised over +- 1 % of charge."""
     told = open_circuit_voltage(0.62) + 0.15 * current
     state = first_look(SETTINGS, CELL, told, current)
     slope = (open_circuit_voltage(0.63) - open_circuit_voltage(0.61)) / 0.02
@@ -143,7 +143,7 @@ def test_a_first_reading_under_load_is_looked_at_where_it_points_to(current):
 
 
 def sure(charge, deviation, chart=0.0):
-    """Return a belief of which only the charge is unsure."""
+    """Return a belief in which only the charge has a variance."""
     rows = [[0.0] * 5 for _ in range(5)]
     rows[0][0] = deviation**2
     return belief.Belief((charge, 0.0, 1.0, 1.0, chart), tuple(map(tuple, rows)))
@@ -165,7 +165,9 @@ def test_a_chord_ends_where_the_cell_is_empty_or_full():
 
 
 def test_an_error_of_the_chart_fades_with_a_fifth_of_the_charge():
-    """180 C are 20 % of 900 C: e times less is left, and as much of another has come."""
+    """
+    After 180 C, 20 % of 900 C, the old curve error has decayed by e and new variance has come.
+    """
     after = predict(SETTINGS, CELL, sure(0.5, 0.0, chart=0.02), -6.0, 0.0, 30.0)
     assert after.charge == pytest.approx(0.3)
     assert after.mean[belief.CHART] == pytest.approx(0.02 / math.e)

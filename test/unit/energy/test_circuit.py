@@ -66,7 +66,7 @@ def test_a_flickering_lamp_brings_its_duty_of_its_own_brightness():
 
 
 def test_in_light_too_dim_for_the_charger_nothing_is_left_unharvested():
-    """22 mW of its own are 27.2 mW of the array."""
+    """The charger's own 22 mW need 27.2 mW from the array."""
     for available, curtailed in ((0.027, 0.0), (0.028, 60.0 * (0.028 * 0.95 - 0.022 / 0.85))):
         _, spent = fed(CELL, CHARGER, at_rest(1.0), NOTHING, available, 0.0, 60.0)
         assert spent.curtailed == pytest.approx(curtailed, abs=1e-9)
@@ -83,7 +83,7 @@ def test_the_books_add_up_entry_by_entry():
 
 
 def test_the_table_has_256_points_from_a_hundredth_to_two_thousand_watts():
-    """There it is the diode itself, not a line between two."""
+    """At a table point the value is that of the diode equation, without interpolation."""
     for light in np.geomspace(0.01, 2000.0, 256)[[0, 1, 100, 255]]:
         voltage, current = max_power(PANEL, float(light))
         assert HARVEST.steady(float(light)) == pytest.approx(voltage * current, rel=1e-9)

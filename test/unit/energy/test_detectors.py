@@ -223,7 +223,7 @@ def test_before_the_first_reading_nothing_is_drawn():
 
 
 def test_a_watch_of_another_number_of_detectors_is_an_error():
-    """One detector that is paired with another's latch would tell of the wrong fault."""
+    """A detector paired with the latch of another would report the wrong fault."""
     for short in (Watch(latches=()), Watch(sentences=()), Watch(seen=()), Watch(memories=())):
         with pytest.raises(ValueError, match='shorter'):
             _ = (short.faults, short.doubtful, short.spoilt, watched(short, LOOK))

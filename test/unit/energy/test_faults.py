@@ -168,7 +168,7 @@ def test_a_clock_that_is_set_back_is_told_and_the_energy_stays_known(back):
         assert not estimate.reserve
         assert abs(estimate.books.stored - last.books.stored) < 2.0  # J; of 0.2 s, not of the leap
     assert named == {'set back'}
-    # The first reading by the new clock came 0.1 s after the last one.
+    # The first reading after the clock change came 0.1 s after the last one.
     (sentence,) = told
     assert sentence.startswith(f'the clock was set back by {back - 0.1:.1f} s: ')
     assert names(estimate) == set()

@@ -1,4 +1,4 @@
-"""The drone's own gauge of its charge over a day, by hand."""
+"""The drone's own charge gauge over a day."""
 
 import math
 
@@ -10,7 +10,7 @@ CELL = Battery(capacity=900.0, resistance=0.15, relaxation_resistance=0.05)
 
 
 def test_counting_errs_by_two_parts_in_a_thousand_and_four_tenths_of_a_milliampere():
-    """0.5 A for 90 s are a twentieth of 900 C; the meter errs by 1 mA and 0.4 mA."""
+    """0.5 A for 90 s is 5 % of 900 C; the meter errs by 1 mA (scale) and 0.4 mA (offset)."""
     for current, charge in ((-0.5, 0.45), (0.5, 0.55)):
         found = carried_on(CELL, Gauge(0.5, 0.01), current, 90.0)
         assert found == (pytest.approx(charge), pytest.approx(0.01 + 1.4e-3 * 90.0 / 900.0))
@@ -18,7 +18,9 @@ def test_counting_errs_by_two_parts_in_a_thousand_and_four_tenths_of_a_milliampe
 
 
 def corrected(deviation, dt, told=0.5, noise=0.02):
-    """Return the gauge that is told a charge, with an error of that voltage of so much charge."""
+    """
+    Return the expected gauge after a voltage that stands for charge `told`, with noise in charge.
+    """
     counted = 0.52, deviation + 4e-4 * dt / 900.0
     weight = counted[1] ** 2 / (counted[1] ** 2 + noise**2 * max(3600.0 / dt, 1.0))
     return (
@@ -29,13 +31,13 @@ def corrected(deviation, dt, told=0.5, noise=0.02):
 
 @pytest.mark.parametrize('dt', [30.0, 3600.0, 7200.0])
 def test_a_resting_voltage_corrects_by_the_slope_of_the_chart(dt):
-    """3.84 V is 50 %; 48 to 52 % are 3.832 to 3.844 V, so that 10 mV are 3.3 % of the charge."""
+    """3.84 V is 50 %; from 48 to 52 % the curve rises 12 mV, so 10 mV is 3.3 % of charge."""
     found = gauged(CELL, Gauge(0.52, 0.05), 3.84, 0.0, dt)
     assert found == corrected(0.05, dt, noise=0.01 * 0.04 / 0.012)
 
 
 def test_a_cell_rests_up_to_a_tenth_of_an_ampere_and_its_drop_is_taken_off():
-    """0.1 A over 0.2 ohm: 20 mV."""
+    """The drop is 0.1 A * 0.2 ohm = 20 mV."""
     for current, voltage in ((-0.1, 3.82), (0.1, 3.86)):
         found = gauged(CELL, Gauge(0.52, 0.05), voltage, current, 1e-6)
         assert found.charge == pytest.approx(0.52, abs=1e-6)

@@ -1,4 +1,4 @@
-"""What a mission remembers and tells a schedule, step by step under a light of the test's own."""
+"""What a mission remembers and passes to a schedule, step by step under a constant light."""
 
 import math
 
@@ -36,7 +36,7 @@ def light(minutes=200, sun=0.0, clear=0.0, beacon=0.0):
 
 
 def lived(wishes, fly=None, upkeep=UPKEEP, **of_light):
-    """Follow wishes, then sleep to the end; return the diary, what was known, and each end."""
+    """Follow the wishes, then sleep to the end; return the diary, the inputs and each end."""
     seen, left, ends = [], iter(wishes), []
 
     def schedule(known):
@@ -57,7 +57,7 @@ def rest(seconds, asleep=True):
 
 
 def flights(*rows):
-    """Return a pilot whose flights take so much [J], last so long [s], and end so."""
+    """Return a pilot whose flights have these energies [J], durations [s] and outcomes."""
     left = iter(rows)
 
     def fly(departure):
@@ -93,7 +93,7 @@ def test_a_flight_is_taken_to_need_what_the_last_twenty_that_came_home_did():
 
 
 def test_a_flight_begins_with_what_there_is():
-    """Time, power path, the drone's own charge, light, and how many flights there were."""
+    """A flight gets the time, the power path, the gauge, the light and the number of flights."""
     begun, pilot = [], flights((1.0, 100.0, 'home'), (1.0, 50.0, 'home'))
     _, seen, _ = lived(
         [rest(120.0), fly, fly], lambda one: begun.append(one) or pilot(one), sun=7.0
@@ -134,7 +134,9 @@ def test_a_rest_draws_what_it_takes_in_steps_of_half_a_minute(asleep, watts):
 
 @pytest.mark.parametrize(('clear', 'looks'), [(100.0, 1), (1.25, 0), (1.26, 1)])
 def test_the_sky_is_compared_with_what_was_to_be_expected_over_an_hour(clear, looks):
-    """Of 80 % of a clear sky; where 1 W/m2 was due nothing is learnt."""
+    """
+    Half of clear-sky light is compared with the expected 0.8; up to 1 W/m2 nothing is learnt.
+    """
     _, seen, _ = lived([rest(60.0)], sun=0.5 * clear, clear=clear)
     expected = 1.0
     for _ in range(2 * looks):

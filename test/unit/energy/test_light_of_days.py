@@ -117,7 +117,9 @@ def test_a_day_without_clouds_is_clear_and_an_overcast_one_has_no_gap():
 
 
 def test_the_sun_gives_nothing_below_the_horizon():
-    """Behind glass 65 % of Haurwitz; at sin h = 0.5 that is 1098 * 0.5 * exp(-0.114)."""
+    """
+    Glass passes 65 % of the Haurwitz model, which at sin h = 0.5 is 1098 * 0.5 * exp(-0.114).
+    """
     sun = SPRING.sun
     equator = sun.latitude.model_copy(update={'value': 0.0})
     times = np.array([0.0, 8.0 * HOUR, 12.0 * HOUR])
@@ -128,7 +130,7 @@ def test_the_sun_gives_nothing_below_the_horizon():
 
 
 def test_clouds_are_as_long_as_the_file_says_and_may_be_there_at_midnight():
-    """A quarter of the sky in clouds of 12 minutes: 30 a day, of which 1 in 24 meets no minute."""
+    """Clouds of 12 min over 25 % of the day are 30 a day; one in 24 falls between two samples."""
     cover = SPRING.sun.clouds.cover.model_copy(update={'value': (25.0, 25.0)})
     clouds, chance = (
         SPRING.sun.clouds.model_copy(update={'cover': cover}),

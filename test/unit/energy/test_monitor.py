@@ -163,7 +163,7 @@ def test_what_is_said_of_the_meters():
 
 
 def two(dt, second=-0.9, **before):
-    """Return the estimates after a first reading of -0.5 A, and after a second one."""
+    """Return the estimates after a reading of -0.5 A and after the next one."""
     one = update(SETTINGS, ABOARD, Estimate(), Reading(TENTH, 3.8, -0.5, 4.4, 0.0))
     one = one._replace(**before)
     reading = Reading(TENTH + round(dt * 1e9), 3.75, second, 4.4, 0.0)
@@ -172,7 +172,7 @@ def two(dt, second=-0.9, **before):
 
 @pytest.mark.parametrize('dt', [0.5, 1.0])
 def test_up_to_a_second_the_mean_of_two_readings_has_flowed_between_them(dt):
-    """0.7 A; unsure by three tenths of the change of 0.4 A and 1 mA."""
+    """The mean is 0.7 A; its deviation is 0.3 of the 0.4 A change, plus 1 mA."""
     one, after = two(dt)
     assert one.belief == first_look(SETTINGS.belief, CELL, 3.8, -0.5)
     ahead = predict(SETTINGS.belief, CELL, one.belief, -0.7, 0.3 * 0.4 + 1e-3, dt)
@@ -196,7 +196,7 @@ def test_through_a_gap_the_load_of_before_is_believed_and_may_be_as_wrong(dt, se
 
 
 def test_the_books_between_two_readings_by_hand_with_a_charger():
-    """0.5 and 0.3 W of the array: 0.85 of it less 22 mW reaches the rest."""
+    """Of 0.5 and 0.3 W of the array, 85 % less 22 mW passes the charger."""
     aboard = Aboard(CELL, Charger(tracking=0.95, conversion=0.85, idle=0.022))
     one = update(SETTINGS, aboard, Estimate(), Reading(TENTH, 3.8, -0.5, 5.0, 0.1))
     books = update(SETTINGS, aboard, one, Reading(6 * TENTH, 3.7, -0.9, 5.0, 0.06)).books
@@ -216,7 +216,7 @@ def test_the_books_between_two_readings_by_hand_with_a_charger():
      (0.975, 0.2, True), (0.025, -0.3, True)],
 )  # fmt: skip
 def test_beyond_two_percent_from_either_end_no_voltage_is_another_cell(charge, jump, swapped):
-    """There cells leave the chart."""
+    """Near empty and full, cells deviate from the voltage curve by themselves."""
     rows = [[0.0] * 5 for _ in range(5)]
     rows[0][0] = 1e-8
     known = Belief((charge, 0.0, 1.0, 1.0, 0.0), tuple(map(tuple, rows)))
@@ -230,7 +230,7 @@ def test_beyond_two_percent_from_either_end_no_voltage_is_another_cell(charge, j
 
 
 def test_a_voltage_is_critical_at_3_2_and_well_again_above_3_3():
-    """To the hundredth, for 0.3 s and for 5 s."""
+    """The limits hold to 10 mV, and must persist for 0.3 s and 5 s."""
     estimate = follow(readings(*[(3.5, -0.1)] * 20))
     stamp = estimate.last.stamp_ns
     for k, volts in enumerate([3.201] * 10 + [3.2] * 3 + [3.3] * 60 + [3.301] * 49 + [3.299]):

@@ -1,4 +1,4 @@
-"""Readings that come in order by a clock that was set back, by hand."""
+"""Readings in order after their clock was set back."""
 
 from lta_energy.estimate import Estimate
 from lta_energy.new_clock import ENOUGH, in_order, moved

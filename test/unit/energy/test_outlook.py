@@ -159,7 +159,9 @@ def test_a_reserve_is_reached_at_its_very_edge():
 
 
 def test_a_charge_that_is_not_sure_at_all_is_none():
-    """Lacking is the whole reserve; the cell may be smaller than its file."""
+    """
+    At 10 +- 20 % the whole reserve is missing; the cell holds 720 C, not the 900 C of its file.
+    """
     settings = ReserveSettings(reserve=0.25, caution=1.0)
     told = reserve.stock(settings, CELL, known(0.1, inverse=1.25, deviation=0.2), 10.0)
     assert told.sure == pytest.approx(-0.1)
@@ -177,7 +179,7 @@ def test_no_power_neither_empties_nor_fills():
 
 
 def test_a_load_by_hand():
-    """Half a minute of 5 s and of 30 s, then 2 W more for 5 s."""
+    """The averages over 5 s and 30 s, after 5 s with 2 W more."""
     before = Load(2.0, 1.0, 0.5, 60.0)
     now = smoothed(before, 4.0, 5.0, 5.0, 30.0)
     quick = 2.0 + (1.0 - math.exp(-1.0)) * 2.0

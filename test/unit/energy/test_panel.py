@@ -151,7 +151,7 @@ def test_a_vehicle_without_an_array_has_a_panel_of_nothing():
 
 
 def test_a_curve_by_hand():
-    """A junction of 1 V by 0.5 V: the diode takes e^2 - 1 of its saturation current."""
+    """At 1 V with a thermal voltage of 0.5 V the diode takes e^2 - 1 saturation currents."""
     numbers = (2.0, 0.01, 0.5, 0.1, 0.02)
     diode = 0.01 * (math.exp(2.0) - 1.0)
     assert junction_current(numbers, 1.0) == pytest.approx(2.0 - diode - 0.02)
@@ -188,7 +188,9 @@ def test_no_current_flows_back_and_the_warmth_is_that_of_the_light():
 
 @pytest.mark.parametrize('name', CELLS)
 def test_the_diode_of_a_sheet_solves_its_three_equations(name):
-    """Short circuit, open circuit and maximum; there the power has no slope."""
+    """
+    The three equations are short circuit, open circuit and zero slope of the power at its maximum.
+    """
     sheet, diode = load_cell_file(name).electrical, diode_of(load_cell_file(name))
     assert isinstance(diode, Diode)
     # k T / q at 298.15 K.

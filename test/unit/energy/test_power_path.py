@@ -109,7 +109,7 @@ def test_a_cell_at_rest_and_one_that_is_empty():
 
 
 def test_what_a_cell_may_take_by_hand():
-    """0.25 A, or up to 4.2 V, or what fills it; at 3.84 V of rest and 0.15 ohm."""
+    """The limit is 0.25 A, 4.2 V or a full cell; the cell rests at 3.84 V with 0.15 ohm."""
     cell = Battery(capacity=900.0, resistance=0.15, charge_current=0.25)
     assert most_taken(cell, 0.5, 0.01, 1.0) == pytest.approx((3.85 + 0.0375) * 0.25)
     # 4.19 V of rest and 10 mV of room: 66.7 mA up to 4.2 V.

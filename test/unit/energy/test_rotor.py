@@ -61,7 +61,7 @@ def test_it_compiles_to_the_same():
 
 
 def test_a_rotor_turns_either_way_by_hand():
-    """0.25 of 4 V are 1 V: A + B."""
+    """A duty of 0.25 at 4 V is 1 V, so that the terms are A + B."""
     assert rotor.thrust_at(0.25, 4.0) == pytest.approx(8.64139e-3 + 1.665601e-2)
     assert rotor.thrust_at(-0.5, 4.0) == pytest.approx(-(4 * 8.64139e-3 + 2 * 1.665601e-2))
     assert rotor.power_at(-0.25, 4.0, 0.5, 10.0) == pytest.approx(0.5 + 0.2529740)

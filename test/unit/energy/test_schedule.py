@@ -1,4 +1,4 @@
-"""What the schedules reckon with, by hand under a light that is the same all day."""
+"""The inputs of the schedules under constant light."""
 
 import math
 

@@ -1,18 +1,9 @@
 """Where beacons are sought and what is quiet, at the very ends of what is allowed."""
 
-from dataclasses import FrozenInstanceError
-
 from lta_config.errors import BadInput
-from lta_vlc.array import Bearing
 from lta_vlc.bins import plan_beacons
-from lta_vlc.demodulation import Hearing, Peaks, plan_bins
-from lta_vlc.diodes import ring_of
-from lta_vlc.direction import Direction
-from lta_vlc.modulation import SquareWave
-from lta_vlc.ring import Ring
+from lta_vlc.demodulation import plan_bins
 from lta_vlc.settings import Demodulation
-from lta_vlc.tracker import Tracker
-import numpy as np
 import pytest
 
 
@@ -71,24 +62,3 @@ def test_several_beacons_are_named_together():
         BadInput, match=r'^The beacons at 5, 10 Hz and their harmonics leave 9 bins'
     ):
         plan_beacons((5.0, 10.0), Demodulation(window=1, harmonics=1, mains=0.0), 30.0, 30)
-
-
-VALUES = {
-    'bearing': Bearing(0.1, 0.2, 0.3, 0.4),
-    'bins': planned(100, frequency=3.0),
-    'peaks': Peaks(*(np.zeros(1) for _ in range(4))),
-    'hearing': Hearing((), (), (), np.zeros(1)),
-    'diodes': ring_of(4),
-    'direction': Direction(1.0, *(0.0,) * 8),
-    'wave': SquareWave(150.0),
-    'ring': Ring((1.0,), (0.0,)),
-    'tracker': Tracker(150.0),
-}
-
-
-@pytest.mark.parametrize('value', VALUES.values(), ids=VALUES)
-def test_what_has_been_found_stays_as_it_is(value):
-    name = type(value).__slots__[0]
-    with pytest.raises(FrozenInstanceError):
-        setattr(value, name, 7.0)
-    assert not hasattr(value, '__dict__')

@@ -93,10 +93,10 @@ def test_what_a_library_says_becomes_one_sentence_with_the_remedy(said, told):
 
 
 def test_every_bridge_looks_for_the_same_file_and_writes_its_number_into_it(tmp_path):
-    """Bridges of different versions must meet there."""
+    """The path is part of the contract between bridges of different versions."""
     name = hashlib.sha256(URI.encode()).hexdigest()[:16]
     path = tmp_path / f'lta-crazyflie-{name}.lock'
-    path.write_text('123456789012')  # of one that died
+    path.write_text('123456789012')  # left by a process that died
     claim = Claim(URI)
     assert path.read_text() == str(os.getpid())
     claim.close()

@@ -19,13 +19,13 @@ def test_without_a_keeper_nothing_is_configured():
 
 
 def fact(task, bridge, why='', attempts=1, **changed):
-    """Return what a bridge says of itself, with one thing otherwise."""
+    """Return a diagnostic of a bridge in normal operation, with these fields changed."""
     told = condition(bridge, why, attempts, 12, ARMED._replace(**changed))
     return {one.task: one for one in told}[task]
 
 
 def test_what_is_said_of_the_link():
-    """Half a second without a word is silence; without a link it is said why there is none."""
+    """Half a second without a packet is silence; without a link the message gives the reason."""
     bridge = Bridge(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
     for silence, said in (
         (0.499, (Level.OK, 'connected')),

@@ -201,7 +201,7 @@ def test_a_packet_is_a_tenth_of_a_second_late_or_of_another_clock(back_ms, resta
 
 
 def test_the_round_trips_of_a_minute_are_kept_and_the_newest_ten_seconds_told():
-    """Ten pings a second."""
+    """Ten pings are sent each second."""
     trips = RoundTrips()
     for took in (0.0, 10.0, 9.9, *[0.030] * 498, 0.002, *[0.008] * 100):
         trips.add(took)
@@ -251,7 +251,7 @@ def test_a_log_block_has_26_bytes_at_most_and_a_drone_128_variables():
 
 
 def test_how_often_what_is_read():
-    """A hundred times a second what the navigator turns by; the cell ten times."""
+    """The IMU is logged at 100 Hz, height and attitude at 50 Hz, the battery at 10 Hz."""
     assert [(block.name, block.period_ms, len(block.variables)) for block in BLOCKS] == [
         ('imu', 10, 6), ('air', 20, 2), ('attitude', 20, 3), ('motors', 50, 5), ('power', 100, 2),
     ]  # fmt: skip

@@ -1,4 +1,4 @@
-"""When a lost Crazyflie is tried again and what is written to it, without a thread or a drone."""
+"""Reconnection to a Crazyflie and the writes at connect, without a thread or a drone."""
 
 from types import SimpleNamespace
 
@@ -10,7 +10,7 @@ import pytest
 
 
 class Drone:
-    """A link that keeps what was asked of it; it fails to open where it is told to."""
+    """A link that records its calls and fails to open on request."""
 
     def __init__(self, parameters=None, fails=()):
         self.parameters, self.fails = parameters or {}, iter(fails)
@@ -31,26 +31,12 @@ class Drone:
         self.closed += 1
 
 
-class Leave:
-    """An event that is set after so many waits, and keeps how long they were."""
-
-    def __init__(self, waits):
-        self.left, self.waited = waits, []
-
-    def is_set(self):
-        return self.left == 0
-
-    def wait(self, seconds):
-        self.left -= 1
-        self.waited.append(seconds)
-
-
 @pytest.fixture
-def keep(monkeypatch):
-    """Return a function that keeps a link until so many pauses: the keeper, the pauses."""
+def keep(monkeypatch, event_after):
+    """Return a function that runs a keeper for some pauses and returns it with those pauses."""
 
     def keep(drone, waits, given_back=lambda: None):
-        leave = Leave(waits)
+        leave = event_after(waits)
         again = SimpleNamespace(clear=lambda: None, is_set=lambda: False, wait=lambda: None)
         events = iter((leave, again))
         monkeypatch.setattr(keeper, 'threading', SimpleNamespace(

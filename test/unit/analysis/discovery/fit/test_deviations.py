@@ -88,7 +88,7 @@ def test_no_stride_is_longer_than_two_of_a_logarithm() -> None:
 
 
 def _hill(top: Array, bend: float = 4.0, steps: list[Array] | None = None) -> tuple[Array, float]:
-    """Return the best deviations of a value that falls as a variance leaves that of its top."""
+    """Maximise a value that is quadratic in the log variances; return its maximum, as found."""
 
     def value(deviations: Array) -> float:
         if steps is not None:
@@ -120,7 +120,9 @@ def test_deviations_end_at_a_twentieth_and_at_a_thousand_floors() -> None:
 
 
 def test_a_stride_that_promises_nothing_is_not_made() -> None:
-    """Below 0.01 nats, which is where a bend of 4 has been left by 0.05."""
+    """
+    The search stops where a stride promises less than 0.01 nats: 0.05 from the top at a bend of 4.
+    """
     for off, made in ((0.04, False), (0.06, True)):
         steps: list[Array] = []
         _hill(np.exp(np.r_[off, np.zeros(5)]), 4.0, steps)
@@ -128,7 +130,7 @@ def test_a_stride_that_promises_nothing_is_not_made() -> None:
 
 
 def test_a_stride_that_does_not_help_is_halved_four_times() -> None:
-    """And then given up: 1, 1/2, 1/4 and 1/8 of it are looked at."""
+    """The search tries 1, 1/2, 1/4 and 1/8 of the stride, and then stops."""
     seen: list[float] = []
 
     def value(deviations: Array) -> float:
@@ -146,13 +148,13 @@ def test_a_stride_that_does_not_help_is_halved_four_times() -> None:
 @pytest.mark.parametrize(
     ('kept', 'places'),
     [
-        # As much as was promised: each stride is twice as long, up to a thousand floors.
+        # The gain is as predicted: each stride is twice as long, up to a thousand floors.
         (1.0, [0, 1, 3, 7, 15, np.log(1e3) / (0.5 * np.log(2.0))]),
-        (0.7, [*range(13)]),  # less: twelve strides, all as long
+        (0.7, [*range(13)]),  # the gain is smaller: twelve strides of the same length
     ],
 )
 def test_strides_grow_on_a_hillside_that_hardly_bends(kept: float, places: list[float]) -> None:
-    """With a slope of half the bend a stride is half of the logarithm of 2."""
+    """The slope is half the bend, so that the first stride is ln(2) / 2."""
     seen: list[float] = []
 
     def value(deviations: Array) -> float:
@@ -168,7 +170,7 @@ def test_strides_grow_on_a_hillside_that_hardly_bends(kept: float, places: list[
 def test_a_start_from_small_deviations_is_tried_as_well(
     begun: tuple[Group, Prior], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """At most 2.5 floors, where that is another start."""
+    """The second start is the first with each deviation limited to 2.5 floors."""
     group, prior = begun
     starts: list[Array] = []
 

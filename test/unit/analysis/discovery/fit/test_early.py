@@ -44,7 +44,9 @@ def test_a_stage_that_ends_lost_is_no_place_to_go_on_from(
 def test_each_stage_begins_with_what_the_one_before_has_found(
     gtmab: tuple[Nominal, list[Knob]], clean: Linearised, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """0.8 s of each piece, then 2.4 s: 20 and 60 points; deviations of 2.5 floors at most."""
+    """
+    The stages fit the first 0.8 s and 2.4 s of each piece, with deviations of at most 2.5 floors.
+    """
     nominal, knobs = gtmab
     fitter = Fitter(nominal, [clean], own_variance(knobs), floor_of(nominal))
     points = [origin(nominal, knobs, len(clean.replay.first))]

@@ -123,7 +123,10 @@ def test_one_constant_force_has_many_names_and_drag_has_its_own(
 
 
 def test_a_latent_force_forgets_itself_in_a_second_and_a_half() -> None:
-    """Nine knots of 6 s are half of that apart, those of 12 s as far."""
+    """
+    Nine knots over 6 s are 0.75 s apart, half the correlation time; over 12 s they are 1.5 s
+    apart.
+    """
     for length, apart in ((6.0, 0.5), (12.0, 1.0)):
         covariance = np.linalg.inv(knot_precision(length))
         steps = np.abs(np.subtract.outer(np.arange(9), np.arange(9)))
@@ -139,7 +142,9 @@ KNOBS = [
 
 
 def test_what_is_known_beforehand_is_tolerances_and_the_size_of_what_is_named() -> None:
-    """20 cm of air at 12 Pa/m and 0.6 % of each force are a flight's own, as are its trims."""
+    """
+    Each flight has 20 cm of air at 12 Pa/m, 0.6 % of each force axis and its trims of its own.
+    """
     own = [2.4**2] + [0.006**2] * 3
     prior = tolerances(KNOBS, ('a', 'c'))
     np.testing.assert_allclose(prior.covariance, np.diag([9.04, 0.25, 4.0, *own]))
@@ -160,7 +165,7 @@ def test_what_flights_taught_is_a_little_wider_for_the_next() -> None:
 
 
 def test_a_deviation_of_1_3_floors_is_the_likeliest() -> None:
-    """A factor of exp(0.7) either way is a standard deviation of its logarithm."""
+    """The logarithm of a deviation has a normal prior with a standard deviation of 0.7."""
     usual = 1.3 * FLOOR
     assert log_prior(usual) == pytest.approx(0.0, abs=1e-12)
     off = usual * np.exp([0.7, -0.7, 1.4, 0.0, 0.0, 0.0])
@@ -172,7 +177,9 @@ def test_a_deviation_of_1_3_floors_is_the_likeliest() -> None:
 
 
 def test_strain_counts_in_deviations() -> None:
-    """2 cm, 2 degrees, 8 cm/s, 0.08 rad/s, 5 cm of air, and the latent wrench by its own."""
+    """
+    The initial state may deviate by 2 cm, 2 degrees, 8 cm/s, 0.08 rad/s and 5 cm of air pressure.
+    """
     for k, size in ((0, 0.02), (2, 0.02), (3, np.radians(2.0)), (5, np.radians(2.0)), (6, 0.08),
                     (8, 0.08), (9, 0.08), (11, 0.08), (RANDOM - 1, 0.05 * 12.0)):  # fmt: skip
         random = np.zeros((2, RANDOM))
@@ -187,7 +194,7 @@ def test_strain_counts_in_deviations() -> None:
 
 
 def _elsewhere(linear: Linear) -> Pieces:
-    """Return the flight about a point at which its unknowns do not rest."""
+    """Return the flight linearised about a point with nonzero unknowns."""
     rng = np.random.default_rng(2)
     scale = np.concatenate([STATE, np.repeat(DEVIATIONS, KNOTS), [PIECE_PRESSURE]])
     random = scale * rng.normal(size=linear.point.random.shape)
@@ -214,7 +221,10 @@ def test_a_flight_is_reduced_alike_whatever_else_is_wanted(gtmab: Known, linear:
 
 
 def test_unknowns_of_pieces_are_those_of_the_dense_least_squares(linear: Linear) -> None:
-    """Of the readings and of what is known beforehand, at another vehicle than the point's."""
+    """
+    The solution minimises misfit and prior together, for parameters other than the linearised
+    ones.
+    """
     pieces = _elsewhere(linear)
     change = 1e-3 * np.random.default_rng(4).normal(size=len(linear.names))
     found = pieces.solved(DEVIATIONS, change)

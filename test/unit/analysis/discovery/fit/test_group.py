@@ -97,7 +97,7 @@ def test_a_vehicle_ten_times_as_heavy_has_a_floor_ten_times_as_high(gtmab: Known
 def test_flights_stand_together_where_they_share_what_is_shared(
     gtmab: Known, halves: tuple[Pieces, Pieces]
 ) -> None:
-    """Whatever is their own may differ."""
+    """Parameters of a single flight may differ between flights."""
     variance = own_variance(gtmab[1])
     group = Group(halves, np.zeros(len(variance)), variance)
     assert group.aligned
@@ -116,7 +116,7 @@ def test_flights_stand_together_where_they_share_what_is_shared(
 def test_a_flight_that_stands_elsewhere_is_told_where_the_group_stands(
     gtmab: Known, halves: tuple[Pieces, Pieces]
 ) -> None:
-    """As linear as it is, its shared values move and its residual with them."""
+    """The shared values move to the group's point, and the residual changes linearly with them."""
     variance, linear = own_variance(gtmab[1]), halves[1].linear
     k = int(np.flatnonzero((variance == 0.0) & (tolerances(gtmab[1]).free))[0])
     stands, at = np.zeros((2, len(variance)))

@@ -70,7 +70,7 @@ def test_a_piece_is_left_out_for_what_it_has_drawn_to_itself(
     )
     pulls = 0.04 * np.array([0.4, -1.5, -0.4]) / np.array([0.96, 0.8, 0.1])
     np.testing.assert_allclose(variance(joint), [np.sum(pulls**2) + 0.04**2 * 2.0])
-    # As much for a knob that is each flight's own and answers to nobody: its prior alone.
+    # A parameter of one flight that affects no reading keeps its prior.
     joint.group.variance = np.array([0.25])
     through = 1.0 - 30.0 / 34.0
     scores = np.array([0.4, -1.5, -0.4]) * through

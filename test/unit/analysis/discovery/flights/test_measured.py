@@ -123,7 +123,9 @@ def test_a_held_value_counts_from_when_it_came() -> None:
 
 
 def _shaking(amplitudes: list[float], count: int = 40) -> np.ndarray:
-    """Return series that go up and down by their amplitudes: third differences of 8 times that."""
+    """
+    Return series that alternate in sign; their third differences are 8 times their amplitudes.
+    """
     return np.outer((-1.0) ** np.arange(count), amplitudes)
 
 
@@ -137,7 +139,7 @@ def test_noise_takes_eight_third_differences(count: int, known: bool) -> None:
 
 
 def test_the_noise_of_a_turn_is_twice_that_of_its_quaternion() -> None:
-    """A quaternion has three free numbers of four, each half a turn."""
+    """A small rotation changes a quaternion by half its angle, in three of four dimensions."""
     levels, alike = pose_noise(_shaking([0.01, 0.02, 0.03, 1e-3, 2e-3, 3e-3, 4e-3]))
     turn = 2.0 * np.sqrt((1.0 + 4.0 + 9.0 + 16.0) / 3.0) * 1e-3
     np.testing.assert_allclose(levels, UNIT * np.array([0.01, 0.02, 0.03, turn, turn, turn]))
@@ -148,7 +150,7 @@ def test_the_noise_of_a_turn_is_twice_that_of_its_quaternion() -> None:
 def test_a_tracker_of_a_fifth_of_the_least_noise_was_filtered(
     middle: float, filtered: bool
 ) -> None:
-    """By the median of its axes; then 8 mm and 16 mrad, of 12.5 poses that say the same."""
+    """A filtered tracker gets 8 mm and 16 mrad, and 12.5 poses count as one independent pose."""
     size = [0.0, middle * 5e-4 / UNIT, 0.1, 0.0, 0.0, 0.0, 0.0]
     levels, alike = pose_noise(_shaking(size))
     largest = 0.1 * UNIT
@@ -161,7 +163,7 @@ def test_a_tracker_of_a_fifth_of_the_least_noise_was_filtered(
 
 
 def test_no_sensor_is_taken_for_better_than_it_can_be() -> None:
-    """0.3 mrad/s, 3 mm/s2, 1 mm and 0.3 Pa, of readings that do not change at all."""
+    """Constant readings get the floors: 0.3 mrad/s, 3 mm/s2, 1 mm and 0.3 Pa."""
     told = helix()
     others = {'rates': np.zeros((len(TIME), 3)), 'force': np.zeros((len(TIME), 3)),
               'range': np.zeros((len(TIME), 1)), 'pressure': np.zeros((len(TIME), 1))}  # fmt: skip

@@ -46,7 +46,7 @@ def test_a_wild_pose_goes_as_a_whole_and_a_clean_flight_stays(clean: Linearised)
 
 
 def _still(quaternion: float) -> Measured:
-    """Return a flight that rests, with one attitude off and two wild readings."""
+    """Return a flight at rest with one wrong attitude and two outliers."""
     n = 100
     turn = np.tile([0.0, 0.0, 0.0, 1.0], (n, 1))
     turn[50, 1] = quaternion
@@ -61,7 +61,7 @@ def _still(quaternion: float) -> Measured:
 def test_half_of_the_largest_turn_is_the_noise_of_a_quaternion(
     quaternion: float, wild_poses: int
 ) -> None:
-    """Of 4 mrad, 12 times 2e-3; the readings are 13 times theirs."""
+    """4 mrad of noise are 2e-3 in the quaternion; outliers lie beyond 12 times the noise."""
     found, count = without_outliers(_still(quaternion))
     assert count == 2 + wild_poses
     assert np.flatnonzero(np.isnan(found.quaternion).all(axis=1)).tolist() == [50] * wild_poses
@@ -87,7 +87,9 @@ def test_what_is_off_by_less_than_a_third_of_the_worst_is_the_error_of_the_cubic
 
 
 def test_a_cubic_however_steep_has_no_wild_readings() -> None:
-    """Fourth differences of it are 0; of t ^ 4 they are 24, a sixth of which is off."""
+    """
+    Fourth differences of a cubic are 0; those of t^4 are 24, a sixth of which is the deviation.
+    """
     time = np.arange(40.0)
     assert not wild(time**3, 1e-6).any()
     values = time**3
@@ -98,7 +100,7 @@ def test_a_cubic_however_steep_has_no_wild_readings() -> None:
 
 @pytest.mark.parametrize(('length', 'missing', 'found'), [(6, 0, []), (7, 0, [2]), (7, 1, [])])
 def test_a_wild_reading_needs_six_neighbours(length: int, missing: int, found: list[int]) -> None:
-    """Of five on either side; a reading that is missing tells nothing."""
+    """A window has five readings on either side; missing readings do not count as neighbours."""
     values = np.zeros(length)
     values[2] = 1.0
     values[length - missing :] = np.nan

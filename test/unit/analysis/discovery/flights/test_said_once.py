@@ -43,7 +43,7 @@ def test_how_many_flights_there_are_is_said_of_two_and_more() -> None:
 
 
 def test_only_numbers_of_their_own_are_ranges() -> None:
-    """Not those in a name or a word, and nothing in a sentence of what is."""
+    """Numbers within names and words are not merged into ranges."""
     said = ['A: lost_3 misses 1.5 s.', 'B: lost_3 misses 0.5 s.', 'C: lost_4 misses 1 s.']
     assert said_once(said, 3) == [
         'In 2 of 3 flights (A, B): lost_3 misses 0.5 to 1.5 s.', 'C: lost_4 misses 1 s.',

@@ -64,14 +64,14 @@ def test_what_is_given_stays_and_nothing_to_learn_from_is_refused(flight: Measur
 
 
 def _usable(flight: Measured, count: int) -> Measured:
-    """Return the flight with so many usable points."""
+    """Return the flight with this many usable points."""
     usable = np.zeros(len(flight.usable), dtype=bool)
     usable[100 : 100 + 3 * count : 3] = True
     return replace(flight, usable=usable)
 
 
 def test_ten_points_in_three_parts_are_four_three_and_three(flight: Measured) -> None:
-    """A point belongs to the part that ends with it."""
+    """A point on a boundary belongs to the part that it ends."""
     found, _ = assigned([('A', 'train', _usable(flight, 10))])
     where = [np.flatnonzero(each.usable).tolist() for _, _, each in found]
     assert where == [[100, 103, 106, 109], [112, 115, 118], [121, 124, 127]]
@@ -87,7 +87,7 @@ def test_ten_points_in_two_parts_are_six_and_four(flight: Measured) -> None:
 def test_a_part_of_hardly_any_points_is_what_there_is(
     flight: Measured, count: int, kept: int
 ) -> None:
-    """Of one point, all of it comes at its end; of two, the second does."""
+    """A single point lies at the end of the flight, so only the last part holds it."""
     assert part(_usable(flight, count), 0.5, 1.0).usable.sum() == kept
 
 

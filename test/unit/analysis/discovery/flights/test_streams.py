@@ -1,4 +1,4 @@
-"""What a recording has of a flight: which pose, which commands, in what unit."""
+"""How a flight is read from a recording: its pose, its commands and their unit."""
 
 from typing import Final
 
@@ -40,7 +40,7 @@ def recorded(wrench: dict[str, float], motors: dict[str, float]) -> dict[str, Ch
 
 
 def test_motors_are_taken_before_a_wrench() -> None:
-    """A drone that records both is not pushed twice."""
+    """Where a recording has both, only the motors push the drone."""
     wrench = {'wrench_command/wrench.force.x': 0.1}
     both = streams_of(recorded(wrench, {'motors/effort.one': 0.5}), ('one',))
     assert both.wrench is None
@@ -48,7 +48,7 @@ def test_motors_are_taken_before_a_wrench() -> None:
 
 
 def test_a_wrench_may_leave_axes_out() -> None:
-    """NaN, or not there: nobody commands it."""
+    """An axis that is NaN or missing is not commanded."""
     wrench = {'wrench_command/wrench.force.x': 0.1, 'wrench_command/wrench.torque.z': np.nan}
     told = streams_of(recorded(wrench, {}), ('one',)).wrench
     assert told is not None
@@ -72,7 +72,9 @@ MAPPING: Final = 'topics: [{topic: motors, actuators: {left: {effort: {column: a
 def test_newtons_become_duties(
     vehicle: str, provenance: dict[str, str], told: float, duty: float
 ) -> None:
-    """By what the import says, or by how faint the rotors are."""
+    """
+    Commands are newtons if the import mapping says so, or if none exceeds what weak rotors push.
+    """
     nominal = Nominal.of(load_vehicle(vehicle))
     time = np.zeros(1)
     streams = Streams(Stream(time, np.zeros((1, 7))), Stream(time, np.full((1, 2), told)))
@@ -81,7 +83,7 @@ def test_newtons_become_duties(
 
 
 def ordered(vehicle: str, values: list[list[float]], wrench: Stream | None = None) -> Array:
-    """Return what becomes of commands of which nobody says the unit."""
+    """Return the duties read from commands without a stated unit."""
     told = Streams(
         Stream(np.zeros(1), np.zeros((1, 7))),
         Stream(np.arange(float(len(values))), np.array(values)),
@@ -91,7 +93,7 @@ def ordered(vehicle: str, values: list[list[float]], wrench: Stream | None = Non
 
 
 def test_faint_rotors_are_told_newtons_where_none_exceeds_its_most() -> None:
-    """Of 0.060 N and a tenth: 0.065 N is 1.083 of full duty, 0.067 N cannot be newtons."""
+    """Up to 10 % above the 0.060 N of full duty counts as newtons; 0.067 N does not."""
     found = ordered('rgblimp', [[0.065, -0.03], [np.nan, 0.0], [0.0, 0.006]])
     np.testing.assert_allclose(found, [[0.065 / 0.06, -0.5], [np.nan, 0.0], [0.0, 0.1]])
     beyond = [[0.01, -0.067], [0.02, 0.0]]
@@ -134,7 +136,7 @@ def test_an_import_says_whether_its_efforts_are_newtons(
 
 
 def pose(topic: str) -> dict[str, Channel]:
-    """Return the channels that tell a tracker."""
+    """Return the channels of a tracker pose."""
     names = [f'{topic}/pose.position.x', f'{topic}/pose.orientation.yaw']
     return {name: channel(name, np.zeros(1), np.zeros(1)) for name in names}
 

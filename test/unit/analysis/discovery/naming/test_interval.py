@@ -1,4 +1,4 @@
-"""How well a value is known, with what the model itself is off by."""
+"""Intervals of fitted values, including the error of the model itself."""
 
 from types import SimpleNamespace
 
@@ -11,7 +11,7 @@ from scipy.stats import norm
 
 @pytest.mark.parametrize(('beside', 'wider'), [(False, 1.0), (True, 1.44)])
 def test_a_value_is_off_by_half_a_percent_at_least(beside: bool, wider: float) -> None:
-    """Of 200 that is 1; beside something unknown deviations are larger by a fifth."""
+    """For 200 that is 1; unexplained forces widen the deviation by a fifth."""
     knobs = [SimpleNamespace(name=name) for name in ('vehicle.mass', 'clock_skew.skew')]
     covariance = np.diag([4.0, 9e-12, 77.0])
     found = Fitted(0.0, np.array([-200.0, 0.0, 5.0]), covariance)

@@ -35,7 +35,7 @@ def test_the_better_of_two_names_stands(
 
 
 def _proof(*knobs: tuple[str, float]) -> Proof:
-    """Return a proof of such candidates, by name and typical size, without flights."""
+    """Return a proof without flights for candidates given by name and typical size."""
     proof = object.__new__(Proof)
     proof.knobs = [SimpleNamespace(name=name, typical=typical) for name, typical in knobs]
     proof._order = [name for name, _ in knobs]
@@ -48,7 +48,7 @@ def _worth(evidence: float) -> SimpleNamespace:
 
 
 def test_a_cost_is_refitted_unless_it_is_certain() -> None:
-    """Of 60 nats about the old point."""
+    """A cost above 60 nats in the linear model is accepted without a refit."""
     asked = []
     linear, refitted = {'a': 139.9, 'b': 140.1, 'c': 140.0}, {'b': 150.0}
 
@@ -67,7 +67,7 @@ def test_a_cost_is_refitted_unless_it_is_certain() -> None:
 
 
 def test_what_is_near_looks_somewhat_like_it_and_costs_little() -> None:
-    """A cosine of 0.3 at least, and at most 15 nats in a linear world."""
+    """A rival has a cosine of at least 0.3 and costs at most 15 nats in the linear model."""
     proof = _proof(
         ('a', 1.0), ('named', 1.0), ('none', 0.0), ('faint', 1.0), ('some', 1.0), ('twin', 1.0),
         ('nan', 1.0), ('far', 1.0), ('just', 1.0),
@@ -97,7 +97,7 @@ def test_what_is_near_looks_somewhat_like_it_and_costs_little() -> None:
 
 
 def test_two_rivals_are_refitted_and_what_is_within_a_tie_is_told() -> None:
-    """A third counts by what it is in a linear world; nearer than 3 nats is a tie."""
+    """A third rival keeps its cost from the linear model; less than 3 nats apart is a tie."""
     near = {'b': (99.0, False), 'c': (98.5, False), 'd': (97.1, False), 'e': (97.0, False)}
     refitted = {'b': 97.2, 'c': 103.0}
     asked = []
@@ -117,7 +117,7 @@ def test_two_rivals_are_refitted_and_what_is_within_a_tie_is_told() -> None:
 
 
 def test_a_measured_value_has_no_usual_size() -> None:
-    """Of 30 typical sizes any is as good as another."""
+    """The prior of a measured value is widened by 30 typical sizes, so it is practically flat."""
     proof = _proof(('a', 0.5), ('b', 2.0))
     full = SimpleNamespace(
         prior=Prior(np.array([1.0, 2.0]), np.diag([0.1, 0.2])), group='group', deviations='these'
@@ -160,7 +160,10 @@ def test_both_sides_begin_together_between_their_deviations() -> None:
 
 
 def test_what_costs_too_little_goes_and_the_rest_stands_by_its_costs() -> None:
-    """Below 5 nats, the weakest first; what is found later has its own cost."""
+    """
+    Effects that cost less than 5 nats are removed, the weakest first; the costs are then computed
+    anew.
+    """
     costs = [{'a': 4.9, 'b': 4.0, 'c': 30.0}, {'a': 5.0, 'c': 29.0}]
     asked = []
 
@@ -214,7 +217,7 @@ def test_nothing_named_leaves_the_flights_bare() -> None:
 def test_fainter_effects_are_added_until_a_round_names_none(
     rounds: list[str], named: bool
 ) -> None:
-    """Then the flights are settled once more, if any was named."""
+    """If an effect was added, the flights are fitted once more at the end."""
     proof = _proof()
     proof.fitter.settled.return_value = 'settled'
     quiet = SimpleNamespace(group='group', prior='prior', deviations='these')

@@ -143,12 +143,12 @@ def test_a_piece_counts_with_nine_tenths_of_its_readings(known: int, pieces: int
 
 
 def test_frequencies_begin_at_0_7_hertz() -> None:
-    """Of 10 s each is a tenth of a hertz from the next."""
+    """The bins of a 10 s piece are 0.1 Hz apart."""
     np.testing.assert_allclose(spectrum(np.zeros((2, 250))).hertz, 0.1 * np.arange(7, 126))
 
 
 def test_a_parabola_is_no_wave_and_a_cubic_is() -> None:
-    """Whatever its size: what is slower than the knots is taken out first."""
+    """A quadratic trend of each piece is subtracted before the spectrum."""
     ramp = np.linspace(-1.0, 1.0, SIZE)
     slow = np.array([[1e3 + 2e3 * ramp - 3e3 * ramp**2], [5e3 * ramp]])[:, 0]
     assert spectrum(slow).power.max() < 1e-12
@@ -159,7 +159,7 @@ def test_a_parabola_is_no_wave_and_a_cubic_is() -> None:
         spectrum(cubic).power, spectrum(np.tile(ramp**3, (2, 1))).power, rtol=1e-4
     )
     gone = np.vstack([_wave(3.0, 2.0)[:1], np.full((1, SIZE), np.nan)])
-    found = whole(gone, TIME[:2], 2 * SIZE)  # by the readings that are known
+    found = whole(gone, TIME[:2], 2 * SIZE)  # from the finite readings
     assert found.power.max() == pytest.approx(4.0, rel=0.02)
 
 
@@ -180,7 +180,10 @@ def test_a_flight_has_two_bins_for_each_of_its_own() -> None:
 def test_a_level_is_the_median_of_an_odd_number_of_neighbours(
     wide: float, plateau: int, kept: bool
 ) -> None:
-    """Of bins 0.1 Hz apart, three at least: what is higher over more than half of them stays."""
+    """
+    The running median spans at least three bins of 0.1 Hz, so a plateau wider than half of it
+    remains.
+    """
     power = np.ones(100)
     power[50 : 50 + plateau] = 5.0
     found = spectral_line._levelled(0.1 * np.arange(100), power, 3, wide)
@@ -190,7 +193,10 @@ def test_a_level_is_the_median_of_an_odd_number_of_neighbours(
 
 
 def test_the_neighbours_of_a_bin_reach_as_far_as_is_said() -> None:
-    """2.5 Hz of the mean of pieces are 15 bins of 1/6 Hz; 1 Hz of a flight 121 of 1/120 Hz."""
+    """
+    The window is 2.5 Hz (15 bins of 1/6 Hz) for pieces and 1 Hz (121 bins of 1/120 Hz) for a
+    flight.
+    """
     left = _left(5)[:, :, 0]
     for found, size in ((spectrum(left), 15), (whole(left, TIME, PIECES * SIZE), 121)):
         at = np.arange(size, len(found.power) - size)
@@ -264,7 +270,9 @@ def test_a_line_of_the_pieces_may_be_a_bin_from_its_place(apart: int, found: boo
 
 
 def test_a_line_has_its_mean_amplitude_and_its_least_medians() -> None:
-    """Of the bin itself and its neighbours: 3 and 2 of noise of 0.1 and 0.2."""
+    """
+    Powers of 9 and 4 in the neighbouring bins are amplitudes of 3 and 2, in units of the noise.
+    """
     first, second = _spectra((51, 9.0), (49, 4.0))
     line = spectral_line._line('q', [first, second], 50, [0.1, 0.2])
     assert line == ('q', pytest.approx(5.0), pytest.approx(0.5 * (0.3 + 0.4)), 4.0)

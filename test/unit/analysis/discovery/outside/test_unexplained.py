@@ -70,7 +70,9 @@ def test_turbulence_remains_on_the_axes_that_it_pushes(gtmab: Known) -> None:
 
 
 def test_knots_are_told_piece_by_piece_and_axis_by_axis() -> None:
-    """After the twelve of the state there are nine of surge, nine of sway, and so on."""
+    """
+    The unknowns of a piece are 12 of its state, then nine knots of surge, nine of sway, and so on.
+    """
     asked = []
 
     def solved(deviations, change):
@@ -99,7 +101,7 @@ def test_states_are_taken_at_the_nine_knots_from_the_first_to_the_last() -> None
 
 
 def test_terms_are_those_of_the_state() -> None:
-    """Of one state, yawed by 30 degrees."""
+    """The terms of one state that is yawed by 30 degrees."""
     half = np.radians(15.0)
     state = [1.0, 2.0, 3.0, 0.0, 0.0, np.sin(half), np.cos(half), 0.1, -0.2, 0.3, 0.4, 0.5, -0.6]
     found = {name: float(value[0]) for name, value in terms(np.array([state])).items()}
@@ -121,11 +123,11 @@ APART = hadamard(64)[:, [1, 2, 4, 8, 16, 32, 63]].astype(float)
 @pytest.mark.parametrize(
     ('shares', 'names', 'told'),
     [
-        ((0.90, 0.06, 0.04), 'ab', 0.96),  # a twentieth more, or it is not worth a term
+        ((0.90, 0.06, 0.04), 'ab', 0.96),  # a further term must add 0.05
         ((0.30, 0.25, 0.20, 0.15), 'abc', 0.75),  # three at most
         ((0.10, 0.20), 'ba', 0.30),  # the strongest first
         ((0.16,), 'a', 0.16),
-        ((0.14,), '', 0.14),  # no more than gusts
+        ((0.14,), '', 0.14),  # a share like this is gusts
         ((0.04,), '', 0.0),
     ],
 )
@@ -136,7 +138,7 @@ def test_a_force_follows_terms_by_their_shares(
     monkeypatch.setattr(unexplained, 'terms', lambda states: known)
     parts = np.zeros(7)
     parts[: len(shares)] = shares
-    parts[6] = 1.0 - sum(shares)  # follows nothing
+    parts[6] = 1.0 - sum(shares)  # noise
     force = 3.0 * APART @ np.sqrt(parts)
     found, share = followed([APART, APART], [force, force])
     assert ''.join(found) == names
@@ -144,7 +146,7 @@ def test_a_force_follows_terms_by_their_shares(
 
 
 def test_what_holds_on_one_flight_alone_is_not_followed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """It has to explain either by what the other taught."""
+    """A term must explain each flight with the coefficient fitted on the other."""
     known = dict(zip('abcd', APART[:, [0, 3, 4, 5]].T, strict=True))
     monkeypatch.setattr(unexplained, 'terms', lambda states: known)
     for pair in ((APART[:, 0], APART[:, 1]), (APART[:, 1], APART[:, 0])):
@@ -159,7 +161,7 @@ def test_what_holds_on_one_flight_alone_is_not_followed(monkeypatch: pytest.Monk
 def test_an_axis_counts_where_all_flights_together_stand_clear(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """By the geometric mean of both sides: 2.449, 2.550, 3, 10, 1 and 2.49 floors."""
+    """The geometric means over both flights are 2.449, 2.550, 3, 10, 1 and 2.49 floors."""
     sizes = ([1.0, 1.3, 9.0, 4.0, 1.0, 2.49], [6.0, 5.0, 1.0, 25.0, 1.0, 2.49])
     fits = [[SimpleNamespace(deviations=np.array(size) * FLOOR)] for size in sizes]
     knots = [np.arange(12.0).reshape(2, 6), np.arange(12.0, 24.0).reshape(2, 6)]

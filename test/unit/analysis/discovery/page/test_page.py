@@ -63,7 +63,7 @@ def found(gtmab: Known) -> Study:
 
 @pytest.fixture(scope='module', autouse=True)
 def _replayed_once() -> Iterator[None]:
-    """Let pages of one study share what its flights leave over, which most of a page's time is."""
+    """Compute the residuals of a study's flights once for all pages: that is most of the time."""
     kept: dict[object, tuple[np.ndarray, object, object]] = {}
 
     def best(flight: Linearised, point: Point) -> np.ndarray:
@@ -71,7 +71,7 @@ def _replayed_once() -> Iterator[None]:
         if key not in kept:
             left = best_begun(flight, point)
             left.flags.writeable = False
-            kept[key] = left, flight, point.nominal  # alive, so that no other has their ids
+            kept[key] = left, flight, point.nominal  # references keep the ids unique
         return kept[key][0]
 
     with pytest.MonkeyPatch.context() as patch:

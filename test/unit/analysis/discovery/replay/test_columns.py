@@ -91,7 +91,7 @@ def test_some_pieces_have_the_columns_of_those_and_all_readings_are_counted(
     columns: NDArray[np.float64],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(linearise, 'CHUNK', 2)  # however many are flown at a time
+    monkeypatch.setattr(linearise, 'CHUNK', 2)  # pieces computed at a time
     point = origin(gtmab[0], gtmab[1], len(clean.replay.first))
     table, left = clean.columns(point, slice(1, 3))
     np.testing.assert_allclose(table, columns[1:3], rtol=1e-9, atol=1e-9)
@@ -155,7 +155,7 @@ def test_what_is_not_wanted_costs_nothing_and_changes_nothing(
 
 
 def test_a_piece_that_ends_after_the_flight_repeats_its_last_point() -> None:
-    """Of 100 points the last has the number 99; the time goes on."""
+    """A flight of 100 points ends with index 99; later steps repeat it while time goes on."""
     flight = SimpleNamespace(time=0.3 + 0.04 * np.arange(100), noise=np.ones(14))
     cut = SimpleNamespace(first=np.array([3, 97]), length=5)
     found = Linearised(SimpleNamespace(flight=flight, cut=cut, span=5 * STEPS), [], None)

@@ -117,7 +117,9 @@ def test_a_misaligned_tracker_is_turned_back_into_the_map(
 
 
 def test_the_frame_of_a_tracker_is_that_at_the_origin_and_level() -> None:
-    """Of one that turns with the place, and of which the place follows attitude and time."""
+    """
+    The frame is evaluated at the origin, level and at time 0, although it depends on all three.
+    """
 
     def bent(p: object, values: tuple[float, ...], time: float) -> tuple[float, ...]:
         *place, i, j, k, w = values
@@ -147,7 +149,7 @@ def _pitched(angle: float) -> Array:
 
 
 def test_sensors_at_rest_tell_the_vertical_the_distance_and_the_pressure() -> None:
-    """Pitched by 0.3 rad the vertical is (-sin, 0, cos) in the body."""
+    """At a pitch of 0.3 rad, up is (-sin, 0, cos) in the body frame."""
     rest, sine, cosine = _pitched(0.3), np.sin(0.3), np.cos(0.3)
     said = plain(rest, rest, PLACES)
     np.testing.assert_allclose(said[:3], 0.0)
@@ -178,7 +180,7 @@ def test_the_pressure_at_the_floor_is_the_median_over_what_is_known() -> None:
     told_by[1, 7], told_by[3, 7] = np.nan, 5.0
     told_by[4, 7] *= 2.0
     flight = SimpleNamespace(readings=told_by, position=np.outer(height, [0.0, 0.0, 1.0]))
-    # Of 99 kPa twice and once twice as much.
+    # Two readings of 99 kPa and one of twice that.
     assert floor_pressure(flight, PLACES) == pytest.approx(99000.0)
     flight.readings[:, 7] = np.nan
     assert floor_pressure(flight, PLACES) == 101325.0

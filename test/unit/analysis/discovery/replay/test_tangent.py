@@ -1,4 +1,4 @@
-"""How small changes go on, against the series of the exponential."""
+"""Propagation of small changes, against the series of the matrix exponential."""
 
 from lta_analysis.discovery.replay.linear import hats, KNOTS
 from lta_analysis.discovery.replay.tangent import carried, moved, transitions, WIDTH
@@ -11,7 +11,7 @@ STEP = 0.04
 
 
 def test_a_step_is_the_exponential_to_fourth_order() -> None:
-    """A matrix of which the fourth power is 0 has no more terms: then it is exact."""
+    """For a matrix whose fourth power is 0 the series ends, so the step is exact."""
     chain = np.zeros((WIDTH, WIDTH))
     for row, column, value in ((0, 1, 30.0), (1, 2, -20.0), (2, 3, 50.0), (5, 7, 10.0)):
         chain[row, column] = value
@@ -24,14 +24,14 @@ def test_a_step_is_the_exponential_to_fourth_order() -> None:
 
 
 def test_the_fourth_term_is_the_last() -> None:
-    """With F h = 1: 1 + 1 + 1/2 + 1/6 + 1/24, and h (1 + 1/2 + 1/6 + 1/24)."""
+    """For F h = 1 the series are 1 + 1 + 1/2 + 1/6 + 1/24 and h (1 + 1/2 + 1/6 + 1/24)."""
     a, b = transitions(np.eye(WIDTH) / STEP, STEP)
     np.testing.assert_allclose(a, (2.0 + 17.0 / 24.0) * np.eye(WIDTH))
     np.testing.assert_allclose(b, STEP * (1.0 + 17.0 / 24.0) * np.eye(WIDTH))
 
 
 def test_changes_are_carried_from_step_to_step() -> None:
-    """x1 = A0 x0 + B0 g, x2 = A1 x1 + B1 g."""
+    """The recursion is x1 = A0 x0 + B0 g and x2 = A1 x1 + B1 g."""
     a, push = RNG.normal(size=(3, 2, WIDTH, WIDTH)), RNG.normal(size=(3, 2, WIDTH, 4))
     out = carried(a, push)
     assert out.shape == (3, 3, WIDTH, WIDTH + 4)
@@ -57,7 +57,9 @@ def test_a_state_is_moved_in_place_in_the_body_and_in_its_speeds() -> None:
 
 
 def test_a_force_between_two_knots_is_shared_by_its_distance() -> None:
-    """16 steps from the first of 9 knots to the last: a knot every two steps."""
+    """
+    Nine knots over 16 steps are two steps apart; between two knots the force is interpolated.
+    """
     share = hats(16)
     assert share.shape == (16, KNOTS)
     np.testing.assert_allclose(share[0, :3], [0.75, 0.25, 0.0])

@@ -61,7 +61,7 @@ def test_the_pieces_together_are_the_flight(quiet: Fit) -> None:
 def test_what_is_won_is_the_log_evidence_of_one_unknown_more(
     gtmab: Known, quiet: Fit, off: float
 ) -> None:
-    """About the vehicle file, and half of each tolerance from it."""
+    """The gain is checked at the vehicle file's values and half a tolerance away from them."""
     knobs, name, piece = gtmab[1], 'net_lift.force', 5
     this = _changed(_longer(quiet, 2), knobs, name, 0.02, piece)
     values = this.linear.point.values + off * np.sqrt(np.diag(tolerances(knobs).covariance))
@@ -105,7 +105,7 @@ INFORMATION = 10.0  # information of each piece
 def _turned(
     monkeypatch: pytest.MonkeyPatch, pieces: int, changed: slice, pull: float
 ) -> change_point.Change | None:
-    """Return what is found where some pieces pull at one number, and harder at others."""
+    """Return the finding where the gradient of some pieces differs from that of the others."""
     each = np.zeros((pieces, 4, 4))
     each[:, range(3), range(3)] = INFORMATION
     each[changed, 1, -1] = pull
@@ -123,7 +123,10 @@ def _turned(
 
 
 def _won(count: int, pull: float) -> float:
-    """Return the log Bayes factor of a number of variance 9 that so many pieces pull at."""
+    """
+    Return the log Bayes factor of a parameter of variance 9 with this many pieces of gradient
+    `pull`.
+    """
     information = count * INFORMATION
     square = 0.5 * (count * pull) ** 2 / (information + 1.0 / 9.0)
     return float(square - 0.5 * np.log(1.0 + 9.0 * information))
@@ -157,7 +160,9 @@ def test_a_change_wins_eight_nats(monkeypatch: pytest.MonkeyPatch, won: float, t
 def test_five_pieces_have_too_few_orders_and_four_no_place(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Of five one order in ten has both of two pieces at its end, whatever they pull by."""
+    """
+    One in ten orders of five pieces has the two changed ones last, so chance is never below 10 %.
+    """
     assert _turned(monkeypatch, 5, slice(3, None), 99.0) is None
     monkeypatch.setattr(change_point, 'CHANCE', 0.2)
     found = _turned(monkeypatch, 5, slice(3, None), 99.0)

@@ -88,7 +88,7 @@ def test_what_never_changes_makes_no_condition():
 
 @pytest.mark.parametrize(('points', 'known'), [(13, []), (14, [6, 7]), (15, [6, 7, 8])])
 def test_a_speed_takes_six_points_on_either_side(points, known):
-    """Of t ^ 2 the difference across a place is its slope there, exactly."""
+    """The central difference of t^2 is its exact slope."""
     flight, _ = _flight(points)
     position = np.outer(flight.time**2, [0.3, 0.0, 0.4])
     found = speed(replace(flight, position=position))
@@ -108,7 +108,7 @@ def test_a_commanded_force_has_no_moment_and_duties_no_sign():
 
 
 def test_a_split_has_a_side_above_and_one_that_ends_with_its_value():
-    """Of 0, 1, ... 60 the shares 0.2, 0.25, ... 0.8 are 12, 15, ... 48."""
+    """The quantiles 0.2, 0.25, ... 0.8 of 0, 1, ... 60 are 12, 15, ... 48."""
     values = np.append(np.arange(61.0), np.nan)
     found = splits('height', values, 'm')
     assert [one.name for one in found[:2]] == ['height above 12 m', 'height below 12 m']
@@ -129,7 +129,7 @@ def test_a_value_that_is_taken_often_makes_one_split():
 
 
 def _told(north, n, block, ratio=100.0, east=False):
-    """Return what is told of a disagreement while the heading is north, or while it is not."""
+    """Return the finding for residuals that are larger while the heading is north, or is not."""
     heading = np.zeros(n)
     heading[10 : 10 + north] = 0.5 * np.pi
     squares = np.ones(n)
@@ -139,10 +139,10 @@ def _told(north, n, block, ratio=100.0, east=False):
 
 @pytest.mark.parametrize(
     ('north', 'n', 'block', 'told'),
-    [  # a tenth of all, or twice what the disagreement remembers
+    [  # at least a tenth of all samples, or two blocks
         (8, 95, 2, False), (9, 95, 2, True), (9, 90, 2, True), (8, 90, 2, False),
         (5, 40, 3, False), (6, 40, 3, True),
-        (11, 35, 6, False), (12, 35, 6, False), (12, 36, 6, True),  # and six times that in all
+        (11, 35, 6, False), (12, 35, 6, False), (12, 36, 6, True),  # and six times that in total
     ],
 )  # fmt: skip
 def test_a_condition_holds_often_enough(north, n, block, told):
@@ -151,19 +151,21 @@ def test_a_condition_holds_often_enough(north, n, block, told):
 
 
 @pytest.mark.parametrize(('ratio', 'told'), [(2.5, 'always'), (2.6, 'heading north')])
-def test_what_differs_by_less_than_three_to_five_is_not_worth_telling(ratio, told):
-    """1.58 and 1.61 of the root mean squares."""
+def test_an_rms_ratio_below_1_6_is_not_reported(ratio, told):
+    """The RMS ratios are 1.58 and 1.61; the limit is 1.6."""
     assert _told(40, 95, 2, ratio) == told
 
 
-def test_a_condition_that_wins_less_than_a_nat_is_told_where_chance_wins_nothing():
-    """Of 14 rows, half of 14 ln 1.457 - 4 ln 2.6 is 0.72; the other heading wins 0."""
+def test_a_condition_that_gains_less_than_a_nat_is_reported_if_chance_gains_nothing():
+    """
+    For 14 rows the gain is (14 ln 1.457 - 4 ln 2.6) / 2 = 0.72 nats; the other heading gains 0.
+    """
     assert _told(4, 14, 2, 2.6) == 'heading north'
 
 
 @pytest.mark.parametrize('unit', [1.0, 1e-6])
 def test_of_two_conditions_the_better_is_told(unit):
-    """By the likelihood of two variances, in whatever unit; a lower one is no disagreement."""
+    """Conditions are compared by the likelihood of two variances, independent of the unit."""
     squares = np.ones(200)
     squares[50:90], squares[90:100] = 16.0, 6.0
     wide, narrow, low = np.zeros((3, 200))

@@ -79,7 +79,7 @@ def _quantity(name: str, *values: float) -> Quantity:
 def test_each_channel_is_told_of_the_flight_where_it_is_worst(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Above twice its noise, ten times that of an IMU."""
+    """A residual is reported above 2 times the noise, for an IMU above 10 times."""
     channels = {
         'one': [('x', 2.0), ('y', 2.1), ('z', 5.0), ('p', 9.9), ('fz', 10.1), ('range', 1.9)],
         'two': [('x', 1.9), ('y', 2.5), ('z', 4.0), ('p', 0.0), ('fz', 12.0), ('range', 0.0)],
@@ -115,7 +115,7 @@ def test_a_size_is_a_root_mean_square_and_0_of_nothing() -> None:
 def test_a_second_of_a_channel_is_the_root_of_its_mean_square(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Three pieces of 2.2 s; a channel that half of the seconds lack says nothing."""
+    """Pieces of 2.2 s have two whole seconds; a channel that lacks many of them is left out."""
     left = np.full((3, 55, 14), np.nan)
     for piece in range(3):
         for second in range(2):
@@ -136,7 +136,7 @@ def test_a_second_of_a_channel_is_the_root_of_its_mean_square(
 def test_forces_are_told_at_the_knots_that_are_within(
     gtmab: Known, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Nine knots over 17 points are two points apart."""
+    """Nine knots over 17 points lie at every second point."""
     inside = np.ones((2, 17), dtype=bool)
     inside[1, 9:] = False
     cut = SimpleNamespace(length=17, inside=inside)
@@ -156,7 +156,9 @@ def test_forces_are_told_at_the_knots_that_are_within(
 
 
 def test_a_place_is_where_its_condition_holds_longest(monkeypatch: pytest.MonkeyPatch) -> None:
-    """In time, not in values; its size is that of all that the condition holds for."""
+    """
+    The longest interval is measured in time; the size is taken over all samples of the condition.
+    """
     time = np.array([0.0, 1.0, 2.0, 3.0, 4.0, 10.0, 11.0, 30.0])
     flight = SimpleNamespace(time=np.repeat(time, 2))
     holds = np.array([1, 0, 1, 1, 1, 0, 1, 1], dtype=bool)
@@ -206,14 +208,16 @@ def test_a_change_is_told_of_the_axis_that_is_worst_after_it(
 
 @dataclass
 class Held:
-    """A fit, as far as it matters here."""
+    """A stand-in for a fit with only what is read here."""
 
     linear: object
 
 
 @pytest.mark.parametrize(('k', 'again'), [(0, True), (1, False), (2, True)])
 def test_a_candidate_without_a_column_is_linearised_again(k: int, again: bool) -> None:
-    """Of three knobs, the second of which is no candidate; two unknowns of pieces, one sensor."""
+    """
+    Three parameters, of which the second is no candidate; two unknowns of pieces and one sensor.
+    """
     grams = np.ones((2, 7, 7))
     grams[:, 2 + k, 2 + k] = 0.0
     grams[:, 5, 5] = grams[:, 0, 0] = 0.0
