@@ -258,7 +258,7 @@ def provenance():
     }
 
 
-@cache  # most flights share most messages
+@cache  # the flights that tests write have most messages in common
 def encoded(topic, stream, time):
     """Return the bytes of one message of a stream."""
     return bytes(jazzy().serialize_cdr(stream.message(time), TOPICS[topic]))

@@ -6,7 +6,7 @@ from lta_analysis.discovery.demo.hidden import fly_hidden, Hidden
 import pytest
 
 DRAG = Hidden('linear_drag.surge', 0.04, 'N s/m')
-SECONDS = (30.0, 14.0, 14.0)  # only the first is damaged by tests
+SECONDS = (30.0, 14.0, 14.0)  # tests damage the first flight only
 
 
 @pytest.fixture(scope='session')

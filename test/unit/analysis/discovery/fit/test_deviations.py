@@ -81,14 +81,18 @@ def test_no_stride_is_made_where_there_is_no_evidence() -> None:
     assert at == pytest.approx(FLOOR)
 
 
-def test_no_stride_is_longer_than_two_of_a_logarithm() -> None:
+def test_a_stride_changes_the_logarithm_of_a_deviation_by_at_most_two() -> None:
     for way in (1.0, -1.0):
         seen = Steepness(0.0, np.full(6, way * 1e9), np.eye(6))
         assert strides(seen) == pytest.approx(way * 2.0)
 
 
 def _hill(top: Array, bend: float = 4.0, steps: list[Array] | None = None) -> tuple[Array, float]:
-    """Maximise a value that is quadratic in the log variances; return its maximum, as found."""
+    """
+    Return where `best` ends on a parabola in the log deviations, in floors, and the value there.
+
+    The parabola has a curvature of `bend` and its peak, of value 0, at `top` floors.
+    """
 
     def value(deviations: Array) -> float:
         if steps is not None:
@@ -105,32 +109,34 @@ def _hill(top: Array, bend: float = 4.0, steps: list[Array] | None = None) -> tu
 
 
 @pytest.mark.parametrize('factor', [0.2, 0.9, 1.1, 5.0])
-def test_a_top_is_found_within_a_twentieth_of_a_nat(factor: float) -> None:
+def test_the_peak_is_found_within_a_twentieth_of_a_nat(factor: float) -> None:
     top = factor ** np.array([1.0, 0.5, 0.0, 1.0, -0.2, 0.3])
     at, value = _hill(top)
     assert value > -0.05
     np.testing.assert_allclose(np.log(at), np.log(top), atol=0.15)
 
 
-def test_deviations_end_at_a_twentieth_and_at_a_thousand_floors() -> None:
+def test_deviations_stay_between_a_twentieth_of_a_floor_and_a_thousand_floors() -> None:
     low, _ = _hill(np.full(6, 1e-4))
     np.testing.assert_allclose(low, 0.05)
     high, _ = _hill(np.full(6, 1e6))
     np.testing.assert_allclose(high, 1e3)
 
 
-def test_a_stride_that_promises_nothing_is_not_made() -> None:
-    """
-    The search stops where a stride promises less than 0.01 nats: 0.05 from the top at a bend of 4.
-    """
+def test_a_stride_is_made_only_if_the_slope_promises_0_01_nats() -> None:
+    """With a curvature of 4, a stride to a peak that is 0.05 away promises 4 * 0.05^2 = 0.01."""
     for off, made in ((0.04, False), (0.06, True)):
         steps: list[Array] = []
         _hill(np.exp(np.r_[off, np.zeros(5)]), 4.0, steps)
         assert (np.ptp([step[0] for step in steps]) > 0.0) == made
 
 
-def test_a_stride_that_does_not_help_is_halved_four_times() -> None:
-    """The search tries 1, 1/2, 1/4 and 1/8 of the stride, and then stops."""
+def test_a_stride_that_never_helps_is_given_up_after_four_lengths() -> None:
+    """
+    The whole stride, 1/2, 1/4 and 1/8 of it are tried, and then the start is returned.
+
+    With a slope of 1.5 and a curvature of 1 the whole stride is ln(1 + 2 * 1.5) / 2.
+    """
     seen: list[float] = []
 
     def value(deviations: Array) -> float:
@@ -148,13 +154,15 @@ def test_a_stride_that_does_not_help_is_halved_four_times() -> None:
 @pytest.mark.parametrize(
     ('kept', 'places'),
     [
-        # The gain is as predicted: each stride is twice as long, up to a thousand floors.
+        # The gain is what the slope promises: strides double, up to a thousand floors.
         (1.0, [0, 1, 3, 7, 15, np.log(1e3) / (0.5 * np.log(2.0))]),
-        (0.7, [*range(13)]),  # the gain is smaller: twelve strides of the same length
+        (0.7, [*range(13)]),  # less than 3/4 of that: twelve strides of one length
     ],
 )
-def test_strides_grow_on_a_hillside_that_hardly_bends(kept: float, places: list[float]) -> None:
-    """The slope is half the bend, so that the first stride is ln(2) / 2."""
+def test_strides_double_while_the_gain_is_what_the_slope_promises(
+    kept: float, places: list[float]
+) -> None:
+    """With a slope of 1/2 and a curvature of 1 the first stride is ln(1 + 2 * 1/2) / 2."""
     seen: list[float] = []
 
     def value(deviations: Array) -> float:
@@ -170,7 +178,7 @@ def test_strides_grow_on_a_hillside_that_hardly_bends(kept: float, places: list[
 def test_a_start_from_small_deviations_is_tried_as_well(
     begun: tuple[Group, Prior], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The second start is the first with each deviation limited to 2.5 floors."""
+    """It has no deviation above 2.5 floors, and is left out if it equals the first start."""
     group, prior = begun
     starts: list[Array] = []
 

@@ -3,17 +3,19 @@
 from types import SimpleNamespace
 
 from lta_analysis.discovery.fit.early import begun, shortened
-from lta_analysis.discovery.fit.evidence import floor_of, own_variance, shared
+from lta_analysis.discovery.fit.evidence import floor_of, own_variance, Prior, shared
 from lta_analysis.discovery.fit.fit import Fitter
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
-from lta_analysis.discovery.replay.linear import origin
+from lta_analysis.discovery.replay.linear import origin, Point
 from lta_analysis.discovery.replay.linearise import Linearised
 from lta_config.errors import BadInput
 import numpy as np
 import pytest
 
 from ..hidden_flight import flown, prepared  # noqa: TID252 - `test` is Python's own
+
+Start = tuple[Fitter, Prior, list[Point]]
 
 LOW = {'vehicle.effects.cg_height.z': {'value': 0.06, 'unit': 'm'}}  # 20 of its tolerances
 
@@ -26,30 +28,36 @@ def test_only_the_beginning_of_each_piece_of_a_shortened_flight_counts(clean: Li
     assert short.replay.flight is clean.replay.flight
 
 
-def test_a_stage_that_ends_lost_is_no_place_to_go_on_from(
-    gtmab: tuple[Nominal, list[Knob]], clean: Linearised, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.fixture
+def start(gtmab: tuple[Nominal, list[Knob]], clean: Linearised) -> Start:
+    """What `begun` takes: a flight to be fitted, a prior, and the point of the vehicle file."""
     nominal, knobs = gtmab
     fitter = Fitter(nominal, [clean], own_variance(knobs), floor_of(nominal))
-    points = [origin(nominal, knobs, len(clean.replay.first))]
+    return fitter, shared(knobs), [origin(nominal, knobs, len(clean.replay.first))]
+
+
+def test_a_stage_that_ends_lost_is_no_place_to_go_on_from(
+    start: Start, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fitter, prior, points = start
     lost = SimpleNamespace(deviations=np.where(np.arange(6) == 4, 1000.0, 1.0) * fitter.floor)
     stages: list[Fitter] = []
     monkeypatch.setattr(Fitter, 'fit', lambda self, *_, **__: stages.append(self) or lost)
-    at, then, deviations = begun(fitter, shared(knobs), points)
+    at, then, deviations = begun(fitter, prior, points)
     assert len(stages) == 1
     assert (then, at is points[0].values) == (points, True)
     np.testing.assert_array_equal(deviations, fitter.floor)
 
 
-def test_each_stage_begins_with_what_the_one_before_has_found(
-    gtmab: tuple[Nominal, list[Knob]], clean: Linearised, monkeypatch: pytest.MonkeyPatch
+def test_each_stage_starts_from_the_result_of_the_stage_before(
+    start: Start, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """
-    The stages fit the first 0.8 s and 2.4 s of each piece, with deviations of at most 2.5 floors.
+    The stages fit the first 0.8 s and 2.4 s of each piece, which are 20 and 60 points at 25 Hz.
+
+    The second starts with the deviations that the first found, limited to 2.5 floors.
     """
-    nominal, knobs = gtmab
-    fitter = Fitter(nominal, [clean], own_variance(knobs), floor_of(nominal))
-    points = [origin(nominal, knobs, len(clean.replay.first))]
+    fitter, prior, points = start
     left = [np.array([299.0, 2.4, 2.6, 0.5, 1.0, 1.0]), np.full(6, 9.0)]
     seen, begun_with = [], []
 
@@ -64,7 +72,7 @@ def test_each_stage_begins_with_what_the_one_before_has_found(
     monkeypatch.setattr(Fitter, 'about', about)
     monkeypatch.setattr(Fitter, 'fit', fitted)
     monkeypatch.setattr(Fitter, 'onward', lambda *_: (f'at {len(seen)}', [f'point {len(seen)}']))
-    at, then, deviations = begun(fitter, shared(knobs), points)
+    at, then, deviations = begun(fitter, prior, points)
     assert [each[2] for each in seen] == [20, 60]
     assert seen[1][:2] == ('at 1', ['point 1'])
     assert [each[0] for each in begun_with][1:] == ['about at 1']
@@ -75,12 +83,10 @@ def test_each_stage_begins_with_what_the_one_before_has_found(
     np.testing.assert_allclose(deviations, 2.5 * fitter.floor)
 
 
-def test_a_stage_that_cannot_be_flown_is_the_last(
-    gtmab: tuple[Nominal, list[Knob]], clean: Linearised, monkeypatch: pytest.MonkeyPatch
+def test_a_stage_whose_vehicle_is_impossible_is_the_last(
+    start: Start, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    nominal, knobs = gtmab
-    fitter = Fitter(nominal, [clean], own_variance(knobs), floor_of(nominal))
-    points = [origin(nominal, knobs, len(clean.replay.first))]
+    fitter, prior, points = start
     tried: list[Fitter] = []
 
     def about(self, *_):
@@ -88,7 +94,7 @@ def test_a_stage_that_cannot_be_flown_is_the_last(
         raise BadInput('no such vehicle can be')
 
     monkeypatch.setattr(Fitter, 'about', about)
-    at, then, deviations = begun(fitter, shared(knobs), points)
+    at, then, deviations = begun(fitter, prior, points)
     assert len(tried) == 1
     assert (then, at is points[0].values) == (points, True)
     np.testing.assert_array_equal(deviations, fitter.floor)

@@ -122,11 +122,8 @@ def test_one_constant_force_has_many_names_and_drag_has_its_own(
     assert cosine[3, :3].max() < 0.7
 
 
-def test_a_latent_force_forgets_itself_in_a_second_and_a_half() -> None:
-    """
-    Nine knots over 6 s are 0.75 s apart, half the correlation time; over 12 s they are 1.5 s
-    apart.
-    """
+def test_a_latent_force_has_a_correlation_time_of_1_5_s() -> None:
+    """Adjacent ones of nine knots over 6 s and 12 s are 0.5 and 1 correlation times apart."""
     for length, apart in ((6.0, 0.5), (12.0, 1.0)):
         covariance = np.linalg.inv(knot_precision(length))
         steps = np.abs(np.subtract.outer(np.arange(9), np.arange(9)))
@@ -141,9 +138,11 @@ KNOBS = [
 ]
 
 
-def test_what_is_known_beforehand_is_tolerances_and_the_size_of_what_is_named() -> None:
+def test_the_prior_adds_the_typical_size_of_named_knobs_to_the_tolerances() -> None:
     """
-    Each flight has 20 cm of air at 12 Pa/m, 0.6 % of each force axis and its trims of its own.
+    Each flight has its own errors of sensors and its own values of knobs that are per flight.
+
+    The errors are a pressure offset, 20 cm of air at 12 Pa/m, and 0.6 % of each specific force.
     """
     own = [2.4**2] + [0.006**2] * 3
     prior = tolerances(KNOBS, ('a', 'c'))
@@ -157,7 +156,8 @@ def test_what_is_known_beforehand_is_tolerances_and_the_size_of_what_is_named() 
     np.testing.assert_allclose(both.covariance, np.diag([9.0, 0.25, 0.0, 0, 0, 0, 0]))
 
 
-def test_what_flights_taught_is_a_little_wider_for_the_next() -> None:
+def test_the_posterior_of_some_flights_is_widened_to_be_the_prior_of_others() -> None:
+    """The covariance is multiplied by 1.5 unless another factor is given."""
     before = Fitted(0.0, np.array([1.0, 2.0]), np.array([[4.0, 1.0], [1.0, 2.0]]))
     np.testing.assert_array_equal(learned(before).covariance, [[6.0, 1.5], [1.5, 3.0]])
     np.testing.assert_array_equal(learned(before, 2.0).covariance, [[8.0, 2.0], [2.0, 4.0]])
@@ -165,7 +165,7 @@ def test_what_flights_taught_is_a_little_wider_for_the_next() -> None:
 
 
 def test_a_deviation_of_1_3_floors_is_the_likeliest() -> None:
-    """The logarithm of a deviation has a normal prior with a standard deviation of 0.7."""
+    """Its logarithm has a normal prior with a standard deviation of 0.7."""
     usual = 1.3 * FLOOR
     assert log_prior(usual) == pytest.approx(0.0, abs=1e-12)
     off = usual * np.exp([0.7, -0.7, 1.4, 0.0, 0.0, 0.0])
@@ -176,33 +176,32 @@ def test_a_deviation_of_1_3_floors_is_the_likeliest() -> None:
     assert log_prior(2.0 * off, 2.0 * FLOOR) == pytest.approx(log_prior(off))
 
 
-def test_strain_counts_in_deviations() -> None:
-    """
-    The initial state may deviate by 2 cm, 2 degrees, 8 cm/s, 0.08 rad/s and 5 cm of air pressure.
-    """
+def test_strain_sums_the_squares_of_unknowns_in_standard_deviations() -> None:
+    """They are 2 cm, 2 degrees, 8 cm/s, 0.08 rad/s, 5 cm of air and those of the latent wrench."""
     for k, size in ((0, 0.02), (2, 0.02), (3, np.radians(2.0)), (5, np.radians(2.0)), (6, 0.08),
                     (8, 0.08), (9, 0.08), (11, 0.08), (RANDOM - 1, 0.05 * 12.0)):  # fmt: skip
         random = np.zeros((2, RANDOM))
         random[1, k] = 3.0 * size
         assert strain(Point(None, None, random), DEVIATIONS) == pytest.approx(9.0, rel=0.01)
-    # A force that is the same at all knots of two axes: (1, ..., 1) K (1, ..., 1) is
-    # 1 + 8 tanh(1 / 4) of a process that forgets half of 1.5 s between two knots.
+    # A force that is equal at all knots of an axis strains by its square times the sum of all
+    # elements of the knots' precision. That sum is 1 + 8 tanh(1 / 4), since the knots are half a
+    # correlation time apart.
     random = np.zeros((2, RANDOM))
     random[0, 12:30] = np.repeat(2.0 * DEVIATIONS[:2], 9)
     expected = 2.0 * 4.0 * (1.0 + 8.0 * np.tanh(0.25))
     assert strain(Point(None, None, random), DEVIATIONS) == pytest.approx(expected)
 
 
-def _elsewhere(linear: Linear) -> Pieces:
-    """Return the flight linearised about a point with nonzero unknowns."""
+def _displaced(linear: Linear) -> Pieces:
+    """Return the flight about a point at which the unknowns of its pieces are not 0."""
     rng = np.random.default_rng(2)
     scale = np.concatenate([STATE, np.repeat(DEVIATIONS, KNOTS), [PIECE_PRESSURE]])
     random = scale * rng.normal(size=linear.point.random.shape)
     return Pieces(replace(linear, point=replace(linear.point, random=random)))
 
 
-def test_a_flight_is_reduced_alike_whatever_else_is_wanted(gtmab: Known, linear: Linear) -> None:
-    pieces = _elsewhere(linear)
+def test_all_ways_to_reduce_a_flight_agree(gtmab: Known, linear: Linear) -> None:
+    pieces = _displaced(linear)
     whole, found = pieces.reduced(DEVIATIONS), pieces.solution(DEVIATIONS)
     size = np.sqrt(np.diag(whole.products))
     size = np.outer(size, size) + 1e-300
@@ -220,12 +219,9 @@ def test_a_flight_is_reduced_alike_whatever_else_is_wanted(gtmab: Known, linear:
     assert evidence_of(whole, at, prior) == fitted(whole, at, prior).log_evidence
 
 
-def test_unknowns_of_pieces_are_those_of_the_dense_least_squares(linear: Linear) -> None:
-    """
-    The solution minimises misfit and prior together, for parameters other than the linearised
-    ones.
-    """
-    pieces = _elsewhere(linear)
+def test_unknowns_of_pieces_are_the_dense_least_squares_solution(linear: Linear) -> None:
+    """They minimise misfit plus prior, given knobs that differ from those of the point."""
+    pieces = _displaced(linear)
     change = 1e-3 * np.random.default_rng(4).normal(size=len(linear.names))
     found = pieces.solved(DEVIATIONS, change)
     knots = np.linalg.inv(np.exp(-0.5 * np.abs(np.subtract.outer(np.arange(9), np.arange(9)))))
@@ -235,7 +231,7 @@ def test_unknowns_of_pieces_are_those_of_the_dense_least_squares(linear: Linear)
     precision[66, 66] = PIECE_PRESSURE**-2.0
     for s, gram in enumerate(linear.grams):
         before = pieces.linear.point.random[s]
-        # The slope of the misfit and of the strain, at what is found, is 0.
+        # At the solution the gradient of misfit plus strain is 0.
         step = found[s] - before
         pull = gram[:RANDOM, -1] - gram[:RANDOM, :RANDOM] @ step
         pull -= gram[:RANDOM, RANDOM:-1] @ change

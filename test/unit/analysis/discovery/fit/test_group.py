@@ -94,10 +94,10 @@ def test_a_vehicle_ten_times_as_heavy_has_a_floor_ten_times_as_high(gtmab: Known
     np.testing.assert_allclose(floor_of(nominal), FLOOR, rtol=0.02)
 
 
-def test_flights_stand_together_where_they_share_what_is_shared(
+def test_a_group_is_aligned_if_its_flights_agree_on_the_shared_values(
     gtmab: Known, halves: tuple[Pieces, Pieces]
 ) -> None:
-    """Parameters of a single flight may differ between flights."""
+    """Values that are each flight's own may differ."""
     variance = own_variance(gtmab[1])
     group = Group(halves, np.zeros(len(variance)), variance)
     assert group.aligned
@@ -106,17 +106,21 @@ def test_flights_stand_together_where_they_share_what_is_shared(
     there = np.zeros(len(variance))
     there[k] = 1e-3
     assert not replace(group, at=there).aligned
-    assert replace(group, at=1e-10 * there).aligned  # but for rounding
+    assert replace(group, at=1e-10 * there).aligned  # rounding is tolerated
     joined = Group(halves[:1], there, variance).joined(Group(halves[1:], group.at, 2 * variance))
     assert joined.pieces == halves
     assert joined.at is there
     assert joined.variance is variance
 
 
-def test_a_flight_that_stands_elsewhere_is_told_where_the_group_stands(
+def test_a_flight_linearised_elsewhere_is_moved_to_the_shared_values_of_the_group(
     gtmab: Known, halves: tuple[Pieces, Pieces]
 ) -> None:
-    """The shared values move to the group's point, and the residual changes linearly with them."""
+    """
+    The linear model moves its residual, so evidence and posterior do not depend on the point.
+
+    Narrowing keeps the columns of the knob on which they differ.
+    """
     variance, linear = own_variance(gtmab[1]), halves[1].linear
     k = int(np.flatnonzero((variance == 0.0) & (tolerances(gtmab[1]).free))[0])
     stands, at = np.zeros((2, len(variance)))

@@ -47,14 +47,14 @@ def test_noise_larger_than_taken_is_seen_by_the_pieces(begun: tuple[Fitter, Join
     assert np.max(variance(told)[shown] / after[shown]) > 2.0  # of 4 where no force hides it
 
 
-def test_a_piece_is_left_out_for_what_it_has_drawn_to_itself(
+def test_the_pull_of_a_piece_is_corrected_for_its_leverage(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """
-    One knob of variance 0.04 after three pieces of information 1, 5 and 24 and a prior of 2.
+    One knob has a variance of 0.04, pieces of information 1, 5 and 24, and a prior precision of 2.
 
-    They pull by what they say less what the knob, 0.1 above the point, has answered already, and
-    have drawn 4, 20 and 96 % of it, of which 90 % count.
+    It was fitted 0.1 above the point, so the scores are 0.5 - 0.1, -1 - 0.5 and 2 - 2.4. The
+    leverages are 0.04 times the informations: 0.04, 0.2 and 0.96, limited to 0.9.
     """
     products = np.zeros((3, 2, 2))
     products[:, 0, 0], products[:, 0, 1] = (1.0, 5.0, 24.0), (0.5, -1.0, 2.0)
@@ -70,7 +70,9 @@ def test_a_piece_is_left_out_for_what_it_has_drawn_to_itself(
     )
     pulls = 0.04 * np.array([0.4, -1.5, -0.4]) / np.array([0.96, 0.8, 0.1])
     np.testing.assert_allclose(variance(joint), [np.sum(pulls**2) + 0.04**2 * 2.0])
-    # A parameter of one flight that affects no reading keeps its prior.
+    # If each flight also has its own value of the knob, of precision 1 / 0.25 = 4, that value
+    # takes up 30 / (30 + 4) of a change of the shared one; scores shrink by the rest, and
+    # informations by its square. The own prior is strained by the share that is taken up.
     joint.group.variance = np.array([0.25])
     through = 1.0 - 30.0 / 34.0
     scores = np.array([0.4, -1.5, -0.4]) * through

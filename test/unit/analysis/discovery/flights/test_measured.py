@@ -12,7 +12,7 @@ from lta_analysis.discovery.flights.measured import (
     Streams,
     WARM_UP,
 )
-from lta_analysis.discovery.flights.noise import LEAST, noise_of, pose_noise
+from lta_analysis.discovery.flights.noise import noise_of, pose_noise
 from lta_analysis.discovery.flights.streams import streams_of
 from lta_analysis.discovery.flights.windows import windows
 from lta_analysis.discovery.model.rotations import exponential
@@ -123,23 +123,23 @@ def test_a_held_value_counts_from_when_it_came() -> None:
 
 
 def _shaking(amplitudes: list[float], count: int = 40) -> np.ndarray:
-    """
-    Return series that alternate in sign; their third differences are 8 times their amplitudes.
-    """
+    """Return series alternating between +- an amplitude; third differences are 8 times that."""
     return np.outer((-1.0) ** np.arange(count), amplitudes)
 
 
-UNIT = 8.0 / 0.6745 / 20.0**0.5  # noise with 1 + 9 + 9 + 1 of its variance in a third difference
+# The noise that is found in a series alternating between -1 and 1: the median size of white noise
+# is 0.6745 deviations, and a third difference has 1 + 9 + 9 + 1 times the variance of a reading.
+UNIT = 8.0 / 0.6745 / 20.0**0.5
 
 
 @pytest.mark.parametrize(('count', 'known'), [(10, False), (11, True), (40, True)])
-def test_noise_takes_eight_third_differences(count: int, known: bool) -> None:
+def test_noise_needs_at_least_eight_third_differences(count: int, known: bool) -> None:
     found = noise_of(_shaking([0.5], count)[:, 0])
     assert found == (pytest.approx(0.5 * UNIT) if known else np.inf)
 
 
-def test_the_noise_of_a_turn_is_twice_that_of_its_quaternion() -> None:
-    """A small rotation changes a quaternion by half its angle, in three of four dimensions."""
+def test_rotation_noise_is_twice_that_of_a_free_quaternion_component() -> None:
+    """The four components share the noise of three free ones, each of which is half an angle."""
     levels, alike = pose_noise(_shaking([0.01, 0.02, 0.03, 1e-3, 2e-3, 3e-3, 4e-3]))
     turn = 2.0 * np.sqrt((1.0 + 4.0 + 9.0 + 16.0) / 3.0) * 1e-3
     np.testing.assert_allclose(levels, UNIT * np.array([0.01, 0.02, 0.03, turn, turn, turn]))
@@ -147,10 +147,14 @@ def test_the_noise_of_a_turn_is_twice_that_of_its_quaternion() -> None:
 
 
 @pytest.mark.parametrize(('middle', 'filtered'), [(0.19, True), (0.21, False)])
-def test_a_tracker_of_a_fifth_of_the_least_noise_was_filtered(
+def test_a_tracker_below_a_fifth_of_the_least_noise_counts_as_filtered(
     middle: float, filtered: bool
 ) -> None:
-    """A filtered tracker gets 8 mm and 16 mrad, and 12.5 poses count as one independent pose."""
+    """
+    The median over the axes of position decides.
+
+    Filtered poses get at least 8 mm and 16 mrad, times sqrt(12.5) since 12.5 of them say the same.
+    """
     size = [0.0, middle * 5e-4 / UNIT, 0.1, 0.0, 0.0, 0.0, 0.0]
     levels, alike = pose_noise(_shaking(size))
     largest = 0.1 * UNIT
@@ -162,12 +166,11 @@ def test_a_tracker_of_a_fifth_of_the_least_noise_was_filtered(
     assert alike == (12.5 if filtered else 1.0)
 
 
-def test_no_sensor_is_taken_for_better_than_it_can_be() -> None:
-    """Constant readings get the floors: 0.3 mrad/s, 3 mm/s2, 1 mm and 0.3 Pa."""
+def test_readings_that_never_change_get_the_least_noise_of_their_sensor() -> None:
+    """That is 0.3 mrad/s, 3 mm/s2, 1 mm and 0.3 Pa."""
     told = helix()
     others = {'rates': np.zeros((len(TIME), 3)), 'force': np.zeros((len(TIME), 3)),
               'range': np.zeros((len(TIME), 1)), 'pressure': np.zeros((len(TIME), 1))}  # fmt: skip
     streams = {name: Stream(TIME, values) for name, values in others.items()}
     found = measured(replace(told, others=streams))
     assert found.noise[6:].tolist() == [3e-4] * 3 + [3e-3] * 3 + [1e-3, 0.3]
-    assert len(LEAST) == len(found.noise)

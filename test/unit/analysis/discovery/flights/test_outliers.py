@@ -46,7 +46,7 @@ def test_a_wild_pose_goes_as_a_whole_and_a_clean_flight_stays(clean: Linearised)
 
 
 def _still(quaternion: float) -> Measured:
-    """Return a flight at rest with one wrong attitude and two outliers."""
+    """Return a flight at rest with one displaced quaternion and two readings 13 deviations off."""
     n = 100
     turn = np.tile([0.0, 0.0, 0.0, 1.0], (n, 1))
     turn[50, 1] = quaternion
@@ -58,10 +58,10 @@ def _still(quaternion: float) -> Measured:
 
 
 @pytest.mark.parametrize(('quaternion', 'wild_poses'), [(0.0235, 0), (0.0245, 1)])
-def test_half_of_the_largest_turn_is_the_noise_of_a_quaternion(
+def test_a_quaternion_is_wild_beyond_twelve_times_half_the_rotation_noise(
     quaternion: float, wild_poses: int
 ) -> None:
-    """4 mrad of noise are 2e-3 in the quaternion; outliers lie beyond 12 times the noise."""
+    """The largest rotation noise is 4 mrad, so the limit is 12 * 2e-3 = 0.024."""
     found, count = without_outliers(_still(quaternion))
     assert count == 2 + wild_poses
     assert np.flatnonzero(np.isnan(found.quaternion).all(axis=1)).tolist() == [50] * wild_poses
@@ -71,25 +71,24 @@ def test_half_of_the_largest_turn_is_the_noise_of_a_quaternion(
 @pytest.mark.parametrize(('length', 'found'), [(8, 8), (9, 9), (10, 0)])
 def test_more_than_nine_readings_in_a_row_are_no_outliers(length: int, found: int) -> None:
     """
-    Up and down by 1 about a rest of 0: off the cubic by 11 / 6 at the ends and by 8 / 3 between.
+    The row alternates between 1 and -1, and all other readings are 0.
 
-    The neighbours are off by 5 / 6, which twelve deviations of 0.075 allow.
+    It is off the cubic through its neighbours by 11 / 6 at least, the readings beside it by 5 / 6;
+    the limit of twelve deviations is 0.9.
     """
     values = np.zeros(60)
     values[30 : 30 + length] = (-1.0) ** np.arange(length)
     assert wild(values, 0.075).sum() == found
 
 
-def test_what_is_off_by_less_than_a_third_of_the_worst_is_the_error_of_the_cubic() -> None:
+def test_a_reading_off_by_less_than_0_3_of_the_worst_beside_it_is_not_wild() -> None:
     values = np.zeros(60)
     values[30:33] = 1.0, 0.32, -0.28
     assert np.flatnonzero(wild(values, 1e-3)).tolist() == [30, 31]
 
 
 def test_a_cubic_however_steep_has_no_wild_readings() -> None:
-    """
-    Fourth differences of a cubic are 0; those of t^4 are 24, a sixth of which is the deviation.
-    """
+    """A reading 0.02 off the cubic is wild if twelve deviations are 0.012, not if 0.0204."""
     time = np.arange(40.0)
     assert not wild(time**3, 1e-6).any()
     values = time**3
@@ -99,8 +98,10 @@ def test_a_cubic_however_steep_has_no_wild_readings() -> None:
 
 
 @pytest.mark.parametrize(('length', 'missing', 'found'), [(6, 0, []), (7, 0, [2]), (7, 1, [])])
-def test_a_wild_reading_needs_six_neighbours(length: int, missing: int, found: list[int]) -> None:
-    """A window has five readings on either side; missing readings do not count as neighbours."""
+def test_a_reading_is_wild_only_with_six_known_neighbours(
+    length: int, missing: int, found: list[int]
+) -> None:
+    """Up to five on either side are used; missing readings do not count."""
     values = np.zeros(length)
     values[2] = 1.0
     values[length - missing :] = np.nan

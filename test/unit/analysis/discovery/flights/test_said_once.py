@@ -30,20 +30,20 @@ def test_one_flight_twice_is_one_flight() -> None:
     assert said_once(['A is late.', 'A is late.'], 9) == ['A is late.']
 
 
-def test_three_flights_are_named_and_more_are_counted() -> None:
+def test_up_to_three_flights_are_named_and_further_ones_counted() -> None:
     for count, names in ((2, 'A, B'), (3, 'A, B, C'), (4, 'A, B, C and 1 more')):
         late = [f'{name} is late.' for name in 'ABCD'[:count]]
         assert said_once(late) == [f'{names} are late.']
 
 
-def test_how_many_flights_there_are_is_said_of_two_and_more() -> None:
+def test_the_number_of_flights_is_given_if_there_is_more_than_one() -> None:
     odd = ['A: 3 are odd.', 'B: 3 are odd.']
     assert said_once(odd, 2) == ['In 2 of 2 flights (A, B): 3 are odd.']
     assert said_once(odd, 1) == said_once(odd) == ['A, B: 3 are odd.']
 
 
-def test_only_numbers_of_their_own_are_ranges() -> None:
-    """Numbers within names and words are not merged into ranges."""
+def test_only_separate_numbers_after_a_colon_become_ranges() -> None:
+    """Sentences that differ in digits within a word, or have 'is' for the colon, stay apart."""
     said = ['A: lost_3 misses 1.5 s.', 'B: lost_3 misses 0.5 s.', 'C: lost_4 misses 1 s.']
     assert said_once(said, 3) == [
         'In 2 of 3 flights (A, B): lost_3 misses 0.5 to 1.5 s.', 'C: lost_4 misses 1 s.',
@@ -51,6 +51,6 @@ def test_only_numbers_of_their_own_are_ranges() -> None:
     assert said_once(['A is 1 s late.', 'B is 2 s late.']) == ['A is 1 s late.', 'B is 2 s late.']
 
 
-def test_a_sentence_that_begins_with_no_name_stays() -> None:
+def test_a_sentence_that_begins_with_no_name_is_only_deduplicated() -> None:
     said = ['The flight, A: is odd.', 'The other flight is odd.', 'A 1: 2 are odd.']
     assert said_once(said * 2, 2) == said

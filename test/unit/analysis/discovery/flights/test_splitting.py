@@ -64,35 +64,35 @@ def test_what_is_given_stays_and_nothing_to_learn_from_is_refused(flight: Measur
 
 
 def _usable(flight: Measured, count: int) -> Measured:
-    """Return the flight with this many usable points."""
+    """Return the flight with `count` usable points: 100, 103, 106, ..."""
     usable = np.zeros(len(flight.usable), dtype=bool)
     usable[100 : 100 + 3 * count : 3] = True
     return replace(flight, usable=usable)
 
 
-def test_ten_points_in_three_parts_are_four_three_and_three(flight: Measured) -> None:
-    """A point on a boundary belongs to the part that it ends."""
+def test_ten_usable_points_make_three_parts_of_four_three_and_three(flight: Measured) -> None:
+    """The parts end at 40, 70 and 100 % of the points; a point at an end belongs to that part."""
     found, _ = assigned([('A', 'train', _usable(flight, 10))])
     where = [np.flatnonzero(each.usable).tolist() for _, _, each in found]
     assert where == [[100, 103, 106, 109], [112, 115, 118], [121, 124, 127]]
 
 
-def test_ten_points_in_two_parts_are_six_and_four(flight: Measured) -> None:
+def test_ten_usable_points_make_two_parts_of_six_and_four(flight: Measured) -> None:
     found, _ = assigned([('A', 'train', _usable(flight, 10)), ('H', 'holdout', flight)])
     assert [int(each.usable.sum()) for _, _, each in found[:2]] == [6, 4]
     assert found[1][2].usable[[118, 121, 124, 127]].all()
 
 
 @pytest.mark.parametrize(('count', 'kept'), [(0, 0), (1, 1), (2, 1)])
-def test_a_part_of_hardly_any_points_is_what_there_is(
+def test_the_second_half_of_at_most_two_points_is_the_last_one(
     flight: Measured, count: int, kept: int
 ) -> None:
-    """A single point lies at the end of the flight, so only the last part holds it."""
+    """The first of two points ends the first half, to which it therefore belongs."""
     assert part(_usable(flight, count), 0.5, 1.0).usable.sum() == kept
 
 
 @pytest.mark.parametrize(('count', 'teach'), [(2, 1), (3, 2), (4, 2), (5, 3)])
-def test_of_an_odd_number_of_flights_one_more_teaches(
+def test_of_an_odd_number_of_flights_one_more_trains_than_confirms(
     flight: Measured, count: int, teach: int
 ) -> None:
     found, _ = assigned([(f'F{k}', 'train', flight) for k in range(count)])

@@ -1,4 +1,4 @@
-"""How a flight is read from a recording: its pose, its commands and their unit."""
+"""Pose, commands and sensors are picked from the channels of a recording, in known units."""
 
 from typing import Final
 
@@ -39,16 +39,16 @@ def recorded(wrench: dict[str, float], motors: dict[str, float]) -> dict[str, Ch
     return told
 
 
-def test_motors_are_taken_before_a_wrench() -> None:
-    """Where a recording has both, only the motors push the drone."""
+def test_motor_commands_take_precedence_over_a_wrench() -> None:
+    """Otherwise the model of a drone that records both would be pushed twice."""
     wrench = {'wrench_command/wrench.force.x': 0.1}
     both = streams_of(recorded(wrench, {'motors/effort.one': 0.5}), ('one',))
     assert both.wrench is None
     assert both.commands.values[0].tolist() == [0.5]
 
 
-def test_a_wrench_may_leave_axes_out() -> None:
-    """An axis that is NaN or missing is not commanded."""
+def test_axes_missing_from_a_commanded_wrench_are_zero() -> None:
+    """An axis that nobody commands has no channel, or one of NaN."""
     wrench = {'wrench_command/wrench.force.x': 0.1, 'wrench_command/wrench.torque.z': np.nan}
     told = streams_of(recorded(wrench, {}), ('one',)).wrench
     assert told is not None
@@ -61,9 +61,9 @@ MAPPING: Final = 'topics: [{topic: motors, actuators: {left: {effort: {column: a
 @pytest.mark.parametrize(
     ('vehicle', 'provenance', 'told', 'duty'),
     [
-        ('rgblimp', {}, 0.03, 0.5),  # 0.060 N at full duty
-        ('rgblimp', {}, 0.3, 0.3),  # more than it has in newtons
-        ('gtmab', {'mapping_file': MAPPING}, 0.0915 / 4 + 0.0677 / 2, 0.5),  # a u2 + b u
+        ('rgblimp', {}, 0.03, 0.5),  # a rotor has 0.060 N at full duty
+        ('rgblimp', {}, 0.3, 0.3),  # too much for newtons, so a duty
+        ('gtmab', {'mapping_file': MAPPING}, 0.0915 / 4 + 0.0677 / 2, 0.5),  # a u^2 + b u
         ('gtmab', {}, 0.05, 0.05),
         ('gtmab', {'mapping_file': 'topics: [5, {topic: motors, actuators: 7}]'}, 0.05, 0.05),
         ('gtmab', {'mapping_file': 'topics: ['}, 0.05, 0.05),
@@ -73,7 +73,9 @@ def test_newtons_become_duties(
     vehicle: str, provenance: dict[str, str], told: float, duty: float
 ) -> None:
     """
-    Commands are newtons if the import mapping says so, or if none exceeds what weak rotors push.
+    The import mapping says whether commands are newtons.
+
+    Without it they are if full thrust is below 0.1 N and no command exceeds it by more than 10 %.
     """
     nominal = Nominal.of(load_vehicle(vehicle))
     time = np.zeros(1)
@@ -82,8 +84,8 @@ def test_newtons_become_duties(
     assert found == pytest.approx(np.full((1, 2), duty), rel=1e-3)
 
 
-def ordered(vehicle: str, values: list[list[float]], wrench: Stream | None = None) -> Array:
-    """Return the duties read from commands without a stated unit."""
+def duties(vehicle: str, values: list[list[float]], wrench: Stream | None = None) -> Array:
+    """Return the duties that are made of commands whose unit the recording does not say."""
     told = Streams(
         Stream(np.zeros(1), np.zeros((1, 7))),
         Stream(np.arange(float(len(values))), np.array(values)),
@@ -92,22 +94,26 @@ def ordered(vehicle: str, values: list[list[float]], wrench: Stream | None = Non
     return in_duties(told, Nominal.of(load_vehicle(vehicle)), {}).commands.values
 
 
-def test_faint_rotors_are_told_newtons_where_none_exceeds_its_most() -> None:
-    """Up to 10 % above the 0.060 N of full duty counts as newtons; 0.067 N does not."""
-    found = ordered('rgblimp', [[0.065, -0.03], [np.nan, 0.0], [0.0, 0.006]])
+def test_commands_of_faint_rotors_are_newtons_unless_one_exceeds_full_thrust() -> None:
+    """
+    The limit is 10 % above the full thrust of 0.060 N.
+
+    So 0.065 is a force, for a duty of 1.083, and 0.067 can only be a duty.
+    """
+    found = duties('rgblimp', [[0.065, -0.03], [np.nan, 0.0], [0.0, 0.006]])
     np.testing.assert_allclose(found, [[0.065 / 0.06, -0.5], [np.nan, 0.0], [0.0, 0.1]])
     beyond = [[0.01, -0.067], [0.02, 0.0]]
-    np.testing.assert_array_equal(ordered('rgblimp', beyond), beyond)
+    np.testing.assert_array_equal(duties('rgblimp', beyond), beyond)
 
 
-def test_commands_that_nobody_gives_stay_as_they_are() -> None:
+def test_commands_beside_a_wrench_and_zero_commands_are_not_converted() -> None:
     push = Stream(np.zeros(1), np.ones((1, 6)))
-    assert ordered('rgblimp', [[0.03, 0.03]], push).tolist() == [[0.03, 0.03]]
-    assert ordered('rgblimp', [[0.0, 0.0]]).tolist() == [[0.0, 0.0]]
+    assert duties('rgblimp', [[0.03, 0.03]], push).tolist() == [[0.03, 0.03]]
+    assert duties('rgblimp', [[0.0, 0.0]]).tolist() == [[0.0, 0.0]]
 
 
 def motors(actuators: str, topic: str = 'motors') -> str:
-    """Return an import mapping of one topic."""
+    """Return an import mapping with one topic of these actuators."""
     return f'topics: [{{topic: {topic}, actuators: {actuators}}}]'
 
 
@@ -128,7 +134,7 @@ def motors(actuators: str, topic: str = 'motors') -> str:
         ('topics: {one: {topic: motors, actuators: [{effort: {unit: N}}]}}', True),
     ],
 )
-def test_an_import_says_whether_its_efforts_are_newtons(
+def test_the_unit_of_efforts_is_read_from_the_import_mapping(
     mapping: str, newtons: bool | None
 ) -> None:
     assert told_in_newtons({'mapping_file': mapping}) is newtons
@@ -136,12 +142,12 @@ def test_an_import_says_whether_its_efforts_are_newtons(
 
 
 def pose(topic: str) -> dict[str, Channel]:
-    """Return the channels of a tracker pose."""
+    """Return the two channels by which a topic is recognised as a pose."""
     names = [f'{topic}/pose.position.x', f'{topic}/pose.orientation.yaw']
     return {name: channel(name, np.zeros(1), np.zeros(1)) for name in names}
 
 
-def test_the_best_tracker_is_taken_and_no_pose_that_nobody_measured() -> None:
+def test_the_preferred_tracker_is_taken_and_never_an_unmeasured_pose() -> None:
     others = {**pose('odom'), **pose('my_tracker'), **pose('estimate'), **pose('setpoint')}
     assert tracker(others) == 'my_tracker/pose.'
     both = {**others, **pose('vrpn/pose'), **pose('ground_truth/pose')}
@@ -152,7 +158,7 @@ def test_the_best_tracker_is_taken_and_no_pose_that_nobody_measured() -> None:
         tracker({**pose('odom'), **no_yaw})
 
 
-def test_attitude_is_yaw_then_pitch_then_roll_and_what_is_not_known_stays_so() -> None:
+def test_attitude_is_yaw_then_pitch_then_roll_and_nan_in_incomplete_poses() -> None:
     told = recorded({}, {'motors/effort.one': 0.5})
     angles = {'yaw': 1.2, 'pitch': -0.4, 'roll': 0.3}
     for name, value in angles.items():
@@ -169,7 +175,7 @@ def test_attitude_is_yaw_then_pitch_then_roll_and_what_is_not_known_stays_so() -
     assert found.mass is None
 
 
-def test_readings_are_brought_into_the_order_of_time_and_no_instant_comes_twice() -> None:
+def test_readings_are_sorted_by_time_and_the_first_of_an_instant_is_taken() -> None:
     told = recorded({}, {'motors/effort.one': 0.5})
     time, values = np.array([0.0, 2.0, 1.0, 1.0]), np.array([1.0, 2.0, 3.0, 4.0])
     for axis in 'xyz':
@@ -180,21 +186,21 @@ def test_readings_are_brought_into_the_order_of_time_and_no_instant_comes_twice(
     assert rates.values.tolist() == [[1.0] * 3, [3.0] * 3, [2.0] * 3]
 
 
-def test_channels_of_one_topic_are_equally_long() -> None:
+def test_channels_of_unequal_length_in_one_topic_are_refused() -> None:
     told = recorded({}, {'motors/effort.one': 0.5})
     told['pose/pose.position.z'] = channel('pose/pose.position.z', np.zeros(3), np.zeros(3))
     with pytest.raises(BadInput, match="channels of 'pose' are not equally long"):
         streams_of(told, ('one',))
 
 
-def test_a_sensor_that_lacks_an_axis_is_not_there() -> None:
+def test_a_sensor_that_lacks_an_axis_is_left_out() -> None:
     told = recorded({}, {'motors/effort.one': 0.5})
     for name in ('imu/angular_velocity.x', 'imu/angular_velocity.y', 'range/range'):
         told[name] = channel(name, np.zeros(1), np.ones(1))
     assert set(streams_of(told, ('one',)).others) == {'range'}
 
 
-def test_a_moving_mass_is_where_all_its_axes_are_told() -> None:
+def test_the_place_of_a_moving_mass_needs_all_its_axes() -> None:
     told = recorded({}, {'motors/effort.one': 0.5})
     names = [f'motors/position.moving_mass_{axis}' for axis in 'xyz']
     for k, name in enumerate(names):
@@ -210,7 +216,7 @@ def test_a_moving_mass_is_where_all_its_axes_are_told() -> None:
     assert streams_of(told, ('one',)).mass is None
 
 
-def test_a_vehicle_that_is_told_a_wrench_has_still_rotors() -> None:
+def test_rotor_commands_are_zero_if_a_wrench_is_commanded() -> None:
     told = streams_of(recorded({'wrench_command/wrench.force.x': 0.1}, {}), ('one', 'two'))
     assert told.commands.values.tolist() == [[0.0, 0.0]]
     assert told.commands.time.tolist() == [0.0]

@@ -52,7 +52,7 @@ def test_whole_flights_are_used_whole_and_told_to_be_simulated(flights, gtmab):
         'A, B, C are declared as simulated: nothing follows for a real vehicle.',
     )
     for _, _, flight in found.flights:
-        assert flight.usable[flight.time > 4.0].all()  # before, it stands on the floor
+        assert flight.usable[flight.time > 4.0].all()  # until then it stands on the floor
         assert np.isfinite(flight.noise).all()
 
 

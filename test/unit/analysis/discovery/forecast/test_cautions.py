@@ -35,12 +35,14 @@ def test_a_fit_that_helps_is_not_warned_of() -> None:
 
 
 @pytest.mark.parametrize(('most', 'worse'), [(0.0, 0), (-1e-6, 1)])
-def test_a_fit_is_worse_where_even_the_best_of_its_interval_is(most: float, worse: int) -> None:
+def test_a_fit_is_worse_if_even_the_upper_end_of_its_interval_is_negative(
+    most: float, worse: int
+) -> None:
     assert len(cautions([gap('position', 5.0, 0.3, 0.31, 0.5, most)])) == worse
 
 
 @pytest.mark.parametrize('better', ['before', 'tuned', 'after'])
-def test_a_model_is_of_use_where_any_predicts_as_well_as_keeping_velocity(better: str) -> None:
+def test_a_model_that_predicts_as_well_as_keeping_velocity_is_of_use(better: str) -> None:
     told = replace(gap('attitude', 3.0, 0.5, 0.5, 0.3, 0.7), **{better: 0.3})
     assert cautions([told]) == []
     (idle,) = cautions([replace(told, coast=0.29)])

@@ -43,16 +43,16 @@ def test_damping_is_eased_and_raised() -> None:
     assert next_damping(LEAST, True) == LEAST
     assert next_damping(1.0, True) == 0.2
     assert next_damping(1.0, False) == 5.0
-    assert next_damping(4.9e-5, True) == LEAST == 1e-5
+    assert next_damping(4.9e-5, True) == 1e-5
 
 
 @pytest.mark.parametrize(
     ('at', 'right', 'expected'),
     [
-        ((0.0, 5.0), (3.0, 3.0), (3.0, 5.0)),  # the second is at its upper bound
-        ((0.0, 5.0), (3.0, -3.0), (3.0, 2.0)),  # and may go down from there
-        ((0.0, 5.0), (-3.0, 3.0), (0.0, 5.0)),  # both are held
-        ((1.0, 4.0), (-3.0, 3.0), (0.0, 5.0)),  # both end at their bounds
+        ((0.0, 5.0), (3.0, 3.0), (3.0, 5.0)),  # the second is pushed beyond its upper bound
+        ((0.0, 5.0), (3.0, -3.0), (3.0, 2.0)),  # the second may move down from its upper bound
+        ((0.0, 5.0), (-3.0, 3.0), (0.0, 5.0)),  # both are pushed beyond their bounds
+        ((1.0, 4.0), (-3.0, 3.0), (0.0, 5.0)),  # both move as far as their bounds
         ((0.0, 0.0), (9.0, -1.0), (5.0, 0.0)),
     ],
 )
@@ -64,11 +64,12 @@ def test_a_knob_is_held_only_where_it_is_pushed_beyond_its_bound(
     np.testing.assert_allclose(found, expected)
 
 
-def test_what_is_held_may_free_nobody_and_hold_another() -> None:
+def test_holding_one_knob_may_push_another_beyond_its_bound() -> None:
     """
-    Of three at a bound the first is held, then the second, and the third moves alone.
+    All three knobs stand at their lower bounds, and the free step is (-41/9, 31/9, 2).
 
-    Freely (5 4 0; 4 5 0; 0 0 2) x = (-9, -1, 4): -41/9 and 31/9; without the first: -1/5.
+    The first is held. Without it the second would step by -1/5, so it is held as well, and only
+    the third moves.
     """
     inner = np.array([[5.0, 4.0, 0.0], [4.0, 5.0, 0.0], [0.0, 0.0, 2.0]])
     right, high = np.array([-9.0, -1.0, 4.0]), np.full(3, 9.0)

@@ -31,7 +31,7 @@ def test_small_rotations_keep_their_size() -> None:
     np.testing.assert_allclose(logarithm(exponential(tiny)), tiny, rtol=1e-7, atol=1e-16)
 
 
-def test_half_a_turn_keeps_its_axis_and_more_is_less_the_other_way() -> None:
+def test_a_turn_by_pi_keeps_its_axis_and_a_larger_one_gets_the_opposite_axis() -> None:
     np.testing.assert_allclose(logarithm(np.array([0.6, 0.0, 0.8, 0.0])), np.pi * AXIS)
     turned = logarithm(exponential((np.pi + 0.1) * AXIS))
     np.testing.assert_allclose(turned, -(np.pi - 0.1) * AXIS)

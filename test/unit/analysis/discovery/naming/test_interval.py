@@ -1,4 +1,4 @@
-"""Intervals of fitted values, including the error of the model itself."""
+"""The spread of a value includes an assumed error of the model itself."""
 
 from types import SimpleNamespace
 
@@ -10,8 +10,12 @@ from scipy.stats import norm
 
 
 @pytest.mark.parametrize(('beside', 'wider'), [(False, 1.0), (True, 1.44)])
-def test_a_value_is_off_by_half_a_percent_at_least(beside: bool, wider: float) -> None:
-    """For 200 that is 1; unexplained forces widen the deviation by a fifth."""
+def test_a_spread_includes_half_a_percent_of_the_value(beside: bool, wider: float) -> None:
+    """
+    Half a percent of 200 is 1; the clock skew has a least error of 5e-6 as well.
+
+    Beside effects outside the library deviations are larger by a fifth, variances by 1.2^2 = 1.44.
+    """
     knobs = [SimpleNamespace(name=name) for name in ('vehicle.mass', 'clock_skew.skew')]
     covariance = np.diag([4.0, 9e-12, 77.0])
     found = Fitted(0.0, np.array([-200.0, 0.0, 5.0]), covariance)

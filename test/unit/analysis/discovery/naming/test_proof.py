@@ -35,7 +35,7 @@ def test_the_better_of_two_names_stands(
 
 
 def _proof(*knobs: tuple[str, float]) -> Proof:
-    """Return a proof without flights for candidates given by name and typical size."""
+    """Return a proof without flights whose candidates have these names and typical sizes."""
     proof = object.__new__(Proof)
     proof.knobs = [SimpleNamespace(name=name, typical=typical) for name, typical in knobs]
     proof._order = [name for name, _ in knobs]
@@ -47,8 +47,8 @@ def _worth(evidence: float) -> SimpleNamespace:
     return SimpleNamespace(evidence=evidence)
 
 
-def test_a_cost_is_refitted_unless_it_is_certain() -> None:
-    """A cost above 60 nats in the linear model is accepted without a refit."""
+def test_the_cost_of_an_effect_is_refitted_if_it_is_less_than_60_nats() -> None:
+    """A larger cost is taken as the model linearised about the full fit has it."""
     asked = []
     linear, refitted = {'a': 139.9, 'b': 140.1, 'c': 140.0}, {'b': 150.0}
 
@@ -66,8 +66,12 @@ def test_a_cost_is_refitted_unless_it_is_certain() -> None:
     assert _proof()._costs(('a',), _worth(200.0), _worth(180.0)) == {'a': 20.0}
 
 
-def test_what_is_near_looks_somewhat_like_it_and_costs_little() -> None:
-    """A rival has a cosine of at least 0.3 and costs at most 15 nats in the linear model."""
+def test_rivals_resemble_the_effect_and_lose_few_nats() -> None:
+    """
+    A rival's column has a cosine above 0.3 with that of the effect, and counts as alike above 0.9.
+
+    In place of the effect it loses less than 15 nats in the linearised model.
+    """
     proof = _proof(
         ('a', 1.0), ('named', 1.0), ('none', 0.0), ('faint', 1.0), ('some', 1.0), ('twin', 1.0),
         ('nan', 1.0), ('far', 1.0), ('just', 1.0),
@@ -96,8 +100,8 @@ def test_what_is_near_looks_somewhat_like_it_and_costs_little() -> None:
     }
 
 
-def test_two_rivals_are_refitted_and_what_is_within_a_tie_is_told() -> None:
-    """A third rival keeps its cost from the linear model; less than 3 nats apart is a tie."""
+def test_the_two_best_rivals_are_refitted_and_all_within_a_tie_are_listed() -> None:
+    """Further rivals keep the evidence of the linearised model; less than 3 nats is a tie."""
     near = {'b': (99.0, False), 'c': (98.5, False), 'd': (97.1, False), 'e': (97.0, False)}
     refitted = {'b': 97.2, 'c': 103.0}
     asked = []
@@ -112,12 +116,12 @@ def test_two_rivals_are_refitted_and_what_is_within_a_tie_is_told() -> None:
     ):
         found, _, name = _proof()._swapped('a', ('x', 'a'), _worth(100.0))
     assert asked == [('a', ('x', 'b')), ('a', ('x', 'c'))]
-    assert name == 'a'  # 3 nats better is a tie as well
+    assert name == 'a'  # a rival has to be better by more than 3 nats
     assert [*found] == ['c', 'b', 'd']
 
 
-def test_a_measured_value_has_no_usual_size() -> None:
-    """The prior of a measured value is widened by 30 typical sizes, so it is practically flat."""
+def test_measured_effects_have_a_prior_of_thirty_typical_sizes() -> None:
+    """So wide a prior hardly pulls a value towards 0; its variance grows by (30 * 0.5)^2 = 225."""
     proof = _proof(('a', 0.5), ('b', 2.0))
     full = SimpleNamespace(
         prior=Prior(np.array([1.0, 2.0]), np.diag([0.1, 0.2])), group='group', deviations='these'
@@ -146,7 +150,7 @@ def test_an_effect_is_removed_by_holding_it_at_zero() -> None:
     assert group.at.tolist() == [3.0, 4.0]
 
 
-def test_both_sides_begin_together_between_their_deviations() -> None:
+def test_a_joint_fit_starts_at_the_geometric_mean_of_the_deviations_of_both_sides() -> None:
     proof = _proof(('a', 1.0))
     sides = tuple(
         SimpleNamespace(group=Group((name,), np.zeros(1), np.zeros(1)), deviations=np.array(size))
@@ -159,10 +163,11 @@ def test_both_sides_begin_together_between_their_deviations() -> None:
     np.testing.assert_allclose(deviations, [3.0, 2.0])
 
 
-def test_what_costs_too_little_goes_and_the_rest_stands_by_its_costs() -> None:
+def test_effects_that_cost_less_than_5_nats_are_dropped_and_the_others_ranked() -> None:
     """
-    Effects that cost less than 5 nats are removed, the weakest first; the costs are then computed
-    anew.
+    The weakest is dropped first, and the costs of the others are computed anew.
+
+    The cost of an effect that is added later is what its trial won.
     """
     costs = [{'a': 4.9, 'b': 4.0, 'c': 30.0}, {'a': 5.0, 'c': 29.0}]
     asked = []
@@ -201,7 +206,7 @@ def test_what_costs_too_little_goes_and_the_rest_stands_by_its_costs() -> None:
     assert (found.full, found.bare, found.measured) == ('full', ('joined', ()), 'measured')
 
 
-def test_nothing_named_leaves_the_flights_bare() -> None:
+def test_without_named_effects_the_bare_fit_is_returned() -> None:
     named = SimpleNamespace(
         names=(), fits='fits', bare=(SimpleNamespace(group=Group((1,), 0, 0)),) * 2
     )
@@ -217,7 +222,7 @@ def test_nothing_named_leaves_the_flights_bare() -> None:
 def test_fainter_effects_are_added_until_a_round_names_none(
     rounds: list[str], named: bool
 ) -> None:
-    """If an effect was added, the flights are fitted once more at the end."""
+    """If any was named, the flights are settled once more in the end."""
     proof = _proof()
     proof.fitter.settled.return_value = 'settled'
     quiet = SimpleNamespace(group='group', prior='prior', deviations='these')

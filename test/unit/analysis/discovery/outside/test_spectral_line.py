@@ -122,8 +122,15 @@ def test_a_line_that_moves_nothing_is_not_told() -> None:
 
 def test_each_channel_of_pose_and_imu_has_its_unit() -> None:
     units = ['m', 'm', 'm', *['rad'] * 3, *['rad/s'] * 3, *['m/s2'] * 3]
-    assert CHANNELS[:12] == spectral_line.LOOKED_AT
     assert [Line(channel, 2.0, 1.0, 9.0).unit for channel in CHANNELS[:12]] == units
+
+
+@pytest.mark.parametrize('channel', CHANNELS[12:])
+def test_range_and_pressure_are_not_searched_for_lines(channel: str) -> None:
+    flights, noise = [_left(1), _left(2)], [np.ones(len(CHANNELS))] * 2
+    for flight in flights:
+        flight[:, :, CHANNELS.index(channel)] += _wave(2.0, 3.0)
+    assert lines(flights, TIMES, noise) == []
 
 
 def test_what_the_knots_follow_is_no_line() -> None:
@@ -136,19 +143,20 @@ def test_what_the_knots_follow_is_no_line() -> None:
 
 
 @pytest.mark.parametrize(('known', 'pieces'), [(134, 0), (135, 1)])
-def test_a_piece_counts_with_nine_tenths_of_its_readings(known: int, pieces: int) -> None:
+def test_a_piece_with_less_than_nine_tenths_of_its_readings_is_left_out(
+    known: int, pieces: int
+) -> None:
     wave = _wave(3.0, 2.0)[:1]
     wave[:, known:] = np.nan
     assert spectrum(wave).pieces == pieces
 
 
-def test_frequencies_begin_at_0_7_hertz() -> None:
-    """The bins of a 10 s piece are 0.1 Hz apart."""
+def test_spectra_begin_at_0_7_hertz() -> None:
+    """Pieces of 250 readings at 25 Hz last 10 s, so the bins are 0.1 Hz apart."""
     np.testing.assert_allclose(spectrum(np.zeros((2, 250))).hertz, 0.1 * np.arange(7, 126))
 
 
-def test_a_parabola_is_no_wave_and_a_cubic_is() -> None:
-    """A quadratic trend of each piece is subtracted before the spectrum."""
+def test_parabolas_of_any_size_are_removed_from_pieces_and_cubics_are_not() -> None:
     ramp = np.linspace(-1.0, 1.0, SIZE)
     slow = np.array([[1e3 + 2e3 * ramp - 3e3 * ramp**2], [5e3 * ramp]])[:, 0]
     assert spectrum(slow).power.max() < 1e-12
@@ -159,11 +167,11 @@ def test_a_parabola_is_no_wave_and_a_cubic_is() -> None:
         spectrum(cubic).power, spectrum(np.tile(ramp**3, (2, 1))).power, rtol=1e-4
     )
     gone = np.vstack([_wave(3.0, 2.0)[:1], np.full((1, SIZE), np.nan)])
-    found = whole(gone, TIME[:2], 2 * SIZE)  # from the finite readings
+    found = whole(gone, TIME[:2], 2 * SIZE)  # normalised by the known readings
     assert found.power.max() == pytest.approx(4.0, rel=0.02)
 
 
-def test_a_flight_has_two_bins_for_each_of_its_own() -> None:
+def test_a_whole_flight_is_padded_to_twice_its_length() -> None:
     size = PIECES * SIZE
     found = whole(_wave(2.0, 1.5), TIME + 7.0, size)
     assert np.diff(found.hertz) == pytest.approx(0.5 / (size * PERIOD))
@@ -181,22 +189,20 @@ def test_a_level_is_the_median_of_an_odd_number_of_neighbours(
     wide: float, plateau: int, kept: bool
 ) -> None:
     """
-    The running median spans at least three bins of 0.1 Hz, so a plateau wider than half of it
-    remains.
+    Of bins 0.1 Hz apart, 0.5 and 0.4 Hz are five and 0.1 Hz are three, the fewest.
+
+    A plateau over more than half of them is the level itself.
     """
     power = np.ones(100)
     power[50 : 50 + plateau] = 5.0
     found = spectral_line._levelled(0.1 * np.arange(100), power, 3, wide)
     assert found.level.max() == (5.0 if kept else 1.0)
     assert found.medians.max() == (1.0 if kept else 5.0)
-    assert (found.pieces, len(found.power)) == (3, 93)
+    assert (found.pieces, len(found.power)) == (3, 93)  # without the 7 bins below 0.7 Hz
 
 
-def test_the_neighbours_of_a_bin_reach_as_far_as_is_said() -> None:
-    """
-    The window is 2.5 Hz (15 bins of 1/6 Hz) for pieces and 1 Hz (121 bins of 1/120 Hz) for a
-    flight.
-    """
+def test_levels_are_medians_over_2_5_hertz_of_pieces_and_1_hertz_of_flights() -> None:
+    """These are 15 bins of 1/6 Hz of pieces of 6 s, and 121 of 1/120 Hz of a padded flight."""
     left = _left(5)[:, :, 0]
     for found, size in ((spectrum(left), 15), (whole(left, TIME, PIECES * SIZE), 121)):
         at = np.arange(size, len(found.power) - size)
@@ -205,7 +211,7 @@ def test_the_neighbours_of_a_bin_reach_as_far_as_is_said() -> None:
 
 
 def _spectra(*peaks: tuple[int, float], pieces: tuple[int, ...] = (10, 10)) -> list[Spectrum]:
-    """Return spectra of 100 bins and a level of 1, each with a peak."""
+    """Return spectra of 100 bins and a level of 1, each with a peak of some bin and height."""
     out = []
     for (at, height), count in zip(peaks, pieces, strict=False):
         power = np.ones(100)
@@ -217,15 +223,24 @@ def _spectra(*peaks: tuple[int, float], pieces: tuple[int, ...] = (10, 10)) -> l
 @pytest.mark.parametrize(
     ('heights', 'found'),
     [
-        # exp(-x) = 1e-4 / 100 at x = 13.816; 1.3 of that by ln 2 is 25.91.
+        # One flight: exp(-x) = 1e-4 / 100 at x = 13.816, and 1.3 x / ln 2 = 25.91.
         ((25.8,), False), ((26.0,), True),
-        # exp(-x) (1 + x) = 1e-4 / 300 at x = 17.850; half of 1.3 of that by ln 2 is 16.74.
+        # Two flights, three bins of the second for each of the first:
+        # exp(-x) (1 + x) = 1e-4 / 300 at x = 17.850, and 1.3 x / (2 ln 2) = 16.74.
         ((16.7, 16.7), False), ((16.8, 16.8), True),
-        # No flight less than 1.3 ln(3 / 0.01) by ln 2, 10.70.
+        # However high the other one is, each needs 1.3 ln(3 / 0.01) / ln 2 = 10.70.
         ((10.6, 90.0), False), ((10.8, 90.0), True),
     ],
 )  # fmt: skip
-def test_a_steady_line_is_as_unlikely_as_is_said(heights: tuple[float, ...], found: bool) -> None:
+def test_a_steady_line_is_higher_than_noise_is_by_chance(
+    heights: tuple[float, ...], found: bool
+) -> None:
+    """
+    Noise in any of the 100 bins exceeds the limit with a probability of 1e-4.
+
+    Its power is exponential, with a median of ln 2 times its mean; heights are in medians, and
+    1.3 is the allowance for windows and levels.
+    """
     seen = _spectra(*((50, height) for height in heights))
     assert spectral_line._steady(seen) == (50 if found else None)
 
@@ -233,12 +248,12 @@ def test_a_steady_line_is_as_unlikely_as_is_said(heights: tuple[float, ...], fou
 @pytest.mark.parametrize(
     ('heights', 'apart', 'at'),
     [
-        ((40.0, 39.0), 0, 50), ((40.0, 39.0), 2, 50), ((39.0, 40.0), 2, 52),  # the higher
-        ((40.0, 39.0), 3, 51), ((40.0, 39.0), 4, 52),  # the first between them
+        ((40.0, 39.0), 0, 50), ((40.0, 39.0), 2, 50), ((39.0, 40.0), 2, 52),  # the higher peak
+        ((40.0, 39.0), 3, 51), ((40.0, 39.0), 4, 52),  # the first bin within two of both
         ((40.0, 39.0), 5, None),
     ],
 )  # fmt: skip
-def test_a_steady_line_may_be_two_bins_from_its_place_in_each_flight(
+def test_peaks_of_a_steady_line_may_be_two_bins_from_it(
     heights: tuple[float, float], apart: int, at: int | None
 ) -> None:
     seen = _spectra((50, heights[0]), (50 + apart, heights[1]))
@@ -248,15 +263,16 @@ def test_a_steady_line_may_be_two_bins_from_its_place_in_each_flight(
 @pytest.mark.parametrize(
     ('heights', 'pieces', 'found'),
     [
-        ((4.9, 4.9), (10, 10), False), ((5.1, 5.1), (10, 10), True),  # five medians
-        ((2.9, 9.0), (10, 10), False), ((3.1, 7.0), (10, 10), True),  # three of each
-        ((3.5, 9.0), (30, 10), False), ((4.0, 9.0), (30, 10), True),  # each by its pieces
-        ((9.0, 9.0), (9, 1), False),
-        # Gamma of 4: 1e-6 beyond 21.350, half beyond 3.672; 1.3 of 5.814 is 7.56.
+        ((4.9, 4.9), (10, 10), False), ((5.1, 5.1), (10, 10), True),  # five medians in the mean
+        ((2.9, 9.0), (10, 10), False), ((3.1, 7.0), (10, 10), True),  # three medians in each
+        ((3.5, 9.0), (30, 10), False), ((4.0, 9.0), (30, 10), True),  # weighted by pieces
+        ((9.0, 9.0), (9, 1), False),  # one piece is too few
+        # The power of noise in four pieces is a gamma variable of shape 4: it exceeds 21.350 with
+        # a probability of 1e-4 / 100, its median is 3.672, and 1.3 * 21.350 / 3.672 = 7.56.
         ((7.5, 7.5), (2, 2), False), ((7.6, 7.6), (2, 2), True),
     ],
 )  # fmt: skip
-def test_a_line_of_the_pieces_stands_over_its_neighbours(
+def test_a_line_in_the_mean_of_pieces_is_higher_than_its_limits(
     heights: tuple[float, float], pieces: tuple[int, int], found: bool
 ) -> None:
     seen = _spectra(*((50, height) for height in heights), pieces=pieces)
@@ -264,23 +280,24 @@ def test_a_line_of_the_pieces_stands_over_its_neighbours(
 
 
 @pytest.mark.parametrize(('apart', 'found'), [(2, True), (3, False)])
-def test_a_line_of_the_pieces_may_be_a_bin_from_its_place(apart: int, found: bool) -> None:
+def test_peaks_of_a_line_in_the_mean_of_pieces_may_be_one_bin_from_it(
+    apart: int, found: bool
+) -> None:
     seen = _spectra((50, 9.0), (50 + apart, 9.0))
     assert spectral_line._averaged(seen) == (51 if found else None)
 
 
-def test_a_line_has_its_mean_amplitude_and_its_least_medians() -> None:
-    """
-    Powers of 9 and 4 in the neighbouring bins are amplitudes of 3 and 2, in units of the noise.
-    """
+def test_a_line_has_the_mean_amplitude_and_the_least_medians_of_the_flights() -> None:
+    """Beside the bin there are powers of 9 and 4: amplitudes of 3 and 2 times the noise."""
     first, second = _spectra((51, 9.0), (49, 4.0))
     line = spectral_line._line('q', [first, second], 50, [0.1, 0.2])
     assert line == ('q', pytest.approx(5.0), pytest.approx(0.5 * (0.3 + 0.4)), 4.0)
+    # At bin 0 the neighbour is bin 1, where only the second spectrum has its peak.
     far = spectral_line._line('q', _spectra((2, 9.0), (1, 4.0)), 0, [1.0, 1.0])
     assert far == ('q', 0.0, 1.5, 1.0)
 
 
-def test_the_strongest_line_comes_first_and_a_channel_without_noise_has_none() -> None:
+def test_the_strongest_line_comes_first_and_an_unmeasured_channel_has_none() -> None:
     flights, noise = [_left(1), _left(2)], [np.ones(len(CHANNELS)), np.ones(len(CHANNELS))]
     for flight in flights:
         for channel, amplitude in (('p', 1.0), ('q', 3.0), ('r', 2.0)):
@@ -291,6 +308,6 @@ def test_the_strongest_line_comes_first_and_a_channel_without_noise_has_none() -
 
 
 @pytest.mark.parametrize(('size', 'told'), [(0.99, False), (1.01, True)])
-def test_a_line_is_told_above_the_floor(size: float, told: bool) -> None:
+def test_a_line_is_reported_if_its_wrench_exceeds_the_floor(size: float, told: bool) -> None:
     line = Line('fz', 2.0, size * FLOOR[2] * INVERSE[2, 2] * np.sqrt(2.0), 12.0)
     assert telling([line], INVERSE, FLOOR) == ((line,) if told else ())

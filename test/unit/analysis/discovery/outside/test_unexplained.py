@@ -69,10 +69,8 @@ def test_turbulence_remains_on_the_axes_that_it_pushes(gtmab: Known) -> None:
         assert one.size == pytest.approx(one.floors * FLOOR[AXES.index(one.axis)])
 
 
-def test_knots_are_told_piece_by_piece_and_axis_by_axis() -> None:
-    """
-    The unknowns of a piece are 12 of its state, then nine knots of surge, nine of sway, and so on.
-    """
+def test_knots_have_a_row_for_each_knot_of_each_piece_and_a_column_for_each_axis() -> None:
+    """A piece has twelve unknowns of its state, then nine knots of surge, nine of sway, ..."""
     asked = []
 
     def solved(deviations, change):
@@ -92,7 +90,7 @@ def test_knots_are_told_piece_by_piece_and_axis_by_axis() -> None:
     np.testing.assert_array_equal(asked[0][1], np.zeros(3))
 
 
-def test_states_are_taken_at_the_nine_knots_from_the_first_to_the_last() -> None:
+def test_states_are_taken_at_nine_evenly_spaced_knots_of_each_piece() -> None:
     states = np.arange(2.0 * 17 * 13).reshape(2, 17, 13)
     flight = SimpleNamespace(trajectory=lambda point: states if point == 'here' else None)
     fitted = SimpleNamespace(linear=SimpleNamespace(point='here'))
@@ -100,8 +98,8 @@ def test_states_are_taken_at_the_nine_knots_from_the_first_to_the_last() -> None
     np.testing.assert_array_equal(found, np.vstack([states[0, ::2], states[1, ::2]]))
 
 
-def test_terms_are_those_of_the_state() -> None:
-    """The terms of one state that is yawed by 30 degrees."""
+def test_terms_are_functions_of_the_state() -> None:
+    """The state is yawed by 30 degrees."""
     half = np.radians(15.0)
     state = [1.0, 2.0, 3.0, 0.0, 0.0, np.sin(half), np.cos(half), 0.1, -0.2, 0.3, 0.4, 0.5, -0.6]
     found = {name: float(value[0]) for name, value in terms(np.array([state])).items()}
@@ -116,52 +114,55 @@ def test_terms_are_those_of_the_state() -> None:
     assert len(found) == 6 + 3 * 6 + 15
 
 
-# Seven series of which no one follows another, each of a mean square of 1.
+# Seven mutually orthogonal series, each with a mean square of 1.
 APART = hadamard(64)[:, [1, 2, 4, 8, 16, 32, 63]].astype(float)
 
 
 @pytest.mark.parametrize(
     ('shares', 'names', 'told'),
     [
-        ((0.90, 0.06, 0.04), 'ab', 0.96),  # a further term must add 0.05
-        ((0.30, 0.25, 0.20, 0.15), 'abc', 0.75),  # three at most
-        ((0.10, 0.20), 'ba', 0.30),  # the strongest first
+        ((0.90, 0.06, 0.04), 'ab', 0.96),  # a further term has to explain 0.05
+        ((0.30, 0.25, 0.20, 0.15), 'abc', 0.75),  # there are three terms at most
+        ((0.10, 0.20), 'ba', 0.30),  # the strongest term comes first
         ((0.16,), 'a', 0.16),
-        ((0.14,), '', 0.14),  # a share like this is gusts
+        ((0.14,), '', 0.14),  # gusts explain 0.15 by chance
         ((0.04,), '', 0.0),
     ],
 )
-def test_a_force_follows_terms_by_their_shares(
+def test_a_force_follows_the_terms_that_explain_most_of_its_variance(
     monkeypatch: pytest.MonkeyPatch, shares: tuple[float, ...], names: str, told: float
 ) -> None:
     known = dict(zip('abcdef', 0.01 * APART.T, strict=False))
     monkeypatch.setattr(unexplained, 'terms', lambda states: known)
     parts = np.zeros(7)
     parts[: len(shares)] = shares
-    parts[6] = 1.0 - sum(shares)  # noise
+    parts[6] = 1.0 - sum(shares)  # no term explains this share
     force = 3.0 * APART @ np.sqrt(parts)
     found, share = followed([APART, APART], [force, force])
     assert ''.join(found) == names
     assert share == pytest.approx(told, abs=1e-4)
 
 
-def test_what_holds_on_one_flight_alone_is_not_followed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A term must explain each flight with the coefficient fitted on the other."""
+def test_a_term_that_explains_one_flight_alone_is_not_followed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A fit to either flight has to explain the other one."""
     known = dict(zip('abcd', APART[:, [0, 3, 4, 5]].T, strict=True))
     monkeypatch.setattr(unexplained, 'terms', lambda states: known)
     for pair in ((APART[:, 0], APART[:, 1]), (APART[:, 1], APART[:, 0])):
         assert followed([APART, APART], pair) == ((), 0.0)
-    # Fitted where it is twice as strong it explains nothing, though half of it is there:
-    # 1 - (1 - 2) ^ 2 / 1 of the one, 1 - (1 - 1 / 2) ^ 2 = 3 / 4 of the other.
+    # If the force is twice as strong on one flight, a fit to that explains 1 - (1 - 2)^2 = 0 of
+    # the other, and a fit to the other 1 - (1 - 1 / 2)^2 = 3 / 4 of it. The smaller share counts.
     assert followed([APART, APART], [APART[:, 0], 2.0 * APART[:, 0]]) == ((), 0.0)
+    # If it is 1.5 times as strong, the smaller share is 1 - (1 - 1.5)^2 = 3 / 4.
     names, share = followed([APART, APART], [APART[:, 0], 1.5 * APART[:, 0]])
     assert (names, share) == (('a',), pytest.approx(0.75, abs=1e-2))
 
 
-def test_an_axis_counts_where_all_flights_together_stand_clear(
+def test_an_axis_counts_if_the_mean_of_all_flights_is_above_2_5_floors(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """The geometric means over both flights are 2.449, 2.550, 3, 10, 1 and 2.49 floors."""
+    """The geometric means of the two sides are 2.449, 2.550, 3, 10, 1 and 2.49 floors."""
     sizes = ([1.0, 1.3, 9.0, 4.0, 1.0, 2.49], [6.0, 5.0, 1.0, 25.0, 1.0, 2.49])
     fits = [[SimpleNamespace(deviations=np.array(size) * FLOOR)] for size in sizes]
     knots = [np.arange(12.0).reshape(2, 6), np.arange(12.0, 24.0).reshape(2, 6)]

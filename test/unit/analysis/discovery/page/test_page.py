@@ -62,8 +62,8 @@ def found(gtmab: Known) -> Study:
 
 
 @pytest.fixture(scope='module', autouse=True)
-def _replayed_once() -> Iterator[None]:
-    """Compute the residuals of a study's flights once for all pages: that is most of the time."""
+def _residuals_cached() -> Iterator[None]:
+    """Compute the residuals of a study's flights once for all its pages, since they take long."""
     kept: dict[object, tuple[np.ndarray, object, object]] = {}
 
     def best(flight: Linearised, point: Point) -> np.ndarray:
@@ -71,7 +71,7 @@ def _replayed_once() -> Iterator[None]:
         if key not in kept:
             left = best_begun(flight, point)
             left.flags.writeable = False
-            kept[key] = left, flight, point.nominal  # references keep the ids unique
+            kept[key] = left, flight, point.nominal  # kept alive, so that ids stay unique
         return kept[key][0]
 
     with pytest.MonkeyPatch.context() as patch:

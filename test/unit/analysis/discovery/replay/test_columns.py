@@ -72,7 +72,7 @@ def test_states_knots_and_pressure_have_theirs(
 
 
 @pytest.mark.parametrize('k', range(len(SENSORS)))
-def test_errors_of_sensors_that_no_effect_has_have_theirs(
+def test_columns_of_sensor_errors_are_derivatives_of_the_residual(
     gtmab: Known, clean: Linearised, columns: NDArray[np.float64], k: int
 ) -> None:
     point = origin(gtmab[0], gtmab[1], len(clean.replay.first))
@@ -85,13 +85,13 @@ def test_errors_of_sensors_that_no_effect_has_have_theirs(
     assert _differ(change / noise / 0.01, columns[..., RANDOM + len(gtmab[1]) + k]) < 1e-9
 
 
-def test_some_pieces_have_the_columns_of_those_and_all_readings_are_counted(
+def test_columns_of_some_pieces_and_products_of_all_agree_with_the_whole_table(
     gtmab: Known,
     clean: Linearised,
     columns: NDArray[np.float64],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(linearise, 'CHUNK', 2)  # pieces computed at a time
+    monkeypatch.setattr(linearise, 'CHUNK', 2)  # the chunks are smaller than the flight
     point = origin(gtmab[0], gtmab[1], len(clean.replay.first))
     table, left = clean.columns(point, slice(1, 3))
     np.testing.assert_allclose(table, columns[1:3], rtol=1e-9, atol=1e-9)
@@ -101,7 +101,7 @@ def test_some_pieces_have_the_columns_of_those_and_all_readings_are_counted(
     assert none.rows.tolist() == known.sum(axis=(1, 2)).tolist()
     full = np.concatenate([columns, none.residual[..., None]], axis=-1)
     full[~known] = 0.0
-    full[..., RANDOM : RANDOM + len(gtmab[1])] = 0.0  # no knob is wanted
+    full[..., RANDOM : RANDOM + len(gtmab[1])] = 0.0  # knobs that are not wanted have columns of 0
     flat = full.reshape(len(full), -1, full.shape[-1])
     np.testing.assert_allclose(
         none.grams, np.swapaxes(flat, 1, 2) @ flat, rtol=1e-8, atol=1e-6 * np.abs(flat).max()
@@ -155,7 +155,7 @@ def test_what_is_not_wanted_costs_nothing_and_changes_nothing(
 
 
 def test_a_piece_that_ends_after_the_flight_repeats_its_last_point() -> None:
-    """A flight of 100 points ends with index 99; later steps repeat it while time goes on."""
+    """The last of 100 points has the index 99; the times of the piece go on beyond it."""
     flight = SimpleNamespace(time=0.3 + 0.04 * np.arange(100), noise=np.ones(14))
     cut = SimpleNamespace(first=np.array([3, 97]), length=5)
     found = Linearised(SimpleNamespace(flight=flight, cut=cut, span=5 * STEPS), [], None)

@@ -60,7 +60,7 @@ def test_a_pose_a_tenth_of_a_second_old_swings_no_wider(gtmab: tuple[Nominal, li
     ('effect', 'name', 'value'),
     [('tracker_delay', 'delay', 0.1), ('clock_offset', 'offset', -0.1)],
 )
-def test_a_delay_and_a_clock_behind_show_the_same(
+def test_a_tracker_delay_and_a_negative_clock_offset_shift_poses_alike(
     gtmab: tuple[Nominal, list[Knob]], effect: str, name: str, value: float
 ) -> None:
     time = PERIOD * np.arange(101)
@@ -72,6 +72,7 @@ def test_a_delay_and_a_clock_behind_show_the_same(
 
 
 def test_the_shift_of_a_pose_adds_up_clock_and_delay(gtmab: tuple[Nominal, list[Knob]]) -> None:
+    """The shift is 0.02 s + 5e-4 t - 0.1 s."""
     nominal = gtmab[0].with_value('clock_offset', 'offset', 0.02)
     nominal = nominal.with_value('clock_skew', 'skew', 5e-4)
     acting = nominal.with_value('tracker_delay', 'delay', 0.1).rows().acting
@@ -116,9 +117,11 @@ def test_a_misaligned_tracker_is_turned_back_into_the_map(
     np.testing.assert_allclose(back, truth, atol=1e-12)
 
 
-def test_the_frame_of_a_tracker_is_that_at_the_origin_and_level() -> None:
+def test_the_frame_of_a_tracker_is_evaluated_level_at_the_origin_at_time_0() -> None:
     """
-    The frame is evaluated at the origin, level and at time 0, although it depends on all three.
+    The effect of this test depends on place, attitude and time.
+
+    It doubles places only where level at time 0, and keeps attitudes only at the origin then.
     """
 
     def bent(p: object, values: tuple[float, ...], time: float) -> tuple[float, ...]:
@@ -141,15 +144,20 @@ def test_without_an_effect_the_frame_of_the_tracker_is_the_map(
 
 
 def _pitched(angle: float) -> Array:
-    """Return a state at rest 1.5 m up."""
+    """Return a state at rest at a height of 1.5 m, pitched by an angle."""
     state = np.zeros(13)
     state[2] = 1.5
     state[3:7] = 0.0, np.sin(0.5 * angle), 0.0, np.cos(0.5 * angle)
     return state
 
 
-def test_sensors_at_rest_tell_the_vertical_the_distance_and_the_pressure() -> None:
-    """At a pitch of 0.3 rad, up is (-sin, 0, cos) in the body frame."""
+def test_sensors_at_rest_measure_the_vertical_the_distance_and_the_pressure() -> None:
+    """
+    At a pitch of 0.3 rad the vertical is (-sin 0.3, 0, cos 0.3) in the body frame.
+
+    The range is measured along the body's vertical axis, from a height of
+    1.5 - 0.05 sin 0.3 - 0.1 cos 0.3 m. The pressure is that at the IMU, 0.2 m below the centre.
+    """
     rest, sine, cosine = _pitched(0.3), np.sin(0.3), np.cos(0.3)
     said = plain(rest, rest, PLACES)
     np.testing.assert_allclose(said[:3], 0.0)
@@ -160,10 +168,11 @@ def test_sensors_at_rest_tell_the_vertical_the_distance_and_the_pressure() -> No
 
 def test_rates_and_force_are_means_of_the_period() -> None:
     """
-    From a pitch of 0.3 to -0.3 rad the mean vertical is (0, 0, cos 0.3).
+    The pitch changes from 0.3 to -0.3 rad, so the mean vertical is (0, 0, cos 0.3).
 
-    A roll rate of 0.1 that becomes 0.3 rad/s in 40 ms: 5 rad/s2 at an IMU 0.2 m below push it by
-    1 m/s2 to y, and 0.2 rad/s pull it by 0.2 ^ 2 * 0.2 m/s2 to the axis. Surge gains 0.02 m/s.
+    The roll rate rises from 0.1 to 0.3 rad/s in 40 ms, by 5 rad/s2. An IMU 0.2 m below the centre
+    accelerates by 5 * 0.2 = 1 m/s2 along y and, at the mean rate, by 0.2^2 * 0.2 = 0.008 m/s2
+    towards the axis. Surge speed gains 0.02 m/s in 40 ms, which is 0.5 m/s2.
     """
     begin, end = _pitched(0.3), _pitched(-0.3)
     begin[10], end[10], end[7] = 0.1, 0.3, 0.02
@@ -173,14 +182,14 @@ def test_rates_and_force_are_means_of_the_period() -> None:
     np.testing.assert_allclose(said[3:6], [0.5, 1.0, up + 0.008], atol=1e-12)
 
 
-def test_the_pressure_at_the_floor_is_the_median_over_what_is_known() -> None:
+def test_the_pressure_at_the_floor_is_the_median_of_known_readings() -> None:
     height = np.array([1.0, 2.0, 3.0, np.nan, 1.5])
     told_by = np.zeros((5, 8))
     told_by[:, 7] = [air_pressure(99000.0, h - 0.2) for h in height]
     told_by[1, 7], told_by[3, 7] = np.nan, 5.0
     told_by[4, 7] *= 2.0
     flight = SimpleNamespace(readings=told_by, position=np.outer(height, [0.0, 0.0, 1.0]))
-    # Two readings of 99 kPa and one of twice that.
+    # Known are two readings that fit 99 kPa, and one that fits twice as much.
     assert floor_pressure(flight, PLACES) == pytest.approx(99000.0)
     flight.readings[:, 7] = np.nan
     assert floor_pressure(flight, PLACES) == 101325.0

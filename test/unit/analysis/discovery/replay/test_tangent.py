@@ -1,4 +1,4 @@
-"""Propagation of small changes, against the series of the matrix exponential."""
+"""Steps of a linearised state agree with the series of the matrix exponential."""
 
 from lta_analysis.discovery.replay.linear import hats, KNOTS
 from lta_analysis.discovery.replay.tangent import carried, moved, transitions, WIDTH
@@ -11,7 +11,7 @@ STEP = 0.04
 
 
 def test_a_step_is_the_exponential_to_fourth_order() -> None:
-    """For a matrix whose fourth power is 0 the series ends, so the step is exact."""
+    """It is exact for a matrix whose fourth power is 0, since all further terms vanish."""
     chain = np.zeros((WIDTH, WIDTH))
     for row, column, value in ((0, 1, 30.0), (1, 2, -20.0), (2, 3, 50.0), (5, 7, 10.0)):
         chain[row, column] = value
@@ -23,15 +23,15 @@ def test_a_step_is_the_exponential_to_fourth_order() -> None:
     np.testing.assert_allclose(b, exact[:WIDTH, WIDTH:], rtol=1e-12, atol=1e-14)
 
 
-def test_the_fourth_term_is_the_last() -> None:
-    """For F h = 1 the series are 1 + 1 + 1/2 + 1/6 + 1/24 and h (1 + 1/2 + 1/6 + 1/24)."""
+def test_the_series_ends_with_its_fourth_order() -> None:
+    """If F h = 1, A is 1 + 1 + 1/2 + 1/6 + 1/24, and B is h (1 + 1/2 + 1/6 + 1/24)."""
     a, b = transitions(np.eye(WIDTH) / STEP, STEP)
     np.testing.assert_allclose(a, (2.0 + 17.0 / 24.0) * np.eye(WIDTH))
     np.testing.assert_allclose(b, STEP * (1.0 + 17.0 / 24.0) * np.eye(WIDTH))
 
 
 def test_changes_are_carried_from_step_to_step() -> None:
-    """The recursion is x1 = A0 x0 + B0 g and x2 = A1 x1 + B1 g."""
+    """The recursion is x1 = A0 x0 + B0 g, x2 = A1 x1 + B1 g."""
     a, push = RNG.normal(size=(3, 2, WIDTH, WIDTH)), RNG.normal(size=(3, 2, WIDTH, 4))
     out = carried(a, push)
     assert out.shape == (3, 3, WIDTH, WIDTH + 4)
@@ -44,7 +44,7 @@ def test_changes_are_carried_from_step_to_step() -> None:
         np.testing.assert_allclose(out[piece, 2], then)
 
 
-def test_a_state_is_moved_in_place_in_the_body_and_in_its_speeds() -> None:
+def test_a_change_adds_to_place_and_speeds_and_rotates_in_the_body_frame() -> None:
     state, change = RNG.normal(size=(2, 13)), RNG.normal(size=(2, 12))
     state[:, 3:7] /= np.linalg.norm(state[:, 3:7], axis=1, keepdims=True)
     after = moved(state, change)
@@ -56,10 +56,8 @@ def test_a_state_is_moved_in_place_in_the_body_and_in_its_speeds() -> None:
     )
 
 
-def test_a_force_between_two_knots_is_shared_by_its_distance() -> None:
-    """
-    Nine knots over 16 steps are two steps apart; between two knots the force is interpolated.
-    """
+def test_a_force_between_two_knots_is_interpolated_linearly() -> None:
+    """Nine knots over 16 steps are two steps apart; shares are those in the middle of a step."""
     share = hats(16)
     assert share.shape == (16, KNOTS)
     np.testing.assert_allclose(share[0, :3], [0.75, 0.25, 0.0])

@@ -61,7 +61,7 @@ def test_the_pieces_together_are_the_flight(quiet: Fit) -> None:
 def test_what_is_won_is_the_log_evidence_of_one_unknown_more(
     gtmab: Known, quiet: Fit, off: float
 ) -> None:
-    """The gain is checked at the vehicle file's values and half a tolerance away from them."""
+    """The flight is linearised about the vehicle file, and half of each tolerance from it."""
     knobs, name, piece = gtmab[1], 'net_lift.force', 5
     this = _changed(_longer(quiet, 2), knobs, name, 0.02, piece)
     values = this.linear.point.values + off * np.sqrt(np.diag(tolerances(knobs).covariance))
@@ -99,13 +99,13 @@ def test_where_nothing_changes_nothing_is_found(gtmab: Known, quiet: Fit) -> Non
     assert change(_longer(quiet, 3), gtmab[1], 1) is None
 
 
-INFORMATION = 10.0  # information of each piece
+INFORMATION = 10.0  # of each piece on each knob
 
 
-def _turned(
+def _found(
     monkeypatch: pytest.MonkeyPatch, pieces: int, changed: slice, pull: float
 ) -> change_point.Change | None:
-    """Return the finding where the gradient of some pieces differs from that of the others."""
+    """Return the change found if some pieces pull at one knob, and harder at two fixed ones."""
     each = np.zeros((pieces, 4, 4))
     each[:, range(3), range(3)] = INFORMATION
     each[changed, 1, -1] = pull
@@ -113,7 +113,7 @@ def _turned(
     knobs = [
         SimpleNamespace(name='vehicle.mass', typical=1.0),  # cannot change in flight
         SimpleNamespace(name='rotor_fault.lost_1', typical=1.0),
-        SimpleNamespace(name='net_lift.force', typical=0.0),  # is no candidate
+        SimpleNamespace(name='net_lift.force', typical=0.0),  # no candidate: its typical size is 0
     ]
     held = Prior(np.zeros(3), np.zeros((3, 3)))
     monkeypatch.setattr(change_point, 'each_piece', lambda *_: each)
@@ -123,10 +123,7 @@ def _turned(
 
 
 def _won(count: int, pull: float) -> float:
-    """
-    Return the log Bayes factor of a parameter of variance 9 with this many pieces of gradient
-    `pull`.
-    """
+    """Return the log Bayes factor of a change of prior variance 9 that some pieces pull at."""
     information = count * INFORMATION
     square = 0.5 * (count * pull) ** 2 / (information + 1.0 / 9.0)
     return float(square - 0.5 * np.log(1.0 + 9.0 * information))
@@ -136,36 +133,35 @@ def _won(count: int, pull: float) -> float:
 def test_a_change_begins_with_the_first_piece_that_pulls(
     monkeypatch: pytest.MonkeyPatch, pieces: int, first: int
 ) -> None:
-    found = _turned(monkeypatch, pieces, slice(first, None), 14.0)
+    found = _found(monkeypatch, pieces, slice(first, None), 14.0)
     assert found is not None
     assert (found.piece, found.knob) == (first, 'rotor_fault.lost_1')
     assert found.won == pytest.approx(_won(pieces - first, 14.0))
 
 
-def test_what_only_the_first_two_pieces_lack_changed_after_them(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    found = _turned(monkeypatch, 10, slice(2, None), 14.0)
+def test_a_change_may_come_after_only_two_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = _found(monkeypatch, 10, slice(2, None), 14.0)
     assert found is not None
     assert found.piece == 2
 
 
 @pytest.mark.parametrize(('won', 'told'), [(7.9, False), (8.1, True)])
-def test_a_change_wins_eight_nats(monkeypatch: pytest.MonkeyPatch, won: float, told: bool) -> None:
+def test_a_change_is_reported_if_it_wins_eight_nats(
+    monkeypatch: pytest.MonkeyPatch, won: float, told: bool
+) -> None:
+    """The pull is that with which four pieces win so much, by `_won` solved for it."""
     gained = 2.0 * (won + 0.5 * np.log(1.0 + 9.0 * 40.0)) * (40.0 + 1.0 / 9.0)
-    found = _turned(monkeypatch, 8, slice(4, None), float(np.sqrt(gained)) / 4.0)
+    found = _found(monkeypatch, 8, slice(4, None), float(np.sqrt(gained)) / 4.0)
     assert (found is not None) == told
 
 
-def test_five_pieces_have_too_few_orders_and_four_no_place(
+def test_a_change_in_five_pieces_may_be_chance_and_four_cannot_be_divided(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """
-    One in ten orders of five pieces has the two changed ones last, so chance is never below 10 %.
-    """
-    assert _turned(monkeypatch, 5, slice(3, None), 99.0) is None
+    """One order in ten of five pieces has the two that pull at its end; the limit is 0.04."""
+    assert _found(monkeypatch, 5, slice(3, None), 99.0) is None
     monkeypatch.setattr(change_point, 'CHANCE', 0.2)
-    found = _turned(monkeypatch, 5, slice(3, None), 99.0)
+    found = _found(monkeypatch, 5, slice(3, None), 99.0)
     assert found is not None
     assert found.piece == 3
-    assert _turned(monkeypatch, 4, slice(2, None), 99.0) is None
+    assert _found(monkeypatch, 4, slice(2, None), 99.0) is None

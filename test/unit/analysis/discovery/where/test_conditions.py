@@ -3,13 +3,7 @@
 from dataclasses import replace
 
 from lta_analysis.discovery.flights.measured import Measured, Stream
-from lta_analysis.discovery.where.conditions import (
-    conditions_of,
-    largest,
-    sector,
-    speed,
-    splits,
-)
+from lta_analysis.discovery.where.conditions import conditions_of, largest, sector, speed, splits
 import numpy as np
 import pytest
 
@@ -87,8 +81,8 @@ def test_what_never_changes_makes_no_condition():
 
 
 @pytest.mark.parametrize(('points', 'known'), [(13, []), (14, [6, 7]), (15, [6, 7, 8])])
-def test_a_speed_takes_six_points_on_either_side(points, known):
-    """The central difference of t^2 is its exact slope."""
+def test_speed_is_a_central_difference_over_six_points_on_either_side(points, known):
+    """The central difference of t^2 is exactly its derivative."""
     flight, _ = _flight(points)
     position = np.outer(flight.time**2, [0.3, 0.0, 0.4])
     found = speed(replace(flight, position=position))
@@ -96,7 +90,7 @@ def test_a_speed_takes_six_points_on_either_side(points, known):
     np.testing.assert_allclose(found[known], 2.0 * 0.5 * flight.time[known])
 
 
-def test_a_commanded_force_has_no_moment_and_duties_no_sign():
+def test_commanded_force_is_without_moments_and_duty_a_mean_of_absolute_values():
     flight, _ = _flight()
     wrench = Stream(np.array([0.0]), np.array([[3.0, 0.0, 4.0, 7.0, 7.0, 7.0]]))
     commands = Stream(np.array([0.0, 20.0]), np.array([[-0.2, 0.4], [-0.6, -1.0]]))
@@ -107,8 +101,8 @@ def test_a_commanded_force_has_no_moment_and_duties_no_sign():
     assert 'duty' not in conditions_of(replace(flight, commands=still))
 
 
-def test_a_split_has_a_side_above_and_one_that_ends_with_its_value():
-    """The quantiles 0.2, 0.25, ... 0.8 of 0, 1, ... 60 are 12, 15, ... 48."""
+def test_each_split_has_a_side_above_its_value_and_one_up_to_it():
+    """The quantiles 0.2, 0.25, ... 0.8 of the numbers 0, 1, ... 60 are 12, 15, ... 48."""
     values = np.append(np.arange(61.0), np.nan)
     found = splits('height', values, 'm')
     assert [one.name for one in found[:2]] == ['height above 12 m', 'height below 12 m']
@@ -120,7 +114,7 @@ def test_a_split_has_a_side_above_and_one_that_ends_with_its_value():
     assert splits('duty', values, '1')[0].name == 'duty above 12'
 
 
-def test_a_value_that_is_taken_often_makes_one_split():
+def test_equal_quantiles_make_one_split():
     values = np.repeat([1.0, 2.0], [90, 10])
     assert [one.name for one in splits('height', values, 'm')] == [
         'height above 1 m', 'height below 1 m',
@@ -128,8 +122,8 @@ def test_a_value_that_is_taken_often_makes_one_split():
     assert splits('height', np.full(5, np.nan), 'm') == []
 
 
-def _told(north, n, block, ratio=100.0, east=False):
-    """Return the finding for residuals that are larger while the heading is north, or is not."""
+def _condition(north, n, block, ratio=100.0, east=False):
+    """Return the condition named if squares are `ratio` while heading north (east) and else 1."""
     heading = np.zeros(n)
     heading[10 : 10 + north] = 0.5 * np.pi
     squares = np.ones(n)
@@ -139,33 +133,35 @@ def _told(north, n, block, ratio=100.0, east=False):
 
 @pytest.mark.parametrize(
     ('north', 'n', 'block', 'told'),
-    [  # at least a tenth of all samples, or two blocks
+    [  # Either side needs n // 10 rows, and 2 * block rows.
         (8, 95, 2, False), (9, 95, 2, True), (9, 90, 2, True), (8, 90, 2, False),
         (5, 40, 3, False), (6, 40, 3, True),
-        (11, 35, 6, False), (12, 35, 6, False), (12, 36, 6, True),  # and six times that in total
+        (11, 35, 6, False), (12, 35, 6, False), (12, 36, 6, True),  # and all together 6 * block
     ],
 )  # fmt: skip
-def test_a_condition_holds_often_enough(north, n, block, told):
-    assert _told(north, n, block) == ('heading north' if told else 'always')
-    assert _told(north, n, block, east=True) == ('heading east' if told else 'always')
+def test_either_side_of_a_condition_needs_enough_rows(north, n, block, told):
+    assert _condition(north, n, block) == ('heading north' if told else 'always')
+    assert _condition(north, n, block, east=True) == ('heading east' if told else 'always')
 
 
 @pytest.mark.parametrize(('ratio', 'told'), [(2.5, 'always'), (2.6, 'heading north')])
-def test_an_rms_ratio_below_1_6_is_not_reported(ratio, told):
-    """The RMS ratios are 1.58 and 1.61; the limit is 1.6."""
-    assert _told(40, 95, 2, ratio) == told
+def test_root_mean_squares_have_to_differ_by_a_factor_of_1_6(ratio, told):
+    """The roots of 2.5 and 2.6 are 1.58 and 1.61."""
+    assert _condition(40, 95, 2, ratio) == told
 
 
-def test_a_condition_that_gains_less_than_a_nat_is_reported_if_chance_gains_nothing():
-    """
-    For 14 rows the gain is (14 ln 1.457 - 4 ln 2.6) / 2 = 0.72 nats; the other heading gains 0.
-    """
-    assert _told(4, 14, 2, 2.6) == 'heading north'
+def test_a_gain_below_one_nat_suffices_if_chance_gains_less():
+    """Four of 14 rows with a square of 2.6 gain (14 ln 1.457 - 4 ln 2.6) / 2 = 0.72 nats."""
+    assert _condition(4, 14, 2, 2.6) == 'heading north'
 
 
 @pytest.mark.parametrize('unit', [1.0, 1e-6])
-def test_of_two_conditions_the_better_is_told(unit):
-    """Conditions are compared by the likelihood of two variances, independent of the unit."""
+def test_the_condition_that_gains_most_likelihood_is_named(unit):
+    """
+    Two variances gain likelihood over one, whatever the unit.
+
+    A condition under which the variance is lower does not count.
+    """
     squares = np.ones(200)
     squares[50:90], squares[90:100] = 16.0, 6.0
     wide, narrow, low = np.zeros((3, 200))
@@ -173,24 +169,26 @@ def test_of_two_conditions_the_better_is_told(unit):
     known = {name: (values, '1') for name, values in
              (('narrow', narrow), ('wide', wide), ('low', low))}  # fmt: skip
     found = largest(unit * squares, known, 4, 1)
-    # n ln s less the same of each side, twice: 200 ln 4.25 - 50 ln 14 = 157.4 for wide,
+    # Twice the gain is n ln s less the same of each side, s being the mean square:
+    # 200 ln 4.25 - 50 ln 14 = 157.4 for wide,
     # 200 ln 4.25 - 40 ln 16 - 160 ln 1.3125 = 135.0 for narrow.
     assert found.name == 'wide above 0'
     np.testing.assert_array_equal(found.holds, wide > 0.0)
 
 
-def test_a_disagreement_that_is_there_under_a_condition_alone_is_told():
+def test_a_condition_outside_which_the_disagreement_is_zero_is_named():
     heading = np.repeat([0.0, 0.5 * np.pi, 0.0], [30, 30, 40])
     squares = np.where(heading > 0.0, 1.0, 0.0)
     assert largest(squares, {'heading': (heading, 'rad')}, 2, 1).name == 'heading north'
 
 
-def test_what_chance_does_as_often_as_once_in_a_hundred_is_told():
+def test_a_condition_is_named_if_chance_does_as_well_at_most_once_in_a_hundred():
     """
-    A disagreement that comes back after half of the time is as large laid there.
+    The disagreement has two equal parts half of the flight apart.
 
-    Of 100 shifts one does so: none or one of 199 draws, with which it is told, come in 41 % of
-    all seeds (binomial), two at most in 68 %, none in 14 %.
+    So one of the 100 possible shifts, that by half of the flight, gains as much as none. The
+    condition is named if at most one of 199 random shifts is that one, (1 + 1) / 200 = 0.01, which
+    has a binomial probability of 41 % for each seed; for none it is 14 %, for at most two 68 %.
     """
     heading = np.zeros(104)
     heading[10:20] = heading[62:72] = 0.5 * np.pi

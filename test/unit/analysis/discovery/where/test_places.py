@@ -76,10 +76,14 @@ def _quantity(name: str, *values: float) -> Quantity:
     return Quantity(name, np.array(values), np.arange(len(values)), 1)
 
 
-def test_each_channel_is_told_of_the_flight_where_it_is_worst(
+def test_each_channel_is_reported_for_the_flight_where_it_is_worst(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """A residual is reported above 2 times the noise, for an IMU above 10 times."""
+    """
+    A channel counts above twice its noise, one of the IMU above ten times.
+
+    At most 24 places are returned.
+    """
     channels = {
         'one': [('x', 2.0), ('y', 2.1), ('z', 5.0), ('p', 9.9), ('fz', 10.1), ('range', 1.9)],
         'two': [('x', 1.9), ('y', 2.5), ('z', 4.0), ('p', 0.0), ('fz', 12.0), ('range', 0.0)],
@@ -107,15 +111,19 @@ def test_each_channel_is_told_of_the_flight_where_it_is_worst(
     assert sizes == [49.0 - k for k in range(24)]
 
 
-def test_a_size_is_a_root_mean_square_and_0_of_nothing() -> None:
+def test_a_size_is_a_root_mean_square_and_0_if_there_are_no_values() -> None:
     assert module._size(np.array([3.0, -4.0, 0.0, 0.0])) == pytest.approx(2.5)
     assert module._size(np.empty(0)) == 0.0
 
 
-def test_a_second_of_a_channel_is_the_root_of_its_mean_square(
+def test_channels_have_a_root_mean_square_for_each_second(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Pieces of 2.2 s have two whole seconds; a channel that lacks many of them is left out."""
+    """
+    The three pieces of 2.2 s have two whole seconds each.
+
+    A channel that is known in no more seconds than two pieces have is left out.
+    """
     left = np.full((3, 55, 14), np.nan)
     for piece in range(3):
         for second in range(2):
@@ -133,10 +141,10 @@ def test_a_second_of_a_channel_is_the_root_of_its_mean_square(
     assert found[0].index.tolist() == [12, 37, 67, 92, 122, 147]
 
 
-def test_forces_are_told_at_the_knots_that_are_within(
+def test_forces_are_taken_at_the_knots_inside_the_cut(
     gtmab: Known, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Nine knots over 17 points lie at every second point."""
+    """Nine knots over 17 points are two points apart."""
     inside = np.ones((2, 17), dtype=bool)
     inside[1, 9:] = False
     cut = SimpleNamespace(length=17, inside=inside)
@@ -157,7 +165,9 @@ def test_forces_are_told_at_the_knots_that_are_within(
 
 def test_a_place_is_where_its_condition_holds_longest(monkeypatch: pytest.MonkeyPatch) -> None:
     """
-    The longest interval is measured in time; the size is taken over all samples of the condition.
+    The longest run is that of the longest time, not of the most values.
+
+    The size is the root mean square of all values for which the condition holds.
     """
     time = np.array([0.0, 1.0, 2.0, 3.0, 4.0, 10.0, 11.0, 30.0])
     flight = SimpleNamespace(time=np.repeat(time, 2))
@@ -181,7 +191,7 @@ def test_a_place_is_where_its_condition_holds_longest(monkeypatch: pytest.Monkey
     assert asked['known']['speed'][0].tolist() == [0, 2, 4, 6, 8, 10, 12, 14]
 
 
-def test_a_change_is_told_of_the_axis_that_is_worst_after_it(
+def test_a_change_is_reported_for_the_axis_that_is_worst_after_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     replay = SimpleNamespace(
@@ -207,21 +217,23 @@ def test_a_change_is_told_of_the_axis_that_is_worst_after_it(
 
 
 @dataclass
-class Held:
-    """A stand-in for a fit with only what is read here."""
+class LinearOnly:
+    """A fit of which only the linear model is needed."""
 
     linear: object
 
 
 @pytest.mark.parametrize(('k', 'again'), [(0, True), (1, False), (2, True)])
-def test_a_candidate_without_a_column_is_linearised_again(k: int, again: bool) -> None:
+def test_a_flight_is_linearised_again_if_a_candidate_has_no_column(k: int, again: bool) -> None:
     """
-    Three parameters, of which the second is no candidate; two unknowns of pieces and one sensor.
+    Columns are two unknowns of pieces, three knobs, one sensor and the residual.
+
+    The second knob is no candidate.
     """
     grams = np.ones((2, 7, 7))
     grams[:, 2 + k, 2 + k] = 0.0
     grams[:, 5, 5] = grams[:, 0, 0] = 0.0
-    fitted = Held(SimpleNamespace(grams=grams, names=tuple('abcd'), point='here'))
+    fitted = LinearOnly(SimpleNamespace(grams=grams, names=tuple('abcd'), point='here'))
     knobs = [SimpleNamespace(typical=size) for size in (1.0, 0.0, 2.0)]
     flight = SimpleNamespace(knobs=knobs, at=lambda point: f'linearised {point}')
     found = module._complete(fitted, flight)
