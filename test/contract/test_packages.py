@@ -69,7 +69,7 @@ def imports(path):
 
 
 def called(node):
-    """Return the name of the called function, without its module."""
+    """Return the name of the called function, without the module before it."""
     return getattr(node.func, 'attr', getattr(node.func, 'id', ''))
 
 

@@ -42,7 +42,7 @@ def start(module: str, *words: object, before: str = '') -> 'subprocess.Popen[st
 
 @contextmanager
 def running(module: str, *words: object) -> 'Iterator[subprocess.Popen[str]]':
-    """Run a node as long as the context lasts; it may end by itself."""
+    """Run a node until the context ends, which may be after a test, unless it exits before."""
     process = start(module, *words)
     STARTED.remove(process)
     try:

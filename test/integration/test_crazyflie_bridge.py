@@ -32,16 +32,14 @@ ARM, STOP = 'crazyflie_bridge/arm', 'crazyflie_bridge/emergency_stop'
 
 
 class Pair:
-    """
-    A drone and its bridge for all tests, started again if a test has armed, locked or ended them.
-    """
+    """A drone and its bridge that tests share; a test that needs fresh ones gets new ones."""
 
     def __init__(self):
         self.after = ExitStack()
         self.drone = self.bridge = None
 
     def at_rest(self):
-        """Return whether the bridge runs and the drone is neither armed, locked nor silent."""
+        """Return whether the bridge runs and the drone answers, disarmed and unlocked."""
         if self.drone is None or self.bridge.poll() is not None:
             return False
         supervisor = self.drone.firmware.supervisor
@@ -56,7 +54,7 @@ class Pair:
 
 @pytest.fixture(scope='module')
 def domain_id():
-    """Return one domain for all tests here, since they share a bridge."""
+    """Return one domain for all tests of this module, since most of them share a bridge."""
     with free_domain() as domain:
         yield domain
 
@@ -180,7 +178,7 @@ def test_it_arms_once_the_nodes_hear_each_other(peer, drone, bridge):
         beside.publish(DiagnosticArray(status=[status]))
 
     peer.node.create_timer(0.05, tell)
-    # When a message is acknowledged and a later request answered, the bridge has read it.
+    # A message is processed once it is acknowledged and a later service call is answered.
     peer.until(lambda: said['times'] and beside.wait_for_all_acked(Duration()))
     for _ in range(2):
         peer.ask(GetParameters, 'crazyflie_bridge/get_parameters', names=['uri'])
@@ -203,7 +201,7 @@ def test_a_silent_drone_is_let_down_and_found_again(peer, drone, bridge, hear):
     peer.until(lambda: turning(drone) == (0.0,) * 4)
     drone.down.silent = False
     fly(peer, drone)
-    peer.until(lambda: not drone.firmware.supervisor.armed)  # no commands come any more
+    peer.until(lambda: not drone.firmware.supervisor.armed)  # for want of commands
 
 
 def test_leaving_in_flight_comes_down_and_disarms(peer, drone, bridge):
@@ -264,5 +262,5 @@ def test_the_shutdown_transition_comes_down_and_disarms(peer, drone, bridge):
     assert turning(drone) == (0.0,) * 4
     assert not drone.firmware.supervisor.armed
     assert not drone.firmware.supervisor.locked
-    bridge.send_signal(signal.SIGINT)  # after the shutdown transition no other test can use it
+    bridge.send_signal(signal.SIGINT)  # after a shutdown no other test can use it
     bridge.communicate(timeout=PATIENCE)

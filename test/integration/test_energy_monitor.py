@@ -159,7 +159,7 @@ def vehicle(mode: str, domain_id: int) -> Iterator[Vehicle]:
 
 
 either_mode = pytest.mark.parametrize('mode', ['realtime', 'lockstep'])
-# Every turn is answered in both modes in any case; what is asked for here comes after that.
+# What these tests check does not depend on the mode: realtime is for the long run only.
 mostly_lockstep = pytest.mark.parametrize(
     'mode', ['lockstep', pytest.param('realtime', marks=pytest.mark.long)]
 )
@@ -267,7 +267,7 @@ def test_it_knows_the_cell_of_its_vehicle(domain_id: int, tmp_path: Path) -> Non
         assert cell.charge == pytest.approx(0.125 * cell.percentage, rel=1e-6)
 
 
-def test_a_start_with_what_cannot_be_is_one_sentence_and_exit_2(domain_id: int) -> None:
+def test_a_bad_parameter_at_the_start_is_one_sentence_and_exit_2(domain_id: int) -> None:
     told = {
         'vehicle:=zeppelin': "Unknown vehicle 'zeppelin'; known: ",
         'reserve:=2.0': 'energy_monitor: parameter reserve',

@@ -103,7 +103,7 @@ def test_a_full_disk_ends_the_flight_with_a_sentence_and_a_bag_that_opens(lta, s
 
 
 @pytest.mark.parametrize(
-    # 0.5 s is between 0.1 and 1.0 s, as the graph starts; 2.0 s before 3.0 s, when it flies.
+    # For the long run: 0.5 s is in the start of the graph as 0.1 and 1.0 s are; 2.0 s is near 3.0.
     'seconds',
     [0.0, 0.1, pytest.param(0.5, marks=pytest.mark.long), 1.0,
      pytest.param(2.0, marks=pytest.mark.long), 3.0],

@@ -56,7 +56,7 @@ def test_a_flight_to_the_lamp_is_whole_and_that_of_one_process(lta, call, tmp_pa
     The flight is longer than what lockstep topics keep, so that the middleware's memory is reused.
     """
     results = {}
-    near = tmp_path / 'near.yaml'  # a short flight, but longer than that memory
+    near = tmp_path / 'near.yaml'  # a shorter flight, but long enough for that
     text = find('scenario', 'lamp_room').read_text(encoding='utf-8')
     near.write_text(text.replace('value: [-3.5, 0]', 'value: [-1.5, 0]'))
     words = ('--seed', '7', '--scenario', near, '--json', '--out')

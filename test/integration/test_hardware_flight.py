@@ -23,7 +23,7 @@ HEARD = {'demodulator: light': 'beacon found'}
 
 @pytest.fixture
 def near(tmp_path):
-    """Return the shipped scene with a start 2.2 m from the lamp, reached from 1 m."""
+    """Return the shipped scene with a start 2.2 m from the lamp, which is reached at 1 m."""
     text = (ROOT / 'config/scenarios/lamp_room.yaml').read_text()
     path = tmp_path / 'near.yaml'
     path.write_text(text.replace('value: [-3.5, 0]', 'value: [1.3, 0]'))

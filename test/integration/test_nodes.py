@@ -25,7 +25,7 @@ ARMED = ('-p', 'armed:=true')
 
 
 class Pilot(Peer):
-    """A peer that hears the motors, and counts the control steps that it has sent."""
+    """A peer that records motor commands and the latest control step that it has sent."""
 
     def __init__(self, domain_id: int) -> None:
         super().__init__(domain_id)
@@ -42,7 +42,7 @@ def peer(domain_id: int) -> Iterator[Pilot]:
 
 @contextmanager
 def beside_a_controller(domain_id: int) -> Iterator[Pilot]:
-    """Yield the peer of a controller that flies alone, and leaves in order."""
+    """Run an armed controller, yield a peer of it, and check that it exits without complaints."""
     with Pilot(domain_id) as pilot, running('lta_control.nodes.controller', *ARMED) as process:
         yield pilot
         process.send_signal(signal.SIGINT)
@@ -52,21 +52,21 @@ def beside_a_controller(domain_id: int) -> Iterator[Pilot]:
 
 @pytest.fixture
 def controller(domain_id: int) -> Iterator[Pilot]:
-    """Return the peer of a controller of its own, which a test may stop for good."""
+    """Return the peer of a controller of its own: a test may stop its motors for good."""
     with beside_a_controller(domain_id) as pilot:
         yield pilot
 
 
 @pytest.fixture(scope='module')
 def shared() -> Iterator[tuple[int, Pilot]]:
-    """Return domain and peer of the controller that the tests share; none may stop it for good."""
+    """Return domain and peer of a shared controller: no test may stop its motors for good."""
     with free_domain() as domain, beside_a_controller(domain) as pilot:
         yield domain, pilot
 
 
 @pytest.fixture
 def flown(shared: tuple[int, Pilot], monkeypatch: pytest.MonkeyPatch) -> Pilot:
-    """Return the peer of the shared controller, and listen in its domain."""
+    """Return the peer of the shared controller, and set its domain for `hear`."""
     domain, pilot = shared
     monkeypatch.setenv('ROS_DOMAIN_ID', str(domain))
     return pilot
@@ -101,7 +101,7 @@ def setpoint(peer, altitude, step):
 
 def flying_controller(peer):
     """Bring a controller to answer with thrust: setpoints have no order with the estimates."""
-    first = peer.step + 1  # stamps go on from those of the test before
+    first = peer.step + 1  # after the steps that earlier tests have sent
     for step in range(first, first + 500):
         setpoint(peer, 1.0, step)
         if any(estimate(peer, step)):

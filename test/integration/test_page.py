@@ -49,7 +49,7 @@ def page(browser, tmp_path_factory):
 
 @pytest.fixture(scope='module')
 def session(browser, page):
-    """Return a browser with the page open; a test leaves the page as it found it."""
+    """Return a browser with the page open, which tests share and must leave as it was."""
     show(browser, page, 'light', 1280)
     return browser
 

@@ -194,7 +194,7 @@ def typed(*words):
 # What takes long to make; the report that all share is looked at on the other pages.
 LONG = ('sweep', 'wind', 'light_link', 'bearing', 'study', 'platforms', 'evaluate', 'tune')
 
-LARGEST = ('flight', 'replay')  # of the pages in the short suite
+LARGEST = ('flight', 'replay')  # pages of those that every run checks
 
 
 @pytest.fixture(
@@ -223,7 +223,7 @@ def opened(browser):
 
 
 def shows_all(browser, page, width, picture):
-    """Check an open page: no message, no request, no overflow, enough contrast, a picture."""
+    """Check an open page for complaints, requests, width and contrast, and take a picture."""
     assert complaints(browser) == []
     assert fetched(browser, page) == []
     assert browser.evaluate('document.documentElement.scrollWidth') <= width
@@ -232,7 +232,7 @@ def shows_all(browser, page, width, picture):
     assert picture.stat().st_size > 10_000
 
 
-# The other pages are in the same frame, and are looked at on a laptop below.
+# The other pages have the same layout; short runs check them at laptop width only, below.
 @pytest.mark.parametrize(
     'page',
     [pytest.param(name, marks=() if name in LARGEST else pytest.mark.long) for name in PAGES],

@@ -117,8 +117,8 @@ def ended(process):
     assert 'Traceback' not in errors
 
 
-def is_pulled_and_put_back(bench):
-    """Pull the cable and plug it in again; both are reported."""
+def pull_and_replug(bench):
+    """Pull the cable and plug it in again, and check that the bridge reports both."""
     with bench.hold:
         bench.cable.pull()
     bench.until(lambda: 'plug the light board in' in bench.facts[TASK][1])
@@ -128,7 +128,7 @@ def is_pulled_and_put_back(bench):
     assert bench.told('light comes')['unplugged'] == '1'
 
 
-def test_the_bearing_is_that_of_the_simulated_light_and_a_pulled_cable_is_told(bench, tmp_path):
+def test_the_bearing_is_that_of_the_simulated_light_and_a_pulled_cable_is_shown(bench, tmp_path):
     light = simulated_light()
     nodes = [start(BRIDGE, '-p', f'port:={tmp_path}/ttyACM0'), start(DEMODULATOR)]
     bench.told('light comes')
@@ -143,7 +143,7 @@ def test_the_bearing_is_that_of_the_simulated_light_and_a_pulled_cable_is_told(b
         assert time.monotonic() < deadline, f'{heard} bearings came of {bench.board.sent} frames'
     figures = bench.told('light comes')
     assert figures['rows_lost'] == '0'
-    is_pulled_and_put_back(bench)
+    pull_and_replug(bench)
     for process in nodes:
         ended(process)
 

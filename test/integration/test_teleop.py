@@ -96,12 +96,12 @@ def test_a_stick_wins_until_handed_back_a_dead_teleop_lands_and_the_button_stops
         nodes[0] = start('lta_bridge.nodes.teleop')  # it learns from who flies by its word
         cockpit.until_helm('a person steers')
         cockpit.until_motors('flying by a person')
-        stops_for_good(cockpit)
+        stop_for_good(cockpit)
         assert all(node.poll() is None for node in nodes)
 
 
-def stops_for_good(cockpit):
-    """Press the stop button in a climb; the motors stay off whatever is asked."""
+def stop_for_good(cockpit):
+    """Press the stop button in a climb, and check that the motors stay off."""
     cockpit.axes[LAYOUT.climb] = 1.0
     cockpit.peer.until(lambda: cockpit.duties[-1] > 0.0)
     cockpit.press(LAYOUT.stop)

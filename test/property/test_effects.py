@@ -73,7 +73,7 @@ def reach(parameter):
     return st.floats(min(low, high), max(low, high), allow_subnormal=False)
 
 
-@cache  # hypothesis validates each new strategy again
+@cache  # Hypothesis validates each new strategy object, which takes time
 def parameters(effect):
     """Return values that the effect's own check allows."""
     names = [parameter.name for parameter in seen(effect)]

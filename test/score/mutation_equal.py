@@ -14,27 +14,27 @@ EQUAL: Final[dict[Line, str]] = {
         f'{DISCOVERY}where/conditions.py',
         'share = (1 + np.sum(by_chance >= won[best])) / (DRAWS + 1)',
         'share = (1 + np.sum(by_chance >= won[best])) / (DRAWS + 2)',
-    ): 'At most 2 of 200 are 0.01 or less, and at most 2 of 201.',
+    ): 'It is compared with 0.01: 2 / 200 and 2 / 201 pass, 3 / 200 and 3 / 201 do not.',
     (
         f'{DISCOVERY}replay/sensing.py',
         'up = np.broadcast_to(np.array([0.0, 0.0, 1.0]), (*states.shape[:-1], 3))',
         'up = np.broadcast_to(np.array([0.0, 0.0, 1.0]), (*states.shape[:- 0], 3))',
-    ): 'One vector instead of as many as there are states: numpy spreads it as well.',
+    ): 'It is one vector instead of one for each state: numpy broadcasts it later as well.',
     (
         f'{DISCOVERY}flights/said_once.py',
         'if len(names) == 1 and (len(said) == 1 or rests[0].startswith(IS)):',
         'if len(names) == 1 and (len(said) == 1 or rests[ -1].startswith(IS)):',
-    ): 'Sentences become one only where they begin alike.',
+    ): 'Only sentences of one pattern are joined: the last rest starts with IS if the first does.',
     (
         'src/lta_bridge/lta_bridge/crazyflie/packet_check.py',
         '15: {0: 0, 1: 0, 2: 0, 3: 0}, # link: echo, source, sink, null',
         '15: {0: 0, 1: 0, 2: -1, 3: 0}, # link: echo, source, sink, null',
-    ): 'No packet has fewer bytes than none.',
+    ): 'It is the least size, and no packet has fewer than 0 bytes.',
     (
         'src/lta_control/lta_control/autopilot.py',
         'HEARD = Layout(Heard((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))',
         'HEARD = Layout(Heard((0.0, 0.0, -1.0), (0.0, 0.0, 0.0)))',
-    ): 'A layout is made of places and kinds of the numbers in its example, not of their values.',
+    ): 'A layout depends on the structure and types of its example, not on the values.',
     (
         'src/lta_control/lta_control/mission.py',
         'return mission._replace(asked=mission.leg + 1, turns=0, heard=0)',
@@ -44,7 +44,7 @@ EQUAL: Final[dict[Line, str]] = {
         'src/lta_energy/lta_energy/mission.py',
         'self._perch(self.now + STEP, 0.0, OUT)',
         'self._perch(self.now + STEP, 1.0, OUT)',
-    ): 'It is one step, and a supply that has failed feeds no load in it.',
+    ): 'The load is that of one step, in which the supply has failed and feeds none.',
     (
         'src/lta_energy/lta_energy/mission.py',
         'self._seen += (light.sun / due - self._seen) * min(dt / HOUR, 1.0)',
@@ -54,12 +54,12 @@ EQUAL: Final[dict[Line, str]] = {
         'src/lta_energy/lta_energy/monitor.py',
         'return 0.0 if beyond else abs(surprise.innovation) / surprise.deviation',
         'return -1.0 if beyond else abs(surprise.innovation) / surprise.deviation',
-    ): 'Only whether it is above 5 is asked of it.',
+    ): 'The value is only compared with 5: 0 and -1 are both below.',
     (
         'src/lta_sim/lta_sim/effects/tracker_delay.py',
         'return (values[0] - delay,)',
         'return (values[ -1] - delay,)',
-    ): 'The time of a pose is a single number: the first is the last.',
+    ): '`values` has one element here, the time of the pose: its first is its last.',
     (
         'src/lta_vlc/lta_vlc/modulation.py',
         'phase: float = 0.0',
@@ -69,5 +69,5 @@ EQUAL: Final[dict[Line, str]] = {
         'src/lta_vlc/lta_vlc/tone.py',
         'cosine, sine, off = np.zeros(3), np.zeros(3), np.zeros(3)',
         'cosine, sine, off = np.zeros(3), np.zeros( 4), np.zeros(3)',
-    ): 'The three bins alone are written and read: every loop over them ends at three.',
+    ): 'All loops run over three elements: the fourth is neither written nor read.',
 }

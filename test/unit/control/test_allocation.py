@@ -163,25 +163,23 @@ def test_more_than_eight_rotors_are_refused():
         slots((0.1,) * 9)
 
 
-def test_what_sinks_with_the_surge_is_what_the_forward_jets_draw_down():
-    """GT-MAB's two forward rotors push 0.981 along x and -0.061 along z; a multirotor has none."""
+def test_the_heave_that_comes_with_surge_is_that_of_the_forward_rotors():
+    """Those of GT-MAB push by 0.981 along x and -0.061 along z; a multirotor has none."""
     assert ROTORS.sink == pytest.approx(-0.061 / 0.981)
     assert rotors_of(load_vehicle('multirotor')).sink == 0.0
 
 
-def test_a_reversed_rotor_pushes_by_its_own_share_and_empty_slots_as_forward():
-    """
-    Blimp2b's rotors push 45 of 40 mN, 25 of 30 mN and 25 of 45 mN when reversed, by its authors.
-    """
+def test_reversed_thrust_is_a_ratio_of_each_rotor_and_one_in_unused_slots():
+    """For Blimp2b its authors give 45 mN reversed for 40 forward, 25 for 30, and 25 for 45."""
     rotors = rotors_of(load_vehicle('blimp2b'))
     assert rotors.reverse == pytest.approx((1.125, 25 / 30, 25 / 45, *(1.0,) * 5))
-    # Half of what each pushes reversed is the duty of half of what it pushes forward.
+    # Half of the reversed limit needs the negative of the duty for half of the forward limit.
     half = tuple(0.5 * low for low in rotors.low)
     forward = duties(rotors, tuple(0.5 * high for high in rotors.high))
     assert duties(rotors, half) == pytest.approx([-u for u in forward])
     assert slots((0.1,) * 8) == (0.1,) * 8
 
 
-def test_a_thrust_of_nothing_is_a_duty_of_nothing_also_of_a_rotor_without_a_curve():
+def test_zero_thrust_is_zero_duty_even_without_a_thrust_curve():
     assert duty(0.0, 0.0, 0.0) == 0.0
     assert duties(ROTORS, NONE) == NONE

@@ -100,15 +100,13 @@ def test_without_range_pressure_carries_on():
     assert state.height == pytest.approx(1.0, abs=1e-2)
 
 
-def test_at_first_height_and_offset_are_known_to_a_metre_and_climb_to_10_cm_a_second():
-    """
-    A measurement as accurate as the prior moves the height half way; after 1 s of prediction the
-    climb rate adds to the variance.
-    """
+def test_the_prior_is_1_m_for_height_and_offset_and_10_cm_a_second_for_climb():
+    """A measurement with the variance of the prior moves the estimate half of the way."""
     state = Altitude()
     assert state[:3] == (0.0, 0.0, 0.0)
     assert correct(state, 1.0, 1.0, False).height == pytest.approx(0.5)
-    half = correct(state, 1.0, np.sqrt(2.0), True)  # of height and offset, a quarter each
+    half = correct(state, 1.0, np.sqrt(2.0), True)  # as unsure as their sum: a quarter each
     assert (half.height, half.offset) == pytest.approx((0.25, 0.25))
+    # In one second the deviation of the climb rate adds 10 cm to that of the height.
     later = predict(state, 0.0, 0.0, 0.0, 1.0)
     assert later.p == pytest.approx((1.0 + 0.1**2, 0.1**2, 0.0, 0.1**2, 0.0, 1.0))

@@ -367,6 +367,7 @@ def test_turning_about_the_hull_centre_is_no_speed(place):
 
 
 def test_a_motor_that_changes_its_direction_at_the_same_speed_slows_down_first():
+    """The command is no faster than the motor, so that the lag for slowing down counts: 0.1 s."""
     before = rested()._replace(duties=slots((-0.5, 0.5)))
     state = run(before, STILL._replace(duties=slots((0.5, -0.5))), 1)
     down = 1.0 - math.exp(-DT / 0.1)

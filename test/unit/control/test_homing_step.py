@@ -1,4 +1,4 @@
-"""One step of the homing strategy: matching light, losing the lamp, and the course."""
+"""Single steps of homing, by hand: which sights fit, dead reckoning, loss of light, course."""
 
 import math
 
@@ -21,11 +21,11 @@ from lta_control.strategies.settings import StrategySettings
 import pytest
 
 QUICK = StrategySettings(homing=HomingSettings(hold=0.5, doubt=0.5, settling=5.0))
-QUARTER = 0.25  # s, so that sums of times are exact
+QUARTER = 0.25  # s; a power of two, so that sums of intervals are exact
 
 
 def placed(x=4.0, y=0.0, wind=(0.0, 0.0), **changes):
-    """Return the memory of a drone that knows the lamp's position to 10 cm."""
+    """Return a memory with the lamp at (x, y) and a deviation of 10 cm or 10 cm/s."""
     rows = tuple(tuple(0.01 * (k == j) for j in range(5)) for k in range(5))
     fix = Fix(x, y, *wind, math.log(2000.0), rows)
     memory = start(0.3)._replace(known=True, fix=fix, begun=True)
@@ -37,22 +37,21 @@ def dark():
 
 
 def lit(memory, share=1.0, off=0.0):
-    """
-    Return a reading with this share of the expected strength, `off` from the expected bearing.
-    """
+    """Return a sight of `share` times the expected strength, `off` beside the expected bearing."""
     bearing = math.atan2(memory.fix.y, memory.fix.x) + off
     strength = share * expected(memory.fix)
     return dark()._replace(seen=True, bearing=bearing, deviation=0.02, strength=strength)
 
 
-def test_the_drift_changes_more_until_the_airspeed_is_known():
+def test_the_drift_noise_is_larger_until_the_airspeed_has_settled():
+    """hypot(0.3, 0.4) = 0.5 at first; after `settling` the second part has fallen to 1 / e."""
     own = HomingSettings(gusts=0.3, unsettled=0.4, settling=5.0)
     first = (math.log(2100.0), 0.5, 0.03, 0.15, 0.4, pytest.approx(0.5))
     assert optics_of(own, 0.0) == first
     assert optics_of(own, 5.0).gusts == pytest.approx(math.hypot(0.3, 0.4 / math.e))
 
 
-def test_at_first_it_knows_nothing_and_keeps_its_heading():
+def test_the_first_memory_holds_the_heading_alone():
     memory = start(0.7)
     assert memory[:2] == (0.7, False)
     assert memory.fix == (0.0,) * 5 + (((0.0,) * 5,) * 5,)
@@ -60,7 +59,7 @@ def test_at_first_it_knows_nothing_and_keeps_its_heading():
     assert watch(QUICK, memory, dark()) == memory._replace(begun=True, flown=0.25, lost=0.25)
 
 
-def test_the_next_lamp_takes_over_wind_place_and_time_alone():
+def test_for_the_next_lamp_only_the_wind_the_place_and_the_flight_time_are_kept():
     memory = Homing(0.1, True, placed().fix, True, (1.0, 2.0), 7.0, 3.0, 1.0, 2.0, True)
     assert onward(memory) == memory._replace(
         known=False, lost=0.0, doubted=0.0, searched=0.0, arrived=False
@@ -69,13 +68,13 @@ def test_the_next_lamp_takes_over_wind_place_and_time_alone():
 
 
 @pytest.mark.parametrize('factor', [1.0, 1.0 + 1e-12])
-def test_a_bearing_is_looked_at_up_to_the_trusted_deviation(factor):
+def test_a_bearing_is_used_up_to_the_trusted_deviation(factor):
     seen = lit(placed())._replace(deviation=factor * QUICK.homing.trusted)
     assert watch(QUICK, start(0.0), seen).known is (factor == 1.0)
 
 
-def test_the_faintest_light_counts_as_one_count():
-    """A lamp of 2100 counts at 1 m gives 1 count at sqrt(2100) m."""
+def test_a_strength_below_one_count_is_taken_as_one_count():
+    """By the inverse square law 2100 counts at 1 m fall to 1 count at sqrt(2100) m."""
     memory = watch(QUICK, start(0.0), lit(placed())._replace(strength=0.5))
     assert memory.fix.x == pytest.approx(math.sqrt(2100.0))
 
@@ -83,13 +82,13 @@ def test_the_faintest_light_counts_as_one_count():
 @pytest.mark.parametrize(
     ('share', 'lost', 'doubted'),
     [
-        (0.2499, 0.5, 0.0),  # an echo
+        (0.2499, 0.5, 0.0),  # too weak: an echo, which raises no doubt
         (0.25, 0.0, 0.0),
         (4.0, 0.0, 0.0),
-        (4.001, 0.5, 0.5),  # another lamp
+        (4.001, 0.5, 0.5),  # too strong: perhaps the lamp is elsewhere
     ],
 )
-def test_a_light_fits_from_a_quarter_to_four_times_its_strength(share, lost, doubted):
+def test_a_light_fits_from_a_quarter_to_four_times_the_expected_strength(share, lost, doubted):
     memory = placed(lost=0.25, doubted=0.25)
     after = followed(QUICK, memory, lit(memory, share))
     assert (after.lost, after.doubted, after.known) == (lost, doubted, True)
@@ -104,7 +103,8 @@ def test_a_bearing_fits_within_four_deviations(sigmas, fits):
     assert (followed(QUICK, memory, lit(memory, 1.0, sigmas * one)).lost == 0.0) is fits
 
 
-def test_a_light_elsewhere_is_taken_for_the_lamp_only_after_the_doubt():
+def test_a_light_elsewhere_replaces_the_fix_after_the_doubt_time():
+    """The doubt time is 0.5 s, which the third interval exceeds; the wind of the fix is kept."""
     memory = placed(wind=(0.0, 0.125))
     other, fixes = lit(memory, 1.0, 2.0), []
     for _ in range(3):
@@ -114,7 +114,7 @@ def test_a_light_elsewhere_is_taken_for_the_lamp_only_after_the_doubt():
     assert (memory.fix.wind_x, memory.fix.wind_y) == (0.0, 0.125)
 
 
-def test_any_light_is_followed_after_a_search_of_more_than_a_whole_turn():
+def test_any_light_replaces_the_fix_after_a_search_of_more_than_a_whole_turn():
     turn = whole_turn(QUICK)
     assert turn == pytest.approx(2.0 * math.pi / 0.3)
     for searched, followed_it in ((turn, False), (1.001 * turn, True)):
@@ -122,12 +122,12 @@ def test_any_light_is_followed_after_a_search_of_more_than_a_whole_turn():
         after = followed(QUICK, memory, lit(memory, 0.1))
         assert (after.lost == 0.0) is followed_it
     sought = placed(searched=1.001 * turn)
-    # A light that fits is fused with what is known; it does not begin anew with the prior.
+    # A light that fits updates the fix instead; the brightness is not reset to its prior.
     assert followed(QUICK, sought, lit(sought)).fix.brightness != math.log(2100.0)
 
 
-def test_dead_reckoning_moves_the_lamp():
-    """The drone moves from (1, 2) to (1.5, 1.75) while the wind blows at 0.4 m/s to the left."""
+def test_dead_reckoning_moves_the_lamp_relative_to_the_drone():
+    """The drone flies by (0.5, -0.25) m while the air carries it by 0.4 m/s * 0.25 s along y."""
     memory = placed(wind=(0.0, 0.4), place=(1.0, 2.0), flown=3.0)
     after = followed(QUICK, memory, dark()._replace(position=(1.5, 1.75)))
     assert (after.fix.x, after.fix.y) == pytest.approx((3.5, 0.25 - 0.1))
@@ -138,13 +138,14 @@ def test_dead_reckoning_moves_the_lamp():
     ('away', 'before', 'arrived'),
     [(0.8, False, True), (0.801, False, False), (1.6, True, True), (1.601, True, False)],
 )
-def test_it_arrives_at_80_cm_and_has_left_at_twice_that(away, before, arrived):
+def test_it_arrives_within_80_cm_and_remains_arrived_within_twice_that(away, before, arrived):
     assert followed(QUICK, placed(away, arrived=before), dark()).arrived is arrived
     unknown = placed(away, arrived=before, known=False)
     assert not followed(QUICK, unknown, dark()).arrived
 
 
-def test_without_light_it_holds_its_course_and_then_searches():
+def test_without_light_it_keeps_its_course_and_then_searches():
+    """The hold time is 0.5 s, which the third interval without light exceeds."""
     memory, courses = placed(0.5, arrived=True), []
     for _ in range(3):
         course, memory = steer(QUICK, memory, dark())
@@ -152,13 +153,13 @@ def test_without_light_it_holds_its_course_and_then_searches():
     assert courses == [(True, 0.25, 0.0, True), (True, 0.5, 0.0, True), (False, 0.75, 0.25, False)]
     assert course.heading == pytest.approx(math.atan2(0.0, 0.5) + 0.3 * QUARTER)
     _, memory = steer(QUICK, memory._replace(lost=0.0), dark())
-    assert memory.searched == 0.5  # a search goes on until there is light
+    assert memory.searched == 0.5  # a search goes on until light is seen
     course, memory = steer(QUICK, memory, lit(memory))
     assert (memory.lost, memory.searched, course.arrived) == (0.0, 0.0, True)
 
 
-def test_who_knows_no_bearing_searches_at_the_first_loss():
-    """A lateral error of 1 m at 1 m is about 45 degrees; the limit is 0.8 rad."""
+def test_with_an_uncertain_bearing_it_searches_at_the_first_loss_of_light():
+    """At 1 m variances of 0.6 and 0.7 m2 are deviations of 0.77 and 0.84 rad; 0.8 is allowed."""
     for across, searches in ((0.6, False), (0.7, True)):
         rows = tuple(tuple(across * (k == j == 1) for j in range(5)) for k in range(5))
         memory = placed(1.0)
@@ -170,22 +171,23 @@ def test_who_knows_no_bearing_searches_at_the_first_loss():
     ('x', 'wind', 'speed', 'course'),
     [
         (4.0, 0.0, 0.5, (0.0, 0.5)),
-        (1.0, 0.0, 0.5, (0.0, 0.3)),  # 0.5 a second of what is beyond 0.4 m
+        (1.0, 0.0, 0.5, (0.0, 0.3)),  # near the lamp 0.5 m/s per metre beyond 0.4 m
         (0.4, 0.0, 0.5, (0.0, 0.0)),
         (0.0, 0.0, 0.5, (0.0, 0.0)),
-        (1.0, 0.5, 0.5, (0.0, 0.1)),  # drifting there with minimum speed
-        (0.9, 0.5, 0.5, (math.pi, 0.25)),  # near it brakes
+        (1.0, 0.5, 0.5, (0.0, 0.1)),  # the wind carries it: the least airspeed forward
+        (0.9, 0.5, 0.5, (math.pi, 0.25)),  # near the lamp it brakes against the wind
         (0.5, 2.0, 0.5, (math.pi, 1.05)),
-        (9.0, 0.0, 1.2, (0.0, 1.2)),  # faster than the top speed where the cruise is
+        (9.0, 0.0, 1.2, (0.0, 1.2)),  # the cruise speed may exceed the top speed
     ],
 )
-def test_speed_on_the_line_to_the_lamp(x, wind, speed, course):
+def test_heading_and_airspeed_along_the_line_to_the_lamp(x, wind, speed, course):
     settings = StrategySettings(speed=speed)
     heading, airspeed = homeward(settings, placed(x, wind=(wind, 0.0)))
     assert (abs(heading), airspeed) == pytest.approx(course, abs=1e-6)
 
 
 def test_a_search_turns_once_and_then_flies_circles_that_widen_with_time():
+    """The turn in 0.1 s is 0.03 rad, and a third of that when three turns' time has passed."""
     turn = whole_turn(QUICK)
     before, at, later = (
         searching(QUICK, placed(searched=time), 0.1) for time in (0.99 * turn, turn, 3.0 * turn)

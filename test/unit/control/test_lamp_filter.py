@@ -32,7 +32,7 @@ def told(x, p, slopes, error, noise):
 
 def noises(x, deviation):
     squared = x[0] ** 2 + x[1] ** 2
-    # A lamp may stand 10 cm aside and 80 cm higher or lower.
+    # The lamp may stand 10 cm beside where it seems to be, and 80 cm higher or lower.
     across = deviation**2 + OPTICS.bearing_noise**2 + 0.1**2 / squared
     return across, OPTICS.strength_noise**2 + (0.8**2 / squared) ** 2
 
@@ -109,11 +109,8 @@ def test_the_covariance_stays_one():
 
 
 @pytest.mark.parametrize('bearing', [0.4, 2.5, -1.0])
-def test_a_first_sight_spreads_by_the_slopes_of_its_inputs(bearing):
-    """
-    The covariance of x, y and brightness is J diag(variances) J', J by brightness, strength and
-    bearing.
-    """
+def test_the_covariance_of_a_first_sight_follows_from_that_of_its_inputs(bearing):
+    """J diag(variances) J', with J of (x, y, brightness) by (brightness, strength, bearing)."""
     fix = begin(OPTICS, bearing, 0.05, 80.0, (0.1, -0.2))
     cos, sin, away = math.cos(bearing), math.sin(bearing), 5.0
     slopes = np.array(
@@ -137,8 +134,8 @@ def test_a_first_range_is_between_40_cm_and_50_m():
 
 
 @pytest.mark.parametrize(('x', 'y'), [(3.0, -2.0), (-2.0, 0.01), (0.1, 0.2)])
-def test_what_a_fix_says_of_bearing_and_strength(x, y):
-    """The variance is h P h' with the Jacobian row h; below 40 cm, h is that at 40 cm."""
+def test_a_fix_predicts_bearing_and_strength(x, y):
+    """The bearing's variance is h P h' by its gradient h, which is that at 40 cm if nearer."""
     factor = np.random.default_rng(5).normal(0.0, 0.3, (5, 5))
     spread = factor @ factor.T
     fix = Fix(x, y, 0.0, 0.0, math.log(1800.0), tuple(map(tuple, spread.tolist())))
@@ -147,15 +144,16 @@ def test_what_a_fix_says_of_bearing_and_strength(x, y):
     variance = slopes @ spread @ slopes
     assert bearing_deviation(fix) == pytest.approx(math.sqrt(variance))
     noise = 0.05**2 + 0.03**2 + 0.1**2 / squared
-    for off in (-0.3, 0.2):  # the second one lies beyond pi
+    for off in (-0.3, 0.2):  # by 0.2 the bearing of the second fix exceeds pi
         bearing = math.atan2(y, x) + off
-        told_off = abs(off) / math.sqrt(variance + noise)
-        assert surprise(fix, OPTICS, bearing, 0.05) == pytest.approx(told_off)
-        assert surprise(fix, OPTICS, bearing - math.tau, 0.05) == pytest.approx(told_off)
+        deviations = abs(off) / math.sqrt(variance + noise)
+        assert surprise(fix, OPTICS, bearing, 0.05) == pytest.approx(deviations)
+        assert surprise(fix, OPTICS, bearing - math.tau, 0.05) == pytest.approx(deviations)
     assert expected(fix) == pytest.approx(1800.0 / (x * x + y * y + 0.64))
 
 
-def test_nearer_than_40_cm_a_sight_is_weighed_as_from_there():
+def test_nearer_than_40_cm_gradients_and_noise_are_those_at_40_cm():
+    """The expected fix is that of two updates in numpy, by bearing and then by strength."""
     fix = Fix(0.1, 0.2, 0.0, 0.0, 7.0, tuple(map(tuple, (0.01 * np.eye(5)).tolist())))
     x, p = state_of(fix)
     error = 0.9 - math.atan2(0.2, 0.1)

@@ -1,5 +1,6 @@
 """Control laws by name: they hold a vehicle by its trim, and refuse what they cannot fly."""
 
+from dataclasses import replace
 import math
 
 from lta_config.constants import STANDARD_GRAVITY
@@ -247,12 +248,11 @@ def test_who_needs_a_tracker_is_in_the_registry():
 def test_laws_are_called_what_the_registry_calls_them():
     assert all(name == each.name for name, each in LAWS.items())
     assert all(isinstance(each.start.command, Command) for each in LAWS.values())
+    assert replace(LAWS['glide'], name='x') != LAWS['glide']
 
 
-def test_what_each_law_weighs_in_its_allocation():
-    """
-    Moments are weighted by lever arms: 1 / 0.01^2 in tilt and 1 / 0.1^2 in yaw for the multirotor.
-    """
+def test_each_law_weights_the_axes_of_its_allocation():
+    """The multirotor's moments count by levers: 1 / 0.01^2 about x and y, 1 / 0.1^2 about z."""
     weights = {name: ready(name)[2].rotors.weights for name in ('multirotor', 'skye', 'sblimp')}
     assert weights['multirotor'] == pytest.approx((0.0, 0.0, 1.0, 1e4, 1e4, 1e2))
     assert weights['skye'] == (1.0,) * 6
@@ -260,10 +260,8 @@ def test_what_each_law_weighs_in_its_allocation():
     assert weights['sblimp'] == (1.0, 1.0, height, 0.0, 0.0, 1000.0)
 
 
-def test_a_steep_multirotor_makes_up_for_half_of_its_thrust_at_most():
-    """
-    At 80 degrees of tilt 1 / cos would ask for six times the weight; the law limits it to twice.
-    """
+def test_a_tilted_multirotor_at_most_doubles_its_thrust():
+    """The thrust is weight / cos(tilt), but for cos(80 deg) = 0.17 twice, not six times, it."""
     vehicle, made, constants = ready('multirotor')
     demands = []
     for tilt in (0.0, math.radians(59.0), math.radians(80.0)):
@@ -274,14 +272,14 @@ def test_a_steep_multirotor_makes_up_for_half_of_its_thrust_at_most():
     assert demands == pytest.approx([1.0, 1.0 / math.cos(math.radians(59.0)), 2.0], rel=1e-6)
 
 
-def test_a_law_that_is_told_nothing_takes_itself_to_be_at_rest_at_its_start():
-    """The default inputs are a 10 ms period, level attitude along x, and a zero setpoint."""
+def test_the_defaults_of_a_law_are_a_vehicle_at_rest_and_a_zero_setpoint():
+    """The vehicle is level with its nose along x, and the period is 10 ms."""
     nowhere = (0.0, 0.0, 0.0)
     assert Motion() == (nowhere, (0.0, 0.0, 0.0, 1.0), nowhere, nowhere)
     assert Heard() == (Motion(), Setpoint(0.0, 0.0, 0.0), 0.01)
     assert Command() == ((0.0,) * 8, nowhere)
     for name, each in LAWS.items():
         assert each.start.command == Command(), name
-        if name != 'cascade':  # its derivative terms are NaN before the first measurement
+        if name != 'cascade':  # its derivative terms start as NaN, without a measurement
             remembered = np.concatenate([np.ravel(part) for part in each.start[1:]])
             assert not remembered.any(), name

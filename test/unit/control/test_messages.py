@@ -104,28 +104,28 @@ def test_duties_survive_the_way_there_and_back(count):
     assert to_duties(message, names, NONE) == duties
 
 
-def test_the_ends_of_a_sensor_s_reach_count():
+def test_distances_at_the_limits_of_a_sensor_are_valid():
     assert (reach(0.04, 0.04, 4.0), reach(4.0, 0.04, 4.0)) == (0.04, 4.0)
     assert math.isnan(reach(0.03, 0.04, 4.0))
     assert math.isnan(reach(4.1, 0.04, 4.0))
 
 
 def test_a_range_travels_in_32_bits_and_a_heading_as_a_level_attitude():
-    assert single(0.1) == 13421773 / 2**27  # the nearest of 24 bits
+    assert single(0.1) == 13421773 / 2**27  # the float32 nearest to 0.1
     assert level(0.6) == (0.0, 0.0, math.sin(0.3), math.cos(0.3))
     assert setpoint(0.7, level(-2.5), 0.3) == pytest.approx((0.7, -2.5, 0.3))
 
 
 @pytest.mark.parametrize(('upright', 'levelled'), [(0.11, True), (0.09, False)])
-def test_on_its_side_climb_and_heave_are_not_told_apart(upright, levelled):
-    """The drone is pitched until body z is nearly horizontal, so forward points down."""
+def test_heave_is_the_climb_rate_where_body_z_is_nearly_level(upright, levelled):
+    """The vehicle is pitched nose down; the limit is a cosine of 0.1 between body z and up."""
     pitch = math.acos(upright)
     side = FLYING._replace(attitude=(0.0, math.sin(pitch / 2), 0.0, math.cos(pitch / 2)))
     heave = (0.1 + 0.4 * math.sin(pitch)) / upright
     assert velocity(side) == (0.4, 0.05, pytest.approx(heave if levelled else 0.1))
 
 
-def test_a_rolled_vehicle_climbs_by_its_sway():
+def test_the_climb_rate_of_a_rolled_vehicle_includes_its_sway():
     roll = 0.3
     rolled = FLYING._replace(attitude=(math.sin(roll / 2), 0.0, 0.0, math.cos(roll / 2)))
     heave = (0.1 - 0.05 * math.sin(roll)) / math.cos(roll)
@@ -134,7 +134,7 @@ def test_a_rolled_vehicle_climbs_by_its_sway():
 
 
 def energy(stamp, reserve=None, level=None, why=''):
-    """Return a step with a reserve message, a status message, or both."""
+    """Return a step with the energy monitor's reserve, its status, both or neither."""
     status = [] if level is None else [DiagnosticStatus(level=level, message=why)]
     heard = {
         'energy/reserve': [] if reserve is None else [Bool(data=reserve)],
@@ -143,23 +143,23 @@ def energy(stamp, reserve=None, level=None, why=''):
     return Step(stamp, heard)
 
 
-def test_a_reserve_and_its_status_count_in_whatever_step_they_come():
+def test_reserve_and_status_may_come_in_different_steps():
     ok = heard_word(None, energy(1, False, b'\x00', 'all is well'))
     assert ok == Word(1, False, False, 'all is well')
     assert heard_word(ok, energy(2)) == ok
-    # The status first or last: the same in the end, and dated by the reserve.
+    # Their order does not matter; the stamp is that of the step with the reserve.
     first = heard_word(heard_word(ok, energy(2, level=b'\x02', why='hot')), energy(3, True))
     last = heard_word(heard_word(ok, energy(3, True)), energy(4, level=b'\x02', why='hot'))
     assert first == last == Word(3, True, True, 'hot')
 
 
-def test_a_reserve_that_nobody_has_told_is_reached():
+def test_without_a_reserve_message_the_reserve_counts_as_reached():
     assert heard_word(None, energy(1)) is None
     assert heard_word(None, energy(1, level=b'\x01', why='warm')) == Word(1, True, False, 'warm')
     assert heard_word(None, energy(1, False)) == Word(1, False, False, '')
 
 
-def test_an_alarm_is_heard_without_its_reserve():
+def test_a_status_of_error_is_urgent_without_a_reserve_message():
     ok = heard_word(None, energy(1, False, b'\x00'))
     assert heard_word(ok, energy(2, level=b'\x01')).urgent is False
     assert heard_word(ok, energy(2, level=b'\x02', why='hot')).urgent is True

@@ -5,7 +5,7 @@ import itertools
 from lta_config.course import Course
 from lta_control.cascade import Setpoint
 from lta_control.mission import blind, course_step, mission_step, MissionSettings
-from lta_control.phases import Mission, Phase
+from lta_control.phases import Mission, Phase, SWITCHING
 from lta_control.reserve import Order
 from lta_control.strategies import strategy
 from lta_control.strategies.protocol import Sight
@@ -89,17 +89,17 @@ def test_phases_only_go_forward():
         assert phases.index(after.phase) >= phases.index(phase)
 
 
-def test_the_light_of_another_lamp_is_taken_out_of_a_sight():
+def test_blind_removes_only_the_light_from_a_sight():
     told = Sight(True, 0.4, 1.0, (5.0, 6.0), 0.1, 0.2, 800.0, 0.3, (1.0, 2.0), (0.5, 0.1))
     without = (False, 0.0, 1.0, (5.0, 6.0), 0.1, 0.0, 0.0, 0.0, (1.0, 2.0), (0.5, 0.1))
     assert blind(told) == without
 
 
-def test_a_fresh_mission_listens_to_its_first_lamp_at_once():
-    assert Mission() == (Phase.REST, (), 0, 0, 2, 0, False, (0.0, 0.0), 0.0)
+def test_a_fresh_mission_rests_and_has_waited_for_its_first_lamp():
+    assert Mission() == (Phase.REST, (), 0, 0, SWITCHING, 0, False, (0.0, 0.0), 0.0)
 
 
-def test_a_course_is_flown_as_its_rows_say_and_ends_where_the_energy_does():
+def test_a_course_is_flown_by_its_rows_until_the_energy_reserve():
     row = {'at': '2 s', 'altitude': '1 m', 'heading': '0.5 rad', 'speed': '0.4 m/s'}
     course = Course.model_validate({'between': 'step', 'rows': [row]})
     assert course_step(course, 2.0, 0.3, 0.42, Order.FLY) == Setpoint(1.0, 0.5, 0.4)

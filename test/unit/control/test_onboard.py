@@ -167,16 +167,16 @@ def test_the_numbers_of_the_estimate_are_the_callers_own():
     assert ESTIMATE.read(numbers) != pilot.estimate
 
 
-def test_the_estimator_is_told_what_the_rotors_did_instead():
+def test_instead_replaces_the_newest_duties_in_the_memory():
     pilot, memory = Autopilot(DRONE), run(Onboard(), 1)
     pilot.step(*STILL)
     pilot.instead((0.1, 0.2, 0.3, 0.4))
     assert pilot.duties == (0.1, 0.2, 0.3, 0.4)
     told = memory._replace(duties=(0.1, 0.2, 0.3, 0.4, *NONE[4:]))
-    assert repr(pilot.memory) == repr(told)  # NaN where there is one
+    assert repr(pilot.memory) == repr(told)  # a NaN in it is not equal to itself
 
 
-def test_a_fresh_memory_holds_nothing():
+def test_a_fresh_memory_is_zero_and_unguided():
     fresh = Onboard()
     assert fresh.measured == (0.0,) * 7
     assert (fresh.guided, fresh.setpoint, fresh.duties, fresh.stopped) == (
@@ -186,7 +186,7 @@ def test_a_fresh_memory_holds_nothing():
 
 @pytest.mark.parametrize('place', range(3))
 @pytest.mark.parametrize('field', ['rates', 'force'])
-def test_any_number_that_is_none_leaves_its_sample_out(field, place):
+def test_a_sample_with_nan_or_infinity_does_not_change_the_estimate(field, place):
     flying = run(guided(), 20)
     for odd in (math.nan, math.inf):
         sample = tuple(odd if k == place else 0.1 for k in range(3))
@@ -194,7 +194,7 @@ def test_any_number_that_is_none_leaves_its_sample_out(field, place):
 
 
 @pytest.mark.parametrize('place', range(3))
-def test_any_setpoint_that_is_no_number_stops_the_motors(place):
+def test_an_infinite_setpoint_stops_the_motors_of_a_guided_vehicle(place):
     odd = Setpoint(*(math.inf if k == place else 0.5 for k in range(3)))
     assert run(guided(run(guided(), 20), odd), 1).stopped
     assert not run(run(guided(), 20)._replace(setpoint=odd, guided=False), 1).stopped

@@ -117,10 +117,8 @@ def test_dga_computes_late_and_stops_for_a_sharp_turn():
     assert course.speed == settings.speed
 
 
-def test_des_takes_a_mean_of_no_more_than_the_newest_light():
-    """
-    A step longer than the 15 s washout sets the mean to the level, so the scan has no demand.
-    """
+def test_the_mean_of_des_does_not_pass_the_newest_light():
+    """20 s exceed the washout of 15 s: the mean is the level, and the estimate does not turn."""
     settings = StrategySettings(des=DitherSettings(scan=0.3, gradient=0.0))
     memory = Dither(0.0, 0.0, 1.0, True, 0.0, math.log(50.0))
     late = light(100.0, 0.5)._replace(interval=20.0)
@@ -131,14 +129,14 @@ def test_des_takes_a_mean_of_no_more_than_the_newest_light():
     assert (course.speed, course.arrived) == (settings.speed, False)
 
 
-def test_des_begins_with_the_level_as_its_mean():
+def test_the_first_mean_of_des_is_the_first_level():
     settings = StrategySettings(des=DitherSettings(scan=0.3, gradient=1.0))
     _, memory = dither.steer(settings, dither.start(0.2), light(100.0, 1.0))
     assert memory[1:] == (0.2, 0.1, True, math.log(105.0), math.log(105.0))
 
 
 def test_the_plane_is_a_ridge_regression_of_the_newest_pairs():
-    """The expected plane solves the normal equations of the newest 12 pairs in numpy."""
+    """numpy solves the normal equations of the newest 12 pairs; older ones must not count."""
     chance = np.random.default_rng(9)
     newest = chance.normal(0.0, 0.3, (12, 3)) + np.array((1.0, -2.0, 50.0))
     older = ((9.0, 9.0, 900.0),) * (PAIRS - 12)
@@ -161,16 +159,16 @@ def test_a_cell_is_2_cm_wide_in_both_directions(place, more):
     assert added == more
     assert pairs[-1] == (*place, 30.0 if more else 20.0)
     assert len(pairs) == PAIRS
-    assert kept(before, 0.0, (0.001, 0.03, 30.0), 0.02)[1] == 1.0  # no mean yet
+    assert kept(before, 0.0, (0.001, 0.03, 30.0), 0.02)[1] == 1.0  # without earlier pairs
 
 
 OWN = GradientSettings(least=3.0, computing=0.5, arc=0.4)
 FLOWN = StrategySettings(dga=OWN)
-BRIGHTER = ((0.0, 0.0, 1.0), (0.1, 0.0, 2.0), (0.0, 0.1, 1.0))  # along x
+BRIGHTER = ((0.0, 0.0, 1.0), (0.1, 0.0, 2.0), (0.0, 0.1, 1.0))  # brighter along x
 
 
 def ascending(**changes):
-    """Return the memory of a drone at heading 0.5 rad with three position and light pairs."""
+    """Return the memory of a drone with three pairs that flies along a heading of 0.5 rad."""
     memory = Gradient(0.5, 1.0, 2.0, 0.4, 0.5, 0.7, 0.0, False, 3.0, EMPTY[3:] + BRIGHTER)
     return memory._replace(**changes)
 
@@ -179,7 +177,7 @@ def ascended(memory, heading=0.5):
     return gradient.steer(FLOWN, memory, light(1.0, heading)._replace(interval=0.25))
 
 
-def test_dga_moves_its_place_along_the_heading_that_it_asked_for():
+def test_dga_reckons_its_place_along_the_commanded_heading():
     _, memory = ascended(ascending())
     assert memory.x == pytest.approx(1.0 + 0.1 * math.cos(0.5))
     assert memory.y == pytest.approx(2.0 + 0.1 * math.sin(0.5))
@@ -193,11 +191,11 @@ def test_dga_takes_its_first_pairs_on_an_arc():
     assert (course.heading, course.speed) == (pytest.approx(0.5 + 0.4 * 0.25), FLOWN.speed)
     assert (memory.target, memory.next) == (course.heading, course.heading)
     assert (memory.computed, memory.turning) == (0.5, False)
-    course, memory = ascended(ascending(filled=2.0))  # the third pair is enough
+    course, memory = ascended(ascending(filled=2.0))  # with the third pair the arc ends
     assert (course.heading, memory.computed) == (0.5, 0.25)
 
 
-def test_dga_uses_a_heading_when_it_has_been_computed():
+def test_dga_uses_a_heading_after_the_computing_time():
     course, memory = ascended(ascending(computed=0.125))
     assert (course.heading, memory.next, memory.computed) == (0.5, 0.7, 0.375)
     course, memory = ascended(ascending(computed=0.25))
@@ -209,13 +207,12 @@ def test_dga_uses_a_heading_when_it_has_been_computed():
     ('off', 'turning', 'stands'),
     [(1.19, False, False), (1.21, False, True), (0.51, True, True), (0.49, True, False)],
 )
-def test_dga_stands_to_turn_beyond_1_2_and_goes_within_half_a_radian(off, turning, stands):
+def test_dga_stops_to_turn_beyond_1_2_rad_and_flies_on_within_half_a_radian(off, turning, stands):
     for side in (-off, off):
         course, memory = ascended(ascending(turning=turning), 0.5 + side)
         assert (course.speed == 0.0, memory.turning) == (stands, stands)
         assert memory.speed == course.speed
 
 
-def test_dga_begins_with_its_heading_and_nothing_else():
+def test_the_first_memory_of_dga_holds_the_heading_alone():
     assert gradient.start(0.3) == (0.3, 0.0, 0.0, 0.0, 0.3, 0.3, 0.0, False, 0.0, EMPTY)
-    assert EMPTY == ((0.0, 0.0, 0.0),) * 40

@@ -90,14 +90,14 @@ def test_turned_over_by_its_own_estimate_it_stops_too():
 
 @pytest.fixture(scope='module')
 def beavis(plain_laws):
-    """Return a pilot that uses its own estimate, after a little motion and rotation."""
+    """Return a pilot without a tracker whose estimate has moved and turned for 0.1 s."""
     pilot = piloted('beavis')
     for _ in range(10):
         pilot.step((0.0, 0.0, 0.5), (0.3, -0.2, 9.80665), 0.6, 101_000.0)
     return pilot
 
 
-def test_what_it_reckons_and_measures_is_its_estimate(beavis):
+def test_reckoned_and_measured_values_are_those_of_the_estimate(beavis):
     own = beavis.estimate
     assert min(map(abs, (*own.position, own.airspeed.surge, own.airspeed.sway))) > 0.0
     yaw = 2.0 * math.atan2(own.attitude[2], own.attitude[3])
@@ -113,7 +113,7 @@ def test_what_it_reckons_and_measures_is_its_estimate(beavis):
 
 
 @pytest.mark.parametrize('place', range(6))
-def test_a_sample_that_is_no_number_leaves_its_estimate(beavis, place):
+def test_a_sample_with_nan_or_infinity_does_not_change_the_estimate(beavis, place):
     before, numbers = beavis.estimate, [0.0, 0.0, 0.5, 0.1, 0.1, 9.8]
     for odd in (math.nan, math.inf):
         sample = tuple(odd if k == place else x for k, x in enumerate(numbers))
@@ -121,7 +121,7 @@ def test_a_sample_that_is_no_number_leaves_its_estimate(beavis, place):
         assert beavis.estimate == before
 
 
-def test_it_knows_what_the_rotors_did_instead(beavis):
+def test_the_estimator_follows_the_duties_given_by_instead(beavis):
     beavis.instead((0.1, 0.2, 0.3, 0.4))
     assert beavis.duties == (0.1, 0.2, 0.3, 0.4)
     assert beavis.command.duties == (0.1, 0.2, 0.3, 0.4, *NONE[4:])
@@ -133,8 +133,8 @@ def test_it_knows_what_the_rotors_did_instead(beavis):
         assert now != was
 
 
-def test_it_waits_for_a_setpoint_and_for_a_tracker():
-    """Until then the moving mass of RGBlimp stays at the vehicle file's position."""
+def test_it_does_not_move_before_a_setpoint_and_a_tracked_pose_have_come():
+    """RGBlimp's motors stay off, and its moving mass stays where the vehicle file puts it."""
     vehicle = load_vehicle('rgblimp')
     made = law('glide')
     gains = load_gains_of(made.gains, 'rgblimp')
@@ -150,11 +150,11 @@ def test_it_waits_for_a_setpoint_and_for_a_tracker():
     assert pilot.measured is None
     pilot.guide(Setpoint(1.2, 0.3, 0.5))
     assert command() == rest
-    pilot.see((*truth, 9.0))  # values after the rates are ignored
+    pilot.see((*truth, 9.0))  # numbers after the rates are ignored
     assert command() != rest
     assert pilot.measured.altitude == 1.0
     pilot.see((0.5, 0.25, 1.0, *truth[3:]))
-    assert pilot.motion.position == (0.5, 0.25, 1.0)  # relative to the first pose
+    assert pilot.motion.position == (0.5, 0.25, 1.0)  # relative to the first tracked place
     pilot.guide(Setpoint(0.0, 0.0, 0.0))
     pilot.see((0.0, 0.0, vehicle.standing_height, *truth[3:]))
-    assert command() == rest  # at rest
+    assert command() == rest  # landed

@@ -120,7 +120,7 @@ def test_only_who_arrives_can_perch():
 
 @pytest.mark.parametrize(('away', 'phase'), [(0.5, Phase.LAND), (0.501, Phase.HOME)])
 @pytest.mark.parametrize('angle', [0.0, 2.0])
-def test_it_lands_half_a_metre_from_where_it_took_off(away, phase, angle):
+def test_it_lands_within_half_a_metre_of_where_it_took_off(away, phase, angle):
     mission = airborne()._replace(phase=Phase.HOME, left=60.0)
     place = (away * math.cos(angle), away * math.sin(angle))
     assert go(mission, Order.FLY, RETURN, place)[1].phase is phase
@@ -134,14 +134,14 @@ def test_the_flight_back_ends_when_its_time_is_over(left, phase):
     assert mission.left == pytest.approx(left - 0.1)
 
 
-def test_who_cannot_fly_lands_instead_of_returning():
+def test_with_a_speed_of_zero_it_lands_instead_of_returning():
     still = MissionSettings(speed=0.0)
     sight = SIGHT._replace(position=(3.0, 0.0))
     asked = (airborne(), sight, 0.5, Order.RESERVE, 1, RETURN)
     assert mission_step(still, SEEKER, *asked)[1].phase is Phase.LAND
 
 
-def test_who_lands_goes_on_landing_whatever_the_energy_says():
+def test_a_landing_continues_whatever_the_energy_allows():
     landing = airborne()._replace(phase=Phase.LAND)
     for order in Order:
         for reserve in (LAND, RETURN, PERCH):

@@ -1,4 +1,4 @@
-"""Bias calibration at rest: the limits on sway and on the bias."""
+"""Sensor biases learned at rest, and the limits beyond which a drone is not at rest."""
 
 import math
 
@@ -12,7 +12,7 @@ AXES = [0, 1, 2]
 
 
 def at(vector, axis, change):
-    """Return the vector with `change` added on one axis."""
+    """Return a vector with a change added on one axis."""
     return tuple(x + change * (k == axis) for k, x in enumerate(vector))
 
 
@@ -23,7 +23,7 @@ def rested(samples=4, pressure=101_000.0):
     return rest
 
 
-def test_sums_grow_by_each_sample_and_by_each_pressure():
+def test_each_sample_is_added_and_its_pressure_if_it_is_a_number():
     rest = rest_step(Rest(), RATES, FORCE, math.nan)
     assert rest == Rest(1, RATES, FORCE, 0.0, 0)
     rest = rest_step(rest, (0.11, -0.19, 0.29), (0.5, -0.6, 9.8), 99_000.0)
@@ -36,8 +36,8 @@ def test_sums_grow_by_each_sample_and_by_each_pressure():
 
 @pytest.mark.parametrize('axis', AXES)
 @pytest.mark.parametrize('sign', [1.0, -1.0])
-def test_a_drone_at_rest_sways_by_10_degrees_a_second_and_a_tenth_of_g(axis, sign):
-    """A sample just within the limit is averaged; one just beyond it restarts the calibration."""
+def test_sums_restart_beyond_10_degrees_a_second_or_a_tenth_of_g_off_the_mean(axis, sign):
+    """0.1 % less makes a fifth sample; 0.1 % more leaves a sum of this sample alone."""
     rest = rested()
     for share, samples in ((0.999, 5), (1.001, 1)):
         turn, push = share * sign * math.radians(10.0), share * sign * 0.1 * G
@@ -48,11 +48,11 @@ def test_a_drone_at_rest_sways_by_10_degrees_a_second_and_a_tenth_of_g(axis, sig
     assert anew == Rest(1, at(RATES, axis, sign), FORCE, 1.0, 1)
 
 
-def test_the_first_sample_is_off_nothing():
+def test_the_first_sample_is_accepted_whatever_it_is():
     assert rest_step(Rest(), (9.0, 9.0, 9.0), (9.0, 9.0, 9.0), 1.0).samples == 1
 
 
-def test_who_begins_anew_keeps_nothing():
+def test_sums_are_kept_or_reset_to_zero():
     assert kept(rested(), True) == rested()
     assert kept(rested(), False) == Rest()
     assert Rest() == (0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0)
@@ -61,7 +61,7 @@ def test_who_begins_anew_keeps_nothing():
 
 @pytest.mark.parametrize('axis', AXES)
 @pytest.mark.parametrize('sign', [1.0, -1.0])
-def test_a_bias_is_3_degrees_a_second_and_6_hundredths_of_g_at_most(axis, sign):
+def test_a_bias_above_3_degrees_a_second_is_a_turn_and_above_0_06_g_a_tilt(axis, sign):
     told = (0.2, -0.1, 0.3)
     for share, beyond in ((0.999, False), (1.001, True)):
         rates = at(told, axis, share * sign * math.radians(3.0))
@@ -70,7 +70,7 @@ def test_a_bias_is_3_degrees_a_second_and_6_hundredths_of_g_at_most(axis, sign):
         assert tilted(Biases(force=force), told) is beyond
 
 
-def test_biases_are_the_means_and_the_pressure_is_taken_down_to_the_floor():
+def test_biases_are_the_means_and_the_pressure_is_that_at_the_floor():
     rest = Rest(4, (0.4, -0.8, 1.2), (2.0, -1.0, 40.0), 202_000.0, 2)
     found = biases_of(rest, 0.5, 1.2)
     assert found.rates == pytest.approx((0.1, -0.2, 0.3))

@@ -52,33 +52,30 @@ def test_without_a_lamp_nothing_is_seen():
     assert seen.amplitudes == (0.0,)  # of a block that could not be read: a diode in the dark
 
 
-def test_a_diode_whose_samples_say_nothing_is_in_the_dark():
+def test_a_nan_or_infinite_amplitude_is_taken_as_zero():
     axes, read = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)), (4.0, math.nan, math.inf, 0.0)
     seen = sighted(lamp_at(0.0, 4.0, 3.0, 0.05), axes, read, STILL, 0.25)
     assert seen.amplitudes == (4.0, 0.0, 0.0, 0.0)
     assert (seen.strength, seen.interval) == (4.0, 0.25)
 
 
-def test_readings_of_another_number_of_diodes_are_an_error():
+def test_fewer_amplitudes_than_diodes_are_an_error():
     with pytest.raises(ValueError, match='zip'):
         facing_strength(((1.0, 0.0), (0.0, 1.0)), (4.0,))
     assert facing_strength((), ()) == 0.0
 
 
 def test_the_deviation_of_a_bearing_by_hand():
-    """
-    Along (3, 4) the variance is (9 xx + 24 xy + 16 yy) / 25, across it (16 xx - 24 xy + 9 yy) /
-    25.
-    """
+    """Variances along (3, 4): (9 xx + 24 xy + 16 yy) / 25; across: (16 xx - 24 xy + 9 yy) / 25."""
     along, across = (9 * 2.0 + 24 * 0.5 + 16 * 1.0) / 25, (16 * 2.0 - 24 * 0.5 + 9 * 1.0) / 25
     found = bearing_deviation(Lamp(3.0, 4.0, 7.0, (2.0, 0.5, 1.0)))
     assert found == pytest.approx(math.sqrt(across / (25.0 + along)))
     assert bearing_deviation(Lamp(0.0, 0.0, 7.0, (2.0, 0.5, 1.0))) == math.pi
-    # Rounding can make a variance slightly negative.
+    # Rounding may leave a variance a little below zero.
     assert bearing_deviation(Lamp(1.0, 0.0, 0.0, (1.0, 0.0, -1e-18))) == 0.0
     assert bearing_deviation(Lamp(1.0, 0.0, 0.0, (-1e-18, 0.0, 1.0))) == 1.0
 
 
-def test_what_is_not_known_of_a_sight_is_zero():
+def test_optional_fields_of_sight_and_course_default_to_zero():
     assert Sight(False, 0.1, 0.2, (0.3,), 0.4)[5:] == (0.0, 0.0, 0.0, (0.0, 0.0), (0.0, 0.0))
     assert Course(0.1, 0.2).arrived is False

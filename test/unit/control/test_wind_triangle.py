@@ -52,22 +52,22 @@ def test_a_wind_that_is_too_strong_leaves_some_way_along():
 
 
 @pytest.mark.parametrize('side', [1.0, -1.0])
-def test_95_per_cent_of_the_airspeed_at_most_are_held_against_the_wind(side):
-    """With 0.95 of the airspeed against the crosswind, sqrt(1 - 0.95^2) is left along the line."""
+def test_at_most_95_per_cent_of_the_airspeed_is_directed_across_the_line(side):
+    """The cross wind is stronger than the airspeed; sqrt(1 - 0.95^2) is left along the line."""
     heading, speed = flown(EAST, (0.0, 3.0 * side), over_ground=9.0, top=2.0)
     left = math.sqrt(1.0 - 0.95**2)
     assert (heading, speed) == (pytest.approx(-side * math.atan2(0.95, left)), pytest.approx(2.0))
 
 
 @pytest.mark.parametrize(('speed', 'flies'), [(0.1, True), (0.0999, False)])
-def test_below_10_cm_a_second_a_heading_means_nothing(speed, flies):
-    """In a pure crosswind the drone heads into the wind if it flies, else along the line."""
+def test_an_airspeed_below_10_cm_a_second_is_not_flown(speed, flies):
+    """In a cross wind alone it faces the wind, or along the line if the wind is weaker."""
     heading, asked = flown(EAST, (0.0, speed), over_ground=0.0)
     assert (heading, asked) == ((-math.pi / 2, speed) if flies else (0.0, 0.0))
 
 
 def test_a_line_in_any_direction():
-    """On the line (-3, 4) / 5 the wind (1, 2) / 5 has 1 / 5 along it and -2 / 5 to its left."""
+    """Of the wind (0.2, 0.4), 0.2 m/s is along (-3, 4) / 5 and 0.4 m/s across, to the right."""
     heading, speed = flown((-3.0, 4.0), (0.2, 0.4), over_ground=0.5)
     along, left = 0.5 - (-0.6 * 0.2 + 0.8 * 0.4), 0.6 * 0.4 + 0.8 * 0.2
     assert heading == pytest.approx(math.atan2(4.0, -3.0) + math.atan2(left, along))

@@ -65,7 +65,7 @@ def test_a_wall_rubs():
     wrench = touch((3.51, 0.0, 1.5), velocity=(0.0, 5.0, 0.0))
     # 0.4 of 2 N, at the touching point 0.5 m ahead.
     np.testing.assert_allclose(wrench[[0, 1, 5]], (-2.0, -0.8, -0.4), rtol=1e-4)
-    # At 5 cm/s, where friction is made smooth, the root of a half of it is left.
+    # Friction is scaled by v / sqrt(v^2 + v_s^2): by sqrt(1/2) at v = v_s = 5 cm/s.
     slow = touch((3.51, 0.0, 1.5), velocity=(0.0, 0.03, 0.04))
     assert slow[1:3] == pytest.approx([-0.8 * math.sqrt(0.5) * 0.6, -0.8 * math.sqrt(0.5) * 0.8])
     # Rolling along the wall: the touching point stands still.
@@ -142,7 +142,7 @@ def test_a_room_too_small_is_refused():
         ({'half_height': 0.75, 'ceiling': 1.501}, ''),
     ],
 )
-def test_a_room_is_wider_than_its_hull(changes, word):
+def test_a_room_must_be_larger_than_the_hull(changes, word):
     given = zip(walls.PARAMETERS, ROOM, strict=True)
     said = walls.check({parameter.name: value for parameter, value in given} | changes)
     assert (word in said) if word else said == ''

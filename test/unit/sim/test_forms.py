@@ -23,7 +23,7 @@ def names_of(kind, generator):
     return [name for name in EFFECTS if generator.random() < share]
 
 
-@cache  # built twice otherwise, for both forms
+@cache  # both forms are compared on the same fleet
 def fleet(seed, kinds):
     """Return vehicles with random sets of effects on, and random states, commands and air."""
     generator = np.random.default_rng(seed)

@@ -148,8 +148,9 @@ def test_along_is_the_way_of_the_mean_wind():
     np.testing.assert_allclose(air, (0.0, -0.3, 0.0, 0.0, 0.0, 0.0), atol=1e-16)
     side = turbulence.air(P, (0.0, 0.0, 1.0, 0.0, 0.0), place(0.0, wind=(0.0, -2.0, 0.1)))
     np.testing.assert_allclose(side[:2], (0.25 * (1.0 - math.sqrt(3.0)), 0.0), atol=1e-16)
-    # Without a mean wind along is east. The eddies are frozen: the air itself does not accelerate.
+    # In still air, along is x. Frozen turbulence: the acceleration of the air is zero.
     assert turbulence.air(P, memory, place(1.0)) == (0.3, 0.0, 0.0, 0.0, 0.0, 0.0)
+    # Below 1 mm/s the mean wind counts as still.
     for north, turned in ((0.9e-3, False), (1.1e-3, True)):
         head = turbulence.air(P, memory, place(0.0, wind=(0.0, north, 0.0)))
         assert head[:2] == pytest.approx((0.0, 0.3) if turned else (0.3, 0.0))

@@ -148,8 +148,8 @@ def test_deviation_is_that_of_many_noisy_blocks(amplitude, pedestal):
     assert 0.93 <= inside <= (0.97 if pedestal else 1.0)
 
 
-def test_a_diode_just_at_the_threshold_counts_with_its_noise_alone():
-    """1 and 1 at right angles, SNR 6 both: each error is sqrt(2 / pi) / 6, half of it across."""
+def test_a_diode_at_the_snr_threshold_adds_only_its_noise_to_the_deviation():
+    """Two equal diodes at right angles: each errs by sqrt(2 / pi) / 6, their sum is sqrt(2)."""
     ring = Ring((1.0, 0.0), (0.0, 1.0))
     peaks = Peaks(np.ones(2), np.full(2, 6.0), np.zeros(2), np.ones(2))
     each = math.sqrt(2.0 / math.pi) / 6.0

@@ -1,4 +1,4 @@
-"""Where beacons are sought and what is quiet, at the very ends of what is allowed."""
+"""Bins in which beacons are sought and noise is measured, at the limits of what is allowed."""
 
 from lta_config.errors import BadInput
 from lta_vlc.bins import plan_beacons
@@ -8,7 +8,7 @@ import pytest
 
 
 def planned(samples, rate=None, **settings):
-    """Return the bins of one beacon in bins of 1 Hz, without mains where none are told."""
+    """Return the bins of one beacon: 1 Hz wide and without mains unless stated otherwise."""
     given = {'mains': 0.0, 'harmonics': 1} | settings
     return plan_bins(Demodulation(**given), rate or float(samples), samples)
 
@@ -24,32 +24,32 @@ def test_the_window_may_begin_at_the_first_bin_and_end_at_the_last():
             planned(100, frequency=frequency, window=2)
 
 
-def test_half_of_the_sample_rate_is_too_fast():
+def test_a_beacon_at_half_of_the_sample_rate_is_refused():
     with pytest.raises(BadInput, match='at 50 Hz cannot be seen at 100 samples/s'):
         planned(100, frequency=50.0, window=0)
     assert planned(100, frequency=49.9, window=0).first == 50
 
 
 def test_sixteen_quiet_bins_are_enough():
-    """Bins 1 to 19 less the three of the beacon, and 1 to 18 less as many."""
+    """The beacon takes three: 16 of bins 1 to 19 are left, and 15 of bins 1 to 18."""
     assert planned(38, frequency=10.0, window=1).quiet.size == 16
     sentence = r'^The beacon at 10 Hz and its harmonics leave 15 bins of a block of 36 .* 16 are'
     with pytest.raises(BadInput, match=sentence):
         planned(36, frequency=10.0, window=1)
 
 
-def test_what_is_unlit_is_more_than_one_bin_and_a_half_from_the_flicker():
-    """Mains of 10 Hz flicker at 20, 40 and so on; bins of 0.5 Hz are 1.5 of them apart."""
+def test_unlit_bins_are_more_than_one_and_a_half_bins_from_mains_flicker():
+    """Mains of 10 Hz make lamps flicker at multiples of 20 Hz; bins are 0.5 Hz wide."""
     bins = planned(200, 100.0, frequency=5.0, window=0, mains=10.0)
     quiet, unlit = bins.quiet.tolist(), bins.unlit.tolist()
     assert quiet == [k for k in range(1, 101) if k != 10]
-    flicker = [40, 80]  # in bins; 60 Hz and above fold back to 40 and 20 Hz, or to 0
+    flicker = [40, 80]  # bins; 60 Hz and above are aliased to 40, 20 or 0 Hz
     beside = {k + side for k in (0, *flicker) for side in (-1, 0, 1)}
     assert unlit == [k for k in quiet if k not in beside]
 
 
-def test_flicker_between_two_bins_spoils_the_two_on_either_side():
-    """21 Hz in bins of 2 Hz is 10.5: 9 to 12 are within 1.5. 189 and 210 Hz fold to 11 and 10."""
+def test_flicker_between_two_bins_excludes_two_bins_on_either_side():
+    """21 Hz is bin 10.5 of 2 Hz; 189 and 210 Hz are aliased to 11 and 10 Hz, bins 5.5 and 5."""
     bins = planned(100, 200.0, frequency=60.0, window=0, mains=10.5)
     spoilt = set(bins.quiet.tolist()) - set(bins.unlit.tolist())
     assert {k for k in spoilt if k < 15} == {4, 5, 6, 7, 9, 10, 11, 12}
@@ -57,7 +57,7 @@ def test_flicker_between_two_bins_spoils_the_two_on_either_side():
     assert without.unlit.tolist() == without.quiet.tolist()
 
 
-def test_several_beacons_are_named_together():
+def test_the_refusal_names_all_beacons():
     with pytest.raises(
         BadInput, match=r'^The beacons at 5, 10 Hz and their harmonics leave 9 bins'
     ):

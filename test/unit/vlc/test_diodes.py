@@ -1,4 +1,4 @@
-"""Diodes as the drone believes them, at the ends of what they may be; what a finder expects."""
+"""The model of the diodes at the limits of what is allowed, and the direction finder."""
 
 from dataclasses import replace
 import math
@@ -6,7 +6,7 @@ import math
 from lta_config.errors import BadInput
 from lta_config.vehicle_file import load_vehicle_file
 from lta_vlc.demodulation import Peaks
-from lta_vlc.diodes import Diodes, diodes_of, ring_of
+from lta_vlc.diodes import diodes_of, ring_of
 from lta_vlc.direction import Direction, DirectionFinder, expected_of
 from lta_vlc.fit import blind, Fit
 from lta_vlc.lamp import LampPrior
@@ -16,7 +16,7 @@ import pytest
 ENTRY = load_vehicle_file('gtmab').sensors.diodes
 
 
-def test_a_ring_looks_outwards_from_its_middle():
+def test_the_diodes_of_a_ring_face_outwards_from_its_centre():
     diodes = ring_of(4, 0.07, 1.2, 0.02)
     assert diodes.axes[1] == pytest.approx((0.0, 1.0, 0.0), abs=1e-15)
     assert diodes.axes[2] == pytest.approx((-1.0, 0.0, 0.0), abs=1e-15)
@@ -29,8 +29,8 @@ def test_a_ring_looks_outwards_from_its_middle():
     assert (plain.response, plain.spread) == (1.0, 0.0)
 
 
-def test_places_are_told_from_the_middle_of_the_diodes():
-    """Three axes whose mean is (1/3, 1/3, 1/3), 3 m out."""
+def test_places_are_relative_to_the_mean_place_of_the_diodes():
+    """The unit axes have the mean (1/3, 1/3, 1/3), and the radius is 3 m."""
     axes = {'value': ((2.0, 0.0, 0.0), (0.0, 3.0, 0.0), (0.0, 0.0, 0.5))}
     entry = ENTRY.model_copy(
         update={
@@ -59,8 +59,9 @@ def test_places_are_told_from_the_middle_of_the_diodes():
         {'axes': ((1.0 + 0.9e-6, 0.0, 0.0), *ring_of(4).axes[1:])},
     ],
 )
-def test_diodes_may_be_dead_equal_broad_and_rounded(allowed):
-    assert isinstance(replace(ring_of(4), **allowed), Diodes)
+def test_limiting_values_of_diodes_are_accepted(allowed):
+    made = replace(ring_of(4), **allowed)
+    assert {name: getattr(made, name) for name in allowed} == allowed
 
 
 @pytest.mark.parametrize(
@@ -77,13 +78,13 @@ def test_diodes_may_be_dead_equal_broad_and_rounded(allowed):
         {'gains': (1.0,) * 5},
     ],
 )
-def test_anything_beyond_is_refused(wrong):
+def test_impossible_diodes_are_refused(wrong):
     with pytest.raises(BadInput):
         replace(ring_of(4), **wrong)
 
 
-def test_what_is_expected_of_a_lamp_is_its_distance_and_its_height():
-    """1 / 4 m, known to 3 / 4^2; the angle of 1 m at 4 m; nothing is known for certain."""
+def test_the_expected_elevation_and_nearness_follow_from_the_prior():
+    """Nearness 1 / 4 with deviation 3 / 4^2, elevation with atan2(1, 4); 1e-3 is the least."""
     prior = LampPrior(distance=4.0, distance_deviation=3.0, height_deviation=1.0)
     assert expected_of(prior) == (
         0.0, pytest.approx(math.atan2(1.0, 4.0)), 0.25, pytest.approx(3.0 / 16.0),
@@ -94,7 +95,7 @@ def test_what_is_expected_of_a_lamp_is_its_distance_and_its_height():
 
 @pytest.fixture
 def finder():
-    """Return a finder with a fit that says what it is told, and what that was."""
+    """Return a finder with a fit of fixed result, and a list of the readings and errors passed."""
     told = []
 
     def core(array, expected, readings, errors, scratch):
@@ -104,8 +105,8 @@ def finder():
     return DirectionFinder(ring_of(4), core), told
 
 
-def test_a_fit_is_told_amplitudes_their_noise_and_which_are_spoilt(finder):
-    """White noise moves an amplitude by the root of 2 / pi of the mean of the quiet bins."""
+def test_the_fit_gets_amplitudes_and_errors_which_are_infinite_without_any_snr(finder):
+    """White noise moves an amplitude by sqrt(2 / pi) times the mean of the quiet bins."""
     find, told = finder
     peaks = Peaks(np.array([9.0, 5.0, 1.0, 2.0]), np.array([6.0, 2.0, 0.0, 1.0]),
                   np.full(4, 150.0), np.array([3.0, 2.0, 1.0, 4.0]))  # fmt: skip
@@ -121,13 +122,13 @@ def test_a_fit_is_told_amplitudes_their_noise_and_which_are_spoilt(finder):
     assert len(told) == 1
 
 
-def test_a_fit_that_finds_nothing_is_none():
+def test_a_fit_without_a_direction_gives_none():
     find = DirectionFinder(ring_of(4), lambda *_: blind())
     peaks = Peaks(np.ones(4), np.full(4, 9.0), np.full(4, 150.0), np.ones(4))
     assert find.find(peaks, 6.0, LampPrior()) is None
 
 
-def test_a_finder_is_prepared_by_a_fit_of_darkness(finder):
+def test_prepare_fits_zero_readings_once(finder):
     find, told = finder
     find.prepare()
     assert told == [([0.0] * 4, [0.0] * 4)]

@@ -1,4 +1,4 @@
-"""The parts of the fit of a direction, each against numpy or by hand."""
+"""The parts of the fit of a direction, each checked against numpy or by hand."""
 
 import math
 import sys
@@ -40,13 +40,13 @@ EXPECTED = Expected(0.3, 0.1, 0.25, 0.1)
 
 
 def four(gains=SURE):
-    """Return four level diodes, the first forward."""
+    """Return four level diodes at right angles, the first facing forward."""
     x, y = zip(*CROSS, strict=True)
     return Array(x, y, NONE, NONE, NONE, NONE, gains, 1.0, 0.0)
 
 
 def normal(seed=1):
-    """Return scratch numbers with a normal matrix and a right side in them, and both."""
+    """Return scratch with a normal matrix and a right-hand side in it, and both as arrays."""
     chance = np.random.default_rng(seed)
     factor = chance.normal(size=(UNKNOWNS, UNKNOWNS))
     matrix = 4.0 * np.eye(UNKNOWNS) + factor @ factor.T
@@ -69,7 +69,7 @@ def test_the_normal_equations_are_solved(seed):
 
 @pytest.mark.parametrize('worst', [0.0, -1.0, math.nan])
 @pytest.mark.parametrize('unknown', [0, UNKNOWNS - 1])
-def test_a_matrix_that_is_not_positive_has_no_factor(worst, unknown):
+def test_a_matrix_that_is_not_positive_definite_has_no_factor(worst, unknown):
     scratch, _, _ = normal()
     scratch[NORMAL + UNKNOWNS * unknown : NORMAL + UNKNOWNS * unknown + UNKNOWNS] = 0.0
     scratch[NORMAL + (UNKNOWNS + 1) * unknown] = worst
@@ -78,7 +78,7 @@ def test_a_matrix_that_is_not_positive_has_no_factor(worst, unknown):
 
 @pytest.mark.parametrize('seed', range(3))
 def test_the_covariance_is_the_inverse_of_the_normal_matrix(seed):
-    """Of azimuth a step to the side is over the cosine of the elevation; all grows by 2.5."""
+    """Azimuth is the step to the left over cos(elevation) = 0.8; 2.5 scales all variances."""
     scratch, matrix, _ = normal(seed)
     cholesky(scratch)
     scratch[VALUES + STRENGTH], scratch[VALUES + PEDESTAL] = 70.0, 8.0
@@ -95,7 +95,7 @@ def test_the_covariance_is_the_inverse_of_the_normal_matrix(seed):
 @pytest.mark.parametrize(
     ('side', 'level', 'found'), [(0.5, 0.5, False), (0.5, 0.51, True), (1e-9, 0.0, False)]
 )
-def test_an_azimuth_known_to_a_radian_is_none(side, level, found):
+def test_an_azimuth_deviation_of_a_radian_or_more_gives_no_direction(side, level, found):
     scratch = np.zeros(FIT_SCRATCH)
     for unknown in range(UNKNOWNS):
         scratch[NORMAL + (UNKNOWNS + 1) * unknown] = 1.0 / side
@@ -105,7 +105,7 @@ def test_an_azimuth_known_to_a_radian_is_none(side, level, found):
     assert blind() == (False, *(0.0,) * 9)
 
 
-def test_the_misfit_of_the_readings_that_count_is_strange_beyond_one():
+def test_the_variance_factor_is_the_misfit_per_valid_reading_and_at_least_one():
     scratch = np.zeros(FIT_SCRATCH)
     errors = (1.0, math.inf, 2.0, 3.0)
     for misfit, strange in ((12.0, 4.0), (3.0, 1.0), (0.5, 1.0)):
@@ -114,7 +114,7 @@ def test_the_misfit_of_the_readings_that_count_is_strange_beyond_one():
 
 
 def test_a_first_guess_is_the_weighted_mean_lifted_to_the_expected_elevation():
-    """By gain: 60, 40, 20 counts and a dead diode: (40, 20) beyond the lowest."""
+    """Over their gains the readings are 60, 40, 20 and dead: (40, 20) above the lowest."""
     scratch = np.full(FIT_SCRATCH, 9.0)
     array = four((1.0, 2.0, 1.0, 0.0))
     x, y, z, top = first_guess(array, EXPECTED, (60.0, 80.0, 20.0, 9.0), SURE, scratch)
@@ -128,7 +128,7 @@ def test_a_first_guess_is_the_weighted_mean_lifted_to_the_expected_elevation():
     assert [values[k] for k in others] == [0.0] * 6
 
 
-def test_a_spoilt_diode_has_no_part_in_the_first_guess():
+def test_a_diode_with_an_infinite_error_does_not_affect_the_first_guess():
     scratch, errors = np.zeros(FIT_SCRATCH), (1.0, 1.0, math.inf, 1.0)
     x, y, _, top = first_guess(four(), EXPECTED, (30.0, 10.0, 900.0, 10.0), errors, scratch)
     assert (x, y) == pytest.approx((math.cos(0.3), 0.0))
@@ -136,14 +136,14 @@ def test_a_spoilt_diode_has_no_part_in_the_first_guess():
 
 
 @pytest.mark.parametrize('readings', [(5.0,) * 4, (math.inf, 1.0, 1.0, 1.0)])
-def test_even_or_endless_light_has_no_first_guess(readings):
+def test_equal_or_infinite_readings_give_no_first_guess(readings):
     found = first_guess(four(), EXPECTED, readings, SURE, np.zeros(FIT_SCRATCH))
     assert found == (1.0, 0.0, 0.0, 0.0)
     assert fit(four(), EXPECTED, readings, SURE, np.zeros(FIT_SCRATCH)) == blind()
 
 
 def test_a_step_goes_to_the_left_and_up_on_the_sphere():
-    """From azimuth a, elevation e: left is (-sin a, cos a, 0), up is left's other normal."""
+    """At azimuth a, left is (-sin a, cos a, 0), and up is the cross product of here and left."""
     a, e = 0.7, -0.4
     here = np.array([math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e)])
     left = np.array([-math.sin(a), math.cos(a), 0.0])
@@ -153,8 +153,8 @@ def test_a_step_goes_to_the_left_and_up_on_the_sphere():
     assert turned_by(0.0, 0.0, 1.0, 0.0, 0.0) == pytest.approx((0.0, 0.0, 1.0))
 
 
-def test_values_stay_within_what_can_be():
-    """No lamp is nearer than half a metre or falls by more than 3; a strength is above 0."""
+def test_a_step_keeps_the_values_within_their_limits():
+    """Nearness is at most 1 / (0.5 m), fall at most 3, strength at least 1/1000 of the top."""
     scratch = np.zeros(FIT_SCRATCH)
     scratch[VALUES:MISFIT] = 1.0
     scratch[PULLS:NORMAL] = 0.25
@@ -173,15 +173,15 @@ def test_values_stay_within_what_can_be():
 @pytest.mark.parametrize(
     ('pull', 'azimuth'),
     [
-        (1.0, 12 * math.atan(0.3)),  # no step is longer than 0.3, and there are twelve
-        (0.2, 5 * math.atan(0.2) + 7 * math.atan(0.1)),  # after five they are halved
+        (1.0, 12 * math.atan(0.3)),  # twelve steps of the longest, 0.3
+        (0.2, 5 * math.atan(0.2) + 7 * math.atan(0.1)),  # halved after five steps
         (0.4, 5 * math.atan(0.3) + 7 * math.atan(0.2)),
         (1.1e-5, 5 * 1.1e-5 + 7 * 0.55e-5),
-        (0.9e-5, 0.9e-5),  # done
+        (0.9e-5, 0.9e-5),  # less than 1e-5 rad: the last step
     ],
 )
-def test_steps_are_limited_halved_and_twelve_at_most(monkeypatch, pull, azimuth):
-    """Normal equations that always pull to the left."""
+def test_at_most_twelve_steps_are_limited_and_halved_after_five(monkeypatch, pull, azimuth):
+    """Stubbed equations ask for the same step to the left each time; s turns by atan(s)."""
     faints = []
 
     def pulling(array, expected, readings, errors, scratch, x, y, z, faint):

@@ -85,7 +85,7 @@ def test_what_is_no_wave_is_refused(wave, sentence):
         SquareWave(**wave)
 
 
-def test_a_wave_is_on_for_half_of_its_time_from_the_start_where_nothing_else_is_told():
+def test_by_default_a_wave_is_on_for_the_first_half_of_each_cycle():
     times = np.array([0, 49_999_999, 50_000_000, 99_999_999])
     assert SquareWave(10.0).values(times).tolist() == [1.0, 1.0, 0.0, 0.0]
     assert cycles(times, 10.0)[:3] == pytest.approx([0.0, 0.5, 0.5], abs=1e-7)

@@ -39,7 +39,7 @@ def test_lamps_on_the_mains_flicker_at_twice_its_frequency():
         ({'others': (470.0,)}, 'Harmonic 3 of the beacon at 150 Hz falls on .* at 470 Hz'),
         ({'others': (730.0,)}, 'Harmonic 5 of the beacon at 150 Hz falls on .* at 730 Hz'),
         ({'frequency': 320.0}, 'sought within 2 bins of 10 Hz, .* the mains flicker, at 300 Hz'),
-        ({'frequency': 1020.0}, 'mains flicker, at 1000 Hz'),  # the tenth
+        ({'frequency': 1020.0}, 'mains flicker, at 1000 Hz'),  # the tenth harmonic of 100 Hz
     ],
 )
 def test_what_cannot_be_told_apart_is_refused_at_the_start(settings, sentence):
@@ -58,7 +58,7 @@ def test_what_cannot_be_told_apart_is_refused_at_the_start(settings, sentence):
         {'others': (480.0,), 'mains': 0.0},
         {'others': (720.0,), 'mains': 0.0},
         {'frequency': 330.0},
-        {'frequency': 1100.0},  # the eleventh harmonic of the mains is no matter
+        {'frequency': 1100.0},  # harmonics of 100 Hz above the tenth are ignored
     ],
 )
 def test_what_can_be_told_apart_is_taken(settings):

@@ -49,9 +49,9 @@ def test_presence_takes_blocks_that_are_missing_for_silent():
     assert Presence().after(True).after(True) == (True, 0)
 
 
-def test_half_a_block_late_is_the_next_and_one_and_a_half_has_lost_one():
+def test_gaps_between_stamps_are_rounded_to_whole_blocks():
     assert taken(0, 0.5) == [0, 0]
     assert taken(0, 1.49) == [0, 0]
     assert taken(0, 1.5) == [0, 1]
     assert taken(0, 2.49, 3.49) == [0, 1, 0]
-    assert taken(10, 0, 1) == [0, 0, 0]  # ten blocks back it begins anew
+    assert taken(10, 0, 1) == [0, 0, 0]  # ten blocks back, a new sequence begins

@@ -1,4 +1,4 @@
-"""One look at the samples and one at the bins of a block, by hand; and the faults that show."""
+"""Statistics of the samples and bins of a block, by hand, and the faults that follow."""
 
 import math
 
@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 
-def test_samples_have_a_mean_a_span_and_a_part_at_the_top():
+def test_look_returns_mean_span_and_part_at_full_scale_and_removes_the_mean():
     waves = np.array([[1.0, 5.0, 5.0, 9.0], [-4.0, -2.0, -6.0, -4.0], [3.0, math.nan, 3.0, 3.0]])
     looked = look(waves, 5.0)
     assert looked.level == pytest.approx([5.0, -4.0, math.nan], nan_ok=True)
@@ -19,7 +19,7 @@ def test_samples_have_a_mean_a_span_and_a_part_at_the_top():
 
 
 @pytest.mark.parametrize('place', range(4))
-def test_the_ends_of_a_wave_may_stand_anywhere(place):
+def test_the_extremes_of_a_wave_are_found_at_any_place(place):
     high, low = np.zeros((1, 4)), np.zeros((1, 4))
     high[0, place], low[0, place] = 8.0, -8.0
     assert look(high, 8.0)[1:] == ([8.0], [0.25])
@@ -27,7 +27,7 @@ def test_the_ends_of_a_wave_may_stand_anywhere(place):
 
 
 def surveyed(weight=(1.0, 1.0)):
-    """Return what is found in eight bins of two diodes; beacons in 1 to 3 and in 5 to 6."""
+    """Return the survey of eight bins of two diodes, with beacons in bins 1 to 3 and 5 to 6."""
     size = np.array(
         [[9.0, 1.0, 4.0, 1.0, 0.5, 2.0, 3.0, 0.7], [9.0, 5.0, 1.0, 2.0, 1.5, 0.0, 1.0, 0.1]]
     )
@@ -35,32 +35,32 @@ def surveyed(weight=(1.0, 1.0)):
     return survey(size, ranges, np.array([4, 7]), np.array([7]), np.array(weight))
 
 
-def test_bins_have_their_peaks_their_noise_and_the_loudest_of_the_rest():
+def test_survey_finds_peaks_noise_and_the_loudest_unlit_bin():
     found = surveyed()
     assert found.noise == pytest.approx([0.6, 0.8])
     assert found.loudest.tolist() == [0.7, 0.1]
     assert found.peak.tolist() == [[4.0, 5.0], [3.0, 1.0]]
-    # 1 + 25 is more than 16 + 1.
+    # Power over both diodes: 1 + 25 in bin 1 is more than 16 + 1 in bin 2.
     assert found.highest.tolist() == [1, 6]
 
 
-def test_a_beacon_stands_where_those_who_have_a_say_hear_it_best():
+def test_the_highest_bin_is_chosen_by_the_diodes_of_weight_one():
     assert surveyed((1.0, 0.0)).highest.tolist() == [2, 6]
     assert surveyed((0.0, 1.0)).highest.tolist() == [1, 6]
     assert surveyed((0.0, 0.0)).highest.tolist() == [1, 5]
 
 
-def test_more_than_a_hundredth_of_the_samples_at_the_top_is_saturated():
+def test_more_than_a_hundredth_of_the_samples_at_full_scale_is_saturation():
     level, span = np.array([1.0, 1.0, 2.0, math.nan]), np.array([5.0, 5.0, 0.0, 0.0])
     looked = Looked(level, span, np.array([0.01, 0.0101, 1.0, 1.0]))
     assert [FAULTS[k] for k in sample_faults(looked).tolist()] == [
         Fault.NONE, Fault.SATURATED, Fault.SATURATED | Fault.FLAT, Fault.NOT_A_NUMBER,
     ]  # fmt: skip
     assert [FAULTS[fault.value] for fault in Fault] == list(Fault)
-    assert Fault.ALIASED not in SPOILT
+    assert Fault.ALIASED not in SPOILT  # beacons can be read beside an unknown tone
 
 
-def test_a_tone_is_strange_beyond_all_beacons_and_six_times_the_noise():
+def test_a_tone_above_all_beacons_and_six_times_the_noise_is_an_alias():
     loudest = np.array([6.0, 6.01, 9.0, 9.01])
     peak = np.array([[1.0, 1.0, 2.0, 9.0], [2.0, 2.0, 9.0, 1.0]])
     found = Survey(np.zeros(2, np.int64), peak, np.ones(4), loudest)

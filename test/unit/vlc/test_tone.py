@@ -102,7 +102,7 @@ def test_a_tone_is_sought_within_one_bin_of_the_highest(k, read_at):
     ('k', 'highest', 'near'), [(1.6, 1, 0.02), (2.3, 0, 0.02), (6.7, 8, 1e-9), (7.3, 8, 1e-9)]
 )
 def test_at_the_ends_of_a_spectrum_the_bins_beside_are_used(k, highest, near):
-    """Neither the mean's bin nor the last; low ones hold what seems a second harmonic."""
+    """Bin 0 and the last are left out; near 0 the mirror image passes for a second harmonic."""
     wave = 3.0 * np.cos(2.0 * math.pi * k * np.arange(16) / 16 + 0.4)
     spectrum = transform(wave[None, :])
     found = read_tones(spectrum, np.array([highest]), np.ones(1), 16)
@@ -112,20 +112,20 @@ def test_at_the_ends_of_a_spectrum_the_bins_beside_are_used(k, highest, near):
 
 @pytest.mark.parametrize(('order', 'leaks'), [(8, False), (9, False), (10, True)])
 def test_leaks_are_taken_off_up_to_the_ninth_harmonic(order, leaks):
-    """A harmonic half as strong as the tone, whose leak is some 3e-5 of it."""
+    """The harmonic is half as strong as the tone and leaks some 3e-5 of it into its bins."""
     wave = tone(153.7, 0.4) + tone(order * 153.7, 1.1, 0.5)
     off = abs(read(wave, [15]).amplitude[0, 0] - 1.0)
     assert bool(off > 1e-5) is leaks
 
 
-def test_of_a_harmonic_beyond_the_last_bin_nothing_is_taken_off():
-    """The second one of 7.3 bins would stand at 14.6 of 16 samples, where no bin is."""
+def test_a_harmonic_beyond_the_last_bin_is_not_subtracted():
+    """The second harmonic of 7.3 bins is at 14.6, but 16 samples have bins up to 8 only."""
     wave = 3.0 * np.cos(2.0 * math.pi * 7.3 * np.arange(16) / 16 + 0.4)
     assert read(wave, [7], 16).amplitude[0, 0] == pytest.approx(3.0, abs=0.3)
 
 
 def test_a_diode_is_read_the_same_however_many_others_there_are():
-    """More diodes than bins: two tones in 64 samples, heard by fifty, only the first has a say."""
+    """Fifty diodes, more than the 33 bins, see two tones; only the first one has a weight."""
     chance, time = np.random.default_rng(3), np.arange(64)
     tones = [np.cos(2.0 * math.pi * k * time / 64 + p) for k, p in ((9.2, 0.3), (20.7, 1.0))]
     waves = chance.uniform(1.0, 5.0, (50, 2)) @ np.array(tones)

@@ -1,11 +1,11 @@
-"""Where a beacon is expected and whether it is found, block by block and by hand."""
+"""A beacon's expected frequency and its presence from block to block, by hand."""
 
 from lta_vlc.presence import Presence
 from lta_vlc.tracker import reach, Tracker
 import pytest
 
 
-def test_a_quarter_of_the_way_is_followed_within_reach():
+def test_the_error_moves_a_quarter_of_the_way_and_stays_within_reach():
     tracker = Tracker(150.0).heard(154.0, 20.0)
     assert tracker == Tracker(150.0, 1.0, 0)
     tracker = tracker.heard(154.0, 20.0)
@@ -14,7 +14,7 @@ def test_a_quarter_of_the_way_is_followed_within_reach():
     assert Tracker(150.0).heard(130.0, 2.0).error == -2.0
 
 
-def test_after_twenty_silent_blocks_it_is_sought_where_it_should_be():
+def test_after_twenty_silent_blocks_the_nominal_frequency_is_expected():
     tracker = Tracker(150.0, 1.5)
     for silent in range(1, 20):
         tracker = tracker.missed()
@@ -29,14 +29,14 @@ def test_after_twenty_silent_blocks_it_is_sought_where_it_should_be():
     ('beacons', 'flicker', 'apart', 'far'),
     [
         ((1000.0,), (), 30.0, 50.0),  # a twentieth of its frequency
-        ((1000.0, 1120.0), (), 30.0, 30.0),  # half of the way to another one, less its bins
+        ((1000.0, 1120.0), (), 30.0, 30.0),  # half of the way to the next beacon, less `apart`
         ((880.0, 1000.0), (), 30.0, 30.0),
-        ((1000.0,), (930.0, 1100.0), 30.0, 40.0),  # all of the way to the mains
+        ((1000.0,), (930.0, 1100.0), 30.0, 40.0),  # all of the way to the flicker, less `apart`
         ((1000.0, 1120.0), (1050.0,), 30.0, 20.0),
         ((1000.0, 1050.0), (), 30.0, 0.0),
     ],
 )
-def test_a_beacon_is_followed_to_where_another_begins(beacons, flicker, apart, far):
+def test_reach_ends_before_the_bins_of_other_beacons_and_of_flicker(beacons, flicker, apart, far):
     assert reach(1000.0, beacons, flicker, apart) == pytest.approx(far)
 
 
