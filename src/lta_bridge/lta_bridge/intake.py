@@ -115,7 +115,9 @@ class Intake:
         """
         wrong = {
             'lost': self._by_topic('lost'),
-            'lost by the middleware': self._named(lost),
+            'lost by the middleware': self._named(
+                {name: count for name, count in lost.items() if not self._only_newest(name)}
+            ),
             'dropped': self._named(self._writer.dropped),
             'with a wild stamp': self._by_topic('wild'),
             'cut short': self._by_topic('torn'),
@@ -130,6 +132,11 @@ class Intake:
         for what, found in wrong.items():
             figures |= {f'{name} {what}': count for name, count in found.items() if count}
         return Level.WARN if words else Level.OK, ', '.join(words) or 'recording', figures
+
+    def _only_newest(self, name: str) -> bool:
+        """Tell whether a topic's publisher replaces each message by the next: `/clock` does."""
+        topic = self._table.topics.get(self.owner(name)[1])
+        return topic is not None and topic.qos == 'clock'
 
     def _by_topic(self, what: str) -> Counter[str]:
         """Return a count of the books by topic."""

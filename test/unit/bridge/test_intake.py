@@ -110,3 +110,11 @@ def test_what_is_due_is_learnt_by_robot():
     for each in take:
         each(bytes([0, 1, 0, 0, 1]))
     assert [when for *_, when in writer.messages] == [START, START + 7 * MS]
+
+
+def test_a_tick_of_the_clock_that_the_next_one_replaced_is_not_a_loss():
+    taking, _ = intake('lta1')
+    level, words, figures = taking.tally({'/clock': 2})
+    assert (level, words) == (Level.OK, 'recording')
+    assert set(figures) == {'messages', 'waiting_bytes'}
+    assert taking.tally({'/clock': 2, '/lta1/odom': 1})[1] == '1 messages lost by the middleware'
