@@ -55,7 +55,7 @@ def look(length: int) -> None:
     """Fit a flight, then look at every candidate."""
     vehicle, knobs = nominal()
     one, prior = flight(length), tolerances(knobs)
-    fitted = fit(one, vehicle, prior, origin(vehicle, knobs, len(one.replay.first)))
+    fitted = fit(one, vehicle, prior, origin(vehicle, knobs, one.replay.cut))
     seen = scan(fitted.reduced, fitted.linear.point.values, prior, knobs)
     if len(seen) < 20:
         raise RuntimeError(f'only {len(seen)} candidates were looked at')
@@ -72,7 +72,7 @@ def taken(work: object, length: int) -> float:
 def peak(length: int) -> float:
     """Return the greatest memory that a linearisation takes. [MB]"""
     one, (vehicle, knobs) = flight(length), nominal()
-    point = origin(vehicle, knobs, len(one.replay.first))
+    point = origin(vehicle, knobs, one.replay.cut)
     tracemalloc.start()
     one.at(point)
     most = tracemalloc.get_traced_memory()[1]
@@ -84,7 +84,7 @@ def regress(length: int) -> None:
     """Choose terms for the accelerations that the nominal model leaves over, by BIC."""
     vehicle, knobs = nominal()
     one = flight(length)
-    columns, left = one.columns(origin(vehicle, knobs, len(one.replay.first)))
+    columns, left = one.columns(origin(vehicle, knobs, one.replay.cut))
     # Of the pose: seconds differences of position and turn, of what is left and of each column.
     known = np.isfinite(left[..., :6]).all(axis=(1, 2))
     rates = [

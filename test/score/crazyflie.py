@@ -106,7 +106,7 @@ def lost(path: Path) -> list[float]:
     replay = Replay(flight, windows(flight), vehicle.command(()))
     line = Linearised(replay, [], Places.of(vehicle, 101325.0))
     with np.errstate(all='ignore'):
-        states = line.trajectory(origin(Nominal.of(vehicle), [], len(replay.first)))[:, ::STEPS]
+        states = line.trajectory(origin(Nominal.of(vehicle), [], replay.cut))[:, ::STEPS]
     out = []
     for horizon in HORIZONS:
         at = round(horizon / PERIOD)

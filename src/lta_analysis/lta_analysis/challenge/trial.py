@@ -13,7 +13,7 @@ from lta_analysis.discovery.fit.fit import Fitter, Joint, turned
 from lta_analysis.discovery.flights.bags import read_bags
 from lta_analysis.discovery.flights.trusted import believed
 from lta_analysis.discovery.forecast.held_out import gaps, shown
-from lta_analysis.discovery.replay.linear import Point, RANDOM
+from lta_analysis.discovery.replay.linear import Point, still
 from lta_analysis.discovery.study import Study, study
 from lta_analysis.results_folder import keep_json
 from lta_config.errors import BadInput
@@ -129,7 +129,7 @@ def _fitted(studied: Study, hidden: Mapping[str, float]) -> Joint:
     for k, knob in enumerate(known):
         at[k] = hidden.get(knob.name, 0.0)
     vehicle, values = turned(nominal, known, at)
-    points = [Point(vehicle, values, np.zeros((len(f.replay.first), RANDOM))) for f in flights]
+    points = [Point(vehicle, values, still(f.replay.cut)) for f in flights]
     prior = shared(known, tuple(hidden))
     begin = fitter.about(at, points, prior)
     return fitter.fit(prior, begin, BEGIN * floor_of(nominal), narrow=True)

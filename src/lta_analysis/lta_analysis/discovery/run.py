@@ -142,8 +142,7 @@ def _seen(found: Study, sound: Believed) -> list[Seen]:
     taught = [one for role in ('train', 'confirm') for one in found.flights if one.role == role]
     out = []
     for one, fit in zip(taught, found.bare, strict=True):
-        pieces = len(one.flight.replay.first)
-        before = origin(found.nominal, one.flight.knobs, pieces)
+        before = origin(found.nominal, one.flight.knobs, one.flight.replay.cut)
         out.append(Seen(one.name, one.flight, before, fit, sound.light.get(one.name)))
     return out
 

@@ -1,7 +1,7 @@
 """A study of some flights of one vehicle, from the flights to the finding."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, final
 
 from lta_analysis.discovery.finding import Finding, Gap, Rung, Verdict
@@ -17,12 +17,13 @@ from lta_analysis.discovery.model.knobs import Knob, knobs
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.naming.classes import Kind, kind_of, same_class
 from lta_analysis.discovery.naming.detectable import detectable
-from lta_analysis.discovery.naming.naming import Naming, Step
+from lta_analysis.discovery.naming.naming import Named, Naming, Step
 from lta_analysis.discovery.naming.proof import Proof, Proven
 from lta_analysis.discovery.naming.sizes import effects, learned
 from lta_analysis.discovery.outside.outside import Outside, outside
 from lta_analysis.discovery.replay.linear import Point
 from lta_analysis.discovery.replay.linearise import Linearised
+from lta_analysis.discovery.replay.periods import knots_for
 from lta_analysis.discovery.replay.replay import Replay
 from lta_analysis.discovery.replay.sensing import floor_pressure, Places
 from lta_config.errors import BadInput
@@ -30,6 +31,7 @@ from lta_sim.vehicle import Vehicle
 
 Progress = Callable[[str, float], None]
 
+FASTER: Final = 1.25  # times as many knots, for which naming begins anew
 FAR: Final = 3.0  # s; the horizon at which the model has to be better than coast
 
 
@@ -140,13 +142,12 @@ def study(
     tell('making ready', 0.0)
     nominal = Nominal.of(vehicle)
     flown, known, warnings = _flown(vehicle, nominal, flights)
-    by_role = {role: [f.flight for f in flown if f.role == role] for role in ROLES}
-    pair = by_role['train'], by_role['confirm']
-    found = Naming(nominal, pair).run(lambda part: tell('naming', 0.05 + 0.6 * part))
+    flown, found = _named(nominal, flown, lambda part: tell('naming', 0.05 + 0.6 * part))
+    pair = _of(flown, 'train'), _of(flown, 'confirm')
     tell('proving', 0.65)
     proven = Proof(nominal, [*pair[0], *pair[1]]).run(found)
     tell('predicting', 0.9)
-    held_out = bool(by_role['holdout'])
+    held_out = bool(_of(flown, 'holdout'))
     last = [f for f in flown if f.role == ('holdout' if held_out else 'confirm')]
     models = [shown(f.flight, nominal, proven.bare, proven.measured) for f in last]
     differences = gaps([f.flight for f in last], models, seed)
@@ -186,6 +187,32 @@ def _flown(
     flown = [Flown(name, role, ready(vehicle, each, known)) for name, role, each in given]
     _enough(flown)
     return flown, known, [*warnings, *said]
+
+
+def _of(flown: Sequence[Flown], role: str) -> list[Linearised]:
+    """Return the flights of a role."""
+    return [one.flight for one in flown if one.role == role]
+
+
+def _named(
+    nominal: Nominal, flown: list[Flown], tell: Callable[[float], None]
+) -> tuple[list[Flown], Named]:
+    """
+    Name what is missing; return the flights with as many knots as they need, and what was found.
+
+    The vehicle file says how fast the vehicle swings, and so does its attitude. Where the fit
+    finds that it swings faster than either, all begins anew with more knots.
+    """
+    knots = knots_for([one.flight for one in flown], nominal)
+    while True:
+        flown = [replace(one, flight=one.flight.with_knots(knots)) for one in flown]
+        pair = _of(flown, 'train'), _of(flown, 'confirm')
+        found = Naming(nominal, pair).run(tell)
+        fitted = [joint.group.linears[0].point.nominal for joint in found.fits]
+        needed = max(knots_for(side, each) for side, each in zip(pair, fitted, strict=True))
+        if needed <= FASTER * knots:
+            return flown, found
+        knots = needed
 
 
 def _tidied(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:

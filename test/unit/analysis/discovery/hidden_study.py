@@ -34,7 +34,7 @@ WARNINGS = ('The tracker was silent for 2.4 s in hidden_2; that part is left out
 def fitted(known: tuple[Nominal, Sequence[Knob]], flight: Linearised, names: Sequence[str]) -> Fit:
     """Return one flight fitted with some effects."""
     nominal, knobs = known
-    begin = origin(nominal, knobs, len(flight.replay.first))
+    begin = origin(nominal, knobs, flight.replay.cut)
     return fit(flight, nominal, tolerances(knobs, names), begin)
 
 
@@ -44,7 +44,7 @@ def carried(known: tuple[Nominal, Sequence[Knob]], flight: Linearised, of: Fit) 
     values = of.fitted.mean.copy()
     values[: len(knobs)] *= [not knob.per_flight for knob in knobs]
     after, within = turned(nominal, knobs, values)
-    return replace(origin(after, knobs, len(flight.replay.first)), values=within)
+    return replace(origin(after, knobs, flight.replay.cut), values=within)
 
 
 def gaps_of(shown: Shown) -> tuple[Gap, ...]:
@@ -83,7 +83,7 @@ def study(
     ]
     plain, full = (fitted(known, flights[0], chosen) for chosen in ((), names))
     last = flights[2]
-    start = origin(nominal, knobs, len(last.replay.first))
+    start = origin(nominal, knobs, last.replay.cut)
     shown = Shown(named[2], start, carried(known, last, plain), carried(known, last, full))
     finding = Finding(
         verdict='named',

@@ -24,7 +24,7 @@ from lta_analysis.discovery.carrying.values import tuned, Valued, valued
 from lta_analysis.discovery.finding import Carried, LeftOut, Worth
 from lta_analysis.discovery.fit.fit import turned
 from lta_analysis.discovery.forecast.foresight import Foresight
-from lta_analysis.discovery.replay.linear import Point, RANDOM, SENSORS
+from lta_analysis.discovery.replay.linear import Point, SENSORS, still
 from lta_analysis.discovery.replay.linearise import Linearised
 from lta_analysis.discovery.study import Flown, Shown, Study
 import numpy as np
@@ -252,7 +252,7 @@ def _shown_with(found: Study, taught: Side, models: Mapping[str, Array]) -> Stud
 def _shown(found: Study, flown: Flown, models: Mapping[str, Array]) -> Shown:
     """Return a flight under each model."""
     flight = flown.flight
-    none = np.zeros((len(flight.replay.first), RANDOM))
+    none = still(flight.replay.cut)
     points = []
     for kind in ('before', 'tuned', 'after'):
         nominal, values = turned(found.nominal, flight.knobs, models[kind])

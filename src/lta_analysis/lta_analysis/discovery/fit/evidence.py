@@ -15,7 +15,7 @@ from typing import Final, final, NamedTuple
 from lta_analysis.discovery.flights.windows import LENGTH
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
-from lta_analysis.discovery.replay.linear import AXES, KNOTS, Linear, Point, RANDOM
+from lta_analysis.discovery.replay.linear import AXES, Linear, Point
 from lta_analysis.discovery.replay.tangent import WIDTH
 import numpy as np
 from numpy.typing import NDArray
@@ -35,10 +35,19 @@ USUAL: Final = 1.3  # floors; median of the prior of a standard deviation
 LOOSE: Final = 0.7  # standard deviation of its logarithm
 
 
-def knot_precision(length: float = LENGTH) -> Array:
-    """Return the inverse covariance of the knots of one axis, for a standard deviation of 1."""
-    at = np.linspace(0.0, length, KNOTS)
-    return np.linalg.inv(np.exp(-np.abs(at[:, None] - at) / MEMORY))
+def knot_precision(knots: int, length: float = LENGTH) -> Array:
+    """
+    Return the inverse covariance of the knots of one axis, for a standard deviation of 1.
+
+    An Ornstein-Uhlenbeck process, evenly sampled: the inverse has three diagonals.
+    """
+    kept = np.exp(-length / (knots - 1) / MEMORY)
+    out = np.diag(np.full(knots, 1.0 + kept**2))
+    out[0, 0] = out[-1, -1] = 1.0
+    step = np.arange(knots - 1)
+    out[step, step + 1] = out[step + 1, step] = -kept
+    precision: Array = out / (1.0 - kept**2)
+    return precision
 
 
 def floor_of(nominal: Nominal) -> Array:
@@ -162,13 +171,14 @@ class Pieces:
 
     def __init__(self, linear: Linear) -> None:
         self.linear = linear
-        keep = np.r_[WIDTH : WIDTH + AXES * KNOTS, RANDOM : linear.grams.shape[1]]
-        out = np.r_[0:WIDTH, RANDOM - 1]
+        latent, random = slice(WIDTH, WIDTH + AXES * linear.knots), linear.random
+        keep = np.r_[latent, random : linear.grams.shape[1]]
+        out = np.r_[0:WIDTH, random - 1]
         precision = np.concatenate([STATE**-2.0, [PIECE_PRESSURE**-2.0]])
         mean = -linear.point.random[:, out]
         self._grams, self._constant = eliminated(linear.grams, keep, out, np.diag(precision), mean)
-        self._knots = knot_precision()
-        self._mean = -linear.point.random[:, WIDTH : WIDTH + AXES * KNOTS]
+        self._knots = knot_precision(linear.knots)
+        self._mean = -linear.point.random[:, latent]
 
     def narrowed(self, kept: NDArray[np.int64]) -> 'Pieces':
         """Return the flight with only some columns, for what needs no more than to be reduced."""
@@ -177,7 +187,7 @@ class Pieces:
         out.linear = replace(
             self.linear, names=names, point=replace(point, values=point.values[kept])
         )
-        count = AXES * KNOTS
+        count = AXES * self.linear.knots
         index = np.concatenate([np.arange(count), count + kept, [self._grams.shape[1] - 1]])
         out._grams = self._grams[:, index[:, None], index]
         return out
@@ -192,7 +202,7 @@ class Pieces:
             Of the latent force [N] and moment [N m].
 
         """
-        precision, count = self._precision(deviations), AXES * KNOTS
+        precision, count = self._precision(deviations), AXES * self.linear.knots
         keep = np.arange(count, self._grams.shape[1])
         products, constant = eliminated(self._grams, keep, np.arange(count), precision, self._mean)
         return self._summed(products, constant)
@@ -204,7 +214,7 @@ class Pieces:
 
     def solution(self, deviations: Array) -> Solved:
         """Return the same as `reduced`, with what it takes to see how it answers to them."""
-        precision, count = self._precision(deviations), AXES * KNOTS
+        precision, count = self._precision(deviations), AXES * self.linear.knots
         inner = self._grams[:, :count, :count] + precision
         cross = self._grams[:, :count, count:].copy()
         pull = self._mean @ precision
@@ -218,11 +228,7 @@ class Pieces:
 
     def _precision(self, deviations: Array) -> Array:
         """Return the inverse covariance of the latent wrench of a piece."""
-        precision = np.zeros((AXES * KNOTS, AXES * KNOTS))
-        for axis, deviation in enumerate(deviations):
-            at = slice(axis * KNOTS, (axis + 1) * KNOTS)
-            precision[at, at] = self._knots / deviation**2
-        return precision
+        return _by_axis(deviations, self._knots)
 
     def _summed(self, products: Array, constant: Array) -> Reduced:
         """Return what all pieces say together."""
@@ -242,21 +248,29 @@ class Pieces:
 
         Returns
         -------
-        ndarray, shape (S, RANDOM)
+        ndarray, shape (S, R)
             Themselves, not their change.
 
         """
-        precision = np.zeros((RANDOM, RANDOM))
-        diagonal = np.concatenate([STATE**-2.0, np.zeros(AXES * KNOTS), [PIECE_PRESSURE**-2.0]])
-        precision[np.diag_indices(RANDOM)] = diagonal
-        for axis, deviation in enumerate(deviations):
-            at = slice(WIDTH + axis * KNOTS, WIDTH + (axis + 1) * KNOTS)
-            precision[at, at] = self._knots / deviation**2
-        grams, before = self.linear.grams, self.linear.point.random
-        right = grams[:, :RANDOM, -1] - grams[:, :RANDOM, RANDOM:-1] @ change
+        precision = unknown_precision(deviations, self.linear.knots)
+        grams, before, random = self.linear.grams, self.linear.point.random, self.linear.random
+        right = grams[:, :random, -1] - grams[:, :random, random:-1] @ change
         right = right - before @ precision
-        moved = np.linalg.solve(grams[:, :RANDOM, :RANDOM] + precision, right[..., None])
+        moved = np.linalg.solve(grams[:, :random, :random] + precision, right[..., None])
         return before + moved[..., 0]
+
+
+def unknown_precision(deviations: Array, knots: int) -> Array:
+    """Return the inverse covariance of a piece's unknowns, shape (R, R)."""
+    out = np.diag(np.concatenate([STATE**-2.0, np.zeros(AXES * knots), [PIECE_PRESSURE**-2.0]]))
+    latent = slice(WIDTH, WIDTH + AXES * knots)
+    out[latent, latent] = _by_axis(deviations, knot_precision(knots))
+    return out
+
+
+def _by_axis(deviations: Array, knots: Array) -> Array:
+    """Return the inverse covariance of the knots of all axes, from that of one of deviation 1."""
+    return np.asarray(np.kron(np.diag(deviations**-2.0), knots), dtype=np.float64)
 
 
 def eliminated(
@@ -330,8 +344,8 @@ def _solved(
 
 def strain(point: Point, deviations: Array) -> float:
     """Return minus twice the log density of the unknowns of a flight's pieces, less a constant."""
-    inverse, random = knot_precision(), point.random
-    knots = random[:, WIDTH : WIDTH + AXES * KNOTS].reshape(-1, AXES, KNOTS)
+    inverse, random = knot_precision(point.knots), point.random
+    knots = random[:, WIDTH:-1].reshape(-1, AXES, point.knots)
     along = np.einsum('saj,jk,sak->a', knots, inverse, knots) / deviations**2
     states = np.sum((random[:, :WIDTH] / STATE) ** 2)
     return float(along.sum() + states + np.sum((random[:, -1] / PIECE_PRESSURE) ** 2))

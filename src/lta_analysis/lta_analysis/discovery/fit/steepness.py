@@ -20,7 +20,7 @@ from lta_analysis.discovery.fit.evidence import (
     Solved,
 )
 from lta_analysis.discovery.fit.group import Group
-from lta_analysis.discovery.replay.linear import AXES, KNOTS
+from lta_analysis.discovery.replay.linear import AXES
 import numpy as np
 from numpy.typing import NDArray
 
@@ -83,15 +83,16 @@ def _flight(pieces: Pieces, solved: Solved, own: Fitted, deviations: Array) -> t
     answer = solved.answer[:, :, :-1]
     latent = solved.answer[:, :, -1] - answer @ change + pieces.latent
     covariance = solved.inverse + answer @ own.covariance @ np.swapaxes(answer, 1, 2)
-    inverse, variance = knot_precision(), deviations**2
-    knots = latent.reshape(-1, AXES, KNOTS)
-    blocks = covariance.reshape(-1, AXES, KNOTS, AXES, KNOTS)
+    count = pieces.linear.knots
+    inverse, variance = knot_precision(count), deviations**2
+    knots = latent.reshape(-1, AXES, count)
+    blocks = covariance.reshape(-1, AXES, count, AXES, count)
     spent = np.einsum('saj,jk,sak->a', knots, inverse, knots)
     spent += np.einsum('saiaj,ji->a', blocks, inverse, optimize=True)
-    slope = spent / variance - KNOTS * len(knots)
+    slope = spent / variance - count * len(knots)
     # What the data leave of the prior's say: I - C K^-1 / variance, by pairs of axes.
     left = -(blocks @ inverse) / variance[:, None]
     for axis in range(AXES):
-        left[:, axis, :, axis] += np.eye(KNOTS)
+        left[:, axis, :, axis] += np.eye(count)
     bend = 2.0 * np.einsum('saibj,sbjai->ab', left, left, optimize=True)
     return slope, bend

@@ -26,6 +26,7 @@ AROUND: Final = 0.5  # s; either side of a beginning, for its state
 ENOUGH: Final = 0.6  # of the poses around a beginning
 SHORTEST: Final = 1.0  # s
 FEWEST: Final = 2  # pieces of a flight: one alone tells nothing of the next
+KNOTS: Final = 9  # of a piece, where nobody knows how fast the vehicle swings
 
 
 @final
@@ -44,6 +45,8 @@ class Windows:
         The state there, from the poses around it.
     inside : ndarray of bool, shape (S, n)
         Which points count: the last pieces of a stretch may be shorter.
+    knots : int
+        Of the latent wrench of a piece, evenly spaced from its beginning to its end.
 
     """
 
@@ -51,6 +54,7 @@ class Windows:
     length: int
     start: Array
     inside: NDArray[np.bool_]
+    knots: int = KNOTS
 
 
 def stretches(usable: NDArray[np.bool_]) -> list[tuple[int, int]]:
@@ -103,7 +107,9 @@ def _apart(stretches: list[tuple[int, int]], count: int, shortest: int) -> int:
     return max(shortest + 1, min(count, -(-longest // FEWEST)))
 
 
-def windows(flight: Measured, length: float = LENGTH, shift: float = 0.0) -> Windows:
+def windows(
+    flight: Measured, length: float = LENGTH, shift: float = 0.0, knots: int = KNOTS
+) -> Windows:
     """
     Cut a flight into pieces; one too short for two whole ones into two shorter ones.
 
@@ -115,6 +121,8 @@ def windows(flight: Measured, length: float = LENGTH, shift: float = 0.0) -> Win
         Of each piece. [s]
     shift : float
         As for `state_at`.
+    knots : int
+        As of `Windows`.
 
     """
     count, shortest = round(length / PERIOD), round(SHORTEST / PERIOD)
@@ -134,4 +142,5 @@ def windows(flight: Measured, length: float = LENGTH, shift: float = 0.0) -> Win
         count,
         np.array(start).reshape(-1, 13),
         np.array(inside, dtype=np.bool_).reshape(-1, count),
+        knots,
     )

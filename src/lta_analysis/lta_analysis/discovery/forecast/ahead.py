@@ -12,8 +12,8 @@ from typing import Final, final
 
 from lta_analysis.discovery.flights.measured import PERIOD
 from lta_analysis.discovery.model.rotations import logarithm, product, reverse
-from lta_analysis.discovery.replay.linear import AXES, Point, RANDOM
-from lta_analysis.discovery.replay.linearise import begun_by, Linearised, MOTION, POSE
+from lta_analysis.discovery.replay.linear import AXES, Point, still
+from lta_analysis.discovery.replay.linearise import begun_by, Linearised, POSE
 from lta_analysis.discovery.replay.replay import STEPS
 from lta_analysis.discovery.replay.sensing import in_map, told, tracker_frame
 from lta_analysis.discovery.replay.tangent import WIDTH
@@ -70,19 +70,19 @@ def ahead(
     """
     wanted = np.isin(np.arange(len(flight.knobs)), which)
     about = met(flight.replay, flight.knobs, point, wanted)
-    still = Point(point.nominal, point.values, np.zeros((len(flight.replay.first), RANDOM)))
+    begun = Point(point.nominal, point.values, still(flight.replay.cut))
     index = np.rint(np.asarray(horizons) / PERIOD).astype(np.int64)
     parts = []
     for begin in range(0, len(flight.replay.first), CHUNK):
         some = slice(begin, begin + CHUNK)
-        parts.append(_of_some(flight, still, about, which, index, some))
+        parts.append(_of_some(flight, begun, about, which, index, some))
     left, columns = (np.concatenate(each) for each in zip(*parts, strict=True))
     return Ahead(left, columns)
 
 
 def _of_some(
     flight: Linearised,
-    still: Point,
+    begun: Point,
     about: Met,
     which: Sequence[int],
     index: NDArray[np.int64],
@@ -102,14 +102,14 @@ def _of_some(
     columns = np.zeros((*left.shape, len(which)))
     if not len(which):
         return left, columns
-    answers = flight.changes(still, about, states, some)[:, index, :POSE]
+    answers = flight.changes(begun, about, states, some)[:, index, :POSE]
     order = list(which)
     for j, k in enumerate(about.moving):
-        columns[..., order.index(k)] = answers[..., MOTION + j]
+        columns[..., order.index(k)] = answers[..., flight.motion + j]
     for turned, k in zip(about.turned, about.reading, strict=True):
         # Where the tracker's frame turns, so does the state in which a piece begins.
-        begun = begun_by(replay.cut.start[some], turned)
-        columns[..., order.index(k)] = np.einsum('shpb,sb->shp', answers[..., :WIDTH], begun)
+        begins = begun_by(replay.cut.start[some], turned)
+        columns[..., order.index(k)] = np.einsum('shpb,sb->shp', answers[..., :WIDTH], begins)
     columns[..., :3, :] = tracker_frame(acting)[0] @ columns[..., :3, :]
     for turned, k in zip(about.turned, about.reading, strict=True):
         a, b = (told(grid, time, rows.acting, flight.places) for rows in turned[:2])

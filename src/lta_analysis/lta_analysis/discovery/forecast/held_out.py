@@ -16,7 +16,7 @@ from lta_analysis.discovery.flights.measured import CHANNELS, PERIOD
 from lta_analysis.discovery.forecast.gap import coasting, HORIZONS
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.model.rotations import logarithm, product, reverse
-from lta_analysis.discovery.replay.linear import Linear, Point, RANDOM
+from lta_analysis.discovery.replay.linear import Linear, Point, still
 from lta_analysis.discovery.replay.linearise import Linearised
 from lta_analysis.discovery.replay.replay import STEPS
 from lta_analysis.discovery.replay.sensing import in_map, told
@@ -69,8 +69,7 @@ def shown(flight: Linearised, nominal: Nominal, bare: Joint, full: Joint) -> Mod
         (full.fitted.mean, full.deviations),
     ):
         vehicle, values = turned(nominal, knobs, at)
-        pieces = len(flight.replay.first)
-        point = Point(vehicle, values, np.zeros((pieces, RANDOM)))
+        point = Point(vehicle, values, still(flight.replay.cut))
         if count:
             if columns is None:
                 columns = flight.columns(point, slice(0, count))[0]

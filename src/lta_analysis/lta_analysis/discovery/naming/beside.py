@@ -13,7 +13,7 @@ from lta_analysis.discovery.fit.evidence import knot_precision
 from lta_analysis.discovery.model.knobs import PARTS
 from lta_analysis.discovery.naming.accept import LARGER, PART
 from lta_analysis.discovery.outside.unexplained import CLEAR
-from lta_analysis.discovery.replay.linear import AXES, KNOTS, Linear, RANDOM
+from lta_analysis.discovery.replay.linear import AXES, Linear
 from lta_analysis.discovery.replay.tangent import WIDTH
 import numpy as np
 from numpy.typing import NDArray
@@ -51,10 +51,11 @@ def acts_on(linear: Linear, name: str, floor: Array) -> NDArray[np.bool_]:
 
     None for a knob that no force looks like, as those of sensors.
     """
-    column, inverse = RANDOM + linear.names.index(name), knot_precision()
+    count = linear.knots
+    column, inverse = linear.random + linear.names.index(name), knot_precision(count)
     shares = np.zeros(AXES)
     for axis in range(AXES):
-        at = slice(WIDTH + axis * KNOTS, WIDTH + (axis + 1) * KNOTS)
+        at = slice(WIDTH + axis * count, WIDTH + (axis + 1) * count)
         inner = linear.grams[:, at, at] + inverse / (FREE * floor[axis]) ** 2
         cross = linear.grams[:, at, column, None]
         shares[axis] = np.sum(cross * np.linalg.solve(inner, cross))

@@ -145,9 +145,7 @@ class Naming:
         """Fit all flights without any effect."""
         prior, out = shared(self.knobs), []
         for fitter in self.fitters:
-            points = [
-                origin(self.nominal, self.knobs, len(each.replay.first)) for each in fitter.flights
-            ]
+            points = [origin(self.nominal, self.knobs, each.replay.cut) for each in fitter.flights]
             at, points, deviations = early.begun(fitter, prior, points)
             out.append(fitter.fit(prior, fitter.about(at, points), deviations))
         return out[0], out[1]

@@ -13,7 +13,7 @@ import math
 from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.model.rotations import matrix
-from lta_analysis.discovery.replay.linear import AXES, hats, KNOTS, Point
+from lta_analysis.discovery.replay.linear import AXES, hats, Point
 from lta_analysis.discovery.replay.linearise import Linearised
 from lta_config.constants import STANDARD_GRAVITY
 from lta_sim.effects.protocol import AXES as NAMES
@@ -89,8 +89,8 @@ class Group(NamedTuple):
         Of the wrench, on which it acts.
     terms : tuple of str
         Their names.
-    values : ndarray, shape (S, J, 6, KNOTS)
-        Wrench of each term at the knots, for a weight of 1 in floors.
+    values : ndarray, shape (S, J, 6, K)
+        Wrench of each term at the K knots of a piece, for a weight of 1 in floors.
 
     """
 
@@ -120,9 +120,9 @@ def met(flight: Linearised, point: Point) -> Met:
     return Met(time, states, pushed, rate + STANDARD_GRAVITY * up)
 
 
-def _at_knots(values: Array, span: int) -> Array:
-    """Return the knots whose straight lines are nearest to values in each step, (S, J, KNOTS)."""
-    knots: Array = np.einsum('kn,snj->sjk', np.linalg.pinv(hats(span)), values)
+def _at_knots(values: Array, nearest: Array) -> Array:
+    """Return the knots whose straight lines are nearest to values in each step, (S, J, K)."""
+    knots: Array = np.einsum('kn,snj->sjk', nearest, values, optimize=True)
     return knots
 
 
@@ -202,13 +202,13 @@ def _of_input(seen: Met) -> tuple[list[str], Array]:
 
 def _single(name: str, axis: int, terms: list[str], knots: Array, floor: Array) -> Group:
     """Return a group of one axis, with a constant beside its terms."""
-    values = np.zeros((len(knots), len(terms) + 1, AXES, KNOTS))
+    values = np.zeros((len(knots), len(terms) + 1, AXES, knots.shape[-1]))
     values[:, :-1, axis] = floor[axis] * knots
     values[:, -1, axis] = floor[axis]
     return Group(f'{NAMES[axis]} by {name}', (axis,), (*terms, CONSTANT), values)
 
 
-def groups(seen: Met, scene: Scene, floor: Array) -> Iterator[Group]:
+def groups(seen: Met, scene: Scene, floor: Array, count: int) -> Iterator[Group]:
     """
     Yield all groups.
 
@@ -220,37 +220,40 @@ def groups(seen: Met, scene: Scene, floor: Array) -> Iterator[Group]:
         Of all flights of the study.
     floor : ndarray, shape (6,)
         What a weight of 1 is worth on each axis. [N, N m]
+    count : int
+        Knots of a piece.
 
     """
-    span = seen.states.shape[1]
+    shares = hats(seen.states.shape[1], count)
+    nearest = np.asarray(np.linalg.pinv(shares), dtype=np.float64)
     rotation = matrix(seen.states[..., 3:7])
     names, bumps = _field(seen, scene)
-    level = np.zeros((len(bumps), 2 * len(names), AXES, KNOTS))
+    level = np.zeros((len(bumps), 2 * len(names), AXES, count))
     for way in range(2):
         for axis in range(3):
             part = bumps * rotation[..., way, axis, None]
             level[:, way * len(names) : (way + 1) * len(names), axis] = floor[0] * _at_knots(
-                part, span
+                part, nearest
             )
     yield Group('level force by place', (0, 1), ('place',) * (2 * len(names)), level)
-    yield _single('place', 2, names, _at_knots(bumps, span), floor)
+    yield _single('place', 2, names, _at_knots(bumps, nearest), floor)
     common = [
-        (name, terms, _at_knots(values, span)) for name, terms, values in _of_axis(seen, scene)
+        (name, terms, _at_knots(values, nearest)) for name, terms, values in _of_axis(seen, scene)
     ]
     terms, values = _of_input(seen)
-    common.append(('thrust x speed', terms, _at_knots(values, span)))
+    common.append(('thrust x speed', terms, _at_knots(values, nearest)))
     for axis in range(AXES):
         for name, terms, knots in common:
             yield _single(name, axis, terms, knots, floor)
-        yield _swinging(seen, axis, floor)
+        yield _swinging(seen, axis, floor, nearest)
 
 
-def _swinging(seen: Met, axis: int, floor: Array) -> Group:
+def _swinging(seen: Met, axis: int, floor: Array, nearest: Array) -> Group:
     """Return what something that swings does to an axis: shaken along it, or across it by tilt."""
     shaken = seen.felt[..., {0: 0, 1: 1, 2: 2, 3: 1, 4: 0, 5: 1}[axis]]
     usual = 0.1  # m/s2
     swung = [_swung(seen, (shaken - shaken.mean()) / usual, hertz) for hertz in SWINGS]
     names = [f'a swing at {hertz} Hz' for hertz in SWINGS for _ in range(2)]
     values = np.concatenate(swung, axis=-1)
-    knots = _at_knots(values, seen.states.shape[1])
+    knots = _at_knots(values, nearest)
     return _single('something that swings', axis, names, knots, floor)

@@ -11,7 +11,7 @@ from typing import Final, final, NamedTuple
 from lta_analysis.discovery.finding import Verdict
 from lta_analysis.discovery.fit.fit import Joint
 from lta_analysis.discovery.outside.rivals import Rival, Rivals
-from lta_analysis.discovery.outside.spectral_line import Line, lines, telling
+from lta_analysis.discovery.outside.spectral_line import Line, lines, lowest, telling
 from lta_analysis.discovery.outside.standing import Standing
 from lta_analysis.discovery.outside.unexplained import Remainder, remaining
 from lta_analysis.discovery.outside.verdict import remains_with, sentences, verdict_of
@@ -86,7 +86,8 @@ def outside(pair: Sequence[Sequence[Linearised]], full: Joint, floor: Array) -> 
     flights = [*pair[0], *pair[1]]
     residuals = [linear.residual for linear in full.group.linears]
     times = [each.time for each in flights]
-    seen = lines(residuals, times, [each.replay.flight.noise for each in flights])
+    noise = [each.replay.flight.noise for each in flights]
+    seen = lines(residuals, times, noise, lowest(full.group.linears[0].knots))
     inverse = full.group.linears[0].point.nominal.model().inverse
     told = telling(seen, np.reshape(inverse, (6, 6)), floor)
     return Outside(tuple(remains_with(left, rivals, floor)), rivals, told)

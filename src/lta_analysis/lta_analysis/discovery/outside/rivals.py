@@ -223,7 +223,7 @@ class Rivals:
         """Return the flights of one side with all groups."""
         flown = zip(self.flights[side], standing.linears, strict=True)
         known = [
-            list(groups(met(flight, linear.point), self._scene, standing.floor))
+            list(groups(met(flight, linear.point), self._scene, standing.floor, linear.knots))
             for flight, linear in flown
         ]
         return Contest(Columns(standing, known))

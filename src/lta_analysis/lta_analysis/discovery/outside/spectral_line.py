@@ -1,18 +1,19 @@
 """
 Lines in the spectrum of what is left over: something that turns, swings or flaps.
 
-A latent force with knots 0.75 s apart cannot follow a forcing of 2 Hz, so no deviation rises; but
-in the spectrum of the residual it stands over its neighbours, whose running median is the level.
-It is looked for in two ways. Over a whole flight a steady frequency adds up however weak it is;
-one that drifts adds up within the pieces, whose spectra are averaged. Either way all flights
-have to show it, at one frequency. Whole flights show waves that move nothing; a line is told
-where the force or moment that shakes the vehicle so is worth speaking of.
+A latent force cannot follow a forcing faster than half a wave from knot to knot, so no deviation
+rises; but in the spectrum of the residual it stands over its neighbours, whose running median is
+the level. It is looked for in two ways. Over a whole flight a steady frequency adds up however
+weak it is; one that drifts adds up within the pieces, whose spectra are averaged. Either way all
+flights have to show it, at one frequency. Whole flights show waves that move nothing; a line is
+told where the force or moment that shakes the vehicle so is worth speaking of.
 """
 
 from collections.abc import Sequence
 from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.flights.measured import CHANNELS, PERIOD
+from lta_analysis.discovery.flights.windows import LENGTH
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter, median_filter
@@ -25,7 +26,7 @@ EACH: Final = 3.0  # the same, of those of each flight
 CHANCE: Final = 1e-4  # that noise has a line, of all frequencies of a channel
 NEIGHBOURS: Final = 2.5  # Hz, of the mean of pieces
 BESIDE: Final = 1.0  # Hz, of a whole flight, whose bins are many
-LOWEST: Final = 0.7  # Hz; below it the knots follow, which are 0.75 s apart
+BEYOND: Final = 1.05  # times the highest frequency that the knots follow; the lowest of a line
 KNOWN: Final = 0.9  # of the readings of a piece
 NEAR: Final = 1  # bins; by which the frequency may differ between flights
 WORTH: Final = 1.0  # floors; root mean square of the wrench that a line takes
@@ -133,9 +134,14 @@ def telling(seen: Sequence[Line], inverse: Array, floor: Array) -> tuple[Line, .
     return tuple(out)
 
 
-def _levelled(hertz: Array, power: Array, pieces: int, wide: float) -> Spectrum:
-    """Return the frequencies that count, with their level."""
-    use = hertz >= LOWEST
+def lowest(knots: int) -> float:
+    """Return the frequency above which a latent wrench with so many knots is blind. [Hz]"""
+    return BEYOND * 0.5 * (knots - 1) / LENGTH
+
+
+def _levelled(hertz: Array, power: Array, pieces: int, wide: float, least: float) -> Spectrum:
+    """Return the frequencies from the least on, with their level."""
+    use = hertz >= least
     size = max(3, round(wide / (hertz[1] - hertz[0]))) | 1
     # Below the lowest there may be more, of noise with a colour, or less, where knots have it.
     below = median_filter(power, size, mode='reflect')[use]
@@ -154,7 +160,7 @@ def _flat(pieces: Array) -> Array:
     return flat
 
 
-def spectrum(pieces: Array) -> Spectrum:
+def spectrum(pieces: Array, least: float) -> Spectrum:
     """
     Return the mean spectrum of the pieces of what is left over of one channel.
 
@@ -162,6 +168,8 @@ def spectrum(pieces: Array) -> Spectrum:
     ----------
     pieces : ndarray, shape (S, n)
         Every PERIOD; NaN where nothing was measured. Pieces with many gaps are left out.
+    least : float
+        Lowest frequency. [Hz]
 
     """
     kept = _flat(pieces[np.isfinite(pieces).mean(axis=1) >= KNOWN])
@@ -170,10 +178,10 @@ def spectrum(pieces: Array) -> Spectrum:
     waves = np.abs(np.fft.rfft(kept * window, axis=1)) * 2.0 / window.sum()
     hertz = np.asarray(np.fft.rfftfreq(size, PERIOD), dtype=np.float64)
     power = np.mean(waves**2, axis=0) if count else np.zeros(len(hertz))
-    return _levelled(hertz, power, count, NEIGHBOURS)
+    return _levelled(hertz, power, count, NEIGHBOURS, least)
 
 
-def whole(pieces: Array, time: Array, size: int) -> Spectrum:
+def whole(pieces: Array, time: Array, size: int, least: float) -> Spectrum:
     """
     Return the spectrum of what is left over of one channel in a whole flight.
 
@@ -185,6 +193,8 @@ def whole(pieces: Array, time: Array, size: int) -> Spectrum:
         Of the readings. [s]
     size : int
         Of the transform, in periods: that of the longest flight, so that all have the same bins.
+    least : float
+        Lowest frequency. [Hz]
 
     """
     place = np.rint((time - time.min()) / PERIOD).astype(int)
@@ -193,7 +203,7 @@ def whole(pieces: Array, time: Array, size: int) -> Spectrum:
     series[place[known]] = _flat(pieces)[known]
     waves = np.abs(np.fft.rfft(series)) * 2.0 / max(int(known.sum()), 1)
     hertz = np.asarray(np.fft.rfftfreq(len(series), PERIOD), dtype=np.float64)
-    return _levelled(hertz, waves**2, 1, BESIDE)
+    return _levelled(hertz, waves**2, 1, BESIDE, least)
 
 
 def _averaged(seen: Sequence[Spectrum]) -> int | None:
@@ -231,7 +241,7 @@ def _first(seen: Sequence[Spectrum], strength: Array) -> int | None:
 
 
 def lines(
-    residuals: Sequence[Array], times: Sequence[Array], noise: Sequence[Array]
+    residuals: Sequence[Array], times: Sequence[Array], noise: Sequence[Array], least: float
 ) -> list[Line]:
     """
     Return the lines that all flights show, at most one a channel, the strongest first.
@@ -244,6 +254,8 @@ def lines(
         Of the readings. [s]
     noise : sequence of ndarray, shape (14,)
         Of each flight.
+    least : float
+        Lowest frequency: what the knots do not follow, by `lowest`. [Hz]
 
     """
     out = []
@@ -252,8 +264,8 @@ def lines(
         if not all(np.isfinite(level[k]) for level in noise):
             continue
         series = [each[:, :, k] for each in residuals]
-        long = [whole(one, time, size) for one, time in zip(series, times, strict=True)]
-        short = [spectrum(one) for one in series]
+        long = [whole(one, time, size, least) for one, time in zip(series, times, strict=True)]
+        short = [spectrum(one, least) for one in series]
         for seen, at in ((long, _steady(long)), (short, _averaged(short))):
             if at is not None:
                 out.append(_line(channel, seen, at, [level[k] for level in noise]))

@@ -9,16 +9,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import final, NamedTuple
 
-from lta_analysis.discovery.fit.evidence import (
-    knot_precision,
-    log_prior,
-    PIECE_PRESSURE,
-    Prior,
-    STATE,
-)
+from lta_analysis.discovery.fit.evidence import log_prior, Prior, unknown_precision
 from lta_analysis.discovery.fit.fit import Joint
 from lta_analysis.discovery.outside.generic_terms import Group
-from lta_analysis.discovery.replay.linear import AXES, KNOTS, Linear, RANDOM
+from lta_analysis.discovery.replay.linear import Linear
 from lta_analysis.discovery.replay.tangent import WIDTH
 import numpy as np
 from numpy.typing import NDArray
@@ -99,18 +93,19 @@ class _Flight:
     """One flight and the columns of all groups on it."""
 
     def __init__(self, linear: Linear, standing: Standing, known: Sequence[Group]) -> None:
-        grams, latent = linear.grams, slice(WIDTH, WIDTH + AXES * KNOTS)
+        grams, random = linear.grams, linear.random
+        latent = slice(WIDTH, random - 1)
         self._point = linear.point
         self._rows = -0.5 * np.log(2.0 * np.pi) * float(linear.rows.sum())
-        self._random, self._cross = grams[:, :RANDOM, :RANDOM], grams[:, :RANDOM, RANDOM:]
-        self._rest = grams[:, RANDOM:, RANDOM:].sum(axis=0)
+        self._random, self._cross = grams[:, :random, :random], grams[:, :random, random:]
+        self._rest = grams[:, random:, random:].sum(axis=0)
         self._columns: dict[str, _Columns] = {}
         for group in known:
             weights = np.swapaxes(group.values.reshape(*group.values.shape[:2], -1), 1, 2)
             along = grams[:, :, latent] @ weights
             own = (np.swapaxes(weights, 1, 2) @ along[:, latent]).sum(axis=0)
-            aside = along[:, RANDOM:].sum(axis=0)
-            self._columns[group.name] = _Columns(along[:, :RANDOM], aside, own)
+            aside = along[:, random:].sum(axis=0)
+            self._columns[group.name] = _Columns(along[:, :random], aside, own)
         self._own = np.flatnonzero(standing.variance)
         self._variance = standing.variance[self._own]
         off = standing.at - linear.point.values
@@ -122,7 +117,7 @@ class _Flight:
         self, deviations: Array, names: Sequence[str]
     ) -> tuple[float, Array, dict[str, tuple[Array, Array]]]:
         """Return a constant, products of knobs and residual, and those of each group."""
-        precision = _precision(deviations)
+        precision = unknown_precision(deviations, self._point.knots)
         mean = -self._point.random
         pull = mean @ precision
         root = np.linalg.cholesky(self._random + precision)
@@ -165,19 +160,6 @@ class _Flight:
             mine = solve_triangular(lower, aside[own], lower=True)
             then[name] = aside - half.T @ mine, alone - mine.T @ mine
         return constant, left, then
-
-
-def _precision(deviations: Array) -> Array:
-    """Return the inverse covariance of a piece's unknowns."""
-    out = np.zeros((RANDOM, RANDOM))
-    out[np.diag_indices(RANDOM)] = np.concatenate(
-        [STATE**-2.0, np.zeros(AXES * KNOTS), [PIECE_PRESSURE**-2.0]]
-    )
-    knots = knot_precision()
-    for axis, deviation in enumerate(deviations):
-        at = slice(WIDTH + axis * KNOTS, WIDTH + (axis + 1) * KNOTS)
-        out[at, at] = knots / deviation**2
-    return out
 
 
 @final

@@ -12,7 +12,7 @@ from typing import Final, final, NamedTuple
 from lta_analysis.discovery.fit.evidence import FLOOR
 from lta_analysis.discovery.fit.fit import Fit
 from lta_analysis.discovery.model.rotations import matrix
-from lta_analysis.discovery.replay.linear import AXES, KNOTS
+from lta_analysis.discovery.replay.linear import AXES
 from lta_analysis.discovery.replay.linearise import Linearised
 from lta_analysis.discovery.replay.tangent import WIDTH
 from lta_sim.effects.protocol import AXES as NAMES
@@ -55,16 +55,16 @@ class Remainder(NamedTuple):
 
 
 def knots_of(fitted: Fit) -> Array:
-    """Return the latent wrench at the knots, shape (S * KNOTS, 6). [N, N m]"""
+    """Return the latent wrench at the K knots of each piece, shape (S * K, 6). [N, N m]"""
     random = fitted.pieces.solved(fitted.deviations, np.zeros(len(fitted.linear.names)))
-    latent = random[:, WIDTH : WIDTH + AXES * KNOTS].reshape(-1, AXES, KNOTS)
+    latent = random[:, WIDTH:-1].reshape(-1, AXES, fitted.linear.knots)
     return np.swapaxes(latent, 1, 2).reshape(-1, AXES)
 
 
 def states_at_knots(flight: Linearised, fitted: Fit) -> Array:
-    """Return the fitted states there, shape (S * KNOTS, 13)."""
+    """Return the fitted states there, shape (S * K, 13)."""
     states = flight.trajectory(fitted.linear.point)
-    index = np.rint(np.linspace(0, states.shape[1] - 1, KNOTS)).astype(int)
+    index = np.rint(np.linspace(0, states.shape[1] - 1, fitted.linear.knots)).astype(int)
     return states[:, index].reshape(-1, states.shape[-1])
 
 

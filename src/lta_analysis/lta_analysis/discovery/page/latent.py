@@ -6,7 +6,7 @@ from typing import final, NamedTuple
 from lta_analysis.discovery.fit.fit import Fit
 from lta_analysis.discovery.outside.unexplained import knots_of, states_at_knots, terms
 from lta_analysis.discovery.page.told import taught
-from lta_analysis.discovery.replay.linear import AXES, KNOTS
+from lta_analysis.discovery.replay.linear import AXES
 from lta_analysis.discovery.study import Flown, Study
 import numpy as np
 from numpy.typing import NDArray
@@ -23,13 +23,13 @@ class Latent(NamedTuple):
     ----------
     name : str
         Of its bag.
-    time : ndarray, shape (S, KNOTS)
-        [s]
-    wrench : ndarray, shape (S, KNOTS, 6)
+    time : ndarray, shape (S, K)
+        Of the knots of each piece. [s]
+    wrench : ndarray, shape (S, K, 6)
         Force [N] and moment [N m], body frame.
-    known : ndarray of bool, shape (S, KNOTS)
+    known : ndarray of bool, shape (S, K)
         Whether the flight counts there: the last piece may end early.
-    terms : mapping of str to ndarray, shape (S * KNOTS,)
+    terms : mapping of str to ndarray, shape (S * K,)
         What it may follow, of the state there.
 
     """
@@ -50,10 +50,11 @@ def latents(study: Study) -> list[Latent]:
 def _of(flown: Flown, fit: Fit) -> Latent:
     """Return what remains of one flight."""
     flight, inside = flown.flight, flown.flight.replay.cut.inside
-    at = np.linspace(0.0, 1.0, KNOTS)
+    count = fit.linear.knots
+    at = np.linspace(0.0, 1.0, count)
     begin, length = flight.time[:, :1], flight.time[:, -1:] - flight.time[:, :1]
     known = inside[:, np.rint(at * (inside.shape[1] - 1)).astype(int)]
-    wrench = knots_of(fit).reshape(len(inside), KNOTS, AXES)
+    wrench = knots_of(fit).reshape(len(inside), count, AXES)
     there = terms(states_at_knots(flight, fit))
     return Latent(flown.name, begin + length * at, wrench, known, there)
 
@@ -72,7 +73,7 @@ def followed(flights: Sequence[Latent], axis: int, names: Sequence[str]) -> list
 
     Returns
     -------
-    list of ndarray, shape (S * KNOTS,)
+    list of ndarray, shape (S * K,)
         By least squares over all flights, in the unit of the force.
 
     """

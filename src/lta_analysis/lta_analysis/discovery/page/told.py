@@ -88,7 +88,7 @@ def seen(study: Study) -> list[Seen]:
 
 def _plain(nominal: Nominal, flight: Linearised) -> Point:
     """Return a vehicle as it is, with nothing turned for this flight."""
-    return origin(nominal, flight.knobs, len(flight.replay.first))
+    return origin(nominal, flight.knobs, flight.replay.cut)
 
 
 def overlay(one: Seen, flights: int = 1) -> Overlay:

@@ -220,7 +220,7 @@ class Planner:
 
     def reduced(self, flight: Linearised, nominal: Nominal) -> Reduced:
         """Return what a flight says, about a vehicle."""
-        linear = flight.at(origin(nominal, self.knobs, len(flight.replay.first)))
+        linear = flight.at(origin(nominal, self.knobs, flight.replay.cut))
         return Pieces(linear).reduced(self._floor)
 
     def nats(self, reduced: Reduced, true: Rival, other: Rival) -> float:

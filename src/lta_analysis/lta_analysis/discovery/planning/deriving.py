@@ -140,7 +140,7 @@ def derive(kinds: Sequence[str] = tuple(KINDS), flights: int = FLIGHTS) -> Mappi
         for streams in flown[rich]:
             flight = prepared(streams, vehicle, turned, sensors)
             nominal = Nominal.of(vehicle)
-            linear = flight.at(origin(nominal, turned, len(flight.replay.first)))
+            linear = flight.at(origin(nominal, turned, flight.replay.cut))
             reduced.append(Pieces(linear).reduced(floor_of(nominal)))
         out[kind] = compared(Pairs(reduced, turned), Pairs(reduced, turned, MORE))
     return out

@@ -228,7 +228,7 @@ def _reduced(study: Study) -> list[Reduced]:
     """Return what the flights that taught and confirmed say, about the vehicle file."""
     out = []
     for flight in (one.flight for one in study.flights if one.role != 'holdout'):
-        begin = origin(study.nominal, flight.knobs, len(flight.replay.first))
+        begin = origin(study.nominal, flight.knobs, flight.replay.cut)
         out.append(Pieces(flight.at(begin)).reduced(floor_of(study.nominal)))
     return out
 

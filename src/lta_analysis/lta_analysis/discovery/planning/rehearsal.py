@@ -15,6 +15,7 @@ from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.model.rotations import exponential, product
 from lta_analysis.discovery.replay.linearise import Linearised
+from lta_analysis.discovery.replay.periods import knots_for
 from lta_analysis.discovery.replay.replay import Replay
 from lta_analysis.discovery.replay.sensing import floor_pressure, Places
 from lta_analysis.ingredients import Ingredients
@@ -187,7 +188,8 @@ def prepared(
         flight = replace(flight, commands=silent, wrench=wrench)
     places = Places.of(vehicle, STANDARD)
     places = Places.of(vehicle, floor_pressure(flight, places))
-    return Linearised(Replay(flight, windows(flight), still), knobs, places)
+    ready = Linearised(Replay(flight, windows(flight), still), knobs, places)
+    return ready.with_knots(knots_for([ready], Nominal.of(vehicle)))
 
 
 def _wrench(replay: Replay, nominal: Nominal) -> Stream:

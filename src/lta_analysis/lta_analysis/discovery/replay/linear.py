@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
+from lta_analysis.discovery.flights.windows import Windows
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.replay.tangent import WIDTH
@@ -12,11 +13,19 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-KNOTS: Final = 9
 AXES: Final = 6
-RANDOM: Final = WIDTH + AXES * KNOTS + 1  # the last is the pressure of the piece
 # Errors of a flight's sensors that no effect has: the pressure, and the scale of each force.
 SENSORS: Final = ('pressure.offset', 'force.scale_x', 'force.scale_y', 'force.scale_z')
+
+
+def unknowns(knots: int) -> int:
+    """Return how many unknowns a piece has: state, latent wrench at its knots, pressure."""
+    return WIDTH + AXES * knots + 1
+
+
+def knots_among(count: int) -> int:
+    """Return how many knots a piece with that many unknowns has; the inverse of `unknowns`."""
+    return (count - WIDTH - 1) // AXES
 
 
 @final
@@ -31,14 +40,20 @@ class Point:
         The vehicle, with all knobs where they stand.
     values : ndarray, shape (G,)
         How far each knob has been turned from the vehicle file; the last are those of SENSORS.
-    random : ndarray, shape (S, RANDOM)
-        State offsets, knots and pressure of each piece.
+    random : ndarray, shape (S, R)
+        The `unknowns` of each piece: state offsets, latent wrench at the knots axis by axis, and
+        pressure.
 
     """
 
     nominal: Nominal
     values: Array
     random: Array
+
+    @property
+    def knots(self) -> int:
+        """Of a piece, on each axis."""
+        return knots_among(self.random.shape[1])
 
 
 @final
@@ -52,7 +67,7 @@ class Linear:
     names : tuple of str
         Of the knobs, and SENSORS.
     grams : ndarray, shape (S, N, N)
-        Products of whitened columns: RANDOM, then the names, then the residual.
+        Products of whitened columns: the `unknowns`, then the names, then the residual.
     rows : ndarray of int, shape (S,)
         Readings that count.
     point : Point
@@ -68,13 +83,28 @@ class Linear:
     point: Point
     residual: Array
 
+    @property
+    def knots(self) -> int:
+        """Of a piece, on each axis."""
+        return self.point.knots
 
-def origin(nominal: Nominal, knobs: Sequence[Knob], pieces: int) -> Point:
+    @property
+    def random(self) -> int:
+        """How many unknowns a piece has."""
+        return int(self.point.random.shape[1])
+
+
+def still(cut: Windows) -> Array:
+    """Return the unknowns of pieces that begin where the poses say, with no latent wrench."""
+    return np.zeros((len(cut.first), unknowns(cut.knots)))
+
+
+def origin(nominal: Nominal, knobs: Sequence[Knob], cut: Windows) -> Point:
     """Return the point at which nothing has been turned."""
-    return Point(nominal, np.zeros(len(knobs) + len(SENSORS)), np.zeros((pieces, RANDOM)))
+    return Point(nominal, np.zeros(len(knobs) + len(SENSORS)), still(cut))
 
 
-def hats(span: int) -> Array:
-    """Return the share of each knot in the middle of each step, shape (span, KNOTS)."""
-    at = (np.arange(span) + 0.5) * (KNOTS - 1) / span
-    return np.maximum(0.0, 1.0 - np.abs(at[:, None] - np.arange(KNOTS)))
+def hats(span: int, knots: int) -> Array:
+    """Return the share of each knot in the middle of each step, shape (span, knots)."""
+    at = (np.arange(span) + 0.5) * (knots - 1) / span
+    return np.maximum(0.0, 1.0 - np.abs(at[:, None] - np.arange(knots)))

@@ -6,6 +6,7 @@ every knob. Per piece only products of whitened columns are kept: the rest is al
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Final, final
 
 from lta_analysis.discovery.flights.measured import CHANNELS, PERIOD
@@ -13,7 +14,7 @@ from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Rows
 from lta_analysis.discovery.model.replay_kernel import BODY_PLACES
 from lta_analysis.discovery.model.rotations import logarithm, product, reverse
-from lta_analysis.discovery.replay.linear import AXES, hats, KNOTS, Linear, Point, RANDOM, SENSORS
+from lta_analysis.discovery.replay.linear import AXES, hats, Linear, Point, SENSORS, unknowns
 from lta_analysis.discovery.replay.readout import reading_slopes
 from lta_analysis.discovery.replay.replay import Ready, Replay, STEPS
 from lta_analysis.discovery.replay.sensing import in_map, Places, plain, Told, told, tracker_frame
@@ -26,7 +27,6 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 CHUNK: Final = 8  # pieces at a time, which bounds the memory
-MOTION: Final = WIDTH + AXES * KNOTS  # columns of states and knots
 POSE: Final = 6  # of CHANNELS, the first
 
 
@@ -48,6 +48,8 @@ class Linearised:
     ----------
     index, time : ndarray, shape (S, n)
         Of each piece, the points of the grid and their times. [s]
+    random, motion : int
+        Unknowns of a piece; those of them that move the body, which come first.
 
     """
 
@@ -57,10 +59,17 @@ class Linearised:
         steps = cut.first[:, None] + np.arange(cut.length)
         self.index = np.minimum(steps, len(flight.time) - 1)
         self.time = flight.time[0] + PERIOD * steps
-        self._hats = hats(replay.span)
+        self._knots, self.random = cut.knots, unknowns(cut.knots)
+        self.motion = self.random - 1
+        self._hats = hats(replay.span, cut.knots)
         # Where gyros see the motion as well, the states' own offsets take up a tilt.
         self._seen_only = not np.isfinite(flight.noise[POSE:]).any()
-        self._sparse = self._hats.reshape(-1, STEPS, KNOTS).mean(axis=1)
+        self._sparse = self._hats.reshape(-1, STEPS, self._knots).mean(axis=1)
+
+    def with_knots(self, knots: int) -> 'Linearised':
+        """Return the flight with another number of knots in each piece."""
+        cut = replace(self.replay.cut, knots=knots)
+        return Linearised(self.replay.in_pieces(cut), self.knobs, self.places)
 
     def trajectory(self, point: Point, which: slice = slice(None)) -> Array:
         """Return the states at each step, shape (S, span + 1, 13)."""
@@ -96,7 +105,7 @@ class Linearised:
 
     def _latent(self, point: Point, which: slice, hats: Array) -> Array:
         """Return the latent force and moment in each step."""
-        knots = point.random[which, WIDTH : WIDTH + AXES * KNOTS].reshape(-1, AXES, KNOTS)
+        knots = point.random[which, WIDTH : self.motion].reshape(-1, AXES, self._knots)
         return np.ascontiguousarray(np.einsum('saj,kj->ska', knots, hats))
 
     def columns(self, point: Point, which: slice = slice(None)) -> tuple[Array, Array]:
@@ -113,12 +122,12 @@ class Linearised:
         Returns
         -------
         ndarray, shape (S, n, 14, N), and ndarray, shape (S, n, 14)
-            RANDOM columns, then the knobs, then SENSORS; measured less predicted.
+            Unknowns of the piece, then the knobs, then SENSORS; measured less predicted.
 
         """
         about = met(self.replay, self.knobs, point)
         table, left = self._table(point, about, which)
-        out = np.zeros((*left.shape, RANDOM + len(self.knobs) + len(SENSORS)))
+        out = np.zeros((*left.shape, self.random + len(self.knobs) + len(SENSORS)))
         out[:, :, : table.shape[2], self._order(about)[:-1]] = table[..., :-1]
         return out, left
 
@@ -141,7 +150,7 @@ class Linearised:
 
         """
         about, pieces = met(self.replay, self.knobs, point, wanted), len(self.replay.first)
-        size, order = RANDOM + len(self.knobs) + len(SENSORS) + 1, self._order(about)
+        size, order = self.random + len(self.knobs) + len(SENSORS) + 1, self._order(about)
         grams = np.zeros((pieces, size, size))
         counts = np.empty(pieces, dtype=np.int64)
         residual = np.empty((pieces, self.replay.cut.length, len(CHANNELS)))
@@ -161,10 +170,11 @@ class Linearised:
 
     def _order(self, about: Met) -> NDArray[np.int64]:
         """Return the place of each column of a table among all; the last is what is left over."""
-        own = RANDOM + len(self.knobs)
-        moving, reading = ([RANDOM + k for k in some] for some in (about.moving, about.reading))
+        first = self.random
+        own = first + len(self.knobs)
+        moving, reading = ([first + k for k in some] for some in (about.moving, about.reading))
         sensors = range(own, own + len(SENSORS) + 1)
-        return np.array([*range(MOTION), *moving, RANDOM - 1, *reading, *sensors])
+        return np.array([*range(self.motion), *moving, first - 1, *reading, *sensors])
 
     def _table(self, point: Point, about: Met, which: slice) -> tuple[Array, Array]:
         """
@@ -180,7 +190,7 @@ class Linearised:
         left = self._left(base, point, which) / noise
         channels = len(CHANNELS) if np.isfinite(noise[POSE:]).any() else POSE
         table = np.zeros((*left.shape[:2], channels, len(self._order(about))))
-        end = MOTION + len(about.moving)
+        end = self.motion + len(about.moving)
         change = self.changes(point, about, states, which)
         self._sense(change, grid, exact, time, about, table[..., :end])
         for k, turn in enumerate(about.turned):
@@ -249,7 +259,7 @@ class Linearised:
 
         Returns
         -------
-        ndarray, shape (S, n + 1, 12, MOTION + moving)
+        ndarray, shape (S, n + 1, 12, motion + moving)
             To the twelve of the beginning, to the knots, and to the knobs that move the body.
 
         """
@@ -261,7 +271,9 @@ class Linearised:
         answers = self.replay.answers(about.turns, middle, np.zeros_like(latent), which)
         # A push accelerates by the inverse of the mass matrix, whatever the motion.
         inverse = about.rows.body[BODY_PLACES['inverse']].reshape(AXES, AXES)
-        knots = np.einsum('ia,kj->kiaj', inverse, self._sparse).reshape(-1, AXES, AXES * KNOTS)
+        knots = np.einsum('ia,kj->kiaj', inverse, self._sparse).reshape(
+            -1, AXES, AXES * self._knots
+        )
         pushed = [np.broadcast_to(knots, (len(states), *knots.shape)), answers]
         a, b = transitions(jacobian, PERIOD)
         return carried(a, b[..., AXES:] @ np.concatenate(pushed, axis=-1))

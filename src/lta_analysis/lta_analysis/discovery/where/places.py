@@ -18,7 +18,7 @@ from lta_analysis.discovery.fit.fit import Fit
 from lta_analysis.discovery.flights.measured import CHANNELS
 from lta_analysis.discovery.forecast.replayed import best_begun
 from lta_analysis.discovery.outside.unexplained import knots_of
-from lta_analysis.discovery.replay.linear import KNOTS, Point
+from lta_analysis.discovery.replay.linear import Point
 from lta_analysis.discovery.replay.linearise import Linearised
 from lta_analysis.discovery.where.change_point import change
 from lta_analysis.discovery.where.conditions import conditions_of, largest
@@ -142,12 +142,12 @@ def _forces(one: Seen) -> list[Quantity]:
     """Return the unexplained force and moment by axis, knot by knot."""
     if one.fit is None:
         return []
-    length = one.flight.replay.cut.length
-    at = np.rint(np.linspace(0, length - 1, KNOTS)).astype(np.int64)
-    inside = one.flight.replay.cut.inside[:, at].reshape(-1)
+    cut = one.flight.replay.cut
+    at = np.rint(np.linspace(0, cut.length - 1, cut.knots)).astype(np.int64)
+    inside = cut.inside[:, at].reshape(-1)
     index = one.flight.index[:, at].reshape(-1)[inside]
     knots = knots_of(one.fit)[inside] / floor_of(one.before.nominal)
-    return [Quantity(axis, knots[:, k], index, KNOTS) for k, axis in enumerate(AXES)]
+    return [Quantity(axis, knots[:, k], index, cut.knots) for k, axis in enumerate(AXES)]
 
 
 def _place(one: Seen, quantity: Quantity, seed: int) -> Place:

@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 def begun(gtmab: Known, clean: Linearised) -> tuple[Group, Prior]:
     """A flight about the vehicle file, and what is known of that."""
     nominal, knobs = gtmab
-    at = origin(nominal, knobs, len(clean.replay.first))
+    at = origin(nominal, knobs, clean.replay.cut)
     return Group((Pieces(clean.at(at)),), at.values, own_variance(knobs)), shared(knobs)
 
 

@@ -33,7 +33,7 @@ def start(gtmab: tuple[Nominal, list[Knob]], clean: Linearised) -> Start:
     """What `begun` takes: a flight to be fitted, a prior, and the point of the vehicle file."""
     nominal, knobs = gtmab
     fitter = Fitter(nominal, [clean], own_variance(knobs), floor_of(nominal))
-    return fitter, shared(knobs), [origin(nominal, knobs, len(clean.replay.first))]
+    return fitter, shared(knobs), [origin(nominal, knobs, clean.replay.cut)]
 
 
 def test_a_stage_that_ends_lost_is_no_place_to_go_on_from(
@@ -107,7 +107,7 @@ def test_a_centre_of_gravity_far_too_low_does_not_run_away(
     nominal, knobs = gtmab
     flight, floor, prior = prepared(flown(LOW, 40, 26.0), knobs), floor_of(nominal), shared(knobs)
     fitter = Fitter(nominal, [flight], own_variance(knobs), floor)
-    points = [origin(nominal, knobs, len(flight.replay.first))]
+    points = [origin(nominal, knobs, flight.replay.cut)]
     at, then, deviations = begun(fitter, prior, points)
     found = fitter.fit(prior, fitter.about(at, then), deviations)
     # Its tolerance, stretched, explains it: nothing is left to a latent wrench.

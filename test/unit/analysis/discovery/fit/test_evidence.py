@@ -22,10 +22,11 @@ from lta_analysis.discovery.fit.evidence import (
     strain,
     tolerances,
 )
+from lta_analysis.discovery.flights.windows import KNOTS
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.naming.scan import likeness, scan
-from lta_analysis.discovery.replay.linear import AXES, KNOTS, Linear, origin, Point, RANDOM
+from lta_analysis.discovery.replay.linear import AXES, Linear, origin, Point, unknowns
 from lta_analysis.discovery.replay.linearise import Linearised
 import numpy as np
 import pytest
@@ -35,17 +36,18 @@ from ..hidden_flight import flown, prepared  # noqa: TID252 - `test` is Python's
 
 Known = tuple[Nominal, list[Knob]]
 DEVIATIONS = 0.8 * FLOOR
+RANDOM = unknowns(KNOTS)
 
 
 @pytest.fixture(scope='module')
 def linear(gtmab: Known, clean: Linearised) -> Linear:
     """The clean flight about the vehicle file."""
-    return clean.at(origin(gtmab[0], gtmab[1], len(clean.replay.first)))
+    return clean.at(origin(gtmab[0], gtmab[1], clean.replay.cut))
 
 
 def test_the_evidence_is_that_of_the_dense_gaussian(gtmab: Known, clean: Linearised) -> None:
     nominal, knobs = gtmab
-    point = origin(nominal, knobs, len(clean.replay.first))
+    point = origin(nominal, knobs, clean.replay.cut)
     columns, left = (part[:1, ::15] for part in clean.columns(point))
     known = np.isfinite(left)
     table = np.where(known[..., None], columns, 0.0).reshape(-1, columns.shape[-1])[known.ravel()]
@@ -58,7 +60,7 @@ def test_the_evidence_is_that_of_the_dense_gaussian(gtmab: Known, clean: Lineari
         replace(point, random=point.random[:1]),
         left,
     )
-    knots = np.linalg.inv(knot_precision())
+    knots = np.linalg.inv(knot_precision(KNOTS))
     prior = np.zeros((RANDOM, RANDOM))
     prior[np.diag_indices(12)] = STATE**2
     for axis in range(AXES):
@@ -96,7 +98,7 @@ def test_linearised_at_the_truth_scores_are_those_of_noise(gtmab: Known) -> None
     scores = []
     for seed in (21, 22, 23):
         flight = prepared(flown({}, seed, 45.0), knobs)
-        about = flight.at(origin(nominal, knobs, len(flight.replay.first)))
+        about = flight.at(origin(nominal, knobs, flight.replay.cut))
         first = Pieces(about)
         change = fitted(first.reduced(0.2 * FLOOR), about.point.values, wide).mean
         random = first.solved(0.2 * FLOOR, change)
@@ -125,10 +127,10 @@ def test_one_constant_force_has_many_names_and_drag_has_its_own(
 def test_a_latent_force_has_a_correlation_time_of_1_5_s() -> None:
     """Adjacent ones of nine knots over 6 s and 12 s are 0.5 and 1 correlation times apart."""
     for length, apart in ((6.0, 0.5), (12.0, 1.0)):
-        covariance = np.linalg.inv(knot_precision(length))
+        covariance = np.linalg.inv(knot_precision(9, length))
         steps = np.abs(np.subtract.outer(np.arange(9), np.arange(9)))
         np.testing.assert_allclose(covariance, np.exp(-apart * steps), atol=1e-12)
-    np.testing.assert_array_equal(knot_precision(), knot_precision(6.0))
+    np.testing.assert_array_equal(knot_precision(9), knot_precision(9, 6.0))
 
 
 KNOBS = [

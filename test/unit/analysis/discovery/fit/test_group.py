@@ -29,7 +29,7 @@ NAMED = ('net_lift.force', 'linear_drag.surge')
 def halves(gtmab: Known, clean: Linearised) -> tuple[Pieces, Pieces]:
     """The pieces of one flight as two flights, one of which stands elsewhere."""
     nominal, knobs = gtmab
-    whole = clean.at(origin(nominal, knobs, len(clean.replay.first)))
+    whole = clean.at(origin(nominal, knobs, clean.replay.cut))
     own = np.sqrt(own_variance(knobs))
 
     def part(which: slice, values: np.ndarray) -> Pieces:

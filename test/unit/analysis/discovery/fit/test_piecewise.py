@@ -22,7 +22,7 @@ def begun(gtmab: Known, clean: Linearised) -> tuple[Fitter, Joint]:
     """A clean flight where its tolerances are most probable."""
     nominal, knobs = gtmab
     fitter = Fitter(nominal, [clean], own_variance(knobs), FLOOR)
-    begin = origin(nominal, knobs, len(clean.replay.first))
+    begin = origin(nominal, knobs, clean.replay.cut)
     return fitter, fitter.fit(shared(knobs), fitter.about(begin.values, [begin]), FLOOR)
 
 

@@ -67,7 +67,7 @@ def test_what_arrives_of_a_commanded_wrench_is_found(driven: Linearised) -> None
     """Four fifths ahead, all of it upwards, from poses at 30 Hz."""
     nominal = Nominal.of(load_vehicle('gtmab'))
     floor, own = floor_of(nominal), own_variance(driven.knobs)
-    start = origin(nominal, driven.knobs, len(driven.replay.first))
+    start = origin(nominal, driven.knobs, driven.replay.cut)
     fitter = Fitter(nominal, [driven], own, floor)
     found = fitter.fit(shared(driven.knobs), fitter.about(start.values, [start]), floor, 3)
     names = [knob.name for knob in driven.knobs]

@@ -31,7 +31,7 @@ def lacking(gtmab: Known, clean: Linearised) -> tuple[Foresight, int, float]:
 def test_columns_are_what_small_turns_do(gtmab: Known, clean: Linearised) -> None:
     """Against differences of whole flights, for knobs of each reach."""
     nominal, known = gtmab
-    point = origin(nominal, known, len(clean.replay.first))
+    point = origin(nominal, known, clean.replay.cut)
     names = ('vehicle.mass', 'thrust_scale.factor', 'tracker_misalignment.pitch', DRAG)
     which = [[knob.name for knob in known].index(name) for name in names]
     found = ahead(clean, point, which)

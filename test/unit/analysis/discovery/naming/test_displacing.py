@@ -120,7 +120,7 @@ def test_a_name_that_won_little_is_withdrawn_beside_anything(
 ) -> None:
     nominal, knobs = gtmab
     fitter = Fitter(nominal, [clean], own_variance(knobs), FLOOR)
-    begin = origin(nominal, knobs, len(clean.replay.first))
+    begin = origin(nominal, knobs, clean.replay.cut)
     joint = fitter.fit(shared(knobs), fitter.about(begin.values, [begin]), FLOOR, rounds=1)
     displacing = Displacing(([clean], [clean]), FLOOR)
 
@@ -153,7 +153,7 @@ def test_drag_for_a_little_beside_something_large_is_withdrawn() -> None:
 
 def test_a_knob_acts_where_a_force_could_do_the_same(gtmab: Known, clean: Linearised) -> None:
     nominal, knobs = gtmab
-    linear = clean.at(origin(nominal, knobs, len(clean.replay.first)))
+    linear = clean.at(origin(nominal, knobs, clean.replay.cut))
     for name, axes in (
         ('linear_drag.heave', ['heave']),
         ('rotational_drag.yaw', ['yaw']),

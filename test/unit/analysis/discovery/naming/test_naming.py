@@ -63,7 +63,7 @@ def test_a_vehicle_within_its_tolerances_names_nothing(gtmab: Known) -> None:
 def test_the_gap_goes_from_nominal_over_tuned_to_named(gtmab: Known) -> None:
     nominal, knobs = gtmab
     flight = prepared(flown(CASES['linear_drag.surge'], 70, LENGTH), knobs)
-    start = origin(nominal, knobs, len(flight.replay.first))
+    start = origin(nominal, knobs, flight.replay.cut)
     before = where(flight, start)
     tuned, named = (
         where(flight, fit(flight, nominal, tolerances(knobs, names), start).linear.point)

@@ -12,13 +12,14 @@ from lta_analysis.discovery.fit.evidence import (
     tolerances,
 )
 from lta_analysis.discovery.fit.fit import Fitter, Joint
+from lta_analysis.discovery.flights.windows import KNOTS
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.outside.generic_terms import Group, groups, met, Scene
 from lta_analysis.discovery.outside.rivals import Contest, Rivals
 from lta_analysis.discovery.outside.standing import Columns, Standing
 from lta_analysis.discovery.outside.verdict import standing, verdict_of
-from lta_analysis.discovery.replay.linear import AXES, KNOTS, origin, RANDOM
+from lta_analysis.discovery.replay.linear import AXES, origin, unknowns
 from lta_analysis.discovery.replay.linearise import Linearised
 from lta_analysis.discovery.replay.tangent import WIDTH
 import numpy as np
@@ -32,7 +33,7 @@ Known = tuple[Nominal, list[Knob]]
 
 def _fitted(known: Known, flight: Linearised) -> Joint:
     nominal, knobs = known
-    begin = origin(nominal, knobs, len(flight.replay.first))
+    begin = origin(nominal, knobs, flight.replay.cut)
     fitter = Fitter(nominal, [flight], own_variance(knobs), FLOOR)
     return fitter.fit(shared(knobs), fitter.about(begin.values, [begin]), FLOOR)
 
@@ -43,7 +44,7 @@ def quiet(gtmab: Known, clean: Linearised) -> tuple[Standing, list[Group]]:
     found = _fitted(gtmab, clean)
     place = clean.replay.flight.position
     scene = Scene.around([place[np.isfinite(place).all(axis=1)]])
-    known = list(groups(met(clean, found.group.linears[0].point), scene, FLOOR))
+    known = list(groups(met(clean, found.group.linears[0].point), scene, FLOOR, KNOTS))
     return Standing.of(found, FLOOR), known
 
 
@@ -82,7 +83,7 @@ def test_a_group_is_worth_what_its_columns_are_as_knobs(
     order = np.r_[0 : total - 1, total : total + size, total - 1]
     wider = replace(linear, grams=grams[:, order[:, None], order])
     zeros, wide = np.zeros(size), (10.0**2 / size) * np.eye(size)
-    covariance = np.zeros((total - RANDOM - 1 + size,) * 2)
+    covariance = np.zeros((total - unknowns(KNOTS) - 1 + size,) * 2)
     covariance[:-size, :-size], covariance[-size:, -size:] = stands.prior.covariance, wide
     prior = Prior(np.concatenate([stands.prior.mean, zeros]), covariance)
     at = np.concatenate([linear.point.values, zeros])

@@ -5,6 +5,7 @@ from lta_analysis.discovery.outside import spectral_line
 from lta_analysis.discovery.outside.spectral_line import (
     Line,
     lines,
+    lowest,
     Spectrum,
     spectrum,
     telling,
@@ -16,6 +17,7 @@ import pytest
 PIECES, SIZE = 10, 150
 TIME = PERIOD * np.arange(PIECES * SIZE, dtype=np.float64).reshape(PIECES, SIZE)
 TIMES = [TIME, TIME]
+LEAST = lowest(9)  # 0.7 Hz
 
 
 def _left(seed: int, colour: float = 0.0) -> np.ndarray:
@@ -34,7 +36,7 @@ def test_a_line_has_its_channel_its_frequency_and_its_amplitude() -> None:
     flights, noise = [_left(1), _left(2)], [np.full(len(CHANNELS), 0.02)] * 2
     for flight in flights:
         flight[:, :, CHANNELS.index('fz')] += _wave(2.0, 1.5)
-    found = lines(flights, TIMES, noise)
+    found = lines(flights, TIMES, noise, LEAST)
     assert [one.channel for one in found] == ['fz']
     assert found[0].hertz == pytest.approx(2.0, abs=1.0 / (PIECES * SIZE * PERIOD))
     assert found[0].amplitude == pytest.approx(1.5 * 0.02, rel=0.15)
@@ -45,7 +47,7 @@ def test_a_line_has_its_channel_its_frequency_and_its_amplitude() -> None:
 def test_one_flight_alone_makes_no_line() -> None:
     flights, noise = [_left(1), _left(2)], [np.ones(len(CHANNELS))] * 2
     flights[0][:, :, 11] += _wave(2.0, 1.5)
-    assert lines(flights, TIMES, noise) == []
+    assert lines(flights, TIMES, noise, LEAST) == []
 
 
 @pytest.mark.parametrize(
@@ -54,7 +56,8 @@ def test_one_flight_alone_makes_no_line() -> None:
 )
 def test_noise_has_no_line(colour: float) -> None:
     noise = [np.ones(len(CHANNELS))] * 2
-    found = [lines([_left(k, colour), _left(k + 500, colour)], TIMES, noise) for k in range(40)]
+    pairs = [[_left(k, colour), _left(k + 500, colour)] for k in range(40)]
+    found = [lines(pair, TIMES, noise, LEAST) for pair in pairs]
     assert sum(map(len, found)) == 0
 
 
@@ -62,7 +65,7 @@ def test_a_wave_has_its_power_whatever_is_missing() -> None:
     wave = _wave(3.0, 2.0)
     wave[0, 30:80] = np.nan  # left out
     wave[1, 70] = np.nan
-    seen = spectrum(wave)
+    seen = spectrum(wave, LEAST)
     assert seen.pieces == PIECES - 1
     assert seen.power.max() == pytest.approx(4.0, rel=0.05)
 
@@ -72,8 +75,8 @@ def test_a_weak_wave_of_one_frequency_adds_up_over_a_flight() -> None:
     for k, flight in enumerate(flights):
         flight[:, :, 6] += np.roll(_wave(2.13, 0.3), 40 * k)
         flight[3, 20:90] = np.nan
-    assert max(spectrum(each[:, :, 6]).medians.max() for each in flights) < 5.0
-    found = lines(flights, TIMES, noise)
+    assert max(spectrum(each[:, :, 6], LEAST).medians.max() for each in flights) < 5.0
+    found = lines(flights, TIMES, noise, LEAST)
     assert [one.channel for one in found] == ['p']
     assert found[0].hertz == pytest.approx(2.13, abs=1.0 / (PIECES * SIZE * PERIOD))
     assert found[0].amplitude == pytest.approx(0.3, rel=0.3)
@@ -84,7 +87,7 @@ def test_a_wave_that_drifts_adds_up_within_the_pieces() -> None:
     for flight in flights:
         drift = np.cumsum(0.12 * rng.standard_normal(PIECES * SIZE)).reshape(PIECES, SIZE)
         flight[:, :, 6] += 1.2 * np.sin(2.0 * np.pi * 2.0 * TIME + drift)
-    found = lines(flights, TIMES, noise)
+    found = lines(flights, TIMES, noise, LEAST)
     assert [one.channel for one in found] == ['p']
     assert found[0].hertz == pytest.approx(2.0, abs=0.35)
 
@@ -93,7 +96,7 @@ def test_what_only_the_pressure_shows_is_the_weather() -> None:
     flights, noise = [_left(1), _left(2)], [np.ones(len(CHANNELS))] * 2
     for flight in flights:
         flight[:, :, 13] += _wave(0.9, 1.5)
-    assert lines(flights, TIMES, noise) == []
+    assert lines(flights, TIMES, noise, LEAST) == []
 
 
 INVERSE = np.diag([2.0, 2.0, 2.0, 20.0, 20.0, 25.0])  # 1/kg, 1/(kg m2)
@@ -130,7 +133,7 @@ def test_range_and_pressure_are_not_searched_for_lines(channel: str) -> None:
     flights, noise = [_left(1), _left(2)], [np.ones(len(CHANNELS))] * 2
     for flight in flights:
         flight[:, :, CHANNELS.index(channel)] += _wave(2.0, 3.0)
-    assert lines(flights, TIMES, noise) == []
+    assert lines(flights, TIMES, noise, LEAST) == []
 
 
 def test_what_the_knots_follow_is_no_line() -> None:
@@ -139,7 +142,7 @@ def test_what_the_knots_follow_is_no_line() -> None:
         moved = [flight.copy() for flight in flights]
         for flight in moved:
             flight[:, :, CHANNELS.index('q')] += _wave(hertz, 1.5)
-        assert [one.channel for one in lines(moved, TIMES, noise)] == found
+        assert [one.channel for one in lines(moved, TIMES, noise, LEAST)] == found
 
 
 @pytest.mark.parametrize(('known', 'pieces'), [(134, 0), (135, 1)])
@@ -148,32 +151,38 @@ def test_a_piece_with_less_than_nine_tenths_of_its_readings_is_left_out(
 ) -> None:
     wave = _wave(3.0, 2.0)[:1]
     wave[:, known:] = np.nan
-    assert spectrum(wave).pieces == pieces
+    assert spectrum(wave, LEAST).pieces == pieces
 
 
-def test_spectra_begin_at_0_7_hertz() -> None:
-    """Pieces of 250 readings at 25 Hz last 10 s, so the bins are 0.1 Hz apart."""
-    np.testing.assert_allclose(spectrum(np.zeros((2, 250))).hertz, 0.1 * np.arange(7, 126))
+@pytest.mark.parametrize(('knots', 'first'), [(9, 7), (19, 16), (37, 32)])
+def test_spectra_begin_where_the_knots_are_blind(knots: int, first: int) -> None:
+    """
+    Knots 6 / (K - 1) s apart follow half a wave of (K - 1) / 12 Hz; 5 % more is beyond them.
+
+    Pieces of 250 readings at 25 Hz last 10 s, so the bins are 0.1 Hz apart.
+    """
+    seen = spectrum(np.zeros((2, 250)), lowest(knots))
+    np.testing.assert_allclose(seen.hertz, 0.1 * np.arange(first, 126))
 
 
 def test_parabolas_of_any_size_are_removed_from_pieces_and_cubics_are_not() -> None:
     ramp = np.linspace(-1.0, 1.0, SIZE)
     slow = np.array([[1e3 + 2e3 * ramp - 3e3 * ramp**2], [5e3 * ramp]])[:, 0]
-    assert spectrum(slow).power.max() < 1e-12
-    assert whole(slow, TIME[:2], 2 * SIZE).power.max() < 1e-12
+    assert spectrum(slow, LEAST).power.max() < 1e-12
+    assert whole(slow, TIME[:2], 2 * SIZE, LEAST).power.max() < 1e-12
     cubic = slow + ramp**3
-    assert spectrum(cubic).power.max() > 1e-7
+    assert spectrum(cubic, LEAST).power.max() > 1e-7
     np.testing.assert_allclose(
-        spectrum(cubic).power, spectrum(np.tile(ramp**3, (2, 1))).power, rtol=1e-4
+        spectrum(cubic, LEAST).power, spectrum(np.tile(ramp**3, (2, 1)), LEAST).power, rtol=1e-4
     )
     gone = np.vstack([_wave(3.0, 2.0)[:1], np.full((1, SIZE), np.nan)])
-    found = whole(gone, TIME[:2], 2 * SIZE)  # normalised by the known readings
+    found = whole(gone, TIME[:2], 2 * SIZE, LEAST)  # normalised by the known readings
     assert found.power.max() == pytest.approx(4.0, rel=0.02)
 
 
 def test_a_whole_flight_is_padded_to_twice_its_length() -> None:
     size = PIECES * SIZE
-    found = whole(_wave(2.0, 1.5), TIME + 7.0, size)
+    found = whole(_wave(2.0, 1.5), TIME + 7.0, size, LEAST)
     assert np.diff(found.hertz) == pytest.approx(0.5 / (size * PERIOD))
     assert found.hertz[found.power.argmax()] == pytest.approx(2.0)
     assert found.power.max() == pytest.approx(1.5**2, rel=0.02)
@@ -195,7 +204,7 @@ def test_a_level_is_the_median_of_an_odd_number_of_neighbours(
     """
     power = np.ones(100)
     power[50 : 50 + plateau] = 5.0
-    found = spectral_line._levelled(0.1 * np.arange(100), power, 3, wide)
+    found = spectral_line._levelled(0.1 * np.arange(100), power, 3, wide, LEAST)
     assert found.level.max() == (5.0 if kept else 1.0)
     assert found.medians.max() == (1.0 if kept else 5.0)
     assert (found.pieces, len(found.power)) == (3, 93)  # without the 7 bins below 0.7 Hz
@@ -204,7 +213,10 @@ def test_a_level_is_the_median_of_an_odd_number_of_neighbours(
 def test_levels_are_medians_over_2_5_hertz_of_pieces_and_1_hertz_of_flights() -> None:
     """These are 15 bins of 1/6 Hz of pieces of 6 s, and 121 of 1/120 Hz of a padded flight."""
     left = _left(5)[:, :, 0]
-    for found, size in ((spectrum(left), 15), (whole(left, TIME, PIECES * SIZE), 121)):
+    for found, size in (
+        (spectrum(left, LEAST), 15),
+        (whole(left, TIME, PIECES * SIZE, LEAST), 121),
+    ):
         at = np.arange(size, len(found.power) - size)
         middle = [np.median(found.power[k - size // 2 : k + size // 2 + 1]) for k in at]
         np.testing.assert_allclose(found.level[at], middle)
@@ -302,9 +314,9 @@ def test_the_strongest_line_comes_first_and_an_unmeasured_channel_has_none() -> 
     for flight in flights:
         for channel, amplitude in (('p', 1.0), ('q', 3.0), ('r', 2.0)):
             flight[:, :, CHANNELS.index(channel)] += _wave(2.0, amplitude)
-    assert [one.channel for one in lines(flights, TIMES, noise)] == ['q', 'r', 'p']
+    assert [one.channel for one in lines(flights, TIMES, noise, LEAST)] == ['q', 'r', 'p']
     noise[1][CHANNELS.index('r')] = np.inf
-    assert [one.channel for one in lines(flights, TIMES, noise)] == ['q', 'p']
+    assert [one.channel for one in lines(flights, TIMES, noise, LEAST)] == ['q', 'p']
 
 
 @pytest.mark.parametrize(('size', 'told'), [(0.99, False), (1.01, True)])

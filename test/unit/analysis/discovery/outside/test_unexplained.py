@@ -14,7 +14,7 @@ from lta_analysis.discovery.outside.unexplained import (
     states_at_knots,
     terms,
 )
-from lta_analysis.discovery.replay.linear import origin, RANDOM
+from lta_analysis.discovery.replay.linear import origin, unknowns
 from lta_sim.effects.protocol import AXES
 import numpy as np
 import pytest
@@ -23,6 +23,7 @@ from scipy.linalg import hadamard
 from ..hidden_flight import flown, prepared  # noqa: TID252 - `test` is Python's own
 
 Known = tuple[Nominal, list[Knob]]
+RANDOM = unknowns(9)
 RNG = np.random.default_rng(5)
 
 
@@ -60,7 +61,7 @@ def test_turbulence_remains_on_the_axes_that_it_pushes(gtmab: Known) -> None:
     flights = tuple(prepared(flown(air, seed, 26.0), knobs) for seed in (81, 82))
     prior = tolerances(knobs)
     fits = [
-        fit(flight, nominal, prior, origin(nominal, knobs, len(flight.replay.first)))
+        fit(flight, nominal, prior, origin(nominal, knobs, flight.replay.cut))
         for flight in flights
     ]
     left = remaining([[one] for one in flights], [[one] for one in fits])
@@ -80,7 +81,7 @@ def test_knots_have_a_row_for_each_knot_of_each_piece_and_a_column_for_each_axis
     fitted = SimpleNamespace(
         pieces=SimpleNamespace(solved=solved),
         deviations='these',
-        linear=SimpleNamespace(names=tuple('abc')),
+        linear=SimpleNamespace(names=tuple('abc'), knots=9),
     )
     knots = knots_of(fitted)
     assert knots.shape == (27, 6)
@@ -93,7 +94,7 @@ def test_knots_have_a_row_for_each_knot_of_each_piece_and_a_column_for_each_axis
 def test_states_are_taken_at_nine_evenly_spaced_knots_of_each_piece() -> None:
     states = np.arange(2.0 * 17 * 13).reshape(2, 17, 13)
     flight = SimpleNamespace(trajectory=lambda point: states if point == 'here' else None)
-    fitted = SimpleNamespace(linear=SimpleNamespace(point='here'))
+    fitted = SimpleNamespace(linear=SimpleNamespace(point='here', knots=9))
     found = states_at_knots(flight, fitted)
     np.testing.assert_array_equal(found, np.vstack([states[0, ::2], states[1, ::2]]))
 

@@ -219,7 +219,7 @@ def test_several_flights_can_be_chosen(found: Study, tmp_path: Path) -> None:
     shown = [
         Shown(
             one,
-            *(origin(n, one.flight.knobs, len(one.flight.replay.first)) for n in
+            *(origin(n, one.flight.knobs, one.flight.replay.cut) for n in
               (found.nominal, found.nominal, found.learned)),
         )
         for one in found.flights
@@ -261,7 +261,7 @@ def test_the_model_that_learned_leaves_noise(found: Study) -> None:
 
 def test_a_true_model_leaves_what_was_measured_as_noise(gtmab: Known, clean: Linearised) -> None:
     nominal, knobs = gtmab
-    left = best_begun(clean, origin(nominal, knobs, len(clean.replay.first)))
+    left = best_begun(clean, origin(nominal, knobs, clean.replay.cut))
     assert np.nanstd(left[..., :6]) == pytest.approx(1.0, abs=0.12)
 
 
@@ -319,7 +319,7 @@ def test_what_could_have_been_seen_is_what_the_scan_would_call_five_sigma(
     gtmab: Known, clean: Linearised
 ) -> None:
     nominal, knobs = gtmab
-    flight = Pieces(clean.at(origin(nominal, knobs, len(clean.replay.first)))).reduced(1.3 * FLOOR)
+    flight = Pieces(clean.at(origin(nominal, knobs, clean.replay.cut))).reduced(1.3 * FLOOR)
     prior = tolerances(knobs)
     sizes = {one.knob: one.size for one in detectable([flight], prior, knobs)}
     for one in scan(flight, np.zeros(len(prior.mean)), prior, knobs):

@@ -3,10 +3,11 @@
 from dataclasses import replace
 from types import SimpleNamespace
 
+from lta_analysis.discovery.flights.windows import KNOTS
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.replay import linearise
-from lta_analysis.discovery.replay.linear import KNOTS, origin, RANDOM, SENSORS
+from lta_analysis.discovery.replay.linear import origin, SENSORS, unknowns
 from lta_analysis.discovery.replay.linearise import Linearised
 from lta_analysis.discovery.replay.replay import Replay, STEPS
 from lta_analysis.discovery.replay.tangent import WIDTH
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 import pytest
 
 Known = tuple[Nominal, list[Knob]]
+RANDOM = unknowns(KNOTS)
 CHECKED = (
     'thrust_scale.factor', 'rotor_fault.lost_3', 'linear_drag.surge', 'quadratic_drag.heave',
     'vehicle.mass', 'cg_offset.y', 'munk_moment.lost', 'motor_lag', 'command_delay.delay',
@@ -28,14 +30,14 @@ CHECKED = (
 @pytest.fixture(scope='module')
 def columns(gtmab: Known, clean: Linearised) -> NDArray[np.float64]:
     """The whitened columns of the clean flight."""
-    return clean.columns(origin(gtmab[0], gtmab[1], len(clean.replay.first)))[0]
+    return clean.columns(origin(gtmab[0], gtmab[1], clean.replay.cut))[0]
 
 
 def _left(
     flight: Linearised, nominal: Nominal, random: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Return measured less predicted by the noise, flown with other parameters."""
-    point = replace(origin(nominal, flight.knobs, len(random)), random=random)
+    point = replace(origin(nominal, flight.knobs, flight.replay.cut), random=random)
     grid = flight.trajectory(point)[:, ::STEPS]
     return flight.left(grid, point, nominal.rows()) / flight.replay.flight.noise
 
@@ -75,7 +77,7 @@ def test_states_knots_and_pressure_have_theirs(
 def test_columns_of_sensor_errors_are_derivatives_of_the_residual(
     gtmab: Known, clean: Linearised, columns: NDArray[np.float64], k: int
 ) -> None:
-    point = origin(gtmab[0], gtmab[1], len(clean.replay.first))
+    point = origin(gtmab[0], gtmab[1], clean.replay.cut)
     grid, rows = clean.trajectory(point)[:, ::STEPS], gtmab[0].rows()
     values = point.values.copy()
     values[len(gtmab[1]) + k] = 0.01
@@ -92,7 +94,7 @@ def test_columns_of_some_pieces_and_products_of_all_agree_with_the_whole_table(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(linearise, 'CHUNK', 2)  # the chunks are smaller than the flight
-    point = origin(gtmab[0], gtmab[1], len(clean.replay.first))
+    point = origin(gtmab[0], gtmab[1], clean.replay.cut)
     table, left = clean.columns(point, slice(1, 3))
     np.testing.assert_allclose(table, columns[1:3], rtol=1e-9, atol=1e-9)
     none = clean.at(point, np.zeros(len(gtmab[1]), dtype=bool))
@@ -114,7 +116,7 @@ def test_all_forces_and_inertias_scaled_together_move_nothing(
     gtmab: Known, clean: Linearised, pushed: float
 ) -> None:
     nominal, knobs = gtmab
-    begin = origin(nominal, knobs, len(clean.replay.first))
+    begin = origin(nominal, knobs, clean.replay.cut)
     # Nor where something unexplained pushes: it would have to grow with them, and costs.
     begin.random[:, WIDTH : WIDTH + KNOTS] = pushed * np.cos(np.arange(KNOTS))  # N, surge
     columns = clean.columns(begin)[0]
@@ -141,7 +143,7 @@ def test_what_is_not_wanted_costs_nothing_and_changes_nothing(
     gtmab: Known, clean: Linearised
 ) -> None:
     nominal, knobs = gtmab
-    point = origin(nominal, knobs, len(clean.replay.first))
+    point = origin(nominal, knobs, clean.replay.cut)
     wanted = np.array([knob.tolerance > 0.0 for knob in knobs])
     whole, some = clean.at(point), clean.at(point, wanted)
     kept = np.r_[
@@ -157,7 +159,7 @@ def test_what_is_not_wanted_costs_nothing_and_changes_nothing(
 def test_a_piece_that_ends_after_the_flight_repeats_its_last_point() -> None:
     """The last of 100 points has the index 99; the times of the piece go on beyond it."""
     flight = SimpleNamespace(time=0.3 + 0.04 * np.arange(100), noise=np.ones(14))
-    cut = SimpleNamespace(first=np.array([3, 97]), length=5)
+    cut = SimpleNamespace(first=np.array([3, 97]), length=5, knots=2)
     found = Linearised(SimpleNamespace(flight=flight, cut=cut, span=5 * STEPS), [], None)
     assert found.index.tolist() == [[3, 4, 5, 6, 7], [97, 98, 99, 99, 99]]
     np.testing.assert_allclose(found.time, 0.3 + 0.04 * np.add.outer([3, 97], np.arange(5)))
@@ -175,7 +177,7 @@ def alone(clean: Linearised) -> Linearised:
 def test_a_pose_alone_has_the_columns_of_the_pose(
     gtmab: Known, alone: Linearised, columns: NDArray[np.float64]
 ) -> None:
-    point = origin(gtmab[0], gtmab[1], len(alone.replay.first))
+    point = origin(gtmab[0], gtmab[1], alone.replay.cut)
     told, left = alone.columns(point)
     names = [knob.name for knob in gtmab[1]]
     tilts = [RANDOM + k for k, name in enumerate(names) if name.startswith('tracker_mis')]
@@ -201,7 +203,7 @@ def test_where_the_tracker_is_tilted_so_is_what_begins_a_piece(
     nominal = gtmab[0].with_value('tracker_misalignment', 'pitch', tilt)
     k = [knob.name for knob in knobs].index(name)
     still = np.zeros((len(alone.replay.first), RANDOM))
-    column = alone.columns(origin(nominal, knobs, len(still)))[0][..., RANDOM + k]
+    column = alone.columns(origin(nominal, knobs, alone.replay.cut))[0][..., RANDOM + k]
     before, after = (_left(alone, knobs[k].turned(nominal, by), still) for by in (-1e-4, 1e-4))
     assert _differ((before - after) / 2e-4, column) < 0.03  # most of it cancels
 
@@ -211,7 +213,7 @@ def test_a_turn_about_the_vertical_moves_nothing(
 ) -> None:
     """Without wind nothing says where north is."""
     k = RANDOM + [knob.name for knob in gtmab[1]].index('tracker_misalignment.yaw')
-    told = alone.columns(origin(gtmab[0], gtmab[1], len(alone.replay.first)))[0][..., k]
+    told = alone.columns(origin(gtmab[0], gtmab[1], alone.replay.cut))[0][..., k]
     assert np.abs(told).max() < 1e-4 * np.nanmax(np.abs(columns[:, :, :6, k]))
 
 
@@ -222,7 +224,7 @@ def test_a_tilt_of_the_tracker_leaves_the_first_pose_as_it_was_told(
     first = []
     for tilt in (0.0, 0.05):
         nominal = gtmab[0].with_value('tracker_misalignment', 'roll', tilt)
-        point = origin(nominal, gtmab[1], len(alone.replay.first))
+        point = origin(nominal, gtmab[1], alone.replay.cut)
         left = alone.left(alone.forecast(point)[:, ::STEPS], point, nominal.rows())
         first.append(left[:, 0, :6])
     np.testing.assert_allclose(first[1], first[0], atol=1e-9)

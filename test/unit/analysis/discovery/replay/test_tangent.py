@@ -1,6 +1,6 @@
 """Steps of a linearised state agree with the series of the matrix exponential."""
 
-from lta_analysis.discovery.replay.linear import hats, KNOTS
+from lta_analysis.discovery.replay.linear import hats
 from lta_analysis.discovery.replay.tangent import carried, moved, transitions, WIDTH
 import numpy as np
 from scipy.linalg import expm
@@ -58,8 +58,8 @@ def test_a_change_adds_to_place_and_speeds_and_rotates_in_the_body_frame() -> No
 
 def test_a_force_between_two_knots_is_interpolated_linearly() -> None:
     """Nine knots over 16 steps are two steps apart; shares are those in the middle of a step."""
-    share = hats(16)
-    assert share.shape == (16, KNOTS)
+    share = hats(16, 9)
+    assert share.shape == (16, 9)
     np.testing.assert_allclose(share[0, :3], [0.75, 0.25, 0.0])
     np.testing.assert_allclose(share[5, 1:5], [0.0, 0.25, 0.75, 0.0])
     np.testing.assert_allclose(share[15, 6:], [0.0, 0.25, 0.75])

@@ -22,7 +22,7 @@ Known = tuple[Nominal, list[Knob]]
 def quiet(gtmab: Known, clean: Linearised) -> Fit:
     """A flight in which nothing changes."""
     nominal, knobs = gtmab
-    begin = origin(nominal, knobs, len(clean.replay.first))
+    begin = origin(nominal, knobs, clean.replay.cut)
     return fit(clean, nominal, tolerances(knobs), begin, rounds=1)
 
 

@@ -41,7 +41,7 @@ def failing(gtmab: Known) -> Linearised:
 
 def _seen(known: Known, flight: Linearised) -> Seen:
     nominal, knobs = known
-    begin = origin(nominal, knobs, len(flight.replay.first))
+    begin = origin(nominal, knobs, flight.replay.cut)
     return Seen('one', flight, begin, fit(flight, nominal, tolerances(knobs), begin, rounds=3))
 
 
@@ -66,7 +66,7 @@ def test_a_clean_flight_disagrees_hardly_anywhere(gtmab: Known, clean: Linearise
 
 
 def test_without_a_fit_the_channels_alone_are_told(gtmab: Known, failing: Linearised) -> None:
-    begin = origin(*gtmab, len(failing.replay.first))
+    begin = origin(*gtmab, failing.replay.cut)
     found = {place.channel for place in places([Seen('one', failing, begin)], 1)}
     assert 'x' in found
     assert not {'surge', 'yaw'} & found
@@ -147,7 +147,7 @@ def test_forces_are_taken_at_the_knots_inside_the_cut(
     """Nine knots over 17 points are two points apart."""
     inside = np.ones((2, 17), dtype=bool)
     inside[1, 9:] = False
-    cut = SimpleNamespace(length=17, inside=inside)
+    cut = SimpleNamespace(length=17, inside=inside, knots=9)
     flight = SimpleNamespace(
         replay=SimpleNamespace(cut=cut), index=np.array([[100], [200]]) + np.arange(17)
     )
