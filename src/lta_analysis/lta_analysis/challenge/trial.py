@@ -8,8 +8,9 @@ from typing import Any, Final
 
 from lta_analysis.challenge.case import ROLES
 from lta_analysis.discovery.finding import Gap
+from lta_analysis.discovery.fit.bounds import turned
 from lta_analysis.discovery.fit.evidence import floor_of, own_variance, shared
-from lta_analysis.discovery.fit.fit import Fitter, Joint, turned
+from lta_analysis.discovery.fit.fit import Fitter, Joint
 from lta_analysis.discovery.flights.bags import read_bags
 from lta_analysis.discovery.flights.trusted import believed
 from lta_analysis.discovery.forecast.held_out import gaps, shown

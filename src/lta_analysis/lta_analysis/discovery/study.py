@@ -5,8 +5,9 @@ from dataclasses import dataclass, replace
 from typing import Final, final
 
 from lta_analysis.discovery.finding import Finding, Gap, Rung, Verdict
+from lta_analysis.discovery.fit.bounds import FARTHEST, wanting_out
 from lta_analysis.discovery.fit.evidence import floor_of
-from lta_analysis.discovery.fit.fit import Fit
+from lta_analysis.discovery.fit.fit import Fit, Joint
 from lta_analysis.discovery.flights.measured import Measured
 from lta_analysis.discovery.flights.outliers import without_outliers
 from lta_analysis.discovery.flights.said_once import said_once
@@ -153,6 +154,7 @@ def study(
     differences = gaps([f.flight for f in last], models, seed)
     if not held_out:
         warnings.append('No flight was held out: the gaps are of flights that confirmed.')
+    warnings.extend(_strained(proven.full, known))
     rest = outside(pair, proven.full, floor_of(nominal))
     kind = kind_of([f.flight.replay.flight for f in flown])
     finding = Finding(
@@ -213,6 +215,17 @@ def _named(
         if needed <= FASTER * knots:
             return flown, found
         knots = needed
+
+
+def _strained(full: Joint, known: Sequence[Knob]) -> list[str]:
+    """Return a sentence on tolerances that are not enough, if there are any."""
+    names = wanting_out(known, full.prior, full.fitted.mean)
+    if not names:
+        return []
+    return [
+        f'The flights want more than {FARTHEST:g} standard deviations of tolerance for '
+        f'{", ".join(names)}: measure it again and correct the vehicle file.'
+    ]
 
 
 def _tidied(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:

@@ -4,8 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from lta_analysis.discovery.finding import Finding, Gap, Learned, NamedEffect, Place, Rung
+from lta_analysis.discovery.fit.bounds import turned
 from lta_analysis.discovery.fit.evidence import tolerances
-from lta_analysis.discovery.fit.fit import Fit, fit, turned
+from lta_analysis.discovery.fit.fit import Fit, fit
 from lta_analysis.discovery.forecast.gap import where
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal

@@ -22,7 +22,7 @@ from lta_analysis.discovery.carrying.regimes import regimes
 from lta_analysis.discovery.carrying.transfer import left, Regime, squared, TOLD
 from lta_analysis.discovery.carrying.values import tuned, Valued, valued
 from lta_analysis.discovery.finding import Carried, LeftOut, Worth
-from lta_analysis.discovery.fit.fit import turned
+from lta_analysis.discovery.fit.bounds import turned
 from lta_analysis.discovery.forecast.foresight import Foresight
 from lta_analysis.discovery.replay.linear import Point, SENSORS, still
 from lta_analysis.discovery.replay.linearise import Linearised

@@ -11,11 +11,11 @@ import contextlib
 from dataclasses import dataclass, replace
 from typing import Final, final, NamedTuple
 
+from lta_analysis.discovery.fit.bounds import reach, turned
 from lta_analysis.discovery.fit.deviations import weighed
 from lta_analysis.discovery.fit.evidence import Fitted, fitted, FLOOR, Pieces, Prior, Reduced
 from lta_analysis.discovery.fit.group import Group
-from lta_analysis.discovery.fit.misfit import misfit_at, promised
-from lta_analysis.discovery.model.knobs import Knob
+from lta_analysis.discovery.fit.misfit import forecast_error, misfit_at, promised
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.replay.linear import Linear, Point
 from lta_analysis.discovery.replay.linearise import Linearised
@@ -33,6 +33,7 @@ BROKEN: Final = 2.0  # of the misfit that was promised; beyond it shorter steps 
 LEAP: Final = 1e3  # nats; a step that wins more has yet to arrive, and counts as no round
 RAN_AWAY: Final = 'The model runs away from the flight; begin with a vehicle file nearer to it.'
 WORSE: Final = 1.0  # in minus twice the log density; by which a step may be
+ASTRAY: Final = 3.0  # times the error of unaided forecasts, beyond which no step may take it
 
 
 @final
@@ -106,23 +107,6 @@ class Joint:
         return tuple(out)
 
 
-def turned(nominal: Nominal, knobs: Sequence[Knob], values: Array) -> tuple[Nominal, Array]:
-    """Return the vehicle with its knobs at values, and those values within their bounds."""
-    out = within(knobs, values)
-    for k, knob in enumerate(knobs):
-        if out[k] != 0.0:
-            nominal = knob.turned(nominal, float(out[k]))
-    return nominal, out
-
-
-def within(knobs: Sequence[Knob], values: Array) -> Array:
-    """Return values within their bounds; the last, of SENSORS, have none."""
-    out = values.copy()
-    for k, knob in enumerate(knobs):
-        out[k] = min(max(values[k], knob.low), knob.high)
-    return out
-
-
 @final
 class Onward(NamedTuple):
     """
@@ -180,8 +164,15 @@ class Fitter:
         """
         free = None if prior is None else prior.free | (self.variance > 0.0)
         both = zip(self.flights, points, strict=True)
-        pieces = [Pieces(each.at(point, free)) for each, point in both]
-        return Group(tuple(pieces), at, self.variance)
+        with np.errstate(over='ignore', invalid='ignore'):
+            linears = [each.at(point, free) for each, point in both]
+        if not all(np.isfinite(each.grams).all() for each in linears):
+            raise BadInput(RAN_AWAY)
+        try:
+            pieces = tuple(Pieces(each) for each in linears)
+        except np.linalg.LinAlgError:
+            raise BadInput(RAN_AWAY) from None
+        return Group(pieces, at, self.variance)
 
     def fit(
         self,
@@ -219,7 +210,12 @@ class Fitter:
             step = self._step(last)
             if step is None or step.kept < 2.0 * rest:
                 break
-            there = self.about(step.at, step.points, prior if narrow else None)
+            try:
+                there = self.about(step.at, step.points, prior if narrow else None)
+            except BadInput:
+                if not last.group.aligned:
+                    raise
+                break  # flights that can be flown there, and not be said how they answer
             now = self.settled(there, prior, last.deviations, last.rounds + 1)
             rests = last.group.aligned and step.whole and abs(now.evidence - last.evidence) < rest
             count += now.evidence - last.evidence < LEAP or last.rounds > 3 * ROUNDS
@@ -243,24 +239,48 @@ class Fitter:
         return Joint(group, prior, reduced, deviations, found, evidence, count)
 
     def _step(self, last: Joint) -> Onward | None:
-        """Return the next point: the whole step, or a shorter one that is better, or None."""
+        """
+        Return the next point: the whole step, or a shorter one that is better, or None.
+
+        Flights that do not stand at one point yet are brought there, if nothing is better.
+        """
         group = last.group
+        here = self._gathered(group, last.deviations)
+        bound, error = self._misfit(last, group.at, here), forecast_error(self.flights, here)
         at, points = self.onward(last)
-        # Flights that do not stand together yet have no common misfit to begin with.
-        bound = self._misfit(last, group.at, [each.point for each in group.linears]) + WORSE
-        misfit = self._misfit(last, at, points)
+        misfit = self._checked(last, at, points, error)
         found = []
-        if np.isfinite(misfit) and (misfit < bound or not group.aligned):
+        if misfit < bound + WORSE:
             linear = promised(group, last.deviations, last.prior, at, points)
-            if misfit < BROKEN * linear or not group.aligned:
+            if misfit < BROKEN * linear:
                 return Onward(at, points, abs(misfit - linear), True)
             found.append((misfit, at, points))
         for doubt in DOUBTS:
             with contextlib.suppress(BadInput, np.linalg.LinAlgError):
                 at, points = self._doubted(last, doubt)
-                found.append((self._misfit(last, at, points), at, points))
+                found.append((self._checked(last, at, points, error), at, points))
         misfit, at, points = min(found, key=lambda one: one[0], default=(np.inf, group.at, []))
-        return Onward(at, points, np.inf, False) if misfit < bound else None
+        if misfit < bound + WORSE:
+            return Onward(at, points, np.inf, False)
+        return None if group.aligned else Onward(group.at, here, np.inf, False)
+
+    def misfit(self, prior: Prior, group: Group, deviations: Array) -> float:
+        """Return the misfit of flights where what they share is the same for all, flown."""
+        points = self._gathered(group, deviations)
+        return misfit_at(self.flights, deviations, prior, self.variance, group.at, points)
+
+    def _gathered(self, group: Group, deviations: Array) -> list[Point]:
+        """Return the points of flights where what they share is the same for all."""
+        if group.aligned:
+            return [each.point for each in group.linears]
+        return self._points(group, deviations, group.at)
+
+    def _checked(self, last: Joint, at: Array, points: Sequence[Point], error: float) -> float:
+        """Return the misfit at a point, inf where its forecasts go astray, by those before."""
+        misfit = self._misfit(last, at, points)
+        if np.isfinite(misfit) and forecast_error(self.flights, points) > ASTRAY * error:
+            return np.inf
+        return misfit
 
     def _doubted(self, last: Joint, doubt: float) -> tuple[Array, list[Point]]:
         """Return where flights would go if their noise were larger: nearer to what is known."""
@@ -271,12 +291,16 @@ class Fitter:
 
     def _towards(self, last: Joint, group: Group, mean: Array) -> tuple[Array, list[Point]]:
         """Return what is shared, and the points of the flights, where that has a given mean."""
-        knobs, points = self.flights[0].knobs, []
-        at = within(knobs, mean)
-        for move in group.moved(last.deviations, at):
-            vehicle, values = turned(self.nominal, knobs, move.values)
+        at = np.clip(mean, *reach(self.flights[0].knobs, last.prior))
+        return at, self._points(group, last.deviations, at)
+
+    def _points(self, group: Group, deviations: Array, at: Array) -> list[Point]:
+        """Return the points of flights that share some values."""
+        points = []
+        for move in group.moved(deviations, at):
+            vehicle, values = turned(self.nominal, self.flights[0].knobs, move.values)
             points.append(Point(vehicle, values, move.random))
-        return at, points
+        return points
 
     def _misfit(self, last: Joint, at: Array, points: Sequence[Point]) -> float:
         """Return the misfit at a point, flown."""

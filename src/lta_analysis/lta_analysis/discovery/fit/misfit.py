@@ -7,9 +7,11 @@ linearising about it.
 """
 
 from collections.abc import Sequence
+from typing import Final
 
 from lta_analysis.discovery.fit.evidence import Prior, strain
 from lta_analysis.discovery.fit.group import Group
+from lta_analysis.discovery.flights.measured import PERIOD
 from lta_analysis.discovery.replay.linear import Point
 from lta_analysis.discovery.replay.linearise import Linearised
 from lta_analysis.discovery.replay.replay import STEPS
@@ -18,6 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+AHEAD: Final = 3.0  # s; of a forecast
 
 
 def misfit_at(
@@ -59,6 +63,29 @@ def misfit_at(
             left = flight.left(grid, point, point.nominal.rows()) / flight.replay.flight.noise
             total += float(np.nansum(left**2))
     return total
+
+
+def forecast_error(flights: Sequence[Linearised], points: Sequence[Point]) -> float:
+    """
+    Return the typical error of forecasts that no latent wrench helps, in the tracker's noise.
+
+    The median over pieces of the mean square of the position's error until AHEAD; a few pieces
+    may be lost. Inf where no such vehicle can be.
+    """
+    found = []
+    for flight, point in zip(flights, points, strict=True):
+        measured, count = flight.replay.flight, round(AHEAD / PERIOD)
+        with np.errstate(over='ignore', invalid='ignore'):
+            try:
+                grid = flight.forecast(point)[:, : count * STEPS : STEPS, :3]
+            except BadInput:
+                return np.inf
+            off = (measured.position[flight.index[:, :count]] - grid) / measured.noise[:3]
+            off[~flight.replay.cut.inside[:, :count]] = np.nan
+            known = np.isfinite(measured.position[flight.index[:, :count]])
+            off[known & ~np.isfinite(off) & flight.replay.cut.inside[:, :count, None]] = np.inf
+            found.extend(np.sqrt(np.nanmean(off**2, axis=(1, 2))).tolist())
+    return float(np.nanmedian(found))
 
 
 def promised(

@@ -79,6 +79,4 @@ def _with(fitter: Fitter, point: Point, k: int, value: float) -> Point:
 
 def _score(group: Group, prior: Prior, deviations: Array) -> float:
     """Return the log evidence about a point."""
-    if not all(np.isfinite(each.grams).all() for each in group.linears):
-        return -np.inf
     return fitted(group.reduced(deviations), group.at, prior).log_evidence

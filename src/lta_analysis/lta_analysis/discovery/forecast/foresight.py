@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
-from lta_analysis.discovery.fit.fit import turned
+from lta_analysis.discovery.fit.bounds import turned
 from lta_analysis.discovery.forecast.ahead import Ahead, ahead
 from lta_analysis.discovery.forecast.damped import bounded, next_damping, START, TRIES
 from lta_analysis.discovery.model.knobs import Knob

@@ -10,8 +10,9 @@ from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 from lta_analysis.discovery.finding import Gap
+from lta_analysis.discovery.fit.bounds import turned
 from lta_analysis.discovery.fit.evidence import own_variance, Pieces
-from lta_analysis.discovery.fit.fit import Joint, turned
+from lta_analysis.discovery.fit.fit import Joint
 from lta_analysis.discovery.flights.measured import CHANNELS, PERIOD
 from lta_analysis.discovery.forecast.gap import coasting, HORIZONS
 from lta_analysis.discovery.model.nominal import Nominal

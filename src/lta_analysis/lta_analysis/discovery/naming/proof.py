@@ -142,10 +142,13 @@ class Proof:
         return self.fitter.fit(prior, full.group, full.deviations, ROUNDS)
 
     def _joined(self, names: Sequence[str], pair: Pair) -> Joint:
-        """Fit all flights together, from where those that teach and those that confirm stand."""
-        group = pair[0].group.joined(pair[1].group)
+        """Fit all flights together, from where one of the sides stands, whichever fits better."""
+        joined = pair[0].group.joined(pair[1].group)
         deviations = np.sqrt(pair[0].deviations * pair[1].deviations)
-        return self.fitter.fit(shared(self.knobs, names), group, deviations, ROUNDS)
+        prior = shared(self.knobs, names)
+        groups = [replace(joined, at=side.group.at) for side in pair]
+        begin = min(groups, key=lambda group: self.fitter.misfit(prior, group, deviations))
+        return self.fitter.fit(prior, begin, deviations, ROUNDS)
 
     def _without(self, last: Joint, name: str, names: Sequence[str]) -> Joint:
         """Return all flights with other effects, one of them back at 0, as linear as they are."""

@@ -9,8 +9,9 @@ of the same vehicle can show is added to it (`interval`).
 from collections.abc import Sequence
 
 from lta_analysis.discovery.finding import Learned, NamedEffect
+from lta_analysis.discovery.fit.bounds import turned
 from lta_analysis.discovery.fit.evidence import Fitted
-from lta_analysis.discovery.fit.fit import Joint, turned
+from lta_analysis.discovery.fit.fit import Joint
 from lta_analysis.discovery.fit.piecewise import variance
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal

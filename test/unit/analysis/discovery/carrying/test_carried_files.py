@@ -4,7 +4,7 @@ from pathlib import Path
 
 from lta_analysis.discovery.carrying.groups import groups
 from lta_analysis.discovery.finding import Finding
-from lta_analysis.discovery.fit.fit import turned
+from lta_analysis.discovery.fit.bounds import turned
 from lta_analysis.discovery.model.knobs import knobs
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.results.learned_file import learned_text

@@ -150,16 +150,23 @@ def test_an_effect_is_removed_by_holding_it_at_zero() -> None:
     assert group.at.tolist() == [3.0, 4.0]
 
 
-def test_a_joint_fit_starts_at_the_geometric_mean_of_the_deviations_of_both_sides() -> None:
+def test_a_joint_fit_starts_at_the_point_of_the_side_that_fits_all_flights_better() -> None:
+    """The deviations begin at the geometric mean of those of the sides."""
     proof = _proof(('a', 1.0))
     sides = tuple(
-        SimpleNamespace(group=Group((name,), np.zeros(1), np.zeros(1)), deviations=np.array(size))
-        for name, size in (('teach', [1.0, 4.0]), ('confirm', [9.0, 1.0]))
+        SimpleNamespace(
+            group=Group((name,), np.array([at]), np.zeros(1)), deviations=np.array(size)
+        )
+        for name, at, size in (('teach', 0.0, [1.0, 4.0]), ('confirm', 7.0, [9.0, 1.0]))
     )
+    proof.fitter.misfit.side_effect = lambda prior, group, deviations: {0.0: 30.0, 7.0: 20.0}[
+        float(group.at[0])
+    ]
     with mock.patch('lta_analysis.discovery.naming.proof.shared', return_value='prior'):
         proof._joined(('a',), sides)
     prior, group, deviations, rounds = proof.fitter.fit.call_args.args
     assert (prior, group.pieces, rounds) == ('prior', ('teach', 'confirm'), 4)
+    assert group.at.tolist() == [7.0]
     np.testing.assert_allclose(deviations, [3.0, 2.0])
 
 
