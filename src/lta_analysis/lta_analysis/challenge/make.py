@@ -7,8 +7,9 @@ import json
 from pathlib import Path
 from typing import Any, Final, final
 
-from lta_analysis.challenge.case import Drawing, Known, SECONDS
+from lta_analysis.challenge.case import Case, Drawing, Known, SECONDS
 from lta_analysis.challenge.digest import registry_digest, vehicle_digest
+from lta_analysis.challenge.other.drawing import OtherDrawing
 from lta_analysis.challenge.recording import record
 from lta_analysis.challenge.rows import Kind, row
 from lta_analysis.challenge.sealed import NAME as SEALED
@@ -66,10 +67,17 @@ def folder_of(number: int) -> str:
     return f'case_{number:04d}'
 
 
+def draw_case(order: Order, number: int) -> Case:
+    """Draw one case and fly it, with the simulator of its row."""
+    about = known()
+    if row(order.row).independent:
+        return OtherDrawing(about.vehicle, order.seed, number, order.kind, order.seconds).drawn()
+    return Drawing(about, order.seed, number, order.row, order.kind, order.seconds).drawn()
+
+
 def _make_one(order: Order, number: int, folder: Path) -> tuple[int, dict[str, Any]]:
     """Draw, fly and record one case; return its answer."""
-    about = known()
-    case = Drawing(about, order.seed, number, order.row, order.kind, order.seconds).drawn()
+    about, case = known(), draw_case(order, number)
     place = folder / folder_of(number)
     place.mkdir(parents=True)
     vehicle = find('vehicle', VEHICLE).read_text(encoding='utf-8')

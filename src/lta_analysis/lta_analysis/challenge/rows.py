@@ -42,6 +42,8 @@ class Row:
         Whether the vehicle is commanded by a wrench.
     data : str
         Kind of data by which names are one (`lta_analysis.discovery.naming.classes`).
+    independent : bool
+        Whether another simulator flies (`lta_analysis.challenge.other`), with a pilot of its own.
 
     """
 
@@ -53,6 +55,7 @@ class Row:
     structured: bool = False
     pushed: bool = False
     data: Data = 'all'
+    independent: bool = False
 
 
 POSE: Final = ('ground_truth/odom',)
@@ -64,6 +67,12 @@ ROWS: Final[dict[str, Row]] = {
     'hover': Row('nothing but hovering', 4, courses=('hover',), data='hover'),
     'wrench': Row(
         'commanded by a wrench, only a pose', 5, topics=POSE, pushed=True, data='wrench'
+    ),
+    'other': Row(
+        'an independent simulator: no equation of the model, swings of 20 degrees, stamps of labs',
+        6,
+        courses=(),
+        independent=True,
     ),
 }
 

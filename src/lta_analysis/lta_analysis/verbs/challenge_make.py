@@ -20,7 +20,7 @@ def make(
     seed: Annotated[int, typer.Option(help='Of the challenge.', min=0)] = 1,
     n: Annotated[int, typer.Option('--n', help='How many cases.', min=1)] = 20,
     row: Annotated[
-        str, typer.Option(help='base, worse, structured, pose, hover or wrench.')
+        str, typer.Option(help='base, worse, structured, pose, hover, wrench or other.')
     ] = 'base',
     kind: Annotated[
         str | None, typer.Option(help='clean, single, pair, outside or mixed; drawn by default.')
@@ -41,7 +41,9 @@ def make(
     seed, number, row and kind only.
 
     The flights are made by an integrator, rigid body, rotors, pilot, sensors and noise of their
-    own; of the project's model they share the equations of the effects.
+    own; of the project's model they share the equations of the effects. Those of the row other
+    are made by a simulator that shares no equation with it either; its things outside the library
+    are of its own as well.
 
     Exit status 0: done. 2: bad input.
 
