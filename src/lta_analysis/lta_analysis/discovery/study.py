@@ -14,6 +14,7 @@ from lta_analysis.discovery.flights.said_once import said_once
 from lta_analysis.discovery.flights.splitting import assigned, Role, ROLES
 from lta_analysis.discovery.flights.windows import FEWEST, windows
 from lta_analysis.discovery.forecast.held_out import gaps, shown
+from lta_analysis.discovery.model.candidates import whole
 from lta_analysis.discovery.model.knobs import Knob, knobs
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.naming.classes import Kind, kind_of, same_class
@@ -169,7 +170,9 @@ def study(
         seed=seed,
         bags={role: tuple(f.name for f in flown if f.role == role) for role in ROLES},
         vehicle=vehicle.file.name,
-        detectable=detectable([proven.full.reduced], proven.full.prior, known, proven.names),
+        detectable=detectable(
+            [proven.full.reduced], proven.full.prior, known, tuple(whole(proven.names))
+        ),
         unexplained=rest.sentences,
     )
     seen = [Shown(f, *each) for f, each in zip(last, models, strict=True)]

@@ -7,12 +7,13 @@ candidate's column is its `information`, what is left of its product with the re
 Where the model is true, pull / sqrt(information) is drawn from N(0, 1).
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.flights.windows import LENGTH
+from lta_analysis.discovery.model.candidates import components
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.replay.linear import AXES, Linear, Point
@@ -31,6 +32,8 @@ MEMORY: Final = 1.5  # s; over which a latent force forgets itself
 # of this mass [kg] and inertia [kg m2]; it grows with them (`floor_of`).
 FLOOR: Final = np.array([4e-4, 4e-4, 4e-4, 8e-5, 8e-5, 4e-5])
 MASS, INERTIA = 0.415, np.array([0.039, 0.039, 0.028])
+Sizes = Mapping[str, float]
+NO_SIZES: Final[Sizes] = {}
 USUAL: Final = 1.3  # floors; median of the prior of a standard deviation
 LOOSE: Final = 0.7  # standard deviation of its logarithm
 
@@ -80,10 +83,23 @@ class Prior(NamedTuple):
         return np.diag(self.covariance) > 0.0
 
 
-def tolerances(knobs: Sequence[Knob], named: Sequence[str] = ()) -> Prior:
-    """Return the prior in which some candidates are there and the others are not."""
+def tolerances(knobs: Sequence[Knob], named: Sequence[str] = (), sizes: Sizes = NO_SIZES) -> Prior:
+    """
+    Return the prior in which some candidates are there and the others are not.
+
+    Parameters
+    ----------
+    knobs : sequence of Knob
+        All.
+    named : sequence of str
+        Candidates that are there; of a vector, any component stands for all.
+    sizes : mapping of str to float
+        How many typical sizes each may have, where it is not one (`naming.scan.SIZES`).
+
+    """
+    there = {one: sizes.get(name, 1.0) for name in named for one in components(name)}
     variance = [
-        knob.tolerance**2 + (knob.typical**2 if knob.name in named else 0.0) for knob in knobs
+        knob.tolerance**2 + (there.get(knob.name, 0.0) * knob.typical) ** 2 for knob in knobs
     ]
     covariance = np.diag([*variance, *OWN**2])
     return Prior(np.zeros(len(covariance)), covariance)
@@ -95,9 +111,9 @@ def own_variance(knobs: Sequence[Knob]) -> Array:
     return np.array([*trims, *OWN**2])
 
 
-def shared(knobs: Sequence[Knob], named: Sequence[str] = ()) -> Prior:
+def shared(knobs: Sequence[Knob], named: Sequence[str] = (), sizes: Sizes = NO_SIZES) -> Prior:
     """Return the prior of what flights share: `tolerances` less what is each one's own."""
-    both = tolerances(knobs, named)
+    both = tolerances(knobs, named, sizes)
     return Prior(both.mean, both.covariance - np.diag(own_variance(knobs)))
 
 

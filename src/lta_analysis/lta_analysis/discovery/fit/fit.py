@@ -29,6 +29,9 @@ REST: Final = 0.7  # nats; below it the evidence has come to rest
 ROUNDS: Final = 12
 # Factors on the variance of the noise, where the whole step of Gauss-Newton makes things worse.
 DOUBTS: Final = (4.0, 30.0, 300.0, 3e3, 3e4, 3e5, 3e6)
+# Parts of the whole step, which are tried then as well: the others lead towards what is known
+# beforehand, which is no way back from a point where a large latent wrench flies the flight.
+PARTS: Final = (0.5, 0.2, 0.08, 0.03)
 BROKEN: Final = 2.0  # of the misfit that was promised; beyond it shorter steps are looked at too
 LEAP: Final = 1e3  # nats; a step that wins more has yet to arrive, and counts as no round
 RAN_AWAY: Final = 'The model runs away from the flight; begin with a vehicle file nearer to it.'
@@ -255,10 +258,13 @@ class Fitter:
             if misfit < BROKEN * linear:
                 return Onward(at, points, abs(misfit - linear), True)
             found.append((misfit, at, points))
+        for part in PARTS:
+            between = self._between(part, group.at, here, at, points)
+            found.append((self._checked(last, *between, error), *between))
         for doubt in DOUBTS:
             with contextlib.suppress(BadInput, np.linalg.LinAlgError):
-                at, points = self._doubted(last, doubt)
-                found.append((self._checked(last, at, points, error), at, points))
+                doubted = self._doubted(last, doubt)
+                found.append((self._checked(last, *doubted, error), *doubted))
         misfit, at, points = min(found, key=lambda one: one[0], default=(np.inf, group.at, []))
         if misfit < bound + WORSE:
             return Onward(at, points, np.inf, False)
@@ -274,6 +280,18 @@ class Fitter:
         if group.aligned:
             return [each.point for each in group.linears]
         return self._points(group, deviations, group.at)
+
+    def _between(
+        self, part: float, at: Array, here: Sequence[Point], to: Array, there: Sequence[Point]
+    ) -> tuple[Array, list[Point]]:
+        """Return what is shared, and points, a part of the way from here to there."""
+        points = []
+        for one, other in zip(here, there, strict=True):
+            values = one.values + part * (other.values - one.values)
+            vehicle, values = turned(self.nominal, self.flights[0].knobs, values)
+            random = one.random + part * (other.random - one.random)
+            points.append(Point(vehicle, values, random))
+        return at + part * (to - at), points
 
     def _checked(self, last: Joint, at: Array, points: Sequence[Point], error: float) -> float:
         """Return the misfit at a point, inf where its forecasts go astray, by those before."""

@@ -5,13 +5,25 @@ Whatever is declared nowhere here is a candidate by itself, within the bounds of
 for those that stand beside others (`Parameter.beside`).
 """
 
+from collections.abc import Iterable
 import math
 from typing import Final
 
 from lta_sim.effects import EFFECTS
+from lta_sim.state import ACTUATORS
 
 # What moves together: one candidate of several parameters.
 TOGETHER: Final[dict[str, tuple[str, ...]]] = {'motor_lag': ('up', 'down')}
+# Components of one thing: they are found and fitted together, and each tells its own value.
+VECTORS: Final = (
+    ('steady_wind.x', 'steady_wind.y'),
+    ('cg_offset.x', 'cg_offset.y'),
+    ('tracker_misalignment.pitch', 'tracker_misalignment.roll'),
+    *(
+        (f'rotor_misalignment.first_{i}', f'rotor_misalignment.second_{i}')
+        for i in range(1, ACTUATORS + 1)
+    ),
+)
 # Where a candidate of an absent effect begins other than at its null value.
 BEGINS: Final[dict[str, dict[str, float]]] = {'battery_sag': {'sensitivity': 0.0}}
 # These describe what a vehicle was designed to be, or where it flies, not what went missing.
@@ -40,6 +52,19 @@ NO_CANDIDATE: Final = frozenset(
         'wind_gradient.x', 'wind_gradient.y', 'wind_gradient.z',
     }
 )  # fmt: skip
+
+
+_VECTOR_OF: Final = {name: vector for vector in VECTORS for name in vector}
+
+
+def components(name: str) -> tuple[str, ...]:
+    """Return the components of the vector that a candidate is one of; of most, itself alone."""
+    return _VECTOR_OF.get(name, (name,))
+
+
+def whole(names: Iterable[str]) -> set[str]:
+    """Return candidates with all components of each."""
+    return {one for name in names for one in components(name)}
 
 
 def alongside(effect: str) -> dict[str, float]:

@@ -8,6 +8,9 @@ APART: Final = 5.0  # deviations; by which the two values may differ
 PART: Final = 0.1  # of the value; by which they may differ however well each is known
 TORN: Final = 3.0  # nats; that a candidate may lose on one flight while it wins on the other
 TIE: Final = 3.0  # nats; nearer than that, names cannot be told apart
+# Typical sizes; what is smaller is not worth a name however well it is known: a wind of less than
+# 4 mm/s is a draught.
+TRIFLE: Final = 0.04
 
 
 @final

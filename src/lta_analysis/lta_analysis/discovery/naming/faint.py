@@ -12,10 +12,11 @@ from dataclasses import replace
 from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.fit.deviations import weighed
-from lta_analysis.discovery.fit.evidence import Reduced, shared
+from lta_analysis.discovery.fit.evidence import NO_SIZES, Reduced, shared, Sizes
 from lta_analysis.discovery.fit.fit import Fitter, Joint
+from lta_analysis.discovery.model.candidates import whole
 from lta_analysis.discovery.model.knobs import Knob
-from lta_analysis.discovery.naming.accept import TIE, Trial
+from lta_analysis.discovery.naming.accept import TIE, Trial, TRIFLE
 from lta_analysis.discovery.naming.interval import NORMAL, spread
 from lta_analysis.discovery.naming.naming import Step
 from lta_analysis.discovery.naming.scan import likeness, scan, Seen
@@ -112,12 +113,14 @@ class Faint:
         The flights, those that teach first.
     teach : int
         How many teach.
+    sizes : mapping of str to float
+        How many typical sizes the effects that were named may have, where it is not one.
 
     """
 
-    def __init__(self, fitter: Fitter, teach: int) -> None:
+    def __init__(self, fitter: Fitter, teach: int, sizes: Sizes = NO_SIZES) -> None:
         self._fitter = replace(fitter, floor=QUIET * fitter.floor)
-        self._teach, self._knobs = teach, fitter.flights[0].knobs
+        self._teach, self._knobs, self._sizes = teach, fitter.flights[0].knobs, sizes
 
     def quiet(self, last: Joint) -> Joint | None:
         """Return calm flights with less force supposed; None where others may hide in it."""
@@ -128,10 +131,11 @@ class Faint:
     def hints(self, names: Sequence[str], last: Joint) -> list[Hint]:
         """Return the best candidates beside some effects, the best first."""
         sides = [self._seen(part, last) for part in self._sides(last)]
-        out = []
+        out, taken = [], whole(names)
         for seen in scan(last.reduced, last.group.at, last.prior, self._knobs)[:ASKED]:
-            if seen.name not in names and all(self._found(seen.name, side) for side in sides):
-                prior = shared(self._knobs, (*names, seen.name))
+            if seen.name not in taken and all(self._found(seen.name, side) for side in sides):
+                taken |= whole([seen.name])
+                prior = shared(self._knobs, (*names, seen.name), self._sizes)
                 there = weighed(last.group, prior, last.deviations, self._fitter.floor)[1]
                 both = sides[0][seen.name], sides[1][seen.name]
                 gain, least = there - last.evidence, self._least(seen.name, both)
@@ -176,17 +180,18 @@ class Faint:
         if best is None:
             return Step(trials, (), ''), last
         then = self._fitter.fit(
-            shared(self._knobs, (*names, best.name)), last.group, last.deviations
+            shared(self._knobs, (*names, best.name), self._sizes), last.group, last.deviations
         )
         if then.evidence - last.evidence <= best.least or not self._is_something(best.name, then):
             return Step(trials, (), ''), last
         return Step(trials, alike, best.name), then
 
     def _is_something(self, name: str, then: Joint) -> bool:
-        """Tell whether an effect is there at all, anywhere in its interval."""
+        """Tell whether an effect is there at all, anywhere in its interval, and no trifle."""
         k = self._place(name)
         deviation = spread(then.fitted, self._knobs, False)[k]
-        return bool(abs(then.fitted.mean[k]) > NORMAL * deviation)
+        least = max(NORMAL * deviation, TRIFLE * self._knobs[k].typical)
+        return bool(abs(then.fitted.mean[k]) > least)
 
     def _alike(self, hints: Sequence[Hint], last: Joint) -> tuple[str, ...]:
         """Return the names that are one with the best."""

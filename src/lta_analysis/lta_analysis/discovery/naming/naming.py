@@ -7,17 +7,25 @@ that confirm, each by themselves, and only that counts.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Final, final
 
 from lta_analysis.discovery.fit import early
 from lta_analysis.discovery.fit.deviations import weighed
-from lta_analysis.discovery.fit.evidence import floor_of, learned, own_variance, Prior, shared
+from lta_analysis.discovery.fit.evidence import (
+    floor_of,
+    learned,
+    own_variance,
+    Prior,
+    shared,
+    Sizes,
+)
 from lta_analysis.discovery.fit.fit import Fitter, Joint
 from lta_analysis.discovery.fit.starts import begun, TRIED
+from lta_analysis.discovery.model.candidates import components, whole
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
-from lta_analysis.discovery.naming.accept import APART, TIE, Trial
+from lta_analysis.discovery.naming.accept import APART, TIE, Trial, TRIFLE
 from lta_analysis.discovery.naming.beside import vague
 from lta_analysis.discovery.naming.displacing import (
     AGREED,
@@ -27,7 +35,7 @@ from lta_analysis.discovery.naming.displacing import (
     HALF,
     QUARTER,
 )
-from lta_analysis.discovery.naming.scan import likeness, scan
+from lta_analysis.discovery.naming.scan import likeness, scan, SIZES
 from lta_analysis.discovery.replay.linear import origin
 from lta_analysis.discovery.replay.linearise import Linearised
 import numpy as np
@@ -86,6 +94,8 @@ class Named:
         Of the flights that teach and of those that confirm, with them.
     bare : pair of Joint
         The same without any.
+    sizes : mapping of str to float
+        How many typical sizes each may have, where it is not one.
 
     """
 
@@ -93,6 +103,7 @@ class Named:
     names: tuple[str, ...]
     fits: Pair
     bare: Pair
+    sizes: Sizes = field(default_factory=dict)
 
 
 @final
@@ -119,6 +130,7 @@ class Naming:
         self.fitters = [Fitter(nominal, each, own, self.floor) for each in flights]
         self._displacing = Displacing(flights, self.floor)
         self._names = [knob.name for knob in self.knobs]
+        self._sizes: dict[str, float] = {}
 
     def run(self, progress: Callable[[float], None] = lambda part: None) -> Named:
         """Name what is missing, and tell which part is done, as far as anyone can know."""
@@ -139,7 +151,8 @@ class Naming:
             named = tuple(name for name in named if name not in gone)
             fits = self._fitted(named, bare) if named else bare
             steps = [replace(one, named='') if one.named in gone else one for one in steps]
-        return Named(tuple(steps), named, fits, bare)
+        sizes = {name: self._sizes[name] for name in named if name in self._sizes}
+        return Named(tuple(steps), named, fits, bare, sizes)
 
     def _first(self) -> Pair:
         """Fit all flights without any effect."""
@@ -158,16 +171,27 @@ class Naming:
         """Return those of which a side has a value that no such effect can have."""
         out = set[str]()
         for name in named:
-            k = self._names.index(name)
-            for this in fits:
-                value, deviation = this.fitted.mean[k], np.sqrt(this.fitted.covariance[k, k])
-                if not self.knobs[k].possible(float(value), float(deviation)):
-                    out.add(name)
+            for k in self._places(name):
+                for this in fits:
+                    value, deviation = this.fitted.mean[k], np.sqrt(this.fitted.covariance[k, k])
+                    if not self.knobs[k].possible(float(value), float(deviation)):
+                        out.add(name)
         return out
+
+    def _places(self, name: str) -> list[int]:
+        """Return which knobs are the components of a candidate."""
+        return [self._names.index(one) for one in components(name) if one in self._names]
+
+    def _trifling(self, name: str, fits: Pair) -> bool:
+        """Tell whether a candidate is too small to be worth a name, on either side."""
+        places = self._places(name)
+        typical = np.array([self.knobs[k].typical for k in places])
+        sizes = [np.max(np.abs(this.fitted.mean[places]) / typical) for this in fits]
+        return bool(min(sizes) < TRIFLE)
 
     def _fitted(self, named: Sequence[str], before: Pair) -> Pair:
         """Fit all flights with some effects, from where they stand."""
-        prior, out = shared(self.knobs, named), []
+        prior, out = shared(self.knobs, named, self._sizes), []
         for fitter, last in zip(self.fitters, before, strict=True):
             deviations = np.minimum(last.deviations, CAPPED * self.floor)
             begin = begun(fitter, prior, last.group, deviations, named)
@@ -183,9 +207,10 @@ class Naming:
         What looks like one that has failed already is left out, and then the words for whatever
         follows motion, place or time as well.
         """
-        prior = shared(self.knobs, named)
-        out = {*named, *self._like(failed, prior, fits)}
+        prior = shared(self.knobs, named, self._sizes)
+        out = {*whole(named), *self._like(failed, prior, fits)}
         found: dict[str, float] = {}
+        sizes: dict[str, set[float]] = {}
         for this in fits:
             capped = this.group.reduced(np.minimum(this.deviations, CAP * self.floor))
             for reduced in (this.reduced, capped):
@@ -196,9 +221,11 @@ class Naming:
                 ]
                 for one in seen[:QUICK]:
                     if one.gain > WORTH:
-                        found.setdefault(one.name, 0.0)
-        for name in found:
-            found[name] = sum(self._promised(name, named, this) for this in fits)
+                        sizes.setdefault(one.name, set()).add(one.size)
+        for name, some in sizes.items():
+            both = {size: self._promised(name, size, named, fits) for size in some}
+            self._sizes[name] = max(both, key=lambda size: both[size])
+            found[name] = both[self._sizes[name]]
         ranked = sorted(found, key=lambda name: -found[name])
         worth = [name for name in ranked if found[name] > HOPE]
         return {
@@ -215,14 +242,20 @@ class Naming:
             same = [other for other in out if alike[i, ranked.index(other)] > ALIKE]
             if same:
                 out[same[0]] = (*out[same[0]], name)
+            elif whole(out) & {name}:
+                continue  # a component of what is tried already
             elif len(out) < REFITTED:
                 out[name] = ()
         return out
 
-    def _promised(self, name: str, named: Sequence[str], this: Joint) -> float:
+    def _promised(self, name: str, size: float, named: Sequence[str], fits: Pair) -> float:
         """Return what a candidate wins with the deviations free, without relinearising."""
-        prior = shared(self.knobs, (*named, name))
-        return weighed(this.group, prior, this.deviations, self.floor)[1] - this.evidence
+        prior = shared(self.knobs, (*named, name), {**self._sizes, name: size})
+        won = (
+            weighed(this.group, prior, this.deviations, self.floor)[1] - this.evidence
+            for this in fits
+        )
+        return sum(won) - SIZES[size]
 
     def _like(self, failed: Sequence[str], prior: Prior, fits: Pair) -> set[str]:
         """Return those that have failed, what some flight takes for one, and vague words."""
@@ -274,6 +307,8 @@ class Naming:
             then = tried[trial.name][1]
             if not trial.accepted or self._impossible((trial.name,), then):
                 continue
+            if self._trifling(trial.name, then):
+                continue
             if failed and not self._elsewhere(trial, fits, then):
                 continue
             if not (fell or trial in close or self._lesser(trial, trials, named, fits, failed)):
@@ -314,20 +349,21 @@ class Naming:
             return False
         if not above:
             return True
-        prior, names = shared(self.knobs, named), [trial.name, *(one.name for one in above)]
+        prior = shared(self.knobs, named, self._sizes)
+        names = [trial.name, *(one.name for one in above)]
         alike = [np.abs(likeness(this.reduced, prior, names, self.knobs))[0, 1:] for this in fits]
         return bool(np.max(alike) < UNLIKE)
 
     def _trial(self, name: str, named: tuple[str, ...], fits: Pair, then: Pair) -> Trial:
         """Return what all flights say of a candidate."""
-        k = self._names.index(name)
+        places, cost = self._places(name), SIZES[self._sizes.get(name, 1.0)]
         return Trial(
             name,
-            then[0].evidence - fits[0].evidence,
-            then[1].evidence - fits[1].evidence,
+            then[0].evidence - fits[0].evidence - cost,
+            then[1].evidence - fits[1].evidence - cost,
             self._carried(then) - self._carried(fits),
-            apart(then, k),
-            differ(then, k),
+            max(apart(then, k) for k in places),
+            differ(then, self._names.index(name)),
         )
 
     def _carried(self, fits: Pair) -> float:

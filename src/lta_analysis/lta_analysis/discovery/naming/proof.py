@@ -12,6 +12,8 @@ from typing import Final, final
 
 from lta_analysis.discovery.fit.evidence import floor_of, own_variance, Prior, shared
 from lta_analysis.discovery.fit.fit import Fitter, Joint
+from lta_analysis.discovery.model.candidates import components, whole
+from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.naming.accept import LARGER, TIE
 from lta_analysis.discovery.naming.faint import Faint
@@ -19,6 +21,9 @@ from lta_analysis.discovery.naming.naming import MOST, Named, Pair, Step
 from lta_analysis.discovery.naming.scan import likeness
 from lta_analysis.discovery.replay.linearise import Linearised
 import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
 
 # Nats that removing an effect has to cost. Fewer than each earns its name by: what hides in a
 # tolerance that all flights share is won on each by itself, and cannot be won twice.
@@ -29,6 +34,7 @@ ALIKE: Final = 0.9  # of the cosine of two columns; beyond it they are two words
 RIVALS: Final = 2  # refitted for each effect
 ROUNDS: Final = 4
 ANY: Final = 30.0  # typical sizes: as good as any
+CLEAR: Final = 3.0  # deviations; a component of a vector within them is not told
 
 
 @final
@@ -66,6 +72,26 @@ class Proven:
     measured: Joint
     steps: tuple[Step, ...] = ()
 
+    def told(self, known: Sequence[Knob], deviations: Array) -> dict[str, tuple[int, ...]]:
+        """
+        Return which knobs are told of each name: of a vector, the components that stand out.
+
+        Parameters
+        ----------
+        known : sequence of Knob
+            All.
+        deviations : ndarray, shape (G,)
+            Of what was measured.
+
+        """
+        order, mean = [knob.name for knob in known], self.measured.fitted.mean
+        out = {}
+        for name in self.names:
+            places = [order.index(one) for one in components(name) if one in order]
+            clear = [k for k in places if abs(mean[k]) > CLEAR * deviations[k]]
+            out[name] = tuple(clear) or (order.index(name),)
+        return out
+
 
 @final
 class Proof:
@@ -85,11 +111,12 @@ class Proof:
         self.knobs = flights[0].knobs
         self._order = [knob.name for knob in self.knobs]
         self.fitter = Fitter(nominal, flights, own_variance(self.knobs), floor_of(nominal))
+        self._sizes: dict[str, float] = {}
 
     def run(self, named: Named) -> Proven:
         """Return what stands of what was named."""
         bare = self._joined((), named.bare)
-        names = named.names
+        names, self._sizes = named.names, dict(named.sizes)
         full = self._joined(names, named.fits) if names else bare
         costs = self._costs(names, full, bare) if names else {}
         while min(costs.values(), default=KEPT) < KEPT:
@@ -120,7 +147,7 @@ class Proof:
         self, names: tuple[str, ...], full: Joint, teach: int
     ) -> tuple[tuple[Step, ...], Joint]:
         """Add effects that only all flights together show; return the rounds."""
-        faint, steps = Faint(self.fitter, teach), []
+        faint, steps = Faint(self.fitter, teach, self._sizes), []
         last = faint.quiet(full)
         while last is not None and len(names) < MOST:
             step, last = faint.next(names, last)
@@ -135,8 +162,7 @@ class Proof:
     def _measured(self, full: Joint, names: Sequence[str]) -> Joint:
         """Fit the effects without a word on how large they usually are."""
         covariance = full.prior.covariance.copy()
-        for name in names:
-            k = self._order.index(name)
+        for k in self._places(names):
             covariance[k, k] += (ANY * self.knobs[k].typical) ** 2
         prior = Prior(full.prior.mean, covariance)
         return self.fitter.fit(prior, full.group, full.deviations, ROUNDS)
@@ -145,18 +171,22 @@ class Proof:
         """Fit all flights together, from where one of the sides stands, whichever fits better."""
         joined = pair[0].group.joined(pair[1].group)
         deviations = np.sqrt(pair[0].deviations * pair[1].deviations)
-        prior = shared(self.knobs, names)
+        prior = shared(self.knobs, names, self._sizes)
         groups = [replace(joined, at=side.group.at) for side in pair]
         begin = min(groups, key=lambda group: self.fitter.misfit(prior, group, deviations))
         return self.fitter.fit(prior, begin, deviations, ROUNDS)
 
     def _without(self, last: Joint, name: str, names: Sequence[str]) -> Joint:
         """Return all flights with other effects, one of them back at 0, as linear as they are."""
-        k = self._order.index(name)
         at = last.group.at.copy()
-        at[k] = 0.0
-        prior = shared(self.knobs, names)
+        at[self._places([name])] = 0.0
+        prior = shared(self.knobs, names, self._sizes)
         return self.fitter.settled(replace(last.group, at=at), prior, last.deviations)
+
+    def _places(self, names: Sequence[str]) -> list[int]:
+        """Return which knobs are the components of some effects."""
+        wanted = whole(names)
+        return [k for k, name in enumerate(self._order) if name in wanted]
 
     def _changed(self, last: Joint, name: str, names: Sequence[str]) -> Joint:
         """Return the same, refitted."""
@@ -202,8 +232,9 @@ class Proof:
 
     def _near(self, name: str, names: Sequence[str], full: Joint) -> dict[str, tuple[float, bool]]:
         """Return what could do as well in a linear world: its evidence, and its likeness."""
+        taken = whole(names)
         others = [
-            knob.name for knob in self.knobs if knob.typical > 0.0 and knob.name not in names
+            knob.name for knob in self.knobs if knob.typical > 0.0 and knob.name not in taken
         ]
         cosine = likeness(full.reduced, full.prior, [name, *others], self.knobs)[0]
         near = {}

@@ -26,8 +26,14 @@ Array = NDArray[np.float64]
 
 def learned(nominal: Nominal, proven: Proven, known: Sequence[Knob]) -> Nominal:
     """Return the vehicle file's vehicle with the named effects, and nothing else changed."""
-    values = np.where([knob.name in proven.names for knob in known], _values(proven, known), 0.0)
+    told = {k for places in _told(proven, known).values() for k in places}
+    values = np.where([k in told for k in range(len(known))], _values(proven, known), 0.0)
     return turned(nominal, known, values)[0]
+
+
+def _told(proven: Proven, known: Sequence[Knob]) -> dict[str, tuple[int, ...]]:
+    """Return which knobs are told of each name."""
+    return proven.told(known, np.sqrt(np.diag(_seen(proven.measured).covariance)))
 
 
 def _values(proven: Proven, known: Sequence[Knob]) -> Array:
@@ -48,12 +54,12 @@ def effects(
 ) -> tuple[NamedEffect, ...]:
     """Return the effects that were found missing, the strongest first; `beside` as in `spread`."""
     values, deviations = _values(proven, known), spread(_seen(proven.measured), known, beside)
-    by_effect: dict[str, list[int]] = {}
+    by_effect: dict[str, list[str]] = {}
     for name in proven.names:
-        k = next(i for i, knob in enumerate(known) if knob.name == name)
-        by_effect.setdefault(name.partition('.')[0], []).append(k)
-    out = []
-    for effect, places in by_effect.items():
+        by_effect.setdefault(name.partition('.')[0], []).append(name)
+    out, told = [], _told(proven, known)
+    for effect, found in by_effect.items():
+        places = [k for name in found for k in told[name]]
         names = tuple(known[k].name for k in places)
         parameters = tuple(
             each
@@ -62,8 +68,8 @@ def effects(
                 nominal, known[k], effect, float(values[k]), float(deviations[k])
             )
         )
-        cost = max(proven.costs[name] for name in names)
-        rivals = dict.fromkeys(rival for name in names for rival in proven.rivals[name])
+        cost = max(proven.costs[name] for name in found)
+        rivals = dict.fromkeys(rival for name in found for rival in proven.rivals[name])
         out.append(NamedEffect(effect, names, parameters, cost, tuple(rivals)))
     return tuple(out)
 

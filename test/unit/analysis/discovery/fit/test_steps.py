@@ -93,6 +93,27 @@ def test_a_step_after_which_forecasts_are_three_times_as_bad_is_refused(
         assert (fitter._step(joint) is not None) is taken
 
 
+def test_a_part_of_the_step_is_taken_where_the_whole_leads_too_far(
+    begun: tuple[Fitter, Joint], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A misfit that is least a fifth of the way, and so large beyond that nothing else is."""
+    fitter, joint = begun
+    to, _ = fitter.onward(joint)
+    way = to - joint.group.at
+
+    def misfit(self, last, at, points):
+        part = float((at - joint.group.at) @ way / (way @ way))
+        return (part - 0.2) ** 2 if -1e-9 < part < 0.99 else 9e9
+
+    monkeypatch.setattr(Fitter, '_misfit', misfit)
+    monkeypatch.setattr(Fitter, '_doubted', lambda *_: (to, fitter.onward(joint)[1]))
+    monkeypatch.setattr(module, 'forecast_error', lambda *_: 1.0)
+    step = fitter._step(joint)
+    assert step is not None
+    assert not step.whole
+    np.testing.assert_allclose(step.at - joint.group.at, 0.2 * way)
+
+
 def test_a_forecast_by_the_wrong_mass_is_off(
     gtmab: Known, clean: Linearised, begun: tuple[Fitter, Joint]
 ) -> None:

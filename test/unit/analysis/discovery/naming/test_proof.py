@@ -39,7 +39,7 @@ def _proof(*knobs: tuple[str, float]) -> Proof:
     proof = object.__new__(Proof)
     proof.knobs = [SimpleNamespace(name=name, typical=typical) for name, typical in knobs]
     proof._order = [name for name, _ in knobs]
-    proof.fitter = mock.Mock()
+    proof.fitter, proof._sizes = mock.Mock(), {}
     return proof
 
 
@@ -186,7 +186,10 @@ def test_effects_that_cost_less_than_5_nats_are_dropped_and_the_others_ranked() 
     step = SimpleNamespace(named='d', trials=[SimpleNamespace(together=12.0)], tied=('t',))
     last = SimpleNamespace(named='', trials=[], tied=())
     named = SimpleNamespace(
-        names=('a', 'b', 'c'), fits='fits', bare=(SimpleNamespace(group=Group((1, 2), 0, 0)),) * 2
+        names=('a', 'b', 'c'),
+        fits='fits',
+        bare=(SimpleNamespace(group=Group((1, 2), 0, 0)),) * 2,
+        sizes={},
     )
     with (
         mock.patch.object(Proof, '_joined', lambda self, names, pair: ('joined', names)),
@@ -215,7 +218,7 @@ def test_effects_that_cost_less_than_5_nats_are_dropped_and_the_others_ranked() 
 
 def test_without_named_effects_the_bare_fit_is_returned() -> None:
     named = SimpleNamespace(
-        names=(), fits='fits', bare=(SimpleNamespace(group=Group((1,), 0, 0)),) * 2
+        names=(), fits='fits', bare=(SimpleNamespace(group=Group((1,), 0, 0)),) * 2, sizes={}
     )
     with (
         mock.patch.object(Proof, '_joined', return_value='bare'),
