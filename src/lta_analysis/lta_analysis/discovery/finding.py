@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Final, final, Literal, NamedTuple
 
 from lta_analysis.discovery.naming.detectable import Detectable
+from lta_analysis.discovery.outside.draught import Draught
 from lta_analysis.discovery.outside.unexplained import Remainder
 
 Verdict = Literal['none', 'named', 'unexplained', 'named+unexplained', 'not_identifiable']
@@ -275,6 +276,8 @@ class Finding:
         What remains, in words: 'a pitch moment that follows surge speed x yaw rate, 1.2 mN m'.
     carried : Carried, optional
         Where forecasts gave the names, and not the readings: what they rest on.
+    draught : Draught, optional
+        Air that moved a little by itself; nothing of the vehicle is missing for it.
 
     """
 
@@ -294,3 +297,4 @@ class Finding:
     unexplained: tuple[str, ...] = ()
     next_flight: str = ''
     carried: Carried | None = None
+    draught: Draught | None = None

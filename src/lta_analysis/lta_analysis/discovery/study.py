@@ -174,6 +174,7 @@ def study(
             [proven.full.reduced], proven.full.prior, known, tuple(whole(proven.names))
         ),
         unexplained=rest.sentences,
+        draught=rest.draught,
     )
     seen = [Shown(f, *each) for f, each in zip(last, models, strict=True)]
     tell('done', 1.0)

@@ -1,8 +1,8 @@
 """
 What is outside the library, when everything with a name is in the model.
 
-Axes of the latent wrench that stand clear of the floor, generic rivals that still win, and lines
-in what is left over.
+Axes of the latent wrench that stand clear of the floor, generic rivals that still win,
+oscillations of the wrench, and lines in what is left over. A draught is told apart from that.
 """
 
 from collections.abc import Sequence
@@ -10,11 +10,22 @@ from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.finding import Verdict
 from lta_analysis.discovery.fit.fit import Joint
+from lta_analysis.discovery.outside.draught import Draught, draught, LEVEL, one_sided
+from lta_analysis.discovery.outside.latent_series import LatentSeries
+from lta_analysis.discovery.outside.oscillation import Oscillation, oscillations, taken
 from lta_analysis.discovery.outside.rivals import Rival, Rivals
 from lta_analysis.discovery.outside.spectral_line import Line, lines, lowest, telling
 from lta_analysis.discovery.outside.standing import Standing
 from lta_analysis.discovery.outside.unexplained import Remainder, remaining
-from lta_analysis.discovery.outside.verdict import remains_with, sentences, verdict_of
+from lta_analysis.discovery.outside.verdict import (
+    remains_with,
+    sentences,
+    swinging,
+    verdict_of,
+)
+from lta_analysis.discovery.outside.verdict import (
+    telling as telling_rivals,
+)
 from lta_analysis.discovery.replay.linearise import Linearised
 import numpy as np
 from numpy.typing import NDArray
@@ -37,17 +48,24 @@ class Outside(NamedTuple):
         All of them, the best first.
     lines : tuple of Line
         The strongest first.
+    oscillations : tuple of Oscillation
+        The strongest first.
+    draught : Draught, optional
+        Air that moves a little by itself; neither the axes on which it pushes nor rivals that
+        explain one of them are among the rest then.
 
     """
 
     remains: tuple[Remainder, ...]
     rivals: tuple[Rival, ...]
     lines: tuple[Line, ...]
+    oscillations: tuple[Oscillation, ...] = ()
+    draught: Draught | None = None
 
     @property
     def sentences(self) -> tuple[str, ...]:
         """All of it, for people."""
-        return sentences(self.remains, self.lines)
+        return sentences(self.remains, self.lines, self.oscillations)
 
     @property
     def more(self) -> bool:
@@ -61,7 +79,7 @@ class Outside(NamedTuple):
 
     def verdict(self, named: Sequence[str]) -> Verdict:
         """Return the verdict; see `verdict_of`."""
-        return verdict_of(named, self.remains, self.rivals, self.lines)
+        return verdict_of(named, self.remains, self.rivals, [*self.oscillations, *self.lines])
 
 
 def outside(pair: Sequence[Sequence[Linearised]], full: Joint, floor: Array) -> Outside:
@@ -87,7 +105,19 @@ def outside(pair: Sequence[Sequence[Linearised]], full: Joint, floor: Array) -> 
     residuals = [linear.residual for linear in full.group.linears]
     times = [each.time for each in flights]
     noise = [each.replay.flight.noise for each in flights]
-    seen = lines(residuals, times, noise, lowest(full.group.linears[0].knots))
-    inverse = full.group.linears[0].point.nominal.model().inverse
+    highest = lowest(full.group.linears[0].knots)
+    seen = lines(residuals, times, noise, highest)
+    nominal = full.group.linears[0].point.nominal
+    inverse = nominal.model().inverse
     told = telling(seen, np.reshape(inverse, (6, 6)), floor)
-    return Outside(tuple(remains_with(left, rivals, floor)), rivals, told)
+    series = [LatentSeries.of(*each) for each in zip(flights, members, strict=True)]
+    slow = oscillations(series, floor, highest)
+    air = None
+    if not (slow or told):
+        winning = telling_rivals(rivals)
+        air = draught(full.deviations, floor, left, winning, series, nominal)
+    if air is not None:
+        left = [one for one in left if one.axis not in LEVEL]
+        rivals = tuple(one for one in rivals if not one_sided(one))
+    remains = swinging(remains_with(left, rivals, floor), taken(slow))
+    return Outside(tuple(remains), rivals, told, slow, air)

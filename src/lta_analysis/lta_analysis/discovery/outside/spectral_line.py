@@ -139,7 +139,7 @@ def lowest(knots: int) -> float:
     return BEYOND * 0.5 * (knots - 1) / LENGTH
 
 
-def _levelled(hertz: Array, power: Array, pieces: int, wide: float, least: float) -> Spectrum:
+def levelled(hertz: Array, power: Array, pieces: int, wide: float, least: float) -> Spectrum:
     """Return the frequencies from the least on, with their level."""
     use = hertz >= least
     size = max(3, round(wide / (hertz[1] - hertz[0]))) | 1
@@ -178,7 +178,7 @@ def spectrum(pieces: Array, least: float) -> Spectrum:
     waves = np.abs(np.fft.rfft(kept * window, axis=1)) * 2.0 / window.sum()
     hertz = np.asarray(np.fft.rfftfreq(size, PERIOD), dtype=np.float64)
     power = np.mean(waves**2, axis=0) if count else np.zeros(len(hertz))
-    return _levelled(hertz, power, count, NEIGHBOURS, least)
+    return levelled(hertz, power, count, NEIGHBOURS, least)
 
 
 def whole(pieces: Array, time: Array, size: int, least: float) -> Spectrum:
@@ -203,7 +203,7 @@ def whole(pieces: Array, time: Array, size: int, least: float) -> Spectrum:
     series[place[known]] = _flat(pieces)[known]
     waves = np.abs(np.fft.rfft(series)) * 2.0 / max(int(known.sum()), 1)
     hertz = np.asarray(np.fft.rfftfreq(len(series), PERIOD), dtype=np.float64)
-    return _levelled(hertz, waves**2, 1, BESIDE, least)
+    return levelled(hertz, waves**2, 1, BESIDE, least)
 
 
 def _averaged(seen: Sequence[Spectrum]) -> int | None:
@@ -221,7 +221,7 @@ def _averaged(seen: Sequence[Spectrum]) -> int | None:
     return _first(seen, np.where(good, together, 0.0))
 
 
-def _steady(seen: Sequence[Spectrum]) -> int | None:
+def steady(seen: Sequence[Spectrum]) -> int | None:
     """Return the bin of a line in the spectra of all flights as a whole, if any."""
     near = np.array([HALF * maximum_filter(one.medians, 2 * NEAR * STEPS + 1) for one in seen])
     looked = 2 * NEAR + 1
@@ -266,7 +266,7 @@ def lines(
         series = [each[:, :, k] for each in residuals]
         long = [whole(one, time, size, least) for one, time in zip(series, times, strict=True)]
         short = [spectrum(one, least) for one in series]
-        for seen, at in ((long, _steady(long)), (short, _averaged(short))):
+        for seen, at in ((long, steady(long)), (short, _averaged(short))):
             if at is not None:
                 out.append(_line(channel, seen, at, [level[k] for level in noise]))
                 break

@@ -2,16 +2,18 @@
 What is said at the end of flights that can tell: none, named, unexplained, or both.
 
 Something is unexplained where an axis of the latent wrench stands clear of the floor, where a
-generic rival still wins, or where what is left over has a line; each becomes a sentence for
-people.
+generic rival still wins, where the wrench oscillates, or where what is left over has a line;
+each becomes a sentence for people.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 from lta_analysis.discovery.finding import Verdict
 from lta_analysis.discovery.fit.evidence import FLOOR
+from lta_analysis.discovery.outside.draught import LEVEL
 from lta_analysis.discovery.outside.generic_terms import CONSTANT
+from lta_analysis.discovery.outside.oscillation import Oscillation, taken
 from lta_analysis.discovery.outside.rivals import Rival
 from lta_analysis.discovery.outside.spectral_line import Line
 from lta_analysis.discovery.outside.unexplained import CARRIED, CLEAR, Remainder
@@ -27,7 +29,6 @@ ALONE: Final = 20.0  # nats; or on one, where the other has nothing against it: 
 AGAINST: Final = 3.0  # nats; a rival that loses more than that is contradicted
 QUIET: Final = 0.5  # of the least of surge and sway; what the other axes stay below in gusts
 LINES: Final = 3  # that are told; what swings shows in many channels
-LEVEL: Final = ('surge', 'sway')
 SAID: Final = {
     'x': 'the place along x', 'y': 'the place along y', 'z': 'the height',
     'turn_x': 'the roll angle', 'turn_y': 'the pitch angle', 'turn_z': 'the yaw angle',
@@ -73,7 +74,7 @@ def verdict_of(
     named: Sequence[str],
     remains: Sequence[Remainder],
     rivals: Sequence[Rival] = (),
-    lines: Sequence[Line] = (),
+    lines: Sequence[Line | Oscillation] = (),
 ) -> Verdict:
     """
     Return the verdict of flights that can tell (`study.verdict` says whether they can).
@@ -86,8 +87,8 @@ def verdict_of(
         Axes of the latent wrench that stand clear of the floor, with these effects in the model.
     rivals : sequence of Rival
         Generic explanations, with these effects in the model.
-    lines : sequence of Line
-        Of what is left over.
+    lines : sequence of Line or Oscillation
+        Of what is left over, and of the latent wrench.
 
     Returns
     -------
@@ -143,7 +144,24 @@ def sentence(one: Remainder) -> str:
     return f'a {what} that follows nothing measured, {size}'
 
 
-def sentences(remains: Sequence[Remainder], lines: Sequence[Line] = ()) -> tuple[str, ...]:
+def swinging(remains: Sequence[Remainder], found: Mapping[str, Oscillation]) -> list[Remainder]:
+    """Return what remains with the oscillation that an axis follows, by `oscillation.taken`."""
+    return [
+        one._replace(
+            follows=(f'an oscillation at {found[one.axis].hertz:.2f} Hz',),
+            carried=max(found[one.axis].share, one.carried),
+        )
+        if one.axis in found
+        else one
+        for one in remains
+    ]
+
+
+def sentences(
+    remains: Sequence[Remainder],
+    lines: Sequence[Line] = (),
+    found: Sequence[Oscillation] = (),
+) -> tuple[str, ...]:
     """
     Return all that is unexplained, for people.
 
@@ -153,6 +171,8 @@ def sentences(remains: Sequence[Remainder], lines: Sequence[Line] = ()) -> tuple
         By `remains_with`.
     lines : sequence of Line
         Of what is left over.
+    found : sequence of Oscillation
+        Of the latent wrench; an axis of which one takes the most has no sentence of its own.
 
     Returns
     -------
@@ -160,12 +180,14 @@ def sentences(remains: Sequence[Remainder], lines: Sequence[Line] = ()) -> tuple
         'a pitch moment that follows surge speed x yaw rate, 1.2 mN m'.
 
     """
-    out, rest = [], list(remains)
+    told = taken(found)
+    out, rest = [], [one for one in remains if one.axis not in told]
     if gusty(rest):
         sizes = ' and '.join(_sized(one.axis, one.size)[1] for one in rest if one.axis in LEVEL)
         out.append(f'gusts: a surge and a sway force that follow nothing, {sizes}')
         rest = [one for one in rest if one.axis not in LEVEL]
     out += [sentence(one) for one in rest]
+    out += [one.sentence for one in found[:LINES]]
     for line in lines[:LINES]:
         size = f'{line.amplitude:.2g} {line.unit}'
         out.append(f'an oscillation of {SAID[line.channel]} at {line.hertz:.1f} Hz, {size}')

@@ -207,7 +207,8 @@ def remains(study: Study) -> str:
     """Return what no effect explains, drawn; that nothing remains where that is so."""
     found = study.finding
     if not found.remains:
-        said = 'Nothing stands clear of the floor on any axis.'
+        more = 'else ' if found.draught else ''
+        said = f'Nothing {more}stands clear of the floor on any axis.'
         return f'{tables.unexplained(found)}<p class="note">{said}</p>'
     return tables.unexplained(found) + tables.remains(found) + _drawn(study)
 
@@ -234,7 +235,8 @@ def _drawn(study: Study) -> str:
         f'As the flights themselves show it, {names}.',
         pictures.lines(rows, titles, 'time', 's'),
     )  # fmt: skip
-    following = next((one for one in found.remains if one.follows), None)
+    known = flights[0].terms
+    following = next((one for one in found.remains if known.keys() & set(one.follows)), None)
     if following is not None:
         axis, unit = AXES.index(following.axis), size_unit(following)
         made += section(

@@ -240,12 +240,11 @@ def _remainder(one: Remainder, most: float) -> Row:
 
 
 def unexplained(found: Finding) -> str:
-    """Return what no effect explains in sentences, lines of the spectrum among them."""
-    if not found.unexplained:
+    """Return in sentences what no effect explains, with lines of the spectrum, and a draught."""
+    told = [*found.unexplained, *([found.draught.sentence] if found.draught else [])]
+    if not told:
         return ''
-    rows = ''.join(
-        f'<li>{escape(said[:1].upper() + said[1:])}.</li>' for said in found.unexplained
-    )
+    rows = ''.join(f'<li>{escape(said[:1].upper() + said[1:])}.</li>' for said in told)
     return f'<ul class="words">{rows}</ul>'
 
 

@@ -6,6 +6,7 @@ from typing import Final
 
 from lta_analysis.discovery.finding import Finding, Gap, Learned, NamedEffect, Rung
 from lta_analysis.discovery.naming.accept import APART, GAIN, LARGER
+from lta_analysis.discovery.outside.draught import Draught
 from lta_analysis.discovery.outside.unexplained import Remainder
 from lta_analysis.report.outcome import MISSING, Tile
 from lta_sim.effects import EFFECTS
@@ -131,7 +132,7 @@ def headline(found: Finding) -> str:
     many = sum(len(one.knobs) for one in found.effects) > 1
     rest = _rest(found)
     if found.verdict == 'none':
-        return _none(found.gaps)
+        return f'{_none(found.gaps)}{_air(found)}'
     if found.verdict == 'not_identifiable':
         if coasting(found.gaps):
             return (
@@ -159,6 +160,16 @@ def _rest(found: Finding) -> str:
     if found.remains:
         return f': {remainder_words(found.remains[0])}'
     return f': {found.unexplained[0]}' if found.unexplained else ''
+
+
+def _air(found: Finding) -> str:
+    """Return that a draught was there, as a sentence to be put behind another."""
+    return f' A draught of {draught_size(found.draught)} was there.' if found.draught else ''
+
+
+def draught_size(one: Draught) -> str:
+    """Return how hard a draught pushes."""
+    return f'{figure(1e3 * one.force, 2)} mN'
 
 
 def _none(gaps: Sequence[Gap]) -> str:
@@ -246,7 +257,12 @@ def tiles(found: Finding) -> list[Tile]:
                  f'on {listed([one.axis for one in found.remains])}')
         )  # fmt: skip
     else:
-        made.append(Tile('Unexplained', '0', 'axes', 'no force or moment is left over'))
+        left = (
+            f'a draught of {draught_size(found.draught)}, and no other force or moment'
+            if found.draught
+            else 'no force or moment is left over'
+        )
+        made.append(Tile('Unexplained', '0', 'axes', left))
     return made
 
 

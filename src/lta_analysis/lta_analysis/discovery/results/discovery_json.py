@@ -36,6 +36,7 @@ def to_dict(finding: Finding, cuts: Sequence[Cut] = ()) -> dict[str, Any]:
         'gaps': [_gap(each) for each in finding.gaps],
         'remains': [remainder._asdict() for remainder in finding.remains],
         'unexplained': list(finding.unexplained),
+        'draught': _draught(finding),
         'detectable': [each._asdict() for each in finding.detectable],
         'ladder': [[rung._asdict() for rung in stage] for stage in finding.ladder],
         'warnings': list(finding.warnings),
@@ -71,6 +72,12 @@ def _effect(effect: NamedEffect) -> dict[str, Any]:
         'confusable_with': list(effect.confusable_with),
         'knobs': list(effect.knobs),
     }
+
+
+def _draught(finding: Finding) -> dict[str, float] | None:
+    """Return the air that moved by itself; None where none was found."""
+    told = finding.draught
+    return None if told is None else {'force': told.force, 'speed': told.speed}
 
 
 def _carried(finding: Finding) -> dict[str, Any] | None:

@@ -46,6 +46,9 @@ def show(finding: Finding, console: Console) -> None:
         console.print(where_table(finding))
     for said in finding.unexplained:
         console.print(Text(f'Unexplained: {said}.'), soft_wrap=True)
+    if finding.draught is not None:
+        said = finding.draught.sentence
+        console.print(Text(f'{said[:1].upper()}{said[1:]}.'), soft_wrap=True)
     if finding.next_flight:
         console.print(Text(finding.next_flight), soft_wrap=True)
     for word in finding.warnings:

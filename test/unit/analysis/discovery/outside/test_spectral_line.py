@@ -204,7 +204,7 @@ def test_a_level_is_the_median_of_an_odd_number_of_neighbours(
     """
     power = np.ones(100)
     power[50 : 50 + plateau] = 5.0
-    found = spectral_line._levelled(0.1 * np.arange(100), power, 3, wide, LEAST)
+    found = spectral_line.levelled(0.1 * np.arange(100), power, 3, wide, LEAST)
     assert found.level.max() == (5.0 if kept else 1.0)
     assert found.medians.max() == (1.0 if kept else 5.0)
     assert (found.pieces, len(found.power)) == (3, 93)  # without the 7 bins below 0.7 Hz
@@ -254,7 +254,7 @@ def test_a_steady_line_is_higher_than_noise_is_by_chance(
     1.3 is the allowance for windows and levels.
     """
     seen = _spectra(*((50, height) for height in heights))
-    assert spectral_line._steady(seen) == (50 if found else None)
+    assert spectral_line.steady(seen) == (50 if found else None)
 
 
 @pytest.mark.parametrize(
@@ -269,7 +269,7 @@ def test_peaks_of_a_steady_line_may_be_two_bins_from_it(
     heights: tuple[float, float], apart: int, at: int | None
 ) -> None:
     seen = _spectra((50, heights[0]), (50 + apart, heights[1]))
-    assert spectral_line._steady(seen) == at
+    assert spectral_line.steady(seen) == at
 
 
 @pytest.mark.parametrize(
