@@ -84,8 +84,8 @@ def horizontal(series: Sequence[LatentSeries]) -> bool:
     x, y, z = np.sqrt(np.mean(ground**2, axis=0))
     if z > QUIET * math.sqrt(0.5 * (x**2 + y**2)):
         return False
-    # A force that forgets itself as the latent one does has one independent square in MEMORY.
-    count = sum(each.seconds for each in series) / MEMORY
+    # An Ornstein-Uhlenbeck process has one independent square in its memory; air remembers longer.
+    count = sum(each.seconds for each in series) / (2.0 * MEMORY)
     # What belongs to the body is alike in the map as soon as the heading turns, and the reverse.
     return min(chance_of_alike(each[:, :2], count) for each in (ground, body)) > CHANCE
 

@@ -13,6 +13,7 @@ import math
 from typing import Final, final, NamedTuple
 
 from lta_analysis.discovery.fit.evidence import MEMORY
+from lta_analysis.discovery.flights.windows import LENGTH
 from lta_analysis.discovery.outside.latent_series import LatentSeries
 from lta_analysis.discovery.outside.spectral_line import levelled, NEAR, Spectrum, steady, STEPS
 import numpy as np
@@ -21,6 +22,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 SLOWEST: Final = 0.05  # Hz
+# Of half a wave from knot to knot; at 1 the knots may all lie where a wave is 0.
+FOLLOWED: Final = 0.9
 CYCLES: Final = 4.0  # in the shortest flight, of the slowest that is looked for
 BESIDE: Final = 0.3  # Hz; neighbours of which the median is the level
 # Floors; root mean square of an oscillation. Where nothing is missing no whole axis comes to it.
@@ -116,7 +119,7 @@ def waves(time: Array, values: Array, hertz: Array) -> Array:
 
 
 def oscillations(
-    series: Sequence[LatentSeries], floor: Array, highest: float
+    series: Sequence[LatentSeries], floor: Array, knots: int
 ) -> tuple[Oscillation, ...]:
     """
     Return the oscillations that all flights show, the strongest first.
@@ -127,11 +130,12 @@ def oscillations(
         Of each flight.
     floor : ndarray, shape (6,)
         Deviations of the latent wrench that are not worth speaking of. [N, N m]
-    highest : float
-        What the knots follow, by `spectral_line.lowest`. [Hz]
+    knots : int
+        Of a piece.
 
     """
     least = max(SLOWEST, CYCLES / max(min(each.seconds for each in series), 1e-9))
+    highest = FOLLOWED * 0.5 * (knots - 1) / LENGTH
     if highest - least < BESIDE:
         return ()
     # From one cycle on: the neighbours of the slowest have a level too.

@@ -105,13 +105,13 @@ def outside(pair: Sequence[Sequence[Linearised]], full: Joint, floor: Array) -> 
     residuals = [linear.residual for linear in full.group.linears]
     times = [each.time for each in flights]
     noise = [each.replay.flight.noise for each in flights]
-    highest = lowest(full.group.linears[0].knots)
-    seen = lines(residuals, times, noise, highest)
+    knots = full.group.linears[0].knots
+    seen = lines(residuals, times, noise, lowest(knots))
     nominal = full.group.linears[0].point.nominal
     inverse = nominal.model().inverse
     told = telling(seen, np.reshape(inverse, (6, 6)), floor)
     series = [LatentSeries.of(*each) for each in zip(flights, members, strict=True)]
-    slow = oscillations(series, floor, highest)
+    slow = oscillations(series, floor, knots)
     air = None
     if not (slow or told):
         winning = telling_rivals(rivals)

@@ -6,6 +6,8 @@ from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.naming.interval import spread
 from lta_analysis.discovery.naming.naming import Naming
 from lta_analysis.discovery.naming.proof import Proven
+from lta_analysis.discovery.outside.draught import Draught
+from lta_analysis.discovery.outside.oscillation import Oscillation, taken
 from lta_analysis.discovery.outside.outside import Outside
 from lta_analysis.discovery.outside.rivals import Rival
 from lta_analysis.discovery.outside.spectral_line import Line
@@ -15,6 +17,7 @@ from lta_analysis.discovery.outside.verdict import (
     remains_with,
     sentences,
     standing,
+    swinging,
     telling,
     verdict_of,
 )
@@ -29,6 +32,7 @@ SURGE = Remainder('surge', 6.2e-3, 15.5, (), 0.03)
 SWAY = Remainder('sway', 5.1e-3, 12.8, (), 0.05)
 LAYERS = Rival('heave by height', 40.0, 30.0, 34.0, 'heave', ('heave',), 3e-3, 'height', 0.7)
 LINE = Line('fz', 2.4, 0.031, 12.0)
+SWING = Oscillation('force along y of the map', 0.21, 3.1e-3, 0.8)
 
 
 @pytest.mark.parametrize(
@@ -39,6 +43,7 @@ LINE = Line('fz', 2.4, 0.031, 12.0)
         ((), (PITCH,), (), (), 'unexplained'),
         ((), (), (LAYERS,), (), 'unexplained'),
         ((), (), (), (LINE,), 'unexplained'),
+        ((), (), (), (SWING,), 'unexplained'),
         (('motor_lag',), (), (), (LINE,), 'named+unexplained'),
     ],
 )
@@ -46,7 +51,7 @@ def test_the_verdict(
     named: tuple[str, ...],
     remains: tuple[Remainder, ...],
     rivals: tuple[Rival, ...],
-    lines: tuple[Line, ...],
+    lines: tuple[Line | Oscillation, ...],
     expected: str,
 ) -> None:
     assert verdict_of(named, remains, rivals, lines) == expected
@@ -90,6 +95,33 @@ def test_gusts_are_called_gusts() -> None:
     assert not gusty([SURGE])
     assert not gusty([SURGE, SWAY, PITCH])  # of the size of the others
     assert not gusty([SURGE._replace(carried=0.5, follows=('x',)), SWAY])
+
+
+def test_a_wind_to_and_fro_is_no_gusts() -> None:
+    assert sentences([SURGE, SWAY, PITCH], [], [SWING]) == (
+        'a pitch moment that follows surge speed x yaw rate, 1.2 mN m',
+        'an oscillation of the force along y of the map at 0.21 Hz, 3.1 mN',
+    )
+    told = swinging([SURGE, PITCH], taken([SWING]))
+    assert told == [
+        SURGE._replace(follows=('an oscillation at 0.21 Hz',), carried=0.8), PITCH,
+    ]  # fmt: skip
+    less = SWING._replace(share=0.3)
+    assert sentences([SURGE, SWAY], [], [less]) == (
+        'gusts: a surge and a sway force that follow nothing, 6.2 mN and 5.1 mN',
+        'an oscillation of the force along y of the map at 0.21 Hz, 3.1 mN',
+    )
+
+
+def test_a_draught_alone_is_nothing_unexplained() -> None:
+    air = Draught(1.1e-3, 2.6e-3)
+    calm = Outside((), (), (), (), air)
+    assert (calm.verdict(()), calm.verdict(('motor_lag',)), calm.more) == ('none', 'named', False)
+    assert calm.sentences == ()
+    assert air.sentence == (
+        'a draught: a horizontal force that follows nothing, 1.1 mN, as air moving at about '
+        '2.6 mm/s would exert'
+    )
 
 
 def test_a_rival_says_what_an_axis_follows() -> None:

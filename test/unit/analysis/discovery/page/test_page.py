@@ -15,6 +15,7 @@ from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.naming.detectable import Detectable, detectable
 from lta_analysis.discovery.naming.scan import scan
+from lta_analysis.discovery.outside.draught import Draught
 from lta_analysis.discovery.outside.unexplained import Remainder
 from lta_analysis.discovery.page import told, write_page
 from lta_analysis.discovery.page.pictures import joined
@@ -203,6 +204,22 @@ def test_what_no_axis_shows_has_a_title_as_well(
 ) -> None:
     given = _with(found, verdict='unexplained', effects=(), remains=(), unexplained=said)
     assert headline(given.finding).startswith(title)
+
+
+def test_a_draught_is_on_the_page_and_nothing_is_missing_for_it(
+    found: Study, tmp_path: Path
+) -> None:
+    given = _with(
+        found, verdict='none', effects=(), remains=(), where=(), draught=Draught(1.1e-3, 2.6e-3)
+    )
+    text, _ = _read(given, tmp_path)
+    for words in (
+        'A draught of 1.1 mN was there.',
+        'A draught: a horizontal force that follows nothing, 1.1 mN, as air moving at about 2.6',
+        'a draught of 1.1 mN, and no other force or moment',
+        'Nothing else stands clear of the floor on any axis.',
+    ):
+        assert words in text
 
 
 def test_a_study_without_held_out_flights_says_so(found: Study, tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ import json
 
 from lta_analysis.discovery.finding import Finding, Gap, Learned, NamedEffect, Place, Rung
 from lta_analysis.discovery.flights.loud import Cut
+from lta_analysis.discovery.outside.draught import Draught
 from lta_analysis.discovery.outside.unexplained import Remainder
 from lta_analysis.discovery.results.discovery_json import horizon, to_dict
 from lta_analysis.discovery.results.terminal import gap_lines, show
@@ -67,6 +68,16 @@ def test_the_keys_are_those_that_programs_rely_on():
     assert told['left_out'] == [
         {'flight': 'A', 'channel': 'imu', 'from_s': 3.0, 'to_s': 4.0, 'reason': 'Stuck.'}
     ]
+
+
+def test_a_draught_is_told_to_programs_and_people():
+    assert to_dict(FINDING)['draught'] is None
+    aired = replace(FINDING, draught=Draught(1.1e-3, 2.6e-3))
+    assert to_dict(aired)['draught'] == {'force': 1.1e-3, 'speed': 2.6e-3}
+    console = Console(width=110, record=True, file=None, quiet=False)
+    with console.capture() as heard:
+        show(aired, console)
+    assert 'A draught: a horizontal force that follows nothing, 1.1 mN, as' in heard.get()
 
 
 def test_the_gap_is_of_the_position_at_the_longest_horizon_that_most_have():
