@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Final, final
 
 from lta_analysis.challenge.hiding import effect_of
+from lta_analysis.challenge.other.unlisted import UNLISTED
 from lta_analysis.challenge.outside import OUTSIDE
 from lta_analysis.challenge.rows import Kind, kind, row
 from lta_analysis.discovery.naming.classes import classes
@@ -104,7 +105,7 @@ class Judged:
     @property
     def late(self) -> bool:
         """Whether what is outside the library was kept from discovery until it was finished."""
-        return self.outside in OUTSIDE and OUTSIDE[self.outside].late
+        return self.outside in UNLISTED or (self.outside in OUTSIDE and OUTSIDE[self.outside].late)
 
     @property
     def exact(self) -> bool:

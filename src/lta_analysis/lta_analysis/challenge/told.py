@@ -5,6 +5,7 @@ import math
 from typing import Any, Final
 
 from lta_analysis.challenge.judged import Judged
+from lta_analysis.challenge.other.unlisted import UNLISTED
 from lta_analysis.challenge.outside import OUTSIDE
 from lta_analysis.challenge.rows import KINDS, ROWS
 from lta_analysis.challenge.tally import (
@@ -96,14 +97,16 @@ OUTSIDE_HEADS: Final = ('kind', 'what', 'written', 'cases', 'unexplained', 'name
 def outside_lines(cases: Sequence[Judged]) -> list[list[str]]:
     """Return a line for each kind outside the library."""
     out = []
-    for name, kind in OUTSIDE.items():
+    kinds = {name: (kind.about, kind.late) for name, kind in OUTSIDE.items()}
+    kinds |= {name: (kind.about, True) for name, kind in UNLISTED.items()}
+    for name, (about, late) in kinds.items():
         own = [one for one in cases if one.outside == name and one.kind == 'outside']
         if own:
             flagged = sum(one.flagged for one in own)
             wrong = sum(bool(one.wrong) for one in own)
-            written = 'late' if kind.late else 'early'
+            written = 'late' if late else 'early'
             counts = map(str, (len(own), flagged, wrong))
-            out.append([name, kind.about, written, *counts])
+            out.append([name, about, written, *counts])
     return out
 
 

@@ -118,23 +118,26 @@ class KirchhoffBody:
             -(square * abs(u) + linear) * u
             for square, linear, u in zip(t.turn_square, t.turn_linear, w, strict=True)
         ]
-        x, y, z, *more = self._plates(w)
-        return (
-            force[0] + x, force[1] + y, force[2] + z,
-            moment[0] + more[0], moment[1] + more[1], moment[2] + more[2],
-        )  # fmt: skip
+        a, b, c = self._plates(w)
+        return force[0], force[1], force[2], moment[0] + a, moment[1] + b, moment[2] + c
 
-    def _plates(self, w: Triple) -> Six:
-        """Return what brakes turns of the parts that stand in the air, by Gauss's rule."""
-        sums = [0.0] * 6
+    def _plates(self, w: Triple) -> Triple:
+        """
+        Return the moment of the parts that stand in the air, by Gauss's rule.
+
+        The vehicle file says that turns alone see their drag: it is that of the speed which
+        turning gives them, without that of the hull, and what it does to the hull's speed is left
+        in the aero block.
+        """
+        sums = [0.0, 0.0, 0.0]
         for plate in self.truth.plates:
             for share, weight in GAUSS:
                 x, y, z = (c + share * h for c, h in zip(plate.place, plate.reach, strict=True))
                 u = cross(w, (x, y, z))
                 a, b, c = (-weight * d * abs(s) * s for d, s in zip(plate.drag, u, strict=True))
-                for k, each in enumerate((a, b, c, *cross((x, y, z), (a, b, c)))):
+                for k, each in enumerate(cross((x, y, z), (a, b, c))):
                     sums[k] += each
-        return sums[0], sums[1], sums[2], sums[3], sums[4], sums[5]
+        return sums[0], sums[1], sums[2]
 
     def _weight(self, up: Triple, time: float) -> Six:
         """Return weight at the centre of gravity, with buoyancy and lift at the hull centre."""

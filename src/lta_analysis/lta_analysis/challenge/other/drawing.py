@@ -144,7 +144,7 @@ class OtherDrawing:
             air.append(Draught(truth.draught, seconds, draw))
         pilot = SwingingPilot(seconds, self._file, draw)
         begin = _begin(pilot.heading, draw)
-        unlisted = UNLISTED[name](numbers) if name else None
+        unlisted = UNLISTED[name].make(numbers) if name else None
         return Flying(truth, pilot, air, unlisted).flown(begin, seconds), truth, draw
 
     def _flight(
