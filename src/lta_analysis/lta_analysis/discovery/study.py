@@ -6,14 +6,15 @@ from typing import Final, final
 
 from lta_analysis.discovery.finding import Finding, Gap, Rung, Verdict
 from lta_analysis.discovery.fit.bounds import FARTHEST, wanting_out
-from lta_analysis.discovery.fit.evidence import floor_of
-from lta_analysis.discovery.fit.fit import Fit, Joint
+from lta_analysis.discovery.fit.evidence import floor_of, own_variance
+from lta_analysis.discovery.fit.fit import Fit, Fitter, Joint
 from lta_analysis.discovery.flights.measured import Measured
 from lta_analysis.discovery.flights.outliers import without_outliers
 from lta_analysis.discovery.flights.said_once import said_once
 from lta_analysis.discovery.flights.splitting import assigned, Role, ROLES
 from lta_analysis.discovery.flights.windows import FEWEST, windows
 from lta_analysis.discovery.forecast.held_out import gaps, shown
+from lta_analysis.discovery.forecast.share import forecasting
 from lta_analysis.discovery.model.candidates import whole
 from lta_analysis.discovery.model.knobs import Knob, knobs
 from lta_analysis.discovery.model.nominal import Nominal
@@ -151,7 +152,8 @@ def study(
     tell('predicting', 0.9)
     held_out = bool(_of(flown, 'holdout'))
     last = [f for f in flown if f.role == ('holdout' if held_out else 'confirm')]
-    models = [shown(f.flight, nominal, proven.bare, proven.measured) for f in last]
+    bare, measured = _forecasting(nominal, [*pair[0], *pair[1]], proven)
+    models = [shown(f.flight, nominal, bare, measured) for f in last]
     differences = gaps([f.flight for f in last], models, seed)
     if not held_out:
         warnings.append('No flight was held out: the gaps are of flights that confirmed.')
@@ -219,6 +221,18 @@ def _named(
         if needed <= FASTER * knots:
             return flown, found
         knots = needed
+
+
+def _forecasting(
+    nominal: Nominal, flights: Sequence[Linearised], proven: Proven
+) -> tuple[Joint, Joint]:
+    """Return the fits without and with effects, their tolerances as forecasts bear them."""
+    known = flights[0].knobs
+    fitter = Fitter(nominal, flights, own_variance(known), floor_of(nominal))
+    named = whole(proven.names)
+    places = [k for k, knob in enumerate(known) if knob.name in named]
+    bare = forecasting(fitter, proven.bare)
+    return bare, forecasting(fitter, proven.measured, places) if places else bare
 
 
 def _strained(full: Joint, known: Sequence[Knob]) -> list[str]:

@@ -6,11 +6,14 @@ from typing import Final
 from lta_analysis.discovery.finding import Gap
 
 WHOLE: Final = ('position', 'attitude')
+WORSE: Final = (
+    1.1  # times the error with tolerances alone, above which a name is said to be in vain
+)
 
 
 def cautions(gaps: Sequence[Gap]) -> list[str]:
     """
-    Return a sentence where a fit made forecasts worse, and one where no model is of use.
+    Return sentences: where a fit or a name made forecasts worse, and where no model is of use.
 
     Parameters
     ----------
@@ -19,6 +22,7 @@ def cautions(gaps: Sequence[Gap]) -> list[str]:
 
     """
     told = [gap for gap in gaps if gap.channel in WHOLE]
+    vain = [gap for gap in told if gap.after > WORSE * gap.tuned]
     worse = [gap for gap in told if gap.shrink_ci95[1] < 0.0]
     idle = [gap for gap in told if gap.coast < min(gap.before, gap.tuned, gap.after)]
     out = []
@@ -26,6 +30,11 @@ def cautions(gaps: Sequence[Gap]) -> list[str]:
         out.append(
             f'What was fitted predicts worse than the vehicle file ({_listed(worse)}): it follows '
             'what no effect explains; keep the vehicle file.'
+        )
+    if vain and not worse:
+        out.append(
+            f'With what was named, forecasts are worse than with tolerances alone '
+            f'({_listed(vain)}): the name may be right, but do not trust its value; fly again.'
         )
     if idle:
         out.append(f'Keeping velocity and rates predicts better than any model ({_listed(idle)}).')

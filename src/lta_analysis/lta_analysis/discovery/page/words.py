@@ -5,6 +5,7 @@ import math
 from typing import Final
 
 from lta_analysis.discovery.finding import Finding, Gap, Learned, NamedEffect, Rung
+from lta_analysis.discovery.forecast.cautions import WORSE
 from lta_analysis.discovery.naming.accept import APART, GAIN, LARGER
 from lta_analysis.discovery.outside.draught import Draught
 from lta_analysis.discovery.outside.unexplained import Remainder
@@ -198,7 +199,7 @@ def coasting(gaps: Sequence[Gap]) -> bool:
 def _better(found: Finding) -> str:
     """Return by how much the named effects shrink the gap, to be put behind what is missing."""
     gap = main_gap(found.gaps)
-    if gap is None or gap.shrink <= 0.0:
+    if gap is None or gap.shrink <= 0.0 or gap.after > WORSE * gap.tuned:
         return ''
     them = 'them' if sum(len(one.knobs) for one in found.effects) > 1 else 'it'
     said = (
