@@ -15,6 +15,7 @@ from lta_analysis.discovery.flights.bags import no_copies, one_vehicle, Recorded
 from lta_analysis.discovery.flights.loud import Cut, without_loud
 from lta_analysis.discovery.flights.measured import GAP, Measured, measured, Stream, Streams
 from lta_analysis.discovery.flights.said_once import said_once
+from lta_analysis.discovery.flights.stamps import mended, noisier
 from lta_analysis.discovery.flights.streams import in_duties, streams_of, tracker
 from lta_analysis.discovery.flights.windows import FEWEST, windows
 from lta_analysis.discovery.model.nominal import Nominal
@@ -190,8 +191,10 @@ def _judged(one: Recorded, told: Streams) -> tuple[Measured, list[Cut], list[str
             'simulated without saying so; lags and fast motion are not to be relied on.'
         )
     told, cuts = _without(told, cuts, pose, whole, one.name)
-    warnings += whole
-    flight = _cut_out(measured(told), cuts, pose)
+    told, rounding, said = mended(one.name, told)
+    flight, more = noisier(one.name, measured(told), rounding)
+    warnings += [*whole, *said, *more]
+    flight = _cut_out(flight, cuts, pose)
     flight, loud = without_loud(one.name, flight)
     cuts += loud
     return flight, cuts, [*warnings, *_remarks(one.name, flight, told)]

@@ -269,3 +269,20 @@ def test_poses_without_noise_that_nobody_calls_simulated_are_a_warning(flights, 
     one = replace(one, recording=replace(one.recording, provenance={}))
     found = _believed(flights, gtmab, one)
     assert any('smoother than any instrument' in word for word in found.warnings)
+
+
+def test_stamps_that_are_wrong_in_a_pattern_cost_nothing_and_are_said(flights, gtmab):
+    """The errors of 120 Hz in steps of 2 ms."""
+    wrong = np.array([0.0, -1.0, 2.0, 1.0, -2.0, 3.0]) / 3.0 * 1e-3  # s
+
+    def shake(channel):
+        return replace(channel, time=channel.time + np.resize(wrong, len(channel.time)))
+
+    plain = believed(flights, gtmab)
+    found = _believed(flights, gtmab, _changed(flights[0], shake, TRUTH))
+    assert any("A: the tracker's stamps jitter" in word for word in found.warnings)
+    was, now = plain.flights[0][2], found.flights[0][2]
+    steps = np.round((now.time - was.time[0]) / 0.04).astype(int)
+    inside = (steps >= 0) & (steps < len(was.time)) & now.usable
+    off = now.position[inside] - was.position[steps[inside]]
+    assert np.nanstd(off) < 7e-5  # 0.14 mm with the stamps as they are
