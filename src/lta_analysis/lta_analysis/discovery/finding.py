@@ -35,6 +35,8 @@ class Learned(NamedTuple):
         Most probable, by all flights that taught and confirmed it.
     ci95 : pair of float
         95 % interval.
+    in_file : bool
+        Whether the vehicle file has the effect at all.
 
     """
 
@@ -43,6 +45,7 @@ class Learned(NamedTuple):
     before: float
     value: float
     ci95: Interval
+    in_file: bool = True
 
 
 @final

@@ -82,5 +82,6 @@ def _parameters(
         start = begun.value(effect, parameter)
         low, high = sorted(start + rate * end for end in interval)
         before = nominal.value(effect, parameter)
-        out.append(Learned(parameter, units[parameter], before, start + rate * value, (low, high)))
+        now, there = start + rate * value, effect in nominal.given
+        out.append(Learned(parameter, units[parameter], before, now, (low, high), there))
     return out

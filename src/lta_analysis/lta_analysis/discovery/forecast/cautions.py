@@ -11,6 +11,11 @@ WORSE: Final = (
 )
 
 
+def keeps(gaps: Sequence[Gap]) -> bool:
+    """Tell whether the vehicle file should be kept: what was fitted surely predicts worse."""
+    return any(gap.channel in WHOLE and gap.shrink_ci95[1] < 0.0 for gap in gaps)
+
+
 def cautions(gaps: Sequence[Gap]) -> list[str]:
     """
     Return sentences: where a fit or a name made forecasts worse, and where no model is of use.

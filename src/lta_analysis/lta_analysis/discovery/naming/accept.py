@@ -6,6 +6,11 @@ GAIN: Final = 11.0  # nats; of the one flight and the better witness of the othe
 LARGER: Final = 5.0  # nats; of the better of the two
 APART: Final = 5.0  # deviations; by which the two values may differ
 PART: Final = 0.1  # of the value; by which they may differ however well each is known
+HOLDS: Final = 1.5  # nats; that the first flight's posterior wins on the other
+AGAIN: Final = (
+    6.0  # nats; that the other flight wins by itself, where that posterior does not help
+)
+SPOILT: Final = 12.0  # nats; and that the posterior may lose then
 TORN: Final = 3.0  # nats; that a candidate may lose on one flight while it wins on the other
 TIE: Final = 3.0  # nats; nearer than that, names cannot be told apart
 # Typical sizes; what is smaller is not worth a name however well it is known: a wind of less than
@@ -72,7 +77,7 @@ class Trial(NamedTuple):
         """
         witness = max(self.replicated, self.held_out)
         strong = self.gain + witness > GAIN and max(self.gain, witness) > LARGER
-        holds = self.held_out > 1.5 and self.replicated > -3.0
-        again = self.replicated > 6.0 and self.held_out > -12.0
+        holds = self.held_out > HOLDS and self.replicated > -TORN
+        again = self.replicated > AGAIN and self.held_out > -SPOILT
         agree = self.apart < APART or self.part < PART
         return strong and agree and (holds or again)

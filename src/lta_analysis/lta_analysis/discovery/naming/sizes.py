@@ -86,5 +86,7 @@ def _parameters(
         before = nominal.value(effect, parameter)
         now = begun.value(effect, parameter) + rate * value
         half = NORMAL * abs(rate) * spread
-        out.append(Learned(parameter, units[parameter], before, now, (now - half, now + half)))
+        interval = now - half, now + half
+        there = effect in nominal.given
+        out.append(Learned(parameter, units[parameter], before, now, interval, there))
     return out

@@ -15,6 +15,7 @@ from lta_analysis.discovery.page.words import (
     because,
     called,
     figure,
+    held_words,
     listed,
     loose,
     main_gap,
@@ -141,18 +142,19 @@ def _effect(one: NamedEffect) -> str:
         f'<p class="what">{escape(meaning(one.name))}</p>'
         f'{"".join(map(_parameter, one.parameters))}'
         f'<p class="note">Without it the flights lose <b>{figure(one.log_evidence)} nats</b> of '
-        f'evidence, {odds(one.log_evidence)}.</p>{alike}</div>'
+        f'evidence, {odds(one.log_evidence)} against that nothing is missing.</p>{alike}</div>'
     )
 
 
 def _parameter(one: Learned) -> str:
     """Return one parameter with its interval."""
     value, low, high = within(one.value, one.ci95)
+    before = one.before if one.in_file else math.nan
     return (
         f'<dl class="learned"><dt>{escape(one.name.replace("_", " "))}</dt>'
         f'<dd><b>{value}</b> {escape(with_unit("", one.unit).strip())} '
-        f'<small>95 %: {low} to {high}; the file has {figure(one.before)}</small></dd></dl>'
-        f'{strips.interval(one.before, one.value, one.ci95)}'
+        f'<small>95 %: {low} to {high}; {held_words(one)}</small></dd></dl>'
+        f'{strips.interval(before, one.value, one.ci95)}'
     )
 
 

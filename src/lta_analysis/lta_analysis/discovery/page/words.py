@@ -5,8 +5,16 @@ import math
 from typing import Final
 
 from lta_analysis.discovery.finding import Finding, Gap, Learned, NamedEffect, Rung
-from lta_analysis.discovery.forecast.cautions import WORSE
-from lta_analysis.discovery.naming.accept import APART, GAIN, LARGER
+from lta_analysis.discovery.forecast.cautions import keeps, WORSE
+from lta_analysis.discovery.naming.accept import (
+    AGAIN,
+    APART,
+    GAIN,
+    HOLDS,
+    LARGER,
+    SPOILT,
+    TORN,
+)
 from lta_analysis.discovery.outside.draught import Draught
 from lta_analysis.discovery.outside.unexplained import Remainder
 from lta_analysis.report.outcome import MISSING, Tile
@@ -102,6 +110,16 @@ def listed(words: Sequence[str], last: str = 'and') -> str:
     return f'{", ".join(words[:-1])} {last} {words[-1]}'
 
 
+def held(one: Learned) -> str:
+    """Return what the vehicle file holds of a parameter: a number, or nothing."""
+    return figure(one.before) if one.in_file else MISSING
+
+
+def held_words(one: Learned) -> str:
+    """Return the same as a clause."""
+    return f'the file has {figure(one.before)}' if one.in_file else 'the file does not have it'
+
+
 def learned_words(one: Learned) -> str:
     """Return a parameter with its unit."""
     return with_unit(within(one.value, one.ci95)[0], one.unit)
@@ -149,11 +167,16 @@ def headline(found: Finding) -> str:
         return f'These flights cannot tell {listed([names, listed(list(alike), "or")], "from")}.'
     if found.verdict == 'unexplained':
         return f'Something is missing that is in no library{rest}.'
-    better = _better(found)
-    said = f'{names[:1].upper()}{names[1:]} {"are" if many else "is"} missing{better}'
+    names = listed([_or_its_rivals(one) for one in found.effects])
+    said = f'{names[:1].upper()}{names[1:]} {"are" if many else "is"} missing{_better(found)}'
     if found.verdict == 'named+unexplained':
         return f'{said}; and something that is in no library{rest}.'
     return f'{said}.'
+
+
+def _or_its_rivals(one: NamedEffect) -> str:
+    """Return what an effect is called, with what these flights cannot tell from it."""
+    return listed([called(one), *map(spoken, one.confusable_with)], 'or')
 
 
 def _rest(found: Finding) -> str:
@@ -199,9 +222,11 @@ def coasting(gaps: Sequence[Gap]) -> bool:
 def _better(found: Finding) -> str:
     """Return by how much the named effects shrink the gap, to be put behind what is missing."""
     gap = main_gap(found.gaps)
-    if gap is None or gap.shrink <= 0.0 or gap.after > WORSE * gap.tuned:
+    if gap is None or gap.shrink <= 0.0 or gap.after > WORSE * gap.tuned or keeps(found.gaps):
         return ''
     them = 'them' if sum(len(one.knobs) for one in found.effects) > 1 else 'it'
+    if any(one.confusable_with for one in found.effects):
+        them = listed([called(one) for one in found.effects])
     said = (
         f': with {them}, the {gap.channel} error after {gap.horizon_s:g} s falls from '
         f'{amount(gap.before, gap.unit, 2)} to {amount(gap.after, gap.unit, 2)}'
@@ -290,7 +315,9 @@ def _evidence_tile(found: Finding) -> Tile:
     if found.effects:
         least = min(one.log_evidence for one in found.effects)
         which = 'the weaker of them; ' if len(found.effects) > 1 else ''
-        return Tile('Evidence', figure(least), 'nats', f'{which}{odds(least)}')
+        rivals = any(one.confusable_with for one in found.effects)
+        against = '; none against what it may be instead' if rivals else ''
+        return Tile('Evidence', figure(least), 'nats', f'{which}{odds(least)}{against}')
     tried = [rung for step in found.ladder for rung in step]
     if not tried:
         return Tile('Evidence', MISSING, '', 'no candidate was worth a refit')
@@ -313,4 +340,9 @@ def because(rung: Rung, beaten: bool) -> str:
         return 'too little evidence'
     if rung.apart >= APART:
         return 'the flights disagree on its value'
-    return 'another explains it better' if beaten else 'the other flights do not confirm it'
+    if beaten:
+        return 'another explains it better'
+    alone = rung.confirm > AGAIN and rung.carried > -SPOILT
+    if alone or (rung.carried > HOLDS and rung.confirm > -TORN):
+        return 'what no effect explains stands in its place'
+    return 'the other flights do not confirm it'

@@ -64,7 +64,7 @@ def _effect(effect: NamedEffect) -> dict[str, Any]:
                 'value': one.value,
                 'unit': one.unit,
                 'ci95': list(one.ci95),
-                'before': one.before,
+                'before': one.before if one.in_file else None,
             }
             for one in effect.parameters
         },

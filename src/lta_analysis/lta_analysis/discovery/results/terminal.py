@@ -10,6 +10,7 @@ from lta_analysis.discovery.page.words import (
     amount,
     figure,
     headline,
+    held,
     listed,
     percent,
     with_unit,
@@ -82,21 +83,22 @@ def _table(*heads: tuple[str, str]) -> Table:
     """Return an empty table without frames."""
     table = Table(box=None, pad_edge=False, header_style='dim')
     for head, side in heads:
-        table.add_column(head, justify=side)  # type: ignore[arg-type]
+        # A name that is cut short is no name: it goes on in the next line.
+        table.add_column(head, justify=side, overflow='fold')  # type: ignore[arg-type]
     return table
 
 
 def effects_table(finding: Finding) -> Table:
     """Return the named effects, a row a parameter."""
     table = _table(
-        ('effect', 'left'), ('parameter', 'left'), ('before', 'right'), ('now', 'right'),
+        ('effect', 'left'), ('parameter', 'left'), ('file', 'right'), ('now', 'right'),
         ('95 %', 'right'), ('', 'left'), ('nats', 'right'), ('or', 'left'),
     )  # fmt: skip
     for effect in finding.effects:
         for first, row in zip(_firsts(effect), effect.parameters, strict=False):
             now, low, high = within(row.value, row.ci95)
             table.add_row(
-                first[0], row.name, figure(row.before), now, f'{low} to {high}',
+                first[0], row.name, held(row), now, f'{low} to {high}',
                 '' if row.unit == '1' else row.unit, *first[1:],
             )  # fmt: skip
     return table

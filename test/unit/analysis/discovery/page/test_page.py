@@ -26,14 +26,18 @@ from lta_analysis.discovery.page.words import (
     because,
     figure,
     headline,
+    held,
+    held_words,
     odds,
     percent,
     spoken,
+    tiles,
     within,
 )
 from lta_analysis.discovery.replay.linear import origin, Point
 from lta_analysis.discovery.replay.linearise import Linearised
 from lta_analysis.discovery.study import Shown, Study
+from lta_analysis.report.outcome import MISSING
 from lta_sim.effects import EFFECTS
 from lta_sim.effects_page import summary
 import numpy as np
@@ -369,6 +373,36 @@ def test_a_candidate_says_why_it_has_no_name() -> None:
     assert 'do not confirm' in because(Rung('a', 20.0, 0.0, -9.0, 1.0, False), beaten=False)
 
 
+def test_a_candidate_that_both_flights_confirm_is_not_said_to_fail_there() -> None:
+    """It was, where a force without a name took its place."""
+    for confirm, carried in ((8.0, -11.0), (-2.0, 2.0)):
+        said = because(Rung('a', 40.0, confirm, carried, 1.0, False), beaten=False)
+        assert said == 'what no effect explains stands in its place'
+
+
+def test_an_effect_with_an_equal_rival_is_told_as_either(found: Study) -> None:
+    """And the gain is that of the name whose value it is."""
+    said = headline(found.finding)
+    assert said.startswith('Linear drag (surge) or quadratic drag (surge) is missing: ')
+    assert 'with linear drag (surge), the position error' in said
+    assert 'instead' in tiles(found.finding)[1].note
+
+
+def test_no_gain_is_told_where_the_file_should_be_kept(found: Study) -> None:
+    worse = replace(found.finding.gaps[3], shrink=-0.1, shrink_ci95=(-0.3, -0.05))
+    kept = replace(found.finding, gaps=(*found.finding.gaps[:3], worse, *found.finding.gaps[4:]))
+    assert 'falls from' not in headline(kept)
+    better = replace(found.finding.gaps[3], tuned=0.01, after=0.0111)
+    assert 'falls from' not in headline(replace(found.finding, gaps=(better,)))
+
+
+def test_what_the_file_lacks_has_no_value_before() -> None:
+    """A factor that the file does not have was told as 1 before."""
+    lacking = Learned('factor', '1', 1.0, 1.2, (1.1, 1.3), in_file=False)
+    assert (held(lacking), held_words(lacking)) == (MISSING, 'the file does not have it')
+    assert held_words(lacking._replace(in_file=True)) == 'the file has 1'
+
+
 def test_a_file_that_tolerances_make_much_better_is_said_to_be(found: Study) -> None:
     gap = replace(found.finding.gaps[3], before=0.28, tuned=0.016, after=0.016)
     said = headline(replace(found.finding, verdict='none', effects=(), gaps=(gap,)))
@@ -385,7 +419,8 @@ def test_an_effect_that_predicts_no_better_than_tolerances_is_said_to(found: Stu
 
 
 def test_the_headline_says_what_is_missing_and_how_much_better(found: Study) -> None:
-    said = headline(found.finding)
+    alone = replace(found.finding.effects[0], confusable_with=())
+    said = headline(replace(found.finding, effects=(alone,)))
     gap = found.finding.gaps[3]
     assert said.startswith('Linear drag (surge) is missing: with it, the position error after 5 s')
     assert said.endswith(f'to {amount(gap.after, "m", 2)}.')
@@ -393,5 +428,6 @@ def test_the_headline_says_what_is_missing_and_how_much_better(found: Study) -> 
         found.finding.effects[0], name='net_lift', knobs=('net_lift.force',),
         parameters=(Learned('force', 'N', 0.0, -0.008, (-0.009, -0.007)),),
     )  # fmt: skip
-    both = replace(found.finding, effects=(found.finding.effects[0], two), gaps=())
+    two = replace(two, confusable_with=())
+    both = replace(found.finding, effects=(alone, two), gaps=())
     assert headline(both) == 'Linear drag (surge) and net lift are missing.'
