@@ -21,7 +21,7 @@ def main() -> None:
     """Linearise a short flight, and draw a case of the challenge."""
     vehicle, knobs = nominal()
     flight = prepared(flown({}, seed=1, length=8.0), knobs)
-    flight.at(origin(vehicle, knobs, len(flight.replay.first)))
+    flight.at(origin(vehicle, knobs, flight.replay.cut))
     Drawing(known(), 0, 0, 'base', 'clean', (20.0, 24.0)).drawn()
 
 

@@ -21,7 +21,7 @@ from lta_analysis.discovery.fit.evidence import tolerances
 from lta_analysis.discovery.fit.fit import fit
 from lta_analysis.discovery.flights.measured import PERIOD, Stream, Streams
 from lta_analysis.discovery.naming.scan import scan
-from lta_analysis.discovery.replay.linear import origin, RANDOM
+from lta_analysis.discovery.replay.linear import origin
 from lta_analysis.discovery.replay.linearise import Linearised
 import numpy as np
 from scipy.signal import savgol_filter
@@ -84,12 +84,13 @@ def regress(length: int) -> None:
     """Choose terms for the accelerations that the nominal model leaves over, by BIC."""
     vehicle, knobs = nominal()
     one = flight(length)
+    first = one.random
     columns, left = one.columns(origin(vehicle, knobs, one.replay.cut))
     # Of the pose: seconds differences of position and turn, of what is left and of each column.
     known = np.isfinite(left[..., :6]).all(axis=(1, 2))
     rates = [
         savgol_filter(part, SMOOTH, 3, deriv=2, delta=PERIOD, axis=1)
-        for part in (left[known][..., :6], columns[known][:, :, :6, RANDOM : RANDOM + len(knobs)])
+        for part in (left[known][..., :6], columns[known][:, :, :6, first : first + len(knobs)])
     ]
     y, x = rates[0].ravel(), rates[1].reshape(-1, len(knobs))
     chosen: list[int] = []

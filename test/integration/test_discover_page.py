@@ -27,7 +27,7 @@ def page(browser, tmp_path_factory):
     shown = tuple(
         Shown(
             one,
-            *(origin(each, one.flight.knobs, len(one.flight.replay.first)) for each in
+            *(origin(each, one.flight.knobs, one.flight.replay.cut) for each in
               (found.nominal, found.nominal, found.learned)),
         )
         for one in found.flights

@@ -150,8 +150,6 @@ def judged(number: int, answer: Mapping[str, Any], found: Mapping[str, Any]) -> 
     named = tuple(knob for effect in found['effects'] for knob in effect['knobs'])
     true = {name_of(knob) for knob in hidden}
     told = {name_of(knob) for knob in named}
-    # What the truth has besides, of its own: a wind is weaker near the floor.
-    beside = {name_of(knob) for knob in answer.get('beside', ())}
     oracle = found.get('oracle', {})
     return Judged(
         number,
@@ -160,7 +158,7 @@ def judged(number: int, answer: Mapping[str, Any], found: Mapping[str, Any]) -> 
         hidden,
         named,
         tuple(knob for knob in hidden if name_of(knob) not in told),
-        tuple(knob for knob in named if name_of(knob) not in true | beside),
+        tuple(knob for knob in named if name_of(knob) not in true),
         answer['outside'],
         float(answer['floors']),
         found['verdict'],

@@ -30,7 +30,6 @@ START: Final = (1.2, 1.7)  # m; of the height
 SIZES: Final = (2.0, 40.0)  # floors; of what is in no library
 TRIALS: Final = 4  # flights that size it, and times that it is drawn
 COURSE: Final = 'swinging'
-SHEAR: Final = ('wind_gradient.x_z', 'wind_gradient.y_z')  # what a profile is to a straight line
 
 
 @final
@@ -94,7 +93,6 @@ class OtherDrawing:
             'nominal': self._told(truth, hidden),
             'stamps': stamps,
             'draught': draught,
-            'beside': list(SHEAR) if any(truth.wind) else [],
         }
         return Case(self._number, flights, answer)
 
