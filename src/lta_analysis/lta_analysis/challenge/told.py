@@ -33,7 +33,9 @@ nothing else: rigid body (rotation matrix and momenta in the axes of the map), i
 (Dormand and Prince), weight, rotors and their toe, the way of a command, pilot, battery,
 sensors and noise are written apart (`lta_analysis/challenge/truth_*.py`, `watched.py`). Without
 noise and tolerance both fly alike to 1e-4 with each effect (4e-3 with a toed rotor, which the
-model turns to first order) (`test/unit/analysis/challenge/test_truth.py`).
+model turns to first order) (`test/unit/analysis/challenge/test_truth.py`). Flights of the row
+`other` share no equation at all: `lta_analysis/challenge/other/` has a simulator of its own, with
+kinds outside the library of its own, which count as late ones.
 
 *Sigma* of a hidden effect is its size over the deviation with which the flights of the case
 leave it when everything is fitted with the true structure, together with the vehicle's own

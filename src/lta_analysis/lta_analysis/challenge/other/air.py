@@ -1,4 +1,4 @@
-"""The air in the room: wind with a boundary layer, a draught, and what else moves it."""
+"""The air in the room: wind that is never quite steady, a draught, and what else moves it."""
 
 from collections.abc import Sequence
 import math
@@ -7,9 +7,7 @@ from typing import Final, final, Protocol
 from lta_analysis.challenge.other.truth import Six, Truth
 import numpy as np
 
-HEIGHT: Final = 1.5  # m; where the wind is the one that is told
-PROFILE: Final = 0.08  # exponent of its power law; over smooth ground it is 0.1
-LEAST: Final = 0.1  # m; below which the profile is not followed
+UNSTEADY: Final = 0.02  # of a wind, by which it comes and goes, root mean square
 GRID: Final = 0.1  # s; of the draught
 MEMORY: Final = 2.5  # s; of each of its two filters
 
@@ -20,19 +18,6 @@ class MovingAir(Protocol):
     def at(self, time: float, x: float, y: float, z: float) -> Six:
         """Return velocity and acceleration of the air there, in the map. [m/s], [m/s2]."""
         ...
-
-
-@final
-class SteadyWind:
-    """Wind in a boundary layer: weaker towards the floor, by a power law."""
-
-    def __init__(self, truth: Truth) -> None:
-        self._wind = truth.wind
-
-    def at(self, time: float, x: float, y: float, z: float) -> Six:
-        """Return it; horizontal air in layers does not gain speed."""
-        share = (max(z, LEAST) / HEIGHT) ** PROFILE
-        return share * self._wind[0], share * self._wind[1], 0.0, 0.0, 0.0, 0.0
 
 
 @final
@@ -75,6 +60,36 @@ class Draught:
         gain = [(after - before) / GRID for before, after in zip(one, two, strict=True)]
         u, v = (before + share * GRID * g for before, g in zip(one, gain, strict=True))
         return u, v, 0.0, gain[0], gain[1], 0.0
+
+
+@final
+class UnsteadyWind:
+    """
+    Wind over the whole map, which comes and goes a little.
+
+    No boundary layer: a wind that grows with height is an effect of its own in the library.
+
+    Parameters
+    ----------
+    truth : Truth
+        Of which the wind is the mean.
+    seconds : float
+        How long it is needed.
+    draw : Generator
+        Where its chance comes from.
+
+    """
+
+    def __init__(self, truth: Truth, seconds: float, draw: np.random.Generator) -> None:
+        self._wind = truth.wind
+        self._more = Draught(UNSTEADY, seconds, draw)
+
+    def at(self, time: float, x: float, y: float, z: float) -> Six:
+        """Return velocity and acceleration of the air."""
+        share, _, _, gain, _, _ = self._more.at(time, x, y, z)
+        u, v, w = self._wind
+        share += 1.0
+        return share * u, share * v, share * w, gain * u, gain * v, gain * w
 
 
 @final

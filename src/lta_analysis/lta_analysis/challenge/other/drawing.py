@@ -6,7 +6,7 @@ import math
 from typing import Any, Final, final
 
 from lta_analysis.challenge.case import Case, Flight, ROLES, SECONDS
-from lta_analysis.challenge.other.air import Draught, MovingAir, SteadyWind
+from lta_analysis.challenge.other.air import Draught, MovingAir, UnsteadyWind
 from lta_analysis.challenge.other.flight import FlownPath, Flying
 from lta_analysis.challenge.other.hidden import draw_hidden, hide, true_values
 from lta_analysis.challenge.other.pilot import SwingingPilot
@@ -139,7 +139,7 @@ class OtherDrawing:
         truth = trimmed(truth, draw)
         air: list[MovingAir] = []
         if any(truth.wind):
-            air.append(SteadyWind(truth))
+            air.append(UnsteadyWind(truth, seconds, draw))
         if truth.draught:
             air.append(Draught(truth.draught, seconds, draw))
         pilot = SwingingPilot(seconds, self._file, draw)

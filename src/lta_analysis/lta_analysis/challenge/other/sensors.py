@@ -18,7 +18,9 @@ STAMPS: Final[tuple[Stamps, ...]] = ('exact', 'millisecond', 'grid', 'jitter')
 MILLISECOND: Final = 1e-3  # s
 POSE_GRID: Final = 2e-3  # s; of the stamps of poses, where they have one
 JITTER: Final = 3e-4  # s; standard deviation of stamps that jitter
-CLOCK: Final = 3e-5  # by which the clock of a sensor is fast or slow
+# By which a sensor is faster or slower than its name, at least and at most: were it exact, its
+# stamps would stay at one place of their grid, or creep along it as if its clock were wrong.
+CLOCK: Final = (1e-3, 5e-3)
 
 POSE_RATE: Final = 100.0  # Hz
 IMU_RATE: Final = 100.0
@@ -99,8 +101,9 @@ class SensorSet:
         self._states = CubicHermiteSpline(time, states, slopes)
 
     def _sampled(self, rate: float, age: float = 0.0) -> Array:
-        """Return when a sensor looks, by its own clock. [s]."""
-        period = (1.0 + CLOCK * self._draw.standard_normal()) / rate
+        """Return when a sensor looks, at a rate of its own. [s]."""
+        off = self._draw.choice([-1.0, 1.0]) * self._draw.uniform(*CLOCK)
+        period = (1.0 + off) / rate
         first = 2.0 * TICK + age + self._draw.uniform(0.0, 1.0 / rate)
         return np.arange(first, self._path.time[-1], period)
 

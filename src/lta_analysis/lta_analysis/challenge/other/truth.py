@@ -69,7 +69,7 @@ class Truth:
     deadband : float
         Duty below which a rotor stands still.
     wind : triple
-        Of the air over the map at 1.5 m. [m/s]
+        Of the air over the map, its mean. [m/s]
     draught : float
         Root mean square of its random motion, each way. [m/s]
     tracker : triple

@@ -54,7 +54,7 @@ UNLISTED: Final[Mapping[str, OtherKind]] = {
         'a weight on a thread below the gondola',
         HangingWeight,
         {
-            'size': Range(2e-3, 0.04, True),
+            'size': Range(2e-4, 0.04, True),
             'length': Range(0.25, 0.6),
             'depth': Range(0.38, 0.42),
             'damping': Range(0.05, 0.4),
@@ -107,7 +107,7 @@ UNLISTED: Final[Mapping[str, OtherKind]] = {
         'a gas bag that sloshes',
         SloshingGas,
         {
-            'size': Range(1e-3, 0.06, True),
+            'size': Range(2e-4, 0.06, True),
             'frequency': Range(0.7, 1.5),
             'damping': Range(0.02, 0.1),
             'height': Range(-0.1, 0.15),

@@ -8,7 +8,7 @@ from lta_analysis.challenge import other
 from lta_analysis.challenge.case import Case
 from lta_analysis.challenge.judged import judged
 from lta_analysis.challenge.make import draw_case, Order
-from lta_analysis.challenge.other.air import Draught, SteadyWind
+from lta_analysis.challenge.other.air import Draught, UnsteadyWind
 from lta_analysis.challenge.other.drawing import OtherDrawing
 from lta_analysis.challenge.other.flight import Flying
 from lta_analysis.challenge.other.hidden import hide, HIDINGS, true_values
@@ -43,7 +43,7 @@ def drawn(number: int, kind: Kind | None = None, seconds: tuple[float, float] = 
 def seen(truth: Truth, seconds: float = 3.0) -> dict[str, np.ndarray]:
     """Return what is recorded of a flight, by topic, of the same chance always."""
     draw = np.random.default_rng(2)
-    air = [SteadyWind(truth)]
+    air = [UnsteadyWind(truth, seconds, np.random.default_rng(7))]
     pilot = SwingingPilot(seconds, truth_of(VEHICLE), draw)
     # In all directions at once, so that all drag acts.
     begin = [0.0, 0.0, 1.5, 0.3, 0.2, -0.2, 1.0, 0.0, 0.0, 0.0, 0.2, 0.2, 0.2]
@@ -163,6 +163,7 @@ def test_draughts_are_as_strong_as_they_are_told(truth: Truth) -> None:
     # Two filters of 2.5 s: (1 + t / T) exp(-t / T) of it is left after a time t.
     u = series[:, 0] - np.mean(series[:, 0])
     assert np.mean(u[5:] * u[:-5]) / np.mean(u * u) == pytest.approx(2.0 / np.e, abs=0.1)
-    wind = SteadyWind(replace(truth, wind=(0.2, 0.0, 0.0)))
-    assert wind.at(0.0, 0.0, 0.0, 1.5)[0] == pytest.approx(0.2)
-    assert 0.9 * 0.2 < wind.at(0.0, 0.0, 0.0, 0.7)[0] < 0.2
+    wind = UnsteadyWind(replace(truth, wind=(0.2, 0.0, 0.0)), 100.0, np.random.default_rng(6))
+    speeds = [wind.at(time, 0.0, 0.0, 1.0)[0] for time in np.arange(0.0, 100.0, 0.5)]
+    assert np.mean(speeds) == pytest.approx(0.2, rel=0.02)
+    assert 0.01 * 0.2 < np.std(speeds) < 0.03 * 0.2

@@ -48,7 +48,7 @@ def test_readings_of_a_hull_that_hangs_askew(truth: Truth) -> None:
     # Along the body's downward axis from 0.37 m below the hull centre.
     assert np.mean(seen.ranges()[1]) == pytest.approx(2.0 / math.cos(pitch) - 0.37, abs=5e-4)
     time, poses = seen.poses()
-    assert np.diff(time) == pytest.approx(np.full(len(time) - 1, 0.01), rel=1e-3)
+    assert np.diff(time) == pytest.approx(np.full(len(time) - 1, 0.01), rel=6e-3)
     half = 0.5 * pitch
     assert np.mean(poses, axis=0) == pytest.approx(
         [0, 0, 2, 0, math.sin(half), 0, math.cos(half)], abs=2e-4
@@ -93,9 +93,9 @@ def test_stamps_are_off_as_they_say(truth: Truth, stamps: Stamps) -> None:
     if grid := grids.get(stamps):
         assert time / grid == pytest.approx(np.round(time / grid), abs=1e-6)
         assert np.max(np.abs(off)) < 0.5 * grid + 1e-5
+    # What is rounded is off by the grid over the root of 12; `exact` by the noise of 1 mm.
     size = {'exact': 1e-6, 'millisecond': 2.9e-4, 'grid': 5.8e-4, 'jitter': 3e-4}[stamps]
-    assert np.std(off) < 1.3 * size  # a clock that is nearly right stays near one point of a grid
-    assert stamps in grids or np.std(off) == pytest.approx(size, rel=0.1)
+    assert np.std(off) == pytest.approx(size, rel=0.1)
     imu = seen.imu()[0]
     assert stamps != 'grid' or np.max(np.abs(imu / 2e-3 - np.round(imu / 2e-3))) > 0.01
 
