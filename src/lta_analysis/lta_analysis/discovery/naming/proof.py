@@ -15,7 +15,7 @@ from lta_analysis.discovery.fit.fit import Fitter, Joint
 from lta_analysis.discovery.model.candidates import components, whole
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
-from lta_analysis.discovery.naming.accept import LARGER, TIE
+from lta_analysis.discovery.naming.accept import LARGER, TIE, TRIFLE
 from lta_analysis.discovery.naming.faint import Faint
 from lta_analysis.discovery.naming.naming import MOST, Named, Pair, Step
 from lta_analysis.discovery.naming.scan import likeness
@@ -88,7 +88,11 @@ class Proven:
         out = {}
         for name in self.names:
             places = [order.index(one) for one in components(name) if one in order]
-            clear = [k for k in places if abs(mean[k]) > CLEAR * deviations[k]]
+            clear = [
+                k
+                for k in places
+                if abs(mean[k]) > max(CLEAR * deviations[k], TRIFLE * known[k].typical)
+            ]
             out[name] = tuple(clear) or (order.index(name),)
         return out
 

@@ -61,7 +61,10 @@ def vehicle_period(flight: Linearised, nominal: Nominal) -> float:
     )
     states = np.ascontiguousarray(in_map(flight.replay.cut.start, about.rows.acting)[:, None])
     none = np.zeros((*states.shape[:2], AXES))
-    modes = np.linalg.eigvals(flight.replay.jacobians(about.turns, states, none)[:, 0])
+    slopes = flight.replay.jacobians(about.turns, states, none)[:, 0]
+    if not np.isfinite(slopes).all():
+        return math.inf  # a model that runs away has no period
+    modes = np.linalg.eigvals(slopes)
     swinging = (modes.imag > 0.0) & (-modes.real < DAMPED * np.abs(modes))
     # The beginning of a piece is known from few poses: no single one of them decides.
     fastest = float(np.median(np.max(np.where(swinging, modes.imag, 0.0), axis=1)))

@@ -71,13 +71,24 @@ def test_a_glance_finds_the_size_that_makes_a_value_most_probable(
 
 @pytest.mark.parametrize(
     ('mean', 'told'),
-    [((0.2, 0.1), (0, 1)), ((0.2, 0.01), (0,)), ((0.01, 0.2), (1,)), ((0.01, 0.0), (0,))],
+    [
+        ((0.2, 0.1), (0, 1)),
+        ((0.2, 0.01), (0,)),
+        ((0.01, 0.2), (1,)),
+        ((0.01, 0.0), (0,)),
+        ((0.2, 0.039), (0,)),  # known well, and a trifle
+        ((0.2, 0.041), (0, 1)),
+    ],
 )
 def test_the_components_that_stand_out_are_told(
     mean: tuple[float, float], told: tuple[int, ...]
 ) -> None:
-    """Each is known to 0.01; three deviations are asked for, and the name itself if none is."""
-    knobs = [SimpleNamespace(name=f'steady_wind.{axis}') for axis in 'xy']
+    """
+    They are known to 0.01 and 0.005; three deviations are asked for, and 4 % of a typical size.
+
+    Where nothing stands out the name itself is told.
+    """
+    knobs = [SimpleNamespace(name=f'steady_wind.{axis}', typical=1.0) for axis in 'xy']
     measured = SimpleNamespace(fitted=Fitted(0.0, np.array(mean), np.eye(2)))
     proven = Proven(('steady_wind.x',), {}, {}, {}, None, None, measured)
-    assert proven.told(knobs, np.full(2, 0.01)) == {'steady_wind.x': told}
+    assert proven.told(knobs, np.array([0.01, 0.005])) == {'steady_wind.x': told}
