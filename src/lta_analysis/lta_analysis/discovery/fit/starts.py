@@ -47,14 +47,16 @@ def begun(
     """
     for k, knob in enumerate(fitter.flights[0].knobs):
         if knob.name in named and knob.name in TRIED and begin.at[k] == 0.0:
-            groups = [begin, *_aside(fitter, begin, k)]
+            groups = [begin, *_aside(fitter, begin, k, prior)]
             scores = [_score(group, prior, deviations) for group in groups]
-            begin = groups[int(np.argmax(scores))]
+            best = groups[int(np.argmax(scores))]
+            if best is not begin:
+                begin = fitter.about(best.at, [linear.point for linear in best.linears])
     return begin
 
 
-def _aside(fitter: Fitter, begin: Group, k: int) -> list[Group]:
-    """Return the flights with one knob at each of the values that are tried."""
+def _aside(fitter: Fitter, begin: Group, k: int, prior: Prior) -> list[Group]:
+    """Return the flights with one knob at each value that is tried, columns as `about`."""
     knob, out = fitter.flights[0].knobs[k], []
     for size in TRIED[knob.name]:
         value = size * knob.typical
@@ -63,7 +65,7 @@ def _aside(fitter: Fitter, begin: Group, k: int) -> list[Group]:
             at[k] = value
             try:
                 points = [_with(fitter, linear.point, k, value) for linear in begin.linears]
-                out.append(fitter.about(at, points))
+                out.append(fitter.about(at, points, prior))
             except BadInput:
                 continue
     return out

@@ -6,7 +6,7 @@ forces can hide an effect; so the best few are refitted, on the flights that tea
 that confirm, each by themselves, and only that counts.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, final
 
@@ -41,6 +41,8 @@ from lta_analysis.discovery.replay.linearise import Linearised
 import numpy as np
 
 Pair = tuple[Joint, Joint]
+# Candidates worth a refit: what each promises [nats], and what looks like it.
+Glance = Mapping[str, tuple[float, tuple[str, ...]]]
 
 QUICK: Final = 5  # of each glance
 REFITTED: Final = 4
@@ -198,9 +200,7 @@ class Naming:
             out.append(fitter.fit(prior, begin, deviations))
         return out[0], out[1]
 
-    def _glance(
-        self, named: Sequence[str], fits: Pair, failed: Sequence[str] = ()
-    ) -> dict[str, tuple[float, tuple[str, ...]]]:
+    def _glance(self, named: Sequence[str], fits: Pair, failed: Sequence[str] = ()) -> Glance:
         """
         Return the few candidates worth a refit: what they promise, and what looks like them.
 
@@ -275,22 +275,28 @@ class Naming:
 
         What is outside the library fills the glance with what it resembles. Where all that fails,
         candidates that resemble none of it are tried as well; they must be of another place.
+        Where something still remains, so are those that no glance can judge, since they jump.
         """
-        step, then = self._tried(named, fits)
+        step, then = self._tried(named, fits, self._glance(named, fits))
         trials = step.trials
+        judged = {*whole(named), *(trial.name for trial in trials)}
         for _ in range(CHANCES):
             if step.named or not step.trials or not self._displacing.loud(fits):
                 break
-            step, then = self._tried(named, fits, tuple(trial.name for trial in trials))
+            failed = tuple(trial.name for trial in trials)
+            step, then = self._tried(named, fits, self._glance(named, fits, failed), failed)
             trials = (*trials, *step.trials)
+        jumping = {name: (np.inf, ()) for name in TRIED if name in set(self._names) - judged}
+        if jumping and not step.named and self._displacing.loud(fits):
+            step, then = self._tried(named, fits, jumping)
+            trials = (*step.trials, *(one for one in trials if one.name not in jumping))
         return replace(step, trials=trials), then
 
     def _tried(
-        self, named: tuple[str, ...], fits: Pair, failed: Sequence[str] = ()
+        self, named: tuple[str, ...], fits: Pair, glance: Glance, failed: Sequence[str] = ()
     ) -> tuple[Step, Pair]:
         """Try the best candidates of a glance, which are none of those that have failed."""
         tried: dict[str, tuple[Trial, Pair]] = {}
-        glance = self._glance(named, fits, failed)
         for name, (promise, _) in glance.items():
             most = max((trial.total for trial, _ in tried.values()), default=0.0)
             if promise < HOPELESS * most and name not in TRIED:
