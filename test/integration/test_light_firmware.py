@@ -3,6 +3,7 @@
 import math
 from pathlib import Path
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -38,8 +39,8 @@ def built(tmp_path_factory):
     return build
 
 
-def run(built, folder, samples, rate, drift, peak=0.0):
-    """Run the board over a cable; yield what it sends and when, until it has sent all."""
+def run(built, folder, samples, rate, drift, peak=0.0, held=0.0):
+    """Run the board over a cable, held up once; yield all that it sends, and the cable."""
     (folder / 'rows').write_bytes(samples.astype('<u2').tobytes())
     cable = Cable(folder / 'tty')
     words = [folder / 'tty', folder / 'rows', samples.shape[1], rate, drift, peak]
@@ -53,6 +54,11 @@ def run(built, folder, samples, rate, drift, peak=0.0):
             raise AssertionError(f'the board still sends; {board.communicate()[1]}')
         alive = board.poll() is None
         data = cable.read(0.005)
+        if data and held:
+            board.send_signal(signal.SIGSTOP)
+            time.sleep(held)
+            board.send_signal(signal.SIGCONT)
+            held = 0.0
         yield cable, data
         if not alive and not data:
             break
@@ -77,6 +83,12 @@ def test_every_sample_comes_through_in_order(built, tmp_path, diodes):
     apart = np.diff([block.stamp_ns for block in blocks]) / 1e8
     assert np.median(apart) == pytest.approx(1.0, abs=2e-3)
     assert link.wrong == ''
+
+
+def test_a_board_that_was_held_up_loses_no_row(built, tmp_path):
+    """It stands still for 0.3 s, in which three times as many rows are due as it can keep."""
+    samples = np.zeros((6000, 8), np.uint16)
+    assert sum(len(data) for _, data in run(built, tmp_path, samples, RATE, 0.0, held=0.3)) > 0
 
 
 def test_its_answers_tell_its_clock(built, tmp_path):

@@ -58,7 +58,9 @@ int main(int count, char **words)
     bool more = true;
     while (more || ring_waiting(&board.ring) >= 15) {
         const uint64_t now = now_us();
-        while (more && (double)board.sampled < (double)(now - board.config.start_us) * 1e-6 * board.config.sample_rate
+        /* A file can wait, which an ADC cannot: rows that are due while the host was busy come once there is room. */
+        while (more && ring_waiting(&board.ring) < RING_ROWS
+               && (double)board.sampled < (double)(now - board.config.start_us) * 1e-6 * board.config.sample_rate
                && (more = fread(row, sizeof *row, board.config.diodes, rows) == board.config.diodes))
             light_board_sample(&board, row);
         uint8_t bytes[256];
