@@ -180,7 +180,7 @@ def study(
     )
     seen = [Shown(f, *each) for f, each in zip(last, models, strict=True)]
     tell('done', 1.0)
-    after = learned(nominal, proven, known)
+    after = learned(nominal, proven, known, finding.effects)
     fits = proven.bare.members, proven.full.members
     return Study(finding, nominal, after, flown, seen, *fits)
 
@@ -242,7 +242,7 @@ def _strained(full: Joint, known: Sequence[Knob]) -> list[str]:
         return []
     return [
         f'The flights want more than {FARTHEST:g} standard deviations of tolerance for '
-        f'{", ".join(names)}: measure it again and correct the vehicle file.'
+        f'{", ".join(names)}: measure again and correct the vehicle file.'
     ]
 
 

@@ -42,8 +42,8 @@ def make(
 
     The flights are made by an integrator, rigid body, rotors, pilot, sensors and noise of their
     own; of the project's model they share the equations of the effects. Those of the row other
-    are made by a simulator that shares no equation with it either; its things outside the library
-    are of its own as well.
+    are made by a simulator that shares no equation with it either, and that has its own forces
+    outside the library.
 
     Exit status 0: done. 2: bad input.
 

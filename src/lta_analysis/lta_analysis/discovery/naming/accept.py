@@ -7,9 +7,7 @@ LARGER: Final = 5.0  # nats; of the better of the two
 APART: Final = 5.0  # deviations; by which the two values may differ
 PART: Final = 0.1  # of the value; by which they may differ however well each is known
 HOLDS: Final = 1.5  # nats; that the first flight's posterior wins on the other
-AGAIN: Final = (
-    6.0  # nats; that the other flight wins by itself, where that posterior does not help
-)
+AGAIN: Final = 6.0  # nats; of the other flight by itself, where that posterior does not help
 SPOILT: Final = 12.0  # nats; and that the posterior may lose then
 TORN: Final = 3.0  # nats; that a candidate may lose on one flight while it wins on the other
 TIE: Final = 3.0  # nats; nearer than that, names cannot be told apart

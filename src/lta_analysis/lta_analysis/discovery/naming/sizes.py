@@ -24,16 +24,13 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-def learned(nominal: Nominal, proven: Proven, known: Sequence[Knob]) -> Nominal:
+def learned(
+    nominal: Nominal, proven: Proven, known: Sequence[Knob], named: Sequence[NamedEffect]
+) -> Nominal:
     """Return the vehicle file's vehicle with the named effects, and nothing else changed."""
-    told = {k for places in _told(proven, known).values() for k in places}
-    values = np.where([k in told for k in range(len(known))], _values(proven, known), 0.0)
+    told = {name for one in named for name in one.knobs}
+    values = np.where([knob.name in told for knob in known], _values(proven, known), 0.0)
     return turned(nominal, known, values)[0]
-
-
-def _told(proven: Proven, known: Sequence[Knob]) -> dict[str, tuple[int, ...]]:
-    """Return which knobs are told of each name."""
-    return proven.told(known, np.sqrt(np.diag(_seen(proven.measured).covariance)))
 
 
 def _values(proven: Proven, known: Sequence[Knob]) -> Array:
@@ -53,11 +50,12 @@ def effects(
     nominal: Nominal, proven: Proven, known: Sequence[Knob], beside: bool = False
 ) -> tuple[NamedEffect, ...]:
     """Return the effects that were found missing, the strongest first; `beside` as in `spread`."""
-    values, deviations = _values(proven, known), spread(_seen(proven.measured), known, beside)
+    seen = _seen(proven.measured)
+    values, deviations = _values(proven, known), spread(seen, known, beside)
     by_effect: dict[str, list[str]] = {}
     for name in proven.names:
         by_effect.setdefault(name.partition('.')[0], []).append(name)
-    out, told = [], _told(proven, known)
+    out, told = [], proven.told(known, np.sqrt(np.diag(seen.covariance)))
     for effect, found in by_effect.items():
         places = [k for name in found for k in told[name]]
         names = tuple(known[k].name for k in places)

@@ -35,7 +35,7 @@ def _prior(*named: str) -> Prior:
 
 
 def test_a_tolerance_may_go_six_standard_deviations_and_an_effect_to_its_bounds() -> None:
-    """Of what can be an effect too, those of both: 6 hypot(0.3, 0.4) = 3."""
+    """A tolerance of 0.3 that can be an effect of 0.4 as well may go 6 hypot(0.3, 0.4) = 3."""
     low, high = reach(KNOBS, _prior('wind'))
     np.testing.assert_allclose(low, [-0.5, -3.0, -9.0, -9.0, -math.inf])
     np.testing.assert_allclose(high, [0.6, 3.0, 9.0, 9.0, math.inf])
