@@ -23,6 +23,7 @@ from lta_analysis.challenge.truth_flight import TICK
 from lta_analysis.challenge.vessel import Vessel, vessel
 from lta_analysis.challenge.watched import Instruments, Streams, Watcher
 from lta_analysis.discovery.fit.evidence import FLOOR
+from lta_analysis.discovery.flights.bags import Role
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_sim.vehicle import Vehicle
@@ -32,7 +33,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Draw = np.random.Generator
 
-ROLES: Final = ('train', 'confirm', 'holdout')
+ROLES: Final[tuple[Role, ...]] = ('train', 'confirm', 'holdout')
 SECONDS: Final = (60.0, 180.0)  # of a flight
 TRIALS: Final = 4  # flights that size what is outside the library, and times that it is drawn
 TILT: Final = 0.05  # rad; a flight begins askew by

@@ -78,6 +78,10 @@ class Judged:
         At the horizon: before, tuned, after, oracle, coast, noise. [m]
     seconds : float
         Processor time of the study. [s]
+    promised : tuple of str
+        Of what was missed, that which is larger than what was said to be seen.
+    contradictions : tuple of str
+        What the study asserts and retracts.
 
     """
 
@@ -96,6 +100,8 @@ class Judged:
     intervals: tuple[Interval, ...]
     errors: Mapping[str, float]
     seconds: float
+    promised: tuple[str, ...] = ()
+    contradictions: tuple[str, ...] = ()
 
     @property
     def flagged(self) -> bool:
@@ -151,13 +157,14 @@ def judged(number: int, answer: Mapping[str, Any], found: Mapping[str, Any]) -> 
     true = {name_of(knob) for knob in hidden}
     told = {name_of(knob) for knob in named}
     oracle = found.get('oracle', {})
+    missed = tuple(knob for knob in hidden if name_of(knob) not in told)
     return Judged(
         number,
         kind(answer['kind']),
         answer['row'],
         hidden,
         named,
-        tuple(knob for knob in hidden if name_of(knob) not in told),
+        missed,
         tuple(knob for knob in named if name_of(knob) not in true),
         answer['outside'],
         float(answer['floors']),
@@ -167,7 +174,18 @@ def judged(number: int, answer: Mapping[str, Any], found: Mapping[str, Any]) -> 
         _intervals(answer, found, hidden),
         _errors(found.get('gaps', []), oracle.get('gaps', [])),
         float(found['cpu_s']),
+        _promised(answer, found, missed),
+        tuple(found.get('contradictions', ())),
     )
+
+
+def _promised(
+    answer: Mapping[str, Any], found: Mapping[str, Any], missed: tuple[str, ...]
+) -> tuple[str, ...]:
+    """Return what is hidden, larger than the size from which it would be seen, and not named."""
+    size = {each['knob']: abs(float(each['value'])) for each in answer['hidden']}
+    least = found.get('detectable', {})
+    return tuple(knob for knob in missed if size[knob] >= least.get(knob, float('inf')))
 
 
 def _intervals(

@@ -92,6 +92,11 @@ def _wrong(one: Judged) -> bool:
     return bool(one.wrong)
 
 
+def _promised(one: Judged) -> bool:
+    """Tell whether something was missed that is larger than what was said to be seen."""
+    return bool(one.promised)
+
+
 def _flagged(one: Judged) -> bool:
     """Tell whether something was called unexplained."""
     return one.flagged
@@ -102,11 +107,13 @@ def _of_names(cases: Sequence[Judged]) -> list[Figure]:
     single, pair, clean = (_of(cases, kind) for kind in ('single', 'pair', 'clean'))
     clear, weak = _between(single, CLEAR, math.inf), _between(single, WEAK, CLEAR)
     both = _between(pair, CLEAR, math.inf)
+    silent = [one for one in single if one.outcome == 'silent']
     return [
         Figure('one effect, 6 sigma or more: exact', _share(clear, _exact), least=0.97),
         Figure('one effect, 3 to 6 sigma: exact', _share(weak, _exact), least=0.70),
         Figure('one effect: a wrong name', _share(single, _wrong), most=0.02),
         Figure('one effect: silent', _share(single, lambda one: one.outcome == 'silent')),
+        Figure('one effect: silent, of a size to be seen', _share(silent, _promised), most=0.05),
         Figure('one effect: also unexplained', _share(single, _flagged)),
         Figure('two effects, both 6 sigma or more: both exact', _share(both, _exact), least=0.85),
         Figure('two effects: a wrong name', _share(pair, _wrong)),
@@ -149,7 +156,9 @@ def _of_values(cases: Sequence[Judged]) -> list[Figure]:
 def figures(cases: Sequence[Judged]) -> list[Figure]:
     """Return all figures of some cases of one row."""
     silent = Figure('no answer', _share(cases, lambda one: bool(one.refused)))
-    return [*_of_names(cases), *_of_outside(cases), *_of_values(cases), silent]
+    torn = _share(cases, lambda one: bool(one.contradictions))
+    rest = [silent, Figure('the study contradicts itself', torn, most=0.0)]
+    return [*_of_names(cases), *_of_outside(cases), *_of_values(cases), *rest]
 
 
 @final

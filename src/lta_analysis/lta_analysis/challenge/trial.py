@@ -7,15 +7,19 @@ import time
 from typing import Any, Final
 
 from lta_analysis.challenge.case import ROLES
+from lta_analysis.challenge.contradictions import contradictions
+from lta_analysis.discovery.conclusion import concluded
 from lta_analysis.discovery.finding import Gap
 from lta_analysis.discovery.fit.bounds import turned
 from lta_analysis.discovery.fit.evidence import floor_of, own_variance, shared
 from lta_analysis.discovery.fit.fit import Fitter, Joint
-from lta_analysis.discovery.flights.bags import read_bags
+from lta_analysis.discovery.flights.bags import read_bags, Role
 from lta_analysis.discovery.flights.trusted import believed
 from lta_analysis.discovery.forecast.held_out import gaps, shown
+from lta_analysis.discovery.planning.next_flight import doubted
 from lta_analysis.discovery.replay.linear import Point, still
-from lta_analysis.discovery.study import Study, study
+from lta_analysis.discovery.run import Asked, studied
+from lta_analysis.discovery.study import Study
 from lta_analysis.results_folder import keep_json
 from lta_config.errors import BadInput
 from lta_sim.vehicle import load_vehicle
@@ -47,18 +51,18 @@ def put(folder: Path, answer: Mapping[str, Any], out: Path) -> dict[str, Any]:
     """
     wall, cpu = time.monotonic(), time.process_time()
     found: dict[str, Any] = {'refused': ''}
-    studied = None
+    made = None
     try:
-        studied = _studied(folder)
-        found |= _told(studied)
+        made = _studied(folder)
+        found |= _told(made)
     except FAULTS as fault:
         found |= {'refused': str(fault), 'verdict': 'not_identifiable', 'effects': [], 'gaps': []}
         found |= {'remains': [], 'warnings': []}
     found |= {'wall_s': time.monotonic() - wall, 'cpu_s': time.process_time() - cpu}
     keep_json(found, out)
-    if studied is not None:
+    if made is not None:
         try:
-            found |= {'oracle': oracle(studied, answer)}
+            found |= {'oracle': oracle(made, answer)}
         except FAULTS as fault:
             found |= {'oracle': {}, 'oracle_fault': str(fault)}
         keep_json(found, out)
@@ -67,14 +71,16 @@ def put(folder: Path, answer: Mapping[str, Any], out: Path) -> dict[str, Any]:
 
 def _studied(folder: Path) -> Study:
     """Return the study of a case: what `lta discover` does with its bags."""
-    vehicle = load_vehicle(str(folder / 'vehicle.yaml'))
-    bags = read_bags({role: [folder / role] for role in ROLES})
-    return study(vehicle, believed(bags, vehicle).flights)
+    name = str(folder / 'vehicle.yaml')
+    bags: dict[Role, list[Path]] = {role: [folder / role] for role in ROLES}
+    vehicle = load_vehicle(name)
+    sound = believed(read_bags(bags), vehicle)
+    return doubted(studied(Asked(name, bags), vehicle, sound, lambda _what, _part: None))
 
 
-def _told(studied: Study) -> dict[str, Any]:
+def _told(made: Study) -> dict[str, Any]:
     """Return a finding as plain data."""
-    finding = studied.finding
+    finding = made.finding
     return {
         'verdict': finding.verdict,
         'effects': [
@@ -84,6 +90,9 @@ def _told(studied: Study) -> dict[str, Any]:
         'gaps': _shown(finding.gaps),
         'remains': [one._asdict() for one in finding.remains],
         'warnings': list(finding.warnings),
+        'advice': concluded(finding).advice,
+        'detectable': {one.knob: one.size for one in finding.detectable},
+        'contradictions': contradictions(finding),
     }
 
 
@@ -92,13 +101,13 @@ def _shown(differences: Sequence[Gap]) -> list[dict[str, Any]]:
     return [asdict(one) for one in differences if one.channel in ('position', 'attitude')]
 
 
-def oracle(studied: Study, answer: Mapping[str, Any]) -> dict[str, Any]:
+def oracle(made: Study, answer: Mapping[str, Any]) -> dict[str, Any]:
     """
     Return what one would find who knew what was hidden, and not how large.
 
     Parameters
     ----------
-    studied : Study
+    made : Study
         Of the case.
     answer : mapping
         Of the case.
@@ -111,19 +120,19 @@ def oracle(studied: Study, answer: Mapping[str, Any]) -> dict[str, Any]:
 
     """
     hidden = {one['knob']: float(one['value']) for one in answer['hidden']}
-    fits = _fitted(studied, hidden)
-    models = [shown(each.flown.flight, studied.nominal, fits, fits) for each in studied.shown]
-    flights = [each.flown.flight for each in studied.shown]
+    fits = _fitted(made, hidden)
+    models = [shown(each.flown.flight, made.nominal, fits, fits) for each in made.shown]
+    flights = [each.flown.flight for each in made.shown]
     return {
-        'sigma': _sigmas(studied, hidden, fits),
+        'sigma': _sigmas(made, hidden, fits),
         'gaps': _shown(gaps(flights, models, 0)),
     }
 
 
-def _fitted(studied: Study, hidden: Mapping[str, float]) -> Joint:
+def _fitted(made: Study, hidden: Mapping[str, float]) -> Joint:
     """Fit the flights that teach and confirm with the true structure, from the truth."""
-    flights = [one.flight for one in studied.flights if one.role != 'holdout']
-    known, nominal = flights[0].knobs, studied.nominal
+    flights = [one.flight for one in made.flights if one.role != 'holdout']
+    known, nominal = flights[0].knobs, made.nominal
     fitter = Fitter(nominal, flights, own_variance(known), floor_of(nominal))
     variance = own_variance(known)
     at = np.zeros(len(variance))
@@ -136,10 +145,10 @@ def _fitted(studied: Study, hidden: Mapping[str, float]) -> Joint:
     return fitter.fit(prior, begin, BEGIN * floor_of(nominal), narrow=True)
 
 
-def _sigmas(studied: Study, hidden: Mapping[str, float], fits: Joint) -> dict[str, float]:
+def _sigmas(made: Study, hidden: Mapping[str, float], fits: Joint) -> dict[str, float]:
     """Return the strength of each hidden effect in deviations."""
     out = {}
-    for k, knob in enumerate(studied.flights[0].flight.knobs):
+    for k, knob in enumerate(made.flights[0].flight.knobs):
         if knob.name not in hidden:
             continue
         variance = float(fits.fitted.covariance[k, k])

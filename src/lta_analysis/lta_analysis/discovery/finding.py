@@ -74,6 +74,30 @@ class Rung(NamedTuple):
     apart: float
     accepted: bool
 
+    @property
+    def total(self) -> float:
+        """Evidence that counts: of the training flights and the better witness. [nats]"""
+        return self.train + max(self.confirm, self.carried)
+
+
+@final
+class Assumed(NamedTuple):
+    """
+    One number of an effect that no flight was asked for.
+
+    Attributes
+    ----------
+    name, unit : str, str
+        Within the effect; SI.
+    value : float
+        What it was taken to be.
+
+    """
+
+    name: str
+    unit: str
+    value: float
+
 
 @final
 @dataclass(frozen=True, slots=True)
@@ -93,6 +117,9 @@ class NamedEffect:
         What removing it would cost on all flights that taught and confirmed it. [nats]
     confusable_with : tuple of str
         Knobs that these flights cannot tell from it.
+    assumed : tuple of Assumed
+        Numbers of it that the vehicle file lacks and that were not fitted. The values of
+        `parameters` hold with these, and their intervals do not know them to be uncertain.
 
     """
 
@@ -101,6 +128,7 @@ class NamedEffect:
     parameters: tuple[Learned, ...]
     log_evidence: float
     confusable_with: tuple[str, ...] = ()
+    assumed: tuple[Assumed, ...] = ()
 
 
 @final
@@ -281,6 +309,8 @@ class Finding:
         Where forecasts gave the names, and not the readings: what they rest on.
     draught : Draught, optional
         Air that moved a little by itself; nothing of the vehicle is missing for it.
+    strained : tuple of str
+        Knobs whose tolerance is not enough: the flights want them further off than that.
 
     """
 
@@ -301,3 +331,4 @@ class Finding:
     next_flight: str = ''
     carried: Carried | None = None
     draught: Draught | None = None
+    strained: tuple[str, ...] = ()

@@ -157,7 +157,8 @@ def study(
     differences = gaps([f.flight for f in last], models, seed)
     if not held_out:
         warnings.append('No flight was held out: the gaps are of flights that confirmed.')
-    warnings.extend(_strained(proven.full, known))
+    strained = wanting_out(known, proven.full.prior, proven.full.fitted.mean)
+    warnings.extend(_wanting(strained))
     rest = outside(pair, proven.full, floor_of(nominal))
     kind = kind_of([f.flight.replay.flight for f in flown])
     finding = Finding(
@@ -173,10 +174,11 @@ def study(
         bags={role: tuple(f.name for f in flown if f.role == role) for role in ROLES},
         vehicle=vehicle.file.name,
         detectable=detectable(
-            [proven.full.reduced], proven.full.prior, known, tuple(whole(proven.names))
+            proven.full.sides(len(pair[0])), proven.full.prior, known, tuple(whole(proven.names))
         ),
         unexplained=rest.sentences,
         draught=rest.draught,
+        strained=tuple(strained),
     )
     seen = [Shown(f, *each) for f, each in zip(last, models, strict=True)]
     tell('done', 1.0)
@@ -235,14 +237,13 @@ def _forecasting(
     return bare, forecasting(fitter, proven.measured, places) if places else bare
 
 
-def _strained(full: Joint, known: Sequence[Knob]) -> list[str]:
+def _wanting(names: Sequence[str]) -> list[str]:
     """Return a sentence on tolerances that are not enough, if there are any."""
-    names = wanting_out(known, full.prior, full.fitted.mean)
     if not names:
         return []
     return [
         f'The flights want more than {FARTHEST:g} standard deviations of tolerance for '
-        f'{", ".join(names)}: measure again and correct the vehicle file.'
+        f'{", ".join(names)}.'
     ]
 
 

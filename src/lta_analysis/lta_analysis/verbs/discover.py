@@ -6,6 +6,7 @@ from typing import Annotated
 from lta_analysis.discovery.demo.demo import demonstrate
 from lta_analysis.discovery.demo.hidden import Hidden
 from lta_analysis.discovery.flights.bags import Role
+from lta_analysis.discovery.page.verdict_words import learned_commands
 from lta_analysis.discovery.planning.next_flight import between as plan_between
 from lta_analysis.discovery.planning.next_flight import FILE, Next, SCENE
 from lta_analysis.discovery.progress import DiscoverProgress
@@ -147,11 +148,8 @@ def told(found: Discovered, hidden: Hidden | None, folder: Path, console: Consol
         console.print(both, style='bold', highlight=False, soft_wrap=True)
     if (folder / FILE).exists():
         show_flight(finding.vehicle, folder / FILE, console)
-    if finding.effects:
-        learned = near(folder / 'vehicle.yaml')
-        for line in (typed('vehicle', 'diff', finding.vehicle, learned),
-                     typed('fly', '--vehicle', learned)):  # fmt: skip
-            console.print(line, style='dim', highlight=False, markup=False, soft_wrap=True)
+    for line in learned_commands(finding, folder).values():
+        console.print(line, style='dim', highlight=False, markup=False, soft_wrap=True)
     console.print(page_line(found.page), highlight=False, markup=False, soft_wrap=True)
 
 

@@ -1,6 +1,7 @@
 """Names that forecasts gave, as a finding has them: effects of the registry with intervals."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Final
 
 from lta_analysis.discovery.carrying.choose import Chosen, Tried
@@ -10,6 +11,7 @@ from lta_analysis.discovery.carrying.values import Valued
 from lta_analysis.discovery.finding import Learned, NamedEffect
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
+from lta_analysis.discovery.naming.sizes import assumed
 from lta_sim.effects import EFFECTS
 
 NEAR: Final = 0.9  # of the worth of a name; what has more in its round could stand in its place
@@ -59,7 +61,10 @@ def effects(
             before.log_evidence + chosen.nats[place],
             (*before.confusable_with, *rivals),
         )
-    return tuple(sorted(out.values(), key=lambda one: -one.log_evidence))
+    told = [
+        replace(one, assumed=assumed(nominal, one.name, one.parameters)) for one in out.values()
+    ]
+    return tuple(sorted(told, key=lambda one: -one.log_evidence))
 
 
 def _rivals(group: Group, tried: Sequence[Tried], knobs: Sequence[Knob]) -> tuple[str, ...]:

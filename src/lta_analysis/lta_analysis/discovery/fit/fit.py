@@ -109,6 +109,15 @@ class Joint:
             out.append(Fit(each.linear, each, own, *rest))
         return tuple(out)
 
+    def sides(self, teach: int) -> tuple[Reduced, Reduced]:
+        """Return what the first flights, so many of them, say of what all share, and the rest."""
+        pieces = self.group.pieces
+        first, second = (
+            replace(self.group, pieces=part).reduced(self.deviations)
+            for part in (pieces[:teach], pieces[teach:])
+        )
+        return first, second
+
 
 @final
 class Onward(NamedTuple):

@@ -11,9 +11,14 @@ WORSE: Final = (
 )
 
 
-def keeps(gaps: Sequence[Gap]) -> bool:
-    """Tell whether the vehicle file should be kept: what was fitted surely predicts worse."""
-    return any(gap.channel in WHOLE and gap.shrink_ci95[1] < 0.0 for gap in gaps)
+def worse(gaps: Sequence[Gap]) -> list[Gap]:
+    """Return where what was fitted surely predicts worse than the vehicle file."""
+    return [gap for gap in _whole(gaps) if gap.shrink_ci95[1] < 0.0]
+
+
+def in_vain(gaps: Sequence[Gap]) -> list[Gap]:
+    """Return where the names predict worse than tolerances alone."""
+    return [gap for gap in _whole(gaps) if gap.after > WORSE * gap.tuned]
 
 
 def cautions(gaps: Sequence[Gap]) -> list[str]:
@@ -26,17 +31,15 @@ def cautions(gaps: Sequence[Gap]) -> list[str]:
         Of flights that nothing was fitted to.
 
     """
-    told = [gap for gap in gaps if gap.channel in WHOLE]
-    vain = [gap for gap in told if gap.after > WORSE * gap.tuned]
-    worse = [gap for gap in told if gap.shrink_ci95[1] < 0.0]
-    idle = [gap for gap in told if gap.coast < min(gap.before, gap.tuned, gap.after)]
+    lost, vain = worse(gaps), in_vain(gaps)
+    idle = [gap for gap in _whole(gaps) if gap.coast < min(gap.before, gap.tuned, gap.after)]
     out = []
-    if worse:
+    if lost:
         out.append(
-            f'What was fitted predicts worse than the vehicle file ({_listed(worse)}): it follows '
-            'what no effect explains; keep the vehicle file.'
+            f'What was fitted predicts worse than the vehicle file ({_listed(lost)}): '
+            'keep the vehicle file.'
         )
-    if vain and not worse:
+    if vain and not lost:
         out.append(
             f'With what was named, forecasts are worse than with tolerances alone '
             f'({_listed(vain)}): the name may be right, but do not trust its value; fly again.'
@@ -44,6 +47,11 @@ def cautions(gaps: Sequence[Gap]) -> list[str]:
     if idle:
         out.append(f'Keeping velocity and rates predicts better than any model ({_listed(idle)}).')
     return out
+
+
+def _whole(gaps: Sequence[Gap]) -> list[Gap]:
+    """Return the gaps of the pose as a whole."""
+    return [gap for gap in gaps if gap.channel in WHOLE]
 
 
 def _listed(gaps: Sequence[Gap]) -> str:

@@ -46,6 +46,33 @@ class Seen(NamedTuple):
     size: float = 1.0
 
 
+def gain(pull: float, information: float, tolerance: float, typical: float) -> tuple[float, float]:
+    """
+    Return what it gains that a candidate is there, against its being only tolerance, and its size.
+
+    Parameters
+    ----------
+    pull, information : float
+        Of its column: the most probable value times the information, and one over its variance.
+    tolerance : float
+        Variance of the nominal model's own error.
+    typical : float
+        Size of the effect where it is there.
+
+    Returns
+    -------
+    float, float
+        Log Bayes factor [nats]; the entry of SIZES that makes it most probable.
+
+    """
+    gains = {
+        size: _gain(pull, information, tolerance + (size * typical) ** 2) - cost
+        for size, cost in SIZES.items()
+    }
+    size = max(gains, key=lambda one: gains[one])
+    return gains[size] - _gain(pull, information, tolerance), size
+
+
 def _gain(pull: float, information: float, variance: float) -> float:
     """Return the log evidence of a column with a variance, against 0."""
     more = 1.0 + information * variance
@@ -93,12 +120,7 @@ def scan(reduced: Reduced, at: Array, prior: Prior, knobs: Sequence[Knob]) -> li
             continue  # this flight says nothing of it
         had = prior.covariance[k, k]
         pull -= information * (prior.mean - at)[k]
-        gains = {
-            size: _gain(pull, information, had + (size * knob.typical) ** 2) - cost
-            for size, cost in SIZES.items()
-        }
-        size = max(gains, key=lambda one: gains[one])
-        gain = gains[size] - _gain(pull, information, had)
+        won, size = gain(pull, information, had, knob.typical)
         whole = had + (size * knob.typical) ** 2
         value = pull / (information + 1.0 / whole)
         spread = 1.0 / (information + 1.0 / whole)
@@ -106,7 +128,7 @@ def scan(reduced: Reduced, at: Array, prior: Prior, knobs: Sequence[Knob]) -> li
         sigma = abs(best) / np.sqrt(1.0 / information + had)
         score = pull / np.sqrt(information) / np.sqrt(1.0 + information * had)
         there = value + prior.mean[k], float(np.sqrt(spread))
-        out.append(Seen(knob.name, gain, float(score), *there, sigma, size))
+        out.append(Seen(knob.name, won, float(score), *there, sigma, size))
     return sorted(out, key=lambda seen: -seen.gain)
 
 

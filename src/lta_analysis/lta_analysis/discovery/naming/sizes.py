@@ -8,11 +8,12 @@ of the same vehicle can show is added to it (`interval`).
 
 from collections.abc import Sequence
 
-from lta_analysis.discovery.finding import Learned, NamedEffect
+from lta_analysis.discovery.finding import Assumed, Learned, NamedEffect
 from lta_analysis.discovery.fit.bounds import turned
 from lta_analysis.discovery.fit.evidence import Fitted
 from lta_analysis.discovery.fit.fit import Joint
 from lta_analysis.discovery.fit.piecewise import variance
+from lta_analysis.discovery.model.candidates import alongside
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.naming.interval import NORMAL, spread
@@ -68,8 +69,22 @@ def effects(
         )
         cost = max(proven.costs[name] for name in found)
         rivals = dict.fromkeys(rival for name in found for rival in proven.rivals[name])
-        out.append(NamedEffect(effect, names, parameters, cost, tuple(rivals)))
+        taken = assumed(nominal, effect, parameters)
+        out.append(NamedEffect(effect, names, parameters, cost, tuple(rivals), taken))
     return tuple(out)
+
+
+def assumed(nominal: Nominal, effect: str, learned: Sequence[Learned]) -> tuple[Assumed, ...]:
+    """Return the numbers of an effect that the vehicle file lacks and no flight was asked for."""
+    if effect in nominal.given:
+        return ()
+    units = {known.name: known.unit for known in EFFECTS[effect].parameters}
+    fitted = {one.name for one in learned}
+    return tuple(
+        Assumed(name, units[name], value)
+        for name, value in alongside(effect).items()
+        if name not in fitted and value != 0.0
+    )
 
 
 def _parameters(

@@ -11,20 +11,14 @@ from lta_analysis.discovery.page import errors, pictures, tables
 from lta_analysis.discovery.page.carried import carried
 from lta_analysis.discovery.page.latent import followed, joined, latents
 from lta_analysis.discovery.page.told import Overlay, overlay, Seen, seen, together
+from lta_analysis.discovery.page.verdict_words import about, headline, learned_commands, tiles
 from lta_analysis.discovery.page.whiteness import autocorrelation, GROUPS, spectrum
-from lta_analysis.discovery.page.words import (
-    about,
-    headline,
-    listed,
-    remainder_words,
-    size_unit,
-    tiles,
-)
+from lta_analysis.discovery.page.words import listed, remainder_words, size_unit
 from lta_analysis.discovery.study import Study
 from lta_analysis.report.frame import framed, written
 from lta_analysis.report.palette import DARK, ESTIMATE, FILL, GOOD, LAMP, TRUTH, WALL
 from lta_analysis.report.pieces import embedded, section, tile_html
-from lta_analysis.typed import near, typed
+from lta_analysis.typed import typed
 from lta_sim.effects.protocol import AXES
 import numpy as np
 from numpy.typing import NDArray
@@ -275,10 +269,4 @@ def commands(found: Finding, folder: Path, bags: Bags) -> Mapping[str, str]:
         if bags.get(role):
             words += [f'--{role}', *map(str, bags[role])]
     again = typed('discover', *words, '--seed', str(found.seed))
-    learned = near(folder / 'vehicle.yaml')
-    on = {
-        'do it again': again,
-        'see what was learned': typed('vehicle', 'diff', found.vehicle, learned),
-        'fly it': typed('fly', '--vehicle', learned),
-    }
-    return on if found.effects else {'do it again': again}
+    return {'do it again': again, **learned_commands(found, folder)}

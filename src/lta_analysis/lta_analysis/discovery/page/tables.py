@@ -5,27 +5,26 @@ from html import escape
 import math
 from typing import Final
 
+from lta_analysis.discovery.conclusion import concluded, stands
 from lta_analysis.discovery.finding import Finding, Learned, NamedEffect, Place, Rung
 from lta_analysis.discovery.forecast.replayed import NAMES
 from lta_analysis.discovery.naming.accept import GAIN
-from lta_analysis.discovery.naming.detectable import SIGMA
 from lta_analysis.discovery.outside.unexplained import Remainder
 from lta_analysis.discovery.page import strips
+from lta_analysis.discovery.page.verdict_words import advised
 from lta_analysis.discovery.page.words import (
+    assumed_words,
     because,
     called,
     figure,
     held_words,
     listed,
-    loose,
-    main_gap,
     meaning,
     odds,
     percent,
     remainder_words,
     size_unit,
     spoken,
-    total,
     with_unit,
     within,
 )
@@ -73,31 +72,20 @@ def effects(found: Finding) -> str:
 def _nothing(found: Finding) -> str:
     """Return in a few sentences that nothing has a name, and what that means."""
     tried = [rung for step in found.ladder for rung in step]
-    best = max(tried, key=total, default=None)
+    best = max(tried, key=lambda rung: rung.total, default=None)
     near = (
         'No candidate looked worth a refit.'
         if best is None
-        else f'The best candidate was {spoken(best.knob)}, with {figure(total(best))} nats where '
-        f'{GAIN:g} make a name{"" if best.accepted else f": {because(best, beaten=False)}"}.'
-    )
-    gap = main_gap(found.gaps)
-    strong = best is not None and total(best) > GAIN
-    plain = (
-        'No candidate was confirmed by all flights.'
-        if strong
-        else 'The vehicle file explains these flights to within its own tolerances and the noise.'
-    )
-    use = (
-        'Its numbers are worth measuring again, though: tuned, they predict much better.'
-        if gap is not None and loose(gap)
-        else 'Another flight may decide.'
-        if strong
-        else 'That is a result: use the file as it is.'
+        else f'The best candidate was {spoken(best.knob)}, with {figure(best.total)} nats where '
+        f'{GAIN:g} make a name: {because(best, beaten=False, stands=False)}.'
     )
     said = {
-        'none': f'{plain} {use}',
+        'none': 'The vehicle file explains these flights to within its own tolerances and the '
+        'noise.'
+        if concluded(found).fits
+        else 'No candidate was confirmed by all flights.',
         'not_identifiable': 'What is missing, or whether anything is, cannot be told from these '
-        'flights, so nothing is named. Another flight has to decide.',
+        'flights, so nothing is named.',
     }.get(
         found.verdict,
         'A force or moment is left over that no effect of the library explains on both flights. '
@@ -121,9 +109,9 @@ def detectable(found: Finding) -> str:
         '<section class="panel section" aria-labelledby="title-seen">'
         '<h2 id="title-seen">How small an effect could have been seen</h2>'
         f'<details{"" if found.effects else " open"}><summary>{len(ordered)} candidates</summary>'
-        f'<p class="note">From this size on it would have stood out by {SIGMA:g} deviations, the '
-        f'tolerances of the file among them. {clear} of {len(ordered)} would have been seen below '
-        'their typical size; the others (in italics) only if they were larger than usual.</p>'
+        f'<p class="note">From this size on it would have been named, 19 times in 20, if nothing '
+        f'else were missing. {clear} of {len(ordered)} would have been seen below their typical '
+        'size; the others (in italics) only if they were larger than usual.</p>'
         f'<ul class="seen">{rows}</ul></details></section>'
     )
 
@@ -140,10 +128,16 @@ def _effect(one: NamedEffect) -> str:
     return (
         f'<div class="effect"><h3>{escape(names[:1].upper() + names[1:])}</h3>'
         f'<p class="what">{escape(meaning(one.name))}</p>'
-        f'{"".join(map(_parameter, one.parameters))}'
+        f'{"".join(map(_parameter, one.parameters))}{_assumed(one)}'
         f'<p class="note">Without it the flights lose <b>{figure(one.log_evidence)} nats</b> of '
         f'evidence, {odds(one.log_evidence)} against that nothing is missing.</p>{alike}</div>'
     )
+
+
+def _assumed(one: NamedEffect) -> str:
+    """Return on which assumed numbers the values of an effect depend."""
+    said = assumed_words(one).strip()
+    return f'<p class="note">Its values hold {escape(said)}.</p>' if said else ''
 
 
 def _parameter(one: Learned) -> str:
@@ -163,30 +157,33 @@ def ladder(found: Finding) -> str:
     rungs = [rung for step in found.ladder for rung in step]
     if not rungs:
         return '<p class="absent">No candidate looked worth a refit.</p>'
-    most = max(GAIN * 1.6, *map(total, rungs))
+    most = max(GAIN * 1.6, *(rung.total for rung in rungs))
     out = []
     for k, step in enumerate(found.ladder, 1):
         named = next((rung for rung in step if rung.accepted), None)
-        words = f'{spoken(named.knob)} is named' if named else 'nothing is confirmed'
+        words = 'nothing is confirmed'
+        if named is not None:
+            kept = stands(found, named.knob)
+            words = f'{spoken(named.knob)} is named{"" if kept else ", and given up at the end"}'
         out.append(f'<h3>Round {k}: {escape(words)}</h3>')
         heads = ('candidate', 'evidence', 'train', 'confirm', 'carried', 'apart', 'because')
         if not step:
             out.append('<p class="note">No candidate looked worth a refit.</p>')
             continue
-        rows = [_rung(rung, most, named is not None) for rung in step]
+        rows = [_rung(rung, most, named is not None, stands(found, rung.knob)) for rung in step]
         out.append(table(heads, rows, 'plain ladder', f'Candidates of round {k}'))
     return ''.join(out)
 
 
-def _rung(rung: Rung, most: float, beaten: bool) -> Row:
+def _rung(rung: Rung, most: float, beaten: bool, stands: bool) -> Row:
     """Return one candidate."""
     name = escape(spoken(rung.knob))
     return (
-        f'<b>{name}</b>' if rung.accepted else name,
+        f'<b>{name}</b>' if rung.accepted and stands else name,
         strips.stacked(rung.train, max(rung.confirm, rung.carried), GAIN, most),
         *(figure(part) for part in (rung.train, rung.confirm, rung.carried)),
         figure(rung.apart, 2),
-        because(rung, beaten),
+        because(rung, beaten, stands),
     )
 
 
@@ -251,18 +248,18 @@ def unexplained(found: Finding) -> str:
 
 
 def following(found: Finding) -> str:
-    """Return what to fly or measure next; '' where no name is in doubt."""
-    if not found.next_flight:
-        return ''
+    """Return what to do with the vehicle file, and what to fly or measure next."""
+    said = f'{advised(found)} {found.next_flight}'.strip()
     return (
         '<section class="panel" aria-labelledby="title-following">'
         f'<h2 id="title-following">What to do next</h2>'
-        f'<p class="what">{escape(found.next_flight)}</p></section>'
+        f'<p class="what">{escape(said)}</p></section>'
     )
 
 
 def warned(found: Finding) -> str:
     """Return the warnings as a list, or that there are none."""
     if not found.warnings:
-        return '<p class="note">None: the data gave no cause for doubt.</p>'
+        doubt = '.' if concluded(found).doubtful else ': the data gave no cause for doubt.'
+        return f'<p class="note">None{doubt}</p>'
     return f'<ul class="words">{"".join(f"<li>{escape(one)}</li>" for one in found.warnings)}</ul>'

@@ -1,11 +1,10 @@
-"""What a study says, in sentences: the headline, the figures on the tiles, single numbers."""
+"""Words and numbers of a study: knobs, effects, values with their intervals, odds."""
 
 from collections.abc import Sequence
 import math
 from typing import Final
 
-from lta_analysis.discovery.finding import Finding, Gap, Learned, NamedEffect, Rung
-from lta_analysis.discovery.forecast.cautions import keeps, WORSE
+from lta_analysis.discovery.finding import Learned, NamedEffect, Rung
 from lta_analysis.discovery.naming.accept import (
     AGAIN,
     APART,
@@ -15,9 +14,8 @@ from lta_analysis.discovery.naming.accept import (
     SPOILT,
     TORN,
 )
-from lta_analysis.discovery.outside.draught import Draught
 from lta_analysis.discovery.outside.unexplained import Remainder
-from lta_analysis.report.outcome import MISSING, Tile
+from lta_analysis.report.outcome import MISSING
 from lta_sim.effects import EFFECTS
 from lta_sim.effects_page import summary
 
@@ -28,13 +26,8 @@ SHOWN_UNITS: Final = {'rad': (DEGREE, DEGREES), 'rad/s': (f'{DEGREE}/s', DEGREES
 RAISED: Final = str.maketrans(
     '0123456789', '\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079'
 )
-LOOSE: Final = 0.7  # of the error before; below it tuning tolerances alone is worth a word
-CLOSER: Final = 0.95  # of the error with tolerances alone; above it the effect predicts no better
 MANY: Final = 2  # directions of one effect that are not named one by one
 FORCES: Final = ('surge', 'sway', 'heave')
-ROLES: Final = {
-    'train': 'learned from', 'confirm': 'confirmed by', 'holdout': 'shown on',
-}  # fmt: skip
 
 
 def spoken(knob: str) -> str:
@@ -110,19 +103,25 @@ def listed(words: Sequence[str], last: str = 'and') -> str:
     return f'{", ".join(words[:-1])} {last} {words[-1]}'
 
 
-def held(one: Learned) -> str:
-    """Return what the vehicle file holds of a parameter: a number, or nothing."""
-    return figure(one.before) if one.in_file else MISSING
-
-
 def held_words(one: Learned) -> str:
-    """Return the same as a clause."""
+    """Return what the vehicle file has of a parameter: a number, or nothing."""
     return f'the file has {figure(one.before)}' if one.in_file else 'the file does not have it'
 
 
 def learned_words(one: Learned) -> str:
     """Return a parameter with its unit."""
     return with_unit(within(one.value, one.ci95)[0], one.unit)
+
+
+def assumed_words(one: NamedEffect) -> str:
+    """Return what the values of an effect take for granted; '' where they take nothing."""
+    if not one.assumed:
+        return ''
+    numbers = [
+        f'{each.name.replace("_", " ")} {with_unit(figure(each.value), each.unit)}'
+        for each in one.assumed
+    ]
+    return f' with {listed(numbers)}, assumed and not fitted'
 
 
 def remainder_words(one: Remainder) -> str:
@@ -138,117 +137,6 @@ def size_unit(one: Remainder) -> str:
     return 'N' if one.axis in FORCES else 'N m'
 
 
-def main_gap(gaps: Sequence[Gap]) -> Gap | None:
-    """Return the gap that stands for all: of the position, furthest ahead."""
-    finite = [gap for gap in gaps if math.isfinite(gap.before) and math.isfinite(gap.after)]
-    place = [gap for gap in finite if gap.channel == 'position'] or finite
-    return max(place, key=lambda gap: gap.horizon_s, default=None)
-
-
-def headline(found: Finding) -> str:
-    """Return the verdict in a sentence."""
-    names = listed([called(one) for one in found.effects])
-    many = sum(len(one.knobs) for one in found.effects) > 1
-    rest = _rest(found)
-    if found.verdict == 'none':
-        return f'{_none(found.gaps)}{_air(found)}'
-    if found.verdict == 'not_identifiable':
-        if coasting(found.gaps):
-            return (
-                'These flights cannot tell: ignoring the commands predicts better than the model.'
-            )
-        if not found.effects:
-            return 'These flights cannot tell what, if anything, is missing.'
-        alike = dict.fromkeys(
-            spoken(knob) for one in found.effects for knob in one.confusable_with
-        )
-        if not alike:
-            return f'It may be {names} that is missing, but these flights cannot tell.'
-        return f'These flights cannot tell {listed([names, listed(list(alike), "or")], "from")}.'
-    if found.verdict == 'unexplained':
-        return f'Something is missing that is in no library{rest}.'
-    names = listed([_or_its_rivals(one) for one in found.effects])
-    said = f'{names[:1].upper()}{names[1:]} {"are" if many else "is"} missing{_better(found)}'
-    if found.verdict == 'named+unexplained':
-        return f'{said}; and something that is in no library{rest}.'
-    return f'{said}.'
-
-
-def _or_its_rivals(one: NamedEffect) -> str:
-    """Return what an effect is called, with what these flights cannot tell from it."""
-    return listed([called(one), *map(spoken, one.confusable_with)], 'or')
-
-
-def _rest(found: Finding) -> str:
-    """Return the largest thing that is unexplained, to be put behind 'in no library'."""
-    if found.remains:
-        return f': {remainder_words(found.remains[0])}'
-    return f': {found.unexplained[0]}' if found.unexplained else ''
-
-
-def _air(found: Finding) -> str:
-    """Return that a draught was there, as a sentence to be put behind another."""
-    return f' A draught of {draught_size(found.draught)} was there.' if found.draught else ''
-
-
-def draught_size(one: Draught) -> str:
-    """Return how hard a draught pushes."""
-    return f'{figure(1e3 * one.force, 2)} mN'
-
-
-def _none(gaps: Sequence[Gap]) -> str:
-    """Return that nothing is missing; and that the file is off nevertheless, where it is."""
-    gap = main_gap(gaps)
-    if gap is None or not loose(gap):
-        return 'Nothing is missing that these flights could show.'
-    before, tuned = (amount(part, gap.unit, 2) for part in (gap.before, gap.tuned))
-    return (
-        f'No effect is confirmed as missing: tuning the tolerances of the file takes the '
-        f'{gap.channel} error after {gap.horizon_s:g} s from {before} to {tuned}.'
-    )
-
-
-def loose(gap: Gap) -> bool:
-    """Tell whether numbers of the file within their tolerances make most of the error."""
-    return gap.tuned < LOOSE * gap.before
-
-
-def coasting(gaps: Sequence[Gap]) -> bool:
-    """Tell whether a model that ignores the commands predicts the position best."""
-    gap = main_gap(gaps)
-    return gap is not None and gap.coast < min(gap.tuned, gap.after)
-
-
-def _better(found: Finding) -> str:
-    """Return by how much the named effects shrink the gap, to be put behind what is missing."""
-    gap = main_gap(found.gaps)
-    if gap is None or gap.shrink <= 0.0 or gap.after > WORSE * gap.tuned or keeps(found.gaps):
-        return ''
-    them = 'them' if sum(len(one.knobs) for one in found.effects) > 1 else 'it'
-    if any(one.confusable_with for one in found.effects):
-        them = listed([called(one) for one in found.effects])
-    said = (
-        f': with {them}, the {gap.channel} error after {gap.horizon_s:g} s falls from '
-        f'{amount(gap.before, gap.unit, 2)} to {amount(gap.after, gap.unit, 2)}'
-    )
-    return said if gap.after < CLOSER * gap.tuned else f'{said}, as it does with tolerances alone'
-
-
-def about(found: Finding) -> str:
-    """Return which flights there were, and for what."""
-    parts = [f'{words} {listed(found.bags[role])}' for role, words in ROLES.items()
-             if found.bags.get(role)]  # fmt: skip
-    said = ', '.join(parts) or found.vehicle
-    shown = (
-        'Nothing was fitted to the flights on which the gap is shown.'
-        if found.held_out
-        else 'No flight was held out: the gap is shown on flights that had a say, which is weaker.'
-    )
-    count = len(found.warnings)
-    more = f' {count} {"warning" if count == 1 else "warnings"} below.' if count else ''
-    return f'{said[:1].upper()}{said[1:]}. {shown if found.gaps else ""}{more}'.strip()
-
-
 def odds(nats: float) -> str:
     """Return evidence as odds against chance."""
     power = nats / math.log(10.0)
@@ -257,86 +145,24 @@ def odds(nats: float) -> str:
     return f'odds of 10{f"{power:.0f}".translate(RAISED)} to 1'
 
 
-def tiles(found: Finding) -> list[Tile]:
-    """Return the figures that matter most: what, how sure, how much better, what is left."""
-    gap = main_gap(found.gaps)
-    made = [_verdict_tile(found), _evidence_tile(found)]
-    if gap is None:
-        made.append(Tile('Error', MISSING, '', 'no flight to show it on'))
-    else:
-        ahead = f'{gap.channel.capitalize()} error after {gap.horizon_s:g} s'
-        value, _, unit = amount(gap.after, gap.unit).partition(' ')
-        before, tuned = (amount(part, gap.unit) for part in (gap.before, gap.tuned))
-        low, high = (percent(part) for part in gap.shrink_ci95)
-        floor, coast = (amount(part, gap.unit) for part in (gap.noise_floor, gap.coast))
-        made += [
-            Tile(ahead, value, unit, f'before {before}; tuned without any effect {tuned}'),
-            Tile('The gap shrinks by', percent(gap.shrink), '%',
-                 f'{low} to {high} % (95 %), {gap.pieces} pieces'),
-            Tile('Noise of the measurement', *floor.partition(' ')[::2],
-                 f'ignoring the commands: {coast}'),
-        ]  # fmt: skip
-    if found.remains:
-        first = found.remains[0]
-        made.append(
-            Tile('Unexplained', figure(first.floors, 2), '\N{MULTIPLICATION SIGN} the floor',
-                 f'on {listed([one.axis for one in found.remains])}')
-        )  # fmt: skip
-    else:
-        left = (
-            f'a draught of {draught_size(found.draught)}, and no other force or moment'
-            if found.draught
-            else 'no force or moment is left over'
-        )
-        made.append(Tile('Unexplained', '0', 'axes', left))
-    return made
+def because(rung: Rung, beaten: bool, stands: bool) -> str:
+    """
+    Return why a candidate was named, or was not.
 
+    Parameters
+    ----------
+    rung : Rung
+        The candidate.
+    beaten : bool
+        Whether its round named another.
+    stands : bool
+        Whether it is still named at the end, if it was named.
 
-def _verdict_tile(found: Finding) -> Tile:
-    """Return the verdict as a tile."""
-    count = sum(1 if len(one.knobs) > MANY else len(one.knobs) for one in found.effects)
-    values = [
-        f'{one.name.replace("_", " ")} {part.name.replace("_", " ")} {learned_words(part)}'
-        for one in found.effects
-        for part in one.parameters
-    ]
-    note = {
-        'none': 'every candidate was tried',
-        'unexplained': 'and no effect of the library fits',
-        'not_identifiable': 'another flight would have to',
-    }.get(found.verdict, '; '.join(values[:3]))
-    value = {'none': 'none', 'unexplained': 'no name', 'not_identifiable': 'cannot tell'}
-    return Tile('Missing', value.get(found.verdict, str(count)),
-                '' if found.verdict in value else 'named', note)  # fmt: skip
-
-
-def _evidence_tile(found: Finding) -> Tile:
-    """Return how sure it is."""
-    if found.effects:
-        least = min(one.log_evidence for one in found.effects)
-        which = 'the weaker of them; ' if len(found.effects) > 1 else ''
-        rivals = any(one.confusable_with for one in found.effects)
-        against = '; none against what it may be instead' if rivals else ''
-        return Tile('Evidence', figure(least), 'nats', f'{which}{odds(least)}{against}')
-    tried = [rung for step in found.ladder for rung in step]
-    if not tried:
-        return Tile('Evidence', MISSING, '', 'no candidate was worth a refit')
-    best = max(tried, key=total)
-    why = '' if best.accepted else f': {because(best, beaten=False)}'
-    return Tile('Best candidate', figure(total(best)), 'nats', f'{spoken(best.knob)}{why}')
-
-
-def total(rung: Rung) -> float:
-    """Return the evidence that counts: of the training flights and the better witness. [nats]"""
-    return rung.train + max(rung.confirm, rung.carried)
-
-
-def because(rung: Rung, beaten: bool) -> str:
-    """Return why a candidate was named, or was not; `beaten` where its round named another."""
+    """
     witness = max(rung.confirm, rung.carried)
     if rung.accepted:
-        return 'named'
-    if rung.train + witness <= GAIN or max(rung.train, witness) <= LARGER:
+        return 'named' if stands else 'named; all flights together do not keep it'
+    if rung.total <= GAIN or max(rung.train, witness) <= LARGER:
         return 'too little evidence'
     if rung.apart >= APART:
         return 'the flights disagree on its value'

@@ -4,8 +4,10 @@ from collections.abc import Mapping, Sequence
 import math
 from typing import Any, Final
 
+from lta_analysis.discovery.conclusion import concluded
 from lta_analysis.discovery.finding import Finding, Gap, NamedEffect, SCHEMA
 from lta_analysis.discovery.flights.loud import Cut
+from lta_analysis.discovery.page.verdict_words import advised, headline
 
 NAME: Final = 'discovery.json'
 WHAT: Final = 'position'  # what the gap as a whole is told of
@@ -29,6 +31,7 @@ def to_dict(finding: Finding, cuts: Sequence[Cut] = ()) -> dict[str, Any]:
     told: dict[str, Any] = {
         'schema': SCHEMA,
         'verdict': finding.verdict,
+        'conclusion': _conclusion(finding),
         'vehicle': finding.vehicle,
         'effects': [_effect(effect) for effect in finding.effects],
         'where': [place._asdict() for place in finding.where],
@@ -55,6 +58,18 @@ def to_dict(finding: Finding, cuts: Sequence[Cut] = ()) -> dict[str, Any]:
     return plain
 
 
+def _conclusion(finding: Finding) -> dict[str, Any]:
+    """Return what may be said, and what to do."""
+    said = concluded(finding)
+    return {
+        'headline': headline(finding),
+        'asserted': said.asserted,
+        'advice': said.advice,
+        'do': advised(finding),
+        'gain': None if said.gain is None else _gap(said.gain),
+    }
+
+
 def _effect(effect: NamedEffect) -> dict[str, Any]:
     """Return one named effect."""
     return {
@@ -70,6 +85,7 @@ def _effect(effect: NamedEffect) -> dict[str, Any]:
         },
         'log_evidence': effect.log_evidence,
         'confusable_with': list(effect.confusable_with),
+        'assumed': {one.name: {'value': one.value, 'unit': one.unit} for one in effect.assumed},
         'knobs': list(effect.knobs),
     }
 

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import math
 from typing import Any, Final, final
 
-from lta_analysis.discovery.finding import Finding, Learned
+from lta_analysis.discovery.finding import Finding, Learned, NamedEffect
 from lta_analysis.discovery.model.nominal import Nominal
+from lta_analysis.discovery.page.words import assumed_words, listed
 from lta_analysis.vehicle.written import with_value
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
@@ -88,7 +89,9 @@ def learned_text(
 
     """
     known = {
-        (effect.name, one.name): one for effect in finding.effects for one in effect.parameters
+        (effect.name, one.name): said(one) + _reservations(effect)
+        for effect in finding.effects
+        for one in effect.parameters
     }
     for one in values(text, vehicle, nominal, learned, known, source_of(finding)):
         text = with_value(text, one.place.split('.'), one.held)
@@ -100,16 +103,16 @@ def values(
     vehicle: Vehicle,
     nominal: Nominal,
     learned: Nominal,
-    known: Mapping[tuple[str, str], Learned],
+    known: Mapping[tuple[str, str], str],
     source: str,
 ) -> Iterator[Value]:
-    """Yield what has to change in a file."""
+    """Yield what has to change in a file; `known` says what is to be said of each parameter."""
     content = parse_yaml(text, vehicle.file.name)
     moved = _moved(nominal.given, learned.given)
     if set(moved) & set(TOGETHER):
         moved = {**dict.fromkeys(TOGETHER, ()), **moved}
     for effect, names in moved.items():
-        told = {name: said(known[effect, name]) for name in names if (effect, name) in known}
+        told = {name: known[effect, name] for name in names if (effect, name) in known}
         if effect in BLOCKS:
             yield from _of_block(content, vehicle, learned, effect, names, told, source)
         else:
@@ -180,6 +183,12 @@ def _words(source: str, told: Sequence[str], content: Any, place: str) -> str:  
     number = before.get('value') if isinstance(before, dict) else None
     old = '' if number is None else f'; before {number} {before["unit"]} ({was or "no source"})'
     return '; '.join([*told, source]) + old
+
+
+def _reservations(one: NamedEffect) -> str:
+    """Return what the values of an effect take for granted, and what it may be instead."""
+    rivals = listed(list(one.confusable_with), 'or')
+    return assumed_words(one) + (f'; it may be {rivals} instead' if rivals else '')
 
 
 def said(one: Learned) -> str:

@@ -4,13 +4,14 @@ from collections.abc import Iterator
 import math
 from typing import Final
 
-from lta_analysis.discovery.finding import Carried, Finding, Gap, NamedEffect
+from lta_analysis.discovery.finding import Carried, Finding, Gap
 from lta_analysis.discovery.forecast.replayed import NAMES
+from lta_analysis.discovery.page.verdict_words import advised, headline
 from lta_analysis.discovery.page.words import (
     amount,
+    assumed_words,
     figure,
-    headline,
-    held,
+    held_words,
     listed,
     percent,
     with_unit,
@@ -37,8 +38,8 @@ MOST: Final = 8  # places that are told
 def show(finding: Finding, console: Console) -> None:
     """Print the verdict, the effects with their intervals, the gap, and where it was."""
     console.print(Text(headline(finding), 'bold'), soft_wrap=True)
-    if finding.effects:
-        console.print(effects_table(finding))
+    for said in effect_lines(finding):
+        console.print(Text(said), soft_wrap=True)
     if finding.carried is not None:
         console.print(Text(carried_words(finding.carried)), soft_wrap=True)
     for line in gap_lines(finding):
@@ -50,8 +51,7 @@ def show(finding: Finding, console: Console) -> None:
     if finding.draught is not None:
         said = finding.draught.sentence
         console.print(Text(f'{said[:1].upper()}{said[1:]}.'), soft_wrap=True)
-    if finding.next_flight:
-        console.print(Text(finding.next_flight), soft_wrap=True)
+    console.print(Text(f'{advised(finding)} {finding.next_flight}'.strip()), soft_wrap=True)
     for word in finding.warnings:
         console.print(Text(word, 'yellow'), soft_wrap=True)
 
@@ -88,27 +88,20 @@ def _table(*heads: tuple[str, str]) -> Table:
     return table
 
 
-def effects_table(finding: Finding) -> Table:
-    """Return the named effects, a row a parameter."""
-    table = _table(
-        ('effect', 'left'), ('parameter', 'left'), ('file', 'right'), ('now', 'right'),
-        ('95 %', 'right'), ('', 'left'), ('nats', 'right'), ('or', 'left'),
-    )  # fmt: skip
-    for effect in finding.effects:
-        for first, row in zip(_firsts(effect), effect.parameters, strict=False):
-            now, low, high = within(row.value, row.ci95)
-            table.add_row(
-                first[0], row.name, held(row), now, f'{low} to {high}',
-                '' if row.unit == '1' else row.unit, *first[1:],
-            )  # fmt: skip
-    return table
-
-
-def _firsts(effect: NamedEffect) -> Iterator[tuple[str, str, str]]:
-    """Yield name, evidence and rivals of an effect in its first row, nothing in the others."""
-    yield effect.name, figure(effect.log_evidence), listed(effect.confusable_with, 'or')
-    while True:
-        yield '', '', ''
+def effect_lines(finding: Finding) -> Iterator[str]:
+    """Yield the named effects, a line each, and a line for each parameter: lines are not cut."""
+    for one in finding.effects:
+        rivals = listed(one.confusable_with, 'or')
+        instead = f'; it may be {rivals} instead' if rivals else ''
+        yield f'{one.name}: {figure(one.log_evidence)} nats{instead}'
+        for each in one.parameters:
+            now, low, high = within(each.value, each.ci95)
+            yield (
+                f'  {each.name} {with_unit(now, each.unit)} '
+                f'(95 %: {low} to {high}; {held_words(each)})'
+            )
+        if one.assumed:
+            yield f'  These values hold{assumed_words(one)}.'
 
 
 def gap_lines(finding: Finding) -> Iterator[Text]:

@@ -9,35 +9,33 @@ from pathlib import Path
 import re
 
 from lta_analysis.discovery.finding import Carried, Finding, Learned, LeftOut, Rung, Worth
-from lta_analysis.discovery.fit.evidence import FLOOR, Pieces, tolerances
+from lta_analysis.discovery.fit.evidence import FLOOR, Pieces, Reduced, tolerances
 from lta_analysis.discovery.forecast.replayed import best_begun, ratio
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
+from lta_analysis.discovery.naming.accept import Trial
 from lta_analysis.discovery.naming.detectable import Detectable, detectable
-from lta_analysis.discovery.naming.scan import scan
+from lta_analysis.discovery.naming.scan import scan, Seen
 from lta_analysis.discovery.outside.draught import Draught
 from lta_analysis.discovery.outside.unexplained import Remainder
 from lta_analysis.discovery.page import told, write_page
 from lta_analysis.discovery.page.pictures import joined
 from lta_analysis.discovery.page.told import overlay, seen
+from lta_analysis.discovery.page.verdict_words import headline, tiles
 from lta_analysis.discovery.page.whiteness import autocorrelation, spectrum
 from lta_analysis.discovery.page.words import (
     amount,
     because,
     figure,
-    headline,
-    held,
     held_words,
     odds,
     percent,
     spoken,
-    tiles,
     within,
 )
 from lta_analysis.discovery.replay.linear import origin, Point
 from lta_analysis.discovery.replay.linearise import Linearised
 from lta_analysis.discovery.study import Shown, Study
-from lta_analysis.report.outcome import MISSING
 from lta_sim.effects import EFFECTS
 from lta_sim.effects_page import summary
 import numpy as np
@@ -185,7 +183,9 @@ def test_a_study_without_names_has_a_calm_page(
     found: Study, tmp_path: Path, verdict: str, says: str
 ) -> None:
     remains = REMAINS if verdict == 'unexplained' else ()
-    given = _with(found, verdict=verdict, effects=(), remains=remains, detectable=SEEN, where=())
+    given = _with(
+        found, verdict=verdict, effects=(), remains=remains, detectable=SEEN, where=(), ladder=()
+    )
     gaps = tuple(replace(one, before=one.after, tuned=one.after) for one in found.finding.gaps)
     given = _with(given, gaps=gaps)
     text, data = _read(given, tmp_path)
@@ -336,21 +336,36 @@ def test_pieces_share_a_column_by_their_mean_square() -> None:
     assert np.isnan(shared[:, 5]).all()
 
 
-def test_what_could_have_been_seen_is_what_the_scan_would_call_five_sigma(
-    gtmab: Known, clean: Linearised
-) -> None:
+def _with_effect(side: Reduced, k: int, size: float) -> Reduced:
+    """Return what flights would say if one knob stood at a size, and nothing else were off."""
+    products = side.products.copy()
+    products[:-1, -1] = products[-1, :-1] = size * products[:-1, k]
+    products[-1, -1] = size**2 * products[k, k]
+    return Reduced(products, side.constant)
+
+
+def test_what_could_have_been_seen_is_what_naming_accepts(gtmab: Known, clean: Linearised) -> None:
+    """With a margin for chance: 1.645 of the deviation with which the flights tell the knob."""
     nominal, knobs = gtmab
-    flight = Pieces(clean.at(origin(nominal, knobs, clean.replay.cut))).reduced(1.3 * FLOOR)
-    prior = tolerances(knobs)
-    sizes = {one.knob: one.size for one in detectable([flight], prior, knobs)}
-    for one in scan(flight, np.zeros(len(prior.mean)), prior, knobs):
-        k = [knob.name for knob in knobs].index(one.name)
-        whole = prior.covariance[k, k] + knobs[k].typical ** 2
-        information = 1.0 / one.deviation**2 - 1.0 / whole
-        expected = 5.0 * math.sqrt(1.0 / information + prior.covariance[k, k])
-        assert sizes[one.name] == pytest.approx(expected, rel=1e-3)
-    twice = {one.knob: one.size for one in detectable([flight, flight], prior, knobs)}
-    assert all(twice[name] <= size for name, size in sizes.items())
+    side = Pieces(clean.at(origin(nominal, knobs, clean.replay.cut))).reduced(1.3 * FLOOR)
+    prior, names = tolerances(knobs), [knob.name for knob in knobs]
+    both = Reduced(2.0 * side.products, 0.0)
+    for one in detectable([side, side], prior, knobs):
+        k = names.index(one.knob)
+
+        def glance(flights: Reduced, size: float, k: int = k) -> Seen:
+            told = scan(_with_effect(flights, k, size), np.zeros(len(prior.mean)), prior, knobs)
+            return next(each for each in told if each.name == names[k])
+
+        deviation = one.size / glance(both, one.size).sigma
+        least = one.size - 1.645 * deviation
+        if least < 0.05 * one.typical:
+            continue  # what is smaller is not worth a name
+        accepted = []
+        for size in (0.98 * least, 1.02 * least):
+            alone, together = glance(side, size).gain, glance(both, size).gain
+            accepted.append(Trial('', alone, alone, together - alone, 0.0, 0.0).accepted)
+        assert accepted == [False, True], one
 
 
 def test_numbers_are_written_as_people_read_them() -> None:
@@ -366,18 +381,33 @@ def test_numbers_are_written_as_people_read_them() -> None:
     assert spoken('net_lift.force') == 'net lift'
 
 
+def why(*numbers: float, beaten: bool = False) -> str:
+    """Return what is said of a candidate without a name."""
+    return because(Rung('a', *numbers, False), beaten, stands=False)
+
+
 def test_a_candidate_says_why_it_has_no_name() -> None:
-    assert because(Rung('a', 9.0, 1.0, 0.0, 0.0, False), beaten=False) == 'too little evidence'
-    assert 'disagree' in because(Rung('a', 9.0, 9.0, 9.0, 7.0, False), beaten=False)
-    assert 'better' in because(Rung('a', 9.0, 9.0, 9.0, 1.0, False), beaten=True)
-    assert 'do not confirm' in because(Rung('a', 20.0, 0.0, -9.0, 1.0, False), beaten=False)
+    assert why(9.0, 1.0, 0.0, 0.0) == 'too little evidence'
+    assert 'disagree' in why(9.0, 9.0, 9.0, 7.0)
+    assert 'better' in why(9.0, 9.0, 9.0, 1.0, beaten=True)
+    assert 'do not confirm' in why(20.0, 0.0, -9.0, 1.0)
 
 
 def test_a_candidate_that_both_flights_confirm_is_not_said_to_fail_there() -> None:
     """It was, where a force without a name took its place."""
     for confirm, carried in ((8.0, -11.0), (-2.0, 2.0)):
-        said = because(Rung('a', 40.0, confirm, carried, 1.0, False), beaten=False)
+        said = why(40.0, confirm, carried, 1.0)
         assert said == 'what no effect explains stands in its place'
+
+
+def test_a_name_that_all_flights_together_do_not_keep_is_given_up(
+    found: Study, tmp_path: Path
+) -> None:
+    """The round said that it is named, beside a headline that nothing is missing."""
+    rung = Rung('net_lift.force', 12.0, 7.0, 7.0, 0.3, True)
+    text, _ = _read(_with(found, verdict='none', effects=(), ladder=((rung,),)), tmp_path)
+    assert 'Round 1: net lift is named, and given up at the end' in text
+    assert 'all flights together do not keep it' in text
 
 
 def test_an_effect_with_an_equal_rival_is_told_as_either(found: Study) -> None:
@@ -399,7 +429,7 @@ def test_no_gain_is_told_where_the_file_should_be_kept(found: Study) -> None:
 def test_what_the_file_lacks_has_no_value_before() -> None:
     """A factor that the file does not have was told as 1 before."""
     lacking = Learned('factor', '1', 1.0, 1.2, (1.1, 1.3), in_file=False)
-    assert (held(lacking), held_words(lacking)) == (MISSING, 'the file does not have it')
+    assert held_words(lacking) == 'the file does not have it'
     assert held_words(lacking._replace(in_file=True)) == 'the file has 1'
 
 

@@ -1,0 +1,160 @@
+"""Laws over what studies say: whatever the numbers, no page asserts and retracts."""
+
+from dataclasses import replace
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from lta_analysis.challenge.contradictions import contradictions, told
+from lta_analysis.discovery.conclusion import concluded
+from lta_analysis.discovery.finding import (
+    Assumed,
+    Finding,
+    Gap,
+    Learned,
+    NamedEffect,
+    Rung,
+)
+from lta_analysis.discovery.forecast.cautions import cautions
+from lta_analysis.discovery.outside.draught import Draught
+from lta_analysis.discovery.outside.unexplained import Remainder
+from lta_sim.effects import EFFECTS
+import pytest
+
+KNOBS = [
+    f'{name}.{effect.parameters[0].name}'
+    for name, effect in EFFECTS.items()
+    if len(effect.parameters) > 1
+]
+SIZES = st.floats(0.001, 1.0)
+NATS = st.floats(-20.0, 200.0)
+
+
+@st.composite
+def gaps(draw, named):
+    """Errors of one channel at one horizon; without names, only tolerances make a difference."""
+    before, tuned, after, coast = (draw(SIZES) for _ in range(4))
+    after = after if named else tuned
+    shrink, half = 1.0 - after / before, draw(st.floats(0.01, 0.5))
+    channel = draw(st.sampled_from(['position', 'attitude', 'q']))
+    ends = shrink - half, shrink + half
+    return Gap(
+        channel, 'm', draw(st.sampled_from([1.0, 3.0, 5.0])), before, tuned, after, coast, 0.001,
+        shrink, ends, 9,
+    )  # fmt: skip
+
+
+@st.composite
+def effects(draw):
+    """Return effects of the registry with values, rivals and what was assumed."""
+    out = []
+    for knob in draw(st.lists(st.sampled_from(KNOBS), min_size=1, max_size=3, unique=True)):
+        name, _, parameter = knob.partition('.')
+        value = draw(st.floats(-1.0, 1.0))
+        learned = Learned(
+            parameter, '1', 0.0, value, (value - 0.1, value + 0.1), draw(st.booleans())
+        )
+        rivals = draw(st.lists(st.sampled_from(KNOBS), max_size=2, unique=True))
+        taken = (Assumed('radius', 'm', 0.0225),) if draw(st.booleans()) else ()
+        out.append(NamedEffect(name, (knob,), (learned,), draw(NATS), tuple(rivals), taken))
+    return tuple(out)
+
+
+@st.composite
+def rungs(draw):
+    """One candidate of a round."""
+    numbers = (draw(NATS) for _ in range(3))
+    return Rung(draw(st.sampled_from(KNOBS)), *numbers, draw(st.floats(0.0, 9.0)), False)
+
+
+@st.composite
+def findings(draw):
+    """Whatever a study may come to."""
+    verdict = draw(
+        st.sampled_from(['none', 'named', 'unexplained', 'named+unexplained', 'not_identifiable'])
+    )
+    may = verdict == 'not_identifiable' and draw(st.booleans())
+    named = draw(effects()) if 'named' in verdict or may else ()
+    remains, said = (), ()
+    if 'unexplained' in verdict:
+        if draw(st.booleans()):
+            remains = (Remainder('surge', 0.007, 9.0, ('surge speed',), 0.8),)
+        said = ('an oscillation of the pitch rate at 2.0 Hz, 0.02 rad/s',)
+    ladder = [draw(st.lists(rungs(), max_size=3))]
+    ladder += [[Rung(knob, 60.0, 30.0, 30.0, 0.3, True)] for one in named for knob in one.knobs]
+    if draw(st.booleans()):  # what a round named and the proof gave up
+        ladder.append([Rung(draw(st.sampled_from(KNOBS)), 12.0, 7.0, 7.0, 0.3, True)])
+    told_gaps = tuple(draw(st.lists(gaps(bool(named)), max_size=4)))
+    strained = ('vehicle.mass',) if draw(st.booleans()) else ()
+    warnings = [f'The flights want more than 6 for {name}.' for name in strained]
+    return Finding(
+        verdict, named, tuple(map(tuple, ladder)), (), told_gaps, True, remains,
+        (*warnings, *cautions(told_gaps)), 1, {'train': ('a',), 'confirm': ('b',)}, 'gtmab',
+        unexplained=said, draught=Draught(0.001, 0.003) if draw(st.booleans()) else None,
+        strained=strained,
+    )  # fmt: skip
+
+
+@settings(max_examples=150)
+@given(findings())
+def test_no_study_contradicts_itself(found: Finding) -> None:
+    assert contradictions(found) == []
+
+
+@pytest.fixture
+def named() -> Finding:
+    """Drag was missing, and the flights cannot tell which."""
+    drag = NamedEffect(
+        'linear_drag', ('linear_drag.surge',),
+        (Learned('surge', 'N s/m', 0.01, 0.02, (0.019, 0.021)),), 40.0,
+        ('quadratic_drag.surge',),
+    )  # fmt: skip
+    gap = Gap('position', 'm', 5.0, 0.3, 0.2, 0.1, 1.0, 0.002, 0.66, (0.6, 0.7), 9)
+    rungs = ((Rung('linear_drag.surge', 30.0, 20.0, 20.0, 0.1, True),),)
+    bags = {'train': ('a',), 'confirm': ('b',)}
+    return Finding('named', (drag,), rungs, (), (gap,), True, (), (), 1, bags, 'gtmab')
+
+
+def test_the_laws_find_a_page_that_retracts(
+    named: Finding, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each law, broken by one word in one place."""
+    assert contradictions(named) == []
+    place = 'lta_analysis.challenge.contradictions'
+    said = told(named)
+    broken = {
+        'the headline keeps silent': said._replace(headline='Linear drag (surge) is missing.'),
+        'not to use it': said._replace(rest=f'{said.rest} keep the vehicle file'),
+        'no cause for it': said._replace(rest=f'{said.rest} no cause for doubt'),
+        'is cut': said._replace(terminal=f'{said.terminal} linear_dr\N{HORIZONTAL ELLIPSIS}'),
+        'not whole': said._replace(terminal=said.terminal.replace('linear_drag', 'linear')),
+        'not at the end': said._replace(ladder='Round 1: net lift is named'),
+        'nothing is left over': said._replace(tiles='no force or moment is left over'),
+        'value of the file': said._replace(effects='the file does not have it'),
+        'the JSON alone': said._replace(headline=said.headline.partition(':')[0]),
+        'not the same everywhere': said._replace(terminal=said.terminal.replace('Use', 'Keep')),
+    }
+    other = replace(named, ladder=((Rung('net_lift.force', 30.0, 20.0, 20.0, 0.1, True),),))
+    other = replace(other, unexplained=('a line',), verdict='named+unexplained')
+    for words, changed in broken.items():
+        monkeypatch.setattr(f'{place}.told', lambda _found, changed=changed: changed)
+        finding = other if words in ('not at the end', 'nothing is left over') else named
+        assert any(words in one for one in contradictions(finding)), words
+
+
+def test_the_advice_follows_the_forecasts(named: Finding) -> None:
+    gap = named.gaps[0]
+    assert concluded(named).advice == 'use'
+    assert concluded(named).gain == gap
+    worse = replace(gap, after=0.4, shrink=-0.3, shrink_ci95=(-0.5, -0.1))
+    assert concluded(replace(named, gaps=(worse,))).advice == 'keep'
+    vain = replace(gap, tuned=0.05)
+    assert concluded(replace(named, gaps=(vain,))).advice == 'again'
+    for changed in (worse, vain):
+        assert concluded(replace(named, gaps=(changed,))).gain is None
+    bare = replace(named, verdict='none', effects=(), ladder=())
+    assert concluded(bare).advice == 'measure'  # tolerances alone take a third of the error
+    tight = replace(gap, tuned=0.29, after=0.29, shrink=0.03, shrink_ci95=(-0.1, 0.1))
+    assert concluded(replace(bare, gaps=(tight,))).advice == 'keep'
+    assert concluded(replace(bare, gaps=(tight,), strained=('vehicle.mass',))).advice == 'measure'
+    unsure = replace(named, verdict='not_identifiable')
+    assert (concluded(unsure).advice, concluded(unsure).asserted) == ('again', False)
