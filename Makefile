@@ -43,6 +43,9 @@ flights: test-environment  ## fly many seeds (ARGS=SEEDS, 20 by default: minutes
 trust: test-environment  ## score the trust checks on clean and corrupted flights (minutes)
 	@$(enter) && .venv/bin/python test/score/trust.py $(ARGS)
 
+sensitivity: test-environment  ## double and halve each threshold of discovery, and see what changes (hours; ARGS='--only naming')
+	@$(enter) && .venv/bin/python test/score/sensitivity.py $(ARGS)
+
 classes: test-environment  ## derive which effects no data can tell apart (a minute)
 	@$(enter) && .venv/bin/python test/score/classes.py $(ARGS)
 

@@ -13,4 +13,5 @@ write effects.md ./lta effects --markdown
 write verbs.md python -m lta_analysis.reference verbs
 write parameters.md python -m lta_analysis.reference parameters
 write vehicles.md python -m lta_analysis.reference vehicles
+write discovery_thresholds.md python -m lta_analysis.reference thresholds
 write images/graph.svg python -m lta_analysis.reference graph

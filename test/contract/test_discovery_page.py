@@ -1,4 +1,4 @@
-"""The constants in docs/discovery.md are those of the code."""
+"""The pages about discovery say what the code has."""
 
 from importlib import import_module
 from pathlib import Path
@@ -6,22 +6,24 @@ import re
 
 from lta_analysis.discovery.finding import Finding
 from lta_analysis.discovery.results.discovery_json import to_dict
+from lta_analysis.reference.thresholds import thresholds
 import pytest
 
 PAGE = Path(__file__).resolve().parents[2] / 'docs/discovery.md'
-ROW = re.compile(r'^\| ([^|]+) \| ([\d.]+)[^|]* \| `([\w.]+)\.([A-Z_]+)` \|$', re.MULTILINE)
-ROWS = ROW.findall(PAGE.read_text(encoding='utf-8'))
 
 
-def test_the_page_has_a_table_of_constants():
-    assert len(ROWS) > 15
-    assert len({row[2:] for row in ROWS}) == len(ROWS)
+def test_every_threshold_says_what_it_is():
+    every = list(thresholds())
+    assert len(every) > 200
+    assert len({one.key for one in every}) == len(every)
+    assert [one.key for one in every if not one.about] == []
 
 
-@pytest.mark.parametrize(('what', 'value', 'module', 'name'), ROWS, ids=lambda part: part)
-def test_a_constant_is_declared_where_the_page_says(what, value, module, name):
-    declared = getattr(import_module(f'lta_analysis.discovery.{module}'), name)
-    assert declared == float(value), what
+def test_the_values_of_the_page_are_those_that_the_code_uses():
+    for one in thresholds():
+        used = getattr(import_module(f'lta_analysis.discovery.{one.module}'), one.name)
+        base, _, power = one.value.partition('**')
+        assert used == pytest.approx(float(base) ** float(power or 1.0)), one.key
 
 
 def test_a_file_that_the_page_names_is_there():

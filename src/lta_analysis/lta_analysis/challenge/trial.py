@@ -49,6 +49,19 @@ def put(folder: Path, answer: Mapping[str, Any], out: Path) -> dict[str, Any]:
         Plain data: what was found, what it took, and what the oracle says.
 
     """
+    found, made = study_case(folder)
+    keep_json(found, out)
+    if made is not None:
+        try:
+            found |= {'oracle': oracle(made, answer)}
+        except FAULTS as fault:
+            found |= {'oracle': {}, 'oracle_fault': str(fault)}
+        keep_json(found, out)
+    return found
+
+
+def study_case(folder: Path) -> tuple[dict[str, Any], Study | None]:
+    """Return what is found in a case as plain data, and the study; None where it was refused."""
     wall, cpu = time.monotonic(), time.process_time()
     found: dict[str, Any] = {'refused': ''}
     made = None
@@ -59,14 +72,7 @@ def put(folder: Path, answer: Mapping[str, Any], out: Path) -> dict[str, Any]:
         found |= {'refused': str(fault), 'verdict': 'not_identifiable', 'effects': [], 'gaps': []}
         found |= {'remains': [], 'warnings': []}
     found |= {'wall_s': time.monotonic() - wall, 'cpu_s': time.process_time() - cpu}
-    keep_json(found, out)
-    if made is not None:
-        try:
-            found |= {'oracle': oracle(made, answer)}
-        except FAULTS as fault:
-            found |= {'oracle': {}, 'oracle_fault': str(fault)}
-        keep_json(found, out)
-    return found
+    return found, made
 
 
 def _studied(folder: Path) -> Study:

@@ -9,6 +9,7 @@ PAGES = {  # the pages by name and where they stand; `make reference` writes the
     'verbs': 'verbs.md',
     'parameters': 'parameters.md',
     'vehicles': 'vehicles.md',
+    'thresholds': 'discovery_thresholds.md',
     'graph': 'images/graph.svg',
 }
 

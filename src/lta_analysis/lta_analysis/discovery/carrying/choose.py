@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 WORTH: Final = 0.015  # of the squared error of the vehicle file in regimes left out
 WORST: Final = -0.12  # of that of a regime; one that promises any regime worse is not taken
-MOST: Final = 6
+MOST: Final = 6  # names by forecasts
 ROUNDS: Final = 2  # of the fit after each name
 
 

@@ -8,7 +8,7 @@ from lta_analysis.discovery.carrying.groups import Group, wide
 from lta_analysis.discovery.forecast.foresight import Foresight
 import numpy as np
 
-ROUNDS: Final = 2
+ROUNDS: Final = 2  # of the fit to one half of the flights
 
 
 def confirmed(

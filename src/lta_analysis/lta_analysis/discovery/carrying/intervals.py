@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-DRAWS: Final = 1000
+DRAWS: Final = 1000  # of regimes, for an interval
 
 
 def drawn(

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-ROUNDS: Final = 8
+ROUNDS: Final = 8  # of the fit of everything
 
 
 def refitted(sight: Foresight, begin: Array) -> tuple[Array, int]:

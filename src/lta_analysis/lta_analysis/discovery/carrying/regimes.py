@@ -15,7 +15,7 @@ APART: Final = 1e-3  # m; between places of a moving mass
 FASTER: Final = 1.3  # times; less is the same speed
 STEADY: Final = 0.01  # of the largest command; within it a command stands still
 TURNING: Final = 0.05  # rad/s; slower is straight on
-ROUNDS: Final = 2
+ROUNDS: Final = 2  # of the fit that tells whether a flight is of a regime
 LIFT: Final = 0.004  # N; by which the lift of a flight may be off (as between RGBlimp's repeats)
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-ROUNDS: Final = 6
+ROUNDS: Final = 6  # of the fit of names
 TUNING: Final = 4  # rounds, of tolerances
 
 

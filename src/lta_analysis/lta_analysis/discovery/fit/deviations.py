@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 SMALL: Final = 2.5  # floors; the largest deviations of the second start
-STRIDES: Final = 12
+STRIDES: Final = 12  # at most
 HALVES: Final = 4  # of a stride that does not help
 LONGEST: Final = 2.0  # of the logarithm of a deviation; a stride
 STRAIGHT: Final = 0.75  # of what a slope promises; on a parabola a stride gains half

@@ -12,6 +12,7 @@ from copy import copy
 from dataclasses import dataclass, replace
 from typing import Final, final, NamedTuple
 
+from lta_analysis.discovery.fit.lower import invert_lower, solve_lower
 from lta_analysis.discovery.flights.windows import LENGTH
 from lta_analysis.discovery.model.candidates import components
 from lta_analysis.discovery.model.knobs import Knob
@@ -235,11 +236,14 @@ class Pieces:
         cross = self._grams[:, :count, count:].copy()
         pull = self._mean @ precision
         cross[:, :, -1] += pull
-        inverse = np.asarray(np.linalg.inv(inner), dtype=np.float64)
+        root = np.linalg.cholesky(inner)
+        back = invert_lower(root)
+        inverse: Array = np.swapaxes(back, 1, 2) @ back
         answer = inverse @ cross
         left = self._grams[:, count:, count:] - np.swapaxes(cross, 1, 2) @ answer
         left[:, -1, -1] += np.sum(pull * self._mean, axis=1)
-        logs = np.linalg.slogdet(precision)[1] - np.linalg.slogdet(inner)[1]
+        logs = np.linalg.slogdet(precision)[1]
+        logs = logs - 2.0 * np.log(np.diagonal(root, axis1=1, axis2=2)).sum(axis=1)
         return Solved(self._summed(left, 0.5 * logs), inverse, answer)
 
     def _precision(self, deviations: Array) -> Array:
@@ -298,7 +302,7 @@ def eliminated(
     pull = mean @ precision
     cross[:, :, -1] += pull
     root = np.linalg.cholesky(inner)
-    half = np.linalg.solve(root, cross)
+    half = solve_lower(root, cross)
     left = grams[:, keep[:, None], keep] - np.swapaxes(half, 1, 2) @ half
     left[:, -1, -1] += np.sum(pull * mean, axis=1)
     own = np.linalg.slogdet(precision)[1]

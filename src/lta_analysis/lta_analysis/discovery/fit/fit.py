@@ -19,6 +19,7 @@ from lta_analysis.discovery.fit.misfit import forecast_error, misfit_at, promise
 from lta_analysis.discovery.model.nominal import Nominal
 from lta_analysis.discovery.replay.linear import Linear, Point
 from lta_analysis.discovery.replay.linearise import Linearised
+from lta_analysis.discovery.side_by_side import side_by_side
 from lta_config.errors import BadInput
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +27,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 REST: Final = 0.7  # nats; below it the evidence has come to rest
-ROUNDS: Final = 12
+ROUNDS: Final = 12  # linearisations, at most
 # Factors on the variance of the noise, where the whole step of Gauss-Newton makes things worse.
 DOUBTS: Final = (4.0, 30.0, 300.0, 3e3, 3e4, 3e5, 3e6)
 # Parts of the whole step, which are tried then as well: the others lead towards what is known
@@ -175,16 +176,20 @@ class Fitter:
         nobody asks what another knob would bring.
         """
         free = None if prior is None else prior.free | (self.variance > 0.0)
-        both = zip(self.flights, points, strict=True)
-        with np.errstate(over='ignore', invalid='ignore'):
-            linears = [each.at(point, free) for each, point in both]
-        if not all(np.isfinite(each.grams).all() for each in linears):
-            raise BadInput(RAN_AWAY)
-        try:
-            pieces = tuple(Pieces(each) for each in linears)
-        except np.linalg.LinAlgError:
-            raise BadInput(RAN_AWAY) from None
-        return Group(pieces, at, self.variance)
+
+        def pieces(one: tuple[Linearised, Point]) -> Pieces:
+            flight, point = one
+            with np.errstate(over='ignore', invalid='ignore'):
+                linear = flight.at(point, free)
+            if not np.isfinite(linear.grams).all():
+                raise BadInput(RAN_AWAY)
+            try:
+                return Pieces(linear)
+            except np.linalg.LinAlgError:
+                raise BadInput(RAN_AWAY) from None
+
+        both = list(zip(self.flights, points, strict=True))
+        return Group(tuple(side_by_side(pieces, both)), at, self.variance)
 
     def fit(
         self,

@@ -15,6 +15,7 @@ from lta_analysis.discovery.flights.measured import PERIOD
 from lta_analysis.discovery.replay.linear import Point
 from lta_analysis.discovery.replay.linearise import Linearised
 from lta_analysis.discovery.replay.replay import STEPS
+from lta_analysis.discovery.side_by_side import side_by_side
 from lta_config.errors import BadInput
 import numpy as np
 from numpy.typing import NDArray
@@ -51,18 +52,22 @@ def misfit_at(
         Of each flight.
 
     """
-    total = _unknowns(deviations, prior, variance, at, points)
-    for flight, point in zip(flights, points, strict=True):
-        with np.errstate(over='ignore', invalid='ignore'):
-            try:
-                grid = flight.trajectory(point)[:, ::STEPS]
-            except BadInput:
-                return np.inf  # no such vehicle can be
-            if not np.isfinite(grid).all():
-                return np.inf
-            left = flight.left(grid, point, point.nominal.rows()) / flight.replay.flight.noise
-            total += float(np.nansum(left**2))
-    return total
+    flown = side_by_side(_flown_misfit, list(zip(flights, points, strict=True)))
+    return _unknowns(deviations, prior, variance, at, points) + sum(flown)
+
+
+def _flown_misfit(one: tuple[Linearised, Point]) -> float:
+    """Return the misfit of the readings of one flight at a point."""
+    flight, point = one
+    with np.errstate(over='ignore', invalid='ignore'):
+        try:
+            grid = flight.trajectory(point)[:, ::STEPS]
+        except BadInput:
+            return np.inf  # no such vehicle can be
+        if not np.isfinite(grid).all():
+            return np.inf
+        left = flight.left(grid, point, point.nominal.rows()) / flight.replay.flight.noise
+        return float(np.nansum(left**2))
 
 
 def forecast_error(flights: Sequence[Linearised], points: Sequence[Point]) -> float:
@@ -72,20 +77,27 @@ def forecast_error(flights: Sequence[Linearised], points: Sequence[Point]) -> fl
     The median over pieces of the mean square of the position's error until AHEAD; a few pieces
     may be lost. Inf where no such vehicle can be.
     """
-    found = []
-    for flight, point in zip(flights, points, strict=True):
-        measured, count = flight.replay.flight, round(AHEAD / PERIOD)
-        with np.errstate(over='ignore', invalid='ignore'):
-            try:
-                grid = flight.forecast(point)[:, : count * STEPS : STEPS, :3]
-            except BadInput:
-                return np.inf
-            off = (measured.position[flight.index[:, :count]] - grid) / measured.noise[:3]
-            off[~flight.replay.cut.inside[:, :count]] = np.nan
-            known = np.isfinite(measured.position[flight.index[:, :count]])
-            off[known & ~np.isfinite(off) & flight.replay.cut.inside[:, :count, None]] = np.inf
-            found.extend(np.sqrt(np.nanmean(off**2, axis=(1, 2))).tolist())
-    return float(np.nanmedian(found))
+    found = side_by_side(_forecast_errors, list(zip(flights, points, strict=True)))
+    if any(errors is None for errors in found):
+        return np.inf
+    return float(np.nanmedian(np.concatenate([errors for errors in found if errors is not None])))
+
+
+def _forecast_errors(one: tuple[Linearised, Point]) -> Array | None:
+    """Return the errors of the forecasts of each piece of a flight; None of no such vehicle."""
+    flight, point = one
+    measured, count = flight.replay.flight, round(AHEAD / PERIOD)
+    with np.errstate(over='ignore', invalid='ignore'):
+        try:
+            grid = flight.forecast(point)[:, : count * STEPS : STEPS, :3]
+        except BadInput:
+            return None
+        off = (measured.position[flight.index[:, :count]] - grid) / measured.noise[:3]
+        off[~flight.replay.cut.inside[:, :count]] = np.nan
+        known = np.isfinite(measured.position[flight.index[:, :count]])
+        off[known & ~np.isfinite(off) & flight.replay.cut.inside[:, :count, None]] = np.inf
+        errors: Array = np.sqrt(np.nanmean(off**2, axis=(1, 2)))
+        return errors
 
 
 def promised(

@@ -9,7 +9,7 @@ import numpy as np
 
 LOUD: Final = 3.0  # times the usual noise
 SECOND: Final = 25  # points of the grid
-FEW: Final = 6
+FEW: Final = 6  # readings; of fewer no noise is told
 THIRD: Final = 20.0**0.5  # of third differences by that of the values
 CHANNEL: Final = {6: 12, 7: 13}  # of CHANNELS by column of the readings
 

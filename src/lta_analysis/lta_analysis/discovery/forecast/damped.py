@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 START: Final = 2e-3  # of the information
-LEAST: Final = 1e-5
+LEAST: Final = 1e-5  # of the information; below it a step is as good as undamped
 LESS, MORE = 0.2, 5.0
 TRIES: Final = 6  # steps, ever shorter
 

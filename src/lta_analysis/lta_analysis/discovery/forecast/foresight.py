@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 PLACE: Final = 2.0  # how much more a place counts than an attitude
 ALIKE: Final = 0.1  # of the readings that say something new: horizons of a piece go together
-ROUNDS: Final = 4
+ROUNDS: Final = 4  # linearisations, at most
 ROBUST: Final = 4.5  # usual sizes; a larger error at a horizon counts by its size, not its square
 SETTLED: Final = 1e-3  # of the cost; a step that gains less is the last
 

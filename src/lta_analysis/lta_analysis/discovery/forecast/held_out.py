@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 LEARNED: Final = 0.25  # of the pieces of a flight, by which its own errors are known
-LEARNED_MOST: Final = 4
+LEARNED_MOST: Final = 4  # pieces, of the same
 DRAWS: Final = 2000  # of the bootstrap
 _UNITS = (*['m'] * 3, *['rad'] * 3, *['rad/s'] * 3, *['m/s2'] * 3, 'm', 'Pa')
 UNITS: Final = dict(zip(CHANNELS, _UNITS, strict=True))

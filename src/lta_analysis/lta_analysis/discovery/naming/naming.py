@@ -38,6 +38,7 @@ from lta_analysis.discovery.naming.displacing import (
 from lta_analysis.discovery.naming.scan import likeness, scan, SIZES
 from lta_analysis.discovery.replay.linear import origin
 from lta_analysis.discovery.replay.linearise import Linearised
+from lta_analysis.discovery.side_by_side import side_by_side
 import numpy as np
 
 Pair = tuple[Joint, Joint]
@@ -45,7 +46,7 @@ Pair = tuple[Joint, Joint]
 Glance = Mapping[str, tuple[float, tuple[str, ...]]]
 
 QUICK: Final = 5  # of each glance
-REFITTED: Final = 4
+REFITTED: Final = 4  # candidates of a round
 CAP: Final = 1.5  # floors; of the deviations in the second glance
 MOST: Final = 4  # effects
 WORTH: Final = 1.0  # nats; a glance below it is not followed
@@ -158,12 +159,15 @@ class Naming:
 
     def _first(self) -> Pair:
         """Fit all flights without any effect."""
-        prior, out = shared(self.knobs), []
-        for fitter in self.fitters:
+        prior = shared(self.knobs)
+
+        def fit(fitter: Fitter) -> Joint:
             points = [origin(self.nominal, self.knobs, each.replay.cut) for each in fitter.flights]
             at, points, deviations = early.begun(fitter, prior, points)
-            out.append(fitter.fit(prior, fitter.about(at, points), deviations))
-        return out[0], out[1]
+            return fitter.fit(prior, fitter.about(at, points), deviations)
+
+        first, second = side_by_side(fit, self.fitters)
+        return first, second
 
     def _knob(self, name: str) -> Knob:
         """Return a knob by its name."""
@@ -193,12 +197,16 @@ class Naming:
 
     def _fitted(self, named: Sequence[str], before: Pair) -> Pair:
         """Fit all flights with some effects, from where they stand."""
-        prior, out = shared(self.knobs, named, self._sizes), []
-        for fitter, last in zip(self.fitters, before, strict=True):
+        prior = shared(self.knobs, named, self._sizes)
+
+        def fit(one: tuple[Fitter, Joint]) -> Joint:
+            fitter, last = one
             deviations = np.minimum(last.deviations, CAPPED * self.floor)
             begin = begun(fitter, prior, last.group, deviations, named)
-            out.append(fitter.fit(prior, begin, deviations))
-        return out[0], out[1]
+            return fitter.fit(prior, begin, deviations)
+
+        first, second = side_by_side(fit, list(zip(self.fitters, before, strict=True)))
+        return first, second
 
     def _glance(self, named: Sequence[str], fits: Pair, failed: Sequence[str] = ()) -> Glance:
         """
@@ -251,11 +259,12 @@ class Naming:
     def _promised(self, name: str, size: float, named: Sequence[str], fits: Pair) -> float:
         """Return what a candidate wins with the deviations free, without relinearising."""
         prior = shared(self.knobs, (*named, name), {**self._sizes, name: size})
-        won = (
-            weighed(this.group, prior, this.deviations, self.floor)[1] - this.evidence
-            for this in fits
-        )
-        return sum(won) - SIZES[size]
+
+        def won(this: Joint) -> float:
+            evidence = weighed(this.group, prior, this.deviations, self.floor)[1]
+            return evidence - this.evidence
+
+        return sum(side_by_side(won, fits)) - SIZES[size]
 
     def _like(self, failed: Sequence[str], prior: Prior, fits: Pair) -> set[str]:
         """Return those that have failed, what some flight takes for one, and vague words."""

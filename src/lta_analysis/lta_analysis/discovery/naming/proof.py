@@ -32,7 +32,7 @@ CERTAIN: Final = 60.0  # nats; what is so much worse about the old point needs n
 NEAR: Final = 15.0  # nats; nor is a rival refitted that is so much worse
 ALIKE: Final = 0.9  # of the cosine of two columns; beyond it they are two words for one thing
 RIVALS: Final = 2  # refitted for each effect
-ROUNDS: Final = 4
+ROUNDS: Final = 4  # linearisations of all flights together
 ANY: Final = 30.0  # typical sizes: as good as any
 CLEAR: Final = 3.0  # deviations; a component of a vector within them is not told
 

@@ -15,6 +15,7 @@ from lta_analysis.discovery.fit.evidence import log_prior
 from lta_analysis.discovery.outside.generic_terms import CONSTANT, Group, groups, met, Scene
 from lta_analysis.discovery.outside.standing import Beside, Columns, Standing
 from lta_analysis.discovery.replay.linearise import Linearised
+from lta_analysis.discovery.side_by_side import side_by_side
 from lta_sim.effects.protocol import AXES as NAMES
 import numpy as np
 from numpy.typing import NDArray
@@ -239,8 +240,12 @@ class Rivals:
             model now.
 
         """
-        first, second = (self.contest(k, each) for k, each in enumerate(standings))
-        taught, alone = first.gains(), second.gains()
+
+        def contest(one: tuple[int, Standing]) -> tuple[Contest, dict[str, Gain]]:
+            made = self.contest(*one)
+            return made, made.gains()
+
+        (first, taught), (second, alone) = side_by_side(contest, list(enumerate(standings)))
         carried = second.gains(taught)
         out = [
             _rival(

@@ -11,9 +11,11 @@ from typing import final, NamedTuple
 
 from lta_analysis.discovery.fit.evidence import log_prior, Prior, unknown_precision
 from lta_analysis.discovery.fit.fit import Joint
+from lta_analysis.discovery.fit.lower import invert_lower
 from lta_analysis.discovery.outside.generic_terms import Group
 from lta_analysis.discovery.replay.linear import Linear
 from lta_analysis.discovery.replay.tangent import WIDTH
+from lta_analysis.discovery.side_by_side import side_by_side
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
@@ -124,7 +126,7 @@ class _Flight:
         cross = self._cross.copy()
         cross[:, :, -1] += pull
         # Solved once: there are dozens of groups, and each is a product then.
-        back = np.linalg.inv(root)
+        back = invert_lower(root)
         half = back @ cross
         products = self._rest - np.einsum('skg,skh->gh', half, half, optimize=True)
         products[-1, -1] += float(np.sum(pull * mean))
@@ -147,17 +149,17 @@ class _Flight:
         own = self._own
         if not len(own):
             return constant, products, found
-        lower = np.linalg.cholesky(products[np.ix_(own, own)] + np.diag(1.0 / self._variance))
+        root = np.linalg.cholesky(products[np.ix_(own, own)] + np.diag(1.0 / self._variance))
         cross = products[own].copy()
         cross[:, -1] += self._mean / self._variance
-        half = solve_triangular(lower, cross, lower=True)
+        half = solve_triangular(root, cross, lower=True)
         left = products - half.T @ half
         left[-1, -1] += float(np.sum(self._mean**2 / self._variance))
         constant -= 0.5 * float(np.log(self._variance).sum())
-        constant -= float(np.log(np.diag(lower)).sum())
+        constant -= float(np.log(np.diag(root)).sum())
         then = {}
         for name, (aside, alone) in found.items():
-            mine = solve_triangular(lower, aside[own], lower=True)
+            mine = solve_triangular(root, aside[own], lower=True)
             then[name] = aside - half.T @ mine, alone - mine.T @ mine
         return constant, left, then
 
@@ -185,7 +187,7 @@ class Columns:
 
     def beside(self, deviations: Array, names: Sequence[str]) -> Beside:
         """Return some groups beside everything else, for some deviations of the latent wrench."""
-        parts = [each.beside(deviations, names) for each in self._flights]
+        parts = side_by_side(lambda one: one.beside(deviations, names), self._flights)
         products = np.sum([part[1] for part in parts], axis=0)
         prior = self.standing.prior
         free = np.flatnonzero(prior.free)
