@@ -179,6 +179,16 @@ class Peer:
 
         self.until(told)
 
+    def arm_until(self, done: Callable[[], bool]) -> None:
+        """Arm again whenever a link that a busy machine held up has disarmed, until it flies."""
+
+        def flown() -> bool:
+            if not done():
+                self.arm()
+            return done()
+
+        self.until(flown)
+
     def set(self, node: str, name: str, value: object) -> Any:
         """Set a parameter and return what the node said to it."""
         parameter = Parameter(name, value=value).to_parameter_msg()

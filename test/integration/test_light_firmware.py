@@ -70,18 +70,21 @@ def run(built, folder, samples, rate, drift, peak=0.0, held=0.0):
 @pytest.mark.parametrize('diodes', [8, 16])
 def test_every_sample_comes_through_in_order(built, tmp_path, diodes):
     samples = np.random.default_rng(1).integers(0, 4096, (6000, diodes)).astype(np.uint16)
-    link, blocks = LightBoard(LIGHT, diodes), []
+    link, blocks, unsure = LightBoard(LIGHT, diodes), [], []
     for cable, data in run(built, tmp_path, samples, RATE, DRIFT):
         cable.write(link.due(time.monotonic_ns()))
-        blocks += link.take(data, time.monotonic_ns())
+        for block in link.take(data, time.monotonic_ns()):
+            blocks.append(block)
+            unsure.append(link.clock.uncertainty)
     assert (link.blocks.lost, link.framing.crc_errors, link.framing.unknown) == (0, 0, 0)
     assert link.blocks.rows == 6000 - 6000 % (120 // diodes)
     assert len(blocks) + link.undated == link.blocks.rows // 1000
     assert blocks
     for k, block in enumerate(blocks, start=link.undated):
         assert (block.samples == samples[1000 * k : 1000 * (k + 1)]).all()
-    apart = np.diff([block.stamp_ns for block in blocks]) / 1e8
-    assert np.median(apart) == pytest.approx(1.0, abs=2e-3)
+    # A tenth of a second apart, as far as the clock knows: answers are late on a busy machine.
+    off = np.abs(1e-9 * np.diff([block.stamp_ns for block in blocks]) - 1000 / RATE)
+    assert np.median(off / (np.array(unsure[1:]) + unsure[:-1])) < 5.0
     assert link.wrong == ''
 
 
