@@ -62,11 +62,8 @@ def test_whatever_comes_the_duties_are_ones_that_the_rotors_can_obey(name, fligh
             assert low.vector[0] <= memory.command.mass_place[0] <= high.vector[0]
 
 
-@pytest.mark.parametrize(
-    'name',
-    # All are compiled in one way, and each takes a quarter of a minute.
-    [pytest.param(name, marks=() if name == 'quadrotor' else pytest.mark.long) for name in LAWS],
-)
+@pytest.mark.long  # a quarter of a minute each; the law of a blimp is one in test_compiled.py
+@pytest.mark.parametrize('name', LAWS)
 @settings(max_examples=20, deadline=None)
 @given(flight=flights)
 def test_compiled_it_is_the_same_to_the_last_bit(name, flight):

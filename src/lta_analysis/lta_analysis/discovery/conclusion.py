@@ -12,7 +12,7 @@ import math
 from typing import Final, final, Literal
 
 from lta_analysis.discovery.finding import Finding, Gap, Verdict
-from lta_analysis.discovery.forecast.cautions import in_vain, worse
+from lta_analysis.discovery.forecast.cautions import in_vain, keeps, worse
 from lta_analysis.discovery.model.candidates import components
 from lta_analysis.discovery.naming.accept import GAIN
 
@@ -94,7 +94,7 @@ def concluded(found: Finding) -> Conclusion:
 
 def _advice(found: Finding) -> Advice:
     """Return what to do with the vehicle file."""
-    if worse(found.gaps):
+    if keeps(found.gaps):
         return 'keep'
     if found.verdict == 'not_identifiable' or (found.effects and in_vain(found.gaps)):
         return 'again'

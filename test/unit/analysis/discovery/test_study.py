@@ -16,6 +16,10 @@ LENGTH = 44.0  # s
 TRUTH = 0.03  # N s/m
 
 
+# Half a minute; test_discover.py finds the same by the command, and reads it from its results.
+LONG = pytest.mark.long
+
+
 @pytest.fixture(scope='module')
 def studied() -> Study:
     """A vehicle within its tolerances, but for a linear drag that its file does not have."""
@@ -27,6 +31,7 @@ def studied() -> Study:
     return study(load_vehicle('gtmab'), flights, seed=1)
 
 
+@LONG
 def test_the_hidden_effect_is_named_with_an_interval_about_the_truth(studied: Study) -> None:
     found = studied.finding
     assert found.verdict == 'named'
@@ -44,6 +49,7 @@ def test_the_hidden_effect_is_named_with_an_interval_about_the_truth(studied: St
     assert studied.learned.mass == studied.nominal.mass
 
 
+@LONG
 def test_the_ladder_ends_with_a_round_in_which_nothing_is_accepted(studied: Study) -> None:
     ladder = studied.finding.ladder
     assert [sum(rung.accepted for rung in rungs) for rungs in ladder] == [1, 0, 0]
@@ -53,6 +59,7 @@ def test_the_ladder_ends_with_a_round_in_which_nothing_is_accepted(studied: Stud
     assert studied.finding.effects[0].log_evidence == pytest.approx(won, rel=0.25)
 
 
+@LONG
 def test_the_gap_of_the_held_out_flight_shrinks_and_coast_is_far_off(studied: Study) -> None:
     found = studied.finding
     gaps = {(gap.channel, gap.horizon_s): gap for gap in found.gaps}

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from lta_analysis.discovery.finding import Gap
-from lta_analysis.discovery.forecast.cautions import cautions
+from lta_analysis.discovery.forecast.cautions import cautions, keeps
 import pytest
 
 
@@ -39,6 +39,18 @@ def test_a_fit_is_worse_if_even_the_upper_end_of_its_interval_is_negative(
     most: float, worse: int
 ) -> None:
     assert len(cautions([gap('position', 5.0, 0.3, 0.31, 0.5, most)])) == worse
+
+
+def test_a_second_ahead_alone_decides_nothing() -> None:
+    """A clock that is 32 ms late: 7.5 to 8.8 mm after 1 s, and 26 to 19 mm after 5 s."""
+    near = gap('position', 1.0, 0.0075, 0.0088, 0.02, -0.08)
+    far = gap('position', 5.0, 0.0264, 0.0193, 0.45, 0.46)
+    better = replace(far, shrink_ci95=(0.09, 0.46))
+    told = [near, better]
+    assert not keeps(told)
+    assert cautions(told) == ['Not all forecasts get better: worse are position after 1 s.']
+    assert keeps([near, replace(far, shrink_ci95=(-0.1, 0.46))])  # nothing is surely better
+    assert keeps([replace(near, horizon_s=7.0), better])  # the furthest is worse
 
 
 @pytest.mark.parametrize('better', ['before', 'tuned', 'after'])
