@@ -192,8 +192,7 @@ def _verdict_tile(found: Finding) -> Tile:
     """Return the verdict as a tile."""
     count = sum(1 if len(one.knobs) > MANY else len(one.knobs) for one in found.effects)
     values = [
-        f'{one.name.replace("_", " ")} {part.name.replace("_", " ")} {learned_words(part)}'
-        f'{assumed_words(one)}'
+        f'{spoken(f"{one.name}.{part.name}")} {learned_words(part)}{assumed_words(one)}'
         for one in found.effects
         for part in one.parameters
     ]
