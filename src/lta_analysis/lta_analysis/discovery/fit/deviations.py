@@ -8,7 +8,7 @@ and from small ones, and the better is taken.
 from collections.abc import Callable, Sequence
 from typing import Final
 
-from lta_analysis.discovery.fit.evidence import evidence_of, log_prior, Prior
+from lta_analysis.discovery.fit.evidence import Prior
 from lta_analysis.discovery.fit.group import Group
 from lta_analysis.discovery.fit.steepness import Steepness, steepness
 import numpy as np
@@ -38,10 +38,7 @@ def strides(seen: Steepness) -> Array:
 
 
 def best(
-    value: Callable[[Array], float],
-    steep: Callable[[Array], Steepness],
-    start: Array,
-    floor: Array,
+    steep: Callable[[Array], Steepness], start: Array, floor: Array, worth: float = WORTH
 ) -> tuple[Array, float]:
     """
     Return the deviations of greatest value near a start, and the value.
@@ -50,38 +47,46 @@ def best(
 
     Parameters
     ----------
-    value, steep : callable
-        Log evidence of deviations, -inf where there is none, and the same with its slope.
+    steep : callable
+        Log evidence of deviations, -inf where there is none, with its slope.
     start, floor : ndarray, shape (6,)
         Deviations to begin with, and those that are not worth speaking of.
+    worth : float
+        Log evidence below which a stride is not made. [nats]
 
     """
     low, high = np.log(LOWEST * floor), np.log(HIGHEST * floor)
-    at = np.clip(np.log(start), low, high)
-    now, part = value(np.exp(at)), 1.0
-    for _ in range(STRIDES if np.isfinite(now) else 0):
-        seen = steep(np.exp(at))
-        step = np.clip(at + part * strides(seen), low, high) - at
-        promised = float(seen.slope @ step)
-        if promised < WORTH:
+    at, part = np.clip(np.log(start), low, high), 1.0
+    now = steep(np.exp(at))
+    for _ in range(STRIDES if np.isfinite(now.value) else 0):
+        step = np.clip(at + part * strides(now), low, high) - at
+        promised = float(now.slope @ step)
+        if promised < worth:
             break
         for _ in range(HALVES):
-            there = value(np.exp(at + step))
-            if there > now:
+            there = steep(np.exp(at + step))
+            if there.value > now.value:
                 break
             step, part = 0.5 * step, 0.5 * part
         else:
             break
-        gained, at, now = there - now, at + step, there
+        gained, at, now = there.value - now.value, at + step, there
         if gained > STRAIGHT * promised:
             part *= 2.0  # a hillside that hardly bends
-        elif gained < WORTH:
+        elif gained < worth:
             break
-    return np.exp(at), now
+        else:
+            part = min(part, 1.0)
+    return np.exp(at), now.value
 
 
 def weighed(
-    group: Group, prior: Prior, start: Array, floor: Array, caps: Sequence[float] = (SMALL,)
+    group: Group,
+    prior: Prior,
+    start: Array,
+    floor: Array,
+    caps: Sequence[float] = (SMALL,),
+    worth: float = WORTH,
 ) -> tuple[Array, float]:
     """
     Return the most probable deviations of the latent wrench, and the log evidence with theirs.
@@ -96,21 +101,20 @@ def weighed(
         Deviations to begin with, and those that are not worth speaking of.
     caps : sequence of float
         Of further starts. [floors]
+    worth : float
+        As for `best`.
 
     """
     narrow, kept = group.narrowed(prior.free)
     own = Prior(prior.mean[kept], prior.covariance[np.ix_(kept, kept)])
 
-    def value(deviations: Array) -> float:
-        try:
-            found = evidence_of(narrow.reduced(deviations), narrow.at, own)
-        except np.linalg.LinAlgError:
-            return -np.inf  # so far off that nothing is left of a column but rounding
-        return found + log_prior(deviations, floor)
-
     def steep(deviations: Array) -> Steepness:
-        return steepness(narrow, own, deviations, floor)
+        try:
+            return steepness(narrow, own, deviations, floor)
+        except np.linalg.LinAlgError:
+            # So far off that nothing is left of a column but rounding.
+            return Steepness(-np.inf, np.zeros(len(floor)), np.eye(len(floor)))
 
     starts = [start, *(np.minimum(start, cap * floor) for cap in caps)]
     distinct = [s for k, s in enumerate(starts) if k == 0 or not np.allclose(s, start)]
-    return max((best(value, steep, s, floor) for s in distinct), key=lambda found: found[1])
+    return max((best(steep, s, floor, worth) for s in distinct), key=lambda found: found[1])

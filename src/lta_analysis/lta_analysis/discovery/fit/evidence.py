@@ -332,23 +332,6 @@ def fitted(reduced: Reduced, at: Array, prior: Prior) -> Fitted:
         What is known of them; those that it holds stay where the point has them.
 
     """
-    free, root, half, value = _solved(reduced, at, prior)
-    after, covariance = at.copy(), np.zeros((len(free), len(free)))
-    after[free] += np.linalg.solve(root.T, half)
-    inverse = np.linalg.inv(root)
-    covariance[np.ix_(free, free)] = inverse.T @ inverse
-    return Fitted(value, after, covariance)
-
-
-def evidence_of(reduced: Reduced, at: Array, prior: Prior) -> float:
-    """Return the log evidence alone; parameters as for `fitted`."""
-    return _solved(reduced, at, prior)[3]
-
-
-def _solved(
-    reduced: Reduced, at: Array, prior: Prior
-) -> tuple[NDArray[np.bool_], Array, Array, float]:
-    """Return what is free, the root of its precision, the pull by that root, and the evidence."""
     free = prior.free
     wide = prior.covariance[np.ix_(free, free)]
     precision = np.linalg.inv(wide)
@@ -359,7 +342,11 @@ def _solved(
     half = np.linalg.solve(root, products[:-1, -1] + precision @ mean)
     square = products[-1, -1] + mean @ precision @ mean - half @ half
     logs = -0.5 * np.linalg.slogdet(wide)[1] - np.log(np.diag(root)).sum()
-    return free, root, half, float(reduced.constant + logs - 0.5 * square)
+    after, covariance = at.copy(), np.zeros((len(free), len(free)))
+    after[free] += np.linalg.solve(root.T, half)
+    inverse = np.linalg.inv(root)
+    covariance[np.ix_(free, free)] = inverse.T @ inverse
+    return Fitted(float(reduced.constant + logs - 0.5 * square), after, covariance)
 
 
 def strain(point: Point, deviations: Array) -> float:

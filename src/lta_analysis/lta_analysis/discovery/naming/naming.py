@@ -50,6 +50,7 @@ REFITTED: Final = 4  # candidates of a round
 CAP: Final = 1.5  # floors; of the deviations in the second glance
 MOST: Final = 4  # effects
 WORTH: Final = 1.0  # nats; a glance below it is not followed
+ROUGHLY: Final = 0.3  # nats; how well a promise need be known
 HOPE: Final = 5.0  # nats; nor is a candidate that promises less on all flights together
 HOPELESS: Final = 0.35  # of what the best has won: who promises less is not refitted
 ALIKE: Final = 0.98  # of the cosine of two columns; beyond it one refit stands for both
@@ -261,8 +262,8 @@ class Naming:
         prior = shared(self.knobs, (*named, name), {**self._sizes, name: size})
 
         def won(this: Joint) -> float:
-            evidence = weighed(this.group, prior, this.deviations, self.floor)[1]
-            return evidence - this.evidence
+            found = weighed(this.group, prior, this.deviations, self.floor, worth=ROUGHLY)
+            return found[1] - this.evidence
 
         return sum(side_by_side(won, fits)) - SIZES[size]
 
