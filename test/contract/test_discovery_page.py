@@ -6,21 +6,21 @@ import re
 
 from lta_analysis.discovery.finding import Finding
 from lta_analysis.discovery.results.discovery_json import to_dict
-from lta_analysis.reference.thresholds import thresholds
+from lta_analysis.reference.thresholds import list_thresholds
 import pytest
 
 PAGE = Path(__file__).resolve().parents[2] / 'docs/discovery.md'
 
 
 def test_every_threshold_says_what_it_is():
-    every = list(thresholds())
+    every = list(list_thresholds())
     assert len(every) > 200
     assert len({one.key for one in every}) == len(every)
     assert [one.key for one in every if not one.about] == []
 
 
 def test_the_values_of_the_page_are_those_that_the_code_uses():
-    for one in thresholds():
+    for one in list_thresholds():
         used = getattr(import_module(f'lta_analysis.discovery.{one.module}'), one.name)
         base, _, power = one.value.partition('**')
         assert used == pytest.approx(float(base) ** float(power or 1.0)), one.key

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_analysis.challenge.contradictions import contradictions, told
-from lta_analysis.discovery.conclusion import concluded
+from lta_analysis.challenge.contradictions import find_contradictions, render
+from lta_analysis.discovery.conclusion import draw_conclusion
 from lta_analysis.discovery.finding import (
     Assumed,
     Finding,
@@ -97,7 +97,7 @@ def findings(draw):
 @settings(max_examples=150)
 @given(findings())
 def test_no_study_contradicts_itself(found: Finding) -> None:
-    assert contradictions(found) == []
+    assert find_contradictions(found) == []
 
 
 @pytest.fixture
@@ -118,9 +118,9 @@ def test_the_laws_find_a_page_that_retracts(
     named: Finding, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Each law, broken by one word in one place."""
-    assert contradictions(named) == []
+    assert find_contradictions(named) == []
     place = 'lta_analysis.challenge.contradictions'
-    said = told(named)
+    said = render(named)
     broken = {
         'the headline keeps silent': said._replace(headline='Linear drag (surge) is missing.'),
         'not to use it': said._replace(rest=f'{said.rest} keep the vehicle file'),
@@ -136,25 +136,28 @@ def test_the_laws_find_a_page_that_retracts(
     other = replace(named, ladder=((Rung('net_lift.force', 30.0, 20.0, 20.0, 0.1, True),),))
     other = replace(other, unexplained=('a line',), verdict='named+unexplained')
     for words, changed in broken.items():
-        monkeypatch.setattr(f'{place}.told', lambda _found, changed=changed: changed)
+        monkeypatch.setattr(f'{place}.render', lambda _found, changed=changed: changed)
         finding = other if words in ('not at the end', 'nothing is left over') else named
-        assert any(words in one for one in contradictions(finding)), words
+        assert any(words in one for one in find_contradictions(finding)), words
 
 
 def test_the_advice_follows_the_forecasts(named: Finding) -> None:
     gap = named.gaps[0]
-    assert concluded(named).advice == 'use'
-    assert concluded(named).gain == gap
+    assert draw_conclusion(named).advice == 'use'
+    assert draw_conclusion(named).gain == gap
     worse = replace(gap, after=0.4, shrink=-0.3, shrink_ci95=(-0.5, -0.1))
-    assert concluded(replace(named, gaps=(worse,))).advice == 'keep'
+    assert draw_conclusion(replace(named, gaps=(worse,))).advice == 'keep'
     vain = replace(gap, tuned=0.05)
-    assert concluded(replace(named, gaps=(vain,))).advice == 'again'
+    assert draw_conclusion(replace(named, gaps=(vain,))).advice == 'again'
     for changed in (worse, vain):
-        assert concluded(replace(named, gaps=(changed,))).gain is None
+        assert draw_conclusion(replace(named, gaps=(changed,))).gain is None
     bare = replace(named, verdict='none', effects=(), ladder=())
-    assert concluded(bare).advice == 'measure'  # tolerances alone take a third of the error
+    assert draw_conclusion(bare).advice == 'measure'  # tolerances alone take a third of the error
     tight = replace(gap, tuned=0.29, after=0.29, shrink=0.03, shrink_ci95=(-0.1, 0.1))
-    assert concluded(replace(bare, gaps=(tight,))).advice == 'keep'
-    assert concluded(replace(bare, gaps=(tight,), strained=('vehicle.mass',))).advice == 'measure'
+    assert draw_conclusion(replace(bare, gaps=(tight,))).advice == 'keep'
+    assert (
+        draw_conclusion(replace(bare, gaps=(tight,), strained=('vehicle.mass',))).advice
+        == 'measure'
+    )
     unsure = replace(named, verdict='not_identifiable')
-    assert (concluded(unsure).advice, concluded(unsure).asserted) == ('again', False)
+    assert (draw_conclusion(unsure).advice, draw_conclusion(unsure).asserted) == ('again', False)

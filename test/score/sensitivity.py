@@ -27,7 +27,7 @@ from lta_analysis.challenge.make import folder_of, make, Order
 from lta_analysis.challenge.sealed import NAME as SEALED
 from lta_analysis.challenge.sealed import opened
 from lta_analysis.challenge.trial import study_case
-from lta_analysis.reference.thresholds import DECLARED, KEPT, Threshold, thresholds
+from lta_analysis.reference.thresholds import DECLARED, KEPT, list_thresholds, Threshold
 from rich.progress import track
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -38,47 +38,49 @@ SEED, SECONDS = 91, (60.0, 60.0)
 LATER = {'carrying', 'conclusion'}  # asked of real flights only, or when all has been decided
 
 
-def told(one: Judged) -> str:
+def describe_outcome(one: Judged) -> str:
     """Return in a few words how a case came out."""
     words = [one.outcome, *one.named, 'unexplained' if one.flagged else '']
     return ' '.join(filter(None, words))
 
 
-def studied(challenge: Path, numbers: range) -> dict[str, str]:
+def study_cases(challenge: Path, numbers: range) -> dict[str, str]:
     """Return how cases come out, by number."""
     answers = opened(challenge / SEALED)
     out = {}
     for number in numbers:
         found, _ = study_case(challenge / folder_of(number))
-        out[str(number)] = told(judged(number, answers[str(number)], found))
+        out[str(number)] = describe_outcome(judged(number, answers[str(number)], found))
     return out
 
 
-def scaled(value: str, factor: str) -> str:
+def scale_value(value: str, factor: str) -> str:
     """Return a number of the source, doubled or halved; whole numbers stay whole and above 0."""
     if value.isdigit():
         return str(max(1, round(float(factor) * int(value))))
     return f'{factor} * {value}'
 
 
-def changed(source: Path, one: Threshold, factor: str) -> None:
+def write_constant(source: Path, one: Threshold, factor: str) -> None:
     """Write one constant of a copy of the package."""
     path = source / 'discovery' / f'{one.module.replace(".", "/")}.py'
     lines = path.read_text(encoding='utf-8').splitlines()
     for k, line in enumerate(lines):
         found = DECLARED.match(line)
         if found is not None and found['name'] == one.name:
-            lines[k] = f'{one.name} = {scaled(one.value, factor)}'
+            lines[k] = f'{one.name} = {scale_value(one.value, factor)}'
     path.write_text('\n'.join(lines) + '\n', encoding='utf-8')
 
 
-def variant(challenge: Path, count: int, one: Threshold | None, factor: str) -> dict[str, str]:
+def study_variant(
+    challenge: Path, count: int, one: Threshold | None, factor: str
+) -> dict[str, str]:
     """Study the cases with a constant changed, in a process of its own; None changes nothing."""
     with TemporaryDirectory() as folder:
         copy = Path(folder) / 'lta_analysis'
         shutil.copytree(SOURCE, copy, ignore=shutil.ignore_patterns('__pycache__'))
         if one is not None:
-            changed(copy, one, factor)
+            write_constant(copy, one, factor)
         paths = [folder, os.environ.get('PYTHONPATH', '')]
         done = subprocess.run(
             [sys.executable, __file__, '--child', str(challenge), '--cases', str(count)],
@@ -91,7 +93,7 @@ def variant(challenge: Path, count: int, one: Threshold | None, factor: str) -> 
     return found
 
 
-def kept(path: Path, stamp: str) -> dict[str, str] | None:
+def load_result(path: Path, stamp: str) -> dict[str, str] | None:
     """Return what was measured before, of the same package and cases."""
     if not path.exists():
         return None
@@ -99,7 +101,7 @@ def kept(path: Path, stamp: str) -> dict[str, str] | None:
     return found['came_out'] if found['stamp'] == stamp else None
 
 
-def moved(before: dict[str, str], after: dict[str, str]) -> str:
+def describe_change(before: dict[str, str], after: dict[str, str]) -> str:
     """Return what changed, in words: 'silent: 1 more, exact: 1 fewer', or 'nothing'."""
     if set(after) != set(before):
         return '; '.join(after.values())
@@ -121,7 +123,7 @@ def main() -> None:
     asked.add_argument('--child', type=Path, help=argparse.SUPPRESS)
     given = asked.parse_args()
     if given.child:
-        sys.stdout.write(json.dumps(studied(given.child, range(given.cases))) + '\n')
+        sys.stdout.write(json.dumps(study_cases(given.child, range(given.cases))) + '\n')
         return
     challenge = RUNS / f'cases_{given.cases}'
     if not challenge.exists():
@@ -129,27 +131,27 @@ def main() -> None:
     texts = sorted(SOURCE.rglob('*.py'))
     whole = b''.join(path.read_bytes() for path in texts) + (challenge / SEALED).read_bytes()
     stamp = hashlib.sha256(whole).hexdigest()[:16]
-    every = [one for one in thresholds() if one.module.partition('.')[0] not in LATER]
+    every = [one for one in list_thresholds() if one.module.partition('.')[0] not in LATER]
     todo = [(one, f) for one in every if one.key.startswith(given.only) for f in FACTORS]
 
-    def measured(one: Threshold | None, factor: str) -> dict[str, str]:
+    def measure(one: Threshold | None, factor: str) -> dict[str, str]:
         path = RUNS / (f'{one.key}_{factor}.json' if one else 'unchanged.json')
-        found = kept(path, stamp)
+        found = load_result(path, stamp)
         if found is None:
-            found = variant(challenge, given.cases, one, factor)
+            found = study_variant(challenge, given.cases, one, factor)
             text = json.dumps({'stamp': stamp, 'came_out': found}, indent=1)
             path.write_text(text, encoding='utf-8')
         return found
 
-    before = measured(None, '1')
+    before = measure(None, '1')
     with ThreadPoolExecutor(given.jobs) as pool:
-        work = pool.map(lambda each: measured(*each), todo)
+        work = pool.map(lambda each: measure(*each), todo)
         done = list(track(work, 'measuring', total=len(todo)))
     page = ROOT / 'docs' / KEPT
-    told_before = json.loads(page.read_text(encoding='utf-8')) if page.exists() else {}
+    page_content = json.loads(page.read_text(encoding='utf-8')) if page.exists() else {}
     for (one, factor), after in zip(todo, done, strict=True):
-        told_before.setdefault(one.key, {})[factor] = moved(before, after)
-    page.write_text(json.dumps(told_before, indent=1, sort_keys=True) + '\n', encoding='utf-8')
+        page_content.setdefault(one.key, {})[factor] = describe_change(before, after)
+    page.write_text(json.dumps(page_content, indent=1, sort_keys=True) + '\n', encoding='utf-8')
     said = f'{len(todo)} variants of {len(every)} thresholds, {given.cases} cases each: {page}'
     sys.stdout.write(f'{said}\n')
 

@@ -36,7 +36,7 @@ UNFIT: Final = ('wants more than', 'want more than', 'Measure the numbers', 'pre
 
 
 @final
-class Told(NamedTuple):
+class Rendered(NamedTuple):
     """What a study says in each place, as plain text."""
 
     headline: str
@@ -54,37 +54,37 @@ class Told(NamedTuple):
         return '\n'.join(self[:-1])
 
 
-def told(found: Finding) -> Told:
+def render(found: Finding) -> Rendered:
     """Return what a study says in each place."""
     out = StringIO()
     show(found, Console(file=out, width=COLUMNS, color_system=None))
     rest = (tables.following(found), tables.warned(found), tables.unexplained(found))
-    return Told(
+    return Rendered(
         headline(found),
         '\n'.join(' '.join(map(str, one)) for one in tiles(found)),
-        _plain(tables.effects(found)),
-        _plain(tables.ladder(found)),
-        '\n'.join([about(found), *map(_plain, rest)]),
+        _strip_tags(tables.effects(found)),
+        _strip_tags(tables.ladder(found)),
+        '\n'.join([about(found), *map(_strip_tags, rest)]),
         out.getvalue(),
         '\n'.join(learned_commands(found, Path('found')).values()),
         to_dict(found),
     )
 
 
-def _plain(html: str) -> str:
+def _strip_tags(html: str) -> str:
     """Return the words of HTML."""
     return ' '.join(unescape(TAG.sub(' ', html)).split())
 
 
-def contradictions(found: Finding) -> list[str]:
+def find_contradictions(found: Finding) -> list[str]:
     """Return what a study asserts and retracts, a sentence each; none is as it should be."""
-    said = told(found)
-    laws = (_of_gains(said), _of_names(found, said), _of_nothing(found, said),
-            _of_values(found, said), _of_json(found, said))  # fmt: skip
+    said = render(found)
+    laws = (_check_gains(said), _check_names(found, said), _check_nothing(found, said),
+            _check_values(found, said), _check_json(found, said))  # fmt: skip
     return [each for law in laws for each in law]
 
 
-def _of_gains(said: Told) -> Iterator[str]:
+def _check_gains(said: Rendered) -> Iterator[str]:
     """Yield where a gain is told, or the learned file offered, and it should not be used."""
     keep = 'keep the vehicle file' in said.all.lower()
     doubted = 'do not trust its value' in said.all or 'Fly again' in said.all
@@ -97,7 +97,7 @@ def _of_gains(said: Told) -> Iterator[str]:
         yield 'doubt beside no cause for it'
 
 
-def _of_names(found: Finding, said: Told) -> Iterator[str]:
+def _check_names(found: Finding, said: Rendered) -> Iterator[str]:
     """Yield names that are asserted without their rivals, or that do not stand at the end."""
     for one in found.effects:
         for rival in one.confusable_with:
@@ -118,7 +118,7 @@ def _of_names(found: Finding, said: Told) -> Iterator[str]:
             yield f'{knob} is named in a round and not at the end'
 
 
-def _of_nothing(found: Finding, said: Told) -> Iterator[str]:
+def _check_nothing(found: Finding, said: Rendered) -> Iterator[str]:
     """Yield where nothing is said to be missing, and something is."""
     more = found.effects or found.remains or found.unexplained
     if NOTHING in said.headline and (more or 'Unexplained:' in said.terminal):
@@ -129,7 +129,7 @@ def _of_nothing(found: Finding, said: Told) -> Iterator[str]:
         yield 'the file explains the flights, and has to be measured again'
 
 
-def _of_values(found: Finding, said: Told) -> Iterator[str]:
+def _check_values(found: Finding, said: Rendered) -> Iterator[str]:
     """Yield values of the file that it lacks, and values that hide what they depend on."""
     lacking = sum(not each.in_file for one in found.effects for each in one.parameters)
     if said.effects.count('the file does not have it') != lacking:
@@ -139,7 +139,7 @@ def _of_values(found: Finding, said: Told) -> Iterator[str]:
         yield 'a value that depends on an assumed one does not say so'
 
 
-def _of_json(found: Finding, said: Told) -> Iterator[str]:
+def _check_json(found: Finding, said: Rendered) -> Iterator[str]:
     """Yield where the JSON draws another conclusion than the words."""
     drawn = said.json['conclusion']
     gain = any(words in said.headline for words in BETTER)

@@ -7,8 +7,8 @@ import time
 from typing import Any, Final
 
 from lta_analysis.challenge.case import ROLES
-from lta_analysis.challenge.contradictions import contradictions
-from lta_analysis.discovery.conclusion import concluded
+from lta_analysis.challenge.contradictions import find_contradictions
+from lta_analysis.discovery.conclusion import draw_conclusion
 from lta_analysis.discovery.finding import Gap
 from lta_analysis.discovery.fit.bounds import turned
 from lta_analysis.discovery.fit.evidence import floor_of, own_variance, shared
@@ -96,9 +96,9 @@ def _told(made: Study) -> dict[str, Any]:
         'gaps': _shown(finding.gaps),
         'remains': [one._asdict() for one in finding.remains],
         'warnings': list(finding.warnings),
-        'advice': concluded(finding).advice,
+        'advice': draw_conclusion(finding).advice,
         'detectable': {one.knob: one.size for one in finding.detectable},
-        'contradictions': contradictions(finding),
+        'contradictions': find_contradictions(finding),
     }
 
 

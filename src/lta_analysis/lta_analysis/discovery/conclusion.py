@@ -72,10 +72,10 @@ class Conclusion:
         return bool(self.rivals) or self.advice == 'again' or self.coasting
 
 
-def concluded(found: Finding) -> Conclusion:
+def draw_conclusion(found: Finding) -> Conclusion:
     """Return what a finding allows to say."""
     gap = main_gap(found.gaps)
-    advice, loose = _advice(found), _loose(found)
+    advice, loose = _choose_advice(found), _tolerances_suffice(found)
     rivals = dict.fromkeys(rival for one in found.effects for rival in one.confusable_with)
     better = advice == 'use' and gap is not None and gap.shrink > 0.0
     return Conclusion(
@@ -92,7 +92,7 @@ def concluded(found: Finding) -> Conclusion:
     )
 
 
-def _advice(found: Finding) -> Advice:
+def _choose_advice(found: Finding) -> Advice:
     """Return what to do with the vehicle file."""
     if keeps(found.gaps):
         return 'keep'
@@ -100,13 +100,13 @@ def _advice(found: Finding) -> Advice:
         return 'again'
     if found.effects:
         return 'use'
-    if found.strained or _loose(found):
+    if found.strained or _tolerances_suffice(found):
         return 'measure'
     strong = any(rung.total > GAIN for step in found.ladder for rung in step)
     return 'again' if strong and found.verdict == 'none' else 'keep'
 
 
-def _loose(found: Finding) -> bool:
+def _tolerances_suffice(found: Finding) -> bool:
     """Tell whether nothing is missing, but numbers within their tolerances make most errors."""
     gap = main_gap(found.gaps)
     return found.verdict == 'none' and gap is not None and gap.tuned < LOOSE * gap.before
@@ -119,7 +119,7 @@ def main_gap(gaps: Sequence[Gap]) -> Gap | None:
     return max(place, key=lambda gap: gap.horizon_s, default=None)
 
 
-def stands(found: Finding, knob: str) -> bool:
+def is_still_named(found: Finding, knob: str) -> bool:
     """Tell whether what a round of the ladder named is still named at the end."""
     told = {name for one in found.effects for name in one.knobs}
     return bool(told & set(components(knob)))

@@ -68,14 +68,14 @@ class Threshold(NamedTuple):
         return f'{self.module}.{self.name}'
 
 
-def thresholds() -> Iterator[Threshold]:
+def list_thresholds() -> Iterator[Threshold]:
     """Yield the thresholds of all parts, in the order of the page."""
     for part in PARTS:
-        for source in sources(part):
-            yield from declared(*source)
+        for source in read_sources(part):
+            yield from parse_thresholds(*source)
 
 
-def sources(part: str) -> Iterator[tuple[str, str]]:
+def read_sources(part: str) -> Iterator[tuple[str, str]]:
     """Yield name and text of the modules of a part: it is one itself, or a package of some."""
     folder = resources.files(PACKAGE)
     if not (folder / part).is_dir():
@@ -86,7 +86,7 @@ def sources(part: str) -> Iterator[tuple[str, str]]:
             yield f'{part}.{each.name.removesuffix(".py")}', each.read_text(encoding='utf-8')
 
 
-def declared(module: str, text: str) -> Iterator[Threshold]:
+def parse_thresholds(module: str, text: str) -> Iterator[Threshold]:
     """Yield the numbers that a module declares, each with the comment beside or above it."""
     above: list[str] = []
     for line in text.splitlines():
@@ -99,23 +99,27 @@ def declared(module: str, text: str) -> Iterator[Threshold]:
 
 def page() -> str:
     """Return the page: a section for each part."""
-    measured = kept()
+    measured = load_sensitivity()
     out = [HEAD]
     for part, title in PARTS.items():
-        rows = [row(each, measured) for source in sources(part) for each in declared(*source)]
+        rows = [
+            format_row(each, measured)
+            for source in read_sources(part)
+            for each in parse_thresholds(*source)
+        ]
         if rows:
             out.append(f'\n## {title}\n\n{TABLE}{"".join(rows)}')
     return ''.join(out)
 
 
-def row(one: Threshold, measured: dict[str, dict[str, str]]) -> str:
+def format_row(one: Threshold, measured: dict[str, dict[str, str]]) -> str:
     """Return the row of one threshold."""
     moved = measured.get(one.key, {})
     cells = (f'`{one.key}`', one.value, one.about, moved.get('2', '-'), moved.get('0.5', '-'))
     return f'| {" | ".join(cells)} |\n'
 
 
-def kept() -> dict[str, dict[str, str]]:
+def load_sensitivity() -> dict[str, dict[str, str]]:
     """Return what was measured of each threshold, by factor; nothing where nobody measured."""
     path = Path('docs') / KEPT
     if not path.exists():

@@ -11,7 +11,7 @@ from lta_analysis.discovery.carrying.values import Valued
 from lta_analysis.discovery.finding import Learned, NamedEffect
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
-from lta_analysis.discovery.naming.sizes import assumed
+from lta_analysis.discovery.naming.sizes import assumed_values
 from lta_sim.effects import EFFECTS
 
 NEAR: Final = 0.9  # of the worth of a name; what has more in its round could stand in its place
@@ -62,7 +62,8 @@ def effects(
             (*before.confusable_with, *rivals),
         )
     told = [
-        replace(one, assumed=assumed(nominal, one.name, one.parameters)) for one in out.values()
+        replace(one, assumed=assumed_values(nominal, one.name, one.parameters))
+        for one in out.values()
     ]
     return tuple(sorted(told, key=lambda one: -one.log_evidence))
 

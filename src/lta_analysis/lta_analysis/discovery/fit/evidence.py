@@ -12,7 +12,7 @@ from copy import copy
 from dataclasses import dataclass, replace
 from typing import Final, final, NamedTuple
 
-from lta_analysis.discovery.fit.lower import invert_lower, solve_lower
+from lta_analysis.discovery.fit.triangular import invert_lower, solve_lower
 from lta_analysis.discovery.flights.windows import LENGTH
 from lta_analysis.discovery.model.candidates import components
 from lta_analysis.discovery.model.knobs import Knob

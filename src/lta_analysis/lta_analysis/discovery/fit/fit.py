@@ -17,9 +17,9 @@ from lta_analysis.discovery.fit.evidence import Fitted, fitted, FLOOR, Pieces, P
 from lta_analysis.discovery.fit.group import Group
 from lta_analysis.discovery.fit.misfit import forecast_error, misfit_at, promised
 from lta_analysis.discovery.model.nominal import Nominal
+from lta_analysis.discovery.parallel import map_parallel
 from lta_analysis.discovery.replay.linear import Linear, Point
 from lta_analysis.discovery.replay.linearise import Linearised
-from lta_analysis.discovery.side_by_side import side_by_side
 from lta_config.errors import BadInput
 import numpy as np
 from numpy.typing import NDArray
@@ -189,7 +189,7 @@ class Fitter:
                 raise BadInput(RAN_AWAY) from None
 
         both = list(zip(self.flights, points, strict=True))
-        return Group(tuple(side_by_side(pieces, both)), at, self.variance)
+        return Group(tuple(map_parallel(pieces, both)), at, self.variance)
 
     def fit(
         self,

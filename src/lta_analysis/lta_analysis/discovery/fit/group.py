@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 from typing import final, NamedTuple
 
 from lta_analysis.discovery.fit.evidence import eliminated, Fitted, Pieces, Reduced
+from lta_analysis.discovery.parallel import map_parallel
 from lta_analysis.discovery.replay.linear import Linear, Point
-from lta_analysis.discovery.side_by_side import side_by_side
 import numpy as np
 from numpy.typing import NDArray
 
@@ -83,7 +83,7 @@ class Group:
             Of the latent force [N] and moment [N m].
 
         """
-        return self.together(side_by_side(lambda each: each.reduced(deviations), self.pieces))
+        return self.together(map_parallel(lambda each: each.reduced(deviations), self.pieces))
 
     def together(self, reduced: Sequence[Reduced]) -> Reduced:
         """Return what flights say of what they share, each without its pieces' unknowns."""

@@ -12,10 +12,10 @@ from typing import Final
 from lta_analysis.discovery.fit.evidence import Prior, strain
 from lta_analysis.discovery.fit.group import Group
 from lta_analysis.discovery.flights.measured import PERIOD
+from lta_analysis.discovery.parallel import map_parallel
 from lta_analysis.discovery.replay.linear import Point
 from lta_analysis.discovery.replay.linearise import Linearised
 from lta_analysis.discovery.replay.replay import STEPS
-from lta_analysis.discovery.side_by_side import side_by_side
 from lta_config.errors import BadInput
 import numpy as np
 from numpy.typing import NDArray
@@ -52,7 +52,7 @@ def misfit_at(
         Of each flight.
 
     """
-    flown = side_by_side(_flown_misfit, list(zip(flights, points, strict=True)))
+    flown = map_parallel(_flown_misfit, list(zip(flights, points, strict=True)))
     return _unknowns(deviations, prior, variance, at, points) + sum(flown)
 
 
@@ -77,7 +77,7 @@ def forecast_error(flights: Sequence[Linearised], points: Sequence[Point]) -> fl
     The median over pieces of the mean square of the position's error until AHEAD; a few pieces
     may be lost. Inf where no such vehicle can be.
     """
-    found = side_by_side(_forecast_errors, list(zip(flights, points, strict=True)))
+    found = map_parallel(_forecast_errors, list(zip(flights, points, strict=True)))
     if any(errors is None for errors in found):
         return np.inf
     return float(np.nanmedian(np.concatenate([errors for errors in found if errors is not None])))

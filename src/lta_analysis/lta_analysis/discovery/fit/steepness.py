@@ -20,8 +20,8 @@ from lta_analysis.discovery.fit.evidence import (
     Solved,
 )
 from lta_analysis.discovery.fit.group import Group
+from lta_analysis.discovery.parallel import map_parallel
 from lta_analysis.discovery.replay.linear import AXES
-from lta_analysis.discovery.side_by_side import side_by_side
 import numpy as np
 from numpy.typing import NDArray
 
@@ -68,7 +68,7 @@ def steepness(group: Group, prior: Prior, deviations: Array, floor: Array) -> St
         If the deviations are so far off that nothing is left of a column but rounding.
 
     """
-    solved = side_by_side(lambda pieces: pieces.solution(deviations), group.pieces)
+    solved = map_parallel(lambda pieces: pieces.solution(deviations), group.pieces)
     found = fitted(group.together([each.reduced for each in solved]), group.at, prior)
 
     def share(one: tuple[Pieces, Solved]) -> tuple[Array, Array]:
@@ -76,7 +76,7 @@ def steepness(group: Group, prior: Prior, deviations: Array, floor: Array) -> St
         return _flight(pieces, each, group.of_flight(pieces, each.reduced, found), deviations)
 
     slope, bend = log_prior_slope(deviations, floor)
-    for more, less in side_by_side(share, list(zip(group.pieces, solved, strict=True))):
+    for more, less in map_parallel(share, list(zip(group.pieces, solved, strict=True))):
         slope, bend = slope + more, bend + less
     return Steepness(found.log_evidence + log_prior(deviations, floor), slope, bend)
 

@@ -36,9 +36,9 @@ from lta_analysis.discovery.naming.displacing import (
     QUARTER,
 )
 from lta_analysis.discovery.naming.scan import likeness, scan, SIZES
+from lta_analysis.discovery.parallel import map_parallel
 from lta_analysis.discovery.replay.linear import origin
 from lta_analysis.discovery.replay.linearise import Linearised
-from lta_analysis.discovery.side_by_side import side_by_side
 import numpy as np
 
 Pair = tuple[Joint, Joint]
@@ -167,7 +167,7 @@ class Naming:
             at, points, deviations = early.begun(fitter, prior, points)
             return fitter.fit(prior, fitter.about(at, points), deviations)
 
-        first, second = side_by_side(fit, self.fitters)
+        first, second = map_parallel(fit, self.fitters)
         return first, second
 
     def _knob(self, name: str) -> Knob:
@@ -206,7 +206,7 @@ class Naming:
             begin = begun(fitter, prior, last.group, deviations, named)
             return fitter.fit(prior, begin, deviations)
 
-        first, second = side_by_side(fit, list(zip(self.fitters, before, strict=True)))
+        first, second = map_parallel(fit, list(zip(self.fitters, before, strict=True)))
         return first, second
 
     def _glance(self, named: Sequence[str], fits: Pair, failed: Sequence[str] = ()) -> Glance:
@@ -265,7 +265,7 @@ class Naming:
             found = weighed(this.group, prior, this.deviations, self.floor, worth=ROUGHLY)
             return found[1] - this.evidence
 
-        return sum(side_by_side(won, fits)) - SIZES[size]
+        return sum(map_parallel(won, fits)) - SIZES[size]
 
     def _like(self, failed: Sequence[str], prior: Prior, fits: Pair) -> set[str]:
         """Return those that have failed, what some flight takes for one, and vague words."""

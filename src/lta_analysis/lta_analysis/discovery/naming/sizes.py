@@ -69,12 +69,14 @@ def effects(
         )
         cost = max(proven.costs[name] for name in found)
         rivals = dict.fromkeys(rival for name in found for rival in proven.rivals[name])
-        taken = assumed(nominal, effect, parameters)
+        taken = assumed_values(nominal, effect, parameters)
         out.append(NamedEffect(effect, names, parameters, cost, tuple(rivals), taken))
     return tuple(out)
 
 
-def assumed(nominal: Nominal, effect: str, learned: Sequence[Learned]) -> tuple[Assumed, ...]:
+def assumed_values(
+    nominal: Nominal, effect: str, learned: Sequence[Learned]
+) -> tuple[Assumed, ...]:
     """Return the numbers of an effect that the vehicle file lacks and no flight was asked for."""
     if effect in nominal.given:
         return ()

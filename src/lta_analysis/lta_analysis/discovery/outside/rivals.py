@@ -14,8 +14,8 @@ from typing import Final, final, NamedTuple
 from lta_analysis.discovery.fit.evidence import log_prior
 from lta_analysis.discovery.outside.generic_terms import CONSTANT, Group, groups, met, Scene
 from lta_analysis.discovery.outside.standing import Beside, Columns, Standing
+from lta_analysis.discovery.parallel import map_parallel
 from lta_analysis.discovery.replay.linearise import Linearised
-from lta_analysis.discovery.side_by_side import side_by_side
 from lta_sim.effects.protocol import AXES as NAMES
 import numpy as np
 from numpy.typing import NDArray
@@ -245,7 +245,7 @@ class Rivals:
             made = self.contest(*one)
             return made, made.gains()
 
-        (first, taught), (second, alone) = side_by_side(contest, list(enumerate(standings)))
+        (first, taught), (second, alone) = map_parallel(contest, list(enumerate(standings)))
         carried = second.gains(taught)
         out = [
             _rival(

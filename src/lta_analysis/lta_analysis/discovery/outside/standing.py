@@ -11,11 +11,11 @@ from typing import final, NamedTuple
 
 from lta_analysis.discovery.fit.evidence import log_prior, Prior, unknown_precision
 from lta_analysis.discovery.fit.fit import Joint
-from lta_analysis.discovery.fit.lower import invert_lower
+from lta_analysis.discovery.fit.triangular import invert_lower
 from lta_analysis.discovery.outside.generic_terms import Group
+from lta_analysis.discovery.parallel import map_parallel
 from lta_analysis.discovery.replay.linear import Linear
 from lta_analysis.discovery.replay.tangent import WIDTH
-from lta_analysis.discovery.side_by_side import side_by_side
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
@@ -187,7 +187,7 @@ class Columns:
 
     def beside(self, deviations: Array, names: Sequence[str]) -> Beside:
         """Return some groups beside everything else, for some deviations of the latent wrench."""
-        parts = side_by_side(lambda one: one.beside(deviations, names), self._flights)
+        parts = map_parallel(lambda one: one.beside(deviations, names), self._flights)
         products = np.sum([part[1] for part in parts], axis=0)
         prior = self.standing.prior
         free = np.flatnonzero(prior.free)

@@ -5,18 +5,18 @@ from html import escape
 import math
 from typing import Final
 
-from lta_analysis.discovery.conclusion import concluded, stands
+from lta_analysis.discovery.conclusion import draw_conclusion, is_still_named
 from lta_analysis.discovery.finding import Finding, Learned, NamedEffect, Place, Rung
 from lta_analysis.discovery.forecast.replayed import NAMES
 from lta_analysis.discovery.naming.accept import GAIN
 from lta_analysis.discovery.outside.unexplained import Remainder
 from lta_analysis.discovery.page import strips
-from lta_analysis.discovery.page.verdict_words import advised
+from lta_analysis.discovery.page.verdict_words import format_advice
 from lta_analysis.discovery.page.words import (
-    assumed_words,
     because,
     called,
     figure,
+    format_assumed,
     held_words,
     listed,
     meaning,
@@ -82,7 +82,7 @@ def _nothing(found: Finding) -> str:
     said = {
         'none': 'The vehicle file explains these flights to within its own tolerances and the '
         'noise.'
-        if concluded(found).fits
+        if draw_conclusion(found).fits
         else 'No candidate was confirmed by all flights.',
         'not_identifiable': 'What is missing, or whether anything is, cannot be told from these '
         'flights, so nothing is named.',
@@ -136,7 +136,7 @@ def _effect(one: NamedEffect) -> str:
 
 def _assumed(one: NamedEffect) -> str:
     """Return on which assumed numbers the values of an effect depend."""
-    said = assumed_words(one).strip()
+    said = format_assumed(one).strip()
     return f'<p class="note">Its values hold {escape(said)}.</p>' if said else ''
 
 
@@ -163,14 +163,16 @@ def ladder(found: Finding) -> str:
         named = next((rung for rung in step if rung.accepted), None)
         words = 'nothing is confirmed'
         if named is not None:
-            kept = stands(found, named.knob)
+            kept = is_still_named(found, named.knob)
             words = f'{spoken(named.knob)} is named{"" if kept else ", and given up at the end"}'
         out.append(f'<h3>Round {k}: {escape(words)}</h3>')
         heads = ('candidate', 'evidence', 'train', 'confirm', 'carried', 'apart', 'because')
         if not step:
             out.append('<p class="note">No candidate looked worth a refit.</p>')
             continue
-        rows = [_rung(rung, most, named is not None, stands(found, rung.knob)) for rung in step]
+        rows = [
+            _rung(rung, most, named is not None, is_still_named(found, rung.knob)) for rung in step
+        ]
         out.append(table(heads, rows, 'plain ladder', f'Candidates of round {k}'))
     return ''.join(out)
 
@@ -249,7 +251,7 @@ def unexplained(found: Finding) -> str:
 
 def following(found: Finding) -> str:
     """Return what to do with the vehicle file, and what to fly or measure next."""
-    said = f'{advised(found)} {found.next_flight}'.strip()
+    said = f'{format_advice(found)} {found.next_flight}'.strip()
     return (
         '<section class="panel" aria-labelledby="title-following">'
         f'<h2 id="title-following">What to do next</h2>'
@@ -260,6 +262,6 @@ def following(found: Finding) -> str:
 def warned(found: Finding) -> str:
     """Return the warnings as a list, or that there are none."""
     if not found.warnings:
-        doubt = '.' if concluded(found).doubtful else ': the data gave no cause for doubt.'
+        doubt = '.' if draw_conclusion(found).doubtful else ': the data gave no cause for doubt.'
         return f'<p class="note">None{doubt}</p>'
     return f'<ul class="words">{"".join(f"<li>{escape(one)}</li>" for one in found.warnings)}</ul>'

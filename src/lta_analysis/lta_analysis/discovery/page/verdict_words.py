@@ -3,15 +3,15 @@
 from pathlib import Path
 from typing import Final
 
-from lta_analysis.discovery.conclusion import ADVICE, concluded, Conclusion, main_gap
+from lta_analysis.discovery.conclusion import ADVICE, Conclusion, draw_conclusion, main_gap
 from lta_analysis.discovery.finding import Finding, NamedEffect
 from lta_analysis.discovery.outside.draught import Draught
 from lta_analysis.discovery.page.words import (
     amount,
-    assumed_words,
     because,
     called,
     figure,
+    format_assumed,
     learned_words,
     listed,
     MANY,
@@ -30,7 +30,7 @@ ROLES: Final = {
 
 def headline(found: Finding) -> str:
     """Return the verdict in a sentence."""
-    said, rest = concluded(found), _rest(found)
+    said, rest = draw_conclusion(found), _rest(found)
     if said.verdict == 'none':
         return f'{_none(said)}{_air(found)}'
     if said.verdict == 'not_identifiable':
@@ -114,9 +114,9 @@ def _better(found: Finding, said: Conclusion) -> str:
     return f'{text}, as it does with tolerances alone' if said.by_tolerances else text
 
 
-def advised(found: Finding) -> str:
+def format_advice(found: Finding) -> str:
     """Return what to do with the vehicle file, in a sentence or two."""
-    said = concluded(found)
+    said = draw_conclusion(found)
     which = ' Which of the names is right, it does not tell.' if said.rivals else ''
     return ADVICE[said.advice] + (which if said.advice == 'use' else '')
 
@@ -127,7 +127,7 @@ def learned_commands(found: Finding, folder: Path) -> dict[str, str]:
         return {}
     learned = near(folder / 'vehicle.yaml')
     out = {'see what was learned': typed('vehicle', 'diff', found.vehicle, learned)}
-    if concluded(found).advice == 'use':
+    if draw_conclusion(found).advice == 'use':
         out['fly it'] = typed('fly', '--vehicle', learned)
     return out
 
@@ -192,7 +192,7 @@ def _verdict_tile(found: Finding) -> Tile:
     """Return the verdict as a tile."""
     count = sum(1 if len(one.knobs) > MANY else len(one.knobs) for one in found.effects)
     values = [
-        f'{spoken(f"{one.name}.{part.name}")} {learned_words(part)}{assumed_words(one)}'
+        f'{spoken(f"{one.name}.{part.name}")} {learned_words(part)}{format_assumed(one)}'
         for one in found.effects
         for part in one.parameters
     ]
@@ -211,7 +211,7 @@ def _evidence_tile(found: Finding) -> Tile:
     if found.effects:
         least = min(one.log_evidence for one in found.effects)
         which = 'the weaker of them; ' if len(found.effects) > 1 else ''
-        against = '; none against what it may be instead' if concluded(found).rivals else ''
+        against = '; none against what it may be instead' if draw_conclusion(found).rivals else ''
         return Tile('Evidence', figure(least), 'nats', f'{which}{odds(least)}{against}')
     tried = [rung for step in found.ladder for rung in step]
     if not tried:

@@ -113,7 +113,7 @@ def learned_words(one: Learned) -> str:
     return with_unit(within(one.value, one.ci95)[0], one.unit)
 
 
-def assumed_words(one: NamedEffect) -> str:
+def format_assumed(one: NamedEffect) -> str:
     """Return what the values of an effect take for granted; '' where they take nothing."""
     if not one.assumed:
         return ''

@@ -4,10 +4,10 @@ from collections.abc import Mapping, Sequence
 import math
 from typing import Any, Final
 
-from lta_analysis.discovery.conclusion import concluded
+from lta_analysis.discovery.conclusion import draw_conclusion
 from lta_analysis.discovery.finding import Finding, Gap, NamedEffect, SCHEMA
 from lta_analysis.discovery.flights.loud import Cut
-from lta_analysis.discovery.page.verdict_words import advised, headline
+from lta_analysis.discovery.page.verdict_words import format_advice, headline
 
 NAME: Final = 'discovery.json'
 WHAT: Final = 'position'  # what the gap as a whole is told of
@@ -60,12 +60,12 @@ def to_dict(finding: Finding, cuts: Sequence[Cut] = ()) -> dict[str, Any]:
 
 def _conclusion(finding: Finding) -> dict[str, Any]:
     """Return what may be said, and what to do."""
-    said = concluded(finding)
+    said = draw_conclusion(finding)
     return {
         'headline': headline(finding),
         'asserted': said.asserted,
         'advice': said.advice,
-        'do': advised(finding),
+        'do': format_advice(finding),
         'gain': None if said.gain is None else _gap(said.gain),
     }
 

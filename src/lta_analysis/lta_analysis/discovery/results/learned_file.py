@@ -14,7 +14,7 @@ from typing import Any, Final, final
 
 from lta_analysis.discovery.finding import Finding, Learned, NamedEffect
 from lta_analysis.discovery.model.nominal import Nominal
-from lta_analysis.discovery.page.words import assumed_words, listed
+from lta_analysis.discovery.page.words import format_assumed, listed
 from lta_analysis.vehicle.written import with_value
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
@@ -188,7 +188,7 @@ def _words(source: str, told: Sequence[str], content: Any, place: str) -> str:  
 def _reservations(one: NamedEffect) -> str:
     """Return what the values of an effect take for granted, and what it may be instead."""
     rivals = listed(list(one.confusable_with), 'or')
-    return assumed_words(one) + (f'; it may be {rivals} instead' if rivals else '')
+    return format_assumed(one) + (f'; it may be {rivals} instead' if rivals else '')
 
 
 def said(one: Learned) -> str:

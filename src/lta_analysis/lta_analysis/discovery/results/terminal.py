@@ -6,11 +6,11 @@ from typing import Final
 
 from lta_analysis.discovery.finding import Carried, Finding, Gap
 from lta_analysis.discovery.forecast.replayed import NAMES
-from lta_analysis.discovery.page.verdict_words import advised, headline
+from lta_analysis.discovery.page.verdict_words import format_advice, headline
 from lta_analysis.discovery.page.words import (
     amount,
-    assumed_words,
     figure,
+    format_assumed,
     held_words,
     listed,
     percent,
@@ -51,7 +51,7 @@ def show(finding: Finding, console: Console) -> None:
     if finding.draught is not None:
         said = finding.draught.sentence
         console.print(Text(f'{said[:1].upper()}{said[1:]}.'), soft_wrap=True)
-    console.print(Text(f'{advised(finding)} {finding.next_flight}'.strip()), soft_wrap=True)
+    console.print(Text(f'{format_advice(finding)} {finding.next_flight}'.strip()), soft_wrap=True)
     for word in finding.warnings:
         console.print(Text(word, 'yellow'), soft_wrap=True)
 
@@ -101,7 +101,7 @@ def effect_lines(finding: Finding) -> Iterator[str]:
                 f'(95 %: {low} to {high}; {held_words(each)})'
             )
         if one.assumed:
-            yield f'  These values hold{assumed_words(one)}.'
+            yield f'  These values hold{format_assumed(one)}.'
 
 
 def gap_lines(finding: Finding) -> Iterator[Text]:

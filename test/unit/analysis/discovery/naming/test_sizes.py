@@ -3,7 +3,7 @@
 from lta_analysis.discovery.finding import Assumed, Learned
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
-from lta_analysis.discovery.naming.sizes import assumed
+from lta_analysis.discovery.naming.sizes import assumed_values
 
 Known = tuple[Nominal, list[Knob]]
 
@@ -17,14 +17,14 @@ def test_numbers_of_an_absent_effect_that_were_not_fitted_are_told(gtmab: Known)
     """A ground effect of another radius has another gain."""
     nominal, _ = gtmab
     assert not {'ground_effect', 'superheat'} & set(nominal.given)
-    told = assumed(nominal, 'ground_effect', [learned('gain')])
+    told = assumed_values(nominal, 'ground_effect', [learned('gain')])
     assert told == (Assumed('radius', 'm', 0.0225),)
-    assert assumed(nominal, 'superheat', [learned('rise'), learned('lag')]) == (
+    assert assumed_values(nominal, 'superheat', [learned('rise'), learned('lag')]) == (
         Assumed('slack', '1', 0.3),
     )
-    assert assumed(nominal, 'munk_moment', [learned('lost')]) == ()
+    assert assumed_values(nominal, 'munk_moment', [learned('lost')]) == ()
 
 
 def test_what_the_vehicle_file_has_is_not_assumed(gtmab: Known) -> None:
     nominal = gtmab[0].with_value('ground_effect', 'radius', 0.02)
-    assert assumed(nominal, 'ground_effect', [learned('gain')]) == ()
+    assert assumed_values(nominal, 'ground_effect', [learned('gain')]) == ()

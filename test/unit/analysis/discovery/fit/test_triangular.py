@@ -1,7 +1,7 @@
 """Triangular solves of stacks against SciPy one by one, and flights side by side."""
 
-from lta_analysis.discovery.fit.lower import invert_lower, SMALL, solve_lower
-from lta_analysis.discovery.side_by_side import side_by_side
+from lta_analysis.discovery.fit.triangular import invert_lower, SMALL, solve_lower
+from lta_analysis.discovery.parallel import map_parallel
 import numpy as np
 import pytest
 from scipy.linalg import solve_triangular
@@ -26,8 +26,8 @@ def test_work_side_by_side_keeps_its_order_and_raises_what_it_raises(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr('os.sched_getaffinity', lambda _pid: {0, 1, 2})
-    assert side_by_side(lambda one: one * one, range(7)) == [one * one for one in range(7)]
+    assert map_parallel(lambda one: one * one, range(7)) == [one * one for one in range(7)]
     with pytest.raises(ZeroDivisionError):
-        side_by_side(lambda one: 1 / one, [2, 0, 3])
+        map_parallel(lambda one: 1 / one, [2, 0, 3])
     monkeypatch.setattr('os.sched_getaffinity', lambda _pid: {0})
-    assert side_by_side(str, [1, 2]) == ['1', '2']
+    assert map_parallel(str, [1, 2]) == ['1', '2']

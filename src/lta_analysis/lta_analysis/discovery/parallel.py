@@ -10,7 +10,7 @@ Given = TypeVar('Given')
 Result = TypeVar('Result')
 
 
-def side_by_side(work: Callable[[Given], Result], given: Sequence[Given]) -> list[Result]:
+def map_parallel(work: Callable[[Given], Result], given: Sequence[Given]) -> list[Result]:
     """
     Return what comes of some work on each of a few things, in their order.
 
