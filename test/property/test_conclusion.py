@@ -147,6 +147,8 @@ def test_the_advice_follows_the_forecasts(named: Finding) -> None:
     assert draw_conclusion(named).gain == gap
     worse = replace(gap, after=0.4, shrink=-0.3, shrink_ci95=(-0.5, -0.1))
     assert draw_conclusion(replace(named, gaps=(worse,))).advice == 'keep'
+    no_better = replace(gap, after=0.32, tuned=0.32, shrink=-0.07, shrink_ci95=(-0.2, 0.1))
+    assert draw_conclusion(replace(named, gaps=(no_better,))).advice == 'again'
     vain = replace(gap, tuned=0.05)
     assert draw_conclusion(replace(named, gaps=(vain,))).advice == 'again'
     for changed in (worse, vain):

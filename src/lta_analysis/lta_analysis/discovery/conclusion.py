@@ -19,6 +19,7 @@ from lta_analysis.discovery.naming.accept import GAIN
 Advice = Literal['keep', 'measure', 'again', 'use']
 
 LOOSE: Final = 0.7  # of the error before; below it tuning tolerances alone is worth a word
+WORSE: Final = 1.05  # of the error before; above it what was learned is not to be used yet
 CLOSER: Final = 0.95  # of the error with tolerances alone; above it the effect predicts no better
 ADVICE: Final[Mapping[Advice, str]] = {
     'keep': 'Keep the vehicle file as it is.',
@@ -99,7 +100,8 @@ def _choose_advice(found: Finding) -> Advice:
     if found.verdict == 'not_identifiable' or (found.effects and in_vain(found.gaps)):
         return 'again'
     if found.effects:
-        return 'use'
+        gap = main_gap(found.gaps)
+        return 'again' if gap is not None and gap.after > WORSE * gap.before else 'use'
     if found.strained or _tolerances_suffice(found):
         return 'measure'
     strong = any(rung.total > GAIN for step in found.ladder for rung in step)
