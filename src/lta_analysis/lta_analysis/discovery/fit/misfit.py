@@ -86,16 +86,18 @@ def forecast_error(flights: Sequence[Linearised], points: Sequence[Point]) -> fl
 def _forecast_errors(one: tuple[Linearised, Point]) -> Array | None:
     """Return the errors of the forecasts of each piece of a flight; None of no such vehicle."""
     flight, point = one
-    measured, count = flight.replay.flight, round(AHEAD / PERIOD)
+    here, measured = (slice(None), slice(round(AHEAD / PERIOD))), flight.replay.flight
     with np.errstate(over='ignore', invalid='ignore'):
         try:
-            grid = flight.forecast(point)[:, : count * STEPS : STEPS, :3]
+            grid = flight.forecast(point)[:, ::STEPS]
         except BadInput:
             return None
-        off = (measured.position[flight.index[:, :count]] - grid) / measured.noise[:3]
-        off[~flight.replay.cut.inside[:, :count]] = np.nan
-        known = np.isfinite(measured.position[flight.index[:, :count]])
-        off[known & ~np.isfinite(off) & flight.replay.cut.inside[:, :count, None]] = np.inf
+        # As the tracker would tell it: its frame and its clock may be among what was fitted.
+        left = flight.left(grid, point, point.nominal.rows())[here]
+        off = left[..., :3] / measured.noise[:3]
+        known = np.isfinite(measured.position[flight.index[here]])
+        known &= flight.replay.cut.inside[here][..., None]
+        off[known & ~np.isfinite(off)] = np.inf
         errors: Array = np.sqrt(np.nanmean(off**2, axis=(1, 2)))
         return errors
 

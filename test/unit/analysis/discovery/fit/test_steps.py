@@ -11,9 +11,13 @@ from lta_analysis.discovery.fit.fit import Fitter, Joint
 from lta_analysis.discovery.fit.misfit import forecast_error
 from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal
+from lta_analysis.discovery.model.rotations import product
 from lta_analysis.discovery.replay.linear import origin
 from lta_analysis.discovery.replay.linearise import Linearised
+from lta_analysis.discovery.replay.sensing import tracker_frame
+from lta_analysis.discovery.study import ready
 from lta_config.errors import BadInput
+from lta_sim.vehicle import load_vehicle
 import numpy as np
 import pytest
 
@@ -129,6 +133,22 @@ def test_a_forecast_by_the_wrong_mass_is_off(
     assert forecast_error([clean], [point]) < 40.0
     lost = forecast_error([clean], [heavy]) * noise * np.sqrt(3.0)
     assert lost == pytest.approx(0.130, rel=0.15)  # of the vertical alone
+
+
+def test_forecasts_are_compared_in_the_frame_of_the_tracker(
+    gtmab: Known, clean: Linearised
+) -> None:
+    """A tracker is tilted by 3 degrees, and the model has that: forecasts are as good as ever."""
+    nominal, knobs = gtmab
+    tilted, seen = nominal.with_value('tracker_misalignment', 'pitch', 0.05), clean.replay.flight
+    frame, turn = tracker_frame(tilted.rows().acting)
+    turned = product(np.broadcast_to(turn, seen.quaternion.shape), seen.quaternion)
+    told = replace(seen, position=seen.position @ frame.T, quaternion=turned)
+    flight = ready(load_vehicle('gtmab'), told, knobs)
+    straight = forecast_error([clean], [origin(nominal, knobs, clean.replay.cut)])
+    point = origin(tilted, knobs, flight.replay.cut)
+    assert forecast_error([flight], [point]) == pytest.approx(straight, rel=0.05)
+    assert forecast_error([flight], [replace(point, nominal=nominal)]) > 3.0 * straight
 
 
 def test_flights_that_no_number_describes_are_refused_in_a_sentence(
