@@ -88,10 +88,12 @@ class Proven:
         out = {}
         for name in self.names:
             places = [order.index(one) for one in components(name) if one in order]
+            # A component that is off by no more than vehicles are is no part of what is missing.
+            spread = [float(np.hypot(deviations[k], known[k].tolerance)) for k in places]
             clear = [
                 k
-                for k in places
-                if abs(mean[k]) > max(CLEAR * deviations[k], TRIFLE * known[k].typical)
+                for k, sigma in zip(places, spread, strict=True)
+                if abs(mean[k]) > max(CLEAR * sigma, TRIFLE * known[k].typical)
             ]
             out[name] = tuple(clear) or (order.index(name),)
         return out

@@ -88,7 +88,20 @@ def test_the_components_that_stand_out_are_told(
 
     Where nothing stands out the name itself is told.
     """
-    knobs = [SimpleNamespace(name=f'steady_wind.{axis}', typical=1.0) for axis in 'xy']
+    knobs = [
+        SimpleNamespace(name=f'steady_wind.{axis}', typical=1.0, tolerance=0.0) for axis in 'xy'
+    ]
     measured = SimpleNamespace(fitted=Fitted(0.0, np.array(mean), np.eye(2)))
     proven = Proven(('steady_wind.x',), {}, {}, {}, None, None, measured)
     assert proven.told(knobs, np.array([0.01, 0.005])) == {'steady_wind.x': told}
+
+
+@pytest.mark.parametrize(('side', 'told'), [(0.0005, (1,)), (0.0016, (0, 1))])
+def test_a_component_within_its_tolerance_is_not_told(side: float, told: tuple[int, ...]) -> None:
+    """A balance is off by 0.5 mm as vehicles are, however well that is known."""
+    knobs = [
+        SimpleNamespace(name=f'cg_offset.{axis}', typical=0.005, tolerance=0.0005) for axis in 'xy'
+    ]
+    measured = SimpleNamespace(fitted=Fitted(0.0, np.array([side, 0.0138]), np.eye(2)))
+    proven = Proven(('cg_offset.x',), {}, {}, {}, None, None, measured)
+    assert proven.told(knobs, np.array([5e-6, 1e-4])) == {'cg_offset.x': told}
