@@ -1,12 +1,14 @@
 """The pages about discovery say what the code has."""
 
+import ast
 from importlib import import_module
+import math
 from pathlib import Path
 import re
 
 from lta_analysis.discovery.finding import Finding
 from lta_analysis.discovery.results.discovery_json import to_dict
-from lta_analysis.reference.thresholds import list_thresholds
+from lta_analysis.reference.thresholds import list_thresholds, PARTS, read_sources, SHAPES
 import pytest
 
 PAGE = Path(__file__).resolve().parents[2] / 'docs/discovery.md'
@@ -22,8 +24,38 @@ def test_every_threshold_says_what_it_is():
 def test_the_values_of_the_page_are_those_that_the_code_uses():
     for one in list_thresholds():
         used = getattr(import_module(f'lta_analysis.discovery.{one.module}'), one.name)
-        base, _, power = one.value.partition('**')
-        assert used == pytest.approx(float(base) ** float(power or 1.0)), one.key
+        base, angle, _ = one.value.partition(' * math.pi / 180.0')
+        base, _, power = base.partition('**')
+        value = float(base) ** float(power or 1.0)
+        assert used == pytest.approx(math.radians(value) if angle else value), one.key
+
+
+def test_no_number_that_a_module_declares_is_left_out():
+    """Be it written over two lines, or two in one."""
+    listed = {one.key for one in list_thresholds()}
+    left = set()
+    for part in PARTS:
+        for module, text in read_sources(part):
+            targets = [
+                target
+                for node in ast.parse(text).body
+                if isinstance(node, ast.Assign | ast.AnnAssign)
+                # What is computed, or another threshold by its name, is none of its own.
+                and not any(
+                    isinstance(piece, ast.Call | ast.Name) for piece in ast.walk(node.value)
+                )
+                for target in getattr(node, 'targets', [getattr(node, 'target', None)])
+            ]
+            names = [
+                name.id
+                for target in targets
+                for name in ast.walk(target)
+                if isinstance(name, ast.Name)
+            ]
+            found = import_module(f'lta_analysis.discovery.{module}')
+            numbers = [name for name in names if isinstance(getattr(found, name), int | float)]
+            left |= {f'{module}.{name}' for name in numbers if name not in SHAPES} - listed
+    assert left == set()
 
 
 def test_a_file_that_the_page_names_is_there():

@@ -4,7 +4,15 @@ from dataclasses import replace
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_analysis.challenge.contradictions import find_contradictions, render
+from lta_analysis.challenge.contradictions import (
+    BETTER,
+    DOUBT,
+    find_contradictions,
+    FITS,
+    NOTHING,
+    render,
+    UNFIT,
+)
 from lta_analysis.discovery.conclusion import draw_conclusion
 from lta_analysis.discovery.finding import (
     Assumed,
@@ -14,6 +22,7 @@ from lta_analysis.discovery.finding import (
     NamedEffect,
     Rung,
 )
+from lta_analysis.discovery.fit.bounds import strained_words
 from lta_analysis.discovery.forecast.cautions import cautions
 from lta_analysis.discovery.outside.draught import Draught
 from lta_analysis.discovery.outside.unexplained import Remainder
@@ -85,7 +94,7 @@ def findings(draw):
         ladder.append([Rung(draw(st.sampled_from(KNOBS)), 12.0, 7.0, 7.0, 0.3, True)])
     told_gaps = tuple(draw(st.lists(gaps(bool(named)), max_size=4)))
     strained = ('vehicle.mass',) if draw(st.booleans()) else ()
-    warnings = [f'The flights want more than 6 for {name}.' for name in strained]
+    warnings = strained_words(strained)
     return Finding(
         verdict, named, tuple(map(tuple, ladder)), (), told_gaps, True, remains,
         (*warnings, *cautions(told_gaps)), 1, {'train': ('a',), 'confirm': ('b',)}, 'gtmab',
@@ -139,6 +148,33 @@ def test_the_laws_find_a_page_that_retracts(
         monkeypatch.setattr(f'{place}.render', lambda _found, changed=changed: changed)
         finding = other if words in ('not at the end', 'nothing is left over') else named
         assert any(words in one for one in find_contradictions(finding)), words
+
+
+def test_each_phrase_of_the_laws_is_one_that_some_study_says(named: Finding) -> None:
+    """A law about words that no page has any more could not fail."""
+    gap = named.gaps[0]
+    tight = replace(gap, tuned=0.29, after=0.29, shrink=0.03, shrink_ci95=(-0.1, 0.1))
+    lost = replace(gap, after=0.4, shrink=-0.3, shrink_ci95=(-0.5, -0.1))
+    told_gaps = (gap, lost, replace(gap, tuned=0.05), tight)
+    bare = replace(named, verdict='none', effects=(), ladder=())
+    sure = replace(named.effects[0], confusable_with=())
+    held = sure.parameters[0]._replace(in_file=False)
+    lacking = replace(sure, parameters=(held,), assumed=(Assumed('radius', 'm', 0.0225),))
+    findings = [
+        *(replace(named, gaps=(one,), warnings=tuple(cautions([one]))) for one in told_gaps),
+        replace(named, effects=(lacking,)),
+        replace(named, verdict='not_identifiable', unexplained=('a line',)),
+        bare,
+        replace(bare, gaps=(tight,)),
+        replace(bare, gaps=(tight,), strained=('a',), warnings=tuple(strained_words(['a']))),
+    ]
+    said = '\n'.join(render(one).all for one in findings)
+    phrases = (
+        *BETTER, *DOUBT, *UNFIT, FITS, NOTHING, 'Unexplained:', 'no force or moment is left over',
+        'no cause for doubt', 'the file does not have it', 'assumed and not fitted',
+        ' fly --vehicle', 'keep the vehicle file', 'linear drag (surge) is named',
+    )  # fmt: skip
+    assert [one for one in phrases if one not in said] == []
 
 
 def test_the_advice_follows_the_forecasts(named: Finding) -> None:

@@ -32,7 +32,7 @@ DOUBT: Final = (
     'it does not tell',
 )  # fmt: skip
 FITS: Final = 'explains these flights to within'
-UNFIT: Final = ('wants more than', 'want more than', 'Measure the numbers', 'predict better')
+UNFIT: Final = ('want more than', 'Measure the numbers')
 
 
 @final

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import math
 from typing import Final, final, Literal
 
-from lta_analysis.discovery.finding import Finding, Gap, Verdict
+from lta_analysis.discovery.finding import Finding, Gap
 from lta_analysis.discovery.forecast.cautions import in_vain, keeps, worse
 from lta_analysis.discovery.model.candidates import components
 from lta_analysis.discovery.naming.accept import GAIN
@@ -37,8 +37,6 @@ class Conclusion:
 
     Attributes
     ----------
-    verdict : str
-        Of the finding.
     asserted : bool
         Whether the effects are said to be missing; else they only may be.
     rivals : tuple of str
@@ -58,7 +56,6 @@ class Conclusion:
 
     """
 
-    verdict: Verdict
     asserted: bool
     rivals: tuple[str, ...]
     coasting: bool
@@ -80,7 +77,6 @@ def draw_conclusion(found: Finding) -> Conclusion:
     rivals = dict.fromkeys(rival for one in found.effects for rival in one.confusable_with)
     better = advice == 'use' and gap is not None and gap.shrink > 0.0
     return Conclusion(
-        verdict=found.verdict,
         asserted=bool(found.effects) and found.verdict != 'not_identifiable',
         rivals=tuple(rivals),
         coasting=gap is not None and gap.coast < min(gap.tuned, gap.after),

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Final, final
 
 from lta_analysis.discovery.finding import Finding, Gap, Rung, Verdict
-from lta_analysis.discovery.fit.bounds import FARTHEST, wanting_out
+from lta_analysis.discovery.fit.bounds import strained_words, wanting_out
 from lta_analysis.discovery.fit.evidence import floor_of, own_variance
 from lta_analysis.discovery.fit.fit import Fit, Fitter, Joint
 from lta_analysis.discovery.flights.measured import Measured
@@ -158,7 +158,7 @@ def study(
     if not held_out:
         warnings.append('No flight was held out: the gaps are of flights that confirmed.')
     strained = wanting_out(known, proven.full.prior, proven.full.fitted.mean)
-    warnings.extend(_wanting(strained))
+    warnings.extend(strained_words(strained))
     rest = outside(pair, proven.full, floor_of(nominal))
     kind = kind_of([f.flight.replay.flight for f in flown])
     finding = Finding(
@@ -235,16 +235,6 @@ def _forecasting(
     places = [k for k, knob in enumerate(known) if knob.name in named]
     bare = forecasting(fitter, proven.bare)
     return bare, forecasting(fitter, proven.measured, places) if places else bare
-
-
-def _wanting(names: Sequence[str]) -> list[str]:
-    """Return a sentence on tolerances that are not enough, if there are any."""
-    if not names:
-        return []
-    return [
-        f'The flights want more than {FARTHEST:g} standard deviations of tolerance for '
-        f'{", ".join(names)}.'
-    ]
 
 
 def _tidied(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:

@@ -22,7 +22,8 @@ PARTS: Final = {
     'study': 'The whole study',
 }
 DECLARED: Final = re.compile(
-    r'^(?P<name>[A-Z][A-Z_]*): Final = (?P<value>-?[\d.]+(?:e-?\d+)?(?:\*\*-?[\d.]+)?)'
+    r'^(?P<name>[A-Z][A-Z_]*): Final = '
+    r'(?P<value>-?[\d.]+(?:e-?\d+)?(?:\*\*-?[\d.]+| \* math\.pi / 180\.0)?)'
     r'(?:  # (?P<beside>.*))?$'
 )
 # How many numbers a state, a wrench or a column has is no threshold.

@@ -65,6 +65,16 @@ def wanting_out(knobs: Sequence[Knob], prior: Prior, mean: Array) -> list[str]:
     ]
 
 
+def strained_words(names: Sequence[str]) -> list[str]:
+    """Return a sentence on tolerances that are not enough, if there are any."""
+    if not names:
+        return []
+    return [
+        f'The flights want more than {FARTHEST:g} standard deviations of tolerance for '
+        f'{", ".join(names)}.'
+    ]
+
+
 def _is_tolerance(knob: Knob, spread: float) -> bool:
     """Tell whether a knob is free by its tolerance, and not as an effect that was named."""
     return 0.0 < spread < (1.0 + 1e-9) * knob.tolerance

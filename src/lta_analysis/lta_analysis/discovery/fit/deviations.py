@@ -22,7 +22,8 @@ HALVES: Final = 4  # of a stride that does not help
 LONGEST: Final = 2.0  # of the logarithm of a deviation; a stride
 STRAIGHT: Final = 0.75  # of what a slope promises; on a parabola a stride gains half
 WORTH: Final = 0.01  # nats; a stride that promises less is not made
-LOWEST, HIGHEST = 0.05, 1e3  # floors
+LOWEST: Final = 0.05  # floors; of a deviation
+HIGHEST: Final = 1e3  # floors; of a deviation
 
 
 def strides(seen: Steepness) -> Array:

@@ -32,7 +32,8 @@ MEMORY: Final = 1.5  # s; over which a latent force forgets itself
 # Least standard deviation of the latent force [N] and moment [N m] worth speaking of, for a blimp
 # of this mass [kg] and inertia [kg m2]; it grows with them (`floor_of`).
 FLOOR: Final = np.array([4e-4, 4e-4, 4e-4, 8e-5, 8e-5, 4e-5])
-MASS, INERTIA = 0.415, np.array([0.039, 0.039, 0.028])
+MASS: Final = 0.415  # kg; of the vehicle of which the floor is
+INERTIA: Final = np.array([0.039, 0.039, 0.028])
 Sizes = Mapping[str, float]
 NO_SIZES: Final[Sizes] = {}
 USUAL: Final = 1.3  # floors; median of the prior of a standard deviation

@@ -6,9 +6,8 @@ from typing import Final
 from lta_analysis.discovery.finding import Gap
 
 WHOLE: Final = ('position', 'attitude')
-WORSE: Final = (
-    1.1  # times the error with tolerances alone, above which a name is said to be in vain
-)
+# Times the error with tolerances alone, above which a name is said to be in vain.
+WORSE: Final = 1.1
 
 
 def worse(gaps: Sequence[Gap]) -> list[Gap]:

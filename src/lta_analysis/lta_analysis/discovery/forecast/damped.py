@@ -15,7 +15,8 @@ Array = NDArray[np.float64]
 
 START: Final = 2e-3  # of the information
 LEAST: Final = 1e-5  # of the information; below it a step is as good as undamped
-LESS, MORE = 0.2, 5.0
+LESS: Final = 0.2  # times the damping, after a step that helped
+MORE: Final = 5.0  # times the damping, after one that did not
 TRIES: Final = 6  # steps, ever shorter
 
 

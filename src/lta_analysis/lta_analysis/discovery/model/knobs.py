@@ -196,7 +196,7 @@ TOLERANCES: Final[dict[str, float]] = {
 ROTOR: Final = 0.02  # of the thrust of each
 GAINS: Final = 0.2  # of each axis of a commanded wrench: rarely is it what arrives
 WITHIN: Final = (-0.5, 1.0)  # of what is a part of a mass, an inertia, a thrust
-TOE: Final = math.radians(0.5)
+TOE: Final = 0.5 * math.pi / 180.0  # rad; of the axis of a rotor
 # Of one flight: biases of its sensors and its lift.
 TRIMS: Final[dict[str, float]] = {
     'gyro_bias.x': 0.01,

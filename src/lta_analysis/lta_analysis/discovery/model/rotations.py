@@ -1,10 +1,12 @@
 """Quaternions x y z w in rows, and rotation vectors: the few operations that fits need."""
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-SMALL = 1e-8  # rad; below it a rotation is its own rotation vector
+SMALL: Final = 1e-8  # rad; below it a rotation is its own rotation vector
 
 
 def product(a: Array, b: Array) -> Array:

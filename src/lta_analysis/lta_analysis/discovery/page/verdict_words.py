@@ -31,16 +31,16 @@ ROLES: Final = {
 def headline(found: Finding) -> str:
     """Return the verdict in a sentence."""
     said, rest = draw_conclusion(found), _rest(found)
-    if said.verdict == 'none':
+    if found.verdict == 'none':
         return f'{_none(said)}{_air(found)}'
-    if said.verdict == 'not_identifiable':
+    if found.verdict == 'not_identifiable':
         return _cannot_tell(found, said)
-    if said.verdict == 'unexplained':
+    if found.verdict == 'unexplained':
         return f'Something is missing that is in no library{rest}.'
     names = listed([_or_its_rivals(one) for one in found.effects])
     verb = 'are' if _many(found) else 'is'
     text = f'{names[:1].upper()}{names[1:]} {verb} missing{_better(found, said)}'
-    if said.verdict == 'named+unexplained':
+    if found.verdict == 'named+unexplained':
         return f'{text}; and something that is in no library{rest}.'
     return f'{text}.'
 

@@ -28,7 +28,8 @@ Array = NDArray[np.float64]
 PART: Final = 6.0  # knots in a period
 MOST: Final = 37  # knots of a piece: a period of 1 s
 DAMPED: Final = 0.7  # damping ratio above which a mode does not swing
-SLOWEST, FASTEST = 0.2, 2.0  # Hz; between which a swing is looked for in the attitude
+SLOWEST: Final = 0.2  # Hz; the slowest swing that is looked for in the attitude
+FASTEST: Final = 2.0  # Hz; and the fastest
 AVERAGED: Final = 256  # points of the grid in a spectrum, 10 s
 CLEAR: Final = 10.0  # medians of the spectrum; a peak below it is no swing
 
