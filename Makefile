@@ -10,7 +10,7 @@ export PYTHON
 enter := root='$(CURDIR)' && . tools/workspace.sh
 sources := config src test examples tools
 
-.PHONY: help demo build test test-fast test-long bench bench-compare flights trust classes plan rgblimp crazyflie faults real-firmware mutation chaos soak docs reference pictures lock check format clean
+.PHONY: help demo build test test-fast test-long bench bench-compare flights trust sensitivity classes plan rgblimp crazyflie faults real-firmware mutation chaos soak docs reference pictures lock check format clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'

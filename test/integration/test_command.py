@@ -6,12 +6,15 @@ Each is called in this process; what a process of its own may change is tried wi
 
 import json
 from pathlib import Path
+import subprocess
+import sys
 import time
 
 from lta_analysis.doctor import CHECKS
 from lta_config.files import known
 from lta_config.kernel_cache import cache_root
 import pytest
+from waiting import PATIENCE
 import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -169,6 +172,35 @@ def test_ctrl_c_while_a_node_loads_is_no_traceback(lta, seconds):
     command.interrupt()
     assert command.end() in (0, 130)
     assert command.text in ('', 'Stopped.')
+
+
+SPOILS = """
+import os, signal, sys
+from lta_analysis import app, command
+
+def load(words):
+    {loading}
+    return lambda *_, **__: {running}
+
+def spoil():
+    try:
+        os.kill(os.getpid(), signal.SIGINT)
+    except KeyboardInterrupt:
+        raise ImportError('initialization failed') from None
+
+app.put_together = load
+command.main()
+"""
+
+
+@pytest.mark.parametrize('when', ['loading', 'running'])
+def test_ctrl_c_that_an_extension_turns_into_another_error_still_stops(when):
+    """As some compiled modules of SciPy do with a KeyboardInterrupt while they are imported."""
+    code = SPOILS.format(**{'loading': 'pass', 'running': '0'} | {when: 'spoil()'})
+    left = subprocess.run(
+        [sys.executable, '-c', code], capture_output=True, text=True, timeout=PATIENCE, check=False
+    )
+    assert (left.returncode, left.stderr) == (130, 'Stopped.\n')
 
 
 @pytest.mark.long

@@ -70,3 +70,19 @@ def test_ctrl_c_while_a_node_is_made_is_not_lost(domain_id):
         preexec_fn=heed_signals,
     )  # fmt: skip
     assert (left.returncode, left.stdout, left.stderr) == (130, '', '')
+
+
+HANGING = """
+        import threading
+        self.destroy_node = lambda: threading.Event().wait()
+"""
+
+
+def test_a_middleware_that_does_not_let_go_keeps_no_node(domain_id):
+    left = subprocess.run(
+        [sys.executable, '-c', CODE.format(made=HANGING, act='pass')],
+        capture_output=True, text=True, timeout=PATIENCE, check=False,
+    )  # fmt: skip
+    assert (left.returncode, left.stdout) == (0, 'worked')
+    assert left.stderr.startswith('The middleware did not let go of energy_monitor within 5 s.\n')
+    assert 'in live' in left.stderr  # where it hung

@@ -269,11 +269,21 @@ def options(
     """Simulate, fly, record and understand lighter-than-air micro-drones."""
 
 
-def status() -> int:
-    """Run the command line and return its exit status; what the user can mend is one sentence."""
+def status(loaded: Callable[[], None] = lambda: None) -> int:
+    """
+    Run the command line and return its exit status; what the user can mend is one sentence.
+
+    Parameters
+    ----------
+    loaded : callable
+        Called when the command has been loaded, before it runs.
+
+    """
     try:
         words = repeated(sys.argv[1:])
-        return put_together(words)(words, prog_name='lta', standalone_mode=False) or 0
+        app = put_together(words)
+        loaded()
+        return app(words, prog_name='lta', standalone_mode=False) or 0
     except BadInput as error:
         sys.stderr.write(f'{error}\n')
         return 2

@@ -20,7 +20,9 @@ MIDDLEWARE = 'RMW_IMPLEMENTATION'
 
 def main() -> NoReturn:
     """Run the command line and leave with its status."""
-    signal.signal(signal.SIGINT, _leave)
+    heeded = [number for number in SIGNALS if signal.getsignal(number) != signal.SIG_IGN]
+    for number in heeded:  # nohup, for one, ignores SIGHUP
+        signal.signal(number, _leave)
     # The lta script holds SIGINT back while Python starts; one that came meanwhile comes now.
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     outlive_readers()
@@ -35,10 +37,17 @@ def main() -> NoReturn:
         caught.append(number)
         raise KeyboardInterrupt
 
-    heeded = [number for number in SIGNALS if signal.getsignal(number) != signal.SIG_IGN]
-    for number in heeded:  # nohup, for one, ignores SIGHUP
-        signal.signal(number, stop)
-    result = status()
+    def heed() -> None:
+        # Not earlier: a C extension that is being loaded may drop a KeyboardInterrupt.
+        for number in heeded:
+            signal.signal(number, stop)
+
+    try:
+        result = status(heed)
+    except Exception:
+        if not caught:
+            raise
+        result = STOPPED  # what is loaded later may turn a KeyboardInterrupt into an ImportError
     for number in heeded:
         signal.signal(number, signal.SIG_IGN)  # nothing is left to stop
     if result == STOPPED:
@@ -55,7 +64,7 @@ def wrong_middleware() -> str | None:
     return f"{MIDDLEWARE} is '{asked}', which is not installed; known: {', '.join(known)}."
 
 
-def _leave(*_: object) -> None:
+def _leave(number: int, _: object) -> None:
     """End at once: nothing has been started yet."""
     os.write(sys.stderr.fileno(), b'Stopped.\n')
-    os._exit(128 + signal.SIGINT)
+    os._exit(128 + number)

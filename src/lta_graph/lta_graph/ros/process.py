@@ -1,9 +1,12 @@
 """One node as a process: the `main` of every executable, and every way out of it."""
 
+import faulthandler
+import os
 import signal
 import sys
+import threading
 import traceback
-from typing import NoReturn
+from typing import Final, NoReturn
 
 from lta_config.errors import BadInput
 from lta_graph.health import Level
@@ -12,6 +15,8 @@ from lta_graph.leave import leave
 from lta_graph.ros.command_line import join, refuse_unknown
 from lta_graph.ros.node import GraphNode
 import rclpy
+
+TEARDOWN: Final = 5.0  # s for the middleware to let go; within the launcher's grace
 
 
 def run(node_class: type[GraphNode], args: list[str] | None = None) -> NoReturn:
@@ -73,4 +78,24 @@ def live(node_class: type[GraphNode], words: list[str]) -> None:
         try:
             node.close()
         finally:
+            _limit_teardown(node.get_name(), 0 if sys.exc_info()[0] is None else 1)
             node.destroy_node()
+
+
+def _limit_teardown(name: str, status: int) -> None:
+    """
+    End the process where the middleware does not let go: the node's work is done by then.
+
+    A demodulator once hung there after a flight that had reached its goal, until it was killed.
+    The threads' stacks on stderr say where.
+    """
+
+    def give_up() -> None:
+        sys.stderr.write(f'The middleware did not let go of {name} within {TEARDOWN:g} s.\n')
+        faulthandler.dump_traceback(sys.stderr, all_threads=True)
+        sys.stdout.flush()
+        os._exit(status)
+
+    timer = threading.Timer(TEARDOWN, give_up)
+    timer.daemon = True
+    timer.start()
