@@ -195,7 +195,7 @@ command.main()
 
 @pytest.mark.parametrize('when', ['loading', 'running'])
 def test_ctrl_c_that_an_extension_turns_into_another_error_still_stops(when):
-    """As some compiled modules of SciPy do with a KeyboardInterrupt while they are imported."""
+    """Importing some compiled modules of SciPy turns a KeyboardInterrupt into an ImportError."""
     code = SPOILS.format(**{'loading': 'pass', 'running': '0'} | {when: 'spoil()'})
     left = subprocess.run(
         [sys.executable, '-c', code], capture_output=True, text=True, timeout=PATIENCE, check=False

@@ -78,11 +78,14 @@ HANGING = """
 """
 
 
-def test_a_middleware_that_does_not_let_go_keeps_no_node(domain_id):
+@pytest.mark.parametrize(
+    ('act', 'status', 'words'), [('pass', 0, ''), ("raise BadInput('No air.')", 2, 'No air.\n')]
+)
+def test_a_node_exits_with_its_status_where_dds_does_not_shut_down(domain_id, act, status, words):
     left = subprocess.run(
-        [sys.executable, '-c', CODE.format(made=HANGING, act='pass')],
+        [sys.executable, '-c', CODE.format(made=HANGING, act=act)],
         capture_output=True, text=True, timeout=PATIENCE, check=False,
     )  # fmt: skip
-    assert (left.returncode, left.stdout) == (0, 'worked')
-    assert left.stderr.startswith('The middleware did not let go of energy_monitor within 5 s.\n')
-    assert 'in live' in left.stderr  # where it hung
+    assert (left.returncode, left.stdout) == (status, 'worked')
+    assert left.stderr.startswith(f'{words}DDS did not shut down within 5 s;')
+    assert 'in run' in left.stderr  # the stack that hangs

@@ -1,5 +1,6 @@
 """One node as a process: the `main` of every executable, and every way out of it."""
 
+from contextlib import ExitStack
 import faulthandler
 import os
 import signal
@@ -16,7 +17,7 @@ from lta_graph.ros.command_line import join, refuse_unknown
 from lta_graph.ros.node import GraphNode
 import rclpy
 
-TEARDOWN: Final = 5.0  # s for the middleware to let go; within the launcher's grace
+TEARDOWN: Final = 5.0  # s for DDS to shut down; less than the launcher's grace
 
 
 def run(node_class: type[GraphNode], args: list[str] | None = None) -> NoReturn:
@@ -28,10 +29,12 @@ def run(node_class: type[GraphNode], args: list[str] | None = None) -> NoReturn:
     """
     words = sys.argv if args is None else args
     status = 0
+    teardown = ExitStack()
+    teardown.callback(rclpy.try_shutdown)
     try:
         # `lta run` holds Ctrl-C back while Python starts; one that came meanwhile comes now.
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-        live(node_class, words)
+        live(node_class, words, teardown)
     except KeyboardInterrupt:  # before the node was made
         status = 128 + signal.SIGINT
     except BadInput as error:
@@ -40,13 +43,18 @@ def run(node_class: type[GraphNode], args: list[str] | None = None) -> NoReturn:
     except Exception:
         traceback.print_exc()
         status = 1
-    finally:
-        rclpy.try_shutdown()
+    limit = _limit_teardown(status)
+    teardown.close()
+    limit.cancel()
     leave(status)
 
 
-def live(node_class: type[GraphNode], words: list[str]) -> None:
-    """Join the graph, make a node, let it work until it should stop, and close it in any case."""
+def live(node_class: type[GraphNode], words: list[str], teardown: ExitStack) -> None:
+    """
+    Join the graph, make a node, let it work until it should stop, and close it in any case.
+
+    The node is destroyed by `teardown`, after the caller has reported how it ended.
+    """
     held: list[int] = []
     # A C extension may drop a KeyboardInterrupt raised within it, and the node would run on:
     # a Ctrl-C is only noted here, and acts once the node can close.
@@ -78,20 +86,19 @@ def live(node_class: type[GraphNode], words: list[str]) -> None:
         try:
             node.close()
         finally:
-            _limit_teardown(node.get_name(), 0 if sys.exc_info()[0] is None else 1)
-            node.destroy_node()
+            teardown.callback(node.destroy_node)
 
 
-def _limit_teardown(name: str, status: int) -> None:
+def _limit_teardown(status: int) -> threading.Timer:
     """
-    End the process where the middleware does not let go: the node's work is done by then.
+    Start a timer that ends the process with its status if shutting down DDS hangs.
 
-    A demodulator once hung there after a flight that had reached its goal, until it was killed.
-    The threads' stacks on stderr say where.
+    A demodulator once hung there after a flight that had reached its goal, until the launcher
+    killed it. The stacks of all threads on stderr show where it hung.
     """
 
     def give_up() -> None:
-        sys.stderr.write(f'The middleware did not let go of {name} within {TEARDOWN:g} s.\n')
+        sys.stderr.write(f'DDS did not shut down within {TEARDOWN:g} s; the node exits anyway.\n')
         faulthandler.dump_traceback(sys.stderr, all_threads=True)
         sys.stdout.flush()
         os._exit(status)
@@ -99,3 +106,4 @@ def _limit_teardown(name: str, status: int) -> None:
     timer = threading.Timer(TEARDOWN, give_up)
     timer.daemon = True
     timer.start()
+    return timer
