@@ -4,11 +4,14 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 import ctypes
+import math
 import os
 from pathlib import Path
+import re
 import signal
 import subprocess
 import sys
+import time
 from typing import Any, Self
 
 from lta_config.topics import topic_table
@@ -28,6 +31,9 @@ ROOT = Path(__file__).resolve().parents[2]
 TABLE = topic_table()
 LIBC = ctypes.CDLL(None)  # before any fork
 PR_SET_PDEATHSIG = 1  # linux/prctl.h
+# What a bridge answers where the machine, and not the drone, was too slow: another try may do.
+HELD_UP = re.compile(r'the Crazyflie has|the newest (command|place)')
+AGAIN = 0.5  # s between two requests to arm
 STARTED: 'list[subprocess.Popen[str]]' = []
 
 
@@ -174,17 +180,20 @@ class Peer:
 
         def told() -> bool:
             answer = self.ask(SetBool, 'crazyflie_bridge/arm', data=True)
-            assert answer.success or 'the Crazyflie has' in answer.message, answer.message
+            assert answer.success or HELD_UP.search(answer.message), answer.message
             return bool(answer.success)
 
         self.until(told)
 
     def arm_until(self, done: Callable[[], bool]) -> None:
-        """Arm again whenever a link that a busy machine held up has disarmed, until it flies."""
+        """Arm again whenever a busy machine was too slow for the bridge, which then comes down."""
+        asked = -math.inf
 
         def flown() -> bool:
-            if not done():
+            nonlocal asked
+            if not done() and time.monotonic() - asked >= AGAIN:
                 self.arm()
+                asked = time.monotonic()
             return done()
 
         self.until(flown)
