@@ -66,8 +66,8 @@ def _flown_misfit(one: tuple[Linearised, Point]) -> float:
             return np.inf  # no such vehicle can be
         if not np.isfinite(grid).all():
             return np.inf
-        left = flight.left(grid, point, point.nominal.rows()) / flight.replay.flight.noise
-        return float(np.nansum(left**2))
+        left = flight.left(grid, point, flight.replay.rows(point.nominal))
+        return float(np.nansum((left / flight.replay.flight.noise) ** 2))
 
 
 def forecast_error(flights: Sequence[Linearised], points: Sequence[Point]) -> float:
@@ -93,7 +93,7 @@ def _forecast_errors(one: tuple[Linearised, Point]) -> Array | None:
         except BadInput:
             return None
         # As the tracker would tell it: its frame and its clock may be among what was fitted.
-        left = flight.left(grid, point, point.nominal.rows())[here]
+        left = flight.left(grid, point, flight.replay.rows(point.nominal))[here]
         off = left[..., :3] / measured.noise[:3]
         known = np.isfinite(measured.position[flight.index[here]])
         known &= flight.replay.cut.inside[here][..., None]

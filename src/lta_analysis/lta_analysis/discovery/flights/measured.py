@@ -124,6 +124,11 @@ class Measured:
     alike: float = 1.0
 
     @property
+    def only_tracked(self) -> bool:
+        """Return whether nothing but the pose was measured: no inertial unit, no other sensor."""
+        return not np.isfinite(self.noise[6:]).any()
+
+    @property
     def error(self) -> Array:
         """Return the standard deviation of a single reading by CHANNELS, shape (14,)."""
         return np.concatenate([self.noise[:6] / np.sqrt(self.alike), self.noise[6:]])

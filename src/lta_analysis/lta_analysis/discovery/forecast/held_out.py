@@ -84,7 +84,8 @@ def shown(flight: Linearised, nominal: Nominal, bare: Joint, full: Joint) -> Mod
 def _own(flight: Linearised, point: Point, columns: Array, deviations: Array, count: int) -> Array:
     """Return the errors of a flight's own that its first pieces make most probable."""
     grid = flight.forecast(point)[:, ::STEPS]
-    left = flight.left(grid, point, point.nominal.rows())[:count] / flight.replay.flight.noise
+    left = flight.left(grid, point, flight.replay.rows(point.nominal))[:count]
+    left /= flight.replay.flight.noise
     known = np.isfinite(left)
     table = np.concatenate([columns, left[..., None]], axis=-1)
     table[~known] = 0.0
@@ -103,7 +104,7 @@ def _own(flight: Linearised, point: Point, columns: Array, deviations: Array, co
 
 def _off(flight: Linearised, point: Point, coast: bool = False) -> Array:
     """Return measured less predicted at each horizon, shape (S, H, 14); NaN where unknown."""
-    rows, replay = point.nominal.rows(), flight.replay
+    rows, replay = flight.replay.rows(point.nominal), flight.replay
     if coast:
         grid = coasting(in_map(replay.cut.start, rows.acting), replay.cut.length)
         said = told(grid, flight.time, rows.acting, flight.places)

@@ -51,7 +51,7 @@ def still(point: Point) -> Point:
 
 def replayed(flight: Linearised, point: Point) -> Replayed:
     """Return a flight as a model has it; the states and forces of the point are not used."""
-    point, rows = still(point), point.nominal.rows()
+    point, rows = still(point), flight.replay.rows(point.nominal)
     states = flight.forecast(point)[:, ::STEPS]
     said = told(states, flight.time, rows.acting, flight.places)
     out = ~flight.replay.cut.inside
@@ -94,7 +94,7 @@ def best_begun(flight: Linearised, point: Point) -> Array:
 
     """
     point, replay = still(point), flight.replay
-    met = point.nominal.rows()
+    met = replay.rows(point.nominal)
     ready, push = replay.ready(met), np.zeros((len(replay.first), replay.span, 6))
 
     def left(start: Array) -> Array:

@@ -15,6 +15,8 @@ STEPS: Final[dict[str, float]] = {
     'motor_deadband.threshold': 0.03,
     'command_delay.delay': 1e-3,
     'motor_lag': 1e-4,
+    # Towards the side on which a delay is: commands that are held have another slope on the other.
+    'clock_offset.offset': -5e-6,
 }
 FINER: Final[dict[str, float]] = {**STEPS, 'motor_deadband.threshold': 0.004}
 

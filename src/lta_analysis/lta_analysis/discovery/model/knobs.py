@@ -109,7 +109,7 @@ class Knob:
     def step_at(self, value: float) -> float:
         """Return the step of the finite difference, with the knob at a value."""
         step = self.step if value == 0.0 else self.fine
-        return -step if value + step > self.high else step
+        return step if self.low <= value + step <= self.high else -step
 
     def possible(self, value: float, deviation: float) -> bool:
         """
@@ -127,6 +127,12 @@ class Knob:
         A glance takes every effect for straight: 0.58 of a Munk moment lost looks like 1.19.
         """
         return self.possible(value / STEEP, deviation / STEEP)
+
+    @property
+    def channels(self) -> set[str]:
+        """Channels of the measurement effects that it turns; of another effect, ''."""
+        kinds = [EFFECTS.get(effect) for effect, _ in self.moves]
+        return {kind.channel if isinstance(kind, MeasurementEffect) else '' for kind in kinds}
 
     @property
     def reaches(self) -> Reach:

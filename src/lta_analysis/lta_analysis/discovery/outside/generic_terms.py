@@ -104,7 +104,7 @@ def met(flight: Linearised, point: Point) -> Met:
     """Return what a flight was like, by where its last fit stands."""
     states = flight.trajectory(point)[:, :-1]
     replay = flight.replay
-    commands = replay.ready(point.nominal.rows()).commands
+    commands = replay.ready(replay.rows(point.nominal)).commands
     steps = replay.first[:, None] + np.arange(replay.span)
     body = point.nominal.model().body
     pushed = np.zeros((*steps.shape, AXES))

@@ -63,7 +63,7 @@ class Linearised:
         self.motion = self.random - 1
         self._hats = hats(replay.span, cut.knots)
         # Where gyros see the motion as well, the states' own offsets take up a tilt.
-        self._seen_only = not np.isfinite(flight.noise[POSE:]).any()
+        self._seen_only = flight.only_tracked
         self._sparse = self._hats.reshape(-1, STEPS, self._knots).mean(axis=1)
 
     def with_knots(self, knots: int) -> 'Linearised':

@@ -7,10 +7,11 @@ from lta_analysis.discovery.flights.held_means import held_means
 from lta_analysis.discovery.flights.measured import Measured, PERIOD, Stream
 from lta_analysis.discovery.flights.windows import Windows
 from lta_analysis.discovery.model.knob_sets import Turns
+from lta_analysis.discovery.model.knobs import Knob
 from lta_analysis.discovery.model.nominal import Nominal, Rows
 from lta_analysis.discovery.model.replay_kernel import actuators, body, BODY_LAYOUT, RIGID
+from lta_analysis.discovery.replay.sensing import act
 from lta_analysis.discovery.replay.tangent import NUDGE, WIDTH
-from lta_sim.measurement import read
 from lta_sim.state import ACTUATORS, COMMAND, MASS_PLACE, SURROUNDINGS, VOLTAGE
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ STEPS: Final = 2  # of the integrator in a grid period
 LONGEST: Final = 0.01  # s; of a step of the actuators
 ALL: Final = slice(None)
 AXES: Final = 6
+CLOCKS: Final = ('clock', 'pose_time')  # channels that decide when a pose is true
 REMEMBERING: Final = [
     flag for flag, name in enumerate(BODY_LAYOUT.effects) if BODY_LAYOUT.remembered(name)
 ]
@@ -122,23 +124,43 @@ class Replay:
 
     def rows(self, nominal: Nominal) -> Rows:
         """Return what the compiled replay takes of a vehicle in this flight."""
-        if self.flight.mass is None:
-            return nominal.rows()
-        # About its mean place: where it stands still, as in a glide, nothing is left out.
-        return nominal.placed(self._rest[:, MASS_PLACE:].mean(axis=0)).rows()
+        if self.flight.mass is not None:
+            # About its mean place: where it stands still, as in a glide, nothing is left out.
+            nominal = nominal.placed(self._rest[:, MASS_PLACE:].mean(axis=0))
+        return self._delay_by_clocks(nominal.rows())
 
     def rows_beside(self, nominal: Nominal, other: Nominal, rows: Rows) -> Rows:
         """Return `rows` of a vehicle, knowing those of one that differs little."""
         if self.flight.mass is not None:
             return self.rows(nominal)  # its balance and inertia are weighed anew
-        return nominal.rows_beside(other, rows)
+        return self._delay_by_clocks(nominal.rows_beside(other, rows))
+
+    def delays_commands(self, knob: Knob) -> bool:
+        """Tell whether a knob of the clocks decides when commands are obeyed in this flight."""
+        return self.flight.only_tracked and knob.channels <= set(CLOCKS)
+
+    def _delay_by_clocks(self, rows: Rows) -> Rows:
+        """
+        Return parameters with what the tracker's stamps are off by as a delay of the commands.
+
+        Only where nothing but the tracker saw the flight. The replay then runs by the tracker's
+        clock, and a late pose and a late command are the same, to the last bit. If late poses were
+        read off a replay by the other clock, they would differ: they are read to second order, and
+        each piece begins near where the tracker has the vehicle, not where it is by then.
+        """
+        acting = rows.acting
+        late = tuple(link for name in CLOCKS for link in acting[name])
+        if not late or not self.flight.only_tracked:
+            return rows
+        orders = {'command_time': (*acting['command_time'], *late)}
+        return replace(rows, acting={**acting, **dict.fromkeys(CLOCKS, ()), **orders})
 
     def _wrench(self, rows: Rows) -> Array:
         """Return the mean commanded wrench in each step, after any delay."""
         told = self.flight.wrench
         if told is None:
             return np.zeros((len(self._steps), AXES))
-        late = Stream(told.time + _delay(rows), told.values * rows.gains)
+        late = Stream(told.time + _delays(rows, told.time), told.values * rows.gains)
         return held_means(late, np.append(self._steps, self._steps[-1] + self.dt))
 
     def _forced(self, ready: Ready, latent: Array, which: slice) -> Array:
@@ -149,8 +171,9 @@ class Replay:
     def thrusts(self, rows: Rows) -> Array:
         """Return the mean thrust of each rotor in each step. [N]"""
         out = np.zeros((len(self._steps), ACTUATORS))
+        time = self.flight.commands.time
         actuators().chain(
-            rows.actuators.copy(), rows.actuators_on, self.flight.commands.time + _delay(rows),
+            rows.actuators.copy(), rows.actuators_on, time + _delays(rows, time),
             self._orders, self._met, float(self._steps[0]), self.dt, LONGEST, out,
         )  # fmt: skip
         return out
@@ -274,6 +297,6 @@ class Replay:
         return out
 
 
-def _delay(rows: Rows) -> float:
-    """Return how late a command is obeyed. [s]"""
-    return float(-read(rows.acting['command_time'], (0.0,), 0.0)[0])
+def _delays(rows: Rows, time: Array) -> Array:
+    """Return how late the commands of some times are obeyed. [s]"""
+    return -act(rows.acting['command_time'], np.zeros((len(time), 1)), time)[:, 0]

@@ -52,7 +52,7 @@ class Told(NamedTuple):
     readings: Array
 
 
-def _acted(chain: Chain, values: Array, time: Array) -> Array:
+def act(chain: Chain, values: Array, time: Array) -> Array:
     """Return readings after the effects of a channel; `values` has shape (..., k)."""
     if not chain:
         return values
@@ -63,8 +63,8 @@ def _acted(chain: Chain, values: Array, time: Array) -> Array:
 
 def shift_of(acting: Mapping[str, Chain], time: Array) -> Array:
     """Return how much later than its stamp a tracked pose was true. [s]"""
-    clock = _acted(acting['clock'], time[..., None], time)
-    return _acted(acting['pose_time'], clock, time)[..., 0] - time
+    clock = act(acting['clock'], time[..., None], time)
+    return act(acting['pose_time'], clock, time)[..., 0] - time
 
 
 def _shifted(states: Array, shift: Array) -> tuple[Array, Array]:
@@ -90,7 +90,7 @@ def _pose(states: Array, time: Array, acting: Mapping[str, Chain]) -> tuple[Arra
     if acting['clock'] or acting['pose_time']:
         position, quaternion = _shifted(states, shift_of(acting, time)[..., None])
     if acting['pose']:
-        pose = _acted(acting['pose'], np.concatenate([position, quaternion], axis=-1), time)
+        pose = act(acting['pose'], np.concatenate([position, quaternion], axis=-1), time)
         position, quaternion = pose[..., :3], pose[..., 3:]
     return position, quaternion
 
@@ -191,7 +191,7 @@ def readings(exact: Array, time: Array, acting: Mapping[str, Chain]) -> Array:
     out = exact.copy()
     for name, part in PARTS.items():
         if acting[name]:
-            out[..., part] = _acted(acting[name], exact[..., part], time)
+            out[..., part] = act(acting[name], exact[..., part], time)
     return out
 
 

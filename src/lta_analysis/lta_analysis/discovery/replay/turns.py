@@ -130,7 +130,7 @@ def met(
         if wanted is not None and not wanted[k]:
             continue
         value = float(point.values[k])
-        if knob.reaches != 'reading':
+        if knob.reaches != 'reading' or replay.delays_commands(knob):
             moving.append(k)
             pairs.append(sets.pair(knob, value))
             continue

@@ -92,7 +92,8 @@ def predicted(flight: Linearised, point: Point) -> Array:
     """Return what a tracker would see of a model, and its motion, shape (S, n, 13)."""
     still = Point(point.nominal, point.values, np.zeros_like(point.random))
     states = flight.forecast(still)[:, ::STEPS]
-    seen = told(states, flight.time, point.nominal.rows().acting, flight.places)
+    acting = flight.replay.rows(point.nominal).acting
+    seen = told(states, flight.time, acting, flight.places)
     return np.concatenate([seen.position, seen.quaternion, states[:, :-1, 7:13]], axis=-1)
 
 

@@ -1,5 +1,6 @@
 """What can be turned about each shipped vehicle."""
 
+from dataclasses import replace
 import math
 
 from lta_analysis.discovery.model.candidates import DESIGN, NO_CANDIDATE
@@ -85,3 +86,12 @@ def test_a_glance_may_overshoot_and_not_turn_round(gtmab: tuple[Nominal, list[Kn
     assert not munk.promising(2.2, 0.015)
     drag = next(knob for knob in gtmab[1] if knob.name == 'linear_drag.heave')
     assert not drag.promising(-0.011, 0.0025)
+
+
+def test_a_step_stays_within_the_bounds_on_either_side() -> None:
+    down = Knob('k', 's', {('e', 'k'): 1.0}, -0.1, -0.1, low=-1.0, high=1.0)
+    assert down.step_at(0.0) == -0.1
+    assert down.step_at(-1.0) == 0.1
+    up = replace(down, step=0.1, fine=0.1)
+    assert up.step_at(0.5) == 0.1
+    assert up.step_at(1.0) == -0.1

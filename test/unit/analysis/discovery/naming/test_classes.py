@@ -111,11 +111,14 @@ def test_effects_that_others_install_are_not_frozen(monkeypatch: pytest.MonkeyPa
     assert shipped([mass, lift, rope]) == [mass, lift]
 
 
-def test_one_constant_force_has_many_names_and_one_delay_two() -> None:
+def test_one_constant_force_has_many_names_and_so_has_one_delay() -> None:
     for kind in frozen().kinds:
         for name in ('payload.mass', 'ballast.mass', 'gas_purity.purity'):
             assert same_class('net_lift.force', name, kind)  # type: ignore[arg-type]
         assert same_class('tracker_delay.delay', 'clock_offset.offset', kind)  # type: ignore[arg-type]
+        # Only sensors on the clock of the commands tell a late command from a late pose.
+        one = same_class('command_delay.delay', 'tracker_delay.delay', kind)  # type: ignore[arg-type]
+        assert one == (kind in ('pose', 'wrench'))
         assert not same_class('linear_drag.surge', 'cg_offset.x', kind)  # type: ignore[arg-type]
     assert 'net_lift.force' in others('payload.mass', 'all')
     assert classes('all')['payload.mass'] == classes('all')['net_lift.force']

@@ -10,6 +10,7 @@ from lta_analysis.discovery.replay import linearise
 from lta_analysis.discovery.replay.linear import origin, SENSORS, unknowns
 from lta_analysis.discovery.replay.linearise import Linearised
 from lta_analysis.discovery.replay.replay import Replay, STEPS
+from lta_analysis.discovery.replay.sensing import act
 from lta_analysis.discovery.replay.tangent import WIDTH
 from lta_config.constants import STANDARD_GRAVITY
 from lta_sim.vehicle import load_vehicle
@@ -39,7 +40,7 @@ def _left(
     """Return measured less predicted by the noise, flown with other parameters."""
     point = replace(origin(nominal, flight.knobs, flight.replay.cut), random=random)
     grid = flight.trajectory(point)[:, ::STEPS]
-    return flight.left(grid, point, nominal.rows()) / flight.replay.flight.noise
+    return flight.left(grid, point, flight.replay.rows(nominal)) / flight.replay.flight.noise
 
 
 def _differ(expected: NDArray[np.float64], column: NDArray[np.float64]) -> float:
@@ -158,7 +159,7 @@ def test_what_is_not_wanted_costs_nothing_and_changes_nothing(
 
 def test_a_piece_that_ends_after_the_flight_repeats_its_last_point() -> None:
     """The last of 100 points has the index 99; the times of the piece go on beyond it."""
-    flight = SimpleNamespace(time=0.3 + 0.04 * np.arange(100), noise=np.ones(14))
+    flight = SimpleNamespace(time=0.3 + 0.04 * np.arange(100), only_tracked=False)
     cut = SimpleNamespace(first=np.array([3, 97]), length=5, knots=2)
     found = Linearised(SimpleNamespace(flight=flight, cut=cut, span=5 * STEPS), [], None)
     assert found.index.tolist() == [[3, 4, 5, 6, 7], [97, 98, 99, 99, 99]]
@@ -174,14 +175,65 @@ def alone(clean: Linearised) -> Linearised:
     return Linearised(replay, clean.knobs, clean.places)
 
 
+@pytest.mark.parametrize(
+    ('name', 'value'), [('tracker_delay.delay', 0.12), ('clock_offset.offset', -0.12)]
+)
+def test_to_a_pose_alone_a_late_pose_is_a_late_command(
+    gtmab: Known, alone: Linearised, name: str, value: float
+) -> None:
+    """x(t - d), driven by u(t), is y(t), driven by u(t - d): exactly, however large d is."""
+    nominal, knobs = gtmab
+    order = [knob.name for knob in knobs]
+    by_command = knobs[order.index('command_delay.delay')].turned(nominal, 0.12)
+    by_clock = knobs[order.index(name)].turned(nominal, value)
+    random = np.zeros((len(alone.replay.first), RANDOM))
+    expected = _left(alone, by_command, random)
+    np.testing.assert_allclose(_left(alone, by_clock, random), expected, rtol=1e-9, atol=1e-9)
+    assert not np.allclose(_left(alone, nominal, random), expected, atol=0.1, equal_nan=True)
+    told = alone.columns(origin(nominal, knobs, alone.replay.cut))[0]
+    one, other = (told[..., RANDOM + order.index(each)] for each in ('command_delay.delay', name))
+    assert _differ(one, np.sign(value) * other) < 0.01
+
+
+def test_where_an_inertial_unit_has_the_other_clock_a_late_pose_is_no_late_command(
+    gtmab: Known, columns: NDArray[np.float64]
+) -> None:
+    """A command that is late shows in the rates, and a pose that is late does not."""
+    order = [knob.name for knob in gtmab[1]]
+    late = columns[:, :, 6:12, RANDOM + order.index('tracker_delay.delay')]
+    assert not late[np.isfinite(late)].any()
+    obeyed = columns[:, :, 6:12, RANDOM + order.index('command_delay.delay')]
+    assert np.abs(obeyed[np.isfinite(obeyed)]).max() > 1.0  # deviations in a second
+
+
+def test_the_clocks_of_a_pose_alone_add_up_to_a_delay_of_the_commands(
+    gtmab: Known, alone: Linearised, clean: Linearised
+) -> None:
+    """10 ms late, seen 50 ms late by a clock 20 ms behind, which gains 10 ms in 100 s."""
+    nominal = gtmab[0]
+    for effect, parameter, value in (
+        ('command_delay', 'delay', 0.01), ('tracker_delay', 'delay', 0.05),
+        ('clock_offset', 'offset', 0.02), ('clock_skew', 'skew', 1e-4),
+    ):  # fmt: skip
+        nominal = nominal.with_value(effect, parameter, value)
+    acting = alone.replay.rows(nominal).acting
+    late = -act(acting['command_time'], np.zeros((2, 1)), np.array([0.0, 100.0]))[:, 0]
+    np.testing.assert_allclose(late, [0.04, 0.03], atol=1e-12)
+    assert acting['clock'] == acting['pose_time'] == ()
+    apart = clean.replay.rows(nominal).acting
+    assert -act(apart['command_time'], np.zeros((1, 1)), np.zeros(1))[0, 0] == 0.01
+    assert len(apart['clock']) == 2
+    assert len(apart['pose_time']) == 1
+
+
 def test_a_pose_alone_has_the_columns_of_the_pose(
     gtmab: Known, alone: Linearised, columns: NDArray[np.float64]
 ) -> None:
     point = origin(gtmab[0], gtmab[1], alone.replay.cut)
     told, left = alone.columns(point)
     names = [knob.name for knob in gtmab[1]]
-    tilts = [RANDOM + k for k, name in enumerate(names) if name.startswith('tracker_mis')]
-    same = np.delete(np.arange(told.shape[-1]), tilts)
+    others = [RANDOM + k for k, name in enumerate(names) if name.startswith(('tracker', 'clock'))]
+    same = np.delete(np.arange(told.shape[-1]), others)
     np.testing.assert_array_equal(told[:, :, :6, same], columns[:, :, :6, same])
     assert not told[:, :, 6:].any()
     known = np.isfinite(left)
