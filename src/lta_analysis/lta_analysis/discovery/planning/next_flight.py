@@ -202,7 +202,12 @@ def doubted(study: Study) -> Study:
         values = _learned(one, taught[0].knobs)
         own = [name for knob in one.knobs for name in alike(knob, kind)]
         near = [name for knob in one.knobs for name in pairs.confused(knob, values[knob], TIE)]
-        both = dict.fromkeys((*one.confusable_with, *own, *near))
+        found = dict.fromkeys((*one.confusable_with, *own, *near))
+        both = [
+            other
+            for other in found
+            if any(pairs.can_replace(knob, values[knob], other) for knob in one.knobs)
+        ]
         # Two that are one and were both named are in doubt as well.
         only = one.knobs[0] if len(one.knobs) == 1 else ''
         effects.append(replace(one, confusable_with=tuple(n for n in both if n != only)))

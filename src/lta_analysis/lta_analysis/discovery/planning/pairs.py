@@ -110,6 +110,21 @@ class Pairs:
             return 0.0
         return typical / float(np.sqrt(1.0 / information + max(0.0, self._variance[k])))
 
+    def can_replace(self, name: str, value: float, other: str) -> bool:
+        """
+        Tell whether a candidate can have the value that does what a knob does at a value.
+
+        A clock that runs ahead looks like a delay below zero, which there is not.
+        """
+        order = [knob.name for knob in self.knobs]
+        if name not in order or other not in order:
+            return True
+        pair = self.pair(order.index(name), order.index(other))
+        if pair.second <= 0.0:
+            return True
+        best, deviation = value * pair.shared / pair.second, pair.second**-0.5
+        return self.knobs[order.index(other)].promising(best, deviation)
+
     def confused(self, name: str, value: float, least: float) -> list[str]:
         """
         Return candidates that these flights take for one at a value, the likest first.

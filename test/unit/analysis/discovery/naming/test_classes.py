@@ -1,5 +1,6 @@
 """Names that are one to a kind of data: by hand, and as they are frozen."""
 
+from dataclasses import replace
 from pathlib import Path
 import subprocess
 import sys
@@ -46,6 +47,16 @@ def test_two_equal_columns_are_one_name_and_a_third_is_not() -> None:
     found = compared(pairs, pairs)
     assert found.classes() == [['a', 'b']]
     assert found.reach == pytest.approx([5.0, 10.0, 5.0])
+
+
+def test_a_rival_has_to_be_able_to_have_the_value_that_does_the_same() -> None:
+    # Columns (3, 4) and (-6, -8): 1 of the first is -0.5 of the second, known to 1 / 10.
+    delay = replace(_knob('b'), low=0.0)
+    pairs = Pairs([_reduced([[3.0, -6.0], [4.0, -8.0]])], [_knob('a'), delay])
+    assert pairs.can_replace('a', -1.0, 'b')
+    assert not pairs.can_replace('a', 1.0, 'b')  # -0.5, by five deviations of 0.1
+    assert pairs.can_replace('a', 0.5, 'b')  # -0.25, by two and a half: it may be 0
+    assert pairs.can_replace('a', 1.0, 'unheard of')
 
 
 def test_a_nuisance_takes_its_share_and_a_tolerance_caps() -> None:
